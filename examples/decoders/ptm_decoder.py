@@ -1,0 +1,352 @@
+#!/usr/bin/env python3
+"""Reads an uncompressed Polynomial Texture Map, version 1.2, and answers in PTM-CP 1.
+
+    ptm_decoder.py VIEW FILE       VIEW is raw, coef or rgb:LU,LV; one frame on standard output
+    ptm_decoder.py capabilities    what this decoder can do, in YAML
+    ptm_decoder.py serve           requests "SEQ VIEW PATH" on standard input, one a line
+
+Exit status: 0 decoded, 65 malformed, 69 unsupported (the four JPEG formats, other views).
+The sections stand in the order of the text. Where the text leaves a question open, the name
+of the ruling is given in brackets, as in [rows]. Standard library only, Python 3.8 or later.
+"""
+
+import array
+import collections
+import math
+import os
+import re
+import sys
+
+# A texel is one bytes object, its channels in the order of the text:
+#   RGB  (18)  red a0..a5, green a0..a5, blue a0..a5
+#   LRGB (9)   a0..a5, R, G, B            the two LUT formats become this shape too
+#   LUM  (8)   a0..a5, Cr, Cb
+# `texels` runs left to right, top row first. `matrix` is None except for LUM.
+Ptm = collections.namedtuple("Ptm", "width height scale bias matrix texels")
+
+
+class Malformed(Exception):
+    """The file breaks a rule of the format."""
+
+
+class Unsupported(Exception):
+    """The file may be sound, but this decoder does not read it."""
+
+
+def read_ptm(file):
+    """The format at a glance: bytes in, Ptm out."""
+    source = Source(file)
+    read_version(source)                                              # 2.1
+    format = read_format(source)                                      # 2.2
+    width, height = read_size(source)                                 # 2.3
+    scale, bias = read_scale_and_bias(source)                         # 2.4
+    entries = read_lookup_table(source, format)                       # 2.5
+    matrix = read_color_matrix(source, format)                        # 2.6
+    stored = READ_TEXELS[format](source, width * height, entries)     # 2.7 and 2.8
+    # [rows] The bottom row is stored first, in every format.
+    texels = [texel for y in reversed(range(height)) for texel in stored[y * width:(y + 1) * width]]
+    return Ptm(width, height, scale, bias, matrix, texels)            # [trailing]
+
+
+# 1.0 Background: the polynomial, and the colour under a light
+
+def polynomial(a, lu, lv):
+    """One channel under the light (lu, lv): +lu to the right, +lv up [light]."""
+    return a[0] * lu * lu + a[1] * lv * lv + a[2] * lu * lv + a[3] * lu + a[4] * lv + a[5]
+
+
+def texel_color(ptm, texel, lu, lv):
+    """Red, green and blue as real numbers, not yet clamped [color]."""
+    values = final_coefficients(ptm, texel)
+    luminance = polynomial(values[:6], lu, lv)
+    if len(texel) == 18:
+        return luminance, polynomial(values[6:12], lu, lv), polynomial(values[12:], lu, lv)
+    if len(texel) == 9:
+        return [luminance * channel / 255 for channel in texel[6:]]
+    # [lum-vector, lum-major, lum-range] M times (Y, Cr, Cb, 1), all in 0..255; the matrix lies
+    # column after column. Its last row (elements 3, 7, 11, 15) is not used [lum-last-row].
+    m, y, cr, cb = ptm.matrix, luminance, texel[6], texel[7]
+    return [m[row] * y + m[row + 4] * cr + m[row + 8] * cb + m[row + 12] for row in range(3)]
+
+
+def color_byte(value):
+    """Clamped at the very end, then rounded. In this order a NaN becomes 0."""
+    return int(min(255.0, max(0.0, value)) + 0.5)
+
+
+# 2.0 File format: header lines, then bytes
+
+# [header-line-end, header-blanks] Words parted by spaces, at most one space before the LF.
+# A tab, a CR, a blank at the start or an empty line matches nothing here.
+LINE = re.compile(rb"[!-~]+(?: +[!-~]+)* ?")
+NUMBER = re.compile(rb"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")     # [numbers]
+COUNT = re.compile(rb"\+?0*[1-9][0-9]{0,17}")                                      # [dimensions]
+
+
+class Source:
+    """The file and how far it has been read."""
+
+    def __init__(self, file):
+        self.file = file
+        self.at = 0
+
+    def line(self):
+        """The words of the next header line; what follows its LF comes next, whatever it is."""
+        end = self.file.find(b"\n", self.at)
+        if end < 0:
+            raise Malformed("the header ends without a newline")
+        line = self.file[self.at:end]
+        if not LINE.fullmatch(line):
+            raise Malformed("header line with stray blanks or bytes: %r" % line[:60])
+        self.at = end + 1
+        return line.split()
+
+    def bytes(self, size):
+        """The next `size` bytes. Sizes are compared with the file before anything is made."""
+        if size > len(self.file) - self.at:
+            raise Malformed("%d bytes needed, %d remain" % (size, len(self.file) - self.at))
+        start, self.at = self.at, self.at + size
+        return self.file[start:self.at]
+
+
+def number(word):
+    # float() alone would also take nan, inf, underscores and other digits.
+    value = float(word) if NUMBER.fullmatch(word) else math.inf
+    if math.isinf(value):
+        raise Malformed("not a number: %r" % word[:60])
+    return value
+
+
+def whole_number(word):
+    # [odd-numbers] "3.0" is a whole number, "1.5" is not; any sign and size will do.
+    value = number(word)
+    if value != math.floor(value):
+        raise Malformed("not an integer: %r" % word[:60])
+    return value
+
+
+def positive_integer(word):
+    if not COUNT.fullmatch(word):
+        raise Malformed("not a positive integer: %r" % word[:60])
+    return int(word)
+
+
+# 2.1 Header string
+
+def read_version(source):
+    words = source.line()
+    if words != [b"PTM_1.2"]:                       # [version] PTM_1.1 has another layout
+        raise Malformed("the first line is not PTM_1.2")
+
+
+# 2.2 Format string
+
+def read_format(source):
+    words = source.line()
+    format = words[0] if len(words) == 1 else b""
+    if re.fullmatch(rb"PTM_FORMAT_JPEG(LS)?_L?RGB", format):
+        raise Unsupported(format.decode())          # 2.9 is not read here
+    if format not in READ_TEXELS:
+        raise Malformed("unknown format %r" % format[:60])
+    return format
+
+
+# 2.3 Image size
+
+def read_size(source):
+    """Width, then height, on one line or two [size-spelling]."""
+    words = source.line()
+    if len(words) == 1:
+        words = words + source.line()
+    if len(words) != 2:
+        raise Malformed("the size is not two numbers")
+    return positive_integer(words[0]), positive_integer(words[1])
+
+
+# 2.4 Scale and bias
+
+def read_scale_and_bias(source):
+    """Six scales, then six biases, on one line or two [size-spelling]."""
+    words = source.line()
+    if len(words) == 6:
+        words = words + source.line()
+    if len(words) != 12:
+        raise Malformed("scale and bias are not six and six numbers")
+    return [number(word) for word in words[:6]], [whole_number(word) for word in words[6:]]
+
+
+def final_coefficients(ptm, texel):
+    """All channels as plain numbers; the three channels of RGB share one scale and bias."""
+    polynomials = 18 if len(texel) == 18 else 6     # the bytes after a5 are colour, left as stored
+    # [final-coefficient] Bias first, then scale, in real arithmetic.
+    return [(raw - ptm.bias[i % 6]) * ptm.scale[i % 6] if i < polynomials else float(raw)
+            for i, raw in enumerate(texel)]
+
+
+# 2.5 Lookup table
+
+ENTRY_SIZE = {
+    b"PTM_FORMAT_PTM_LUT": 6,                       # a0..a5
+    b"PTM_FORMAT_PTM_C_LUT": 9,                     # a0..a5, R, G, B
+}
+
+
+def read_lookup_table(source, format):
+    """The entries, one bytes object each; none for the formats without a table."""
+    if format not in ENTRY_SIZE:
+        return []
+    words = source.line()
+    # [lut-count] "256 N_LUT_ENTRIES", "256" or "nentries 256". No table is empty [lut-range].
+    if words[0] == b"nentries":
+        words = words[1:]
+    elif words[1:] == [b"N_LUT_ENTRIES"]:
+        words = words[:1]
+    if len(words) != 1:
+        raise Malformed("not a number of entries: %r" % words[:2])
+    count = positive_integer(words[0])
+    # [lut-newline] The indices follow the last entry directly.
+    return groups(source.bytes(count * ENTRY_SIZE[format]), ENTRY_SIZE[format])
+
+
+# 2.6 Colour matrix
+
+def read_color_matrix(source, format):
+    """Sixteen numbers on one line [lum-layout]; None for every format but LUM."""
+    if format != b"PTM_FORMAT_LUM":
+        return None
+    words = source.line()
+    if len(words) != 16:
+        raise Malformed("the colour matrix is not 16 numbers on one line")
+    return [number(word) for word in words]
+
+
+# 2.7 Uncompressed data of each texel, in stored order
+
+def groups(data, size):
+    return [data[i:i + size] for i in range(0, len(data), size)]
+
+
+def read_rgb(source, count, entries):
+    """2.7.1: a block of six coefficients a texel for red, one for green, one for blue [blocks]."""
+    blocks = source.bytes(count * 18)
+    red, green, blue = [groups(block, 6) for block in groups(blocks, count * 6)]
+    return [r + g + b for r, g, b in zip(red, green, blue)]
+
+
+def read_lum(source, count, entries):
+    """2.7.2: eight bytes a texel, a0..a5, Cr, Cb."""
+    return groups(source.bytes(count * 8), 8)
+
+
+def read_lrgb(source, count, entries):
+    """2.7.3: a block of six coefficients a texel, then a block of R, G, B [blocks]."""
+    luminance = groups(source.bytes(count * 6), 6)
+    color = groups(source.bytes(count * 3), 3)
+    return [a + rgb for a, rgb in zip(luminance, color)]
+
+
+# 2.8 Lookup table indices
+
+def read_c_lut(source, count, entries):
+    """2.8.2: indices only; the entry is the whole texel."""
+    width = 1 if len(entries) <= 256 else 2         # [lut-width, lut-huge] by the number of entries
+    stored = groups(source.bytes(count * width), width)
+    indices = [int.from_bytes(index, "little") for index in stored]
+    if max(indices) >= len(entries):                # [lut-range]
+        raise Malformed("index %d into %d entries" % (max(indices), len(entries)))
+    return [entries[index] for index in indices]
+
+
+def read_lut(source, count, entries):
+    """2.8.1: all indices, then R, G, B of each texel."""
+    luminance = read_c_lut(source, count, entries)
+    color = groups(source.bytes(count * 3), 3)
+    return [a + rgb for a, rgb in zip(luminance, color)]
+
+
+READ_TEXELS = {
+    b"PTM_FORMAT_RGB": read_rgb,
+    b"PTM_FORMAT_LUM": read_lum,
+    b"PTM_FORMAT_LRGB": read_lrgb,
+    b"PTM_FORMAT_PTM_LUT": read_lut,
+    b"PTM_FORMAT_PTM_C_LUT": read_c_lut,
+}
+
+
+# The protocol: one header line, then the samples of each texel, top row first
+
+CAPABILITIES = """\
+protocol: 1
+name: ptm-decoder-python
+version: "1.0"
+views: [raw, coef, rgb]
+formats: [%s]
+modes: [one-shot, serve]
+reject_exit: 65
+""" % ", ".join(format.decode() for format in READ_TEXELS)
+
+
+def parse_view(view):
+    """The name of the view and its light, if it has one."""
+    name, _, light = view.partition(b":")
+    words = light.split(b",")
+    if view in (b"raw", b"coef"):
+        return name, []
+    if name == b"rgb" and len(words) == 2 and all(NUMBER.fullmatch(word) for word in words):
+        return name, [float(word) for word in words]
+    raise Unsupported("view")
+
+
+def frame(view, path):
+    view, light = parse_view(view)
+    with open(path, "rb") as file:
+        ptm = read_ptm(file.read())
+    kind = "u8"
+    if view == b"raw":
+        samples = b"".join(ptm.texels)
+    elif view == b"coef":
+        values = array.array("f")
+        for texel in ptm.texels:
+            values.extend(final_coefficients(ptm, texel))
+        if sys.byteorder == "big":
+            values.byteswap()
+        kind, samples = "f32", values.tobytes()
+    else:
+        colors = [texel_color(ptm, texel, *light) for texel in ptm.texels]
+        samples = bytes(color_byte(channel) for color in colors for channel in color)
+    channels = 3 if view == b"rgb" else len(ptm.texels[0])
+    line = "PTM1 %s %d %d %d %s\n" % (view.decode(), ptm.width, ptm.height, channels, kind)
+    return line.encode() + samples
+
+
+def serve(requests, answers):
+    for request in requests:
+        sequence, view, path = request.rstrip(b"\n").split(b" ", 2)
+        try:
+            answer = frame(view, path)
+            answers.write(b"%s ok %d\n" % (sequence, len(answer)) + answer)
+        except Malformed:
+            answers.write(sequence + b" reject 65\n")
+        except Unsupported as what:
+            answers.write(sequence + b" unsupported " + os.fsencode(str(what)) + b"\n")
+        answers.flush()
+
+
+def main(arguments):
+    if arguments == ["capabilities"]:
+        print(CAPABILITIES, end="")
+    elif arguments == ["serve"]:
+        serve(sys.stdin.buffer, sys.stdout.buffer)
+    elif len(arguments) == 2:
+        try:
+            sys.stdout.buffer.write(frame(os.fsencode(arguments[0]), arguments[1]))
+        except (Malformed, Unsupported) as what:
+            print("%s: %s" % (type(what).__name__.lower(), what), file=sys.stderr)
+            sys.exit(65 if isinstance(what, Malformed) else 69)
+    else:
+        print(__doc__, file=sys.stderr)
+        sys.exit(64)
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])

@@ -1,0 +1,33 @@
+//! §2.6 Color Matrix
+//!
+//! Sixteen floating point numbers (clause 2.6/2) after the biases, columns first as OpenGL loads them (clause 2.6/3).
+//!
+//! Format notes
+//! - On one line; other splits into lines are read too (ruling `lum-layout`).
+//! - The last row, elements 3, 7, 11 and 15, is printed as 0 0 0 1 and is not looked at (ruling `lum-last-row`).
+
+use super::Input;
+use crate::error::Result;
+use crate::ptm::ColorMatrix;
+
+pub(super) fn read(input: &mut Input) -> Result<ColorMatrix> {
+    let mut elements = [0.0; 16];
+    for (i, element) in elements.iter_mut().enumerate() {
+        if i > 0 {
+            input.gap_or_line_end("2.6/2")?;
+        }
+        *element = input.number("2.6/2", "a matrix element")?;
+    }
+    input.line_end("2.0/2")?;
+    Ok(ColorMatrix(elements))
+}
+
+/// The three rows that make red, green and blue, read columns first (clause 2.6/3, ruling `lum-major`).
+pub(crate) fn columns_first(ColorMatrix(m): &ColorMatrix) -> [[f64; 4]; 3] {
+    [0, 1, 2].map(|row| [m[row], m[4 + row], m[8 + row], m[12 + row]])
+}
+
+/// The same, read rows first: the other reading of `lum-major`.
+pub(crate) fn rows_first(ColorMatrix(m): &ColorMatrix) -> [[f64; 4]; 3] {
+    [0, 4, 8].map(|row| [m[row], m[row + 1], m[row + 2], m[row + 3]])
+}

@@ -1,0 +1,61 @@
+//! §2.5 Lookup Table
+//!
+//! The number of entries (clause 2.5/2), then the entries without anything between them (clause 2.5/3): six coefficients
+//! each (clause 2.5/4), and for `PTM_C_LUT` a colour too (clause 2.5/5).
+//!
+//! Format notes
+//! - The text shows the count as two words and does not say which of them is literal. `256 N_LUT_ENTRIES`, `256` and
+//!   `nentries 256` cannot be taken for one another, so all three are read (ruling `lut-count`).
+//! - Nothing stands between the table and the indices (ruling `lut-newline`).
+
+use super::Input;
+use crate::error::{Error, Kind, Result};
+use crate::ptm::Format;
+use crate::reading::Reading;
+
+/// The table as it is stored.
+pub(super) struct LookupTable<'a> {
+    /// How many entries.
+    pub entries: usize,
+    /// Bytes of an entry: 6 or 9.
+    pub entry_size: usize,
+    /// `entries * entry_size` bytes.
+    pub bytes: &'a [u8],
+}
+
+pub(super) fn read<'a>(format: Format, input: &mut Input<'a>, reading: &Reading) -> Result<LookupTable<'a>> {
+    let entries = (reading.entry_count)(input)?;
+    let entry_size = if format == Format::PtmCLut { 9 } else { 6 };
+    let bytes = input.take("2.5/3", "the table's entries", entries.saturating_mul(entry_size))?;
+    (reading.after_table)(input)?;
+    Ok(LookupTable { entries, entry_size, bytes })
+}
+
+/// `256 N_LUT_ENTRIES`, `256` or `nentries 256`, alone on a line (clause 2.5/2, ruling `lut-count`).
+pub(crate) fn entry_count(input: &mut Input) -> Result<usize> {
+    let keyword_first = input.rest().starts_with(b"nentries ");
+    if keyword_first {
+        input.word("2.5/2", "nentries")?;
+        input.gap("2.5/2")?;
+    }
+    let entries = input.integer("2.5/2", "the number of entries")?;
+    if !keyword_first && !input.at_line_end() {
+        input.gap("2.5/2")?;
+        input.word("2.5/2", "N_LUT_ENTRIES")?;
+    }
+    input.line_end("2.0/2")?;
+    Ok(entries as usize)
+}
+
+/// Nothing (ruling `lut-newline`).
+pub(crate) fn after_table(_: &mut Input) -> Result<()> {
+    Ok(())
+}
+
+/// One line feed: the other reading of `lut-newline`.
+pub(crate) fn newline_after_table(input: &mut Input) -> Result<()> {
+    match input.take("2.5/3", "a line end after the table", 1)? {
+        b"\n" => Ok(()),
+        other => Err(Error::new("2.5/3", input.at() - 1, Kind::Expected { what: "a line end after the table", found: other.escape_ascii().to_string() })),
+    }
+}

@@ -1,0 +1,155 @@
+//! What is wrong × which clause × which byte.
+//!
+//! The file's fault ([`Class::Malformed`]), a thing this reader does not do ([`Class::Unsupported`]) and a limit it was
+//! given ([`Class::Limit`]) are three different things, and the program's exit status keeps them apart.
+
+use std::fmt;
+
+/// Why a file was not decoded.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Error {
+    clause: &'static str,
+    offset: usize,
+    kind: Kind,
+}
+
+/// Whose doing an [`Error`] is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Class {
+    /// The file breaks a rule of the text.
+    Malformed,
+    /// The file may be in order, but this reader does not read its kind.
+    Unsupported,
+    /// The file asks for more memory than [`crate::decode::Limits`] allow.
+    Limit,
+}
+
+/// What is wrong, with what was found.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// Something else stands where `what` should; `found` is its beginning, printable.
+    Expected {
+        /// What should stand here.
+        what: &'static str,
+        /// What does.
+        found: String,
+    },
+    /// The file ends where `what` should stand.
+    Ended {
+        /// What should stand here.
+        what: &'static str,
+    },
+    /// `what` needs more bytes than the file has left.
+    Short {
+        /// The part of the file.
+        what: &'static str,
+        /// Bytes it takes; 2⁶⁴ − 1 where that cannot be counted.
+        needs: usize,
+        /// Bytes from here to the end of the file.
+        remain: usize,
+    },
+    /// An index points past the last entry of the table.
+    IndexOutOfRange {
+        /// The index.
+        index: usize,
+        /// The number of entries.
+        entries: usize,
+    },
+    /// The planes would take more memory than allowed.
+    TooLarge {
+        /// Bytes needed; 2⁶⁴ − 1 where that cannot be counted.
+        needs: usize,
+        /// Bytes allowed.
+        limit: usize,
+    },
+    /// A legal thing that this reader does not read.
+    NotRead {
+        /// The thing.
+        what: &'static str,
+    },
+}
+
+impl Error {
+    pub(crate) const fn new(clause: &'static str, offset: usize, kind: Kind) -> Error {
+        Error { clause, offset, kind }
+    }
+
+    /// The clause that is broken, as numbered in `spec-cases/clauses.yaml`: `2.5/2`.
+    #[must_use]
+    pub const fn clause(&self) -> &'static str {
+        self.clause
+    }
+
+    /// The section of that clause: `2.5`.
+    #[must_use]
+    pub fn section(&self) -> &'static str {
+        self.clause.split_once('/').map_or(self.clause, |(section, _)| section)
+    }
+
+    /// The byte of the file, counted from 0, at which it shows.
+    #[must_use]
+    pub const fn offset(&self) -> usize {
+        self.offset
+    }
+
+    /// What is wrong.
+    #[must_use]
+    pub const fn kind(&self) -> &Kind {
+        &self.kind
+    }
+
+    /// Whose doing it is.
+    #[must_use]
+    pub const fn class(&self) -> Class {
+        match self.kind {
+            Kind::Expected { .. } | Kind::Ended { .. } | Kind::Short { .. } | Kind::IndexOutOfRange { .. } => Class::Malformed,
+            Kind::TooLarge { .. } => Class::Limit,
+            Kind::NotRead { .. } => Class::Unsupported,
+        }
+    }
+}
+
+/// The title of a section, in the words of the text.
+#[must_use]
+pub fn section_title(section: &str) -> &'static str {
+    match section {
+        "1.0" => "background",
+        "2.0" => "file format",
+        "2.1" => "header string",
+        "2.2" => "format string",
+        "2.3" => "image size",
+        "2.4" => "scale and bias",
+        "2.5" => "lookup table",
+        "2.6" => "color matrix",
+        "2.7" | "2.7.1" | "2.7.2" | "2.7.3" => "texel data",
+        "2.8" | "2.8.1" | "2.8.2" => "lookup table indices",
+        _ => "compressed data",
+    }
+}
+
+impl fmt::Display for Error {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let section = self.section();
+        write!(f, "{} (§{section}), byte {}: {}", section_title(section), self.offset, self.kind)
+    }
+}
+
+impl fmt::Display for Kind {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        // A number of bytes that does not fit a usize is told as what it is.
+        let bytes = |n: usize| if n == usize::MAX { "more bytes than can be counted".to_owned() } else { format!("{n} bytes") };
+        match self {
+            Kind::Expected { what, found } => write!(f, "expected {what}, found \"{found}\""),
+            Kind::Ended { what } => write!(f, "expected {what}, found the end of the file"),
+            Kind::Short { what, needs, remain } => write!(f, "{what} need {}, {remain} remain", bytes(*needs)),
+            Kind::IndexOutOfRange { index, entries } => write!(f, "index {index} into a table of {entries} entries"),
+            Kind::TooLarge { needs, limit } => write!(f, "the planes need {}, the limit is {limit}", bytes(*needs)),
+            Kind::NotRead { what } => write!(f, "{what} are not read"),
+        }
+    }
+}
+
+impl std::error::Error for Error {}
+
+/// What the decoder returns.
+pub type Result<T> = std::result::Result<T, Error>;

@@ -1,0 +1,145 @@
+//! Planes → final coefficients (2.4) → color under a light (1.0).
+//!
+//! Format notes
+//! - A final coefficient is a real number; nothing is rounded before the very end (ruling `final-coefficient`).
+//! - One set of scales and biases serves all polynomials; colours, Cr and Cb are taken as they are.
+//! - Luminance times colour is divided by 255, and only then clamped (ruling `color`).
+
+use crate::decode::Ptm;
+use crate::ptm::{ColorMatrix, Planes, ScaleBias, Shape, Size};
+use crate::reading::Reading;
+
+/// Final values: coefficients after scale and bias, the other channels as plain numbers.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Coefficients {
+    /// Width and height.
+    pub size: Size,
+    /// What the channels mean.
+    pub shape: Shape,
+    /// `height * width * channels` values in the order of [`Planes::samples`].
+    pub values: Vec<f64>,
+}
+
+/// The map under one light.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Picture {
+    /// Width and height.
+    pub size: Size,
+    /// `height * width * 3` values from 0 to 255, red, green and blue of every texel, top row first; not rounded.
+    pub values: Vec<f64>,
+}
+
+impl Ptm {
+    /// The final coefficients (clause 2.4/8).
+    #[must_use]
+    pub fn coefficients(&self) -> Coefficients {
+        apply(&self.header.scale_bias, &self.planes, &Reading::SPEC)
+    }
+}
+
+impl Coefficients {
+    /// The picture under the light (`lu`, `lv`), each from −1 to 1: +u to the right, +v up.
+    #[must_use]
+    pub fn evaluate(&self, lu: f64, lv: f64) -> Picture {
+        evaluate(self, lu, lv, &Reading::SPEC)
+    }
+}
+
+impl Picture {
+    /// The picture in whole numbers, rounded to the nearest.
+    #[must_use]
+    pub fn to_bytes(&self) -> Vec<u8> {
+        self.values.iter().map(|&value| byte(value)).collect()
+    }
+}
+
+/// Scale and bias put to work.
+pub(crate) fn apply(scale_bias: &ScaleBias, planes: &Planes, reading: &Reading) -> Coefficients {
+    let coefficients = planes.shape.coefficients();
+    let mut values = Vec::with_capacity(planes.samples.len());
+    for texel in planes.texels() {
+        for (channel, &raw) in texel.iter().enumerate() {
+            let decision = if channel < coefficients { reading.final_coefficient } else { reading.final_other };
+            values.push(decision(raw, channel, scale_bias));
+        }
+    }
+    Coefficients { size: planes.size, shape: planes.shape, values }
+}
+
+/// The polynomials put to work.
+pub(crate) fn evaluate(coefficients: &Coefficients, lu: f64, lv: f64, reading: &Reading) -> Picture {
+    let (lu, lv) = (reading.light)(lu, lv);
+    let polynomial = |a: &[f64]| (reading.polynomial)(a, lu, lv);
+    let color = |texel: &[f64]| match coefficients.shape {
+        Shape::Rgb => [&texel[..6], &texel[6..12], &texel[12..]].map(polynomial),
+        Shape::Lrgb => {
+            let luminance = polynomial(&texel[..6]);
+            [texel[6], texel[7], texel[8]].map(|color| (reading.modulate)(luminance, color))
+        }
+        Shape::Lum(matrix) => lum_color(&matrix, polynomial(&texel[..6]), texel[6], texel[7], reading),
+    };
+    let texels = coefficients.values.chunks_exact(coefficients.shape.channels());
+    let values = texels.flat_map(color).map(reading.clamp).collect();
+    Picture { size: coefficients.size, values }
+}
+
+/// Matrix times (Y, Cr, Cb, 1) (clauses 2.6/4–5).
+fn lum_color(matrix: &ColorMatrix, y: f64, cr: f64, cb: f64, reading: &Reading) -> [f64; 3] {
+    let [p, q, r] = (reading.lum_vector)(y, cr, cb);
+    (reading.lum_matrix)(matrix).map(|[m0, m1, m2, t]| m0 * p + m1 * q + m2 * r + (reading.lum_translation)(t))
+}
+
+/// The light as it is given: +u right, +v up (clause 1.0/2, ruling `light`).
+pub(crate) fn light(lu: f64, lv: f64) -> (f64, f64) {
+    (lu, lv)
+}
+
+/// The polynomial of 1.0 (clause 1.0/1).
+pub(crate) fn polynomial(a: &[f64], lu: f64, lv: f64) -> f64 {
+    a[0] * lu * lu + a[1] * lv * lv + a[2] * lu * lv + a[3] * lu + a[4] * lv + a[5]
+}
+
+/// Nearest whole number; the text names no rounding, so a verdict never depends on it.
+pub(crate) fn byte(value: f64) -> u8 {
+    value.round() as u8
+}
+
+/// (raw − bias) · scale (clause 2.4/8), the same six for all polynomials (clause 2.4/9).
+pub(crate) fn final_coefficient(raw: u8, channel: usize, set: &ScaleBias) -> f64 {
+    (f64::from(raw) - set.bias[channel % 6]) * set.scale[channel % 6]
+}
+
+/// Colours, Cr and Cb are plain numbers (clause 2.4/9).
+pub(crate) fn final_other(raw: u8, _channel: usize, _: &ScaleBias) -> f64 {
+    f64::from(raw)
+}
+
+/// Y, Cr, Cb (ruling `lum-vector`).
+pub(crate) fn lum_vector(y: f64, cr: f64, cb: f64) -> [f64; 3] {
+    [y, cr, cb]
+}
+
+/// Cr, Y, Cb: the other reading of `lum-vector`.
+pub(crate) fn lum_vector_cr_first(y: f64, cr: f64, cb: f64) -> [f64; 3] {
+    [cr, y, cb]
+}
+
+/// The translation counts as the values do, 0 to 255 (ruling `lum-range`).
+pub(crate) fn lum_translation(t: f64) -> f64 {
+    t
+}
+
+/// Values and translation from 0 to 1, seen from 0 to 255: the other reading of `lum-range`.
+pub(crate) fn lum_translation_unit(t: f64) -> f64 {
+    t * 255.0
+}
+
+/// Luminance times colour, over 255 (clause 2.7.3/4, ruling `color`).
+pub(crate) fn modulate(luminance: f64, color: f64) -> f64 {
+    luminance * color / 255.0
+}
+
+/// 0 to 255, at the very end (clause 2.7.3/5, ruling `color`).
+pub(crate) fn clamp(value: f64) -> f64 {
+    value.clamp(0.0, 255.0)
+}

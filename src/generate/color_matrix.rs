@@ -1,0 +1,17 @@
+//! §2.6 Color Matrix
+//!
+//! Sixteen numbers (clause 2.6/2) on one line; in rows of four or each on its own line by ruling `lum-layout`.
+
+use super::output::Output;
+use super::recipe::Numbers;
+use super::spelling::Line;
+
+pub(super) fn write(matrix: &Numbers<16>, out: &mut Output) {
+    for (i, line) in matrix.texts.chunks(out.spelling.matrix_line).enumerate() {
+        if i > 0 {
+            out.line_end(Line::Matrix);
+        }
+        out.numbers("2.6/2", "matrix", line);
+    }
+    out.line_end(Line::Matrix);
+}

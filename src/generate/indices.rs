@@ -1,0 +1,25 @@
+//! §2.8 Lookup Table Indices
+//!
+//! One byte each up to 256 entries, else two, low byte first (clauses 2.8.1/2–3); then the colours of `PTM_LUT` (2.8.1/4).
+
+use super::output::Output;
+use super::scene::Model;
+use super::texels;
+use crate::ptm::Format;
+
+pub(super) fn write(model: &Model, out: &mut Output) {
+    let wide = model.entries() > 256;
+    let mut bytes = Vec::new();
+    for row in model.indices.chunks(model.size.width as usize).rev() {
+        for &index in row {
+            bytes.push((index % 256) as u8);
+            if wide {
+                bytes.push((index / 256) as u8);
+            }
+        }
+    }
+    out.take("2.8.1/1", "indices", &bytes);
+    if model.format == Format::PtmLut {
+        texels::write_colors("2.8.1/4", model, out);
+    }
+}

@@ -1,0 +1,24 @@
+//! §2.5 Lookup Table
+//!
+//! The count in one of its three spellings (ruling `lut-count`), the entries, and nothing or a line end (ruling `lut-newline`).
+
+use super::output::Output;
+use super::scene::Model;
+use super::spelling::{Count, Line};
+
+pub(super) fn write(model: &Model, out: &mut Output) {
+    if out.spelling.count == Count::WordNumber {
+        out.token("2.5/2", "count keyword", "nentries");
+        out.gap();
+    }
+    out.token("2.5/2", "count", &model.entries().to_string());
+    if out.spelling.count == Count::NumberWord {
+        out.gap();
+        out.token("2.5/2", "count keyword", "N_LUT_ENTRIES");
+    }
+    out.line_end(Line::Count);
+    out.take("2.5/3", "table", &model.table);
+    if out.spelling.newline_after_table {
+        out.take("2.5/3", "newline after the table", b"\n");
+    }
+}

@@ -1,0 +1,97 @@
+//! Values → bytes: the mirror of [`crate::decode`], with the same sections under the same names.
+//!
+//! This side never asks the other: two tellings of one text can disagree, one told twice cannot. It writes every legal
+//! spelling of a file and, with [`damage`], files that must be refused. The same recipe gives the same bytes everywhere.
+
+mod output;
+
+/// §2.1 Header String
+mod header_string;
+
+/// §2.2 Format String
+mod format_string;
+
+/// §2.3 Image Size
+mod image_size;
+
+/// §2.4 Scale and Bias
+mod scale_bias;
+
+/// §2.5 Lookup Table
+mod lookup_table;
+
+/// §2.6 Color Matrix
+mod color_matrix;
+
+/// §2.7 Uncompressed Per Texel Data
+mod texels;
+
+/// §2.8 Lookup Table Indices
+mod indices;
+
+/// §2.9 Compressed Data
+mod compressed;
+
+/// What to write: format, size, scene, numbers, spelling.
+pub mod recipe;
+
+/// Every legal way to write the same header.
+pub mod spelling;
+
+/// Painted maps whose planes, coefficients and colors are known by construction.
+pub mod scene;
+
+/// One fault at a time.
+pub mod damage;
+
+pub use damage::Damage;
+pub use recipe::{Numbers, Recipe};
+pub use scene::{Model, Scene};
+pub use spelling::Spelling;
+
+use crate::ptm::{Field, Format};
+use output::Output;
+
+/// A file and what its bytes are.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Written {
+    /// The file.
+    pub bytes: Vec<u8>,
+    /// Its fields in file order: the map from a byte to what it means.
+    pub fields: Vec<Field>,
+    /// Where the first byte stands that is not header text.
+    pub payload: usize,
+}
+
+/// Writes the file of `recipe`, whose values `model` holds.
+#[must_use]
+pub fn write(recipe: &Recipe, model: &Model) -> Written {
+    let mut out = Output::new(&recipe.spelling);
+    write_header(recipe, &mut out);
+    write_planes(recipe, model, &mut out);
+    out.into_written()
+}
+
+/// 2.1–2.4.
+fn write_header(recipe: &Recipe, out: &mut Output) {
+    header_string::write(out);
+    format_string::write(recipe.format, out);
+    image_size::write(recipe.size, out);
+    scale_bias::write(&recipe.scale, &recipe.bias, out);
+}
+
+/// 2.5–2.9.
+fn write_planes(recipe: &Recipe, model: &Model, out: &mut Output) {
+    match recipe.format {
+        Format::Rgb | Format::Lrgb => texels::write(model, out),
+        Format::Lum => {
+            color_matrix::write(&recipe.matrix, out);
+            texels::write(model, out);
+        }
+        Format::PtmLut | Format::PtmCLut => {
+            lookup_table::write(model, out);
+            indices::write(model, out);
+        }
+        Format::JpegRgb | Format::JpegLrgb | Format::JpeglsRgb | Format::JpeglsLrgb => compressed::write(model, out),
+    }
+}

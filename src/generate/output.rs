@@ -1,0 +1,70 @@
+//! Writing verbs that keep the map of what they wrote: the mirror of the reader's verbs.
+
+use super::Written;
+use super::spelling::{Line, Spelling};
+use crate::ptm::Field;
+
+/// A file in the making.
+pub(super) struct Output<'a> {
+    /// How the header is spelled.
+    pub spelling: &'a Spelling,
+    bytes: Vec<u8>,
+    fields: Vec<Field>,
+    payload: Option<usize>,
+}
+
+impl<'a> Output<'a> {
+    pub fn new(spelling: &'a Spelling) -> Output<'a> {
+        Output { spelling, bytes: Vec::new(), fields: Vec::new(), payload: None }
+    }
+
+    pub fn into_written(self) -> Written {
+        let payload = self.payload.unwrap_or(self.bytes.len());
+        Written { bytes: self.bytes, fields: self.fields, payload }
+    }
+
+    /// One field.
+    pub fn token(&mut self, clause: &'static str, name: &'static str, text: &str) {
+        self.field(clause, name, text.as_bytes());
+    }
+
+    /// Numbers with gaps between them.
+    pub fn numbers(&mut self, clause: &'static str, name: &'static str, texts: &[String]) {
+        for (i, text) in texts.iter().enumerate() {
+            if i > 0 {
+                self.gap();
+            }
+            self.token(clause, name, text);
+        }
+    }
+
+    /// The spaces between two numbers (clause 2.4/5).
+    pub fn gap(&mut self) {
+        self.bytes.resize(self.bytes.len() + self.spelling.gap, b' ');
+    }
+
+    /// The end of a line, with its optional space (clause 2.0/2).
+    pub fn line_end(&mut self, line: Line) {
+        if self.spelling.space_before_newline.contains(&line) {
+            self.bytes.push(b' ');
+        }
+        self.bytes.push(b'\n');
+    }
+
+    /// A line end in the middle of a section, or a gap: as the spelling has it.
+    pub fn line_end_or_gap(&mut self, two_lines: bool, line: Line) {
+        if two_lines { self.line_end(line) } else { self.gap() }
+    }
+
+    /// Bytes of the payload.
+    pub fn take(&mut self, clause: &'static str, name: &'static str, bytes: &[u8]) {
+        self.payload.get_or_insert(self.bytes.len());
+        self.field(clause, name, bytes);
+    }
+
+    fn field(&mut self, clause: &'static str, name: &'static str, bytes: &[u8]) {
+        let start = self.bytes.len();
+        self.bytes.extend_from_slice(bytes);
+        self.fields.push(Field { clause, name, range: start..self.bytes.len() });
+    }
+}

@@ -1,0 +1,120 @@
+//! What to write: format, size, scene, numbers, spelling.
+
+use std::str::FromStr;
+
+use super::scene::Scene;
+use super::spelling::Spelling;
+use crate::ptm::{Format, Size};
+
+/// `N` numbers, each with the digits it is written in.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Numbers<const N: usize> {
+    /// As they stand in the file.
+    pub texts: Vec<String>,
+    /// What they mean.
+    pub values: [f64; N],
+}
+
+impl<const N: usize> FromStr for Numbers<N> {
+    type Err = String;
+
+    /// Numbers parted by spaces: `"2 2 0.5 1e-1 -3 .25"`.
+    fn from_str(text: &str) -> Result<Numbers<N>, String> {
+        let texts: Vec<String> = text.split_whitespace().map(str::to_owned).collect();
+        let values: Result<Vec<f64>, _> = texts.iter().map(|number| number.parse()).collect();
+        let values = values.map_err(|_| format!("expected numbers, found {text:?}"))?;
+        let values = values.try_into().map_err(|_| format!("expected {N} numbers, found {text:?}"))?;
+        Ok(Numbers { texts, values })
+    }
+}
+
+/// Which entries the texels of a lookup table format use.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Indices {
+    /// Any, the first and the last among them where there is room.
+    Any,
+    /// Only entries below this number.
+    Below(u32),
+    /// Only entries whose two bytes differ.
+    BytesDiffer,
+    /// These, top row first, over and over.
+    These(Vec<u32>),
+}
+
+/// One file to write.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Recipe {
+    /// Which format.
+    pub format: Format,
+    /// Width and height.
+    pub size: Size,
+    /// What is painted.
+    pub scene: Scene,
+    /// Where the paint's numbers start.
+    pub seed: u32,
+    /// The scales (2.4).
+    pub scale: Numbers<6>,
+    /// The biases (2.4).
+    pub bias: Numbers<6>,
+    /// The color matrix (2.6), as it stands in the file.
+    pub matrix: Numbers<16>,
+    /// Entries of the lookup table (2.5).
+    pub entries: u32,
+    /// Which of them are used.
+    pub indices: Indices,
+    /// The very first byte of the payload, if it matters.
+    pub first: Option<u8>,
+    /// How the header is written.
+    pub spelling: Spelling,
+}
+
+impl Recipe {
+    /// An ordinary file: noise under scales and biases that keep most colors between 0 and 255.
+    ///
+    /// # Panics
+    /// Never: the numbers it is made of are numbers.
+    #[must_use]
+    pub fn ordinary(format: Format, size: Size) -> Recipe {
+        let numbers = "constant numbers";
+        Recipe {
+            format,
+            size,
+            scene: Scene::Noise,
+            seed: 1,
+            scale: "0.5 0.25 0.5 0.25 0.5 0.75".parse().expect(numbers),
+            bias: "128 100 140 120 130 3".parse().expect(numbers),
+            // Columns first: Y counts fully for each channel, Cr mostly for red, Cb mostly for blue; all twelve differ.
+            matrix: "0.875 0.75 0.625 0 0.5 -0.25 0.125 0 -0.0625 -0.1875 0.375 0 -20 30 10 1".parse().expect(numbers),
+            entries: 7,
+            indices: Indices::Any,
+            first: None,
+            spelling: Spelling::default(),
+        }
+    }
+
+    /// What keeps this recipe from being written, if anything does.
+    pub fn check(&self) -> Result<(), String> {
+        if self.format.is_compressed() {
+            return Err(format!("{} is not written yet", self.format));
+        }
+        if self.format.has_table() && !(1..=1 << 20).contains(&self.entries) {
+            return Err(format!("a table has 1 to {} entries, not {}", 1 << 20, self.entries));
+        }
+        match &self.indices {
+            Indices::Below(0) => return Err("indices below 0 do not exist".to_owned()),
+            Indices::BytesDiffer if self.entries < 2 => return Err("index 0 has two equal bytes".to_owned()),
+            Indices::These(list) if list.is_empty() => return Err("no indices to use".to_owned()),
+            Indices::These(list) if list.iter().any(|&index| index >= self.entries) => {
+                return Err("an index is past the last entry".to_owned());
+            }
+            _ => {}
+        }
+        if ![1, 4, 16].contains(&self.spelling.matrix_line) || !(1..=1000).contains(&self.spelling.gap) {
+            return Err("a matrix line has 1, 4 or 16 numbers, a gap 1 to 1000 spaces".to_owned());
+        }
+        if self.size.texels() > 1 << 26 {
+            return Err(format!("{} texels are more than a painter has patience for", self.size.texels()));
+        }
+        Ok(())
+    }
+}

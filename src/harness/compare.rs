@@ -1,0 +1,194 @@
+//! Expected against received.
+//!
+//! - raw: equal.
+//! - coef: |a − b| ≤ 1e-5 · max(|a|, |b|) + 1e-6, room for one rounding to `f32` and a product in `f32`.
+//! - rgb: the byte within 1 + 1/64 of the exact color, room for any rounding and for arithmetic in `f32`.
+
+use std::fmt;
+
+use crate::decode::{Ptm, decode_as};
+use crate::evaluate;
+use crate::harness::cases::{HandValues, Values};
+use crate::harness::protocol::{Frame, Samples, View};
+use crate::ptm::{Size, channel_name};
+use crate::reading::Reading;
+
+/// What a frame should hold.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Expected {
+    /// Width and height.
+    pub size: Size,
+    /// Samples of a texel.
+    pub channels: usize,
+    /// `height * width * channels` of them; colors are not rounded.
+    pub values: ExpectedValues,
+}
+
+/// The samples that a frame should hold.
+#[derive(Clone, Debug, PartialEq)]
+pub enum ExpectedValues {
+    /// Stored values.
+    Raw(Vec<u8>),
+    /// Final values.
+    Coef(Vec<f64>),
+    /// Colors from 0 to 255.
+    Rgb(Vec<f64>),
+}
+
+impl Expected {
+    /// What `values` look like in `view`; nothing where they do not say.
+    #[must_use]
+    pub fn of(values: &Values, view: &View) -> Option<Expected> {
+        match values {
+            Values::None => None,
+            Values::Painted(model) => {
+                let channels = model.format.channels();
+                let (channels, values) = match view {
+                    View::Raw => (channels, ExpectedValues::Raw(model.samples.clone())),
+                    View::Coef => (channels, ExpectedValues::Coef(model.coefficients())),
+                    View::Rgb(light) => (3, ExpectedValues::Rgb(model.picture(light.lu, light.lv))),
+                };
+                Some(Expected { size: model.size, channels, values })
+            }
+            Values::Hand(hand) => {
+                let size: Size = hand.size.parse().ok()?;
+                let values = match view {
+                    View::Raw => ExpectedValues::Raw(HandValues::numbers(&hand.raw).iter().map(|&value| value as u8).collect()),
+                    View::Coef => ExpectedValues::Coef(HandValues::numbers(hand.coef.as_ref()?)),
+                    View::Rgb(_) => {
+                        let picture = hand.rgb.as_ref().filter(|picture| format!("rgb:{}", picture.light) == view.to_string())?;
+                        ExpectedValues::Rgb(HandValues::numbers(&picture.texels))
+                    }
+                };
+                let count = match &values {
+                    ExpectedValues::Raw(values) => values.len(),
+                    ExpectedValues::Coef(values) | ExpectedValues::Rgb(values) => values.len(),
+                };
+                Some(Expected { size, channels: count / size.texels(), values })
+            }
+        }
+    }
+
+    /// What `file` looks like in `view` under another reading; nothing where that reading refuses it.
+    #[must_use]
+    pub fn under(file: &[u8], view: &View, reading: &Reading) -> Option<Expected> {
+        let Ptm { header, planes } = decode_as(file, reading, &crate::Limits::default()).ok()?;
+        let coefficients = evaluate::apply(&header.scale_bias, &planes, reading);
+        let (channels, values) = match view {
+            View::Raw => (planes.shape.channels(), ExpectedValues::Raw(planes.samples.clone())),
+            View::Coef => (planes.shape.channels(), ExpectedValues::Coef(coefficients.values)),
+            View::Rgb(light) => (3, ExpectedValues::Rgb(evaluate::evaluate(&coefficients, light.lu, light.lv, reading).values)),
+        };
+        Some(Expected { size: header.size, channels, values })
+    }
+
+    /// Nothing where `frame` is right, and else where it first is not.
+    #[must_use]
+    pub fn compare(&self, frame: &Frame) -> Option<Difference> {
+        let expected = (self.view(), self.size.width, self.size.height, self.channels as u32);
+        let received = (frame.view, frame.width, frame.height, frame.channels);
+        if expected != received {
+            return Some(Difference::Shape {
+                expected: self.describe_shape(),
+                received: format!("{} {}x{} with {} channels", frame.view, frame.width, frame.height, frame.channels),
+            });
+        }
+        match (&self.values, &frame.samples) {
+            (ExpectedValues::Raw(expected), Samples::U8(received)) => {
+                self.difference(expected.len(), |i| (f64::from(expected[i]), f64::from(received[i])), |a, b| a == b)
+            }
+            (ExpectedValues::Coef(expected), Samples::F32(received)) => {
+                let near = |a: f64, b: f64| (a - b).abs() <= 1e-5 * a.abs().max(b.abs()) + 1e-6;
+                self.difference(expected.len(), |i| (expected[i], f64::from(received[i])), near)
+            }
+            (ExpectedValues::Rgb(expected), Samples::U8(received)) => {
+                let near = |a: f64, b: f64| (a - b).abs() <= 1.0 + 1.0 / 64.0;
+                self.difference(expected.len(), |i| (expected[i], f64::from(received[i])), near)
+            }
+            (_, Samples::U8(_)) => Some(Difference::Shape { expected: "samples of type f32".to_owned(), received: "u8".to_owned() }),
+            (_, Samples::F32(_)) => Some(Difference::Shape { expected: "samples of type u8".to_owned(), received: "f32".to_owned() }),
+        }
+    }
+
+    fn view(&self) -> &'static str {
+        match self.values {
+            ExpectedValues::Raw(_) => "raw",
+            ExpectedValues::Coef(_) => "coef",
+            ExpectedValues::Rgb(_) => "rgb",
+        }
+    }
+
+    fn describe_shape(&self) -> String {
+        format!("{} {} with {} channels", self.view(), self.size, self.channels)
+    }
+
+    fn difference(&self, samples: usize, pair: impl Fn(usize) -> (f64, f64), near: impl Fn(f64, f64) -> bool) -> Option<Difference> {
+        let mut wrong = (0..samples).filter(|&i| {
+            let (expected, received) = pair(i);
+            !near(expected, received)
+        });
+        let first = wrong.next()?;
+        let texel = first / self.channels;
+        let whole = |side: fn((f64, f64)) -> f64| (texel * self.channels..(texel + 1) * self.channels).map(|i| side(pair(i))).collect();
+        Some(Difference::Samples {
+            x: texel % self.size.width as usize,
+            y: texel / self.size.width as usize,
+            channel: channel_name(self.channels, first % self.channels),
+            expected: whole(|(expected, _)| expected),
+            received: whole(|(_, received)| received),
+            wrong: 1 + wrong.count(),
+            samples,
+        })
+    }
+}
+
+/// Where a frame first differs from what it should be.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Difference {
+    /// Another view, size, number of channels or type.
+    Shape {
+        /// What it should be.
+        expected: String,
+        /// What it is.
+        received: String,
+    },
+    /// Other samples.
+    Samples {
+        /// Column of the first texel that differs, from the left.
+        x: usize,
+        /// Its row, from the top.
+        y: usize,
+        /// Its first channel that differs.
+        channel: String,
+        /// All channels of that texel.
+        expected: Vec<f64>,
+        /// The same, as received.
+        received: Vec<f64>,
+        /// How many samples differ.
+        wrong: usize,
+        /// Of how many.
+        samples: usize,
+    },
+}
+
+impl fmt::Display for Difference {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Difference::Shape { expected, received } => write!(f, "expected {expected}, received {received}"),
+            Difference::Samples { x, y, channel, expected, received, wrong, samples } => {
+                let (expected, received) = (list(expected), list(received));
+                write!(f, "texel ({x}, {y}), first in {channel}: expected {expected}, received {received}; ")?;
+                write!(f, "{wrong} of {samples} samples differ")
+            }
+        }
+    }
+}
+
+/// Numbers with at most three decimals, parted by spaces.
+fn list(values: &[f64]) -> String {
+    let number = |value: &f64| {
+        let text = format!("{value:.3}");
+        if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
+    };
+    values.iter().map(number).collect::<Vec<_>>().join(" ")
+}

@@ -1,0 +1,287 @@
+//! Starts a decoder, bounds it, and says what it did.
+//!
+//! Every call has a process group of its own, which is killed as a whole when the call is over; a wall-clock limit; a
+//! limit on standard output; an empty standard input; its own working directory; and the caller's environment with
+//! `LC_ALL`, `TZ` and `TMPDIR` set. Standard error is read and never changes a verdict.
+
+use std::ffi::OsString;
+use std::fs;
+use std::io;
+use std::os::fd::{AsFd, OwnedFd};
+use std::os::unix::process::{CommandExt, ExitStatusExt};
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, ExitStatus, Stdio};
+use std::time::{Duration, Instant};
+
+use rustix::event::{PollFd, PollFlags, Timespec, poll};
+use rustix::process::{Pid, Signal, kill_process_group};
+
+use crate::harness::protocol::{Answer, EXIT_MALFORMED, EXIT_UNSUPPORTED, Frame, View};
+
+/// How much of standard error is kept for the report.
+const STDERR_KEPT: usize = 2000;
+
+/// A decoder and the limits it runs under.
+#[derive(Clone, Debug)]
+pub struct Decoder {
+    command: Vec<OsString>,
+    /// Wall-clock time for one call.
+    pub timeout: Duration,
+    /// An exit status that means a refusal besides 65.
+    pub reject_exit: Option<i32>,
+}
+
+/// One request.
+#[derive(Clone, Debug)]
+pub struct Request<'a> {
+    /// A name for the file, without its suffix.
+    pub name: &'a str,
+    /// What is asked for.
+    pub view: &'a View,
+    /// The file.
+    pub file: &'a [u8],
+    /// The most bytes a frame of that file can have.
+    pub largest_frame: usize,
+    /// How many times the ordinary time limit the decoder gets: the first call may have to warm up.
+    pub patience: u32,
+}
+
+/// What came of a request.
+#[derive(Clone, Debug)]
+pub struct Reply {
+    /// What the decoder did.
+    pub answer: Answer,
+    /// The beginning of its standard error.
+    pub stderr: String,
+    /// Its exit status, if it had one.
+    pub exit: Option<i32>,
+}
+
+impl Decoder {
+    /// A decoder started as `program args… VIEW FILE`; words that name existing files are made absolute, because calls
+    /// run in directories of their own.
+    ///
+    /// # Errors
+    /// If the working directory cannot be told.
+    pub fn new(command: &[OsString], timeout: Duration, reject_exit: Option<i32>) -> io::Result<Decoder> {
+        let absolute = |(i, word): (usize, &OsString)| -> io::Result<OsString> {
+            let path = Path::new(word);
+            // A bare program name is looked up in PATH and nowhere else.
+            let names_file = path.exists() && (i > 0 || path.components().count() > 1);
+            Ok(if names_file { std::path::absolute(path)?.into_os_string() } else { word.clone() })
+        };
+        let command = command.iter().enumerate().map(absolute).collect::<io::Result<_>>()?;
+        Ok(Decoder { command, timeout, reject_exit })
+    }
+
+    /// Asks once. `scratch` is the directory in which the file is laid down and the decoder runs.
+    #[must_use]
+    pub fn ask(&self, request: &Request, scratch: &Path) -> Reply {
+        match self.attempt(request, scratch) {
+            Ok(reply) => reply,
+            Err(error) => Reply { answer: Answer::NotStarted(error.to_string()), stderr: String::new(), exit: None },
+        }
+    }
+
+    fn attempt(&self, request: &Request, scratch: &Path) -> io::Result<Reply> {
+        let inputs = scratch.join("in");
+        let workplace = scratch.join("work");
+        fs::create_dir_all(&inputs)?;
+        fs::create_dir_all(&workplace)?;
+        let input = inputs.join(format!("{}.ptm", request.name));
+        lay_down(&input, request.file)?;
+
+        let child = Command::new(&self.command[0])
+            .args(&self.command[1..])
+            .arg(request.view.to_string())
+            .arg(&input)
+            .current_dir(&workplace)
+            .env("LC_ALL", "C")
+            .env("TZ", "UTC")
+            .env("TMPDIR", &workplace)
+            .stdin(Stdio::null())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .process_group(0)
+            .spawn()?;
+        let call = Call::new(child, 4 * request.largest_frame + 65_536)?;
+        let mut reply = self.judge(call.finish(self.timeout * request.patience)?);
+
+        if fs::read(&input).ok().as_deref() != Some(request.file) {
+            reply.answer = Answer::Tampered("the file it was given is changed or gone".to_owned());
+        }
+        remove_all(&inputs)?;
+        remove_all(&workplace)?;
+        Ok(reply)
+    }
+
+    fn judge(&self, ended: Ended) -> Reply {
+        let exit = ended.status.and_then(|status| status.code());
+        let answer = match ended.status {
+            None if ended.flooded => Answer::Flooded(format!("more than {} bytes on standard output", ended.stdout.len())),
+            None => Answer::Hung(format!("no end within {} s", ended.limit.as_secs_f64())),
+            Some(_) if exit == Some(0) => match Frame::read(&ended.stdout) {
+                Ok(frame) => Answer::Decoded(frame),
+                Err(what) => Answer::ProtocolError(what),
+            },
+            Some(_) if exit == Some(EXIT_MALFORMED) || exit.is_some() && exit == self.reject_exit => Answer::Rejected,
+            Some(_) if exit == Some(EXIT_UNSUPPORTED) => Answer::Unsupported,
+            Some(status) => Answer::Crashed(match status.signal() {
+                Some(signal) => format!("killed by signal {signal}"),
+                None => format!("exit status {}", exit.unwrap_or(-1)),
+            }),
+        };
+        Reply { answer, stderr: String::from_utf8_lossy(&ended.stderr).trim_end().to_owned(), exit }
+    }
+}
+
+/// Writes the input read-only.
+fn lay_down(path: &Path, bytes: &[u8]) -> io::Result<()> {
+    fs::write(path, bytes)?;
+    let mut permissions = fs::metadata(path)?.permissions();
+    permissions.set_readonly(true);
+    fs::set_permissions(path, permissions)
+}
+
+/// Removes what a decoder left behind.
+fn remove_all(directory: &PathBuf) -> io::Result<()> {
+    match fs::remove_dir_all(directory) {
+        Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(()),
+        other => other,
+    }
+}
+
+/// A running decoder.
+struct Call {
+    child: Child,
+    group: Pid,
+    stdout: Option<OwnedFd>,
+    stderr: Option<OwnedFd>,
+    /// Most bytes of standard output that are read.
+    most: usize,
+    output: Vec<u8>,
+    errors: Vec<u8>,
+}
+
+/// What a call left.
+struct Ended {
+    /// Nothing if it had to be killed.
+    status: Option<ExitStatus>,
+    flooded: bool,
+    limit: Duration,
+    stdout: Vec<u8>,
+    stderr: Vec<u8>,
+}
+
+impl Call {
+    fn new(mut child: Child, most: usize) -> io::Result<Call> {
+        let group = Pid::from_child(&child);
+        let nonblocking = |fd: OwnedFd| -> io::Result<OwnedFd> {
+            rustix::io::ioctl_fionbio(&fd, true)?;
+            Ok(fd)
+        };
+        let stdout = child.stdout.take().map(OwnedFd::from).map(nonblocking).transpose()?;
+        let stderr = child.stderr.take().map(OwnedFd::from).map(nonblocking).transpose()?;
+        Ok(Call { child, group, stdout, stderr, most, output: Vec::new(), errors: Vec::new() })
+    }
+
+    /// Reads until the process has ended, floods or runs out of time; then kills what is left of its group.
+    fn finish(mut self, limit: Duration) -> io::Result<Ended> {
+        let deadline = Instant::now() + limit;
+        let ending = Ending::of(&self.child);
+        let status = loop {
+            let left = deadline.saturating_duration_since(Instant::now());
+            let over = self.output.len() > self.most;
+            if over || left.is_zero() {
+                break None;
+            }
+            self.wait_for_news(ending.as_ref(), left)?;
+            self.read_what_is_there()?;
+            if let Some(status) = self.child.try_wait()? {
+                break Some(status);
+            }
+        };
+        // The process is gone or must go; nobody of its group outlives the call. An error means that nobody is left.
+        let _ = kill_process_group(self.group, Signal::KILL);
+        let status = match status {
+            Some(status) => {
+                self.read_what_is_there()?;
+                Some(status)
+            }
+            None => {
+                self.child.wait()?;
+                None
+            }
+        };
+        let flooded = self.output.len() > self.most;
+        let status = if flooded { None } else { status };
+        Ok(Ended { status, flooded, limit, stdout: self.output, stderr: self.errors })
+    }
+
+    /// Sleeps until there is output, the process has ended, or `left` is over.
+    fn wait_for_news(&self, ending: Option<&Ending>, left: Duration) -> io::Result<()> {
+        let sources = [self.stdout.as_ref().map(AsFd::as_fd), self.stderr.as_ref().map(AsFd::as_fd), ending.map(Ending::as_fd)];
+        let mut fds: Vec<PollFd> = sources.iter().flatten().map(|fd| PollFd::from_borrowed_fd(*fd, PollFlags::IN)).collect();
+        // Where the end of a process cannot be waited for, it is looked for every two milliseconds.
+        let nap = if ending.is_some() { left } else { left.min(Duration::from_millis(2)) };
+        let nap = Timespec { tv_sec: nap.as_secs().min(1 << 30) as i64, tv_nsec: i64::from(nap.subsec_nanos()) };
+        match poll(&mut fds, Some(&nap)) {
+            Ok(_) | Err(rustix::io::Errno::INTR) => Ok(()),
+            Err(error) => Err(error.into()),
+        }
+    }
+
+    fn read_what_is_there(&mut self) -> io::Result<()> {
+        let mut buffer = [0; 65_536];
+        while self.output.len() <= self.most {
+            match read_some(&mut self.stdout, &mut buffer)? {
+                0 => break,
+                count => self.output.extend_from_slice(&buffer[..count]),
+            }
+        }
+        // A bounded share each time, so that a stream of errors cannot keep the clock from being read.
+        for _ in 0..16 {
+            match read_some(&mut self.stderr, &mut buffer)? {
+                0 => break,
+                count => {
+                    let kept = count.min(STDERR_KEPT.saturating_sub(self.errors.len()));
+                    self.errors.extend_from_slice(&buffer[..kept]);
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Reads from a pipe that does not block; forgets it at its end. 0 means that nothing is there.
+fn read_some(pipe: &mut Option<OwnedFd>, buffer: &mut [u8]) -> io::Result<usize> {
+    let Some(fd) = pipe else { return Ok(0) };
+    match rustix::io::read(&*fd, buffer) {
+        Ok(0) => {
+            *pipe = None;
+            Ok(0)
+        }
+        Ok(count) => Ok(count),
+        Err(rustix::io::Errno::AGAIN | rustix::io::Errno::INTR) => Ok(0),
+        Err(error) => Err(error.into()),
+    }
+}
+
+/// Something that becomes readable when a process ends.
+struct Ending(OwnedFd);
+
+impl Ending {
+    #[cfg(target_os = "linux")]
+    fn of(child: &Child) -> Option<Ending> {
+        rustix::process::pidfd_open(Pid::from_child(child), rustix::process::PidfdFlags::empty()).ok().map(Ending)
+    }
+
+    #[cfg(not(target_os = "linux"))]
+    fn of(_: &Child) -> Option<Ending> {
+        None
+    }
+
+    fn as_fd(&self) -> std::os::fd::BorrowedFd<'_> {
+        self.0.as_fd()
+    }
+}

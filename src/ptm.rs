@@ -1,0 +1,239 @@
+//! The nouns of the format, one glossary.
+//!
+//! - **texel**: one position of the map.
+//! - **plane**: one byte for every texel; the planes of a map come in the order of the text.
+//! - **coefficient**: one of the six values a0…a5 of a polynomial. *Raw* as stored, *final* after scale and bias (2.4).
+//! - **channel**: one plane seen as a component of a texel; a texel of an RGB map has 18 of them.
+//! - **entry**, **index**: a row of the lookup table (2.5) and the number of one (2.8).
+//! - **`lu`, `lv`**: the light, projected into the plane of the texture (1.0).
+//!
+//! Rows count from the top and columns from the left everywhere in this library; files store the bottom row first.
+
+use std::fmt;
+use std::ops::Range;
+use std::str::FromStr;
+
+/// One of the nine formats of 2.2.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Format {
+    /// `PTM_FORMAT_RGB`: a polynomial for each of red, green and blue.
+    Rgb,
+    /// `PTM_FORMAT_LUM`: a polynomial for Y, then Cr and Cb.
+    Lum,
+    /// `PTM_FORMAT_LRGB`: a polynomial for luminance, then a colour.
+    Lrgb,
+    /// `PTM_FORMAT_PTM_LUT`: polynomials in a table, colours for each texel.
+    PtmLut,
+    /// `PTM_FORMAT_PTM_C_LUT`: polynomials and colours in a table.
+    PtmCLut,
+    /// `PTM_FORMAT_JPEG_RGB`: the 18 planes of RGB, each a JPEG stream.
+    JpegRgb,
+    /// `PTM_FORMAT_JPEG_LRGB`: the 9 planes of LRGB, each a JPEG stream.
+    JpegLrgb,
+    /// `PTM_FORMAT_JPEGLS_RGB`: the 18 planes of RGB, each a JPEG-LS stream.
+    JpeglsRgb,
+    /// `PTM_FORMAT_JPEGLS_LRGB`: the 9 planes of LRGB, each a JPEG-LS stream.
+    JpeglsLrgb,
+}
+
+impl Format {
+    /// All nine, in the order of the text.
+    pub const ALL: [Format; 9] = [
+        Format::Rgb,
+        Format::Lum,
+        Format::Lrgb,
+        Format::PtmLut,
+        Format::PtmCLut,
+        Format::JpegRgb,
+        Format::JpegLrgb,
+        Format::JpeglsRgb,
+        Format::JpeglsLrgb,
+    ];
+
+    /// The string that names the format in a file (clause 2.2/1).
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Format::Rgb => "PTM_FORMAT_RGB",
+            Format::Lum => "PTM_FORMAT_LUM",
+            Format::Lrgb => "PTM_FORMAT_LRGB",
+            Format::PtmLut => "PTM_FORMAT_PTM_LUT",
+            Format::PtmCLut => "PTM_FORMAT_PTM_C_LUT",
+            Format::JpegRgb => "PTM_FORMAT_JPEG_RGB",
+            Format::JpegLrgb => "PTM_FORMAT_JPEG_LRGB",
+            Format::JpeglsRgb => "PTM_FORMAT_JPEGLS_RGB",
+            Format::JpeglsLrgb => "PTM_FORMAT_JPEGLS_LRGB",
+        }
+    }
+
+    /// The name without its prefix, as people say it: `RGB`, `PTM_LUT`, `JPEGLS_LRGB`.
+    #[must_use]
+    pub fn short_name(self) -> &'static str {
+        &self.name()["PTM_FORMAT_".len()..]
+    }
+
+    /// Whether the file carries a lookup table (2.5) and indices (2.8).
+    #[must_use]
+    pub const fn has_table(self) -> bool {
+        matches!(self, Format::PtmLut | Format::PtmCLut)
+    }
+
+    /// Whether the planes are compressed streams (2.9).
+    #[must_use]
+    pub const fn is_compressed(self) -> bool {
+        matches!(self, Format::JpegRgb | Format::JpegLrgb | Format::JpeglsRgb | Format::JpeglsLrgb)
+    }
+
+    /// How many planes a map of this format has: 18, 9 or 8.
+    #[must_use]
+    pub const fn channels(self) -> usize {
+        match self {
+            Format::Rgb | Format::JpegRgb | Format::JpeglsRgb => 18,
+            Format::Lum => 8,
+            _ => 9,
+        }
+    }
+}
+
+impl fmt::Display for Format {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+impl FromStr for Format {
+    type Err = String;
+
+    /// Knows the names of 2.2, with or without their prefix.
+    fn from_str(name: &str) -> Result<Format, String> {
+        Format::ALL
+            .into_iter()
+            .find(|format| format.name() == name || format.short_name() == name)
+            .ok_or_else(|| format!("unknown format {name:?}"))
+    }
+}
+
+/// Width and height in texels, both at least 1 (2.3).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Size {
+    /// Texels in a row.
+    pub width: u32,
+    /// Rows.
+    pub height: u32,
+}
+
+impl Size {
+    /// How many texels there are; 2⁶⁴ − 1 where that cannot be counted in memory.
+    #[must_use]
+    pub fn texels(self) -> usize {
+        (self.width as usize).saturating_mul(self.height as usize)
+    }
+}
+
+impl fmt::Display for Size {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}x{}", self.width, self.height)
+    }
+}
+
+impl FromStr for Size {
+    type Err = String;
+
+    /// Knows `WIDTHxHEIGHT`, both at least 1.
+    fn from_str(text: &str) -> Result<Size, String> {
+        let wrong = || format!("expected a size such as 8x5, found {text:?}");
+        let (width, height) = text.split_once('x').ok_or_else(wrong)?;
+        match (width.parse(), height.parse()) {
+            (Ok(width), Ok(height)) if width > 0 && height > 0 => Ok(Size { width, height }),
+            _ => Err(wrong()),
+        }
+    }
+}
+
+/// The six scales and six biases of 2.4; element i belongs to coefficient a*i* of every polynomial.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ScaleBias {
+    /// Any finite real, zero and negative ones too.
+    pub scale: [f64; 6],
+    /// Whole numbers of any sign.
+    pub bias: [f64; 6],
+}
+
+/// The sixteen numbers of 2.6 as they stand in the file.
+///
+/// Columns first: element `4 * column + row`; the translation is elements 12, 13 and 14.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ColorMatrix(pub [f64; 16]);
+
+/// Nine formats are three shapes; after the planes nobody asks for the format again.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Shape {
+    /// 18 channels: a0…a5 of red, of green, of blue.
+    Rgb,
+    /// 9 channels: a0…a5 of luminance, then R, G, B.
+    Lrgb,
+    /// 8 channels: a0…a5 of Y, then Cr and Cb; and the matrix that makes a colour of them.
+    Lum(ColorMatrix),
+}
+
+impl Shape {
+    /// How many channels a texel has.
+    #[must_use]
+    pub const fn channels(self) -> usize {
+        match self {
+            Shape::Rgb => 18,
+            Shape::Lrgb => 9,
+            Shape::Lum(_) => 8,
+        }
+    }
+
+    /// How many of the channels are coefficients of polynomials; they come first.
+    #[must_use]
+    pub const fn coefficients(self) -> usize {
+        match self {
+            Shape::Rgb => 18,
+            Shape::Lrgb | Shape::Lum(_) => 6,
+        }
+    }
+}
+
+/// What channel `channel` of a texel with `channels` of them is called: `a3 of green`, `a0`, `R`, `Cb`.
+#[must_use]
+pub fn channel_name(channels: usize, channel: usize) -> String {
+    match (channels, channel) {
+        (18, _) => format!("a{} of {}", channel % 6, ["red", "green", "blue"][channel / 6 % 3]),
+        (_, 0..6) if channels > 3 => format!("a{channel}"),
+        (9, _) => ["R", "G", "B"][channel % 3].to_owned(),
+        (8, _) => ["Cr", "Cb"][channel % 2].to_owned(),
+        _ => ["red", "green", "blue"][channel % 3].to_owned(),
+    }
+}
+
+/// The stored values of a map: what is left when tables are looked up and planes decompressed, predicted and mended.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Planes {
+    /// Width and height.
+    pub size: Size,
+    /// What the channels mean.
+    pub shape: Shape,
+    /// `height * width * channels` bytes: texel after texel, top row first, the channels of a texel side by side.
+    pub samples: Vec<u8>,
+}
+
+impl Planes {
+    /// The channels of every texel, top row first.
+    pub fn texels(&self) -> impl Iterator<Item = &[u8]> {
+        self.samples.chunks_exact(self.shape.channels())
+    }
+}
+
+/// A part of a file and what it is.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Field {
+    /// The clause that puts it there.
+    pub clause: &'static str,
+    /// What it is called: `width`, `scale`, `table`.
+    pub name: &'static str,
+    /// Its bytes, counted from the beginning of the file.
+    pub range: Range<usize>,
+}
