@@ -33,7 +33,7 @@ pub struct Reading {
     pub(crate) modulate: fn(luminance: f64, color: f64) -> f64,
     pub(crate) clamp: fn(f64) -> f64,
     // 2.8
-    pub(crate) index_width: fn(entries: usize, stored: &[u8], texels: usize) -> usize,
+    pub(crate) index_width: fn(Format, entries: usize, stored: &[u8], texels: usize) -> usize,
     pub(crate) index: fn(stored: &[u8]) -> usize,
     pub(crate) entry: fn(index: usize, entries: usize) -> Option<usize>,
 }

@@ -11,12 +11,12 @@ use super::lookup_table::LookupTable;
 use super::texels::{self, Block};
 use super::{Header, Input, Limits, blank};
 use crate::error::{Error, Kind, Result};
-use crate::ptm::{Planes, Shape};
+use crate::ptm::{Format, Planes, Shape};
 use crate::reading::Reading;
 
 pub(super) fn read(header: &Header, table: &LookupTable, input: &mut Input, reading: &Reading, limits: &Limits) -> Result<Planes> {
     let count = header.size.texels();
-    let width = (reading.index_width)(table.entries, input.rest(), count);
+    let width = (reading.index_width)(header.format, table.entries, input.rest(), count);
     let start = input.at();
     let stored = input.take("2.8.1/1", "the indices", count.saturating_mul(width))?;
     let colors = texels::read_blocks(header, input, reading)?;
@@ -42,7 +42,7 @@ pub(super) fn read(header: &Header, table: &LookupTable, input: &mut Input, read
 }
 
 /// Bytes of an index (clauses 2.8.1/2–3, 2.8.2/2–3).
-pub(crate) fn width(entries: usize, _stored: &[u8], _texels: usize) -> usize {
+pub(crate) fn width(_: Format, entries: usize, _stored: &[u8], _texels: usize) -> usize {
     if entries <= 256 { 1 } else { 2 }
 }
 

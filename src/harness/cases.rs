@@ -5,6 +5,7 @@
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::fmt;
+use std::sync::Arc;
 
 use serde::Deserialize;
 
@@ -139,6 +140,8 @@ pub struct Case {
     /// The accepted file of which this one is an edit.
     pub twin_of: Option<String>,
     source: Source,
+    /// The file in the ordinary spelling, where it has been made ahead.
+    prepared: Option<Arc<Built>>,
 }
 
 #[derive(Clone, Debug)]
@@ -286,7 +289,14 @@ impl Case {
     /// # Panics
     /// Never for a case that [`Suite::load`] returned.
     #[must_use]
-    pub fn build(&self, table: TableSpelling) -> Built {
+    pub fn build(&self, table: TableSpelling) -> Arc<Built> {
+        match &self.prepared {
+            Some(built) if table == TableSpelling::default() => Arc::clone(built),
+            _ => Arc::new(self.make(table)),
+        }
+    }
+
+    fn make(&self, table: TableSpelling) -> Built {
         match &self.source {
             Source::Recipe { recipe, damage } => {
                 let mut recipe = recipe.clone();
@@ -378,6 +388,15 @@ impl Suite {
             }
         }
         Ok(Suite { cases })
+    }
+
+    /// The same suite with all files made ahead, for those who run it again and again.
+    #[must_use]
+    pub fn prepared(mut self) -> Suite {
+        for case in &mut self.cases {
+            case.prepared = Some(Arc::new(case.make(TableSpelling::default())));
+        }
+        self
     }
 
     /// The case of that id.
@@ -495,6 +514,9 @@ impl CaseRecord {
             (None, None, Some(twin)) => {
                 let recipe = parent(twin).ok_or_else(|| format!("its twin {twin} does not stand before it"))?.recipe();
                 let recipe = recipe.ok_or_else(|| format!("its twin {twin} has no recipe"))?.clone();
+                if parent(twin).is_some_and(|twin| twin.twin_of.is_some()) {
+                    return Err(format!("its twin {twin} is itself an edit"));
+                }
                 let name = fill(self.damage.as_ref().ok_or("a twin needs a damage")?);
                 let damage = Damage::named(&name).ok_or_else(|| format!("unknown damage {name:?}"))?;
                 let model = Model::paint(&recipe);
@@ -503,6 +525,9 @@ impl CaseRecord {
             }
             _ => return Err("a case has one of make, bytes and twin_of".to_owned()),
         };
+        if self.expect == Expect::Spelling && self.make.is_none() {
+            return Err("a case that expects a spelling is made by a recipe".to_owned());
+        }
         let usual_views = || match (&source, &self.values, twin_of.as_deref().and_then(&parent)) {
             (Source::Hand { .. }, Some(values), _) => values.views(),
             (_, _, Some(twin)) => Ok(twin.views.clone()),
@@ -518,6 +543,7 @@ impl CaseRecord {
             first: self.first,
             twin_of,
             source,
+            prepared: None,
         })
     }
 }
@@ -525,7 +551,7 @@ impl CaseRecord {
 impl MakeRecord {
     fn recipe(&self, fill: &impl Fn(&String) -> String) -> Result<Recipe, String> {
         fn number<T: std::str::FromStr>(name: &str, text: &str) -> Result<T, String> {
-            let digits = text.strip_prefix("0x").map_or_else(|| text.parse().ok(), |hex| u8::from_str_radix(hex, 16).ok()?.to_string().parse().ok());
+            let digits = text.strip_prefix("0x").map_or_else(|| text.parse().ok(), |hex| u32::from_str_radix(hex, 16).ok()?.to_string().parse().ok());
             digits.ok_or_else(|| format!("expected a number for {name}, found {text:?}"))
         }
         let size: Size = fill(&self.size).parse()?;

@@ -74,7 +74,7 @@ pub fn entry(case: &Case) -> (Entry, Vec<Output>) {
         entry.expected = Some(ExpectedFile { view: view.to_string(), file: path.clone(), sha256: sha256(&frame) });
         outputs.push((path, frame));
     }
-    outputs.insert(0, (file, built.file));
+    outputs.insert(0, (file, built.file.clone()));
     (entry, outputs)
 }
 

@@ -68,8 +68,8 @@ fn spoken(run: &Run) -> Reading {
 
 fn explains(suite: &Suite, run: &Run, i: usize, misreading: &Misreading, reading: Reading) -> bool {
     let Some(Finding { view, shown, .. }) = &run.findings[i] else { return false };
-    let file = suite.cases[i].build(run.table).file;
-    match (shown, misreadings::answer(&[misreading], reading, &file, view)) {
+    let built = suite.cases[i].build(run.table);
+    match (shown, misreadings::answer(&[misreading], reading, &built.file, view)) {
         (Shown::Picture { frame: Some(shown), .. }, Answer::Decoded(made)) => alike(shown, &made),
         // Of a file that must be refused no picture is kept: to accept it is the mistake.
         (Shown::Picture { frame: None, .. }, Answer::Decoded(_)) | (Shown::Rejected, Answer::Rejected) => true,

@@ -18,6 +18,8 @@ pub mod misreadings;
 
 pub mod diagnose;
 
+pub mod matrix;
+
 pub mod check;
 
 pub mod corpus;

@@ -38,7 +38,6 @@ pub(super) const ALL: &[Misreading] = &[
     polynomial("no-cross-term", "leaves a2·u·v out", |r| Reading { polynomial: |a, u, v| spec(a, u, v) - a[2] * u * v, ..r }),
     polynomial("cross-term-twice", "adds a2·u·v twice", |r| Reading { polynomial: |a, u, v| spec(a, u, v) + a[2] * u * v, ..r }),
     polynomial("no-constant-term", "leaves a5 out", |r| Reading { polynomial: |a, u, v| spec(a, u, v) - a[5], ..r }),
-    polynomial("only-constant-term", "shows a5 alone", |r| Reading { polynomial: |a, _, _| a[5], ..r }),
     polynomial("no-squares", "leaves a0·u² and a1·v² out", |r| Reading { polynomial: |a, u, v| spec(a, u, v) - a[0] * u * u - a[1] * v * v, ..r }),
     polynomial("squares-not-squared", "uses u and v where their squares belong", |r| Reading {
         polynomial: |a, u, v| (a[0] + a[3]) * u + (a[1] + a[4]) * v + a[2] * u * v + a[5],
@@ -64,10 +63,6 @@ pub(super) const ALL: &[Misreading] = &[
     modulate("luminance-over-128", "divides luminance times color by 128", |r| Reading { modulate: |l, c| l * c / 128.0, ..r }),
     clamped("clamp-before-color", "clamps the luminance to 0…255 before multiplying by the color", |r| Reading {
         modulate: |l, c| l.clamp(0.0, 255.0) * c / 255.0,
-        ..r
-    }),
-    clamped("luminance-at-most-255", "cuts the luminance off at 255 before multiplying by the color", |r| Reading {
-        modulate: |l, c| l.min(255.0) * c / 255.0,
         ..r
     }),
     clamped("luminance-wraps", "keeps the luminance in a byte before multiplying by the color", |r| Reading {

@@ -74,7 +74,7 @@ pub(super) const ALL: &[Misreading] = &[
     },
     Misreading {
         slug: "version-with-space-is-1.1",
-        clause: "2.1/1",
+        clause: "2.0/2",
         effect: "takes \"PTM_1.2 \" for an older version and reads nine interleaved bytes for each texel",
         mend: "take the optional space off before comparing the version",
         at: At::Bytes(|file| if file.after("2.1/1", 0) == b" \n" { as_interleaved(file) } else { file.unchanged() }),
@@ -257,9 +257,9 @@ pub(super) const ALL: &[Misreading] = &[
     Misreading {
         slug: "leading-zeros-refused",
         clause: "2.3/1",
-        effect: "refuses sizes with leading zeros",
+        effect: "refuses integers with leading zeros",
         mend: "leading zeros mean nothing",
-        at: At::Bytes(|file| file.refused_if(file.texts(&["2.3/1"]).iter().any(|text| text.len() > 1 && text.starts_with('0')))),
+        at: At::Bytes(|file| file.refused_if(file.texts(&["2.3/1", BIAS]).iter().any(|text| text.len() > 1 && text.starts_with('0')))),
     },
     Misreading {
         slug: "sign-ignored-in-sizes",
@@ -450,7 +450,7 @@ pub(super) const ALL: &[Misreading] = &[
         at: At::Bytes(|file| Seen::File([file.file, &vec![0; file.file.len() + 4096]].concat())),
     },
     Misreading {
-        slug: "trailing-space-is-1-byte-of-payload",
+        slug: "header-ends-at-its-last-space",
         clause: "2.0/2",
         effect: "ends the header at the space before its last line feed",
         mend: "the optional space and the line feed both belong to the header",

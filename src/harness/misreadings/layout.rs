@@ -234,6 +234,26 @@ pub(super) const ALL: &[Misreading] = &[
         }),
     },
     Misreading {
+        slug: "blocks-separated",
+        clause: "2.7/2",
+        effect: "expects a byte between the blocks of a file",
+        mend: "nothing stands between blocks",
+        at: At::Bytes(|file| {
+            let (Ok(ptm), ["PTM_FORMAT_RGB" | "PTM_FORMAT_LRGB"]) = (crate::decode::decode(file.file), &file.texts(&["2.2/1"])[..]) else {
+                return file.unchanged();
+            };
+            // The blocks that follow the first one start a byte later each.
+            let first = file.payload() + ptm.header.size.texels() * 6;
+            let second = first + ptm.header.size.texels() * 6 + 1;
+            let mut bytes = file.file.to_vec();
+            if ptm.header.format == Format::Rgb && second < bytes.len() {
+                bytes.remove(second);
+            }
+            bytes.remove(first);
+            Seen::File(bytes)
+        }),
+    },
+    Misreading {
         slug: "trailing-bytes-are-the-end",
         clause: "2.7/3",
         effect: "counts the payload from the end of the file",

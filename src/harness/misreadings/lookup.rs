@@ -29,6 +29,26 @@ pub(super) const ALL: &[Misreading] = &[
         }),
     },
     Misreading {
+        slug: "table-not-read",
+        clause: "2.5/1",
+        effect: "takes the table for indices",
+        mend: "the table stands between the count and the indices",
+        at: At::Bytes(|file| match (entries(file), entry_size(file)) {
+            (Some(count), Some(size)) => Seen::File([file.header(), &vec![0; count * size], &file.file[file.payload()..]].concat()),
+            _ => file.unchanged(),
+        }),
+    },
+    Misreading {
+        slug: "c-lut-with-colors-behind",
+        clause: "2.8.2/1",
+        effect: "expects colors after the indices of a PTM_C_LUT",
+        mend: "the colors of PTM_C_LUT are in its table",
+        at: At::Reading(Decision::Blocks, |r| Reading {
+            blocks: |format| crate::decode::texels::blocks(if format == Format::PtmCLut { Format::PtmLut } else { format }),
+            ..r
+        }),
+    },
+    Misreading {
         slug: "table-padded-to-256",
         clause: "2.5/3",
         effect: "expects room for 256 entries whatever their number",
@@ -122,36 +142,44 @@ pub(super) const ALL: &[Misreading] = &[
         at: At::Planes(|ptm| if ptm.header.format == Format::PtmCLut { each(ptm, |texel| texel.swap(6, 8)) }),
     },
     index_width("width-at-256", "2.8.1/2", "uses two bytes for an index already at 256 entries", |r| Reading {
-        index_width: |entries, _, _| if entries < 256 { 1 } else { 2 },
+        index_width: |_, entries, _, _| if entries < 256 { 1 } else { 2 },
         ..r
     }),
     index_width("width-at-255", "2.8.1/2", "uses two bytes for an index already at 255 entries", |r| Reading {
-        index_width: |entries, _, _| if entries < 255 { 1 } else { 2 },
+        index_width: |_, entries, _, _| if entries < 255 { 1 } else { 2 },
         ..r
     }),
     index_width("width-at-258", "2.8.1/3", "uses one byte for an index still at 257 entries", |r| Reading {
-        index_width: |entries, _, _| if entries <= 257 { 1 } else { 2 },
+        index_width: |_, entries, _, _| if entries <= 257 { 1 } else { 2 },
         ..r
     }),
     index_width("width-at-128", "2.8.1/2", "uses two bytes for an index above 128 entries", |r| Reading {
-        index_width: |entries, _, _| if entries <= 128 { 1 } else { 2 },
+        index_width: |_, entries, _, _| if entries <= 128 { 1 } else { 2 },
         ..r
     }),
     index_width("width-by-largest-index", "2.8.1/3", "uses one byte for an index where no index exceeds 255", |r| Reading {
-        index_width: |entries, stored, texels| {
+        index_width: |_, entries, stored, texels| {
             let wide = stored.chunks_exact(2).take(texels).any(|pair| pair[1] != 0);
             if entries <= 256 || !wide { 1 } else { 2 }
         },
         ..r
     }),
-    index_width("width-always-one", "2.8.1/3", "uses one byte for every index", |r| Reading { index_width: |_, _, _| 1, ..r }),
-    index_width("width-always-two", "2.8.1/2", "uses two bytes for every index", |r| Reading { index_width: |_, _, _| 2, ..r }),
+    index_width("width-always-one", "2.8.1/3", "uses one byte for every index", |r| Reading { index_width: |_, _, _, _| 1, ..r }),
+    index_width("width-always-two", "2.8.1/2", "uses two bytes for every index", |r| Reading { index_width: |_, _, _, _| 2, ..r }),
     index_width("width-four-at-65536", "2.8.1/3", "uses four bytes for an index at 65,536 entries", |r| Reading {
-        index_width: |entries, _, _| match entries {
+        index_width: |_, entries, _, _| match entries {
             0..=256 => 1,
             257..65_536 => 2,
             _ => 4,
         },
+        ..r
+    }),
+    index_width("c-lut-width-at-256", "2.8.2/2", "uses two bytes for an index of PTM_C_LUT already at 256 entries", |r| Reading {
+        index_width: |format, entries, _, _| if entries < 256 || (entries == 256 && format == Format::PtmLut) { 1 } else { 2 },
+        ..r
+    }),
+    index_width("c-lut-width-always-one", "2.8.2/3", "uses one byte for every index of PTM_C_LUT", |r| Reading {
+        index_width: |format, entries, _, _| if entries <= 256 || format == Format::PtmCLut { 1 } else { 2 },
         ..r
     }),
     index("big-endian-index", "2.8.1/3", "reads the high byte of an index first", "the low byte comes first", |r| Reading {

@@ -32,8 +32,14 @@ pub(super) const ALL: &[Misreading] = &[
         effect: "does not miss an element of the matrix",
         mend: "refuse a matrix of fewer than sixteen elements",
         at: At::Bytes(|file| {
-            let elements = file.texts(&["2.6/2"]);
-            if elements.len() == 15 { Seen::File(completed(file.file, file.fields.last().map_or(0, |field| field.range.end))) } else { file.unchanged() }
+            let Some(start) = file.fields.iter().find(|field| field.clause == "2.6/2").map(|field| field.range.start) else {
+                return file.unchanged();
+            };
+            let line = file.file[start..].split(|&byte| byte == b'\n').next().unwrap_or_default();
+            match line.split(|&byte| byte == b' ').count() {
+                15 => Seen::File([&file.file[..start + line.len()], b" 0", &file.file[start + line.len()..]].concat()),
+                _ => file.unchanged(),
+            }
         }),
     },
     Misreading {
@@ -119,7 +125,7 @@ pub(super) const ALL: &[Misreading] = &[
     },
     Misreading {
         slug: "chroma-swapped-in-the-vector",
-        clause: "2.6/4",
+        clause: "2.7.2/2",
         effect: "multiplies the matrix by (Y, Cb, Cr, 1)",
         mend: "Cr comes before Cb, as it is stored",
         at: At::Reading(Decision::LumVector, |r| Reading { lum_vector: |y, cr, cb| [y, cb, cr], ..r }),
@@ -205,9 +211,4 @@ pub(super) const ALL: &[Misreading] = &[
 
 const fn one(channel: usize) -> Block {
     Block { channel, channels: 1 }
-}
-
-/// The file with a zero where the sixteenth element of the matrix is missing.
-fn completed(file: &[u8], end: usize) -> Vec<u8> {
-    [&file[..end], b" 0", &file[end..]].concat()
 }
