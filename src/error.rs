@@ -71,7 +71,11 @@ pub enum Kind {
 
 impl Error {
     pub(crate) const fn new(clause: &'static str, offset: usize, kind: Kind) -> Error {
-        Error { clause, offset, kind }
+        Error {
+            clause,
+            offset,
+            kind,
+        }
     }
 
     /// The clause that is broken, as numbered in `spec-cases/clauses.yaml`: `2.5/2`.
@@ -83,7 +87,9 @@ impl Error {
     /// The section of that clause: `2.5`.
     #[must_use]
     pub fn section(&self) -> &'static str {
-        self.clause.split_once('/').map_or(self.clause, |(section, _)| section)
+        self.clause
+            .split_once('/')
+            .map_or(self.clause, |(section, _)| section)
     }
 
     /// The byte of the file, counted from 0, at which it shows.
@@ -102,7 +108,10 @@ impl Error {
     #[must_use]
     pub const fn class(&self) -> Class {
         match self.kind {
-            Kind::Expected { .. } | Kind::Ended { .. } | Kind::Short { .. } | Kind::IndexOutOfRange { .. } => Class::Malformed,
+            Kind::Expected { .. }
+            | Kind::Ended { .. }
+            | Kind::Short { .. }
+            | Kind::IndexOutOfRange { .. } => Class::Malformed,
             Kind::TooLarge { .. } => Class::Limit,
             Kind::NotRead { .. } => Class::Unsupported,
         }
@@ -130,20 +139,40 @@ pub fn section_title(section: &str) -> &'static str {
 impl fmt::Display for Error {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let section = self.section();
-        write!(f, "{} (§{section}), byte {}: {}", section_title(section), self.offset, self.kind)
+        write!(
+            f,
+            "{} (§{section}), byte {}: {}",
+            section_title(section),
+            self.offset,
+            self.kind
+        )
     }
 }
 
 impl fmt::Display for Kind {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         // A number of bytes that does not fit a usize is told as what it is.
-        let bytes = |n: usize| if n == usize::MAX { "more bytes than can be counted".to_owned() } else { format!("{n} bytes") };
+        let bytes = |n: usize| {
+            if n == usize::MAX {
+                "more bytes than can be counted".to_owned()
+            } else {
+                format!("{n} bytes")
+            }
+        };
         match self {
             Kind::Expected { what, found } => write!(f, "expected {what}, found \"{found}\""),
             Kind::Ended { what } => write!(f, "expected {what}, found the end of the file"),
-            Kind::Short { what, needs, remain } => write!(f, "{what} need {}, {remain} remain", bytes(*needs)),
-            Kind::IndexOutOfRange { index, entries } => write!(f, "index {index} into a table of {entries} entries"),
-            Kind::TooLarge { needs, limit } => write!(f, "the planes need {}, the limit is {limit}", bytes(*needs)),
+            Kind::Short {
+                what,
+                needs,
+                remain,
+            } => write!(f, "{what} need {}, {remain} remain", bytes(*needs)),
+            Kind::IndexOutOfRange { index, entries } => {
+                write!(f, "index {index} into a table of {entries} entries")
+            }
+            Kind::TooLarge { needs, limit } => {
+                write!(f, "the planes need {}, the limit is {limit}", bytes(*needs))
+            }
             Kind::NotRead { what } => write!(f, "{what} are not read"),
         }
     }

@@ -59,15 +59,28 @@ pub(crate) fn apply(scale_bias: &ScaleBias, planes: &Planes, reading: &Reading) 
     let mut values = Vec::with_capacity(planes.samples.len());
     for texel in planes.texels() {
         for (channel, &raw) in texel.iter().enumerate() {
-            let decision = if channel < coefficients { reading.final_coefficient } else { reading.final_other };
+            let decision = if channel < coefficients {
+                reading.final_coefficient
+            } else {
+                reading.final_other
+            };
             values.push(decision(raw, channel, scale_bias));
         }
     }
-    Coefficients { size: planes.size, shape: planes.shape, values }
+    Coefficients {
+        size: planes.size,
+        shape: planes.shape,
+        values,
+    }
 }
 
 /// The polynomials put to work.
-pub(crate) fn evaluate(coefficients: &Coefficients, lu: f64, lv: f64, reading: &Reading) -> Picture {
+pub(crate) fn evaluate(
+    coefficients: &Coefficients,
+    lu: f64,
+    lv: f64,
+    reading: &Reading,
+) -> Picture {
     let (lu, lv) = (reading.light)(lu, lv);
     let polynomial = |a: &[f64]| (reading.polynomial)(a, lu, lv);
     let color = |texel: &[f64]| match coefficients.shape {
@@ -76,17 +89,29 @@ pub(crate) fn evaluate(coefficients: &Coefficients, lu: f64, lv: f64, reading: &
             let luminance = polynomial(&texel[..6]);
             [texel[6], texel[7], texel[8]].map(|color| (reading.modulate)(luminance, color))
         }
-        Shape::Lum(matrix) => lum_color(&matrix, polynomial(&texel[..6]), texel[6], texel[7], reading),
+        Shape::Lum(matrix) => lum_color(
+            &matrix,
+            polynomial(&texel[..6]),
+            texel[6],
+            texel[7],
+            reading,
+        ),
     };
-    let texels = coefficients.values.chunks_exact(coefficients.shape.channels());
+    let texels = coefficients
+        .values
+        .chunks_exact(coefficients.shape.channels());
     let values = texels.flat_map(color).map(reading.clamp).collect();
-    Picture { size: coefficients.size, values }
+    Picture {
+        size: coefficients.size,
+        values,
+    }
 }
 
 /// Matrix times (Y, Cr, Cb, 1) (clauses 2.6/4–5).
 fn lum_color(matrix: &ColorMatrix, y: f64, cr: f64, cb: f64, reading: &Reading) -> [f64; 3] {
     let [p, q, r] = (reading.lum_vector)(y, cr, cb);
-    (reading.lum_matrix)(matrix).map(|[m0, m1, m2, t]| m0 * p + m1 * q + m2 * r + (reading.lum_translation)(t))
+    (reading.lum_matrix)(matrix)
+        .map(|[m0, m1, m2, t]| m0 * p + m1 * q + m2 * r + (reading.lum_translation)(t))
 }
 
 /// The light as it is given: +u right, +v up (clause 1.0/2, ruling `light`).

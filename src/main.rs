@@ -49,7 +49,9 @@ enum Command {
 ///
 /// Exit status: 0 the decoder passes, 1 it fails, 2 wrong usage, 3 it is not a decoder, 5 no case was selected.
 #[derive(Args)]
-#[command(after_help = "Examples:\n  ptm-conform check ./my-decoder\n  ptm-conform check -- python3 decode.py --strict\n  ptm-conform check --case '*lut*' --jobs 1 ./my-decoder")]
+#[command(
+    after_help = "Examples:\n  ptm-conform check ./my-decoder\n  ptm-conform check -- python3 decode.py --strict\n  ptm-conform check --case '*lut*' --jobs 1 ./my-decoder"
+)]
 struct CheckArgs {
     /// Where to write the report.
     #[arg(long, value_name = "FILE", default_value = "ptm-conform-report.yaml")]
@@ -76,7 +78,7 @@ struct CheckArgs {
     #[arg(long, value_name = "N", default_value_t = 10)]
     show: usize,
     /// The decoder and its arguments; the reference itself if there is none.
-    #[arg(value_name = "DECODER", trailing_var_arg = true, allow_hyphen_values = true)]
+    #[arg(value_name = "DECODER", trailing_var_arg = true)]
     decoder: Vec<OsString>,
 }
 
@@ -135,28 +137,50 @@ fn run_check(args: &CheckArgs) -> Result<u8, String> {
         eprintln!("ptm-conform: no case matches");
         return Ok(EXIT_NOTHING_SELECTED);
     }
-    let command = if args.decoder.is_empty() { reference_command()? } else { args.decoder.clone() };
-    let timeout = Duration::try_from_secs_f64(args.timeout).map_err(|_| "a time limit is a positive number of seconds")?;
+    let command = if args.decoder.is_empty() {
+        reference_command()?
+    } else {
+        args.decoder.clone()
+    };
+    let timeout = Duration::try_from_secs_f64(args.timeout)
+        .map_err(|_| "a time limit is a positive number of seconds")?;
     if timeout.is_zero() {
         return Err("a time limit is a positive number of seconds".to_owned());
     }
-    let decoder = Decoder::new(&command, timeout, args.reject_exit).map_err(|error| error.to_string())?;
-    let scratch = tempfile::Builder::new().prefix("ptm-conform-").tempdir().map_err(|error| format!("no scratch directory: {error}"))?;
+    let decoder =
+        Decoder::new(&command, timeout, args.reject_exit).map_err(|error| error.to_string())?;
+    let scratch = tempfile::Builder::new()
+        .prefix("ptm-conform-")
+        .tempdir()
+        .map_err(|error| format!("no scratch directory: {error}"))?;
     let plan = Plan {
         selected,
         jobs: jobs(args.jobs)?,
-        views: ["raw", "coef", "rgb"].into_iter().filter(|view| args.views.iter().any(|asked| asked == view)).collect(),
+        views: ["raw", "coef", "rgb"]
+            .into_iter()
+            .filter(|view| args.views.iter().any(|asked| asked == view))
+            .collect(),
     };
 
     let bar = progress_bar();
-    let ask = |request: &Request<'_>, worker: usize| decoder.ask(request, &scratch.path().join(worker.to_string()));
-    let run = check(&suite, &plan, &ask, &|done, all| show_progress(&bar, done, all));
+    let ask = |request: &Request<'_>, worker: usize| {
+        decoder.ask(request, &scratch.path().join(worker.to_string()))
+    };
+    let run = check(&suite, &plan, &ask, &|done, all| {
+        show_progress(&bar, done, all)
+    });
     bar.finish_and_clear();
 
     let diagnoses = diagnose(&suite, &run);
-    let words: Vec<String> = command.iter().map(|word| word.to_string_lossy().into_owned()).collect();
+    let words: Vec<String> = command
+        .iter()
+        .map(|word| word.to_string_lossy().into_owned())
+        .collect();
     let limits = vec![
-        format!("wall clock: {} s a call, three times that for the first", args.timeout),
+        format!(
+            "wall clock: {} s a call, three times that for the first",
+            args.timeout
+        ),
         "standard output: 4 times the largest frame of the file and 64 KiB".to_owned(),
         "process group: killed after each call".to_owned(),
     ];
@@ -175,17 +199,23 @@ fn selection(suite: &Suite, args: &CheckArgs) -> Result<Vec<bool>, String> {
         .map(|text| glob::Pattern::new(text).map_err(|error| format!("--case {text}: {error}")))
         .collect::<Result<_, _>>()?;
     let about = |clause: &String| {
-        args.clauses.iter().any(|asked| clause == asked || clause.starts_with(&format!("{asked}/")) || clause.starts_with(&format!("{asked}.")))
+        args.clauses.iter().any(|asked| {
+            clause == asked
+                || clause.starts_with(&format!("{asked}/"))
+                || clause.starts_with(&format!("{asked}."))
+        })
     };
     let matches = |case: &cases::Case| {
-        (globs.is_empty() || globs.iter().any(|glob| glob.matches(&case.id))) && (args.clauses.is_empty() || case.clauses.iter().any(about))
+        (globs.is_empty() || globs.iter().any(|glob| glob.matches(&case.id)))
+            && (args.clauses.is_empty() || case.clauses.iter().any(about))
     };
     Ok(suite.cases.iter().map(matches).collect())
 }
 
 /// This program, asked as any other decoder.
 fn reference_command() -> Result<Vec<OsString>, String> {
-    let program = std::env::current_exe().map_err(|error| format!("cannot find this program: {error}"))?;
+    let program =
+        std::env::current_exe().map_err(|error| format!("cannot find this program: {error}"))?;
     Ok(vec![program.into(), "reference".into()])
 }
 
@@ -200,7 +230,9 @@ fn run_reference(args: &ReferenceArgs) -> u8 {
     match ptm_conform::decode(&file) {
         Ok(ptm) => {
             let mut out = io::BufWriter::new(io::stdout().lock());
-            let written = Frame::of(&ptm, &args.view).write(&mut out).and_then(|()| out.flush());
+            let written = Frame::of(&ptm, &args.view)
+                .write(&mut out)
+                .and_then(|()| out.flush());
             match written {
                 Ok(()) => 0,
                 // The reader has what it wanted.
@@ -213,7 +245,11 @@ fn run_reference(args: &ReferenceArgs) -> u8 {
         }
         Err(error) => {
             eprintln!("{}: {error}", args.file.display());
-            let status = if error.class() == Class::Malformed { EXIT_MALFORMED } else { EXIT_UNSUPPORTED };
+            let status = if error.class() == Class::Malformed {
+                EXIT_MALFORMED
+            } else {
+                EXIT_UNSUPPORTED
+            };
             status as u8
         }
     }
@@ -221,13 +257,31 @@ fn run_reference(args: &ReferenceArgs) -> u8 {
 
 fn run_generate(args: &GenerateArgs) -> Result<u8, String> {
     let suite = Suite::load()?;
-    let largest = if args.all { usize::MAX } else { corpus::COMMITTED };
+    let largest = if args.all {
+        usize::MAX
+    } else {
+        corpus::COMMITTED
+    };
     let bar = progress_bar();
-    let entries = corpus::write(&suite, &args.out, largest, jobs(args.jobs)?, &|done, all| show_progress(&bar, done, all));
+    let entries = corpus::write(
+        &suite,
+        &args.out,
+        largest,
+        jobs(args.jobs)?,
+        &|done, all| show_progress(&bar, done, all),
+    );
     bar.finish_and_clear();
     let entries = entries.map_err(|error| error.to_string())?;
-    let bytes: usize = entries.iter().map(|entry| entry.bytes).filter(|&bytes| bytes <= largest).sum();
-    print(&format!("{} cases, {bytes} bytes of PTM files in {}\n", entries.len(), args.out.display()));
+    let bytes: usize = entries
+        .iter()
+        .map(|entry| entry.bytes)
+        .filter(|&bytes| bytes <= largest)
+        .sum();
+    print(&format!(
+        "{} cases, {bytes} bytes of PTM files in {}\n",
+        entries.len(),
+        args.out.display()
+    ));
     Ok(0)
 }
 
@@ -247,21 +301,55 @@ fn explain(id: &str) -> Result<Option<String>, String> {
     if let Some(case) = suite.case(id) {
         explain_case(case, &mut text).map_err(|error| error.to_string())?;
     }
-    for clause in clauses.iter().filter(|clause| clause.id == id || clause.id.starts_with(&format!("{id}/"))) {
-        let cases: Vec<&str> = suite.cases.iter().filter(|case| case.clauses.contains(&clause.id)).map(|case| case.id.as_str()).collect();
-        let ruling = clause.ruling.as_ref().map(|ruling| format!(" Ruling: {ruling}.")).unwrap_or_default();
-        let _ = writeln!(text, "clause {}: {}{ruling}\n  {} cases: {}", clause.id, clause.rule, cases.len(), abbreviated(&cases));
+    for clause in clauses
+        .iter()
+        .filter(|clause| clause.id == id || clause.id.starts_with(&format!("{id}/")))
+    {
+        let cases: Vec<&str> = suite
+            .cases
+            .iter()
+            .filter(|case| case.clauses.contains(&clause.id))
+            .map(|case| case.id.as_str())
+            .collect();
+        let ruling = clause
+            .ruling
+            .as_ref()
+            .map(|ruling| format!(" Ruling: {ruling}."))
+            .unwrap_or_default();
+        let _ = writeln!(
+            text,
+            "clause {}: {}{ruling}\n  {} cases: {}",
+            clause.id,
+            clause.rule,
+            cases.len(),
+            abbreviated(&cases)
+        );
     }
     for ruling in cases::rulings()?.iter().filter(|ruling| ruling.id == id) {
-        let _ = writeln!(text, "ruling {} ({:?}), clauses {}", ruling.id, ruling.kind, ruling.clauses.join(", "));
-        let _ = writeln!(text, "  open: {}\n  the reference: {}", ruling.question.trim(), ruling.reading.trim());
+        let _ = writeln!(
+            text,
+            "ruling {} ({:?}), clauses {}",
+            ruling.id,
+            ruling.kind,
+            ruling.clauses.join(", ")
+        );
+        let _ = writeln!(
+            text,
+            "  open: {}\n  the reference: {}",
+            ruling.question.trim(),
+            ruling.reading.trim()
+        );
         for also in &ruling.also {
             let _ = writeln!(text, "  also right: {also}");
         }
         let _ = writeln!(text, "  evidence: {}", ruling.evidence.trim());
     }
     if let Some(misreading) = misreadings::named(id) {
-        let _ = writeln!(text, "misreading {} of clause {}: the decoder {}.", misreading.slug, misreading.clause, misreading.effect);
+        let _ = writeln!(
+            text,
+            "misreading {} of clause {}: the decoder {}.",
+            misreading.slug, misreading.clause, misreading.effect
+        );
         let _ = writeln!(text, "  To mend it: {}.", misreading.mend);
         if let Some(clause) = clauses.iter().find(|clause| clause.id == misreading.clause) {
             let _ = writeln!(text, "  The clause says: {}", clause.rule);
@@ -271,36 +359,62 @@ fn explain(id: &str) -> Result<Option<String>, String> {
 }
 
 fn explain_case(case: &cases::Case, out: &mut String) -> std::fmt::Result {
-    writeln!(out, "case {} (clauses {}): {}", case.id, case.clauses.join(", "), case.because)?;
+    writeln!(
+        out,
+        "case {} (clauses {}): {}",
+        case.id,
+        case.clauses.join(", "),
+        case.because
+    )?;
     writeln!(out, "  expected: {}", case.expect.name())?;
     if let (Some(twin), Some(damage)) = (&case.twin_of, case.damage()) {
         writeln!(out, "  it is {twin}, in which {}", damage.effect)?;
     }
     let views: Vec<String> = case.views.iter().map(ToString::to_string).collect();
-    writeln!(out, "  asked in the first of these views that the decoder offers: {}", views.join(", "))?;
+    writeln!(
+        out,
+        "  asked in the first of these views that the decoder offers: {}",
+        views.join(", ")
+    )?;
     if let Some(ruling) = &case.ruling {
         writeln!(out, "  ruling: {ruling}")?;
     }
     let built = case.build(cases::TableSpelling::default());
-    writeln!(out, "  file: {} bytes, sha-256 {}", built.file.len(), corpus::sha256(&built.file))?;
+    writeln!(
+        out,
+        "  file: {} bytes, sha-256 {}",
+        built.file.len(),
+        corpus::sha256(&built.file)
+    )?;
     for field in &built.fields {
         let bytes = &built.file[field.range.clone()];
         let shown = bytes[..bytes.len().min(24)].escape_ascii();
         let more = if bytes.len() > 24 { "…" } else { "" };
-        writeln!(out, "    byte {:>5}  {:<22} {:<8} {shown}{more}", field.range.start, field.name, field.clause)?;
+        writeln!(
+            out,
+            "    byte {:>5}  {:<22} {:<8} {shown}{more}",
+            field.range.start, field.name, field.clause
+        )?;
     }
     Ok(())
 }
 
 fn abbreviated(ids: &[&str]) -> String {
     let shown = ids[..ids.len().min(6)].join(", ");
-    if ids.len() > 6 { format!("{shown}, …") } else { shown }
+    if ids.len() > 6 {
+        format!("{shown}, …")
+    } else {
+        shown
+    }
 }
 
 /// Writes a file beside its place and moves it there, so that nobody ever sees half of it.
 fn write_whole(path: &Path, text: &str) -> Result<(), String> {
     let named = |error: io::Error| format!("{}: {error}", path.display());
-    let directory = path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let directory = path
+        .parent()
+        .filter(|parent| !parent.as_os_str().is_empty())
+        .unwrap_or(Path::new("."));
     let mut file = tempfile::NamedTempFile::new_in(directory).map_err(named)?;
     file.write_all(text.as_bytes()).map_err(named)?;
     file.persist(path).map_err(|error| named(error.error))?;
@@ -322,7 +436,8 @@ fn jobs(asked: Option<usize>) -> Result<usize, String> {
 
 /// A bar on standard error, where that is a terminal.
 fn progress_bar() -> ProgressBar {
-    let style = ProgressStyle::with_template("{bar:40} {pos}/{len} {elapsed}").expect("the template is well-formed");
+    let style = ProgressStyle::with_template("{bar:40} {pos}/{len} {elapsed}")
+        .expect("the template is well-formed");
     ProgressBar::new(0).with_style(style)
 }
 

@@ -81,7 +81,10 @@ impl Format {
     /// Whether the planes are compressed streams (2.9).
     #[must_use]
     pub const fn is_compressed(self) -> bool {
-        matches!(self, Format::JpegRgb | Format::JpegLrgb | Format::JpeglsRgb | Format::JpeglsLrgb)
+        matches!(
+            self,
+            Format::JpegRgb | Format::JpegLrgb | Format::JpeglsRgb | Format::JpeglsLrgb
+        )
     }
 
     /// How many planes a map of this format has: 18, 9 or 8.
@@ -201,7 +204,11 @@ impl Shape {
 #[must_use]
 pub fn channel_name(channels: usize, channel: usize) -> String {
     match (channels, channel) {
-        (18, _) => format!("a{} of {}", channel % 6, ["red", "green", "blue"][channel / 6 % 3]),
+        (18, _) => format!(
+            "a{} of {}",
+            channel % 6,
+            ["red", "green", "blue"][channel / 6 % 3]
+        ),
         (_, 0..6) if channels > 3 => format!("a{channel}"),
         (9, _) => ["R", "G", "B"][channel % 3].to_owned(),
         (8, _) => ["Cr", "Cb"][channel % 2].to_owned(),

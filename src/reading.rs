@@ -63,24 +63,36 @@ impl Reading {
     /// Ruling `lut-newline`, the other reading: one line end stands between the table and the indices.
     #[must_use]
     pub const fn with_newline_after_table(self) -> Reading {
-        Reading { after_table: lookup_table::newline_after_table, ..self }
+        Reading {
+            after_table: lookup_table::newline_after_table,
+            ..self
+        }
     }
 
     /// Ruling `lum-vector`, the other reading: the matrix multiplies (Cr, Y, Cb, 1), as the name of the color space runs.
     #[must_use]
     pub const fn with_cr_first(self) -> Reading {
-        Reading { lum_vector: evaluate::lum_vector_cr_first, ..self }
+        Reading {
+            lum_vector: evaluate::lum_vector_cr_first,
+            ..self
+        }
     }
 
     /// Ruling `lum-major`, the other reading: the sixteen numbers stand row after row, as the text prints the matrix.
     #[must_use]
     pub const fn with_rows_first(self) -> Reading {
-        Reading { lum_matrix: color_matrix::rows_first, ..self }
+        Reading {
+            lum_matrix: color_matrix::rows_first,
+            ..self
+        }
     }
 
     /// Ruling `lum-range`, the other reading: values and translation run from 0 to 1.
     #[must_use]
     pub const fn with_unit_range(self) -> Reading {
-        Reading { lum_translation: evaluate::lum_translation_unit, ..self }
+        Reading {
+            lum_translation: evaluate::lum_translation_unit,
+            ..self
+        }
     }
 }

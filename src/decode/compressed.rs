@@ -7,5 +7,11 @@ use crate::error::{Error, Kind, Result};
 use crate::ptm::Planes;
 
 pub(super) fn read(input: &Input) -> Result<Planes> {
-    Err(Error::new("2.9/1", input.at(), Kind::NotRead { what: "compressed planes" }))
+    Err(Error::new(
+        "2.9/1",
+        input.at(),
+        Kind::NotRead {
+            what: "compressed planes",
+        },
+    ))
 }

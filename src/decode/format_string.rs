@@ -8,8 +8,11 @@ use crate::ptm::Format;
 
 pub(super) fn read(input: &mut Input) -> Result<Format> {
     let unknown = input.wrong("2.2/1", "the name of a format");
-    let name = input.token("2.2/1", "format")?;
-    let format = Format::ALL.into_iter().find(|format| format.name().as_bytes() == name).ok_or(unknown)?;
+    let name = input.token("2.2/1", "the name of a format")?;
+    let format = Format::ALL
+        .into_iter()
+        .find(|format| format.name().as_bytes() == name)
+        .ok_or(unknown)?;
     input.line_end("2.0/2")?;
     Ok(format)
 }

@@ -21,7 +21,11 @@ pub struct Input<'a> {
 
 impl<'a> Input<'a> {
     pub(crate) fn new(file: &'a [u8]) -> Input<'a> {
-        Input { file, at: 0, fields: Vec::new() }
+        Input {
+            file,
+            at: 0,
+            fields: Vec::new(),
+        }
     }
 
     pub(crate) fn at(&self) -> usize {
@@ -40,11 +44,18 @@ impl<'a> Input<'a> {
     /// The next token.
     pub(crate) fn token(&mut self, clause: &'static str, name: &'static str) -> Result<&'a [u8]> {
         let rest = self.rest();
-        let length = rest.iter().position(|byte| matches!(byte, b' ' | b'\n')).unwrap_or(rest.len());
+        let length = rest
+            .iter()
+            .position(|byte| matches!(byte, b' ' | b'\n'))
+            .unwrap_or(rest.len());
         if length == 0 {
             return Err(self.wrong(clause, name));
         }
-        self.fields.push(Field { clause, name, range: self.at..self.at + length });
+        self.fields.push(Field {
+            clause,
+            name,
+            range: self.at..self.at + length,
+        });
         self.at += length;
         Ok(&rest[..length])
     }
@@ -70,7 +81,9 @@ impl<'a> Input<'a> {
     pub(crate) fn integer(&mut self, clause: &'static str, name: &'static str) -> Result<u32> {
         let start = self.at;
         let token = self.token(clause, name)?;
-        let value = std::str::from_utf8(token).ok().and_then(|digits| digits.parse().ok());
+        let value = std::str::from_utf8(token)
+            .ok()
+            .and_then(|digits| digits.parse().ok());
         value.ok_or_else(|| self.wrong_at(start, clause, name))
     }
 
@@ -94,16 +107,37 @@ impl<'a> Input<'a> {
 
     /// A gap, or a line end where the text allows either.
     pub(crate) fn gap_or_line_end(&mut self, clause: &'static str) -> Result<()> {
-        if self.skip_line_end() { Ok(()) } else { self.gap(clause) }
+        if self.skip_line_end() {
+            Ok(())
+        } else {
+            self.gap(clause)
+        }
     }
 
     /// The next `count` bytes of the payload.
-    pub(crate) fn take(&mut self, clause: &'static str, name: &'static str, count: usize) -> Result<&'a [u8]> {
+    pub(crate) fn take(
+        &mut self,
+        clause: &'static str,
+        name: &'static str,
+        count: usize,
+    ) -> Result<&'a [u8]> {
         let rest = self.rest();
         if count > rest.len() {
-            return Err(Error::new(clause, self.at, Kind::Short { what: name, needs: count, remain: rest.len() }));
+            return Err(Error::new(
+                clause,
+                self.at,
+                Kind::Short {
+                    what: name,
+                    needs: count,
+                    remain: rest.len(),
+                },
+            ));
         }
-        self.fields.push(Field { clause, name, range: self.at..self.at + count });
+        self.fields.push(Field {
+            clause,
+            name,
+            range: self.at..self.at + count,
+        });
         self.at += count;
         Ok(&rest[..count])
     }
@@ -116,10 +150,17 @@ impl<'a> Input<'a> {
     fn wrong_at(&self, offset: usize, clause: &'static str, what: &'static str) -> Error {
         // Enough of what stands there to recognise it: its line, at most 24 bytes of it, and never nothing.
         let there = &self.file[offset..];
-        let end = there.iter().skip(1).position(|&byte| byte == b'\n').map_or(there.len(), |before| before + 1);
+        let end = there
+            .iter()
+            .skip(1)
+            .position(|&byte| byte == b'\n')
+            .map_or(there.len(), |before| before + 1);
         let kind = match &there[..end.min(24)] {
             [] => Kind::Ended { what },
-            found => Kind::Expected { what, found: found.escape_ascii().to_string() },
+            found => Kind::Expected {
+                what,
+                found: found.escape_ascii().to_string(),
+            },
         };
         Error::new(clause, offset, kind)
     }
@@ -142,7 +183,10 @@ impl<'a> Input<'a> {
 fn decimal(token: &[u8]) -> Option<f64> {
     // The standard library reads this grammar and, besides it, only names: `inf`, `infinity`, `nan`.
     let text = std::str::from_utf8(token).ok()?;
-    if text.bytes().any(|byte| !matches!(byte, b'0'..=b'9' | b'+' | b'-' | b'.' | b'e' | b'E')) {
+    if text
+        .bytes()
+        .any(|byte| !matches!(byte, b'0'..=b'9' | b'+' | b'-' | b'.' | b'e' | b'E'))
+    {
         return None;
     }
     text.parse().ok().filter(|value: &f64| value.is_finite())

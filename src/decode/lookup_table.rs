@@ -23,12 +23,24 @@ pub(super) struct LookupTable<'a> {
     pub bytes: &'a [u8],
 }
 
-pub(super) fn read<'a>(format: Format, input: &mut Input<'a>, reading: &Reading) -> Result<LookupTable<'a>> {
+pub(super) fn read<'a>(
+    format: Format,
+    input: &mut Input<'a>,
+    reading: &Reading,
+) -> Result<LookupTable<'a>> {
     let entries = (reading.entry_count)(input)?;
     let entry_size = if format == Format::PtmCLut { 9 } else { 6 };
-    let bytes = input.take("2.5/3", "the table's entries", entries.saturating_mul(entry_size))?;
+    let bytes = input.take(
+        "2.5/3",
+        "the table's entries",
+        entries.saturating_mul(entry_size),
+    )?;
     (reading.after_table)(input)?;
-    Ok(LookupTable { entries, entry_size, bytes })
+    Ok(LookupTable {
+        entries,
+        entry_size,
+        bytes,
+    })
 }
 
 /// `256 N_LUT_ENTRIES`, `256` or `nentries 256`, alone on a line (clause 2.5/2, ruling `lut-count`).
@@ -56,6 +68,13 @@ pub(crate) fn after_table(_: &mut Input) -> Result<()> {
 pub(crate) fn newline_after_table(input: &mut Input) -> Result<()> {
     match input.take("2.5/3", "a line end after the table", 1)? {
         b"\n" => Ok(()),
-        other => Err(Error::new("2.5/3", input.at() - 1, Kind::Expected { what: "a line end after the table", found: other.escape_ascii().to_string() })),
+        other => Err(Error::new(
+            "2.5/3",
+            input.at() - 1,
+            Kind::Expected {
+                what: "a line end after the table",
+                found: other.escape_ascii().to_string(),
+            },
+        )),
     }
 }

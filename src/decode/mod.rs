@@ -94,8 +94,9 @@ pub fn decode_as(file: &[u8], reading: &Reading, limits: &Limits) -> Result<Ptm>
 #[must_use]
 pub fn fields(file: &[u8]) -> (Vec<Field>, Option<Error>) {
     let mut input = Input::new(file);
-    let outcome = read_header(&mut input)
-        .and_then(|header| read_planes(&header, &mut input, &Reading::SPEC, &Limits::default()).map(|_| ()));
+    let outcome = read_header(&mut input).and_then(|header| {
+        read_planes(&header, &mut input, &Reading::SPEC, &Limits::default()).map(|_| ())
+    });
     (input.into_fields(), outcome.err())
 }
 
@@ -105,11 +106,20 @@ fn read_header(input: &mut Input) -> Result<Header> {
     let format = format_string::read(input)?;
     let size = image_size::read(input)?;
     let scale_bias = scale_bias::read(input)?;
-    Ok(Header { format, size, scale_bias })
+    Ok(Header {
+        format,
+        size,
+        scale_bias,
+    })
 }
 
 /// 2.5–2.9. What follows the last value belongs to nobody and is left alone (ruling `trailing`).
-fn read_planes(header: &Header, input: &mut Input, reading: &Reading, limits: &Limits) -> Result<Planes> {
+fn read_planes(
+    header: &Header,
+    input: &mut Input,
+    reading: &Reading,
+    limits: &Limits,
+) -> Result<Planes> {
     match header.format {
         Format::Rgb => texels::read(header, Shape::Rgb, input, reading, limits),
         Format::Lrgb => texels::read(header, Shape::Lrgb, input, reading, limits),
@@ -121,7 +131,9 @@ fn read_planes(header: &Header, input: &mut Input, reading: &Reading, limits: &L
             let table = lookup_table::read(header.format, input, reading)?;
             indices::read(header, &table, input, reading, limits)
         }
-        Format::JpegRgb | Format::JpegLrgb | Format::JpeglsRgb | Format::JpeglsLrgb => compressed::read(input),
+        Format::JpegRgb | Format::JpegLrgb | Format::JpeglsRgb | Format::JpeglsLrgb => {
+            compressed::read(input)
+        }
     }
 }
 
@@ -129,7 +141,18 @@ fn read_planes(header: &Header, input: &mut Input, reading: &Reading, limits: &L
 fn blank(header: &Header, shape: Shape, limits: &Limits, input: &Input) -> Result<Planes> {
     let needs = header.size.texels().saturating_mul(shape.channels());
     if needs > limits.memory {
-        return Err(Error::new("2.3/3", input.at(), Kind::TooLarge { needs, limit: limits.memory }));
+        return Err(Error::new(
+            "2.3/3",
+            input.at(),
+            Kind::TooLarge {
+                needs,
+                limit: limits.memory,
+            },
+        ));
     }
-    Ok(Planes { size: header.size, shape, samples: vec![0; needs] })
+    Ok(Planes {
+        size: header.size,
+        shape,
+        samples: vec![0; needs],
+    })
 }

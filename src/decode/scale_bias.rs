@@ -17,7 +17,11 @@ pub(super) fn read(input: &mut Input) -> Result<ScaleBias> {
     let bias = six(input, |input| {
         let fraction = input.wrong("2.4/4", "an integer bias");
         let value = input.number("2.4/4", "an integer bias")?;
-        if value.fract() == 0.0 { Ok(value) } else { Err(fraction) }
+        if value.fract() == 0.0 {
+            Ok(value)
+        } else {
+            Err(fraction)
+        }
     })?;
     input.line_end("2.0/2")?;
     Ok(ScaleBias { scale, bias })

@@ -47,17 +47,29 @@ pub(crate) fn bottom_row_first(_: Format, _part: usize, row: usize, height: usiz
     height - 1 - row
 }
 
-pub(super) fn read(header: &Header, shape: Shape, input: &mut Input, reading: &Reading, limits: &Limits) -> Result<Planes> {
+pub(super) fn read(
+    header: &Header,
+    shape: Shape,
+    input: &mut Input,
+    reading: &Reading,
+    limits: &Limits,
+) -> Result<Planes> {
     let stored = read_blocks(header, input, reading)?;
     let mut planes = blank(header, shape, limits, input)?;
     for (part, &(block, bytes)) in stored.iter().enumerate() {
-        place(bytes, block, &mut planes, |row, height| (reading.stored_row)(header.format, part, row, height));
+        place(bytes, block, &mut planes, |row, height| {
+            (reading.stored_row)(header.format, part, row, height)
+        });
     }
     Ok(planes)
 }
 
 /// The blocks of the format and their bytes.
-pub(super) fn read_blocks<'a>(header: &Header, input: &mut Input<'a>, reading: &Reading) -> Result<Vec<(Block, &'a [u8])>> {
+pub(super) fn read_blocks<'a>(
+    header: &Header,
+    input: &mut Input<'a>,
+    reading: &Reading,
+) -> Result<Vec<(Block, &'a [u8])>> {
     let one = |&block: &Block| {
         let bytes = header.size.texels().saturating_mul(block.channels);
         Ok((block, input.take("2.7/1", "the texels", bytes)?))
@@ -66,13 +78,25 @@ pub(super) fn read_blocks<'a>(header: &Header, input: &mut Input<'a>, reading: &
 }
 
 /// Puts the bytes of a block where they belong in `planes`.
-pub(super) fn place(bytes: &[u8], block: Block, planes: &mut Planes, stored_row: impl Fn(usize, usize) -> usize) {
+pub(super) fn place(
+    bytes: &[u8],
+    block: Block,
+    planes: &mut Planes,
+    stored_row: impl Fn(usize, usize) -> usize,
+) {
     let (width, height) = (planes.size.width as usize, planes.size.height as usize);
     let row_bytes = width * block.channels;
     let texel_bytes = planes.shape.channels();
-    for (row, samples) in planes.samples.chunks_exact_mut(width * texel_bytes).enumerate() {
+    for (row, samples) in planes
+        .samples
+        .chunks_exact_mut(width * texel_bytes)
+        .enumerate()
+    {
         let stored = &bytes[stored_row(row, height) * row_bytes..][..row_bytes];
-        for (texel, values) in samples.chunks_exact_mut(texel_bytes).zip(stored.chunks_exact(block.channels)) {
+        for (texel, values) in samples
+            .chunks_exact_mut(texel_bytes)
+            .zip(stored.chunks_exact(block.channels))
+        {
             texel[block.channel..][..block.channels].copy_from_slice(values);
         }
     }

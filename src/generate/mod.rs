@@ -92,6 +92,8 @@ fn write_planes(recipe: &Recipe, model: &Model, out: &mut Output) {
             lookup_table::write(model, out);
             indices::write(model, out);
         }
-        Format::JpegRgb | Format::JpegLrgb | Format::JpeglsRgb | Format::JpeglsLrgb => compressed::write(model, out),
+        Format::JpegRgb | Format::JpegLrgb | Format::JpeglsRgb | Format::JpeglsLrgb => {
+            compressed::write(model, out)
+        }
     }
 }

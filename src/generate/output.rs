@@ -15,12 +15,21 @@ pub(super) struct Output<'a> {
 
 impl<'a> Output<'a> {
     pub fn new(spelling: &'a Spelling) -> Output<'a> {
-        Output { spelling, bytes: Vec::new(), fields: Vec::new(), payload: None }
+        Output {
+            spelling,
+            bytes: Vec::new(),
+            fields: Vec::new(),
+            payload: None,
+        }
     }
 
     pub fn into_written(self) -> Written {
         let payload = self.payload.unwrap_or(self.bytes.len());
-        Written { bytes: self.bytes, fields: self.fields, payload }
+        Written {
+            bytes: self.bytes,
+            fields: self.fields,
+            payload,
+        }
     }
 
     /// One field.
@@ -40,7 +49,8 @@ impl<'a> Output<'a> {
 
     /// The spaces between two numbers (clause 2.4/5).
     pub fn gap(&mut self) {
-        self.bytes.resize(self.bytes.len() + self.spelling.gap, b' ');
+        self.bytes
+            .resize(self.bytes.len() + self.spelling.gap, b' ');
     }
 
     /// The end of a line, with its optional space (clause 2.0/2).
@@ -53,7 +63,11 @@ impl<'a> Output<'a> {
 
     /// A line end in the middle of a section, or a gap: as the spelling has it.
     pub fn line_end_or_gap(&mut self, two_lines: bool, line: Line) {
-        if two_lines { self.line_end(line) } else { self.gap() }
+        if two_lines {
+            self.line_end(line)
+        } else {
+            self.gap()
+        }
     }
 
     /// Bytes of the payload.
@@ -65,6 +79,10 @@ impl<'a> Output<'a> {
     fn field(&mut self, clause: &'static str, name: &'static str, bytes: &[u8]) {
         let start = self.bytes.len();
         self.bytes.extend_from_slice(bytes);
-        self.fields.push(Field { clause, name, range: start..self.bytes.len() });
+        self.fields.push(Field {
+            clause,
+            name,
+            range: start..self.bytes.len(),
+        });
     }
 }

@@ -23,7 +23,9 @@ impl<const N: usize> FromStr for Numbers<N> {
         let texts: Vec<String> = text.split_whitespace().map(str::to_owned).collect();
         let values: Result<Vec<f64>, _> = texts.iter().map(|number| number.parse()).collect();
         let values = values.map_err(|_| format!("expected numbers, found {text:?}"))?;
-        let values = values.try_into().map_err(|_| format!("expected {N} numbers, found {text:?}"))?;
+        let values = values
+            .try_into()
+            .map_err(|_| format!("expected {N} numbers, found {text:?}"))?;
         Ok(Numbers { texts, values })
     }
 }
@@ -84,7 +86,9 @@ impl Recipe {
             scale: "0.5 0.25 0.5 0.25 0.5 0.75".parse().expect(numbers),
             bias: "128 100 140 120 130 3".parse().expect(numbers),
             // Columns first: Y counts fully for each channel, Cr mostly for red, Cb mostly for blue; all twelve differ.
-            matrix: "0.875 0.75 0.625 0 0.5 -0.25 0.125 0 -0.0625 -0.1875 0.375 0 -20 30 10 1".parse().expect(numbers),
+            matrix: "0.875 0.75 0.625 0 0.5 -0.25 0.125 0 -0.0625 -0.1875 0.375 0 -20 30 10 1"
+                .parse()
+                .expect(numbers),
             entries: 7,
             indices: Indices::Any,
             first: None,
@@ -98,22 +102,33 @@ impl Recipe {
             return Err(format!("{} is not written yet", self.format));
         }
         if self.format.has_table() && !(1..=1 << 20).contains(&self.entries) {
-            return Err(format!("a table has 1 to {} entries, not {}", 1 << 20, self.entries));
+            return Err(format!(
+                "a table has 1 to {} entries, not {}",
+                1 << 20,
+                self.entries
+            ));
         }
         match &self.indices {
             Indices::Below(0) => return Err("indices below 0 do not exist".to_owned()),
-            Indices::BytesDiffer if self.entries < 2 => return Err("index 0 has two equal bytes".to_owned()),
+            Indices::BytesDiffer if self.entries < 2 => {
+                return Err("index 0 has two equal bytes".to_owned());
+            }
             Indices::These(list) if list.is_empty() => return Err("no indices to use".to_owned()),
             Indices::These(list) if list.iter().any(|&index| index >= self.entries) => {
                 return Err("an index is past the last entry".to_owned());
             }
             _ => {}
         }
-        if ![1, 4, 16].contains(&self.spelling.matrix_line) || !(1..=1000).contains(&self.spelling.gap) {
+        if ![1, 4, 16].contains(&self.spelling.matrix_line)
+            || !(1..=1000).contains(&self.spelling.gap)
+        {
             return Err("a matrix line has 1, 4 or 16 numbers, a gap 1 to 1000 spaces".to_owned());
         }
         if self.size.texels() > 1 << 26 {
-            return Err(format!("{} texels are more than a painter has patience for", self.size.texels()));
+            return Err(format!(
+                "{} texels are more than a painter has patience for",
+                self.size.texels()
+            ));
         }
         Ok(())
     }

@@ -40,7 +40,9 @@ impl FromStr for Scene {
             "unlit" => Scene::Unlit,
             "luminance-is-cr" => Scene::LuminanceIsCr,
             _ => {
-                let value = name.strip_prefix("flat-").and_then(|value| value.parse().ok());
+                let value = name
+                    .strip_prefix("flat-")
+                    .and_then(|value| value.parse().ok());
                 Scene::Flat(value.ok_or_else(|| format!("unknown scene {name:?}"))?)
             }
         })
@@ -77,7 +79,9 @@ impl Model {
         let mut model = Model {
             format: recipe.format,
             size: recipe.size,
-            samples: (0..texels * channels).map(|i| sample(recipe, i / channels, i % channels)).collect(),
+            samples: (0..texels * channels)
+                .map(|i| sample(recipe, i / channels, i % channels))
+                .collect(),
             table: Vec::new(),
             indices: Vec::new(),
             scale: recipe.scale.values,
@@ -96,11 +100,15 @@ impl Model {
     /// The table, the indices, and the samples that come of them.
     fn paint_table(&mut self, recipe: &Recipe) {
         let size = self.entry_size();
-        self.table = (0..recipe.entries as usize * size).map(|i| sample(recipe, i / size, i % size)).collect();
+        self.table = (0..recipe.entries as usize * size)
+            .map(|i| sample(recipe, i / size, i % size))
+            .collect();
         if let Some(first) = recipe.first {
             self.table[0] = first;
         }
-        self.indices = (0..self.size.texels()).map(|texel| index(recipe, texel)).collect();
+        self.indices = (0..self.size.texels())
+            .map(|texel| index(recipe, texel))
+            .collect();
         for (texel, &index) in self.samples.chunks_exact_mut(9).zip(&self.indices) {
             texel[..size].copy_from_slice(&self.table[index as usize * size..][..size]);
         }
@@ -124,7 +132,9 @@ impl Model {
         let channels = self.format.channels();
         let polynomials = if channels == 18 { 18 } else { 6 };
         let value = |(i, &byte): (usize, &u8)| match i % channels {
-            channel if channel < polynomials => (f64::from(byte) - self.bias[channel % 6]) * self.scale[channel % 6],
+            channel if channel < polynomials => {
+                (f64::from(byte) - self.bias[channel % 6]) * self.scale[channel % 6]
+            }
             _ => f64::from(byte),
         };
         self.samples.iter().enumerate().map(value).collect()
@@ -134,17 +144,34 @@ impl Model {
     #[must_use]
     pub fn picture(&self, u: f64, v: f64) -> Vec<f64> {
         let powers = [u * u, v * v, u * v, u, v, 1.0];
-        let polynomial = |a: &[f64]| a.iter().zip(powers).map(|(a, power)| a * power).sum::<f64>();
+        let polynomial = |a: &[f64]| {
+            a.iter()
+                .zip(powers)
+                .map(|(a, power)| a * power)
+                .sum::<f64>()
+        };
         let color = |texel: &[f64]| match texel.len() {
-            18 => [polynomial(&texel[..6]), polynomial(&texel[6..12]), polynomial(&texel[12..])],
+            18 => [
+                polynomial(&texel[..6]),
+                polynomial(&texel[6..12]),
+                polynomial(&texel[12..]),
+            ],
             9 => [6, 7, 8].map(|channel| polynomial(&texel[..6]) * texel[channel] / 255.0),
             _ => {
                 let input = [polynomial(&texel[..6]), texel[6], texel[7], 1.0];
-                [0, 1, 2].map(|row| (0..4).map(|column| self.matrix[4 * column + row] * input[column]).sum())
+                [0, 1, 2].map(|row| {
+                    (0..4)
+                        .map(|column| self.matrix[4 * column + row] * input[column])
+                        .sum()
+                })
             }
         };
         let coefficients = self.coefficients();
-        coefficients.chunks_exact(self.format.channels()).flat_map(color).map(|value| value.clamp(0.0, 255.0)).collect()
+        coefficients
+            .chunks_exact(self.format.channels())
+            .flat_map(color)
+            .map(|value| value.clamp(0.0, 255.0))
+            .collect()
     }
 }
 
@@ -182,7 +209,10 @@ fn index(recipe: &Recipe, texel: usize) -> u32 {
         Indices::BytesDiffer => {
             // Walk on to the next index whose bytes differ; of two neighbours one always does.
             let start = any % entries;
-            (0..entries).map(|step| (start + step) % entries).find(|index| index % 256 != index / 256).unwrap_or(0)
+            (0..entries)
+                .map(|step| (start + step) % entries)
+                .find(|index| index % 256 != index / 256)
+                .unwrap_or(0)
         }
         Indices::These(list) => list[texel % list.len()],
     }
@@ -190,7 +220,9 @@ fn index(recipe: &Recipe, texel: usize) -> u32 {
 
 /// A pseudo-random number for a place: the finaliser of `MurmurHash3` over seed, texel and channel.
 fn hash(seed: u32, texel: usize, channel: usize) -> u32 {
-    let mut h = seed.wrapping_mul(0x9e37_79b1) ^ (texel as u32).wrapping_mul(0x85eb_ca77) ^ (channel as u32).wrapping_mul(0xc2b2_ae3d);
+    let mut h = seed.wrapping_mul(0x9e37_79b1)
+        ^ (texel as u32).wrapping_mul(0x85eb_ca77)
+        ^ (channel as u32).wrapping_mul(0xc2b2_ae3d);
     h = (h ^ h >> 16).wrapping_mul(0x85eb_ca6b);
     h = (h ^ h >> 13).wrapping_mul(0xc2b2_ae35);
     h ^ h >> 16

@@ -25,17 +25,32 @@ pub enum Line {
 
 impl Line {
     /// All of them, in file order.
-    pub const ALL: [Line; 8] =
-        [Line::Version, Line::Format, Line::Width, Line::Height, Line::Scale, Line::Bias, Line::Count, Line::Matrix];
+    pub const ALL: [Line; 8] = [
+        Line::Version,
+        Line::Format,
+        Line::Width,
+        Line::Height,
+        Line::Scale,
+        Line::Bias,
+        Line::Count,
+        Line::Matrix,
+    ];
 }
 
 impl FromStr for Line {
     type Err = String;
 
     fn from_str(name: &str) -> Result<Line, String> {
-        let names = ["version", "format", "width", "height", "scale", "bias", "count", "matrix"];
+        let names = [
+            "version", "format", "width", "height", "scale", "bias", "count", "matrix",
+        ];
         let position = names.iter().position(|&known| known == name);
-        position.map(|i| Line::ALL[i]).ok_or_else(|| format!("unknown header line {name:?}; lines are {}", names.join(", ")))
+        position.map(|i| Line::ALL[i]).ok_or_else(|| {
+            format!(
+                "unknown header line {name:?}; lines are {}",
+                names.join(", ")
+            )
+        })
     }
 }
 
@@ -70,7 +85,10 @@ impl FromStr for Count {
     type Err = String;
 
     fn from_str(name: &str) -> Result<Count, String> {
-        Count::ALL.into_iter().find(|count| count.name() == name).ok_or_else(|| format!("unknown spelling of the count {name:?}"))
+        Count::ALL
+            .into_iter()
+            .find(|count| count.name() == name)
+            .ok_or_else(|| format!("unknown spelling of the count {name:?}"))
     }
 }
 

@@ -33,5 +33,8 @@ fn block(model: &Model, channels: Range<usize>) -> Vec<u8> {
     let per_texel = model.format.channels();
     let row = model.size.width as usize * per_texel;
     let rows = model.samples.chunks(row).rev();
-    rows.flat_map(|row| row.chunks(per_texel)).flat_map(|texel| &texel[channels.clone()]).copied().collect()
+    rows.flat_map(|row| row.chunks(per_texel))
+        .flat_map(|texel| &texel[channels.clone()])
+        .copied()
+        .collect()
 }

@@ -17,14 +17,38 @@ use crate::ptm::{Field, Format, Size};
 
 /// The files of `spec-cases/cases/`, in the order of the text.
 const CASE_FILES: &[(&str, &str)] = &[
-    ("first.yaml", include_str!("../../spec-cases/cases/first.yaml")),
-    ("header.yaml", include_str!("../../spec-cases/cases/header.yaml")),
-    ("scale-bias.yaml", include_str!("../../spec-cases/cases/scale-bias.yaml")),
-    ("lookup-table.yaml", include_str!("../../spec-cases/cases/lookup-table.yaml")),
-    ("color-matrix.yaml", include_str!("../../spec-cases/cases/color-matrix.yaml")),
-    ("texels.yaml", include_str!("../../spec-cases/cases/texels.yaml")),
-    ("evaluate.yaml", include_str!("../../spec-cases/cases/evaluate.yaml")),
-    ("sweeps.yaml", include_str!("../../spec-cases/cases/sweeps.yaml")),
+    (
+        "first.yaml",
+        include_str!("../../spec-cases/cases/first.yaml"),
+    ),
+    (
+        "header.yaml",
+        include_str!("../../spec-cases/cases/header.yaml"),
+    ),
+    (
+        "scale-bias.yaml",
+        include_str!("../../spec-cases/cases/scale-bias.yaml"),
+    ),
+    (
+        "lookup-table.yaml",
+        include_str!("../../spec-cases/cases/lookup-table.yaml"),
+    ),
+    (
+        "color-matrix.yaml",
+        include_str!("../../spec-cases/cases/color-matrix.yaml"),
+    ),
+    (
+        "texels.yaml",
+        include_str!("../../spec-cases/cases/texels.yaml"),
+    ),
+    (
+        "evaluate.yaml",
+        include_str!("../../spec-cases/cases/evaluate.yaml"),
+    ),
+    (
+        "sweeps.yaml",
+        include_str!("../../spec-cases/cases/sweeps.yaml"),
+    ),
 ];
 
 /// A rule of the text, in our words.
@@ -146,8 +170,15 @@ pub struct Case {
 
 #[derive(Clone, Debug)]
 enum Source {
-    Recipe { recipe: Recipe, damage: Option<&'static str> },
-    Hand { format: Format, pieces: Vec<Piece>, values: Option<HandValues> },
+    Recipe {
+        recipe: Recipe,
+        damage: Option<&'static str>,
+    },
+    Hand {
+        format: Format,
+        pieces: Vec<Piece>,
+        values: Option<HandValues>,
+    },
 }
 
 /// The file of a case and what it means.
@@ -218,7 +249,9 @@ pub struct TableSpelling {
 impl TableSpelling {
     /// All six, in the order in which a decoder is asked.
     pub fn all() -> impl Iterator<Item = TableSpelling> {
-        Count::ALL.into_iter().flat_map(|count| [false, true].map(|newline| TableSpelling { count, newline }))
+        Count::ALL
+            .into_iter()
+            .flat_map(|count| [false, true].map(|newline| TableSpelling { count, newline }))
     }
 }
 
@@ -275,7 +308,10 @@ impl Case {
     #[must_use]
     pub fn features(&self, view: &View) -> BTreeSet<Feature> {
         let mut features = BTreeSet::from([Feature::Format(self.format())]);
-        if self.recipe().is_some_and(|recipe| recipe.format.has_table() && recipe.entries > 256) {
+        if self
+            .recipe()
+            .is_some_and(|recipe| recipe.format.has_table() && recipe.entries > 256)
+        {
             features.insert(Feature::LargeTables);
         }
         if self.format() == Format::Lum && matches!(view, View::Rgb(_)) {
@@ -307,20 +343,41 @@ impl Case {
                 let model = Model::paint(&recipe);
                 let written = write(&recipe, &model);
                 match damage.and_then(Damage::named) {
-                    None => Built { file: written.bytes, fields: written.fields, values: Values::Painted(model) },
+                    None => Built {
+                        file: written.bytes,
+                        fields: written.fields,
+                        values: Values::Painted(model),
+                    },
                     Some(damage) => {
-                        let file = damage.apply(&written, &model).expect("checked when the suite was loaded");
+                        let file = damage
+                            .apply(&written, &model)
+                            .expect("checked when the suite was loaded");
                         let values = match self.expect {
                             Expect::Reject | Expect::Refuse => Values::None,
                             _ => Values::Painted(damage.values(&model)),
                         };
-                        Built { file, fields: Vec::new(), values }
+                        Built {
+                            file,
+                            fields: Vec::new(),
+                            values,
+                        }
                     }
                 }
             }
             Source::Hand { pieces, values, .. } => {
-                let file = pieces.iter().flat_map(|piece| piece.bytes(table).expect("checked when the suite was loaded")).collect();
-                Built { file, fields: Vec::new(), values: values.clone().map_or(Values::None, Values::Hand) }
+                let file = pieces
+                    .iter()
+                    .flat_map(|piece| {
+                        piece
+                            .bytes(table)
+                            .expect("checked when the suite was loaded")
+                    })
+                    .collect();
+                Built {
+                    file,
+                    fields: Vec::new(),
+                    values: values.clone().map_or(Values::None, Values::Hand),
+                }
             }
         }
     }
@@ -335,7 +392,10 @@ impl Piece {
         };
         if self.is == "count" {
             let text = String::from_utf8_lossy(&bytes);
-            let number = text.split_whitespace().find(|word| word.parse::<u32>().is_ok()).unwrap_or_default();
+            let number = text
+                .split_whitespace()
+                .find(|word| word.parse::<u32>().is_ok())
+                .unwrap_or_default();
             bytes = format!("{}\n", table.count.name().replace("256", number)).into_bytes();
         }
         if self.is == "table" && table.newline {
@@ -346,8 +406,16 @@ impl Piece {
 }
 
 fn unhex(text: &str) -> Result<Vec<u8>, String> {
-    let bytes = text.split_whitespace().map(|pair| if pair.len() == 2 { u8::from_str_radix(pair, 16).ok() } else { None });
-    bytes.collect::<Option<_>>().ok_or_else(|| format!("expected pairs of hex digits, found {text:?}"))
+    let bytes = text.split_whitespace().map(|pair| {
+        if pair.len() == 2 {
+            u8::from_str_radix(pair, 16).ok()
+        } else {
+            None
+        }
+    });
+    bytes
+        .collect::<Option<_>>()
+        .ok_or_else(|| format!("expected pairs of hex digits, found {text:?}"))
 }
 
 /// All cases, in the order in which they are reported.
@@ -374,11 +442,14 @@ impl Suite {
         let mut cases: Vec<Case> = Vec::new();
         let mut places = HashMap::new();
         for (name, text) in files {
-            let records: Vec<CaseRecord> = serde_saphyr::from_str(text).map_err(|error| format!("{name}: {error}"))?;
+            let records: Vec<CaseRecord> =
+                serde_saphyr::from_str(text).map_err(|error| format!("{name}: {error}"))?;
             for record in records {
                 for bindings in record.bindings() {
                     let id = record.filled(&record.id, &bindings, true);
-                    let case = record.case(&id, &bindings, |parent| places.get(parent).map(|&at: &usize| &cases[at]));
+                    let case = record.case(&id, &bindings, |parent| {
+                        places.get(parent).map(|&at: &usize| &cases[at])
+                    });
                     let case = case.map_err(|error| format!("{name}: case {id}: {error}"))?;
                     if places.insert(id.clone(), cases.len()).is_some() {
                         return Err(format!("{name}: case {id} is there twice"));
@@ -411,7 +482,8 @@ impl Suite {
 /// # Errors
 /// A sentence that names the line at fault.
 pub fn clauses() -> Result<Vec<Clause>, String> {
-    serde_saphyr::from_str(include_str!("../../spec-cases/clauses.yaml")).map_err(|error| format!("clauses.yaml: {error}"))
+    serde_saphyr::from_str(include_str!("../../spec-cases/clauses.yaml"))
+        .map_err(|error| format!("clauses.yaml: {error}"))
 }
 
 /// The rulings of the reference.
@@ -419,7 +491,8 @@ pub fn clauses() -> Result<Vec<Clause>, String> {
 /// # Errors
 /// A sentence that names the line at fault.
 pub fn rulings() -> Result<Vec<Ruling>, String> {
-    serde_saphyr::from_str(include_str!("../../spec-cases/rulings.yaml")).map_err(|error| format!("rulings.yaml: {error}"))
+    serde_saphyr::from_str(include_str!("../../spec-cases/rulings.yaml"))
+        .map_err(|error| format!("rulings.yaml: {error}"))
 }
 
 /// A case as it is written: one, or with `for_each` one for every combination of the listed words.
@@ -486,7 +559,11 @@ impl CaseRecord {
         for (key, words) in &self.for_each {
             let mut longer = Vec::new();
             for bindings in &all {
-                longer.extend(words.iter().map(|word| [&bindings[..], &[(key.as_str(), word.as_str())]].concat()));
+                longer.extend(
+                    words
+                        .iter()
+                        .map(|word| [&bindings[..], &[(key.as_str(), word.as_str())]].concat()),
+                );
             }
             all = longer;
         }
@@ -504,24 +581,50 @@ impl CaseRecord {
         text
     }
 
-    fn case<'a>(&self, id: &str, bindings: &Bindings, parent: impl Fn(&str) -> Option<&'a Case>) -> Result<Case, String> {
+    fn case<'a>(
+        &self,
+        id: &str,
+        bindings: &Bindings,
+        parent: impl Fn(&str) -> Option<&'a Case>,
+    ) -> Result<Case, String> {
         let fill = |text: &String| self.filled(text, bindings, false);
-        let twin_of = self.twin_of.as_ref().map(|twin| self.filled(twin, bindings, true));
-        let views = self.views.iter().flatten().map(|view| fill(view).parse()).collect::<Result<Vec<View>, _>>()?;
+        let twin_of = self
+            .twin_of
+            .as_ref()
+            .map(|twin| self.filled(twin, bindings, true));
+        let views = self
+            .views
+            .iter()
+            .flatten()
+            .map(|view| fill(view).parse())
+            .collect::<Result<Vec<View>, _>>()?;
         let source = match (&self.make, &self.bytes, &twin_of) {
-            (Some(make), None, None) => Source::Recipe { recipe: make.recipe(&fill)?, damage: None },
+            (Some(make), None, None) => Source::Recipe {
+                recipe: make.recipe(&fill)?,
+                damage: None,
+            },
             (None, Some(pieces), None) => hand_assembled(pieces, self.values.as_ref())?,
             (None, None, Some(twin)) => {
-                let recipe = parent(twin).ok_or_else(|| format!("its twin {twin} does not stand before it"))?.recipe();
-                let recipe = recipe.ok_or_else(|| format!("its twin {twin} has no recipe"))?.clone();
+                let recipe = parent(twin)
+                    .ok_or_else(|| format!("its twin {twin} does not stand before it"))?
+                    .recipe();
+                let recipe = recipe
+                    .ok_or_else(|| format!("its twin {twin} has no recipe"))?
+                    .clone();
                 if parent(twin).is_some_and(|twin| twin.twin_of.is_some()) {
                     return Err(format!("its twin {twin} is itself an edit"));
                 }
                 let name = fill(self.damage.as_ref().ok_or("a twin needs a damage")?);
-                let damage = Damage::named(&name).ok_or_else(|| format!("unknown damage {name:?}"))?;
+                let damage =
+                    Damage::named(&name).ok_or_else(|| format!("unknown damage {name:?}"))?;
                 let model = Model::paint(&recipe);
-                damage.apply(&write(&recipe, &model), &model).ok_or_else(|| format!("damage {name} has no place in {twin}"))?;
-                Source::Recipe { recipe, damage: Some(damage.name) }
+                damage
+                    .apply(&write(&recipe, &model), &model)
+                    .ok_or_else(|| format!("damage {name} has no place in {twin}"))?;
+                Source::Recipe {
+                    recipe,
+                    damage: Some(damage.name),
+                }
             }
             _ => return Err("a case has one of make, bytes and twin_of".to_owned()),
         };
@@ -536,10 +639,17 @@ impl CaseRecord {
         Ok(Case {
             id: id.to_owned(),
             clauses: self.clauses.clone(),
-            because: fill(&self.because).split_whitespace().collect::<Vec<_>>().join(" "),
+            because: fill(&self.because)
+                .split_whitespace()
+                .collect::<Vec<_>>()
+                .join(" "),
             ruling: self.ruling.clone(),
             expect: self.expect,
-            views: if views.is_empty() { usual_views()? } else { views },
+            views: if views.is_empty() {
+                usual_views()?
+            } else {
+                views
+            },
             first: self.first,
             twin_of,
             source,
@@ -551,7 +661,10 @@ impl CaseRecord {
 impl MakeRecord {
     fn recipe(&self, fill: &impl Fn(&String) -> String) -> Result<Recipe, String> {
         fn number<T: std::str::FromStr>(name: &str, text: &str) -> Result<T, String> {
-            let digits = text.strip_prefix("0x").map_or_else(|| text.parse().ok(), |hex| u32::from_str_radix(hex, 16).ok()?.to_string().parse().ok());
+            let digits = text.strip_prefix("0x").map_or_else(
+                || text.parse().ok(),
+                |hex| u32::from_str_radix(hex, 16).ok()?.to_string().parse().ok(),
+            );
             digits.ok_or_else(|| format!("expected a number for {name}, found {text:?}"))
         }
         let size: Size = fill(&self.size).parse()?;
@@ -583,8 +696,17 @@ impl MakeRecord {
         let spelling = &mut recipe.spelling;
         if let Some(lines) = &self.spelling.space_before_newline {
             let lines = fill(lines);
-            let named = || lines.split_whitespace().map(str::parse).collect::<Result<Vec<Line>, _>>();
-            spelling.space_before_newline = if lines == "all" { Line::ALL.to_vec() } else { named()? };
+            let named = || {
+                lines
+                    .split_whitespace()
+                    .map(str::parse)
+                    .collect::<Result<Vec<Line>, _>>()
+            };
+            spelling.space_before_newline = if lines == "all" {
+                Line::ALL.to_vec()
+            } else {
+                named()?
+            };
         }
         if let Some(lines) = &self.spelling.size_lines {
             spelling.size_on_two_lines = fill(lines) == "2";
@@ -612,14 +734,18 @@ impl MakeRecord {
 /// `any`, `below-256`, `bytes-differ`, or a list of numbers.
 fn parse_indices(text: &str) -> Result<Indices, String> {
     if let Some(limit) = text.strip_prefix("below-") {
-        return limit.parse().map(Indices::Below).map_err(|_| format!("unknown indices {text:?}"));
+        return limit
+            .parse()
+            .map(Indices::Below)
+            .map_err(|_| format!("unknown indices {text:?}"));
     }
     match text {
         "any" => Ok(Indices::Any),
         "bytes-differ" => Ok(Indices::BytesDiffer),
         _ => {
             let list: Result<Vec<u32>, _> = text.split_whitespace().map(str::parse).collect();
-            list.map(Indices::These).map_err(|_| format!("unknown indices {text:?}"))
+            list.map(Indices::These)
+                .map_err(|_| format!("unknown indices {text:?}"))
         }
     }
 }
@@ -628,25 +754,45 @@ fn hand_assembled(pieces: &[Piece], values: Option<&HandValues>) -> Result<Sourc
     for piece in pieces {
         piece.bytes(TableSpelling::default())?;
     }
-    let format = pieces.iter().find(|piece| piece.is == "format").and_then(|piece| piece.text.as_ref());
-    let format = format.ok_or("a hand-assembled file needs a piece that is: format")?.trim().parse()?;
+    let format = pieces
+        .iter()
+        .find(|piece| piece.is == "format")
+        .and_then(|piece| piece.text.as_ref());
+    let format = format
+        .ok_or("a hand-assembled file needs a piece that is: format")?
+        .trim()
+        .parse()?;
     if let Some(values) = values {
         values.check(format)?;
     }
-    Ok(Source::Hand { format, pieces: pieces.to_vec(), values: values.cloned() })
+    Ok(Source::Hand {
+        format,
+        pieces: pieces.to_vec(),
+        values: values.cloned(),
+    })
 }
 
 impl HandValues {
     /// The numbers of `lines`, texel after texel.
     #[must_use]
     pub fn numbers(lines: &[String]) -> Vec<f64> {
-        lines.iter().flat_map(|line| line.split_whitespace()).filter_map(|number| number.parse().ok()).collect()
+        lines
+            .iter()
+            .flat_map(|line| line.split_whitespace())
+            .filter_map(|number| number.parse().ok())
+            .collect()
     }
 
     fn views(&self) -> Result<Vec<View>, String> {
         let coef = self.coef.iter().map(|_| Ok(View::Coef));
-        let rgb = self.rgb.iter().map(|picture| format!("rgb:{}", picture.light).parse());
-        std::iter::once(Ok(View::Raw)).chain(coef).chain(rgb).collect()
+        let rgb = self
+            .rgb
+            .iter()
+            .map(|picture| format!("rgb:{}", picture.light).parse());
+        std::iter::once(Ok(View::Raw))
+            .chain(coef)
+            .chain(rgb)
+            .collect()
     }
 
     fn check(&self, format: Format) -> Result<(), String> {
@@ -654,18 +800,28 @@ impl HandValues {
         let check = |what: &str, lines: &[String], channels: usize| {
             let words = lines.iter().map(|line| line.split_whitespace().count());
             let numbers = HandValues::numbers(lines).len();
-            if lines.len() != texels || words.clone().any(|count| count != channels) || words.sum::<usize>() != numbers {
+            if lines.len() != texels
+                || words.clone().any(|count| count != channels)
+                || words.sum::<usize>() != numbers
+            {
                 return Err(format!("{what} needs {texels} lines of {channels} numbers"));
             }
             Ok(())
         };
         check("raw", &self.raw, format.channels())?;
-        check("coef", self.coef.as_deref().unwrap_or(&self.raw), format.channels())?;
-        self.rgb.as_ref().map_or(Ok(()), |picture| check("rgb", &picture.texels, 3))
+        check(
+            "coef",
+            self.coef.as_deref().unwrap_or(&self.raw),
+            format.channels(),
+        )?;
+        self.rgb
+            .as_ref()
+            .map_or(Ok(()), |picture| check("rgb", &picture.texels, 3))
     }
 }
 
 /// A word as it stands in an id: lower case, with hyphens.
 fn slug(word: &str) -> String {
-    word.to_lowercase().replace(|c: char| !c.is_ascii_alphanumeric(), "-")
+    word.to_lowercase()
+        .replace(|c: char| !c.is_ascii_alphanumeric(), "-")
 }

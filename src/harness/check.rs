@@ -39,9 +39,14 @@ pub struct Run {
     pub asked: usize,
     /// How many of them ended in neither a frame nor a refusal.
     pub misconduct: usize,
+    /// Whether hangs ended the run before all cases were asked.
+    pub ended_by_hangs: bool,
     /// Why the program is no decoder, if it is none.
     pub not_a_decoder: Option<String>,
 }
+
+/// So many hangs in a row end a run.
+const HANGS: usize = 3;
 
 /// Runs `suite` against a decoder. `progress` is told how many of how many cases are done, and whether the last failed
 /// to show what was expected.
@@ -51,27 +56,51 @@ pub fn check(
     ask: &(impl Fn(&Request, usize) -> Reply + Sync),
     progress: &(impl Fn(usize, usize) + Sync),
 ) -> Run {
-    let asked = Asked { ask, count: AtomicUsize::new(0), misconduct: AtomicUsize::new(0) };
+    let asked = Asked {
+        ask,
+        count: AtomicUsize::new(0),
+        misconduct: AtomicUsize::new(0),
+        hangs: AtomicUsize::new(0),
+    };
     let mut run = Run {
         findings: vec![None; suite.cases.len()],
-        judgement: judge(suite, &vec![false; suite.cases.len()], &vec![None; suite.cases.len()]),
+        judgement: judge(
+            suite,
+            &vec![false; suite.cases.len()],
+            &vec![None; suite.cases.len()],
+        ),
         views: Vec::new(),
         table: TableSpelling::default(),
         asked: 0,
         misconduct: 0,
+        ended_by_hangs: false,
         not_a_decoder: None,
     };
     let first = first_files(suite, plan, &asked);
     run.views = offered(&first);
     // A decoder of tables only may refuse all first files because it knows another spelling of the count.
-    let answers = first.iter().any(|(_, reply)| matches!(reply.answer, Answer::Decoded(_) | Answer::Rejected));
-    let table = if answers { table_spelling(suite, &run.views, &asked) } else { None };
-    run.not_a_decoder = if table.is_some() { None } else { no_decoder(&first) };
+    let answers = first
+        .iter()
+        .any(|(_, reply)| matches!(reply.answer, Answer::Decoded(_) | Answer::Rejected));
+    let table = if answers {
+        table_spelling(suite, &run.views, &asked)
+    } else {
+        None
+    };
+    run.not_a_decoder = if table.is_some() {
+        None
+    } else {
+        no_decoder(&first)
+    };
     if run.not_a_decoder.is_none() {
         run.table = table.unwrap_or_default();
         let wanted = with_twins(suite, &plan.selected);
-        run.findings = all_cases(suite, &wanted, plan.jobs, &run.views, run.table, &asked, progress);
+        run.findings = all_cases(
+            suite, &wanted, plan.jobs, &run.views, run.table, &asked, progress,
+        );
         run.judgement = judge(suite, &plan.selected, &run.findings);
+        run.ended_by_hangs = asked.is_over();
+        say_what_was_not_run(suite, &mut run);
         run.not_a_decoder = nothing_decoded(suite, &run.findings);
     }
     run.asked = asked.count.into_inner();
@@ -84,11 +113,24 @@ struct Asked<'a, F> {
     ask: &'a F,
     count: AtomicUsize,
     misconduct: AtomicUsize,
+    /// Hangs in a row.
+    hangs: AtomicUsize,
 }
 
 impl<F: Fn(&Request, usize) -> Reply + Sync> Asked<'_, F> {
+    /// Whether the decoder has hung too often to go on.
+    fn is_over(&self) -> bool {
+        self.hangs.load(Ordering::Relaxed) >= HANGS
+    }
+
     /// Asks for `case` in `view` and holds the answer against what is expected. `worker` numbers those who ask at once.
-    fn find(&self, case: &Case, view: &View, table: TableSpelling, worker: usize) -> (Finding, Reply) {
+    fn find(
+        &self,
+        case: &Case,
+        view: &View,
+        table: TableSpelling,
+        worker: usize,
+    ) -> (Finding, Reply) {
         let built = case.build(table);
         // An f32 for each of 18 channels is the most a frame can have for a texel.
         let texels = match &built.values {
@@ -97,43 +139,82 @@ impl<F: Fn(&Request, usize) -> Reply + Sync> Asked<'_, F> {
         };
         let calls = self.count.fetch_add(1, Ordering::Relaxed);
         let patience = if calls == 0 { 3 } else { 1 };
-        let request = Request { name: &case.id, view, file: &built.file, largest_frame: texels * 18 * 4, patience };
+        let request = Request {
+            name: &case.id,
+            view,
+            file: &built.file,
+            largest_frame: texels * 18 * 4,
+            patience,
+        };
         let reply = (self.ask)(&request, worker);
         if reply.answer.misconduct().is_some() {
             self.misconduct.fetch_add(1, Ordering::Relaxed);
+        }
+        if !self.is_over() {
+            let hangs = if matches!(reply.answer, Answer::Hung(_)) {
+                self.hangs.load(Ordering::Relaxed) + 1
+            } else {
+                0
+            };
+            self.hangs.store(hangs, Ordering::Relaxed);
         }
         let shown = match &reply.answer {
             Answer::Rejected => Shown::Rejected,
             Answer::Unsupported => Shown::Unsupported,
             Answer::Decoded(frame) => {
                 let expected = Expected::of(&built.values, view);
-                let difference = expected.as_ref().and_then(|expected| expected.compare(frame));
+                let difference = expected
+                    .as_ref()
+                    .and_then(|expected| expected.compare(frame));
                 let right = match expected {
                     Some(expected) if choices::concerned(case, view) => {
                         let pictures = choices::pictures(&built.file, view, expected);
-                        Right::In(pictures.iter().map(|picture| picture.as_ref().is_some_and(|p| p.compare(frame).is_none())).collect())
+                        Right::In(
+                            pictures
+                                .iter()
+                                .map(|picture| {
+                                    picture.as_ref().is_some_and(|p| p.compare(frame).is_none())
+                                })
+                                .collect(),
+                        )
                     }
                     expected => Right::Anyway(expected.is_some() && difference.is_none()),
                 };
-                let frame = (right != Right::Anyway(true) && difference.is_some()).then(|| frame.clone());
-                Shown::Picture { right, difference, frame }
+                let frame =
+                    (right != Right::Anyway(true) && difference.is_some()).then(|| frame.clone());
+                Shown::Picture {
+                    right,
+                    difference,
+                    frame,
+                }
             }
             _ => Shown::Misconduct(reply.answer.clone()),
         };
-        (Finding { view: view.clone(), shown, stderr: reply.stderr.clone() }, reply)
+        (
+            Finding {
+                view: view.clone(),
+                shown,
+                stderr: reply.stderr.clone(),
+            },
+            reply,
+        )
     }
 }
 
 /// The first files in every view that may be asked for.
-fn first_files(suite: &Suite, plan: &Plan, asked: &Asked<impl Fn(&Request, usize) -> Reply + Sync>) -> Vec<(View, Reply)> {
+fn first_files(
+    suite: &Suite,
+    plan: &Plan,
+    asked: &Asked<impl Fn(&Request, usize) -> Reply + Sync>,
+) -> Vec<(View, Reply)> {
     let mut replies = Vec::new();
     for case in suite.cases.iter().filter(|case| case.first) {
         for view in &case.views {
             if plan.views.is_empty() || plan.views.contains(&view.name()) {
                 let (_, reply) = asked.find(case, view, TableSpelling::default(), 0);
-                let failed_to_start = matches!(reply.answer, Answer::NotStarted(_));
+                let hopeless = matches!(reply.answer, Answer::NotStarted(_)) || asked.is_over();
                 replies.push((view.clone(), reply));
-                if failed_to_start {
+                if hopeless {
                     return replies;
                 }
             }
@@ -144,37 +225,77 @@ fn first_files(suite: &Suite, plan: &Plan, asked: &Asked<impl Fn(&Request, usize
 
 /// Why the program behind these replies is no decoder, if it is none.
 fn no_decoder(first: &[(View, Reply)]) -> Option<String> {
-    let decoded = first.iter().any(|(_, reply)| matches!(reply.answer, Answer::Decoded(_)));
-    let refused = first.iter().any(|(_, reply)| matches!(reply.answer, Answer::Rejected));
-    let (_, reply) = first.iter().find(|(_, reply)| reply.answer.misconduct().is_some()).or(first.first())?;
+    let decoded = first
+        .iter()
+        .any(|(_, reply)| matches!(reply.answer, Answer::Decoded(_)));
+    let refused = first
+        .iter()
+        .any(|(_, reply)| matches!(reply.answer, Answer::Rejected));
+    let (_, reply) = first
+        .iter()
+        .find(|(_, reply)| reply.answer.misconduct().is_some())
+        .or(first.first())?;
     let why = match (&reply.answer, reply.exit) {
         (Answer::NotStarted(why), _) => format!("it cannot be started: {why}"),
-        (_, Some(status @ (126 | 127))) if !decoded => format!("its command cannot be run: exit status {status}"),
+        (_, Some(status @ (126 | 127))) if !decoded => {
+            format!("its command cannot be run: exit status {status}")
+        }
         _ if decoded => return None,
-        (Answer::Unsupported, _) if !refused => "it answers every first file with 69 (unsupported) in every view".to_owned(),
-        (Answer::Rejected | Answer::Unsupported, _) => "it decodes no first file in any view".to_owned(),
+        (Answer::Unsupported, _) if !refused => {
+            "it answers every first file with 69 (unsupported) in every view".to_owned()
+        }
+        (Answer::Rejected | Answer::Unsupported, _) => {
+            "it decodes no first file in any view".to_owned()
+        }
         (answer, _) => format!(
             "it answers no first file with a well-formed frame, in any view; the first of its answers: {}: {}",
             answer.name(),
             answer.misconduct().unwrap_or_default()
         ),
     };
-    Some(if reply.stderr.is_empty() { why } else { format!("{why}\nits standard error begins:\n{}", reply.stderr) })
+    Some(if reply.stderr.is_empty() {
+        why
+    } else {
+        format!("{why}\nits standard error begins:\n{}", reply.stderr)
+    })
 }
 
 /// The views that are offered: all but those in which every first file was answered 69.
 fn offered(first: &[(View, Reply)]) -> Vec<&'static str> {
-    let offers = |name: &&str| first.iter().any(|(view, reply)| view.name() == *name && reply.answer != Answer::Unsupported);
+    let offers = |name: &&str| {
+        first
+            .iter()
+            .any(|(view, reply)| view.name() == *name && reply.answer != Answer::Unsupported)
+    };
     ["raw", "coef", "rgb"].into_iter().filter(offers).collect()
 }
 
 /// The first spelling of a table in which the decoder shows the right picture.
-fn table_spelling(suite: &Suite, views: &[&str], asked: &Asked<impl Fn(&Request, usize) -> Reply + Sync>) -> Option<TableSpelling> {
-    for case in suite.cases.iter().filter(|case| case.expect == Expect::Spelling) {
-        let (Some(view), Some(recipe)) = (chosen_view(case, views), case.recipe()) else { continue };
+fn table_spelling(
+    suite: &Suite,
+    views: &[&str],
+    asked: &Asked<impl Fn(&Request, usize) -> Reply + Sync>,
+) -> Option<TableSpelling> {
+    for case in suite
+        .cases
+        .iter()
+        .filter(|case| case.expect == Expect::Spelling)
+    {
+        let (Some(view), Some(recipe)) = (chosen_view(case, views), case.recipe()) else {
+            continue;
+        };
         let (finding, _) = asked.find(case, view, TableSpelling::default(), 0);
-        if matches!(finding.shown, Shown::Picture { right: Right::Anyway(true), .. }) {
-            return Some(TableSpelling { count: recipe.spelling.count, newline: recipe.spelling.newline_after_table });
+        if matches!(
+            finding.shown,
+            Shown::Picture {
+                right: Right::Anyway(true),
+                ..
+            }
+        ) {
+            return Some(TableSpelling {
+                count: recipe.spelling.count,
+                newline: recipe.spelling.newline_after_table,
+            });
         }
     }
     None
@@ -188,8 +309,17 @@ fn chosen_view<'a>(case: &'a Case, views: &[&str]) -> Option<&'a View> {
 /// The selected cases and the twins they stand on.
 fn with_twins(suite: &Suite, selected: &[bool]) -> Vec<bool> {
     let mut wanted = selected.to_vec();
-    for (case, _) in suite.cases.iter().zip(selected).filter(|&(_, &selected)| selected) {
-        if let Some(twin) = case.twin_of.as_ref().and_then(|twin| suite.cases.iter().position(|case| case.id == *twin)) {
+    for (case, _) in suite
+        .cases
+        .iter()
+        .zip(selected)
+        .filter(|&(_, &selected)| selected)
+    {
+        if let Some(twin) = case
+            .twin_of
+            .as_ref()
+            .and_then(|twin| suite.cases.iter().position(|case| case.id == *twin))
+        {
             wanted[twin] = true;
         }
     }
@@ -221,6 +351,9 @@ fn all_cases(
                     let (finding, _) = asked.find(&suite.cases[i], view, table, worker);
                     findings.lock().expect("no worker panics")[i] = Some(finding);
                     progress(done.fetch_add(1, Ordering::Relaxed) + 1, work.len());
+                    if asked.is_over() {
+                        break;
+                    }
                 }
             });
         }
@@ -228,11 +361,34 @@ fn all_cases(
     findings.into_inner().expect("no worker panics")
 }
 
+/// Cases that could have been asked and were not, because the run ended before.
+fn say_what_was_not_run(suite: &Suite, run: &mut Run) {
+    for ((case, finding), judged) in suite
+        .cases
+        .iter()
+        .zip(&run.findings)
+        .zip(&mut run.judgement.cases)
+    {
+        if let (None, Some(judged), Some(_)) = (finding, judged, chosen_view(case, &run.views)) {
+            judged.outcome = Outcome::NotRun;
+            judged.says = format!("the run ended after {HANGS} hangs in a row");
+        }
+    }
+}
+
 /// Whether every must-accept file was answered 69.
 fn nothing_decoded(suite: &Suite, findings: &[Option<Finding>]) -> Option<String> {
-    let mut accepted = suite.cases.iter().zip(findings).filter(|(case, _)| case.expect == Expect::Decode);
+    let mut accepted = suite
+        .cases
+        .iter()
+        .zip(findings)
+        .filter(|(case, _)| case.expect == Expect::Decode);
     let all = accepted.clone().any(|(_, finding)| finding.is_some())
-        && accepted.all(|(_, finding)| finding.as_ref().is_none_or(|finding| matches!(finding.shown, Shown::Unsupported)));
+        && accepted.all(|(_, finding)| {
+            finding
+                .as_ref()
+                .is_none_or(|finding| matches!(finding.shown, Shown::Unsupported))
+        });
     all.then(|| "it answers every file that it should decode with 69 (unsupported)".to_owned())
 }
 
@@ -251,10 +407,21 @@ impl Run {
     /// The scores of this run.
     #[must_use]
     pub fn scores(&self, suite: &Suite) -> Scores {
-        let judged = self.judgement.cases.iter().flatten().filter(|judged| matches!(judged.outcome, Outcome::Pass | Outcome::Fail));
-        let passed = judged.clone().filter(|judged| judged.outcome == Outcome::Pass).count();
-        let features: std::collections::BTreeSet<Feature> =
-            suite.cases.iter().flat_map(|case| case.views.iter().flat_map(|view| case.features(view))).collect();
+        let judged = self
+            .judgement
+            .cases
+            .iter()
+            .flatten()
+            .filter(|judged| matches!(judged.outcome, Outcome::Pass | Outcome::Fail));
+        let passed = judged
+            .clone()
+            .filter(|judged| judged.outcome == Outcome::Pass)
+            .count();
+        let features: std::collections::BTreeSet<Feature> = suite
+            .cases
+            .iter()
+            .flat_map(|case| case.views.iter().flat_map(|view| case.features(view)))
+            .collect();
         Scores {
             correctness: (passed, judged.count()),
             breadth: (self.judgement.decoded.len(), features.len()),
@@ -265,15 +432,23 @@ impl Run {
     /// The exit status of `check`: 0, 1 or 3.
     #[must_use]
     pub fn exit_status(&self) -> u8 {
-        let failed = self.judgement.cases.iter().flatten().any(|judged| judged.outcome == Outcome::Fail);
+        let failed = self
+            .judgement
+            .cases
+            .iter()
+            .flatten()
+            .any(|judged| judged.outcome == Outcome::Fail);
         match self.not_a_decoder {
             Some(_) => 3,
-            None => u8::from(failed || !self.decoded_something()),
+            None => u8::from(failed || self.ended_by_hangs || !self.decoded_something()),
         }
     }
 
     /// Whether a picture came of any file.
     fn decoded_something(&self) -> bool {
-        self.findings.iter().flatten().any(|finding| matches!(finding.shown, Shown::Picture { .. }))
+        self.findings
+            .iter()
+            .flatten()
+            .any(|finding| matches!(finding.shown, Shown::Picture { .. }))
     }
 }

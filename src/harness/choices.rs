@@ -21,15 +21,30 @@ pub struct Choice {
 pub const CHOICES: &[Choice] = &[
     Choice {
         ruling: "lum-vector",
-        readings: &[("the matrix multiplies (Y, Cr, Cb, 1)", |r| r), ("the matrix multiplies (Cr, Y, Cb, 1)", Reading::with_cr_first)],
+        readings: &[
+            ("the matrix multiplies (Y, Cr, Cb, 1)", |r| r),
+            (
+                "the matrix multiplies (Cr, Y, Cb, 1)",
+                Reading::with_cr_first,
+            ),
+        ],
     },
     Choice {
         ruling: "lum-major",
-        readings: &[("columns first", |r| r), ("rows first", Reading::with_rows_first)],
+        readings: &[
+            ("columns first", |r| r),
+            ("rows first", Reading::with_rows_first),
+        ],
     },
     Choice {
         ruling: "lum-range",
-        readings: &[("values and translation from 0 to 255", |r| r), ("values and translation from 0 to 1", Reading::with_unit_range)],
+        readings: &[
+            ("values and translation from 0 to 255", |r| r),
+            (
+                "values and translation from 0 to 1",
+                Reading::with_unit_range,
+            ),
+        ],
     },
 ];
 
@@ -47,18 +62,27 @@ impl Dialect {
     /// Every dialect, the reference's first.
     #[must_use]
     pub fn all() -> Vec<Dialect> {
-        CHOICES.iter().fold(vec![Dialect(Vec::new())], |all, choice| {
-            let longer = |dialect: &Dialect| -> Vec<_> {
-                (0..choice.readings.len()).map(|reading| Dialect([&dialect.0[..], &[reading]].concat())).collect()
-            };
-            all.iter().flat_map(longer).collect()
-        })
+        CHOICES
+            .iter()
+            .fold(vec![Dialect(Vec::new())], |all, choice| {
+                let longer = |dialect: &Dialect| -> Vec<_> {
+                    (0..choice.readings.len())
+                        .map(|reading| Dialect([&dialect.0[..], &[reading]].concat()))
+                        .collect()
+                };
+                all.iter().flat_map(longer).collect()
+            })
     }
 
     /// How it reads.
     #[must_use]
     pub fn reading(&self) -> Reading {
-        CHOICES.iter().zip(&self.0).fold(Reading::SPEC, |reading, (choice, &taken)| (choice.readings[taken].1)(reading))
+        CHOICES
+            .iter()
+            .zip(&self.0)
+            .fold(Reading::SPEC, |reading, (choice, &taken)| {
+                (choice.readings[taken].1)(reading)
+            })
     }
 }
 
@@ -71,6 +95,9 @@ pub fn concerned(case: &Case, view: &View) -> bool {
 /// The right picture of `file` in every dialect, in the order of [`Dialect::all`]; the reference's is known by construction.
 #[must_use]
 pub fn pictures(file: &[u8], view: &View, reference: Expected) -> Vec<Option<Expected>> {
-    let others = Dialect::all().into_iter().skip(1).map(|dialect| Expected::under(file, view, &dialect.reading()));
+    let others = Dialect::all()
+        .into_iter()
+        .skip(1)
+        .map(|dialect| Expected::under(file, view, &dialect.reading()));
     std::iter::once(Some(reference)).chain(others).collect()
 }

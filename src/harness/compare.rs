@@ -48,15 +48,26 @@ impl Expected {
                     View::Coef => (channels, ExpectedValues::Coef(model.coefficients())),
                     View::Rgb(light) => (3, ExpectedValues::Rgb(model.picture(light.lu, light.lv))),
                 };
-                Some(Expected { size: model.size, channels, values })
+                Some(Expected {
+                    size: model.size,
+                    channels,
+                    values,
+                })
             }
             Values::Hand(hand) => {
                 let size: Size = hand.size.parse().ok()?;
                 let values = match view {
-                    View::Raw => ExpectedValues::Raw(HandValues::numbers(&hand.raw).iter().map(|&value| value as u8).collect()),
+                    View::Raw => ExpectedValues::Raw(
+                        HandValues::numbers(&hand.raw)
+                            .iter()
+                            .map(|&value| value as u8)
+                            .collect(),
+                    ),
                     View::Coef => ExpectedValues::Coef(HandValues::numbers(hand.coef.as_ref()?)),
                     View::Rgb(_) => {
-                        let picture = hand.rgb.as_ref().filter(|picture| format!("rgb:{}", picture.light) == view.to_string())?;
+                        let picture = hand.rgb.as_ref().filter(|picture| {
+                            format!("rgb:{}", picture.light) == view.to_string()
+                        })?;
                         ExpectedValues::Rgb(HandValues::numbers(&picture.texels))
                     }
                 };
@@ -64,7 +75,11 @@ impl Expected {
                     ExpectedValues::Raw(values) => values.len(),
                     ExpectedValues::Coef(values) | ExpectedValues::Rgb(values) => values.len(),
                 };
-                Some(Expected { size, channels: count / size.texels(), values })
+                Some(Expected {
+                    size,
+                    channels: count / size.texels(),
+                    values,
+                })
             }
         }
     }
@@ -75,38 +90,77 @@ impl Expected {
         let Ptm { header, planes } = decode_as(file, reading, &crate::Limits::default()).ok()?;
         let coefficients = evaluate::apply(&header.scale_bias, &planes, reading);
         let (channels, values) = match view {
-            View::Raw => (planes.shape.channels(), ExpectedValues::Raw(planes.samples.clone())),
-            View::Coef => (planes.shape.channels(), ExpectedValues::Coef(coefficients.values)),
-            View::Rgb(light) => (3, ExpectedValues::Rgb(evaluate::evaluate(&coefficients, light.lu, light.lv, reading).values)),
+            View::Raw => (
+                planes.shape.channels(),
+                ExpectedValues::Raw(planes.samples.clone()),
+            ),
+            View::Coef => (
+                planes.shape.channels(),
+                ExpectedValues::Coef(coefficients.values),
+            ),
+            View::Rgb(light) => (
+                3,
+                ExpectedValues::Rgb(
+                    evaluate::evaluate(&coefficients, light.lu, light.lv, reading).values,
+                ),
+            ),
         };
-        Some(Expected { size: header.size, channels, values })
+        Some(Expected {
+            size: header.size,
+            channels,
+            values,
+        })
     }
 
     /// Nothing where `frame` is right, and else where it first is not.
     #[must_use]
     pub fn compare(&self, frame: &Frame) -> Option<Difference> {
-        let expected = (self.view(), self.size.width, self.size.height, self.channels as u32);
+        let expected = (
+            self.view(),
+            self.size.width,
+            self.size.height,
+            self.channels as u32,
+        );
         let received = (frame.view, frame.width, frame.height, frame.channels);
         if expected != received {
             return Some(Difference::Shape {
                 expected: self.describe_shape(),
-                received: format!("{} {}x{} with {} channels", frame.view, frame.width, frame.height, frame.channels),
+                received: format!(
+                    "{} {}x{} with {} channels",
+                    frame.view, frame.width, frame.height, frame.channels
+                ),
             });
         }
         match (&self.values, &frame.samples) {
-            (ExpectedValues::Raw(expected), Samples::U8(received)) => {
-                self.difference(expected.len(), |i| (f64::from(expected[i]), f64::from(received[i])), |a, b| a == b)
-            }
+            (ExpectedValues::Raw(expected), Samples::U8(received)) => self.difference(
+                expected.len(),
+                |i| (f64::from(expected[i]), f64::from(received[i])),
+                |a, b| a == b,
+            ),
             (ExpectedValues::Coef(expected), Samples::F32(received)) => {
                 let near = |a: f64, b: f64| (a - b).abs() <= 1e-5 * a.abs().max(b.abs()) + 1e-6;
-                self.difference(expected.len(), |i| (expected[i], f64::from(received[i])), near)
+                self.difference(
+                    expected.len(),
+                    |i| (expected[i], f64::from(received[i])),
+                    near,
+                )
             }
             (ExpectedValues::Rgb(expected), Samples::U8(received)) => {
                 let near = |a: f64, b: f64| (a - b).abs() <= 1.0 + 1.0 / 64.0;
-                self.difference(expected.len(), |i| (expected[i], f64::from(received[i])), near)
+                self.difference(
+                    expected.len(),
+                    |i| (expected[i], f64::from(received[i])),
+                    near,
+                )
             }
-            (_, Samples::U8(_)) => Some(Difference::Shape { expected: "samples of type f32".to_owned(), received: "u8".to_owned() }),
-            (_, Samples::F32(_)) => Some(Difference::Shape { expected: "samples of type u8".to_owned(), received: "f32".to_owned() }),
+            (_, Samples::U8(_)) => Some(Difference::Shape {
+                expected: "samples of type f32".to_owned(),
+                received: "u8".to_owned(),
+            }),
+            (_, Samples::F32(_)) => Some(Difference::Shape {
+                expected: "samples of type u8".to_owned(),
+                received: "f32".to_owned(),
+            }),
         }
     }
 
@@ -119,17 +173,31 @@ impl Expected {
     }
 
     fn describe_shape(&self) -> String {
-        format!("{} {} with {} channels", self.view(), self.size, self.channels)
+        format!(
+            "{} {} with {} channels",
+            self.view(),
+            self.size,
+            self.channels
+        )
     }
 
-    fn difference(&self, samples: usize, pair: impl Fn(usize) -> (f64, f64), near: impl Fn(f64, f64) -> bool) -> Option<Difference> {
+    fn difference(
+        &self,
+        samples: usize,
+        pair: impl Fn(usize) -> (f64, f64),
+        near: impl Fn(f64, f64) -> bool,
+    ) -> Option<Difference> {
         let mut wrong = (0..samples).filter(|&i| {
             let (expected, received) = pair(i);
             !near(expected, received)
         });
         let first = wrong.next()?;
         let texel = first / self.channels;
-        let whole = |side: fn((f64, f64)) -> f64| (texel * self.channels..(texel + 1) * self.channels).map(|i| side(pair(i))).collect();
+        let whole = |side: fn((f64, f64)) -> f64| {
+            (texel * self.channels..(texel + 1) * self.channels)
+                .map(|i| side(pair(i)))
+                .collect()
+        };
         Some(Difference::Samples {
             x: texel % self.size.width as usize,
             y: texel / self.size.width as usize,
@@ -174,10 +242,23 @@ pub enum Difference {
 impl fmt::Display for Difference {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Difference::Shape { expected, received } => write!(f, "expected {expected}, received {received}"),
-            Difference::Samples { x, y, channel, expected, received, wrong, samples } => {
+            Difference::Shape { expected, received } => {
+                write!(f, "expected {expected}, received {received}")
+            }
+            Difference::Samples {
+                x,
+                y,
+                channel,
+                expected,
+                received,
+                wrong,
+                samples,
+            } => {
                 let (expected, received) = (list(expected), list(received));
-                write!(f, "texel ({x}, {y}), first in {channel}: expected {expected}, received {received}; ")?;
+                write!(
+                    f,
+                    "texel ({x}, {y}), first in {channel}: expected {expected}, received {received}; "
+                )?;
                 write!(f, "{wrong} of {samples} samples differ")
             }
         }
@@ -188,7 +269,11 @@ impl fmt::Display for Difference {
 fn list(values: &[f64]) -> String {
     let number = |value: &f64| {
         let text = format!("{value:.3}");
-        if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
+        if text.contains('.') {
+            text.trim_end_matches('0').trim_end_matches('.').to_owned()
+        } else {
+            text
+        }
     };
     values.iter().map(number).collect::<Vec<_>>().join(" ")
 }

@@ -71,7 +71,11 @@ pub fn entry(case: &Case) -> (Entry, Vec<Output>) {
     if let Some(expected) = Expected::of(&built.values, view) {
         let frame = frame(&expected, view);
         let path = format!("{place}/{}.{}", case.id, view.name());
-        entry.expected = Some(ExpectedFile { view: view.to_string(), file: path.clone(), sha256: sha256(&frame) });
+        entry.expected = Some(ExpectedFile {
+            view: view.to_string(),
+            file: path.clone(),
+            sha256: sha256(&frame),
+        });
         outputs.push((path, frame));
     }
     outputs.insert(0, (file, built.file.clone()));
@@ -83,15 +87,24 @@ pub fn entry(case: &Case) -> (Entry, Vec<Output>) {
 ///
 /// # Errors
 /// Those of the file system, with the path.
-pub fn write(suite: &Suite, directory: &Path, largest: usize, jobs: usize, progress: &(impl Fn(usize, usize) + Sync)) -> io::Result<Vec<Entry>> {
+pub fn write(
+    suite: &Suite,
+    directory: &Path,
+    largest: usize,
+    jobs: usize,
+    progress: &(impl Fn(usize, usize) + Sync),
+) -> io::Result<Vec<Entry>> {
     let (next, done) = (AtomicUsize::new(0), AtomicUsize::new(0));
-    let slots: Vec<Mutex<Option<io::Result<Entry>>>> = suite.cases.iter().map(|_| Mutex::new(None)).collect();
+    let slots: Vec<Mutex<Option<io::Result<Entry>>>> =
+        suite.cases.iter().map(|_| Mutex::new(None)).collect();
     std::thread::scope(|scope| {
         for _ in 0..jobs {
             scope.spawn(|| {
                 loop {
                     let place = next.fetch_add(1, Relaxed);
-                    let Some(case) = suite.cases.get(place) else { break };
+                    let Some(case) = suite.cases.get(place) else {
+                        break;
+                    };
                     let written = write_one(case, directory, largest);
                     *slots[place].lock().expect("no worker panics") = Some(written);
                     progress(done.fetch_add(1, Relaxed) + 1, suite.cases.len());
@@ -99,9 +112,16 @@ pub fn write(suite: &Suite, directory: &Path, largest: usize, jobs: usize, progr
             });
         }
     });
-    let entries = slots.into_iter().filter_map(|slot| slot.into_inner().expect("no worker panics")).collect::<io::Result<Vec<_>>>()?;
+    let entries = slots
+        .into_iter()
+        .filter_map(|slot| slot.into_inner().expect("no worker panics"))
+        .collect::<io::Result<Vec<_>>>()?;
     let manifest = serde_saphyr::to_string(&entries).map_err(io::Error::other)?;
-    put(&directory.join("MANIFEST.yaml"), format!("# Written by `ptm-conform generate`; see spec-cases/README.md.\n{manifest}").as_bytes())?;
+    put(
+        &directory.join("MANIFEST.yaml"),
+        format!("# Written by `ptm-conform generate`; see spec-cases/README.md.\n{manifest}")
+            .as_bytes(),
+    )?;
     Ok(entries)
 }
 
@@ -116,7 +136,8 @@ fn write_one(case: &Case, directory: &Path, largest: usize) -> io::Result<Entry>
 }
 
 fn put(path: &Path, bytes: &[u8]) -> io::Result<()> {
-    let named = |error: io::Error| io::Error::new(error.kind(), format!("{}: {error}", path.display()));
+    let named =
+        |error: io::Error| io::Error::new(error.kind(), format!("{}: {error}", path.display()));
     if let Some(parent) = path.parent() {
         fs::create_dir_all(parent).map_err(named)?;
     }
@@ -127,8 +148,12 @@ fn put(path: &Path, bytes: &[u8]) -> io::Result<()> {
 fn frame(expected: &Expected, view: &View) -> Vec<u8> {
     let samples = match &expected.values {
         ExpectedValues::Raw(values) => Samples::U8(values.clone()),
-        ExpectedValues::Coef(values) => Samples::F32(values.iter().map(|&value| value as f32).collect()),
-        ExpectedValues::Rgb(values) => Samples::U8(values.iter().map(|&value| value.round() as u8).collect()),
+        ExpectedValues::Coef(values) => {
+            Samples::F32(values.iter().map(|&value| value as f32).collect())
+        }
+        ExpectedValues::Rgb(values) => {
+            Samples::U8(values.iter().map(|&value| value.round() as u8).collect())
+        }
     };
     let frame = Frame {
         view: view.name(),
@@ -138,12 +163,17 @@ fn frame(expected: &Expected, view: &View) -> Vec<u8> {
         samples,
     };
     let mut bytes = Vec::new();
-    frame.write(&mut bytes).expect("writing to memory does not fail");
+    frame
+        .write(&mut bytes)
+        .expect("writing to memory does not fail");
     bytes
 }
 
 /// The SHA-256 digest in hexadecimal.
 #[must_use]
 pub fn sha256(bytes: &[u8]) -> String {
-    Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect()
+    Sha256::digest(bytes)
+        .iter()
+        .map(|byte| format!("{byte:02x}"))
+        .collect()
 }

@@ -114,23 +114,49 @@ pub struct Judgement {
 /// offered. `selected` says which cases are to be judged; the others only serve as twins.
 #[must_use]
 pub fn judge(suite: &Suite, selected: &[bool], findings: &[Option<Finding>]) -> Judgement {
-    let places: HashMap<&str, usize> = suite.cases.iter().enumerate().map(|(i, case)| (case.id.as_str(), i)).collect();
+    let places: HashMap<&str, usize> = suite
+        .cases
+        .iter()
+        .enumerate()
+        .map(|(i, case)| (case.id.as_str(), i))
+        .collect();
     let dialect = dialect(findings);
     let (unsupported, decoded) = features(suite, findings);
     let spelling_known = suite.cases.iter().zip(findings).any(|(case, finding)| {
-        case.expect == Expect::Spelling && finding.as_ref().is_some_and(|finding| is_right(finding, &dialect))
+        case.expect == Expect::Spelling
+            && finding
+                .as_ref()
+                .is_some_and(|finding| is_right(finding, &dialect))
     });
     let one = |i: usize| -> Judged {
         let case = &suite.cases[i];
         let Some(finding) = &findings[i] else {
-            return Judged { view: None, outcome: Outcome::NotJudged, says: "none of its views is offered".to_owned() };
+            return Judged {
+                view: None,
+                outcome: Outcome::NotJudged,
+                says: "none of its views is offered".to_owned(),
+            };
         };
-        let twin = case.twin_of.as_ref().map(|twin| findings[places[twin.as_str()]].as_ref());
+        let twin = case
+            .twin_of
+            .as_ref()
+            .map(|twin| findings[places[twin.as_str()]].as_ref());
         let (outcome, says) = verdict(case, finding, twin, &dialect, &unsupported, spelling_known);
-        Judged { view: Some(finding.view.clone()), outcome, says }
+        Judged {
+            view: Some(finding.view.clone()),
+            outcome,
+            says,
+        }
     };
-    let cases = (0..suite.cases.len()).map(|i| selected[i].then(|| one(i))).collect();
-    Judgement { cases, dialect: describe(findings, &dialect), unsupported, decoded }
+    let cases = (0..suite.cases.len())
+        .map(|i| selected[i].then(|| one(i)))
+        .collect();
+    Judgement {
+        cases,
+        dialect: describe(findings, &dialect),
+        unsupported,
+        decoded,
+    }
 }
 
 fn verdict(
@@ -146,20 +172,41 @@ fn verdict(
     let pass = (Pass, String::new());
     // Negative cases stand on their accepted twin.
     if let Some(twin) = twin {
-        let decoded = matches!(twin, Some(Finding { shown: Shown::Picture { .. }, .. }));
+        let decoded = matches!(
+            twin,
+            Some(Finding {
+                shown: Shown::Picture { .. },
+                ..
+            })
+        );
         if !decoded {
-            return (Inconclusive, format!("its twin {} was not decoded", case.twin_of.as_deref().unwrap_or_default()));
+            return (
+                Inconclusive,
+                format!(
+                    "its twin {} was not decoded",
+                    case.twin_of.as_deref().unwrap_or_default()
+                ),
+            );
         }
     }
     let twin_right = twin.flatten().is_none_or(|twin| is_right(twin, dialect));
     match (&finding.shown, case.expect) {
-        (Shown::Misconduct(answer), _) => {
-            fail(format!("{}: {}", answer.name(), answer.misconduct().unwrap_or_default()))
+        (Shown::Misconduct(answer), _) => fail(format!(
+            "{}: {}",
+            answer.name(),
+            answer.misconduct().unwrap_or_default()
+        )),
+        (Shown::Rejected, Expect::Reject | Expect::Refuse | Expect::Lenient | Expect::Spelling) => {
+            pass
         }
-        (Shown::Rejected, Expect::Reject | Expect::Refuse | Expect::Lenient | Expect::Spelling) => pass,
         (Shown::Unsupported, Expect::Refuse | Expect::Lenient | Expect::Spelling) => pass,
-        (Shown::Unsupported, Expect::Reject) => fail("answered 69 (unsupported) to a malformed file of a kind it decodes".to_owned()),
-        (Shown::Picture { .. }, Expect::Reject | Expect::Refuse) => fail(format!("accepted a file that must be refused: {}", fault(case))),
+        (Shown::Unsupported, Expect::Reject) => {
+            fail("answered 69 (unsupported) to a malformed file of a kind it decodes".to_owned())
+        }
+        (Shown::Picture { .. }, Expect::Reject | Expect::Refuse) => fail(format!(
+            "accepted a file that must be refused: {}",
+            fault(case)
+        )),
         (Shown::Rejected, Expect::Decode) => fail("refused a legal file".to_owned()),
         (Shown::Unsupported, Expect::Decode) => {
             if case.features(&finding.view).is_disjoint(unsupported) {
@@ -168,17 +215,27 @@ fn verdict(
                 (Unsupported, String::new())
             }
         }
-        (Shown::Picture { difference, right, .. }, expect) => {
+        (
+            Shown::Picture {
+                difference, right, ..
+            },
+            expect,
+        ) => {
             if is_right(finding, dialect) {
                 return pass;
             }
-            let differs = difference.as_ref().map(ToString::to_string).unwrap_or_default();
+            let differs = difference
+                .as_ref()
+                .map(ToString::to_string)
+                .unwrap_or_default();
             match (expect, right) {
                 (Expect::Spelling, _) if spelling_known => (OtherDialect, String::new()),
-                (Expect::Lenient, _) if !twin_right => (Inconclusive, "its twin was decoded wrongly".to_owned()),
-                (_, Right::In(dialects)) if dialects.contains(&true) => {
-                    fail(format!("mixes readings: elsewhere it follows another one. {differs}"))
+                (Expect::Lenient, _) if !twin_right => {
+                    (Inconclusive, "its twin was decoded wrongly".to_owned())
                 }
+                (_, Right::In(dialects)) if dialects.contains(&true) => fail(format!(
+                    "mixes readings: elsewhere it follows another one. {differs}"
+                )),
                 _ => fail(differs),
             }
         }
@@ -192,10 +249,17 @@ fn fault(case: &Case) -> &str {
 
 fn is_right(finding: &Finding, dialect: &Dialect) -> bool {
     match &finding.shown {
-        Shown::Picture { right: Right::Anyway(right), .. } => *right,
-        Shown::Picture { right: Right::In(right), .. } => {
-            Dialect::all().iter().position(|known| known == dialect).is_some_and(|place| right[place])
-        }
+        Shown::Picture {
+            right: Right::Anyway(right),
+            ..
+        } => *right,
+        Shown::Picture {
+            right: Right::In(right),
+            ..
+        } => Dialect::all()
+            .iter()
+            .position(|known| known == dialect)
+            .is_some_and(|place| right[place]),
         _ => false,
     }
 }
@@ -204,7 +268,11 @@ fn is_right(finding: &Finding, dialect: &Dialect) -> bool {
 fn evidence(findings: &[Option<Finding>]) -> Vec<usize> {
     let mut counts = vec![0; Dialect::all().len()];
     for finding in findings.iter().flatten() {
-        if let Shown::Picture { right: Right::In(right), .. } = &finding.shown {
+        if let Shown::Picture {
+            right: Right::In(right),
+            ..
+        } = &finding.shown
+        {
             for (count, &right) in counts.iter_mut().zip(right) {
                 *count += usize::from(right);
             }
@@ -217,19 +285,33 @@ fn evidence(findings: &[Option<Finding>]) -> Vec<usize> {
 fn dialect(findings: &[Option<Finding>]) -> Dialect {
     let counts = evidence(findings);
     let most = counts.iter().max().copied().unwrap_or_default();
-    let place = counts.iter().position(|&count| count == most).unwrap_or_default();
+    let place = counts
+        .iter()
+        .position(|&count| count == most)
+        .unwrap_or_default();
     Dialect::all().swap_remove(place)
 }
 
 /// Each choice with the reading taken, if the evidence tells it from every other.
-fn describe(findings: &[Option<Finding>], dialect: &Dialect) -> Vec<(&'static str, Option<&'static str>)> {
+fn describe(
+    findings: &[Option<Finding>],
+    dialect: &Dialect,
+) -> Vec<(&'static str, Option<&'static str>)> {
     let counts = evidence(findings);
     let all = Dialect::all();
     let most = counts.iter().max().copied().unwrap_or_default();
-    let best: Vec<&Dialect> = all.iter().zip(&counts).filter(|&(_, &count)| count == most).map(|(dialect, _)| dialect).collect();
+    let best: Vec<&Dialect> = all
+        .iter()
+        .zip(&counts)
+        .filter(|&(_, &count)| count == most)
+        .map(|(dialect, _)| dialect)
+        .collect();
     let settled = |i: usize| most > 0 && best.iter().all(|other| other.0[i] == dialect.0[i]);
     let one = |(i, choice): (usize, &crate::harness::choices::Choice)| {
-        (choice.ruling, settled(i).then(|| choice.readings[dialect.0[i]].0))
+        (
+            choice.ruling,
+            settled(i).then(|| choice.readings[dialect.0[i]].0),
+        )
     };
     CHOICES.iter().enumerate().map(one).collect()
 }
@@ -239,14 +321,26 @@ fn features(suite: &Suite, findings: &[Option<Finding>]) -> (BTreeSet<Feature>, 
     let mut all_unsupported: BTreeMap<Feature, bool> = BTreeMap::new();
     let mut decoded = BTreeSet::new();
     for (case, finding) in suite.cases.iter().zip(findings) {
-        let (Some(finding), Expect::Decode) = (finding, case.expect) else { continue };
+        let (Some(finding), Expect::Decode) = (finding, case.expect) else {
+            continue;
+        };
         for feature in case.features(&finding.view) {
             let unsupported = matches!(finding.shown, Shown::Unsupported);
-            all_unsupported.entry(feature.clone()).and_modify(|all| *all &= unsupported).or_insert(unsupported);
+            all_unsupported
+                .entry(feature.clone())
+                .and_modify(|all| *all &= unsupported)
+                .or_insert(unsupported);
             if matches!(finding.shown, Shown::Picture { .. }) {
                 decoded.insert(feature);
             }
         }
     }
-    (all_unsupported.into_iter().filter(|&(_, all)| all).map(|(feature, _)| feature).collect(), decoded)
+    (
+        all_unsupported
+            .into_iter()
+            .filter(|&(_, all)| all)
+            .map(|(feature, _)| feature)
+            .collect(),
+        decoded,
+    )
 }

@@ -25,23 +25,51 @@ pub struct Row {
 /// Runs the suite against every misreading, asked in `views` only, or in all if there are none.
 #[must_use]
 pub fn matrix(suite: &Suite, views: &[&'static str], jobs: usize) -> Vec<Row> {
-    misreadings::all().map(|misreading| row(suite, misreading, views, jobs)).collect()
+    misreadings::all()
+        .map(|misreading| row(suite, misreading, views, jobs))
+        .collect()
 }
 
 fn row(suite: &Suite, misreading: &'static Misreading, views: &[&'static str], jobs: usize) -> Row {
     let digests = Mutex::new(HashMap::new());
     let ask = |request: &Request<'_>, _: usize| {
         let answer = misreadings::answer(&[misreading], Reading::SPEC, request.file, request.view);
-        digests.lock().expect("no worker panics").insert(request.name.to_owned(), digest(&answer));
-        Reply { answer, stderr: String::new(), exit: None }
+        digests
+            .lock()
+            .expect("no worker panics")
+            .insert(request.name.to_owned(), digest(&answer));
+        Reply {
+            answer,
+            stderr: String::new(),
+            exit: None,
+        }
     };
-    let plan = Plan { selected: vec![true; suite.cases.len()], jobs, views: views.to_vec() };
+    let plan = Plan {
+        selected: vec![true; suite.cases.len()],
+        jobs,
+        views: views.to_vec(),
+    };
     let run = check(suite, &plan, &ask, &|_, _| ());
     let failed = run.judgement.cases.iter().enumerate();
-    let killed_by = failed.filter(|(_, judged)| judged.as_ref().is_some_and(|judged| judged.outcome == Outcome::Fail)).map(|(i, _)| i).collect();
+    let killed_by = failed
+        .filter(|(_, judged)| {
+            judged
+                .as_ref()
+                .is_some_and(|judged| judged.outcome == Outcome::Fail)
+        })
+        .map(|(i, _)| i)
+        .collect();
     let digests = digests.into_inner().expect("no worker panics");
-    let answers = suite.cases.iter().map(|case| digests.get(&case.id).copied().unwrap_or_default()).collect();
-    Row { misreading, killed_by, answers }
+    let answers = suite
+        .cases
+        .iter()
+        .map(|case| digests.get(&case.id).copied().unwrap_or_default())
+        .collect();
+    Row {
+        misreading,
+        killed_by,
+        answers,
+    }
 }
 
 fn digest(answer: &Answer) -> u64 {
@@ -51,7 +79,9 @@ fn digest(answer: &Answer) -> u64 {
         (frame.width, frame.height, frame.channels).hash(&mut hasher);
         match &frame.samples {
             Samples::U8(bytes) => bytes.hash(&mut hasher),
-            Samples::F32(values) => values.iter().for_each(|value| value.to_bits().hash(&mut hasher)),
+            Samples::F32(values) => values
+                .iter()
+                .for_each(|value| value.to_bits().hash(&mut hasher)),
         }
     }
     hasher.finish()

@@ -68,7 +68,11 @@ impl FromStr for View {
     type Err = String;
 
     fn from_str(text: &str) -> Result<View, String> {
-        let unknown = || format!("unknown view {text:?}; views are raw, coef and rgb:LU,LV, for example rgb:0.25,-0.5");
+        let unknown = || {
+            format!(
+                "unknown view {text:?}; views are raw, coef and rgb:LU,LV, for example rgb:0.25,-0.5"
+            )
+        };
         match text {
             "raw" => Ok(View::Raw),
             "coef" => Ok(View::Coef),
@@ -76,9 +80,11 @@ impl FromStr for View {
                 let light = text.strip_prefix("rgb:").ok_or_else(unknown)?;
                 let (lu, lv) = light.split_once(',').ok_or_else(unknown)?;
                 match (lu.parse::<f64>(), lv.parse::<f64>()) {
-                    (Ok(lu), Ok(lv)) if lu.is_finite() && lv.is_finite() => {
-                        Ok(View::Rgb(Light { lu, lv, text: light.to_owned() }))
-                    }
+                    (Ok(lu), Ok(lv)) if lu.is_finite() && lv.is_finite() => Ok(View::Rgb(Light {
+                        lu,
+                        lv,
+                        text: light.to_owned(),
+                    })),
                     _ => Err(unknown()),
                 }
             }
@@ -123,13 +129,38 @@ impl Frame {
         let channels = ptm.planes.shape.channels() as u32;
         let (channels, samples) = match view {
             View::Raw => (channels, Samples::U8(ptm.planes.samples.clone())),
-            View::Coef => (channels, Samples::F32(coefficients().values.iter().map(|&value| value as f32).collect())),
+            View::Coef => (
+                channels,
+                Samples::F32(
+                    coefficients()
+                        .values
+                        .iter()
+                        .map(|&value| value as f32)
+                        .collect(),
+                ),
+            ),
             View::Rgb(light) => {
-                let picture = crate::evaluate::evaluate(&coefficients(), light.lu, light.lv, reading);
-                (3, Samples::U8(picture.values.iter().map(|&value| (reading.byte)(value)).collect()))
+                let picture =
+                    crate::evaluate::evaluate(&coefficients(), light.lu, light.lv, reading);
+                (
+                    3,
+                    Samples::U8(
+                        picture
+                            .values
+                            .iter()
+                            .map(|&value| (reading.byte)(value))
+                            .collect(),
+                    ),
+                )
             }
         };
-        Frame { view: view.name(), width: ptm.planes.size.width, height: ptm.planes.size.height, channels, samples }
+        Frame {
+            view: view.name(),
+            width: ptm.planes.size.width,
+            height: ptm.planes.size.height,
+            channels,
+            samples,
+        }
     }
 
     /// Writes the line and the samples.
@@ -137,11 +168,21 @@ impl Frame {
     /// # Errors
     /// Those of `out`.
     pub fn write(&self, out: &mut impl Write) -> io::Result<()> {
-        let kind = if matches!(self.samples, Samples::U8(_)) { "u8" } else { "f32" };
-        writeln!(out, "PTM1 {} {} {} {} {kind}", self.view, self.width, self.height, self.channels)?;
+        let kind = if matches!(self.samples, Samples::U8(_)) {
+            "u8"
+        } else {
+            "f32"
+        };
+        writeln!(
+            out,
+            "PTM1 {} {} {} {} {kind}",
+            self.view, self.width, self.height, self.channels
+        )?;
         match &self.samples {
             Samples::U8(bytes) => out.write_all(bytes),
-            Samples::F32(values) => values.iter().try_for_each(|value| out.write_all(&value.to_le_bytes())),
+            Samples::F32(values) => values
+                .iter()
+                .try_for_each(|value| out.write_all(&value.to_le_bytes())),
         }
     }
 
@@ -155,20 +196,35 @@ impl Frame {
         }
         let beginning = bytes[..bytes.len().min(24)].escape_ascii();
         if !bytes.starts_with(b"PTM1 ") {
-            return Err(format!("standard output begins with \"{beginning}\" instead of a PTM1 line"));
+            return Err(format!(
+                "standard output begins with \"{beginning}\" instead of a PTM1 line"
+            ));
         }
-        let end = bytes.iter().take(200).position(|&byte| byte == b'\n').ok_or("the PTM1 line has no end")?;
+        let end = bytes
+            .iter()
+            .take(200)
+            .position(|&byte| byte == b'\n')
+            .ok_or("the PTM1 line has no end")?;
         let line = std::str::from_utf8(&bytes[..end]).map_err(|_| "the PTM1 line is not ASCII")?;
         if line.ends_with('\r') {
             return Err("the PTM1 line ends in CR LF: is standard output in text mode?".to_owned());
         }
         let words: Vec<&str> = line.split(' ').collect();
         let [_, view, width, height, channels, kind] = words[..] else {
-            return Err(format!("{line:?} is not \"PTM1 VIEW WIDTH HEIGHT CHANNELS TYPE\""));
+            return Err(format!(
+                "{line:?} is not \"PTM1 VIEW WIDTH HEIGHT CHANNELS TYPE\""
+            ));
         };
-        let view = ["raw", "coef", "rgb"].into_iter().find(|&known| known == view).ok_or_else(|| format!("unknown view in {line:?}"))?;
+        let view = ["raw", "coef", "rgb"]
+            .into_iter()
+            .find(|&known| known == view)
+            .ok_or_else(|| format!("unknown view in {line:?}"))?;
         let number = |word: &str| {
-            let digits = word.bytes().all(|byte| byte.is_ascii_digit()).then(|| word.parse::<u32>().ok()).flatten();
+            let digits = word
+                .bytes()
+                .all(|byte| byte.is_ascii_digit())
+                .then(|| word.parse::<u32>().ok())
+                .flatten();
             digits.ok_or_else(|| format!("{word:?} in {line:?} is not a number"))
         };
         let (width, height, channels) = (number(width)?, number(height)?, number(channels)?);
@@ -178,21 +234,41 @@ impl Frame {
             _ => return Err(format!("unknown type in {line:?}; types are u8 and f32")),
         };
         let samples = &bytes[end + 1..];
-        let needed = [width, height, channels].into_iter().try_fold(size, |product: usize, n| product.checked_mul(n as usize));
+        let needed = [width, height, channels]
+            .into_iter()
+            .try_fold(size, |product: usize, n| product.checked_mul(n as usize));
         if needed != Some(samples.len()) {
-            let needed = needed.map_or("more bytes than can be counted".to_owned(), |needed| format!("{needed} bytes"));
-            let cut = if samples.len() + end + 1 >= 65_536 && (samples.len() + end + 1) % 65_536 == 0 {
+            let needed = needed.map_or("more bytes than can be counted".to_owned(), |needed| {
+                format!("{needed} bytes")
+            });
+            let cut = if samples.len() + end + 1 >= 65_536
+                && (samples.len() + end + 1) % 65_536 == 0
+            {
                 "; the output is cut at a multiple of 65,536: does the program exit before its output is flushed?"
             } else {
                 ""
             };
-            return Err(format!("{line:?} announces {needed} of samples, {} follow{cut}", samples.len()));
+            return Err(format!(
+                "{line:?} announces {needed} of samples, {} follow{cut}",
+                samples.len()
+            ));
         }
         let samples = match kind {
             "u8" => Samples::U8(samples.to_vec()),
-            _ => Samples::F32(samples.chunks_exact(4).map(|b| f32::from_le_bytes([b[0], b[1], b[2], b[3]])).collect()),
+            _ => Samples::F32(
+                samples
+                    .chunks_exact(4)
+                    .map(|b| f32::from_le_bytes([b[0], b[1], b[2], b[3]]))
+                    .collect(),
+            ),
         };
-        Ok(Frame { view, width, height, channels, samples })
+        Ok(Frame {
+            view,
+            width,
+            height,
+            channels,
+            samples,
+        })
     }
 }
 

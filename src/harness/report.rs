@@ -121,10 +121,18 @@ pub struct CaseResult {
 impl Report {
     /// The report of `run`. `command` is shown without directories.
     #[must_use]
-    pub fn new(suite: &Suite, run: &Run, diagnoses: &[Diagnosis], command: &[String], limits: Vec<String>) -> Report {
+    pub fn new(
+        suite: &Suite,
+        run: &Run,
+        diagnoses: &[Diagnosis],
+        command: &[String],
+        limits: Vec<String>,
+    ) -> Report {
         let scores = run.scores(suite);
         let of = |(part, whole): (usize, usize)| format!("{part}/{whole}");
-        let names = |features: &std::collections::BTreeSet<Feature>| features.iter().map(ToString::to_string).collect();
+        let names = |features: &std::collections::BTreeSet<Feature>| {
+            features.iter().map(ToString::to_string).collect()
+        };
         let verdict = match run.exit_status() {
             0 => "pass",
             1 => "fail",
@@ -138,21 +146,40 @@ impl Report {
                 limits,
             },
             decoder: Subject {
-                command: command.iter().map(|word| base_name(word)).collect::<Vec<_>>().join(" "),
+                command: command
+                    .iter()
+                    .map(|word| base_name(word))
+                    .collect::<Vec<_>>()
+                    .join(" "),
                 views: run.views.iter().map(|&view| view.to_owned()).collect(),
                 decodes: names(&run.judgement.decoded),
                 unsupported: names(&run.judgement.unsupported),
             },
             verdict: verdict.to_owned(),
             reason: run.not_a_decoder.clone(),
-            scores: Scores { correctness: of(scores.correctness), breadth: of(scores.breadth), robustness: of(scores.robustness) },
+            scores: Scores {
+                correctness: of(scores.correctness),
+                breadth: of(scores.breadth),
+                robustness: of(scores.robustness),
+            },
             dialect: dialect(run),
-            diagnoses: diagnoses.iter().map(|diagnosis| cause(suite, diagnosis)).collect(),
-            cases: suite.cases.iter().zip(&run.judgement.cases).enumerate().filter_map(|(i, (case, judged))| {
-                let judged = judged.as_ref()?;
-                let stderr = run.findings[i].as_ref().map(|finding| finding.stderr.clone());
-                Some(case_result(case, judged, stderr.unwrap_or_default()))
-            }).collect(),
+            diagnoses: diagnoses
+                .iter()
+                .map(|diagnosis| cause(suite, diagnosis))
+                .collect(),
+            cases: suite
+                .cases
+                .iter()
+                .zip(&run.judgement.cases)
+                .enumerate()
+                .filter_map(|(i, (case, judged))| {
+                    let judged = judged.as_ref()?;
+                    let stderr = run.findings[i]
+                        .as_ref()
+                        .map(|finding| finding.stderr.clone());
+                    Some(case_result(case, judged, stderr.unwrap_or_default()))
+                })
+                .collect(),
         }
     }
 
@@ -168,62 +195,132 @@ impl Report {
     #[must_use]
     pub fn to_text(&self, suite: &Suite, shown: usize) -> String {
         let mut text = String::new();
-        self.write_text(suite, shown, &mut text).expect("writing to memory does not fail");
+        self.write_text(suite, shown, &mut text)
+            .expect("writing to memory does not fail");
         text
     }
 
     fn write_text(&self, suite: &Suite, shown: usize, out: &mut String) -> std::fmt::Result {
         if let Some(reason) = &self.reason {
             writeln!(out, "{} is not a decoder: {reason}", self.decoder.command)?;
-            writeln!(out, "A decoder is called as: DECODER VIEW FILE, for example: {} raw x.ptm", self.decoder.command)?;
-            return writeln!(out, "It prints \"PTM1 raw WIDTH HEIGHT CHANNELS u8\", a line feed and the samples; see the README.");
+            writeln!(
+                out,
+                "A decoder is called as: DECODER VIEW FILE, for example: {} raw x.ptm",
+                self.decoder.command
+            )?;
+            return writeln!(
+                out,
+                "It prints \"PTM1 raw WIDTH HEIGHT CHANNELS u8\", a line feed and the samples; see the README."
+            );
         }
-        let failing: Vec<&CaseResult> = self.cases.iter().filter(|case| case.outcome == Outcome::Fail.name()).collect();
+        let failing: Vec<&CaseResult> = self
+            .cases
+            .iter()
+            .filter(|case| case.outcome == Outcome::Fail.name())
+            .collect();
         for case in failing.iter().take(shown) {
             writeln!(out, "FAIL {}  ({})", case.id, case.clauses.join(", "))?;
             if let Some(says) = &case.says {
-                writeln!(out, "  {}: {says}", case.view.as_deref().unwrap_or_default())?;
+                writeln!(
+                    out,
+                    "  {}: {says}",
+                    case.view.as_deref().unwrap_or_default()
+                )?;
             }
             if let Some(case) = suite.case(&case.id) {
                 writeln!(out, "  {}", case.because)?;
             }
-            let causes = self.diagnoses.iter().filter(|cause| cause.explains.contains(&case.id));
+            let causes = self
+                .diagnoses
+                .iter()
+                .filter(|cause| cause.explains.contains(&case.id));
             for cause in causes {
-                writeln!(out, "  looks like: {} (§{})", cause.misreading, cause.clause)?;
+                writeln!(
+                    out,
+                    "  looks like: {} (§{})",
+                    cause.misreading, cause.clause
+                )?;
             }
-            if let Some(line) = case.stderr.as_ref().and_then(|stderr| stderr.lines().last()) {
+            if let Some(line) = case
+                .stderr
+                .as_ref()
+                .and_then(|stderr| stderr.lines().last())
+            {
                 writeln!(out, "  its standard error ends: {line}")?;
             }
         }
         if failing.len() > shown {
-            writeln!(out, "… and {} more failures; the report has them all", failing.len() - shown)?;
+            writeln!(
+                out,
+                "… and {} more failures; the report has them all",
+                failing.len() - shown
+            )?;
         }
         if !failing.is_empty() {
             writeln!(out)?;
         }
-        let explained: usize = self.diagnoses.iter().map(|cause| cause.explains.len()).sum();
+        let explained: usize = self
+            .diagnoses
+            .iter()
+            .map(|cause| cause.explains.len())
+            .sum();
         for cause in &self.diagnoses {
-            writeln!(out, "{} of {} failures: the decoder {} (clause {}).", cause.explains.len(), failing.len(), cause.effect, cause.clause)?;
-            writeln!(out, "  To mend it: {}. Try: ptm-conform explain {}", cause.mend, cause.misreading)?;
+            writeln!(
+                out,
+                "{} of {} failures: the decoder {} (clause {}).",
+                cause.explains.len(),
+                failing.len(),
+                cause.effect,
+                cause.clause
+            )?;
+            writeln!(
+                out,
+                "  To mend it: {}. Try: ptm-conform explain {}",
+                cause.mend, cause.misreading
+            )?;
         }
         if explained < failing.len() {
-            writeln!(out, "{} of {} failures are like no mistake of the catalogue.", failing.len() - explained, failing.len())?;
+            writeln!(
+                out,
+                "{} of {} failures are like no mistake of the catalogue.",
+                failing.len() - explained,
+                failing.len()
+            )?;
         }
         for reading in &self.dialect {
             writeln!(out, "dialect: {}: {}", reading.ruling, reading.reading)?;
         }
         if !self.decoder.unsupported.is_empty() {
-            writeln!(out, "unsupported, by its own word: {}", self.decoder.unsupported.join(", "))?;
+            writeln!(
+                out,
+                "unsupported, by its own word: {}",
+                self.decoder.unsupported.join(", ")
+            )?;
         }
         let counts: Vec<String> = OUTCOMES
             .iter()
-            .map(|outcome| (outcome, self.cases.iter().filter(|case| case.outcome == outcome.name()).count()))
+            .map(|outcome| {
+                (
+                    outcome,
+                    self.cases
+                        .iter()
+                        .filter(|case| case.outcome == outcome.name())
+                        .count(),
+                )
+            })
             .filter(|&(_, count)| count > 0)
             .map(|(outcome, count)| format!("{count} {}", outcome.name()))
             .collect();
         writeln!(out, "{}: {}", self.verdict, counts.join(", "))?;
-        let Scores { correctness, breadth, robustness } = &self.scores;
-        writeln!(out, "correctness {correctness}, breadth {breadth}, robustness {robustness}")
+        let Scores {
+            correctness,
+            breadth,
+            robustness,
+        } = &self.scores;
+        writeln!(
+            out,
+            "correctness {correctness}, breadth {breadth}, robustness {robustness}"
+        )
     }
 }
 
@@ -238,12 +335,34 @@ const OUTCOMES: [Outcome; 7] = [
 ];
 
 fn dialect(run: &Run) -> Vec<Reading> {
-    let reading = |ruling: &str, reading: String| Reading { ruling: ruling.to_owned(), reading };
-    let newline = if run.table.newline { "one line feed" } else { "nothing" };
-    let has_tables = run.judgement.decoded.iter().any(|feature| matches!(feature, Feature::Format(format) if format.has_table()));
-    let tables = [reading("lut-count", run.table.count.name().to_owned()), reading("lut-newline", newline.to_owned())];
-    let choices = run.judgement.dialect.iter().filter_map(|&(ruling, said)| Some(reading(ruling, said?.to_owned())));
-    tables.into_iter().filter(|_| has_tables).chain(choices).collect()
+    let reading = |ruling: &str, reading: String| Reading {
+        ruling: ruling.to_owned(),
+        reading,
+    };
+    let newline = if run.table.newline {
+        "one line feed"
+    } else {
+        "nothing"
+    };
+    let has_tables = run
+        .judgement
+        .decoded
+        .iter()
+        .any(|feature| matches!(feature, Feature::Format(format) if format.has_table()));
+    let tables = [
+        reading("lut-count", run.table.count.name().to_owned()),
+        reading("lut-newline", newline.to_owned()),
+    ];
+    let choices = run
+        .judgement
+        .dialect
+        .iter()
+        .filter_map(|&(ruling, said)| Some(reading(ruling, said?.to_owned())));
+    tables
+        .into_iter()
+        .filter(|_| has_tables)
+        .chain(choices)
+        .collect()
 }
 
 fn cause(suite: &Suite, diagnosis: &Diagnosis) -> Cause {
@@ -252,7 +371,11 @@ fn cause(suite: &Suite, diagnosis: &Diagnosis) -> Cause {
         clause: diagnosis.misreading.clause.to_owned(),
         effect: diagnosis.misreading.effect.to_owned(),
         mend: diagnosis.misreading.mend.to_owned(),
-        explains: diagnosis.explains.iter().map(|&i| suite.cases[i].id.clone()).collect(),
+        explains: diagnosis
+            .explains
+            .iter()
+            .map(|&i| suite.cases[i].id.clone())
+            .collect(),
     }
 }
 
@@ -270,11 +393,18 @@ fn case_result(case: &Case, judged: &Judged, stderr: String) -> CaseResult {
 
 /// A digest of the files of the suite, in order.
 fn digest(suite: &Suite) -> String {
-    let digests: String = suite.cases.iter().map(|case| corpus::entry(case).0.sha256).collect();
+    let digests: String = suite
+        .cases
+        .iter()
+        .map(|case| corpus::entry(case).0.sha256)
+        .collect();
     corpus::sha256(digests.as_bytes())
 }
 
 /// A word of a command without its directories.
 fn base_name(word: &str) -> String {
-    std::path::Path::new(word).file_name().map_or_else(|| word.to_owned(), |name| name.to_string_lossy().into_owned())
+    std::path::Path::new(word).file_name().map_or_else(
+        || word.to_owned(),
+        |name| name.to_string_lossy().into_owned(),
+    )
 }

@@ -63,15 +63,31 @@ impl Decoder {
     ///
     /// # Errors
     /// If the working directory cannot be told.
-    pub fn new(command: &[OsString], timeout: Duration, reject_exit: Option<i32>) -> io::Result<Decoder> {
+    pub fn new(
+        command: &[OsString],
+        timeout: Duration,
+        reject_exit: Option<i32>,
+    ) -> io::Result<Decoder> {
         let absolute = |(i, word): (usize, &OsString)| -> io::Result<OsString> {
             let path = Path::new(word);
             // A bare program name is looked up in PATH and nowhere else.
             let names_file = path.exists() && (i > 0 || path.components().count() > 1);
-            Ok(if names_file { std::path::absolute(path)?.into_os_string() } else { word.clone() })
+            Ok(if names_file {
+                std::path::absolute(path)?.into_os_string()
+            } else {
+                word.clone()
+            })
         };
-        let command = command.iter().enumerate().map(absolute).collect::<io::Result<_>>()?;
-        Ok(Decoder { command, timeout, reject_exit })
+        let command = command
+            .iter()
+            .enumerate()
+            .map(absolute)
+            .collect::<io::Result<_>>()?;
+        Ok(Decoder {
+            command,
+            timeout,
+            reject_exit,
+        })
     }
 
     /// Asks once. `scratch` is the directory in which the file is laid down and the decoder runs.
@@ -79,7 +95,11 @@ impl Decoder {
     pub fn ask(&self, request: &Request, scratch: &Path) -> Reply {
         match self.attempt(request, scratch) {
             Ok(reply) => reply,
-            Err(error) => Reply { answer: Answer::NotStarted(error.to_string()), stderr: String::new(), exit: None },
+            Err(error) => Reply {
+                answer: Answer::NotStarted(error.to_string()),
+                stderr: String::new(),
+                exit: None,
+            },
         }
     }
 
@@ -118,20 +138,31 @@ impl Decoder {
     fn judge(&self, ended: Ended) -> Reply {
         let exit = ended.status.and_then(|status| status.code());
         let answer = match ended.status {
-            None if ended.flooded => Answer::Flooded(format!("more than {} bytes on standard output", ended.stdout.len())),
+            None if ended.flooded => Answer::Flooded(format!(
+                "more than {} bytes on standard output",
+                ended.stdout.len()
+            )),
             None => Answer::Hung(format!("no end within {} s", ended.limit.as_secs_f64())),
             Some(_) if exit == Some(0) => match Frame::read(&ended.stdout) {
                 Ok(frame) => Answer::Decoded(frame),
                 Err(what) => Answer::ProtocolError(what),
             },
-            Some(_) if exit == Some(EXIT_MALFORMED) || exit.is_some() && exit == self.reject_exit => Answer::Rejected,
+            Some(_)
+                if exit == Some(EXIT_MALFORMED) || exit.is_some() && exit == self.reject_exit =>
+            {
+                Answer::Rejected
+            }
             Some(_) if exit == Some(EXIT_UNSUPPORTED) => Answer::Unsupported,
             Some(status) => Answer::Crashed(match status.signal() {
                 Some(signal) => format!("killed by signal {signal}"),
                 None => format!("exit status {}", exit.unwrap_or(-1)),
             }),
         };
-        Reply { answer, stderr: String::from_utf8_lossy(&ended.stderr).trim_end().to_owned(), exit }
+        Reply {
+            answer,
+            stderr: String::from_utf8_lossy(&ended.stderr).trim_end().to_owned(),
+            exit,
+        }
     }
 }
 
@@ -180,9 +211,27 @@ impl Call {
             rustix::io::ioctl_fionbio(&fd, true)?;
             Ok(fd)
         };
-        let stdout = child.stdout.take().map(OwnedFd::from).map(nonblocking).transpose()?;
-        let stderr = child.stderr.take().map(OwnedFd::from).map(nonblocking).transpose()?;
-        Ok(Call { child, group, stdout, stderr, most, output: Vec::new(), errors: Vec::new() })
+        let stdout = child
+            .stdout
+            .take()
+            .map(OwnedFd::from)
+            .map(nonblocking)
+            .transpose()?;
+        let stderr = child
+            .stderr
+            .take()
+            .map(OwnedFd::from)
+            .map(nonblocking)
+            .transpose()?;
+        Ok(Call {
+            child,
+            group,
+            stdout,
+            stderr,
+            most,
+            output: Vec::new(),
+            errors: Vec::new(),
+        })
     }
 
     /// Reads until the process has ended, floods or runs out of time; then kills what is left of its group.
@@ -215,16 +264,37 @@ impl Call {
         };
         let flooded = self.output.len() > self.most;
         let status = if flooded { None } else { status };
-        Ok(Ended { status, flooded, limit, stdout: self.output, stderr: self.errors })
+        Ok(Ended {
+            status,
+            flooded,
+            limit,
+            stdout: self.output,
+            stderr: self.errors,
+        })
     }
 
     /// Sleeps until there is output, the process has ended, or `left` is over.
     fn wait_for_news(&self, ending: Option<&Ending>, left: Duration) -> io::Result<()> {
-        let sources = [self.stdout.as_ref().map(AsFd::as_fd), self.stderr.as_ref().map(AsFd::as_fd), ending.map(Ending::as_fd)];
-        let mut fds: Vec<PollFd> = sources.iter().flatten().map(|fd| PollFd::from_borrowed_fd(*fd, PollFlags::IN)).collect();
+        let sources = [
+            self.stdout.as_ref().map(AsFd::as_fd),
+            self.stderr.as_ref().map(AsFd::as_fd),
+            ending.map(Ending::as_fd),
+        ];
+        let mut fds: Vec<PollFd> = sources
+            .iter()
+            .flatten()
+            .map(|fd| PollFd::from_borrowed_fd(*fd, PollFlags::IN))
+            .collect();
         // Where the end of a process cannot be waited for, it is looked for every two milliseconds.
-        let nap = if ending.is_some() { left } else { left.min(Duration::from_millis(2)) };
-        let nap = Timespec { tv_sec: nap.as_secs().min(1 << 30) as i64, tv_nsec: i64::from(nap.subsec_nanos()) };
+        let nap = if ending.is_some() {
+            left
+        } else {
+            left.min(Duration::from_millis(2))
+        };
+        let nap = Timespec {
+            tv_sec: nap.as_secs().min(1 << 30) as i64,
+            tv_nsec: i64::from(nap.subsec_nanos()),
+        };
         match poll(&mut fds, Some(&nap)) {
             Ok(_) | Err(rustix::io::Errno::INTR) => Ok(()),
             Err(error) => Err(error.into()),
@@ -273,7 +343,9 @@ struct Ending(OwnedFd);
 impl Ending {
     #[cfg(target_os = "linux")]
     fn of(child: &Child) -> Option<Ending> {
-        rustix::process::pidfd_open(Pid::from_child(child), rustix::process::PidfdFlags::empty()).ok().map(Ending)
+        rustix::process::pidfd_open(Pid::from_child(child), rustix::process::PidfdFlags::empty())
+            .ok()
+            .map(Ending)
     }
 
     #[cfg(not(target_os = "linux"))]

@@ -12,7 +12,12 @@ pub(super) const ALL: &[Misreading] = &[
         effect: "takes the matrix for payload",
         mend: "sixteen numbers on a line follow the biases of a LUM file",
         at: At::Bytes(|file| {
-            let Some(start) = file.fields.iter().find(|field| field.clause == "2.6/2").map(|field| field.range.start) else {
+            let Some(start) = file
+                .fields
+                .iter()
+                .find(|field| field.clause == "2.6/2")
+                .map(|field| field.range.start)
+            else {
                 return file.unchanged();
             };
             let matrix = &file.file[start..file.payload()];
@@ -24,7 +29,13 @@ pub(super) const ALL: &[Misreading] = &[
         clause: "2.6/2",
         effect: "refuses matrix elements with an exponent",
         mend: "they are floating point numbers",
-        at: At::Bytes(|file| file.refused_if(file.texts(&["2.6/2"]).iter().any(|text| text.contains(['e', 'E'])))),
+        at: At::Bytes(|file| {
+            file.refused_if(
+                file.texts(&["2.6/2"])
+                    .iter()
+                    .any(|text| text.contains(['e', 'E'])),
+            )
+        }),
     },
     Misreading {
         slug: "matrix-fifteen-elements",
@@ -32,12 +43,27 @@ pub(super) const ALL: &[Misreading] = &[
         effect: "does not miss an element of the matrix",
         mend: "refuse a matrix of fewer than sixteen elements",
         at: At::Bytes(|file| {
-            let Some(start) = file.fields.iter().find(|field| field.clause == "2.6/2").map(|field| field.range.start) else {
+            let Some(start) = file
+                .fields
+                .iter()
+                .find(|field| field.clause == "2.6/2")
+                .map(|field| field.range.start)
+            else {
                 return file.unchanged();
             };
-            let line = file.file[start..].split(|&byte| byte == b'\n').next().unwrap_or_default();
+            let line = file.file[start..]
+                .split(|&byte| byte == b'\n')
+                .next()
+                .unwrap_or_default();
             match line.split(|&byte| byte == b' ').count() {
-                15 => Seen::File([&file.file[..start + line.len()], b" 0", &file.file[start + line.len()..]].concat()),
+                15 => Seen::File(
+                    [
+                        &file.file[..start + line.len()],
+                        b" 0",
+                        &file.file[start + line.len()..],
+                    ]
+                    .concat(),
+                ),
                 _ => file.unchanged(),
             }
         }),
@@ -48,7 +74,9 @@ pub(super) const ALL: &[Misreading] = &[
         effect: "reads matrix elements as integers",
         mend: "they are floating point numbers",
         at: At::Reading(Decision::LumMatrix, |r| Reading {
-            lum_matrix: |m| crate::decode::color_matrix::columns_first(m).map(|row| row.map(f64::trunc)),
+            lum_matrix: |m| {
+                crate::decode::color_matrix::columns_first(m).map(|row| row.map(f64::trunc))
+            },
             ..r
         }),
     },
@@ -58,7 +86,16 @@ pub(super) const ALL: &[Misreading] = &[
         effect: "reads the nine factors rows first and the translation columns first",
         mend: "all sixteen are stored columns first",
         at: At::Reading(Decision::LumMatrix, |r| Reading {
-            lum_matrix: |m| [0, 1, 2].map(|row| [m.0[4 * row], m.0[4 * row + 1], m.0[4 * row + 2], m.0[12 + row]]),
+            lum_matrix: |m| {
+                [0, 1, 2].map(|row| {
+                    [
+                        m.0[4 * row],
+                        m.0[4 * row + 1],
+                        m.0[4 * row + 2],
+                        m.0[12 + row],
+                    ]
+                })
+            },
             ..r
         }),
     },
@@ -68,7 +105,13 @@ pub(super) const ALL: &[Misreading] = &[
         effect: "takes Y, Cr, Cb for red, green, blue and does not use the matrix",
         mend: "multiply by the matrix",
         at: At::Reading(Decision::LumMatrix, |r| Reading {
-            lum_matrix: |_| [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]],
+            lum_matrix: |_| {
+                [
+                    [1.0, 0.0, 0.0, 0.0],
+                    [0.0, 1.0, 0.0, 0.0],
+                    [0.0, 0.0, 1.0, 0.0],
+                ]
+            },
             ..r
         }),
     },
@@ -78,7 +121,13 @@ pub(super) const ALL: &[Misreading] = &[
         effect: "converts YCbCr with JPEG's constants instead of the file's matrix",
         mend: "multiply by the matrix of the file",
         at: At::Reading(Decision::LumMatrix, |r| Reading {
-            lum_matrix: |_| [[1.0, 1.402, 0.0, -179.456], [1.0, -0.714_136, -0.344_136, 135.459], [1.0, 0.0, 1.772, -226.816]],
+            lum_matrix: |_| {
+                [
+                    [1.0, 1.402, 0.0, -179.456],
+                    [1.0, -0.714_136, -0.344_136, 135.459],
+                    [1.0, 0.0, 1.772, -226.816],
+                ]
+            },
             ..r
         }),
     },
@@ -87,7 +136,10 @@ pub(super) const ALL: &[Misreading] = &[
         clause: "2.6/4",
         effect: "shows Y as a grey picture",
         mend: "multiply by the matrix",
-        at: At::Reading(Decision::LumMatrix, |r| Reading { lum_matrix: |_| [[1.0, 0.0, 0.0, 0.0]; 3], ..r }),
+        at: At::Reading(Decision::LumMatrix, |r| Reading {
+            lum_matrix: |_| [[1.0, 0.0, 0.0, 0.0]; 3],
+            ..r
+        }),
     },
     Misreading {
         slug: "matrix-rows-as-blue-green-red",
@@ -107,56 +159,88 @@ pub(super) const ALL: &[Misreading] = &[
         clause: "2.6/5",
         effect: "does not add the translation",
         mend: "elements 12, 13 and 14 are added",
-        at: At::Reading(Decision::LumTranslation, |r| Reading { lum_translation: |_| 0.0, ..r }),
+        at: At::Reading(Decision::LumTranslation, |r| Reading {
+            lum_translation: |_| 0.0,
+            ..r
+        }),
     },
     Misreading {
         slug: "translation-subtracted",
         clause: "2.6/5",
         effect: "subtracts the translation",
         mend: "elements 12, 13 and 14 are added",
-        at: At::Reading(Decision::LumTranslation, |r| Reading { lum_translation: |t| -t, ..r }),
+        at: At::Reading(Decision::LumTranslation, |r| Reading {
+            lum_translation: |t| -t,
+            ..r
+        }),
     },
     Misreading {
         slug: "chroma-centered",
         clause: "2.6/4",
         effect: "subtracts 128 from Cr and Cb before multiplying",
         mend: "offsets are the matrix's business: it has a translation",
-        at: At::Reading(Decision::LumVector, |r| Reading { lum_vector: |y, cr, cb| [y, cr - 128.0, cb - 128.0], ..r }),
+        at: At::Reading(Decision::LumVector, |r| Reading {
+            lum_vector: |y, cr, cb| [y, cr - 128.0, cb - 128.0],
+            ..r
+        }),
     },
     Misreading {
         slug: "chroma-swapped-in-the-vector",
         clause: "2.7.2/2",
         effect: "multiplies the matrix by (Y, Cb, Cr, 1)",
         mend: "Cr comes before Cb, as it is stored",
-        at: At::Reading(Decision::LumVector, |r| Reading { lum_vector: |y, cr, cb| [y, cb, cr], ..r }),
+        at: At::Reading(Decision::LumVector, |r| Reading {
+            lum_vector: |y, cr, cb| [y, cb, cr],
+            ..r
+        }),
     },
     Misreading {
         slug: "luminance-clamped",
         clause: "2.7.3/5",
         effect: "clamps Y to 0…255 before multiplying by the matrix",
         mend: "clamp the final color only",
-        at: At::Reading(Decision::LumVector, |r| Reading { lum_vector: |y, cr, cb| [y.clamp(0.0, 255.0), cr, cb], ..r }),
+        at: At::Reading(Decision::LumVector, |r| Reading {
+            lum_vector: |y, cr, cb| [y.clamp(0.0, 255.0), cr, cb],
+            ..r
+        }),
     },
     Misreading {
         slug: "luminance-in-a-byte",
         clause: "2.7.3/5",
         effect: "keeps Y in a byte, wrapping around, before multiplying by the matrix",
         mend: "clamp the final color only",
-        at: At::Reading(Decision::LumVector, |r| Reading { lum_vector: |y, cr, cb| [f64::from(y as i64 as u8), cr, cb], ..r }),
+        at: At::Reading(Decision::LumVector, |r| Reading {
+            lum_vector: |y, cr, cb| [f64::from(y as i64 as u8), cr, cb],
+            ..r
+        }),
     },
     Misreading {
         slug: "cb-before-cr",
         clause: "2.7.2/1",
         effect: "reads Cb before Cr",
         mend: "the order is a0…a5, Cr, Cb",
-        at: At::Planes(|ptm| if let Shape::Lum(_) = ptm.planes.shape { ptm.planes.samples.chunks_exact_mut(8).for_each(|texel| texel.swap(6, 7)) }),
+        at: At::Planes(|ptm| {
+            if let Shape::Lum(_) = ptm.planes.shape {
+                ptm.planes
+                    .samples
+                    .chunks_exact_mut(8)
+                    .for_each(|texel| texel.swap(6, 7))
+            }
+        }),
     },
     Misreading {
         slug: "chroma-before-coefficients",
         clause: "2.7.2/1",
         effect: "reads Cr and Cb before the coefficients",
         mend: "the order is a0…a5, Cr, Cb",
-        at: At::Planes(|ptm| if let Shape::Lum(_) = ptm.planes.shape { ptm.planes.samples.chunks_exact_mut(8).for_each(|texel| texel.rotate_left(2)) }),
+        at: At::Planes(|ptm| {
+            if let Shape::Lum(_) = ptm.planes.shape {
+                ptm.planes
+                    .samples
+                    .chunks_exact_mut(8)
+                    .for_each(|texel| texel.rotate_left(2))
+            }
+        }),
     },
     Misreading {
         slug: "lum-planar",
@@ -165,7 +249,20 @@ pub(super) const ALL: &[Misreading] = &[
         mend: "the eight bytes of a texel stand side by side",
         at: At::Reading(Decision::Blocks, |r| Reading {
             blocks: |format| match format {
-                Format::Lum => const { &[one(0), one(1), one(2), one(3), one(4), one(5), one(6), one(7)] },
+                Format::Lum => {
+                    const {
+                        &[
+                            one(0),
+                            one(1),
+                            one(2),
+                            one(3),
+                            one(4),
+                            one(5),
+                            one(6),
+                            one(7),
+                        ]
+                    }
+                }
                 _ => texels::blocks(format),
             },
             ..r
@@ -178,7 +275,20 @@ pub(super) const ALL: &[Misreading] = &[
         mend: "the eight bytes of a texel stand side by side",
         at: At::Reading(Decision::Blocks, |r| Reading {
             blocks: |format| match format {
-                Format::Lum => const { &[Block { channel: 0, channels: 6 }, Block { channel: 6, channels: 2 }] },
+                Format::Lum => {
+                    const {
+                        &[
+                            Block {
+                                channel: 0,
+                                channels: 6,
+                            },
+                            Block {
+                                channel: 6,
+                                channels: 2,
+                            },
+                        ]
+                    }
+                }
                 _ => texels::blocks(format),
             },
             ..r
@@ -191,7 +301,18 @@ pub(super) const ALL: &[Misreading] = &[
         mend: "the eight bytes of a texel stand side by side",
         at: At::Reading(Decision::Blocks, |r| Reading {
             blocks: |format| match format {
-                Format::Lum => const { &[Block { channel: 0, channels: 6 }, one(6), one(7)] },
+                Format::Lum => {
+                    const {
+                        &[
+                            Block {
+                                channel: 0,
+                                channels: 6,
+                            },
+                            one(6),
+                            one(7),
+                        ]
+                    }
+                }
                 _ => texels::blocks(format),
             },
             ..r
@@ -203,12 +324,21 @@ pub(super) const ALL: &[Misreading] = &[
         effect: "takes the first stored row of a LUM file for the top",
         mend: "the bottom row is stored first",
         at: At::Reading(Decision::StoredRow, |r| Reading {
-            stored_row: |format, _, row, height| if format == Format::Lum { row } else { height - 1 - row },
+            stored_row: |format, _, row, height| {
+                if format == Format::Lum {
+                    row
+                } else {
+                    height - 1 - row
+                }
+            },
             ..r
         }),
     },
 ];
 
 const fn one(channel: usize) -> Block {
-    Block { channel, channels: 1 }
+    Block {
+        channel,
+        channels: 1,
+    }
 }

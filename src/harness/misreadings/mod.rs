@@ -71,7 +71,16 @@ pub enum Seen {
 
 /// All misreadings, section after section.
 pub fn all() -> impl Iterator<Item = &'static Misreading> {
-    [header::ALL, arithmetic::ALL, lookup::ALL, luminance::ALL, layout::ALL, evaluation::ALL].into_iter().flatten()
+    [
+        header::ALL,
+        arithmetic::ALL,
+        lookup::ALL,
+        luminance::ALL,
+        layout::ALL,
+        evaluation::ALL,
+    ]
+    .into_iter()
+    .flatten()
 }
 
 /// The misreading of that name.
@@ -120,7 +129,10 @@ impl<'a> Anatomy<'a> {
     /// Takes `file` apart.
     #[must_use]
     pub fn of(file: &'a [u8]) -> Anatomy<'a> {
-        Anatomy { file, fields: fields(file).0 }
+        Anatomy {
+            file,
+            fields: fields(file).0,
+        }
     }
 
     /// The file, unchanged.
@@ -132,18 +144,28 @@ impl<'a> Anatomy<'a> {
     /// Refused if `refused`, else unchanged.
     #[must_use]
     pub fn refused_if(&self, refused: bool) -> Seen {
-        if refused { Seen::Refused } else { self.unchanged() }
+        if refused {
+            Seen::Refused
+        } else {
+            self.unchanged()
+        }
     }
 
     /// The header's fields: all before the first byte of the payload.
     fn tokens(&self) -> impl Iterator<Item = &Field> {
-        self.fields.iter().take_while(|field| !matches!(field.clause, "2.5/3" | "2.7/1" | "2.8.1/1"))
+        self.fields
+            .iter()
+            .take_while(|field| !matches!(field.clause, "2.5/3" | "2.7/1" | "2.8.1/1"))
     }
 
     /// The text of the fields of these clauses.
     pub fn texts(&self, clauses: &[&str]) -> Vec<&'a str> {
-        let chosen = self.tokens().filter(|field| clauses.contains(&field.clause));
-        chosen.filter_map(|field| std::str::from_utf8(&self.file[field.range.clone()]).ok()).collect()
+        let chosen = self
+            .tokens()
+            .filter(|field| clauses.contains(&field.clause));
+        chosen
+            .filter_map(|field| std::str::from_utf8(&self.file[field.range.clone()]).ok())
+            .collect()
     }
 
     /// Where the payload starts: after the line feed that ends the last line of the header.
@@ -160,7 +182,10 @@ impl<'a> Anatomy<'a> {
 
     /// The bytes between the `n`th field of a clause and the one after it.
     pub fn after(&self, clause: &str, n: usize) -> &'a [u8] {
-        let mut from = self.tokens().skip_while(|field| field.clause != clause).skip(n);
+        let mut from = self
+            .tokens()
+            .skip_while(|field| field.clause != clause)
+            .skip(n);
         match (from.next(), from.next()) {
             (Some(field), Some(next)) => &self.file[field.range.end..next.range.start],
             (Some(field), None) => &self.file[field.range.end..self.payload()],

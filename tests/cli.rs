@@ -1,0 +1,201 @@
+//! The program, as its users meet it.
+#![cfg(all(unix, feature = "cli"))]
+
+mod common;
+
+use std::fs;
+
+use common::{check_with, program, run};
+
+fn text(output: &std::process::Output) -> String {
+    String::from_utf8_lossy(&[output.stdout.clone(), output.stderr.clone()].concat()).into_owned()
+}
+
+#[test]
+fn the_reference_passes_every_case() {
+    let scratch = tempfile::tempdir().expect("a scratch directory");
+    let output = program()
+        .current_dir(scratch.path())
+        .arg("check")
+        .output()
+        .expect("the program starts");
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output));
+    let report =
+        fs::read_to_string(scratch.path().join("ptm-conform-report.yaml")).expect("a report");
+    let published = fs::read_to_string(common::repository("reports/reference.yaml"))
+        .expect("the published report");
+    assert!(
+        report == published,
+        "run: ptm-conform check --report reports/reference.yaml"
+    );
+}
+
+#[test]
+fn two_runs_give_equal_reports() {
+    let scratch = tempfile::tempdir().expect("a scratch directory");
+    let report = |name: &str, jobs: &str| {
+        let path = scratch.path().join(name);
+        let output = program()
+            .args(["check", "--jobs", jobs, "--case", "lrgb-*", "--report"])
+            .arg(&path)
+            .output()
+            .expect("the program starts");
+        assert_eq!(output.status.code(), Some(0), "{}", text(&output));
+        fs::read_to_string(path).expect("a report")
+    };
+    assert_eq!(report("one", "1"), report("two", "7"));
+}
+
+#[test]
+fn wrong_usage_is_2() {
+    for args in [
+        &["check", "--jobs", "0"][..],
+        &["check", "--timeout", "0"],
+        &["check", "--timeout", "-1"],
+        &["check", "--timeout", "nan"],
+        &["check", "--view", "png"],
+        &["check", "--case", "[", "x"],
+        &["check", "--no-such-option"],
+        &["no-such-command"],
+        &["explain", "no-such-thing"],
+        &["reference", "png", "x.ptm"],
+        &["reference", "raw", "no-such-file.ptm"],
+        &[
+            "check",
+            "--report",
+            "no-such-directory/report.yaml",
+            "--case",
+            "hand-lum",
+        ],
+    ] {
+        assert_eq!(run(args).status.code(), Some(2), "{args:?}");
+    }
+}
+
+#[test]
+fn nothing_selected_is_5() {
+    assert_eq!(
+        run(&["check", "--case", "no-such-case"]).status.code(),
+        Some(5)
+    );
+    assert_eq!(run(&["check", "--clause", "9.9"]).status.code(), Some(5));
+}
+
+#[test]
+fn what_cannot_be_started_is_3() {
+    for decoder in [
+        &["./no-such-decoder"][..],
+        &["no-such-decoder-in-path"],
+        &["sh", "-c", "exit 127"],
+        &["/"],
+    ] {
+        let checked = check_with(&["--case", "hand-lum"], decoder);
+        assert_eq!(checked.status, 3, "{decoder:?}: {}", checked.text);
+        assert_eq!(checked.report["verdict"], "not a decoder");
+    }
+}
+
+#[test]
+fn a_clause_or_a_section_selects_its_cases() {
+    let clause = check_with(
+        &["--clause", "2.8.1/3"],
+        &[&common::examples().join("zoo").to_string_lossy(), "right"],
+    );
+    let section = check_with(
+        &["--clause", "2.8"],
+        &[&common::examples().join("zoo").to_string_lossy(), "right"],
+    );
+    let (clause, section) = (clause.cases("pass"), section.cases("pass"));
+    assert!(clause.contains(&"table-of-257-entries-ptm-lut".to_owned()));
+    assert!(clause.len() < section.len() && clause.iter().all(|id| section.contains(id)));
+}
+
+#[test]
+fn everything_can_be_explained() {
+    for (id, says) in [
+        ("hand-rgb-blocks", "2.7.1/2"),
+        ("table-of-257-entries-ptm-lut", "N_LUT_ENTRIES"),
+        ("width-zero-lrgb", "the width is 0"),
+        ("2.4/8", "(raw − bias) · scale"),
+        ("2.8", "2.8/1"),
+        ("lut-count", "nentries"),
+        ("rows-top-down", "the bottom row is stored first"),
+    ] {
+        let output = run(&["explain", id]);
+        assert!(
+            output.status.success() && text(&output).contains(says),
+            "{id}: {}",
+            text(&output)
+        );
+    }
+}
+
+#[test]
+fn the_reference_speaks_the_protocol() {
+    let scratch = tempfile::tempdir().expect("a scratch directory");
+    let path = scratch.path().join("a file.ptm");
+    let ask = |view: &str, bytes: &[u8]| {
+        fs::write(&path, bytes).expect("a file");
+        program()
+            .args(["reference", view])
+            .arg(&path)
+            .output()
+            .expect("the program starts")
+    };
+    let file = b"PTM_1.2\nPTM_FORMAT_LRGB\n1\n1\n1 1 1 1 1 0.5\n0 0 0 0 0 0\n\x01\x02\x03\x04\x05\x80\xff\x80\x00";
+    assert_eq!(
+        ask("raw", file).stdout,
+        b"PTM1 raw 1 1 9 u8\n\x01\x02\x03\x04\x05\x80\xff\x80\x00"
+    );
+    assert_eq!(
+        ask("rgb:0,0", file).stdout,
+        b"PTM1 rgb 1 1 3 u8\n\x40\x20\x00"
+    );
+    assert_eq!(
+        ask("coef", file).stdout[..23],
+        *b"PTM1 coef 1 1 9 f32\n\x00\x00\x80"
+    );
+    assert_eq!(ask("raw", &file[..file.len() - 1]).status.code(), Some(65));
+    assert_eq!(
+        ask(
+            "raw",
+            b"PTM_1.2\nPTM_FORMAT_JPEG_RGB\n1\n1\n1 1 1 1 1 1\n0 0 0 0 0 0\n"
+        )
+        .status
+        .code(),
+        Some(69)
+    );
+}
+
+#[test]
+fn a_decoder_is_found_from_the_users_own_directory() {
+    let scratch = tempfile::tempdir().expect("a scratch directory");
+    let folder = scratch.path().join("my decoders");
+    fs::create_dir(&folder).expect("a directory");
+    let script = format!(
+        "#!/bin/sh\nexec '{}' reference \"$@\"\n",
+        env!("CARGO_BIN_EXE_ptm-conform")
+    );
+    fs::write(folder.join("decode it"), script).expect("a script");
+    let output = program()
+        .current_dir(scratch.path())
+        .args([
+            "check",
+            "--case",
+            "hand-*",
+            "--",
+            "sh",
+            "my decoders/decode it",
+        ])
+        .output();
+    let output = output.expect("the program starts");
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output));
+}
+
+#[test]
+fn help_teaches() {
+    let output = run(&["check", "--help"]);
+    for word in ["DECODER", "VIEW", "65", "69", "Exit status", "Examples"] {
+        assert!(text(&output).contains(word), "{word}");
+    }
+}

@@ -1,0 +1,76 @@
+//! A real file by HP's fitter, against the photographs it was fitted to. Skipped where the shared data is absent.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use sha2::{Digest, Sha256};
+
+fn data() -> Option<PathBuf> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data/ptmfitter-8x5");
+    if folder.is_dir() {
+        return Some(folder);
+    }
+    println!("SKIPPED: ../shared/data/ptmfitter-8x5 is not there");
+    None
+}
+
+#[test]
+fn the_planes_have_the_digest_that_an_independent_reader_finds() {
+    let Some(folder) = data() else { return };
+    let ptm = ptm_conform::decode(&fs::read(folder.join("reference_8x5.ptm")).expect("the file"))
+        .expect("a real file decodes");
+    // Plane after plane, top row first.
+    let planes: Vec<u8> = (0..9)
+        .flat_map(|channel| ptm.planes.texels().map(move |texel| texel[channel]))
+        .collect();
+    let digest: String = Sha256::digest(&planes)
+        .iter()
+        .map(|byte| format!("{byte:02x}"))
+        .collect();
+    // Found by two independent readers in Python. The note beside the file has another digest, which no order of
+    // planes, rows or texels gives; the photographs below decide.
+    assert_eq!(
+        digest,
+        "79409eba1ef1d61e6f2c89015102fdda53e7c78374b4a2110159ef5dd56c1dbb"
+    );
+}
+
+#[test]
+fn the_colors_match_the_photographs() {
+    let Some(folder) = data() else { return };
+    let ptm = ptm_conform::decode(&fs::read(folder.join("reference_8x5.ptm")).expect("the file"))
+        .expect("a real file decodes");
+    let coefficients = ptm.coefficients();
+    let lights = fs::read_to_string(folder.join("reference_8x5.lp")).expect("the lights");
+    let (mut exact, mut rounded, mut count) = (0.0, 0.0, 0.0);
+    for line in lights.lines().skip(1) {
+        let words: Vec<&str> = line.split_whitespace().collect();
+        let (lu, lv) = (words[1].parse().expect("u"), words[2].parse().expect("v"));
+        let jpeg = fs::read(folder.join(words[0])).expect("a photograph");
+        let photograph = jpeg_decoder::Decoder::new(&jpeg[..])
+            .decode()
+            .expect("a JPEG");
+        let picture = coefficients.evaluate(lu, lv);
+        exact += rmse(picture.values.iter().copied(), &photograph);
+        rounded += rmse(
+            picture.to_bytes().iter().map(|&byte| f64::from(byte)),
+            &photograph,
+        );
+        count += 1.0;
+    }
+    println!(
+        "mean RMSE over {count} photographs: {:.4} exact, {:.4} rounded",
+        exact / count,
+        rounded / count
+    );
+    assert!(exact / count < 0.86, "{}", exact / count);
+    assert!(rounded / count < 0.90, "{}", rounded / count);
+}
+
+fn rmse(picture: impl Iterator<Item = f64>, photograph: &[u8]) -> f64 {
+    let squares: f64 = picture
+        .zip(photograph)
+        .map(|(a, &b)| (a - f64::from(b)).powi(2))
+        .sum();
+    (squares / photograph.len() as f64).sqrt()
+}

@@ -1,0 +1,50 @@
+//! The YAML files of the repository are what their published schemas say.
+#![cfg(feature = "harness")]
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use serde_json::Value;
+
+fn root() -> PathBuf {
+    PathBuf::from(env!("CARGO_MANIFEST_DIR"))
+}
+
+#[track_caller]
+fn conforms(file: &Path, schema: &str) {
+    let schema =
+        fs::read_to_string(root().join("spec-cases/schema").join(schema)).expect("a schema");
+    let schema: Value = serde_json::from_str(&schema).expect("a schema is JSON");
+    let validator = jsonschema::validator_for(&schema).expect("a schema is a schema");
+    let text =
+        fs::read_to_string(file).unwrap_or_else(|error| panic!("{}: {error}", file.display()));
+    let value: Value =
+        serde_saphyr::from_str(&text).unwrap_or_else(|error| panic!("{}: {error}", file.display()));
+    let errors: Vec<String> = validator
+        .iter_errors(&value)
+        .map(|error| format!("{}: {error}", error.instance_path()))
+        .take(5)
+        .collect();
+    assert!(errors.is_empty(), "{}: {errors:#?}", file.display());
+}
+
+#[test]
+fn cases_clauses_and_rulings_conform() {
+    for entry in fs::read_dir(root().join("spec-cases/cases")).expect("the cases") {
+        conforms(&entry.expect("an entry").path(), "cases.schema.json");
+    }
+    conforms(
+        &root().join("spec-cases/clauses.yaml"),
+        "clauses.schema.json",
+    );
+    conforms(
+        &root().join("spec-cases/rulings.yaml"),
+        "rulings.schema.json",
+    );
+}
+
+#[test]
+fn the_manifest_and_the_published_report_conform() {
+    conforms(&root().join("corpus/MANIFEST.yaml"), "manifest.schema.json");
+    conforms(&root().join("reports/reference.yaml"), "report.schema.json");
+}
