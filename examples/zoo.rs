@@ -46,10 +46,10 @@ fn main() {
                         vec![b]
                     }
                 })
-                .collect()
+                .collect();
         }),
         "wrong-size" => change(view, file, |bytes| {
-            *bytes = b"PTM1 raw 1 1 1 u8\nx".to_vec()
+            *bytes = b"PTM1 raw 1 1 1 u8\nx".to_vec();
         }),
         "leaves-a-child" => leave_child(view, file),
         "deletes-its-input" => after(view, file, |file| fs::remove_file(file)),

@@ -167,7 +167,7 @@ fn run_check(args: &CheckArgs) -> Result<u8, String> {
         decoder.ask(request, &scratch.path().join(worker.to_string()))
     };
     let run = check(&suite, &plan, &ask, &|done, all| {
-        show_progress(&bar, done, all)
+        show_progress(&bar, done, all);
     });
     bar.finish_and_clear();
 

@@ -132,7 +132,7 @@ fn every_clause_is_tested_or_says_why_not() {
                 );
             }
             Status::Informative | Status::Untestable => {
-                assert!(clause.why.is_some(), "{id} does not say why")
+                assert!(clause.why.is_some(), "{id} does not say why");
             }
         }
     }

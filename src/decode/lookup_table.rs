@@ -60,6 +60,7 @@ pub(crate) fn entry_count(input: &mut Input) -> Result<usize> {
 }
 
 /// Nothing (ruling `lut-newline`).
+#[allow(clippy::unnecessary_wraps)] // the other reading can fail
 pub(crate) fn after_table(_: &mut Input) -> Result<()> {
     Ok(())
 }

@@ -93,7 +93,7 @@ fn write_planes(recipe: &Recipe, model: &Model, out: &mut Output) {
             indices::write(model, out);
         }
         Format::JpegRgb | Format::JpegLrgb | Format::JpeglsRgb | Format::JpeglsLrgb => {
-            compressed::write(model, out)
+            compressed::write(model, out);
         }
     }
 }

@@ -64,9 +64,9 @@ impl<'a> Output<'a> {
     /// A line end in the middle of a section, or a gap: as the spelling has it.
     pub fn line_end_or_gap(&mut self, two_lines: bool, line: Line) {
         if two_lines {
-            self.line_end(line)
+            self.line_end(line);
         } else {
-            self.gap()
+            self.gap();
         }
     }
 

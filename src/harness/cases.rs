@@ -171,7 +171,7 @@ pub struct Case {
 #[derive(Clone, Debug)]
 enum Source {
     Recipe {
-        recipe: Recipe,
+        recipe: Box<Recipe>,
         damage: Option<&'static str>,
     },
     Hand {
@@ -335,7 +335,7 @@ impl Case {
     fn make(&self, table: TableSpelling) -> Built {
         match &self.source {
             Source::Recipe { recipe, damage } => {
-                let mut recipe = recipe.clone();
+                let mut recipe = Recipe::clone(recipe);
                 if self.expect != Expect::Spelling {
                     recipe.spelling.count = table.count;
                     recipe.spelling.newline_after_table = table.newline;
@@ -446,7 +446,7 @@ impl Suite {
                 serde_saphyr::from_str(text).map_err(|error| format!("{name}: {error}"))?;
             for record in records {
                 for bindings in record.bindings() {
-                    let id = record.filled(&record.id, &bindings, true);
+                    let id = CaseRecord::filled(&record.id, &bindings, true);
                     let case = record.case(&id, &bindings, |parent| {
                         places.get(parent).map(|&at: &usize| &cases[at])
                     });
@@ -571,7 +571,7 @@ impl CaseRecord {
     }
 
     /// `text` with each `{key}` replaced by its word; of a word `name = value` ids take the name, all else the value.
-    fn filled(&self, text: &str, bindings: &Bindings, id: bool) -> String {
+    fn filled(text: &str, bindings: &Bindings, id: bool) -> String {
         let mut text = text.to_owned();
         for (key, word) in bindings {
             let (name, value) = word.split_once(" = ").unwrap_or((word, word));
@@ -587,11 +587,11 @@ impl CaseRecord {
         bindings: &Bindings,
         parent: impl Fn(&str) -> Option<&'a Case>,
     ) -> Result<Case, String> {
-        let fill = |text: &String| self.filled(text, bindings, false);
+        let fill = |text: &String| Self::filled(text, bindings, false);
         let twin_of = self
             .twin_of
             .as_ref()
-            .map(|twin| self.filled(twin, bindings, true));
+            .map(|twin| Self::filled(twin, bindings, true));
         let views = self
             .views
             .iter()
@@ -600,7 +600,7 @@ impl CaseRecord {
             .collect::<Result<Vec<View>, _>>()?;
         let source = match (&self.make, &self.bytes, &twin_of) {
             (Some(make), None, None) => Source::Recipe {
-                recipe: make.recipe(&fill)?,
+                recipe: Box::new(make.recipe(&fill)?),
                 damage: None,
             },
             (None, Some(pieces), None) => hand_assembled(pieces, self.values.as_ref())?,
@@ -622,7 +622,7 @@ impl CaseRecord {
                     .apply(&write(&recipe, &model), &model)
                     .ok_or_else(|| format!("damage {name} has no place in {twin}"))?;
                 Source::Recipe {
-                    recipe,
+                    recipe: Box::new(recipe),
                     damage: Some(damage.name),
                 }
             }

@@ -140,7 +140,7 @@ pub fn judge(suite: &Suite, selected: &[bool], findings: &[Option<Finding>]) -> 
         let twin = case
             .twin_of
             .as_ref()
-            .map(|twin| findings[places[twin.as_str()]].as_ref());
+            .and_then(|twin| findings[places[twin.as_str()]].as_ref());
         let (outcome, says) = verdict(case, finding, twin, &dialect, &unsupported, spelling_known);
         Judged {
             view: Some(finding.view.clone()),
@@ -162,7 +162,7 @@ pub fn judge(suite: &Suite, selected: &[bool], findings: &[Option<Finding>]) -> 
 fn verdict(
     case: &Case,
     finding: &Finding,
-    twin: Option<Option<&Finding>>,
+    twin: Option<&Finding>,
     dialect: &Dialect,
     unsupported: &BTreeSet<Feature>,
     spelling_known: bool,
@@ -171,25 +171,17 @@ fn verdict(
     let fail = |says: String| (Fail, says);
     let pass = (Pass, String::new());
     // Negative cases stand on their accepted twin.
-    if let Some(twin) = twin {
-        let decoded = matches!(
-            twin,
-            Some(Finding {
-                shown: Shown::Picture { .. },
-                ..
-            })
-        );
-        if !decoded {
-            return (
-                Inconclusive,
-                format!(
-                    "its twin {} was not decoded",
-                    case.twin_of.as_deref().unwrap_or_default()
-                ),
-            );
-        }
+    let twin_decoded = matches!(
+        twin,
+        Some(Finding {
+            shown: Shown::Picture { .. },
+            ..
+        })
+    );
+    if let (Some(id), false) = (&case.twin_of, twin_decoded) {
+        return (Inconclusive, format!("its twin {id} was not decoded"));
     }
-    let twin_right = twin.flatten().is_none_or(|twin| is_right(twin, dialect));
+    let twin_right = twin.is_none_or(|twin| is_right(twin, dialect));
     match (&finding.shown, case.expect) {
         (Shown::Misconduct(answer), _) => fail(format!(
             "{}: {}",

@@ -242,7 +242,7 @@ impl Frame {
                 format!("{needed} bytes")
             });
             let cut = if samples.len() + end + 1 >= 65_536
-                && (samples.len() + end + 1) % 65_536 == 0
+                && (samples.len() + end + 1).is_multiple_of(65_536)
             {
                 "; the output is cut at a multiple of 65,536: does the program exit before its output is flushed?"
             } else {

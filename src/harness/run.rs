@@ -125,7 +125,7 @@ impl Decoder {
             .process_group(0)
             .spawn()?;
         let call = Call::new(child, 4 * request.largest_frame + 65_536)?;
-        let mut reply = self.judge(call.finish(self.timeout * request.patience)?);
+        let mut reply = self.judge(&call.finish(self.timeout * request.patience)?);
 
         if fs::read(&input).ok().as_deref() != Some(request.file) {
             reply.answer = Answer::Tampered("the file it was given is changed or gone".to_owned());
@@ -135,7 +135,7 @@ impl Decoder {
         Ok(reply)
     }
 
-    fn judge(&self, ended: Ended) -> Reply {
+    fn judge(&self, ended: &Ended) -> Reply {
         let exit = ended.status.and_then(|status| status.code());
         let answer = match ended.status {
             None if ended.flooded => Answer::Flooded(format!(
@@ -252,15 +252,12 @@ impl Call {
         };
         // The process is gone or must go; nobody of its group outlives the call. An error means that nobody is left.
         let _ = kill_process_group(self.group, Signal::KILL);
-        let status = match status {
-            Some(status) => {
-                self.read_what_is_there()?;
-                Some(status)
-            }
-            None => {
-                self.child.wait()?;
-                None
-            }
+        let status = if let Some(status) = status {
+            self.read_what_is_there()?;
+            Some(status)
+        } else {
+            self.child.wait()?;
+            None
         };
         let flooded = self.output.len() > self.most;
         let status = if flooded { None } else { status };
@@ -292,7 +289,7 @@ impl Call {
             left.min(Duration::from_millis(2))
         };
         let nap = Timespec {
-            tv_sec: nap.as_secs().min(1 << 30) as i64,
+            tv_sec: nap.as_secs().min(1 << 30).cast_signed(),
             tv_nsec: i64::from(nap.subsec_nanos()),
         };
         match poll(&mut fds, Some(&nap)) {

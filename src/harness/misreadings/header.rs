@@ -608,11 +608,10 @@ pub(super) const ALL: &[Misreading] = &[
         mend: "the optional space and the line feed both belong to the header",
         at: At::Bytes(|file| {
             let payload = file.payload();
-            match file.header().ends_with(b" \n") {
-                true => Seen::File(
-                    [&file.file[..payload - 2], b"\n", &file.file[payload - 1..]].concat(),
-                ),
-                false => file.unchanged(),
+            if file.header().ends_with(b" \n") {
+                Seen::File([&file.file[..payload - 2], b"\n", &file.file[payload - 1..]].concat())
+            } else {
+                file.unchanged()
             }
         }),
     },

@@ -392,7 +392,7 @@ pub(super) const ALL: &[Misreading] = &[
                 row.iter_mut()
                     .rev()
                     .take(channels)
-                    .for_each(|value| *value = 0)
+                    .for_each(|value| *value = 0);
             });
         },
     ),

@@ -195,7 +195,7 @@ pub(super) const ALL: &[Misreading] = &[
         mend: "the order is R, G, B",
         at: At::Planes(|ptm| {
             if ptm.header.format == Format::PtmCLut {
-                each(ptm, |texel| texel.swap(6, 8))
+                each(ptm, |texel| texel.swap(6, 8));
             }
         }),
     },
@@ -500,7 +500,7 @@ pub(super) const ALL: &[Misreading] = &[
         mend: "the order is R, G, B",
         at: At::Planes(|ptm| {
             if ptm.header.format == Format::PtmLut {
-                each(ptm, |texel| texel.swap(6, 8))
+                each(ptm, |texel| texel.swap(6, 8));
             }
         }),
     },

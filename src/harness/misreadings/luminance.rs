@@ -224,7 +224,7 @@ pub(super) const ALL: &[Misreading] = &[
                 ptm.planes
                     .samples
                     .chunks_exact_mut(8)
-                    .for_each(|texel| texel.swap(6, 7))
+                    .for_each(|texel| texel.swap(6, 7));
             }
         }),
     },
@@ -238,7 +238,7 @@ pub(super) const ALL: &[Misreading] = &[
                 ptm.planes
                     .samples
                     .chunks_exact_mut(8)
-                    .for_each(|texel| texel.rotate_left(2))
+                    .for_each(|texel| texel.rotate_left(2));
             }
         }),
     },

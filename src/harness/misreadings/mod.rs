@@ -159,6 +159,7 @@ impl<'a> Anatomy<'a> {
     }
 
     /// The text of the fields of these clauses.
+    #[must_use]
     pub fn texts(&self, clauses: &[&str]) -> Vec<&'a str> {
         let chosen = self
             .tokens()
@@ -169,6 +170,7 @@ impl<'a> Anatomy<'a> {
     }
 
     /// Where the payload starts: after the line feed that ends the last line of the header.
+    #[must_use]
     pub fn payload(&self) -> usize {
         let end = self.tokens().last().map_or(0, |field| field.range.end);
         let line_feed = self.file[end..].iter().position(|&byte| byte == b'\n');
@@ -176,11 +178,13 @@ impl<'a> Anatomy<'a> {
     }
 
     /// The header.
+    #[must_use]
     pub fn header(&self) -> &'a [u8] {
         &self.file[..self.payload()]
     }
 
     /// The bytes between the `n`th field of a clause and the one after it.
+    #[must_use]
     pub fn after(&self, clause: &str, n: usize) -> &'a [u8] {
         let mut from = self
             .tokens()
