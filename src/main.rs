@@ -4,21 +4,26 @@ use std::ffi::OsString;
 use std::fmt::Write as _;
 use std::fs;
 use std::io::{self, Write};
+use std::os::unix::process::CommandExt;
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
+use std::process::{Child, ExitCode, Stdio};
+use std::sync::atomic::AtomicBool;
+use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
 use clap::{Args, Parser, Subcommand};
 use indicatif::{ProgressBar, ProgressStyle};
+use signal_hook::consts::{SIGINT, SIGTERM};
 
 use ptm_conform::error::Class;
 use ptm_conform::harness::cases::{self, Suite};
 use ptm_conform::harness::check::{Plan, check};
 use ptm_conform::harness::diagnose::diagnose;
+use ptm_conform::harness::judge::Finding;
 use ptm_conform::harness::protocol::{EXIT_MALFORMED, EXIT_UNSUPPORTED, Frame, View};
 use ptm_conform::harness::report::Report;
 use ptm_conform::harness::run::{Decoder, Request};
-use ptm_conform::harness::{corpus, misreadings};
+use ptm_conform::harness::{corpus, misreadings, processes};
 
 /// Wrong arguments, or a file that cannot be read or written.
 const EXIT_USAGE: u8 = 2;
@@ -39,6 +44,11 @@ enum Command {
     Reference(ReferenceArgs),
     Generate(GenerateArgs),
     Explain(ExplainArgs),
+    /// Waits until its standard input ends, then ends what still runs in SCRATCH and removes it.
+    #[command(hide = true)]
+    Watch {
+        scratch: PathBuf,
+    },
 }
 
 /// Run every case against a decoder and say which clauses it misreads.
@@ -62,6 +72,9 @@ struct CheckArgs {
     /// Wall-clock limit of a call; the first one gets three times as much.
     #[arg(long, value_name = "SECONDS", default_value_t = 10.0)]
     timeout: f64,
+    /// Memory that a call may hold, all its processes together: bytes, or with K, M or G.
+    #[arg(long, value_name = "SIZE", default_value = "2G", value_parser = parse_size)]
+    memory: u64,
     /// Only cases whose id matches; * and ? are wild cards. May be given more than once.
     #[arg(long = "case", value_name = "GLOB")]
     cases: Vec<String>,
@@ -120,6 +133,7 @@ fn main() -> ExitCode {
         Command::Reference(args) => Ok(run_reference(&args)),
         Command::Generate(args) => run_generate(&args),
         Command::Explain(args) => run_explain(&args),
+        Command::Watch { scratch } => Ok(watch(&scratch)),
     };
     outcome.map_or_else(
         |error| {
@@ -147,12 +161,18 @@ fn run_check(args: &CheckArgs) -> Result<u8, String> {
     if timeout.is_zero() {
         return Err("a time limit is a positive number of seconds".to_owned());
     }
-    let decoder =
-        Decoder::new(&command, timeout, args.reject_exit).map_err(|error| error.to_string())?;
-    let scratch = tempfile::Builder::new()
-        .prefix("ptm-conform-")
-        .tempdir()
-        .map_err(|error| format!("no scratch directory: {error}"))?;
+    let stop = Arc::new(AtomicBool::new(false));
+    for signal in [SIGINT, SIGTERM] {
+        signal_hook::flag::register(signal, Arc::clone(&stop))
+            .map_err(|error| format!("no signals: {error}"))?;
+    }
+    processes::prepare();
+    let mut decoder = Decoder::new(&command).map_err(|error| error.to_string())?;
+    decoder.timeout = timeout;
+    decoder.memory = args.memory;
+    decoder.reject_exit = args.reject_exit;
+    decoder.stop = Arc::clone(&stop);
+    let scratch = Scratch::new()?;
     let plan = Plan {
         selected,
         jobs: jobs(args.jobs)?,
@@ -160,13 +180,14 @@ fn run_check(args: &CheckArgs) -> Result<u8, String> {
             .into_iter()
             .filter(|view| args.views.iter().any(|asked| asked == view))
             .collect(),
+        stop,
     };
 
+    let partial = Partial::new(&args.report)?;
     let bar = progress_bar();
-    let ask = |request: &Request<'_>, worker: usize| {
-        decoder.ask(request, &scratch.path().join(worker.to_string()))
-    };
-    let run = check(&suite, &plan, &ask, &|done, all| {
+    let ask = |request: &Request<'_>, _: usize| decoder.ask(request, scratch.path());
+    let run = check(&suite, &plan, &ask, &|case, finding, done, all| {
+        partial.append(case, finding);
         show_progress(&bar, done, all);
     });
     bar.finish_and_clear();
@@ -176,19 +197,139 @@ fn run_check(args: &CheckArgs) -> Result<u8, String> {
         .iter()
         .map(|word| word.to_string_lossy().into_owned())
         .collect();
-    let limits = vec![
+    let report = Report::new(&suite, &run, &diagnoses, &words, limits(args));
+    write_whole(&args.report, &report.to_yaml()?)?;
+    partial.remove();
+    print(&report.to_text(&suite, args.show));
+    print(&format!("report: {}\n", args.report.display()));
+    Ok(run.exit_status())
+}
+
+/// The limits in force, in words.
+fn limits(args: &CheckArgs) -> Vec<String> {
+    let memory = if processes::can_be_watched() {
+        format!(
+            "memory: {} MiB, the resident sets of a call's processes, sampled",
+            args.memory >> 20
+        )
+    } else {
+        "memory: not limited, because this system has no /proc".to_owned()
+    };
+    vec![
         format!(
             "wall clock: {} s a call, three times that for the first",
             args.timeout
         ),
+        memory,
         "standard output: 4 times the largest frame of the file and 64 KiB".to_owned(),
-        "process group: killed after each call".to_owned(),
-    ];
-    let report = Report::new(&suite, &run, &diagnoses, &words, limits);
-    write_whole(&args.report, &report.to_yaml()?)?;
-    print(&report.to_text(&suite, args.show));
-    print(&format!("report: {}\n", args.report.display()));
-    Ok(run.exit_status())
+        "processes: the group of a call is killed when the call is over".to_owned(),
+    ]
+}
+
+/// A directory for inputs and working directories, and a process that clears it away should this one be killed.
+struct Scratch {
+    directory: tempfile::TempDir,
+    watcher: Option<Child>,
+}
+
+impl Scratch {
+    fn new() -> Result<Scratch, String> {
+        let directory = tempfile::Builder::new()
+            .prefix("ptm-conform-")
+            .tempdir()
+            .map_err(|error| format!("no scratch directory: {error}"))?;
+        // A decoder that is at work when this process is killed would be nobody's; without a watcher it only stays.
+        let watcher = std::env::current_exe().and_then(|program| {
+            std::process::Command::new(program)
+                .arg("watch")
+                .arg(directory.path())
+                .stdin(Stdio::piped())
+                .stdout(Stdio::null())
+                .stderr(Stdio::null())
+                .process_group(0)
+                .spawn()
+        });
+        Ok(Scratch {
+            directory,
+            watcher: watcher.ok(),
+        })
+    }
+
+    fn path(&self) -> &Path {
+        self.directory.path()
+    }
+}
+
+impl Drop for Scratch {
+    fn drop(&mut self) {
+        processes::kill_all(self.path());
+        if let Some(watcher) = &mut self.watcher {
+            drop(watcher.stdin.take());
+            let _ = watcher.wait();
+        }
+    }
+}
+
+fn watch(scratch: &Path) -> u8 {
+    let _ = io::copy(&mut io::stdin(), &mut io::sink());
+    processes::kill_all(scratch);
+    let _ = fs::remove_dir_all(scratch);
+    0
+}
+
+/// What has been found so far, beside the report: a list in YAML, valid after every case.
+struct Partial {
+    path: PathBuf,
+    file: Mutex<fs::File>,
+}
+
+impl Partial {
+    fn new(report: &Path) -> Result<Partial, String> {
+        let mut path = report.as_os_str().to_owned();
+        path.push(".partial");
+        let path = PathBuf::from(path);
+        let file =
+            fs::File::create(&path).map_err(|error| format!("{}: {error}", path.display()))?;
+        Ok(Partial {
+            path,
+            file: Mutex::new(file),
+        })
+    }
+
+    fn append(&self, case: &cases::Case, finding: &Finding) {
+        let line = format!(
+            "- {{ id: {}, view: \"{}\", answer: {} }}\n",
+            case.id,
+            finding.view,
+            finding.shown.name()
+        );
+        // One write for a line; what cannot be written is still in the report.
+        let _ = self
+            .file
+            .lock()
+            .expect("no worker panics")
+            .write_all(line.as_bytes());
+    }
+
+    fn remove(self) {
+        let _ = fs::remove_file(self.path);
+    }
+}
+
+/// Bytes, or with K, M or G.
+fn parse_size(text: &str) -> Result<u64, String> {
+    let (digits, shift) = match text.as_bytes().last() {
+        Some(b'K') => (&text[..text.len() - 1], 10),
+        Some(b'M') => (&text[..text.len() - 1], 20),
+        Some(b'G') => (&text[..text.len() - 1], 30),
+        _ => (text, 0),
+    };
+    let bytes = digits
+        .parse::<u64>()
+        .ok()
+        .filter(|&size| size > 0)
+        .and_then(|size| size.checked_mul(1 << shift));
+    bytes.ok_or_else(|| format!("expected a size such as 500M or 2G, found {text:?}"))
 }
 
 /// Which cases match the globs and the clauses; all if there are none.

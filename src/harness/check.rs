@@ -3,8 +3,8 @@
 //! The decoder is a closure from request to reply, so that a misreading inside this program and a program outside it
 //! are asked, compared and judged in the same way.
 
-use std::sync::Mutex;
-use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex};
 
 use crate::harness::cases::{Case, Expect, Feature, Suite, TableSpelling, Values};
 use crate::harness::choices;
@@ -22,6 +22,8 @@ pub struct Plan {
     pub jobs: usize,
     /// Views to ask for; all that the decoder offers if empty.
     pub views: Vec<&'static str>,
+    /// Set when the user wants the run to end.
+    pub stop: Arc<AtomicBool>,
 }
 
 /// What a run showed.
@@ -39,8 +41,8 @@ pub struct Run {
     pub asked: usize,
     /// How many of them ended in neither a frame nor a refusal.
     pub misconduct: usize,
-    /// Whether hangs ended the run before all cases were asked.
-    pub ended_by_hangs: bool,
+    /// Why the run ended before all cases were asked, if it did.
+    pub ended_early: Option<&'static str>,
     /// Why the program is no decoder, if it is none.
     pub not_a_decoder: Option<String>,
 }
@@ -48,19 +50,20 @@ pub struct Run {
 /// So many hangs in a row end a run.
 const HANGS: usize = 3;
 
-/// Runs `suite` against a decoder. `progress` is told how many of how many cases are done, and whether the last failed
-/// to show what was expected.
+/// Runs `suite` against a decoder. `progress` is told of each case as it is done: what was found, and how many of how
+/// many are done.
 pub fn check(
     suite: &Suite,
     plan: &Plan,
     ask: &(impl Fn(&Request, usize) -> Reply + Sync),
-    progress: &(impl Fn(usize, usize) + Sync),
+    progress: &(impl Fn(&Case, &Finding, usize, usize) + Sync),
 ) -> Run {
     let asked = Asked {
         ask,
         count: AtomicUsize::new(0),
         misconduct: AtomicUsize::new(0),
         hangs: AtomicUsize::new(0),
+        stop: &plan.stop,
     };
     let mut run = Run {
         findings: vec![None; suite.cases.len()],
@@ -73,7 +76,7 @@ pub fn check(
         table: TableSpelling::default(),
         asked: 0,
         misconduct: 0,
-        ended_by_hangs: false,
+        ended_early: None,
         not_a_decoder: None,
     };
     let first = first_files(suite, plan, &asked);
@@ -99,7 +102,7 @@ pub fn check(
             suite, &wanted, plan.jobs, &run.views, run.table, &asked, progress,
         );
         run.judgement = judge(suite, &plan.selected, &run.findings);
-        run.ended_by_hangs = asked.is_over();
+        run.ended_early = asked.why_over();
         say_what_was_not_run(suite, &mut run);
         run.not_a_decoder = nothing_decoded(suite, &run.findings);
     }
@@ -115,12 +118,23 @@ struct Asked<'a, F> {
     misconduct: AtomicUsize,
     /// Hangs in a row.
     hangs: AtomicUsize,
+    stop: &'a AtomicBool,
 }
 
 impl<F: Fn(&Request, usize) -> Reply + Sync> Asked<'_, F> {
-    /// Whether the decoder has hung too often to go on.
+    /// Why the run should not go on, if it should not.
+    fn why_over(&self) -> Option<&'static str> {
+        if self.stop.load(Ordering::Relaxed) {
+            Some("the run was ended by its user")
+        } else if self.hangs.load(Ordering::Relaxed) >= HANGS {
+            Some("the run ended after three hangs in a row")
+        } else {
+            None
+        }
+    }
+
     fn is_over(&self) -> bool {
-        self.hangs.load(Ordering::Relaxed) >= HANGS
+        self.why_over().is_some()
     }
 
     /// Asks for `case` in `view` and holds the answer against what is expected. `worker` numbers those who ask at once.
@@ -334,7 +348,7 @@ fn all_cases(
     views: &[&'static str],
     table: TableSpelling,
     asked: &Asked<impl Fn(&Request, usize) -> Reply + Sync>,
-    progress: &(impl Fn(usize, usize) + Sync),
+    progress: &(impl Fn(&Case, &Finding, usize, usize) + Sync),
 ) -> Vec<Option<Finding>> {
     let work: Vec<(usize, &View)> = (0..suite.cases.len())
         .filter(|&i| wanted[i])
@@ -349,8 +363,16 @@ fn all_cases(
             scope.spawn(move || {
                 while let Some(&(i, view)) = work.get(next.fetch_add(1, Ordering::Relaxed)) {
                     let (finding, _) = asked.find(&suite.cases[i], view, table, worker);
+                    if asked.stop.load(Ordering::Relaxed) {
+                        break;
+                    }
+                    progress(
+                        &suite.cases[i],
+                        &finding,
+                        done.fetch_add(1, Ordering::Relaxed) + 1,
+                        work.len(),
+                    );
                     findings.lock().expect("no worker panics")[i] = Some(finding);
-                    progress(done.fetch_add(1, Ordering::Relaxed) + 1, work.len());
                     if asked.is_over() {
                         break;
                     }
@@ -371,7 +393,7 @@ fn say_what_was_not_run(suite: &Suite, run: &mut Run) {
     {
         if let (None, Some(judged), Some(_)) = (finding, judged, chosen_view(case, &run.views)) {
             judged.outcome = Outcome::NotRun;
-            judged.says = format!("the run ended after {HANGS} hangs in a row");
+            judged.says = run.ended_early.unwrap_or_default().to_owned();
         }
     }
 }
@@ -440,7 +462,7 @@ impl Run {
             .any(|judged| judged.outcome == Outcome::Fail);
         match self.not_a_decoder {
             Some(_) => 3,
-            None => u8::from(failed || self.ended_by_hangs || !self.decoded_something()),
+            None => u8::from(failed || self.ended_early.is_some() || !self.decoded_something()),
         }
     }
 

@@ -42,6 +42,19 @@ pub enum Shown {
     Misconduct(Answer),
 }
 
+impl Shown {
+    /// One or two words for a report.
+    #[must_use]
+    pub const fn name(&self) -> &'static str {
+        match self {
+            Shown::Picture { .. } => "decoded",
+            Shown::Rejected => "rejected",
+            Shown::Unsupported => "unsupported",
+            Shown::Misconduct(answer) => answer.name(),
+        }
+    }
+}
+
 /// In which dialects a picture is right.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Right {

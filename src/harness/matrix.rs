@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 use std::hash::{DefaultHasher, Hash, Hasher};
-use std::sync::Mutex;
+use std::sync::{Arc, Mutex};
 
 use crate::harness::cases::Suite;
 use crate::harness::check::{Plan, check};
@@ -48,8 +48,9 @@ fn row(suite: &Suite, misreading: &'static Misreading, views: &[&'static str], j
         selected: vec![true; suite.cases.len()],
         jobs,
         views: views.to_vec(),
+        stop: Arc::default(),
     };
-    let run = check(suite, &plan, &ask, &|_, _| ());
+    let run = check(suite, &plan, &ask, &|_, _, _, _| ());
     let failed = run.judgement.cases.iter().enumerate();
     let killed_by = failed
         .filter(|(_, judged)| {

@@ -6,6 +6,8 @@ pub mod cases;
 
 pub mod protocol;
 
+pub mod processes;
+
 pub mod run;
 
 pub mod compare;

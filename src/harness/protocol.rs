@@ -289,6 +289,8 @@ pub enum Answer {
     Hung(String),
     /// More output than any frame of that file could have.
     Flooded(String),
+    /// More memory than it may hold.
+    OutOfMemory(String),
     /// It changed or removed the file it was given.
     Tampered(String),
     /// The operating system could not start it.
@@ -307,6 +309,7 @@ impl Answer {
             Answer::Crashed(_) => "crash",
             Answer::Hung(_) => "hang",
             Answer::Flooded(_) => "flood",
+            Answer::OutOfMemory(_) => "out of memory",
             Answer::Tampered(_) => "tampering",
             Answer::NotStarted(_) => "not started",
         }
@@ -321,6 +324,7 @@ impl Answer {
             | Answer::Crashed(what)
             | Answer::Hung(what)
             | Answer::Flooded(what)
+            | Answer::OutOfMemory(what)
             | Answer::Tampered(what)
             | Answer::NotStarted(what) => Some(what),
         }

@@ -9,13 +9,16 @@ use std::fs;
 use std::io;
 use std::os::fd::{AsFd, OwnedFd};
 use std::os::unix::process::{CommandExt, ExitStatusExt};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::{Child, Command, ExitStatus, Stdio};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use rustix::process::{Pid, Signal, kill_process_group};
 
+use crate::harness::processes;
 use crate::harness::protocol::{Answer, EXIT_MALFORMED, EXIT_UNSUPPORTED, Frame, View};
 
 /// How much of standard error is kept for the report.
@@ -27,6 +30,10 @@ pub struct Decoder {
     command: Vec<OsString>,
     /// Wall-clock time for one call.
     pub timeout: Duration,
+    /// Bytes of memory that a call may hold, all its processes together.
+    pub memory: u64,
+    /// Set when the user wants the run to end.
+    pub stop: Arc<AtomicBool>,
     /// An exit status that means a refusal besides 65.
     pub reject_exit: Option<i32>,
 }
@@ -58,16 +65,12 @@ pub struct Reply {
 }
 
 impl Decoder {
-    /// A decoder started as `program args… VIEW FILE`; words that name existing files are made absolute, because calls
+    /// A decoder under the ordinary limits, started as `program args… VIEW FILE`; words that name existing files are made absolute, because calls
     /// run in directories of their own.
     ///
     /// # Errors
     /// If the working directory cannot be told.
-    pub fn new(
-        command: &[OsString],
-        timeout: Duration,
-        reject_exit: Option<i32>,
-    ) -> io::Result<Decoder> {
+    pub fn new(command: &[OsString]) -> io::Result<Decoder> {
         let absolute = |(i, word): (usize, &OsString)| -> io::Result<OsString> {
             let path = Path::new(word);
             // A bare program name is looked up in PATH and nowhere else.
@@ -85,8 +88,10 @@ impl Decoder {
             .collect::<io::Result<_>>()?;
         Ok(Decoder {
             command,
-            timeout,
-            reject_exit,
+            timeout: Duration::from_secs(10),
+            memory: 2 << 30,
+            stop: Arc::default(),
+            reject_exit: None,
         })
     }
 
@@ -104,11 +109,11 @@ impl Decoder {
     }
 
     fn attempt(&self, request: &Request, scratch: &Path) -> io::Result<Reply> {
-        let inputs = scratch.join("in");
-        let workplace = scratch.join("work");
-        fs::create_dir_all(&inputs)?;
+        // A directory of its own for each call: what one leaves behind, even if it cannot be removed, meets no other.
+        let place = scratch.join(NEXT_CALL.fetch_add(1, Ordering::Relaxed).to_string());
+        let workplace = place.join("work");
         fs::create_dir_all(&workplace)?;
-        let input = inputs.join(format!("{}.ptm", request.name));
+        let input = place.join(format!("{}.ptm", request.name));
         lay_down(&input, request.file)?;
 
         let child = Command::new(&self.command[0])
@@ -123,22 +128,34 @@ impl Decoder {
             .stdout(Stdio::piped())
             .stderr(Stdio::piped())
             .process_group(0)
-            .spawn()?;
-        let call = Call::new(child, 4 * request.largest_frame + 65_536)?;
-        let mut reply = self.judge(&call.finish(self.timeout * request.patience)?);
-
-        if fs::read(&input).ok().as_deref() != Some(request.file) {
-            reply.answer = Answer::Tampered("the file it was given is changed or gone".to_owned());
-        }
-        remove_all(&inputs)?;
-        remove_all(&workplace)?;
-        Ok(reply)
+            .spawn();
+        let reply = child.and_then(|child| {
+            let call = Call::new(child, 4 * request.largest_frame + 65_536)?;
+            let ended = call.finish(self.timeout * request.patience, self.memory, &self.stop)?;
+            processes::kill_orphans(&workplace);
+            let mut reply = self.judge(&ended);
+            if !is_untouched(&input, request.file) {
+                reply.answer =
+                    Answer::Tampered("the file it was given is changed or gone".to_owned());
+            }
+            Ok(reply)
+        });
+        // What cannot be removed now is removed with the scratch directory, or stays: it is no fault of the answer.
+        let _ = fs::remove_dir_all(&place);
+        reply
     }
 
     fn judge(&self, ended: &Ended) -> Reply {
         let exit = ended.status.and_then(|status| status.code());
         let answer = match ended.status {
-            None if ended.flooded => Answer::Flooded(format!(
+            None if ended.cause == Cause::Memory => Answer::OutOfMemory(format!(
+                "its processes held more than {} MiB",
+                self.memory >> 20
+            )),
+            None if ended.cause == Cause::Stopped => {
+                Answer::Hung("the run was ended by the user".to_owned())
+            }
+            None if ended.cause == Cause::Flood => Answer::Flooded(format!(
                 "more than {} bytes on standard output",
                 ended.stdout.len()
             )),
@@ -174,12 +191,27 @@ fn lay_down(path: &Path, bytes: &[u8]) -> io::Result<()> {
     fs::set_permissions(path, permissions)
 }
 
-/// Removes what a decoder left behind.
-fn remove_all(directory: &PathBuf) -> io::Result<()> {
-    match fs::remove_dir_all(directory) {
-        Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(()),
-        other => other,
-    }
+/// Whether the input is still the file it was. It may have become anything, so it is looked at before it is opened.
+fn is_untouched(path: &Path, bytes: &[u8]) -> bool {
+    let same_kind = |file: fs::Metadata| file.is_file() && file.len() == bytes.len() as u64;
+    fs::symlink_metadata(path).is_ok_and(same_kind)
+        && fs::read(path).is_ok_and(|read| read == bytes)
+}
+
+/// How often memory is measured and the user's wish looked at.
+const LOOK: Duration = Duration::from_millis(50);
+
+/// Numbers calls, for directories that no two share.
+static NEXT_CALL: AtomicU64 = AtomicU64::new(0);
+
+/// Why a process had to be killed.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Cause {
+    None,
+    Time,
+    Memory,
+    Flood,
+    Stopped,
 }
 
 /// A running decoder.
@@ -198,7 +230,8 @@ struct Call {
 struct Ended {
     /// Nothing if it had to be killed.
     status: Option<ExitStatus>,
-    flooded: bool,
+    /// Why it had to be.
+    cause: Cause,
     limit: Duration,
     stdout: Vec<u8>,
     stderr: Vec<u8>,
@@ -234,36 +267,55 @@ impl Call {
         })
     }
 
-    /// Reads until the process has ended, floods or runs out of time; then kills what is left of its group.
-    fn finish(mut self, limit: Duration) -> io::Result<Ended> {
+    /// Reads until the process has ended or a limit is reached; then kills what is left of its group.
+    fn finish(mut self, limit: Duration, memory: u64, stop: &AtomicBool) -> io::Result<Ended> {
         let deadline = Instant::now() + limit;
         let ending = Ending::of(&self.child);
-        let status = loop {
-            let left = deadline.saturating_duration_since(Instant::now());
-            let over = self.output.len() > self.most;
-            if over || left.is_zero() {
-                break None;
+        let watched = processes::can_be_watched();
+        let mut next_look = Instant::now() + LOOK;
+        let outcome = loop {
+            let now = Instant::now();
+            let left = deadline.saturating_duration_since(now);
+            if self.output.len() > self.most {
+                break Err(Cause::Flood);
             }
-            self.wait_for_news(ending.as_ref(), left)?;
+            if left.is_zero() {
+                break Err(Cause::Time);
+            }
+            if stop.load(Ordering::Relaxed) {
+                break Err(Cause::Stopped);
+            }
+            if now >= next_look {
+                next_look = now + LOOK;
+                if watched && processes::memory_of_group(self.group) > memory {
+                    break Err(Cause::Memory);
+                }
+            }
+            self.wait_for_news(ending.as_ref(), left.min(LOOK))?;
             self.read_what_is_there()?;
             if let Some(status) = self.child.try_wait()? {
-                break Some(status);
+                break Ok(status);
             }
         };
         // The process is gone or must go; nobody of its group outlives the call. An error means that nobody is left.
         let _ = kill_process_group(self.group, Signal::KILL);
-        let status = if let Some(status) = status {
-            self.read_what_is_there()?;
-            Some(status)
-        } else {
-            self.child.wait()?;
-            None
+        let (status, mut cause) = match outcome {
+            Ok(status) => {
+                self.read_what_is_there()?;
+                (Some(status), Cause::None)
+            }
+            Err(cause) => {
+                self.child.wait()?;
+                (None, cause)
+            }
         };
-        let flooded = self.output.len() > self.most;
-        let status = if flooded { None } else { status };
+        if self.output.len() > self.most {
+            cause = Cause::Flood;
+        }
+        let status = status.filter(|_| cause == Cause::None);
         Ok(Ended {
             status,
-            flooded,
+            cause,
             limit,
             stdout: self.output,
             stderr: self.errors,
