@@ -105,10 +105,13 @@ fn panicked(status: i32) {
     exit(status);
 }
 
+/// Twice, because Rust's own handler lets the first segmentation fault from outside pass.
 fn die_by(signal: &str) {
-    let _ = Command::new("sh")
-        .args(["-c", &format!("kill -{signal} {}", std::process::id())])
-        .status();
+    let kill = format!(
+        "kill -{signal} {0}; sleep 0.1; kill -{signal} {0}",
+        std::process::id()
+    );
+    let _ = Command::new("sh").args(["-c", &kill]).status();
     sleep_for_ever();
 }
 

@@ -4,6 +4,7 @@ use std::ffi::OsString;
 use std::fmt::Write as _;
 use std::fs;
 use std::io::{self, Write};
+use std::os::unix::fs::PermissionsExt;
 use std::os::unix::process::CommandExt;
 use std::path::{Path, PathBuf};
 use std::process::{Child, ExitCode, Stdio};
@@ -419,9 +420,14 @@ fn run_generate(args: &GenerateArgs) -> Result<u8, String> {
         .filter(|&bytes| bytes <= largest)
         .sum();
     print(&format!(
-        "{} cases, {bytes} bytes of PTM files in {}\n",
+        "{} cases, {bytes} bytes of PTM files in {}{}\n",
         entries.len(),
-        args.out.display()
+        args.out.display(),
+        if args.all {
+            ""
+        } else {
+            "; larger files are only listed, --all writes them"
+        }
     ));
     Ok(0)
 }
@@ -442,10 +448,11 @@ fn explain(id: &str) -> Result<Option<String>, String> {
     if let Some(case) = suite.case(id) {
         explain_case(case, &mut text).map_err(|error| error.to_string())?;
     }
-    for clause in clauses
-        .iter()
-        .filter(|clause| clause.id == id || clause.id.starts_with(&format!("{id}/")))
-    {
+    for clause in clauses.iter().filter(|clause| {
+        clause.id == id
+            || clause.id.starts_with(&format!("{id}/"))
+            || clause.id.starts_with(&format!("{id}."))
+    }) {
         let cases: Vec<&str> = suite
             .cases
             .iter()
@@ -457,9 +464,14 @@ fn explain(id: &str) -> Result<Option<String>, String> {
             .as_ref()
             .map(|ruling| format!(" Ruling: {ruling}."))
             .unwrap_or_default();
+        let why = clause
+            .why
+            .as_ref()
+            .map(|why| format!(" Not tested: it {why}."))
+            .unwrap_or_default();
         let _ = writeln!(
             text,
-            "clause {}: {}{ruling}\n  {} cases: {}",
+            "clause {}: {}{ruling}{why}\n  {} cases: {}",
             clause.id,
             clause.rule,
             cases.len(),
@@ -527,6 +539,9 @@ fn explain_case(case: &cases::Case, out: &mut String) -> std::fmt::Result {
         built.file.len(),
         corpus::sha256(&built.file)
     )?;
+    for (is, bytes) in case.pieces() {
+        writeln!(out, "    {is:<40} {}", bytes.escape_ascii())?;
+    }
     for field in &built.fields {
         let bytes = &built.file[field.range.clone()];
         let shown = bytes[..bytes.len().min(24)].escape_ascii();
@@ -556,7 +571,12 @@ fn write_whole(path: &Path, text: &str) -> Result<(), String> {
         .parent()
         .filter(|parent| !parent.as_os_str().is_empty())
         .unwrap_or(Path::new("."));
-    let mut file = tempfile::NamedTempFile::new_in(directory).map_err(named)?;
+    // As readable as any file that a program writes.
+    let readable = fs::Permissions::from_mode(0o644);
+    let mut file = tempfile::Builder::new()
+        .permissions(readable)
+        .tempfile_in(directory)
+        .map_err(named)?;
     file.write_all(text.as_bytes()).map_err(named)?;
     file.persist(path).map_err(|error| named(error.error))?;
     Ok(())

@@ -304,6 +304,26 @@ impl Case {
         }
     }
 
+    /// The parts of a hand-assembled file: what each is, and its bytes.
+    ///
+    /// # Panics
+    /// Never for a case that [`Suite::load`] returned.
+    #[must_use]
+    pub fn pieces(&self) -> Vec<(&str, Vec<u8>)> {
+        let Source::Hand { pieces, .. } = &self.source else {
+            return Vec::new();
+        };
+        let bytes = |piece: &Piece| {
+            piece
+                .bytes(TableSpelling::default())
+                .expect("checked when the suite was loaded")
+        };
+        pieces
+            .iter()
+            .map(|piece| (piece.is.as_str(), bytes(piece)))
+            .collect()
+    }
+
     /// What a decoder needs to decode it in `view`.
     #[must_use]
     pub fn features(&self, view: &View) -> BTreeSet<Feature> {
@@ -820,8 +840,14 @@ impl HandValues {
     }
 }
 
-/// A word as it stands in an id: lower case, with hyphens.
+/// A word as it stands in an id: lower case, with hyphens; the sign of a number in words.
 fn slug(word: &str) -> String {
+    let signed = word.starts_with(|c: char| c == '-' || c.is_ascii_digit());
+    let word = if signed {
+        word.replace('-', "minus ")
+    } else {
+        word.to_owned()
+    };
     word.to_lowercase()
         .replace(|c: char| !c.is_ascii_alphanumeric(), "-")
 }

@@ -164,13 +164,10 @@ impl<F: Fn(&Request, usize) -> Reply + Sync> Asked<'_, F> {
         if reply.answer.misconduct().is_some() {
             self.misconduct.fetch_add(1, Ordering::Relaxed);
         }
-        if !self.is_over() {
-            let hangs = if matches!(reply.answer, Answer::Hung(_)) {
-                self.hangs.load(Ordering::Relaxed) + 1
-            } else {
-                0
-            };
-            self.hangs.store(hangs, Ordering::Relaxed);
+        if matches!(reply.answer, Answer::Hung(_)) {
+            self.hangs.fetch_add(1, Ordering::Relaxed);
+        } else if !self.is_over() {
+            self.hangs.store(0, Ordering::Relaxed);
         }
         let shown = match &reply.answer {
             Answer::Rejected => Shown::Rejected,

@@ -7,7 +7,7 @@ use std::fmt::Write;
 
 use serde::Serialize;
 
-use crate::harness::cases::{Case, Feature, Suite};
+use crate::harness::cases::{Case, Expect, Feature, Suite};
 use crate::harness::check::Run;
 use crate::harness::corpus;
 use crate::harness::diagnose::Diagnosis;
@@ -201,16 +201,16 @@ impl Report {
     }
 
     fn write_text(&self, suite: &Suite, shown: usize, out: &mut String) -> std::fmt::Result {
+        let Subject { command, .. } = &self.decoder;
         if let Some(reason) = &self.reason {
-            writeln!(out, "{} is not a decoder: {reason}", self.decoder.command)?;
+            writeln!(out, "{command} is not a decoder: {reason}")?;
             writeln!(
                 out,
-                "A decoder is called as: DECODER VIEW FILE, for example: {} raw x.ptm",
-                self.decoder.command
+                "A decoder is called as: DECODER VIEW FILE, for example: {command} raw x.ptm"
             )?;
             return writeln!(
                 out,
-                "It prints \"PTM1 raw WIDTH HEIGHT CHANNELS u8\", a line feed and the samples; see the README."
+                "For raw it prints \"PTM1 raw WIDTH HEIGHT CHANNELS u8\", a line feed and the samples; see the README."
             );
         }
         let failing: Vec<&CaseResult> = self
@@ -218,77 +218,62 @@ impl Report {
             .iter()
             .filter(|case| case.outcome == Outcome::Fail.name())
             .collect();
-        for case in failing.iter().take(shown) {
-            writeln!(out, "FAIL {}  ({})", case.id, case.clauses.join(", "))?;
-            if let Some(says) = &case.says {
-                writeln!(
-                    out,
-                    "  {}: {says}",
-                    case.view.as_deref().unwrap_or_default()
-                )?;
-            }
-            if let Some(case) = suite.case(&case.id) {
-                writeln!(out, "  {}", case.because)?;
-            }
-            let causes = self
-                .diagnoses
-                .iter()
-                .filter(|cause| cause.explains.contains(&case.id));
-            for cause in causes {
-                writeln!(
-                    out,
-                    "  looks like: {} (§{})",
-                    cause.misreading, cause.clause
-                )?;
-            }
-            if let Some(line) = case
-                .stderr
-                .as_ref()
-                .and_then(|stderr| stderr.lines().last())
-            {
-                writeln!(out, "  its standard error ends: {line}")?;
-            }
-        }
-        if failing.len() > shown {
-            writeln!(
-                out,
-                "… and {} more failures; the report has them all",
-                failing.len() - shown
-            )?;
-        }
-        if !failing.is_empty() {
-            writeln!(out)?;
-        }
-        let explained: usize = self
-            .diagnoses
-            .iter()
-            .map(|cause| cause.explains.len())
-            .sum();
         for cause in &self.diagnoses {
+            let (count, all) = (cause.explains.len(), failing.len());
             writeln!(
                 out,
-                "{} of {} failures: the decoder {} (clause {}).",
-                cause.explains.len(),
-                failing.len(),
-                cause.effect,
-                cause.clause
+                "{count} of {all} failures: the decoder {} (clause {}).",
+                cause.effect, cause.clause
             )?;
             writeln!(
                 out,
-                "  To mend it: {}. Try: ptm-conform explain {}",
+                "  To mend it: {}. More: ptm-conform explain {}",
                 cause.mend, cause.misreading
             )?;
+            for case in failing
+                .iter()
+                .filter(|case| cause.explains.contains(&case.id))
+                .take(2)
+            {
+                write_failure(case, suite, out)?;
+            }
+            writeln!(out)?;
         }
-        if explained < failing.len() {
+        let explained = |case: &CaseResult| {
+            self.diagnoses
+                .iter()
+                .any(|cause| cause.explains.contains(&case.id))
+        };
+        let others: Vec<&&CaseResult> = failing.iter().filter(|case| !explained(case)).collect();
+        if !others.is_empty() {
             writeln!(
                 out,
                 "{} of {} failures are like no mistake of the catalogue.",
-                failing.len() - explained,
+                others.len(),
                 failing.len()
             )?;
+            if let Some(advice) = advice(&others) {
+                writeln!(out, "  {advice}")?;
+            }
+            for case in others.iter().take(shown) {
+                write_failure(case, suite, out)?;
+            }
+            if others.len() > shown {
+                writeln!(
+                    out,
+                    "  … and {} more; the report has them all",
+                    others.len() - shown
+                )?;
+            }
+            writeln!(out)?;
         }
-        for reading in &self.dialect {
-            writeln!(out, "dialect: {}: {}", reading.ruling, reading.reading)?;
+        let readings: Vec<String> = self
+            .dialect
+            .iter()
+            .map(|known| format!("{}: {}", known.ruling, known.reading))
+            .collect();
+        if !readings.is_empty() {
+            writeln!(out, "dialect: {}", readings.join("; "))?;
         }
         if !self.decoder.unsupported.is_empty() {
             writeln!(
@@ -297,21 +282,29 @@ impl Report {
                 self.decoder.unsupported.join(", ")
             )?;
         }
-        let counts: Vec<String> = OUTCOMES
-            .iter()
-            .map(|outcome| {
-                (
-                    outcome,
-                    self.cases
-                        .iter()
-                        .filter(|case| case.outcome == outcome.name())
-                        .count(),
-                )
-            })
-            .filter(|&(_, count)| count > 0)
+        let count = |outcome: &Outcome| {
+            (
+                *outcome,
+                self.cases
+                    .iter()
+                    .filter(|case| case.outcome == outcome.name())
+                    .count(),
+            )
+        };
+        let counts = OUTCOMES.iter().map(count).filter(|&(_, count)| count > 0);
+        let counts: Vec<String> = counts
             .map(|(outcome, count)| format!("{count} {}", outcome.name()))
             .collect();
-        writeln!(out, "{}: {}", self.verdict, counts.join(", "))?;
+        let selection = if self.cases.len() < suite.cases.len() {
+            format!(
+                " ({} of {} cases selected)",
+                self.cases.len(),
+                suite.cases.len()
+            )
+        } else {
+            String::new()
+        };
+        writeln!(out, "{}: {}{selection}", self.verdict, counts.join(", "))?;
         let Scores {
             correctness,
             breadth,
@@ -322,6 +315,47 @@ impl Report {
             "correctness {correctness}, breadth {breadth}, robustness {robustness}"
         )
     }
+}
+
+fn write_failure(case: &CaseResult, suite: &Suite, out: &mut String) -> std::fmt::Result {
+    writeln!(out, "  FAIL {}  ({})", case.id, case.clauses.join(", "))?;
+    writeln!(
+        out,
+        "    {}: {}",
+        case.view.as_deref().unwrap_or_default(),
+        case.says.as_deref().unwrap_or_default()
+    )?;
+    if let Some(case) = suite.case(&case.id) {
+        writeln!(out, "    {}", case.because)?;
+    }
+    match case
+        .stderr
+        .as_ref()
+        .and_then(|stderr| stderr.lines().last())
+    {
+        Some(line) => writeln!(out, "    its standard error ends: {line}"),
+        None => Ok(()),
+    }
+}
+
+/// What helps where a decoder refuses files with another status than 65.
+fn advice(failures: &[&&CaseResult]) -> Option<String> {
+    let status = failures
+        .iter()
+        .find_map(|case| case.says.as_ref()?.strip_prefix("crash: exit status "))?;
+    let refusals = failures
+        .iter()
+        .filter(|case| case.expect != Expect::Decode.name());
+    let alike = refusals
+        .filter(|case| {
+            case.says
+                .as_ref()
+                .is_some_and(|says| says.strip_prefix("crash: exit status ") == Some(status))
+        })
+        .count();
+    (alike > 1).then(|| {
+        format!("{alike} files that must or may be refused ended in exit status {status}. A refusal is exit status 65; if {status} is this decoder's, say --reject-exit {status}.")
+    })
 }
 
 const OUTCOMES: [Outcome; 7] = [

@@ -134,6 +134,8 @@ impl Decoder {
             let ended = call.finish(self.timeout * request.patience, self.memory, &self.stop)?;
             processes::kill_orphans(&workplace);
             let mut reply = self.judge(&ended);
+            // Where the file lay is nothing to report; its name is.
+            reply.stderr = reply.stderr.replace(&format!("{}/", place.display()), "");
             if !is_untouched(&input, request.file) {
                 reply.answer =
                     Answer::Tampered("the file it was given is changed or gone".to_owned());
