@@ -46,10 +46,13 @@ impl Coefficients {
 }
 
 impl Picture {
-    /// The picture in whole numbers, rounded to the nearest.
+    /// The picture in whole numbers, rounded to the nearest; the text names no rounding, so no verdict depends on it.
     #[must_use]
     pub fn to_bytes(&self) -> Vec<u8> {
-        self.values.iter().map(|&value| byte(value)).collect()
+        self.values
+            .iter()
+            .map(|&value| value.round() as u8)
+            .collect()
     }
 }
 
@@ -122,11 +125,6 @@ pub(crate) fn light(lu: f64, lv: f64) -> (f64, f64) {
 /// The polynomial of 1.0 (clause 1.0/1).
 pub(crate) fn polynomial(a: &[f64], lu: f64, lv: f64) -> f64 {
     a[0] * lu * lu + a[1] * lv * lv + a[2] * lu * lv + a[3] * lu + a[4] * lv + a[5]
-}
-
-/// Nearest whole number; the text names no rounding, so a verdict never depends on it.
-pub(crate) fn byte(value: f64) -> u8 {
-    value.round() as u8
 }
 
 /// (raw − bias) · scale (clause 2.4/8), the same six for all polynomials (clause 2.4/9).

@@ -1,6 +1,6 @@
 //! The decisions the text asks of its reader.
 //!
-//! [`Reading::SPEC`] names, for each, the function that stands with its clause in [`crate::decode`] or
+//! [`Reading::SPEC`] names, for each, the function that stands with its clause in [`mod@crate::decode`] or
 //! [`crate::evaluate`]. The flow calls the decision and never asks why it is so: another reading of an open point, or a
 //! deliberate mistake, is another function in the same place and nothing else.
 
@@ -16,7 +16,6 @@ pub struct Reading {
     // 1.0
     pub(crate) light: fn(lu: f64, lv: f64) -> (f64, f64),
     pub(crate) polynomial: fn(a: &[f64], lu: f64, lv: f64) -> f64,
-    pub(crate) byte: fn(f64) -> u8,
     // 2.4
     pub(crate) final_coefficient: fn(raw: u8, channel: usize, &ScaleBias) -> f64,
     pub(crate) final_other: fn(raw: u8, channel: usize, &ScaleBias) -> f64,
@@ -43,7 +42,6 @@ impl Reading {
     pub const SPEC: Reading = Reading {
         light: evaluate::light,
         polynomial: evaluate::polynomial,
-        byte: evaluate::byte,
         final_coefficient: evaluate::final_coefficient,
         final_other: evaluate::final_other,
         entry_count: lookup_table::entry_count,

@@ -1,4 +1,4 @@
-//! Values → bytes: the mirror of [`crate::decode`], with the same sections under the same names.
+//! Values → bytes: the mirror of [`mod@crate::decode`], with the same sections under the same names.
 //!
 //! This side never asks the other: two tellings of one text can disagree, one told twice cannot. It writes every legal
 //! spelling of a file and, with [`damage`], files that must be refused. The same recipe gives the same bytes everywhere.

@@ -390,7 +390,7 @@ fn say_what_was_not_run(suite: &Suite, run: &mut Run) {
     {
         if let (None, Some(judged), Some(_)) = (finding, judged, chosen_view(case, &run.views)) {
             judged.outcome = Outcome::NotRun;
-            judged.says = run.ended_early.unwrap_or_default().to_owned();
+            judged.says = run.ended_early.map(str::to_owned).unwrap_or_default();
         }
     }
 }

@@ -142,16 +142,7 @@ impl Frame {
             View::Rgb(light) => {
                 let picture =
                     crate::evaluate::evaluate(&coefficients(), light.lu, light.lv, reading);
-                (
-                    3,
-                    Samples::U8(
-                        picture
-                            .values
-                            .iter()
-                            .map(|&value| (reading.byte)(value))
-                            .collect(),
-                    ),
-                )
+                (3, Samples::U8(picture.to_bytes()))
             }
         };
         Frame {
