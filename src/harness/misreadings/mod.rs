@@ -137,7 +137,7 @@ impl<'a> Anatomy<'a> {
 
     /// The header's fields: all before the first byte of the payload.
     fn tokens(&self) -> impl Iterator<Item = &Field> {
-        self.fields.iter().take_while(|field| !matches!(field.clause, "2.5/3" | "2.7/1" | "2.8.1/1"))
+        self.fields.iter().take_while(|field| !matches!(field.clause, "2.5/3" | "2.7/1" | "2.8.1/1" | "2.9.8/2" | "2.9.8/4"))
     }
 
     /// The text of the fields of these clauses.
