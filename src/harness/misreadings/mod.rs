@@ -4,11 +4,14 @@
 //! pair told apart), and proves that each clause is really tested.
 
 mod arithmetic;
+mod codecs;
+mod compressed;
 mod evaluation;
 mod header;
 mod layout;
 mod lookup;
 mod luminance;
+mod side_information;
 
 use crate::decode::{Limits, Ptm, decode_as, fields};
 use crate::error::Class;
@@ -59,6 +62,16 @@ pub enum Decision {
     IndexWidth,
     Index,
     Entry,
+    Plan,
+    Predictor,
+    Invert,
+    MotionHalf,
+    Predict,
+    Reconstruct,
+    Stream,
+    SideCounts,
+    Records,
+    Mend,
 }
 
 /// What a reader with a mistake makes of the bytes.
@@ -71,7 +84,19 @@ pub enum Seen {
 
 /// All misreadings, section after section.
 pub fn all() -> impl Iterator<Item = &'static Misreading> {
-    [header::ALL, arithmetic::ALL, lookup::ALL, luminance::ALL, layout::ALL, evaluation::ALL].into_iter().flatten()
+    [
+        header::ALL,
+        arithmetic::ALL,
+        lookup::ALL,
+        luminance::ALL,
+        layout::ALL,
+        compressed::ALL,
+        side_information::ALL,
+        codecs::ALL,
+        evaluation::ALL,
+    ]
+    .into_iter()
+    .flatten()
 }
 
 /// The misreading of that name.
