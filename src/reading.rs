@@ -14,6 +14,10 @@ use crate::error::Result;
 use crate::evaluate;
 use crate::ptm::{ColorMatrix, Format, ScaleBias, Size};
 
+type Predictor = for<'a> fn(reference: &'a [u8], &Step, Size, &Reading) -> Cow<'a, [u8]>;
+type Stream = fn(Format, plane: usize, stream: &[u8], Size) -> std::result::Result<Vec<u8>, codec::Error>;
+type Records = fn(block: &[u8], at: usize, texels: usize) -> Result<Vec<(u32, u8)>>;
+
 /// How a file is read: one decision for each thing the text asks, in the order of the text.
 #[derive(Clone, Copy)]
 #[allow(missing_docs)] // each is documented at the function SPEC names
@@ -44,20 +48,20 @@ pub struct Reading {
     // 2.9.1–2.9.7
     pub(crate) plan: fn(&RawLists) -> Result<Plan>,
     // 2.9.2
-    pub(crate) predictor: for<'a> fn(reference: &'a [u8], &Step, Size, &Reading) -> Cow<'a, [u8]>,
+    pub(crate) predictor: Predictor,
     pub(crate) invert: fn(plane: &mut [u8]),
     // 2.9.3
     pub(crate) motion_sign: fn(displacement: i64) -> i64,
     pub(crate) motion_vertical: fn(my: i64) -> i64,
     pub(crate) motion_half: fn(samples: [u8; 4]) -> u8,
-    pub(crate) motion_border: fn(at: i64, length: usize) -> Option<usize>,
+    pub(crate) motion_border: fn(at: i64, length: u32) -> Option<usize>,
     // 2.9.5
     pub(crate) predict: fn(Format, residuals: &mut [u8], predictor: &[u8]),
     // 2.9.8
     pub(crate) reconstruct: fn(&Coded, &Reading) -> Result<Vec<Vec<u8>>>,
-    pub(crate) stream: fn(Format, plane: usize, stream: &[u8], Size) -> std::result::Result<Vec<u8>, codec::Error>,
+    pub(crate) stream: Stream,
     pub(crate) side_counts: fn(Format, parameter: i64) -> bool,
-    pub(crate) records: fn(block: &[u8], at: usize, texels: usize) -> Result<Vec<(u32, u8)>>,
+    pub(crate) records: Records,
     pub(crate) mend: fn(plane: &mut [u8], records: &[(u32, u8)]),
 }
 

@@ -47,7 +47,15 @@ impl ByHand {
         let encoded = if jpeg(self.format) {
             jpeg::encode(samples, width, height, &jpeg::Options::new(100))
         } else {
-            jpeg_ls::encode(samples, width, height, &jpeg_ls::Options { near: 0, presets: None })
+            jpeg_ls::encode(
+                samples,
+                width,
+                height,
+                &jpeg_ls::Options {
+                    near: 0,
+                    presets: None,
+                },
+            )
         };
         // At quality 100 a flat block comes back as it was; tests with JPEG planes use nothing else.
         assert_eq!(encoded.samples, samples, "the samples of plane {plane}");
@@ -55,7 +63,14 @@ impl ByHand {
     }
 
     /// Predicts plane `plane`, of rank `rank`, from `reference`: its stream holds these residuals.
-    pub fn predicted(&mut self, plane: usize, rank: i64, reference: i64, transform: i64, residuals: &[u8]) {
+    pub fn predicted(
+        &mut self,
+        plane: usize,
+        rank: i64,
+        reference: i64,
+        transform: i64,
+        residuals: &[u8],
+    ) {
         self.order[plane] = rank;
         self.references[plane] = reference;
         self.transforms[plane] = transform;
@@ -77,13 +92,29 @@ impl ByHand {
     /// The header up to the biases.
     pub fn header(&self) -> String {
         let Size { width, height } = self.size;
-        format!("PTM_1.2\n{}\n{width}\n{height}\n1 1 1 1 1 1\n0 0 0 0 0 0\n", self.format)
+        format!(
+            "PTM_1.2\n{}\n{width}\n{height}\n1 1 1 1 1 1\n0 0 0 0 0 0\n",
+            self.format
+        )
     }
 
     /// The lists, a line each.
     pub fn lists(&self) -> Vec<String> {
-        let line = |numbers: &[i64]| numbers.iter().map(i64::to_string).collect::<Vec<_>>().join(" ");
-        let sizes = |parts: &[Vec<u8>]| line(&parts.iter().map(|part| part.len() as i64).collect::<Vec<_>>());
+        let line = |numbers: &[i64]| {
+            numbers
+                .iter()
+                .map(i64::to_string)
+                .collect::<Vec<_>>()
+                .join(" ")
+        };
+        let sizes = |parts: &[Vec<u8>]| {
+            line(
+                &parts
+                    .iter()
+                    .map(|part| part.len() as i64)
+                    .collect::<Vec<_>>(),
+            )
+        };
         let (x, y) = self.motion.split_at(self.format.channels());
         vec![
             self.parameter.to_string(),
@@ -104,7 +135,12 @@ impl ByHand {
 
     /// The file with another header or other lists.
     pub fn with(&self, header: &str, lists: &[String]) -> Vec<u8> {
-        let payload = self.streams.iter().zip(&self.sides).flat_map(|(stream, side)| [stream, side]).flatten();
+        let payload = self
+            .streams
+            .iter()
+            .zip(&self.sides)
+            .flat_map(|(stream, side)| [stream, side])
+            .flatten();
         let text = format!("{header}{}\n", lists.join("\n"));
         text.bytes().chain(payload.copied()).collect()
     }
@@ -119,12 +155,22 @@ fn jpeg(format: Format) -> bool {
 pub fn stored(file: &[u8], plane: usize) -> Vec<u8> {
     let ptm = crate::decode(file).expect("a file that decodes");
     let channels = ptm.planes.shape.channels();
-    let rows = ptm.planes.samples.chunks_exact(ptm.planes.size.width as usize * channels).rev();
-    rows.flat_map(|row| row.iter().skip(plane).step_by(channels).copied()).collect()
+    let rows = ptm
+        .planes
+        .samples
+        .chunks_exact(ptm.planes.size.width as usize * channels)
+        .rev();
+    rows.flat_map(|row| row.iter().skip(plane).step_by(channels).copied())
+        .collect()
 }
 
 /// That a file is refused, and in which words.
 #[track_caller]
 pub fn rejects(file: &[u8], words: &str) {
-    assert_eq!(crate::decode(file).expect_err("a file that is refused").to_string(), words);
+    assert_eq!(
+        crate::decode(file)
+            .expect_err("a file that is refused")
+            .to_string(),
+        words
+    );
 }

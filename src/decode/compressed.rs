@@ -83,7 +83,12 @@ pub struct Extent {
     pub side: Range<usize>,
 }
 
-pub(super) fn read(header: &Header, input: &mut Input, reading: &Reading, limits: &Limits) -> Result<Planes> {
+pub(super) fn read(
+    header: &Header,
+    input: &mut Input,
+    reading: &Reading,
+    limits: &Limits,
+) -> Result<Planes> {
     let lists = read_lists(header.format, input)?; // §2.9.1 – 2.9.7
     let plan = (reading.plan)(&lists)?; //            what they say to do
     planes::read(header, &plan, input, reading, limits) // §2.9.8
@@ -116,18 +121,28 @@ fn read_lists(format: Format, input: &mut Input) -> Result<RawLists> {
 
 fn number(input: &mut Input, clause: &'static str, name: &'static str) -> Result<Number> {
     let at = input.at();
-    Ok(Number { value: input.signed(clause, name)?, at })
+    Ok(Number {
+        value: input.signed(clause, name)?,
+        at,
+    })
 }
 
 /// What the lists say to do, or why it cannot be done.
 pub(crate) fn plan(lists: &RawLists) -> Result<Plan> {
     let planes = lists.format.channels();
-    let steps = (0..planes).map(|plane| step(lists, plane)).collect::<Result<_>>()?;
+    let steps = (0..planes)
+        .map(|plane| step(lists, plane))
+        .collect::<Result<_>>()?;
     // The plane of the lowest rank first (clause 2.9.4/2); among equal ranks, where neither can need the other, by index.
     let mut sequence: Vec<usize> = (0..planes).collect();
     sequence.sort_by_key(|&plane| lists.order[plane].value);
     let extents = extents(lists)?;
-    Ok(Plan { parameter: lists.parameter.value, steps, sequence, extents })
+    Ok(Plan {
+        parameter: lists.parameter.value,
+        steps,
+        sequence,
+        extents,
+    })
 }
 
 /// How plane `plane` is predicted (clauses 2.9.2/1, 2.9.3/1, 2.9.5/1).
@@ -136,13 +151,22 @@ fn step(lists: &RawLists, plane: usize) -> Result<Step> {
     let transform = lists.transforms[plane];
     if !(0..=3).contains(&transform.value) {
         // Bits that are not defined (clause 2.9.2/5, ruling `transforms`), on intra planes too: the list is not the text's.
-        return Err(Error::new("2.9.2/5", transform.at, Kind::NotRead { what: "transforms other than 0 to 3" }));
+        return Err(Error::new(
+            "2.9.2/5",
+            transform.at,
+            Kind::NotRead {
+                what: "transforms other than 0 to 3",
+            },
+        ));
     }
     Ok(Step {
         reference: reference(lists, plane)?,
         inverted: transform.value & 1 != 0, // clause 2.9.2/3
         moved: transform.value & 2 != 0,    // clause 2.9.2/4
-        motion: (lists.motion[plane].value, lists.motion[planes + plane].value),
+        motion: (
+            lists.motion[plane].value,
+            lists.motion[planes + plane].value,
+        ),
     })
 }
 
@@ -151,14 +175,25 @@ fn reference(lists: &RawLists, plane: usize) -> Result<Option<usize>> {
     let planes = lists.format.channels();
     let named = lists.references[plane];
     // -1 is "intra coded" (clause 2.9.5/2); so are numbers below it, which name no plane either (ruling `ranks`).
-    let Ok(reference) = usize::try_from(named.value) else { return Ok(None) };
+    let Ok(reference) = usize::try_from(named.value) else {
+        return Ok(None);
+    };
     if reference >= planes {
-        let kind = Kind::NotAPlane { plane, reference: named.value, planes };
+        let kind = Kind::NotAPlane {
+            plane,
+            reference: named.value,
+            planes,
+        };
         return Err(Error::new("2.9.5/3", named.at, kind));
     }
     let (rank, reference_rank) = (lists.order[plane].value, lists.order[reference].value);
     if reference_rank >= rank {
-        let kind = Kind::NotCausal { plane, rank, reference, reference_rank };
+        let kind = Kind::NotCausal {
+            plane,
+            rank,
+            reference,
+            reference_rank,
+        };
         return Err(Error::new("2.9.4/2", named.at, kind));
     }
     Ok(Some(reference))
@@ -169,7 +204,16 @@ fn extents(lists: &RawLists) -> Result<Vec<Extent>> {
     // A sum that cannot be counted stays at the largest number; no file is that long.
     let mut end = 0;
     let mut next = |number: &Number, clause, what| -> Result<Range<usize>> {
-        let wrong = |_| Error::new(clause, number.at, Kind::Expected { what, found: number.value.to_string() });
+        let wrong = |_| {
+            Error::new(
+                clause,
+                number.at,
+                Kind::Expected {
+                    what,
+                    found: number.value.to_string(),
+                },
+            )
+        };
         let size = usize::try_from(number.value).map_err(wrong)?;
         let start = end;
         end = usize::saturating_add(start, size);
@@ -197,16 +241,30 @@ mod tests {
 
     /// Where list `list` stands in the file; 0 is the parameter, 2 and 3 are the motion vectors.
     fn start(file: &ByHand, list: usize) -> usize {
-        file.header().len() + file.lists()[..list].iter().map(|line| line.len() + 1).sum::<usize>()
+        file.header().len()
+            + file.lists()[..list]
+                .iter()
+                .map(|line| line.len() + 1)
+                .sum::<usize>()
     }
 
     #[test]
     fn intra_planes_are_what_their_streams_hold() {
-        for format in [Format::JpegRgb, Format::JpegLrgb, Format::JpeglsRgb, Format::JpeglsLrgb] {
+        for format in [
+            Format::JpegRgb,
+            Format::JpegLrgb,
+            Format::JpeglsRgb,
+            Format::JpeglsLrgb,
+        ] {
             let file = ByHand::new(format, 3, 2);
             let ptm = decode(&file.bytes()).unwrap();
-            let texel: Vec<u8> = (0..format.channels() as u8).map(|plane| 10 * plane).collect();
-            assert!(ptm.planes.texels().all(|values| values == texel), "{format}");
+            let texel: Vec<u8> = (0..format.channels() as u8)
+                .map(|plane| 10 * plane)
+                .collect();
+            assert!(
+                ptm.planes.texels().all(|values| values == texel),
+                "{format}"
+            );
         }
     }
 
@@ -221,7 +279,10 @@ mod tests {
         let header = "PTM_1.2\nPTM_FORMAT_JPEG_LRGB\n8\n8\n2.000000 2.000000 2.000000 2.000000 2.000000 2.000000\n160 160 160 127 127 0\n";
         let bytes = file.with(header, &file.lists());
         let lines = bytes.len() - file.streams.iter().map(Vec::len).sum::<usize>();
-        assert_eq!(bytes[..lines].iter().filter(|&&byte| byte == b'\n').count(), 14);
+        assert_eq!(
+            bytes[..lines].iter().filter(|&&byte| byte == b'\n').count(),
+            14
+        );
         assert_eq!(stored(&bytes, 0)[0], 0);
         assert_eq!(stored(&bytes, 5)[0], 177); // 50 + (255 − 0) − 128
         assert_eq!(stored(&bytes, 1)[0], 216); // 10 + (255 − 177) − 128, below zero
@@ -234,11 +295,27 @@ mod tests {
         let file = ByHand::new(Format::JpeglsLrgb, 2, 2);
         let expected = decode(&file.bytes()).unwrap();
         let one_line = [file.lists().join(" ")];
-        let a_line_for_each_number: Vec<String> = one_line[0].split(' ').map(String::from).collect();
+        let a_line_for_each_number: Vec<String> =
+            one_line[0].split(' ').map(String::from).collect();
         let spaced: Vec<String> = file.lists().iter().map(|line| line.clone() + " ").collect();
-        let one_line_of_vectors = file.lists().join("\n").replacen("0\n0", "0 0", 1).split('\n').map(String::from).collect::<Vec<_>>();
-        for lists in [one_line.to_vec(), a_line_for_each_number, spaced, one_line_of_vectors] {
-            assert_eq!(decode(&file.with(&file.header(), &lists)), Ok(expected.clone()), "{lists:?}");
+        let one_line_of_vectors = file
+            .lists()
+            .join("\n")
+            .replacen("0\n0", "0 0", 1)
+            .split('\n')
+            .map(String::from)
+            .collect::<Vec<_>>();
+        for lists in [
+            one_line.to_vec(),
+            a_line_for_each_number,
+            spaced,
+            one_line_of_vectors,
+        ] {
+            assert_eq!(
+                decode(&file.with(&file.header(), &lists)),
+                Ok(expected.clone()),
+                "{lists:?}"
+            );
         }
     }
 
@@ -249,7 +326,10 @@ mod tests {
         file.predicted(0, 1, 2, 0, &[138]);
         file.predicted(1, 2, 0, 0, &[138]);
         file.stream(2, &[50]);
-        assert_eq!([0, 1, 2].map(|plane| stored(&file.bytes(), plane)[0]), [60, 70, 50]);
+        assert_eq!(
+            [0, 1, 2].map(|plane| stored(&file.bytes(), plane)[0]),
+            [60, 70, 50]
+        );
     }
 
     #[test]
@@ -259,7 +339,10 @@ mod tests {
         file.predicted(8, 99, 0, 0, &[128]);
         file.predicted(1, 100, 8, 0, &[129]);
         file.references[3] = -7;
-        assert_eq!([0, 1, 3, 8].map(|plane| stored(&file.bytes(), plane)[0]), [0, 1, 30, 0]);
+        assert_eq!(
+            [0, 1, 3, 8].map(|plane| stored(&file.bytes(), plane)[0]),
+            [0, 1, 30, 0]
+        );
     }
 
     #[test]
@@ -277,26 +360,45 @@ mod tests {
         let file = dot();
         let (header, lists) = (file.header(), file.lists());
         let (parameter, transforms) = (start(&file, 0), start(&file, 1));
-        rejects(header.as_bytes(), &format!("compressed data (§2.9.1), byte {parameter}: expected a compression parameter, found the end of the file"));
+        rejects(
+            header.as_bytes(),
+            &format!(
+                "compressed data (§2.9.1), byte {parameter}: expected a compression parameter, found the end of the file"
+            ),
+        );
         rejects(
             format!("{header}best\n").as_bytes(),
-            &format!("compressed data (§2.9.1), byte {parameter}: expected a compression parameter, found \"best\""),
+            &format!(
+                "compressed data (§2.9.1), byte {parameter}: expected a compression parameter, found \"best\""
+            ),
         );
         rejects(
             format!("{header}0\n0 0 x").as_bytes(),
-            &format!("compressed data (§2.9.2), byte {}: expected a transform, found \"x\"", transforms + 4),
+            &format!(
+                "compressed data (§2.9.2), byte {}: expected a transform, found \"x\"",
+                transforms + 4
+            ),
         );
         rejects(
             format!("{header}0\n0 0").as_bytes(),
-            &format!("compressed data (§2.9), byte {}: expected a space, found the end of the file", transforms + 3),
+            &format!(
+                "compressed data (§2.9), byte {}: expected a space, found the end of the file",
+                transforms + 3
+            ),
         );
         rejects(
             format!("{header}{}", lists.join("\n")).as_bytes(),
-            &format!("file format (§2.0), byte {}: expected the end of the line, found the end of the file", start(&file, 8) - 1),
+            &format!(
+                "file format (§2.0), byte {}: expected the end of the line, found the end of the file",
+                start(&file, 8) - 1
+            ),
         );
         rejects(
             format!("{header}0\n0 0 9999999999999999999").as_bytes(),
-            &format!("compressed data (§2.9.2), byte {}: expected a transform, found \"9999999999999999999\"", transforms + 4),
+            &format!(
+                "compressed data (§2.9.2), byte {}: expected a transform, found \"9999999999999999999\"",
+                transforms + 4
+            ),
         );
     }
 
@@ -307,9 +409,15 @@ mod tests {
             file.transforms[2] = transform;
             rejects(
                 &file.bytes(),
-                &format!("compressed data (§2.9.2), byte {}: transforms other than 0 to 3 are not read", start(&file, 1) + 4),
+                &format!(
+                    "compressed data (§2.9.2), byte {}: transforms other than 0 to 3 are not read",
+                    start(&file, 1) + 4
+                ),
             );
-            assert_eq!(decode(&file.bytes()).unwrap_err().class(), Class::Unsupported);
+            assert_eq!(
+                decode(&file.bytes()).unwrap_err().class(),
+                Class::Unsupported
+            );
         }
     }
 
@@ -319,7 +427,10 @@ mod tests {
         file.references[1] = 9;
         rejects(
             &file.bytes(),
-            &format!("compressed data (§2.9.5), byte {}: plane 1 is predicted from plane 9, the last plane is 8", start(&file, 5) + 3),
+            &format!(
+                "compressed data (§2.9.5), byte {}: plane 1 is predicted from plane 9, the last plane is 8",
+                start(&file, 5) + 3
+            ),
         );
         // Of its own rank, of a higher one, and from itself.
         let cases = [(0, 3, 4, 4), (0, 3, 4, 5), (0, 0, 4, 4)];
@@ -355,7 +466,10 @@ mod tests {
         lists[7] = "-5 0 0 0 0 0 0 0 0".to_owned();
         rejects(
             &file.with(&file.header(), &lists),
-            &format!("compressed data (§2.9.7), byte {}: expected a side information size of at least 0, found \"-5\"", start(&file, 7)),
+            &format!(
+                "compressed data (§2.9.7), byte {}: expected a side information size of at least 0, found \"-5\"",
+                start(&file, 7)
+            ),
         );
     }
 

@@ -33,15 +33,33 @@ pub struct Coded<'a> {
     pub payload: &'a [u8],
 }
 
-pub(super) fn read(header: &Header, plan: &Plan, input: &mut Input, reading: &Reading, limits: &Limits) -> Result<Planes> {
-    let shape = if header.format.channels() == 18 { Shape::Rgb } else { Shape::Lrgb };
-    let coded = Coded { format: header.format, size: header.size, plan, at: input.at(), payload: cut(plan, input)? };
+pub(super) fn read(
+    header: &Header,
+    plan: &Plan,
+    input: &mut Input,
+    reading: &Reading,
+    limits: &Limits,
+) -> Result<Planes> {
+    let shape = if header.format.channels() == 18 {
+        Shape::Rgb
+    } else {
+        Shape::Lrgb
+    };
+    let coded = Coded {
+        format: header.format,
+        size: header.size,
+        plan,
+        at: input.at(),
+        payload: cut(plan, input)?,
+    };
     // Every plane is held, for those that may be predicted from it, until all are decoded; then the texels are made of them.
     check_room(header, 2 * shape.channels(), limits, input)?;
     let stored = (reading.reconstruct)(&coded, reading)?;
     let mut planes = blank(header, shape, limits, input)?;
     // 2.9.8/9: the bottom row is stored first.
-    texels::interleave(&stored, &mut planes, |plane, row, height| (reading.stored_row)(header.format, plane, row, height));
+    texels::interleave(&stored, &mut planes, |plane, row, height| {
+        (reading.stored_row)(header.format, plane, row, height)
+    });
     Ok(planes)
 }
 
@@ -52,8 +70,17 @@ fn cut<'a>(plan: &Plan, input: &mut Input<'a>) -> Result<&'a [u8]> {
         let side = ("2.9.8/4", "side information", extent.side.clone());
         [stream, side]
     });
-    let end = parts.clone().map(|(_, _, range)| range.end).max().unwrap_or_default();
-    input.take_parts("2.9.8/2", "the compressed planes and their side information", end, parts)
+    let end = parts
+        .clone()
+        .map(|(_, _, range)| range.end)
+        .max()
+        .unwrap_or_default();
+    input.take_parts(
+        "2.9.8/2",
+        "the compressed planes and their side information",
+        end,
+        parts,
+    )
 }
 
 /// All planes as they are stored, bottom row first: decoded, predicted and mended one after another, lowest rank first.
@@ -72,7 +99,11 @@ pub(crate) fn reconstruct(coded: &Coded, reading: &Reading) -> Result<Vec<Vec<u8
 impl Coded<'_> {
     /// A plane full of zeros for each plane to come.
     pub(crate) fn blank_planes(&self) -> Vec<Vec<u8>> {
-        self.plan.steps.iter().map(|_| vec![0; self.size.texels()]).collect()
+        self.plan
+            .steps
+            .iter()
+            .map(|_| vec![0; self.size.texels()])
+            .collect()
     }
 
     /// What the stream of plane `i` holds: residuals, or the plane itself if it is intra coded (clause 2.9.8/3).
@@ -81,17 +112,34 @@ impl Coded<'_> {
         let at = self.at + extent.start;
         let told = |error: codec::Error| {
             let unsupported = error.class == codec::Class::Unsupported;
-            let kind = Kind::Stream { plane: i, unsupported, what: error.what };
+            let kind = Kind::Stream {
+                plane: i,
+                unsupported,
+                what: error.what,
+            };
             Error::new("2.9.8/3", at + error.offset, kind)
         };
         (reading.stream)(self.format, i, &self.payload[extent], self.size).map_err(told)
     }
 
     /// Adds to `plane` what is predicted from its reference; nothing if it has none (clause 2.9.5/2).
-    pub(crate) fn predict(&self, i: usize, plane: &mut [u8], planes: &[Vec<u8>], reading: &Reading) {
+    pub(crate) fn predict(
+        &self,
+        i: usize,
+        plane: &mut [u8],
+        planes: &[Vec<u8>],
+        reading: &Reading,
+    ) {
         let step = &self.plan.steps[i];
         if let Some(reference) = step.reference {
-            predict::apply(self.format, plane, &planes[reference], step, self.size, reading);
+            predict::apply(
+                self.format,
+                plane,
+                &planes[reference],
+                step,
+                self.size,
+                reading,
+            );
         }
     }
 
@@ -108,7 +156,12 @@ impl Coded<'_> {
 }
 
 /// The samples of a stream, in the order in which they are stored (clause 2.9.8/3).
-pub(crate) fn stream(format: Format, _plane: usize, stream: &[u8], size: Size) -> std::result::Result<Vec<u8>, codec::Error> {
+pub(crate) fn stream(
+    format: Format,
+    _plane: usize,
+    stream: &[u8],
+    size: Size,
+) -> std::result::Result<Vec<u8>, codec::Error> {
     // plane-stream: a stream of another size is refused before room is made for it.
     match format {
         Format::JpegRgb | Format::JpegLrgb => jpeg::decode(stream, size.width, size.height),
@@ -123,12 +176,20 @@ pub(crate) fn records(block: &[u8], at: usize, texels: usize) -> Result<Vec<(u32
     let (whole, rest) = block.as_chunks::<5>();
     if !rest.is_empty() {
         // side-malformed
-        return Err(Error::new("2.9.8/5", at, Kind::PartialRecord { bytes: block.len() }));
+        return Err(Error::new(
+            "2.9.8/5",
+            at,
+            Kind::PartialRecord { bytes: block.len() },
+        ));
     }
     let one = |(i, &[p3, p2, p1, p0, value]): (usize, &[u8; 5])| {
         let position = u32::from_be_bytes([p3, p2, p1, p0]);
         if position as usize >= texels {
-            return Err(Error::new("2.9.8/6", at + 5 * i, Kind::PositionOutOfRange { position, texels }));
+            return Err(Error::new(
+                "2.9.8/6",
+                at + 5 * i,
+                Kind::PositionOutOfRange { position, texels },
+            ));
         }
         Ok((position, value))
     };
@@ -240,12 +301,22 @@ mod tests {
     fn side_information_counts_in_lossless_files_unless_read_otherwise() {
         let mut file = counted();
         file.record(0, 0, 77);
-        let other = decode_as(&file.bytes(), &Reading::SPEC.with_side_information_only_if_lossy(), &Limits::default()).unwrap();
+        let other = decode_as(
+            &file.bytes(),
+            &Reading::SPEC.with_side_information_only_if_lossy(),
+            &Limits::default(),
+        )
+        .unwrap();
         assert_eq!(other.planes.samples[4 * 9], 1);
         assert_eq!(other.planes.samples[1], 10);
         assert_eq!(stored(&file.bytes(), 0)[0], 77);
         file.parameter = 3;
-        let other = decode_as(&file.bytes(), &Reading::SPEC.with_side_information_only_if_lossy(), &Limits::default()).unwrap();
+        let other = decode_as(
+            &file.bytes(),
+            &Reading::SPEC.with_side_information_only_if_lossy(),
+            &Limits::default(),
+        )
+        .unwrap();
         assert_eq!(other.planes.samples[4 * 9], 77);
     }
 
@@ -280,7 +351,9 @@ mod tests {
         let at = start(&file, 3) + file.streams[3].len();
         rejects(
             &file.bytes(),
-            &format!("compressed data (§2.9.8), byte {at}: 4 bytes of side information are no whole number of records of 5 bytes"),
+            &format!(
+                "compressed data (§2.9.8), byte {at}: 4 bytes of side information are no whole number of records of 5 bytes"
+            ),
         );
     }
 
@@ -291,7 +364,12 @@ mod tests {
             file.record(8, 1, 1);
             file.record(8, position, 1);
             let at = file.bytes().len() - 5;
-            rejects(&file.bytes(), &format!("compressed data (§2.9.8), byte {at}: a record for texel {position}, the last texel is 5"));
+            rejects(
+                &file.bytes(),
+                &format!(
+                    "compressed data (§2.9.8), byte {at}: a record for texel {position}, the last texel is 5"
+                ),
+            );
         }
     }
 
@@ -301,24 +379,45 @@ mod tests {
         let mut file = ByHand::new(Format::JpegLrgb, 16, 8);
         file.streams[4] = stream_8x8;
         // SOI, APP0 with 16 bytes, DQT with 67: the frame's size stands behind FFC0, its length and its precision.
-        let frame = file.streams[4].windows(2).position(|pair| pair == [0xFF, 0xC0]).unwrap();
+        let frame = file.streams[4]
+            .windows(2)
+            .position(|pair| pair == [0xFF, 0xC0])
+            .unwrap();
         let at = start(&file, 4) + frame + 5;
-        rejects(&file.bytes(), &format!("compressed data (§2.9.8), byte {at}: plane 4: expected 16 x 8 samples, found 8 x 8"));
+        rejects(
+            &file.bytes(),
+            &format!(
+                "compressed data (§2.9.8), byte {at}: plane 4: expected 16 x 8 samples, found 8 x 8"
+            ),
+        );
 
         let mut file = counted();
         file.streams[2] = Vec::new();
-        rejects(&file.bytes(), &format!("compressed data (§2.9.8), byte {}: plane 2: the stream is empty", start(&file, 2)));
+        rejects(
+            &file.bytes(),
+            &format!(
+                "compressed data (§2.9.8), byte {}: plane 2: the stream is empty",
+                start(&file, 2)
+            ),
+        );
         file.streams[2] = vec![0; 9];
         rejects(
             &file.bytes(),
-            &format!("compressed data (§2.9.8), byte {}: plane 2: the stream does not start with SOI, bytes FF D8", start(&file, 2)),
+            &format!(
+                "compressed data (§2.9.8), byte {}: plane 2: the stream does not start with SOI, bytes FF D8",
+                start(&file, 2)
+            ),
         );
     }
 
     #[test]
     fn kinds_of_streams_that_are_not_read_are_unsupported() {
         let mut file = counted();
-        let precision = file.streams[1].windows(2).position(|pair| pair == [0xFF, 0xF7]).unwrap() + 4;
+        let precision = file.streams[1]
+            .windows(2)
+            .position(|pair| pair == [0xFF, 0xF7])
+            .unwrap()
+            + 4;
         file.streams[1][precision] = 12;
         let error = decode(&file.bytes()).unwrap_err();
         assert_eq!(error.class(), Class::Unsupported);
@@ -328,7 +427,16 @@ mod tests {
     #[test]
     fn the_other_codec_is_refused() {
         let mut file = ByHand::new(Format::JpegLrgb, 8, 8);
-        file.streams[0] = jpeg_ls::encode(&[1; 64], 8, 8, &jpeg_ls::Options { near: 0, presets: None }).stream;
+        file.streams[0] = jpeg_ls::encode(
+            &[1; 64],
+            8,
+            8,
+            &jpeg_ls::Options {
+                near: 0,
+                presets: None,
+            },
+        )
+        .stream;
         assert_eq!(decode(&file.bytes()).unwrap_err().class(), Class::Malformed);
         let mut file = ByHand::new(Format::JpeglsLrgb, 8, 8);
         file.streams[0] = jpeg::encode(&[1; 64], 8, 8, &jpeg::Options::new(100)).stream;
