@@ -8,8 +8,10 @@
 //! - The text does not say where lines end. The one real file has a line for each list and two for the motion vectors;
 //!   any other split into lines is read as well (clause 2.9/2, ruling `list-layout`).
 //! - A number of the order list is a *rank*: it stands at the plane, not at the step (ruling `order`). Two planes of one
-//!   rank, gaps between ranks and a missing rank 0 do no harm as long as every reference ranks lower (ruling `ranks`).
-//! - The parameter is for the encoder. A stream knows its own quality or loss, and what it says counts.
+//!   rank, gaps between ranks and a missing rank 0 do no harm as long as every reference ranks lower (clause 2.9.4/3,
+//!   ruling `ranks`).
+//! - The parameter is for the encoder (clause 2.9.1/2). A stream knows its own quality or loss, and what it says counts.
+//! - A side information size of 0 is no side information at all (clause 2.9.7/2), and that is an empty block here.
 
 use std::ops::Range;
 
@@ -159,6 +161,7 @@ fn step(lists: &RawLists, plane: usize) -> Result<Step> {
             },
         ));
     }
+    // Bits of one number (clause 2.9.2/2).
     Ok(Step {
         reference: reference(lists, plane)?,
         inverted: transform.value & 1 != 0, // clause 2.9.2/3

@@ -164,6 +164,7 @@ pub(crate) fn stream(
 ) -> std::result::Result<Vec<u8>, codec::Error> {
     // plane-stream: a stream of another size is refused before room is made for it.
     match format {
+        // By the integer inverse transform of the IJG (clause 2.9.8/11).
         Format::JpegRgb | Format::JpegLrgb => jpeg::decode(stream, size.width, size.height),
         _ => jpeg_ls::decode(stream, size.width, size.height),
     }

@@ -31,7 +31,7 @@ pub(crate) fn apply(
     (reading.predict)(format, residuals, &predictor);
 }
 
-/// The reference, inverted and then displaced (clause 2.9.2/1, ruling `motion-inversion`).
+/// The reference, inverted and then displaced (clauses 2.9.2/1, 2.9.2/6, ruling `motion-inversion`).
 pub(crate) fn inverted_then_moved<'a>(
     reference: &'a [u8],
     step: &Step,
@@ -72,7 +72,7 @@ pub(crate) fn invert(plane: &mut [u8]) {
     }
 }
 
-/// Residual + predictor − 128, modulo 256 (clause 2.9.5/4); in JPEG-LS planes too (ruling `jpeg-ls-offset`).
+/// Residual + predictor − 128, modulo 256 (clause 2.9.5/4); in JPEG-LS planes too (clause 2.9.5/5, ruling `jpeg-ls-offset`).
 pub(crate) fn predict(_: Format, residuals: &mut [u8], predictor: &[u8]) {
     for (value, &predicted) in residuals.iter_mut().zip(predictor) {
         *value = value.wrapping_add(predicted).wrapping_sub(128);

@@ -119,7 +119,7 @@ pub(super) const ALL: &[Misreading] = &[
             ..r
         },
     ),
-    stream(
+    samples(
         "jpeg-studio-range",
         "stretches JPEG samples from 16…235 to 0…255",
         "samples are 0 to 255 as they are",
@@ -134,7 +134,7 @@ pub(super) const ALL: &[Misreading] = &[
             ..r
         },
     ),
-    stream(
+    samples(
         "jpeg-studio-range-made",
         "squeezes JPEG samples from 0…255 to 16…235",
         "samples are 0 to 255 as they are",
@@ -149,7 +149,7 @@ pub(super) const ALL: &[Misreading] = &[
             ..r
         },
     ),
-    stream(
+    samples(
         "jpeg-without-level-shift",
         "does not add 128 to JPEG samples",
         "the inverse transform gives −128 to 127",
@@ -164,7 +164,7 @@ pub(super) const ALL: &[Misreading] = &[
             ..r
         },
     ),
-    stream(
+    samples(
         "jpeg-gamma",
         "takes grey JPEG samples for linear light",
         "samples are numbers, not colors",
@@ -180,7 +180,7 @@ pub(super) const ALL: &[Misreading] = &[
             ..r
         },
     ),
-    stream(
+    samples(
         "jpeg-low-bit-lost",
         "keeps seven bits of JPEG samples",
         "samples have eight bits",
@@ -537,6 +537,21 @@ const fn stream(
     Misreading {
         slug,
         clause: "2.9.8/3",
+        effect,
+        mend,
+        at: At::Reading(Decision::Stream, change),
+    }
+}
+
+const fn samples(
+    slug: &'static str,
+    effect: &'static str,
+    mend: &'static str,
+    change: fn(Reading) -> Reading,
+) -> Misreading {
+    Misreading {
+        slug,
+        clause: "2.9.8/11",
         effect,
         mend,
         at: At::Reading(Decision::Stream, change),

@@ -112,6 +112,22 @@ pub(super) const ALL: &[Misreading] = &[
             ..r
         },
     ),
+    plan(
+        "undefined-transforms-ignored",
+        "2.9.2/5",
+        "uses the two bits it knows of a transform and ignores the others",
+        "refuse transforms that are not defined",
+        |r| Reading {
+            plan: |lists| {
+                let mut lists = lists.clone();
+                for transform in &mut lists.transforms {
+                    transform.value &= 3;
+                }
+                compressed::plan(&lists)
+            },
+            ..r
+        },
+    ),
     steps(
         "transform-by-equality",
         "2.9.2/2",
@@ -355,7 +371,7 @@ pub(super) const ALL: &[Misreading] = &[
                             each_pair(plane, &done[reference], |value, reference| {
                                 let sum = i16::from(value) - i16::from(reference) - 129;
                                 clamped(if sum < 0 { sum + 256 } else { sum })
-                            })
+                            });
                         }
                         _ => coded.predict(i, plane, done, reading),
                     }
@@ -989,7 +1005,7 @@ pub(super) const ALL: &[Misreading] = &[
                     .map(|i| coded.residuals(i, reading))
                     .collect::<Result<Vec<_>>>()?;
                 planes(coded, reading, |i, plane, _, _| {
-                    coded.predict(i, plane, &streams, reading)
+                    coded.predict(i, plane, &streams, reading);
                 })
             },
             ..r
@@ -1003,7 +1019,7 @@ pub(super) const ALL: &[Misreading] = &[
         predict: |_, residuals, predictor| {
             each_pair(residuals, predictor, |value, predicted| {
                 value.wrapping_add(predicted).wrapping_sub(127)
-            })
+            });
         },
         ..r
     }),
@@ -1011,7 +1027,7 @@ pub(super) const ALL: &[Misreading] = &[
         predict: |_, residuals, predictor| {
             each_pair(residuals, predictor, |value, predicted| {
                 (sum(value, predicted) % 255) as u8
-            })
+            });
         },
         ..r
     }),
@@ -1025,7 +1041,7 @@ pub(super) const ALL: &[Misreading] = &[
                         sum @ ..0 => sum as u8,
                         sum => clamped(sum),
                     }
-                })
+                });
             },
             ..r
         },
@@ -1040,7 +1056,7 @@ pub(super) const ALL: &[Misreading] = &[
                         sum @ 0.. => sum as u8,
                         _ => 0,
                     }
-                })
+                });
             },
             ..r
         },
@@ -1049,7 +1065,7 @@ pub(super) const ALL: &[Misreading] = &[
         predict: |_, residuals, predictor| {
             each_pair(residuals, predictor, |value, predicted| {
                 clamped(sum(value, predicted))
-            })
+            });
         },
         ..r
     }),
@@ -1058,7 +1074,7 @@ pub(super) const ALL: &[Misreading] = &[
             predict: |_, residuals, predictor| {
                 each_pair(residuals, predictor, |value, predicted| {
                     predicted.wrapping_sub(value).wrapping_add(128)
-                })
+                });
             },
             ..r
         }
@@ -1067,7 +1083,7 @@ pub(super) const ALL: &[Misreading] = &[
         predict: |_, residuals, predictor| {
             each_pair(residuals, predictor, |value, predicted| {
                 predicted.wrapping_add(value.wrapping_sub(128).wrapping_mul(2))
-            })
+            });
         },
         ..r
     }),
@@ -1082,7 +1098,7 @@ pub(super) const ALL: &[Misreading] = &[
                     } else {
                         value.wrapping_add(predicted).wrapping_sub(128)
                     }
-                })
+                });
             },
             ..r
         },
@@ -1273,7 +1289,7 @@ pub(super) const ALL: &[Misreading] = &[
                 ptm,
                 9,
                 |channel| if channel < 6 { channel } else { 14 - channel },
-            )
+            );
         },
     ),
     channels(
@@ -1284,7 +1300,7 @@ pub(super) const ALL: &[Misreading] = &[
                 ptm,
                 9,
                 |channel| if channel < 6 { 5 - channel } else { channel },
-            )
+            );
         },
     ),
 ];

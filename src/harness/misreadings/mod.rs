@@ -366,6 +366,9 @@ mod tests {
             file.order[2] = 5;
             files.push(("references", file.bytes()));
         }
+        let mut undefined = plain.clone();
+        undefined.transforms[1] = 4;
+        files.push(("an undefined transform", undefined.bytes()));
         let mut empty = plain.clone();
         empty.streams[3].clear();
         files.push(("empty stream", empty.bytes()));

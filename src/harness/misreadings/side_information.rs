@@ -510,7 +510,7 @@ pub(super) const ALL: &[Misreading] = &[
             mend: |plane, records| {
                 each(plane, records, |old, value| {
                     old.wrapping_add(value).wrapping_sub(128)
-                })
+                });
             },
             ..r
         },
@@ -528,7 +528,7 @@ pub(super) const ALL: &[Misreading] = &[
         "uses a record only to decide between 0 and 255",
         |r| Reading {
             mend: |plane, records| {
-                each(plane, records, |_, value| if value > 127 { 255 } else { 0 })
+                each(plane, records, |_, value| if value > 127 { 255 } else { 0 });
             },
             ..r
         },
@@ -544,7 +544,7 @@ pub(super) const ALL: &[Misreading] = &[
                     } else {
                         old
                     }
-                })
+                });
             },
             ..r
         },
