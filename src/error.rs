@@ -62,6 +62,47 @@ pub enum Kind {
         /// Bytes allowed.
         limit: usize,
     },
+    /// A plane is predicted from one that does not exist.
+    NotAPlane {
+        /// The plane.
+        plane: usize,
+        /// The plane it names as its reference.
+        reference: i64,
+        /// How many planes there are.
+        planes: usize,
+    },
+    /// A plane is predicted from one that is not decoded before it.
+    NotCausal {
+        /// The plane.
+        plane: usize,
+        /// Its rank.
+        rank: i64,
+        /// Its reference.
+        reference: usize,
+        /// The reference's rank.
+        reference_rank: i64,
+    },
+    /// The stream of a plane is not what its standard says or not what a plane is.
+    Stream {
+        /// The plane.
+        plane: usize,
+        /// Whether the stream may be legal, of a kind that is not read.
+        unsupported: bool,
+        /// What is wrong with it.
+        what: String,
+    },
+    /// Side information that does not consist of whole records.
+    PartialRecord {
+        /// Its bytes.
+        bytes: usize,
+    },
+    /// A record corrects a texel that does not exist.
+    PositionOutOfRange {
+        /// The position.
+        position: u32,
+        /// How many texels there are.
+        texels: usize,
+    },
     /// A legal thing that this reader does not read.
     NotRead {
         /// The thing.
@@ -108,12 +149,22 @@ impl Error {
     #[must_use]
     pub const fn class(&self) -> Class {
         match self.kind {
+            Kind::TooLarge { .. } => Class::Limit,
+            Kind::NotRead { .. }
+            | Kind::Stream {
+                unsupported: true, ..
+            } => Class::Unsupported,
             Kind::Expected { .. }
             | Kind::Ended { .. }
             | Kind::Short { .. }
-            | Kind::IndexOutOfRange { .. } => Class::Malformed,
-            Kind::TooLarge { .. } => Class::Limit,
-            Kind::NotRead { .. } => Class::Unsupported,
+            | Kind::IndexOutOfRange { .. }
+            | Kind::NotAPlane { .. }
+            | Kind::NotCausal { .. }
+            | Kind::Stream {
+                unsupported: false, ..
+            }
+            | Kind::PartialRecord { .. }
+            | Kind::PositionOutOfRange { .. } => Class::Malformed,
         }
     }
 }
@@ -173,6 +224,36 @@ impl fmt::Display for Kind {
             Kind::TooLarge { needs, limit } => {
                 write!(f, "the planes need {}, the limit is {limit}", bytes(*needs))
             }
+            Kind::NotAPlane {
+                plane,
+                reference,
+                planes,
+            } => {
+                write!(
+                    f,
+                    "plane {plane} is predicted from plane {reference}, the last plane is {}",
+                    planes - 1
+                )
+            }
+            Kind::NotCausal {
+                plane,
+                rank,
+                reference,
+                reference_rank,
+            } => write!(
+                f,
+                "plane {plane} of rank {rank} is predicted from plane {reference} of rank {reference_rank}, which is not decoded before it"
+            ),
+            Kind::Stream { plane, what, .. } => write!(f, "plane {plane}: {what}"),
+            Kind::PartialRecord { bytes } => write!(
+                f,
+                "{bytes} bytes of side information are no whole number of records of 5 bytes"
+            ),
+            Kind::PositionOutOfRange { position, texels } => write!(
+                f,
+                "a record for texel {position}, the last texel is {}",
+                texels - 1
+            ),
             Kind::NotRead { what } => write!(f, "{what} are not read"),
         }
     }

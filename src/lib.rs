@@ -35,6 +35,8 @@ pub mod error;
 
 pub mod decode;
 
+pub mod codec;
+
 pub mod evaluate;
 
 pub mod reading;

@@ -1,17 +1,502 @@
-//! §2.9 Compressed Data
+//! §2.9 Compressed Data: the parameter and the lists (§2.9.1 – 2.9.7)
 //!
-//! Not read yet: the four compressed formats are refused as unsupported.
+//! After the biases stand, in ASCII and in this order (clause 2.9/1): the compression parameter, the transforms, the
+//! motion vectors (all x, then all y), the order, the references, the sizes of the streams and the sizes of their side
+//! information. A list has a number for each plane, 18 or 9 (clause 2.9/3); the planes follow (§2.9.8).
+//!
+//! Format notes
+//! - The text does not say where lines end. The one real file has a line for each list and two for the motion vectors;
+//!   any other split into lines is read as well (clause 2.9/2, ruling `list-layout`).
+//! - A number of the order list is a *rank*: it stands at the plane, not at the step (ruling `order`). Two planes of one
+//!   rank, gaps between ranks and a missing rank 0 do no harm as long as every reference ranks lower (clause 2.9.4/3,
+//!   ruling `ranks`).
+//! - The parameter is for the encoder (clause 2.9.1/2). A stream knows its own quality or loss, and what it says counts.
+//! - A side information size of 0 is no side information at all (clause 2.9.7/2), and that is an empty block here.
 
-use super::Input;
+use std::ops::Range;
+
+use super::{Header, Input, Limits, planes};
 use crate::error::{Error, Kind, Result};
-use crate::ptm::Planes;
+use crate::ptm::{Format, Planes};
+use crate::reading::Reading;
 
-pub(super) fn read(input: &Input) -> Result<Planes> {
-    Err(Error::new(
-        "2.9/1",
-        input.at(),
-        Kind::NotRead {
-            what: "compressed planes",
-        },
-    ))
+/// The numbers of 2.9.1–2.9.7 as they stand in the file.
+#[derive(Clone, Debug)]
+pub struct RawLists {
+    /// JPEG or JPEG-LS, and how many planes there are.
+    pub format: Format,
+    /// 2.9.1: what the encoder was told.
+    pub parameter: Number,
+    /// 2.9.2: for each plane, what is done to its reference.
+    pub transforms: Vec<Number>,
+    /// 2.9.3: for each plane a displacement along x; then for each plane one along y.
+    pub motion: Vec<Number>,
+    /// 2.9.4: for each plane, its rank.
+    pub order: Vec<Number>,
+    /// 2.9.5: for each plane, the plane it is predicted from.
+    pub references: Vec<Number>,
+    /// 2.9.6: for each plane, the bytes of its stream.
+    pub sizes: Vec<Number>,
+    /// 2.9.7: for each plane, the bytes of its side information.
+    pub side_sizes: Vec<Number>,
+}
+
+/// A number and the byte of the file where it stands.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Number {
+    /// The number.
+    pub value: i64,
+    /// Where it stands.
+    pub at: usize,
+}
+
+/// What the lists say to do. A plan that exists can be carried out: references exist and come first, sizes count bytes.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Plan {
+    /// The compression parameter.
+    pub parameter: i64,
+    /// How each plane is made of its residuals; by plane.
+    pub steps: Vec<Step>,
+    /// The planes in the order in which they are decoded.
+    pub sequence: Vec<usize>,
+    /// Where each plane lies, counted from the first byte after the lists; by plane.
+    pub extents: Vec<Extent>,
+}
+
+/// How a plane is predicted.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Step {
+    /// The plane it is predicted from, or nothing for an intra coded plane.
+    pub reference: Option<usize>,
+    /// Whether the reference is inverted first.
+    pub inverted: bool,
+    /// Whether the reference is displaced first.
+    pub moved: bool,
+    /// By how much, along x and y, in half texels.
+    pub motion: (i64, i64),
+}
+
+/// Where a plane lies.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Extent {
+    /// Its stream.
+    pub stream: Range<usize>,
+    /// Its side information.
+    pub side: Range<usize>,
+}
+
+pub(super) fn read(
+    header: &Header,
+    input: &mut Input,
+    reading: &Reading,
+    limits: &Limits,
+) -> Result<Planes> {
+    let lists = read_lists(header.format, input)?; // §2.9.1 – 2.9.7
+    let plan = (reading.plan)(&lists)?; //            what they say to do
+    planes::read(header, &plan, input, reading, limits) // §2.9.8
+}
+
+fn read_lists(format: Format, input: &mut Input) -> Result<RawLists> {
+    let planes = format.channels();
+    let parameter = number(input, "2.9.1/1", "a compression parameter")?;
+    let mut list = |clause, name, count| -> Result<Vec<Number>> {
+        let following = |_| {
+            // list-layout: a gap or a line end, wherever a number ends.
+            input.gap_or_line_end("2.9/2")?;
+            number(input, clause, name)
+        };
+        (0..count).map(following).collect()
+    };
+    let lists = RawLists {
+        format,
+        parameter,
+        transforms: list("2.9.2/1", "a transform", planes)?,
+        motion: list("2.9.3/1", "a motion vector", 2 * planes)?,
+        order: list("2.9.4/1", "the order of a plane", planes)?,
+        references: list("2.9.5/1", "a reference plane", planes)?,
+        sizes: list("2.9.6/1", "a compressed size", planes)?,
+        side_sizes: list("2.9.7/1", "a side information size", planes)?,
+    };
+    input.line_end("2.0/2")?;
+    Ok(lists)
+}
+
+fn number(input: &mut Input, clause: &'static str, name: &'static str) -> Result<Number> {
+    let at = input.at();
+    Ok(Number {
+        value: input.signed(clause, name)?,
+        at,
+    })
+}
+
+/// What the lists say to do, or why it cannot be done.
+pub(crate) fn plan(lists: &RawLists) -> Result<Plan> {
+    let planes = lists.format.channels();
+    let steps = (0..planes)
+        .map(|plane| step(lists, plane))
+        .collect::<Result<_>>()?;
+    // The plane of the lowest rank first (clause 2.9.4/2); among equal ranks, where neither can need the other, by index.
+    let mut sequence: Vec<usize> = (0..planes).collect();
+    sequence.sort_by_key(|&plane| lists.order[plane].value);
+    let extents = extents(lists)?;
+    Ok(Plan {
+        parameter: lists.parameter.value,
+        steps,
+        sequence,
+        extents,
+    })
+}
+
+/// How plane `plane` is predicted (clauses 2.9.2/1, 2.9.3/1, 2.9.5/1).
+fn step(lists: &RawLists, plane: usize) -> Result<Step> {
+    let planes = lists.format.channels();
+    let transform = lists.transforms[plane];
+    if !(0..=3).contains(&transform.value) {
+        // Bits that are not defined (clause 2.9.2/5, ruling `transforms`), on intra planes too: the list is not the text's.
+        return Err(Error::new(
+            "2.9.2/5",
+            transform.at,
+            Kind::NotRead {
+                what: "transforms other than 0 to 3",
+            },
+        ));
+    }
+    // Bits of one number (clause 2.9.2/2).
+    Ok(Step {
+        reference: reference(lists, plane)?,
+        inverted: transform.value & 1 != 0, // clause 2.9.2/3
+        moved: transform.value & 2 != 0,    // clause 2.9.2/4
+        motion: (
+            lists.motion[plane].value,
+            lists.motion[planes + plane].value,
+        ),
+    })
+}
+
+/// The plane that plane `plane` is predicted from: it exists and has a lower rank (clauses 2.9.4/2, 2.9.5/3).
+fn reference(lists: &RawLists, plane: usize) -> Result<Option<usize>> {
+    let planes = lists.format.channels();
+    let named = lists.references[plane];
+    // -1 is "intra coded" (clause 2.9.5/2); so are numbers below it, which name no plane either (ruling `ranks`).
+    let Ok(reference) = usize::try_from(named.value) else {
+        return Ok(None);
+    };
+    if reference >= planes {
+        let kind = Kind::NotAPlane {
+            plane,
+            reference: named.value,
+            planes,
+        };
+        return Err(Error::new("2.9.5/3", named.at, kind));
+    }
+    let (rank, reference_rank) = (lists.order[plane].value, lists.order[reference].value);
+    if reference_rank >= rank {
+        let kind = Kind::NotCausal {
+            plane,
+            rank,
+            reference,
+            reference_rank,
+        };
+        return Err(Error::new("2.9.4/2", named.at, kind));
+    }
+    Ok(Some(reference))
+}
+
+/// Where the planes lie: in plane order, each stream directly followed by its side information (clauses 2.9.8/1, 2.9.8/4).
+fn extents(lists: &RawLists) -> Result<Vec<Extent>> {
+    // A sum that cannot be counted stays at the largest number; no file is that long.
+    let mut end = 0;
+    let mut next = |number: &Number, clause, what| -> Result<Range<usize>> {
+        let wrong = |_| {
+            Error::new(
+                clause,
+                number.at,
+                Kind::Expected {
+                    what,
+                    found: number.value.to_string(),
+                },
+            )
+        };
+        let size = usize::try_from(number.value).map_err(wrong)?;
+        let start = end;
+        end = usize::saturating_add(start, size);
+        Ok(start..end)
+    };
+    let one = |(size, side): (&Number, &Number)| {
+        let stream = next(size, "2.9.6/2", "a compressed size of at least 0")?;
+        let side = next(side, "2.9.7/3", "a side information size of at least 0")?;
+        Ok(Extent { stream, side })
+    };
+    lists.sizes.iter().zip(&lists.side_sizes).map(one).collect()
+}
+
+#[cfg(all(test, feature = "generate"))]
+mod tests {
+    use super::super::by_hand::{ByHand, rejects, stored};
+    use crate::decode;
+    use crate::error::Class;
+    use crate::ptm::Format;
+
+    /// The smallest file: one texel, nine planes.
+    fn dot() -> ByHand {
+        ByHand::new(Format::JpeglsLrgb, 1, 1)
+    }
+
+    /// Where list `list` stands in the file; 0 is the parameter, 2 and 3 are the motion vectors.
+    fn start(file: &ByHand, list: usize) -> usize {
+        file.header().len()
+            + file.lists()[..list]
+                .iter()
+                .map(|line| line.len() + 1)
+                .sum::<usize>()
+    }
+
+    #[test]
+    fn intra_planes_are_what_their_streams_hold() {
+        for format in [
+            Format::JpegRgb,
+            Format::JpegLrgb,
+            Format::JpeglsRgb,
+            Format::JpeglsLrgb,
+        ] {
+            let file = ByHand::new(format, 3, 2);
+            let ptm = decode(&file.bytes()).unwrap();
+            let texel: Vec<u8> = (0..format.channels() as u8)
+                .map(|plane| 10 * plane)
+                .collect();
+            assert!(
+                ptm.planes.texels().all(|values| values == texel),
+                "{format}"
+            );
+        }
+    }
+
+    #[test]
+    fn the_lists_of_the_real_file_are_read() {
+        // The shape of the one real JPEG_LRGB file: fourteen lines without a space before their line feeds.
+        let mut file = ByHand::new(Format::JpegLrgb, 8, 8);
+        file.parameter = 95;
+        file.transforms = vec![0, 1, 0, 0, 0, 1, 0, 0, 0];
+        file.order = vec![4, 8, 3, 0, 1, 7, 5, 2, 6];
+        file.references = vec![-1, 5, -1, -1, -1, 0, 7, -1, 7];
+        let header = "PTM_1.2\nPTM_FORMAT_JPEG_LRGB\n8\n8\n2.000000 2.000000 2.000000 2.000000 2.000000 2.000000\n160 160 160 127 127 0\n";
+        let bytes = file.with(header, &file.lists());
+        let lines = bytes.len() - file.streams.iter().map(Vec::len).sum::<usize>();
+        assert_eq!(
+            bytes[..lines].iter().filter(|&&byte| byte == b'\n').count(),
+            14
+        );
+        assert_eq!(stored(&bytes, 0)[0], 0);
+        assert_eq!(stored(&bytes, 5)[0], 177); // 50 + (255 − 0) − 128
+        assert_eq!(stored(&bytes, 1)[0], 216); // 10 + (255 − 177) − 128, below zero
+        assert_eq!(stored(&bytes, 6)[0], 2); //   60 + 70 − 128
+        assert_eq!(stored(&bytes, 8)[0], 22); //  80 + 70 − 128
+    }
+
+    #[test]
+    fn lists_may_be_split_into_lines_anyhow() {
+        let file = ByHand::new(Format::JpeglsLrgb, 2, 2);
+        let expected = decode(&file.bytes()).unwrap();
+        let one_line = [file.lists().join(" ")];
+        let a_line_for_each_number: Vec<String> =
+            one_line[0].split(' ').map(String::from).collect();
+        let spaced: Vec<String> = file.lists().iter().map(|line| line.clone() + " ").collect();
+        let one_line_of_vectors = file
+            .lists()
+            .join("\n")
+            .replacen("0\n0", "0 0", 1)
+            .split('\n')
+            .map(String::from)
+            .collect::<Vec<_>>();
+        for lists in [
+            one_line.to_vec(),
+            a_line_for_each_number,
+            spaced,
+            one_line_of_vectors,
+        ] {
+            assert_eq!(
+                decode(&file.with(&file.header(), &lists)),
+                Ok(expected.clone()),
+                "{lists:?}"
+            );
+        }
+    }
+
+    #[test]
+    fn the_order_list_gives_ranks_not_steps() {
+        // 2 → 0 → 1: rank 1, 2, 0. Taken for steps, 1, 2, 0 would decode plane 1 first.
+        let mut file = dot();
+        file.predicted(0, 1, 2, 0, &[138]);
+        file.predicted(1, 2, 0, 0, &[138]);
+        file.stream(2, &[50]);
+        assert_eq!(
+            [0, 1, 2].map(|plane| stored(&file.bytes(), plane)[0]),
+            [60, 70, 50]
+        );
+    }
+
+    #[test]
+    fn ranks_may_repeat_leave_gaps_and_start_anywhere() {
+        let mut file = dot();
+        file.order = vec![7, 100, 7, 7, 7, 7, 7, 7, 99];
+        file.predicted(8, 99, 0, 0, &[128]);
+        file.predicted(1, 100, 8, 0, &[129]);
+        file.references[3] = -7;
+        assert_eq!(
+            [0, 1, 3, 8].map(|plane| stored(&file.bytes(), plane)[0]),
+            [0, 1, 30, 0]
+        );
+    }
+
+    #[test]
+    fn a_chain_through_all_planes_is_followed() {
+        let mut file = ByHand::new(Format::JpeglsRgb, 1, 1);
+        file.stream(17, &[5]);
+        for plane in (0..17).rev() {
+            file.predicted(plane, 17 - plane as i64, plane as i64 + 1, 0, &[129]);
+        }
+        assert_eq!(stored(&file.bytes(), 0), [22]);
+    }
+
+    #[test]
+    fn lists_that_end_early_or_hold_other_things_are_refused() {
+        let file = dot();
+        let (header, lists) = (file.header(), file.lists());
+        let (parameter, transforms) = (start(&file, 0), start(&file, 1));
+        rejects(
+            header.as_bytes(),
+            &format!(
+                "compressed data (§2.9.1), byte {parameter}: expected a compression parameter, found the end of the file"
+            ),
+        );
+        rejects(
+            format!("{header}best\n").as_bytes(),
+            &format!(
+                "compressed data (§2.9.1), byte {parameter}: expected a compression parameter, found \"best\""
+            ),
+        );
+        rejects(
+            format!("{header}0\n0 0 x").as_bytes(),
+            &format!(
+                "compressed data (§2.9.2), byte {}: expected a transform, found \"x\"",
+                transforms + 4
+            ),
+        );
+        rejects(
+            format!("{header}0\n0 0").as_bytes(),
+            &format!(
+                "compressed data (§2.9), byte {}: expected a space, found the end of the file",
+                transforms + 3
+            ),
+        );
+        rejects(
+            format!("{header}{}", lists.join("\n")).as_bytes(),
+            &format!(
+                "file format (§2.0), byte {}: expected the end of the line, found the end of the file",
+                start(&file, 8) - 1
+            ),
+        );
+        rejects(
+            format!("{header}0\n0 0 9999999999999999999").as_bytes(),
+            &format!(
+                "compressed data (§2.9.2), byte {}: expected a transform, found \"9999999999999999999\"",
+                transforms + 4
+            ),
+        );
+    }
+
+    #[test]
+    fn transforms_that_are_not_defined_are_not_read() {
+        for transform in [4, 5, -1] {
+            let mut file = dot();
+            file.transforms[2] = transform;
+            rejects(
+                &file.bytes(),
+                &format!(
+                    "compressed data (§2.9.2), byte {}: transforms other than 0 to 3 are not read",
+                    start(&file, 1) + 4
+                ),
+            );
+            assert_eq!(
+                decode(&file.bytes()).unwrap_err().class(),
+                Class::Unsupported
+            );
+        }
+    }
+
+    #[test]
+    fn references_name_planes_of_lower_rank() {
+        let mut file = dot();
+        file.references[1] = 9;
+        rejects(
+            &file.bytes(),
+            &format!(
+                "compressed data (§2.9.5), byte {}: plane 1 is predicted from plane 9, the last plane is 8",
+                start(&file, 5) + 3
+            ),
+        );
+        // Of its own rank, of a higher one, and from itself.
+        let cases = [(0, 3, 4, 4), (0, 3, 4, 5), (0, 0, 4, 4)];
+        for (plane, reference, rank, reference_rank) in cases {
+            let mut file = dot();
+            file.order[plane] = rank;
+            file.order[reference] = reference_rank;
+            file.references[plane] = reference as i64;
+            rejects(
+                &file.bytes(),
+                &format!(
+                    "compressed data (§2.9.4), byte {}: plane {plane} of rank {rank} is predicted from plane {reference} of rank {reference_rank}, which is not decoded before it",
+                    start(&file, 5)
+                ),
+            );
+        }
+    }
+
+    #[test]
+    fn sizes_count_bytes() {
+        let file = dot();
+        let mut lists = file.lists();
+        lists[6] = lists[6].replacen(' ', " -", 1);
+        let size = lists[6].split(' ').nth(1).unwrap().to_owned();
+        rejects(
+            &file.with(&file.header(), &lists),
+            &format!(
+                "compressed data (§2.9.6), byte {}: expected a compressed size of at least 0, found \"{size}\"",
+                start(&file, 6) + lists[6].find(' ').unwrap() + 1
+            ),
+        );
+        let mut lists = file.lists();
+        lists[7] = "-5 0 0 0 0 0 0 0 0".to_owned();
+        rejects(
+            &file.with(&file.header(), &lists),
+            &format!(
+                "compressed data (§2.9.7), byte {}: expected a side information size of at least 0, found \"-5\"",
+                start(&file, 7)
+            ),
+        );
+    }
+
+    #[test]
+    fn sizes_are_held_against_the_file_before_anything_is_decoded() {
+        let file = dot();
+        let whole = file.bytes();
+        let payload: usize = file.streams.iter().map(Vec::len).sum();
+        rejects(
+            &whole[..whole.len() - 1],
+            &format!(
+                "compressed data (§2.9.8), byte {}: the compressed planes and their side information need {payload} bytes, {} remain",
+                whole.len() - payload,
+                payload - 1
+            ),
+        );
+        let mut lists = file.lists();
+        lists[6] = [i64::MAX.to_string().as_str(); 9].join(" ");
+        rejects(
+            &file.with(&file.header(), &lists),
+            &format!(
+                "compressed data (§2.9.8), byte {}: the compressed planes and their side information need more bytes than can be counted, {payload} remain",
+                start(&file, 6) + lists[6].len() + lists[7].len() + 2
+            ),
+        );
+    }
 }

@@ -8,6 +8,8 @@
 //!
 //! Tabs, carriage returns, leading blanks, empty lines and further spaces are none of these (ruling `header-blanks`).
 
+use std::ops::Range;
+
 use crate::error::{Error, Kind, Result};
 use crate::ptm::Field;
 
@@ -87,6 +89,16 @@ impl<'a> Input<'a> {
         value.ok_or_else(|| self.wrong_at(start, clause, name))
     }
 
+    /// A whole number of any sign.
+    pub(crate) fn signed(&mut self, clause: &'static str, name: &'static str) -> Result<i64> {
+        let start = self.at;
+        let token = self.token(clause, name)?;
+        let value = std::str::from_utf8(token)
+            .ok()
+            .and_then(|digits| digits.parse().ok());
+        value.ok_or_else(|| self.wrong_at(start, clause, name))
+    }
+
     /// One or more spaces.
     pub(crate) fn gap(&mut self, clause: &'static str) -> Result<()> {
         let spaces = self.rest().iter().take_while(|&&byte| byte == b' ').count();
@@ -138,6 +150,36 @@ impl<'a> Input<'a> {
             name,
             range: self.at..self.at + count,
         });
+        self.at += count;
+        Ok(&rest[..count])
+    }
+
+    /// The next `count` bytes of the payload, and what some of them are: ranges that count from here.
+    pub(crate) fn take_parts(
+        &mut self,
+        clause: &'static str,
+        name: &'static str,
+        count: usize,
+        parts: impl Iterator<Item = (&'static str, &'static str, Range<usize>)>,
+    ) -> Result<&'a [u8]> {
+        let rest = self.rest();
+        if count > rest.len() {
+            return Err(Error::new(
+                clause,
+                self.at,
+                Kind::Short {
+                    what: name,
+                    needs: count,
+                    remain: rest.len(),
+                },
+            ));
+        }
+        let from = self.at;
+        self.fields.extend(parts.map(|(clause, name, range)| Field {
+            clause,
+            name,
+            range: from + range.start..from + range.end,
+        }));
         self.at += count;
         Ok(&rest[..count])
     }

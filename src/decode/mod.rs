@@ -28,8 +28,18 @@ pub(crate) mod texels;
 /// §2.8 Lookup Table Indices
 pub(crate) mod indices;
 
-/// §2.9 Compressed Data
-mod compressed;
+/// §2.9 Compressed Data: the parameter and the lists (§2.9.1 – 2.9.7)
+pub(crate) mod compressed;
+
+/// §2.9.2 – 2.9.5 put to work: a plane from its reference
+pub(crate) mod predict;
+
+/// §2.9.8 Compressed Coefficient Planes
+pub(crate) mod planes;
+
+/// Compressed files made by hand, for tests.
+#[cfg(all(test, feature = "generate"))]
+pub(crate) mod by_hand;
 
 pub(crate) use input::Input;
 
@@ -132,14 +142,24 @@ fn read_planes(
             indices::read(header, &table, input, reading, limits)
         }
         Format::JpegRgb | Format::JpegLrgb | Format::JpeglsRgb | Format::JpeglsLrgb => {
-            compressed::read(input)
+            compressed::read(header, input, reading, limits)
         }
     }
 }
 
 /// Planes of `header.size` full of zeros, if the limit allows them.
 fn blank(header: &Header, shape: Shape, limits: &Limits, input: &Input) -> Result<Planes> {
-    let needs = header.size.texels().saturating_mul(shape.channels());
+    check_room(header, shape.channels(), limits, input)?;
+    Ok(Planes {
+        size: header.size,
+        shape,
+        samples: vec![0; header.size.texels() * shape.channels()],
+    })
+}
+
+/// Whether the limit allows that many planes at a time.
+fn check_room(header: &Header, planes: usize, limits: &Limits, input: &Input) -> Result<()> {
+    let needs = header.size.texels().saturating_mul(planes);
     if needs > limits.memory {
         return Err(Error::new(
             "2.3/3",
@@ -150,9 +170,5 @@ fn blank(header: &Header, shape: Shape, limits: &Limits, input: &Input) -> Resul
             },
         ));
     }
-    Ok(Planes {
-        size: header.size,
-        shape,
-        samples: vec![0; needs],
-    })
+    Ok(())
 }

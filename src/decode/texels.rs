@@ -42,7 +42,8 @@ pub(crate) fn blocks(format: Format) -> &'static [Block] {
 
 /// Which stored row holds row `row` from the top: the bottom row is stored first (clauses 2.7.1/3, 2.7.2/3, 2.7.3/3, 2.8.1/5, 2.8.2/4).
 ///
-/// `part` counts the blocks of the payload, indices first where there are any.
+/// `part` counts the blocks of the payload, indices first where there are any; for the compressed formats, whose planes
+/// lie the same way (ruling `rows`), it is the plane.
 pub(crate) fn bottom_row_first(_: Format, _part: usize, row: usize, height: usize) -> usize {
     height - 1 - row
 }
@@ -98,6 +99,24 @@ pub(super) fn place(
             .zip(stored.chunks_exact(block.channels))
         {
             texel[block.channel..][..block.channels].copy_from_slice(values);
+        }
+    }
+}
+
+/// Puts planes, one a channel, where they belong in `out`; row by row, so that the row being made stays at hand.
+pub(super) fn interleave(
+    stored: &[Vec<u8>],
+    out: &mut Planes,
+    stored_row: impl Fn(usize, usize, usize) -> usize,
+) {
+    let (width, height) = (out.size.width as usize, out.size.height as usize);
+    let channels = out.shape.channels();
+    for (row, samples) in out.samples.chunks_exact_mut(width * channels).enumerate() {
+        for (channel, plane) in stored.iter().enumerate() {
+            let values = &plane[stored_row(channel, row, height) * width..][..width];
+            for (texel, &value) in samples.chunks_exact_mut(channels).zip(values) {
+                texel[channel] = value;
+            }
         }
     }
 }

@@ -177,17 +177,19 @@ impl<F: Fn(&Request, usize) -> Reply + Sync> Asked<'_, F> {
                 let difference = expected
                     .as_ref()
                     .and_then(|expected| expected.compare(frame));
+                let axes = choices::concerned(case, view);
                 let right = match expected {
-                    Some(expected) if choices::concerned(case, view) => {
-                        let pictures = choices::pictures(&built.file, view, expected);
-                        Right::In(
-                            pictures
-                                .iter()
-                                .map(|picture| {
-                                    picture.as_ref().is_some_and(|p| p.compare(frame).is_none())
-                                })
-                                .collect(),
-                        )
+                    Some(expected) if !axes.is_empty() => {
+                        let pictures = choices::pictures(&built.file, view, expected, &axes);
+                        let shown = |picture: &Option<Expected>| {
+                            picture
+                                .as_ref()
+                                .is_some_and(|picture| picture.compare(frame).is_none())
+                        };
+                        Right::In {
+                            axes,
+                            combinations: pictures.iter().map(shown).collect(),
+                        }
                     }
                     expected => Right::Anyway(expected.is_some() && difference.is_none()),
                 };

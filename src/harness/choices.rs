@@ -9,6 +9,9 @@ use crate::harness::protocol::View;
 use crate::ptm::Format;
 use crate::reading::Reading;
 
+/// A place in [`CHOICES`].
+pub type Axis = usize;
+
 /// One open question.
 pub struct Choice {
     /// The ruling.
@@ -46,9 +49,77 @@ pub const CHOICES: &[Choice] = &[
             ),
         ],
     },
+    Choice {
+        ruling: "motion-inversion",
+        readings: &[
+            ("the reference is inverted, then displaced", |r| r),
+            (
+                "the reference is displaced, then inverted",
+                Reading::with_inversion_after_motion,
+            ),
+        ],
+    },
+    Choice {
+        ruling: "motion-sign",
+        readings: &[
+            ("vectors point from a texel to its predictor", |r| r),
+            (
+                "vectors point from the predictor to its texel",
+                Reading::with_motion_minus,
+            ),
+        ],
+    },
+    Choice {
+        ruling: "motion-vertical",
+        readings: &[
+            ("y grows along the rows as they are stored", |r| r),
+            (
+                "y grows against the rows as they are stored",
+                Reading::with_motion_against_rows,
+            ),
+        ],
+    },
+    Choice {
+        ruling: "motion-half",
+        readings: &[
+            ("means are rounded up at a half", |r| r),
+            ("means are rounded down", Reading::with_halves_rounded_down),
+        ],
+    },
+    Choice {
+        ruling: "motion-border",
+        readings: &[
+            ("the edge of a plane goes on outside", |r| r),
+            (
+                "a plane begins again at its other side",
+                Reading::with_border_wrapped,
+            ),
+            ("outside a plane is 128", Reading::with_border_grey),
+        ],
+    },
+    Choice {
+        ruling: "jpeg-ls-offset",
+        readings: &[
+            ("JPEG-LS residuals are 128 more than the difference", |r| r),
+            (
+                "JPEG-LS residuals are the difference modulo 256",
+                Reading::without_jpeg_ls_offset,
+            ),
+        ],
+    },
+    Choice {
+        ruling: "side-lossless",
+        readings: &[
+            ("records of lossless files are applied", |r| r),
+            (
+                "records of lossless files are stepped over",
+                Reading::with_side_information_only_if_lossy,
+            ),
+        ],
+    },
 ];
 
-/// One reading of every choice, by its place in [`CHOICES`].
+/// One reading of every choice, by its place in [`Choice::readings`].
 #[derive(Clone, Debug, PartialEq, Eq, Default)]
 pub struct Dialect(pub Vec<usize>);
 
@@ -57,21 +128,6 @@ impl Dialect {
     #[must_use]
     pub fn reference() -> Dialect {
         Dialect(vec![0; CHOICES.len()])
-    }
-
-    /// Every dialect, the reference's first.
-    #[must_use]
-    pub fn all() -> Vec<Dialect> {
-        CHOICES
-            .iter()
-            .fold(vec![Dialect(Vec::new())], |all, choice| {
-                let longer = |dialect: &Dialect| -> Vec<_> {
-                    (0..choice.readings.len())
-                        .map(|reading| Dialect([&dialect.0[..], &[reading]].concat()))
-                        .collect()
-                };
-                all.iter().flat_map(longer).collect()
-            })
     }
 
     /// How it reads.
@@ -84,20 +140,87 @@ impl Dialect {
                 (choice.readings[taken].1)(reading)
             })
     }
+
+    /// Which of [`combinations`] of `axes` it takes.
+    #[must_use]
+    pub fn place(&self, axes: &[Axis]) -> usize {
+        axes.iter().fold(0, |place, &axis| {
+            place * CHOICES[axis].readings.len() + self.0[axis]
+        })
+    }
 }
 
-/// The choices that show in a case, asked in a view.
+/// Every combination of readings on `axes`, the reference's first; the last axis changes fastest.
 #[must_use]
-pub fn concerned(case: &Case, view: &View) -> bool {
-    case.format() == Format::Lum && matches!(view, View::Rgb(_))
+pub fn combinations(axes: &[Axis]) -> Vec<Dialect> {
+    axes.iter().fold(vec![Dialect::reference()], |all, &axis| {
+        let each = |dialect: &Dialect| -> Vec<Dialect> {
+            let taking = |reading| {
+                let mut taken = dialect.clone();
+                taken.0[axis] = reading;
+                taken
+            };
+            (0..CHOICES[axis].readings.len()).map(taking).collect()
+        };
+        all.iter().flat_map(each).collect()
+    })
 }
 
-/// The right picture of `file` in every dialect, in the order of [`Dialect::all`]; the reference's is known by construction.
+/// The axes of these rulings, in the order of the text.
 #[must_use]
-pub fn pictures(file: &[u8], view: &View, reference: Expected) -> Vec<Option<Expected>> {
-    let others = Dialect::all()
+pub fn axes(rulings: &[&str]) -> Vec<Axis> {
+    (0..CHOICES.len())
+        .filter(|&axis| rulings.contains(&CHOICES[axis].ruling))
+        .collect()
+}
+
+/// The choices that show in a case, asked in a view; none in most.
+///
+/// A choice that is not listed here must be invisible in the case: its readings all make the same picture.
+#[must_use]
+pub fn concerned(case: &Case, view: &View) -> Vec<Axis> {
+    match case.format() {
+        Format::Lum if matches!(view, View::Rgb(_)) => {
+            axes(&["lum-vector", "lum-major", "lum-range"])
+        }
+        // TODO(2.9 cases): for the compressed formats, `axes(&case.axes())`: the rulings whose features the recipe exercises.
+        // Until there are such recipes no compressed case shows a choice.
+        _ => Vec::new(),
+    }
+}
+
+/// The right picture of `file` in every one of [`combinations`] of `axes`; the reference's is known by construction.
+#[must_use]
+pub fn pictures(
+    file: &[u8],
+    view: &View,
+    reference: Expected,
+    axes: &[Axis],
+) -> Vec<Option<Expected>> {
+    let others = combinations(axes)
         .into_iter()
         .skip(1)
         .map(|dialect| Expected::under(file, view, &dialect.reading()));
     std::iter::once(Some(reference)).chain(others).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_dialect_knows_its_place_among_the_combinations() {
+        let some = axes(&["motion-border", "lum-major", "side-lossless"]);
+        let all = combinations(&some);
+        assert_eq!(all.len(), 12);
+        assert_eq!(all[0], Dialect::reference());
+        for (place, dialect) in all.iter().enumerate() {
+            assert_eq!(dialect.place(&some), place);
+        }
+    }
+
+    #[test]
+    fn no_axis_means_one_combination() {
+        assert_eq!(combinations(&[]), [Dialect::reference()]);
+    }
 }

@@ -7,7 +7,7 @@
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 use crate::harness::cases::{Case, Expect, Feature, Suite};
-use crate::harness::choices::{CHOICES, Dialect};
+use crate::harness::choices::{Axis, CHOICES, Choice, Dialect, combinations};
 use crate::harness::compare::Difference;
 use crate::harness::protocol::{Answer, Frame, View};
 
@@ -27,7 +27,7 @@ pub struct Finding {
 pub enum Shown {
     /// A picture.
     Picture {
-        /// Where it is right: in every dialect, or in these of [`Dialect::all`].
+        /// Where it is right: in every dialect, or in some.
         right: Right,
         /// How it differs from the reference's, if it does and there is one.
         difference: Option<Difference>,
@@ -60,8 +60,13 @@ impl Shown {
 pub enum Right {
     /// In all or none: no choice shows in the file.
     Anyway(bool),
-    /// In those of [`Dialect::all`] that are marked.
-    In(Vec<bool>),
+    /// Some choices show in the file, and it depends on them alone.
+    In {
+        /// The choices.
+        axes: Vec<Axis>,
+        /// Of [`combinations`] of these axes, those in which it is right.
+        combinations: Vec<bool>,
+    },
 }
 
 /// What is said of a case.
@@ -133,7 +138,8 @@ pub fn judge(suite: &Suite, selected: &[bool], findings: &[Option<Finding>]) -> 
         .enumerate()
         .map(|(i, case)| (case.id.as_str(), i))
         .collect();
-    let dialect = dialect(findings);
+    let spoken = spoken(findings);
+    let dialect = dialect(&spoken);
     let (unsupported, decoded) = features(suite, findings);
     let spelling_known = suite.cases.iter().zip(findings).any(|(case, finding)| {
         case.expect == Expect::Spelling
@@ -166,7 +172,7 @@ pub fn judge(suite: &Suite, selected: &[bool], findings: &[Option<Finding>]) -> 
         .collect();
     Judgement {
         cases,
-        dialect: describe(findings, &dialect),
+        dialect: describe(&spoken),
         unsupported,
         decoded,
     }
@@ -238,9 +244,9 @@ fn verdict(
                 (Expect::Lenient, _) if !twin_right => {
                     (Inconclusive, "its twin was decoded wrongly".to_owned())
                 }
-                (_, Right::In(dialects)) if dialects.contains(&true) => fail(format!(
-                    "mixes readings: elsewhere it follows another one. {differs}"
-                )),
+                (_, Right::In { combinations, .. }) if combinations.contains(&true) => fail(
+                    format!("mixes readings: elsewhere it follows another one. {differs}"),
+                ),
                 _ => fail(differs),
             }
         }
@@ -259,64 +265,107 @@ fn is_right(finding: &Finding, dialect: &Dialect) -> bool {
             ..
         } => *right,
         Shown::Picture {
-            right: Right::In(right),
+            right: Right::In { axes, combinations },
             ..
-        } => Dialect::all()
-            .iter()
-            .position(|known| known == dialect)
-            .is_some_and(|place| right[place]),
+        } => combinations[dialect.place(axes)],
         _ => false,
     }
 }
 
-/// The evidence of a dialect: how many pictures are right in each.
-fn evidence(findings: &[Option<Finding>]) -> Vec<usize> {
-    let mut counts = vec![0; Dialect::all().len()];
-    for finding in findings.iter().flatten() {
-        if let Shown::Picture {
-            right: Right::In(right),
-            ..
-        } = &finding.shown
-        {
-            for (count, &right) in counts.iter_mut().zip(right) {
-                *count += usize::from(right);
-            }
+/// What the pictures show of choices that some file shows together: an answer for these axes and for no other.
+struct Spoken {
+    axes: Vec<Axis>,
+    /// The combinations of these axes in which most pictures are right, the nearest to the reference's first; all of them
+    /// where there is no evidence.
+    best: Vec<Dialect>,
+    /// Whether there is any.
+    evidence: bool,
+}
+
+/// The evidence of the dialect, group by group.
+///
+/// Choices that no file shows together are independent: the pictures right in a dialect are the sum over the groups, so
+/// most are right where most are right in every group, and nobody has to look at all dialects.
+fn spoken(findings: &[Option<Finding>]) -> Vec<Spoken> {
+    let shown: Vec<(&[Axis], &[bool])> = findings
+        .iter()
+        .flatten()
+        .filter_map(|finding| match &finding.shown {
+            Shown::Picture {
+                right: Right::In { axes, combinations },
+                ..
+            } => Some((&axes[..], &combinations[..])),
+            _ => None,
+        })
+        .collect();
+    let one = |axes: Vec<Axis>| {
+        let all = combinations(&axes);
+        let about: Vec<_> = shown
+            .iter()
+            .filter(|(of, _)| of.iter().any(|axis| axes.contains(axis)))
+            .collect();
+        let right_in = |dialect: &Dialect| {
+            about
+                .iter()
+                .filter(|(of, right)| right[dialect.place(of)])
+                .count()
+        };
+        let counts: Vec<usize> = all.iter().map(right_in).collect();
+        let most = counts.iter().max().copied().unwrap_or_default();
+        let best = all
+            .into_iter()
+            .zip(counts)
+            .filter(|&(_, count)| count == most)
+            .map(|(dialect, _)| dialect)
+            .collect();
+        Spoken {
+            axes,
+            best,
+            evidence: most > 0,
         }
+    };
+    groups(shown.iter().map(|&(axes, _)| axes))
+        .into_iter()
+        .map(one)
+        .collect()
+}
+
+/// The choices, parted so that those which stand together in any of `together` stand together.
+fn groups<'a>(together: impl Iterator<Item = &'a [Axis]>) -> Vec<Vec<Axis>> {
+    let mut groups: Vec<Vec<Axis>> = (0..CHOICES.len()).map(|axis| vec![axis]).collect();
+    for axes in together {
+        let (joined, apart): (Vec<_>, Vec<_>) = groups
+            .into_iter()
+            .partition(|group| group.iter().any(|axis| axes.contains(axis)));
+        let mut joined = joined.concat();
+        joined.sort_unstable();
+        groups = apart;
+        groups.extend((!joined.is_empty()).then_some(joined));
     }
-    counts
+    groups
 }
 
 /// The dialect in which most pictures are right; among equals the one nearest to the reference's.
-fn dialect(findings: &[Option<Finding>]) -> Dialect {
-    let counts = evidence(findings);
-    let most = counts.iter().max().copied().unwrap_or_default();
-    let place = counts
-        .iter()
-        .position(|&count| count == most)
-        .unwrap_or_default();
-    Dialect::all().swap_remove(place)
+fn dialect(spoken: &[Spoken]) -> Dialect {
+    let mut dialect = Dialect::reference();
+    for group in spoken {
+        for &axis in &group.axes {
+            dialect.0[axis] = group.best[0].0[axis];
+        }
+    }
+    dialect
 }
 
 /// Each choice with the reading taken, if the evidence tells it from every other.
-fn describe(
-    findings: &[Option<Finding>],
-    dialect: &Dialect,
-) -> Vec<(&'static str, Option<&'static str>)> {
-    let counts = evidence(findings);
-    let all = Dialect::all();
-    let most = counts.iter().max().copied().unwrap_or_default();
-    let best: Vec<&Dialect> = all
-        .iter()
-        .zip(&counts)
-        .filter(|&(_, &count)| count == most)
-        .map(|(dialect, _)| dialect)
-        .collect();
-    let settled = |i: usize| most > 0 && best.iter().all(|other| other.0[i] == dialect.0[i]);
-    let one = |(i, choice): (usize, &crate::harness::choices::Choice)| {
-        (
-            choice.ruling,
-            settled(i).then(|| choice.readings[dialect.0[i]].0),
-        )
+fn describe(spoken: &[Spoken]) -> Vec<(&'static str, Option<&'static str>)> {
+    let one = |(axis, choice): (Axis, &Choice)| {
+        let group = spoken
+            .iter()
+            .find(|group| group.axes.contains(&axis))
+            .expect("every axis is in a group");
+        let taken = group.best[0].0[axis];
+        let settled = group.evidence && group.best.iter().all(|other| other.0[axis] == taken);
+        (choice.ruling, settled.then(|| choice.readings[taken].0))
     };
     CHOICES.iter().enumerate().map(one).collect()
 }
@@ -348,4 +397,88 @@ fn features(suite: &Suite, findings: &[Option<Finding>]) -> (BTreeSet<Feature>, 
             .collect(),
         decoded,
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::harness::choices::axes;
+
+    /// A picture that is right in the combinations of `rulings` that `right` names, by its readings on them.
+    fn shown(rulings: &[&str], right: impl Fn(&[usize]) -> bool) -> Option<Finding> {
+        let axes = axes(rulings);
+        let on = |dialect: &Dialect| {
+            right(&axes.iter().map(|&axis| dialect.0[axis]).collect::<Vec<_>>())
+        };
+        let combinations = combinations(&axes).iter().map(on).collect();
+        let right = Right::In { axes, combinations };
+        Some(Finding {
+            view: View::Raw,
+            shown: Shown::Picture {
+                right,
+                difference: None,
+                frame: None,
+            },
+            stderr: String::new(),
+        })
+    }
+
+    fn said(findings: &[Option<Finding>]) -> Vec<(&'static str, usize)> {
+        let spoken = spoken(findings);
+        let settled = describe(&spoken).into_iter().zip(dialect(&spoken).0);
+        settled
+            .filter_map(|((ruling, said), reading)| said.map(|_| (ruling, reading)))
+            .collect()
+    }
+
+    #[test]
+    fn without_evidence_the_dialect_is_the_references() {
+        assert_eq!(dialect(&spoken(&[])), Dialect::reference());
+        assert_eq!(said(&[]), []);
+    }
+
+    #[test]
+    fn groups_that_no_file_joins_are_settled_apart() {
+        let findings = [
+            shown(&["motion-sign", "motion-border"], |of| of == [1, 2]),
+            shown(&["side-lossless"], |of| of == [1]),
+            None,
+        ];
+        assert_eq!(
+            said(&findings),
+            [
+                ("motion-sign", 1),
+                ("motion-border", 2),
+                ("side-lossless", 1)
+            ]
+        );
+        assert_eq!(
+            dialect(&spoken(&findings)).0,
+            [0, 0, 0, 0, 1, 0, 0, 2, 0, 1]
+        );
+    }
+
+    #[test]
+    fn files_that_share_a_choice_join_their_groups() {
+        // Alone, the first says "one of both is read otherwise"; the second says which.
+        let findings = [
+            shown(&["motion-sign", "jpeg-ls-offset"], |of| {
+                of.iter().sum::<usize>() == 1
+            }),
+            shown(&["jpeg-ls-offset", "side-lossless"], |of| of[0] == 0),
+        ];
+        assert_eq!(said(&findings[..1]), []);
+        assert_eq!(said(&findings), [("motion-sign", 1), ("jpeg-ls-offset", 0)]);
+    }
+
+    #[test]
+    fn the_reading_of_most_pictures_counts_and_ties_go_to_the_references() {
+        let other = || shown(&["motion-half"], |of| of == [1]);
+        let reference = || shown(&["motion-half"], |of| of == [0]);
+        assert_eq!(said(&[other(), other(), reference()]), [("motion-half", 1)]);
+        let tie = [other(), reference()];
+        assert_eq!(said(&tie), []);
+        assert_eq!(dialect(&spoken(&tie)), Dialect::reference());
+        assert!(!is_right(tie[0].as_ref().unwrap(), &Dialect::reference()));
+    }
 }

@@ -1,0 +1,388 @@
+//! §2.9.2 – 2.9.5 put to work: a plane from its reference
+//!
+//! The stream of a predicted plane holds *residuals*. The plane is residual + predictor − 128, modulo 256 (clause 2.9.5/4,
+//! ruling `prediction`); the predictor is the reference, inverted (clause 2.9.2/3) and displaced (clause 2.9.2/4) as the
+//! plane's transform says.
+//!
+//! Format notes
+//! - The text says "modular arithmetic" and no more. The 128 and the inversion 255 − v were measured on HP's own file, and
+//!   every reader agrees.
+//! - Nobody public displaces a reference. The reading here is the first of five choices (rulings `motion-…`): the predictor
+//!   at (x, y) is the reference at (x + mx/2, y + my/2) in the *stored* raster, halves are rounded up, the edge goes on
+//!   for ever outside.
+//! - A vector stands in the list for every plane. It counts only where the transform has the bit 2.
+
+use std::borrow::Cow;
+
+use super::compressed::Step;
+use crate::ptm::{Format, Size};
+use crate::reading::Reading;
+
+/// Makes the plane of its residuals, in place.
+pub(crate) fn apply(
+    format: Format,
+    residuals: &mut [u8],
+    reference: &[u8],
+    step: &Step,
+    size: Size,
+    reading: &Reading,
+) {
+    let predictor = (reading.predictor)(reference, step, size, reading);
+    (reading.predict)(format, residuals, &predictor);
+}
+
+/// The reference, inverted and then displaced (clauses 2.9.2/1, 2.9.2/6, ruling `motion-inversion`).
+pub(crate) fn inverted_then_moved<'a>(
+    reference: &'a [u8],
+    step: &Step,
+    size: Size,
+    reading: &Reading,
+) -> Cow<'a, [u8]> {
+    let mut predictor = Cow::Borrowed(reference);
+    if step.inverted {
+        (reading.invert)(predictor.to_mut());
+    }
+    if step.moved {
+        predictor = Cow::Owned(displace(&predictor, step.motion, size, reading));
+    }
+    predictor
+}
+
+/// The reference, displaced and then inverted: the other reading of `motion-inversion`.
+pub(crate) fn moved_then_inverted<'a>(
+    reference: &'a [u8],
+    step: &Step,
+    size: Size,
+    reading: &Reading,
+) -> Cow<'a, [u8]> {
+    let mut predictor = Cow::Borrowed(reference);
+    if step.moved {
+        predictor = Cow::Owned(displace(&predictor, step.motion, size, reading));
+    }
+    if step.inverted {
+        (reading.invert)(predictor.to_mut());
+    }
+    predictor
+}
+
+/// 255 − v (clause 2.9.2/3).
+pub(crate) fn invert(plane: &mut [u8]) {
+    for value in plane {
+        *value = 255 - *value;
+    }
+}
+
+/// Residual + predictor − 128, modulo 256 (clause 2.9.5/4); in JPEG-LS planes too (clause 2.9.5/5, ruling `jpeg-ls-offset`).
+pub(crate) fn predict(_: Format, residuals: &mut [u8], predictor: &[u8]) {
+    for (value, &predicted) in residuals.iter_mut().zip(predictor) {
+        *value = value.wrapping_add(predicted).wrapping_sub(128);
+    }
+}
+
+/// JPEG-LS planes without the 128: the other reading of `jpeg-ls-offset`.
+pub(crate) fn predict_jpeg_ls_without_offset(
+    format: Format,
+    residuals: &mut [u8],
+    predictor: &[u8],
+) {
+    if !matches!(format, Format::JpeglsRgb | Format::JpeglsLrgb) {
+        return predict(format, residuals, predictor);
+    }
+    for (value, &predicted) in residuals.iter_mut().zip(predictor) {
+        *value = value.wrapping_add(predicted);
+    }
+}
+
+/// The plane seen from half texels away (clauses 2.9.3/2–6).
+///
+/// Every sample is made of four, two columns in two rows, of which two or all fall together where a displacement is whole.
+pub(crate) fn displace(
+    plane: &[u8],
+    (mx, my): (i64, i64),
+    size: Size,
+    reading: &Reading,
+) -> Vec<u8> {
+    let width = size.width as usize;
+    let along_x = (reading.motion_sign)(mx);
+    let along_y = (reading.motion_sign)((reading.motion_vertical)(my));
+    let columns: Vec<_> = (0..size.width)
+        .map(|x| taps(x, along_x, size.width, reading))
+        .collect();
+
+    let mut moved = Vec::with_capacity(plane.len());
+    for rows in (0..size.height).map(|y| taps(y, along_y, size.height, reading)) {
+        let [upper, lower] = rows.map(|row| row.map(|row| &plane[row * width..][..width]));
+        // Where there is no sample, 128 stands for it: no residual at all.
+        let sample = |row: Option<&[u8]>, column: Option<usize>| {
+            row.zip(column).map_or(128, |(row, column)| row[column])
+        };
+        moved.extend(columns.iter().map(|&[left, right]| {
+            (reading.motion_half)([
+                sample(upper, left),
+                sample(upper, right),
+                sample(lower, left),
+                sample(lower, right),
+            ])
+        }));
+    }
+    moved
+}
+
+/// The two samples along one axis of which the one at `at` is made, `displacement` half texels away.
+fn taps(at: u32, displacement: i64, length: u32, reading: &Reading) -> [Option<usize>; 2] {
+    // Halves lie between a sample and the next one, left of zero too: −1/2 is between −1 and 0.
+    let first = i64::from(at).saturating_add(displacement >> 1);
+    let second = first.saturating_add(displacement & 1);
+    [first, second].map(|at| (reading.motion_border)(at, length))
+}
+
+/// A vector points from the texel to where its predictor is (clause 2.9.3/3, ruling `motion-sign`).
+pub(crate) fn sign_plus(displacement: i64) -> i64 {
+    displacement
+}
+
+/// A vector points from the predictor to the texel: the other reading of `motion-sign`.
+pub(crate) fn sign_minus(displacement: i64) -> i64 {
+    displacement.saturating_neg()
+}
+
+/// y grows along the rows as they are stored (clause 2.9.3/4, ruling `motion-vertical`).
+pub(crate) fn along_stored_rows(my: i64) -> i64 {
+    my
+}
+
+/// y grows against the rows as they are stored, downwards in the picture: the other reading of `motion-vertical`.
+pub(crate) fn against_stored_rows(my: i64) -> i64 {
+    my.saturating_neg()
+}
+
+/// (a + b + 1) >> 1 and (a + b + c + d + 2) >> 2, which are one where samples fall together (clause 2.9.3/5, ruling `motion-half`).
+pub(crate) fn half_up(samples: [u8; 4]) -> u8 {
+    ((sum(samples) + 2) >> 2) as u8
+}
+
+/// Halves rounded down: the other reading of `motion-half`.
+pub(crate) fn half_down(samples: [u8; 4]) -> u8 {
+    (sum(samples) >> 2) as u8
+}
+
+fn sum(samples: [u8; 4]) -> u16 {
+    samples.into_iter().map(u16::from).sum()
+}
+
+/// Outside the plane its edge goes on (clause 2.9.3/6, ruling `motion-border`).
+#[allow(
+    clippy::unnecessary_wraps,
+    reason = "another reading of motion-border finds nothing outside"
+)]
+pub(crate) fn border_edge(at: i64, length: u32) -> Option<usize> {
+    Some(at.clamp(0, i64::from(length) - 1) as usize)
+}
+
+/// Outside the plane it begins again at the other side: the second reading of `motion-border`.
+#[allow(
+    clippy::unnecessary_wraps,
+    reason = "another reading of motion-border finds nothing outside"
+)]
+pub(crate) fn border_wrapped(at: i64, length: u32) -> Option<usize> {
+    Some(at.rem_euclid(i64::from(length)) as usize)
+}
+
+/// Outside the plane is 128: the third reading of `motion-border`.
+pub(crate) fn border_grey(at: i64, length: u32) -> Option<usize> {
+    usize::try_from(at).ok().filter(|&at| at < length as usize)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn predicted(residual: u8, reference: u8, inverted: bool) -> u8 {
+        let step = Step {
+            reference: Some(0),
+            inverted,
+            ..Step::default()
+        };
+        let mut plane = [residual];
+        apply(
+            Format::JpegLrgb,
+            &mut plane,
+            &[reference],
+            &step,
+            Size {
+                width: 1,
+                height: 1,
+            },
+            &Reading::SPEC,
+        );
+        plane[0]
+    }
+
+    /// A plane of `width` columns seen through a vector.
+    fn moved(plane: &[u8], width: u32, motion: (i64, i64), reading: &Reading) -> Vec<u8> {
+        displace(
+            plane,
+            motion,
+            Size {
+                width,
+                height: plane.len() as u32 / width,
+            },
+            reading,
+        )
+    }
+
+    #[test]
+    fn a_residual_of_128_changes_nothing() {
+        assert_eq!(predicted(128, 0, false), 0);
+        assert_eq!(predicted(128, 255, false), 255);
+    }
+
+    #[test]
+    fn sums_wrap_below_zero_and_above_255() {
+        assert_eq!(predicted(100, 20, false), 248); // −8
+        assert_eq!(predicted(0, 0, false), 128); // −128
+        assert_eq!(predicted(200, 200, false), 16); // 272
+        assert_eq!(predicted(255, 255, false), 126); // 382
+        assert_eq!(predicted(183, 200, false), 255);
+        assert_eq!(predicted(184, 200, false), 0); // 256
+    }
+
+    #[test]
+    fn an_inverted_reference_is_255_less_it() {
+        assert_eq!(predicted(128, 0, true), 255);
+        assert_eq!(predicted(130, 60, true), 197);
+        assert_eq!(predicted(100, 250, true), 233); // −23
+    }
+
+    #[test]
+    fn jpeg_ls_keeps_the_offset_unless_read_otherwise() {
+        let with = |reading: &Reading, format| {
+            let mut plane = [140];
+            (reading.predict)(format, &mut plane, &[10]);
+            plane[0]
+        };
+        assert_eq!(with(&Reading::SPEC, Format::JpeglsRgb), 22);
+        assert_eq!(
+            with(&Reading::SPEC.without_jpeg_ls_offset(), Format::JpeglsRgb),
+            150
+        );
+        assert_eq!(
+            with(&Reading::SPEC.without_jpeg_ls_offset(), Format::JpegRgb),
+            22
+        );
+    }
+
+    #[test]
+    fn whole_displacements_look_to_the_right_and_along_the_rows() {
+        let plane = [10, 20, 30, 40, 50, 60];
+        assert_eq!(
+            moved(&plane, 3, (2, 0), &Reading::SPEC),
+            [20, 30, 30, 50, 60, 60]
+        );
+        assert_eq!(
+            moved(&plane, 3, (-2, 0), &Reading::SPEC),
+            [10, 10, 20, 40, 40, 50]
+        );
+        assert_eq!(
+            moved(&plane, 3, (0, 2), &Reading::SPEC),
+            [40, 50, 60, 40, 50, 60]
+        );
+        assert_eq!(
+            moved(&plane, 3, (0, -2), &Reading::SPEC),
+            [10, 20, 30, 10, 20, 30]
+        );
+    }
+
+    #[test]
+    fn half_displacements_are_means_rounded_up() {
+        let plane = [10, 21, 30];
+        assert_eq!(moved(&plane, 3, (1, 0), &Reading::SPEC), [16, 26, 30]);
+        assert_eq!(moved(&plane, 3, (-1, 0), &Reading::SPEC), [10, 16, 26]);
+        assert_eq!(moved(&plane, 3, (3, 0), &Reading::SPEC), [26, 30, 30]);
+        assert_eq!(moved(&plane, 1, (0, 1), &Reading::SPEC), [16, 26, 30]);
+        // Four samples are added up before they are rounded, once: (1 + 2 + 2 + 2 + 2) >> 2 = 2.
+        assert_eq!(
+            moved(&[1, 2, 2, 2], 2, (1, 1), &Reading::SPEC),
+            [2, 2, 2, 2]
+        );
+        assert_eq!(
+            moved(&[0, 1, 0, 0], 2, (1, 1), &Reading::SPEC),
+            [0, 1, 0, 0]
+        );
+        assert_eq!(
+            moved(&plane, 3, (1, 0), &Reading::SPEC.with_halves_rounded_down()),
+            [15, 25, 30]
+        );
+    }
+
+    #[test]
+    fn each_motion_choice_has_its_other_reading() {
+        let plane = [10, 20, 30, 40];
+        assert_eq!(
+            moved(&plane, 4, (2, 0), &Reading::SPEC.with_motion_minus()),
+            [10, 10, 20, 30]
+        );
+        assert_eq!(
+            moved(&plane, 1, (0, 2), &Reading::SPEC.with_motion_against_rows()),
+            [10, 10, 20, 30]
+        );
+        assert_eq!(
+            moved(&plane, 4, (2, 0), &Reading::SPEC.with_motion_against_rows()),
+            [20, 30, 40, 40]
+        );
+        assert_eq!(
+            moved(&plane, 4, (2, 0), &Reading::SPEC.with_border_wrapped()),
+            [20, 30, 40, 10]
+        );
+        assert_eq!(
+            moved(&plane, 4, (2, 0), &Reading::SPEC.with_border_grey()),
+            [20, 30, 40, 128]
+        );
+        assert_eq!(
+            moved(&plane, 4, (1, 0), &Reading::SPEC.with_border_grey()),
+            [15, 25, 35, 84]
+        );
+    }
+
+    #[test]
+    fn inversion_comes_before_motion_and_shows_in_the_rounding() {
+        let step = Step {
+            reference: Some(0),
+            inverted: true,
+            moved: true,
+            motion: (1, 0),
+        };
+        let seen = |reading: &Reading| {
+            (reading.predictor)(
+                &[10, 21],
+                &step,
+                Size {
+                    width: 2,
+                    height: 1,
+                },
+                reading,
+            )
+            .into_owned()
+        };
+        // 245 and 234: (245 + 234 + 1) >> 1 = 240. After motion: 255 − 16 = 239.
+        assert_eq!(seen(&Reading::SPEC), [240, 234]);
+        assert_eq!(
+            seen(&Reading::SPEC.with_inversion_after_motion()),
+            [239, 234]
+        );
+    }
+
+    #[test]
+    fn vectors_of_any_length_stay_within_the_plane() {
+        for far in [i64::MIN, -1_000_001, 1_000_001, i64::MAX] {
+            for reading in [
+                Reading::SPEC,
+                Reading::SPEC.with_motion_minus(),
+                Reading::SPEC.with_border_wrapped(),
+                Reading::SPEC.with_border_grey(),
+            ] {
+                assert_eq!(moved(&[1, 2, 3, 4, 5, 6], 3, (far, far), &reading).len(), 6);
+            }
+        }
+    }
+}
