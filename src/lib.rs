@@ -9,6 +9,8 @@ pub mod reading;
 
 pub mod decode;
 
+pub mod codec;
+
 pub mod evaluate;
 
 #[cfg(feature = "generate")]
