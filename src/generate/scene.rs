@@ -196,6 +196,36 @@ impl Model {
         let coefficients = self.coefficients();
         coefficients.chunks_exact(self.format.channels()).flat_map(color).map(|value| value.clamp(0.0, 255.0)).collect()
     }
+
+    /// How far each of the final values may be off where inverse DCTs differ; empty where none may.
+    #[must_use]
+    pub fn coefficient_slack(&self) -> Vec<f64> {
+        let channels = self.format.channels();
+        let polynomials = if channels == 18 { 18 } else { 6 };
+        let slack = |(i, &slack): (usize, &u8)| match i % channels {
+            channel if channel < polynomials => f64::from(slack) * self.scale[channel % 6].abs(),
+            _ => f64::from(slack),
+        };
+        self.slack.iter().enumerate().map(slack).collect()
+    }
+
+    /// How far each color may be off; empty where none may.
+    #[must_use]
+    pub fn picture_slack(&self, u: f64, v: f64) -> Vec<f64> {
+        let powers = [u * u, v * v, u * v, u, v, 1.0];
+        let sum = |a: &[f64], weigh: fn(f64) -> f64| a.iter().zip(powers).map(|(a, power)| weigh(a * power)).sum::<f64>();
+        let color = |(values, slack): (&[f64], &[f64])| match values.len() {
+            18 => [0, 6, 12].map(|channel| sum(&slack[channel..channel + 6], f64::abs)),
+            _ => {
+                // The largest that a product can be off where both factors are.
+                let (luminance, off) = (sum(&values[..6], |term| term).abs(), sum(&slack[..6], f64::abs));
+                [6, 7, 8].map(|channel| (off * (values[channel] + slack[channel]) + luminance * slack[channel]) / 255.0)
+            }
+        };
+        let channels = self.format.channels();
+        let (values, slack) = (self.coefficients(), self.coefficient_slack());
+        values.chunks_exact(channels).zip(slack.chunks_exact(channels)).flat_map(color).collect()
+    }
 }
 
 /// The painted byte of a channel of a texel, or of an entry.

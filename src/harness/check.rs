@@ -93,7 +93,7 @@ impl<F: Fn(&Request, usize) -> Reply + Sync> Asked<'_, F> {
         // An f32 for each of 18 channels is the most a frame can have for a texel.
         let texels = match &built.values {
             Values::Painted(model) => model.size.texels(),
-            _ => built.file.len(),
+            _ => case.recipe().map_or(built.file.len(), |recipe| recipe.size.texels()).max(built.file.len()),
         };
         let calls = self.count.fetch_add(1, Ordering::Relaxed);
         let patience = if calls == 0 { 3 } else { 1 };
@@ -113,7 +113,7 @@ impl<F: Fn(&Request, usize) -> Reply + Sync> Asked<'_, F> {
                         let pictures = choices::pictures(&built.file, view, expected);
                         Right::In(pictures.iter().map(|picture| picture.as_ref().is_some_and(|p| p.compare(frame).is_none())).collect())
                     }
-                    expected => Right::Anyway(expected.is_some() && difference.is_none()),
+                    expected => Right::Anyway(matches!(built.values, Values::Any) || expected.is_some() && difference.is_none()),
                 };
                 let frame = (right != Right::Anyway(true) && difference.is_some()).then(|| frame.clone());
                 Shown::Picture { right, difference, frame }
