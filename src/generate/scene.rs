@@ -27,6 +27,8 @@ pub enum Scene {
     Unlit,
     /// As unlit, and Cr equals a5: luminance and Cr are one under scale 1 and bias 0.
     LuminanceIsCr,
+    /// Every sample its own pseudo-random byte from 96 to 159, far from both ends.
+    Soft,
     /// As noise, within two rings of one value.
     Framed(u8),
     /// One value along every line from the bottom left to the top right, pseudo-random across.
@@ -40,7 +42,7 @@ pub enum Scene {
 impl FromStr for Scene {
     type Err = String;
 
-    /// `noise`, `extremes`, `ramp`, `stripes`, `flat-200`, `unlit`, `luminance-is-cr`, `framed-128`, `diagonals`, `columns`, `rows`.
+    /// `noise`, `extremes`, `ramp`, `stripes`, `flat-200`, `unlit`, `luminance-is-cr`, `soft`, `framed-128`, `diagonals`, `columns`, `rows`.
     fn from_str(name: &str) -> Result<Scene, String> {
         Ok(match name {
             "noise" => Scene::Noise,
@@ -49,6 +51,7 @@ impl FromStr for Scene {
             "stripes" => Scene::Stripes,
             "unlit" => Scene::Unlit,
             "luminance-is-cr" => Scene::LuminanceIsCr,
+            "soft" => Scene::Soft,
             "diagonals" => Scene::Diagonals,
             "columns" => Scene::Columns,
             "rows" => Scene::Rows,
@@ -246,6 +249,7 @@ pub(super) fn sample(recipe: &Recipe, texel: usize, channel: usize) -> u8 {
         Scene::LuminanceIsCr => noise,
         Scene::Framed(value) if x.min(y) < 2 || x + 2 >= width || y + 2 >= height => value,
         Scene::Framed(_) => noise,
+        Scene::Soft => 96 + noise % 64,
         // Along a line x + y is the same, because y runs downwards here.
         Scene::Diagonals => hash(recipe.seed, x + y, channel) as u8,
         Scene::Columns => two(recipe.seed, x, channel),
