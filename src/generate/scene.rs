@@ -31,7 +31,7 @@ pub enum Scene {
     Soft,
     /// As noise, within two rings of one value.
     Framed(u8),
-    /// One value along every line from the bottom left to the top right, pseudo-random across.
+    /// One value along every line from the bottom left to the top right; across, four values in turn.
     Diagonals,
     /// Two values in turn, column by column; their sum is odd.
     Columns,
@@ -251,7 +251,7 @@ pub(super) fn sample(recipe: &Recipe, texel: usize, channel: usize) -> u8 {
         Scene::Framed(_) => noise,
         Scene::Soft => 96 + noise % 64,
         // Along a line x + y is the same, because y runs downwards here.
-        Scene::Diagonals => hash(recipe.seed, x + y, channel) as u8,
+        Scene::Diagonals => hash(recipe.seed, (x + y) % 4, channel) as u8,
         Scene::Columns => two(recipe.seed, x, channel),
         Scene::Rows => two(recipe.seed, y, channel),
     }
