@@ -1,10 +1,84 @@
 //! §2.9 Compressed Data
 //!
-//! Not written yet; no recipe of these formats is accepted ([`super::recipe`]).
+//! The parameter, six lists with a number for each plane (motion vectors: two), and the planes (clause 2.9/1). Each list
+//! has a line of its own, motion two (ruling `list-layout`); other splits into lines by ruling `list-lines`.
 
 use super::output::Output;
-use super::scene::Model;
+use super::scene::{Compressed, Model};
+use super::spelling::{Line, Lists};
 
-pub(super) fn write(_model: &Model, _out: &mut Output) {
-    unreachable!("Recipe::check refuses compressed formats")
+pub(super) fn write(model: &Model, out: &mut Output) {
+    let compressed = model
+        .compressed
+        .as_ref()
+        .expect("planes are painted with a compressed format");
+    write_lists(compressed, out);
+    write_planes(compressed, out);
+}
+
+/// 2.9.1–2.9.7.
+fn write_lists(compressed: &Compressed, out: &mut Output) {
+    let Compressed { plan, planes } = compressed;
+    let sizes: Vec<usize> = planes.iter().map(|plane| plane.stream.len()).collect();
+    let side_sizes: Vec<usize> = planes
+        .iter()
+        .map(|plane| plane.side_information().len())
+        .collect();
+
+    write_list(
+        "2.9.1/1",
+        "parameter",
+        &[plan.parameter],
+        Line::Parameter,
+        out,
+    );
+    write_list(
+        "2.9.2/1",
+        "transforms",
+        &plan.transforms,
+        Line::Transforms,
+        out,
+    );
+    write_list("2.9.3/2", "motion x", &plan.motion_x, Line::MotionX, out);
+    write_list("2.9.3/2", "motion y", &plan.motion_y, Line::MotionY, out);
+    write_list("2.9.4/1", "order", &plan.order, Line::Order, out);
+    write_list(
+        "2.9.5/1",
+        "references",
+        &plan.references,
+        Line::References,
+        out,
+    );
+    write_list("2.9.6/1", "compressed sizes", &sizes, Line::Sizes, out);
+    write_list("2.9.7/1", "side sizes", &side_sizes, Line::SideSizes, out);
+}
+
+fn write_list(
+    clause: &'static str,
+    name: &'static str,
+    numbers: &[impl ToString],
+    line: Line,
+    out: &mut Output,
+) {
+    for (i, number) in numbers.iter().enumerate() {
+        if i > 0 {
+            out.line_end_or_gap(out.spelling.lists == Lists::NumberPerLine, line);
+        }
+        out.token(clause, name, &number.to_string());
+    }
+    let ends = match out.spelling.lists {
+        Lists::Lines | Lists::NumberPerLine => true,
+        Lists::MotionOnOneLine => line != Line::MotionX,
+        // The header must end in a line feed, whatever stands before.
+        Lists::OneLine => line == Line::SideSizes,
+    };
+    out.line_end_or_gap(ends, line);
+}
+
+/// 2.9.8: in the order of the planes, whatever the order of decoding (ruling `planes-stored`).
+fn write_planes(compressed: &Compressed, out: &mut Output) {
+    for plane in &compressed.planes {
+        out.take("2.9.8/1", "plane", &plane.stream);
+        out.take("2.9.8/6", "side information", &plane.side_information());
+    }
 }

@@ -6,7 +6,8 @@
 use std::ops::Range;
 
 use super::Written;
-use super::scene::Model;
+use super::scene::{Compressed, Model};
+use crate::codec::{jpeg, jpeg_ls};
 use crate::ptm::Format;
 
 /// A named edit.
@@ -493,7 +494,769 @@ pub const ALL: &[Damage] = &[
             )
         },
     ),
+    // 2.9
+    damage(
+        "no-planes",
+        "2.9.8/1",
+        "nothing follows the lists",
+        |file, _| file.cut_at("plane", 0),
+    ),
+    damage(
+        "last-plane-missing",
+        "2.9.8/1",
+        "the last plane is missing",
+        |file, model| file.cut_at("plane", model.planes() - 1),
+    ),
+    damage(
+        "last-plane-cut",
+        "2.9.8/1",
+        "the last plane lacks its second half",
+        |file, model| {
+            let Range { start, end } = file.range("plane", model.planes() - 1)?;
+            Some(file.bytes[..start.midpoint(end)].to_vec())
+        },
+    ),
+    damage(
+        "last-side-information-cut",
+        "2.9.8/6",
+        "the last record of side information lacks its value",
+        |file, model| {
+            let range = file.range("side information", model.planes() - 1)?;
+            (!range.is_empty()).then(|| file.bytes[..range.end - 1].to_vec())
+        },
+    ),
+    damage(
+        "header-ends-in-references",
+        "2.9.5/1",
+        "the file ends within the references",
+        |file, _| file.cut_at("references", 3),
+    ),
+    // 2.9.1
+    damage(
+        "parameter-missing",
+        "2.9.1/1",
+        "the parameter is missing",
+        |file, _| file.remove_line("parameter"),
+    ),
+    damage("parameter-0", "2.9.1/1", "the parameter is 0", |file, _| {
+        file.replace("parameter", 0, b"0")
+    }),
+    damage("parameter-3", "2.9.1/1", "the parameter is 3", |file, _| {
+        file.replace("parameter", 0, b"3")
+    }),
+    damage(
+        "parameter-19",
+        "2.9.1/3",
+        "the parameter is 19",
+        |file, _| file.replace("parameter", 0, b"19"),
+    ),
+    damage(
+        "parameter-101",
+        "2.9.1/3",
+        "the parameter is 101",
+        |file, _| file.replace("parameter", 0, b"101"),
+    ),
+    damage(
+        "parameter-300",
+        "2.9.1/1",
+        "the parameter is 300",
+        |file, _| file.replace("parameter", 0, b"300"),
+    ),
+    damage(
+        "parameter-negative",
+        "2.9.1/1",
+        "the parameter is -1",
+        |file, _| file.replace("parameter", 0, b"-1"),
+    ),
+    damage(
+        "parameter-fraction",
+        "2.9.1/1",
+        "the parameter is 75.0",
+        |file, _| file.replace("parameter", 0, b"75.0"),
+    ),
+    // 2.9.2
+    damage(
+        "transform-4",
+        "2.9.2/3",
+        "a transform has a bit that means nothing",
+        |file, _| file.replace("transforms", 1, b"4"),
+    ),
+    damage(
+        "transform-5",
+        "2.9.2/3",
+        "a transform has bit 1 and one that means nothing",
+        |file, _| file.replace("transforms", 1, b"5"),
+    ),
+    damage(
+        "transform-256",
+        "2.9.2/3",
+        "a transform is 256, 0 for whoever keeps eight bits",
+        |file, _| file.replace("transforms", 1, b"256"),
+    ),
+    damage(
+        "transform-negative",
+        "2.9.2/3",
+        "a transform is -1",
+        |file, _| file.replace("transforms", 1, b"-1"),
+    ),
+    damage(
+        "transform-no-number",
+        "2.9.2/1",
+        "a transform is a word",
+        |file, _| file.replace("transforms", 1, b"x"),
+    ),
+    damage(
+        "transform-missing",
+        "2.9.2/1",
+        "a transform is missing",
+        |file, _| file.remove("transforms", 2),
+    ),
+    // 2.9.3
+    damage(
+        "motion-x-missing",
+        "2.9.3/1",
+        "a vector lacks its x",
+        |file, _| file.remove("motion x", 2),
+    ),
+    damage(
+        "motion-y-missing",
+        "2.9.3/1",
+        "a vector lacks its y",
+        |file, _| file.remove("motion y", 2),
+    ),
+    damage(
+        "motion-y-line-missing",
+        "2.9.3/1",
+        "the second half of the vectors is missing",
+        |file, _| file.remove_line("motion y"),
+    ),
+    damage(
+        "motion-no-number",
+        "2.9.3/1",
+        "a vector is a word",
+        |file, _| file.replace("motion x", 2, b"right"),
+    ),
+    // 2.9.4
+    damage(
+        "order-missing",
+        "2.9.4/1",
+        "a rank is missing",
+        |file, _| file.remove("order", 2),
+    ),
+    damage(
+        "order-no-number",
+        "2.9.4/1",
+        "a rank is a word",
+        |file, _| file.replace("order", 2, b"second"),
+    ),
+    damage(
+        "rank-of-the-reference",
+        "2.9.4/3",
+        "a plane has the rank of its reference",
+        |file, model| {
+            let (plane, reference) = model.compressed()?.predicted()?;
+            file.set_number("order", plane, model.compressed()?.plan.order[reference])
+        },
+    ),
+    damage(
+        "rank-below-the-reference",
+        "2.9.4/3",
+        "a plane and its reference have exchanged their ranks",
+        |file, model| {
+            let (plane, reference) = model.compressed()?.predicted()?;
+            let order = &model.compressed()?.plan.order;
+            let (first, second) = (order[plane].to_string(), order[reference].to_string());
+            let mut edits = [
+                ("order", plane, second.as_bytes()),
+                ("order", reference, first.as_bytes()),
+            ];
+            edits.sort_by_key(|&(_, nth, _)| nth);
+            file.replace_all(&edits)
+        },
+    ),
+    // 2.9.5
+    damage(
+        "references-missing",
+        "2.9.5/1",
+        "a reference is missing",
+        |file, _| file.remove("references", 2),
+    ),
+    damage(
+        "references-no-number",
+        "2.9.5/1",
+        "a reference is a word",
+        |file, _| file.replace("references", 2, b"none"),
+    ),
+    damage(
+        "refers-to-itself",
+        "2.9.4/3",
+        "a plane is its own reference",
+        |file, model| {
+            let (plane, _) = model.compressed()?.predicted()?;
+            file.set_number("references", plane, plane as i64)
+        },
+    ),
+    damage(
+        "refers-in-a-cycle",
+        "2.9.4/3",
+        "two planes are predicted from each other",
+        |file, model| {
+            let (plane, reference) = model.compressed()?.predicted()?;
+            file.set_number("references", reference, plane as i64)
+        },
+    ),
+    damage(
+        "intra-refers-to-itself",
+        "2.9.4/3",
+        "the plane of rank 0 is its own reference",
+        |file, model| {
+            let plane = *model.compressed()?.plan.in_order().first()?;
+            file.set_number("references", plane, plane as i64)
+        },
+    ),
+    damage(
+        "refers-past-the-last-plane",
+        "2.9.5/2",
+        "a reference is the number of planes",
+        |file, model| file.set_number("references", model.planes() - 1, model.planes() as i64),
+    ),
+    damage(
+        "refers-far-past-the-last-plane",
+        "2.9.5/2",
+        "a reference is 2³¹ − 1",
+        |file, model| file.set_number("references", model.planes() - 1, i64::from(i32::MAX)),
+    ),
+    damage(
+        "refers-to-a-plane-of-another-format",
+        "2.9.5/2",
+        "a reference is 12, which only 18 planes have",
+        |file, model| {
+            if model.planes() == 9 {
+                file.set_number("references", 8, 12)
+            } else {
+                None
+            }
+        },
+    ),
+    // 2.9.6
+    damage(
+        "compressed-size-missing",
+        "2.9.6/1",
+        "a compressed size is missing",
+        |file, _| file.remove("compressed sizes", 2),
+    ),
+    damage(
+        "compressed-size-no-number",
+        "2.9.6/1",
+        "a compressed size is a word",
+        |file, _| file.replace("compressed sizes", 2, b"many"),
+    ),
+    damage(
+        "compressed-size-one-more",
+        "2.9.6/2",
+        "a compressed size is one more than the plane has",
+        |file, model| file.set_number("compressed sizes", 0, model.stream_size(0)? + 1),
+    ),
+    damage(
+        "compressed-size-one-less",
+        "2.9.6/2",
+        "a compressed size is one less than the plane has",
+        |file, model| file.set_number("compressed sizes", 0, model.stream_size(0)? - 1),
+    ),
+    damage(
+        "last-compressed-size-one-more",
+        "2.9.6/2",
+        "the last compressed size is one more than the file has",
+        |file, model| {
+            file.set_number(
+                "compressed sizes",
+                model.planes() - 1,
+                model.stream_size(model.planes() - 1)? + 1,
+            )
+        },
+    ),
+    damage(
+        "compressed-size-zero",
+        "2.9.6/2",
+        "a compressed size is 0",
+        |file, _| file.replace("compressed sizes", 1, b"0"),
+    ),
+    damage(
+        "compressed-size-negative",
+        "2.9.6/2",
+        "a compressed size is negative",
+        |file, model| file.set_number("compressed sizes", 1, -model.stream_size(1)?),
+    ),
+    damage(
+        "compressed-size-near-31-bits",
+        "2.9.6/2",
+        "a compressed size is 2³¹ − 1",
+        |file, _| file.set_number("compressed sizes", 1, i64::from(i32::MAX)),
+    ),
+    damage(
+        "compressed-sizes-beyond-31-bits-together",
+        "2.9.6/2",
+        "compressed sizes are 2³¹ − 1 each",
+        |file, model| {
+            let edits: Vec<_> = (0..model.planes())
+                .map(|plane| ("compressed sizes", plane, &b"2147483647"[..]))
+                .collect();
+            file.replace_all(&edits)
+        },
+    ),
+    damage(
+        "compressed-size-beyond-32-bits",
+        "2.9.6/2",
+        "a compressed size is 2³² more than the plane has",
+        |file, model| file.set_number("compressed sizes", 1, model.stream_size(1)? + (1 << 32)),
+    ),
+    damage(
+        "compressed-size-near-63-bits",
+        "2.9.6/2",
+        "a compressed size is 2⁶³ − 1",
+        |file, _| file.set_number("compressed sizes", 1, i64::MAX),
+    ),
+    damage(
+        "compressed-size-beyond-64-bits",
+        "2.9.6/2",
+        "a compressed size is 2⁶⁴ more than the plane has",
+        |file, model| {
+            file.replace(
+                "compressed sizes",
+                1,
+                (i128::from(model.stream_size(1)?) + (1 << 64))
+                    .to_string()
+                    .as_bytes(),
+            )
+        },
+    ),
+    // 2.9.7
+    damage(
+        "side-size-missing",
+        "2.9.7/1",
+        "a side size is missing",
+        |file, _| file.remove("side sizes", 2),
+    ),
+    damage(
+        "side-size-negative",
+        "2.9.7/2",
+        "a side size is negative",
+        |file, _| file.replace("side sizes", 1, b"-5"),
+    ),
+    damage(
+        "side-size-beyond-the-file",
+        "2.9.7/2",
+        "a side size is beyond the file",
+        |file, _| file.replace("side sizes", 1, b"5000000"),
+    ),
+    damage(
+        "side-size-near-31-bits",
+        "2.9.7/2",
+        "a side size is 2³¹ − 3",
+        |file, _| file.replace("side sizes", 1, b"2147483645"),
+    ),
+    damage(
+        "side-size-beyond-32-bits",
+        "2.9.7/2",
+        "a side size is 2³² more than there is",
+        |file, model| {
+            let size = model.compressed()?.planes[1].side_information().len() as i64;
+            file.set_number("side sizes", 1, size + (1 << 32))
+        },
+    ),
+    damage(
+        "side-size-4",
+        "2.9.8/7",
+        "side information of four bytes",
+        |file, model| file.with_side_information(model, model.planes() - 1, &[0, 0, 0, 0]),
+    ),
+    damage(
+        "side-size-1",
+        "2.9.8/7",
+        "side information of one byte",
+        |file, model| file.with_side_information(model, 0, &[7]),
+    ),
+    damage(
+        "side-size-6",
+        "2.9.8/7",
+        "a record of side information and a byte of another",
+        |file, model| file.with_side_information(model, 0, &[0, 0, 0, 0, 77, 0]),
+    ),
+    // 2.9.8, side information
+    damage(
+        "position-past-the-last-texel",
+        "2.9.8/8",
+        "a record is of position width · height",
+        |file, model| {
+            let position = u32::try_from(model.size.texels()).ok()?;
+            file.with_side_information(model, 0, &[&position.to_be_bytes()[..], &[77]].concat())
+        },
+    ),
+    damage(
+        "position-near-31-bits",
+        "2.9.8/8",
+        "a record is of position 2³¹ − 1",
+        |file, model| file.with_side_information(model, 0, &[0x7f, 0xff, 0xff, 0xff, 77]),
+    ),
+    damage(
+        "position-with-the-highest-bit",
+        "2.9.8/8",
+        "a record is of position 2³¹",
+        |file, model| file.with_side_information(model, 0, &[0x80, 0, 0, 0, 77]),
+    ),
+    damage(
+        "position-near-32-bits",
+        "2.9.8/8",
+        "a record is of position 2³² − 1",
+        |file, model| {
+            file.with_side_information(model, model.planes() - 1, &[0xff, 0xff, 0xff, 0xff, 77])
+        },
+    ),
+    // 2.9.8, streams
+    damage(
+        "stream-empty",
+        "2.9.8/5",
+        "a plane is empty",
+        |file, model| file.with_stream(model, 1, &[]),
+    ),
+    damage(
+        "stream-without-soi",
+        "2.9.8/5",
+        "a stream begins with 00 00",
+        |file, model| file.with_stream(model, 1, &[&[0, 0], &model.stream(1)?[2..]].concat()),
+    ),
+    damage(
+        "stream-of-a-png",
+        "2.9.8/5",
+        "a plane is the beginning of a PNG",
+        |file, model| {
+            file.with_stream(
+                model,
+                1,
+                b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR\0\0\0\x08\0\0\0\x08\x08\0\0\0\0",
+            )
+        },
+    ),
+    damage(
+        "stream-without-markers",
+        "2.9.8/5",
+        "a plane is not compressed",
+        |file, model| file.with_stream(model, 1, &vec![128; model.size.texels()]),
+    ),
+    damage(
+        "stream-wider",
+        "2.9.8/5",
+        "a stream is one texel wider than the map",
+        |file, model| file.with_stream(model, 1, &gray(model, model.is_jpeg(), 1, 0)),
+    ),
+    damage(
+        "stream-higher",
+        "2.9.8/5",
+        "a stream is one texel higher than the map",
+        |file, model| file.with_stream(model, 1, &gray(model, model.is_jpeg(), 0, 1)),
+    ),
+    damage(
+        "stream-of-exchanged-sides",
+        "2.9.8/5",
+        "a stream has the map's width as its height",
+        |file, model| {
+            let turn = i64::from(model.size.height) - i64::from(model.size.width);
+            if turn == 0 {
+                None
+            } else {
+                file.with_stream(model, 1, &gray(model, model.is_jpeg(), turn, -turn))
+            }
+        },
+    ),
+    damage(
+        "stream-of-the-other-codec",
+        "2.9.8/5",
+        "a stream is of JPEG in a JPEG-LS file, or of JPEG-LS in a JPEG file",
+        |file, model| file.with_stream(model, 1, &gray(model, !model.is_jpeg(), 0, 0)),
+    ),
+    damage(
+        "stream-of-three-components",
+        "2.9.8/5",
+        "a stream has three components",
+        |file, model| file.with_stream(model, 1, &three_components(model)?),
+    ),
+    damage(
+        "all-streams-of-three-components",
+        "2.9.8/5",
+        "every stream has three components",
+        |file, model| {
+            let stream = three_components(model)?;
+            file.with_streams(model, |_, _| stream.clone())
+        },
+    ),
+    damage(
+        "stream-missing-eoi",
+        "2.9.8/5",
+        "a stream lacks EOI",
+        |file, model| {
+            let stream = model.stream(1)?;
+            file.with_stream(model, 1, &stream[..stream.len() - 2])
+        },
+    ),
+    damage(
+        "stream-cut",
+        "2.9.8/5",
+        "a stream lacks the end of its data",
+        |file, model| {
+            let stream = model.stream(1)?;
+            file.with_stream(model, 1, &stream[..stream.len() - 4])
+        },
+    ),
+    damage(
+        "stream-ends-in-its-header",
+        "2.9.8/5",
+        "a stream ends before its data",
+        |file, model| {
+            let stream = model.stream(1)?;
+            file.with_stream(model, 1, &stream[..find(stream, 0xda)?])
+        },
+    ),
+    damage(
+        "stream-data-flipped",
+        "2.9.8/5",
+        "bits of a stream's data are flipped",
+        |file, model| {
+            let mut stream = model.stream(1)?.to_vec();
+            let at = stream.len() - 4;
+            stream[at] ^= 0x5a;
+            file.with_stream(model, 1, &stream)
+        },
+    ),
+    damage(
+        "stream-data-of-zeros",
+        "2.9.8/5",
+        "all of a stream's data is zeros",
+        |file, model| {
+            let mut stream = model.stream(1)?.to_vec();
+            let (from, to) = (find(&stream, 0xda)? + 10, stream.len() - 2);
+            stream[from..to].fill(0);
+            file.with_stream(model, 1, &stream)
+        },
+    ),
+    damage(
+        "stream-with-another-marker-in-its-data",
+        "2.9.8/5",
+        "a marker stands in a stream's data",
+        |file, model| {
+            let mut stream = model.stream(1)?.to_vec();
+            let at = stream.len() - 4;
+            stream.splice(at..at, [0xff, 0xd5]);
+            file.with_stream(model, 1, &stream)
+        },
+    ),
+    damage(
+        "stream-says-progressive",
+        "2.9.8/5",
+        "the frame of a stream is marked progressive and is not",
+        |file, model| {
+            if !model.is_jpeg() {
+                return None;
+            }
+            let mut stream = model.stream(1)?.to_vec();
+            let at = find(&stream, 0xc0)?;
+            stream[at + 1] = 0xc2;
+            file.with_stream(model, 1, &stream)
+        },
+    ),
+    damage(
+        "stream-of-twelve-bits",
+        "2.9.8/5",
+        "the frame of a stream says twelve bits",
+        |file, model| {
+            let mut stream = model.stream(1)?.to_vec();
+            let at = find(&stream, 0xc0).or_else(|| find(&stream, 0xf7))?;
+            stream[at + 4] = 12;
+            file.with_stream(model, 1, &stream)
+        },
+    ),
+    damage(
+        "stream-of-no-rows",
+        "2.9.8/5",
+        "the frame of a stream has height 0, which is to be told later and is not",
+        |file, model| {
+            let mut stream = model.stream(1)?.to_vec();
+            let at = find(&stream, 0xc0).or_else(|| find(&stream, 0xf7))?;
+            stream[at + 5..at + 7].fill(0);
+            file.with_stream(model, 1, &stream)
+        },
+    ),
+    damage(
+        "stream-without-tables",
+        "2.9.8/5",
+        "a stream lacks its first table",
+        |file, model| {
+            let mut stream = model.stream(1)?.to_vec();
+            let at = find(&stream, 0xc4)?;
+            let length = usize::from(stream[at + 2]) * 256 + usize::from(stream[at + 3]);
+            stream.drain(at..at + 2 + length);
+            file.with_stream(model, 1, &stream)
+        },
+    ),
+    damage(
+        "stream-comments",
+        "2.9.8/5",
+        "every stream has a comment",
+        |file, model| {
+            // COM of T.81 B.2.4.5, with a marker's bytes in its text.
+            file.with_streams(model, |_, stream| {
+                [
+                    &stream[..2],
+                    b"\xff\xfe\0\x09made\xff\xd9\x00",
+                    &stream[2..],
+                ]
+                .concat()
+            })
+        },
+    ),
+    damage(
+        "stream-application-data",
+        "2.9.8/5",
+        "every stream has a segment of application data",
+        |file, model| {
+            file.with_streams(model, |_, stream| {
+                [&stream[..2], b"\xff\xe5\0\x06data", &stream[2..]].concat()
+            })
+        },
+    ),
+    damage(
+        "stream-fill-bytes",
+        "2.9.8/5",
+        "fill bytes stand before a marker of every stream",
+        |file, model| {
+            // T.81 B.1.1.2.
+            file.with_streams(model, |_, stream| {
+                [&stream[..2], &[0xff, 0xff], &stream[2..]].concat()
+            })
+        },
+    ),
+    damage(
+        "stream-bytes-behind",
+        "2.9.8/5",
+        "two bytes stand behind EOI in every stream",
+        |file, model| file.with_streams(model, |_, stream| [stream, &[0, 0]].concat()),
+    ),
+    damage(
+        "stream-restart-interval-unused",
+        "2.9.8/5",
+        "every stream has a restart interval longer than its data",
+        |file, model| {
+            file.with_streams(model, |_, stream| {
+                let at = find(stream, 0xda).unwrap_or(2);
+                [
+                    &stream[..at],
+                    &[0xff, 0xdd, 0, 4, 0xff, 0xff],
+                    &stream[at..],
+                ]
+                .concat()
+            })
+        },
+    ),
 ];
+
+/// Where the marker of this code stands, before the data.
+fn find(stream: &[u8], code: u8) -> Option<usize> {
+    let mut at = 2;
+    while at + 4 <= stream.len() && stream[at + 1] != code {
+        if stream[at + 1] == 0xda {
+            return None;
+        }
+        at += 2 + usize::from(stream[at + 2]) * 256 + usize::from(stream[at + 3]);
+    }
+    (at + 4 <= stream.len()).then_some(at)
+}
+
+/// A plane of 128, by so much wider and higher than the map.
+fn gray(model: &Model, jpeg: bool, wider: i64, higher: i64) -> Vec<u8> {
+    let width = (i64::from(model.size.width) + wider) as u32;
+    let height = (i64::from(model.size.height) + higher) as u32;
+    let samples = vec![128; width as usize * height as usize];
+    if jpeg {
+        jpeg::encode(&samples, width, height, &jpeg::Options::new(75)).stream
+    } else {
+        jpeg_ls::encode(
+            &samples,
+            width,
+            height,
+            &jpeg_ls::Options {
+                near: 0,
+                presets: None,
+            },
+        )
+        .stream
+    }
+}
+
+/// A gray picture of the map's size with three components of full size.
+fn three_components(model: &Model) -> Option<Vec<u8>> {
+    let one = gray(model, model.is_jpeg(), 0, 0);
+    let (frame, scan) = (
+        find(&one, 0xc0).or_else(|| find(&one, 0xf7))?,
+        find(&one, 0xda)?,
+    );
+    let (end, table) = (one.len() - 2, one[frame + 12]);
+    // The frame header grows by three bytes for each component: name, sampling factors, table.
+    let header = [
+        &[one[frame], one[frame + 1], 0, 17],
+        &one[frame + 4..frame + 9],
+        &[3],
+        &[1, 0x11, table],
+        &[2, 0x11, table],
+        &[3, 0x11, table],
+    ]
+    .concat();
+    let before = [
+        &one[..frame],
+        &header,
+        &one[frame + 2 + usize::from(one[frame + 3])..scan],
+    ]
+    .concat();
+    let data = |component: u8| {
+        let mut data = one[scan..end].to_vec();
+        data[5] = component;
+        data
+    };
+    // A scan for each, which both standards allow.
+    Some([before, data(1), data(2), data(3), one[end..].to_vec()].concat())
+}
+
+/// What damages ask of a compressed map.
+impl Model {
+    fn compressed(&self) -> Option<&Compressed> {
+        self.compressed.as_ref()
+    }
+
+    fn planes(&self) -> usize {
+        self.format.channels()
+    }
+
+    fn is_jpeg(&self) -> bool {
+        matches!(self.format, Format::JpegRgb | Format::JpegLrgb)
+    }
+
+    fn stream(&self, plane: usize) -> Option<&[u8]> {
+        Some(&self.compressed()?.planes[plane].stream)
+    }
+
+    fn stream_size(&self, plane: usize) -> Option<i64> {
+        Some(self.stream(plane)?.len() as i64)
+    }
+}
+
+impl Compressed {
+    /// The last predicted plane by rank, and its reference.
+    fn predicted(&self) -> Option<(usize, usize)> {
+        self.plan
+            .in_order()
+            .into_iter()
+            .rev()
+            .find_map(|plane| Some((plane, self.plan.reference(plane)?)))
+    }
+}
 
 /// What version 1.1 means by the payload of an LRGB file: nine bytes of each texel side by side.
 fn interleaved(model: &Model) -> Option<Model> {
@@ -582,6 +1345,58 @@ impl Written {
         header
             .chain(self.bytes[self.payload..].iter().copied())
             .collect()
+    }
+
+    fn set_number(&self, name: &str, nth: usize, number: i64) -> Option<Vec<u8>> {
+        self.replace(name, nth, number.to_string().as_bytes())
+    }
+
+    /// With another stream for a plane, and its size to match.
+    fn with_stream(&self, model: &Model, plane: usize, stream: &[u8]) -> Option<Vec<u8>> {
+        self.with_streams(model, |i, old| {
+            if i == plane {
+                stream.to_vec()
+            } else {
+                old.to_vec()
+            }
+        })
+    }
+
+    /// With other streams, and their sizes to match.
+    fn with_streams(
+        &self,
+        model: &Model,
+        stream: impl Fn(usize, &[u8]) -> Vec<u8>,
+    ) -> Option<Vec<u8>> {
+        let planes = &model.compressed.as_ref()?.planes;
+        let streams: Vec<Vec<u8>> = planes
+            .iter()
+            .enumerate()
+            .map(|(i, plane)| stream(i, &plane.stream))
+            .collect();
+        let sizes: Vec<String> = streams
+            .iter()
+            .map(|stream| stream.len().to_string())
+            .collect();
+        let sizes = sizes
+            .iter()
+            .enumerate()
+            .map(|(i, size)| ("compressed sizes", i, size.as_bytes()));
+        let streams = streams
+            .iter()
+            .enumerate()
+            .map(|(i, stream)| ("plane", i, &stream[..]));
+        self.replace_all(&sizes.chain(streams).collect::<Vec<_>>())
+    }
+
+    /// With these bytes as all the side information of a plane, and their number to match.
+    fn with_side_information(&self, model: &Model, plane: usize, bytes: &[u8]) -> Option<Vec<u8>> {
+        model.compressed.as_ref()?;
+        let size = bytes.len().to_string();
+        self.replace_all(&[
+            ("side sizes", plane, size.as_bytes()),
+            ("side information", plane, bytes),
+        ])
     }
 
     /// With another index for a texel, counted as stored.

@@ -32,8 +32,17 @@ mod indices;
 /// §2.9 Compressed Data
 mod compressed;
 
+/// §2.9.2–2.9.5 Transforms, Motion Vectors, Order, Reference Planes
+mod predict;
+
+/// §2.9.8 Compressed Coefficient Planes
+mod planes;
+
 /// What to write: format, size, scene, numbers, spelling.
 pub mod recipe;
+
+/// How planes are compressed: structure, transforms, motion, side information, streams.
+pub mod plan;
 
 /// Every legal way to write the same header.
 pub mod spelling;
@@ -45,6 +54,7 @@ pub mod scene;
 pub mod damage;
 
 pub use damage::Damage;
+pub use plan::Compression;
 pub use recipe::{Numbers, Recipe};
 pub use scene::{Model, Scene};
 pub use spelling::Spelling;

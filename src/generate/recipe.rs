@@ -2,6 +2,7 @@
 
 use std::str::FromStr;
 
+use super::plan::{Coding, Compression};
 use super::scene::Scene;
 use super::spelling::Spelling;
 use crate::ptm::{Format, Size};
@@ -64,6 +65,8 @@ pub struct Recipe {
     pub entries: u32,
     /// Which of them are used.
     pub indices: Indices,
+    /// How planes are compressed (2.9); unused elsewhere.
+    pub compression: Compression,
     /// The very first byte of the payload, if it matters.
     pub first: Option<u8>,
     /// How the header is written.
@@ -91,15 +94,30 @@ impl Recipe {
                 .expect(numbers),
             entries: 7,
             indices: Indices::Any,
+            compression: Compression::ordinary(format),
             first: None,
             spelling: Spelling::default(),
+        }
+    }
+
+    /// Which standard the planes of a compressed format are streams of.
+    #[must_use]
+    pub fn coding(&self) -> Coding {
+        match self.format {
+            Format::JpegRgb | Format::JpegLrgb => Coding::Jpeg,
+            _ => Coding::JpegLs,
         }
     }
 
     /// What keeps this recipe from being written, if anything does.
     pub fn check(&self) -> Result<(), String> {
         if self.format.is_compressed() {
-            return Err(format!("{} is not written yet", self.format));
+            self.compression.check(self.coding(), self.size)?;
+            if self.first.is_some() {
+                return Err(
+                    "the first byte of a compressed payload is that of its first stream".to_owned(),
+                );
+            }
         }
         if self.format.has_table() && !(1..=1 << 20).contains(&self.entries) {
             return Err(format!(

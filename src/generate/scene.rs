@@ -5,6 +5,8 @@
 
 use std::str::FromStr;
 
+use super::plan::Compression;
+use super::planes;
 use super::recipe::{Indices, Recipe};
 use crate::ptm::{Format, Size};
 
@@ -25,12 +27,22 @@ pub enum Scene {
     Unlit,
     /// As unlit, and Cr equals a5: luminance and Cr are one under scale 1 and bias 0.
     LuminanceIsCr,
+    /// Every sample its own pseudo-random byte from 96 to 159, far from both ends.
+    Soft,
+    /// As noise, within two rings of one value.
+    Framed(u8),
+    /// One value along every line from the bottom left to the top right; across, four values in turn.
+    Diagonals,
+    /// Two values in turn, column by column; their sum is odd.
+    Columns,
+    /// Two values in turn, row by row; their sum is odd.
+    Rows,
 }
 
 impl FromStr for Scene {
     type Err = String;
 
-    /// `noise`, `extremes`, `ramp`, `stripes`, `flat-200`, `unlit`, `luminance-is-cr`.
+    /// `noise`, `extremes`, `ramp`, `stripes`, `flat-200`, `unlit`, `luminance-is-cr`, `soft`, `framed-128`, `diagonals`, `columns`, `rows`.
     fn from_str(name: &str) -> Result<Scene, String> {
         Ok(match name {
             "noise" => Scene::Noise,
@@ -39,11 +51,19 @@ impl FromStr for Scene {
             "stripes" => Scene::Stripes,
             "unlit" => Scene::Unlit,
             "luminance-is-cr" => Scene::LuminanceIsCr,
+            "soft" => Scene::Soft,
+            "diagonals" => Scene::Diagonals,
+            "columns" => Scene::Columns,
+            "rows" => Scene::Rows,
             _ => {
-                let value = name
-                    .strip_prefix("flat-")
-                    .and_then(|value| value.parse().ok());
-                Scene::Flat(value.ok_or_else(|| format!("unknown scene {name:?}"))?)
+                let value = |prefix| {
+                    name.strip_prefix(prefix)
+                        .and_then(|value| value.parse().ok())
+                };
+                let scene = value("flat-")
+                    .map(Scene::Flat)
+                    .or(value("framed-").map(Scene::Framed));
+                scene.ok_or_else(|| format!("unknown scene {name:?}"))?
             }
         })
     }
@@ -68,6 +88,40 @@ pub struct Model {
     pub bias: [f64; 6],
     /// The sixteen numbers of the matrix, columns first.
     pub matrix: [f64; 16],
+    /// The streams of a compressed format.
+    pub compressed: Option<Compressed>,
+    /// For each of the samples, how far another inverse DCT may be off, counted around the circle of 256 values; empty
+    /// where none can be.
+    pub slack: Vec<u8>,
+}
+
+/// What a compressed file holds (2.9).
+#[derive(Clone, Debug, PartialEq)]
+pub struct Compressed {
+    /// The lists.
+    pub plan: Compression,
+    /// The planes, in their own order.
+    pub planes: Vec<StoredPlane>,
+}
+
+/// A plane as it is stored (2.9.8).
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct StoredPlane {
+    /// The JPEG or JPEG-LS stream.
+    pub stream: Vec<u8>,
+    /// Positions in the stored raster, and values.
+    pub records: Vec<(u32, u8)>,
+}
+
+impl StoredPlane {
+    /// Five bytes a record: the position, high byte first, and the value (clauses 2.9.8/7–8).
+    #[must_use]
+    pub fn side_information(&self) -> Vec<u8> {
+        self.records
+            .iter()
+            .flat_map(|&(position, value)| [&position.to_be_bytes()[..], &[value]].concat())
+            .collect()
+    }
 }
 
 impl Model {
@@ -87,8 +141,17 @@ impl Model {
             scale: recipe.scale.values,
             bias: recipe.bias.values,
             matrix: recipe.matrix.values,
+            compressed: None,
+            slack: Vec::new(),
         };
-        if recipe.format.has_table() {
+        if recipe.format.is_compressed() {
+            let planes::Encoding {
+                samples,
+                slack,
+                compressed,
+            } = planes::encode(recipe);
+            (model.samples, model.slack, model.compressed) = (samples, slack, Some(compressed));
+        } else if recipe.format.has_table() {
             model.paint_table(recipe);
         } else if let Some(first) = recipe.first {
             // The payload begins with a0 of the bottom left texel.
@@ -173,18 +236,61 @@ impl Model {
             .map(|value| value.clamp(0.0, 255.0))
             .collect()
     }
+
+    /// How far each of the final values may be off where inverse DCTs differ; empty where none may.
+    #[must_use]
+    pub fn coefficient_slack(&self) -> Vec<f64> {
+        let channels = self.format.channels();
+        let polynomials = if channels == 18 { 18 } else { 6 };
+        let slack = |(i, &slack): (usize, &u8)| match i % channels {
+            channel if channel < polynomials => f64::from(slack) * self.scale[channel % 6].abs(),
+            _ => f64::from(slack),
+        };
+        self.slack.iter().enumerate().map(slack).collect()
+    }
+
+    /// How far each color may be off; empty where none may.
+    #[must_use]
+    pub fn picture_slack(&self, u: f64, v: f64) -> Vec<f64> {
+        let powers = [u * u, v * v, u * v, u, v, 1.0];
+        let sum = |a: &[f64], weigh: fn(f64) -> f64| {
+            a.iter()
+                .zip(powers)
+                .map(|(a, power)| weigh(a * power))
+                .sum::<f64>()
+        };
+        let color = |(values, slack): (&[f64], &[f64])| match values.len() {
+            18 => [0, 6, 12].map(|channel| sum(&slack[channel..channel + 6], f64::abs)),
+            _ => {
+                // The largest that a product can be off where both factors are.
+                let (luminance, off) = (
+                    sum(&values[..6], |term| term).abs(),
+                    sum(&slack[..6], f64::abs),
+                );
+                [6, 7, 8].map(|channel| {
+                    (off * (values[channel] + slack[channel]) + luminance * slack[channel]) / 255.0
+                })
+            }
+        };
+        let channels = self.format.channels();
+        let (values, slack) = (self.coefficients(), self.coefficient_slack());
+        values
+            .chunks_exact(channels)
+            .zip(slack.chunks_exact(channels))
+            .flat_map(color)
+            .collect()
+    }
 }
 
 /// The painted byte of a channel of a texel, or of an entry.
-fn sample(recipe: &Recipe, texel: usize, channel: usize) -> u8 {
+pub(super) fn sample(recipe: &Recipe, texel: usize, channel: usize) -> u8 {
+    let (width, height) = (recipe.size.width as usize, recipe.size.height as usize);
+    let (x, y) = (texel % width, texel / width);
     let noise = hash(recipe.seed, texel, channel) as u8;
     match recipe.scene {
         Scene::Noise => noise,
         Scene::Extremes => noise % 2 * 255,
-        Scene::Ramp => {
-            let width = recipe.size.width as usize;
-            (texel % width * 7 + texel / width * 29 + channel * 53 + recipe.seed as usize) as u8
-        }
+        Scene::Ramp => (x * 7 + y * 29 + channel * 53 + recipe.seed as usize) as u8,
         Scene::Stripes => (10 + channel * 13 + recipe.seed as usize) as u8,
         Scene::Flat(value) => value,
         Scene::Unlit if channel < 5 => 128,
@@ -192,6 +298,23 @@ fn sample(recipe: &Recipe, texel: usize, channel: usize) -> u8 {
         Scene::LuminanceIsCr if channel < 5 => 128,
         Scene::LuminanceIsCr if channel == 6 => hash(recipe.seed, texel, 5) as u8,
         Scene::LuminanceIsCr => noise,
+        Scene::Framed(value) if x.min(y) < 2 || x + 2 >= width || y + 2 >= height => value,
+        Scene::Framed(_) => noise,
+        Scene::Soft => 96 + noise % 64,
+        // Along a line x + y is the same, because y runs downwards here.
+        Scene::Diagonals => hash(recipe.seed, (x + y) % 4, channel) as u8,
+        Scene::Columns => two(recipe.seed, x, channel),
+        Scene::Rows => two(recipe.seed, y, channel),
+    }
+}
+
+/// One of two bytes of different parity, in turn.
+fn two(seed: u32, place: usize, channel: usize) -> u8 {
+    let even = hash(seed, 0, channel) as u8;
+    if place % 2 == 0 {
+        even
+    } else {
+        hash(seed, 1, channel) as u8 & 0xfe | !even & 1
     }
 }
 
@@ -219,7 +342,7 @@ fn index(recipe: &Recipe, texel: usize) -> u32 {
 }
 
 /// A pseudo-random number for a place: the finaliser of `MurmurHash3` over seed, texel and channel.
-fn hash(seed: u32, texel: usize, channel: usize) -> u32 {
+pub(super) fn hash(seed: u32, texel: usize, channel: usize) -> u32 {
     let mut h = seed.wrapping_mul(0x9e37_79b1)
         ^ (texel as u32).wrapping_mul(0x85eb_ca77)
         ^ (channel as u32).wrapping_mul(0xc2b2_ae3d);

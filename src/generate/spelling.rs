@@ -21,11 +21,27 @@ pub enum Line {
     Count,
     /// 2.6
     Matrix,
+    /// 2.9.1
+    Parameter,
+    /// 2.9.2
+    Transforms,
+    /// 2.9.3, the first half
+    MotionX,
+    /// 2.9.3, the second half
+    MotionY,
+    /// 2.9.4
+    Order,
+    /// 2.9.5
+    References,
+    /// 2.9.6
+    Sizes,
+    /// 2.9.7
+    SideSizes,
 }
 
 impl Line {
     /// All of them, in file order.
-    pub const ALL: [Line; 8] = [
+    pub const ALL: [Line; 16] = [
         Line::Version,
         Line::Format,
         Line::Width,
@@ -34,6 +50,34 @@ impl Line {
         Line::Bias,
         Line::Count,
         Line::Matrix,
+        Line::Parameter,
+        Line::Transforms,
+        Line::MotionX,
+        Line::MotionY,
+        Line::Order,
+        Line::References,
+        Line::Sizes,
+        Line::SideSizes,
+    ];
+
+    /// What they are called.
+    const NAMES: [&str; 16] = [
+        "version",
+        "format",
+        "width",
+        "height",
+        "scale",
+        "bias",
+        "count",
+        "matrix",
+        "parameter",
+        "transforms",
+        "motion-x",
+        "motion-y",
+        "order",
+        "references",
+        "sizes",
+        "side-sizes",
     ];
 }
 
@@ -41,14 +85,11 @@ impl FromStr for Line {
     type Err = String;
 
     fn from_str(name: &str) -> Result<Line, String> {
-        let names = [
-            "version", "format", "width", "height", "scale", "bias", "count", "matrix",
-        ];
-        let position = names.iter().position(|&known| known == name);
+        let position = Line::NAMES.iter().position(|&known| known == name);
         position.map(|i| Line::ALL[i]).ok_or_else(|| {
             format!(
                 "unknown header line {name:?}; lines are {}",
-                names.join(", ")
+                Line::NAMES.join(", ")
             )
         })
     }
@@ -92,6 +133,34 @@ impl FromStr for Count {
     }
 }
 
+/// How the lists of 2.9 are split into lines.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
+pub enum Lists {
+    /// Each on its own, motion on two (ruling `list-layout`).
+    #[default]
+    Lines,
+    /// Motion on one line too (ruling `list-lines`, as for all that follow).
+    MotionOnOneLine,
+    /// All numbers on one line.
+    OneLine,
+    /// Every number on its own.
+    NumberPerLine,
+}
+
+impl FromStr for Lists {
+    type Err = String;
+
+    fn from_str(name: &str) -> Result<Lists, String> {
+        Ok(match name {
+            "lines" => Lists::Lines,
+            "motion-on-one-line" => Lists::MotionOnOneLine,
+            "one-line" => Lists::OneLine,
+            "number-per-line" => Lists::NumberPerLine,
+            _ => return Err(format!("unknown layout of lists {name:?}")),
+        })
+    }
+}
+
 /// The spelling of one file. The default is the one that every known reader accepts.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Spelling {
@@ -109,6 +178,8 @@ pub struct Spelling {
     pub newline_after_table: bool,
     /// Matrix elements on a line: 16, or 4 or 1 by ruling `lum-layout`.
     pub matrix_line: usize,
+    /// The lists of 2.9.
+    pub lists: Lists,
 }
 
 impl Default for Spelling {
@@ -121,6 +192,7 @@ impl Default for Spelling {
             count: Count::NumberWord,
             newline_after_table: false,
             matrix_line: 16,
+            lists: Lists::Lines,
         }
     }
 }

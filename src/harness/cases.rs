@@ -9,6 +9,8 @@ use std::sync::Arc;
 
 use serde::Deserialize;
 
+use crate::codec::jpeg_ls::Presets;
+use crate::generate::plan::{Coding, Compression, Records, Residuals, Structure};
 use crate::generate::recipe::Indices;
 use crate::generate::spelling::{Count, Line};
 use crate::generate::{Damage, Model, Recipe, write};
@@ -40,6 +42,22 @@ const CASE_FILES: &[(&str, &str)] = &[
     (
         "texels.yaml",
         include_str!("../../spec-cases/cases/texels.yaml"),
+    ),
+    (
+        "compressed.yaml",
+        include_str!("../../spec-cases/cases/compressed.yaml"),
+    ),
+    (
+        "prediction.yaml",
+        include_str!("../../spec-cases/cases/prediction.yaml"),
+    ),
+    (
+        "side-information.yaml",
+        include_str!("../../spec-cases/cases/side-information.yaml"),
+    ),
+    (
+        "streams.yaml",
+        include_str!("../../spec-cases/cases/streams.yaml"),
     ),
     (
         "evaluate.yaml",
@@ -114,6 +132,31 @@ pub enum Kind {
     Lenient,
 }
 
+/// What a case asks of a decoder, as it is written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+enum Asked {
+    Decode,
+    Reject,
+    Refuse,
+    Lenient,
+    Spelling,
+    /// As lenient, and every picture is right: only a crash or a hang is wrong.
+    Robust,
+}
+
+impl Asked {
+    fn expect(self) -> Expect {
+        match self {
+            Asked::Decode => Expect::Decode,
+            Asked::Reject => Expect::Reject,
+            Asked::Refuse => Expect::Refuse,
+            Asked::Lenient | Asked::Robust => Expect::Lenient,
+            Asked::Spelling => Expect::Spelling,
+        }
+    }
+}
+
 /// What a case asks of a decoder.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "lowercase")]
@@ -157,12 +200,16 @@ pub struct Case {
     pub ruling: Option<String>,
     /// What is asked.
     pub expect: Expect,
+    /// Whether every picture is right, because the damage leaves nothing that one could be held against.
+    pub any_picture: bool,
     /// The views that can decide it, best first.
     pub views: Vec<View>,
     /// Whether it is asked in every view before all others.
     pub first: bool,
     /// The accepted file of which this one is an edit.
     pub twin_of: Option<String>,
+    /// The open choices that show in it, where the case says so itself.
+    shows: Option<Vec<String>>,
     source: Source,
     /// The file in the ordinary spelling, where it has been made ahead.
     prepared: Option<Arc<Built>>,
@@ -171,7 +218,7 @@ pub struct Case {
 #[derive(Clone, Debug)]
 enum Source {
     Recipe {
-        recipe: Box<Recipe>,
+        recipe: Recipe,
         damage: Option<&'static str>,
     },
     Hand {
@@ -199,6 +246,8 @@ pub enum Values {
     Painted(Model),
     /// Worked out by hand.
     Hand(HandValues),
+    /// Whatever a decoder makes of it.
+    Any,
     /// Nothing: the file is to be refused.
     None,
 }
@@ -264,6 +313,14 @@ pub enum Feature {
     LargeTables,
     /// The rgb view of LUM files.
     LumColor,
+    /// Planes that are predicted from others.
+    Prediction,
+    /// References that are inverted.
+    Inversion,
+    /// References that are moved.
+    Motion,
+    /// Corrections behind the planes.
+    SideInformation,
 }
 
 impl fmt::Display for Feature {
@@ -272,6 +329,10 @@ impl fmt::Display for Feature {
             Feature::Format(format) => f.write_str(format.short_name()),
             Feature::LargeTables => f.write_str("tables over 256 entries"),
             Feature::LumColor => f.write_str("rgb of LUM"),
+            Feature::Prediction => f.write_str("prediction"),
+            Feature::Inversion => f.write_str("inversion"),
+            Feature::Motion => f.write_str("motion compensation"),
+            Feature::SideInformation => f.write_str("side information"),
         }
     }
 }
@@ -337,7 +398,42 @@ impl Case {
         if self.format() == Format::Lum && matches!(view, View::Rgb(_)) {
             features.insert(Feature::LumColor);
         }
+        if let Some(plan) = self.compression() {
+            let needs = [
+                (Feature::Prediction, plan.predicts()),
+                (Feature::Inversion, plan.inverts()),
+                (Feature::Motion, plan.moves()),
+                (Feature::SideInformation, !plan.records.is_empty()),
+            ];
+            features.extend(
+                needs
+                    .into_iter()
+                    .filter(|&(_, needed)| needed)
+                    .map(|(feature, _)| feature),
+            );
+        }
         features
+    }
+
+    /// How the planes are compressed, where they are and the generator wrote them.
+    #[must_use]
+    pub fn compression(&self) -> Option<&Compression> {
+        self.recipe()
+            .filter(|recipe| recipe.format.is_compressed())
+            .map(|recipe| &recipe.compression)
+    }
+
+    /// The open choices of 2.9 that show in the stored values of this file: rulings of kind *choice*. Under any reading
+    /// of the others its values are the reference's.
+    #[must_use]
+    pub fn axes(&self) -> Vec<&str> {
+        match (&self.shows, self.recipe()) {
+            (Some(shows), _) => shows.iter().map(String::as_str).collect(),
+            (None, Some(recipe)) if recipe.format.is_compressed() => {
+                recipe.compression.axes(recipe.coding())
+            }
+            _ => Vec::new(),
+        }
     }
 
     /// Makes the file and its values.
@@ -355,7 +451,7 @@ impl Case {
     fn make(&self, table: TableSpelling) -> Built {
         match &self.source {
             Source::Recipe { recipe, damage } => {
-                let mut recipe = Recipe::clone(recipe);
+                let mut recipe = recipe.clone();
                 if self.expect != Expect::Spelling {
                     recipe.spelling.count = table.count;
                     recipe.spelling.newline_after_table = table.newline;
@@ -374,6 +470,7 @@ impl Case {
                             .expect("checked when the suite was loaded");
                         let values = match self.expect {
                             Expect::Reject | Expect::Refuse => Values::None,
+                            Expect::Lenient if self.any_picture => Values::Any,
                             _ => Values::Painted(damage.values(&model)),
                         };
                         Built {
@@ -502,8 +599,14 @@ impl Suite {
 /// # Errors
 /// A sentence that names the line at fault.
 pub fn clauses() -> Result<Vec<Clause>, String> {
-    serde_saphyr::from_str(include_str!("../../spec-cases/clauses.yaml"))
-        .map_err(|error| format!("clauses.yaml: {error}"))
+    let files = [
+        ("clauses.yaml", include_str!("../../spec-cases/clauses.yaml")),
+        ("clauses-2.9.yaml", include_str!("../../spec-cases/clauses-2.9.yaml")),
+    ];
+    let read = |(name, text): (&str, &str)| {
+        serde_saphyr::from_str::<Vec<Clause>>(text).map_err(|error| format!("{name}: {error}"))
+    };
+    Ok(files.into_iter().map(read).collect::<Result<Vec<_>, _>>()?.concat())
 }
 
 /// The rulings of the reference.
@@ -530,7 +633,9 @@ struct CaseRecord {
     values: Option<HandValues>,
     twin_of: Option<String>,
     damage: Option<String>,
-    expect: Expect,
+    /// Rulings, parted by spaces; `none` for none.
+    shows: Option<String>,
+    expect: Asked,
     views: Option<Vec<String>>,
     #[serde(default)]
     first: bool,
@@ -551,7 +656,32 @@ struct MakeRecord {
     indices: Option<String>,
     first_byte: Option<String>,
     #[serde(default)]
+    compression: CompressionRecord,
+    #[serde(default)]
     spelling: SpellingRecord,
+}
+
+/// How planes are compressed, as it is written: what differs from the ordinary way.
+#[derive(Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct CompressionRecord {
+    parameter: Option<String>,
+    structure: Option<String>,
+    references: Option<String>,
+    order: Option<String>,
+    /// These three go round and round.
+    transforms: Option<String>,
+    motion_x: Option<String>,
+    motion_y: Option<String>,
+    /// Whether planes that are not predicted have transforms and vectors too.
+    everywhere: Option<String>,
+    records: Option<String>,
+    residuals: Option<String>,
+    restart_interval: Option<String>,
+    optimised_tables: Option<String>,
+    baseline: Option<String>,
+    sampling: Option<String>,
+    presets: Option<String>,
 }
 
 /// A spelling as it is written: what differs from the plain one.
@@ -568,6 +698,7 @@ struct SpellingRecord {
     count: Option<String>,
     newline_after_table: Option<String>,
     matrix_line: Option<String>,
+    lists: Option<String>,
 }
 
 type Bindings<'a> = Vec<(&'a str, &'a str)>;
@@ -620,7 +751,7 @@ impl CaseRecord {
             .collect::<Result<Vec<View>, _>>()?;
         let source = match (&self.make, &self.bytes, &twin_of) {
             (Some(make), None, None) => Source::Recipe {
-                recipe: Box::new(make.recipe(&fill)?),
+                recipe: make.recipe(&fill)?,
                 damage: None,
             },
             (None, Some(pieces), None) => hand_assembled(pieces, self.values.as_ref())?,
@@ -642,13 +773,13 @@ impl CaseRecord {
                     .apply(&write(&recipe, &model), &model)
                     .ok_or_else(|| format!("damage {name} has no place in {twin}"))?;
                 Source::Recipe {
-                    recipe: Box::new(recipe),
+                    recipe,
                     damage: Some(damage.name),
                 }
             }
             _ => return Err("a case has one of make, bytes and twin_of".to_owned()),
         };
-        if self.expect == Expect::Spelling && self.make.is_none() {
+        if self.expect == Asked::Spelling && self.make.is_none() {
             return Err("a case that expects a spelling is made by a recipe".to_owned());
         }
         let usual_views = || match (&source, &self.values, twin_of.as_deref().and_then(&parent)) {
@@ -656,6 +787,27 @@ impl CaseRecord {
             (_, _, Some(twin)) => Ok(twin.views.clone()),
             _ => Ok(vec![View::Raw, View::Coef, View::ORDINARY_LIGHT.parse()?]),
         };
+        let views = if views.is_empty() {
+            usual_views()?
+        } else {
+            views
+        };
+        if let Source::Recipe { recipe, .. } = &source {
+            check_views(recipe, &views)?;
+        }
+        let shows = self.shows.as_ref().map(|shows| {
+            fill(shows)
+                .split_whitespace()
+                .filter(|&axis| axis != "none")
+                .map(str::to_owned)
+                .collect()
+        });
+        let shows = shows.or_else(|| {
+            twin_of
+                .as_deref()
+                .and_then(&parent)
+                .and_then(|twin| twin.shows.clone())
+        });
         Ok(Case {
             id: id.to_owned(),
             clauses: self.clauses.clone(),
@@ -664,14 +816,12 @@ impl CaseRecord {
                 .collect::<Vec<_>>()
                 .join(" "),
             ruling: self.ruling.clone(),
-            expect: self.expect,
-            views: if views.is_empty() {
-                usual_views()?
-            } else {
-                views
-            },
+            expect: self.expect.expect(),
+            any_picture: self.expect == Asked::Robust,
+            views,
             first: self.first,
             twin_of,
+            shows,
             source,
             prepared: None,
         })
@@ -680,13 +830,6 @@ impl CaseRecord {
 
 impl MakeRecord {
     fn recipe(&self, fill: &impl Fn(&String) -> String) -> Result<Recipe, String> {
-        fn number<T: std::str::FromStr>(name: &str, text: &str) -> Result<T, String> {
-            let digits = text.strip_prefix("0x").map_or_else(
-                || text.parse().ok(),
-                |hex| u32::from_str_radix(hex, 16).ok()?.to_string().parse().ok(),
-            );
-            digits.ok_or_else(|| format!("expected a number for {name}, found {text:?}"))
-        }
         let size: Size = fill(&self.size).parse()?;
         let mut recipe = Recipe::ordinary(fill(&self.format).parse()?, size);
         if let Some(scene) = &self.scene {
@@ -710,6 +853,7 @@ impl MakeRecord {
         if let Some(indices) = &self.indices {
             recipe.indices = parse_indices(&fill(indices))?;
         }
+        self.compression.apply(&mut recipe, fill)?;
         if let Some(first) = &self.first_byte {
             recipe.first = Some(number("first_byte", &fill(first))?);
         }
@@ -746,8 +890,125 @@ impl MakeRecord {
         if let Some(line) = &self.spelling.matrix_line {
             spelling.matrix_line = number("matrix_line", &fill(line))?;
         }
+        if let Some(lists) = &self.spelling.lists {
+            spelling.lists = fill(lists).parse()?;
+        }
         recipe.check()?;
         Ok(recipe)
+    }
+}
+
+impl CompressionRecord {
+    fn apply(&self, recipe: &mut Recipe, fill: &impl Fn(&String) -> String) -> Result<(), String> {
+        let filled = |field: &Option<String>| field.as_ref().map(fill);
+        let plan = &mut recipe.compression;
+        if let Some(parameter) = filled(&self.parameter) {
+            plan.parameter = number("parameter", &parameter)?;
+        }
+        if let Some(structure) = filled(&self.structure) {
+            plan.set_structure(structure.parse::<Structure>()?);
+        }
+        if let Some(references) = filled(&self.references) {
+            plan.references = numbers("references", &references)?;
+        }
+        if let Some(order) = filled(&self.order) {
+            plan.order = numbers("order", &order)?;
+        }
+        if plan.references.len() != recipe.format.channels()
+            || plan.order.len() != recipe.format.channels()
+        {
+            return Err(format!(
+                "references and order have {} numbers in this format",
+                recipe.format.channels()
+            ));
+        }
+        let everywhere = filled(&self.everywhere).is_some_and(|everywhere| everywhere == "true");
+        if let Some(transforms) = filled(&self.transforms) {
+            plan.transforms = plan.cycled(&numbers("transforms", &transforms)?, everywhere);
+        }
+        if let Some(motion) = filled(&self.motion_x) {
+            plan.motion_x = plan.cycled(&numbers("motion_x", &motion)?, everywhere);
+        }
+        if let Some(motion) = filled(&self.motion_y) {
+            plan.motion_y = plan.cycled(&numbers("motion_y", &motion)?, everywhere);
+        }
+        if let Some(records) = filled(&self.records) {
+            plan.records = records
+                .split_whitespace()
+                .map(str::parse::<Records>)
+                .collect::<Result<_, _>>()?;
+        }
+        if let Some(residuals) = filled(&self.residuals) {
+            plan.residuals = residuals.parse::<Residuals>()?;
+        }
+        let stream = &mut plan.stream;
+        if let Some(interval) = filled(&self.restart_interval) {
+            stream.restart_interval = number("restart_interval", &interval)?;
+        }
+        if let Some(optimised) = filled(&self.optimised_tables) {
+            stream.optimised = optimised == "true";
+        }
+        if let Some(baseline) = filled(&self.baseline) {
+            stream.baseline = baseline == "true";
+        }
+        if let Some(sampling) = filled(&self.sampling) {
+            let (across, down) = sampling
+                .split_once('x')
+                .ok_or("sampling factors are written 2x1")?;
+            stream.sampling = (number("sampling", across)?, number("sampling", down)?);
+        }
+        if let Some(presets) = filled(&self.presets) {
+            let list: Vec<u16> = numbers("presets", &presets)?;
+            let [maxval, t1, t2, t3, reset] = list
+                .try_into()
+                .map_err(|_| "presets are MAXVAL T1 T2 T3 RESET".to_owned())?;
+            stream.presets = Some(Presets {
+                maxval,
+                t1,
+                t2,
+                t3,
+                reset,
+            });
+        }
+        Ok(())
+    }
+}
+
+fn number<T: std::str::FromStr>(name: &str, text: &str) -> Result<T, String> {
+    let digits = text.strip_prefix("0x").map_or_else(
+        || text.parse().ok(),
+        |hex| u32::from_str_radix(hex, 16).ok()?.to_string().parse().ok(),
+    );
+    digits.ok_or_else(|| format!("expected a number for {name}, found {text:?}"))
+}
+
+/// At least one number.
+fn numbers<T: std::str::FromStr>(name: &str, text: &str) -> Result<Vec<T>, String> {
+    match text
+        .split_whitespace()
+        .map(|word| number(name, word))
+        .collect::<Result<Vec<T>, String>>()?
+    {
+        list if list.is_empty() => Err(format!("expected numbers for {name}")),
+        list => Ok(list),
+    }
+}
+
+/// A sample that another inverse DCT may turn from 255 to 0 is to be seen raw only, where the distance between the two
+/// is one.
+fn check_views(recipe: &Recipe, views: &[View]) -> Result<(), String> {
+    let lossy = recipe.format.is_compressed()
+        && recipe.coding() == Coding::Jpeg
+        && recipe.compression.residuals == Residuals::Natural;
+    if !lossy || views.iter().all(|view| *view == View::Raw) {
+        return Ok(());
+    }
+    let model = Model::paint(recipe);
+    let near_the_edge =
+        |(&sample, &slack): (&u8, &u8)| slack > 0 && (sample < slack || 255 - sample < slack);
+    match model.samples.iter().zip(&model.slack).any(near_the_edge) {
+        true => Err("its samples come too close to 0 or 255 for any view but raw".to_owned()),
+        false => Ok(()),
     }
 }
 

@@ -183,9 +183,7 @@ pub fn concerned(case: &Case, view: &View) -> Vec<Axis> {
         Format::Lum if matches!(view, View::Rgb(_)) => {
             axes(&["lum-vector", "lum-major", "lum-range"])
         }
-        // TODO(2.9 cases): for the compressed formats, `axes(&case.axes())`: the rulings whose features the recipe exercises.
-        // Until there are such recipes no compressed case shows a choice.
-        _ => Vec::new(),
+        _ => axes(&case.axes()),
     }
 }
 

@@ -1,7 +1,8 @@
 //! Expected against received.
 //!
-//! - raw: equal.
-//! - coef: |a − b| ≤ 1e-5 · max(|a|, |b|) + 1e-6, room for one rounding to `f32` and a product in `f32`.
+//! - raw: equal; of lossy JPEG planes on which inverse DCTs may differ, within the model's slack, around the circle of 256
+//!   values.
+//! - coef: |a − b| ≤ 1e-5 · max(|a|, |b|) + 1e-6, room for one rounding to `f32` and a product in `f32`; and that slack.
 //! - rgb: the byte within 1 + 1/64 of the exact color, room for any rounding and for arithmetic in `f32`.
 
 use std::fmt;
@@ -22,6 +23,8 @@ pub struct Expected {
     pub channels: usize,
     /// `height * width * channels` of them; colors are not rounded.
     pub values: ExpectedValues,
+    /// How far each may be off because inverse DCTs differ; empty where none may.
+    pub slack: Vec<f64>,
 }
 
 /// The samples that a frame should hold.
@@ -40,18 +43,31 @@ impl Expected {
     #[must_use]
     pub fn of(values: &Values, view: &View) -> Option<Expected> {
         match values {
-            Values::None => None,
+            Values::None | Values::Any => None,
             Values::Painted(model) => {
                 let channels = model.format.channels();
-                let (channels, values) = match view {
-                    View::Raw => (channels, ExpectedValues::Raw(model.samples.clone())),
-                    View::Coef => (channels, ExpectedValues::Coef(model.coefficients())),
-                    View::Rgb(light) => (3, ExpectedValues::Rgb(model.picture(light.lu, light.lv))),
+                let (channels, values, slack) = match view {
+                    View::Raw => (
+                        channels,
+                        ExpectedValues::Raw(model.samples.clone()),
+                        model.slack.iter().map(|&slack| f64::from(slack)).collect(),
+                    ),
+                    View::Coef => (
+                        channels,
+                        ExpectedValues::Coef(model.coefficients()),
+                        model.coefficient_slack(),
+                    ),
+                    View::Rgb(light) => (
+                        3,
+                        ExpectedValues::Rgb(model.picture(light.lu, light.lv)),
+                        model.picture_slack(light.lu, light.lv),
+                    ),
                 };
                 Some(Expected {
                     size: model.size,
                     channels,
                     values,
+                    slack,
                 })
             }
             Values::Hand(hand) => {
@@ -79,6 +95,7 @@ impl Expected {
                     size,
                     channels: count / size.texels(),
                     values,
+                    slack: Vec::new(),
                 })
             }
         }
@@ -109,6 +126,7 @@ impl Expected {
             size: header.size,
             channels,
             values,
+            slack: Vec::new(),
         })
     }
 
@@ -135,10 +153,15 @@ impl Expected {
             (ExpectedValues::Raw(expected), Samples::U8(received)) => self.difference(
                 expected.len(),
                 |i| (f64::from(expected[i]), f64::from(received[i])),
-                |a, b| a == b,
+                |a, b, slack| {
+                    let apart = (a - b).abs();
+                    apart.min(256.0 - apart) <= slack
+                },
             ),
             (ExpectedValues::Coef(expected), Samples::F32(received)) => {
-                let near = |a: f64, b: f64| (a - b).abs() <= 1e-5 * a.abs().max(b.abs()) + 1e-6;
+                let near = |a: f64, b: f64, slack: f64| {
+                    (a - b).abs() <= 1e-5 * a.abs().max(b.abs()) + 1e-6 + slack
+                };
                 self.difference(
                     expected.len(),
                     |i| (expected[i], f64::from(received[i])),
@@ -146,7 +169,7 @@ impl Expected {
                 )
             }
             (ExpectedValues::Rgb(expected), Samples::U8(received)) => {
-                let near = |a: f64, b: f64| (a - b).abs() <= 1.0 + 1.0 / 64.0;
+                let near = |a: f64, b: f64, slack: f64| (a - b).abs() <= 1.0 + 1.0 / 64.0 + slack;
                 self.difference(
                     expected.len(),
                     |i| (expected[i], f64::from(received[i])),
@@ -185,11 +208,15 @@ impl Expected {
         &self,
         samples: usize,
         pair: impl Fn(usize) -> (f64, f64),
-        near: impl Fn(f64, f64) -> bool,
+        near: impl Fn(f64, f64, f64) -> bool,
     ) -> Option<Difference> {
         let mut wrong = (0..samples).filter(|&i| {
             let (expected, received) = pair(i);
-            !near(expected, received)
+            !near(
+                expected,
+                received,
+                self.slack.get(i).copied().unwrap_or_default(),
+            )
         });
         let first = wrong.next()?;
         let texel = first / self.channels;

@@ -1,0 +1,511 @@
+//! How planes are compressed: the lists of §2.9 and what is to be seen in the planes behind them.
+
+use std::str::FromStr;
+
+use super::predict::{INVERSION, MOTION};
+use crate::codec::jpeg_ls::Presets;
+use crate::ptm::{Format, Size};
+
+/// Which standard the planes are streams of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Coding {
+    /// ITU-T T.81.
+    Jpeg,
+    /// ITU-T T.87.
+    JpegLs,
+}
+
+/// How planes are compressed. All lists have a number for each plane.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Compression {
+    /// Quality of JPEG, largest loss of JPEG-LS (2.9.1).
+    pub parameter: u8,
+    /// What is done to the reference (2.9.2).
+    pub transforms: Vec<u32>,
+    /// Motion along rows, in half texels (2.9.3).
+    pub motion_x: Vec<i32>,
+    /// Motion across rows, in half texels.
+    pub motion_y: Vec<i32>,
+    /// The rank of each plane (2.9.4).
+    pub order: Vec<i64>,
+    /// The plane that each is predicted from; negative for none (2.9.5).
+    pub references: Vec<i64>,
+    /// Side information beyond what is needed (2.9.8).
+    pub records: Vec<Records>,
+    /// What is painted: the planes, or what is left of them.
+    pub residuals: Residuals,
+    /// The spelling of the streams.
+    pub stream: Stream,
+}
+
+/// Choices that JPEG and JPEG-LS leave to a writer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Stream {
+    /// JPEG: blocks between restart markers; 0 for none.
+    pub restart_interval: u16,
+    /// JPEG: Huffman tables made for the plane.
+    pub optimised: bool,
+    /// JPEG: no divisor over 255; without, low qualities have 16-bit tables.
+    pub baseline: bool,
+    /// JPEG: the two sampling factors of the one component.
+    pub sampling: (u8, u8),
+    /// JPEG-LS: preset parameters.
+    pub presets: Option<Presets>,
+}
+
+/// What is painted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Residuals {
+    /// The scene's samples, as planes; the residual is what prediction leaves.
+    Natural,
+    /// Residuals, in 8×8 blocks of one pseudo-random value that every inverse DCT gives back.
+    Blocks,
+    /// As blocks, but 128 in blocks at the edge.
+    Framed,
+    /// As blocks, but those of predicted planes make −1, 0, 255 or 256 of the predictor in their first texel.
+    Wraps,
+    /// 128 everywhere.
+    Gray,
+}
+
+impl FromStr for Residuals {
+    type Err = String;
+
+    fn from_str(name: &str) -> Result<Residuals, String> {
+        Ok(match name {
+            "natural" => Residuals::Natural,
+            "blocks" => Residuals::Blocks,
+            "framed" => Residuals::Framed,
+            "wraps" => Residuals::Wraps,
+            "gray" => Residuals::Gray,
+            _ => return Err(format!("unknown residuals {name:?}")),
+        })
+    }
+}
+
+/// Records of side information to write although nobody needs them.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Records {
+    planes: Planes,
+    texels: Texels,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Planes {
+    All,
+    Predicted,
+    Intra,
+    One(usize),
+}
+
+/// Texels that have a record; counted in the stored raster, from the bottom row (ruling `side-information`).
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) enum Texels {
+    First,
+    Last,
+    All,
+    /// Those at the edge.
+    Border,
+    /// The first, twice: another value, then the right one (ruling `side-twice`).
+    Twice,
+    /// These, in this order.
+    These(Vec<usize>),
+}
+
+impl FromStr for Records {
+    type Err = String;
+
+    /// `PLANES:TEXELS`, such as `all:first`, `predicted:border`, `0:all`, `3:7+4+9`.
+    fn from_str(text: &str) -> Result<Records, String> {
+        let wrong = || format!("expected records such as 0:first, found {text:?}");
+        let (planes, texels) = text.split_once(':').ok_or_else(wrong)?;
+        let planes = match planes {
+            "all" => Planes::All,
+            "predicted" => Planes::Predicted,
+            "intra" => Planes::Intra,
+            number => Planes::One(number.parse().map_err(|_| wrong())?),
+        };
+        let texels = match texels {
+            "first" => Texels::First,
+            "last" => Texels::Last,
+            "all" => Texels::All,
+            "border" => Texels::Border,
+            "twice" => Texels::Twice,
+            list => Texels::These(
+                list.split('+')
+                    .map(str::parse)
+                    .collect::<Result<_, _>>()
+                    .map_err(|_| wrong())?,
+            ),
+        };
+        Ok(Records { planes, texels })
+    }
+}
+
+/// Which plane is predicted from which, and in which order they are decoded.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Structure {
+    /// None from any other.
+    Intra,
+    /// Each from the one before it.
+    Chain,
+    /// All from plane 0.
+    Star,
+    /// A chain that leaps: plane 5k + 2 from plane 5k − 3, modulo the number of planes.
+    Deep,
+    /// Two trees of half the planes; plane k of a tree from plane (k − 1) / 2 of it.
+    TwoTrees,
+    /// Every third plane intra, the two after it from it.
+    SharedReference,
+    /// Each from the one after it; the last is intra.
+    Upward,
+    /// All from the plane of rank 0; ranks begin in the middle, so that the order is not its own inverse.
+    Rotated,
+    /// As the one real file has it, a clay tablet.
+    Tablet,
+    /// As star, and the dependants have one rank (ruling `ranks`).
+    EqualRanks,
+    /// As chain, with ranks 0, 10, 20 … (ruling `ranks`).
+    Gaps,
+    /// As chain, with ranks from 1 (ruling `ranks`).
+    NoRankZero,
+    /// None from any other, written −2 (ruling `ranks`).
+    BelowMinusOne,
+}
+
+impl FromStr for Structure {
+    type Err = String;
+
+    fn from_str(name: &str) -> Result<Structure, String> {
+        Ok(match name {
+            "intra" => Structure::Intra,
+            "chain" => Structure::Chain,
+            "star" => Structure::Star,
+            "deep" => Structure::Deep,
+            "two-trees" => Structure::TwoTrees,
+            "shared-reference" => Structure::SharedReference,
+            "upward" => Structure::Upward,
+            "rotated" => Structure::Rotated,
+            "tablet" => Structure::Tablet,
+            "equal-ranks" => Structure::EqualRanks,
+            "gaps" => Structure::Gaps,
+            "no-rank-zero" => Structure::NoRankZero,
+            "below-minus-one" => Structure::BelowMinusOne,
+            _ => return Err(format!("unknown structure {name:?}")),
+        })
+    }
+}
+
+impl Structure {
+    /// References and ranks of `count` planes.
+    fn lists(self, count: i64) -> (Vec<i64>, Vec<i64>) {
+        let each = |of: &dyn Fn(i64) -> i64| (0..count).map(of).collect::<Vec<i64>>();
+        let rising = each(&|i| i);
+        match self {
+            Structure::Intra => (each(&|_| -1), rising),
+            Structure::BelowMinusOne => (each(&|_| -2), rising),
+            Structure::Chain => (each(&|i| i - 1), rising),
+            Structure::Gaps => (each(&|i| i - 1), each(&|i| 10 * i)),
+            Structure::NoRankZero => (each(&|i| i - 1), each(&|i| i + 1)),
+            Structure::Star => (each(&|i| if i == 0 { -1 } else { 0 }), rising),
+            Structure::EqualRanks => (
+                each(&|i| if i == 0 { -1 } else { 0 }),
+                each(&|i| i64::from(i > 0)),
+            ),
+            Structure::Deep => {
+                let rank = |plane: i64| {
+                    (0..count)
+                        .find(|k| (5 * k + 2) % count == plane)
+                        .expect("5 has no divisor in common with 9 or 18")
+                };
+                (
+                    each(&|i| {
+                        if rank(i) == 0 {
+                            -1
+                        } else {
+                            (i - 5).rem_euclid(count)
+                        }
+                    }),
+                    each(&rank),
+                )
+            }
+            Structure::TwoTrees => {
+                let half = count / 2;
+                let tree = |i: i64| if i < half { (0, i) } else { (half, i - half) };
+                (
+                    each(&|i| {
+                        if tree(i).1 == 0 {
+                            -1
+                        } else {
+                            tree(i).0 + (tree(i).1 - 1) / 2
+                        }
+                    }),
+                    rising,
+                )
+            }
+            Structure::SharedReference => {
+                (each(&|i| if i % 3 == 0 { -1 } else { i / 3 * 3 }), rising)
+            }
+            Structure::Upward => (
+                each(&|i| if i + 1 == count { -1 } else { i + 1 }),
+                each(&|i| count - 1 - i),
+            ),
+            Structure::Rotated => {
+                let root = count - 4;
+                (
+                    each(&|i| if i == root { -1 } else { root }),
+                    each(&|i| (i + 4) % count),
+                )
+            }
+            Structure::Tablet => {
+                // The file has 9 planes; of 18 the second half does as the first, 9 planes and 9 ranks further.
+                const REFERENCES: [i64; 9] = [-1, 5, -1, -1, -1, 0, 7, -1, 7];
+                const ORDER: [i64; 9] = [4, 8, 3, 0, 1, 7, 5, 2, 6];
+                let reference = |i: i64| REFERENCES[(i % 9) as usize];
+                (
+                    each(&|i| {
+                        if reference(i) < 0 {
+                            -1
+                        } else {
+                            reference(i) + i / 9 * 9
+                        }
+                    }),
+                    each(&|i| ORDER[(i % 9) as usize] + i / 9 * 9),
+                )
+            }
+        }
+    }
+}
+
+impl Compression {
+    /// The ordinary way: every plane for itself; JPEG at quality 75 in blocks that every decoder knows exactly, JPEG-LS
+    /// without loss.
+    #[must_use]
+    pub fn ordinary(format: Format) -> Compression {
+        let jpeg = matches!(format, Format::JpegRgb | Format::JpegLrgb);
+        let count = format.channels();
+        let (references, order) = Structure::Intra.lists(count as i64);
+        Compression {
+            parameter: if jpeg { 75 } else { 0 },
+            transforms: vec![0; count],
+            motion_x: vec![0; count],
+            motion_y: vec![0; count],
+            order,
+            references,
+            records: Vec::new(),
+            residuals: if jpeg {
+                Residuals::Blocks
+            } else {
+                Residuals::Natural
+            },
+            stream: Stream {
+                restart_interval: 0,
+                optimised: false,
+                baseline: true,
+                sampling: (1, 1),
+                presets: None,
+            },
+        }
+    }
+
+    /// With other references and ranks.
+    pub fn set_structure(&mut self, structure: Structure) {
+        (self.references, self.order) = structure.lists(self.order.len() as i64);
+    }
+
+    /// Numbers for the predicted planes, over and over, or for all; the others have 0.
+    #[must_use]
+    pub fn cycled<T: Copy + Default>(&self, numbers: &[T], everywhere: bool) -> Vec<T> {
+        let concerned = |plane: usize| everywhere || self.reference(plane).is_some();
+        (0..self.order.len())
+            .map(|plane| {
+                if concerned(plane) {
+                    numbers[plane % numbers.len()]
+                } else {
+                    T::default()
+                }
+            })
+            .collect()
+    }
+
+    /// The plane that a plane is predicted from (clauses 2.9.5/2–3).
+    #[must_use]
+    pub fn reference(&self, plane: usize) -> Option<usize> {
+        usize::try_from(self.references[plane]).ok()
+    }
+
+    /// The planes by rank: the order in which they are decoded (clause 2.9.4/2).
+    #[must_use]
+    pub fn in_order(&self) -> Vec<usize> {
+        let mut planes: Vec<usize> = (0..self.order.len()).collect();
+        planes.sort_by_key(|&plane| self.order[plane]);
+        planes
+    }
+
+    pub(super) fn vector(&self, plane: usize) -> (i32, i32) {
+        (self.motion_x[plane], self.motion_y[plane])
+    }
+
+    /// The texels of a plane that have a record because the recipe says so.
+    pub(super) fn asked_records(&self, plane: usize, size: Size) -> Vec<usize> {
+        let (width, texels) = (size.width as usize, size.texels());
+        let edge = |place: &usize| {
+            place % width == 0
+                || place % width == width - 1
+                || place / width == 0
+                || place / width == size.height as usize - 1
+        };
+        let mut places: Vec<usize> = Vec::new();
+        for records in self
+            .records
+            .iter()
+            .filter(|records| self.concerns(records.planes, plane))
+        {
+            let more: Vec<usize> = match &records.texels {
+                Texels::First | Texels::Twice => vec![0],
+                Texels::Last => vec![texels - 1],
+                Texels::All => (0..texels).collect(),
+                Texels::Border => (0..texels).filter(edge).collect(),
+                Texels::These(list) => list.clone(),
+            };
+            more.into_iter().for_each(|place| {
+                if !places.contains(&place) {
+                    places.push(place)
+                }
+            });
+        }
+        places
+    }
+
+    /// Whether a plane has records of this kind.
+    pub(super) fn has_records(&self, plane: usize, texels: &Texels) -> bool {
+        self.records
+            .iter()
+            .any(|records| self.concerns(records.planes, plane) && records.texels == *texels)
+    }
+
+    fn concerns(&self, planes: Planes, plane: usize) -> bool {
+        match planes {
+            Planes::All => true,
+            Planes::Predicted => self.reference(plane).is_some(),
+            Planes::Intra => self.reference(plane).is_none(),
+            Planes::One(number) => number == plane,
+        }
+    }
+
+    /// The predicted planes: their number, transform and vector.
+    fn predicted(&self) -> impl Iterator<Item = (usize, u32, (i32, i32))> {
+        let planes = (0..self.order.len()).filter(|&plane| self.reference(plane).is_some());
+        planes.map(|plane| (plane, self.transforms[plane], self.vector(plane)))
+    }
+
+    /// Whether a plane is predicted from another.
+    #[must_use]
+    pub fn predicts(&self) -> bool {
+        self.predicted().next().is_some()
+    }
+
+    /// Whether a reference is inverted.
+    #[must_use]
+    pub fn inverts(&self) -> bool {
+        self.predicted()
+            .any(|(_, transform, _)| transform & INVERSION != 0)
+    }
+
+    /// Whether a reference is moved.
+    #[must_use]
+    pub fn moves(&self) -> bool {
+        self.predicted()
+            .any(|(_, transform, _)| transform & MOTION != 0)
+    }
+
+    /// The open choices that may show in a file of these lists: never fewer than do.
+    #[must_use]
+    pub fn axes(&self, coding: Coding) -> Vec<&'static str> {
+        let moved: Vec<_> = self
+            .predicted()
+            .filter(|&(_, transform, vector)| transform & MOTION != 0 && vector != (0, 0))
+            .collect();
+        let shows = [
+            (
+                "jpeg-ls-offset",
+                coding == Coding::JpegLs && self.predicts(),
+            ),
+            ("motion-sign", !moved.is_empty()),
+            (
+                "motion-vertical",
+                moved.iter().any(|(_, _, (_, my))| *my != 0),
+            ),
+            (
+                "motion-half",
+                moved
+                    .iter()
+                    .any(|(_, _, (mx, my))| mx % 2 != 0 || my % 2 != 0),
+            ),
+            ("motion-border", !moved.is_empty()),
+            (
+                "motion-inversion",
+                moved
+                    .iter()
+                    .any(|(_, transform, _)| transform & INVERSION != 0),
+            ),
+            (
+                "side-lossless",
+                self.parameter == 0 && !self.records.is_empty(),
+            ),
+        ];
+        shows
+            .into_iter()
+            .filter(|&(_, shows)| shows)
+            .map(|(axis, _)| axis)
+            .collect()
+    }
+
+    /// What keeps a file from being written with these lists, if anything does.
+    pub(super) fn check(&self, coding: Coding, size: Size) -> Result<(), String> {
+        let count = self.order.len();
+        let lengths = [
+            self.transforms.len(),
+            self.motion_x.len(),
+            self.motion_y.len(),
+            self.references.len(),
+        ];
+        if lengths.iter().any(|&length| length != count) {
+            return Err(format!("every list of this format has {count} numbers"));
+        }
+        for plane in 0..count {
+            match self.reference(plane) {
+                Some(reference) if reference >= count => {
+                    return Err(format!("there is no plane {reference}"));
+                }
+                Some(reference) if self.order[reference] >= self.order[plane] => {
+                    return Err(format!(
+                        "plane {plane} is decoded before its reference {reference}"
+                    ));
+                }
+                _ => {}
+            }
+            if self
+                .asked_records(plane, size)
+                .iter()
+                .any(|&place| place >= size.texels())
+            {
+                return Err("a record is of a texel that does not exist".to_owned());
+            }
+        }
+        if size.width > 0xffff || size.height > 0xffff {
+            return Err("no JPEG has a side over 65,535".to_owned());
+        }
+        match coding {
+            Coding::Jpeg if !(1..=100).contains(&self.parameter) => {
+                Err("a quality is 1 to 100".to_owned())
+            }
+            // A mean of 255 and 0 is far from both 0 and 255, so that another inverse DCT could be far off.
+            Coding::Jpeg if self.residuals == Residuals::Natural && self.moves() => {
+                Err("motion goes with residuals that every inverse DCT gives back".to_owned())
+            }
+            Coding::JpegLs if self.parameter > 127 => Err("a loss is 0 to 127".to_owned()),
+            _ => Ok(()),
+        }
+    }
+}

@@ -1,0 +1,293 @@
+//! §2.9.8 Compressed Coefficient Planes
+//!
+//! Each plane is a stream of JPEG or JPEG-LS (clause 2.9.8/5): the plane itself, or what is left of it after prediction,
+//! plane − predictor + 128 modulo 256 (ruling `prediction`). Where loss and the modulus together put a texel on the
+//! wrong end of the scale, a record of side information has its value (clauses 2.9.8/6–9).
+//!
+//! Format notes
+//! - The encoder is a closed loop: it predicts from what a decoder will have, corrections included (clause 2.9.8/10).
+//! - The codecs tell what an exact decoder returns, so that nothing here decodes.
+//! - An inverse DCT may be off by one. A block of one value whose DC coefficient is a multiple of 8 comes out the same of
+//!   every one; so the ordinary JPEG file is painted as *residuals* in such blocks, and its planes follow from them.
+
+use super::plan::{Coding, Compression, Residuals, Texels};
+use super::predict::predictor;
+use super::recipe::Recipe;
+use super::scene::{Compressed, StoredPlane, hash, sample};
+use crate::codec::{Encoded, jpeg, jpeg_ls};
+use crate::ptm::Size;
+
+/// Values, and what is stored for them.
+pub(super) struct Encoding {
+    /// `height * width * channels` values, texel after texel, top row first: what an exact decoder ends with.
+    pub samples: Vec<u8>,
+    /// For each of them, how far another inverse DCT may be off; empty where none can be.
+    pub slack: Vec<u8>,
+    /// The streams and their side information.
+    pub compressed: Compressed,
+}
+
+/// One plane, decoded; in the stored raster.
+#[derive(Clone)]
+struct Finished {
+    samples: Vec<u8>,
+    /// How far another inverse DCT may be off, corrected texels aside.
+    slack: u8,
+    stored: StoredPlane,
+}
+
+/// Encodes the planes of `recipe`, each after its reference (clause 2.9.4/3).
+pub(super) fn encode(recipe: &Recipe) -> Encoding {
+    let count = recipe.format.channels();
+    let plan = &recipe.compression;
+    let mut finished: Vec<Option<Finished>> = vec![None; count];
+    for plane in plan.in_order() {
+        let reference = plan.reference(plane).map(|j| {
+            finished[j]
+                .as_ref()
+                .expect("Compression::check has seen to the order")
+        });
+        finished[plane] = Some(encode_plane(recipe, plane, reference));
+    }
+    let finished: Vec<Finished> = finished.into_iter().flatten().collect();
+
+    let texel = |channel: usize, place: usize| (channel, stored_place(recipe.size, place));
+    let places = || (0..recipe.size.texels() * count).map(|i| texel(i % count, i / count));
+    let samples = places()
+        .map(|(channel, place)| finished[channel].samples[place])
+        .collect();
+    let mut slack = Vec::new();
+    if finished.iter().any(|plane| plane.slack > 0) {
+        // A corrected texel has its value from the file and no loss.
+        let mut planes: Vec<Vec<u8>> = finished
+            .iter()
+            .map(|plane| vec![plane.slack; plane.samples.len()])
+            .collect();
+        for (plane, slack) in finished.iter().zip(&mut planes) {
+            plane
+                .stored
+                .records
+                .iter()
+                .for_each(|&(place, _)| slack[place as usize] = 0);
+        }
+        slack = places()
+            .map(|(channel, place)| planes[channel][place])
+            .collect();
+    }
+    let compressed = Compressed {
+        plan: plan.clone(),
+        planes: finished.into_iter().map(|plane| plane.stored).collect(),
+    };
+    Encoding {
+        samples,
+        slack,
+        compressed,
+    }
+}
+
+/// Where the texel `place`, counted from the top, lies in a raster whose first row is the bottom one (ruling `rows`).
+fn stored_place(size: Size, place: usize) -> usize {
+    let width = size.width as usize;
+    (size.height as usize - 1 - place / width) * width + place % width
+}
+
+fn encode_plane(recipe: &Recipe, plane: usize, reference: Option<&Finished>) -> Finished {
+    let plan = &recipe.compression;
+    let predictor = reference.map(|reference| {
+        predictor(
+            &reference.samples,
+            recipe.size,
+            plan.transforms[plane],
+            plan.vector(plane),
+        )
+    });
+    let (original, residual) = paint(recipe, plane, predictor.as_deref());
+    let Encoded {
+        stream,
+        samples: received,
+    } = run_codec(recipe, &residual);
+    let own_slack = match recipe.coding() {
+        Coding::Jpeg => u8::from(!any_transform_is_exact(&residual, &received, recipe)),
+        Coding::JpegLs => 0,
+    };
+    let mut samples = restored(&received, predictor.as_deref());
+    let records = records(plan, plane, &original, &samples, recipe.size);
+    for &(place, value) in &records {
+        samples[place as usize] = value; // 2.9.8/9
+    }
+    let slack = own_slack + reference.map_or(0, |reference| reference.slack);
+    Finished {
+        samples,
+        slack,
+        stored: StoredPlane { stream, records },
+    }
+}
+
+/// What is to be stored: the original values, and what is left of them after prediction.
+fn paint(recipe: &Recipe, plane: usize, predictor: Option<&[u8]>) -> (Vec<u8>, Vec<u8>) {
+    let size = recipe.size;
+    let scene = |place: usize| sample(recipe, stored_place(size, place), plane);
+    if recipe.compression.residuals == Residuals::Natural {
+        let original: Vec<u8> = (0..size.texels()).map(scene).collect();
+        let residual = match predictor {
+            // An intra plane is stored as it is.
+            None => original.clone(),
+            Some(predictor) => original
+                .iter()
+                .zip(predictor)
+                .map(|(sample, predictor)| sample.wrapping_sub(*predictor).wrapping_add(128))
+                .collect(),
+        };
+        return (original, residual);
+    }
+    let residual = painted_residual(recipe, plane, predictor);
+    let mut original = restored(&residual, predictor);
+    // Where there are to be records, the original is the scene's, so that a record shows.
+    for place in recipe.compression.asked_records(plane, size) {
+        original[place] = scene(place);
+    }
+    (original, residual)
+}
+
+/// The plane that a residual stands for: residual + predictor − 128 modulo 256, or the residual itself (ruling `prediction`).
+fn restored(residual: &[u8], predictor: Option<&[u8]>) -> Vec<u8> {
+    match predictor {
+        None => residual.to_vec(),
+        Some(predictor) => residual
+            .iter()
+            .zip(predictor)
+            .map(|(residual, predictor)| residual.wrapping_add(*predictor).wrapping_sub(128))
+            .collect(),
+    }
+}
+
+/// A residual of 8×8 blocks, each of one value that every inverse DCT gives back.
+fn painted_residual(recipe: &Recipe, plane: usize, predictor: Option<&[u8]>) -> Vec<u8> {
+    let size = recipe.size;
+    let (width, height) = (size.width as usize, size.height as usize);
+    let (columns, rows) = (width.div_ceil(8), height.div_ceil(8));
+    let step = exact_step(recipe);
+    let value = |column: usize, row: usize| -> u8 {
+        let block = row * columns + column;
+        let any = hash(recipe.seed ^ 0x0b1c, block, plane);
+        // 128 + a multiple of the step, from 0 to 255.
+        let (below, above) = (128 / step, 127 / step);
+        let noise = (128 - below * step + any % (below + above + 1) * step) as u8;
+        let edge = column == 0 || row == 0 || column + 1 == columns || row + 1 == rows;
+        match (recipe.compression.residuals, predictor) {
+            (Residuals::Gray, _) => 128,
+            (Residuals::Framed, _) if edge => 128,
+            (Residuals::Wraps, Some(predictor)) => {
+                wrapping(predictor[row * 8 * width + column * 8], any)
+            }
+            _ => noise,
+        }
+    };
+    let values: Vec<u8> = (0..rows * columns)
+        .map(|block| value(block % columns, block / columns))
+        .collect();
+    (0..size.texels())
+        .map(|place| values[place / width / 8 * columns + place % width / 8])
+        .collect()
+}
+
+/// A residual whose sum with the predictor, less 128, is just outside 0…255 or just inside: −1, 0, 255 or 256.
+fn wrapping(predictor: u8, any: u32) -> u8 {
+    let sums = if predictor > 128 { [255, 256] } else { [0, -1] };
+    // Within 0…255: 255 + 128 − 129 = 254 is the largest of the first pair, −1 + 128 − 128 = −1 is out of the second.
+    let residual = |sum: i32| sum + 128 - i32::from(predictor);
+    let wanted = residual(sums[(any % 2) as usize]);
+    u8::try_from(wanted).unwrap_or_else(|_| residual(sums[0]) as u8)
+}
+
+/// How far apart residuals of constant blocks must be for their DC coefficient, 8 · (value − 128), to be a multiple both
+/// of the divisor and of 8. JPEG-LS has no such need.
+fn exact_step(recipe: &Recipe) -> u32 {
+    let quality = u32::from(recipe.compression.parameter).clamp(1, 100);
+    if recipe.coding() == Coding::JpegLs {
+        return 1;
+    }
+    // The Independent JPEG Group's meaning of quality, for the first of the divisors, 16 (T.81 Table K.1).
+    let percent = if quality < 50 {
+        5000 / quality
+    } else {
+        200 - 2 * quality
+    };
+    let divisor = ((16 * percent + 50) / 100).clamp(
+        1,
+        if recipe.compression.stream.baseline {
+            255
+        } else {
+            32767
+        },
+    );
+    divisor >> divisor.trailing_zeros().min(3)
+}
+
+/// Whether every block has one value and came back unchanged.
+fn any_transform_is_exact(residual: &[u8], received: &[u8], recipe: &Recipe) -> bool {
+    let width = recipe.size.width as usize;
+    let first_of_block =
+        |place: usize| residual[place / width / 8 * 8 * width + place % width / 8 * 8];
+    let step = exact_step(recipe) as u8;
+    let exact = |place: usize| {
+        residual[place] == first_of_block(place) && residual[place].abs_diff(128) % step == 0
+    };
+    residual == received && (0..residual.len()).all(exact)
+}
+
+fn run_codec(recipe: &Recipe, residual: &[u8]) -> Encoded {
+    let (plan, Size { width, height }) = (&recipe.compression, recipe.size);
+    let stream = &plan.stream;
+    match recipe.coding() {
+        Coding::Jpeg => {
+            let options = jpeg::Options {
+                quality: plan.parameter,
+                baseline: stream.baseline,
+                optimised: stream.optimised,
+                restart_interval: stream.restart_interval,
+                sampling: stream.sampling,
+            };
+            jpeg::encode(residual, width, height, &options)
+        }
+        Coding::JpegLs => jpeg_ls::encode(
+            residual,
+            width,
+            height,
+            &jpeg_ls::Options {
+                near: plan.parameter,
+                presets: stream.presets,
+            },
+        ),
+    }
+}
+
+/// The side information of a plane: where it was asked for, and wherever the modulus threw a texel to the other end.
+fn records(
+    plan: &Compression,
+    plane: usize,
+    original: &[u8],
+    restored: &[u8],
+    size: Size,
+) -> Vec<(u32, u8)> {
+    let mut places = plan.asked_records(plane, size);
+    let overflows =
+        (0..original.len()).filter(|&place| original[place].abs_diff(restored[place]) > 128);
+    for place in overflows {
+        if !places.contains(&place) {
+            places.push(place);
+        }
+    }
+    let record = |place: usize| (place as u32, original[place]);
+    let twice = |place: usize| plan.has_records(plane, &Texels::Twice) && place == 0;
+    // side-twice: the first of the two is wrong.
+    places
+        .iter()
+        .flat_map(|&place| {
+            twice(place)
+                .then(|| (place as u32, !original[place]))
+                .into_iter()
+                .chain([record(place)])
+        })
+        .collect()
+}

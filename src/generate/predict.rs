@@ -1,0 +1,126 @@
+//! §2.9.2–2.9.5 Transforms, Motion Vectors, Order, Reference Planes
+//!
+//! A plane may be predicted from another one, its reference, which is decoded before it. The reference is transformed
+//! first: turned into its negative (clause 2.9.2/5), moved by half texels (clauses 2.9.2/6, 2.9.3/3), or both.
+//!
+//! Format notes
+//! - Everything here happens in the stored raster, where row 0 is the bottom row.
+//! - The text names the transforms and no formula. Inversion is 255 − reference (ruling `prediction`).
+//! - How motion reads between texels and past the edge is ours to choose: rulings `motion-sign`, `motion-vertical`,
+//!   `motion-half`, `motion-border`, `motion-inversion`.
+
+use crate::ptm::Size;
+
+/// The bit of a transform that inverts the reference (clause 2.9.2/5).
+pub(super) const INVERSION: u32 = 1;
+
+/// The bit of a transform that moves the reference (clause 2.9.2/6).
+pub(super) const MOTION: u32 = 2;
+
+/// What a plane is predicted to be: its reference, transformed.
+pub(super) fn predictor(
+    reference: &[u8],
+    size: Size,
+    transform: u32,
+    vector: (i32, i32),
+) -> Vec<u8> {
+    // motion-inversion: inverted first, then moved.
+    let turned: Vec<u8> = match transform & INVERSION {
+        0 => reference.to_vec(),
+        _ => reference.iter().map(|&sample| 255 - sample).collect(),
+    };
+    if transform & MOTION == 0 {
+        turned
+    } else {
+        moved(&turned, size, vector)
+    }
+}
+
+/// The plane as seen from half a vector away: at (x, y) stands what was at (x + mx / 2, y + my / 2).
+fn moved(plane: &[u8], size: Size, (mx, my): (i32, i32)) -> Vec<u8> {
+    let mut moved = Vec::with_capacity(plane.len());
+    for y in 0..i64::from(size.height) {
+        for x in 0..i64::from(size.width) {
+            // motion-sign, motion-vertical: added, and y runs along the stored rows.
+            moved.push(between(
+                plane,
+                size,
+                2 * x + i64::from(mx),
+                2 * y + i64::from(my),
+            ));
+        }
+    }
+    moved
+}
+
+/// The sample at a place counted in half texels: a texel's own, or the mean of two or four.
+fn between(plane: &[u8], size: Size, x2: i64, y2: i64) -> u8 {
+    let (left, below) = (x2.div_euclid(2), y2.div_euclid(2));
+    let (right, above) = (left + x2.rem_euclid(2), below + y2.rem_euclid(2));
+    let corners = [(left, below), (right, below), (left, above), (right, above)];
+    let sum: u32 = corners
+        .iter()
+        .map(|&(x, y)| u32::from(at(plane, size, x, y)))
+        .sum();
+    // motion-half: halves are rounded up. Of two equal pairs the mean of four is the mean of two, (a + b + 1) >> 1.
+    ((sum + 2) >> 2) as u8
+}
+
+/// motion-border: outside the plane stands the nearest sample of its edge.
+fn at(plane: &[u8], size: Size, x: i64, y: i64) -> u8 {
+    let (width, height) = (i64::from(size.width), i64::from(size.height));
+    plane[(y.clamp(0, height - 1) * width + x.clamp(0, width - 1)) as usize]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SIZE: Size = Size {
+        width: 3,
+        height: 2,
+    };
+    #[rustfmt::skip]
+    const PLANE: [u8; 6] = [
+        10, 21, 30,
+        41, 50, 60,
+    ];
+
+    #[test]
+    fn a_plane_is_inverted_to_its_distance_from_255() {
+        assert_eq!(
+            predictor(&PLANE, SIZE, 1, (9, 9)),
+            [245, 234, 225, 214, 205, 195]
+        );
+    }
+
+    #[test]
+    fn two_half_texels_to_the_right_show_the_neighbour_and_repeat_the_edge() {
+        assert_eq!(predictor(&PLANE, SIZE, 2, (2, 0)), [21, 30, 30, 50, 60, 60]);
+    }
+
+    #[test]
+    fn a_negative_vector_reads_from_the_left_and_from_the_row_stored_before() {
+        assert_eq!(
+            predictor(&PLANE, SIZE, 2, (-2, -2)),
+            [10, 10, 21, 10, 10, 21]
+        );
+    }
+
+    #[test]
+    fn halves_are_rounded_up() {
+        // (10 + 21 + 1) / 2, (21 + 30 + 1) / 2; then (10 + 21 + 41 + 50 + 2) / 4 = 31.
+        assert_eq!(predictor(&PLANE, SIZE, 2, (1, 0)), [16, 26, 30, 46, 55, 60]);
+        assert_eq!(predictor(&PLANE, SIZE, 2, (1, 1))[0], 31);
+        assert_eq!(
+            predictor(&PLANE, SIZE, 2, (-1, 0)),
+            [10, 16, 26, 41, 46, 55]
+        );
+    }
+
+    #[test]
+    fn inversion_comes_before_motion() {
+        // (245 + 234 + 1) / 2 = 240; the other way round it would be 255 − 16 = 239.
+        assert_eq!(predictor(&PLANE, SIZE, 3, (1, 0))[0], 240);
+    }
+}
