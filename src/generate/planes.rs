@@ -168,7 +168,7 @@ fn any_transform_is_exact(residual: &[u8], received: &[u8], recipe: &Recipe) -> 
     let width = recipe.size.width as usize;
     let first_of_block = |place: usize| residual[place / width / 8 * 8 * width + place % width / 8 * 8];
     let step = exact_step(recipe) as u8;
-    let exact = |place: usize| residual[place] == first_of_block(place) && residual[place].abs_diff(128) % step == 0;
+    let exact = |place: usize| residual[place] == first_of_block(place) && residual[place].abs_diff(128).is_multiple_of(step);
     residual == received && (0..residual.len()).all(exact)
 }
 
