@@ -1,10 +1,140 @@
-//! The suite of 2.9 loads, and its files are what they are said to be.
+//! What the cases of 2.9 promise of themselves.
 #![cfg(feature = "harness")]
 
-use ptm_conform::harness::cases::Suite;
+use ptm_conform::generate::Model;
+use ptm_conform::generate::plan::{Coding, Residuals};
+use ptm_conform::harness::cases::{Case, Suite, TableSpelling, Values};
+use ptm_conform::harness::protocol::View;
+
+/// The small compressed cases that the generator writes undamaged, and their models.
+fn painted() -> Vec<(Case, Model)> {
+    let suite = Suite::load().unwrap_or_else(|why| panic!("{why}"));
+    let small = |case: &Case| {
+        case.recipe()
+            .is_some_and(|recipe| recipe.size.texels() < 10_000)
+    };
+    let cases = suite
+        .cases
+        .into_iter()
+        .filter(|case| case.compression().is_some() && case.damage().is_none() && small(case));
+    let model = |case: Case| match &case.build(TableSpelling::default()).values {
+        Values::Painted(model) => Some((case, model.clone())),
+        _ => None,
+    };
+    cases.filter_map(model).collect()
+}
 
 #[test]
-fn the_suite_loads() {
-    let suite = Suite::load().unwrap_or_else(|why| panic!("{why}"));
-    println!("{} cases", suite.cases.len());
+fn only_natural_jpeg_planes_have_slack() {
+    for (case, model) in painted() {
+        let recipe = case.recipe().expect("painted");
+        let natural_jpeg =
+            recipe.coding() == Coding::Jpeg && recipe.compression.residuals == Residuals::Natural;
+        assert!(natural_jpeg || model.slack.is_empty(), "{}", case.id);
+    }
+}
+
+#[test]
+fn slack_is_one_for_the_plane_and_one_for_each_on_its_way_and_none_where_corrected() {
+    for (case, model) in painted()
+        .iter()
+        .filter(|(_, model)| !model.slack.is_empty())
+    {
+        let compressed = model.compressed.as_ref().expect("painted");
+        let channels = model.format.channels();
+        let depth = |mut plane: usize| {
+            (0..usize::MAX)
+                .take_while(|_| {
+                    compressed
+                        .plan
+                        .reference(plane)
+                        .map(|reference| plane = reference)
+                        .is_some()
+                })
+                .count()
+        };
+        for plane in 0..channels {
+            let corrected = |texel: usize| {
+                let (width, height) = (model.size.width as usize, model.size.height as usize);
+                let stored = (height - 1 - texel / width) * width + texel % width;
+                compressed.planes[plane]
+                    .records
+                    .iter()
+                    .any(|&(position, _)| position as usize == stored)
+            };
+            for (texel, slack) in model.slack.iter().skip(plane).step_by(channels).enumerate() {
+                let most = if corrected(texel) {
+                    0
+                } else {
+                    1 + depth(plane)
+                };
+                assert!(usize::from(*slack) <= most, "{}: plane {plane}", case.id);
+            }
+        }
+    }
+}
+
+#[test]
+fn overflows_are_corrected_where_cases_say_so() {
+    let cases: Vec<_> = painted()
+        .into_iter()
+        .filter(|(case, _)| case.id.starts_with("overflows-"))
+        .collect();
+    assert!(!cases.is_empty());
+    for (case, model) in cases {
+        let planes = model.compressed.expect("painted").planes;
+        assert!(
+            planes.iter().any(|plane| !plane.records.is_empty()),
+            "{}",
+            case.id
+        );
+    }
+}
+
+#[test]
+fn a_case_shows_no_choice_that_its_lists_do_not_touch() {
+    for (case, _) in painted() {
+        let recipe = case.recipe().expect("painted");
+        let touched = recipe.compression.axes(recipe.coding());
+        assert!(
+            case.axes().iter().all(|axis| touched.contains(axis)),
+            "{}",
+            case.id
+        );
+    }
+}
+
+#[test]
+fn every_open_choice_but_inversion_is_seen_alone_somewhere() {
+    let cases = painted();
+    for axis in [
+        "jpeg-ls-offset",
+        "motion-sign",
+        "motion-vertical",
+        "motion-half",
+        "motion-border",
+        "side-lossless",
+    ] {
+        assert!(
+            cases.iter().any(|(case, _)| case.axes() == [axis]),
+            "{axis}"
+        );
+    }
+    assert!(
+        cases
+            .iter()
+            .any(|(case, _)| case.axes() == ["motion-half", "motion-inversion"])
+    );
+}
+
+#[test]
+fn lossy_planes_near_the_ends_are_asked_raw_only() {
+    for (case, model) in painted() {
+        let near = model
+            .samples
+            .iter()
+            .zip(&model.slack)
+            .any(|(&sample, &slack)| slack > 0 && (sample < slack || 255 - sample < slack));
+        assert!(!near || case.views == [View::Raw], "{}", case.id);
+    }
 }

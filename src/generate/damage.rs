@@ -3,6 +3,11 @@
 //! A damage is a named edit of a file that was in order. Some make a file that must be refused, some a file that goes
 //! beyond the letter; which is which stands with the cases, not here.
 
+#![allow(
+    clippy::cast_possible_wrap,
+    reason = "planes are at most 18, and streams are in memory"
+)]
+
 use std::ops::Range;
 
 use super::Written;

@@ -1,5 +1,7 @@
 //! How planes are compressed: the lists of §2.9 and what is to be seen in the planes behind them.
 
+#![allow(clippy::cast_possible_wrap, reason = "planes are at most 18")]
+
 use std::str::FromStr;
 
 use super::predict::{INVERSION, MOTION};
@@ -350,7 +352,7 @@ impl Compression {
     pub(super) fn asked_records(&self, plane: usize, size: Size) -> Vec<usize> {
         let (width, texels) = (size.width as usize, size.texels());
         let edge = |place: &usize| {
-            place % width == 0
+            place.is_multiple_of(width)
                 || place % width == width - 1
                 || place / width == 0
                 || place / width == size.height as usize - 1
@@ -368,11 +370,11 @@ impl Compression {
                 Texels::Border => (0..texels).filter(edge).collect(),
                 Texels::These(list) => list.clone(),
             };
-            more.into_iter().for_each(|place| {
+            for place in more {
                 if !places.contains(&place) {
-                    places.push(place)
+                    places.push(place);
                 }
-            });
+            }
         }
         places
     }

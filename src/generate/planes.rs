@@ -231,7 +231,8 @@ fn any_transform_is_exact(residual: &[u8], received: &[u8], recipe: &Recipe) -> 
         |place: usize| residual[place / width / 8 * 8 * width + place % width / 8 * 8];
     let step = exact_step(recipe) as u8;
     let exact = |place: usize| {
-        residual[place] == first_of_block(place) && residual[place].abs_diff(128) % step == 0
+        residual[place] == first_of_block(place)
+            && residual[place].abs_diff(128).is_multiple_of(step)
     };
     residual == received && (0..residual.len()).all(exact)
 }
@@ -290,4 +291,79 @@ fn records(
                 .chain([record(place)])
         })
         .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::generate::Model;
+    use crate::generate::plan::Structure;
+    use crate::ptm::Format;
+
+    fn recipe(format: Format, size: &str) -> Recipe {
+        Recipe::ordinary(format, size.parse().expect("a size"))
+    }
+
+    #[test]
+    fn a_record_is_five_bytes_high_byte_first() {
+        let plane = StoredPlane {
+            stream: Vec::new(),
+            records: vec![(0x0001_0203, 0xfe)],
+        };
+        assert_eq!(plane.side_information(), [0x00, 0x01, 0x02, 0x03, 0xfe]);
+    }
+
+    #[test]
+    fn lossless_planes_are_what_was_painted_whatever_predicts_them() {
+        let mut recipe = recipe(Format::JpeglsLrgb, "7x5");
+        let intra = Model::paint(&recipe).samples;
+        recipe.compression.set_structure(Structure::Deep);
+        recipe.compression.transforms = recipe.compression.cycled(&[3, 1, 2, 0], false);
+        recipe.compression.motion_x = recipe.compression.cycled(&[1, -4, 3], false);
+        assert_eq!(Model::paint(&recipe).samples, intra);
+    }
+
+    #[test]
+    fn a_loss_never_puts_a_texel_on_the_other_end_of_the_scale() {
+        let mut lossy = recipe(Format::JpeglsLrgb, "9x9");
+        lossy.scene = crate::generate::Scene::Extremes;
+        let painted = Model::paint(&lossy).samples;
+        lossy.compression.set_structure(Structure::Chain);
+        lossy.compression.parameter = 5;
+        let model = Model::paint(&lossy);
+        assert!(
+            painted
+                .iter()
+                .zip(&model.samples)
+                .all(|(painted, sample)| painted.abs_diff(*sample) <= 5)
+        );
+        assert!(model.compressed.is_some_and(|compressed| {
+            compressed
+                .planes
+                .iter()
+                .any(|plane| !plane.records.is_empty())
+        }));
+    }
+
+    #[test]
+    fn blocks_come_back_exactly_at_every_quality() {
+        for quality in 1..=100 {
+            for baseline in [true, false] {
+                let mut recipe = recipe(Format::JpegLrgb, "17x9");
+                recipe.compression.parameter = quality;
+                recipe.compression.stream.baseline = baseline;
+                assert!(Model::paint(&recipe).slack.is_empty(), "quality {quality}");
+            }
+        }
+    }
+
+    #[test]
+    fn sums_reach_the_four_values_around_the_ends() {
+        for predictor in 0..=255 {
+            for any in [0, 1] {
+                let sum = i32::from(wrapping(predictor, any)) + i32::from(predictor) - 128;
+                assert!([-1, 0, 255, 256].contains(&sum), "{predictor}");
+            }
+        }
+    }
 }

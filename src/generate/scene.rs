@@ -311,7 +311,7 @@ pub(super) fn sample(recipe: &Recipe, texel: usize, channel: usize) -> u8 {
 /// One of two bytes of different parity, in turn.
 fn two(seed: u32, place: usize, channel: usize) -> u8 {
     let even = hash(seed, 0, channel) as u8;
-    if place % 2 == 0 {
+    if place.is_multiple_of(2) {
         even
     } else {
         hash(seed, 1, channel) as u8 & 0xfe | !even & 1

@@ -600,13 +600,23 @@ impl Suite {
 /// A sentence that names the line at fault.
 pub fn clauses() -> Result<Vec<Clause>, String> {
     let files = [
-        ("clauses.yaml", include_str!("../../spec-cases/clauses.yaml")),
-        ("clauses-2.9.yaml", include_str!("../../spec-cases/clauses-2.9.yaml")),
+        (
+            "clauses.yaml",
+            include_str!("../../spec-cases/clauses.yaml"),
+        ),
+        (
+            "clauses-2.9.yaml",
+            include_str!("../../spec-cases/clauses-2.9.yaml"),
+        ),
     ];
     let read = |(name, text): (&str, &str)| {
         serde_saphyr::from_str::<Vec<Clause>>(text).map_err(|error| format!("{name}: {error}"))
     };
-    Ok(files.into_iter().map(read).collect::<Result<Vec<_>, _>>()?.concat())
+    Ok(files
+        .into_iter()
+        .map(read)
+        .collect::<Result<Vec<_>, _>>()?
+        .concat())
 }
 
 /// The rulings of the reference.
