@@ -86,7 +86,7 @@ struct CheckArgs {
     #[arg(long = "view", value_name = "VIEW", value_parser = ["raw", "coef", "rgb"])]
     views: Vec<String>,
     /// An exit status that means "malformed" besides 65.
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = parse_refusal)]
     reject_exit: Option<i32>,
     /// Failures to print in full; the report has all of them.
     #[arg(long, value_name = "N", default_value_t = 10)]
@@ -315,6 +315,19 @@ impl Partial {
     fn remove(self) {
         let _ = fs::remove_file(self.path);
     }
+}
+
+/// An exit status that may mean a refusal: 0 and 69 mean something else.
+fn parse_refusal(text: &str) -> Result<i32, String> {
+    let status = text
+        .parse()
+        .ok()
+        .filter(|status| (1..=255).contains(status) && *status != EXIT_UNSUPPORTED);
+    status.ok_or_else(|| {
+        format!(
+            "expected an exit status from 1 to 255 other than {EXIT_UNSUPPORTED}, found {text:?}"
+        )
+    })
 }
 
 /// Bytes, or with K, M or G.

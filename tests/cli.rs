@@ -156,15 +156,6 @@ fn the_reference_speaks_the_protocol() {
         *b"PTM1 coef 1 1 9 f32\n\x00\x00\x80"
     );
     assert_eq!(ask("raw", &file[..file.len() - 1]).status.code(), Some(65));
-    assert_eq!(
-        ask(
-            "raw",
-            b"PTM_1.2\nPTM_FORMAT_JPEG_RGB\n1\n1\n1 1 1 1 1 1\n0 0 0 0 0 0\n"
-        )
-        .status
-        .code(),
-        Some(69)
-    );
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! Every error has a witness: the smallest file that provokes it, and the sentence it is told in.
 
-use ptm_conform::error::{Class, Kind};
+use ptm_conform::error::Class;
 use ptm_conform::{Limits, Reading, decode, decode_as};
 
 /// The beginning of an ordinary file, up to and with the line that `until` begins.
@@ -195,7 +195,7 @@ fn the_indices_are_checked() {
 }
 
 #[test]
-fn limits_and_unread_kinds_are_not_the_files_fault() {
+fn limits_are_not_the_files_fault() {
     let file = header("LRGB") + "0123456789ab012345";
     let error = decode_as(file.as_bytes(), &Reading::SPEC, &Limits { memory: 17 })
         .expect_err("the limit is too low");
@@ -204,19 +204,4 @@ fn limits_and_unread_kinds_are_not_the_files_fault() {
         "image size (§2.3), byte 70: the planes need 18 bytes, the limit is 17"
     );
     assert_eq!(error.class(), Class::Limit);
-
-    let error = decode(header("JPEG_RGB").as_bytes()).expect_err("not read yet");
-    assert_eq!(
-        error.to_string(),
-        "compressed data (§2.9), byte 56: compressed planes are not read"
-    );
-    assert_eq!(
-        (error.class(), error.kind()),
-        (
-            Class::Unsupported,
-            &Kind::NotRead {
-                what: "compressed planes"
-            }
-        )
-    );
 }

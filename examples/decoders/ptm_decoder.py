@@ -1,17 +1,20 @@
 #!/usr/bin/env python3
-"""Reads an uncompressed Polynomial Texture Map, version 1.2, and answers in PTM-CP 1.
+"""Reads a Polynomial Texture Map, version 1.2, in all nine formats, and answers in PTM-CP 1.
 
     ptm_decoder.py VIEW FILE       VIEW is raw, coef or rgb:LU,LV; one frame on standard output
     ptm_decoder.py capabilities    what this decoder can do, in YAML
     ptm_decoder.py serve           requests "SEQ VIEW PATH" on standard input, one a line
 
-Exit status: 0 decoded, 65 malformed, 69 unsupported (the four JPEG formats, other views).
+Exit status: 0 decoded, 65 malformed, 69 unsupported (other views, other transforms).
 The sections stand in the order of the text. Where the text leaves a question open, the name
-of the ruling is given in brackets, as in [rows]. Standard library only, Python 3.8 or later.
+of the ruling is given in brackets, as in [rows]. Python 3.8 or later. The standard library is
+enough for the uncompressed formats; the streams of 2.9 are read by Pillow and, for JPEG-LS, by
+pillow-jpls besides (pip install pillow pillow-jpls). Without them those formats are answered 69.
 """
 
 import array
 import collections
+import io
 import math
 import os
 import re
@@ -42,7 +45,10 @@ def read_ptm(file):
     scale, bias = read_scale_and_bias(source)                         # 2.4
     entries = read_lookup_table(source, format)                       # 2.5
     matrix = read_color_matrix(source, format)                        # 2.6
-    stored = READ_TEXELS[format](source, width * height, entries)     # 2.7 and 2.8
+    if format in COMPRESSED:                                          # 2.9
+        stored = read_compressed(source, format, width, height)
+    else:                                                             # 2.7 and 2.8
+        stored = READ_TEXELS[format](source, width * height, entries)
     # [rows] The bottom row is stored first, in every format.
     texels = [texel for y in reversed(range(height)) for texel in stored[y * width:(y + 1) * width]]
     return Ptm(width, height, scale, bias, matrix, texels)            # [trailing]
@@ -80,6 +86,7 @@ def color_byte(value):
 # A tab, a CR, a blank at the start or an empty line matches nothing here.
 LINE = re.compile(rb"[!-~]+(?: +[!-~]+)* ?")
 NUMBER = re.compile(rb"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")     # [numbers]
+INTEGER = re.compile(rb"[+-]?[0-9]{1,18}")
 COUNT = re.compile(rb"\+?0*[1-9][0-9]{0,17}")                                      # [dimensions]
 
 
@@ -125,6 +132,12 @@ def whole_number(word):
     return value
 
 
+def integer(word):
+    if not INTEGER.fullmatch(word):
+        raise Malformed("not an integer: %r" % word[:60])
+    return int(word)
+
+
 def positive_integer(word):
     if not COUNT.fullmatch(word):
         raise Malformed("not a positive integer: %r" % word[:60])
@@ -144,9 +157,7 @@ def read_version(source):
 def read_format(source):
     words = source.line()
     format = words[0] if len(words) == 1 else b""
-    if re.fullmatch(rb"PTM_FORMAT_JPEG(LS)?_L?RGB", format):
-        raise Unsupported(format.decode())          # 2.9 is not read here
-    if format not in READ_TEXELS:
+    if format not in READ_TEXELS and format not in COMPRESSED:
         raise Malformed("unknown format %r" % format[:60])
     return format
 
@@ -273,6 +284,143 @@ READ_TEXELS = {
 }
 
 
+# 2.9 Compressed data: a parameter, lists of a number for each plane, then the planes
+
+# What the lists say of one plane, in the order of the lists; `rank` is its number in 2.9.4.
+Plane = collections.namedtuple("Plane", "transform mx my rank reference size side_size")
+
+INVERSION, MOTION = 1, 2                            # 2.9.2
+
+
+def read_compressed(source, format, width, height):
+    """The texels, in stored order. A plane is one coefficient or colour of every texel."""
+    count, decode = COMPRESSED[format]
+    planes = read_lists(source, count)                                # 2.9.1 to 2.9.7
+    # [planes-stored] In the order of the planes, each stream followed by its side information.
+    streams = [(source.bytes(plane.size), source.bytes(plane.side_size)) for plane in planes]
+    samples = [decode(stream, width, height) for stream, side in streams]
+    # [order] The order gives ranks. Equal ranks and gaps do no harm [ranks].
+    for i in sorted(range(count), key=lambda i: planes[i].rank):
+        samples[i] = reconstruct(planes, samples, i, width, height)
+        correct(samples[i], streams[i][1])          # before another plane is predicted from it
+    return [bytes(texel) for texel in zip(*samples)]
+
+
+def read_lists(source, count):
+    """2.9.1 to 2.9.7: a Plane for each plane. Numbers are counted, not lines [list-lines]."""
+    words = []
+    while len(words) < 1 + 7 * count:
+        words += source.line()
+    if len(words) > 1 + 7 * count:
+        raise Malformed("%d numbers too many" % (len(words) - 1 - 7 * count))
+    number(words[0])                                # 2.9.1: not needed to decode [plane-odd]
+    numbers = [integer(word) for word in words[1:]]
+    # 2.9.3 is two lists, x of all planes and then y of all planes.
+    planes = [Plane(*plane) for plane in zip(*groups(numbers, count))]
+    for plane in planes:
+        if plane.transform & ~(INVERSION | MOTION):
+            raise Unsupported("transform %d" % plane.transform)       # [transforms]
+        if plane.size < 0 or plane.side_size < 0:
+            raise Malformed("a size below zero")
+        if plane.reference >= count:
+            raise Malformed("reference %d of %d planes" % (plane.reference, count))
+        if plane.reference >= 0 and planes[plane.reference].rank >= plane.rank:
+            raise Malformed("a plane of rank %d has a reference of no lower rank" % plane.rank)
+    return planes
+
+
+# 2.9.2, 2.9.3, 2.9.5: prediction
+
+def reconstruct(planes, samples, i, width, height):
+    """Plane i before its own corrections. The stream of a predicted plane holds residuals."""
+    plane = planes[i]
+    if plane.reference < 0:                         # [prediction] Intra: no transform, no motion.
+        return bytearray(samples[i])
+    predictor = bytes(samples[plane.reference])
+    if plane.transform & INVERSION:                 # [motion-inversion] First this, then motion.
+        predictor = bytes(255 - value for value in predictor)
+    if plane.transform & MOTION:
+        predictor = moved(predictor, width, height, plane.mx, plane.my)
+    # [prediction, jpeg-ls-offset] Modulo 256, the same for both codecs.
+    return bytearray((r + p - 128) % 256 for r, p in zip(samples[i], predictor))
+
+
+def moved(plane, width, height, mx, my):
+    """At (x, y) what `plane` has at (x + mx/2, y + my/2) [motion-sign]; y runs along the rows as
+    they are stored [motion-vertical]."""
+    left, right = neighbours(width, mx)
+    upper, lower = neighbours(height, my)
+    rows = groups(plane, width)
+    result = bytearray()
+    for above, below in zip(upper, lower):
+        a, b = rows[above], rows[below]
+        # [motion-half] The mean of four, rounded once. Where a vector is whole two of them, or all
+        # four, are the same texel, and this is the mean of two, or the texel itself.
+        result += bytes((a[l] + a[r] + b[l] + b[r] + 2) // 4 for l, r in zip(left, right))
+    return bytes(result)
+
+
+def neighbours(size, half_steps):
+    """For each place 0 .. size-1, the places on both sides of where the vector leads."""
+    # [motion-border] Outside the plane its edge goes on.
+    inside = lambda place: min(max(place, 0), size - 1)
+    before, behind = half_steps // 2, (half_steps + 1) // 2
+    return [inside(i + before) for i in range(size)], [inside(i + behind) for i in range(size)]
+
+
+# 2.9.8: the streams of the planes, and their side information
+
+def decode_jpeg(stream, width, height):
+    try:
+        from PIL import Image
+    except ImportError:
+        raise Unsupported("JPEG: Pillow is not installed")
+    return decode_stream(Image, "JPEG", stream, width, height)
+
+
+def decode_jpeg_ls(stream, width, height):
+    try:
+        from PIL import Image
+        import pillow_jpls                          # gives Pillow the format
+    except ImportError:
+        raise Unsupported("JPEG-LS: pillow-jpls is not installed")
+    return decode_stream(Image, pillow_jpls.JplsImageFile.format, stream, width, height)
+
+
+def decode_stream(Image, codec, stream, width, height):
+    """The samples of one component of 8 bits, as many as the map has texels [plane-stream]."""
+    try:
+        image = Image.open(io.BytesIO(stream), formats=[codec])
+        found = image.mode, image.size
+        samples = image.tobytes() if found == ("L", (width, height)) else b""
+    except Exception as what:                       # [plane-damage] Codecs raise anything.
+        raise Malformed("%s stream: %s" % (codec, what))
+    if len(samples) != width * height:
+        raise Malformed("%s stream of %r, not %r" % (codec, found, ("L", (width, height))))
+    return samples
+
+
+def correct(plane, side):
+    """Side information: records of a position, high byte first, and the value for it."""
+    if len(side) % 5 != 0:                          # [side-malformed]
+        raise Malformed("%d bytes of side information" % len(side))
+    # [side-lossless, side-twice] All records count, whatever the parameter; the last one wins.
+    for record in groups(side, 5):
+        # [side-information] Positions count along the rows of the plane as they are stored.
+        position = int.from_bytes(record[:4], "big")
+        if position >= len(plane):
+            raise Malformed("side information at %d of %d texels" % (position, len(plane)))
+        plane[position] = record[4]
+
+
+COMPRESSED = {
+    b"PTM_FORMAT_JPEG_RGB": (18, decode_jpeg),
+    b"PTM_FORMAT_JPEG_LRGB": (9, decode_jpeg),
+    b"PTM_FORMAT_JPEGLS_RGB": (18, decode_jpeg_ls),
+    b"PTM_FORMAT_JPEGLS_LRGB": (9, decode_jpeg_ls),
+}
+
+
 # The protocol: one header line, then the samples of each texel, top row first
 
 CAPABILITIES = """\
@@ -283,7 +431,7 @@ views: [raw, coef, rgb]
 formats: [%s]
 modes: [one-shot, serve]
 reject_exit: 65
-""" % ", ".join(format.decode() for format in READ_TEXELS)
+""" % ", ".join(format.decode() for format in [*READ_TEXELS, *COMPRESSED])
 
 
 def parse_view(view):

@@ -33,24 +33,24 @@ fn write_lists(compressed: &Compressed, out: &mut Output) {
         out,
     );
     write_list(
-        "2.9.2/1",
+        "2.9/3",
         "transforms",
         &plan.transforms,
         Line::Transforms,
         out,
     );
-    write_list("2.9.3/2", "motion x", &plan.motion_x, Line::MotionX, out);
-    write_list("2.9.3/2", "motion y", &plan.motion_y, Line::MotionY, out);
-    write_list("2.9.4/1", "order", &plan.order, Line::Order, out);
+    write_list("2.9.3/1", "motion x", &plan.motion_x, Line::MotionX, out);
+    write_list("2.9.3/1", "motion y", &plan.motion_y, Line::MotionY, out);
+    write_list("2.9/3", "order", &plan.order, Line::Order, out);
     write_list(
-        "2.9.5/1",
+        "2.9/3",
         "references",
         &plan.references,
         Line::References,
         out,
     );
-    write_list("2.9.6/1", "compressed sizes", &sizes, Line::Sizes, out);
-    write_list("2.9.7/1", "side sizes", &side_sizes, Line::SideSizes, out);
+    write_list("2.9/3", "compressed sizes", &sizes, Line::Sizes, out);
+    write_list("2.9/3", "side sizes", &side_sizes, Line::SideSizes, out);
 }
 
 fn write_list(
@@ -79,6 +79,6 @@ fn write_list(
 fn write_planes(compressed: &Compressed, out: &mut Output) {
     for plane in &compressed.planes {
         out.take("2.9.8/1", "plane", &plane.stream);
-        out.take("2.9.8/6", "side information", &plane.side_information());
+        out.take("2.9.8/4", "side information", &plane.side_information());
     }
 }

@@ -330,13 +330,13 @@ impl Compression {
             .collect()
     }
 
-    /// The plane that a plane is predicted from (clauses 2.9.5/2–3).
+    /// The plane that a plane is predicted from (clauses 2.9.5/1–3).
     #[must_use]
     pub fn reference(&self, plane: usize) -> Option<usize> {
         usize::try_from(self.references[plane]).ok()
     }
 
-    /// The planes by rank: the order in which they are decoded (clause 2.9.4/2).
+    /// The planes by rank: the order in which they are decoded (clause 2.9.4/1).
     #[must_use]
     pub fn in_order(&self) -> Vec<usize> {
         let mut planes: Vec<usize> = (0..self.order.len()).collect();

@@ -1,11 +1,11 @@
 //! §2.9.8 Compressed Coefficient Planes
 //!
-//! Each plane is a stream of JPEG or JPEG-LS (clause 2.9.8/5): the plane itself, or what is left of it after prediction,
+//! Each plane is a stream of JPEG or JPEG-LS (clause 2.9.8/3): the plane itself, or what is left of it after prediction,
 //! plane − predictor + 128 modulo 256 (ruling `prediction`). Where loss and the modulus together put a texel on the
-//! wrong end of the scale, a record of side information has its value (clauses 2.9.8/6–9).
+//! wrong end of the scale, a record of side information has its value (clauses 2.9.8/4–9).
 //!
 //! Format notes
-//! - The encoder is a closed loop: it predicts from what a decoder will have, corrections included (clause 2.9.8/10).
+//! - The encoder is a closed loop: it predicts from what a decoder will have, corrections included (clause 2.9.8/7).
 //! - The codecs tell what an exact decoder returns, so that nothing here decodes.
 //! - An inverse DCT may be off by one. A block of one value whose DC coefficient is a multiple of 8 comes out the same of
 //!   every one; so the ordinary JPEG file is painted as *residuals* in such blocks, and its planes follow from them.
@@ -36,7 +36,7 @@ struct Finished {
     stored: StoredPlane,
 }
 
-/// Encodes the planes of `recipe`, each after its reference (clause 2.9.4/3).
+/// Encodes the planes of `recipe`, each after its reference (clause 2.9.4/2).
 pub(super) fn encode(recipe: &Recipe) -> Encoding {
     let count = recipe.format.channels();
     let plan = &recipe.compression;
@@ -113,7 +113,7 @@ fn encode_plane(recipe: &Recipe, plane: usize, reference: Option<&Finished>) -> 
     let mut samples = restored(&received, predictor.as_deref());
     let records = records(plan, plane, &original, &samples, recipe.size);
     for &(place, value) in &records {
-        samples[place as usize] = value; // 2.9.8/9
+        samples[place as usize] = value; // 2.9.8/8
     }
     let slack = own_slack + reference.map_or(0, |reference| reference.slack);
     Finished {

@@ -1,7 +1,7 @@
 //! §2.9.2–2.9.5 Transforms, Motion Vectors, Order, Reference Planes
 //!
 //! A plane may be predicted from another one, its reference, which is decoded before it. The reference is transformed
-//! first: turned into its negative (clause 2.9.2/5), moved by half texels (clauses 2.9.2/6, 2.9.3/3), or both.
+//! first: turned into its negative (clause 2.9.2/3), moved by half texels (clauses 2.9.2/4, 2.9.3/2), or both.
 //!
 //! Format notes
 //! - Everything here happens in the stored raster, where row 0 is the bottom row.
@@ -11,10 +11,10 @@
 
 use crate::ptm::Size;
 
-/// The bit of a transform that inverts the reference (clause 2.9.2/5).
+/// The bit of a transform that inverts the reference (clause 2.9.2/3).
 pub(super) const INVERSION: u32 = 1;
 
-/// The bit of a transform that moves the reference (clause 2.9.2/6).
+/// The bit of a transform that moves the reference (clause 2.9.2/4).
 pub(super) const MOTION: u32 = 2;
 
 /// What a plane is predicted to be: its reference, transformed.

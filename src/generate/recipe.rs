@@ -88,8 +88,8 @@ impl Recipe {
             seed: 1,
             scale: "0.5 0.25 0.5 0.25 0.5 0.75".parse().expect(numbers),
             bias: "128 100 140 120 130 3".parse().expect(numbers),
-            // Columns first: Y counts fully for each channel, Cr mostly for red, Cb mostly for blue; all twelve differ.
-            matrix: "0.875 0.75 0.625 0 0.5 -0.25 0.125 0 -0.0625 -0.1875 0.375 0 -20 30 10 1"
+            // Columns first; all nine factors differ. Without a translation, whose place is an open question.
+            matrix: "0.875 0.75 0.625 0 0.5 -0.25 0.125 0 -0.0625 -0.1875 0.375 0 0 0 0 1"
                 .parse()
                 .expect(numbers),
             entries: 7,

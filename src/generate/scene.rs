@@ -114,7 +114,7 @@ pub struct StoredPlane {
 }
 
 impl StoredPlane {
-    /// Five bytes a record: the position, high byte first, and the value (clauses 2.9.8/7–8).
+    /// Five bytes a record: the position, high byte first, and the value (clauses 2.9.8/5–8).
     #[must_use]
     pub fn side_information(&self) -> Vec<u8> {
         self.records

@@ -5,7 +5,7 @@
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::fmt;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex};
 
 use serde::Deserialize;
 
@@ -14,6 +14,7 @@ use crate::generate::plan::{Coding, Compression, Records, Residuals, Structure};
 use crate::generate::recipe::Indices;
 use crate::generate::spelling::{Count, Line};
 use crate::generate::{Damage, Model, Recipe, write};
+use crate::harness::compare::Expected;
 use crate::harness::protocol::View;
 use crate::ptm::{Field, Format, Size};
 
@@ -229,7 +230,7 @@ enum Source {
 }
 
 /// The file of a case and what it means.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub struct Built {
     /// The bytes.
     pub file: Vec<u8>,
@@ -237,7 +238,12 @@ pub struct Built {
     pub fields: Vec<Field>,
     /// What a decoder finds in them.
     pub values: Values,
+    /// Its right pictures under every reading of the choices that show in it, for each view that was asked for.
+    pub(crate) pictures: Mutex<HashMap<String, Pictures>>,
 }
+
+/// The right picture in each of some dialects; nothing where a dialect refuses the file.
+pub(crate) type Pictures = Arc<Vec<Option<Expected>>>;
 
 /// What a file means.
 #[derive(Clone, Debug)]
@@ -463,6 +469,7 @@ impl Case {
                         file: written.bytes,
                         fields: written.fields,
                         values: Values::Painted(model),
+                        pictures: Mutex::default(),
                     },
                     Some(damage) => {
                         let file = damage
@@ -477,6 +484,7 @@ impl Case {
                             file,
                             fields: Vec::new(),
                             values,
+                            pictures: Mutex::default(),
                         }
                     }
                 }
@@ -494,6 +502,7 @@ impl Case {
                     file,
                     fields: Vec::new(),
                     values: values.clone().map_or(Values::None, Values::Hand),
+                    pictures: Mutex::default(),
                 }
             }
         }

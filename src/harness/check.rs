@@ -183,7 +183,7 @@ impl<F: Fn(&Request, usize) -> Reply + Sync> Asked<'_, F> {
                 let axes = choices::concerned(case, view);
                 let right = match expected {
                     Some(expected) if !axes.is_empty() => {
-                        let pictures = choices::pictures(&built.file, view, expected, &axes);
+                        let pictures = choices::pictures(&built, view, expected, &axes);
                         let shown = |picture: &Option<Expected>| {
                             picture
                                 .as_ref()

@@ -3,7 +3,9 @@
 //! Each listed reading of a choice is right, and one run must show one of them throughout. A file may have several
 //! right pictures then; which of them a decoder shows is evidence of its dialect.
 
-use crate::harness::cases::Case;
+use std::sync::Arc;
+
+use crate::harness::cases::{Built, Case, Pictures};
 use crate::harness::compare::Expected;
 use crate::harness::protocol::View;
 use crate::ptm::Format;
@@ -187,19 +189,17 @@ pub fn concerned(case: &Case, view: &View) -> Vec<Axis> {
     }
 }
 
-/// The right picture of `file` in every one of [`combinations`] of `axes`; the reference's is known by construction.
-#[must_use]
-pub fn pictures(
-    file: &[u8],
-    view: &View,
-    reference: Expected,
-    axes: &[Axis],
-) -> Vec<Option<Expected>> {
-    let others = combinations(axes)
-        .into_iter()
-        .skip(1)
-        .map(|dialect| Expected::under(file, view, &dialect.reading()));
-    std::iter::once(Some(reference)).chain(others).collect()
+/// The right picture of a file in every one of [`combinations`] of `axes`; the reference's is known by construction.
+///
+/// They are kept with the file, because a suite is run again and again.
+pub(crate) fn pictures(built: &Built, view: &View, reference: Expected, axes: &[Axis]) -> Pictures {
+    let mut known = built.pictures.lock().expect("no worker panics");
+    let make = || {
+        let others = combinations(axes).into_iter().skip(1);
+        let others = others.map(|dialect| Expected::under(&built.file, view, &dialect.reading()));
+        Arc::new(std::iter::once(Some(reference)).chain(others).collect())
+    };
+    Arc::clone(known.entry(view.to_string()).or_insert_with(make))
 }
 
 #[cfg(test)]

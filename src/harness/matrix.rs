@@ -5,10 +5,10 @@ use std::hash::{DefaultHasher, Hash, Hasher};
 use std::sync::{Arc, Mutex};
 
 use crate::harness::cases::Suite;
-use crate::harness::check::{Plan, check};
+use crate::harness::check::{Plan, Run, check};
 use crate::harness::judge::Outcome;
 use crate::harness::misreadings::{self, Misreading};
-use crate::harness::protocol::{Answer, Samples};
+use crate::harness::protocol::{Answer, Samples, View};
 use crate::harness::run::{Reply, Request};
 use crate::reading::Reading;
 
@@ -25,19 +25,63 @@ pub struct Row {
 /// Runs the suite against every misreading, asked in `views` only, or in all if there are none.
 #[must_use]
 pub fn matrix(suite: &Suite, views: &[&'static str], jobs: usize) -> Vec<Row> {
-    misreadings::all()
-        .map(|misreading| row(suite, misreading, views, jobs))
-        .collect()
+    let (_, right) = ask_all(suite, &[], views, jobs, &HashMap::new());
+    let row = |misreading| {
+        let (run, answers) = ask_all(suite, &[misreading], views, jobs, &right);
+        let judged = run.judgement.cases.iter().enumerate();
+        let failed = judged.filter(|(_, judged)| {
+            judged
+                .as_ref()
+                .is_some_and(|judged| judged.outcome == Outcome::Fail)
+        });
+        let digests = suite
+            .cases
+            .iter()
+            .zip(&run.findings)
+            .map(|(case, finding)| {
+                let answer = finding
+                    .as_ref()
+                    .and_then(|finding| answers.get(&key(&case.id, &finding.view)));
+                answer.map(digest).unwrap_or_default()
+            });
+        Row {
+            misreading,
+            killed_by: failed.map(|(i, _)| i).collect(),
+            answers: digests.collect(),
+        }
+    };
+    misreadings::all().map(row).collect()
 }
 
-fn row(suite: &Suite, misreading: &'static Misreading, views: &[&'static str], jobs: usize) -> Row {
-    let digests = Mutex::new(HashMap::new());
+/// A run of a decoder with these mistakes, and its answers. A mistake about section 2.9 cannot act on a file without
+/// compressed planes; such files are answered as in `right`.
+fn ask_all(
+    suite: &Suite,
+    mistakes: &[&Misreading],
+    views: &[&'static str],
+    jobs: usize,
+    right: &HashMap<String, Answer>,
+) -> (Run, HashMap<String, Answer>) {
+    let answers = Mutex::new(HashMap::new());
+    let compressed_only = mistakes
+        .iter()
+        .all(|mistake| mistake.clause.starts_with("2.9"));
     let ask = |request: &Request<'_>, _: usize| {
-        let answer = misreadings::answer(&[misreading], Reading::SPEC, request.file, request.view);
-        digests
+        let key = key(request.name, request.view);
+        let is_compressed = request
+            .file
+            .windows(9)
+            .take(40)
+            .any(|bytes| bytes == b"RMAT_JPEG");
+        let known = right
+            .get(&key)
+            .filter(|_| compressed_only && !is_compressed);
+        let make = || misreadings::answer(mistakes, Reading::SPEC, request.file, request.view);
+        let answer = known.cloned().unwrap_or_else(make);
+        answers
             .lock()
             .expect("no worker panics")
-            .insert(request.name.to_owned(), digest(&answer));
+            .insert(key, answer.clone());
         Reply {
             answer,
             stderr: String::new(),
@@ -51,26 +95,11 @@ fn row(suite: &Suite, misreading: &'static Misreading, views: &[&'static str], j
         stop: Arc::default(),
     };
     let run = check(suite, &plan, &ask, &|_, _, _, _| ());
-    let failed = run.judgement.cases.iter().enumerate();
-    let killed_by = failed
-        .filter(|(_, judged)| {
-            judged
-                .as_ref()
-                .is_some_and(|judged| judged.outcome == Outcome::Fail)
-        })
-        .map(|(i, _)| i)
-        .collect();
-    let digests = digests.into_inner().expect("no worker panics");
-    let answers = suite
-        .cases
-        .iter()
-        .map(|case| digests.get(&case.id).copied().unwrap_or_default())
-        .collect();
-    Row {
-        misreading,
-        killed_by,
-        answers,
-    }
+    (run, answers.into_inner().expect("no worker panics"))
+}
+
+fn key(name: &str, view: &View) -> String {
+    format!("{name} {view}")
 }
 
 fn digest(answer: &Answer) -> u64 {

@@ -113,7 +113,8 @@ impl Decoder {
         let place = scratch.join(NEXT_CALL.fetch_add(1, Ordering::Relaxed).to_string());
         let workplace = place.join("work");
         fs::create_dir_all(&workplace)?;
-        let input = place.join(format!("{}.ptm", request.name));
+        // Its name says nothing of what is expected.
+        let input = place.join("case.ptm");
         lay_down(&input, request.file)?;
 
         let child = Command::new(&self.command[0])
@@ -131,7 +132,11 @@ impl Decoder {
             .spawn();
         let reply = child.and_then(|child| {
             let call = Call::new(child, 4 * request.largest_frame + 65_536)?;
-            let ended = call.finish(self.timeout * request.patience, self.memory, &self.stop)?;
+            let ended = call.finish(
+                self.timeout.saturating_mul(request.patience),
+                self.memory,
+                &self.stop,
+            )?;
             processes::kill_orphans(&workplace);
             let mut reply = self.judge(&ended);
             // Where the file lay is nothing to report; its name is.
@@ -179,10 +184,23 @@ impl Decoder {
         };
         Reply {
             answer,
-            stderr: String::from_utf8_lossy(&ended.stderr).trim_end().to_owned(),
+            stderr: printable(&ended.stderr),
             exit,
         }
     }
+}
+
+/// What may be shown on a terminal: control characters but line feeds and tabs are escaped.
+fn printable(bytes: &[u8]) -> String {
+    let text = String::from_utf8_lossy(bytes);
+    let shown = |c: char| {
+        if c.is_control() && c != '\n' && c != '\t' {
+            c.escape_default().to_string()
+        } else {
+            c.to_string()
+        }
+    };
+    text.trim_end().chars().map(shown).collect()
 }
 
 /// Writes the input read-only.
@@ -199,6 +217,9 @@ fn is_untouched(path: &Path, bytes: &[u8]) -> bool {
     fs::symlink_metadata(path).is_ok_and(same_kind)
         && fs::read(path).is_ok_and(|read| read == bytes)
 }
+
+/// Longer than anybody waits, and short enough to be added to a clock.
+const A_YEAR: Duration = Duration::from_secs(365 * 24 * 3600);
 
 /// How often memory is measured and the user's wish looked at.
 const LOOK: Duration = Duration::from_millis(50);
@@ -271,7 +292,7 @@ impl Call {
 
     /// Reads until the process has ended or a limit is reached; then kills what is left of its group.
     fn finish(mut self, limit: Duration, memory: u64, stop: &AtomicBool) -> io::Result<Ended> {
-        let deadline = Instant::now() + limit;
+        let deadline = Instant::now() + limit.min(A_YEAR);
         let ending = Ending::of(&self.child);
         let watched = processes::can_be_watched();
         let mut next_look = Instant::now() + LOOK;
@@ -301,6 +322,8 @@ impl Call {
         };
         // The process is gone or must go; nobody of its group outlives the call. An error means that nobody is left.
         let _ = kill_process_group(self.group, Signal::KILL);
+        // It may have left its group; itself it cannot leave.
+        let _ = self.child.kill();
         let (status, mut cause) = match outcome {
             Ok(status) => {
                 self.read_what_is_there()?;

@@ -18,6 +18,52 @@ use crate::reading::Reading;
 pub(super) const ALL: &[Misreading] = &[
     // 2.9 and 2.9.1
     Misreading {
+        slug: "motion-on-one-line-only",
+        clause: "2.9/2",
+        effect: "refuses motion vectors on two lines",
+        mend: "x and y stand on a line each; the one real file has it so",
+        at: At::Bytes(|file| {
+            let vectors = file.texts(&["2.9.3/1"]).len();
+            file.refused_if(vectors > 1 && file.after("2.9.3/1", vectors / 2 - 1).contains(&b'\n'))
+        }),
+    },
+    Misreading {
+        slug: "missing-records-forgiven",
+        clause: "2.9.8/2",
+        effect: "takes side information that the file has not for none",
+        mend: "refuse a file that is too short",
+        at: At::Bytes(|file| match crate::decode::fields(file.file).1 {
+            Some(error) if error.clause() == "2.9.8/2" => file.respelled(|clause, text| {
+                (clause == "2.9.7/1" && text != "0").then(|| "0".to_owned())
+            }),
+            _ => file.unchanged(),
+        }),
+    },
+    Misreading {
+        slug: "compressed-size-sign-ignored",
+        clause: "2.9.6/2",
+        effect: "ignores the sign of a compressed size",
+        mend: "refuse negative sizes",
+        at: At::Bytes(|file| {
+            file.respelled(|clause, text| {
+                text.strip_prefix('-')
+                    .filter(|_| clause == "2.9.6/1")
+                    .map(str::to_owned)
+            })
+        }),
+    },
+    Misreading {
+        slug: "side-information-always",
+        clause: "2.9.7/2",
+        effect: "reads a record even where the side information has no bytes",
+        mend: "a size of 0 is no side information",
+        at: At::Bytes(|file| {
+            file.respelled(|clause, text| {
+                (clause == "2.9.7/1" && text == "0").then(|| "5".to_owned())
+            })
+        }),
+    },
+    Misreading {
         slug: "parameter-not-read",
         clause: "2.9.1/1",
         effect: "does not read the compression parameter and takes every number for the one before it",
