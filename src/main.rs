@@ -113,7 +113,7 @@ struct GenerateArgs {
     /// The directory to write to.
     #[arg(long, value_name = "DIR", default_value = "corpus")]
     out: PathBuf,
-    /// Write the files above 64 KiB too.
+    /// Write the files above 4 KiB too.
     #[arg(long)]
     all: bool,
     /// Files written at a time; the result does not depend on it.

@@ -47,7 +47,9 @@ fn sections_are_listed_in_the_order_of_the_text() {
 
 #[test]
 fn the_writer_mirrors_the_reader() {
-    assert_eq!(sections("decode/mod.rs"), sections("generate/mod.rs"));
+    let names =
+        |path| -> Vec<String> { sections(path).into_iter().map(|(_, name)| name).collect() };
+    assert_eq!(names("decode/mod.rs"), names("generate/mod.rs"));
 }
 
 #[test]
@@ -58,7 +60,7 @@ fn the_writer_never_asks_the_reader() {
             .lines()
             .filter(|line| !line.trim_start().starts_with("//"));
         for line in code {
-            assert!(!line.contains("decode"), "{}: {line}", path.display());
+            assert!(!line.contains("decode::"), "{}: {line}", path.display());
         }
     }
 }

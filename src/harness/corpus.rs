@@ -14,7 +14,7 @@ use crate::harness::compare::{Expected, ExpectedValues};
 use crate::harness::protocol::{Frame, Samples, View};
 
 /// Files above this size are not part of the committed corpus; the manifest has their digests.
-pub const COMMITTED: usize = 8 * 1024;
+pub const COMMITTED: usize = 4 * 1024;
 
 /// A file of the corpus, as the manifest lists it.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
