@@ -228,7 +228,7 @@ fn a_format_that_is_left_out_is_unsupported_and_no_failure() {
     let find = "    b\"PTM_FORMAT_LUM\": read_lum,\n";
     assert_eq!(text.matches(find).count(), 1);
     // A format that nobody reads is unsupported.
-    let without = format!("def lacking(*_):\n    raise Unsupported(\"LUM\")\n\n\n");
+    let without = "def lacking(*_):\n    raise Unsupported(\"LUM\")\n\n\n";
     let table = text[..text.find(find).expect("the line")]
         .rfind("\n\n")
         .expect("a blank line")

@@ -529,7 +529,7 @@ pub(super) const ALL: &[Misreading] = &[
     },
 ];
 
-const fn stored_row(
+pub(super) const fn stored_row(
     slug: &'static str,
     clause: &'static str,
     effect: &'static str,
@@ -574,12 +574,17 @@ const fn blocks(
     }
 }
 
+/// A block of one channel.
+pub(super) const fn one(channel: usize) -> Block {
+    run(channel, 1)
+}
+
 const fn run(channel: usize, channels: usize) -> Block {
     Block { channel, channels }
 }
 
 /// Changes the channels of every texel.
-fn each(ptm: &mut Ptm, change: fn(&mut [u8])) {
+pub(super) fn each(ptm: &mut Ptm, change: fn(&mut [u8])) {
     let channels = ptm.planes.shape.channels();
     ptm.planes
         .samples

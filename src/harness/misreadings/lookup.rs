@@ -1,8 +1,7 @@
 //! §2.5 Lookup Table and §2.8 Lookup Table Indices
 
+use super::layout::{each, one, stored_row};
 use super::{Anatomy, At, Decision, Misreading, Seen};
-use crate::decode::Ptm;
-use crate::decode::texels::Block;
 use crate::ptm::Format;
 use crate::reading::Reading;
 
@@ -612,37 +611,6 @@ const fn entry(
         mend,
         at: At::Reading(Decision::Entry, change),
     }
-}
-
-const fn stored_row(
-    slug: &'static str,
-    clause: &'static str,
-    effect: &'static str,
-    change: fn(Reading) -> Reading,
-) -> Misreading {
-    Misreading {
-        slug,
-        clause,
-        effect,
-        mend: "the bottom row is stored first",
-        at: At::Reading(Decision::StoredRow, change),
-    }
-}
-
-const fn one(channel: usize) -> Block {
-    Block {
-        channel,
-        channels: 1,
-    }
-}
-
-/// Changes the channels of every texel.
-fn each(ptm: &mut Ptm, change: fn(&mut [u8])) {
-    let channels = ptm.planes.shape.channels();
-    ptm.planes
-        .samples
-        .chunks_exact_mut(channels)
-        .for_each(change);
 }
 
 fn format(file: &Anatomy) -> Option<Format> {

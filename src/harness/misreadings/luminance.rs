@@ -1,5 +1,6 @@
 //! §2.6 Color Matrix and §2.7.2 `PTM_FORMAT_LUM`
 
+use super::layout::one;
 use super::{At, Decision, Misreading, Seen};
 use crate::decode::texels::{self, Block};
 use crate::ptm::{Format, Shape};
@@ -335,10 +336,3 @@ pub(super) const ALL: &[Misreading] = &[
         }),
     },
 ];
-
-const fn one(channel: usize) -> Block {
-    Block {
-        channel,
-        channels: 1,
-    }
-}
