@@ -1,0 +1,176 @@
+//! Composition controls: how a map's color meets the primitive's.
+//!
+//! Each method has one row of equations for texels without alpha (RGB, L) and one for those with it (RGBA, LA)
+//! (R-CMP-30 … R-CMP-39). W is the light on a white surface where texture comes too late to be lit with the surface
+//! (the *split* form, R-CMP-20), and white itself otherwise (the *direct* form, R-CMP-21):
+//!
+//! | method | color, no alpha | color, with alpha | alpha, no alpha | alpha, with alpha |
+//! |---|---|---|---|---|
+//! | Replace | W·T | W·T | A | AT |
+//! | Modulate | C·T | C·T | A | A·AT |
+//! | `BlendEnvColor` | (1 − Γ)·C + Γ·W·E | same | A | A·AT |
+//! | Decal | W·T | (1 − AT)·C + AT·W·T | A | A |
+//! | `DecalBackground` | W·T | W·((1 − AT)·B + AT·T) | A | A |
+//!
+//! Format notes
+//! - Both decals leave alpha alone; only the other three look at it.
+//! - Γ belongs to `BlendEnvColor` (ruling `gamma`), whatever the chapter's list of symbols says.
+//! - No result is limited to 0 … 1 (ruling `color-range`).
+
+use super::Rules;
+use super::entry::{Channel, Composition, Entry};
+use super::map::{Color, Texel};
+use super::sample::Fetched;
+
+/// The color of a primitive.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Shade {
+    /// Red, green, blue.
+    pub color: Color,
+    /// Opacity.
+    pub alpha: f64,
+}
+
+/// What an equation may use.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Terms<'a> {
+    /// C and A: the primitive.
+    pub input: Shade,
+    /// W: the light on a white surface, or white.
+    pub white: Color,
+    /// T: the map's color.
+    pub color: Color,
+    /// AT: the map's alpha, if it has one.
+    pub alpha: Option<f64>,
+    /// Γ.
+    pub gamma: Color,
+    /// For E and B.
+    pub entry: &'a Entry,
+}
+
+/// The primitive after one map. `white` is the light on a white surface in the split form, and white in the direct form.
+#[must_use]
+pub fn compose(
+    entry: &Entry,
+    fetched: &Fetched,
+    input: Shade,
+    white: Color,
+    rules: &Rules,
+) -> Shade {
+    match fetched {
+        // R-CLM-03
+        Fetched::Discontinued => input,
+        Fetched::Clamped(color) => (rules.clamp_color)(entry, color, input, white, rules),
+        Fetched::Texel(texel) => with_texel(entry, texel, input, white, rules),
+    }
+}
+
+/// The five methods. The clamp color comes here too, as a texel without alpha (ruling `clamp-color`).
+pub(crate) fn with_texel(
+    entry: &Entry,
+    texel: &Texel,
+    input: Shade,
+    white: Color,
+    rules: &Rules,
+) -> Shade {
+    let terms = Terms {
+        input,
+        white,
+        color: (rules.texel_color)(texel),
+        alpha: texel.alpha(),
+        gamma: (rules.gamma)(entry, texel),
+        entry,
+    };
+    match entry.composition {
+        Composition::Replace => (rules.replace)(&terms),
+        Composition::Modulate => (rules.modulate)(&terms),
+        Composition::BlendEnvColor => (rules.blend_env_color)(&terms),
+        Composition::Decal => (rules.decal)(&terms),
+        Composition::DecalBackground => (rules.decal_background)(&terms),
+    }
+}
+
+/// `clamp-color`, the other reading: it is the color, whatever the method.
+pub(crate) fn clamp_color_alone(
+    _: &Entry,
+    color: &Texel,
+    input: Shade,
+    _white: Color,
+    rules: &Rules,
+) -> Shade {
+    Shade {
+        color: (rules.texel_color)(color),
+        ..input
+    }
+}
+
+/// R-CMP-30, R-CMP-31
+pub(crate) fn replace(x: &Terms) -> Shade {
+    Shade {
+        color: times(x.white, x.color),
+        alpha: x.alpha.unwrap_or(x.input.alpha),
+    }
+}
+
+/// R-CMP-32, R-CMP-33
+pub(crate) fn modulate(x: &Terms) -> Shade {
+    Shade {
+        color: times(x.input.color, x.color),
+        alpha: x.input.alpha * x.alpha.unwrap_or(1.0),
+    }
+}
+
+/// R-CMP-34, R-CMP-35
+pub(crate) fn blend_env_color(x: &Terms) -> Shade {
+    let environment = times(x.white, x.entry.env_color);
+    Shade {
+        color: mix(x.input.color, environment, x.gamma),
+        alpha: x.input.alpha * x.alpha.unwrap_or(1.0),
+    }
+}
+
+/// R-CMP-36, R-CMP-37
+pub(crate) fn decal(x: &Terms) -> Shade {
+    let share = x.alpha.unwrap_or(1.0);
+    Shade {
+        color: mix(x.input.color, times(x.white, x.color), [share; 3]),
+        alpha: x.input.alpha,
+    }
+}
+
+/// R-CMP-38, R-CMP-39
+pub(crate) fn decal_background(x: &Terms) -> Shade {
+    let share = x.alpha.unwrap_or(1.0);
+    let over = mix(x.entry.background_color, x.color, [share; 3]);
+    Shade {
+        color: times(x.white, over),
+        alpha: x.input.alpha,
+    }
+}
+
+/// Γ: the selected channel, or the luminance (R-CMP-18, R-CHN-01 … R-CHN-04, ruling `gamma`). A texel without the alpha that is
+/// selected counts as opaque (ruling `no-alpha-to-select`).
+pub(crate) fn selected_channel(entry: &Entry, texel: &Texel) -> Color {
+    let rgb = super::map::texel_color(texel);
+    let gamma = texel.luminance().unwrap_or(match entry.channel {
+        Channel::Red => rgb[0],
+        Channel::Green => rgb[1],
+        Channel::Blue => rgb[2],
+        Channel::Alpha => texel.alpha().unwrap_or(1.0),
+    });
+    [gamma; 3]
+}
+
+/// `gamma`, the other reading: the texel's color, component by component.
+pub(crate) fn whole_color(_: &Entry, texel: &Texel) -> Color {
+    super::map::texel_color(texel)
+}
+
+pub(crate) fn times(a: Color, b: Color) -> Color {
+    [0, 1, 2].map(|c| a[c] * b[c])
+}
+
+/// `share` of b and the rest of a.
+pub(crate) fn mix(a: Color, b: Color, share: Color) -> Color {
+    [0, 1, 2].map(|c| (1.0 - share[c]) * a[c] + share[c] * b[c])
+}

@@ -1,0 +1,280 @@
+//! Table entries: the attributes, their fallback values, and which entry an index names.
+//!
+//! An entry binds attributes to a texture map resource (R-TBL-01). A field that is not set has its fallback value
+//! (R-TBL-03 … R-TBL-17). Valid indices are 1 to 65535; the fallback entry is entry 1 (R-RST-02, R-RST-03).
+//!
+//! Format notes
+//! - The entry of fallback values uses a reflection parameterization: it needs an eye and a normal even on a flat surface.
+//! - An index without an entry means entry 1; if that is not there either, the fallback values (ruling `undefined-entry`).
+//! - Notes a to g under the table say which fields count only beside others; [`super::parameterize`], [`super::fetch`] and
+//!   [`super::compose`] read nothing else.
+
+use std::collections::BTreeMap;
+use std::fmt;
+use std::str::FromStr;
+
+use super::map::Color;
+use super::{NoValue, Rules};
+
+/// Three coordinates, of a point, a direction or a texture map.
+pub type Vector = [f64; 3];
+
+/// Four rows of four; it multiplies columns (ruling `matrix-storage`).
+pub type Matrix = [[f64; 4]; 4];
+
+pub(super) const IDENTITY: Matrix = [
+    [1.0, 0.0, 0.0, 0.0],
+    [0.0, 1.0, 0.0, 0.0],
+    [0.0, 0.0, 1.0, 0.0],
+    [0.0, 0.0, 0.0, 1.0],
+];
+
+/// Declares the enumerants of a field: the short name is the chapter's own without its prefix, and reading one takes it with
+/// any of the prefixes or with none.
+macro_rules! enumerants {
+    ($(#[$about:meta])* $name:ident [$($prefix:literal)*] { $($(#[$says:meta])* $variant:ident,)+ }) => {
+        $(#[$about])*
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+        pub enum $name { $($(#[$says])* $variant,)+ }
+
+        impl $name {
+            /// Every enumerant, in the order of the chapter.
+            pub const ALL: &[$name] = &[$($name::$variant,)+];
+
+            /// The chapter's name without its prefix.
+            #[must_use]
+            pub const fn name(self) -> &'static str {
+                match self { $($name::$variant => stringify!($variant),)+ }
+            }
+        }
+
+        impl fmt::Display for $name {
+            fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str(self.name())
+            }
+        }
+
+        impl FromStr for $name {
+            type Err = String;
+
+            fn from_str(text: &str) -> Result<$name, String> {
+                let prefixes: &[&str] = &[$($prefix,)* ""];
+                let bare = prefixes.iter().filter_map(|prefix| text.strip_prefix(prefix));
+                let mut named = bare.filter_map(|bare| {
+                    // Notes f and g say ClampExplicitMethod.
+                    let bare = bare.strip_suffix("Method").unwrap_or(bare);
+                    $name::ALL.iter().copied().find(|one| one.name() == bare)
+                });
+                named.next().ok_or_else(|| {
+                    let known: Vec<&str> = $name::ALL.iter().map(|one| one.name()).collect();
+                    format!("expected one of {}, found {text:?}", known.join(", "))
+                })
+            }
+        }
+    };
+}
+pub(super) use enumerants;
+
+enumerants! {
+    /// Where in the pipeline the map is applied (R-RCT-01).
+    RenderingControl ["PEXTMRenderingControl" "PEXTMRC"] {
+        /// Before the reflectance calculation (R-RCT-04).
+        PreLight,
+        /// After the reflectance calculation (R-RCT-05).
+        PostLight,
+    }
+}
+
+enumerants! {
+    /// How texture coordinates are derived (R-PAR-01).
+    Parameterization ["PEXTMParam" "PEXTMPM"] {
+        /// The vertex in modelling coordinates.
+        VertexMCCoord,
+        /// The vertex in world coordinates.
+        VertexWCCoord,
+        /// The vertex normal in modelling coordinates.
+        VertexMCNormal,
+        /// The vertex normal in world coordinates.
+        VertexWCNormal,
+        /// The parameters of a B-spline surface.
+        NURBUV,
+        /// The vertex's floating-point data.
+        FloatData,
+        /// A reflection vector on a sphere, in view reference coordinates.
+        ReflectionSphereVRC,
+        /// A reflection vector on a sphere, in world coordinates.
+        ReflectionSphereWC,
+    }
+}
+
+enumerants! {
+    /// How the map's color meets the primitive's (R-CMP-02).
+    Composition ["PEXTMComp" "PEXTMCM"] {
+        /// The map replaces.
+        Replace,
+        /// Product of both.
+        Modulate,
+        /// Primitive and environment color, blended by the map.
+        BlendEnvColor,
+        /// The map over the primitive, by the map's alpha.
+        Decal,
+        /// The map over the background color, by the map's alpha.
+        DecalBackground,
+    }
+}
+
+enumerants! {
+    /// The component that blends in the environment color.
+    Channel ["PEXTMChannel"] {
+        /// Channel 0 (R-CHN-01).
+        Red,
+        /// Channel 1 (R-CHN-02).
+        Green,
+        /// Channel 2 (R-CHN-03).
+        Blue,
+        /// Channel 3 (R-CHN-04).
+        Alpha,
+    }
+}
+
+enumerants! {
+    /// How texels become a sample (R-SMP-01).
+    SampleMethod ["PEXTMSample" "PEXTMSM"] {
+        /// The closest texel of the base level.
+        SingleBase,
+        /// A weighted average of the closest texels of the base level.
+        WeightedBase,
+        /// The closest texel of the closest level.
+        SingleInMipmap,
+        /// A weighted average of the closest texels of the closest level.
+        WeightedInMipmap,
+        /// The closest texels of the two closest levels, interpolated.
+        SingleBetweenMipmaps,
+        /// Weighted averages of the two closest levels, interpolated.
+        WeightedBetweenMipmaps,
+    }
+}
+
+enumerants! {
+    /// What is beyond an edge of the map, in one direction (R-BND-01).
+    Boundary ["PEXTMBoundary" "PEXTMBC"] {
+        /// What the clamp method says.
+        ClampExplicit,
+        /// The closest texel of the edge.
+        ClampBorder,
+        /// The map again.
+        Wrap,
+        /// The map again, reversed every other time.
+        Mirror,
+    }
+}
+
+enumerants! {
+    /// What [`Boundary::ClampExplicit`] does outside (R-CLM-01).
+    ClampMethod ["PEXTMBoundaryClampExplicit" "PEXTMBCM"] {
+        /// The map is not applied.
+        Discontinue,
+        /// The clamp color is applied.
+        Color,
+    }
+}
+
+/// An entry of the table.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Entry {
+    /// The resources that define the map, by name; none means the default map (R-SEL-11).
+    pub map_ids: Vec<u32>,
+    /// Before or after the light.
+    pub rendering_control: RenderingControl,
+    /// Where coordinates come from.
+    pub parameterization: Parameterization,
+    /// The first datum that [`Parameterization::FloatData`] takes (note a).
+    pub fp_data_index: usize,
+    /// Turns reflection vectors (note b).
+    pub reflection_matrix: Matrix,
+    /// For those who optimize; never looked at (R-PAR-12).
+    pub reflection_hints: String,
+    /// Transforms coordinates (R-ORI-01).
+    pub orientation_matrix: Matrix,
+    /// For those who optimize; never looked at (R-ORI-02).
+    pub orientation_hints: String,
+    /// How colors meet.
+    pub composition: Composition,
+    /// What blends in the environment color (note c).
+    pub channel: Channel,
+    /// For [`Composition::BlendEnvColor`] (note d).
+    pub env_color: Color,
+    /// For [`Composition::DecalBackground`] (note e).
+    pub background_color: Color,
+    /// Where a pixel covers more than a texel.
+    pub min_sample: SampleMethod,
+    /// Where a pixel covers less than a texel.
+    pub mag_sample: SampleMethod,
+    /// In the directions t0, t1, t2.
+    pub boundary: [Boundary; 3],
+    /// For [`Boundary::ClampExplicit`] (note f).
+    pub clamp_method: ClampMethod,
+    /// For [`ClampMethod::Color`] (note g).
+    pub clamp_color: Color,
+    /// Levels to move away from the base.
+    pub depth_bias: f64,
+    /// From above 0 to 1 for the directions t0, t1, t2; less than 1 blurs less.
+    pub frequency: [f64; 3],
+}
+
+impl Default for Entry {
+    /// The fallback values (R-TBL-03 … R-TBL-17).
+    fn default() -> Entry {
+        fallback_values()
+    }
+}
+
+/// The fallback column of the table, from the top (R-TBL-03 … R-TBL-17).
+pub(crate) fn fallback_values() -> Entry {
+    Entry {
+        map_ids: Vec::new(),
+        rendering_control: RenderingControl::PostLight,
+        parameterization: Parameterization::ReflectionSphereVRC,
+        fp_data_index: 0,
+        reflection_matrix: IDENTITY,
+        reflection_hints: "Identity".to_owned(),
+        orientation_matrix: IDENTITY,
+        orientation_hints: "Identity".to_owned(),
+        composition: Composition::Replace,
+        channel: Channel::Red,
+        env_color: [0.0; 3],
+        background_color: [0.0; 3],
+        min_sample: SampleMethod::SingleBase,
+        mag_sample: SampleMethod::SingleBase,
+        boundary: [Boundary::Wrap; 3],
+        clamp_method: ClampMethod::Discontinue,
+        clamp_color: [0.0; 3],
+        depth_bias: 0.0,
+        frequency: [1.0; 3],
+    }
+}
+
+/// The entries that were defined, by index.
+pub type Table = BTreeMap<i64, Entry>;
+
+/// The entry that `index` names in `table`.
+///
+/// # Errors
+/// [`NoValue::OutOfRange`] outside 1 … 65535 (R-RST-02).
+pub fn resolve(table: &Table, index: i64, rules: &Rules) -> Result<Entry, NoValue> {
+    if !(rules.valid_index)(index) {
+        return Err(NoValue::OutOfRange("index-out-of-range"));
+    }
+    let entry = table.get(&index).cloned();
+    Ok(entry.unwrap_or_else(|| (rules.undefined_entry)(table, rules)))
+}
+
+/// 1 to 65535 (R-RST-02).
+pub(crate) fn valid_index(index: i64) -> bool {
+    (1..=65535).contains(&index)
+}
+
+/// Entry 1 (R-RST-03); without one, the fallback values (ruling `undefined-entry`).
+pub(crate) fn entry_one(table: &Table, rules: &Rules) -> Entry {
+    table.get(&1).cloned().unwrap_or_else(rules.fallback_values)
+}

@@ -1,0 +1,67 @@
+//! A texture map from a PTM under a light.
+//!
+//! The picture of the map under the light (u, v), limited to 0 … 255 as any picture of it, becomes a map of RGB texels from
+//! 0 to 1, with no level but the base.
+//!
+//! Format notes
+//! - A PTM stores its bottom row first and a texture map begins at the lower left: the file's order is the map's. Pictures
+//!   of this library run from the top, so rows are turned once, here.
+//! - Texels are not rounded; a viewer that keeps eight bits rounds halves up (ruling `ptm-texels`).
+
+use super::Rules;
+use super::map::{Level, Texel, TextureMap};
+use crate::evaluate::{Coefficients, Picture};
+
+/// Whether values of a picture are kept as they are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Rounding {
+    /// As real numbers.
+    None,
+    /// To 256 steps.
+    EightBits,
+}
+
+impl TextureMap {
+    /// The map that a PTM is under the light (`lu`, `lv`).
+    #[must_use]
+    pub fn from_ptm(
+        coefficients: &Coefficients,
+        lu: f64,
+        lv: f64,
+        rounding: Rounding,
+        rules: &Rules,
+    ) -> TextureMap {
+        let picture = coefficients.evaluate(lu, lv);
+        let value = |value: f64| match rounding {
+            Rounding::None => value / 255.0,
+            Rounding::EightBits => (rules.to_eight_bits)(value) / 255.0,
+        };
+        let texels = (rules.rows)(&picture)
+            .into_iter()
+            .map(|color| Texel::rgb(color.map(value)));
+        let size = [picture.size.width as usize, picture.size.height as usize, 1];
+        let base = Level {
+            size,
+            texels: texels.collect(),
+        };
+        TextureMap::new(2, vec![base]).expect("a PTM has at least one texel")
+    }
+}
+
+/// The texels of a picture, bottom row first (ruling `ptm-rows`).
+pub(crate) fn from_the_bottom(picture: &Picture) -> Vec<[f64; 3]> {
+    let width = picture.size.width as usize;
+    let rows = picture.values.chunks_exact(3 * width).rev();
+    rows.flat_map(|row| row.chunks_exact(3).map(|c| [c[0], c[1], c[2]]))
+        .collect()
+}
+
+/// The nearest whole number, halves up (ruling `ptm-texels`).
+pub(crate) fn halves_up(value: f64) -> f64 {
+    (value + 0.5).floor()
+}
+
+/// `ptm-texels`, the other reading: nothing is rounded.
+pub(crate) fn kept(value: f64) -> f64 {
+    value
+}

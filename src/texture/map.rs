@@ -1,0 +1,279 @@
+//! Texture maps: texels in levels, and the default map.
+//!
+//! A map has one to three dimensions and at least one level; level 0 is the base, the last one the pinnacle. Texels of a
+//! level run along t0 first, then t1, then t2, from t0 = t1 = t2 = 0 (ruling `texel-order`).
+//! The default map is a checkerboard of 8×8 squares on 16×16 texels, white at the origin (R-SEL-11 … R-SEL-13).
+//!
+//! Format notes
+//! - t0 = t1 = 0 is the *lower* left of the picture.
+//! - A texel of luminance L stands for the color (L, L, L) (R-CMP-14).
+//! - Levels are as supplied, of any size; [`TextureMap::with_box_levels`] is what most people mean by a mipmap.
+
+use super::Rules;
+
+/// Red, green and blue, of which 0 to 1 can be shown.
+pub type Color = [f64; 3];
+
+super::entry::enumerants! {
+    /// What a texel consists of.
+    TexelKind ["PEXTexelType"] {
+        /// Luminance.
+        L,
+        /// Luminance and alpha.
+        LA,
+        /// Red, green, blue.
+        RGB,
+        /// Red, green, blue, alpha.
+        RGBA,
+    }
+}
+
+use std::fmt;
+use std::str::FromStr;
+
+impl TexelKind {
+    /// How many components.
+    #[must_use]
+    pub const fn components(self) -> usize {
+        match self {
+            TexelKind::L => 1,
+            TexelKind::LA => 2,
+            TexelKind::RGB => 3,
+            TexelKind::RGBA => 4,
+        }
+    }
+}
+
+/// One sample of a map.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Texel {
+    kind: TexelKind,
+    /// As many as the kind has, then zeros.
+    values: [f64; 4],
+}
+
+impl Texel {
+    /// A texel, or nothing if it has not as many components as its kind.
+    #[must_use]
+    pub fn new(kind: TexelKind, components: &[f64]) -> Option<Texel> {
+        let mut values = [0.0; 4];
+        values
+            .get_mut(..components.len())?
+            .copy_from_slice(components);
+        (components.len() == kind.components()).then_some(Texel { kind, values })
+    }
+
+    /// An opaque color.
+    #[must_use]
+    pub const fn rgb([r, g, b]: Color) -> Texel {
+        Texel {
+            kind: TexelKind::RGB,
+            values: [r, g, b, 0.0],
+        }
+    }
+
+    /// What it consists of.
+    #[must_use]
+    pub const fn kind(&self) -> TexelKind {
+        self.kind
+    }
+
+    /// Its components.
+    #[must_use]
+    pub fn components(&self) -> &[f64] {
+        &self.values[..self.kind.components()]
+    }
+
+    /// Its alpha, if it has one (R-CMP-15).
+    #[must_use]
+    pub fn alpha(&self) -> Option<f64> {
+        match self.kind {
+            TexelKind::LA => Some(self.values[1]),
+            TexelKind::RGBA => Some(self.values[3]),
+            _ => None,
+        }
+    }
+
+    /// Its luminance, if it has no colors.
+    #[must_use]
+    pub fn luminance(&self) -> Option<f64> {
+        matches!(self.kind, TexelKind::L | TexelKind::LA).then_some(self.values[0])
+    }
+
+    /// The weighted sum of texels of one kind.
+    pub(super) fn sum(kind: TexelKind, parts: impl Iterator<Item = (Texel, f64)>) -> Texel {
+        let mut values = [0.0; 4];
+        for (texel, weight) in parts {
+            for (value, part) in values.iter_mut().zip(texel.values) {
+                *value += weight * part;
+            }
+        }
+        Texel { kind, values }
+    }
+}
+
+/// The color of a texel: R, G, B, or three times the luminance (R-CMP-14).
+pub(crate) fn texel_color(texel: &Texel) -> Color {
+    let v = texel.values;
+    match texel.luminance() {
+        Some(luminance) => [luminance; 3],
+        None => [v[0], v[1], v[2]],
+    }
+}
+
+/// One picture of a map.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Level {
+    /// Texels along t0, t1, t2; 1 in directions that the map has not.
+    pub size: [usize; 3],
+    /// `size[0] * size[1] * size[2]` of them, t0 fastest.
+    pub texels: Vec<Texel>,
+}
+
+/// A map: its levels from the base to the pinnacle.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TextureMap {
+    dimensions: usize,
+    kind: TexelKind,
+    levels: Vec<Level>,
+}
+
+impl TextureMap {
+    /// A map of one to three dimensions.
+    ///
+    /// # Errors
+    /// In words, if there is no level, a level is empty or has another number of texels than its size says, its size speaks
+    /// of more dimensions than the map has, or texels are of different kinds.
+    pub fn new(dimensions: usize, levels: Vec<Level>) -> Result<TextureMap, String> {
+        if !(1..=3).contains(&dimensions) {
+            return Err(format!("a map has 1, 2 or 3 dimensions, not {dimensions}"));
+        }
+        let first = levels.first().and_then(|level| level.texels.first());
+        let kind = first.ok_or("a map has a base level with texels")?.kind;
+        for (number, level) in levels.iter().enumerate() {
+            let texels = level
+                .size
+                .iter()
+                .try_fold(1_usize, |product, &side| product.checked_mul(side));
+            if texels != Some(level.texels.len()) || texels == Some(0) {
+                return Err(format!(
+                    "level {number} of size {:?} has {} texels",
+                    level.size,
+                    level.texels.len()
+                ));
+            }
+            if level.size[dimensions..].iter().any(|&side| side != 1) {
+                return Err(format!(
+                    "level {number} of size {:?} has more than {dimensions} dimensions",
+                    level.size
+                ));
+            }
+            if level.texels.iter().any(|texel| texel.kind != kind) {
+                return Err(format!("level {number} mixes kinds of texels"));
+            }
+        }
+        Ok(TextureMap {
+            dimensions,
+            kind,
+            levels,
+        })
+    }
+
+    /// The default map (R-SEL-11, R-SEL-12).
+    #[must_use]
+    pub fn checkerboard(rules: &Rules) -> TextureMap {
+        let (side, square) = (rules.checkerboard)();
+        let texel = |at: usize| {
+            let (i, j) = (at % side / square, at / side / square);
+            Texel::rgb([f64::from(u8::from((rules.is_white)(i, j))); 3])
+        };
+        TextureMap {
+            dimensions: 2,
+            kind: TexelKind::RGB,
+            levels: vec![Level {
+                size: [side, side, 1],
+                texels: (0..side * side).map(texel).collect(),
+            }],
+        }
+    }
+
+    /// How many coordinates sample it (R-PAR-03).
+    #[must_use]
+    pub fn dimensions(&self) -> usize {
+        self.dimensions
+    }
+
+    /// What its texels consist of.
+    #[must_use]
+    pub fn kind(&self) -> TexelKind {
+        self.kind
+    }
+
+    /// From the base to the pinnacle; at least one.
+    #[must_use]
+    pub fn levels(&self) -> &[Level] {
+        &self.levels
+    }
+
+    /// The base level and above it, down to one texel, levels of half the size, each texel the average of what it covers
+    /// (ruling `level-making`).
+    #[must_use]
+    pub fn with_box_levels(self) -> TextureMap {
+        let mut levels = vec![self.levels.into_iter().next().expect("a map has a base")];
+        while levels[levels.len() - 1].size != [1, 1, 1] {
+            levels.push(halved(&levels[levels.len() - 1]));
+        }
+        TextureMap { levels, ..self }
+    }
+}
+
+/// A level of half the size, rounded down.
+fn halved(fine: &Level) -> Level {
+    let size = fine.size.map(|side| (side / 2).max(1));
+    let cover: [Vec<Vec<(usize, f64)>>; 3] = [0, 1, 2].map(|d| {
+        (0..size[d])
+            .map(|at| covered(at, fine.size[d], size[d]))
+            .collect()
+    });
+    let mut texels = Vec::with_capacity(size[0] * size[1] * size[2]);
+    for z in &cover[2] {
+        for y in &cover[1] {
+            for x in &cover[0] {
+                let parts = z.iter().flat_map(|&(k, wz)| {
+                    y.iter().flat_map(move |&(j, wy)| {
+                        x.iter().map(move |&(i, wx)| ([i, j, k], wx * wy * wz))
+                    })
+                });
+                let parts = parts.map(|(at, w)| (fine.texels[place(fine.size, at)], w));
+                texels.push(Texel::sum(fine.texels[0].kind, parts));
+            }
+        }
+    }
+    Level { size, texels }
+}
+
+/// Which of `fine` cells the cell `at` of `coarse` covers, and by what share.
+fn covered(at: usize, fine: usize, coarse: usize) -> Vec<(usize, f64)> {
+    let (low, high) = (at * fine, (at + 1) * fine);
+    // In units of 1/(fine · coarse): fine cell k runs from k·coarse to (k + 1)·coarse.
+    let share = |k: usize| {
+        let (from, to) = (low.max(k * coarse), high.min((k + 1) * coarse));
+        (k, (to - from) as f64 / fine as f64)
+    };
+    (low / coarse..high.div_ceil(coarse)).map(share).collect()
+}
+
+/// Where the texel `at` lies in a level: t0 fastest, then t1, then t2 (ruling `texel-order`).
+pub(crate) fn place(size: [usize; 3], at: [usize; 3]) -> usize {
+    (at[2] * size[1] + at[1]) * size[0] + at[0]
+}
+
+/// Texels and texels of a square along a side of the default map (R-SEL-12).
+pub(crate) fn sixteen_by_two() -> (usize, usize) {
+    (16, 2)
+}
+
+/// Whether the square (i, j) of the default map is white; (0, 0) is (R-SEL-13).
+pub(crate) fn white_at_origin(i: usize, j: usize) -> bool {
+    (i + j).is_multiple_of(2)
+}

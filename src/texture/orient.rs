@@ -1,0 +1,126 @@
+//! Orientation, interpolation and perspective correction: coordinates between vertex and sample.
+//!
+//! Coordinates of every method are transformed by the orientation matrix (R-ORI-01), and only then interpolated across the
+//! facet (R-ORI-03). In a perspective view interpolated coordinates are corrected before they sample (R-ORI-04).
+//!
+//! Format notes
+//! - t' = O·(t0, t1, t2, 1), rows stored one after the other. Divided by its w where that is neither 0 nor 1 (ruling
+//!   `orientation-w`).
+//! - Correction Vertex is too vague to be computed (ruling `vertex-correction`).
+
+use std::fmt;
+use std::str::FromStr;
+
+use super::entry::{Matrix, Vector};
+use super::{NoValue, Rules};
+
+super::entry::enumerants! {
+    /// How coordinates are interpolated in a perspective view.
+    Correction ["PEXTMPerspectiveCorrection"] {
+        /// Linearly on the screen.
+        None,
+        /// Corrected at the vertices.
+        Vertex,
+        /// Corrected at every pixel.
+        Pixel,
+    }
+}
+
+super::entry::enumerants! {
+    /// How a surface's colors are interpolated.
+    Interpolation ["PEXSurfaceInterp"] {
+        /// One color a facet.
+        None,
+        /// Colors of the vertices.
+        Color,
+        /// Dot products of the reflectance equations.
+        DotProduct,
+        /// Normals.
+        Normal,
+    }
+}
+
+super::entry::enumerants! {
+    /// How often a texture is sampled.
+    Frequency ["PEXTMSampleFrequency"] {
+        /// At every pixel.
+        Pixel,
+        /// As often as the reflectance calculation is done.
+        InterpDep,
+    }
+}
+
+super::entry::enumerants! {
+    /// Where a texture is sampled.
+    Site [] {
+        /// Once a facet.
+        Facet,
+        /// At every vertex.
+        Vertex,
+        /// At every pixel.
+        Pixel,
+    }
+}
+
+/// Coordinates after the orientation matrix.
+#[must_use]
+pub fn orient(matrix: &Matrix, t: Vector, rules: &Rules) -> Vector {
+    (rules.orient)(matrix, t)
+}
+
+/// O·(t, 1), divided by w (R-ORI-01, rulings `matrix-storage`, `orientation-w`).
+pub(crate) fn rows_times_column(matrix: &Matrix, t: Vector) -> Vector {
+    let row =
+        |r: usize| matrix[r][0] * t[0] + matrix[r][1] * t[1] + matrix[r][2] * t[2] + matrix[r][3];
+    let w = match row(3) {
+        0.0 => 1.0,
+        w => w,
+    };
+    [row(0) / w, row(1) / w, row(2) / w]
+}
+
+/// Coordinates inside a facet: `ts` at its corners, the shares `b` of the corners on the screen, and the corners' `w`.
+///
+/// # Errors
+/// [`NoValue::ImplementationDefined`] under correction Vertex.
+pub fn interpolate(
+    ts: &[Vector],
+    b: &[f64],
+    w: &[f64],
+    correction: Correction,
+    rules: &Rules,
+) -> Result<Vector, NoValue> {
+    match correction {
+        Correction::None => Ok((rules.linear)(ts, b, w)),
+        Correction::Pixel => Ok((rules.hyperbolic)(ts, b, w)),
+        Correction::Vertex => Err(NoValue::ImplementationDefined("vertex-correction")),
+    }
+}
+
+/// The sum of the corners by their shares.
+pub(crate) fn linear(ts: &[Vector], b: &[f64], _w: &[f64]) -> Vector {
+    [0, 1, 2].map(|c| ts.iter().zip(b).map(|(t, b)| b * t[c]).sum())
+}
+
+/// t/w and 1/w are linear on the screen; their quotient is t (R-ORI-04).
+pub(crate) fn hyperbolic(ts: &[Vector], b: &[f64], w: &[f64]) -> Vector {
+    let shares: Vec<f64> = b.iter().zip(w).map(|(b, w)| b / w).collect();
+    let whole: f64 = shares.iter().sum();
+    linear(ts, &shares, w).map(|t| t / whole)
+}
+
+/// Where a texture is sampled (R-CMP-22).
+#[must_use]
+pub fn site(interpolation: Interpolation, frequency: Frequency, rules: &Rules) -> Site {
+    (rules.site)(interpolation, frequency)
+}
+
+/// Pixel says it; `InterpDep` follows the reflectance calculation (R-CMP-22).
+pub(crate) fn as_often_as_lit(interpolation: Interpolation, frequency: Frequency) -> Site {
+    match (frequency, interpolation) {
+        (Frequency::Pixel, _) => Site::Pixel,
+        (_, Interpolation::None) => Site::Facet,
+        (_, Interpolation::Color) => Site::Vertex,
+        (_, Interpolation::DotProduct | Interpolation::Normal) => Site::Pixel,
+    }
+}

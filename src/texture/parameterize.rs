@@ -1,0 +1,271 @@
+//! Parameterization controls: where texture coordinates come from.
+//!
+//! Four methods take the vertex or its normal, in modelling or world coordinates (R-PAR-13 … R-PAR-18); one the parameters of
+//! a B-spline surface (R-PAR-19, R-PAR-20); one the vertex's data (R-PAR-21 … R-PAR-25); two reflect the line of sight and
+//! project what results onto a sphere around the y axis (R-PAR-06 … R-PAR-12, R-PAR-26 … R-PAR-37).
+//!
+//! Format notes
+//! - Components that a method does not give are 0.
+//! - `i` points from the eye to the vertex, so the reflection is `i − 2(n·i)n`; the other textbook form takes the opposite of i.
+//! - The reflection matrix turns directions: its last column does not move them (ruling `reflection-matrix`).
+//! - From the sphere to (t0, t1) the formulas are lost; rulings `vrc-azimuth`, `wc-azimuth`, `vrc-height`, `wc-height`.
+//! - Normals are used as they are given, whatever their length (ruling `normal-length`).
+
+use std::f64::consts::PI;
+
+use super::entry::{Entry, Matrix, Parameterization, Vector};
+use super::{NoValue, Rules};
+
+/// A vertex in one coordinate system.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Place {
+    /// Where it is.
+    pub position: Option<Vector>,
+    /// Where the eye is.
+    pub eye: Option<Vector>,
+    /// The normal that came with the vertex.
+    pub normal: Option<Vector>,
+    /// The normal of the facet, computed.
+    pub geometric_normal: Option<Vector>,
+}
+
+/// A point of a B-spline surface.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct SplinePoint {
+    /// The first parameter.
+    pub u: f64,
+    /// The second parameter.
+    pub v: f64,
+    /// The values of each data spline at this point.
+    pub data: Vec<Vec<f64>>,
+}
+
+/// All that coordinates may be derived from. What a method does not need may be left out.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Point {
+    /// In modelling coordinates.
+    pub mc: Place,
+    /// In world coordinates.
+    pub wc: Place,
+    /// In view reference coordinates.
+    pub vrc: Place,
+    /// The vertex's floating-point data.
+    pub fp_data: Vec<f64>,
+    /// Where the primitive is a B-spline surface.
+    pub spline: Option<SplinePoint>,
+    /// The unit vector from the eye, where it is known without eye and position.
+    pub sight: Option<Vector>,
+    /// The reflection vector, where it is known without sight and normal.
+    pub reflection: Option<Vector>,
+}
+
+/// The coordinates of `point`, before orientation; those that a map of `dimensions` does not have may be anything.
+///
+/// # Errors
+/// [`NoValue::ImplementationDefined`] if there are too few data for the map (R-PAR-25), or nothing is reflected;
+/// [`NoValue::Missing`] if the point lacks what the method needs.
+pub fn parameterize(
+    entry: &Entry,
+    point: &Point,
+    dimensions: usize,
+    rules: &Rules,
+) -> Result<Vector, NoValue> {
+    (rules.parameterize)(entry, point, dimensions, rules)
+}
+
+/// The eight methods.
+pub(crate) fn by_method(
+    entry: &Entry,
+    point: &Point,
+    dimensions: usize,
+    rules: &Rules,
+) -> Result<Vector, NoValue> {
+    match entry.parameterization {
+        Parameterization::VertexMCCoord => {
+            (rules.coordinates)(&point.mc).ok_or(NoValue::Missing("mc"))
+        }
+        Parameterization::VertexWCCoord => {
+            (rules.coordinates)(&point.wc).ok_or(NoValue::Missing("wc"))
+        }
+        Parameterization::VertexMCNormal => {
+            (rules.normal)(&point.mc).ok_or(NoValue::Missing("mc_normal or mc_geometric_normal"))
+        }
+        Parameterization::VertexWCNormal => {
+            (rules.normal)(&point.wc).ok_or(NoValue::Missing("wc_normal or wc_geometric_normal"))
+        }
+        Parameterization::NURBUV => Ok((rules.spline_parameters)(point)),
+        Parameterization::FloatData => (rules.float_data)(point, entry.fp_data_index, dimensions),
+        Parameterization::ReflectionSphereVRC => {
+            let s = reflection(entry, point, &(rules.vrc_place)(point), rules)?;
+            Ok([(rules.vrc_azimuth)(s), (rules.vrc_height)(s), 0.0])
+        }
+        Parameterization::ReflectionSphereWC => {
+            let s = reflection(entry, point, &(rules.wc_place)(point), rules)?;
+            Ok([(rules.wc_azimuth)(s), (rules.wc_height)(s), 0.0])
+        }
+    }
+}
+
+/// The vertex in view reference coordinates (R-PAR-30).
+pub(crate) fn in_vrc(point: &Point) -> Place {
+    point.vrc.clone()
+}
+
+/// The vertex in world coordinates (R-PAR-35).
+pub(crate) fn in_wc(point: &Point) -> Place {
+    point.wc.clone()
+}
+
+/// (x, y, z) (R-PAR-13, R-PAR-14).
+pub(crate) fn coordinates(place: &Place) -> Option<Vector> {
+    place.position
+}
+
+/// The normal of the vertex, or else the geometric one (R-PAR-15 … R-PAR-18).
+pub(crate) fn normal(place: &Place) -> Option<Vector> {
+    place.normal.or(place.geometric_normal)
+}
+
+/// (u, v, 0), and (0, 0, 0) where there is no B-spline surface (R-PAR-19, R-PAR-20).
+pub(crate) fn spline_parameters(point: &Point) -> Vector {
+    let (u, v) = point.spline.as_ref().map_or((0.0, 0.0), |s| (s.u, s.v));
+    [u, v, 0.0]
+}
+
+/// The data at the index and behind it, as many as the map has dimensions (R-PAR-21 … R-PAR-23); on a B-spline surface the
+/// first value of each data spline (R-PAR-24).
+pub(crate) fn float_data(
+    point: &Point,
+    index: usize,
+    dimensions: usize,
+) -> Result<Vector, NoValue> {
+    let mut t = [0.0; 3];
+    for (i, t) in t.iter_mut().enumerate().take(dimensions) {
+        let at = index.saturating_add(i);
+        let datum = match &point.spline {
+            Some(spline) => spline.data.get(at).and_then(|values| values.first()),
+            None => point.fp_data.get(at),
+        };
+        // R-PAR-25
+        *t = *datum.ok_or(NoValue::ImplementationDefined("fp-data-short"))?;
+    }
+    Ok(t)
+}
+
+/// The reflection vector of a point, turned by the reflection matrix (R-PAR-09, R-PAR-10).
+fn reflection(
+    entry: &Entry,
+    point: &Point,
+    place: &Place,
+    rules: &Rules,
+) -> Result<Vector, NoValue> {
+    let s = match point.reflection {
+        Some(s) => s,
+        None => {
+            let n = (rules.normal)(place).ok_or(NoValue::Missing("a normal"))?;
+            (rules.reflect)(sight(point, place, rules)?, n)
+        }
+    };
+    let turned = (rules.turn)(&entry.reflection_matrix, s);
+    if turned == [0.0; 3] {
+        return Err(NoValue::ImplementationDefined("no-reflection"));
+    }
+    Ok(turned)
+}
+
+fn sight(point: &Point, place: &Place, rules: &Rules) -> Result<Vector, NoValue> {
+    if let Some(sight) = point.sight {
+        return Ok(sight);
+    }
+    let eye = place.eye.ok_or(NoValue::Missing("an eye"))?;
+    let position = place.position.ok_or(NoValue::Missing("a position"))?;
+    Ok((rules.sight)(eye, position))
+}
+
+/// The unit vector from the eye to the vertex (R-PAR-29).
+pub(crate) fn sight_from_eye(eye: Vector, position: Vector) -> Vector {
+    let way = [0, 1, 2].map(|c| position[c] - eye[c]);
+    let length = length(way);
+    if length == 0.0 {
+        return way;
+    }
+    way.map(|c| c / length)
+}
+
+/// The mirror image of the line of sight `i` at a surface of normal `n`: i − 2(n·i)n (R-PAR-29, ruling `reflection-vector`).
+#[must_use]
+pub fn reflect(i: Vector, n: Vector) -> Vector {
+    let along = dot(n, i);
+    [0, 1, 2].map(|c| i[c] - 2.0 * along * n[c])
+}
+
+/// M·(s, 0): a direction turns and does not move (ruling `reflection-matrix`).
+pub(crate) fn turn(matrix: &Matrix, s: Vector) -> Vector {
+    [0, 1, 2].map(|row| dot([matrix[row][0], matrix[row][1], matrix[row][2]], s))
+}
+
+/// The angle around +y from +x, counter-clockwise seen from +y, from 0 to 2π; 0 on the axis (ruling `poles`).
+pub(crate) fn azimuth(s: Vector) -> f64 {
+    if s[0] == 0.0 && s[2] == 0.0 {
+        return 0.0;
+    }
+    let angle = (-s[2]).atan2(s[0]);
+    if angle < 0.0 { angle + 2.0 * PI } else { angle }
+}
+
+/// Twice around: seams at +x and −x, ½ towards the viewer, growing to the right (R-PAR-27, ruling `vrc-azimuth`).
+pub(crate) fn half_turns(s: Vector) -> f64 {
+    (azimuth(s) / PI).fract()
+}
+
+/// `vrc-azimuth`, another reading: growing to the left.
+pub(crate) fn half_turns_leftward(s: Vector) -> f64 {
+    (1.0 - half_turns(s)).fract()
+}
+
+/// `vrc-azimuth`, another reading: along x.
+pub(crate) fn along_x(s: Vector) -> f64 {
+    let around = s[0].hypot(s[2]);
+    if around == 0.0 {
+        return 0.0;
+    }
+    f64::midpoint(1.0, s[0] / around)
+}
+
+/// `vrc-azimuth`, another reading: the rear half is the mirror image of the front half.
+pub(crate) fn rear_mirrored(s: Vector) -> f64 {
+    half_turns([s[0], s[1], s[2].abs()])
+}
+
+/// Once around: the seam at +x (R-PAR-34, ruling `wc-azimuth`).
+pub(crate) fn whole_turn(s: Vector) -> f64 {
+    azimuth(s) / (2.0 * PI)
+}
+
+/// `wc-azimuth`, the other reading: clockwise, seen from +y.
+pub(crate) fn whole_turn_clockwise(s: Vector) -> f64 {
+    (1.0 - whole_turn(s)).fract()
+}
+
+/// The angle from −y, as a share of a half turn: 0 at −y, 1 at +y (rulings `vrc-height`, `wc-height`).
+pub(crate) fn by_angle(s: Vector) -> f64 {
+    (-s[1] / length(s)).clamp(-1.0, 1.0).acos() / PI
+}
+
+/// `vrc-height` and `wc-height`, another reading: in proportion to y.
+pub(crate) fn by_y(s: Vector) -> f64 {
+    f64::midpoint(1.0, s[1] / length(s))
+}
+
+/// `vrc-height` and `wc-height`, another reading: the angle from +y.
+pub(crate) fn downward(s: Vector) -> f64 {
+    1.0 - by_angle(s)
+}
+
+pub(crate) fn dot(a: Vector, b: Vector) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+pub(crate) fn length(a: Vector) -> f64 {
+    dot(a, a).sqrt()
+}

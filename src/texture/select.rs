@@ -1,0 +1,97 @@
+//! Selecting textures: which entries a facet asks for.
+//!
+//! The table is looked at for surfaces of interior style Texture (R-SEL-01); back-facing facets have a style and a list of
+//! their own if facets are distinguished (R-SEL-02). Each index of the active list selects an entry (R-SEL-03); those
+//! beyond the first `MaxTextureMaps` are ignored (R-SEL-04).
+//!
+//! Format notes
+//! - An empty list does not mean "no texture": the default map is applied once, with fallback values (R-SEL-06).
+//! - The list is ordered, and an index that stands there twice is applied twice.
+
+use std::fmt;
+use std::str::FromStr;
+
+use super::Rules;
+
+super::entry::enumerants! {
+    /// How the inside of a surface is drawn.
+    InteriorStyle ["PEXInteriorStyle"] {
+        /// Edges only.
+        Hollow,
+        /// One color.
+        Solid,
+        /// A pattern.
+        Pattern,
+        /// Lines.
+        Hatch,
+        /// Nothing.
+        Empty,
+        /// Texture maps.
+        Texture,
+    }
+}
+
+/// The part of the pipeline's state that selects textures.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Surface {
+    /// Of both sides, or of the front.
+    pub interior_style: InteriorStyle,
+    /// Active textures: indices of the table.
+    pub active: Vec<i64>,
+    /// Of the back, if facets are distinguished.
+    pub bf_interior_style: InteriorStyle,
+    /// Active textures of the back.
+    pub bf_active: Vec<i64>,
+    /// Whether back-facing facets have attributes of their own.
+    pub facet_distinguish: bool,
+    /// How many maps a facet can have (R-SEL-05).
+    pub max_texture_maps: usize,
+}
+
+/// What is applied to a facet.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Selection {
+    /// No texture.
+    Untextured,
+    /// The default map, with fallback values.
+    Default,
+    /// These entries, in this order.
+    Entries(Vec<i64>),
+}
+
+/// What is applied to a facet that faces the viewer, or does not.
+#[must_use]
+pub fn select(surface: &Surface, back_facing: bool, rules: &Rules) -> Selection {
+    let (style, active) = if (rules.uses_back)(surface, back_facing) {
+        (surface.bf_interior_style, &surface.bf_active)
+    } else {
+        (surface.interior_style, &surface.active)
+    };
+    if !(rules.is_textured)(style) {
+        Selection::Untextured
+    } else if active.is_empty() {
+        (rules.empty_list)()
+    } else {
+        Selection::Entries((rules.within_limit)(active, surface.max_texture_maps))
+    }
+}
+
+/// Style and list of the back count for back-facing facets, if facets are distinguished (R-SEL-02).
+pub(crate) fn uses_back(surface: &Surface, back_facing: bool) -> bool {
+    surface.facet_distinguish && back_facing
+}
+
+/// Style Texture (R-SEL-01).
+pub(crate) fn is_textured(style: InteriorStyle) -> bool {
+    style == InteriorStyle::Texture
+}
+
+/// The default map (R-SEL-06).
+pub(crate) fn default_map() -> Selection {
+    Selection::Default
+}
+
+/// The first `most` indices (R-SEL-04).
+pub(crate) fn within_limit(active: &[i64], most: usize) -> Vec<i64> {
+    active.iter().copied().take(most).collect()
+}

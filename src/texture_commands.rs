@@ -1,0 +1,390 @@
+//! The commands of the program that are about texture mapping.
+
+use std::fmt::Write as _;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use clap::{Args, Subcommand};
+
+use ptm_conform::harness::run::Decoder;
+use ptm_conform::harness::scratch::Scratch;
+use ptm_conform::harness::texture::cases::{self, Suite};
+use ptm_conform::harness::texture::check::{Plan, Run, ask_program, check};
+use ptm_conform::harness::texture::diagnose::diagnose;
+use ptm_conform::harness::texture::judge::Finding;
+use ptm_conform::harness::texture::misreadings;
+use ptm_conform::harness::texture::question::{EntryGiven, Question};
+use ptm_conform::harness::texture::report;
+use ptm_conform::harness::texture::verify::verify;
+use ptm_conform::texture::{Picture, Rounding, Rules, Scene, Shape, TextureMap, picture};
+
+use crate::{EXIT_NOTHING_SELECTED, EXIT_USAGE, print, write_whole};
+
+/// Texture mapping: hold a file of cases against the reference, or draw what a table entry does.
+#[derive(Args)]
+pub(crate) struct TextureArgs {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    Cases(CasesArgs),
+    Render(RenderArgs),
+}
+
+/// Answer every case of a file as the reference does, and say whether that is what the file expects.
+///
+/// The file has the form of spec-cases/texture/cases: a list of cases in YAML, or a document with such a list under "cases".
+/// Numbers are compared within 1e-9, or the case's own tolerance. What other readings expect is computed under those readings.
+///
+/// Exit status: 0 all hold, 1 some do not, 2 the file cannot be read, 5 it has no cases.
+#[derive(Args)]
+struct CasesArgs {
+    /// A file of cases.
+    file: PathBuf,
+    /// Print only what does not hold.
+    #[arg(long)]
+    quiet: bool,
+}
+
+/// Draw a textured plane or sphere under a light, to see what a table entry does.
+///
+/// The map lies in the middle of the shape, and as much around it as --around says, so that boundary conditions can be seen.
+/// Methods that need a reflection show one of an eye before the shape. The lamp at --light lights the surface; a PTM becomes a
+/// picture under --ptm-light.
+#[derive(Args)]
+#[command(
+    after_help = "Examples:\n  ptm-conform texture render -o wrap.png\n  ptm-conform texture render --shape sphere --map coin.ptm --ptm-light 0.4,0.3 -o sphere.png\n  ptm-conform texture render --map coin.ptm --entry '{boundary: [Mirror, Wrap, Wrap], composition: Modulate}' -o mirror.png"
+)]
+struct RenderArgs {
+    /// The picture to write, a PNG.
+    #[arg(short, long, value_name = "FILE")]
+    output: PathBuf,
+    /// What is textured.
+    #[arg(long, value_name = "SHAPE", default_value = "plane", value_parser = ["plane", "sphere"])]
+    shape: String,
+    /// A PTM as the texture map; the default checkerboard if left out.
+    #[arg(long, value_name = "PTM")]
+    map: Option<PathBuf>,
+    /// The light under which the PTM becomes a picture.
+    #[arg(long, value_name = "LU,LV", default_value = "0.3,0.4", allow_hyphen_values = true, value_parser = parse_light)]
+    ptm_light: (f64, f64),
+    /// The light on the surface.
+    #[arg(long, value_name = "LU,LV", default_value = "-0.4,0.5", allow_hyphen_values = true, value_parser = parse_light)]
+    light: (f64, f64),
+    /// Fields of the table entry, in YAML. What is left out has its fallback value, with two exceptions that show more: the
+    /// shape's own coordinates (`parameterization: FloatData`) and `rendering_control: PreLight`.
+    #[arg(long, value_name = "YAML", default_value = "{}")]
+    entry: String,
+    /// Give the map levels by box filter.
+    #[arg(long)]
+    mipmap: bool,
+    /// How much beyond the map is shown on each side, in maps: the shape's coordinates run from -N to 1 + N.
+    #[arg(long, value_name = "N", default_value_t = 0.5)]
+    around: f64,
+    /// The surface's own color: red, green, blue from 0 to 1.
+    #[arg(id = "surface_color", long = "surface-color", value_name = "R,G,B", default_value = "0.85,0.75,0.6", value_parser = parse_color)]
+    color: [f64; 3],
+
+    /// Width and height of the picture.
+    #[arg(long, value_name = "PIXELS", default_value_t = 512, value_parser = clap::value_parser!(u32).range(1..=8192))]
+    size: u32,
+}
+
+fn parse_light(text: &str) -> Result<(f64, f64), String> {
+    let wrong =
+        || format!("expected a light such as 0.25,-0.5 within the unit circle, found {text:?}");
+    let (lu, lv) = text.split_once(',').ok_or_else(wrong)?;
+    match (lu.parse::<f64>(), lv.parse::<f64>()) {
+        (Ok(lu), Ok(lv)) if lu.hypot(lv) <= 1.0 => Ok((lu, lv)),
+        _ => Err(wrong()),
+    }
+}
+
+fn parse_color(text: &str) -> Result<[f64; 3], String> {
+    let parts: Result<Vec<f64>, _> = text.split(',').map(str::parse).collect();
+    match parts.as_deref() {
+        Ok(&[r, g, b]) if [r, g, b].iter().all(|c| (0.0..=1.0).contains(c)) => Ok([r, g, b]),
+        _ => Err(format!(
+            "expected a color such as 0.8,0.5,0.2, found {text:?}"
+        )),
+    }
+}
+
+/// `ptm-conform texture …`
+pub(crate) fn run(args: &TextureArgs) -> Result<u8, String> {
+    match &args.command {
+        Command::Cases(args) => run_cases(args),
+        Command::Render(args) => run_render(args),
+    }
+}
+
+fn run_cases(args: &CasesArgs) -> Result<u8, String> {
+    let named = |error: String| format!("{}: {error}", args.file.display());
+    let text = fs::read_to_string(&args.file).map_err(|error| named(error.to_string()))?;
+    let cases = cases::cases_of(&text).map_err(named)?;
+    let (mut held, mut wrong, mut unknown) = (0, 0, 0);
+    let mut out = String::new();
+    for line in cases.iter().flat_map(verify) {
+        let word = match line.holds {
+            Some(true) => {
+                held += 1;
+                "pass"
+            }
+            Some(false) => {
+                wrong += 1;
+                "FAIL"
+            }
+            None => {
+                unknown += 1;
+                "----"
+            }
+        };
+        let reading = line.reading.map(|name| format!(" under {name}"));
+        if line.holds == Some(false) || !args.quiet {
+            let reading = reading.unwrap_or_default();
+            let _ = writeln!(out, "{word} {}{reading}: {}", line.id, line.says);
+        }
+    }
+    let aside = match unknown {
+        0 => String::new(),
+        _ => format!(", {unknown} of readings that are not known here"),
+    };
+    let count = cases.len();
+    let _ = writeln!(
+        out,
+        "{count} cases: {held} answers hold, {wrong} do not{aside}"
+    );
+    print(&out);
+    Ok(match count {
+        0 => EXIT_NOTHING_SELECTED,
+        _ => u8::from(wrong > 0),
+    })
+}
+
+/// `ptm-conform reference texture FILE`
+pub(crate) fn answer(file: &Path) -> u8 {
+    let bytes = match fs::read(file) {
+        Ok(bytes) => bytes,
+        Err(error) => {
+            eprintln!("ptm-conform: {}: {error}", file.display());
+            return EXIT_USAGE;
+        }
+    };
+    let answer = Question::read(&bytes).and_then(|question| question.answer(&Rules::SPEC));
+    match answer {
+        Ok(answer) => {
+            print(&format!("{answer}\n"));
+            0
+        }
+        Err(refusal) => {
+            eprintln!("{}: {}", file.display(), refusal.message());
+            refusal.exit_status() as u8
+        }
+    }
+}
+
+/// What `check --suite texture` needs to know.
+pub(crate) struct Check<'a> {
+    pub decoder: &'a Decoder,
+    pub command: &'a [String],
+    pub scratch: &'a Scratch,
+    pub jobs: usize,
+    pub report: &'a Path,
+    pub limits: Vec<String>,
+    pub show: usize,
+    /// Whether a case of that id, about these requirements, is selected.
+    pub selects: &'a dyn Fn(&str, &[String]) -> bool,
+}
+
+/// `ptm-conform check --suite texture …`
+pub(crate) fn run_check(
+    args: Check<'_>,
+    progress: &(impl Fn(&str, &Finding, usize, usize) + Sync),
+) -> Result<u8, String> {
+    let suite = Suite::load()?;
+    let selected: Vec<bool> = suite
+        .cases
+        .iter()
+        .map(|case| (args.selects)(&case.id, &case.clauses))
+        .collect();
+    if !selected.contains(&true) {
+        eprintln!("ptm-conform: no case matches");
+        return Ok(EXIT_NOTHING_SELECTED);
+    }
+    let plan = Plan {
+        selected,
+        jobs: args.jobs,
+        stop: args.decoder.stop.clone(),
+    };
+    let run: Run = check(
+        &suite,
+        &plan,
+        &|case, patience| ask_program(args.decoder, case, patience, args.scratch),
+        &|case, finding, done, all| progress(&case.id, finding, done, all),
+    );
+    let words: Vec<String> = args
+        .command
+        .iter()
+        .map(|word| base_name(Path::new(word)))
+        .collect();
+    let diagnoses = diagnose(&suite, &run);
+    let report = report::report(&suite, &run, &diagnoses, words.join(" "), args.limits);
+    write_whole(args.report, &report.to_yaml()?)?;
+    print(&report::to_text(&report, &suite, args.show));
+    print(&format!("report: {}\n", args.report.display()));
+    Ok(run.exit_status())
+}
+
+/// A word of a command without its directories.
+fn base_name(word: &Path) -> String {
+    let name = word.file_name().unwrap_or(word.as_os_str());
+    name.to_string_lossy().into_owned()
+}
+
+/// What is known of texture mapping under that id.
+pub(crate) fn explain(id: &str) -> Result<String, String> {
+    let suite = Suite::load()?;
+    let mut text = String::new();
+    if let Some(case) = suite.case(id) {
+        let _ = writeln!(
+            text,
+            "case {} ({}): {}\n  question: {}\n  expected: {}",
+            case.id,
+            case.clauses.join(", "),
+            case.because,
+            case.question(),
+            case.expect
+        );
+        for also in &case.also {
+            let _ = writeln!(text, "  read as {}: {}", also.reading, also.expect);
+        }
+        if let Some(ruling) = &case.ruling {
+            let _ = writeln!(text, "  ruling: {ruling}");
+        }
+    }
+    for clause in cases::clauses()? {
+        if clause.id == id
+            || clause
+                .id
+                .strip_prefix(id)
+                .is_some_and(|rest| rest.starts_with('-'))
+        {
+            let about = |case: &&cases::Case| case.clauses.contains(&clause.id);
+            let about: Vec<&str> = suite
+                .cases
+                .iter()
+                .filter(about)
+                .map(|case| case.id.as_str())
+                .collect();
+            let why = clause
+                .why
+                .map(|why| format!(" Not tested: {why}."))
+                .unwrap_or_default();
+            let ruling = clause
+                .ruling
+                .map(|id| format!(" Ruling: {id}."))
+                .unwrap_or_default();
+            let _ = writeln!(
+                text,
+                "requirement {}: {}{ruling}{why}\n  cases: {}",
+                clause.id,
+                clause.rule,
+                about.join(", ")
+            );
+        }
+    }
+    for ruling in cases::rulings()?.iter().filter(|ruling| ruling.id == id) {
+        let _ = writeln!(
+            text,
+            "ruling {} ({}), requirements {}\n  {}\n  reading: {}",
+            ruling.id,
+            ruling.kind.name(),
+            ruling.clauses.join(", "),
+            ruling.question.trim(),
+            ruling.reading.trim()
+        );
+        for also in &ruling.also {
+            let _ = writeln!(text, "  also right: {also}");
+        }
+        let _ = writeln!(text, "  evidence: {}", ruling.evidence.trim());
+    }
+    if let Some(misreading) = misreadings::named(id) {
+        let _ = writeln!(
+            text,
+            "misreading {} of requirement {}: the decoder {}.\n  To mend it: {}.",
+            misreading.slug, misreading.clause, misreading.effect, misreading.mend
+        );
+    }
+    Ok(text)
+}
+
+fn run_render(args: &RenderArgs) -> Result<u8, String> {
+    let mut fields: serde_json::Value =
+        serde_saphyr::from_str(&args.entry).map_err(|error| format!("--entry: {error}"))?;
+    if let Some(fields) = fields.as_object_mut() {
+        for (name, value) in [
+            ("parameterization", "FloatData"),
+            ("rendering_control", "PreLight"),
+        ] {
+            fields.entry(name).or_insert_with(|| value.into());
+        }
+    }
+    let given: EntryGiven =
+        serde_json::from_value(fields).map_err(|error| format!("--entry: {error}"))?;
+    let entry = given.entry(&Rules::SPEC);
+    let map = match &args.map {
+        None => TextureMap::checkerboard(&Rules::SPEC),
+        Some(path) => ptm_map(path, args.ptm_light)?,
+    };
+    let scene = Scene {
+        shape: if args.shape == "sphere" {
+            Shape::Sphere
+        } else {
+            Shape::Plane
+        },
+        map: if args.mipmap {
+            map.with_box_levels()
+        } else {
+            map
+        },
+        entry,
+        light: args.light,
+        color: args.color,
+        around: args.around,
+    };
+    let drawn = picture(&scene, args.size as usize, &Rules::SPEC)
+        .map_err(|error| format!("such coordinates cannot be drawn: {error}"))?;
+    let bytes = png(&drawn).map_err(|error| error.to_string())?;
+    fs::write(&args.output, bytes)
+        .map_err(|error| format!("{}: {error}", args.output.display()))?;
+    Ok(0)
+}
+
+fn ptm_map(path: &Path, (lu, lv): (f64, f64)) -> Result<TextureMap, String> {
+    let named = |error: String| format!("{}: {error}", path.display());
+    let file = fs::read(path).map_err(|error| named(error.to_string()))?;
+    let ptm = ptm_conform::decode(&file).map_err(|error| named(error.to_string()))?;
+    let coefficients = ptm.coefficients();
+    Ok(TextureMap::from_ptm(
+        &coefficients,
+        lu,
+        lv,
+        Rounding::None,
+        &Rules::SPEC,
+    ))
+}
+
+fn png(picture: &Picture) -> Result<Vec<u8>, png::EncodingError> {
+    let mut bytes = Vec::new();
+    let side = picture.side as u32;
+    let mut encoder = png::Encoder::new(&mut bytes, side, side);
+    encoder.set_color(png::ColorType::Rgb);
+    encoder.set_depth(png::BitDepth::Eight);
+    encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
+    let mut writer = encoder.write_header()?;
+    writer.write_image_data(&picture.rgb)?;
+    writer.finish()?;
+    Ok(bytes)
+}

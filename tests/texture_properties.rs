@@ -1,0 +1,353 @@
+//! What holds of every texture map, entry and light.
+
+use proptest::prelude::*;
+
+use ptm_conform::evaluate::Coefficients;
+use ptm_conform::ptm::{Shape, Size};
+use ptm_conform::texture::{
+    Boundary, Channel, ClampMethod, Color, Composition, Correction, Entry, Fetched, Frequency,
+    Interpolation, Level, Lit, Matrix, Parameterization, Point, RenderingControl, Rounding, Rules,
+    SampleMethod, Shade, Texel, TexelKind, TextureMap, compose, fetch, interpolate, orient,
+    parameterize, stage,
+};
+
+const RULES: &Rules = &Rules::SPEC;
+
+fn close(a: &[f64], b: &[f64]) -> bool {
+    a.len() == b.len()
+        && a.iter()
+            .zip(b)
+            .all(|(a, b)| (a - b).abs() <= 1e-9 * (1.0 + a.abs()))
+}
+
+fn unit() -> impl Strategy<Value = f64> {
+    (0..=64_u32).prop_map(|n| f64::from(n) / 64.0)
+}
+
+fn color() -> impl Strategy<Value = Color> {
+    [unit(), unit(), unit()]
+}
+
+fn kind() -> impl Strategy<Value = TexelKind> {
+    proptest::sample::select(TexelKind::ALL)
+}
+
+fn texel() -> impl Strategy<Value = Texel> {
+    (kind(), [unit(), unit(), unit(), unit()]).prop_map(|(kind, values)| {
+        Texel::new(kind, &values[..kind.components()]).expect("as many components as the kind has")
+    })
+}
+
+fn entry() -> impl Strategy<Value = Entry> {
+    (
+        proptest::sample::select(Composition::ALL),
+        proptest::sample::select(Channel::ALL),
+        color(),
+        color(),
+    )
+        .prop_map(
+            |(composition, channel, env_color, background_color)| Entry {
+                composition,
+                channel,
+                env_color,
+                background_color,
+                ..Entry::default()
+            },
+        )
+}
+
+fn pre_light(entry: Entry) -> Entry {
+    Entry {
+        rendering_control: RenderingControl::PreLight,
+        ..entry
+    }
+}
+
+fn sampled(entry: &Entry, map: &TextureMap, t: [f64; 3], depth: f64) -> Vec<f64> {
+    let fetched = fetch(entry, map, t, depth, false, RULES);
+    fetched
+        .components()
+        .map(<[f64]>::to_vec)
+        .unwrap_or_default()
+}
+
+fn bounded(boundary: [Boundary; 3], min_sample: SampleMethod) -> Entry {
+    Entry {
+        boundary,
+        min_sample,
+        ..Entry::default()
+    }
+}
+
+/// A map of luminance with one to three dimensions.
+fn luminance_map() -> impl Strategy<Value = TextureMap> {
+    (1..=3_usize, [1..=5_usize, 1..=5, 1..=5]).prop_flat_map(|(dimensions, mut size)| {
+        size[dimensions..].fill(1);
+        let count = size.iter().product::<usize>();
+        proptest::collection::vec(unit(), count)
+            .prop_map(move |values| map_of(dimensions, size, &values))
+    })
+}
+
+fn map_of(dimensions: usize, size: [usize; 3], values: &[f64]) -> TextureMap {
+    let texels = values
+        .iter()
+        .map(|&value| Texel::new(TexelKind::L, &[value]).expect("one component"));
+    let level = Level {
+        size,
+        texels: texels.collect(),
+    };
+    TextureMap::new(dimensions, vec![level]).expect("a map")
+}
+
+/// A coordinate that lies on no edge of a cell of up to 255, exact in binary.
+fn coordinate() -> impl Strategy<Value = f64> {
+    (-512..512_i32).prop_map(|n| f64::from(2 * n + 1) / 512.0)
+}
+
+fn method() -> impl Strategy<Value = SampleMethod> {
+    proptest::sample::select(SampleMethod::ALL)
+}
+
+/// A PTM of three polynomials whose colors stay within 0…255 under every light.
+fn ptm() -> impl Strategy<Value = Coefficients> {
+    (1..=5_u32, 1..=5_u32).prop_flat_map(|(width, height)| {
+        let texels = (width * height) as usize;
+        let polynomial = [-16..16_i32, -16..16, -16..16, -16..16, -16..16, 90..160];
+        let texel = [polynomial.clone(), polynomial.clone(), polynomial];
+        proptest::collection::vec(texel, texels).prop_map(move |texels| Coefficients {
+            size: Size { width, height },
+            shape: Shape::Rgb,
+            values: texels
+                .iter()
+                .flatten()
+                .flatten()
+                .map(|&a| f64::from(a))
+                .collect(),
+        })
+    })
+}
+
+fn light() -> impl Strategy<Value = (f64, f64)> {
+    (-40..=40_i32, -40..=40_i32).prop_map(|(u, v)| (f64::from(u) / 64.0, f64::from(v) / 64.0))
+}
+
+/// One coefficient of a PTM as a map, rows from the bottom.
+fn coefficient_map(ptm: &Coefficients, channel: usize) -> TextureMap {
+    let (width, height) = (ptm.size.width as usize, ptm.size.height as usize);
+    let at = |x: usize, y: usize| ptm.values[(y * width + x) * 18 + channel];
+    let values: Vec<f64> = (0..height)
+        .rev()
+        .flat_map(|y| (0..width).map(move |x| (x, y)))
+        .map(|(x, y)| at(x, y))
+        .collect();
+    map_of(2, [width, height, 1], &values)
+}
+
+/// A texel's 18 coefficients under a light, from 0 to 1.
+fn lit_color(values: Vec<f64>, (lu, lv): (f64, f64)) -> Vec<f64> {
+    let one = Coefficients {
+        size: Size {
+            width: 1,
+            height: 1,
+        },
+        shape: Shape::Rgb,
+        values,
+    };
+    one.evaluate(lu, lv)
+        .values
+        .iter()
+        .map(|c| c / 255.0)
+        .collect()
+}
+
+proptest! {
+    #[test]
+    fn texture_then_light_is_light_then_texture(
+        maps in proptest::collection::vec((entry(), texel(), any::<bool>()), 0..5),
+        surface in color(), alpha in unit(), white in color(), specular in color(),
+    ) {
+        let maps: Vec<(Entry, Fetched)> = maps
+            .into_iter()
+            .map(|(entry, texel, post)| {
+                (if post { entry } else { pre_light(entry) }, Fetched::Texel(texel))
+            })
+            .collect();
+        let lit = Lit { surface: Shade { color: surface, alpha }, white, specular };
+        let split = stage(&maps, &lit, Interpolation::Color, Frequency::Pixel, RULES);
+        let direct = stage(&maps, &lit, Interpolation::Normal, Frequency::Pixel, RULES);
+        prop_assert!(close(&split.color, &direct.color), "{split:?} {direct:?}");
+        prop_assert!(close(&[split.alpha], &[direct.alpha]));
+    }
+
+    #[test]
+    fn bilinear_sampling_commutes_with_relighting(
+        ptm in ptm(), light in light(), t in [coordinate(), coordinate()],
+        boundary in proptest::sample::select(&[Boundary::Wrap, Boundary::Mirror, Boundary::ClampBorder]),
+    ) {
+        let t = [t[0], t[1], 0.0];
+        let entry = bounded([boundary; 3], SampleMethod::WeightedBase);
+        let map = TextureMap::from_ptm(&ptm, light.0, light.1, Rounding::None, RULES);
+        let lit_then_sampled = sampled(&entry, &map, t, 0.0);
+        let coefficients = (0..18).map(|c| sampled(&entry, &coefficient_map(&ptm, c), t, 0.0)[0]);
+        let sampled_then_lit = lit_color(coefficients.collect(), light);
+        prop_assert!(close(&lit_then_sampled, &sampled_then_lit));
+    }
+
+    #[test]
+    fn box_levels_commute_with_relighting(ptm in ptm(), light in light(), t in [coordinate(), coordinate()], depth in 0.0..3.0) {
+        let t = [t[0], t[1], 0.0];
+        let entry = bounded([Boundary::Wrap; 3], SampleMethod::WeightedBetweenMipmaps);
+        let map = TextureMap::from_ptm(&ptm, light.0, light.1, Rounding::None, RULES).with_box_levels();
+        let lit_first = sampled(&entry, &map, t, depth);
+        let coefficients = (0..18).map(|c| sampled(&entry, &coefficient_map(&ptm, c).with_box_levels(), t, depth)[0]);
+        prop_assert!(close(&lit_first, &lit_color(coefficients.collect(), light)));
+    }
+
+    #[test]
+    fn a_wrapped_map_repeats_with_period_one_and_a_mirrored_one_with_two(
+        map in luminance_map(), t in [coordinate(), coordinate(), coordinate()], k in [-3..4_i32, -3..4, -3..4], method in method(),
+    ) {
+        let wrapped = bounded([Boundary::Wrap; 3], method);
+        let mirrored = bounded([Boundary::Mirror; 3], method);
+        let moved = |period: f64| [0, 1, 2].map(|c| t[c] + period * f64::from(k[c]));
+        prop_assert_eq!(sampled(&wrapped, &map, t, 0.0), sampled(&wrapped, &map, moved(1.0), 0.0));
+        prop_assert_eq!(sampled(&mirrored, &map, t, 0.0), sampled(&mirrored, &map, moved(2.0), 0.0));
+        let opposite = sampled(&mirrored, &map, t.map(|t| -t), 0.0);
+        prop_assert!(close(&sampled(&mirrored, &map, t, 0.0), &opposite));
+    }
+
+    #[test]
+    fn inside_the_map_all_conditions_agree(map in luminance_map(), t in [0..256_i32, 0..256, 0..256]) {
+        let t = t.map(|n| f64::from(2 * n + 1) / 512.0);
+        let with = |boundary, method| sampled(&bounded([boundary; 3], method), &map, t, 0.0);
+        let expected = with(Boundary::Wrap, SampleMethod::SingleBase);
+        for &boundary in Boundary::ALL {
+            prop_assert_eq!(&with(boundary, SampleMethod::SingleBase), &expected);
+        }
+        let size = map.levels()[0].size;
+        let surrounded = (0..map.dimensions()).all(|d| {
+            let half = 0.5 / size[d] as f64;
+            (half..=1.0 - half).contains(&t[d])
+        });
+        if surrounded {
+            let expected = with(Boundary::Wrap, SampleMethod::WeightedBase);
+            for &boundary in Boundary::ALL {
+                prop_assert!(close(&with(boundary, SampleMethod::WeightedBase), &expected));
+            }
+        }
+    }
+
+    #[test]
+    fn an_average_at_the_middle_of_a_texel_is_that_texel_and_lies_between_its_texels_elsewhere(
+        map in luminance_map(), at in [0..5_usize, 0..5, 0..5], t in [coordinate(), coordinate(), coordinate()],
+        boundary in proptest::sample::select(Boundary::ALL),
+    ) {
+        let size = map.levels()[0].size;
+        let middle = [0, 1, 2].map(|d| ((at[d] % size[d]) as f64 + 0.5) / size[d] as f64);
+        let single = bounded([boundary; 3], SampleMethod::SingleBase);
+        let weighted = bounded([boundary; 3], SampleMethod::WeightedBase);
+        prop_assert!(close(&sampled(&single, &map, middle, 0.0), &sampled(&weighted, &map, middle, 0.0)));
+        let values = map.levels()[0].texels.iter().map(|texel| texel.components()[0]);
+        let (least, most) = values.fold((1.0_f64, 0.0_f64), |(low, high), v| (low.min(v), high.max(v)));
+        for value in sampled(&weighted, &map, t, 0.0) {
+            prop_assert!((least - 1e-12..=most + 1e-12).contains(&value));
+        }
+    }
+
+    #[test]
+    fn a_constant_map_is_constant(
+        value in unit(), size in [1..5_usize, 1..5], t in [coordinate(), coordinate()], depth in -2.0..5.0, method in method(),
+        boundary in proptest::sample::select(&[Boundary::Wrap, Boundary::Mirror, Boundary::ClampBorder]),
+    ) {
+        let map = map_of(2, [size[0], size[1], 1], &vec![value; size[0] * size[1]]).with_box_levels();
+        let entry = bounded([boundary; 3], method);
+        prop_assert!(close(&sampled(&entry, &map, [t[0], t[1], 0.0], depth), &[value]));
+    }
+
+    #[test]
+    fn fields_that_do_not_count_change_nothing(
+        entry in entry(), texel in texel(), input in color(), other in color(), index in 0..9_usize,
+        map in luminance_map(), t in [coordinate(), coordinate(), coordinate()], turned in -4..4_i32,
+    ) {
+        let input = Shade { color: input, alpha: 0.5 };
+        let composed = |entry: &Entry| compose(entry, &Fetched::Texel(texel), input, [0.5; 3], RULES);
+        // Notes c and d, e
+        if entry.composition != Composition::BlendEnvColor {
+            let changed = Entry { channel: Channel::Alpha, env_color: other, ..entry.clone() };
+            prop_assert_eq!(composed(&entry), composed(&changed));
+        }
+        if entry.composition != Composition::DecalBackground {
+            let changed = Entry { background_color: other, ..entry.clone() };
+            prop_assert_eq!(composed(&entry), composed(&changed));
+        }
+        // Notes f and g
+        let clamped = Entry { clamp_method: ClampMethod::Color, clamp_color: other, ..entry.clone() };
+        prop_assert_eq!(sampled(&entry, &map, t, 0.0), sampled(&clamped, &map, t, 0.0));
+        let explicit = Entry { boundary: [Boundary::ClampExplicit; 3], ..entry.clone() };
+        let colored = Entry { clamp_color: other, ..explicit.clone() };
+        prop_assert_eq!(sampled(&explicit, &map, t, 0.0), sampled(&colored, &map, t, 0.0));
+        // Notes a and b, and hints
+        let mut point = Point { fp_data: vec![0.25; 12], reflection: Some(t), ..Point::default() };
+        point.wc.position = Some(t);
+        let derived = |entry: &Entry| parameterize(entry, &point, 3, RULES);
+        let coordinates = Entry { parameterization: Parameterization::VertexWCCoord, ..entry.clone() };
+        let matrix = [[0.0, f64::from(turned), 0.0, 1.0]; 4];
+        let changed = Entry { fp_data_index: index, reflection_matrix: matrix, ..coordinates.clone() };
+        prop_assert_eq!(derived(&coordinates), derived(&changed));
+        let hinted = Entry { reflection_hints: "Rotation".to_owned(), orientation_hints: "Translation".to_owned(), ..entry.clone() };
+        prop_assert_eq!(derived(&entry), derived(&hinted));
+    }
+
+    #[test]
+    fn affine_orientation_and_linear_interpolation_commute(
+        rows in [[-4..4_i32, -4..4, -4..4, -4..4], [-4..4, -4..4, -4..4, -4..4], [-4..4, -4..4, -4..4, -4..4]],
+        ts in [[unit(), unit(), unit()], [unit(), unit(), unit()], [unit(), unit(), unit()]], b in [unit(), unit()],
+    ) {
+        let row = |r: usize| rows[r].map(f64::from);
+        let matrix: Matrix = [row(0), row(1), row(2), [0.0, 0.0, 0.0, 1.0]];
+        let shares = [b[0] / 2.0, b[1] / 2.0, 1.0 - b[0] / 2.0 - b[1] / 2.0];
+        let inside = |ts: &[[f64; 3]]| interpolate(ts, &shares, &[1.0; 3], Correction::None, RULES).expect("a value");
+        let oriented = ts.map(|t| orient(&matrix, t, RULES));
+        prop_assert!(close(&inside(&oriented), &orient(&matrix, inside(&ts), RULES)));
+    }
+
+    #[test]
+    fn methods_meet_where_they_should(input in color(), alpha in unit(), t in color(), white in color(), environment in color(), background in color()) {
+        let input = Shade { color: input, alpha };
+        let by = |composition, kind: TexelKind, values: &[f64]| {
+            let entry = Entry { composition, env_color: environment, background_color: background, ..Entry::default() };
+            let texel = Texel::new(kind, values).expect("a texel");
+            compose(&entry, &Fetched::Texel(texel), input, white, RULES)
+        };
+        let lit = |c: Color| [0, 1, 2].map(|i| white[i] * c[i]);
+        let (opaque, clear) = ([t[0], t[1], t[2], 1.0], [t[0], t[1], t[2], 0.0]);
+        prop_assert_eq!(by(Composition::Modulate, TexelKind::L, &[1.0]), input);
+        prop_assert_eq!(by(Composition::Decal, TexelKind::RGBA, &clear), input);
+        prop_assert_eq!(by(Composition::BlendEnvColor, TexelKind::L, &[0.0]), input);
+        prop_assert!(close(&by(Composition::BlendEnvColor, TexelKind::L, &[1.0]).color, &lit(environment)));
+        let decal = by(Composition::Decal, TexelKind::RGBA, &opaque);
+        prop_assert_eq!(decal, by(Composition::Replace, TexelKind::RGB, &t));
+        prop_assert!(close(&decal.color, &by(Composition::DecalBackground, TexelKind::RGBA, &opaque).color));
+        prop_assert!(close(&by(Composition::DecalBackground, TexelKind::RGBA, &clear).color, &lit(background)));
+        let nothing = compose(&Entry::default(), &Fetched::Discontinued, input, white, RULES);
+        prop_assert_eq!(nothing, input);
+    }
+}
+
+#[test]
+fn orientation_comes_before_interpolation() {
+    // A matrix that is not affine tells the order: the reference orients vertices, and interpolates what results.
+    let mut matrix: Matrix = [[0.0; 4]; 4];
+    for (i, row) in matrix.iter_mut().enumerate() {
+        row[i] = 1.0;
+    }
+    matrix[3][0] = 1.0;
+    let corners = [[0.0; 3], [1.0, 0.0, 0.0]];
+    let oriented = corners.map(|t| orient(&matrix, t, RULES));
+    let inside = |ts: &[[f64; 3]]| {
+        interpolate(ts, &[0.5, 0.5], &[1.0, 1.0], Correction::None, RULES).expect("a value")
+    };
+    assert!((inside(&oriented)[0] - 0.25).abs() < 1e-12);
+    assert!((orient(&matrix, inside(&corners), RULES)[0] - 1.0 / 3.0).abs() < 1e-12);
+}
