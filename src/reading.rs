@@ -92,7 +92,10 @@ impl Reading {
         motion_half: predict::half_up,
         motion_border: predict::border_edge,
         predict: predict::predict,
+        #[cfg(not(feature = "parallel"))]
         reconstruct: planes::reconstruct,
+        #[cfg(feature = "parallel")]
+        reconstruct: planes::reconstruct_in_parallel,
         stream: planes::stream,
         side_counts: planes::side_always,
         records: planes::records,

@@ -15,9 +15,10 @@
 
 use std::ops::Range;
 
+use super::stored::Part;
 use super::{Header, Input, Limits, planes};
 use crate::error::{Error, Kind, Result};
-use crate::ptm::{Format, Planes};
+use crate::ptm::Format;
 use crate::reading::Reading;
 
 /// The numbers of 2.9.1–2.9.7 as they stand in the file.
@@ -90,7 +91,7 @@ pub(super) fn read(
     input: &mut Input,
     reading: &Reading,
     limits: &Limits,
-) -> Result<Planes> {
+) -> Result<Vec<Part<'static>>> {
     let lists = read_lists(header.format, input)?; // §2.9.1 – 2.9.7
     let plan = (reading.plan)(&lists)?; //            what they say to do
     planes::read(header, &plan, input, reading, limits) // §2.9.8

@@ -41,9 +41,13 @@ pub(crate) mod planes;
 #[cfg(all(test, feature = "generate"))]
 pub(crate) mod by_hand;
 
-pub(crate) use input::Input;
+/// The rows of the picture from what 2.7, 2.8 and 2.9.8 store
+mod stored;
 
-use crate::error::{Error, Kind, Result};
+pub(crate) use input::Input;
+pub use stored::Stored;
+
+use crate::error::{Error, Result};
 use crate::ptm::{Field, Format, Planes, ScaleBias, Shape, Size};
 use crate::reading::Reading;
 
@@ -94,20 +98,52 @@ pub fn decode(file: &[u8]) -> Result<Ptm> {
 
 /// Decodes `file` under another reading of the open points, or other limits.
 pub fn decode_as(file: &[u8], reading: &Reading, limits: &Limits) -> Result<Ptm> {
+    let stored = open_as(file, reading, limits)?;
+    Ok(Ptm {
+        header: stored.header,
+        planes: stored.planes(limits)?,
+    })
+}
+
+/// Reads `file` as the reference does and leaves its values where they are stored: for maps that are passed on in
+/// pieces. What [`decode`] refuses, this refuses too, before there is a first piece.
+///
+/// ```
+/// let file = b"PTM_1.2\nPTM_FORMAT_LRGB\n1\n2\n1 1 1 1 1 1\n0 0 0 0 0 0\nbottomupper.botTOP";
+/// let map = ptm_conform::decode::open(file)?;
+/// let rows: Vec<_> = map.pieces().map(|piece| piece.planes.samples).collect();
+/// assert_eq!(rows, [b"upper.TOP", b"bottombot"]);
+/// # Ok::<(), ptm_conform::Error>(())
+/// ```
+pub fn open(file: &[u8]) -> Result<Stored<'_>> {
+    open_as(file, &Reading::SPEC, &Limits::default())
+}
+
+/// Reads `file` under another reading of the open points, or other limits, and leaves its values where they are stored.
+pub fn open_as<'a>(file: &'a [u8], reading: &'a Reading, limits: &Limits) -> Result<Stored<'a>> {
     let mut input = Input::new(file);
     let header = read_header(&mut input)?;
-    let planes = read_planes(&header, &mut input, reading, limits)?;
-    Ok(Ptm { header, planes })
+    read_values(&header, &mut input, reading, limits)
 }
 
 /// The fields of `file` as far as they can be read, in file order; and the error that ended the reading, if one did.
 #[must_use]
 pub fn fields(file: &[u8]) -> (Vec<Field>, Option<Error>) {
+    let (fields, outcome) = examine(file);
+    (fields, outcome.err())
+}
+
+/// The fields of `file` as far as they can be read, in file order; and what [`decode`] makes of it.
+pub fn examine(file: &[u8]) -> (Vec<Field>, Result<Ptm>) {
     let mut input = Input::new(file);
     let outcome = read_header(&mut input).and_then(|header| {
-        read_planes(&header, &mut input, &Reading::SPEC, &Limits::default()).map(|_| ())
+        let stored = read_values(&header, &mut input, &Reading::SPEC, &Limits::default())?;
+        Ok(Ptm {
+            planes: stored.planes(&Limits::default())?,
+            header,
+        })
     });
-    (input.into_fields(), outcome.err())
+    (input.into_fields(), outcome)
 }
 
 /// 2.1–2.4.
@@ -124,51 +160,37 @@ fn read_header(input: &mut Input) -> Result<Header> {
 }
 
 /// 2.5–2.9. What follows the last value belongs to nobody and is left alone (ruling `trailing`).
-fn read_planes(
+fn read_values<'a>(
     header: &Header,
-    input: &mut Input,
-    reading: &Reading,
+    input: &mut Input<'a>,
+    reading: &'a Reading,
     limits: &Limits,
-) -> Result<Planes> {
-    match header.format {
-        Format::Rgb => texels::read(header, Shape::Rgb, input, reading, limits),
-        Format::Lrgb => texels::read(header, Shape::Lrgb, input, reading, limits),
+) -> Result<Stored<'a>> {
+    let (shape, parts) = match header.format {
+        Format::Rgb => (Shape::Rgb, texels::read(header, input, reading)?),
+        Format::Lrgb => (Shape::Lrgb, texels::read(header, input, reading)?),
         Format::Lum => {
             let matrix = color_matrix::read(input)?;
-            texels::read(header, Shape::Lum(matrix), input, reading, limits)
+            (Shape::Lum(matrix), texels::read(header, input, reading)?)
         }
         Format::PtmLut | Format::PtmCLut => {
             let table = lookup_table::read(header.format, input, reading)?;
-            indices::read(header, &table, input, reading, limits)
+            (Shape::Lrgb, indices::read(header, table, input, reading)?)
         }
-        Format::JpegRgb | Format::JpegLrgb | Format::JpeglsRgb | Format::JpeglsLrgb => {
-            compressed::read(header, input, reading, limits)
-        }
-    }
-}
-
-/// Planes of `header.size` full of zeros, if the limit allows them.
-fn blank(header: &Header, shape: Shape, limits: &Limits, input: &Input) -> Result<Planes> {
-    check_room(header, shape.channels(), limits, input)?;
-    Ok(Planes {
-        size: header.size,
+        Format::JpegRgb | Format::JpeglsRgb => (
+            Shape::Rgb,
+            compressed::read(header, input, reading, limits)?,
+        ),
+        Format::JpegLrgb | Format::JpeglsLrgb => (
+            Shape::Lrgb,
+            compressed::read(header, input, reading, limits)?,
+        ),
+    };
+    Ok(Stored {
+        header: *header,
         shape,
-        samples: vec![0; header.size.texels() * shape.channels()],
+        parts,
+        at: input.at(),
+        reading,
     })
-}
-
-/// Whether the limit allows that many planes at a time.
-fn check_room(header: &Header, planes: usize, limits: &Limits, input: &Input) -> Result<()> {
-    let needs = header.size.texels().saturating_mul(planes);
-    if needs > limits.memory {
-        return Err(Error::new(
-            "2.3/3",
-            input.at(),
-            Kind::TooLarge {
-                needs,
-                limit: limits.memory,
-            },
-        ));
-    }
-    Ok(())
 }

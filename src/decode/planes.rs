@@ -12,11 +12,14 @@
 //! - What a stream says of itself counts: its tables, its sampling factors, its NEAR. Only its size, its one component and
 //!   its 8 bits are the file's to say (ruling `plane-stream`).
 
+use std::borrow::Cow;
+
 use super::compressed::Plan;
-use super::{Header, Input, Limits, blank, check_room, predict, texels};
+use super::stored::{Part, Values};
+use super::{Header, Input, Limits, predict};
 use crate::codec::{self, jpeg, jpeg_ls};
 use crate::error::{Error, Kind, Result};
-use crate::ptm::{Format, Planes, Shape, Size};
+use crate::ptm::{Format, Size};
 use crate::reading::Reading;
 
 /// All planes of a file, still compressed, and what to do with them.
@@ -39,12 +42,7 @@ pub(super) fn read(
     input: &mut Input,
     reading: &Reading,
     limits: &Limits,
-) -> Result<Planes> {
-    let shape = if header.format.channels() == 18 {
-        Shape::Rgb
-    } else {
-        Shape::Lrgb
-    };
+) -> Result<Vec<Part<'static>>> {
     let coded = Coded {
         format: header.format,
         size: header.size,
@@ -52,15 +50,16 @@ pub(super) fn read(
         at: input.at(),
         payload: cut(plan, input)?,
     };
-    // Every plane is held, for those that may be predicted from it, until all are decoded; then the texels are made of them.
-    check_room(header, 2 * shape.channels(), limits, input)?;
-    let stored = (reading.reconstruct)(&coded, reading)?;
-    let mut planes = blank(header, shape, limits, input)?;
-    // 2.9.8/9: the bottom row is stored first.
-    texels::interleave(&stored, &mut planes, |plane, row, height| {
-        (reading.stored_row)(header.format, plane, row, height)
-    });
-    Ok(planes)
+    // Every plane is held, for those that may be predicted from it and until the texels are made of them.
+    let planes = header.size.texels().saturating_mul(plan.steps.len());
+    limits.check(planes, input.at())?;
+    let planes = (reading.reconstruct)(&coded, reading)?;
+    let part = |(channel, plane)| Part {
+        channel,
+        channels: 1,
+        values: Values::Bytes(Cow::Owned(plane)),
+    };
+    Ok(planes.into_iter().enumerate().map(part).collect())
 }
 
 /// The bytes of all planes, if they are there (clause 2.9.8/2, ruling `payload-end`).
@@ -85,15 +84,48 @@ fn cut<'a>(plan: &Plan, input: &mut Input<'a>) -> Result<&'a [u8]> {
 
 /// All planes as they are stored, bottom row first: decoded, predicted and mended one after another, lowest rank first.
 pub(crate) fn reconstruct(coded: &Coded, reading: &Reading) -> Result<Vec<Vec<u8>>> {
+    reconstruct_from(coded, reading, |i| coded.residuals(i, reading))
+}
+
+/// All planes, from what their streams hold.
+fn reconstruct_from(
+    coded: &Coded,
+    reading: &Reading,
+    mut residuals: impl FnMut(usize) -> Result<Vec<u8>>,
+) -> Result<Vec<Vec<u8>>> {
     let mut planes = coded.blank_planes();
     for &i in &coded.plan.sequence {
-        let mut plane = coded.residuals(i, reading)?;
+        let mut plane = residuals(i)?;
         coded.predict(i, &mut plane, &planes, reading);
         // Corrected before anyone predicts from it (clause 2.9.8/7).
         coded.mend(i, &mut plane, reading)?;
         planes[i] = plane;
     }
     Ok(planes)
+}
+
+/// The same planes as [`reconstruct`] makes, and the same error where it has one; the streams, which hold on to nothing
+/// but themselves, are decoded by as many threads as the machine has for it.
+#[cfg(feature = "parallel")]
+pub(crate) fn reconstruct_in_parallel(coded: &Coded, reading: &Reading) -> Result<Vec<Vec<u8>>> {
+    /// Planes of fewer texels are done before a thread has started.
+    const WORTH_A_THREAD: usize = 1 << 16;
+    let threads = std::thread::available_parallelism().map_or(1, usize::from);
+    if threads == 1 || coded.size.texels() < WORTH_A_THREAD {
+        reconstruct(coded, reading)
+    } else {
+        reconstruct_by(threads, coded, reading)
+    }
+}
+
+#[cfg(feature = "parallel")]
+fn reconstruct_by(threads: usize, coded: &Coded, reading: &Reading) -> Result<Vec<Vec<u8>>> {
+    let mut residuals = coded.all_residuals(threads, reading);
+    reconstruct_from(coded, reading, |i| {
+        let decoded = residuals[i].take();
+        // A plan with a mistake in it may ask for a plane twice.
+        decoded.unwrap_or_else(|| coded.residuals(i, reading))
+    })
 }
 
 impl Coded<'_> {
@@ -120,6 +152,33 @@ impl Coded<'_> {
             Error::new("2.9.8/3", at + error.offset, kind)
         };
         (reading.stream)(self.format, i, &self.payload[extent], self.size).map_err(told)
+    }
+
+    /// What the streams of all planes hold.
+    #[cfg(feature = "parallel")]
+    fn all_residuals(&self, threads: usize, reading: &Reading) -> Vec<Option<Result<Vec<u8>>>> {
+        use std::sync::atomic::{AtomicUsize, Ordering};
+
+        let mut all: Vec<_> = self.plan.steps.iter().map(|_| None).collect();
+        let count = all.len();
+        let next = AtomicUsize::new(0);
+        let decode_some = || {
+            let following = || Some(next.fetch_add(1, Ordering::Relaxed)).filter(|&i| i < count);
+            std::iter::from_fn(following)
+                .map(|i| (i, self.residuals(i, reading)))
+                .collect::<Vec<_>>()
+        };
+        std::thread::scope(|scope| {
+            let workers: Vec<_> = (0..threads.min(count))
+                .map(|_| scope.spawn(decode_some))
+                .collect();
+            for worker in workers {
+                for (i, residuals) in worker.join().expect("the codecs do not panic") {
+                    all[i] = Some(residuals);
+                }
+            }
+        });
+        all
     }
 
     /// Adds to `plane` what is predicted from its reference; nothing if it has none (clause 2.9.5/2).
@@ -456,5 +515,43 @@ mod tests {
     fn what_follows_the_last_plane_is_left_alone() {
         let file = counted().bytes();
         assert_eq!(decode(&[&file[..], b"more"].concat()), decode(&file));
+    }
+
+    #[cfg(feature = "parallel")]
+    #[test]
+    fn threads_find_the_same_planes_and_the_same_error() {
+        let alone = crate::Reading {
+            reconstruct: super::reconstruct,
+            ..Reading::SPEC
+        };
+        let by_three = crate::Reading {
+            reconstruct: |coded, reading| super::reconstruct_by(3, coded, reading),
+            ..Reading::SPEC
+        };
+        let both = |bytes: &[u8]| {
+            let limits = Limits::default();
+            let found = decode_as(bytes, &by_three, &limits);
+            assert_eq!(found, decode_as(bytes, &alone, &limits));
+            assert_eq!(found, decode(bytes));
+            found
+        };
+        let mut file = ByHand::new(Format::JpeglsLrgb, 256, 256);
+        let noise = |seed: usize| (0..1 << 16).map(move |i: usize| ((i * i + seed * i) >> 5) as u8);
+        for plane in 0..9 {
+            file.stream(plane, &noise(plane).collect::<Vec<_>>());
+        }
+        file.predicted(0, 3, 4, 1, &noise(77).collect::<Vec<_>>());
+        file.predicted(7, 4, 0, 2, &noise(78).collect::<Vec<_>>());
+        file.moved(7, 3, -5);
+        file.record(4, 300, 1);
+        assert!(both(&file.bytes()).is_ok());
+
+        // The error is that of the plane that is decoded first, wherever it stands.
+        file.order[8] = -1;
+        for plane in [2, 8] {
+            file.streams[plane].truncate(1000);
+        }
+        let error = both(&file.bytes()).unwrap_err().to_string();
+        assert!(error.contains("plane 8"), "{error}");
     }
 }

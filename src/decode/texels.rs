@@ -9,11 +9,14 @@
 //!
 //! Format notes
 //! - The first byte of the first block follows the last header line's line feed, whatever byte it is.
-//! - Rows are turned here and nowhere else; all after this counts from the top.
+//! - Which stored row is which row of the picture is said here, for all formats; rows are turned in [`super::stored`].
 
-use super::{Header, Input, Limits, blank};
+use std::borrow::Cow;
+
+use super::stored::{Part, Values};
+use super::{Header, Input};
 use crate::error::Result;
-use crate::ptm::{Format, Planes, Shape};
+use crate::ptm::Format;
 use crate::reading::Reading;
 
 /// A run of bytes that holds some channels of every texel.
@@ -48,75 +51,20 @@ pub(crate) fn bottom_row_first(_: Format, _part: usize, row: usize, height: usiz
     height - 1 - row
 }
 
-pub(super) fn read(
-    header: &Header,
-    shape: Shape,
-    input: &mut Input,
-    reading: &Reading,
-    limits: &Limits,
-) -> Result<Planes> {
-    let stored = read_blocks(header, input, reading)?;
-    let mut planes = blank(header, shape, limits, input)?;
-    for (part, &(block, bytes)) in stored.iter().enumerate() {
-        place(bytes, block, &mut planes, |row, height| {
-            (reading.stored_row)(header.format, part, row, height)
-        });
-    }
-    Ok(planes)
-}
-
 /// The blocks of the format and their bytes.
-pub(super) fn read_blocks<'a>(
+pub(super) fn read<'a>(
     header: &Header,
     input: &mut Input<'a>,
     reading: &Reading,
-) -> Result<Vec<(Block, &'a [u8])>> {
-    let one = |&block: &Block| {
-        let bytes = header.size.texels().saturating_mul(block.channels);
-        Ok((block, input.take("2.7/1", "the texels", bytes)?))
+) -> Result<Vec<Part<'a>>> {
+    let one = |&Block { channel, channels }: &Block| {
+        let bytes = header.size.texels().saturating_mul(channels);
+        let bytes = input.take("2.7/1", "the texels", bytes)?;
+        Ok(Part {
+            channel,
+            channels,
+            values: Values::Bytes(Cow::Borrowed(bytes)),
+        })
     };
     (reading.blocks)(header.format).iter().map(one).collect()
-}
-
-/// Puts the bytes of a block where they belong in `planes`.
-pub(super) fn place(
-    bytes: &[u8],
-    block: Block,
-    planes: &mut Planes,
-    stored_row: impl Fn(usize, usize) -> usize,
-) {
-    let (width, height) = (planes.size.width as usize, planes.size.height as usize);
-    let row_bytes = width * block.channels;
-    let texel_bytes = planes.shape.channels();
-    for (row, samples) in planes
-        .samples
-        .chunks_exact_mut(width * texel_bytes)
-        .enumerate()
-    {
-        let stored = &bytes[stored_row(row, height) * row_bytes..][..row_bytes];
-        for (texel, values) in samples
-            .chunks_exact_mut(texel_bytes)
-            .zip(stored.chunks_exact(block.channels))
-        {
-            texel[block.channel..][..block.channels].copy_from_slice(values);
-        }
-    }
-}
-
-/// Puts planes, one a channel, where they belong in `out`; row by row, so that the row being made stays at hand.
-pub(super) fn interleave(
-    stored: &[Vec<u8>],
-    out: &mut Planes,
-    stored_row: impl Fn(usize, usize, usize) -> usize,
-) {
-    let (width, height) = (out.size.width as usize, out.size.height as usize);
-    let channels = out.shape.channels();
-    for (row, samples) in out.samples.chunks_exact_mut(width * channels).enumerate() {
-        for (channel, plane) in stored.iter().enumerate() {
-            let values = &plane[stored_row(channel, row, height) * width..][..width];
-            for (texel, &value) in samples.chunks_exact_mut(channels).zip(values) {
-                texel[channel] = value;
-            }
-        }
-    }
 }
