@@ -127,6 +127,33 @@ pub const ALL: &[Damage] = &[
         "the version is 1.20",
         |file, _| file.replace("version", 0, b"PTM_1.20"),
     ),
+    damage("version-1.0", "2.1/1", "the version is 1.0", |file, _| {
+        file.replace("version", 0, b"PTM_1.0")
+    }),
+    damage(
+        "version-of-three-parts",
+        "2.1/1",
+        "the version is 1.2.1",
+        |file, _| file.replace("version", 0, b"PTM_1.2.1"),
+    ),
+    damage(
+        "version-with-a-letter",
+        "2.1/1",
+        "a letter follows the version",
+        |file, _| file.replace("version", 0, b"PTM_1.2a"),
+    ),
+    damage(
+        "version-without-its-part",
+        "2.1/1",
+        "the version is 1",
+        |file, _| file.replace("version", 0, b"PTM_1"),
+    ),
+    damage(
+        "version-behind-a-letter",
+        "2.1/1",
+        "a letter stands before the version",
+        |file, _| file.replace("version", 0, b"XPTM_1.2"),
+    ),
     damage(
         "version-lower-case",
         "2.1/1",
@@ -157,6 +184,51 @@ pub const ALL: &[Damage] = &[
         "2.2/1",
         "the name of the format is in lower case",
         |file, model| file.replace("format", 0, model.format.name().to_lowercase().as_bytes()),
+    ),
+    damage(
+        "format-with-a-letter-behind",
+        "2.2/1",
+        "a letter follows the name of the format",
+        |file, model| file.replace("format", 0, format!("{}A", model.format.name()).as_bytes()),
+    ),
+    damage(
+        "format-with-a-word-behind",
+        "2.2/1",
+        "_2 follows the name of the format",
+        |file, model| file.replace("format", 0, format!("{}_2", model.format.name()).as_bytes()),
+    ),
+    damage(
+        "format-behind-a-letter",
+        "2.2/1",
+        "a letter stands before the name of the format",
+        |file, model| file.replace("format", 0, format!("X{}", model.format.name()).as_bytes()),
+    ),
+    damage(
+        "format-without-its-last-letter",
+        "2.2/1",
+        "the name of the format lacks its last letter",
+        |file, model| {
+            let name = model.format.name();
+            file.replace("format", 0, &name.as_bytes()[..name.len() - 1])
+        },
+    ),
+    damage(
+        "format-without-its-beginning",
+        "2.2/1",
+        "the name of the format lacks PTM_FORMAT_",
+        |file, model| {
+            let name = model.format.name().trim_start_matches("PTM_FORMAT_");
+            file.replace("format", 0, name.as_bytes())
+        },
+    ),
+    damage(
+        "format-in-mixed-case",
+        "2.2/1",
+        "the name of the format is PTM_Format_ and so on",
+        |file, model| {
+            let name = model.format.name().replace("FORMAT", "Format");
+            file.replace("format", 0, name.as_bytes())
+        },
     ),
     // 2.3
     damage("width-zero", "2.3/3", "the width is 0", |file, _| {
@@ -301,7 +373,55 @@ pub const ALL: &[Damage] = &[
         "the height is missing",
         |file, _| file.remove_line("height"),
     ),
+    damage(
+        "width-with-a-plus-sign",
+        "2.3/1",
+        "the width has a plus sign",
+        |file, model| file.replace("width", 0, format!("+{}", model.size.width).as_bytes()),
+    ),
+    damage(
+        "height-with-a-point",
+        "2.3/1",
+        "the height has a point and a zero",
+        |file, model| file.replace("height", 0, format!("{}.0", model.size.height).as_bytes()),
+    ),
+    damage(
+        "size-of-three-numbers",
+        "2.3/1",
+        "a third number follows width and height",
+        |file, model| file.replace("height", 0, format!("{} 1", model.size.height).as_bytes()),
+    ),
+    damage(
+        "size-and-a-word",
+        "2.3/1",
+        "a word follows the height",
+        |file, model| {
+            file.replace(
+                "height",
+                0,
+                format!("{} texels", model.size.height).as_bytes(),
+            )
+        },
+    ),
     // 2.4
+    damage(
+        "scale-seven",
+        "2.4/2",
+        "there are seven scales",
+        |file, _| file.replace("scale", 5, b"0.75 1"),
+    ),
+    damage(
+        "bias-seven",
+        "2.4/2",
+        "there are seven biases",
+        |file, _| file.replace("bias", 5, b"3 0"),
+    ),
+    damage(
+        "bias-and-a-word",
+        "2.4/2",
+        "a word follows the biases",
+        |file, _| file.replace("bias", 5, b"3 bias"),
+    ),
     damage("scale-nan", "2.4/3", "a scale is nan", |file, _| {
         file.replace("scale", 2, b"nan")
     }),
@@ -930,6 +1050,24 @@ pub const ALL: &[Damage] = &[
         },
     ),
     damage(
+        "lists-with-leading-zeros",
+        "2.9/3",
+        "compressed sizes and ranks have leading zeros",
+        |file, model| {
+            let plan = &model.compressed()?.plan;
+            let spelled = |nth: usize| {
+                let size = model.stream_size(nth).unwrap_or_default();
+                (format!("0{}", plan.order[nth]), format!("00{size}"))
+            };
+            let texts: Vec<(String, String)> = (0..model.planes()).map(spelled).collect();
+            let ranks = texts.iter().enumerate();
+            let ranks = ranks.map(|(nth, (rank, _))| ("order", nth, rank.as_bytes()));
+            let sizes = texts.iter().enumerate();
+            let sizes = sizes.map(|(nth, (_, size))| ("compressed sizes", nth, size.as_bytes()));
+            file.replace_all(&ranks.chain(sizes).collect::<Vec<_>>())
+        },
+    ),
+    damage(
         "compressed-size-zero",
         "2.9.6/1",
         "a compressed size is 0",
@@ -1239,6 +1377,46 @@ pub const ALL: &[Damage] = &[
             file.with_stream(model, 1, &stream)
         },
     ),
+    Damage {
+        picture: gray_in_plane_one,
+        ..damage(
+            "stream-progressive",
+            "2.9.8/3",
+            "a stream is progressive",
+            |file, model| file.with_stream(model, 1, &outside(model, PROGRESSIVE)?),
+        )
+    },
+    Damage {
+        picture: gray_in_plane_one,
+        ..damage(
+            "stream-arithmetic",
+            "2.9.8/3",
+            "a stream is coded arithmetically",
+            |file, model| file.with_stream(model, 1, &outside(model, ARITHMETIC)?),
+        )
+    },
+    damage(
+        "stream-of-twelve-bits-throughout",
+        "2.9.8/3",
+        "a stream has samples of twelve bits",
+        |file, model| file.with_stream(model, 1, &outside(model, TWELVE_BITS)?),
+    ),
+    damage(
+        "stream-adobe",
+        "2.9.8/3",
+        "every stream has the segment of Adobe's writers",
+        |file, model| {
+            // APP14: name, version 100, two flag words, no color transform.
+            file.with_streams(model, |_, stream| {
+                [
+                    &stream[..2],
+                    b"\xff\xee\0\x0eAdobe\0\x64\0\0\0\0\0",
+                    &stream[2..],
+                ]
+                .concat()
+            })
+        },
+    ),
     damage(
         "stream-without-tables",
         "2.9.8/3",
@@ -1322,6 +1500,48 @@ fn find(stream: &[u8], code: u8) -> Option<usize> {
         at += 2 + usize::from(stream[at + 2]) * 256 + usize::from(stream[at + 3]);
     }
     (at + 4 <= stream.len()).then_some(at)
+}
+
+/// One component of 9×6 samples of 8 bits, all 128, by the progressive process: a scan of the DC coefficient, one of all
+/// others. Like the next two without quantisation (a table of ones) and as `scripts/odd_streams.py` makes it.
+const PROGRESSIVE: &[&[u8]] = &[
+    b"\xff\xc2\0\x0b\x08\0\x06\0\x09\x01\x01\x11\0",
+    b"\xff\xc4\0\x14\0\x01\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0",
+    b"\xff\xda\0\x08\x01\x01\0\0\0\0\x3f",
+    b"\xff\xc4\0\x14\x10\x01\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0",
+    b"\xff\xda\0\x08\x01\x01\0\x01\x3f\0\x3f",
+];
+
+/// The same by the sequential process with arithmetic coding.
+const ARITHMETIC: &[&[u8]] = &[
+    b"\xff\xc9\0\x0b\x08\0\x06\0\x09\x01\x01\x11\0",
+    b"\xff\xda\0\x08\x01\x01\0\0\x3f\0\x3f\0\x40",
+];
+
+/// The same with samples of 12 bits, all 2048.
+const TWELVE_BITS: &[&[u8]] = &[
+    b"\xff\xc1\0\x0b\x0c\0\x06\0\x09\x01\x01\x11\0",
+    b"\xff\xc4\0\x14\0\x01\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0",
+    b"\xff\xc4\0\x14\x10\x01\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0",
+    b"\xff\xda\0\x08\x01\x01\0\0\x3f\0\x0f",
+];
+
+/// The stream of these segments, for a JPEG map of 9×6 texels and no other.
+fn outside(model: &Model, segments: &[&[u8]]) -> Option<Vec<u8>> {
+    let fits = model.is_jpeg() && (model.size.width, model.size.height) == (9, 6);
+    let table = [&b"\xff\xdb\0\x43\0"[..], &[1; 64]].concat();
+    let stream = [b"\xff\xd8", &table[..], &segments.concat(), b"\xff\xd9"].concat();
+    fits.then_some(stream)
+}
+
+/// The map whose plane 1 is 128 everywhere.
+fn gray_in_plane_one(model: &Model) -> Option<Model> {
+    let mut model = model.clone();
+    let channels = model.format.channels();
+    for sample in model.samples.iter_mut().skip(1).step_by(channels) {
+        *sample = 128;
+    }
+    Some(model)
 }
 
 /// A plane of 128, by so much wider and higher than the map.

@@ -51,6 +51,8 @@ pub struct Stream {
     pub baseline: bool,
     /// JPEG: the two sampling factors of the one component.
     pub sampling: (u8, u8),
+    /// JPEG: a JFIF segment, which no standard of 2.9.8 asks for.
+    pub jfif: bool,
     /// JPEG-LS: preset parameters.
     pub presets: Option<Presets>,
 }
@@ -305,6 +307,7 @@ impl Compression {
                 optimised: false,
                 baseline: true,
                 sampling: (1, 1),
+                jfif: true,
                 presets: None,
             },
         }

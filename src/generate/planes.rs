@@ -10,10 +10,12 @@
 //! - An inverse DCT may be off by one. A block of one value whose DC coefficient is a multiple of 8 comes out the same of
 //!   every one; so the ordinary JPEG file is painted as *residuals* in such blocks, and its planes follow from them.
 
+use std::collections::HashSet;
+
 use super::plan::{Coding, Compression, Residuals, Texels};
 use super::predict::predictor;
 use super::recipe::Recipe;
-use super::scene::{Compressed, StoredPlane, hash, sample};
+use super::scene::{Compressed, StoredPlane, hash};
 use crate::codec::{Encoded, jpeg, jpeg_ls};
 use crate::ptm::Size;
 
@@ -36,8 +38,11 @@ struct Finished {
     stored: StoredPlane,
 }
 
+/// What is to be seen in a texel, counted from the top left, of a plane.
+pub(super) type Scene<'a> = &'a dyn Fn(usize, usize) -> u8;
+
 /// Encodes the planes of `recipe`, each after its reference (clause 2.9.4/2).
-pub(super) fn encode(recipe: &Recipe) -> Encoding {
+pub(super) fn encode(recipe: &Recipe, scene: Scene) -> Encoding {
     let count = recipe.format.channels();
     let plan = &recipe.compression;
     let mut finished: Vec<Option<Finished>> = vec![None; count];
@@ -47,7 +52,7 @@ pub(super) fn encode(recipe: &Recipe) -> Encoding {
                 .as_ref()
                 .expect("Compression::check has seen to the order")
         });
-        finished[plane] = Some(encode_plane(recipe, plane, reference));
+        finished[plane] = Some(encode_plane(recipe, scene, plane, reference));
     }
     let finished: Vec<Finished> = finished.into_iter().flatten().collect();
 
@@ -91,7 +96,12 @@ fn stored_place(size: Size, place: usize) -> usize {
     (size.height as usize - 1 - place / width) * width + place % width
 }
 
-fn encode_plane(recipe: &Recipe, plane: usize, reference: Option<&Finished>) -> Finished {
+fn encode_plane(
+    recipe: &Recipe,
+    scene: Scene,
+    plane: usize,
+    reference: Option<&Finished>,
+) -> Finished {
     let plan = &recipe.compression;
     let predictor = reference.map(|reference| {
         predictor(
@@ -101,7 +111,7 @@ fn encode_plane(recipe: &Recipe, plane: usize, reference: Option<&Finished>) -> 
             plan.vector(plane),
         )
     });
-    let (original, residual) = paint(recipe, plane, predictor.as_deref());
+    let (original, residual) = paint(recipe, scene, plane, predictor.as_deref());
     let Encoded {
         stream,
         samples: received,
@@ -124,9 +134,14 @@ fn encode_plane(recipe: &Recipe, plane: usize, reference: Option<&Finished>) -> 
 }
 
 /// What is to be stored: the original values, and what is left of them after prediction.
-fn paint(recipe: &Recipe, plane: usize, predictor: Option<&[u8]>) -> (Vec<u8>, Vec<u8>) {
+fn paint(
+    recipe: &Recipe,
+    scene: Scene,
+    plane: usize,
+    predictor: Option<&[u8]>,
+) -> (Vec<u8>, Vec<u8>) {
     let size = recipe.size;
-    let scene = |place: usize| sample(recipe, stored_place(size, place), plane);
+    let scene = |place: usize| scene(stored_place(size, place), plane);
     if recipe.compression.residuals == Residuals::Natural {
         let original: Vec<u8> = (0..size.texels()).map(scene).collect();
         let residual = match predictor {
@@ -249,7 +264,12 @@ fn run_codec(recipe: &Recipe, residual: &[u8]) -> Encoded {
                 restart_interval: stream.restart_interval,
                 sampling: stream.sampling,
             };
-            jpeg::encode(residual, width, height, &options)
+            let mut encoded = jpeg::encode(residual, width, height, &options);
+            if !stream.jfif {
+                // APP0 stands first: two bytes of SOI, then its marker and 16 bytes.
+                encoded.stream.drain(2..20);
+            }
+            encoded
         }
         Coding::JpegLs => jpeg_ls::encode(
             residual,
@@ -274,11 +294,8 @@ fn records(
     let mut places = plan.asked_records(plane, size);
     let overflows =
         (0..original.len()).filter(|&place| original[place].abs_diff(restored[place]) > 128);
-    for place in overflows {
-        if !places.contains(&place) {
-            places.push(place);
-        }
-    }
+    let asked: HashSet<usize> = places.iter().copied().collect();
+    places.extend(overflows.filter(|place| !asked.contains(place)));
     let record = |place: usize| (place as u32, original[place]);
     let twice = |place: usize| plan.has_records(plane, &Texels::Twice) && place == 0;
     // side-twice: the first of the two is wrong.

@@ -3,6 +3,7 @@
 //! Painting uses whole numbers only, so a recipe gives the same values on every machine. What a file means is computed
 //! here from what was painted, not by decoding the file.
 
+use std::collections::HashMap;
 use std::str::FromStr;
 
 use super::plan::Compression;
@@ -149,7 +150,7 @@ impl Model {
                 samples,
                 slack,
                 compressed,
-            } = planes::encode(recipe);
+            } = planes::encode(recipe, &|texel, channel| sample(recipe, texel, channel));
             (model.samples, model.slack, model.compressed) = (samples, slack, Some(compressed));
         } else if recipe.format.has_table() {
             model.paint_table(recipe);
@@ -158,6 +159,66 @@ impl Model {
             model.samples[(texels - recipe.size.width as usize) * channels] = first;
         }
         model
+    }
+
+    /// The values of a map that exists, in the header and the format of `recipe`: `samples` as in [`Model::samples`].
+    ///
+    /// A table has the distinct texels in the order in which they are stored. What a lossy compression leaves of the
+    /// samples is the model's.
+    pub fn of(recipe: &Recipe, samples: &[u8]) -> Result<Model, String> {
+        let channels = recipe.format.channels();
+        let mut model = Model {
+            format: recipe.format,
+            size: recipe.size,
+            samples: samples.to_vec(),
+            table: Vec::new(),
+            indices: Vec::new(),
+            scale: recipe.scale.values,
+            bias: recipe.bias.values,
+            matrix: recipe.matrix.values,
+            compressed: None,
+            slack: Vec::new(),
+        };
+        if recipe.format.is_compressed() {
+            let encoding = planes::encode(recipe, &|texel, channel| {
+                samples[texel * channels + channel]
+            });
+            model.samples = encoding.samples;
+            model.slack = encoding.slack;
+            model.compressed = Some(encoding.compressed);
+        } else if recipe.format.has_table() {
+            model.collect_table()?;
+        }
+        Ok(model)
+    }
+
+    /// A table of the distinct texels, and the indices that name them.
+    fn collect_table(&mut self) -> Result<(), String> {
+        const MOST: usize = 65_536;
+        let (size, width) = (self.entry_size(), self.size.width as usize);
+        let mut known: HashMap<&[u8], u32> = HashMap::new();
+        let mut indices = vec![0; self.size.texels()];
+        let mut table = Vec::new();
+        // From the bottom row up, as they are stored.
+        for row in (0..self.size.height as usize).rev() {
+            let texels = row * width..(row + 1) * width;
+            for (index, texel) in indices[texels.clone()].iter_mut().zip(texels) {
+                let entry = &self.samples[9 * texel..][..size];
+                let next = known.len() as u32;
+                *index = *known.entry(entry).or_insert_with(|| {
+                    table.extend_from_slice(entry);
+                    next
+                });
+            }
+        }
+        let entries = known.len();
+        if entries > MOST {
+            return Err(format!(
+                "{entries} texels are distinct, and two bytes name at most {MOST} entries"
+            ));
+        }
+        (self.indices, self.table) = (indices, table);
+        Ok(())
     }
 
     /// The table, the indices, and the samples that come of them.

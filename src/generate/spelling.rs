@@ -81,6 +81,14 @@ impl Line {
     ];
 }
 
+impl Line {
+    /// As it is written in cases.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        Line::NAMES[self as usize]
+    }
+}
+
 impl FromStr for Line {
     type Err = String;
 
