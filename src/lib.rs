@@ -21,8 +21,10 @@
 //! - [`ptm`]: the nouns and the glossary. [`error`]: what × which clause × which byte.
 //! - [`decode`](mod@decode): bytes → header → planes, a file for each section of the text. [`evaluate`]: planes → coefficients → color.
 //! - [`reading`]: the decisions that the text asks of its reader, each a function that can be exchanged.
+//! - [`texture`]: what the `PEXlib` texture mapping table makes of a picture, such as a PTM under a light.
 //! - `generate` (feature `generate`): the mirror of `decode`, values → bytes; recipes, spellings, damage.
 //! - `harness` (feature `harness`): cases → run → compare → judge → diagnose → report.
+//! - `tools` (feature `cli`): what a file is made of, what is odd about it, how it looks; the same map written otherwise.
 //!
 //! # What is never there
 //!
@@ -41,11 +43,16 @@ pub mod evaluate;
 
 pub mod reading;
 
+pub mod texture;
+
 #[cfg(feature = "generate")]
 pub mod generate;
 
 #[cfg(feature = "harness")]
 pub mod harness;
+
+#[cfg(feature = "cli")]
+pub mod tools;
 
 pub use decode::{Limits, Ptm, decode, decode_as};
 pub use error::{Error, Result};

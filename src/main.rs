@@ -1,40 +1,61 @@
-//! The program: check, reference, generate, explain.
+//! The program: what it can be asked, and who answers; the commands stand in [`check`], [`commands`] and [`cli`].
+//!
+//! Commands that start somebody else's program need a Unix system; all others run everywhere.
 
-use std::ffi::OsString;
+mod cli;
+
+mod reference;
+
+#[cfg(unix)]
+mod check;
+
+#[cfg(unix)]
+mod commands;
+
+#[cfg(unix)]
+mod texture_commands;
+
 use std::fmt::Write as _;
-use std::fs;
 use std::io::{self, Write};
-use std::os::unix::fs::PermissionsExt;
-use std::os::unix::process::CommandExt;
 use std::path::{Path, PathBuf};
-use std::process::{Child, ExitCode, Stdio};
-use std::sync::atomic::AtomicBool;
-use std::sync::{Arc, Mutex};
-use std::time::Duration;
+use std::process::ExitCode;
 
-use clap::{Args, Parser, Subcommand};
+use clap::{Args, CommandFactory, Parser, Subcommand};
 use indicatif::{ProgressBar, ProgressStyle};
-use signal_hook::consts::{SIGINT, SIGTERM};
 
-use ptm_conform::error::Class;
+#[cfg(unix)]
+use check::{
+    CheckArgs, EXIT_NOTHING_SELECTED, Guarded, globs, parse_refusal, parse_size, positive_seconds,
+    stop_on_signals,
+};
+use cli::completions::{CompletionsArgs, ManArgs};
+use cli::convert::ConvertArgs;
+use cli::diff::DiffArgs;
+#[cfg(not(unix))]
+use cli::elsewhere::CheckArgs;
+use cli::export::ExportArgs;
+#[cfg(unix)]
+use cli::files::write_whole;
+use cli::inspect::InspectArgs;
+use cli::lint::LintArgs;
+use cli::output::Global;
+use cli::render::RenderArgs;
 use ptm_conform::harness::cases::{self, Suite};
-use ptm_conform::harness::check::{Plan, check};
-use ptm_conform::harness::diagnose::diagnose;
-use ptm_conform::harness::judge::Finding;
-use ptm_conform::harness::protocol::{EXIT_MALFORMED, EXIT_UNSUPPORTED, Frame, View};
-use ptm_conform::harness::report::Report;
-use ptm_conform::harness::run::{Decoder, Request};
-use ptm_conform::harness::{corpus, misreadings, processes};
+#[cfg(unix)]
+use ptm_conform::harness::outputs;
+use ptm_conform::harness::{corpus, misreadings};
+use ptm_conform::tools::lint::codes::Code;
+use ptm_conform::tools::profiles::Profile;
 
 /// Wrong arguments, or a file that cannot be read or written.
 const EXIT_USAGE: u8 = 2;
-/// No case matches what was asked for.
-const EXIT_NOTHING_SELECTED: u8 = 5;
 
 /// Conformance suite and reference decoder for Polynomial Texture Maps (PTM 1.2).
 #[derive(Parser)]
 #[command(version, about, max_term_width = 100)]
 struct Cli {
+    #[command(flatten)]
+    global: Global,
     #[command(subcommand)]
     command: Command,
 }
@@ -42,77 +63,60 @@ struct Cli {
 #[derive(Subcommand)]
 enum Command {
     Check(CheckArgs),
-    Reference(ReferenceArgs),
+    Reference(reference::Args),
     Generate(GenerateArgs),
     Explain(ExplainArgs),
-    /// Waits until its standard input ends, then ends what still runs in SCRATCH and removes it.
+    #[cfg(unix)]
+    Fuzz(cli::fuzz::FuzzArgs),
+    #[cfg(unix)]
+    Minimise(cli::fuzz::MinimiseArgs),
+    Inspect(InspectArgs),
+    Lint(LintArgs),
+    Render(RenderArgs),
+    Export(ExportArgs),
+    Convert(ConvertArgs),
+    Diff(DiffArgs),
+    Completions(CompletionsArgs),
+    Man(ManArgs),
+    #[cfg(unix)]
+    Texture(texture_commands::TextureArgs),
+    #[cfg(unix)]
+    Report(commands::report::ReportArgs),
+    #[cfg(unix)]
+    Probe(commands::probe::ProbeArgs),
+    #[cfg(unix)]
+    Coverage(commands::coverage::CoverageArgs),
+    /// Waits until its standard input ends, then ends what still runs in DIRECTORIES and removes them.
+    #[cfg(unix)]
     #[command(hide = true)]
     Watch {
-        scratch: PathBuf,
+        directories: Vec<PathBuf>,
     },
 }
 
-/// Run every case against a decoder and say which clauses it misreads.
+/// Write the corpus: every file of the suite, what a decoder finds in it, and a manifest with digests.
 ///
-/// The decoder is called as `DECODER [ARG…] VIEW FILE` once for each case, where VIEW is raw, coef or rgb:LU,LV. It
-/// prints one line, "PTM1 VIEW WIDTH HEIGHT CHANNELS u8" (f32 for coef), then the samples, texel after texel, top row
-/// first; and exits with 0, with 65 if the file is malformed, or with 69 if it does not read such files or views.
-///
-/// Exit status: 0 the decoder passes, 1 it fails, 2 wrong usage, 3 it is not a decoder, 5 no case was selected.
+/// With a profile it is a corpus for other projects: right answers as NPY, PNG and EXR, a manifest in YAML and JSON, and a
+/// README that says how to use them. minimal has small files for every clause, standard every file up to 64 KiB,
+/// exhaustive everything. The same version writes the same bytes on every machine.
 #[derive(Args)]
 #[command(
-    after_help = "Examples:\n  ptm-conform check ./my-decoder\n  ptm-conform check -- python3 decode.py --strict\n  ptm-conform check --case '*lut*' --jobs 1 ./my-decoder"
+    after_help = "Examples:\n  ptm-conform generate --out corpus\n  ptm-conform generate --profile minimal --out tests/ptm"
 )]
-struct CheckArgs {
-    /// Where to write the report.
-    #[arg(long, value_name = "FILE", default_value = "ptm-conform-report.yaml")]
-    report: PathBuf,
-    /// Calls at a time; as many as there are processors unless told.
-    #[arg(long, value_name = "N")]
-    jobs: Option<usize>,
-    /// Wall-clock limit of a call; the first one gets three times as much.
-    #[arg(long, value_name = "SECONDS", default_value_t = 10.0)]
-    timeout: f64,
-    /// Memory that a call may hold, all its processes together: bytes, or with K, M or G.
-    #[arg(long, value_name = "SIZE", default_value = "2G", value_parser = parse_size)]
-    memory: u64,
-    /// Only cases whose id matches; * and ? are wild cards. May be given more than once.
-    #[arg(long = "case", value_name = "GLOB")]
-    cases: Vec<String>,
-    /// Only cases about this clause or section: 2.4/8, or 2.4. May be given more than once.
-    #[arg(long = "clause", value_name = "ID")]
-    clauses: Vec<String>,
-    /// Ask in this view only. May be given more than once.
-    #[arg(long = "view", value_name = "VIEW", value_parser = ["raw", "coef", "rgb"])]
-    views: Vec<String>,
-    /// An exit status that means "malformed" besides 65.
-    #[arg(long, value_name = "N", value_parser = parse_refusal)]
-    reject_exit: Option<i32>,
-    /// Failures to print in full; the report has all of them.
-    #[arg(long, value_name = "N", default_value_t = 10)]
-    show: usize,
-    /// The decoder and its arguments; the reference itself if there is none.
-    #[arg(value_name = "DECODER", trailing_var_arg = true)]
-    decoder: Vec<OsString>,
-}
-
-/// Decode FILE as the reference does and print the frame: the reference speaking the decoder protocol.
-///
-/// Exit status: 0, 65 if the file is malformed, 69 if it is not read.
-#[derive(Args)]
-struct ReferenceArgs {
-    /// raw, coef or rgb:LU,LV
-    view: View,
-    /// A PTM file.
-    file: PathBuf,
-}
-
-/// Write the corpus: every file of the suite, what a decoder finds in it, and a manifest with digests.
-#[derive(Args)]
 struct GenerateArgs {
-    /// The directory to write to.
-    #[arg(long, value_name = "DIR", default_value = "corpus")]
-    out: PathBuf,
+    /// The directory to write to, corpus unless told, requests with --requests; with a profile, an empty or a new one.
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Write what somebody needs who has a viewer but no decoder that check could call: every file that VIEW (raw, coef or
+    /// rgb, which is meant without it) can show, a list of requests, and a README.
+    ///
+    /// The answers are saved in outputs/ below DIR; check --outputs DIR judges them.
+    #[cfg(unix)]
+    #[arg(long, value_name = "VIEW", value_parser = ["raw", "coef", "rgb"], conflicts_with_all = ["all", "profile"], num_args = 0..=1, default_missing_value = "rgb")]
+    requests: Option<String>,
+    /// A corpus for other projects: minimal, standard or exhaustive.
+    #[arg(long, value_name = "PROFILE", conflicts_with = "all")]
+    profile: Option<Profile>,
     /// Write the files above 4 KiB too.
     #[arg(long)]
     all: bool,
@@ -121,20 +125,46 @@ struct GenerateArgs {
     jobs: Option<usize>,
 }
 
-/// Explain a case, a clause, a ruling or a misreading.
+/// Explain a case, a clause, a ruling, a misreading or a code of lint.
 #[derive(Args)]
 struct ExplainArgs {
-    /// An id such as hand-rgb-blocks, 2.4/8, lut-count or rows-top-down.
+    /// An id such as hand-rgb-blocks, 2.4/8, lut-count, rows-top-down or PTM-W102.
     id: String,
 }
 
 fn main() -> ExitCode {
-    let outcome = match Cli::parse().command {
-        Command::Check(args) => run_check(&args),
-        Command::Reference(args) => Ok(run_reference(&args)),
+    let cli = Cli::parse();
+    cli.global.apply();
+    let outcome = match cli.command {
+        #[cfg(unix)]
+        Command::Check(args) => check::run(&args),
+        #[cfg(not(unix))]
+        Command::Check(args) => cli::elsewhere::run(&args),
+        Command::Reference(args) => Ok(reference::run(&args)),
         Command::Generate(args) => run_generate(&args),
         Command::Explain(args) => run_explain(&args),
-        Command::Watch { scratch } => Ok(watch(&scratch)),
+        #[cfg(unix)]
+        Command::Fuzz(args) => cli::fuzz::run_fuzz(&args),
+        #[cfg(unix)]
+        Command::Minimise(args) => cli::fuzz::run_minimise(&args),
+        Command::Inspect(args) => cli::inspect::run(&args),
+        Command::Lint(args) => cli::lint::run(&args),
+        Command::Render(args) => cli::render::run(&args),
+        Command::Export(args) => cli::export::run(&args),
+        Command::Convert(args) => cli::convert::run(&args),
+        Command::Diff(args) => cli::diff::run(&args),
+        Command::Completions(args) => cli::completions::run(&args, Cli::command()),
+        Command::Man(args) => cli::completions::run_man(&args, &Cli::command()),
+        #[cfg(unix)]
+        Command::Texture(args) => texture_commands::run(&args),
+        #[cfg(unix)]
+        Command::Report(args) => commands::report::run(&args),
+        #[cfg(unix)]
+        Command::Probe(args) => commands::probe::run(&args),
+        #[cfg(unix)]
+        Command::Coverage(args) => commands::coverage::run(&args),
+        #[cfg(unix)]
+        Command::Watch { directories } => Ok(check::watch(&directories)),
     };
     outcome.map_or_else(
         |error| {
@@ -145,286 +175,26 @@ fn main() -> ExitCode {
     )
 }
 
-fn run_check(args: &CheckArgs) -> Result<u8, String> {
-    let suite = Suite::load()?;
-    let selected = selection(&suite, args)?;
-    if !selected.contains(&true) {
-        eprintln!("ptm-conform: no case matches");
-        return Ok(EXIT_NOTHING_SELECTED);
-    }
-    let command = if args.decoder.is_empty() {
-        reference_command()?
-    } else {
-        args.decoder.clone()
-    };
-    let timeout = Duration::try_from_secs_f64(args.timeout)
-        .map_err(|_| "a time limit is a positive number of seconds")?;
-    if timeout.is_zero() {
-        return Err("a time limit is a positive number of seconds".to_owned());
-    }
-    let stop = Arc::new(AtomicBool::new(false));
-    for signal in [SIGINT, SIGTERM] {
-        signal_hook::flag::register(signal, Arc::clone(&stop))
-            .map_err(|error| format!("no signals: {error}"))?;
-    }
-    processes::prepare();
-    let mut decoder = Decoder::new(&command).map_err(|error| error.to_string())?;
-    decoder.timeout = timeout;
-    decoder.memory = args.memory;
-    decoder.reject_exit = args.reject_exit;
-    decoder.stop = Arc::clone(&stop);
-    let scratch = Scratch::new()?;
-    let plan = Plan {
-        selected,
-        jobs: jobs(args.jobs)?,
-        views: ["raw", "coef", "rgb"]
-            .into_iter()
-            .filter(|view| args.views.iter().any(|asked| asked == view))
-            .collect(),
-        stop,
-    };
-
-    let partial = Partial::new(&args.report)?;
-    let bar = progress_bar();
-    let ask = |request: &Request<'_>, _: usize| decoder.ask(request, scratch.path());
-    let run = check(&suite, &plan, &ask, &|case, finding, done, all| {
-        partial.append(case, finding);
-        show_progress(&bar, done, all);
-    });
-    bar.finish_and_clear();
-
-    let diagnoses = diagnose(&suite, &run);
-    let words: Vec<String> = command
-        .iter()
-        .map(|word| word.to_string_lossy().into_owned())
-        .collect();
-    let report = Report::new(&suite, &run, &diagnoses, &words, limits(args));
-    write_whole(&args.report, &report.to_yaml()?)?;
-    partial.remove();
-    print(&report.to_text(&suite, args.show));
-    print(&format!("report: {}\n", args.report.display()));
-    Ok(run.exit_status())
-}
-
-/// The limits in force, in words.
-fn limits(args: &CheckArgs) -> Vec<String> {
-    let memory = if processes::can_be_watched() {
-        format!(
-            "memory: {} MiB, the resident sets of a call's processes, sampled",
-            args.memory >> 20
-        )
-    } else {
-        "memory: not limited, because this system has no /proc".to_owned()
-    };
-    vec![
-        format!(
-            "wall clock: {} s a call, three times that for the first",
-            args.timeout
-        ),
-        memory,
-        "standard output: 4 times the largest frame of the file and 64 KiB".to_owned(),
-        "processes: the group of a call is killed when the call is over".to_owned(),
-    ]
-}
-
-/// A directory for inputs and working directories, and a process that clears it away should this one be killed.
-struct Scratch {
-    directory: tempfile::TempDir,
-    watcher: Option<Child>,
-}
-
-impl Scratch {
-    fn new() -> Result<Scratch, String> {
-        let directory = tempfile::Builder::new()
-            .prefix("ptm-conform-")
-            .tempdir()
-            .map_err(|error| format!("no scratch directory: {error}"))?;
-        // A decoder that is at work when this process is killed would be nobody's; without a watcher it only stays.
-        let watcher = std::env::current_exe().and_then(|program| {
-            std::process::Command::new(program)
-                .arg("watch")
-                .arg(directory.path())
-                .stdin(Stdio::piped())
-                .stdout(Stdio::null())
-                .stderr(Stdio::null())
-                .process_group(0)
-                .spawn()
-        });
-        Ok(Scratch {
-            directory,
-            watcher: watcher.ok(),
-        })
-    }
-
-    fn path(&self) -> &Path {
-        self.directory.path()
-    }
-}
-
-impl Drop for Scratch {
-    fn drop(&mut self) {
-        processes::kill_all(self.path());
-        if let Some(watcher) = &mut self.watcher {
-            drop(watcher.stdin.take());
-            let _ = watcher.wait();
-        }
-    }
-}
-
-fn watch(scratch: &Path) -> u8 {
-    let _ = io::copy(&mut io::stdin(), &mut io::sink());
-    processes::kill_all(scratch);
-    let _ = fs::remove_dir_all(scratch);
-    0
-}
-
-/// What has been found so far, beside the report: a list in YAML, valid after every case.
-struct Partial {
-    path: PathBuf,
-    file: Mutex<fs::File>,
-}
-
-impl Partial {
-    fn new(report: &Path) -> Result<Partial, String> {
-        let mut path = report.as_os_str().to_owned();
-        path.push(".partial");
-        let path = PathBuf::from(path);
-        let file =
-            fs::File::create(&path).map_err(|error| format!("{}: {error}", path.display()))?;
-        Ok(Partial {
-            path,
-            file: Mutex::new(file),
-        })
-    }
-
-    fn append(&self, case: &cases::Case, finding: &Finding) {
-        let line = format!(
-            "- {{ id: {}, view: \"{}\", answer: {} }}\n",
-            case.id,
-            finding.view,
-            finding.shown.name()
-        );
-        // One write for a line; what cannot be written is still in the report.
-        let _ = self
-            .file
-            .lock()
-            .expect("no worker panics")
-            .write_all(line.as_bytes());
-    }
-
-    fn remove(self) {
-        let _ = fs::remove_file(self.path);
-    }
-}
-
-/// An exit status that may mean a refusal: 0 and 69 mean something else.
-fn parse_refusal(text: &str) -> Result<i32, String> {
-    let status = text
-        .parse()
-        .ok()
-        .filter(|status| (1..=255).contains(status) && *status != EXIT_UNSUPPORTED);
-    status.ok_or_else(|| {
-        format!(
-            "expected an exit status from 1 to 255 other than {EXIT_UNSUPPORTED}, found {text:?}"
-        )
-    })
-}
-
-/// Bytes, or with K, M or G.
-fn parse_size(text: &str) -> Result<u64, String> {
-    let (digits, shift) = match text.as_bytes().last() {
-        Some(b'K') => (&text[..text.len() - 1], 10),
-        Some(b'M') => (&text[..text.len() - 1], 20),
-        Some(b'G') => (&text[..text.len() - 1], 30),
-        _ => (text, 0),
-    };
-    let bytes = digits
-        .parse::<u64>()
-        .ok()
-        .filter(|&size| size > 0)
-        .and_then(|size| size.checked_mul(1 << shift));
-    bytes.ok_or_else(|| format!("expected a size such as 500M or 2G, found {text:?}"))
-}
-
-/// Which cases match the globs and the clauses; all if there are none.
-fn selection(suite: &Suite, args: &CheckArgs) -> Result<Vec<bool>, String> {
-    let globs: Vec<glob::Pattern> = args
-        .cases
-        .iter()
-        .map(|text| glob::Pattern::new(text).map_err(|error| format!("--case {text}: {error}")))
-        .collect::<Result<_, _>>()?;
-    let about = |clause: &String| {
-        args.clauses.iter().any(|asked| {
-            clause == asked
-                || clause.starts_with(&format!("{asked}/"))
-                || clause.starts_with(&format!("{asked}."))
-        })
-    };
-    let matches = |case: &cases::Case| {
-        (globs.is_empty() || globs.iter().any(|glob| glob.matches(&case.id)))
-            && (args.clauses.is_empty() || case.clauses.iter().any(about))
-    };
-    Ok(suite.cases.iter().map(matches).collect())
-}
-
-/// This program, asked as any other decoder.
-fn reference_command() -> Result<Vec<OsString>, String> {
-    let program =
-        std::env::current_exe().map_err(|error| format!("cannot find this program: {error}"))?;
-    Ok(vec![program.into(), "reference".into()])
-}
-
-fn run_reference(args: &ReferenceArgs) -> u8 {
-    let file = match fs::read(&args.file) {
-        Ok(file) => file,
-        Err(error) => {
-            eprintln!("ptm-conform: {}: {error}", args.file.display());
-            return EXIT_USAGE;
-        }
-    };
-    match ptm_conform::decode(&file) {
-        Ok(ptm) => {
-            let mut out = io::BufWriter::new(io::stdout().lock());
-            let written = Frame::of(&ptm, &args.view)
-                .write(&mut out)
-                .and_then(|()| out.flush());
-            match written {
-                Ok(()) => 0,
-                // The reader has what it wanted.
-                Err(error) if error.kind() == io::ErrorKind::BrokenPipe => 0,
-                Err(error) => {
-                    eprintln!("ptm-conform: standard output: {error}");
-                    EXIT_USAGE
-                }
-            }
-        }
-        Err(error) => {
-            eprintln!("{}: {error}", args.file.display());
-            let status = if error.class() == Class::Malformed {
-                EXIT_MALFORMED
-            } else {
-                EXIT_UNSUPPORTED
-            };
-            status as u8
-        }
-    }
-}
-
 fn run_generate(args: &GenerateArgs) -> Result<u8, String> {
     let suite = Suite::load()?;
+    #[cfg(unix)]
+    if let Some(view) = &args.requests {
+        let out = args.out.as_deref().unwrap_or(Path::new("requests"));
+        return export_requests(&suite, view, out);
+    }
+    let out = args.out.as_deref().unwrap_or(Path::new("corpus"));
+    if let Some(profile) = args.profile {
+        return cli::profile::write(&suite, profile, out, jobs(args.jobs)?);
+    }
     let largest = if args.all {
         usize::MAX
     } else {
         corpus::COMMITTED
     };
     let bar = progress_bar();
-    let entries = corpus::write(
-        &suite,
-        &args.out,
-        largest,
-        jobs(args.jobs)?,
-        &|done, all| show_progress(&bar, done, all),
-    );
+    let entries = corpus::write(&suite, out, largest, jobs(args.jobs)?, &|done, all| {
+        show_progress(&bar, done, all);
+    });
     bar.finish_and_clear();
     let entries = entries.map_err(|error| error.to_string())?;
     let bytes: usize = entries
@@ -435,7 +205,7 @@ fn run_generate(args: &GenerateArgs) -> Result<u8, String> {
     print(&format!(
         "{} cases, {bytes} bytes of PTM files in {}{}\n",
         entries.len(),
-        args.out.display(),
+        out.display(),
         if args.all {
             ""
         } else {
@@ -445,10 +215,25 @@ fn run_generate(args: &GenerateArgs) -> Result<u8, String> {
     Ok(0)
 }
 
+#[cfg(unix)]
+fn export_requests(suite: &Suite, view: &str, out: &Path) -> Result<u8, String> {
+    let bar = progress_bar();
+    let count = outputs::export(suite, view, out, &|done, all| {
+        show_progress(&bar, done, all);
+    });
+    bar.finish_and_clear();
+    let count = count.map_err(|error| error.to_string())?;
+    let out = out.display();
+    print(&format!(
+        "{count} requests for {view} in {out}; how to go on: {out}/README.txt\n"
+    ));
+    Ok(0)
+}
+
 fn run_explain(args: &ExplainArgs) -> Result<u8, String> {
-    let text = explain(&args.id)?.ok_or_else(|| {
-        format!("no case, clause, ruling or misreading is called {:?}; a section such as 2.8 lists its clauses", args.id)
-    })?;
+    let Some(text) = explain(&args.id)? else {
+        return Err(cli::explain::unknown(&args.id, &Suite::load()?)?);
+    };
     print(&text);
     Ok(0)
 }
@@ -521,6 +306,11 @@ fn explain(id: &str) -> Result<Option<String>, String> {
             let _ = writeln!(text, "  The clause says: {}", clause.rule);
         }
     }
+    if let Some(code) = Code::named(&id.to_uppercase()) {
+        text += &cli::explain::code(code, &suite);
+    }
+    #[cfg(unix)]
+    text.push_str(&texture_commands::explain(id)?);
     Ok(Some(text).filter(|text| !text.is_empty()))
 }
 
@@ -577,24 +367,6 @@ fn abbreviated(ids: &[&str]) -> String {
     }
 }
 
-/// Writes a file beside its place and moves it there, so that nobody ever sees half of it.
-fn write_whole(path: &Path, text: &str) -> Result<(), String> {
-    let named = |error: io::Error| format!("{}: {error}", path.display());
-    let directory = path
-        .parent()
-        .filter(|parent| !parent.as_os_str().is_empty())
-        .unwrap_or(Path::new("."));
-    // As readable as any file that a program writes.
-    let readable = fs::Permissions::from_mode(0o644);
-    let mut file = tempfile::Builder::new()
-        .permissions(readable)
-        .tempfile_in(directory)
-        .map_err(named)?;
-    file.write_all(text.as_bytes()).map_err(named)?;
-    file.persist(path).map_err(|error| named(error.error))?;
-    Ok(())
-}
-
 /// Prints to standard output; a reader that has gone away is no error.
 fn print(text: &str) {
     let _ = io::stdout().write_all(text.as_bytes());
@@ -612,6 +384,9 @@ fn jobs(asked: Option<usize>) -> Result<usize, String> {
 fn progress_bar() -> ProgressBar {
     let style = ProgressStyle::with_template("{bar:40} {pos}/{len} {elapsed}")
         .expect("the template is well-formed");
+    if cli::output::quiet() {
+        return ProgressBar::hidden();
+    }
     ProgressBar::new(0).with_style(style)
 }
 

@@ -239,6 +239,10 @@ pub struct Built {
     /// What a decoder finds in them.
     pub values: Values,
     /// Its right pictures under every reading of the choices that show in it, for each view that was asked for.
+    #[cfg_attr(
+        not(unix),
+        allow(dead_code, reason = "pictures are compared where decoders are run")
+    )]
     pub(crate) pictures: Mutex<HashMap<String, Pictures>>,
 }
 
@@ -468,7 +472,11 @@ impl Case {
                     None => Built {
                         file: written.bytes,
                         fields: written.fields,
-                        values: Values::Painted(model),
+                        values: if self.any_picture {
+                            Values::Any
+                        } else {
+                            Values::Painted(model)
+                        },
                         pictures: Mutex::default(),
                     },
                     Some(damage) => {
@@ -700,6 +708,7 @@ struct CompressionRecord {
     optimised_tables: Option<String>,
     baseline: Option<String>,
     sampling: Option<String>,
+    jfif: Option<String>,
     presets: Option<String>,
 }
 
@@ -975,6 +984,9 @@ impl CompressionRecord {
                 .split_once('x')
                 .ok_or("sampling factors are written 2x1")?;
             stream.sampling = (number("sampling", across)?, number("sampling", down)?);
+        }
+        if let Some(jfif) = filled(&self.jfif) {
+            stream.jfif = jfif == "true";
         }
         if let Some(presets) = filled(&self.presets) {
             let list: Vec<u16> = numbers("presets", &presets)?;

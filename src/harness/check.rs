@@ -1,4 +1,4 @@
-//! One run: first files, the spelling of tables, then every case once.
+//! One run: first files, the spelling of tables, then every case once, and failures once more.
 //!
 //! The decoder is a closure from request to reply, so that a misreading inside this program and a program outside it
 //! are asked, compared and judged in the same way.
@@ -6,12 +6,17 @@
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex};
 
+use serde::{Deserialize, Serialize};
+
+use crate::harness::baseline::News;
+use crate::harness::capabilities::Capabilities;
 use crate::harness::cases::{Case, Expect, Feature, Suite, TableSpelling, Values};
 use crate::harness::choices;
 use crate::harness::compare::Expected;
-use crate::harness::judge::{Finding, Judgement, Outcome, Right, Shown, judge};
+use crate::harness::judge::{Finding, Judgement, Offer, Outcome, Right, Shown, judge};
 use crate::harness::protocol::{Answer, View};
 use crate::harness::run::{Reply, Request};
+use crate::ptm::Format;
 
 /// What of a suite is run, and how.
 #[derive(Clone, Debug)]
@@ -22,8 +27,71 @@ pub struct Plan {
     pub jobs: usize,
     /// Views to ask for; all that the decoder offers if empty.
     pub views: Vec<&'static str>,
+    /// What the decoder says of itself.
+    pub declared: Capabilities,
+    /// What is asked again.
+    pub repeat: Repeat,
+    /// Why a case is not asked, a place for each case of the suite; nothing for those that are. Empty if all are.
+    pub withheld: Vec<Option<String>>,
+    /// Whether the answers were made before the run: there are no first files, and tables stand in the ordinary spelling.
+    pub made_before: bool,
     /// Set when the user wants the run to end.
     pub stop: Arc<AtomicBool>,
+}
+
+/// Which cases are asked again, of a process of its own, to find answers that differ.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Repeat {
+    /// None: the decoder is a function.
+    #[default]
+    Nothing,
+    /// Those that failed: it may answer differently each time.
+    Failures,
+    /// Those that failed, and one in [`SAMPLE`] of the others: it serves, and may carry something from file to file.
+    FailuresAndSample,
+}
+
+/// Of so many cases that did not fail, one is asked again.
+pub const SAMPLE: usize = 100;
+
+/// What the decoder did with a first file.
+#[derive(Clone, Debug)]
+pub struct First {
+    /// Its place in the suite.
+    pub case: usize,
+    /// The view it was asked in.
+    pub view: View,
+    /// What came.
+    pub reply: Reply,
+}
+
+/// Something to say of a run as a whole.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Remark {
+    /// Whether the decoder fails because of it.
+    pub failure: bool,
+    /// A sentence.
+    pub says: String,
+}
+
+impl Remark {
+    /// A reason to fail.
+    #[must_use]
+    pub fn failure(says: String) -> Remark {
+        Remark {
+            failure: true,
+            says,
+        }
+    }
+
+    /// Something to know.
+    #[must_use]
+    pub fn note(says: String) -> Remark {
+        Remark {
+            failure: false,
+            says,
+        }
+    }
 }
 
 /// What a run showed.
@@ -33,11 +101,15 @@ pub struct Run {
     pub findings: Vec<Option<Finding>>,
     /// The verdicts.
     pub judgement: Judgement,
-    /// The views the decoder offers.
-    pub views: Vec<&'static str>,
+    /// What the decoder did with the first files.
+    pub first: Vec<First>,
+    /// What the decoder offers.
+    pub offer: Offer,
     /// How the tables' counts were spelled for it.
     pub table: TableSpelling,
-    /// How many requests were sent.
+    /// What is to be said of the run as a whole.
+    pub remarks: Vec<Remark>,
+    /// How many requests were sent, those that were asked again not counted.
     pub asked: usize,
     /// How many of them ended in neither a frame nor a refusal.
     pub misconduct: usize,
@@ -65,45 +137,62 @@ pub fn check(
         hangs: AtomicUsize::new(0),
         stop: &plan.stop,
     };
+    let nothing = vec![None; suite.cases.len()];
     let mut run = Run {
-        findings: vec![None; suite.cases.len()],
         judgement: judge(
             suite,
             &vec![false; suite.cases.len()],
-            &vec![None; suite.cases.len()],
+            &nothing,
+            &Offer::default(),
         ),
-        views: Vec::new(),
+        findings: nothing,
+        first: first_files(suite, plan, &asked),
+        offer: Offer::default(),
         table: TableSpelling::default(),
+        remarks: Vec::new(),
         asked: 0,
         misconduct: 0,
         ended_early: None,
         not_a_decoder: None,
     };
-    let first = first_files(suite, plan, &asked);
-    run.views = offered(&first);
+    run.remarks.extend(first_trouble(suite, &run.first));
+    run.offer = offered(suite, plan, &run.first, &asked, &mut run.remarks);
+    // Where no first file could be asked, the views are those that were asked for.
+    if run.first.is_empty() {
+        run.offer.views.clone_from(&plan.views);
+    }
     // A decoder of tables only may refuse all first files because it knows another spelling of the count.
-    let answers = first
-        .iter()
-        .any(|(_, reply)| matches!(reply.answer, Answer::Decoded(_) | Answer::Rejected));
+    let answers = run.first.is_empty()
+        || run
+            .first
+            .iter()
+            .any(|first| matches!(first.reply.answer, Answer::Decoded(_) | Answer::Rejected));
     let table = if answers {
-        table_spelling(suite, &run.views, &asked)
+        table_spelling(suite, plan, &run.offer, &asked)
     } else {
         None
     };
     run.not_a_decoder = if table.is_some() {
         None
     } else {
-        no_decoder(&first)
+        no_decoder(&run.first)
     };
     if run.not_a_decoder.is_none() {
         run.table = table.unwrap_or_default();
-        let wanted = with_twins(suite, &plan.selected);
+        let withheld = withheld(suite, plan, run.table);
+        let mut wanted = with_twins(suite, &plan.selected);
+        for (wanted, why) in wanted.iter_mut().zip(&withheld) {
+            *wanted &= why.is_none();
+        }
         run.findings = all_cases(
-            suite, &wanted, plan.jobs, &run.views, run.table, &asked, progress,
+            suite, &wanted, plan, &run.offer, run.table, &asked, progress,
         );
-        run.judgement = judge(suite, &plan.selected, &run.findings);
+        run.judgement = judge(suite, &plan.selected, &run.findings, &run.offer);
         run.ended_early = asked.why_over();
-        say_what_was_not_run(suite, &mut run);
+        if run.ended_early.is_none() && ask_again(suite, plan, &mut run, &asked) {
+            run.judgement = judge(suite, &plan.selected, &run.findings, &run.offer);
+        }
+        say_what_was_not_run(suite, &withheld, &mut run);
         run.not_a_decoder = nothing_decoded(suite, &run.findings);
     }
     run.asked = asked.count.into_inner();
@@ -145,6 +234,31 @@ impl<F: Fn(&Request, usize) -> Reply + Sync> Asked<'_, F> {
         table: TableSpelling,
         worker: usize,
     ) -> (Finding, Reply) {
+        let calls = self.count.fetch_add(1, Ordering::Relaxed);
+        let patience = if calls == 0 { 3 } else { 1 };
+        let (finding, reply) = self.ask(case, view, table, worker, patience, false);
+        if reply.answer.misconduct().is_some() || reply.served.is_some() {
+            self.misconduct.fetch_add(1, Ordering::Relaxed);
+        }
+        let is_hang = |answer: &Answer| matches!(answer, Answer::Hung(_));
+        if is_hang(&reply.answer) || reply.served.as_ref().is_some_and(is_hang) {
+            self.hangs.fetch_add(1, Ordering::Relaxed);
+        } else if !self.is_over() {
+            self.hangs.store(0, Ordering::Relaxed);
+        }
+        (finding, reply)
+    }
+
+    /// The same without counting; `alone` asks a process of its own.
+    fn ask(
+        &self,
+        case: &Case,
+        view: &View,
+        table: TableSpelling,
+        worker: usize,
+        patience: u32,
+        alone: bool,
+    ) -> (Finding, Reply) {
         let built = case.build(table);
         // An f32 for each of 18 channels is the most a frame can have for a texel.
         let texels = match &built.values {
@@ -154,24 +268,15 @@ impl<F: Fn(&Request, usize) -> Reply + Sync> Asked<'_, F> {
                 .map_or(built.file.len(), |recipe| recipe.size.texels())
                 .max(built.file.len()),
         };
-        let calls = self.count.fetch_add(1, Ordering::Relaxed);
-        let patience = if calls == 0 { 3 } else { 1 };
         let request = Request {
             name: &case.id,
             view,
             file: &built.file,
             largest_frame: texels * 18 * 4,
             patience,
+            alone,
         };
         let reply = (self.ask)(&request, worker);
-        if reply.answer.misconduct().is_some() {
-            self.misconduct.fetch_add(1, Ordering::Relaxed);
-        }
-        if matches!(reply.answer, Answer::Hung(_)) {
-            self.hangs.fetch_add(1, Ordering::Relaxed);
-        } else if !self.is_over() {
-            self.hangs.store(0, Ordering::Relaxed);
-        }
         let shown = match &reply.answer {
             Answer::Rejected => Shown::Rejected,
             Answer::Unsupported => Shown::Unsupported,
@@ -180,6 +285,9 @@ impl<F: Fn(&Request, usize) -> Reply + Sync> Asked<'_, F> {
                 let difference = expected
                     .as_ref()
                     .and_then(|expected| expected.compare(frame));
+                let another_transform = expected
+                    .as_ref()
+                    .is_some_and(|expected| expected.is_another_transform(frame));
                 let axes = choices::concerned(case, view);
                 let right = match expected {
                     Some(expected) if !axes.is_empty() => {
@@ -204,6 +312,7 @@ impl<F: Fn(&Request, usize) -> Reply + Sync> Asked<'_, F> {
                 Shown::Picture {
                     right,
                     difference,
+                    another_transform,
                     frame,
                 }
             }
@@ -213,10 +322,32 @@ impl<F: Fn(&Request, usize) -> Reply + Sync> Asked<'_, F> {
             Finding {
                 view: view.clone(),
                 shown,
+                weak: reply.is_weak(),
                 stderr: reply.stderr.clone(),
+                after: reply.after.clone(),
+                unsteady: trouble_of_serving(&reply),
             },
             reply,
         )
+    }
+}
+
+/// What a serving process did instead of answering, where another answered.
+fn trouble_of_serving(reply: &Reply) -> Option<String> {
+    let served = reply.served.as_ref()?;
+    Some(format!(
+        "in serve mode{}: {}: {}; asked alone it answers ({})",
+        behind(reply.after.as_ref()),
+        served.name(),
+        served.misconduct().unwrap_or_default(),
+        reply.answer.name()
+    ))
+}
+
+fn behind(after: Option<&String>) -> String {
+    match after {
+        Some(case) => format!(", after {case}"),
+        None => ", as the first request".to_owned(),
     }
 }
 
@@ -225,14 +356,23 @@ fn first_files(
     suite: &Suite,
     plan: &Plan,
     asked: &Asked<impl Fn(&Request, usize) -> Reply + Sync>,
-) -> Vec<(View, Reply)> {
+) -> Vec<First> {
     let mut replies = Vec::new();
-    for case in suite.cases.iter().filter(|case| case.first) {
+    if plan.made_before {
+        return replies;
+    }
+    let is_asked = |i: usize| plan.withheld.get(i).is_none_or(Option::is_none);
+    for (i, case) in (suite.cases.iter().enumerate()).filter(|&(i, case)| case.first && is_asked(i))
+    {
         for view in &case.views {
-            if plan.views.is_empty() || plan.views.contains(&view.name()) {
+            if plan.may_ask(view.name()) {
                 let (_, reply) = asked.find(case, view, TableSpelling::default(), 0);
                 let hopeless = matches!(reply.answer, Answer::NotStarted(_)) || asked.is_over();
-                replies.push((view.clone(), reply));
+                replies.push(First {
+                    case: i,
+                    view: view.clone(),
+                    reply,
+                });
                 if hopeless {
                     return replies;
                 }
@@ -242,17 +382,48 @@ fn first_files(
     replies
 }
 
+impl Plan {
+    /// Everything is asked once, of a decoder that says nothing of itself.
+    #[must_use]
+    pub fn of(suite: &Suite, jobs: usize) -> Plan {
+        Plan {
+            selected: vec![true; suite.cases.len()],
+            jobs,
+            views: Vec::new(),
+            withheld: Vec::new(),
+            made_before: false,
+            declared: Capabilities::default(),
+            repeat: Repeat::Nothing,
+            stop: Arc::default(),
+        }
+    }
+
+    /// Whether a view is asked for at all: if the user wants it and the decoder does not say that it has others.
+    fn may_ask(&self, view: &'static str) -> bool {
+        let declared = self.declared.views.as_ref();
+        let declared = declared.filter(|views| !views.is_empty());
+        (self.views.is_empty() || self.views.contains(&view))
+            && declared.is_none_or(|views| views.contains(&view))
+    }
+}
+
+/// The first of the first files that was not answered in serve mode.
+fn first_trouble(suite: &Suite, first: &[First]) -> Option<Remark> {
+    first.iter().find_map(|first| {
+        let id = &suite.cases[first.case].id;
+        let what = trouble_of_serving(&first.reply)?;
+        Some(Remark::failure(format!("{id} in {}, {what}", first.view)))
+    })
+}
+
 /// Why the program behind these replies is no decoder, if it is none.
-fn no_decoder(first: &[(View, Reply)]) -> Option<String> {
-    let decoded = first
+fn no_decoder(first: &[First]) -> Option<String> {
+    let answers = || first.iter().map(|first| &first.reply.answer);
+    let decoded = answers().any(|answer| matches!(answer, Answer::Decoded(_)));
+    let refused = answers().any(|answer| matches!(answer, Answer::Rejected));
+    let First { reply, .. } = first
         .iter()
-        .any(|(_, reply)| matches!(reply.answer, Answer::Decoded(_)));
-    let refused = first
-        .iter()
-        .any(|(_, reply)| matches!(reply.answer, Answer::Rejected));
-    let (_, reply) = first
-        .iter()
-        .find(|(_, reply)| reply.answer.misconduct().is_some())
+        .find(|first| first.reply.answer.misconduct().is_some())
         .or(first.first())?;
     let why = match (&reply.answer, reply.exit) {
         (Answer::NotStarted(why), _) => format!("it cannot be started: {why}"),
@@ -279,28 +450,90 @@ fn no_decoder(first: &[(View, Reply)]) -> Option<String> {
     })
 }
 
-/// The views that are offered: all but those in which every first file was answered 69.
-fn offered(first: &[(View, Reply)]) -> Vec<&'static str> {
-    let offers = |name: &&str| {
-        first
-            .iter()
-            .any(|(view, reply)| view.name() == *name && reply.answer != Answer::Unsupported)
+/// What is offered: all views but those in which every first file was answered 69, and of each format all but those in
+/// which every first file of it was.
+fn offered(
+    suite: &Suite,
+    plan: &Plan,
+    first: &[First],
+    asked: &Asked<impl Fn(&Request, usize) -> Reply + Sync>,
+    remarks: &mut Vec<Remark>,
+) -> Offer {
+    let declared = plan.declared.views.clone().unwrap_or_default();
+    let answered = |view: &str, format: Option<Format>| {
+        first.iter().any(|first| {
+            first.view.name() == view
+                && format.is_none_or(|format| suite.cases[first.case].format() == format)
+                && first.reply.answer != Answer::Unsupported
+        })
     };
-    ["raw", "coef", "rgb"].into_iter().filter(offers).collect()
+    let asked_for = |view: &str| first.iter().any(|first| first.view.name() == view);
+    let mut offer = Offer {
+        declared: plan.declared.formats.clone().unwrap_or_default(),
+        ..Offer::default()
+    };
+    for view in ["raw", "coef", "rgb"] {
+        if answered(view, None) {
+            offer.views.push(view);
+        } else if declared.contains(&view) && asked_for(view) {
+            remarks.push(Remark::failure(format!(
+                "its capabilities declare the view {view}, and it answers 69 (unsupported) to every first file in it"
+            )));
+        }
+    }
+    if asked.is_over() {
+        return offer;
+    }
+    for format in Format::ALL {
+        let has = |view: &&str| answered(view, Some(format));
+        if !offer.views.iter().any(has) {
+            continue;
+        }
+        for view in offer.views.clone() {
+            if has(&view) || shows_others(suite, view, format, asked) {
+                continue;
+            }
+            offer.lacking.push((view, format));
+            if declared.contains(&view) && plan.declared.declares(format) {
+                remarks.push(Remark::failure(format!(
+                    "its capabilities declare the view {view} and {format}, and it answers 69 (unsupported) to such files in that view"
+                )));
+            }
+        }
+    }
+    offer
+}
+
+/// Whether it shows a file of this format in this view although it did not show the first: a view is lacking as a whole.
+fn shows_others(
+    suite: &Suite,
+    view: &str,
+    format: Format,
+    asked: &Asked<impl Fn(&Request, usize) -> Reply + Sync>,
+) -> bool {
+    let others = suite
+        .cases
+        .iter()
+        .filter(|case| case.expect == Expect::Decode && !case.first && case.format() == format)
+        .filter_map(|case| Some((case, case.views.iter().find(|of| of.name() == view)?)));
+    others.take(3).any(|(case, view)| {
+        let (finding, _) = asked.find(case, view, TableSpelling::default(), 0);
+        !matches!(finding.shown, Shown::Unsupported)
+    })
 }
 
 /// The first spelling of a table in which the decoder shows the right picture.
 fn table_spelling(
     suite: &Suite,
-    views: &[&str],
+    plan: &Plan,
+    offer: &Offer,
     asked: &Asked<impl Fn(&Request, usize) -> Reply + Sync>,
 ) -> Option<TableSpelling> {
-    for case in suite
-        .cases
-        .iter()
-        .filter(|case| case.expect == Expect::Spelling)
+    let is_asked = |i: usize| plan.withheld.get(i).is_none_or(Option::is_none);
+    for (_, case) in (suite.cases.iter().enumerate())
+        .filter(|&(i, case)| case.expect == Expect::Spelling && is_asked(i))
     {
-        let (Some(view), Some(recipe)) = (chosen_view(case, views), case.recipe()) else {
+        let (Some(view), Some(recipe)) = (offer.chosen_view(case), case.recipe()) else {
             continue;
         };
         let (finding, _) = asked.find(case, view, TableSpelling::default(), 0);
@@ -318,11 +551,6 @@ fn table_spelling(
         }
     }
     None
-}
-
-/// The first of the case's views that is offered.
-fn chosen_view<'a>(case: &'a Case, views: &[&str]) -> Option<&'a View> {
-    case.views.iter().find(|view| views.contains(&view.name()))
 }
 
 /// The selected cases and the twins they stand on.
@@ -349,54 +577,163 @@ fn with_twins(suite: &Suite, selected: &[bool]) -> Vec<bool> {
 fn all_cases(
     suite: &Suite,
     wanted: &[bool],
-    jobs: usize,
-    views: &[&'static str],
+    plan: &Plan,
+    offer: &Offer,
     table: TableSpelling,
     asked: &Asked<impl Fn(&Request, usize) -> Reply + Sync>,
     progress: &(impl Fn(&Case, &Finding, usize, usize) + Sync),
 ) -> Vec<Option<Finding>> {
     let work: Vec<(usize, &View)> = (0..suite.cases.len())
         .filter(|&i| wanted[i])
-        .filter_map(|i| Some((i, chosen_view(&suite.cases[i], views)?)))
+        .filter_map(|i| Some((i, offer.chosen_view(&suite.cases[i])?)))
         .collect();
-    let next = AtomicUsize::new(0);
     let done = AtomicUsize::new(0);
     let findings = Mutex::new(vec![None; suite.cases.len()]);
+    side_by_side(plan, work.len(), |place, worker| {
+        let (i, view) = work[place];
+        let (finding, _) = asked.find(&suite.cases[i], view, table, worker);
+        if asked.stop.load(Ordering::Relaxed) {
+            return false;
+        }
+        progress(
+            &suite.cases[i],
+            &finding,
+            done.fetch_add(1, Ordering::Relaxed) + 1,
+            work.len(),
+        );
+        findings.lock().expect("no worker panics")[i] = Some(finding);
+        !asked.is_over()
+    });
+    findings.into_inner().expect("no worker panics")
+}
+
+/// Does `count` things, as many at a time as there are jobs; a worker stops where one says that it should not go on.
+fn side_by_side(plan: &Plan, count: usize, one: impl Fn(usize, usize) -> bool + Sync) {
+    let (next, one) = (&AtomicUsize::new(0), &one);
+    // A serving process gets the same files in the same order in every run, so that what it carries over is found again.
+    let fixed = plan.repeat == Repeat::FailuresAndSample;
     std::thread::scope(|scope| {
-        for worker in 0..jobs {
-            let (work, next, done, findings) = (&work, &next, &done, &findings);
+        for worker in 0..plan.jobs {
             scope.spawn(move || {
-                while let Some(&(i, view)) = work.get(next.fetch_add(1, Ordering::Relaxed)) {
-                    let (finding, _) = asked.find(&suite.cases[i], view, table, worker);
-                    if asked.stop.load(Ordering::Relaxed) {
-                        break;
-                    }
-                    progress(
-                        &suite.cases[i],
-                        &finding,
-                        done.fetch_add(1, Ordering::Relaxed) + 1,
-                        work.len(),
-                    );
-                    findings.lock().expect("no worker panics")[i] = Some(finding);
-                    if asked.is_over() {
+                let mut mine = (worker..count).step_by(plan.jobs);
+                let any =
+                    || Some(next.fetch_add(1, Ordering::Relaxed)).filter(|&place| place < count);
+                while let Some(place) = if fixed { mine.next() } else { any() } {
+                    if !one(place, worker) {
                         break;
                     }
                 }
             });
         }
     });
-    findings.into_inner().expect("no worker panics")
 }
 
-/// Cases that could have been asked and were not, because the run ended before.
-fn say_what_was_not_run(suite: &Suite, run: &mut Run) {
-    for ((case, finding), judged) in suite
+/// Asks again what failed, and a sample of the rest, of processes of their own; says whether an answer was otherwise.
+fn ask_again(
+    suite: &Suite,
+    plan: &Plan,
+    run: &mut Run,
+    asked: &Asked<impl Fn(&Request, usize) -> Reply + Sync>,
+) -> bool {
+    let is_wanted = |i: &usize| {
+        let (Some(finding), Some(judged)) = (&run.findings[*i], &run.judgement.cases[*i]) else {
+            return false;
+        };
+        // Who hangs once hangs again, and that takes time; of two answers that differ already the case is settled.
+        let is_settled = finding.unsteady.is_some()
+            || matches!(finding.shown, Shown::Misconduct(Answer::Hung(_)));
+        let sampled = plan.repeat == Repeat::FailuresAndSample
+            && (i % SAMPLE == SAMPLE / 2 || is_first_unsupported(suite, &run.judgement, *i));
+        !is_settled && (judged.outcome == Outcome::Fail || sampled)
+    };
+    let again: Vec<usize> = match plan.repeat {
+        Repeat::Nothing => Vec::new(),
+        _ => (0..suite.cases.len()).filter(is_wanted).collect(),
+    };
+    let differences = Mutex::new(Vec::new());
+    side_by_side(plan, again.len(), |place, worker| {
+        let i = again[place];
+        let finding = run.findings[i]
+            .as_ref()
+            .expect("only findings are looked at again");
+        let (alone, _) = asked.ask(&suite.cases[i], &finding.view, run.table, worker, 1, true);
+        if asked.is_over() {
+            return false;
+        }
+        if !alone.shown.is_like(&finding.shown) {
+            let says = difference(plan.repeat, finding, &alone);
+            differences
+                .lock()
+                .expect("no worker panics")
+                .push((i, says));
+        }
+        true
+    });
+    let differences = differences.into_inner().expect("no worker panics");
+    let any = !differences.is_empty();
+    for (i, says) in differences {
+        if let Some(finding) = &mut run.findings[i] {
+            finding.unsteady = Some(says);
+        }
+    }
+    any
+}
+
+/// Whether a case is the first of its format that is called unsupported.
+fn is_first_unsupported(suite: &Suite, judgement: &Judgement, i: usize) -> bool {
+    let format = suite.cases[i].format();
+    let mut judged = suite.cases.iter().zip(&judgement.cases);
+    let first = judged.position(|(case, judged)| {
+        let outcome = judged.as_ref().map(|judged| judged.outcome);
+        case.format() == format && outcome == Some(Outcome::Unsupported)
+    });
+    first == Some(i)
+}
+
+/// How two answers to one request differ.
+fn difference(repeat: Repeat, finding: &Finding, alone: &Finding) -> String {
+    let (first, second) = (finding.shown.describe(), alone.shown.describe());
+    match repeat {
+        Repeat::FailuresAndSample => format!(
+            "in serve mode{}, it answers with {first}; asked alone with {second}: state leaks between files",
+            behind(finding.after.as_ref())
+        ),
+        _ => {
+            format!("answers differently each time: first with {first}, asked again with {second}")
+        }
+    }
+}
+
+/// Why a case is not asked, a place for each case of the suite.
+fn withheld(suite: &Suite, plan: &Plan, table: TableSpelling) -> Vec<Option<String>> {
+    let mut withheld = plan.withheld.clone();
+    withheld.resize(suite.cases.len(), None);
+    if plan.made_before && table != TableSpelling::default() {
+        for (case, why) in suite.cases.iter().zip(&mut withheld) {
+            if case.format().has_table() && case.expect != Expect::Spelling {
+                why.get_or_insert_with(|| {
+                    "its table is spelled in a way that the decoder does not know".to_owned()
+                });
+            }
+        }
+    }
+    withheld
+}
+
+/// Cases that were not asked: on purpose, or because the run ended before.
+fn say_what_was_not_run(suite: &Suite, withheld: &[Option<String>], run: &mut Run) {
+    for (((case, finding), judged), why) in suite
         .cases
         .iter()
         .zip(&run.findings)
         .zip(&mut run.judgement.cases)
+        .zip(withheld)
     {
-        if let (None, Some(judged), Some(_)) = (finding, judged, chosen_view(case, &run.views)) {
+        if let (Some(judged), Some(why)) = (judged.as_mut(), why) {
+            judged.outcome = Outcome::NotJudged;
+            judged.says.clone_from(why);
+        } else if let (None, Some(judged), Some(_)) = (finding, judged, run.offer.chosen_view(case))
+        {
             judged.outcome = Outcome::NotRun;
             judged.says = run.ended_early.map(str::to_owned).unwrap_or_default();
         }
@@ -465,9 +802,27 @@ impl Run {
             .iter()
             .flatten()
             .any(|judged| judged.outcome == Outcome::Fail);
+        self.status(failed)
+    }
+
+    /// The exit status where some failures are known: 0, 1, 3 or 4.
+    #[must_use]
+    pub fn exit_status_with(&self, news: &News) -> u8 {
+        match self.status(!news.new.is_empty()) {
+            0 if !news.stale.is_empty() => 4,
+            status => status,
+        }
+    }
+
+    fn status(&self, failed: bool) -> u8 {
         match self.not_a_decoder {
             Some(_) => 3,
-            None => u8::from(failed || self.ended_early.is_some() || !self.decoded_something()),
+            None => u8::from(
+                failed
+                    || self.ended_early.is_some()
+                    || self.remarks.iter().any(|remark| remark.failure)
+                    || !self.decoded_something(),
+            ),
         }
     }
 

@@ -192,6 +192,10 @@ pub fn concerned(case: &Case, view: &View) -> Vec<Axis> {
 /// The right picture of a file in every one of [`combinations`] of `axes`; the reference's is known by construction.
 ///
 /// They are kept with the file, because a suite is run again and again.
+#[cfg_attr(
+    not(unix),
+    allow(dead_code, reason = "pictures are compared where decoders are run")
+)]
 pub(crate) fn pictures(built: &Built, view: &View, reference: Expected, axes: &[Axis]) -> Pictures {
     let mut known = built.pictures.lock().expect("no worker panics");
     let make = || {

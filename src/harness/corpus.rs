@@ -99,28 +99,10 @@ pub fn write(
     jobs: usize,
     progress: &(impl Fn(usize, usize) + Sync),
 ) -> io::Result<Vec<Entry>> {
-    let (next, done) = (AtomicUsize::new(0), AtomicUsize::new(0));
-    let slots: Vec<Mutex<Option<io::Result<Entry>>>> =
-        suite.cases.iter().map(|_| Mutex::new(None)).collect();
-    std::thread::scope(|scope| {
-        for _ in 0..jobs {
-            scope.spawn(|| {
-                loop {
-                    let place = next.fetch_add(1, Relaxed);
-                    let Some(case) = suite.cases.get(place) else {
-                        break;
-                    };
-                    let written = write_one(case, directory, largest);
-                    *slots[place].lock().expect("no worker panics") = Some(written);
-                    progress(done.fetch_add(1, Relaxed) + 1, suite.cases.len());
-                }
-            });
-        }
+    let entries = in_parallel(suite.cases.len(), jobs, progress, &|place| {
+        write_one(&suite.cases[place], directory, largest)
     });
-    let entries = slots
-        .into_iter()
-        .filter_map(|slot| slot.into_inner().expect("no worker panics"))
-        .collect::<io::Result<Vec<_>>>()?;
+    let entries = entries.into_iter().collect::<io::Result<Vec<_>>>()?;
     let manifest = serde_saphyr::to_string(&entries).map_err(io::Error::other)?;
     put(
         &directory.join("MANIFEST.yaml"),
@@ -128,6 +110,35 @@ pub fn write(
             .as_bytes(),
     )?;
     Ok(entries)
+}
+
+/// What `make` makes of every number below `count`, in order, made by `jobs` at a time.
+pub(crate) fn in_parallel<T: Send>(
+    count: usize,
+    jobs: usize,
+    progress: &(impl Fn(usize, usize) + Sync),
+    make: &(impl Fn(usize) -> T + Sync),
+) -> Vec<T> {
+    let (next, done) = (AtomicUsize::new(0), AtomicUsize::new(0));
+    let slots: Vec<Mutex<Option<T>>> = (0..count).map(|_| Mutex::new(None)).collect();
+    std::thread::scope(|scope| {
+        for _ in 0..jobs {
+            scope.spawn(|| {
+                loop {
+                    let place = next.fetch_add(1, Relaxed);
+                    if place >= count {
+                        break;
+                    }
+                    *slots[place].lock().expect("no worker panics") = Some(make(place));
+                    progress(done.fetch_add(1, Relaxed) + 1, count);
+                }
+            });
+        }
+    });
+    let made = slots
+        .into_iter()
+        .map(|slot| slot.into_inner().expect("no worker panics"));
+    made.flatten().collect()
 }
 
 fn write_one(case: &Case, directory: &Path, largest: usize) -> io::Result<Entry> {
@@ -140,7 +151,7 @@ fn write_one(case: &Case, directory: &Path, largest: usize) -> io::Result<Entry>
     Ok(entry)
 }
 
-fn put(path: &Path, bytes: &[u8]) -> io::Result<()> {
+pub(in crate::harness) fn put(path: &Path, bytes: &[u8]) -> io::Result<()> {
     let named =
         |error: io::Error| io::Error::new(error.kind(), format!("{}: {error}", path.display()));
     if let Some(parent) = path.parent() {
@@ -149,8 +160,17 @@ fn put(path: &Path, bytes: &[u8]) -> io::Result<()> {
     fs::write(path, bytes).map_err(named)
 }
 
-/// The frame of an expected output; colors rounded to the nearest byte.
+/// The frame of an expected output, as bytes.
 fn frame(expected: &Expected, view: &View) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    picture(expected, view)
+        .write(&mut bytes)
+        .expect("writing to memory does not fail");
+    bytes
+}
+
+/// The frame of an expected output; colors rounded to the nearest byte.
+pub(super) fn picture(expected: &Expected, view: &View) -> Frame {
     let samples = match &expected.values {
         ExpectedValues::Raw(values) => Samples::U8(values.clone()),
         ExpectedValues::Coef(values) => {
@@ -160,18 +180,13 @@ fn frame(expected: &Expected, view: &View) -> Vec<u8> {
             Samples::U8(values.iter().map(|&value| value.round() as u8).collect())
         }
     };
-    let frame = Frame {
+    Frame {
         view: view.name(),
         width: expected.size.width,
         height: expected.size.height,
         channels: expected.channels as u32,
         samples,
-    };
-    let mut bytes = Vec::new();
-    frame
-        .write(&mut bytes)
-        .expect("writing to memory does not fail");
-    bytes
+    }
 }
 
 /// The SHA-256 digest in hexadecimal.

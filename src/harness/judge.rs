@@ -10,6 +10,7 @@ use crate::harness::cases::{Case, Expect, Feature, Suite};
 use crate::harness::choices::{Axis, CHOICES, Choice, Dialect, combinations};
 use crate::harness::compare::Difference;
 use crate::harness::protocol::{Answer, Frame, View};
+use crate::ptm::Format;
 
 /// What one request showed.
 #[derive(Clone, Debug)]
@@ -18,8 +19,14 @@ pub struct Finding {
     pub view: View,
     /// What the decoder did.
     pub shown: Shown,
+    /// Whether it is a refusal by an exit status that also means something else.
+    pub weak: bool,
     /// The beginning of its standard error.
     pub stderr: String,
+    /// The case that the same process was asked before, where it serves.
+    pub after: Option<String>,
+    /// How two answers to this request differ, if it was asked for twice and they do.
+    pub unsteady: Option<String>,
 }
 
 /// An answer, held against what was expected.
@@ -31,6 +38,8 @@ pub enum Shown {
         right: Right,
         /// How it differs from the reference's, if it does and there is one.
         difference: Option<Difference>,
+        /// Whether it is right only because inverse DCTs may differ (ruling `jpeg-samples`).
+        another_transform: bool,
         /// The picture itself where it differs.
         frame: Option<Frame>,
     },
@@ -43,6 +52,50 @@ pub enum Shown {
 }
 
 impl Shown {
+    /// Whether it is the same in all that a decoder is responsible for.
+    #[must_use]
+    pub fn is_like(&self, other: &Shown) -> bool {
+        match (self, other) {
+            (
+                Shown::Picture { right, frame, .. },
+                Shown::Picture {
+                    right: other_right,
+                    frame: other_frame,
+                    ..
+                },
+            ) => {
+                let alike = match (frame, other_frame) {
+                    (Some(a), Some(b)) => a.is_like(b),
+                    (a, b) => a.is_none() && b.is_none(),
+                };
+                right == other_right && alike
+            }
+            (Shown::Misconduct(a), Shown::Misconduct(b)) => a.is_like(b),
+            _ => std::mem::discriminant(self) == std::mem::discriminant(other),
+        }
+    }
+
+    /// What it is, in words.
+    #[must_use]
+    pub fn describe(&self) -> String {
+        match self {
+            Shown::Picture {
+                difference: Some(difference),
+                ..
+            } => format!("a wrong picture ({difference})"),
+            Shown::Picture { .. } => "a picture".to_owned(),
+            Shown::Rejected => "a refusal".to_owned(),
+            Shown::Unsupported => "\"unsupported\"".to_owned(),
+            Shown::Misconduct(answer) => {
+                format!(
+                    "{}: {}",
+                    answer.name(),
+                    answer.misconduct().unwrap_or_default()
+                )
+            }
+        }
+    }
+
     /// One or two words for a report.
     #[must_use]
     pub const fn name(&self) -> &'static str {
@@ -93,6 +146,8 @@ pub enum Outcome {
     Unsupported,
     /// A legal spelling or reading that this decoder does not follow; it follows another.
     OtherDialect,
+    /// As a mistake has it that the user takes as given.
+    Assumed,
     /// None of the case's views is offered.
     NotJudged,
     /// The run ended before.
@@ -100,6 +155,18 @@ pub enum Outcome {
 }
 
 impl Outcome {
+    /// All, in the order in which they are counted for people.
+    pub const ALL: [Outcome; 8] = [
+        Outcome::Pass,
+        Outcome::Fail,
+        Outcome::Unsupported,
+        Outcome::Inconclusive,
+        Outcome::OtherDialect,
+        Outcome::Assumed,
+        Outcome::NotJudged,
+        Outcome::NotRun,
+    ];
+
     /// As it stands in a report.
     #[must_use]
     pub const fn name(self) -> &'static str {
@@ -109,9 +176,40 @@ impl Outcome {
             Outcome::Inconclusive => "inconclusive",
             Outcome::Unsupported => "unsupported",
             Outcome::OtherDialect => "other dialect",
+            Outcome::Assumed => "as assumed",
             Outcome::NotJudged => "not judged",
             Outcome::NotRun => "not run",
         }
+    }
+}
+
+/// What a decoder offers.
+#[derive(Clone, Debug, Default)]
+pub struct Offer {
+    /// The views, best first.
+    pub views: Vec<&'static str>,
+    /// Views that it lacks of a format which it shows in others.
+    pub lacking: Vec<(&'static str, Format)>,
+    /// The formats that it declares to read.
+    pub declared: Vec<Format>,
+}
+
+impl Offer {
+    /// Whether it shows files of this format in other views only.
+    #[must_use]
+    pub fn lacks(&self, view: &View, format: Format) -> bool {
+        self.lacking.contains(&(view.name(), format))
+    }
+
+    /// The first of the case's views that is offered, of files of its format if there is such a one.
+    #[must_use]
+    pub fn chosen_view<'a>(&self, case: &'a Case) -> Option<&'a View> {
+        let offered = |view: &&View| self.views.contains(&view.name());
+        let mut views = case.views.iter().filter(offered);
+        views
+            .clone()
+            .find(|view| !self.lacks(view, case.format()))
+            .or_else(|| views.next())
     }
 }
 
@@ -131,7 +229,12 @@ pub struct Judgement {
 /// Judges the findings of a run. `findings` has a place for each case of the suite; nothing where none of its views is
 /// offered. `selected` says which cases are to be judged; the others only serve as twins.
 #[must_use]
-pub fn judge(suite: &Suite, selected: &[bool], findings: &[Option<Finding>]) -> Judgement {
+pub fn judge(
+    suite: &Suite,
+    selected: &[bool],
+    findings: &[Option<Finding>],
+    offer: &Offer,
+) -> Judgement {
     let places: HashMap<&str, usize> = suite
         .cases
         .iter()
@@ -140,7 +243,7 @@ pub fn judge(suite: &Suite, selected: &[bool], findings: &[Option<Finding>]) -> 
         .collect();
     let spoken = spoken(findings);
     let dialect = dialect(&spoken);
-    let (unsupported, decoded) = features(suite, findings);
+    let (unsupported, decoded) = features(suite, findings, offer);
     let spelling_known = suite.cases.iter().zip(findings).any(|(case, finding)| {
         case.expect == Expect::Spelling
             && finding
@@ -161,6 +264,7 @@ pub fn judge(suite: &Suite, selected: &[bool], findings: &[Option<Finding>]) -> 
             .as_ref()
             .and_then(|twin| findings[places[twin.as_str()]].as_ref());
         let (outcome, says) = verdict(case, finding, twin, &dialect, &unsupported, spelling_known);
+        let (outcome, says) = honest(outcome, says, case, finding, offer, &unsupported);
         Judged {
             view: Some(finding.view.clone()),
             outcome,
@@ -178,6 +282,31 @@ pub fn judge(suite: &Suite, selected: &[bool], findings: &[Option<Finding>]) -> 
     }
 }
 
+/// What remains of a verdict if "unsupported" is held against what is offered.
+fn honest(
+    outcome: Outcome,
+    says: String,
+    case: &Case,
+    finding: &Finding,
+    offer: &Offer,
+    unsupported: &BTreeSet<Feature>,
+) -> (Outcome, String) {
+    let format = case.format();
+    let answered_69 = matches!(finding.shown, Shown::Unsupported) && case.expect == Expect::Decode;
+    if !answered_69 || finding.unsteady.is_some() {
+        (outcome, says)
+    } else if offer.declared.contains(&format) && unsupported.contains(&Feature::Format(format)) {
+        let says = format!(
+            "its capabilities declare {format}, and it answers 69 (unsupported) to all such files"
+        );
+        (Outcome::Fail, says)
+    } else if offer.lacks(&finding.view, format) {
+        (Outcome::Unsupported, String::new())
+    } else {
+        (outcome, says)
+    }
+}
+
 fn verdict(
     case: &Case,
     finding: &Finding,
@@ -189,6 +318,9 @@ fn verdict(
     use Outcome::{Fail, Inconclusive, OtherDialect, Pass, Unsupported};
     let fail = |says: String| (Fail, says);
     let pass = (Pass, String::new());
+    if let Some(how) = &finding.unsteady {
+        return fail(how.clone());
+    }
     // Negative cases stand on their accepted twin.
     let twin_decoded = matches!(
         twin,
@@ -290,6 +422,7 @@ fn spoken(findings: &[Option<Finding>]) -> Vec<Spoken> {
     let shown: Vec<(&[Axis], &[bool])> = findings
         .iter()
         .flatten()
+        .filter(|finding| finding.unsteady.is_none())
         .filter_map(|finding| match &finding.shown {
             Shown::Picture {
                 right: Right::In { axes, combinations },
@@ -371,7 +504,11 @@ fn describe(spoken: &[Spoken]) -> Vec<(&'static str, Option<&'static str>)> {
 }
 
 /// Features that every must-accept file needing them was answered 69, and those that were decoded.
-fn features(suite: &Suite, findings: &[Option<Finding>]) -> (BTreeSet<Feature>, BTreeSet<Feature>) {
+fn features(
+    suite: &Suite,
+    findings: &[Option<Finding>],
+    offer: &Offer,
+) -> (BTreeSet<Feature>, BTreeSet<Feature>) {
     let mut all_unsupported: BTreeMap<Feature, bool> = BTreeMap::new();
     let mut decoded = BTreeSet::new();
     for (case, finding) in suite.cases.iter().zip(findings) {
@@ -380,6 +517,13 @@ fn features(suite: &Suite, findings: &[Option<Finding>]) -> (BTreeSet<Feature>, 
         };
         for feature in case.features(&finding.view) {
             let unsupported = matches!(finding.shown, Shown::Unsupported);
+            // That it lacks this view of this format says nothing of the format.
+            if unsupported
+                && feature == Feature::Format(case.format())
+                && offer.lacks(&finding.view, case.format())
+            {
+                continue;
+            }
             all_unsupported
                 .entry(feature.clone())
                 .and_modify(|all| *all &= unsupported)
@@ -417,9 +561,13 @@ mod tests {
             shown: Shown::Picture {
                 right,
                 difference: None,
+                another_transform: false,
                 frame: None,
             },
+            weak: false,
             stderr: String::new(),
+            after: None,
+            unsteady: None,
         })
     }
 

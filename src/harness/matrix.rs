@@ -2,14 +2,15 @@
 
 use std::collections::HashMap;
 use std::hash::{DefaultHasher, Hash, Hasher};
-use std::sync::{Arc, Mutex};
+use std::sync::Mutex;
 
 use crate::harness::cases::Suite;
 use crate::harness::check::{Plan, Run, check};
+use crate::harness::diagnose::applies;
 use crate::harness::judge::Outcome;
 use crate::harness::misreadings::{self, Misreading};
 use crate::harness::protocol::{Answer, Samples, View};
-use crate::harness::run::{Reply, Request};
+use crate::harness::run::Request;
 use crate::reading::Reading;
 
 /// What the suite makes of a decoder with one mistake.
@@ -22,9 +23,18 @@ pub struct Row {
     pub answers: Vec<u64>,
 }
 
-/// Runs the suite against every misreading, asked in `views` only, or in all if there are none.
+/// Answers, by case and view.
+pub type Answers = HashMap<String, Answer>;
+
+/// Runs the suite against every misreading, asked in `views` only, or in all if there are none. `progress` is told how
+/// many of how many are done.
 #[must_use]
-pub fn matrix(suite: &Suite, views: &[&'static str], jobs: usize) -> Vec<Row> {
+pub fn matrix(
+    suite: &Suite,
+    views: &[&'static str],
+    jobs: usize,
+    progress: &dyn Fn(usize, usize),
+) -> Vec<Row> {
     let (_, right) = ask_all(suite, &[], views, jobs, &HashMap::new());
     let row = |misreading| {
         let (run, answers) = ask_all(suite, &[misreading], views, jobs, &right);
@@ -50,49 +60,41 @@ pub fn matrix(suite: &Suite, views: &[&'static str], jobs: usize) -> Vec<Row> {
             answers: digests.collect(),
         }
     };
-    misreadings::all().map(row).collect()
+    let all = misreadings::all().count();
+    let done = |(i, row)| {
+        progress(i + 1, all);
+        row
+    };
+    misreadings::all().map(row).enumerate().map(done).collect()
 }
 
-/// A run of a decoder with these mistakes, and its answers. A mistake about section 2.9 cannot act on a file without
-/// compressed planes; such files are answered as in `right`.
-fn ask_all(
+/// A run of a decoder with these mistakes, and its answers. A file on which none of them can act is answered as in
+/// `right`, where that is known.
+pub fn ask_all(
     suite: &Suite,
     mistakes: &[&Misreading],
     views: &[&'static str],
     jobs: usize,
-    right: &HashMap<String, Answer>,
-) -> (Run, HashMap<String, Answer>) {
+    right: &Answers,
+) -> (Run, Answers) {
     let answers = Mutex::new(HashMap::new());
-    let compressed_only = mistakes
-        .iter()
-        .all(|mistake| mistake.clause.starts_with("2.9"));
     let ask = |request: &Request<'_>, _: usize| {
         let key = key(request.name, request.view);
-        let is_compressed = request
-            .file
-            .windows(9)
-            .take(40)
-            .any(|bytes| bytes == b"RMAT_JPEG");
-        let known = right
-            .get(&key)
-            .filter(|_| compressed_only && !is_compressed);
+        let concerned = mistakes
+            .iter()
+            .any(|mistake| applies(mistake, request.file));
+        let known = right.get(&key).filter(|_| !concerned);
         let make = || misreadings::answer(mistakes, Reading::SPEC, request.file, request.view);
         let answer = known.cloned().unwrap_or_else(make);
         answers
             .lock()
             .expect("no worker panics")
             .insert(key, answer.clone());
-        Reply {
-            answer,
-            stderr: String::new(),
-            exit: None,
-        }
+        answer.into()
     };
     let plan = Plan {
-        selected: vec![true; suite.cases.len()],
-        jobs,
         views: views.to_vec(),
-        stop: Arc::default(),
+        ..Plan::of(suite, jobs)
     };
     let run = check(suite, &plan, &ask, &|_, _, _, _| ());
     (run, answers.into_inner().expect("no worker panics"))

@@ -12,7 +12,11 @@ use std::fmt;
 use std::io::{self, Write};
 use std::str::FromStr;
 
-use crate::decode::Ptm;
+use serde::{Deserialize, Serialize};
+
+use crate::decode::{Ptm, Stored};
+use crate::harness::shards::frame_text;
+use crate::ptm::Size;
 
 /// Exit status of a decoder that finds the file malformed (`EX_DATAERR`).
 pub const EXIT_MALFORMED: i32 = 65;
@@ -116,7 +120,52 @@ pub enum Samples {
     F32(Vec<f32>),
 }
 
+impl Samples {
+    /// How many there are.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        match self {
+            Samples::U8(bytes) => bytes.len(),
+            Samples::F32(values) => values.len(),
+        }
+    }
+
+    /// Whether there are none.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// How many bytes they take.
+    #[must_use]
+    pub fn bytes(&self) -> usize {
+        match self {
+            Samples::U8(bytes) => bytes.len(),
+            Samples::F32(values) => 4 * values.len(),
+        }
+    }
+
+    /// Whether they are bit for bit the same.
+    #[must_use]
+    pub fn are_like(&self, other: &Samples) -> bool {
+        match (self, other) {
+            (Samples::U8(a), Samples::U8(b)) => a == b,
+            (Samples::F32(a), Samples::F32(b)) => {
+                a.len() == b.len() && a.iter().zip(b).all(|(a, b)| a.to_bits() == b.to_bits())
+            }
+            _ => false,
+        }
+    }
+}
+
 impl Frame {
+    /// Whether it is bit for bit the same; no number but itself is like one that is none.
+    #[must_use]
+    pub fn is_like(&self, other: &Frame) -> bool {
+        let shape = |frame: &Frame| (frame.view, frame.width, frame.height, frame.channels);
+        shape(self) == shape(other) && self.samples.are_like(&other.samples)
+    }
+
     /// What `ptm` looks like in `view`, under the reading of the reference.
     #[must_use]
     pub fn of(ptm: &Ptm, view: &View) -> Frame {
@@ -159,6 +208,17 @@ impl Frame {
     /// # Errors
     /// Those of `out`.
     pub fn write(&self, out: &mut impl Write) -> io::Result<()> {
+        let size = Size {
+            width: self.width,
+            height: self.height,
+        };
+        self.write_line(size, out)?;
+        self.write_samples(out)
+    }
+
+    /// The line of a frame of that size.
+    fn write_line(&self, size: Size, out: &mut impl Write) -> io::Result<()> {
+        let Size { width, height } = size;
         let kind = if matches!(self.samples, Samples::U8(_)) {
             "u8"
         } else {
@@ -166,9 +226,12 @@ impl Frame {
         };
         writeln!(
             out,
-            "PTM1 {} {} {} {} {kind}",
-            self.view, self.width, self.height, self.channels
-        )?;
+            "PTM1 {} {width} {height} {} {kind}",
+            self.view, self.channels
+        )
+    }
+
+    fn write_samples(&self, out: &mut impl Write) -> io::Result<()> {
         match &self.samples {
             Samples::U8(bytes) => out.write_all(bytes),
             Samples::F32(values) => values
@@ -219,6 +282,9 @@ impl Frame {
             digits.ok_or_else(|| format!("{word:?} in {line:?} is not a number"))
         };
         let (width, height, channels) = (number(width)?, number(height)?, number(channels)?);
+        if [width, height, channels].contains(&0) {
+            return Err(format!("{line:?} announces a picture without a texel"));
+        }
         let size = match kind {
             "u8" => 1,
             "f32" => 4,
@@ -263,11 +329,26 @@ impl Frame {
     }
 }
 
+/// Writes the frame of a map in `view`, piece by piece: the samples of a frame are those of its pieces, one after another.
+///
+/// # Errors
+/// Those of `out`.
+pub fn write_view(map: &Stored<'_>, view: &View, out: &mut impl Write) -> io::Result<()> {
+    for (i, piece) in map.pieces().enumerate() {
+        let frame = Frame::of(&piece, view);
+        if i == 0 {
+            frame.write_line(map.header.size, out)?;
+        }
+        frame.write_samples(out)?;
+    }
+    Ok(())
+}
+
 /// What a decoder did with a request.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Answer {
     /// Exit status 0 and one frame.
-    Decoded(Frame),
+    Decoded(#[serde(with = "frame_text")] Frame),
     /// Exit status 65.
     Rejected,
     /// Exit status 69.
@@ -303,6 +384,15 @@ impl Answer {
             Answer::OutOfMemory(_) => "out of memory",
             Answer::Tampered(_) => "tampering",
             Answer::NotStarted(_) => "not started",
+        }
+    }
+
+    /// Whether it is the same in all that a decoder is responsible for: pictures bit for bit, mishaps by their kind.
+    #[must_use]
+    pub fn is_like(&self, other: &Answer) -> bool {
+        match (self, other) {
+            (Answer::Decoded(a), Answer::Decoded(b)) => a.is_like(b),
+            _ => std::mem::discriminant(self) == std::mem::discriminant(other),
         }
     }
 

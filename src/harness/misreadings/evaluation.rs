@@ -79,6 +79,14 @@ pub(super) const ALL: &[Misreading] = &[
         polynomial: |a, u, v| spec(&[a[0], a[2], a[1], a[3], a[4], a[5]], u, v),
         ..r
     }),
+    polynomial("a0-a5-swapped", "exchanges a0 and a5", |r| Reading {
+        polynomial: |a, u, v| spec(&[a[5], a[1], a[2], a[3], a[4], a[0]], u, v),
+        ..r
+    }),
+    polynomial("a2-a3-swapped", "exchanges a2 and a3", |r| Reading {
+        polynomial: |a, u, v| spec(&[a[0], a[1], a[3], a[2], a[4], a[5]], u, v),
+        ..r
+    }),
     polynomial("no-cross-term", "leaves a2·u·v out", |r| Reading {
         polynomial: |a, u, v| spec(a, u, v) - a[2] * u * v,
         ..r

@@ -1,0 +1,52 @@
+//! `coverage`: how strong the suite is.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use ptm_conform::harness::cases::Suite;
+use ptm_conform::harness::coverage::Coverage;
+use ptm_conform::harness::matrix::matrix;
+use ptm_conform::harness::smoke;
+
+use crate::cli::files::write_whole;
+use crate::{jobs, print, progress_bar, show_progress};
+
+/// Measure the suite: which clauses it covers, which misreadings it catches and tells apart, which pairs of parameters
+/// occur, which cases are redundant. Takes minutes.
+#[derive(Args)]
+pub struct CoverageArgs {
+    /// Print YAML, with everything in it, instead of a summary.
+    #[arg(long)]
+    yaml: bool,
+    /// Compute the smoke subset anew and write its list to FILE.
+    #[arg(long, value_name = "FILE")]
+    write_smoke: Option<PathBuf>,
+    /// Files decoded at a time; the result does not depend on it.
+    #[arg(long, value_name = "N")]
+    jobs: Option<usize>,
+}
+
+/// Runs every misreading, and prints what the suite makes of them.
+pub fn run(args: &CoverageArgs) -> Result<u8, String> {
+    let suite = Suite::load()?.prepared();
+    let bar = progress_bar();
+    let rows = matrix(&suite, &[], jobs(args.jobs)?, &|done, all| {
+        show_progress(&bar, done, all);
+    });
+    bar.finish_and_clear();
+    let coverage = Coverage::new(&suite, &rows)?;
+    print(&if args.yaml {
+        coverage.to_yaml()?
+    } else {
+        coverage.to_text(&suite)
+    });
+    if let Some(path) = &args.write_smoke {
+        let chosen = smoke::choose(&suite, &rows);
+        write_whole(path, smoke::to_yaml(&suite, &chosen))?;
+        if !args.yaml {
+            print(&format!("{} cases in {}\n", chosen.len(), path.display()));
+        }
+    }
+    Ok(0)
+}

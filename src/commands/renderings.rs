@@ -1,0 +1,69 @@
+//! `check --html FILE --junit FILE --github`: the report in other forms, for people and for other programs.
+
+use std::ffi::OsStr;
+use std::fs;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+
+use ptm_conform::harness::cases::Suite;
+use ptm_conform::harness::check::Run;
+use ptm_conform::harness::report::Report;
+use ptm_conform::harness::{github, html, junit};
+
+/// Other forms of the report.
+#[derive(Args)]
+pub struct RenderingArgs {
+    /// Also write the report as a page with pictures of every failure, for a browser; it needs no network.
+    #[arg(long, value_name = "FILE")]
+    html: Option<PathBuf>,
+    /// Also write the report as `JUnit` XML.
+    #[arg(long, value_name = "FILE")]
+    junit: Option<PathBuf>,
+    /// Print GitHub annotations, and append the job's summary to the file named by `GITHUB_STEP_SUMMARY`.
+    #[arg(long)]
+    github: bool,
+}
+
+impl RenderingArgs {
+    /// Whether any is asked for.
+    pub fn any(&self) -> bool {
+        self.html.is_some() || self.junit.is_some() || self.github
+    }
+
+    /// What may be printed of a decoder's own words: on GitHub, nothing that its runner takes for a command.
+    pub fn printable(&self, text: String) -> String {
+        if self.github {
+            github::without_commands(&text)
+        } else {
+            text
+        }
+    }
+
+    /// Writes those that are asked for.
+    pub fn write(&self, suite: &Suite, report: &Report, run: &Run) -> Result<(), String> {
+        if let Some(path) = &self.html {
+            crate::write_whole(path, &html::page(suite, report, Some(run))?)?;
+            crate::print(&format!("page: {}\n", path.display()));
+        }
+        if let Some(path) = &self.junit {
+            crate::write_whole(path, &junit::junit(report)?)?;
+        }
+        if self.github {
+            crate::print(&github::annotations(report));
+            let summary = std::env::var_os("GITHUB_STEP_SUMMARY").filter(|path| !path.is_empty());
+            if let Some(path) = summary {
+                append(&path, &github::summary(suite, report))?;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The steps of a job append to one file.
+fn append(path: &OsStr, text: &str) -> Result<(), String> {
+    let file = fs::OpenOptions::new().append(true).create(true).open(path);
+    file.and_then(|mut file| file.write_all(text.as_bytes()))
+        .map_err(|error| format!("{}: {error}", Path::new(path).display()))
+}

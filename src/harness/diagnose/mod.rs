@@ -1,0 +1,250 @@
+//! From failures to causes: what to mend, in a sentence.
+//!
+//! First the catalogue: the smallest set of misreadings with which a decoder gives the same answers, the same picture or
+//! the same refusal, and which no passing case contradicts. What is then left is put into words: refusals by what the
+//! refused files share, acceptances by the damage, pictures by how they differ and where.
+
+mod acceptances;
+mod assume;
+mod pictures;
+mod provenance;
+mod refusals;
+mod search;
+mod traits;
+mod witness;
+
+pub use assume::assume;
+pub(crate) use witness::spoken;
+pub use witness::{alike, applies, composable};
+
+use crate::harness::cases::Suite;
+use crate::harness::check::Run;
+use crate::harness::misreadings::Misreading;
+use search::Search;
+use witness::{Agreement, Witness, witnesses};
+
+/// A cause and what it explains.
+pub struct Diagnosis {
+    /// What it is.
+    pub cause: Cause,
+    /// Failing cases it reproduces, by their place in the suite.
+    pub explains: Vec<usize>,
+    /// Failing cases in which a decoder with this mistake would go wrong too, but not quite in this way.
+    pub partly: Vec<usize>,
+    /// Passing cases that a decoder with this mistake would fail: the mistake is made, but not everywhere.
+    pub except: Vec<usize>,
+}
+
+/// What is wrong.
+pub enum Cause {
+    /// A mistake of the catalogue.
+    Misreading {
+        /// The mistake.
+        misreading: &'static Misreading,
+        /// Others that explain the same cases as well.
+        alike: Vec<&'static Misreading>,
+        /// Others that are made besides, and show in the same cases.
+        with: Vec<&'static Misreading>,
+    },
+    /// A difference that no mistake of the catalogue makes.
+    Described {
+        /// What kind of failure it is.
+        kind: Kind,
+        /// The clause that the cases are about.
+        clause: String,
+        /// What the decoder does, as a sentence without its subject: "refuses …".
+        effect: String,
+        /// What to do about it.
+        mend: String,
+        /// The first example, down to the bytes of the file.
+        example: String,
+    },
+}
+
+/// Kinds of failure that are told apart.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// Legal files were refused, or answered with a crash.
+    Refusal,
+    /// Malformed files were accepted.
+    Acceptance,
+    /// Pictures are wrong.
+    Difference,
+}
+
+impl Kind {
+    /// As it stands in a report.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Kind::Refusal => "refusal",
+            Kind::Acceptance => "acceptance",
+            Kind::Difference => "difference",
+        }
+    }
+}
+
+impl Diagnosis {
+    fn described(
+        kind: Kind,
+        witnesses: &[Witness],
+        of: &[usize],
+        (effect, mend, example): (String, String, String),
+    ) -> Diagnosis {
+        let clause = witnesses[of[0]].case.clauses.first();
+        let mut clauses: Vec<&String> = of
+            .iter()
+            .filter_map(|&w| witnesses[w].case.clauses.first())
+            .collect();
+        clauses.sort();
+        let most = clauses
+            .chunk_by(|a, b| a == b)
+            .max_by_key(|same| same.len())
+            .map(|same| same[0]);
+        Diagnosis {
+            cause: Cause::Described {
+                kind,
+                clause: most.or(clause).cloned().unwrap_or_default(),
+                effect,
+                mend,
+                example,
+            },
+            explains: of.iter().map(|&w| witnesses[w].place).collect(),
+            partly: Vec::new(),
+            except: Vec::new(),
+        }
+    }
+}
+
+/// Why the failures of `run` failed; most telling first. `assumed` are mistakes that the user knows of.
+#[must_use]
+pub fn diagnose(
+    suite: &Suite,
+    run: &Run,
+    assumed: &[&'static Misreading],
+    threads: usize,
+) -> Vec<Diagnosis> {
+    let reading = spoken(run);
+    let witnesses = witnesses(suite, run, reading);
+    if !witnesses.iter().any(|witness| witness.failed) {
+        return Vec::new();
+    }
+    let search = Search::new(&witnesses, reading, assumed, threads);
+    let mut found = search.run();
+    drop_accidents(&search, &mut found);
+    let (mut diagnoses, mut left) = named(&search, &found);
+    diagnoses.extend(acceptances::describe(&witnesses, &mut left));
+    let refusals = refusals::describe(&witnesses, &mut left);
+    search_in_part(&search, &found, &mut diagnoses, &mut left);
+    diagnoses.extend(refusals);
+    diagnoses.extend(refusals::rest(&witnesses, &mut left));
+    diagnoses.extend(pictures::describe(
+        &search,
+        &search::of(&found.members),
+        &left,
+    ));
+    diagnoses
+}
+
+/// Takes away mistakes that only refuse, where one thing that the refused files share says more.
+fn drop_accidents(search: &Search, found: &mut search::Found) {
+    let witnesses = search.witnesses;
+    let failing: Vec<usize> = (0..witnesses.len())
+        .filter(|&w| witnesses[w].failed)
+        .collect();
+    let shared = refusals::widest(witnesses, &failing);
+    found.members.retain(|member| {
+        let of: Vec<(usize, Agreement)> = failing
+            .iter()
+            .map(|&w| (w, search.agreement(w, &[member.misreading])))
+            .filter(|(_, agreement)| !matches!(agreement, Agreement::None | Agreement::Against))
+            .collect();
+        let refuses = of
+            .iter()
+            .all(|(_, agreement)| matches!(agreement, Agreement::Word | Agreement::Crash));
+        let less =
+            |wide: &Vec<usize>| wide.len() > of.len() && of.iter().all(|(w, _)| wide.contains(w));
+        of.is_empty() || !refuses || !shared.iter().any(less)
+    });
+}
+
+/// What each of the mistakes found explains, and which failing cases none of them does.
+fn named(search: &Search, found: &search::Found) -> (Vec<Diagnosis>, Vec<usize>) {
+    let witnesses = search.witnesses;
+    let set = search::of(&found.members);
+    let mut left = Vec::new();
+    let mut explains: Vec<Vec<usize>> = vec![Vec::new(); set.len()];
+    let mut with: Vec<Vec<&'static Misreading>> = vec![Vec::new(); set.len()];
+    for w in (0..witnesses.len()).filter(|&w| witnesses[w].failed) {
+        let explained = |set: &[&'static Misreading]| {
+            matches!(
+                search.agreement(w, set),
+                Agreement::Picture | Agreement::Word | Agreement::Crash
+            )
+        };
+        if let Some(alone) = (0..set.len()).find(|&member| explained(&[set[member]])) {
+            explains[alone].push(witnesses[w].place);
+        } else if explained(&set) {
+            // Those that cannot be missed; the case stands under the last of them.
+            let needed: Vec<usize> = (0..set.len())
+                .filter(|&member| {
+                    let mut without = set.clone();
+                    without.remove(member);
+                    !explained(&without)
+                })
+                .collect();
+            let last = needed.last().copied().unwrap_or_default();
+            explains[last].push(witnesses[w].place);
+            for &other in &needed {
+                if other != last && !with[last].iter().any(|known| known.slug == set[other].slug) {
+                    with[last].push(set[other]);
+                }
+            }
+        } else {
+            left.push(w);
+        }
+    }
+    let members = found.members.iter().zip(explains.into_iter().zip(with));
+    let diagnoses = members.map(|(member, (explains, with))| {
+        let one = [member.misreading];
+        let except = (0..witnesses.len()).filter(|&w| search.contradicted(w, &one));
+        Diagnosis {
+            cause: Cause::Misreading {
+                misreading: member.misreading,
+                alike: member.alike.clone(),
+                with,
+            },
+            explains,
+            partly: Vec::new(),
+            except: except.map(|w| witnesses[w].place).collect(),
+        }
+    });
+    let mut diagnoses: Vec<Diagnosis> = diagnoses.collect();
+    diagnoses.retain(|diagnosis| !diagnosis.explains.is_empty());
+    (diagnoses, left)
+}
+
+/// Failures that are near to one of the mistakes found stand under it, in part.
+fn search_in_part(
+    search: &Search,
+    found: &search::Found,
+    diagnoses: &mut [Diagnosis],
+    left: &mut Vec<usize>,
+) {
+    let set = search::of(&found.members);
+    left.retain(|&w| {
+        let witness = &search.witnesses[w];
+        let near = set
+            .iter()
+            .position(|&misreading| pictures::is_near(search, w, &set, misreading));
+        let place = near.and_then(|member| {
+            diagnoses.iter().position(|diagnosis| {
+                matches!(&diagnosis.cause, Cause::Misreading { misreading, .. } if misreading.slug == set[member].slug)
+            })
+        });
+        if let Some(place) = place {
+            diagnoses[place].partly.push(witness.place);
+        }
+        place.is_none()
+    });
+}

@@ -1,0 +1,301 @@
+//! Legal files that were refused, or that brought the decoder down: what they share and no accepted file has.
+
+use super::traits::Traits;
+use super::witness::Witness;
+use super::{Diagnosis, Kind};
+use crate::harness::cases::Expect;
+use crate::harness::judge::Shown;
+use crate::harness::protocol::Answer;
+
+/// Refusals that a trait explains: every file of the suite that has it is treated so. They are taken out of `left`.
+pub(super) fn describe(witnesses: &[Witness], left: &mut Vec<usize>) -> Vec<Diagnosis> {
+    let mut diagnoses = Vec::new();
+    for deed in deeds(witnesses, left) {
+        let mut open: Vec<usize> = left
+            .iter()
+            .copied()
+            .filter(|&w| deed_of(&witnesses[w]).as_ref() == Some(&deed))
+            .collect();
+        let accepted = accepted(witnesses);
+        while let Some((says, of)) = shared(witnesses, &open, &accepted) {
+            if of.len() < 2 && open.len() > of.len() {
+                break;
+            }
+            open.retain(|w| !of.contains(w));
+            left.retain(|w| !of.contains(w));
+            let effect = format!("{} every file {says}", deed.verb);
+            let mend = "read such files: they are legal".to_owned();
+            let example = example(witnesses, &of);
+            diagnoses.push(Diagnosis::described(
+                Kind::Refusal,
+                witnesses,
+                &of,
+                (effect, mend, example),
+            ));
+        }
+    }
+    diagnoses
+}
+
+/// For each way not to show a picture, the failures that one shared trait explains.
+pub(super) fn widest(witnesses: &[Witness], failing: &[usize]) -> Vec<Vec<usize>> {
+    let accepted = accepted(witnesses);
+    let of = |deed: Deed| {
+        let of: Vec<usize> = failing
+            .iter()
+            .copied()
+            .filter(|&w| deed_of(&witnesses[w]).as_ref() == Some(&deed))
+            .collect();
+        shared(witnesses, &of, &accepted).map(|(_, of)| of)
+    };
+    deeds(witnesses, failing)
+        .into_iter()
+        .filter_map(of)
+        .collect()
+}
+
+/// Legal files that the decoder reads, rightly or wrongly. One that ends in another crash says nothing.
+fn accepted(witnesses: &[Witness]) -> Vec<usize> {
+    (0..witnesses.len())
+        .filter(|&w| {
+            witnesses[w].case.expect == Expect::Decode
+                && matches!(witnesses[w].finding.shown, Shown::Picture { .. })
+        })
+        .collect()
+}
+
+/// What no trait explains.
+pub(super) fn rest(witnesses: &[Witness], left: &mut Vec<usize>) -> Vec<Diagnosis> {
+    let mut diagnoses = Vec::new();
+    for deed in deeds(witnesses, left) {
+        let of: Vec<usize> = left
+            .iter()
+            .copied()
+            .filter(|&w| deed_of(&witnesses[w]).as_ref() == Some(&deed))
+            .collect();
+        left.retain(|w| !of.contains(w));
+        let all: Vec<&Traits> = of.iter().map(|&w| witnesses[w].traits()).collect();
+        let common: Vec<String> = all[0]
+            .has
+            .iter()
+            .filter(|says| all.iter().all(|traits| traits.has.contains(says)))
+            .cloned()
+            .collect();
+        let count = of.len();
+        let files = if count == 1 {
+            "a legal file"
+        } else {
+            "legal files"
+        };
+        let share = if common.is_empty() || count == 1 {
+            String::new()
+        } else {
+            format!(
+                "; all are files {}, but it reads others of that kind",
+                common.join(", ")
+            )
+        };
+        diagnoses.push(Diagnosis::described(
+            Kind::Refusal,
+            witnesses,
+            &of,
+            (
+                format!("{} {files}{share}", deed.verb),
+                "look at the first of them with ptm-conform explain".to_owned(),
+                example(witnesses, &of),
+            ),
+        ));
+    }
+    diagnoses
+}
+
+/// What a decoder does instead of showing a picture.
+#[derive(Clone, Debug, PartialEq, Eq)]
+struct Deed {
+    /// "refuses", "crashes on (exit status 1)".
+    verb: String,
+}
+
+fn deed_of(witness: &Witness) -> Option<Deed> {
+    let verb = match &witness.finding.shown {
+        Shown::Picture { .. } => return None,
+        Shown::Rejected => "refuses".to_owned(),
+        Shown::Unsupported => "answers 69 (unsupported) to".to_owned(),
+        Shown::Misconduct(Answer::Crashed(how)) => format!("crashes ({how}) on"),
+        Shown::Misconduct(Answer::Hung(_)) => "does not come to an end on".to_owned(),
+        Shown::Misconduct(Answer::ProtocolError(what)) => {
+            // Numbers differ from file to file.
+            let general: String = what.chars().take_while(|c| *c != '"').collect();
+            let general = if general.is_empty() {
+                "its output is no frame"
+            } else {
+                general.trim_end()
+            };
+            format!("gives no well-formed frame ({general}) for")
+        }
+        Shown::Misconduct(answer) => format!("ends in {} on", answer.name()),
+    };
+    Some(Deed { verb })
+}
+
+/// The deeds among the failures that are left, the most frequent first.
+fn deeds(witnesses: &[Witness], left: &[usize]) -> Vec<Deed> {
+    let mut deeds: Vec<(Deed, usize)> = Vec::new();
+    for deed in left.iter().filter_map(|&w| deed_of(&witnesses[w])) {
+        match deeds.iter_mut().find(|(known, _)| *known == deed) {
+            Some((_, count)) => *count += 1,
+            None => deeds.push((deed, 1)),
+        }
+    }
+    deeds.sort_by_key(|&(_, count)| std::cmp::Reverse(count));
+    deeds.into_iter().map(|(deed, _)| deed).collect()
+}
+
+/// What most of `these` share and none of `others` has, in words; and which of `these` have it.
+pub(super) fn shared(
+    witnesses: &[Witness],
+    these: &[usize],
+    others: &[usize],
+) -> Option<(String, Vec<usize>)> {
+    if these.is_empty() {
+        return None;
+    }
+    let of = |places: &[usize]| -> Vec<&Traits> {
+        places.iter().map(|&w| witnesses[w].traits()).collect()
+    };
+    let (mine, theirs) = (of(these), of(others));
+    let mut all: Vec<&String> = Vec::new();
+    for says in mine.iter().flat_map(|traits| &traits.has) {
+        if !all.contains(&says) {
+            all.push(says);
+        }
+    }
+    // For each trait, which of both have it.
+    let having = |traits: &[&Traits]| -> Vec<Vec<bool>> {
+        all.iter()
+            .map(|says| {
+                traits
+                    .iter()
+                    .map(|traits| traits.has.contains(says))
+                    .collect()
+            })
+            .collect()
+    };
+    let (my_traits, their_traits) = (having(&mine), having(&theirs));
+    let both = |lists: &[Vec<bool>], a: usize, b: usize| -> Vec<bool> {
+        lists[a]
+            .iter()
+            .zip(&lists[b])
+            .map(|(a, b)| *a && *b)
+            .collect()
+    };
+    let absent = |a: usize, b: usize| !both(&their_traits, a, b).contains(&true);
+    let having = |a: usize, b: usize| -> Vec<usize> {
+        let having = both(&my_traits, a, b);
+        these
+            .iter()
+            .zip(having)
+            .filter(|&(_, has)| has)
+            .map(|(&w, _)| w)
+            .collect()
+    };
+    let mut best: Option<(String, Vec<usize>)> = None;
+    let mut offer = |says: String, of: Vec<usize>| {
+        if best
+            .as_ref()
+            .is_none_or(|(_, known)| of.len() > known.len())
+            && !of.is_empty()
+        {
+            best = Some((says, of));
+        }
+    };
+    for (i, says) in all.iter().enumerate() {
+        if absent(i, i) {
+            offer((*says).clone(), having(i, i));
+        }
+    }
+    for (says, of) in thresholds(these, &mine, &theirs) {
+        offer(says, of);
+    }
+    // Two together must say clearly more than one alone.
+    let single = best.as_ref().map_or(0, |(_, of)| of.len());
+    if single * 4 < these.len() * 3 {
+        for a in 0..all.len() {
+            for b in a + 1..all.len() {
+                let of = having(a, b);
+                let known = best.as_ref().map_or(0, |(_, known)| known.len());
+                if of.len() > known && absent(a, b) {
+                    best = Some((format!("{} and {}", all[a], all[b]), of));
+                }
+            }
+        }
+    }
+    best
+}
+
+/// Numbers over which, or under which, there is none of the others.
+fn thresholds(these: &[usize], mine: &[&Traits], theirs: &[&Traits]) -> Vec<(String, Vec<usize>)> {
+    let number = |traits: &Traits, name: &str| {
+        traits
+            .numbers
+            .iter()
+            .find(|(known, _)| *known == name)
+            .map(|&(_, number)| number)
+    };
+    let mut found = Vec::new();
+    for name in [
+        "texels",
+        "columns",
+        "rows",
+        "entries",
+        "records of side information",
+        "as their JPEG quality",
+        "as their largest loss",
+        "bytes",
+    ] {
+        let theirs = || theirs.iter().filter_map(|traits| number(traits, name));
+        let (Some(least), Some(most)) = (theirs().min(), theirs().max()) else {
+            continue;
+        };
+        let those = |is: &dyn Fn(i64) -> bool| -> Vec<(usize, i64)> {
+            let numbers = these.iter().zip(mine);
+            numbers
+                .filter_map(|(&w, traits)| Some((w, number(traits, name)?)))
+                .filter(|&(_, number)| is(number))
+                .collect()
+        };
+        let over = those(&|number| number > most);
+        let under = those(&|number| number < least);
+        for (side, those, edge) in [("more", over, most), ("fewer", under, least)] {
+            let numbers = those.iter().map(|&(_, number)| number);
+            let nearest = if side == "more" {
+                numbers.min()
+            } else {
+                numbers.max()
+            };
+            if let Some(nearest) = nearest {
+                let says = format!("with {nearest} or {side} {name} (it reads {edge})");
+                found.push((says, those.into_iter().map(|(w, _)| w).collect()));
+            }
+        }
+    }
+    found
+}
+
+fn example(witnesses: &[Witness], of: &[usize]) -> String {
+    let smallest = of
+        .iter()
+        .map(|&w| &witnesses[w])
+        .min_by_key(|witness| witness.built.file.len())
+        .expect("a diagnosis explains at least one case");
+    let stderr = smallest.finding.stderr.lines().last().unwrap_or_default();
+    let words = if stderr.is_empty() {
+        String::new()
+    } else {
+        format!("; its standard error ends: {stderr}")
+    };
+    format!(
+        "for example {}: {}{words}",
+        smallest.case.id, smallest.case.because
+    )
+}

@@ -1,0 +1,491 @@
+//! The smallest set of misreadings that answers as the decoder did.
+//!
+//! Sets grow by one mistake at a time, the one that explains most of what is left and is contradicted by least; where no
+//! single mistake explains anything more, by two at once. At the end, mistakes without which as much is explained are
+//! dropped.
+
+use std::borrow::Cow;
+use std::collections::BTreeMap;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use super::witness::{Agreement, Witness};
+use crate::harness::cases::Expect;
+use crate::harness::judge::Shown;
+use crate::harness::misreadings::{self, At, Misreading};
+use crate::harness::protocol::Answer;
+use crate::reading::Reading;
+
+/// Most mistakes of a diagnosis.
+const MOST: usize = 8;
+/// Failing cases that a mistake is first tried on.
+const SAMPLE: usize = 40;
+/// Mistakes that are tried on every case.
+const FINALISTS: usize = 64;
+/// Samples of the failing cases that a mistake is first tried on, all together.
+const SAMPLES: usize = 1 << 20;
+/// Answers made in search of two mistakes that hide each other.
+const PATIENCE: usize = 40_000;
+
+/// What agreement is worth. A picture reproduced to the byte is no accident, a refusal may be one.
+const PICTURE: i64 = 16;
+const WORD: i64 = 8;
+const CRASH: i64 = 3;
+const AGAINST: i64 = -8;
+const CONTRADICTED: i64 = -16;
+const LEANING: i64 = -1;
+/// A mistake must be worth this much, or it is not named: one refusal.
+const LEAST: i64 = CRASH;
+
+/// Mistakes that, made together, answer as the decoder did.
+pub(super) struct Found {
+    /// In the order in which they were found, the one that explains most first.
+    pub members: Vec<Member>,
+}
+
+/// One of them.
+pub(super) struct Member {
+    pub misreading: &'static Misreading,
+    /// Others that would explain the same cases.
+    pub alike: Vec<&'static Misreading>,
+}
+
+/// The search for the mistakes of one decoder.
+pub(super) struct Search<'a> {
+    pub witnesses: &'a [Witness<'a>],
+    pub reading: Reading,
+    /// Mistakes taken for granted: made by every set, and never named.
+    pub assumed: &'a [&'static Misreading],
+    pub threads: usize,
+    /// Cases that the decoder passes, the smallest first.
+    passing: Vec<usize>,
+}
+
+type Set = Vec<&'static Misreading>;
+
+impl<'a> Search<'a> {
+    pub fn new(
+        witnesses: &'a [Witness<'a>],
+        reading: Reading,
+        assumed: &'a [&'static Misreading],
+        threads: usize,
+    ) -> Search<'a> {
+        let mut passing: Vec<usize> = (0..witnesses.len())
+            .filter(|&w| !witnesses[w].failed)
+            .collect();
+        passing.sort_by_key(|&w| witnesses[w].built.file.len());
+        Search {
+            witnesses,
+            reading,
+            assumed,
+            threads,
+            passing,
+        }
+    }
+
+    pub fn run(&self) -> Found {
+        let mut members: Vec<Member> = Vec::new();
+        while members.len() < MOST {
+            let set = of(&members);
+            let left: Vec<usize> = (0..self.witnesses.len())
+                .filter(|&w| self.witnesses[w].failed && self.value(w, &set) < WORD)
+                .collect();
+            if left.is_empty() {
+                break;
+            }
+            let grown = self
+                .one_more(&set, &self.sample(&left))
+                .or_else(|| self.one_more(&set, &self.affordable(&left)))
+                .map(|member| vec![member])
+                .or_else(|| self.two_more(&set, &left));
+            match grown {
+                Some(more) => members.extend(more),
+                None => break,
+            }
+        }
+        self.drop_needless(&mut members);
+        Found { members }
+    }
+
+    /// How well a set explains one case, for those who name what each of its members explains.
+    pub fn agreement(&self, w: usize, set: &[&'static Misreading]) -> Agreement {
+        let agreements = self
+            .answers(w, set)
+            .into_iter()
+            .map(|answer| self.witnesses[w].agreement(&answer));
+        agreements
+            .max_by_key(|&agreement| worth(agreement))
+            .unwrap_or(Agreement::None)
+    }
+
+    /// Whether a set would fail a case that the decoder passes.
+    pub fn contradicted(&self, w: usize, set: &[&'static Misreading]) -> bool {
+        let witness = &self.witnesses[w];
+        !witness.failed
+            && self
+                .answers(w, set)
+                .iter()
+                .any(|answer| witness.contradicts(answer))
+    }
+
+    /// What a decoder with these mistakes answers, and the assumed ones.
+    pub fn made(&self, w: usize, set: &[&'static Misreading]) -> Cow<'_, Answer> {
+        let mut answers = self.answers(w, set);
+        answers.swap_remove(0)
+    }
+
+    /// What a decoder with these mistakes may answer: mistakes in one decision are made one at a time.
+    fn answers(&self, w: usize, set: &[&'static Misreading]) -> Vec<Cow<'_, Answer>> {
+        let witness = &self.witnesses[w];
+        let concerned = self
+            .assumed
+            .iter()
+            .chain(set)
+            .filter(|misreading| witness.concerns(misreading));
+        let mut variants: Vec<Set> = vec![Vec::new()];
+        for &misreading in concerned {
+            let mut grown = Vec::new();
+            for variant in variants {
+                let mut with = variant.clone();
+                with.retain(|other| stackable(other, misreading));
+                if with.len() < variant.len() {
+                    grown.push(variant);
+                }
+                with.push(misreading);
+                grown.push(with);
+            }
+            variants = grown;
+        }
+        variants
+            .iter()
+            .map(|variant| witness.answer(variant, self.reading))
+            .collect()
+    }
+
+    /// What a set is worth on one case.
+    fn value(&self, w: usize, set: &[&'static Misreading]) -> i64 {
+        let witness = &self.witnesses[w];
+        let mut all = self.assumed.iter().chain(set);
+        if !all.any(|misreading| witness.concerns(misreading)) {
+            // What the reference shows is right, and no failure.
+            return 0;
+        }
+        let answers = self.answers(w, set);
+        if witness.failed {
+            let worths = answers
+                .iter()
+                .map(|answer| worth(witness.agreement(answer)));
+            worths.max().unwrap_or_default()
+        } else if answers.iter().any(|answer| witness.contradicts(answer)) {
+            CONTRADICTED
+        } else if matches!(witness.case.expect, Expect::Lenient | Expect::Spelling)
+            && answers.iter().all(|answer| witness.leans_away(answer))
+        {
+            LEANING
+        } else {
+            0
+        }
+    }
+
+    /// The one mistake that is worth most besides `set`, of those that explain one of `tried`.
+    fn one_more(&self, set: &Set, tried: &[usize]) -> Option<Member> {
+        let now: Vec<i64> = tried.iter().map(|&w| self.value(w, set)).collect();
+        let all: Set = misreadings::all()
+            .filter(|&misreading| !named(set, misreading) && !named(self.assumed, misreading))
+            .collect();
+        let promise = self.each(&all, |misreading| {
+            let with = plus(set, misreading);
+            let gain = |(&w, &now): (&usize, &i64)| {
+                if self.witnesses[w].could_be(misreading) {
+                    (self.value(w, &with) - now).max(0)
+                } else {
+                    0
+                }
+            };
+            tried.iter().zip(&now).map(gain).sum::<i64>()
+        });
+        let mut promising: Vec<(i64, &'static Misreading)> = promise
+            .into_iter()
+            .zip(all)
+            .filter(|&(gain, _)| gain >= LEAST)
+            .collect();
+        // Stable: among equals the catalogue's order, which runs from the general to the particular.
+        promising.sort_by_key(|&(gain, _)| -gain);
+        promising.truncate(FINALISTS);
+        let finalists: Set = promising
+            .into_iter()
+            .map(|(_, misreading)| misreading)
+            .collect();
+        self.best(set, &finalists)
+    }
+
+    /// The best of `finalists`, tried on every case, and those that do as well.
+    fn best(&self, set: &Set, finalists: &Set) -> Option<Member> {
+        let now: Vec<i64> = (0..self.witnesses.len())
+            .map(|w| self.value(w, set))
+            .collect();
+        let failing = self.each(finalists, |misreading| self.gains(set, misreading, &now));
+        let mut ranked: Vec<(i64, usize)> = failing
+            .iter()
+            .enumerate()
+            .map(|(place, gains)| (gains.iter().sum(), place))
+            .collect();
+        ranked.sort_by_key(|&(gain, place)| (-gain, place));
+        let mut scored: Vec<(i64, usize)> = Vec::new();
+        for batch in ranked.chunks(self.threads.max(1) * 2) {
+            let best = scored.iter().map(|&(total, _)| total).max();
+            let least = best.map_or(LEAST, |best| LEAST.max(best - WORD));
+            let totals = self.each(batch, |&(gain, place)| {
+                self.total(set, finalists[place], &now, gain, least)
+            });
+            let totals = totals.into_iter().zip(batch);
+            scored.extend(totals.filter_map(|(total, &(_, place))| Some((total?, place))));
+        }
+        scored.sort_by_key(|&(total, place)| (-total, place));
+        let &(total, first) = scored.first()?;
+        let as_good = scored[1..]
+            .iter()
+            .filter(|&&(other, place)| total - other < WORD && failing[place] == failing[first]);
+        Some(Member {
+            misreading: finalists[first],
+            alike: as_good.map(|&(_, place)| finalists[place]).collect(),
+        })
+    }
+
+    /// What a mistake adds on every failing case.
+    fn gains(&self, set: &Set, misreading: &'static Misreading, now: &[i64]) -> Vec<i64> {
+        let with = plus(set, misreading);
+        let failing = (0..self.witnesses.len()).filter(|&w| self.witnesses[w].failed);
+        failing
+            .map(|w| match self.witnesses[w].could_be(misreading) {
+                true => self.value(w, &with) - now[w],
+                false => 0,
+            })
+            .collect()
+    }
+
+    /// What it is worth in all, if it adds `gain` on the failing cases; nothing if that is less than `least`.
+    fn total(
+        &self,
+        set: &Set,
+        misreading: &'static Misreading,
+        now: &[i64],
+        gain: i64,
+        least: i64,
+    ) -> Option<i64> {
+        let with = plus(set, misreading);
+        let mut total = gain;
+        for &w in &self.passing {
+            if total < least {
+                return None;
+            }
+            if self.witnesses[w].concerns(misreading) {
+                total += self.value(w, &with) - now[w];
+            }
+        }
+        (total >= least).then_some(total)
+    }
+
+    /// Two mistakes that only together explain a picture: of those that change it, every pair, on the smallest files.
+    fn two_more(&self, set: &Set, left: &[usize]) -> Option<Vec<Member>> {
+        let mut pictures: Vec<usize> = left
+            .iter()
+            .copied()
+            .filter(|&w| {
+                matches!(
+                    self.witnesses[w].finding.shown,
+                    Shown::Picture { frame: Some(_), .. }
+                )
+            })
+            .collect();
+        pictures.sort_by_key(|&w| self.witnesses[w].built.file.len());
+        let mut patience = PATIENCE;
+        for w in spread(&pictures, |w| self.witnesses[w].case.format()) {
+            let witness = &self.witnesses[w];
+            let before = self.answers(w, set);
+            let acting: Set = misreadings::all()
+                .filter(|&misreading| {
+                    !named(set, misreading)
+                        && !named(self.assumed, misreading)
+                        && witness.concerns(misreading)
+                        && self.answers(w, &plus(set, misreading)) != before
+                })
+                .collect();
+            let pairs: Vec<[&'static Misreading; 2]> = acting
+                .iter()
+                .enumerate()
+                .flat_map(|(i, &a)| acting[i + 1..].iter().map(move |&b| [a, b]))
+                .filter(|[a, b]| stackable(a, b))
+                .take(patience)
+                .collect();
+            patience -= pairs.len();
+            let explain = self.each(&pairs, |&[a, b]| {
+                self.value(w, &plus(&plus(set, a), b)) >= WORD
+            });
+            let mut pairs: Vec<([&'static Misreading; 2], i64)> = pairs
+                .into_iter()
+                .zip(explain)
+                .filter(|&(_, explains)| explains)
+                .map(|(pair, _)| (pair, 0))
+                .take(FINALISTS * 4)
+                .collect();
+            // By what they explain of the rest, roughly and then exactly.
+            let sample = self.sample(left);
+            for tried in [&sample, &(0..self.witnesses.len()).collect::<Vec<_>>()] {
+                let totals = self.each(&pairs, |&([a, b], _)| {
+                    let with = plus(&plus(set, a), b);
+                    let gain = |&w: &usize| self.value(w, &with) - self.value(w, set);
+                    tried.iter().map(gain).sum::<i64>()
+                });
+                for (pair, total) in pairs.iter_mut().zip(totals) {
+                    pair.1 = total;
+                }
+                pairs.sort_by_key(|&(_, total)| -total);
+                pairs.truncate(8);
+            }
+            if let Some(&([a, b], total)) = pairs.first()
+                && total >= LEAST
+            {
+                let member = |misreading| Member {
+                    misreading,
+                    alike: Vec::new(),
+                };
+                return Some(vec![member(a), member(b)]);
+            }
+            if patience == 0 {
+                break;
+            }
+        }
+        None
+    }
+
+    /// Takes away every mistake without which as much is explained.
+    fn drop_needless(&self, members: &mut Vec<Member>) {
+        let total = |set: &Set| {
+            let places: Vec<usize> = (0..self.witnesses.len()).collect();
+            self.each(&places, |&w| self.value(w, set))
+                .iter()
+                .sum::<i64>()
+        };
+        if members.len() < 2 {
+            return;
+        }
+        let mut now = total(&of(members));
+        for place in (0..members.len()).rev() {
+            let mut without = of(members);
+            without.remove(place);
+            let left = total(&without);
+            if !without.is_empty() && left + LEAST > now {
+                members.remove(place);
+                now = left;
+            }
+        }
+    }
+
+    /// Failing cases unlike each other, small ones first.
+    fn sample(&self, left: &[usize]) -> Vec<usize> {
+        let kind = |w: usize| {
+            let witness = &self.witnesses[w];
+            (
+                witness.finding.shown.name(),
+                witness.case.clauses.first().cloned(),
+            )
+        };
+        let mut sample = spread(&self.smallest(left, SAMPLES), kind);
+        sample.truncate(SAMPLE);
+        sample
+    }
+
+    /// As many failing cases as there is time for.
+    fn affordable(&self, left: &[usize]) -> Vec<usize> {
+        let mut smallest = self.smallest(left, SAMPLES);
+        smallest.truncate(4 * SAMPLE);
+        smallest
+    }
+
+    /// The smallest of these, so that all together they have no more samples than `most`; at least four.
+    fn smallest(&self, left: &[usize], most: usize) -> Vec<usize> {
+        let samples = |w: usize| match &self.witnesses[w].right {
+            Answer::Decoded(frame) => {
+                frame.width as usize * frame.height as usize * frame.channels as usize
+            }
+            _ => 0,
+        };
+        let mut smallest = left.to_vec();
+        smallest.sort_by_key(|&w| (samples(w), self.witnesses[w].built.file.len()));
+        let mut all = 0;
+        let taken = smallest.iter().enumerate().take_while(|&(i, &w)| {
+            all += samples(w) + self.witnesses[w].built.file.len();
+            i < 4 || all <= most
+        });
+        let count = taken.count();
+        smallest.truncate(count);
+        smallest
+    }
+
+    /// `work` of every item, on all threads, in order.
+    fn each<T: Sync, R: Send>(&self, items: &[T], work: impl Fn(&T) -> R + Sync) -> Vec<R> {
+        let next = AtomicUsize::new(0);
+        let share = || {
+            let mut done = Vec::new();
+            while let Some((place, item)) = {
+                let place = next.fetch_add(1, Ordering::Relaxed);
+                items.get(place).map(|item| (place, item))
+            } {
+                done.push((place, work(item)));
+            }
+            done
+        };
+        let mut all: Vec<(usize, R)> = std::thread::scope(|scope| {
+            let workers: Vec<_> = (0..self.threads.clamp(1, items.len().max(1)))
+                .map(|_| scope.spawn(share))
+                .collect();
+            let joined = workers
+                .into_iter()
+                .map(|worker| worker.join().expect("no worker panics"));
+            joined.flatten().collect()
+        });
+        all.sort_by_key(|&(place, _)| place);
+        all.into_iter().map(|(_, result)| result).collect()
+    }
+}
+
+fn worth(agreement: Agreement) -> i64 {
+    match agreement {
+        Agreement::Picture => PICTURE,
+        Agreement::Word => WORD,
+        Agreement::Crash => CRASH,
+        Agreement::None => 0,
+        Agreement::Against => AGAINST,
+    }
+}
+
+/// Whether both can act on one file: two changes of one decision cannot.
+fn stackable(a: &Misreading, b: &Misreading) -> bool {
+    !matches!((&a.at, &b.at), (At::Reading(a, _), At::Reading(b, _)) if a == b)
+}
+
+pub(super) fn of(members: &[Member]) -> Set {
+    members.iter().map(|member| member.misreading).collect()
+}
+
+fn plus(set: &[&'static Misreading], misreading: &'static Misreading) -> Set {
+    [set, &[misreading]].concat()
+}
+
+fn named(set: &[&'static Misreading], misreading: &Misreading) -> bool {
+    set.iter().any(|other| other.slug == misreading.slug)
+}
+
+/// The first of each kind, then the second of each, and so on.
+fn spread<K: Ord>(places: &[usize], kind: impl Fn(usize) -> K) -> Vec<usize> {
+    let mut kinds: BTreeMap<K, Vec<usize>> = BTreeMap::new();
+    for &place in places {
+        kinds.entry(kind(place)).or_default().push(place);
+    }
+    let longest = kinds.values().map(Vec::len).max().unwrap_or_default();
+    let mut order = Vec::with_capacity(places.len());
+    for turn in 0..longest {
+        order.extend(kinds.values().filter_map(|members| members.get(turn)));
+    }
+    order
+}

@@ -1,0 +1,238 @@
+//! Checks on files of one's own, which come without expected output.
+//!
+//! The decoder is held against the reference, in whichever reading of the open questions fits, and against itself: other
+//! encodings of the same values must give the same picture.
+
+use std::fmt::Write;
+
+use serde::Serialize;
+
+use crate::decode::{Limits, decode_as};
+use crate::error::Class;
+use crate::harness::choices::{CHOICES, Dialect, axes, combinations};
+use crate::harness::compare::Expected;
+use crate::harness::judge::Outcome;
+use crate::harness::metamorphic::encodings;
+use crate::harness::protocol::{Answer, Frame, View};
+use crate::harness::run::{Reply, Request};
+use crate::ptm::Format;
+use crate::reading::Reading;
+
+/// What came of a directory of files.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct FilesReport {
+    /// `pass` or `fail`.
+    pub verdict: String,
+    /// File by file.
+    pub files: Vec<FileResult>,
+}
+
+/// What came of one file.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct FileResult {
+    /// Its name, without directories.
+    pub file: String,
+    /// The view it was asked in.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub view: Option<String>,
+    /// Against the reference: pass, fail, unsupported.
+    pub outcome: String,
+    /// Why.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub says: Option<String>,
+    /// Other encodings of the same values that give another picture, or none.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub relations: Vec<String>,
+    /// How many other encodings were tried.
+    pub encodings: usize,
+}
+
+/// Checks one file with the decoder behind `ask`, in the first of `views` that it offers.
+pub fn check_file(
+    name: &str,
+    file: &[u8],
+    views: &[View],
+    ask: &dyn Fn(&Request) -> Reply,
+) -> FileResult {
+    let answer = |view: &View, file: &[u8]| {
+        let request = Request {
+            name,
+            view,
+            file,
+            largest_frame: largest_frame(file),
+            patience: 3,
+            alone: true,
+        };
+        ask(&request).answer
+    };
+    let mut result = FileResult {
+        file: name.to_owned(),
+        view: None,
+        outcome: Outcome::Unsupported.name().to_owned(),
+        says: None,
+        relations: Vec::new(),
+        encodings: 0,
+    };
+    for view in views {
+        let shown = answer(view, file);
+        if shown == Answer::Unsupported {
+            continue;
+        }
+        result.view = Some(view.to_string());
+        let verdict = held_against_reference(file, view, &shown);
+        let outcome = if verdict.is_ok() {
+            Outcome::Pass
+        } else {
+            Outcome::Fail
+        };
+        outcome.name().clone_into(&mut result.outcome);
+        result.says = match verdict {
+            Ok(says) => Some(says).filter(|says| !says.is_empty()),
+            Err(says) => Some(says),
+        };
+        if let (Answer::Decoded(shown), Ok(ptm)) = (&shown, crate::decode(file)) {
+            for encoding in encodings(&ptm) {
+                let again = answer(view, &encoding.file);
+                if again != Answer::Unsupported {
+                    result.encodings += 1;
+                    let broken = relation(shown, &again);
+                    result
+                        .relations
+                        .extend(broken.map(|says| format!("{}: {says}", encoding.how)));
+                }
+            }
+        }
+        if !result.relations.is_empty() {
+            Outcome::Fail.name().clone_into(&mut result.outcome);
+        }
+        break;
+    }
+    result
+}
+
+/// What is wrong with an answer, or what there is to say of a right one.
+fn held_against_reference(file: &[u8], view: &View, shown: &Answer) -> Result<String, String> {
+    let reference = decode_as(file, &Reading::SPEC, &Limits::default());
+    match (shown, reference) {
+        (Answer::Decoded(shown), Ok(ptm)) => {
+            let right = Expected::under(file, view, &Reading::SPEC)
+                .expect("the reference has just decoded it");
+            let Some(difference) = right.compare(shown) else {
+                return Ok(String::new());
+            };
+            let open = match ptm.header.format {
+                Format::Lum => axes(&["lum-vector", "lum-major", "lum-range"]),
+                format if format.is_compressed() => (0..CHOICES.len())
+                    .filter(|&axis| !CHOICES[axis].ruling.starts_with("lum"))
+                    .collect(),
+                _ => Vec::new(),
+            };
+            let fits = |dialect: &Dialect| {
+                Expected::under(file, view, &dialect.reading())
+                    .is_some_and(|right| right.compare(shown).is_none())
+            };
+            match combinations(&open)
+                .iter()
+                .skip(1)
+                .find(|dialect| fits(dialect))
+            {
+                Some(dialect) => Ok(format!("right in its own reading: {}", other(dialect))),
+                None => Err(difference.to_string()),
+            }
+        }
+        (Answer::Decoded(_), Err(error)) if error.class() == Class::Malformed => Err(format!(
+            "shows a picture of a file that the reference refuses: {error}"
+        )),
+        (Answer::Decoded(_), Err(error)) => Ok(format!("the reference does not read it: {error}")),
+        (Answer::Rejected, Ok(_)) => Err("refuses a file that the reference reads".to_owned()),
+        (Answer::Rejected, Err(_)) => Ok("refused, as the reference does".to_owned()),
+        (answer, _) => Err(format!(
+            "{}: {}",
+            answer.name(),
+            answer.misconduct().unwrap_or_default()
+        )),
+    }
+}
+
+/// The readings in which a dialect is not the reference's.
+fn other(dialect: &Dialect) -> String {
+    let others = CHOICES
+        .iter()
+        .zip(&dialect.0)
+        .filter(|&(_, &taken)| taken > 0);
+    let readings: Vec<&str> = others
+        .map(|(choice, &taken)| choice.readings[taken].0)
+        .collect();
+    readings.join("; ")
+}
+
+/// How the picture of another encoding differs from the first one.
+fn relation(shown: &Frame, again: &Answer) -> Option<String> {
+    match again {
+        Answer::Decoded(again) => Expected::of_frame(shown)
+            .compare(again)
+            .map(|difference| format!("another picture: {difference}")),
+        other => Some(format!("no picture, but {}", other.name())),
+    }
+}
+
+/// The most bytes a frame of that file can have.
+fn largest_frame(file: &[u8]) -> usize {
+    crate::decode(file).map_or(file.len() * 72, |ptm| ptm.planes.size.texels() * 72)
+}
+
+impl FilesReport {
+    /// The report of some files.
+    #[must_use]
+    pub fn new(files: Vec<FileResult>) -> FilesReport {
+        let failed = files
+            .iter()
+            .any(|file| file.outcome == Outcome::Fail.name());
+        FilesReport {
+            verdict: if failed { "fail" } else { "pass" }.to_owned(),
+            files,
+        }
+    }
+
+    /// 0, 1, or 3 if no file was read at all.
+    #[must_use]
+    pub fn exit_status(&self) -> u8 {
+        let unread = |file: &FileResult| file.outcome == Outcome::Unsupported.name();
+        match self.verdict.as_str() {
+            _ if self.files.iter().all(unread) => 3,
+            "pass" => 0,
+            _ => 1,
+        }
+    }
+
+    /// As YAML.
+    ///
+    /// # Errors
+    /// None that a report can cause.
+    pub fn to_yaml(&self) -> Result<String, String> {
+        serde_saphyr::to_string(self).map_err(|error| error.to_string())
+    }
+
+    /// As text for a terminal.
+    #[must_use]
+    pub fn to_text(&self) -> String {
+        let mut text = String::new();
+        for file in &self.files {
+            let says = file.says.as_deref().unwrap_or_default();
+            let _ = writeln!(
+                text,
+                "{} {} {}: {} other encodings{}{says}",
+                file.outcome,
+                file.file,
+                file.view.as_deref().unwrap_or("in no view"),
+                file.encodings,
+                if says.is_empty() { "" } else { "; " },
+            );
+            for relation in &file.relations {
+                let _ = writeln!(text, "  {relation}");
+            }
+        }
+        let _ = writeln!(text, "{}: {} files", self.verdict, self.files.len());
+        text
+    }
+}

@@ -1,0 +1,86 @@
+//! Many decoders on one page: implementation × clause.
+
+use maud::{Markup, html};
+
+use crate::harness::cases;
+use crate::harness::report::Report;
+
+use super::clause_map::{Tally, by_section};
+use super::{verdict_mark, whole};
+
+/// A table with a column for each of `reports` and a row for each clause that a case is about.
+///
+/// # Errors
+/// None that a report can cause.
+pub fn matrix(reports: &[Report]) -> Result<String, String> {
+    let clauses = cases::clauses()?;
+    let tallies: Vec<_> = reports.iter().map(Tally::of).collect();
+    let suites: std::collections::BTreeSet<&str> = reports
+        .iter()
+        .map(|report| report.tool.corpus.as_str())
+        .collect();
+    let body = html! {
+        header.top {
+            div.bar {
+                span.brand { "ptm-conform " span { (env!("CARGO_PKG_VERSION")) } }
+                button #theme type="button" aria-pressed="false" title="Dark or light" { "◐ " span { "Dark or light" } }
+            }
+            p.kicker { "Conformance with the Polynomial Texture Map format, PTM 1.2" }
+            h1 { (reports.len()) " decoders, clause by clause" }
+        }
+        main #main tabindex="-1" {
+            @if suites.len() > 1 {
+                p.note { "These reports were made with different versions of the suite; their numbers are not to be compared." }
+            }
+            p.legend {
+                span.tile data-state="fail" { "✗" } " cases passed of cases judged, at least one failed "
+                span.tile data-state="pass" { "✓" } " all passed "
+                span.tile data-state="open" { "?" } " nothing judged: unsupported, inconclusive or not run"
+            }
+            div.scroll tabindex="0" {
+                table.matrix {
+                    thead {
+                        tr { th scope="col" { "decoder" } @for report in reports { th scope="col" { code { (report.decoder.command) } } } }
+                        (row("verdict", reports, |report| html! { span.verdict data-verdict=(report.verdict) { (verdict_mark(&report.verdict)) " " (report.verdict) } }))
+                        (row("correctness", reports, |report| html! { (report.scores.correctness) }))
+                        (row("breadth", reports, |report| html! { (report.scores.breadth) }))
+                        (row("robustness", reports, |report| html! { (report.scores.robustness) }))
+                        (row("likely mistakes", reports, |report| html! { @for cause in &report.diagnoses { code.cause { (cause.name()) } " " } }))
+                    }
+                    @for (section, clauses) in by_section(&clauses) {
+                        tbody {
+                            tr.section { th colspan=(reports.len() + 1) scope="rowgroup" { "Section " (section) } }
+                            @for clause in clauses {
+                                @if tallies.iter().any(|tallies| tallies.contains_key(clause.id.as_str())) {
+                                    tr {
+                                        th scope="row" { code { (clause.id) } " " span.rule { (clause.rule) } }
+                                        @for tallies in &tallies { (cell(tallies.get(clause.id.as_str()).copied().unwrap_or_default())) }
+                                    }
+                                }
+                            }
+                        }
+                    }
+                }
+            }
+        }
+    };
+    Ok(whole(
+        &format!("{} decoders — PTM 1.2", reports.len()),
+        &body,
+    ))
+}
+
+fn row(name: &str, reports: &[Report], of: impl Fn(&Report) -> Markup) -> Markup {
+    html! { tr { th scope="row" { (name) } @for report in reports { td { (of(report)) } } } }
+}
+
+fn cell(tally: Tally) -> Markup {
+    let (state, mark) = tally.state();
+    let judged = tally.passed + tally.failed;
+    html! {
+        td.result data-state=(state) {
+            (mark) " "
+            @if judged > 0 { (tally.passed) span { "/" (judged) } } @else if tally.open > 0 { span { (tally.open) " open" } }
+        }
+    }
+}

@@ -1,0 +1,191 @@
+// The page works without this: it adds the tone, the filter and the light.
+"use strict";
+
+// Dark or light: what the system says, until one is chosen.
+{
+  const root = document.documentElement;
+  const button = document.getElementById("theme");
+  const system = matchMedia("(prefers-color-scheme: dark)");
+  const isDark = () => (root.style.colorScheme || (system.matches ? "dark" : "light")) === "dark";
+  const show = () => button.setAttribute("aria-pressed", String(isDark()));
+  const choose = (scheme) => { root.style.colorScheme = scheme; show(); };
+  try { root.style.colorScheme = localStorage.getItem("ptm-conform-scheme") || ""; } catch { /* no memory, no harm */ }
+  button.addEventListener("click", () => {
+    choose(isDark() ? "light" : "dark");
+    try { localStorage.setItem("ptm-conform-scheme", root.style.colorScheme); } catch { /* as above */ }
+  });
+  system.addEventListener("change", show);
+  show();
+}
+
+// The filter: every word must occur; a clause or section also matches what lies below it.
+{
+  const input = document.getElementById("filter");
+  if (input) {
+    const found = document.getElementById("found");
+    const cards = [...document.querySelectorAll("details.case")];
+    const rows = [...document.querySelectorAll("details.others table.list tbody tr")].filter((row) => row.querySelector("td:first-child code") && row.cells.length === 5);
+    const all = [
+      ...cards.map((element) => ({ element, text: element.textContent.toLowerCase(), clauses: element.querySelector("summary .clauses").textContent.split(" ") })),
+      ...rows.map((element) => ({ element, text: element.textContent.toLowerCase(), clauses: element.cells[3].textContent.split(" ") })),
+    ];
+    const folds = [...document.querySelectorAll("details.more, details.others")];
+    const groups = [...document.querySelectorAll("section.group")];
+    const clause = /^\d+(\.\d+)+(\/\d+)?$/;
+    const has = (entry, word) => clause.test(word)
+      ? entry.clauses.some((id) => id === word || id.startsWith(word + "/") || id.startsWith(word + "."))
+      : entry.text.includes(word);
+    const apply = () => {
+      const words = input.value.toLowerCase().split(/\s+/).filter(Boolean);
+      let count = 0;
+      for (const entry of all) {
+        const match = words.every((word) => has(entry, word));
+        entry.element.hidden = !match;
+        count += match;
+      }
+      for (const fold of folds) {
+        const inside = fold.querySelector("details.case:not([hidden])") || [...fold.querySelectorAll("tbody tr")].some((row) => !row.hidden);
+        if (words.length) { fold.open = Boolean(inside) && (fold.open || fold.classList.contains("more") || count < 200); }
+      }
+      for (const group of groups) { group.hidden = !group.querySelector("details.case:not([hidden])"); }
+      found.textContent = words.length ? `${count} of ${all.length} cases` : `${all.length} cases`;
+    };
+    let waiting;
+    input.addEventListener("input", () => { clearTimeout(waiting); waiting = setTimeout(apply, 80); });
+    input.form.addEventListener("submit", (event) => { event.preventDefault(); apply(); });
+    input.addEventListener("keydown", (event) => { if (event.key === "Escape") { input.value = ""; apply(); } });
+    document.addEventListener("keydown", (event) => {
+      if (event.key === "/" && !/^(INPUT|TEXTAREA)$/.test(document.activeElement.tagName)) { event.preventDefault(); input.focus(); }
+    });
+    for (const tile of document.querySelectorAll("button.tile")) {
+      tile.addEventListener("click", () => { input.value = tile.dataset.clause; apply(); input.scrollIntoView({ block: "start" }); input.focus({ preventScroll: true }); });
+    }
+    const openAll = (open) => { for (const card of cards) { if (!card.hidden) { card.open = open; } } };
+    document.getElementById("open").addEventListener("click", () => { for (const fold of document.querySelectorAll("details.more")) { fold.open = true; } openAll(true); });
+    document.getElementById("close").addEventListener("click", () => openAll(false));
+  }
+}
+
+// A link to a case opens it and what it lies in.
+{
+  const reveal = () => {
+    const target = location.hash.length > 1 && document.getElementById(decodeURIComponent(location.hash.slice(1)));
+    for (let at = target; at; at = at.parentElement) { if (at.tagName === "DETAILS") { at.open = true; } }
+    if (target) { target.scrollIntoView(); }
+  };
+  addEventListener("hashchange", reveal);
+  reveal();
+}
+
+// The light: the polynomial of 1.0 for every texel, expected beside received.
+{
+  const numbers = (text) => text.split(" ").filter(Boolean).map(Number);
+  const bytes = (text) => Uint8Array.from(atob(text), (c) => c.charCodeAt(0));
+
+  // Final values: (raw − bias) · scale for coefficients (2.4), all else as it is.
+  const final = (raw, channels, scale, bias) => {
+    const polynomials = channels === 18 ? 18 : 6;
+    return Float64Array.from(raw, (value, i) => {
+      const channel = i % channels;
+      return channel < polynomials ? (value - bias[channel % 6]) * scale[channel % 6] : value;
+    });
+  };
+
+  const color = (a, at, channels, matrix, u, v) => {
+    const polynomial = (from) => a[from] * u * u + a[from + 1] * v * v + a[from + 2] * u * v + a[from + 3] * u + a[from + 4] * v + a[from + 5];
+    if (channels === 18) { return [polynomial(at), polynomial(at + 6), polynomial(at + 12)]; }
+    const y = polynomial(at);
+    if (channels === 9) { return [6, 7, 8].map((channel) => y * a[at + channel] / 255); }
+    return [0, 1, 2].map((row) => matrix[row] * y + matrix[4 + row] * a[at + 6] + matrix[8 + row] * a[at + 7] + matrix[12 + row]);
+  };
+
+  const clamp = (value) => Math.min(255, Math.max(0, value)) || 0;
+  const heat = (apart) => {
+    const stops = [[250, 178, 60], [226, 62, 48], [124, 30, 150]];
+    const [from, to, part] = apart < 0.5 ? [stops[0], stops[1], apart * 2] : [stops[1], stops[2], apart * 2 - 1];
+    return from.map((value, i) => value + (to[i] - value) * part);
+  };
+
+  const make = (name, text) => Object.assign(document.createElement(name), text ? { textContent: text } : {});
+
+  const start = (figure) => {
+    const data = figure.dataset;
+    const [width, height, channels] = [data.width, data.height, data.channels].map(Number);
+    const [scale, bias, matrix] = [data.scale, data.bias, data.matrix].map(numbers);
+    const expected = final(bytes(data.expected), channels, scale, bias);
+    const received = data.kind === "coef"
+      ? Float64Array.from(new Float32Array(bytes(data.received).buffer))
+      : final(bytes(data.received), channels, scale, bias);
+    const size = Math.max(1, Math.min(28, Math.floor(180 / Math.max(width, height))));
+    const screens = make("div");
+    screens.className = "screens";
+    const screen = (name) => {
+      const box = make("div");
+      const canvas = Object.assign(make("canvas"), { width, height });
+      canvas.style.width = `${width * size}px`;
+      canvas.style.height = `${height * size}px`;
+      canvas.setAttribute("role", "img");
+      canvas.setAttribute("aria-label", `${name}, under the light of the sliders`);
+      box.append(canvas, name);
+      screens.append(box);
+      return canvas;
+    };
+    const [left, right, apart] = [screen("expected"), screen("received"), screen("apart")];
+    const lights = make("div");
+    lights.className = "lights";
+    const slider = (name, value) => {
+      const label = make("label", name);
+      const input = Object.assign(make("input"), { type: "range", min: -1, max: 1, step: 0.05, value });
+      label.append(input);
+      lights.append(label);
+      input.addEventListener("input", () => light(Number(u.value), Number(v.value)));
+      return input;
+    };
+    const u = slider("u, to the right", 0.3);
+    const v = slider("v, up", 0.3);
+    const says = make("output");
+    lights.append(says);
+    figure.append(screens, lights);
+
+    const light = (lu, lv) => {
+      const pictures = [left, right, apart].map((canvas) => new ImageData(canvas.width, canvas.height));
+      let worst = 0;
+      for (let texel = 0; texel < width * height; texel += 1) {
+        const one = color(expected, texel * channels, channels, matrix, lu, lv).map(clamp);
+        const two = color(received, texel * channels, channels, matrix, lu, lv).map(clamp);
+        const far = Math.max(...one.map((value, i) => Math.abs(value - two[i])));
+        worst = Math.max(worst, far);
+        pictures[0].data.set([...one, 255], texel * 4);
+        pictures[1].data.set([...two, 255], texel * 4);
+        pictures[2].data.set(far > 1 ? [...heat(far / 255), 255] : [0, 0, 0, 0], texel * 4);
+      }
+      [left, right, apart].forEach((canvas, i) => canvas.getContext("2d").putImageData(pictures[i], 0, 0));
+      says.textContent = `u ${lu.toFixed(2)}  v ${lv.toFixed(2)}  apart ≤ ${Math.round(worst)}`;
+    };
+
+    const drag = (event) => {
+      const box = event.currentTarget.getBoundingClientRect();
+      let lu = (event.clientX - box.left) / box.width * 2 - 1;
+      let lv = 1 - (event.clientY - box.top) / box.height * 2;
+      const length = Math.hypot(lu, lv);
+      if (length > 1) { lu /= length; lv /= length; }
+      [u.value, v.value] = [lu, lv];
+      light(lu, lv);
+    };
+    for (const canvas of [left, right, apart]) {
+      canvas.addEventListener("pointerdown", (event) => { canvas.setPointerCapture(event.pointerId); drag(event); });
+      canvas.addEventListener("pointermove", (event) => { if (event.buttons) { drag(event); } });
+    }
+    light(Number(u.value), Number(v.value));
+  };
+
+  // Only what is looked at is drawn.
+  const begin = (card) => {
+    const figure = card.open && card.querySelector("figure.preview:not([data-lit])");
+    if (figure) { figure.dataset.lit = ""; start(figure); }
+  };
+  for (const card of document.querySelectorAll("details.case")) {
+    card.addEventListener("toggle", () => begin(card));
+    begin(card);
+  }
+}

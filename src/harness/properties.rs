@@ -1,0 +1,293 @@
+//! What holds for every input: one function for each property, called by the fuzz targets and by proptest alike.
+//!
+//! Each takes bytes that nobody vouches for and panics where its property does not hold. Those that need structure draw
+//! it from the bytes; bytes that hold too little of it show nothing and pass.
+
+use arbitrary::{Result, Unstructured};
+
+use crate::codec::{jpeg, jpeg_ls};
+use crate::decode::{Limits, decode, decode_as, fields};
+use crate::generate::spelling::Lists;
+use crate::generate::{Model, Recipe, Spelling, write};
+use crate::harness::cases::{Case, Suite, TableSpelling, Values};
+use crate::harness::compare::Expected;
+use crate::harness::fuzz::draft::Draft;
+use crate::harness::protocol::{Frame, View};
+use crate::ptm::{Format, Planes};
+use crate::reading::Reading;
+
+/// Texels of a drawn file, at most, so that a target runs thousands of files a second.
+const TEXELS: u32 = 3000;
+/// Bytes of planes that arbitrary files may ask for.
+const MEMORY: usize = 1 << 24;
+
+/// Decoding any bytes ends in planes or in an error that names a clause and a byte of the file.
+///
+/// # Panics
+/// If it does not.
+pub fn file(bytes: &[u8]) {
+    let limits = Limits { memory: MEMORY };
+    match decode_as(bytes, &Reading::SPEC, &limits) {
+        Ok(ptm) => {
+            assert!(ptm.planes.samples.len() <= MEMORY, "over its limit");
+            let _ = ptm.coefficients().evaluate(0.5, -0.25).to_bytes();
+        }
+        Err(error) => {
+            assert!(error.offset() <= bytes.len(), "{error}");
+            assert!(error.to_string().contains('§'), "{error}");
+        }
+    }
+    // The fields are a map of the file: in order, and inside it.
+    let (fields, _) = fields(bytes);
+    for pair in fields.windows(2) {
+        assert!(pair[0].range.end <= pair[1].range.start, "{pair:?}");
+    }
+    assert!(fields.iter().all(|field| field.range.end <= bytes.len()));
+}
+
+/// A drawn file decodes to what was painted.
+///
+/// # Panics
+/// If it does not.
+pub fn recipe(bytes: &[u8]) {
+    let Some((draft, case)) = drawn(bytes) else {
+        return;
+    };
+    let built = case.build(TableSpelling::default());
+    let ptm = decode(&built.file)
+        .unwrap_or_else(|error| panic!("{error}\n{}", draft.to_yaml("drawn", "")));
+    let expected = Expected::of(&built.values, &View::Raw).expect("it was painted");
+    let difference = expected.compare(&Frame::of(&ptm, &View::Raw));
+    assert!(
+        difference.is_none(),
+        "{difference:?}\n{}",
+        draft.to_yaml("drawn", "")
+    );
+}
+
+/// However the header is spelled, the planes are the same.
+///
+/// # Panics
+/// If they are not.
+pub fn spelling(bytes: &[u8]) {
+    let Some((_, case)) = drawn(bytes) else {
+        return;
+    };
+    let Values::Painted(model) = &case.build(TableSpelling::default()).values else {
+        return;
+    };
+    let recipe = case.recipe().expect("it was drawn");
+    let with = |spelling: Spelling| {
+        let recipe = Recipe {
+            spelling,
+            ..recipe.clone()
+        };
+        decode(&write(&recipe, model).bytes)
+            .expect("a legal spelling")
+            .planes
+    };
+    let drawn = with(recipe.spelling.clone());
+    assert_eq!(drawn, with(Spelling::default()));
+    let lenient = Spelling {
+        lists: Lists::OneLine,
+        ..recipe.spelling.clone()
+    };
+    assert_eq!(drawn, with(lenient));
+}
+
+/// What was painted is the same planes as plain texels and as lossless JPEG-LS, however these are predicted.
+///
+/// # Panics
+/// If they are not.
+pub fn re_encoding(bytes: &[u8]) {
+    let Some((_, case)) = drawn(bytes) else {
+        return;
+    };
+    let compressed = case.recipe().expect("it was drawn").clone();
+    let plain_format = match compressed.format {
+        Format::JpeglsRgb => Format::Rgb,
+        Format::JpeglsLrgb => Format::Lrgb,
+        _ => return,
+    };
+    // Corrections of lossless planes are as painted; lossy ones would differ.
+    if compressed.compression.parameter > 0 {
+        return;
+    }
+    let plain = Recipe {
+        format: plain_format,
+        compression: crate::generate::Compression::ordinary(plain_format),
+        ..compressed.clone()
+    };
+    let natural = Recipe {
+        compression: crate::generate::Compression {
+            residuals: crate::generate::plan::Residuals::Natural,
+            ..compressed.compression.clone()
+        },
+        ..compressed
+    };
+    assert_eq!(planes(&plain).samples, planes(&natural).samples);
+}
+
+/// Any bytes as a JPEG stream end in the samples asked for, or in an error inside the stream.
+///
+/// # Panics
+/// If they do not.
+pub fn jpeg_stream(bytes: &[u8]) {
+    stream(bytes, jpeg::decode);
+}
+
+/// Any bytes as a JPEG-LS stream end in the samples asked for, or in an error inside the stream.
+///
+/// # Panics
+/// If they do not.
+pub fn jpeg_ls_stream(bytes: &[u8]) {
+    stream(bytes, jpeg_ls::decode);
+}
+
+fn stream(bytes: &[u8], decode: fn(&[u8], u32, u32) -> Decoded<Vec<u8>>) {
+    let [width, height, stream @ ..] = bytes else {
+        return;
+    };
+    let (width, height) = (u32::from(*width) + 1, u32::from(*height) + 1);
+    match decode(stream, width, height) {
+        Ok(samples) => assert_eq!(samples.len(), (width * height) as usize),
+        Err(error) => assert!(error.offset <= stream.len(), "{error}"),
+    }
+}
+
+type Decoded<T> = std::result::Result<T, crate::codec::Error>;
+
+/// A JPEG stream decodes to what its encoder says an exact decoder makes of it. Returns the stream, its size and those
+/// samples, for a second opinion.
+///
+/// # Panics
+/// If it does not.
+pub fn jpeg_round_trip(bytes: &[u8]) -> Option<(Vec<u8>, u32, u32, Vec<u8>)> {
+    let u = &mut Unstructured::new(bytes);
+    let (width, height, options) = jpeg_options(u).ok()?;
+    let samples = picture(width, height, u);
+    let encoded = jpeg::encode(&samples, width, height, &options);
+    let decoded = jpeg::decode(&encoded.stream, width, height).expect("our own stream");
+    assert_eq!(decoded, encoded.samples);
+    Some((encoded.stream, width, height, decoded))
+}
+
+/// A JPEG-LS stream decodes to samples within its loss, and to those its encoder promised.
+///
+/// # Panics
+/// If it does not.
+pub fn jpeg_ls_round_trip(bytes: &[u8]) {
+    let u = &mut Unstructured::new(bytes);
+    let Ok((width, height, options)) = jpeg_ls_options(u) else {
+        return;
+    };
+    let samples = picture(width, height, u);
+    let encoded = jpeg_ls::encode(&samples, width, height, &options);
+    let decoded = jpeg_ls::decode(&encoded.stream, width, height).expect("our own stream");
+    assert_eq!(decoded, encoded.samples);
+    assert!(
+        decoded
+            .iter()
+            .zip(&samples)
+            .all(|(a, b)| a.abs_diff(*b) <= options.near)
+    );
+}
+
+fn jpeg_options(u: &mut Unstructured) -> Result<(u32, u32, jpeg::Options)> {
+    let options = jpeg::Options {
+        quality: u.int_in_range(1..=100)?,
+        baseline: u.arbitrary()?,
+        optimised: u.arbitrary()?,
+        restart_interval: u.int_in_range(0..=5)?,
+        sampling: (u.int_in_range(1..=4)?, u.int_in_range(1..=4)?),
+    };
+    Ok((u.int_in_range(1..=40)?, u.int_in_range(1..=40)?, options))
+}
+
+fn jpeg_ls_options(u: &mut Unstructured) -> Result<(u32, u32, jpeg_ls::Options)> {
+    let near = if u.arbitrary()? {
+        u.int_in_range(1..=20)?
+    } else {
+        0
+    };
+    let presets = if u.arbitrary()? {
+        let t1 = u.int_in_range(u16::from(near) + 1..=255)?;
+        let t2 = u.int_in_range(t1..=255)?;
+        Some(jpeg_ls::Presets {
+            maxval: 255,
+            t1,
+            t2,
+            t3: u.int_in_range(t2..=255)?,
+            reset: u.int_in_range(3..=255)?,
+        })
+    } else {
+        None
+    };
+    let options = jpeg_ls::Options { near, presets };
+    Ok((u.int_in_range(1..=60)?, u.int_in_range(1..=40)?, options))
+}
+
+/// Samples from the bytes that are left, over and over: runs where they are few, noise where they are many.
+fn picture(width: u32, height: u32, u: &mut Unstructured) -> Vec<u8> {
+    let rest = u.bytes(u.len()).unwrap_or_default();
+    let rest = if rest.is_empty() { &[128][..] } else { rest };
+    rest.iter()
+        .copied()
+        .cycle()
+        .take((width * height) as usize)
+        .collect()
+}
+
+/// Any output of a decoder is one frame, which is then written as it was read, or it is told why not.
+///
+/// # Panics
+/// If it is not.
+pub fn frame(bytes: &[u8]) {
+    match Frame::read(bytes) {
+        Ok(frame) => {
+            let mut written = Vec::new();
+            frame.write(&mut written).expect("into memory");
+            assert_eq!(Frame::read(&written).as_ref().map(shape), Ok(shape(&frame)));
+        }
+        Err(why) => assert!(!why.is_empty()),
+    }
+}
+
+fn shape(frame: &Frame) -> (&'static str, u32, u32, u32) {
+    (frame.view, frame.width, frame.height, frame.channels)
+}
+
+/// Any text as a case file is a suite, or it is told why not.
+///
+/// # Panics
+/// If it is neither.
+pub fn case_file(bytes: &[u8]) {
+    // A large size is legal and slow to paint.
+    let is_long = bytes
+        .windows(4)
+        .any(|four| four.iter().all(u8::is_ascii_digit));
+    if let (Ok(text), false) = (std::str::from_utf8(bytes), is_long)
+        && let Err(why) = Suite::from_files(&[("case.yaml", text)])
+    {
+        assert!(why.starts_with("case.yaml"), "{why}");
+    }
+}
+
+fn drawn(bytes: &[u8]) -> Option<(Draft, Case)> {
+    let draft = Draft::draw(&mut Unstructured::new(bytes)).ok()?;
+    if draft.width * draft.height > TEXELS {
+        return None;
+    }
+    let case = draft
+        .cases("drawn")
+        .unwrap_or_else(|why| panic!("{why}\n{}", draft.to_yaml("drawn", "")))
+        .pop()?;
+    Some((draft, case))
+}
+
+fn planes(recipe: &Recipe) -> Planes {
+    let model = Model::paint(recipe);
+    decode(&write(recipe, &model).bytes)
+        .expect("a legal recipe")
+        .planes
+}

@@ -1,0 +1,370 @@
+//! A run in parts, for more than one machine: which cases a part asks for, and what it keeps of the answers.
+//!
+//! A verdict on one case depends on others: on its twin, on what else of its feature is decoded, on the dialect. So parts
+//! are not merged report by report. Each keeps what its decoder answered, in a file beside its report, and the whole is
+//! judged from all answers as if one machine had asked for them (see [`merge`](super::merge)).
+//!
+//! The file has a line of JSON for each answer, written as it comes, and a last one that says of which run they are.
+
+use std::collections::HashMap;
+use std::fmt;
+use std::fs::File;
+use std::io::{self, BufWriter, Write};
+use std::path::{Path, PathBuf};
+use std::str::FromStr;
+use std::sync::Mutex;
+
+use serde::{Deserialize, Serialize};
+use sha2::{Digest, Sha256};
+
+use crate::harness::cases::{Case, Suite};
+use crate::harness::check::{Plan, Remark, Run};
+use crate::harness::judge::{Finding, Right, Shown};
+use crate::harness::protocol::Answer;
+use crate::harness::report::Tool;
+use crate::harness::run::{Reply, Request};
+
+/// One of so many parts of the suite: `3/8`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Part {
+    /// From 1 on.
+    pub number: u32,
+    /// How many there are.
+    pub of: u32,
+}
+
+impl Part {
+    /// Whether the case of that id belongs to it. That depends on the id alone, so new cases move no other.
+    #[must_use]
+    pub fn holds(self, id: &str) -> bool {
+        let digest = Sha256::digest(id.as_bytes());
+        let first = digest[..8]
+            .iter()
+            .fold(0, |n, &byte| n << 8 | u64::from(byte));
+        first % u64::from(self.of) == u64::from(self.number - 1)
+    }
+}
+
+impl FromStr for Part {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Part, String> {
+        let wrong = || format!("expected a part such as 3/8, found {text:?}");
+        let (number, of) = text.split_once('/').ok_or_else(wrong)?;
+        match (number.parse(), of.parse()) {
+            (Ok(number), Ok(of)) if (1..=of).contains(&number) => Ok(Part { number, of }),
+            _ => Err(wrong()),
+        }
+    }
+}
+
+impl fmt::Display for Part {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}/{}", self.number, self.of)
+    }
+}
+
+/// What is to be known of a run besides its answers.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Circumstances {
+    /// The command of the decoder.
+    pub command: Vec<String>,
+    /// What it calls itself.
+    pub name: Option<String>,
+    /// The version it gives.
+    pub version: Option<String>,
+    /// The views that it says it has.
+    pub declared_views: Option<Vec<String>>,
+    /// The formats that it says it reads.
+    pub declared_formats: Option<Vec<String>>,
+    /// Whether its processes answer many requests.
+    pub serves: bool,
+    /// The views that were to be asked for; all if empty.
+    pub views: Vec<String>,
+    /// Why cases are not asked: id and reason.
+    pub withheld: Vec<(String, String)>,
+    /// Misreadings taken as given.
+    pub assumed: Vec<String>,
+    /// The limits in force, in words.
+    pub limits: Vec<String>,
+}
+
+impl Circumstances {
+    /// Those that the plan of a run tells; the others are empty.
+    #[must_use]
+    pub fn of(suite: &Suite, plan: &Plan, command: &[String], assumed: &[String]) -> Circumstances {
+        let words = |views: &Vec<&str>| views.iter().map(|&view| view.to_owned()).collect();
+        let declared = &plan.declared;
+        let withheld = suite.cases.iter().zip(&plan.withheld);
+        Circumstances {
+            command: command.to_vec(),
+            declared_views: declared.views.as_ref().map(words),
+            declared_formats: declared
+                .formats
+                .as_ref()
+                .map(|formats| formats.iter().map(ToString::to_string).collect()),
+            views: words(&plan.views),
+            withheld: withheld
+                .filter_map(|(case, why)| Some((case.id.clone(), why.clone()?)))
+                .collect(),
+            assumed: assumed.to_vec(),
+            ..Circumstances::default()
+        }
+    }
+}
+
+/// The last line: of which run the answers are. A file without it is of a run that did not end.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct End {
+    /// The version of this program.
+    pub version: String,
+    /// The digest of the suite.
+    pub corpus: String,
+    /// The part.
+    pub part: Part,
+    /// The run.
+    pub circumstances: Circumstances,
+    /// Remarks on the run as a whole that are not made of answers: before and after the others.
+    pub remarks: (Vec<Remark>, Vec<Remark>),
+    /// The cases that are to be judged.
+    pub selected: Vec<String>,
+    /// Why the run ended before all cases were asked, if it did.
+    pub ended_early: Option<String>,
+}
+
+impl End {
+    /// The end of a part of a run.
+    #[must_use]
+    pub fn of(
+        suite: &Suite,
+        plan: &Plan,
+        run: &Run,
+        tool: &Tool,
+        part: Part,
+        circumstances: Circumstances,
+        remarks: (Vec<Remark>, Vec<Remark>),
+    ) -> End {
+        let cases = suite.cases.iter().zip(&plan.selected);
+        let selected = cases.filter(|&(_, &selected)| selected);
+        End {
+            version: tool.version.clone(),
+            corpus: tool.corpus.clone(),
+            part,
+            circumstances,
+            remarks,
+            selected: selected.map(|(case, _)| case.id.clone()).collect(),
+            ended_early: run.ended_early.map(str::to_owned),
+        }
+    }
+}
+
+/// An answer as it is kept.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Kept {
+    /// The case.
+    pub case: String,
+    /// The beginning of the digest of its file, which is not the same in every spelling of tables.
+    pub file: String,
+    /// The view.
+    pub view: String,
+    /// Whether a process of its own was asked, to see whether it answers otherwise.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub alone: bool,
+    /// The answer; nothing for the expected picture.
+    pub answer: Option<Answer>,
+    /// The exit status.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub exit: Option<i32>,
+    /// The beginning of standard error.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub stderr: String,
+    /// The request that the same process answered before.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub after: Option<String>,
+    /// What a serving process did instead.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub served: Option<Answer>,
+}
+
+/// A line of the file.
+#[derive(Serialize, Deserialize)]
+#[serde(untagged)]
+pub(super) enum Line {
+    Answer(Box<Kept>),
+    End(Box<End>),
+}
+
+/// The file beside a report that keeps the answers.
+#[must_use]
+pub fn beside(report: &Path) -> PathBuf {
+    let mut path = report.as_os_str().to_owned();
+    path.push(".answers");
+    path.into()
+}
+
+/// The beginning of the digest of a file.
+pub(super) fn digest(file: &[u8]) -> String {
+    let digest = Sha256::digest(file);
+    digest[..8]
+        .iter()
+        .map(|byte| format!("{byte:02x}"))
+        .collect()
+}
+
+/// Keeps answers as they come.
+pub struct Keeper(Mutex<Keeping>);
+
+struct Keeping {
+    out: BufWriter<File>,
+    /// Answers that may prove to be the expected picture, by case and view.
+    waiting: HashMap<(String, String), Kept>,
+    /// What kept the first line from being written that was not.
+    failed: Option<io::Error>,
+}
+
+impl Keeper {
+    /// Begins a file.
+    ///
+    /// # Errors
+    /// Those of the file system.
+    pub fn new(path: &Path) -> io::Result<Keeper> {
+        Ok(Keeper(Mutex::new(Keeping {
+            out: BufWriter::new(File::create(path)?),
+            waiting: HashMap::new(),
+            failed: None,
+        })))
+    }
+
+    /// Keeps an answer.
+    pub fn answered(&self, request: &Request, reply: &Reply) {
+        let kept = Kept {
+            case: request.name.to_owned(),
+            file: digest(request.file),
+            view: request.view.to_string(),
+            alone: request.alone,
+            answer: Some(reply.answer.clone()),
+            exit: reply.exit,
+            stderr: reply.stderr.clone(),
+            after: reply.after.clone(),
+            served: reply.served.clone(),
+        };
+        let mut keeping = self.0.lock().expect("no worker panics");
+        if kept.alone {
+            keeping.write(&Line::Answer(Box::new(kept)));
+        } else {
+            let key = (kept.case.clone(), kept.view.clone());
+            if let Some(before) = keeping.waiting.insert(key, kept) {
+                keeping.write(&Line::Answer(Box::new(before)));
+            }
+        }
+    }
+
+    /// Of the answer to a case that has just been asked for, if it is the expected picture, nothing more is kept.
+    pub fn found(&self, case: &Case, finding: &Finding) {
+        let expected = matches!(
+            finding.shown,
+            Shown::Picture {
+                right: Right::Anyway(true),
+                difference: None,
+                ..
+            }
+        );
+        let mut keeping = self.0.lock().expect("no worker panics");
+        let key = (case.id.clone(), finding.view.to_string());
+        if let Some(mut kept) = keeping.waiting.remove(&key) {
+            if expected && !case.any_picture {
+                kept.answer = None;
+            }
+            keeping.write(&Line::Answer(Box::new(kept)));
+        }
+    }
+
+    /// Ends the file.
+    ///
+    /// # Errors
+    /// Those of the file system, the first that occurred.
+    pub fn finish(self, end: End) -> io::Result<()> {
+        let mut keeping = self.0.into_inner().expect("no worker panics");
+        let mut waiting: Vec<_> = keeping.waiting.drain().collect();
+        waiting.sort_by(|(a, _), (b, _)| a.cmp(b));
+        for (_, kept) in waiting {
+            keeping.write(&Line::Answer(Box::new(kept)));
+        }
+        keeping.write(&Line::End(Box::new(end)));
+        match keeping.failed {
+            Some(error) => Err(error),
+            None => keeping.out.flush(),
+        }
+    }
+}
+
+impl Keeping {
+    fn write(&mut self, line: &Line) {
+        let written = serde_json::to_writer(&mut self.out, line)
+            .map_err(io::Error::other)
+            .and_then(|()| self.out.write_all(b"\n"));
+        if let Err(error) = written {
+            self.failed.get_or_insert(error);
+        }
+    }
+}
+
+/// A frame as text: its bytes in hexadecimal.
+pub(super) mod frame_text {
+    use serde::{Deserialize, Deserializer, Serializer, de::Error};
+
+    use crate::harness::protocol::Frame;
+
+    pub fn serialize<S: Serializer>(frame: &Frame, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut bytes = Vec::new();
+        frame
+            .write(&mut bytes)
+            .expect("writing to memory does not fail");
+        let text: String = bytes.iter().map(|byte| format!("{byte:02x}")).collect();
+        serializer.serialize_str(&text)
+    }
+
+    pub fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Frame, D::Error> {
+        let text = String::deserialize(deserializer)?;
+        let (pairs, rest) = text.as_bytes().as_chunks::<2>();
+        let byte = |pair: &[u8; 2]| {
+            let digits = std::str::from_utf8(pair).ok()?;
+            u8::from_str_radix(digits, 16).ok()
+        };
+        let bytes: Option<Vec<u8>> = pairs.iter().map(byte).collect();
+        let bytes = bytes.filter(|_| rest.is_empty());
+        let bytes = bytes.ok_or_else(|| D::Error::custom("a frame is no row of hex digits"))?;
+        Frame::read(&bytes).map_err(D::Error::custom)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_part_is_a_number_of_a_number() {
+        assert_eq!("3/8".parse(), Ok(Part { number: 3, of: 8 }));
+        for wrong in ["", "3", "0/8", "9/8", "1/0", "3/8/1", "a/8", "-1/8"] {
+            assert!(wrong.parse::<Part>().is_err(), "{wrong}");
+        }
+    }
+
+    /// An assignment that moved would part old reports from new ones.
+    #[test]
+    fn every_case_has_one_part_for_ever() {
+        let part_of = |id: &str| {
+            let parts = (1..=8).filter(|&number| Part { number, of: 8 }.holds(id));
+            parts.collect::<Vec<_>>()
+        };
+        assert_eq!(part_of("one-texel-rgb"), [7]);
+        assert_eq!(part_of("hand-rgb-blocks"), [7]);
+        let counts = (1..=8).map(|number| {
+            let part = Part { number, of: 8 };
+            (0..8000)
+                .filter(|i| part.holds(&format!("case-{i}")))
+                .count()
+        });
+        assert!(counts.into_iter().all(|count| (900..1100).contains(&count)));
+    }
+}

@@ -1,0 +1,149 @@
+//! The reference as a decoder: one-shot, serving, and what it says of itself. No case and no YAML is read here.
+
+use std::fs;
+use std::io::{self, BufRead, Write};
+use std::path::{Path, PathBuf};
+
+use ptm_conform::error::Class;
+use ptm_conform::harness::protocol::{EXIT_MALFORMED, EXIT_UNSUPPORTED, Frame, View, write_view};
+use ptm_conform::ptm::Format;
+
+use crate::EXIT_USAGE;
+#[cfg(unix)]
+use crate::texture_commands;
+
+/// Decode FILE as the reference does and print the frame: the reference speaking the decoder protocol.
+///
+/// `reference serve` answers lines "SEQ VIEW PATH" on standard input; `reference capabilities` says what it can do;
+/// `reference texture FILE` answers a question about texture mapping, in JSON.
+///
+/// Exit status: 0, 65 if the file is malformed, 69 if it is not read.
+#[derive(clap::Args)]
+pub struct Args {
+    /// raw, coef or rgb:LU,LV; or serve, capabilities, or texture
+    view: String,
+    /// A PTM file; for texture, a question in JSON.
+    file: Option<PathBuf>,
+}
+
+/// Does what `args` say, and returns the exit status.
+pub fn run(args: &Args) -> u8 {
+    match (args.view.as_str(), &args.file) {
+        ("serve", None) => status(serve(io::stdin().lock(), io::stdout().lock())),
+        ("capabilities", None) => status(io::stdout().write_all(capabilities().as_bytes())),
+        (_, None) => usage("a view needs a file"),
+        #[cfg(unix)]
+        ("texture", Some(file)) => texture_commands::answer(file),
+        (view, Some(file)) => match view.parse::<View>() {
+            Ok(view) => one(&view, file),
+            Err(error) => usage(&error),
+        },
+    }
+}
+
+fn usage(what: &str) -> u8 {
+    eprintln!("ptm-conform: {what}");
+    EXIT_USAGE
+}
+
+fn status(outcome: io::Result<()>) -> u8 {
+    match outcome {
+        Ok(()) => 0,
+        // The reader has what it wanted.
+        Err(error) if error.kind() == io::ErrorKind::BrokenPipe => 0,
+        Err(error) => usage(&error.to_string()),
+    }
+}
+
+fn one(view: &View, path: &Path) -> u8 {
+    let file = match fs::read(path) {
+        Ok(file) => file,
+        Err(error) => return usage(&format!("{}: {error}", path.display())),
+    };
+    match ptm_conform::decode::open(&file) {
+        Ok(map) => {
+            // In large chunks: standard output itself would look for line ends.
+            let mut out = io::BufWriter::with_capacity(1 << 18, io::stdout().lock());
+            let written = write_view(&map, view, &mut out);
+            status(written.and_then(|()| out.flush()))
+        }
+        Err(error) => {
+            eprintln!("{}: {error}", path.display());
+            let status = if error.class() == Class::Malformed {
+                EXIT_MALFORMED
+            } else {
+                EXIT_UNSUPPORTED
+            };
+            status as u8
+        }
+    }
+}
+
+/// Answers request after request until there are no more.
+fn serve(requests: impl BufRead, mut answers: impl Write) -> io::Result<()> {
+    for line in requests.split(b'\n') {
+        let line = line?;
+        answers.write_all(&answer(&line)?)?;
+        answers.flush()?;
+    }
+    Ok(())
+}
+
+fn answer(line: &[u8]) -> io::Result<Vec<u8>> {
+    let mut words = line.splitn(3, |&byte| byte == b' ');
+    let (Some(sequence), Some(view), Some(path)) = (words.next(), words.next(), words.next())
+    else {
+        let shown = line.escape_ascii();
+        return Err(io::Error::other(format!(
+            "expected \"SEQ VIEW PATH\", found \"{shown}\""
+        )));
+    };
+    let with_number = |words: String| [sequence, b" ", words.as_bytes(), b"\n"].concat();
+    let Some(view) = std::str::from_utf8(view)
+        .ok()
+        .and_then(|view| view.parse::<View>().ok())
+    else {
+        return Ok(with_number("unsupported view".to_owned()));
+    };
+    let path = path_of(path)?;
+    let file =
+        fs::read(path).map_err(|error| io::Error::other(format!("{}: {error}", path.display())))?;
+    match ptm_conform::decode(&file) {
+        Ok(ptm) => {
+            let mut frame = Vec::new();
+            Frame::of(&ptm, &view).write(&mut frame)?;
+            Ok([with_number(format!("ok {}", frame.len())), frame].concat())
+        }
+        Err(error) if error.class() == Class::Malformed => {
+            Ok(with_number(format!("reject {EXIT_MALFORMED}")))
+        }
+        Err(error) => Ok(with_number(
+            format!("unsupported {error}").replace('\n', " "),
+        )),
+    }
+}
+
+/// A path is any bytes.
+#[cfg(unix)]
+#[allow(clippy::unnecessary_wraps, reason = "elsewhere it is not")]
+fn path_of(bytes: &[u8]) -> io::Result<&Path> {
+    use std::os::unix::ffi::OsStrExt;
+    Ok(Path::new(std::ffi::OsStr::from_bytes(bytes)))
+}
+
+/// A path is text.
+#[cfg(not(unix))]
+fn path_of(bytes: &[u8]) -> io::Result<&Path> {
+    let text = std::str::from_utf8(bytes);
+    text.map(Path::new)
+        .map_err(|_| io::Error::other("a path is not UTF-8"))
+}
+
+fn capabilities() -> String {
+    let formats: Vec<&str> = Format::ALL.into_iter().map(Format::name).collect();
+    format!(
+        "protocol: 1\nname: ptm-conform reference\nversion: \"{}\"\nviews: [raw, coef, rgb]\nformats: [{}]\nmodes: [one-shot, serve]\nreject_exit: {EXIT_MALFORMED}\n",
+        env!("CARGO_PKG_VERSION"),
+        formats.join(", ")
+    )
+}
