@@ -1,0 +1,47 @@
+//! `ptm-conform completions` and `ptm-conform man`
+
+use std::fs;
+use std::path::PathBuf;
+
+use clap::{Args, Command};
+use clap_complete::Shell;
+
+use super::{Outcome, output};
+
+/// Print completions for a shell.
+#[derive(Args)]
+#[command(
+    after_help = "Examples:\n  ptm-conform completions bash > ~/.local/share/bash-completion/completions/ptm-conform\n  ptm-conform completions zsh > \"${fpath[1]}/_ptm-conform\"\n  ptm-conform completions fish > ~/.config/fish/completions/ptm-conform.fish"
+)]
+pub struct CompletionsArgs {
+    /// bash, elvish, fish, powershell or zsh.
+    shell: Shell,
+}
+
+/// Write man pages, one for each command.
+#[derive(Args)]
+#[command(after_help = "Example:\n  ptm-conform man ~/.local/share/man/man1 && man ptm-conform")]
+pub struct ManArgs {
+    /// The directory to write to; made if it is not there.
+    directory: PathBuf,
+}
+
+pub fn run(args: &CompletionsArgs, mut program: Command) -> Outcome {
+    let mut text = Vec::new();
+    clap_complete::generate(args.shell, &mut program, "ptm-conform", &mut text);
+    output::print(&String::from_utf8_lossy(&text));
+    Ok(0)
+}
+
+pub fn run_man(args: &ManArgs, program: &Command) -> Outcome {
+    let named = |error: std::io::Error| format!("{}: {error}", args.directory.display());
+    fs::create_dir_all(&args.directory).map_err(named)?;
+    clap_mangen::generate_to(program.clone(), &args.directory).map_err(named)?;
+    let pages = program
+        .get_subcommands()
+        .filter(|command| !command.is_hide_set())
+        .count()
+        + 1;
+    output::note(&format!("{pages} pages in {}\n", args.directory.display()));
+    Ok(0)
+}

@@ -1,0 +1,61 @@
+//! Reading maps and writing results.
+
+use std::fs;
+use std::io::{self, Write};
+use std::path::Path;
+
+use ptm_conform::Ptm;
+use ptm_conform::error::Class;
+use ptm_conform::harness::protocol::{EXIT_MALFORMED, EXIT_UNSUPPORTED};
+use ptm_conform::tools::anatomy::Anatomy;
+
+/// The bytes of a file, or a sentence.
+pub fn read(path: &Path) -> Result<Vec<u8>, String> {
+    fs::read(path).map_err(|error| format!("{}: {error}", path.display()))
+}
+
+/// The map in a file; where there is none, says why and what to try next, and returns the exit status.
+pub fn map<'a>(path: &Path, anatomy: &'a Anatomy) -> Result<&'a Ptm, u8> {
+    anatomy.outcome.as_ref().map_err(|error| {
+        eprintln!("ptm-conform: {}: {error}", path.display());
+        eprintln!("  `ptm-conform inspect {0}` shows the file up to there, `ptm-conform lint {0}` what to mend", path.display());
+        status(error)
+    })
+}
+
+/// The exit status that says whose fault it is.
+pub fn status(error: &ptm_conform::Error) -> u8 {
+    let status = match error.class() {
+        Class::Malformed => EXIT_MALFORMED,
+        Class::Unsupported | Class::Limit => EXIT_UNSUPPORTED,
+    };
+    status as u8
+}
+
+/// Writes a file beside its place and moves it there, so that nobody ever sees half of it.
+pub fn write_whole(path: &Path, bytes: impl AsRef<[u8]>) -> Result<(), String> {
+    let named = |error: io::Error| format!("{}: {error}", path.display());
+    let directory = path
+        .parent()
+        .filter(|parent| !parent.as_os_str().is_empty())
+        .unwrap_or(Path::new("."));
+    let mut file = beside(directory).map_err(named)?;
+    file.write_all(bytes.as_ref()).map_err(named)?;
+    file.persist(path).map_err(|error| named(error.error))?;
+    Ok(())
+}
+
+/// A file for the time being, as readable as any file that a program writes.
+#[cfg(unix)]
+fn beside(directory: &Path) -> io::Result<tempfile::NamedTempFile> {
+    use std::os::unix::fs::PermissionsExt;
+    tempfile::Builder::new()
+        .permissions(fs::Permissions::from_mode(0o644))
+        .tempfile_in(directory)
+}
+
+/// A file for the time being.
+#[cfg(not(unix))]
+fn beside(directory: &Path) -> io::Result<tempfile::NamedTempFile> {
+    tempfile::NamedTempFile::new_in(directory)
+}

@@ -1,0 +1,43 @@
+//! `ptm-conform inspect`
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use super::output::{self, Machine};
+use super::{Outcome, files};
+use ptm_conform::tools::anatomy::Anatomy;
+use ptm_conform::tools::inspect::inspect;
+
+/// Show every field of a file: its place, its clause, its value.
+///
+/// A damaged file is shown up to its damage, and what is wrong there. Within the planes of compressed files the marker
+/// segments of JPEG and JPEG-LS are named, and the records of side information.
+///
+/// Exit status: 0, 65 if the file is malformed, 69 if it is not read, 2 wrong usage.
+#[derive(Args)]
+#[command(
+    after_help = "Examples:\n  ptm-conform inspect coin.ptm\n  ptm-conform inspect --all --color always coin.ptm | less -R\n  ptm-conform inspect --json coin.ptm | jq '.fields[] | select(.name == \"width\")'"
+)]
+pub struct InspectArgs {
+    /// A PTM file.
+    file: PathBuf,
+    /// Show every table entry, marker segment and record, not only some.
+    #[arg(long)]
+    all: bool,
+    #[command(flatten)]
+    machine: Machine,
+}
+
+pub fn run(args: &InspectArgs) -> Outcome {
+    let file = files::read(&args.file)?;
+    let inspection = inspect(&file);
+    if !args.machine.print(&inspection)? {
+        output::print(&inspection.to_text(&args.file.display().to_string(), args.all));
+    }
+    Ok(Anatomy::of(&file)
+        .outcome
+        .as_ref()
+        .err()
+        .map_or(0, files::status))
+}

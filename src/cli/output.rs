@@ -1,0 +1,93 @@
+//! What goes to standard output: words in color where that is wanted, or YAML or JSON for other programs.
+
+use std::io::Write;
+use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
+
+use clap::{Args, ValueEnum};
+use serde::Serialize;
+
+/// When to use color.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Color {
+    /// On a terminal, unless NO_COLOR is set
+    Auto,
+    /// Always
+    Always,
+    /// Never
+    Never,
+}
+
+/// Options of every command.
+#[derive(Args)]
+pub struct Global {
+    /// Color: auto (on a terminal, unless NO_COLOR is set), always or never.
+    #[arg(
+        long,
+        global = true,
+        value_name = "WHEN",
+        default_value = "auto",
+        hide_possible_values = true,
+        help_heading = "Global options"
+    )]
+    color: Color,
+    /// Print results and errors only: no progress, no notes, no summaries.
+    #[arg(short, long, global = true, help_heading = "Global options")]
+    quiet: bool,
+}
+
+/// For programs instead of people.
+#[derive(Args)]
+pub struct Machine {
+    /// Print YAML.
+    #[arg(long, conflicts_with = "json")]
+    yaml: bool,
+    /// Print JSON.
+    #[arg(long)]
+    json: bool,
+}
+
+static QUIET: AtomicBool = AtomicBool::new(false);
+
+impl Global {
+    /// Puts the options in force for the rest of the run.
+    pub fn apply(&self) {
+        QUIET.store(self.quiet, Relaxed);
+        let choice = match self.color {
+            Color::Auto => anstream::ColorChoice::Auto,
+            Color::Always => anstream::ColorChoice::Always,
+            Color::Never => anstream::ColorChoice::Never,
+        };
+        choice.write_global();
+    }
+}
+
+/// Whether only results and errors are wanted.
+pub fn quiet() -> bool {
+    QUIET.load(Relaxed)
+}
+
+/// Prints to standard output, in color where that is wanted; a reader that has gone away is no error.
+pub fn print(text: &str) {
+    let _ = anstream::stdout().write_all(text.as_bytes());
+}
+
+/// Prints a note, unless only results are wanted.
+pub fn note(text: &str) {
+    if !quiet() {
+        print(text);
+    }
+}
+
+impl Machine {
+    /// Prints `value` as YAML or JSON if either was asked for; else nothing, and says so.
+    pub fn print(&self, value: &impl Serialize) -> Result<bool, String> {
+        if self.yaml {
+            print(&serde_saphyr::to_string(value).map_err(|error| error.to_string())?);
+        } else if self.json {
+            print(
+                &(serde_json::to_string_pretty(value).map_err(|error| error.to_string())? + "\n"),
+            );
+        }
+        Ok(self.yaml || self.json)
+    }
+}

@@ -1,0 +1,93 @@
+//! `ptm-conform render`
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use super::{Outcome, files, output};
+use ptm_conform::tools::anatomy::Anatomy;
+use ptm_conform::tools::render::{lit, normals, sheet};
+
+/// Show a map as a PNG: under one light, under many, or its normals.
+///
+/// A light is LU,LV, its direction projected into the picture: LU to the right, LV up, 0,0 from the zenith. Colors are the
+/// reference's, rounded to the nearest byte.
+///
+/// Exit status: 0, 65 if the file is malformed, 69 if it is not read, 2 wrong usage.
+#[derive(Args)]
+#[command(
+    after_help = "Examples:\n  ptm-conform render coin.ptm --light 0.5,0.5 -o coin.png\n  ptm-conform render coin.ptm --sheet 7 --cell 200 -o sheet.png\n  ptm-conform render coin.ptm --normals -o normals.png"
+)]
+pub struct RenderArgs {
+    /// A PTM file.
+    file: PathBuf,
+    /// One picture under this light.
+    #[arg(long, value_name = "LU,LV", value_parser = parse_light, allow_hyphen_values = true, default_value = "0,0")]
+    light: (f64, f64),
+    /// A sheet of N x N pictures, the light wandering over the hemisphere; 5 unless told.
+    #[arg(long, value_name = "N", num_args = 0..=1, default_missing_value = "5", conflicts_with_all = ["light", "normals"], value_parser = clap::value_parser!(u8).range(1..=25))]
+    sheet: Option<u8>,
+    /// The longest side of a picture on the sheet; larger maps are made smaller.
+    #[arg(long, value_name = "PIXELS", default_value_t = 256, requires = "sheet", value_parser = clap::value_parser!(u16).range(1..))]
+    cell: u16,
+    /// The normals as colors: towards the brightest light; x, y and z from -1 to 1 as 0 to 255, x to the right, y up.
+    #[arg(long, conflicts_with = "light")]
+    normals: bool,
+    /// Where to write the PNG.
+    #[arg(short, long, value_name = "FILE")]
+    output: PathBuf,
+}
+
+pub fn run(args: &RenderArgs) -> Outcome {
+    if !args
+        .output
+        .extension()
+        .is_some_and(|extension| extension.eq_ignore_ascii_case("png"))
+    {
+        return Err(format!(
+            "{}: pictures are written as PNG; name the file .png",
+            args.output.display()
+        ));
+    }
+    let file = files::read(&args.file)?;
+    let anatomy = Anatomy::of(&file);
+    let ptm = match files::map(&args.file, &anatomy) {
+        Ok(ptm) => ptm,
+        Err(status) => return Ok(status),
+    };
+    let (image, what) = match (args.sheet, args.normals, args.light) {
+        (Some(side), ..) => (
+            sheet(ptm, side.into(), args.cell.into())?,
+            format!("{side} x {side} lights"),
+        ),
+        (None, true, _) => (normals(ptm), "normals, x to the right, y up".to_owned()),
+        (None, false, (lu, lv)) => (lit(ptm, lu, lv), format!("light {lu},{lv}")),
+    };
+    files::write_whole(
+        &args.output,
+        image.to_png(&format!("{}: {what}", ptm.header.format))?,
+    )?;
+    output::note(&format!(
+        "{}: {what}, {} x {} pixels\n",
+        args.output.display(),
+        image.width,
+        image.height
+    ));
+    Ok(0)
+}
+
+/// A direction within the hemisphere.
+fn parse_light(text: &str) -> Result<(f64, f64), String> {
+    let light = text
+        .split_once(',')
+        .and_then(|(lu, lv)| Some((lu.trim().parse().ok()?, lv.trim().parse().ok()?)));
+    match light {
+        Some((lu, lv)) if f64::hypot(lu, lv) <= 1.0 => Ok((lu, lv)),
+        Some((lu, lv)) => Err(format!(
+            "the light {lu},{lv} is below the horizon: LU² + LV² is at most 1"
+        )),
+        None => Err(format!(
+            "expected two numbers such as 0.25,-0.5, found {text:?}"
+        )),
+    }
+}

@@ -1,0 +1,397 @@
+//! The same map in another format, written by the generator and read back before anybody gets it.
+//!
+//! What a format can hold is converted without a loss, and what it cannot is refused with the reason: a map is never
+//! bent to fit. Only JPEG loses something, as much as its quality says, and JPEG-LS if it is told to.
+//!
+//! Format notes
+//! - A color of LRGB is polynomial · color / 255. Three polynomials have that form if all are multiples of one; an LRGB
+//!   map is three polynomials if each product, over 255, is a whole number that fits a byte with its bias.
+//! - The colors of LUM hang on three open points, so LUM is not converted into anything else.
+
+use crate::decode::{Ptm, decode};
+use crate::generate::plan::Residuals;
+use crate::generate::{Model, Numbers, Recipe, write};
+use crate::ptm::{Format, Shape};
+use crate::tools::anatomy::{Anatomy, Role};
+
+/// What to convert into.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Target {
+    /// The format.
+    pub format: Format,
+    /// The quality of JPEG, 1 to 100; needed for JPEG formats.
+    pub quality: Option<u8>,
+    /// The largest loss of JPEG-LS, 0 to 127.
+    pub loss: u8,
+}
+
+/// A map, converted.
+#[derive(Debug)]
+pub struct Converted {
+    /// The file.
+    pub bytes: Vec<u8>,
+    /// The largest difference of two stored values that the compression made; 0 if it lost nothing.
+    pub largest: u8,
+    /// Entries of the lookup table, if there is one.
+    pub entries: Option<usize>,
+}
+
+/// Converts the file that `anatomy` describes.
+///
+/// # Errors
+/// Why the target cannot hold the map, in a sentence; or what the file read back shows, should it not be the same map.
+pub fn convert(anatomy: &Anatomy, ptm: &Ptm, target: Target) -> Result<Converted, String> {
+    let source = ptm.header.format;
+    let samples = samples(ptm, target.format)?;
+    let recipe = recipe(anatomy, ptm, target)?;
+    let model = Model::of(&recipe, &samples)
+        .map_err(|why| format!("{source} into {}: {why}", target.format))?;
+    let entries = (!model.table.is_empty()).then(|| model.entries());
+    let bytes = write(&recipe, &model).bytes;
+    let largest = verify(&bytes, ptm, &samples, target)?;
+    Ok(Converted {
+        bytes,
+        largest,
+        entries,
+    })
+}
+
+/// Header and spelling: scales as they were written, biases as integers, the rest as every known reader accepts it.
+fn recipe(anatomy: &Anatomy, ptm: &Ptm, target: Target) -> Result<Recipe, String> {
+    let texts = |role: fn(usize) -> Role, count: usize| {
+        (0..count).filter_map(|i| anatomy.text(role(i))).collect()
+    };
+    let mut recipe = Recipe::ordinary(target.format, ptm.header.size);
+    recipe.scale = Numbers {
+        texts: texts(Role::Scale, 6),
+        values: ptm.header.scale_bias.scale,
+    };
+    recipe.bias = Numbers {
+        texts: ptm
+            .header
+            .scale_bias
+            .bias
+            .iter()
+            .map(|bias| format!("{bias:.0}"))
+            .collect(),
+        values: ptm.header.scale_bias.bias,
+    };
+    if let Shape::Lum(matrix) = ptm.planes.shape {
+        recipe.matrix = Numbers {
+            texts: texts(Role::Matrix, 16),
+            values: matrix.0,
+        };
+    }
+    let is_jpeg = matches!(target.format, Format::JpegRgb | Format::JpegLrgb);
+    let is_jpeg_ls = target.format.is_compressed() && !is_jpeg;
+    match target.quality {
+        None if is_jpeg => {
+            return Err(format!(
+                "{} loses something: say how much with a quality from 20 to 100, or choose a JPEGLS format, which can be exact",
+                target.format
+            ));
+        }
+        Some(_) if !is_jpeg => {
+            return Err(format!(
+                "a quality is for JPEG formats, not for {}",
+                target.format
+            ));
+        }
+        Some(quality) => recipe.compression.parameter = quality,
+        None => {}
+    }
+    if target.loss > 0 && !is_jpeg_ls {
+        return Err(format!(
+            "a loss is for JPEGLS formats, not for {}",
+            target.format
+        ));
+    }
+    if is_jpeg_ls {
+        recipe.compression.parameter = target.loss;
+    }
+    recipe.compression.residuals = Residuals::Natural;
+    recipe.check()?;
+    Ok(recipe)
+}
+
+/// The map's values as the planes of the target.
+fn samples(ptm: &Ptm, target: Format) -> Result<Vec<u8>, String> {
+    let source = ptm.header.format;
+    match (ptm.planes.shape, target) {
+        (Shape::Lum(_), Format::Lum) => Ok(ptm.planes.samples.clone()),
+        (Shape::Lum(_), _) => Err(format!(
+            "{source} into {target}: the colors of LUM are read in several ways (rulings lum-vector, lum-major, lum-range), so no other format holds all of them"
+        )),
+        (_, Format::Lum) => Err(format!(
+            "{source} into {target}: no map becomes Y, Cr and Cb without a loss"
+        )),
+        (Shape::Rgb, _) if target.channels() == 18 => Ok(ptm.planes.samples.clone()),
+        (Shape::Lrgb, _) if target.channels() == 9 => Ok(ptm.planes.samples.clone()),
+        (Shape::Rgb, _) => each_texel(
+            ptm,
+            target,
+            "its three polynomials are not multiples of one that fits",
+            factored,
+        ),
+        (Shape::Lrgb, _) => each_texel(
+            ptm,
+            target,
+            "a coefficient times its color, over 255, is no whole number that fits",
+            multiplied,
+        ),
+    }
+}
+
+/// Products of two numbers of this size are counted exactly.
+const LARGEST_BIAS: f64 = 1e9;
+
+type Texel = fn(&[u8], &[i64; 6], &[bool; 6]) -> Option<Vec<u8>>;
+
+/// Every texel for itself; refused if there is one that the target cannot hold.
+fn each_texel(ptm: &Ptm, target: Format, why: &str, convert: Texel) -> Result<Vec<u8>, String> {
+    let set = &ptm.header.scale_bias;
+    if set.bias.iter().any(|bias| bias.abs() > LARGEST_BIAS) {
+        return Err(format!(
+            "{} into {target}: a bias is beyond {LARGEST_BIAS}",
+            ptm.header.format
+        ));
+    }
+    let bias = set.bias.map(|bias| bias as i64);
+    let counts = set.scale.map(|scale| scale != 0.0);
+    let mut samples = Vec::with_capacity(ptm.planes.size.texels() * target.channels());
+    let (mut misfits, mut first) = (0, 0);
+    for (place, texel) in ptm.planes.texels().enumerate() {
+        match convert(texel, &bias, &counts) {
+            Some(texel) => samples.extend(texel),
+            None => {
+                if misfits == 0 {
+                    first = place;
+                }
+                misfits += 1;
+            }
+        }
+    }
+    if misfits == 0 {
+        return Ok(samples);
+    }
+    let width = ptm.planes.size.width as usize;
+    Err(format!(
+        "{} into {target}: {misfits} of {} texels do not fit, the first at column {}, row {} from the top: {why}",
+        ptm.header.format,
+        ptm.planes.size.texels(),
+        first % width,
+        first / width
+    ))
+}
+
+/// Three polynomials as one times three colors: exactly, or not at all.
+///
+/// Without their biases the three are multiples m·d of one direction d without a common factor; the one polynomial is n·d for
+/// some n, and a color is 255·m/n.
+fn factored(texel: &[u8], bias: &[i64; 6], counts: &[bool; 6]) -> Option<Vec<u8>> {
+    let value = |channel: usize, i: usize| {
+        if counts[i] {
+            i64::from(texel[6 * channel + i]) - bias[i]
+        } else {
+            0
+        }
+    };
+    let vectors = [0, 1, 2].map(|channel| std::array::from_fn::<i64, 6, _>(|i| value(channel, i)));
+    // What stands where a coefficient does not count, or where the color is black anyway.
+    let whole = |i: usize, value: i64| {
+        if counts[i] {
+            u8::try_from(value + bias[i]).ok()
+        } else {
+            Some(texel[i])
+        }
+    };
+    let Some(longest) = vectors.iter().find(|vector| vector.iter().any(|&x| x != 0)) else {
+        return Some([&texel[..6], &[0, 0, 0]].concat());
+    };
+    let factor = longest
+        .iter()
+        .fold(0, |a, &b| greatest_common_divisor(a, b.abs()));
+    let direction = longest.map(|x| x / factor);
+    let lead = direction.iter().position(|&x| x != 0)?;
+    let multiples = vectors.map(|vector| vector[lead] / direction[lead]);
+    let parallel =
+        |(vector, multiple): (&[i64; 6], i64)| (0..6).all(|i| vector[i] == multiple * direction[i]);
+    if !vectors.iter().zip(multiples).all(parallel) {
+        return None;
+    }
+    // n · d fits a byte with its bias, so there are at most 256 of them; the largest polynomial has the brightest colors.
+    let fitting = (0..=255)
+        .map(|byte| byte - bias[lead])
+        .filter(|value| *value != 0 && value % direction[lead] == 0);
+    fitting.map(|value| value / direction[lead]).find_map(|n| {
+        let polynomial: Vec<u8> = (0..6)
+            .map(|i| whole(i, n * direction[i]))
+            .collect::<Option<_>>()?;
+        let color = |multiple: i64| {
+            ((255 * multiple) % n == 0).then(|| u8::try_from(255 * multiple / n).ok())?
+        };
+        let colors: Vec<u8> = multiples.into_iter().map(color).collect::<Option<_>>()?;
+        Some([polynomial, colors].concat())
+    })
+}
+
+/// One polynomial times three colors as three polynomials: exactly, or not at all.
+fn multiplied(texel: &[u8], bias: &[i64; 6], counts: &[bool; 6]) -> Option<Vec<u8>> {
+    let coefficient = |(color, i): (u8, usize)| {
+        if !counts[i] {
+            return Some(texel[i]);
+        }
+        let product = (i64::from(texel[i]) - bias[i]) * i64::from(color);
+        (product % 255 == 0).then(|| u8::try_from(product / 255 + bias[i]).ok())?
+    };
+    texel[6..9]
+        .iter()
+        .flat_map(|&color| (0..6).map(move |i| (color, i)))
+        .map(coefficient)
+        .collect()
+}
+
+fn greatest_common_divisor(a: i64, b: i64) -> i64 {
+    if b == 0 {
+        a
+    } else {
+        greatest_common_divisor(b, a % b)
+    }
+}
+
+/// Reads the file back and holds it against the map; the largest difference that the compression made.
+fn verify(bytes: &[u8], ptm: &Ptm, samples: &[u8], target: Target) -> Result<u8, String> {
+    let wrong = |what: &str| {
+        format!(
+            "the converted file was read back and {what}; this is a mistake of this program, and nothing is written"
+        )
+    };
+    let back = decode(bytes).map_err(|error| wrong(&format!("is refused: {error}")))?;
+    if back.header.size != ptm.header.size || back.header.scale_bias != ptm.header.scale_bias {
+        return Err(wrong("has another header"));
+    }
+    let largest = back
+        .planes
+        .samples
+        .iter()
+        .zip(samples)
+        .map(|(a, b)| a.abs_diff(*b))
+        .max()
+        .unwrap_or(0);
+    let lossy = matches!(target.format, Format::JpegRgb | Format::JpegLrgb);
+    if !lossy && largest > target.loss {
+        return Err(wrong("holds other values"));
+    }
+    if back.planes.shape.channels() != ptm.planes.shape.channels() && largest == 0 {
+        same_colors(ptm, &back).map_err(|what| wrong(&what))?;
+    }
+    Ok(largest)
+}
+
+/// Whether two maps of different shapes have the same colors: a polynomial has six coefficients, so six lights decide.
+fn same_colors(a: &Ptm, b: &Ptm) -> Result<(), String> {
+    const LIGHTS: [(f64, f64); 6] = [
+        (0.0, 0.0),
+        (0.5, 0.0),
+        (0.0, 0.5),
+        (-0.5, 0.25),
+        (0.25, -0.5),
+        (0.625, 0.625),
+    ];
+    let (a, b) = (a.coefficients(), b.coefficients());
+    for (lu, lv) in LIGHTS {
+        let (a, b) = (a.evaluate(lu, lv), b.evaluate(lu, lv));
+        if a.values
+            .iter()
+            .zip(&b.values)
+            .any(|(a, b)| (a - b).abs() > 1e-6)
+        {
+            return Err(format!("has other colors under the light {lu},{lv}"));
+        }
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const COUNTS: [bool; 6] = [true; 6];
+
+    #[test]
+    fn polynomials_that_are_multiples_of_one_are_factored() {
+        // 10·d, 5·d and 0·d with d = (1, 2, −1, 0, 3, 1): colors 255 : 127.5 : 0 do not fit, 2n of them do: 254 : 127 is not
+        // 2 : 1 of 255; n = 30 gives 85, 42.5; only multiples whose 255·m/n is whole do.
+        let bias = [100; 6];
+        let at = |m: i64| [1, 2, -1, 0, 3, 1].map(|d: i64| (m * d + 100) as u8);
+        let texel = [at(10), at(6), at(0)].concat();
+        let found = factored(&texel, &bias, &COUNTS).unwrap();
+        assert_eq!(found[..6], at(10));
+        assert_eq!(found[6..], [255, 153, 0]);
+        // 5 of 10 needs a color of 127.5 or a polynomial that does not fit a byte: 255·5/n, n = 51 is 25 and 50.
+        let texel = [at(10), at(5), at(0)].concat();
+        let found = factored(&texel, &bias, &COUNTS).unwrap();
+        for (channel, m) in [(6, 10), (7, 5), (8, 0)] {
+            for i in 0..6 {
+                let product = (i64::from(found[i]) - 100) * i64::from(found[channel]);
+                assert_eq!(product, 255 * (i64::from(at(m)[i]) - 100));
+            }
+        }
+    }
+
+    #[test]
+    fn polynomials_that_are_not_are_refused() {
+        let texel: Vec<u8> = (0..18_u32).map(|i| (i * i % 251) as u8).collect();
+        assert_eq!(factored(&texel, &[0; 6], &COUNTS), None);
+    }
+
+    #[test]
+    fn equal_polynomials_are_white_and_none_is_black() {
+        let gray = [[1, 2, 3, 4, 5, 6]; 3].concat();
+        assert_eq!(
+            factored(&gray, &[0; 6], &COUNTS).unwrap(),
+            [1, 2, 3, 4, 5, 6, 255, 255, 255]
+        );
+        assert_eq!(
+            factored(&[7; 18], &[7; 6], &COUNTS).unwrap()[6..],
+            [0, 0, 0]
+        );
+    }
+
+    #[test]
+    fn a_texel_is_multiplied_only_if_it_comes_out_whole() {
+        assert_eq!(
+            multiplied(&[1, 2, 3, 4, 5, 6, 255, 0, 255], &[0; 6], &COUNTS).unwrap(),
+            [1, 2, 3, 4, 5, 6, 0, 0, 0, 0, 0, 0, 1, 2, 3, 4, 5, 6]
+        );
+        assert_eq!(
+            multiplied(&[1, 0, 0, 0, 0, 0, 128, 0, 0], &[0; 6], &COUNTS),
+            None
+        );
+        assert!(multiplied(&[255, 0, 0, 0, 0, 0, 128, 0, 0], &[0; 6], &COUNTS).is_some());
+    }
+
+    #[test]
+    fn what_is_factored_multiplies_back() {
+        let bias = [20, 30, 40, 50, 60, 70];
+        let mut fitting = 0;
+        for seed in 0..4000_u32 {
+            let byte = |i: u32| (seed.wrapping_mul(2_654_435_761).rotate_left(5 * i) >> 24) as u8;
+            // In every second texel the colors are fifths and what they multiply has the factor 5.
+            let texel: Vec<u8> = (0..9)
+                .map(|i| match (seed % 2, byte(i)) {
+                    (0, x) => x,
+                    (_, x) if i < 6 => (bias[i as usize] + 5 * (i64::from(x) % 30)) as u8,
+                    (_, x) => x / 51 * 51,
+                })
+                .collect();
+            let Some(three) = multiplied(&texel, &bias, &COUNTS) else {
+                continue;
+            };
+            fitting += 1;
+            let one = factored(&three, &bias, &COUNTS).expect("it came of one");
+            assert_eq!(multiplied(&one, &bias, &COUNTS), Some(three));
+        }
+        assert!(fitting > 10, "{fitting}");
+    }
+}

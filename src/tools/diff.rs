@@ -1,0 +1,181 @@
+//! What two files say differently: header, planes, and how they are written.
+
+use std::fmt::Write as _;
+
+use serde::Serialize;
+
+use crate::decode::Ptm;
+use crate::ptm::{Planes, Shape, channel_name};
+
+/// What two files say differently.
+#[derive(Debug, Default, PartialEq, Serialize)]
+pub struct Difference {
+    /// Whether they mean the same map.
+    pub same: bool,
+    /// What differs in their headers, in words.
+    pub header: Vec<String>,
+    /// The planes that differ, where both have the same planes.
+    pub planes: Vec<PlaneDifference>,
+    /// What differs in how they are written and not in what they mean.
+    pub written: Vec<String>,
+}
+
+/// A plane of two files.
+#[derive(Debug, PartialEq, Serialize)]
+pub struct PlaneDifference {
+    /// Its number.
+    pub plane: usize,
+    /// What it is of.
+    pub channel: String,
+    /// How many texels differ.
+    pub texels: usize,
+    /// The largest difference of two stored values.
+    pub largest: u8,
+    /// The first texel that differs, from the top left.
+    pub first: FirstTexel,
+}
+
+/// A texel and its two values.
+#[derive(Debug, PartialEq, Serialize)]
+pub struct FirstTexel {
+    /// Column, from the left.
+    pub x: usize,
+    /// Row, from the top.
+    pub y: usize,
+    /// The stored value of each file.
+    pub values: [u8; 2],
+}
+
+/// Compares two maps; `a` and `b` are the bytes of their files.
+#[must_use]
+pub fn diff(a: (&[u8], &Ptm), b: (&[u8], &Ptm)) -> Difference {
+    let ((a_file, a), (b_file, b)) = (a, b);
+    let mut difference = Difference {
+        header: header(a, b),
+        ..Difference::default()
+    };
+    if same_planes(&a.planes, &b.planes) {
+        difference.planes = planes(&a.planes, &b.planes);
+    }
+    if a.header.format != b.header.format {
+        difference.written.push(format!(
+            "format: {} and {}",
+            a.header.format, b.header.format
+        ));
+    }
+    difference.same = difference.header.is_empty() && difference.planes.is_empty();
+    if difference.same && difference.written.is_empty() && a_file != b_file {
+        let first = a_file
+            .iter()
+            .zip(b_file)
+            .position(|(a, b)| a != b)
+            .unwrap_or(a_file.len().min(b_file.len()));
+        difference.written.push(format!(
+            "{} and {} bytes, the first that differs is byte {first}",
+            a_file.len(),
+            b_file.len()
+        ));
+    }
+    difference
+}
+
+fn header(a: &Ptm, b: &Ptm) -> Vec<String> {
+    let mut words = Vec::new();
+    let (a_shape, b_shape) = (a.planes.shape, b.planes.shape);
+    if a_shape.channels() != b_shape.channels() {
+        words.push(format!(
+            "format: {} has {} planes, {} has {}; planes of different kinds are not compared",
+            a.header.format,
+            a_shape.channels(),
+            b.header.format,
+            b_shape.channels()
+        ));
+    }
+    if a.header.size != b.header.size {
+        words.push(format!(
+            "size: {} and {}; planes of different sizes are not compared",
+            a.header.size, b.header.size
+        ));
+    }
+    for i in 0..6 {
+        let (a, b) = (&a.header.scale_bias, &b.header.scale_bias);
+        for (name, a, b) in [
+            ("scale", a.scale[i], b.scale[i]),
+            ("bias", a.bias[i], b.bias[i]),
+        ] {
+            if a != b {
+                words.push(format!("{name} of a{i}: {a} and {b}"));
+            }
+        }
+    }
+    if let (Shape::Lum(a), Shape::Lum(b)) = (a_shape, b_shape) {
+        let elements =
+            a.0.iter()
+                .zip(b.0)
+                .enumerate()
+                .filter(|(_, (a, b))| **a != *b);
+        words.extend(elements.map(|(i, (a, b))| format!("matrix element {i}: {a} and {b}")));
+    }
+    words
+}
+
+fn same_planes(a: &Planes, b: &Planes) -> bool {
+    a.size == b.size && a.shape.channels() == b.shape.channels()
+}
+
+fn planes(a: &Planes, b: &Planes) -> Vec<PlaneDifference> {
+    let channels = a.shape.channels();
+    let width = a.size.width as usize;
+    let one = |plane: usize| {
+        let pairs = || {
+            a.samples
+                .iter()
+                .zip(&b.samples)
+                .skip(plane)
+                .step_by(channels)
+        };
+        let first = pairs().position(|(a, b)| a != b)?;
+        let texel = first * channels + plane;
+        Some(PlaneDifference {
+            plane,
+            channel: channel_name(channels, plane),
+            texels: pairs().filter(|(a, b)| a != b).count(),
+            largest: pairs().map(|(a, b)| a.abs_diff(*b)).max().unwrap_or(0),
+            first: FirstTexel {
+                x: first % width,
+                y: first / width,
+                values: [a.samples[texel], b.samples[texel]],
+            },
+        })
+    };
+    (0..channels).filter_map(one).collect()
+}
+
+impl Difference {
+    /// In words, a line for each; nothing at all for files that are equal.
+    #[must_use]
+    pub fn to_text(&self) -> String {
+        let mut out = String::new();
+        for line in &self.header {
+            let _ = writeln!(out, "{line}");
+        }
+        for plane in &self.planes {
+            let _ = writeln!(
+                out,
+                "plane {} ({}): {} texels differ, by {} at most; the first is column {}, row {} from the top, {} and {}",
+                plane.plane,
+                plane.channel,
+                plane.texels,
+                plane.largest,
+                plane.first.x,
+                plane.first.y,
+                plane.first.values[0],
+                plane.first.values[1]
+            );
+        }
+        for line in &self.written {
+            let _ = writeln!(out, "written differently: {line}");
+        }
+        out
+    }
+}

@@ -1,0 +1,140 @@
+//! Why the reference does not read a file, sorted into codes.
+
+use super::Finding;
+use super::codes::{self, Code};
+use super::planes;
+use crate::decode::Limits;
+use crate::error::{Class, Error, Kind};
+use crate::ptm::{Format, Size};
+use crate::tools::anatomy::{Anatomy, Role};
+
+pub(super) fn find(anatomy: &Anatomy) -> Vec<Finding> {
+    let mut findings = too_large(anatomy);
+    if let Err(error) = &anatomy.outcome {
+        match error.clause() {
+            // Every plane for itself, where one of them is at fault.
+            "2.9.8/3" | "2.9.8/5" | "2.9.8/6" => findings.extend(planes::faults(anatomy)),
+            _ if findings.is_empty() || error.class() != Class::Limit => findings.push(Finding {
+                clause: error.clause(),
+                ..Finding::new(
+                    code(anatomy, error),
+                    error.offset(),
+                    error.kind().to_string(),
+                )
+            }),
+            _ => {}
+        }
+    }
+    findings
+}
+
+/// Planes beyond the limit, whatever the file has of them.
+fn too_large(anatomy: &Anatomy) -> Vec<Finding> {
+    let (Some(format), Some(size)) = (anatomy.format, anatomy.size) else {
+        return Vec::new();
+    };
+    let limit = Limits::default().memory;
+    let needs = Size::texels(size).saturating_mul(format.channels());
+    let at = anatomy.part(Role::Width).map_or(0, |part| part.range.start);
+    if needs <= limit {
+        return Vec::new();
+    }
+    vec![Finding::new(
+        &codes::TOO_LARGE,
+        at,
+        format!(
+            "{size} texels of {} bytes, the limit is {limit} bytes",
+            format.channels()
+        ),
+    )]
+}
+
+fn code(anatomy: &Anatomy, error: &Error) -> &'static Code {
+    if let Some(code) = white_space(anatomy, error) {
+        return code;
+    }
+    match (error.clause(), error.kind()) {
+        ("2.1/1", _) if anatomy.file.starts_with(b"PTM_") => &codes::OTHER_VERSION,
+        ("2.1/1", _) => &codes::NOT_A_PTM,
+        (_, Kind::TooLarge { .. }) => &codes::TOO_LARGE,
+        (_, Kind::Short { .. }) => &codes::PAYLOAD_ENDS,
+        (_, Kind::IndexOutOfRange { .. }) => &codes::INDEX,
+        (_, Kind::NotAPlane { .. }) => &codes::NOT_A_PLANE,
+        (_, Kind::NotCausal { .. }) => &codes::NOT_CAUSAL,
+        (_, Kind::PartialRecord { .. }) => &codes::RECORD_CUT,
+        (_, Kind::PositionOutOfRange { .. }) => &codes::POSITION,
+        (_, Kind::NotRead { .. }) => &codes::TRANSFORM,
+        (_, Kind::Stream { .. }) => &codes::STREAM_DAMAGED,
+        (_, Kind::Ended { .. }) => &codes::HEADER_ENDS,
+        (clause, Kind::Expected { .. }) => expected(clause, token(anatomy.file, error.offset())),
+    }
+}
+
+/// Where something else stands than should: by what should, and by the word that does.
+fn expected(clause: &str, token: &[u8]) -> &'static Code {
+    match clause {
+        "2.2/1" => &codes::UNKNOWN_FORMAT,
+        "2.3/1" | "2.3/3" if is_whole(token) => &codes::SIZE_OUT_OF_RANGE,
+        "2.3/1" | "2.3/2" | "2.3/3" => &codes::SIZE_NOT_A_NUMBER,
+        "2.4/3" => &codes::SCALE,
+        "2.4/4" => &codes::BIAS,
+        "2.4/5" | "2.4/6" => &codes::TOO_FEW_NUMBERS,
+        "2.5/2" => &codes::ENTRY_COUNT,
+        "2.6/2" if is_text(token) => &codes::MATRIX,
+        "2.6/2" => &codes::MATRIX_SHORT,
+        "2.9.6/2" | "2.9.7/3" => &codes::NEGATIVE_SIZE,
+        _ if !clause.starts_with("2.9") => &codes::LAYOUT,
+        _ if is_text(token) => &codes::LIST_NUMBER,
+        // A list ended where its last numbers should stand, and the planes were taken for them.
+        _ => &codes::LISTS_SHORT,
+    }
+}
+
+/// White space that the text does not know (ruling `header-blanks`).
+fn white_space(anatomy: &Anatomy, error: &Error) -> Option<&'static Code> {
+    if !matches!(error.kind(), Kind::Expected { .. }) {
+        return None;
+    }
+    let there = &anatomy.file[error.offset().min(anatomy.file.len())..];
+    let word = token(anatomy.file, error.offset());
+    let readable = word
+        .iter()
+        .all(|byte| byte.is_ascii_graphic() || b"\r\t".contains(byte));
+    // The first line is a version only if nothing but its end is odd.
+    let known = error.clause() != "2.1/1" || there.starts_with(b"PTM_1.2\r");
+    if readable && known && word.contains(&b'\r') {
+        return Some(&codes::CARRIAGE_RETURN);
+    }
+    if readable && known && word.contains(&b'\t') {
+        return Some(&codes::TAB);
+    }
+    let blank = matches!(there, [b' ' | b'\n', ..]);
+    // Where a gap should stand and the line ends, a number is missing.
+    (blank && !matches!(error.clause(), "2.4/5" | "2.9/2")).then_some(&codes::LAYOUT)
+}
+
+/// The word that stands at `offset`: up to a space or a line feed.
+fn token(file: &[u8], offset: usize) -> &[u8] {
+    let there = &file[offset.min(file.len())..];
+    let end = there.iter().position(|byte| matches!(byte, b' ' | b'\n'));
+    &there[..end.unwrap_or(there.len())]
+}
+
+fn is_text(token: &[u8]) -> bool {
+    !token.is_empty() && token.len() <= 64 && token.iter().all(u8::is_ascii_graphic)
+}
+
+fn is_whole(token: &[u8]) -> bool {
+    let digits = token
+        .strip_prefix(b"-")
+        .or(token.strip_prefix(b"+"))
+        .unwrap_or(token);
+    !digits.is_empty() && digits.iter().all(u8::is_ascii_digit)
+}
+
+/// The planes of a compressed format; none for the others.
+pub(super) fn planes(format: Option<Format>) -> usize {
+    format
+        .filter(|format| format.is_compressed())
+        .map_or(0, Format::channels)
+}

@@ -1,0 +1,432 @@
+//! The suite as a corpus for other projects: files, right answers as arrays and pictures, a manifest, and how to use them.
+//!
+//! `corpus/` is for this repository's own tests; what is made here goes to people who have never seen it. It needs no
+//! protocol: a test loads a file, decodes it, and compares with an array. Same version, same profile, same bytes.
+
+use std::collections::BTreeSet;
+use std::fs;
+use std::io;
+use std::path::Path;
+use std::str::FromStr;
+
+use serde::Serialize;
+
+use crate::harness::cases::{Case, Expect, Suite, TableSpelling};
+use crate::harness::choices::{CHOICES, concerned};
+use crate::harness::compare::{Expected, ExpectedValues};
+use crate::harness::corpus::{in_parallel, sha256};
+use crate::harness::protocol::View;
+use crate::ptm::Size;
+use crate::tools::export::{exr_of, npy_bytes, npy_floats, stacked_planes};
+use crate::tools::lint::codes::Code;
+use crate::tools::render::Image;
+
+/// How much of the suite.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Profile {
+    /// For every clause one small file to decode and one to refuse; stored values as arrays.
+    Minimal,
+    /// Every file up to 64 KiB; stored values as arrays and pictures, and the view that decides a case best.
+    Standard,
+    /// Every file, tables of 65,536 entries included; every view of every case, final coefficients as EXR too.
+    Exhaustive,
+}
+
+impl Profile {
+    /// In a word.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Profile::Minimal => "minimal",
+            Profile::Standard => "standard",
+            Profile::Exhaustive => "exhaustive",
+        }
+    }
+
+    /// Bytes of the largest file.
+    const fn largest(self) -> usize {
+        match self {
+            Profile::Minimal => 4 * 1024,
+            Profile::Standard => 64 * 1024,
+            Profile::Exhaustive => usize::MAX,
+        }
+    }
+
+    /// The views in which the right answer of a case is given.
+    fn views(self, case: &Case) -> Vec<View> {
+        let of_case = match self {
+            Profile::Minimal => &[][..],
+            Profile::Standard => &case.views[..1],
+            Profile::Exhaustive => &case.views[..],
+        };
+        let more = of_case.iter().filter(|view| **view != View::Raw).cloned();
+        std::iter::once(View::Raw).chain(more).collect()
+    }
+}
+
+impl FromStr for Profile {
+    type Err = String;
+
+    fn from_str(name: &str) -> Result<Profile, String> {
+        [Profile::Minimal, Profile::Standard, Profile::Exhaustive]
+            .into_iter()
+            .find(|profile| profile.name() == name)
+            .ok_or_else(|| format!("profiles are minimal, standard and exhaustive, not {name:?}"))
+    }
+}
+
+/// What the corpus holds.
+#[derive(Debug, Serialize)]
+pub struct Manifest {
+    /// `ptm-conform`
+    pub suite: &'static str,
+    /// The version that wrote it.
+    pub version: &'static str,
+    /// How much of the suite.
+    pub profile: &'static str,
+    /// The files, in the order of the suite.
+    pub cases: Vec<Entry>,
+}
+
+/// A file and what a decoder owes it.
+#[derive(Debug, Serialize)]
+pub struct Entry {
+    /// The case; permanent.
+    pub id: String,
+    /// Where the file lies.
+    pub file: String,
+    /// Its size.
+    pub bytes: usize,
+    /// Its digest.
+    pub sha256: String,
+    /// Its format, or that of the file it was before it was damaged.
+    pub format: &'static str,
+    /// `decode`, `reject`, `refuse`, `lenient`, `robust` or `spelling`.
+    pub expect: &'static str,
+    /// Why it is there.
+    pub because: String,
+    /// The clauses it is about.
+    pub clauses: Vec<String>,
+    /// The ruling it shows.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub ruling: Option<String>,
+    /// The accepted file of which it is an edit.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub twin_of: Option<String>,
+    /// What the edit did.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub damage: Option<&'static str>,
+    /// What `ptm-conform lint` says of it, where it must be refused.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub lint: Option<&'static str>,
+    /// The right answers.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub expected: Vec<Answer>,
+}
+
+/// A right answer in a file.
+#[derive(Debug, Serialize)]
+pub struct Answer {
+    /// `raw`, `coef` or `rgb:LU,LV`.
+    pub view: String,
+    /// Where it lies.
+    pub file: String,
+    /// `npy`, `png` or `exr`.
+    pub encoding: &'static str,
+    /// Rows, columns, channels.
+    pub shape: [usize; 3],
+    /// Its digest.
+    pub sha256: String,
+    /// An array of the same shape: how far each value may be off besides, because inverse DCTs differ.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub slack: Option<String>,
+    /// Open choices that show in it: other readings of these rulings have other right answers.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub shows: Vec<&'static str>,
+}
+
+type Output = (String, Vec<u8>);
+
+/// Writes the corpus below `directory`, which is to be empty or not to be there; the same bytes come of any number of jobs.
+///
+/// # Errors
+/// Those of the file system, with the path; and a directory that holds something else.
+pub fn write(
+    suite: &Suite,
+    directory: &Path,
+    profile: Profile,
+    jobs: usize,
+    progress: &(impl Fn(usize, usize) + Sync),
+) -> io::Result<Manifest> {
+    if fs::read_dir(directory).is_ok_and(|mut entries| entries.next().is_some()) {
+        let why = format!("{}: the directory is not empty", directory.display());
+        return Err(io::Error::new(io::ErrorKind::AlreadyExists, why));
+    }
+    let cases = selected(suite, profile);
+    let entries = in_parallel(cases.len(), jobs, progress, &|place| {
+        let (entry, outputs) = entry(cases[place], profile).map_err(io::Error::other)?;
+        for (path, bytes) in outputs {
+            put(directory, &path, &bytes)?;
+        }
+        Ok(entry)
+    });
+    let manifest = Manifest {
+        suite: "ptm-conform",
+        version: env!("CARGO_PKG_VERSION"),
+        profile: profile.name(),
+        cases: entries.into_iter().collect::<io::Result<_>>()?,
+    };
+    let yaml = serde_saphyr::to_string(&manifest).map_err(io::Error::other)?;
+    let json = serde_json::to_string_pretty(&manifest).map_err(io::Error::other)?;
+    put(directory, "MANIFEST.yaml", yaml.as_bytes())?;
+    put(directory, "MANIFEST.json", (json + "\n").as_bytes())?;
+    put(
+        directory,
+        "README.md",
+        README
+            .replace("{profile}", profile.name())
+            .replace("{version}", manifest.version)
+            .as_bytes(),
+    )?;
+    put(directory, ".gitattributes", GITATTRIBUTES.as_bytes())?;
+    Ok(manifest)
+}
+
+/// The cases of a profile.
+fn selected(suite: &Suite, profile: Profile) -> Vec<&Case> {
+    let size = |case: &Case| case.build(TableSpelling::default()).file.len();
+    let fitting = suite
+        .cases
+        .iter()
+        .filter(|case| size(case) <= profile.largest());
+    if profile != Profile::Minimal {
+        return fitting.collect();
+    }
+    // A case for every clause to which none stands yet, apart for what is expected; and the twins of those.
+    let mut covered = BTreeSet::new();
+    let mut ids = BTreeSet::new();
+    for case in fitting.filter(|case| matches!(case.expect, Expect::Decode | Expect::Reject)) {
+        let fresh = case.clauses.iter().filter(|clause| {
+            covered.insert((case.expect.name(), case.format(), (*clause).clone()))
+        });
+        if fresh.count() > 0 || case.first {
+            ids.insert(case.id.as_str());
+            ids.extend(case.twin_of.as_deref());
+        }
+    }
+    suite
+        .cases
+        .iter()
+        .filter(|case| ids.contains(case.id.as_str()))
+        .collect()
+}
+
+fn entry(case: &Case, profile: Profile) -> Result<(Entry, Vec<Output>), String> {
+    let built = case.build(TableSpelling::default());
+    let place = case.format().short_name().to_lowercase();
+    let file = format!("files/{place}/{}.ptm", case.id);
+    let mut outputs = vec![(file.clone(), built.file.clone())];
+    let mut expected = Vec::new();
+    for view in profile.views(case) {
+        if let Some(values) = Expected::of(&built.values, &view) {
+            let shows: Vec<&str> = concerned(case, &view)
+                .into_iter()
+                .map(|axis| CHOICES[axis].ruling)
+                .collect();
+            let stem = format!("expected/{place}/{}.{}", case.id, suffix(&view));
+            let (more, files) = answers(&values, &view, &stem, profile, &shows)?;
+            expected.extend(more);
+            outputs.extend(files);
+        }
+    }
+    let damage = case.damage();
+    let refused = matches!(case.expect, Expect::Reject | Expect::Refuse);
+    let entry = Entry {
+        id: case.id.clone(),
+        file,
+        bytes: built.file.len(),
+        sha256: sha256(&built.file),
+        format: case.format().name(),
+        expect: if case.any_picture {
+            "robust"
+        } else {
+            case.expect.name()
+        },
+        because: case.because.clone(),
+        clauses: case.clauses.clone(),
+        ruling: case.ruling.clone(),
+        twin_of: case.twin_of.clone(),
+        damage: damage.map(|damage| damage.effect),
+        lint: damage
+            .filter(|_| refused)
+            .and_then(|damage| Code::of(damage.name))
+            .map(|code| code.id),
+        expected,
+    };
+    Ok((entry, outputs))
+}
+
+/// `raw`, `coef`, `rgb-0.25--0.5`.
+fn suffix(view: &View) -> String {
+    view.to_string().replace([':', ','], "-")
+}
+
+/// One right answer in all its forms: an array always, pictures and EXR where they say the same; and their files.
+fn answers(
+    expected: &Expected,
+    view: &View,
+    stem: &str,
+    profile: Profile,
+    shows: &[&'static str],
+) -> Result<(Vec<Answer>, Vec<Output>), String> {
+    let (mut answers, mut outputs) = (Vec::new(), Vec::new());
+    let (size, channels) = (expected.size, expected.channels);
+    let slack = (!expected.slack.is_empty()).then(|| format!("{stem}.slack.npy"));
+    if let Some(path) = &slack {
+        outputs.push((path.clone(), npy_floats(&expected.slack, size, channels)));
+    }
+    let mut files: Vec<(&'static str, Vec<u8>)> = Vec::new();
+    match &expected.values {
+        ExpectedValues::Raw(values) => {
+            files.push(("npy", npy_bytes(values, size, channels)));
+            if profile != Profile::Minimal {
+                files.push(("png", stacked_planes(values, size, channels).to_png(stem)?));
+            }
+        }
+        ExpectedValues::Coef(values) => {
+            files.push(("npy", npy_floats(values, size, channels)));
+            if profile == Profile::Exhaustive {
+                files.push(("exr", exr_of(values, size, channels, stem)?));
+            }
+        }
+        ExpectedValues::Rgb(values) => {
+            files.push(("npy", npy_floats(values, size, channels)));
+            files.push(("png", picture(values, size).to_png(stem)?));
+        }
+    }
+    for (encoding, bytes) in files {
+        let path = format!("{stem}.{encoding}");
+        answers.push(Answer {
+            view: view.to_string(),
+            file: path.clone(),
+            encoding,
+            shape: [size.height as usize, size.width as usize, channels],
+            sha256: sha256(&bytes),
+            slack: slack.clone(),
+            shows: shows.to_vec(),
+        });
+        outputs.push((path, bytes));
+    }
+    Ok((answers, outputs))
+}
+
+/// Colors rounded to bytes.
+fn picture(values: &[f64], size: Size) -> Image {
+    Image {
+        width: size.width as usize,
+        height: size.height as usize,
+        channels: 3,
+        samples: values.iter().map(|value| value.round() as u8).collect(),
+    }
+}
+
+fn put(directory: &Path, path: &str, bytes: &[u8]) -> io::Result<()> {
+    let path = directory.join(path);
+    let named =
+        |error: io::Error| io::Error::new(error.kind(), format!("{}: {error}", path.display()));
+    if let Some(parent) = path.parent() {
+        fs::create_dir_all(parent).map_err(named)?;
+    }
+    fs::write(&path, bytes).map_err(named)
+}
+
+/// Git is to leave every byte alone.
+const GITATTRIBUTES: &str = "\
+*.ptm binary
+*.npy binary
+*.png binary
+*.exr binary
+*.md text eol=lf
+MANIFEST.yaml text eol=lf
+MANIFEST.json text eol=lf
+.gitattributes text eol=lf
+";
+
+/// How to use the corpus.
+const README: &str = "\
+# Polynomial Texture Maps for your tests
+
+Written by ptm-conform {version} with `ptm-conform generate --profile {profile}`. Every file of `files/` has one odd thing in
+it; `MANIFEST.yaml` (the same as `MANIFEST.json`) says which, by which clause of the format's text, and what a decoder owes it.
+
+| `expect` | a decoder |
+|---|---|
+| `decode` | finds the values in `expected/` |
+| `reject` | refuses the file as malformed; `twin_of` is the same file without the damage, and a decoder that does not read it proves nothing here |
+| `refuse` | refuses the file, as malformed or as more than it can do |
+| `lenient` | refuses the file, or finds the values; no other values |
+| `robust` | refuses the file or finds any values, and does not crash |
+| `spelling` | knows one of several spellings; the others may be refused |
+
+All arrays are rows x columns x channels, the **top row first**; files store the bottom row first.
+
+| `view` | holds | right if |
+|---|---|---|
+| `raw` | stored bytes: 18 channels for RGB (a0...a5 of red, of green, of blue), 9 for LRGB and tables (a0...a5, R, G, B), 8 for LUM (a0...a5, Cr, Cb) | equal |
+| `coef` | (raw - bias) * scale for coefficients, the other channels as plain numbers | within 1e-5 of the larger, plus 1e-6 |
+| `rgb:LU,LV` | red, green, blue under that light, +LU to the right, +LV up; not rounded in NPY | a byte within 1 + 1/64 of the number |
+
+NPY is read by NumPy and by a dozen lines in any language. A PNG of `raw` has the planes below each other; of `rgb` it is
+the picture, rounded. An EXR of `coef` has named float channels.
+
+`slack` names an array: how far each value may be off besides, because inverse DCTs differ; for `raw`, counted around the
+circle of 256 values, so that 255 and 0 are neighbours. `shows` names rulings: other readings of these have other right
+answers. `ptm-conform explain ID` explains a case, a clause, a ruling or a lint code.
+
+    import json, numpy
+    for case in json.load(open('MANIFEST.json'))['cases']:
+        if case['expect'] == 'decode':
+            answer = next(a for a in case['expected'] if a['view'] == 'raw' and a['encoding'] == 'npy')
+            if 'slack' not in answer and 'shows' not in answer:
+                assert (my_decoder(case['file']) == numpy.load(answer['file'])).all(), case['id']
+        elif case['expect'] == 'reject':
+            assert my_decoder_refuses(case['file']), case['id']
+
+Ids are permanent, and so is the file of an id. The files may be used as the program may: MIT or Apache-2.0, at your option.
+";
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn suite() -> Suite {
+        Suite::load().expect("the suite loads")
+    }
+
+    #[test]
+    fn profiles_grow() {
+        let suite = suite();
+        let [minimal, standard, exhaustive] =
+            [Profile::Minimal, Profile::Standard, Profile::Exhaustive]
+                .map(|profile| selected(&suite, profile).len());
+        assert!(
+            minimal * 2 < standard && standard < exhaustive,
+            "{minimal}, {standard}, {exhaustive}"
+        );
+        assert_eq!(exhaustive, suite.cases.len());
+    }
+
+    #[test]
+    fn the_smallest_profile_has_a_case_for_every_clause_that_has_a_small_one() {
+        let suite = suite();
+        let clauses = |cases: &[&Case]| -> BTreeSet<String> {
+            let asked = cases.iter().filter(|case| case.expect == Expect::Decode);
+            asked.flat_map(|case| case.clauses.clone()).collect()
+        };
+        let small = |case: &&Case| {
+            case.build(TableSpelling::default()).file.len() <= Profile::Minimal.largest()
+        };
+        let all: Vec<&Case> = suite.cases.iter().filter(small).collect();
+        assert_eq!(clauses(&selected(&suite, Profile::Minimal)), clauses(&all));
+    }
+}

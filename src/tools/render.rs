@@ -1,0 +1,310 @@
+//! A map as a picture: lit from somewhere, from everywhere, or as the normals that its polynomials hint at.
+
+use crate::decode::Ptm;
+use crate::evaluate::Coefficients;
+use crate::ptm::Shape;
+
+/// A picture of 8 bits a sample, top row first.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Image {
+    /// Pixels in a row.
+    pub width: usize,
+    /// Rows.
+    pub height: usize,
+    /// Samples of a pixel: 1 for gray, 3 for red, green and blue.
+    pub channels: usize,
+    /// `height * width * channels` samples.
+    pub samples: Vec<u8>,
+}
+
+/// Between the pictures of a contact sheet.
+const MARGIN: usize = 4;
+/// Gray, between black and white pictures.
+const BACKGROUND: u8 = 48;
+/// Bytes of a contact sheet.
+const LARGEST_SHEET: usize = 1 << 30;
+/// The light at the rim of a contact sheet; at 1 it would graze the map.
+const RIM: f64 = 0.9;
+
+/// The map under one light.
+#[must_use]
+pub fn lit(ptm: &Ptm, lu: f64, lv: f64) -> Image {
+    picture(&ptm.coefficients(), lu, lv)
+}
+
+fn picture(coefficients: &Coefficients, lu: f64, lv: f64) -> Image {
+    Image {
+        width: coefficients.size.width as usize,
+        height: coefficients.size.height as usize,
+        channels: 3,
+        samples: coefficients.evaluate(lu, lv).to_bytes(),
+    }
+}
+
+/// `side` × `side` lights over the hemisphere, light from the right on the right and from above at the top; the pictures at
+/// the edge are lit from the rim. Pictures larger than `cell` are made smaller.
+///
+/// # Errors
+/// A sheet of more than 1 GiB.
+pub fn sheet(ptm: &Ptm, side: usize, cell: usize) -> Result<Image, String> {
+    let coefficients = ptm.coefficients();
+    let step = |at: usize| match side {
+        1 => 0.0,
+        _ => 2.0 * at as f64 / (side - 1) as f64 - 1.0,
+    };
+    let (width, height) = (
+        coefficients.size.width as usize,
+        coefficients.size.height as usize,
+    );
+    let factor = width.max(height).div_ceil(cell.max(1));
+    let (cell_width, cell_height) = (width.div_ceil(factor), height.div_ceil(factor));
+    let place = |at: usize, length: usize| MARGIN + at * (length + MARGIN);
+    let bytes = place(side, cell_width)
+        .saturating_mul(place(side, cell_height))
+        .saturating_mul(3);
+    if bytes > LARGEST_SHEET {
+        return Err(format!(
+            "a sheet of {bytes} bytes is too large; ask for fewer or smaller pictures"
+        ));
+    }
+    let mut sheet = Image {
+        width: place(side, cell_width),
+        height: place(side, cell_height),
+        channels: 3,
+        samples: vec![BACKGROUND; bytes],
+    };
+    for row in 0..side {
+        for column in 0..side {
+            let (lu, lv) = on_disc(step(column), step(side - 1 - row));
+            let small = picture(&coefficients, lu, lv).shrunk(factor);
+            sheet.paste(&small, place(column, cell_width), place(row, cell_height));
+        }
+    }
+    Ok(sheet)
+}
+
+/// The square from −1 to 1 laid onto the disc of the lights, its edge onto the rim.
+fn on_disc(x: f64, y: f64) -> (f64, f64) {
+    (
+        x * (1.0 - y * y / 2.0).sqrt() * RIM,
+        y * (1.0 - x * x / 2.0).sqrt() * RIM,
+    )
+}
+
+/// The normals, as colors: x, y and z from −1 to 1 as 0 to 255, x to the right, y up, z towards the eye.
+///
+/// A normal points to the light under which its texel is brightest, as Malzbender, Gelb and Wolters do it (SIGGRAPH 2001).
+#[must_use]
+pub fn normals(ptm: &Ptm) -> Image {
+    let coefficients = ptm.coefficients();
+    let channels = coefficients.shape.channels();
+    let luminance = |texel: &[f64]| -> [f64; 6] {
+        match coefficients.shape {
+            Shape::Rgb => std::array::from_fn(|i| texel[i] + texel[6 + i] + texel[12 + i]),
+            Shape::Lrgb | Shape::Lum(_) => std::array::from_fn(|i| texel[i]),
+        }
+    };
+    let color = |texel: &[f64]| {
+        normal(&luminance(texel)).map(|axis| (f64::midpoint(axis, 1.0) * 255.0).round() as u8)
+    };
+    Image {
+        width: coefficients.size.width as usize,
+        height: coefficients.size.height as usize,
+        channels: 3,
+        samples: coefficients
+            .values
+            .chunks(channels)
+            .flat_map(color)
+            .collect(),
+    }
+}
+
+/// The direction of the light under which the polynomial is largest.
+///
+/// That is where its slope is zero, if it has a summit there within the hemisphere, and else somewhere on the rim. Of
+/// several directions that are equally bright the one nearest to the zenith is taken; a flat polynomial has the zenith.
+#[must_use]
+pub fn normal(a: &[f64; 6]) -> [f64; 3] {
+    let largest = a[..5]
+        .iter()
+        .fold(0.0_f64, |largest, a| largest.max(a.abs()));
+    if largest == 0.0 {
+        return [0.0, 0.0, 1.0];
+    }
+    // A slight preference for the zenith decides where nothing else does.
+    let (a0, a1, a2) = (a[0] - 1e-9 * largest, a[1] - 1e-9 * largest, a[2]);
+    let determinant = 4.0 * a0 * a1 - a2 * a2;
+    if a0 < 0.0 && determinant > 0.0 {
+        let (u, v) = (
+            (a2 * a[4] - 2.0 * a1 * a[3]) / determinant,
+            (a2 * a[3] - 2.0 * a0 * a[4]) / determinant,
+        );
+        if u.hypot(v) < 1.0 {
+            return [u, v, (1.0 - u * u - v * v).sqrt()];
+        }
+    }
+    let on_rim = |angle: f64| {
+        let (v, u) = angle.sin_cos();
+        a0 * u * u + a1 * v * v + a2 * u * v + a[3] * u + a[4] * v
+    };
+    let (v, u) = brightest_angle(&on_rim).sin_cos();
+    [u, v, 0.0]
+}
+
+/// Where on the circle `brightness` is largest: the best of many angles, then ever closer around it.
+fn brightest_angle(brightness: &impl Fn(f64) -> f64) -> f64 {
+    const STEPS: usize = 64;
+    let mut step = std::f64::consts::TAU / STEPS as f64;
+    let mut best = 0.0;
+    for i in 1..STEPS {
+        if brightness(i as f64 * step) > brightness(best) {
+            best = i as f64 * step;
+        }
+    }
+    for _ in 0..24 {
+        step /= 2.0;
+        for angle in [best - step, best + step] {
+            if brightness(angle) > brightness(best) {
+                best = angle;
+            }
+        }
+    }
+    best
+}
+
+impl Image {
+    /// As PNG, with a description.
+    ///
+    /// # Errors
+    /// A picture that is too large for the format.
+    pub fn to_png(&self, description: &str) -> Result<Vec<u8>, String> {
+        let side = |length: usize| {
+            u32::try_from(length).map_err(|_| "the picture is too large for PNG".to_owned())
+        };
+        let mut bytes = Vec::new();
+        let mut encoder = png::Encoder::new(&mut bytes, side(self.width)?, side(self.height)?);
+        encoder.set_color(if self.channels == 1 {
+            png::ColorType::Grayscale
+        } else {
+            png::ColorType::Rgb
+        });
+        encoder.set_depth(png::BitDepth::Eight);
+        let told = |error: png::EncodingError| error.to_string();
+        encoder
+            .add_text_chunk("Description".to_owned(), description.to_owned())
+            .map_err(told)?;
+        let mut writer = encoder.write_header().map_err(told)?;
+        writer.write_image_data(&self.samples).map_err(told)?;
+        writer.finish().map_err(told)?;
+        Ok(bytes)
+    }
+
+    /// Every pixel the mean of `factor` × `factor`, fewer at the right and at the bottom.
+    fn shrunk(&self, factor: usize) -> Image {
+        if factor <= 1 {
+            return self.clone();
+        }
+        let (width, height) = (self.width.div_ceil(factor), self.height.div_ceil(factor));
+        let mean = |x: usize, y: usize, channel: usize| {
+            let (mut sum, mut count) = (0, 0);
+            for row in y * factor..((y + 1) * factor).min(self.height) {
+                for column in x * factor..((x + 1) * factor).min(self.width) {
+                    sum += usize::from(
+                        self.samples[(row * self.width + column) * self.channels + channel],
+                    );
+                    count += 1;
+                }
+            }
+            ((sum + count / 2) / count) as u8
+        };
+        let samples = (0..width * height * self.channels).map(|i| {
+            mean(
+                i / self.channels % width,
+                i / self.channels / width,
+                i % self.channels,
+            )
+        });
+        Image {
+            width,
+            height,
+            channels: self.channels,
+            samples: samples.collect(),
+        }
+    }
+
+    fn paste(&mut self, small: &Image, x: usize, y: usize) {
+        let row_bytes = small.width * small.channels;
+        for (row, samples) in small.samples.chunks(row_bytes).enumerate() {
+            let at = ((y + row) * self.width + x) * self.channels;
+            self.samples[at..at + row_bytes].copy_from_slice(samples);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[track_caller]
+    fn points(a: [f64; 6], expected: [f64; 3]) {
+        let found = normal(&a);
+        assert!(
+            found
+                .iter()
+                .zip(expected)
+                .all(|(a, b)| (a - b).abs() < 1e-6),
+            "{found:?}, expected {expected:?}"
+        );
+    }
+
+    #[test]
+    fn a_normal_points_to_the_brightest_light() {
+        // −(u − 0.3)² − (v + 0.4)², up to a constant.
+        points(
+            [-1.0, -1.0, 0.0, 0.6, -0.8, 7.0],
+            [0.3, -0.4, 0.75_f64.sqrt()],
+        );
+        // With a mixed term: the summit of −u² − v² + uv + 0.3u is (0.2, 0.1).
+        points(
+            [-1.0, -1.0, 1.0, 0.3, 0.0, 0.0],
+            [0.2, 0.1, 0.95_f64.sqrt()],
+        );
+    }
+
+    #[test]
+    fn without_a_summit_within_the_hemisphere_it_lies_on_the_rim() {
+        points([0.0, 0.0, 0.0, 1.0, 0.0, 0.0], [1.0, 0.0, 0.0]);
+        points([0.0, 0.0, 0.0, 3.0, -4.0, 0.0], [0.6, -0.8, 0.0]);
+        points([-1.0, -1.0, 0.0, 0.0, 4.0, 0.0], [0.0, 1.0, 0.0]);
+        // A saddle is no summit: u² − v² + 0.1u is largest at the right.
+        points([1.0, -1.0, 0.0, 0.1, 0.0, 0.0], [1.0, 0.0, 0.0]);
+    }
+
+    #[test]
+    fn where_nothing_decides_it_points_to_the_zenith() {
+        points([0.0, 0.0, 0.0, 0.0, 0.0, 9.0], [0.0, 0.0, 1.0]);
+        points([-5.0, 0.0, 0.0, 0.0, 0.0, 9.0], [0.0, 0.0, 1.0]);
+    }
+
+    #[test]
+    fn the_edge_of_a_sheet_is_lit_from_the_rim() {
+        for (x, y) in [(1.0, 0.0), (1.0, 1.0), (-0.5, 1.0), (1.0, -0.25)] {
+            let (lu, lv) = on_disc(x, y);
+            assert!((lu.hypot(lv) - RIM).abs() < 1e-9, "{x}, {y}");
+        }
+        assert_eq!(on_disc(0.0, 0.0), (0.0, 0.0));
+    }
+
+    #[test]
+    fn a_shrunk_picture_has_means() {
+        let image = Image {
+            width: 3,
+            height: 2,
+            channels: 1,
+            samples: vec![10, 20, 31, 30, 41, 33],
+        };
+        let small = image.shrunk(2);
+        assert_eq!((small.width, small.height), (2, 1));
+        assert_eq!(small.samples, [25, 32]);
+    }
+}

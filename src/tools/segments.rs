@@ -1,0 +1,399 @@
+//! The marker segments of a plane's stream (T.81 Annex B, T.87 Annex C), as far as they can be told apart.
+//!
+//! A walk over a stream that never refuses: what is damaged is shown as what it is. Whether a stream is in order is the
+//! codecs' business.
+
+use std::ops::Range;
+
+/// A part of a stream.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Segment {
+    /// What it is.
+    pub kind: Kind,
+    /// Its bytes, counted from the beginning of the stream.
+    pub range: Range<usize>,
+    /// What it says, in words; empty where there is nothing to say.
+    pub says: String,
+}
+
+/// What a part of a stream is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// A marker of this code, with its segment if it has one.
+    Marker(u8),
+    /// Bytes FF before a marker (T.81 B.1.1.2).
+    Fill,
+    /// Entropy-coded data.
+    Data,
+    /// What follows the end of the image.
+    Behind,
+    /// Bytes that stand where a marker should.
+    Stray,
+}
+
+const SOI: u8 = 0xd8;
+const EOI: u8 = 0xd9;
+const SOS: u8 = 0xda;
+const SOF55: u8 = 0xf7;
+
+impl Kind {
+    /// What it is called by its standard.
+    #[must_use]
+    pub fn name(self) -> String {
+        let Kind::Marker(code) = self else {
+            return match self {
+                Kind::Fill => "fill bytes",
+                Kind::Data => "entropy-coded data",
+                Kind::Behind => "bytes behind the end",
+                _ => "no marker",
+            }
+            .to_owned();
+        };
+        match code {
+            SOI => "SOI".to_owned(),
+            EOI => "EOI".to_owned(),
+            SOS => "SOS".to_owned(),
+            0xc4 => "DHT".to_owned(),
+            0xcc => "DAC".to_owned(),
+            SOF55 => "SOF55".to_owned(),
+            0xf8 => "LSE".to_owned(),
+            0xc0..=0xcf => format!("SOF{}", code - 0xc0),
+            0xd0..=0xd7 => format!("RST{}", code - 0xd0),
+            0xdb => "DQT".to_owned(),
+            0xdc => "DNL".to_owned(),
+            0xdd => "DRI".to_owned(),
+            0xe0..=0xef => format!("APP{}", code - 0xe0),
+            0xfe => "COM".to_owned(),
+            _ => format!("marker FF{code:02X}"),
+        }
+    }
+
+    /// Where its standard describes it.
+    #[must_use]
+    pub const fn clause(self) -> &'static str {
+        match self {
+            Kind::Marker(code) => match code {
+                SOI | EOI => "T.81 B.2.1",
+                SOF55 => "T.87 C.2.2",
+                0xf8 => "T.87 C.2.4.1",
+                0xc4 => "T.81 B.2.4.2",
+                0xcc => "T.81 B.2.4.3",
+                0xc0..=0xcf => "T.81 B.2.2",
+                SOS => "T.81 B.2.3",
+                0xdb => "T.81 B.2.4.1",
+                0xdc => "T.81 B.2.5",
+                0xdd => "T.81 B.2.4.4",
+                0xe0..=0xef => "T.81 B.2.4.6",
+                0xfe => "T.81 B.2.4.5",
+                _ => "T.81 B.1.1.3",
+            },
+            Kind::Fill => "T.81 B.1.1.2",
+            Kind::Data => "T.81 B.1.1.5",
+            Kind::Behind | Kind::Stray => "T.81 B.1.1.3",
+        }
+    }
+}
+
+/// The parts of `stream`, one after the other, without a gap.
+#[must_use]
+pub fn segments(stream: &[u8]) -> Vec<Segment> {
+    let mut walk = Walk {
+        stream,
+        parts: Vec::new(),
+        jpeg_ls: false,
+    };
+    while walk.at() < stream.len() {
+        walk.step();
+    }
+    walk.parts
+}
+
+/// The frame header among `parts`: its code, precision, height, width and number of components.
+#[must_use]
+pub fn frame(stream: &[u8], parts: &[Segment]) -> Option<(u8, u8, u16, u16, u8)> {
+    let is_frame =
+        |code| matches!(code, 0xc0..=0xcf | SOF55) && !matches!(code, 0xc4 | 0xc8 | 0xcc);
+    parts.iter().find_map(|part| match part.kind {
+        Kind::Marker(code) if is_frame(code) => match stream[part.range.clone()] {
+            [_, _, _, _, precision, h1, h0, w1, w0, components, ..] => Some((
+                code,
+                precision,
+                u16::from_be_bytes([h1, h0]),
+                u16::from_be_bytes([w1, w0]),
+                components,
+            )),
+            _ => None,
+        },
+        _ => None,
+    })
+}
+
+/// What the scan header of a JPEG-LS stream says of NEAR (T.87 C.2.3).
+#[must_use]
+pub fn near(stream: &[u8], parts: &[Segment]) -> Option<u8> {
+    let scan = parts.iter().find(|part| part.kind == Kind::Marker(SOS))?;
+    let body = stream.get(scan.range.start + 4..scan.range.end)?;
+    let components = usize::from(*body.first()?);
+    body.get(1 + 2 * components).copied()
+}
+
+struct Walk<'a> {
+    stream: &'a [u8],
+    parts: Vec<Segment>,
+    jpeg_ls: bool,
+}
+
+impl Walk<'_> {
+    fn at(&self) -> usize {
+        self.parts.last().map_or(0, |part| part.range.end)
+    }
+
+    fn push(&mut self, kind: Kind, length: usize, says: String) {
+        let start = self.at();
+        let end = start.saturating_add(length).min(self.stream.len());
+        self.parts.push(Segment {
+            kind,
+            range: start..end,
+            says,
+        });
+    }
+
+    fn step(&mut self) {
+        let rest = &self.stream[self.at()..];
+        let last = self.parts.last().map(|part| part.kind);
+        if last == Some(Kind::Marker(EOI)) {
+            return self.push(Kind::Behind, rest.len(), String::new());
+        }
+        if last == Some(Kind::Marker(SOS)) {
+            return self.data();
+        }
+        match *rest {
+            [0xff, 0xff, ..] => {
+                let fill = rest.iter().take_while(|&&byte| byte == 0xff).count() - 1;
+                self.push(Kind::Fill, fill, String::new());
+            }
+            [0xff, code, ..] if code != 0 => self.marker(code),
+            _ => {
+                let stray = rest[1..].iter().position(|&byte| byte == 0xff);
+                self.push(
+                    Kind::Stray,
+                    stray.map_or(rest.len(), |at| at + 1),
+                    String::new(),
+                );
+            }
+        }
+    }
+
+    fn marker(&mut self, code: u8) {
+        let rest = &self.stream[self.at()..];
+        self.jpeg_ls |= code == SOF55;
+        if matches!(code, 0x01 | 0xd0..=0xd9) {
+            return self.push(Kind::Marker(code), 2, String::new());
+        }
+        // A length counts its own two bytes and not the marker (T.81 B.1.1.4).
+        let length = match *rest {
+            [_, _, high, low, ..] => usize::from(u16::from_be_bytes([high, low])),
+            _ => return self.push(Kind::Marker(code), rest.len(), "cut".to_owned()),
+        };
+        let body = rest.get(4..2 + length.max(2));
+        let says = body.map_or_else(
+            || format!("cut: {length} bytes, {} remain", rest.len() - 2),
+            |body| describe(code, body, self.jpeg_ls),
+        );
+        self.push(Kind::Marker(code), 2 + length.max(2), says);
+    }
+
+    /// Up to the next marker that is no restart: a byte FF is followed by 00 (T.81) or by a byte below 80 (T.87).
+    fn data(&mut self) {
+        let rest = &self.stream[self.at()..];
+        let mut restarts = 0;
+        let mut at = 0;
+        let end = loop {
+            let Some(found) = rest[at..].iter().position(|&byte| byte == 0xff) else {
+                break rest.len();
+            };
+            at += found;
+            match rest.get(at + 1) {
+                Some(0xd0..=0xd7) => restarts += 1,
+                Some(0) => {}
+                Some(0x01..=0x7f) if self.jpeg_ls => {}
+                Some(_) => break at,
+                None => break rest.len(),
+            }
+            at += 2;
+        };
+        let says = match restarts {
+            0 => String::new(),
+            _ => format!("{restarts} restart markers within"),
+        };
+        // Never nothing, so that the walk goes on: after an empty scan the marker is taken.
+        if end == 0 {
+            return match *rest {
+                [0xff, code, ..] if code != 0xff => self.marker(code),
+                _ => self.push(Kind::Fill, 1, String::new()),
+            };
+        }
+        self.push(Kind::Data, end, says);
+    }
+}
+
+/// What a segment says, in words.
+fn describe(code: u8, body: &[u8], jpeg_ls: bool) -> String {
+    match (code, body) {
+        (0xc4, _) => huffman_tables(body),
+        (0xc0..=0xcf | SOF55, &[precision, h1, h0, w1, w0, count, ..]) => {
+            let sampling = match body {
+                [_, _, _, _, _, 1, _, factors, ..] => {
+                    format!(" of {}x{}", factors >> 4, factors & 15)
+                }
+                _ => String::new(),
+            };
+            format!(
+                "{precision} bits, {} x {} samples, {count} component{}{sampling}",
+                u16::from_be_bytes([w1, w0]),
+                u16::from_be_bytes([h1, h0]),
+                if count == 1 { "" } else { "s" }
+            )
+        }
+        (SOS, &[count, ..]) => {
+            let after = body.get(1 + 2 * usize::from(count)..).unwrap_or_default();
+            match *after {
+                [near, interleave, ..] if jpeg_ls => {
+                    format!("NEAR {near}, interleave {interleave}")
+                }
+                [first, last, ..] => format!("coefficients {first} to {last}"),
+                _ => String::new(),
+            }
+        }
+        (0xdb, _) => quantisation_tables(body),
+        (0xdd, &[high, low]) => format!("interval {}", u16::from_be_bytes([high, low])),
+        (0xf8, &[1, ref rest @ ..]) => {
+            let names = ["MAXVAL", "T1", "T2", "T3", "RESET"];
+            let numbers = rest
+                .as_chunks::<2>()
+                .0
+                .iter()
+                .map(|pair| u16::from_be_bytes(*pair));
+            let words: Vec<String> = names
+                .iter()
+                .zip(numbers)
+                .map(|(name, number)| format!("{name} {number}"))
+                .collect();
+            words.join(", ")
+        }
+        (0xe0..=0xef | 0xfe, _) => body[..body.len().min(24)].escape_ascii().to_string(),
+        _ => String::new(),
+    }
+}
+
+/// The tables of a DHT segment (T.81 B.2.4.2): class, number, how many codes.
+fn huffman_tables(mut body: &[u8]) -> String {
+    let mut words = Vec::new();
+    while let [kind, rest @ ..] = body {
+        let Some((counts, values)) = rest.split_at_checked(16) else {
+            break;
+        };
+        let codes: usize = counts.iter().map(|&count| usize::from(count)).sum();
+        let class = if kind >> 4 == 0 { "DC" } else { "AC" };
+        words.push(format!("{class} table {} of {codes} codes", kind & 15));
+        body = values.get(codes..).unwrap_or_default();
+    }
+    words.join(", ")
+}
+
+/// The tables of a DQT segment (T.81 B.2.4.1): number, width, and the divisor of the mean.
+fn quantisation_tables(mut body: &[u8]) -> String {
+    let mut words = Vec::new();
+    while let [kind, rest @ ..] = body {
+        let wide = kind >> 4 != 0;
+        let Some((table, more)) = rest.split_at_checked(if wide { 128 } else { 64 }) else {
+            break;
+        };
+        let first = if wide {
+            u16::from_be_bytes([table[0], table[1]])
+        } else {
+            u16::from(table[0])
+        };
+        words.push(format!(
+            "table {} of {} bits, first divisor {first}",
+            kind & 15,
+            if wide { 16 } else { 8 }
+        ));
+        body = more;
+    }
+    words.join(", ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::codec::{jpeg, jpeg_ls};
+
+    fn names(stream: &[u8]) -> Vec<String> {
+        segments(stream)
+            .iter()
+            .map(|part| part.kind.name())
+            .collect()
+    }
+
+    fn whole(stream: &[u8]) {
+        let parts = segments(stream);
+        let ends: Vec<usize> = parts.iter().map(|part| part.range.end).collect();
+        let starts: Vec<usize> = parts.iter().map(|part| part.range.start).collect();
+        assert_eq!(starts.first().copied().unwrap_or(0), 0);
+        assert_eq!(ends.last().copied().unwrap_or(0), stream.len());
+        assert!(
+            starts
+                .iter()
+                .skip(1)
+                .eq(ends.iter().take(ends.len().saturating_sub(1)))
+        );
+    }
+
+    #[test]
+    fn the_segments_of_both_codecs_are_named() {
+        let samples: Vec<u8> = (0..=255).collect();
+        let jpeg = jpeg::encode(&samples, 16, 16, &jpeg::Options::new(75)).stream;
+        assert_eq!(
+            names(&jpeg),
+            [
+                "SOI",
+                "APP0",
+                "DQT",
+                "SOF0",
+                "DHT",
+                "DHT",
+                "SOS",
+                "entropy-coded data",
+                "EOI"
+            ]
+        );
+        assert!(frame(&jpeg, &segments(&jpeg)) == Some((0xc0, 8, 16, 16, 1)));
+        let options = jpeg_ls::Options {
+            near: 3,
+            presets: None,
+        };
+        let stream = jpeg_ls::encode(&samples, 16, 16, &options).stream;
+        assert_eq!(
+            names(&stream),
+            ["SOI", "SOF55", "SOS", "entropy-coded data", "EOI"]
+        );
+        assert_eq!(near(&stream, &segments(&stream)), Some(3));
+    }
+
+    #[test]
+    fn any_bytes_are_walked_to_their_end() {
+        let samples: Vec<u8> = (0..64).map(|i| i * 3).collect();
+        let stream = jpeg::encode(&samples, 8, 8, &jpeg::Options::new(90)).stream;
+        for at in 0..stream.len() {
+            whole(&stream[..at]);
+            for byte in [0, 0x7f, 0xda, 0xff] {
+                let mut stream = stream.clone();
+                stream[at] = byte;
+                whole(&stream);
+            }
+        }
+        whole(&[0xff; 9]);
+        whole(&[0xff, 0xda, 0, 2, 0xff, 0xff, 0xff]);
+    }
+}
