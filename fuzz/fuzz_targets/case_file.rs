@@ -1,0 +1,7 @@
+//! Any text as a case file is a suite or is told why not.
+#![no_main]
+
+use libfuzzer_sys::fuzz_target;
+use ptm_conform::harness::properties;
+
+fuzz_target!(|bytes: &[u8]| properties::case_file(bytes));

@@ -1,0 +1,7 @@
+//! Decoding any bytes ends in planes or in a clear error.
+#![no_main]
+
+use libfuzzer_sys::fuzz_target;
+use ptm_conform::harness::properties;
+
+fuzz_target!(|bytes: &[u8]| properties::file(bytes));

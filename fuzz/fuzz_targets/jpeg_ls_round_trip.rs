@@ -1,0 +1,7 @@
+//! A JPEG-LS stream decodes to what its encoder promised.
+#![no_main]
+
+use libfuzzer_sys::fuzz_target;
+use ptm_conform::harness::properties;
+
+fuzz_target!(|bytes: &[u8]| properties::jpeg_ls_round_trip(bytes));

@@ -1,0 +1,7 @@
+//! Any bytes as a JPEG stream are answered.
+#![no_main]
+
+use libfuzzer_sys::fuzz_target;
+use ptm_conform::harness::properties;
+
+fuzz_target!(|bytes: &[u8]| properties::jpeg_stream(bytes));

@@ -1,0 +1,7 @@
+//! Plain texels and lossless JPEG-LS of one picture are the same planes.
+#![no_main]
+
+use libfuzzer_sys::fuzz_target;
+use ptm_conform::harness::properties;
+
+fuzz_target!(|bytes: &[u8]| properties::re_encoding(bytes));

@@ -1,0 +1,7 @@
+//! However the header is spelled, the planes are the same.
+#![no_main]
+
+use libfuzzer_sys::fuzz_target;
+use ptm_conform::harness::properties;
+
+fuzz_target!(|bytes: &[u8]| properties::spelling(bytes));
