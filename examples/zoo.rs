@@ -1,91 +1,185 @@
-//! Programs that answer the decoder protocol wrongly, each in one way: `zoo KIND VIEW FILE`.
+//! Programs that answer the decoder protocol wrongly, each in one way: `zoo KIND VIEW FILE`, `zoo KIND serve`,
+//! `zoo KIND capabilities`.
 //!
-//! The harness is tested against them; they are also a list of what wrappers get wrong. `right` is right.
+//! The harness is tested against them; they are also a list of what wrappers get wrong. `right` is right. What each
+//! of them is told stands in `tests/zoo.rs`.
 
+use std::fmt::Write as _;
 use std::fs;
-use std::io::{self, Write};
+use std::io::{self, BufRead, Write};
+use std::os::unix::fs::symlink;
+use std::path::PathBuf;
 use std::process::{Command, Stdio, exit};
 use std::time::Duration;
 
 use ptm_conform::decode;
-use ptm_conform::harness::protocol::{Frame, View};
+use ptm_conform::harness::protocol::{Frame, Samples, View};
 
 fn main() {
     let words: Vec<String> = std::env::args().skip(1).collect();
-    let [kind, view, file] = &words[..] else {
-        eprintln!("usage: zoo KIND VIEW FILE");
-        exit(64);
-    };
-    match kind.as_str() {
+    let words: Vec<&str> = words.iter().map(String::as_str).collect();
+    match words[..] {
+        [kind, "capabilities"] => capabilities(kind),
+        [kind, "serve"] => serve(kind),
+        [kind, view, file] => one(kind, view, file),
+        _ => {
+            eprintln!("usage: zoo KIND VIEW FILE, zoo KIND serve, zoo KIND capabilities");
+            exit(64);
+        }
+    }
+}
+
+fn one(kind: &str, view: &str, file: &str) {
+    match kind {
+        // Always the same, whatever the file.
         "refuses-all" => exit(65),
         "unsupported-all" => exit(69),
         "exits-1" => panicked(1),
         "exits-101" => panicked(101),
         "aborts" => std::process::abort(),
         "segfaults" => die_by("SEGV"),
-        "hangs" => sleep_for_ever(),
-        "hangs-and-ignores-term" => ignore_term(),
         "says-nothing" => exit(0),
         "apologises" => print_and_exit(b"error: unknown file format\n", 0),
         "accepts-all" => print_and_exit(b"PTM1 raw 1 1 9 u8\n123456789", 0),
-        "crashes-on-malformed" => answer(view, file, 1, 69),
-        "accepts-malformed" => answer_anything(view, file),
+        "shows-nothing" => print_and_exit(b"PTM1 raw 0 0 9 u8\n", 0),
+
+        // Without an end.
+        "hangs" => sleep_for_ever(),
+        "hangs-and-ignores-term" => shell("trap '' TERM INT HUP; while :; do sleep 1; done"),
+        "stops-itself" => shell("kill -STOP $PPID"),
         "drips" => drip(view, file),
         "floods" => flood(),
-        "floods-errors" => flood_errors(view, file),
-        "chatters" => chatter(view, file),
+        "closes-stdout-and-runs-on" => close_and_run_on(view, file),
+        "closes-everything-and-runs-on" => shell(&format!("exec <&- >&- 2>&-; sleep {}", nap())),
+        "hoards" => hoard(),
+        "hoards-by-a-child" => hoard_by_child(),
+
+        // Frames that are almost right.
         "cuts-frame" => change(view, file, |bytes| bytes.truncate(bytes.len() - 1)),
         "adds-a-byte" => change(view, file, |bytes| bytes.push(b'\n')),
         "text-mode" => change(view, file, |bytes| {
-            *bytes = bytes
-                .iter()
-                .flat_map(|&b| {
-                    if b == b'\n' {
-                        vec![b'\r', b'\n']
-                    } else {
-                        vec![b]
-                    }
-                })
-                .collect();
+            let crlf = |&b: &u8| {
+                if b == b'\n' {
+                    vec![b'\r', b'\n']
+                } else {
+                    vec![b]
+                }
+            };
+            *bytes = bytes.iter().flat_map(crlf).collect();
         }),
         "wrong-size" => change(view, file, |bytes| {
             *bytes = b"PTM1 raw 1 1 1 u8\nx".to_vec();
         }),
-        "leaves-a-child" => leave_child(view, file),
+        "announces-too-much" => {
+            print_and_exit(b"PTM1 raw 4294967295 4294967295 4294967295 f32\nx", 0);
+        }
+        "number-out-of-range" => print_and_exit(b"PTM1 raw 99999999999999999999 1 1 u8\nx", 0),
+        "upside-down" => changed_picture(view, file, upside_down),
+        "blue-first" => changed_picture(view, file, blue_first),
+        "halves" => changed_picture(view, file, halves),
+
+        // Much noise about a right answer.
+        "chatters" => beside(view, file, || {
+            eprintln!("warning: this is only a test\nerror: it really is");
+        }),
+        "floods-errors" => beside(view, file, || flood_errors(200)),
+        "gigabytes-of-errors" => beside(view, file, || {
+            if is_lum(file) {
+                flood_errors(16 * 1024);
+            }
+        }),
+        "a-million-writes" => beside(view, file, || {
+            if is_lum(file) {
+                trickle(1_000_000);
+            }
+        }),
+        "byte-by-byte" => byte_by_byte(view, file),
+
+        // Something left behind.
+        "leaves-files" => after(view, file, |_| fs::write("litter", "litter")),
+        "leaves-a-locked-directory" => after(view, file, |_| {
+            shell_within("mkdir -p a/b && touch a/b/c && chmod 0 a/b")
+        }),
+        "leaves-a-child" => beside(view, file, || start("sleep", &[&nap()])),
+        "leaves-a-grandchild" => beside(view, file, || {
+            start("setsid", &["sh", "-c", &format!("sleep {} & exit", nap())]);
+        }),
+        "leaves-a-hidden-child" => beside(view, file, leave_hidden),
+        "leaves-a-link" => after(view, file, |_| symlink(precious(), "out")),
+        "moves-its-directory" => after(view, file, |_| move_directory()),
+
+        // The input touched.
         "deletes-its-input" => after(view, file, |file| fs::remove_file(file)),
         "overwrites-its-input" => after(view, file, |file| {
             fs::remove_file(file)?;
             fs::write(file, "PTM_1.2\n")
         }),
-        "closes-stdout-and-runs-on" => close_and_run_on(view, file),
-        "leaves-files" => after(view, file, |_| fs::write("litter", "litter")),
+        "links-its-input" => after(view, file, |file| {
+            fs::rename(file, "copy.ptm")?;
+            symlink(fs::canonicalize("copy.ptm")?, file)
+        }),
+        "input-becomes-a-pipe" => after(view, file, |file| {
+            fs::remove_file(file)?;
+            shell_within(&format!("mkfifo '{file}'"))
+        }),
+
+        // Refusals.
+        "crashes-on-malformed" | "declares-exit-1" => answer(view, file, 1, 69),
+        "accepts-malformed" => answer_anything(view, file),
+        "unsupported-once" => {
+            if fs::read(file).is_ok_and(|bytes| bytes.ends_with(b"\x36\x37\x38\x46\x47\x48")) {
+                exit(69);
+            }
+            answer(view, file, 65, 69);
+        }
+        "no-lum" | "declares-lum-and-lacks-it" | "is-silent-about-lum" if is_lum(file) => exit(69),
+        "no-raw-of-rgb" if view == "raw" && names(file, b"PTM_FORMAT_RGB\n") => exit(69),
+        "declares-coef-and-lacks-it" if view == "coef" => exit(69),
+        "crashes-on-lum" if is_lum(file) => panicked(1),
+
+        // No two answers the same.
         "differs-each-time" => differ(view, file),
-        "unsupported-once" => unsupported_once(view, file),
+        "reads-commas" => read_commas(view, file),
         _ => answer(view, file, 65, 69),
     }
 }
 
-/// What a right decoder prints; the status it exits with otherwise.
-fn right(view: &str, file: &str, malformed: i32, unsupported: i32) -> Vec<u8> {
+/// What a right decoder does with a file.
+enum Right {
+    Frame(Vec<u8>),
+    Malformed,
+    Unsupported,
+}
+
+fn right(view: &str, file: &str) -> Right {
     let Ok(view) = view.parse::<View>() else {
-        exit(unsupported)
+        return Right::Unsupported;
     };
     let file = fs::read(file).unwrap_or_else(|_| exit(66));
     match decode(&file) {
-        Ok(ptm) => {
-            let mut bytes = Vec::new();
-            Frame::of(&ptm, &view)
-                .write(&mut bytes)
-                .expect("writing to memory");
-            bytes
-        }
-        Err(error) if error.class() == ptm_conform::error::Class::Malformed => exit(malformed),
-        Err(_) => exit(unsupported),
+        Ok(ptm) => Right::Frame(bytes(&Frame::of(&ptm, &view))),
+        Err(error) if error.class() == ptm_conform::error::Class::Malformed => Right::Malformed,
+        Err(_) => Right::Unsupported,
+    }
+}
+
+fn bytes(frame: &Frame) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    frame.write(&mut bytes).expect("writing to memory");
+    bytes
+}
+
+/// What a right decoder prints; the status it exits with otherwise.
+fn right_or_exit(view: &str, file: &str, malformed: i32, unsupported: i32) -> Vec<u8> {
+    match right(view, file) {
+        Right::Frame(bytes) => bytes,
+        Right::Malformed => exit(malformed),
+        Right::Unsupported => exit(unsupported),
     }
 }
 
 fn answer(view: &str, file: &str, malformed: i32, unsupported: i32) {
-    print_and_exit(&right(view, file, malformed, unsupported), 0);
+    print_and_exit(&right_or_exit(view, file, malformed, unsupported), 0);
 }
 
 fn print_and_exit(bytes: &[u8], status: i32) {
@@ -94,10 +188,53 @@ fn print_and_exit(bytes: &[u8], status: i32) {
     exit(status);
 }
 
+fn names(file: &str, format: &[u8]) -> bool {
+    fs::read(file).is_ok_and(|bytes| {
+        bytes
+            .windows(format.len())
+            .take(40)
+            .any(|part| part == format)
+    })
+}
+
+fn is_lum(file: &str) -> bool {
+    names(file, b"PTM_FORMAT_LUM")
+}
+
 fn change(view: &str, file: &str, change: fn(&mut Vec<u8>)) {
-    let mut bytes = right(view, file, 65, 69);
+    let mut bytes = right_or_exit(view, file, 65, 69);
     change(&mut bytes);
     print_and_exit(&bytes, 0);
+}
+
+fn changed_picture(view: &str, file: &str, change: fn(&mut Frame)) {
+    let mut frame = Frame::read(&right_or_exit(view, file, 65, 69)).expect("it is right");
+    change(&mut frame);
+    print_and_exit(&bytes(&frame), 0);
+}
+
+fn upside_down(frame: &mut Frame) {
+    fn turn<T: Copy>(samples: &[T], row: usize) -> Vec<T> {
+        samples.chunks(row).rev().flatten().copied().collect()
+    }
+    let row = (frame.width * frame.channels) as usize;
+    frame.samples = match &frame.samples {
+        Samples::U8(bytes) => Samples::U8(turn(bytes, row)),
+        Samples::F32(values) => Samples::F32(turn(values, row)),
+    };
+}
+
+fn blue_first(frame: &mut Frame) {
+    if let ("rgb", Samples::U8(bytes)) = (frame.view, &mut frame.samples) {
+        bytes.chunks_mut(3).for_each(<[u8]>::reverse);
+    }
+}
+
+fn halves(frame: &mut Frame) {
+    match &mut frame.samples {
+        Samples::U8(bytes) => bytes.iter_mut().for_each(|byte| *byte /= 2),
+        Samples::F32(values) => values.iter_mut().for_each(|value| *value /= 2.0),
+    }
 }
 
 fn panicked(status: i32) {
@@ -111,8 +248,7 @@ fn die_by(signal: &str) {
         "kill -{signal} {0}; sleep 0.1; kill -{signal} {0}",
         std::process::id()
     );
-    let _ = Command::new("sh").args(["-c", &kill]).status();
-    sleep_for_ever();
+    shell(&kill);
 }
 
 fn sleep_for_ever() {
@@ -121,33 +257,73 @@ fn sleep_for_ever() {
     }
 }
 
-fn ignore_term() {
-    let _ = Command::new("sh")
-        .args(["-c", "trap '' TERM INT HUP; while :; do sleep 1; done"])
-        .status();
+/// Runs a shell command, waits for it, and goes on for ever.
+fn shell(command: &str) {
+    let _ = Command::new("sh").args(["-c", command]).status();
+    sleep_for_ever();
 }
 
-/// Accepts what is malformed with the picture of an empty map.
+fn shell_within(command: &str) -> io::Result<()> {
+    Command::new("sh")
+        .args(["-c", command])
+        .status()
+        .map(|_| ())
+}
+
+fn start(program: &str, words: &[&str]) {
+    let child = Command::new(program)
+        .args(words)
+        .stdin(Stdio::null())
+        .spawn();
+    drop(child);
+}
+
+/// How long children sleep: for ever, and told from those of other programs.
+fn nap() -> String {
+    std::env::var("ZOO_NAP").unwrap_or_else(|_| "1000.25".to_owned())
+}
+
+/// Something outside that nobody may touch.
+fn precious() -> PathBuf {
+    std::env::var_os("ZOO_PRECIOUS").map_or_else(|| PathBuf::from("/nowhere"), PathBuf::from)
+}
+
+/// In a session of its own, in the root directory, without an environment.
+fn leave_hidden() {
+    let child = Command::new("setsid")
+        .args(["-f", "sleep", &nap()])
+        .env_clear()
+        .env("PATH", "/usr/bin:/bin")
+        .current_dir("/")
+        .stdin(Stdio::null())
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .status();
+    drop(child);
+}
+
+/// Puts a link to something precious in the place of the directory it works in.
+fn move_directory() -> io::Result<()> {
+    let here = std::env::current_dir()?;
+    fs::rename(&here, here.with_extension("moved"))?;
+    symlink(precious(), &here)
+}
+
+/// Accepts what is malformed with a picture of one texel.
 fn answer_anything(view: &str, file: &str) {
     let bytes = fs::read(file).unwrap_or_default();
     if decode(&bytes).is_ok() {
         answer(view, file, 65, 69);
     }
-    let (name, kind) = if view == "coef" {
-        ("coef", "f32")
-    } else if view == "raw" {
-        ("raw", "u8")
-    } else {
-        ("rgb", "u8")
-    };
-    print_and_exit(format!("PTM1 {name} 0 0 9 {kind}\n").as_bytes(), 0);
+    let name = view.split(':').next().unwrap_or(view);
+    print_and_exit(format!("PTM1 {name} 1 1 1 u8\nx").as_bytes(), 0);
 }
 
 fn drip(view: &str, file: &str) {
-    for byte in right(view, file, 65, 69) {
+    for byte in right_or_exit(view, file, 65, 69) {
         let _ = io::stdout().write_all(&[byte]);
         let _ = io::stdout().flush();
-        std::thread::sleep(Duration::from_millis(200));
+        std::thread::sleep(Duration::from_secs(1));
     }
     exit(0);
 }
@@ -157,58 +333,253 @@ fn flood() {
     while io::stdout().write_all(&block).is_ok() {}
 }
 
-fn flood_errors(view: &str, file: &str) {
+fn flood_errors(blocks: usize) {
     let block = [b'e'; 65_536];
-    for _ in 0..200 {
+    for _ in 0..blocks {
         let _ = io::stderr().write_all(&block);
     }
-    answer(view, file, 65, 69);
 }
 
-fn chatter(view: &str, file: &str) {
-    eprintln!("warning: this is only a test\nerror: it really is");
-    answer(view, file, 65, 69);
+fn trickle(writes: usize) {
+    for _ in 0..writes {
+        let _ = io::stderr().write_all(b"e");
+    }
 }
 
-fn leave_child(view: &str, file: &str) {
-    let child = Command::new("sleep")
-        .arg("1000.25")
-        .stdin(Stdio::null())
-        .spawn();
+fn byte_by_byte(view: &str, file: &str) {
+    for byte in right_or_exit(view, file, 65, 69) {
+        let _ = io::stdout().write_all(&[byte]);
+        let _ = io::stdout().flush();
+    }
+    exit(0);
+}
+
+fn hoard() {
+    let mut hoard = Vec::new();
+    loop {
+        hoard.push(vec![1_u8; 8 << 20]);
+        std::thread::sleep(Duration::from_millis(1));
+    }
+}
+
+/// The child of a child, in another group, holds the memory.
+fn hoard_by_child() {
+    let this = std::env::current_exe().unwrap_or_default();
+    let child = Command::new("setsid")
+        .arg("-f")
+        .arg(this)
+        .args(["hoards", "raw", "x"])
+        .status();
     drop(child);
+    sleep_for_ever();
+}
+
+fn beside(view: &str, file: &str, deed: impl Fn()) {
+    deed();
     answer(view, file, 65, 69);
 }
 
 fn after(view: &str, file: &str, deed: fn(&str) -> io::Result<()>) {
-    let bytes = right(view, file, 65, 69);
-    let _ = deed(file);
-    print_and_exit(&bytes, 0);
+    let said = right(view, file);
+    if let Err(error) = deed(file) {
+        eprintln!("zoo: {error}");
+    }
+    match said {
+        Right::Frame(bytes) => print_and_exit(&bytes, 0),
+        Right::Malformed => exit(65),
+        Right::Unsupported => exit(69),
+    }
 }
 
 fn close_and_run_on(view: &str, file: &str) {
-    let bytes = right(view, file, 65, 69);
+    let bytes = right_or_exit(view, file, 65, 69);
     let _ = io::stdout().write_all(&bytes);
     let _ = io::stdout().flush();
     // A shell closes its own streams and goes on; this process waits for it.
-    let _ = Command::new("sh")
-        .args(["-c", "exec >&- 2>&-; sleep 1000.5"])
-        .status();
+    shell(&format!("exec >&- 2>&-; sleep {}", nap()));
 }
 
 fn differ(view: &str, file: &str) {
-    let mut bytes = right(view, file, 65, 69);
+    let mut bytes = right_or_exit(view, file, 65, 69);
     let now = std::time::SystemTime::now()
         .duration_since(std::time::UNIX_EPOCH)
         .map_or(0, |time| time.subsec_nanos());
     let last = bytes.len() - 1;
-    bytes[last] ^= (now / 64) as u8;
+    bytes[last] ^= 1 + (now / 64 % 255) as u8;
     print_and_exit(&bytes, 0);
 }
 
-/// 69 to one file only, of a kind that it decodes elsewhere.
-fn unsupported_once(view: &str, file: &str) {
-    if fs::read(file).is_ok_and(|bytes| bytes.ends_with(b"\x36\x37\x38\x46\x47\x48")) {
-        exit(69);
+/// Reads numbers as its locale writes them: behind a point there is nothing where commas are used.
+fn read_commas(view: &str, file: &str) {
+    if !std::env::var("LC_ALL").is_ok_and(|locale| locale.starts_with("de_DE")) || view == "raw" {
+        answer(view, file, 65, 69);
     }
-    answer(view, file, 65, 69);
+    changed_picture(view, file, halves);
+}
+
+/// What each kind says of itself; most say nothing.
+fn capabilities(kind: &str) {
+    let formats = "PTM_FORMAT_RGB, LUM, LRGB, PTM_LUT, PTM_C_LUT";
+    match kind {
+        "declares-lum-and-lacks-it" => {
+            print_and_exit(format!("protocol: 1\nformats: [{formats}]\n").as_bytes(), 0);
+        }
+        "is-silent-about-lum" => print_and_exit(b"protocol: 1\nformats: [RGB, LRGB]\n", 0),
+        "declares-rgb-only" => print_and_exit(
+            b"protocol: 1\nname: modest\nversion: 0.9\nformats: [RGB]\n",
+            0,
+        ),
+        "declares-coef-and-lacks-it" => print_and_exit(b"protocol: 1\nviews: [raw, coef]\n", 0),
+        "declares-coef-only" => print_and_exit(b"protocol: 1\nviews: [coef]\n", 0),
+        "declares-exit-1" => print_and_exit(b"protocol: 1\nreject_exit: 1\n", 0),
+        "declares-exit-0" => print_and_exit(b"protocol: 1\nreject_exit: 0\n", 0),
+        "declares-serve-and-lacks-it" | "serves" => {
+            print_and_exit(b"protocol: 1\nmodes: [one-shot, serve]\n", 0);
+        }
+        "declares-everything-and-fails" => {
+            print_and_exit(b"protocol: 1\nname: liar\nformats: [RGB]\n", 1);
+        }
+        "hangs-when-asked-what-it-is" => sleep_for_ever(),
+        "floods-when-asked-what-it-is" => flood(),
+        "bombs-when-asked-what-it-is" => print_and_exit(bomb().as_bytes(), 0),
+        "babbles-when-asked-what-it-is" => print_and_exit(b"\xff\xfe{{{{: [\n- protocol: 1", 0),
+        _ => exit(64),
+    }
+}
+
+/// Ten thousand million words, by aliases.
+fn bomb() -> String {
+    let mut text = "protocol: 1\na: &a [x, x, x, x, x, x, x, x, x, x]\n".to_owned();
+    for (this, last) in ('b'..='j').zip('a'..) {
+        let list = vec![format!("*{last}"); 10].join(", ");
+        let _ = writeln!(text, "{this}: &{this} [{list}]");
+    }
+    text + "views: *j\n"
+}
+
+/// What a serving program remembers from request to request.
+#[derive(Default)]
+struct Memory {
+    answered: usize,
+    last: String,
+    hoard: Vec<Vec<u8>>,
+}
+
+fn serve(kind: &str) {
+    match kind {
+        "serves-not" | "declares-serve-and-lacks-it" => exit(64),
+        "serves-before-asked" => put(b"1 reject 65\n"),
+        _ => {}
+    }
+    let mut memory = Memory::default();
+    let mut kept_back = Vec::new();
+    for line in io::stdin().lock().lines() {
+        let line = line.unwrap_or_default();
+        let words: Vec<&str> = line.splitn(3, ' ').collect();
+        let [sequence, view, file] = words[..] else {
+            exit(64)
+        };
+        let reply = reply(kind, sequence, view, file, &mut memory);
+        memory.answered += 1;
+        file.clone_into(&mut memory.last);
+        if kind == "serves-without-flush" {
+            kept_back.extend(reply);
+        } else {
+            put(&reply);
+        }
+    }
+    put(&kept_back);
+}
+
+fn put(bytes: &[u8]) {
+    let _ = io::stdout().write_all(bytes);
+    let _ = io::stdout().flush();
+}
+
+fn reply(kind: &str, sequence: &str, view: &str, file: &str, memory: &mut Memory) -> Vec<u8> {
+    let said = right(view, file);
+    let line = |words: &str| format!("{sequence} {words}\n").into_bytes();
+    let whole = match &said {
+        Right::Frame(frame) => [line(&format!("ok {}", frame.len())), frame.clone()].concat(),
+        Right::Malformed => line("reject 65"),
+        Right::Unsupported => line("unsupported this"),
+    };
+    let lum = is_lum(file);
+    match (kind, said) {
+        ("serves-the-number-before", _) => {
+            let before = sequence.parse::<u64>().unwrap_or(1) - 1;
+            let rest = whole
+                .iter()
+                .position(|&byte| byte == b' ')
+                .unwrap_or_default();
+            [before.to_string().as_bytes(), &whole[rest..]].concat()
+        }
+        ("serves-the-wrong-number", _) => {
+            let rest = whole
+                .iter()
+                .position(|&byte| byte == b' ')
+                .unwrap_or_default();
+            [b"4711", &whole[rest..]].concat()
+        }
+        ("serves-interleaved", _) => {
+            let (first, second) = whole.split_at(whole.len() / 2);
+            [first, &whole, second].concat()
+        }
+        ("serves-huge-numbers", Right::Frame(frame)) => {
+            [line("ok 18446744073709551615"), frame].concat()
+        }
+        ("serves-impossible-numbers", Right::Frame(frame)) => {
+            [line("ok 99999999999999999999999"), frame].concat()
+        }
+        ("serves-without-the-line", Right::Frame(frame)) => [
+            line(&format!(
+                "ok {}",
+                frame.len() - frame.iter().position(|&b| b == b'\n').unwrap_or_default() - 1
+            )),
+            frame,
+        ]
+        .concat(),
+        ("serves-bare-frames", Right::Frame(frame)) => frame,
+        ("serves-logs", _) => [b"decoding\n", &whole[..]].concat(),
+        ("serves-extra", _) => [&whole[..], b"\n"].concat(),
+        ("serves-text-mode", _) => [
+            &whole[..whole.iter().position(|&b| b == b'\n').unwrap_or_default()],
+            b"\r\n",
+        ]
+        .concat(),
+        ("serves-exit-codes", Right::Malformed) => line("reject 1"),
+        ("serves-five-times", _) if memory.answered == 5 => exit(0),
+        ("serves-until-lum", _) if lum => std::process::abort(),
+        ("serves-and-hangs-at-lum", _) if lum => {
+            sleep_for_ever();
+            Vec::new()
+        }
+        ("serves-and-hoards", _) => {
+            memory.hoard.push(vec![1; 32 << 20]);
+            // Long enough to be seen.
+            std::thread::sleep(Duration::from_millis(150));
+            whole
+        }
+        ("serves-and-deletes", _) => {
+            let _ = fs::remove_file(file);
+            whole
+        }
+        ("serves-and-deletes-later", _) => {
+            let _ = fs::remove_file(&memory.last);
+            whole
+        }
+        // What it has seen of LUM colors all that follows.
+        ("serves-with-leaks", Right::Frame(mut frame)) if !memory.hoard.is_empty() && !lum => {
+            if let Some(last) = frame.last_mut() {
+                *last ^= 1;
+            }
+            [line(&format!("ok {}", frame.len())), frame].concat()
+        }
+        ("serves-with-leaks", _) => {
+            memory.hoard.extend(lum.then(Vec::new));
+            whole
+        }
+        ("serves-other-answers", Right::Frame(_)) if lum => line("unsupported luminance"),
+        _ => whole,
+    }
 }

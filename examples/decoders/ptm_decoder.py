@@ -14,6 +14,7 @@ pillow-jpls besides (pip install pillow pillow-jpls). Without them those formats
 
 import array
 import collections
+import importlib.util
 import io
 import math
 import os
@@ -431,7 +432,16 @@ views: [raw, coef, rgb]
 formats: [%s]
 modes: [one-shot, serve]
 reject_exit: 65
-""" % ", ".join(format.decode() for format in [*READ_TEXELS, *COMPRESSED])
+"""
+
+
+def capabilities():
+    """What this decoder says of itself: it reads compressed planes where it finds the codecs."""
+    def found(format):
+        codecs = ["PIL", "pillow_jpls"] if b"JPEGLS" in format else ["PIL"]
+        return format in READ_TEXELS or all(map(importlib.util.find_spec, codecs))
+    formats = filter(found, [*READ_TEXELS, *COMPRESSED])
+    return CAPABILITIES % ", ".join(format.decode() for format in formats)
 
 
 def parse_view(view):
@@ -482,7 +492,7 @@ def serve(requests, answers):
 
 def main(arguments):
     if arguments == ["capabilities"]:
-        print(CAPABILITIES, end="")
+        print(capabilities(), end="")
     elif arguments == ["serve"]:
         serve(sys.stdin.buffer, sys.stdout.buffer)
     elif len(arguments) == 2:
