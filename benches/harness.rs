@@ -1,0 +1,202 @@
+//! What the harness costs: its rates against bare ones, measured in the same run. Ratios, because times are a machine's.
+//!
+//! - one-shot `check` of a native decoder against starting the same processes on the same files and reading their output;
+//! - serve mode against a bare exchange of the same requests;
+//! - serve mode against one-shot for the decoder in Python.
+
+use std::fs;
+use std::io::{BufRead, BufReader, Read, Write};
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex};
+use std::time::{Duration, Instant};
+
+use ptm_conform::harness::capabilities::Capabilities;
+use ptm_conform::harness::cases::Suite;
+use ptm_conform::harness::check::{Plan, Repeat, check};
+use ptm_conform::harness::processes;
+use ptm_conform::harness::run::{Decoder, Request};
+use ptm_conform::harness::scratch::Scratch;
+use ptm_conform::harness::serve::Servers;
+
+/// Measurements of each kind; the best one counts, because others only show what else the machine did.
+const ROUNDS: usize = 3;
+
+fn main() {
+    processes::prepare();
+    let suite = Suite::load().expect("the suite is sound").prepared();
+    let native = [env!("CARGO_BIN_EXE_ptm-conform").into(), "reference".into()];
+    let native = Decoder::new(&native).expect("a directory");
+    let scratch = Scratch::new().expect("a scratch directory");
+    let scratch = &scratch;
+    let all = vec![true; suite.cases.len()];
+
+    let requests = requests(&suite, &native, scratch);
+    println!("{} requests, {} at a time", requests.len(), jobs());
+    let bare = rate(requests.len(), || bare_one_shot(&requests));
+    let one_shot = rate(requests.len(), || {
+        run(&suite, &native, &all, false, scratch);
+    });
+    println!(
+        "one-shot, native: {one_shot:.0} of {bare:.0} calls/s, {:.2} (target 0.80)",
+        one_shot / bare
+    );
+
+    let bare = rate(requests.len(), || bare_served(&requests));
+    let served = rate(requests.len(), || run(&suite, &native, &all, true, scratch));
+    println!(
+        "serve, native: {served:.0} of {bare:.0} calls/s, {:.2} (target 0.25)",
+        served / bare
+    );
+
+    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/decoders/ptm_decoder.py");
+    let python = Decoder::new(&["python3".into(), script.into()]).expect("a directory");
+    let few: Vec<bool> = (0..suite.cases.len()).map(|i| i % 8 == 0).collect();
+    let one_shot = once(|| run(&suite, &python, &few, false, scratch));
+    let all_at_once = once(|| run(&suite, &python, &all, true, scratch));
+    let one_shot = one_shot.as_secs_f64() / asked(&suite, &python, &few, scratch) as f64;
+    let served = all_at_once.as_secs_f64() / requests.len() as f64;
+    println!(
+        "python: {:.2} ms one-shot, {:.2} ms served, {:.1} times (target 20)",
+        one_shot * 1e3,
+        served * 1e3,
+        one_shot / served
+    );
+}
+
+fn jobs() -> usize {
+    std::thread::available_parallelism().map_or(1, usize::from)
+}
+
+fn once(deed: impl FnOnce()) -> Duration {
+    let start = Instant::now();
+    deed();
+    start.elapsed()
+}
+
+/// Things done in a second, at best.
+fn rate(things: usize, deed: impl Fn()) -> f64 {
+    let best = (0..ROUNDS)
+        .map(|_| once(&deed))
+        .min()
+        .expect("there is a round");
+    things as f64 / best.as_secs_f64()
+}
+
+fn plan(selected: &[bool], serves: bool) -> Plan {
+    Plan {
+        selected: selected.to_vec(),
+        jobs: jobs(),
+        views: Vec::new(),
+        withheld: Vec::new(),
+        made_before: false,
+        declared: Capabilities::default(),
+        repeat: if serves {
+            Repeat::FailuresAndSample
+        } else {
+            Repeat::Failures
+        },
+        stop: Arc::default(),
+    }
+}
+
+fn run(suite: &Suite, decoder: &Decoder, selected: &[bool], serves: bool, scratch: &Scratch) {
+    let plan = plan(selected, serves);
+    let servers = Servers::new(decoder, scratch, plan.jobs);
+    let ask = |request: &Request<'_>, job: usize| match serves {
+        true => servers.ask(request, job),
+        false => decoder.ask(request, scratch),
+    };
+    let run = check(suite, &plan, &ask, &|_, _, _, _| ());
+    if run.exit_status() != 0 {
+        println!("not all passed: a busy machine makes slow answers hang");
+    }
+}
+
+fn asked(suite: &Suite, decoder: &Decoder, selected: &[bool], scratch: &Scratch) -> usize {
+    let servers = Servers::new(decoder, scratch, jobs());
+    let ask = |request: &Request<'_>, job: usize| servers.ask(request, job);
+    check(suite, &plan(selected, true), &ask, &|_, _, _, _| ()).asked
+}
+
+/// What a run asks for, as files.
+fn requests(suite: &Suite, decoder: &Decoder, scratch: &Scratch) -> Vec<(String, PathBuf)> {
+    let recorded = Mutex::new(Vec::new());
+    let servers = Servers::new(decoder, scratch, 1);
+    let ask = |request: &Request<'_>, job: usize| {
+        let mut recorded = recorded.lock().expect("no worker panics");
+        let path = scratch.works().join(format!("bare-{}.ptm", recorded.len()));
+        if !request.alone {
+            fs::write(&path, request.file).expect("a file");
+            recorded.push((request.view.to_string(), path));
+        }
+        servers.ask(request, job)
+    };
+    let plan = Plan {
+        jobs: 1,
+        ..plan(&vec![true; suite.cases.len()], true)
+    };
+    check(suite, &plan, &ask, &|_, _, _, _| ());
+    recorded.into_inner().expect("no worker panics")
+}
+
+fn side_by_side(count: usize, one: impl Fn(&AtomicUsize) + Sync) {
+    let next = AtomicUsize::new(0);
+    std::thread::scope(|scope| {
+        for _ in 0..jobs() {
+            scope.spawn(|| one(&next));
+        }
+    });
+    assert!(next.into_inner() >= count);
+}
+
+fn bare_one_shot(requests: &[(String, PathBuf)]) {
+    side_by_side(requests.len(), |next| {
+        while let Some((view, path)) = requests.get(next.fetch_add(1, Ordering::Relaxed)) {
+            let child = Command::new(env!("CARGO_BIN_EXE_ptm-conform"))
+                .arg("reference")
+                .arg(view)
+                .arg(path)
+                .stdin(Stdio::null())
+                .stdout(Stdio::piped())
+                .stderr(Stdio::null())
+                .spawn();
+            let mut child = child.expect("it starts");
+            let mut frame = Vec::new();
+            child
+                .stdout
+                .take()
+                .expect("a pipe")
+                .read_to_end(&mut frame)
+                .expect("it can be read");
+            child.wait().expect("it ends");
+        }
+    });
+}
+
+fn bare_served(requests: &[(String, PathBuf)]) {
+    side_by_side(requests.len(), |next| {
+        let child = Command::new(env!("CARGO_BIN_EXE_ptm-conform"))
+            .args(["reference", "serve"])
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped())
+            .spawn();
+        let mut child = child.expect("it starts");
+        let mut stdin = child.stdin.take().expect("a pipe");
+        let mut stdout = BufReader::new(child.stdout.take().expect("a pipe"));
+        while let Some((view, path)) = requests.get(next.fetch_add(1, Ordering::Relaxed)) {
+            stdin
+                .write_all(format!("1 {view} {}\n", path.display()).as_bytes())
+                .expect("it listens");
+            let mut line = String::new();
+            stdout.read_line(&mut line).expect("it answers");
+            if let Some(length) = line.trim_end().strip_prefix("1 ok ") {
+                let mut frame = vec![0; length.parse().expect("a number")];
+                stdout.read_exact(&mut frame).expect("it answers");
+            }
+        }
+        drop(stdin);
+        child.wait().expect("it ends");
+    });
+}

@@ -1,0 +1,70 @@
+//! Growth in cases, from 100 to 100,000 generated ones, each checked in one run inside this process.
+
+use std::fmt::Write;
+use std::fs;
+
+use ptm_conform::Reading;
+use ptm_conform::harness::cases::Suite;
+use ptm_conform::harness::check::{Plan, check};
+use ptm_conform::harness::misreadings::answer;
+use ptm_conform::harness::run::{Reply, Request};
+use ptm_conform::ptm::Format;
+
+use crate::measure::{own_time, slope};
+
+pub fn growth() {
+    println!("| cases | time a case, µs | memory, MB | memory a case, bytes |");
+    println!("|---|---|---|---|");
+    let mut times = Vec::new();
+    let start = memory();
+    for count in [100, 1000, 10_000, 100_000] {
+        let suite = suite(count);
+        let spent = own_time(|| all_pass(&suite)).processor;
+        let memory = memory();
+        println!(
+            "| {count} | {:.0} | {:.0} | {:.0} |",
+            spent / count as f64 * 1e6,
+            memory / 1e6,
+            (memory - start) / count as f64
+        );
+        times.push((count as f64, spent));
+    }
+    println!("\nslope of time: {:.2}", slope(&times));
+}
+
+/// The most memory that this process has held.
+fn memory() -> f64 {
+    let status = fs::read_to_string("/proc/self/status").expect("Linux");
+    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"));
+    let kilobytes = line.and_then(|line| line.trim().strip_suffix(" kB")?.parse::<f64>().ok());
+    kilobytes.expect("a number of kilobytes") * 1024.0
+}
+
+/// So many cases: every format in turn, every seed another picture.
+fn suite(count: usize) -> Suite {
+    let mut text = String::new();
+    for (i, format) in Format::ALL.into_iter().enumerate() {
+        let seeds = (count + 8 - i) / 9;
+        let seeds: Vec<String> = (1..=seeds).map(|seed| format!("\"{seed}\"")).collect();
+        let name = format.short_name();
+        writeln!(
+            text,
+            "- id: generated-{}-{{seed}}\n  clauses: [\"1.0/1\"]\n  because: one of many\n  expect: decode\n  for_each: {{ seed: [{}] }}\n  make: {{ format: {name}, size: 9x7, seed: \"{{seed}}\" }}\n  first: false",
+            name.to_lowercase().replace('_', "-"),
+            seeds.join(", "),
+        )
+        .expect("writing to memory does not fail");
+    }
+    // A first file, without which nothing is known to be a decoder.
+    text.push_str("- { id: first, clauses: [\"1.0/1\"], because: first, expect: decode, first: true, make: { format: RGB, size: 2x2 } }\n");
+    Suite::from_files(&[("generated.yaml", &text)]).expect("legal cases")
+}
+
+fn all_pass(suite: &Suite) {
+    let plan = Plan::of(suite, 1);
+    let ask = |request: &Request<'_>, _: usize| {
+        Reply::from(answer(&[], Reading::SPEC, request.file, request.view))
+    };
+    let run = check(suite, &plan, &ask, &|_, _, _, _| {});
+    assert_eq!(run.exit_status(), 0, "the reference passes");
+}

@@ -1,0 +1,66 @@
+//! Growth in texels, from 1 to 16 Mi.
+
+use std::path::Path;
+use std::process::Command;
+
+use ptm_conform::harness::protocol::View;
+use ptm_conform::ptm::Format;
+
+use crate::measure::{memory_of, repeated, slope};
+use crate::{common, put, reference, to_file};
+
+/// Width and height, each twice as many texels as the one before.
+const SIZES: [(u32, u32); 5] = [
+    (1024, 1024),
+    (2048, 1024),
+    (2048, 2048),
+    (4096, 2048),
+    (4096, 4096),
+];
+
+pub fn in_texels(directory: &Path) {
+    println!(
+        "Slopes of log-log lines through 1, 2, 4, 8 and 16 Mi texels, less what a map of one texel takes: 1 is in proportion.\n"
+    );
+    println!("| format | view | time | memory |");
+    println!("|---|---|---|---|");
+    let raw = [
+        Format::Lrgb,
+        Format::PtmLut,
+        Format::JpegLrgb,
+        Format::JpeglsLrgb,
+    ];
+    let raw = raw.map(|format| (format, "raw"));
+    let others = [(Format::Lrgb, "coef"), (Format::Lrgb, View::ORDINARY_LIGHT)];
+    for (format, view) in raw.into_iter().chain(others) {
+        one(format, view, directory);
+    }
+}
+
+fn one(format: Format, view: &str, directory: &Path) {
+    let out = directory.join("out");
+    let command = |width, height| -> Command {
+        let path = put(directory, "map.ptm", &common::file(format, width, height));
+        reference(view, &path)
+    };
+    let spent = |width, height| {
+        command(width, height);
+        let map = directory.join("map.ptm");
+        let [spent] = repeated(9, &mut [&mut || to_file(reference(view, &map), &out)]);
+        spent.processor
+    };
+    let (time, memory) = (spent(1, 1), memory_of(&mut command(1, 1)) as f64);
+    let times = SIZES.map(|(w, h)| (f64::from(w * h), spent(w, h) - time));
+    let memories = SIZES.map(|(w, h)| {
+        (
+            f64::from(w * h),
+            memory_of(&mut command(w, h)) as f64 - memory,
+        )
+    });
+    println!(
+        "| {} | {view} | {:.2} | {:.2} |",
+        format.short_name(),
+        slope(&times),
+        slope(&memories)
+    );
+}

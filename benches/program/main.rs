@@ -1,0 +1,231 @@
+//! The program against what others need for the same bytes, as ratios of one run. `cargo bench --bench program`
+//!
+//! With `-- cases` it measures growth in cases instead, up to 100,000 of them in one run.
+//!
+//! Times are processor time, user and system, of interleaved repetitions: the other load of a machine hardly shows in
+//! them, and its speed cancels out of a ratio. Everything lies in memory, in `/dev/shm` where there is one.
+
+mod cases;
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod growth;
+
+mod measure;
+
+use std::fs::{self, File};
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+
+use ptm_conform::codec::{jpeg, jpeg_ls};
+use ptm_conform::ptm::Format;
+
+use measure::{Spent, memory_of, own_time, repeated, time_of};
+
+const SIDE: u32 = 4096;
+
+fn main() {
+    if std::env::args().any(|word| word == "cases") {
+        return cases::growth();
+    }
+    // A test run builds this and wants nothing of it.
+    if std::env::args().any(|word| word == "--test") {
+        return;
+    }
+    let scratch = scratch();
+    println!("# Uncompressed maps of {SIDE} x {SIDE} texels\n");
+    println!(
+        "`reference raw FILE > OTHER` over `cp` of as many bytes as it writes; memory over those bytes.\n"
+    );
+    println!(
+        "| format | file, MB | output, MB | time / cp | wall / cp | time / memcpy | memory / output |"
+    );
+    println!("|---|---|---|---|---|---|---|");
+    for format in [
+        Format::Lrgb,
+        Format::Rgb,
+        Format::Lum,
+        Format::PtmLut,
+        Format::PtmCLut,
+    ] {
+        against_cp(format, scratch.path());
+    }
+    println!("\n# Compressed maps of {SIDE} x {SIDE} texels\n");
+    for format in [Format::JpegLrgb, Format::JpeglsLrgb] {
+        against_others(format, scratch.path());
+    }
+    println!("# Growth in texels\n");
+    growth::in_texels(scratch.path());
+}
+
+fn scratch() -> tempfile::TempDir {
+    let shm = Path::new("/dev/shm");
+    let made = if shm.is_dir() {
+        tempfile::tempdir_in(shm)
+    } else {
+        tempfile::tempdir()
+    };
+    made.expect("a scratch directory")
+}
+
+fn reference(view: &str, file: &Path) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_ptm-conform"));
+    command.args(["reference", view]).arg(file);
+    command
+}
+
+fn put(directory: &Path, name: &str, bytes: &[u8]) -> PathBuf {
+    let path = directory.join(name);
+    fs::write(&path, bytes).expect("room for a file");
+    path
+}
+
+/// Runs a program whose standard output goes to a new file.
+fn to_file(mut command: Command, out: &Path) -> Spent {
+    let spent = time_of(command.stdout(File::create(out).expect("a file")));
+    fs::remove_file(out).expect("the file is there");
+    spent
+}
+
+fn against_cp(format: Format, directory: &Path) {
+    let file = put(directory, "map.ptm", &common::file(format, SIDE, SIDE));
+    let bytes = SIDE as usize * SIDE as usize * format.channels();
+    let same_size = put(directory, "same", &vec![7; bytes]);
+    let out = directory.join("out");
+    let mut source = vec![1_u8; bytes];
+    let [ours, cp, memcpy] = repeated(
+        9,
+        &mut [
+            &mut || to_file(reference("raw", &file), &out),
+            &mut || {
+                let mut cp = Command::new("cp");
+                let spent = time_of(cp.arg(&same_size).arg(&out));
+                fs::remove_file(&out).expect("the copy");
+                spent
+            },
+            &mut || {
+                source[0] ^= 1;
+                own_time(|| {
+                    std::hint::black_box(source.clone());
+                })
+            },
+        ],
+    );
+    println!(
+        "| {} | {:.0} | {:.0} | {:.1} | {:.1} | {:.1} | {:.2} |",
+        format.short_name(),
+        fs::metadata(&file).expect("the file").len() as f64 / 1e6,
+        bytes as f64 / 1e6,
+        ours.processor / cp.processor,
+        ours.wall / cp.wall,
+        ours.processor / memcpy.processor,
+        memory_of(&mut reference("raw", &file)) as f64 / bytes as f64,
+    );
+}
+
+fn against_others(format: Format, directory: &Path) {
+    let streams = common::streams(format, SIDE, SIDE);
+    let file = put(directory, "map.ptm", &common::file(format, SIDE, SIDE));
+    let bytes = SIDE as usize * SIDE as usize * format.channels();
+    let is_jpeg = format == Format::JpegLrgb;
+    let names: Vec<PathBuf> = streams
+        .iter()
+        .take(3)
+        .enumerate()
+        .map(|(i, stream)| {
+            put(
+                directory,
+                &format!("plane-{i}.{}", if is_jpeg { "jpg" } else { "jls" }),
+                stream,
+            )
+        })
+        .collect();
+    let out = directory.join("out");
+    let bits = streams.iter().map(Vec::len).sum::<usize>() as f64 * 8.0 / bytes as f64;
+    println!("## {}, {bits:.1} bits a sample\n", format.short_name());
+
+    let [program, codec, crate_decoder, library] = repeated(
+        5,
+        &mut [
+            &mut || to_file(reference("raw", &file), &out),
+            &mut || own_time(|| streams.iter().for_each(|stream| decode(format, stream))),
+            &mut || {
+                own_time(|| {
+                    if is_jpeg {
+                        for stream in &streams {
+                            let mut decoder = jpeg_decoder::Decoder::new(&stream[..]);
+                            std::hint::black_box(decoder.decode().expect("a JPEG stream"));
+                        }
+                    }
+                })
+            },
+            &mut || pillow(&names, format.channels() / 3).unwrap_or_default(),
+        ],
+    );
+    let (library_name, crate_name) = if is_jpeg {
+        ("libjpeg-turbo", "jpeg-decoder")
+    } else {
+        ("CharLS", "")
+    };
+    println!(
+        "| over | the codec alone | `reference raw`, all threads' time | `reference raw`, wall |"
+    );
+    println!("|---|---|---|---|");
+    let row = |name: &str, other: Spent| {
+        println!(
+            "| {name}, the same planes one after another | {:.2} | {:.2} | {:.2} |",
+            codec.processor / other.processor,
+            program.processor / other.processor,
+            program.wall / other.wall,
+        );
+    };
+    if library.processor > 0.0 {
+        row(library_name, library);
+    } else {
+        println!(
+            "SKIPPED: {library_name}, because python3 with Pillow (and pillow-jpls) is not there"
+        );
+    }
+    if is_jpeg {
+        row(crate_name, crate_decoder);
+    }
+    println!(
+        "\nmemory / output: {:.2}; threads: {}\n",
+        memory_of(&mut reference("raw", &file)) as f64 / bytes as f64,
+        std::thread::available_parallelism().map_or(1, usize::from),
+    );
+}
+
+fn decode(format: Format, stream: &[u8]) {
+    let samples = match format {
+        Format::JpegLrgb => jpeg::decode(stream, SIDE, SIDE),
+        _ => jpeg_ls::decode(stream, SIDE, SIDE),
+    };
+    std::hint::black_box(samples.expect("a whole stream"));
+}
+
+/// Pillow decodes these files, so many times each, on one thread; nothing where it cannot.
+fn pillow(files: &[PathBuf], times: usize) -> Option<Spent> {
+    const SCRIPT: &str = "
+import io, sys, time
+from PIL import Image
+try: import pillow_jpls
+except ImportError: pass
+Image.MAX_IMAGE_PIXELS = None
+streams = [open(name, 'rb').read() for name in sys.argv[2:]]
+thread, wall = time.thread_time(), time.perf_counter()
+for _ in range(int(sys.argv[1])):
+    for stream in streams: Image.open(io.BytesIO(stream)).load()
+print(time.thread_time() - thread, time.perf_counter() - wall)
+";
+    let mut python = Command::new("python3");
+    python.args(["-c", SCRIPT, &times.to_string()]).args(files);
+    let output = python.stderr(Stdio::null()).output().ok()?;
+    let text = String::from_utf8(output.stdout).ok()?;
+    let (processor, wall) = text.trim().split_once(' ')?;
+    Some(Spent {
+        processor: processor.parse().ok()?,
+        wall: wall.parse().ok()?,
+    })
+}

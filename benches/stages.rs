@@ -1,0 +1,84 @@
+//! The stages one by one: decoder, codecs, generator. `cargo bench --bench stages`
+
+mod common;
+
+use std::hint::black_box;
+
+use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
+
+use ptm_conform::codec::{jpeg, jpeg_ls};
+use ptm_conform::generate::{Model, Recipe, write};
+use ptm_conform::ptm::{Format, Size};
+
+const SIDE: u32 = 512;
+
+fn decoder(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("decode");
+    for format in Format::ALL {
+        let file = common::file(format, SIDE, SIDE);
+        group.throughput(Throughput::Elements(u64::from(SIDE * SIDE)));
+        group.bench_with_input(
+            BenchmarkId::from_parameter(format.short_name()),
+            &file,
+            |b, file| {
+                b.iter(|| ptm_conform::decode(black_box(file)).expect("a whole file"));
+            },
+        );
+    }
+    group.finish();
+
+    let ptm = ptm_conform::decode(&common::file(Format::Lrgb, SIDE, SIDE)).expect("a whole file");
+    criterion.bench_function("coefficients", |b| {
+        b.iter(|| black_box(&ptm).coefficients());
+    });
+    let coefficients = ptm.coefficients();
+    criterion.bench_function("evaluate", |b| {
+        b.iter(|| black_box(&coefficients).evaluate(0.25, -0.5));
+    });
+}
+
+fn codecs(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("codec");
+    group.throughput(Throughput::Elements(u64::from(SIDE * SIDE)));
+    let samples = common::plane(SIDE, SIDE, 0);
+    let options = jpeg::Options::new(90);
+    let lossless = jpeg_ls::Options {
+        near: 0,
+        presets: None,
+    };
+    let jpeg_stream = jpeg::encode(&samples, SIDE, SIDE, &options).stream;
+    let jpeg_ls_stream = jpeg_ls::encode(&samples, SIDE, SIDE, &lossless).stream;
+    group.bench_function("jpeg decode", |b| {
+        b.iter(|| jpeg::decode(black_box(&jpeg_stream), SIDE, SIDE));
+    });
+    group.bench_function("jpeg encode", |b| {
+        b.iter(|| jpeg::encode(black_box(&samples), SIDE, SIDE, &options));
+    });
+    group.bench_function("jpeg_ls decode", |b| {
+        b.iter(|| jpeg_ls::decode(black_box(&jpeg_ls_stream), SIDE, SIDE));
+    });
+    group.bench_function("jpeg_ls encode", |b| {
+        b.iter(|| jpeg_ls::encode(black_box(&samples), SIDE, SIDE, &lossless));
+    });
+    group.finish();
+}
+
+fn generator(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("generate");
+    let size = Size {
+        width: 64,
+        height: 64,
+    };
+    for format in Format::ALL {
+        let recipe = Recipe::ordinary(format, size);
+        group.bench_with_input(
+            BenchmarkId::from_parameter(format.short_name()),
+            &recipe,
+            |b, recipe| b.iter(|| write(recipe, &Model::paint(recipe))),
+        );
+    }
+    group.finish();
+}
+
+criterion_group!(stages, decoder, codecs, generator);
+criterion_main!(stages);
