@@ -118,3 +118,105 @@ proptest! {
         let _ = decode_as(&file, &Reading::SPEC, &Limits { memory: 100 });
     }
 }
+
+/// Numbers without a pattern, the same everywhere.
+struct Draws(u64);
+
+impl Draws {
+    fn below(&mut self, end: usize) -> usize {
+        self.0 = self
+            .0
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
+        (self.0 >> 33) as usize % end
+    }
+}
+
+/// Small compressed files of every format, structure and kind of stream.
+fn compressed_files() -> Vec<Vec<u8>> {
+    let suite = Suite::load().expect("the suite loads");
+    let small = suite.cases.iter().filter(|case| {
+        case.damage().is_none()
+            && case.compression().is_some()
+            && case
+                .recipe()
+                .is_some_and(|recipe| recipe.size.texels() <= 200)
+    });
+    small
+        .map(|case| case.build(TableSpelling::default()).file.clone())
+        .collect()
+}
+
+/// Changes a few bytes: anywhere, or in the lists, where a digit weighs most.
+fn mutate(file: &mut Vec<u8>, header: usize, draws: &mut Draws) {
+    for _ in 0..=draws.below(3) {
+        let end = if draws.below(2) == 0 {
+            header
+        } else {
+            file.len()
+        };
+        let at = draws.below(end.min(file.len()).max(1)).min(file.len() - 1);
+        match draws.below(8) {
+            0 => file[at] ^= 1 << draws.below(8),
+            1 => file[at] = draws.below(256) as u8,
+            2 => file[at] = b"0123456789- \n"[draws.below(13)],
+            3 => file[at] = [0x00, 0xff, 0x7f, 0x80, 0xd8, 0xda][draws.below(6)],
+            4 if file.len() > 1 => drop(file.remove(at)),
+            5 => file.insert(at, b"0123456789-. \n"[draws.below(14)]),
+            6 => file.truncate(at.max(1)),
+            _ => {
+                let end = at + draws.below((file.len() - at).min(64));
+                let part = file[at..end].to_vec();
+                file.splice(at..at, part);
+            }
+        }
+    }
+}
+
+/// Answers to so many damaged files; each within a limit of memory and, by far, of time.
+fn survive_compressed(times: usize) {
+    let files: Vec<(Vec<u8>, usize)> = compressed_files()
+        .into_iter()
+        .map(|file| {
+            let (fields, _) = ptm_conform::decode::fields(&file);
+            let planes = fields
+                .iter()
+                .find(|field| field.clause.starts_with("2.9.8"));
+            let header = planes.map_or(file.len(), |field| field.range.start);
+            (file, header)
+        })
+        .collect();
+    assert!(files.len() > 100, "{} files", files.len());
+    let limits = Limits { memory: 16 << 20 };
+    let mut draws = Draws(1);
+    let (mut decoded, mut slowest) = (0, std::time::Duration::ZERO);
+    for i in 0..times {
+        let (file, header) = &files[i % files.len()];
+        let mut file = file.clone();
+        mutate(&mut file, *header, &mut draws);
+        let start = std::time::Instant::now();
+        match decode_as(&file, &Reading::SPEC, &limits) {
+            Ok(ptm) => {
+                decoded += 1;
+                let samples = ptm.planes.samples.len();
+                assert!(samples * 2 <= limits.memory, "{samples} samples");
+            }
+            Err(error) => assert!(error.offset() <= file.len(), "{error}"),
+        }
+        slowest = slowest.max(start.elapsed());
+    }
+    println!("{times} files: {decoded} decoded, the slowest took {slowest:?}");
+    // No test of speed: a hang is what takes thousands of times as long.
+    assert!(slowest.as_secs() < 20, "{slowest:?}");
+}
+
+#[test]
+fn damaged_compressed_files_are_answered() {
+    survive_compressed(3_000);
+}
+
+#[test]
+#[ignore = "the same for longer"]
+fn many_damaged_compressed_files_are_answered() {
+    survive_compressed(100_000);
+}

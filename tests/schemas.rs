@@ -44,7 +44,21 @@ fn cases_clauses_and_rulings_conform() {
 }
 
 #[test]
+fn texture_cases_requirements_and_rulings_conform() {
+    let texture = root().join("spec-cases/texture");
+    for entry in fs::read_dir(texture.join("cases")).expect("the cases") {
+        conforms(
+            &entry.expect("an entry").path(),
+            "texture-cases.schema.json",
+        );
+    }
+    conforms(&texture.join("clauses.yaml"), "clauses.schema.json");
+    conforms(&texture.join("rulings.yaml"), "rulings.schema.json");
+}
+
+#[test]
 fn the_manifest_and_the_published_report_conform() {
     conforms(&root().join("corpus/MANIFEST.yaml"), "manifest.schema.json");
     conforms(&root().join("reports/reference.yaml"), "report.schema.json");
+    conforms(&root().join("reports/texture.yaml"), "report.schema.json");
 }

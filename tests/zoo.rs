@@ -1,133 +1,644 @@
-//! The harness is tested against programs that answer wrongly, each in one way.
+//! The harness is tested against programs that answer wrongly, each in one way (`examples/zoo.rs`), and so that nothing
+//! of them stays: no process, no file, no memory.
 #![cfg(all(unix, feature = "cli"))]
 
 mod common;
 
-use common::{Checked, check_with, zoo};
+use std::fs;
+use std::path::Path;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::Duration;
+
+use common::{Checked, program, zoo};
+
+/// A program of the zoo and what it is to be told.
+struct Animal {
+    kind: &'static str,
+    /// Besides those of [`FEW`].
+    options: &'static [&'static str],
+    /// The exit status of `check`.
+    status: i32,
+    /// Words of what is said.
+    says: &'static [&'static str],
+    fails: Fails,
+}
+
+/// The cases that fail.
+enum Fails {
+    /// None, and some pass.
+    None,
+    /// These.
+    These(&'static [&'static str]),
+    /// At least one.
+    Some,
+    /// So many: those that the fault can show in.
+    Count(usize),
+    /// Nobody is judged.
+    NotJudged,
+}
 
 /// A few small cases of every kind, so that programs that hang take seconds.
 const FEW: &[&str] = &[
     "--case",
     "hand-*",
     "--case",
-    "version-1-3-*",
+    "version-1-3-lrgb",
+    "--case",
+    "version-1-3-rgb",
     "--case",
     "header-plain-*",
 ];
 
-#[track_caller]
-fn gets(kind: &str, status: i32, says: &str) -> Checked {
-    let checked = check_with(&[FEW, &["--timeout", "2"]].concat(), &[&zoo(), kind]);
-    assert_eq!(checked.status, status, "{kind}: {}", checked.text);
-    assert!(
-        checked.text.contains(says),
-        "{kind} should be told {says:?}:\n{}",
-        checked.text
-    );
-    checked
-}
+/// No right answer takes so long, however busy the machine is.
+const PATIENT: &[&str] = &["--timeout", "60"];
+/// For programs that never end.
+const HASTY: &[&str] = &["--timeout", "1"];
 
-#[test]
-fn a_right_decoder_passes() {
-    gets("right", 0, "pass: ");
-}
+const LUM: &[&str] = &["header-plain-lum", "hand-lum", "hand-lum-in-color"];
 
-#[test]
-fn chatter_and_litter_do_not_matter() {
-    gets("chatters", 0, "pass: ");
-    gets("floods-errors", 0, "pass: ");
-    gets("leaves-files", 0, "pass: ");
-}
-
-#[test]
-fn programs_that_never_decode_are_no_decoders() {
-    gets("refuses-all", 3, "decodes no first file");
-    gets("unsupported-all", 3, "69 (unsupported) in every view");
-    gets("exits-1", 3, "crash: exit status 1");
-    gets("exits-101", 3, "crash: exit status 101");
-    gets("aborts", 3, "crash: killed by signal 6");
-    gets("segfaults", 3, "crash: killed by signal 11");
-    gets(
-        "says-nothing",
-        3,
-        "protocol error: standard output is empty",
-    );
-    gets("apologises", 3, "begins with");
-    gets("text-mode", 3, "CR LF");
-    gets("cuts-frame", 3, "announces");
-    gets("adds-a-byte", 3, "announces");
-    gets("floods", 3, "flood: more than");
-}
-
-#[test]
-fn programs_that_hang_are_stopped() {
-    gets("hangs", 3, "hang: no end within");
-    gets("hangs-and-ignores-term", 3, "hang: no end within");
-    gets("drips", 3, "hang: no end within");
-    gets("closes-stdout-and-runs-on", 3, "hang: no end within");
-}
-
-#[test]
-fn accepting_everything_is_no_pass() {
-    gets("accepts-all", 1, "expected raw");
-    gets(
-        "accepts-malformed",
-        1,
-        "accepted a file that must be refused",
-    );
-}
-
-#[test]
-fn a_crash_is_no_refusal() {
-    gets("crashes-on-malformed", 1, "crash: exit status 1");
-    let declared = check_with(
-        &[FEW, &["--reject-exit", "1"]].concat(),
-        &[&zoo(), "crashes-on-malformed"],
-    );
-    assert_eq!(declared.status, 0, "{}", declared.text);
-}
-
-#[test]
-fn another_size_is_another_picture() {
-    gets("wrong-size", 1, "received raw 1x1 with 1 channels");
-}
-
-#[test]
-fn touching_the_input_is_told() {
-    gets(
-        "deletes-its-input",
-        3,
-        "tampering: the file it was given is changed or gone",
-    );
-    gets("overwrites-its-input", 3, "tampering");
-}
-
-#[test]
-fn answers_that_differ_each_time_fail() {
-    gets("differs-each-time", 1, "samples differ");
-}
-
-#[test]
-fn unsupported_is_for_whole_features() {
-    gets("unsupported-once", 1, "decodes other files of this kind");
-}
-
-#[test]
-fn no_child_survives_its_call() {
-    gets("leaves-a-child", 0, "pass: ");
-    gets("closes-stdout-and-runs-on", 3, "hang");
-    if !std::path::Path::new("/proc/self/cmdline").exists() {
-        println!("SKIPPED: there is no /proc to look for processes in");
-        return;
+const fn passes(kind: &'static str, says: &'static [&'static str]) -> Animal {
+    Animal {
+        kind,
+        options: PATIENT,
+        status: 0,
+        says,
+        fails: Fails::None,
     }
-    let processes = std::fs::read_dir("/proc")
-        .expect("/proc")
-        .filter_map(|entry| {
-            let command = std::fs::read(entry.ok()?.path().join("cmdline")).ok()?;
-            Some(String::from_utf8_lossy(&command).replace('\0', " "))
-        });
-    let left: Vec<String> = processes
-        .filter(|command| command.contains("sleep 1000."))
+}
+
+const fn fails(kind: &'static str, says: &'static [&'static str], fails: Fails) -> Animal {
+    Animal {
+        kind,
+        options: PATIENT,
+        status: 1,
+        says,
+        fails,
+    }
+}
+
+const fn is_no_decoder(kind: &'static str, says: &'static [&'static str]) -> Animal {
+    Animal {
+        kind,
+        options: PATIENT,
+        status: 3,
+        says,
+        fails: Fails::NotJudged,
+    }
+}
+
+const fn hangs(kind: &'static str) -> Animal {
+    Animal {
+        kind,
+        options: HASTY,
+        status: 3,
+        says: &["hang: no end within 3 s"],
+        fails: Fails::NotJudged,
+    }
+}
+
+/// Serves: nobody answers, so that all is asked one-shot and right.
+const fn serves_not(kind: &'static str, says: &'static [&'static str]) -> Animal {
+    Animal {
+        kind,
+        options: &["--timeout", "60", "--serve"],
+        status: 1,
+        says,
+        fails: Fails::None,
+    }
+}
+
+const fn serves(
+    kind: &'static str,
+    status: i32,
+    says: &'static [&'static str],
+    fails: Fails,
+) -> Animal {
+    Animal {
+        kind,
+        options: &["--timeout", "60", "--serve", "--jobs", "1"],
+        status,
+        says,
+        fails,
+    }
+}
+
+/// Those that answer.
+const QUIET: &[Animal] = &[
+    passes("right", &["pass: 17 pass"]),
+    passes("chatters", &["pass: 17 pass"]),
+    passes("floods-errors", &["pass: 17 pass"]),
+    passes("gigabytes-of-errors", &["pass: 17 pass"]),
+    passes("a-million-writes", &["pass: 17 pass"]),
+    passes("byte-by-byte", &["pass: 17 pass"]),
+    passes("leaves-files", &["pass: 17 pass"]),
+    passes("leaves-a-locked-directory", &["pass: 17 pass"]),
+    passes("leaves-a-child", &["pass: 17 pass"]),
+    passes("leaves-a-grandchild", &["pass: 17 pass"]),
+    passes("leaves-a-hidden-child", &["pass: 17 pass"]),
+    passes("leaves-a-link", &["pass: 17 pass"]),
+    passes("moves-its-directory", &["pass: 17 pass"]),
+    is_no_decoder("refuses-all", &["decodes no first file"]),
+    is_no_decoder("unsupported-all", &["69 (unsupported) in every view"]),
+    is_no_decoder("exits-1", &["crash: exit status 1"]),
+    is_no_decoder("exits-101", &["crash: exit status 101"]),
+    is_no_decoder("aborts", &["crash: killed by signal 6"]),
+    is_no_decoder("segfaults", &["crash: killed by signal 11"]),
+    is_no_decoder(
+        "says-nothing",
+        &["protocol error: standard output is empty"],
+    ),
+    is_no_decoder("apologises", &["begins with"]),
+    is_no_decoder("shows-nothing", &["a picture without a texel"]),
+    is_no_decoder("text-mode", &["CR LF"]),
+    is_no_decoder("cuts-frame", &["announces"]),
+    is_no_decoder("adds-a-byte", &["announces"]),
+    is_no_decoder("announces-too-much", &["more bytes than can be counted"]),
+    is_no_decoder("number-out-of-range", &["is not a number"]),
+    is_no_decoder("floods", &["flood: more than"]),
+    is_no_decoder(
+        "deletes-its-input",
+        &["tampering: the file it was given is changed or gone"],
+    ),
+    is_no_decoder("overwrites-its-input", &["tampering"]),
+    is_no_decoder("links-its-input", &["tampering"]),
+    is_no_decoder("input-becomes-a-pipe", &["tampering"]),
+    fails("accepts-all", &["expected raw"], Fails::Count(17)),
+    fails(
+        "accepts-malformed",
+        &["accepted a file that must be refused"],
+        Fails::Count(2),
+    ),
+    fails(
+        "wrong-size",
+        &["received raw 1x1 with 1 channels"],
+        Fails::Count(15),
+    ),
+    fails(
+        "crashes-on-malformed",
+        &["crash: exit status 1", "say --reject-exit 1"],
+        Fails::Count(2),
+    ),
+    Animal {
+        options: &["--timeout", "60", "--reject-exit", "1"],
+        ..passes("crashes-on-malformed", &["pass: 17 pass"])
+    },
+    fails(
+        "crashes-on-lum",
+        &["crashes (exit status 1) on every file of format LUM"],
+        Fails::These(LUM),
+    ),
+    fails(
+        "differs-each-time",
+        &["answers differently each time: first with a wrong picture"],
+        Fails::Count(15),
+    ),
+    fails(
+        "upside-down",
+        &[
+            "all first files in raw are upside down",
+            "all first files in rgb are upside down",
+        ],
+        Fails::Count(10),
+    ),
+    fails(
+        "blue-first",
+        &["all first files in rgb are sent with red and blue exchanged"],
+        Fails::Count(2),
+    ),
+    fails(
+        "halves",
+        &["all first files in raw are divided by about 2."],
+        Fails::Count(15),
+    ),
+    fails(
+        "unsupported-once",
+        &["decodes other files of this kind"],
+        Fails::Count(1),
+    ),
+    passes("no-lum", &["unsupported, by its own word: LUM, rgb of LUM"]),
+    passes(
+        "no-raw-of-rgb",
+        &["unsupported, by its own word: raw of RGB"],
+    ),
+    passes(
+        "is-silent-about-lum",
+        &["unsupported, by its own word: LUM"],
+    ),
+    fails(
+        "declares-lum-and-lacks-it",
+        &["declare PTM_FORMAT_LUM, and it answers 69"],
+        Fails::These(LUM),
+    ),
+    passes("declares-rgb-only", &["pass: 17 pass"]),
+    fails(
+        "declares-coef-and-lacks-it",
+        &["declare the view coef, and it answers 69"],
+        Fails::None,
+    ),
+    passes("declares-coef-only", &["pass: "]),
+    passes("declares-exit-1", &["pass: 17 pass"]),
+    passes(
+        "declares-exit-0",
+        &["note: capabilities: no exit status 0 can mean a refusal"],
+    ),
+    passes("declares-everything-and-fails", &["pass: 17 pass"]),
+    passes("floods-when-asked-what-it-is", &["pass: 17 pass"]),
+    passes("bombs-when-asked-what-it-is", &["pass: 17 pass"]),
+    passes("babbles-when-asked-what-it-is", &["pass: 17 pass"]),
+];
+
+/// Those that are stopped by a limit.
+const STOPPED: &[Animal] = &[
+    hangs("hangs"),
+    hangs("hangs-and-ignores-term"),
+    hangs("stops-itself"),
+    hangs("drips"),
+    hangs("closes-stdout-and-runs-on"),
+    hangs("closes-everything-and-runs-on"),
+    Animal {
+        options: &["--timeout", "60", "--memory", "150M"],
+        ..is_no_decoder(
+            "hoards",
+            &["out of memory: its processes held more than 150 MiB"],
+        )
+    },
+    Animal {
+        options: &["--timeout", "60", "--memory", "150M"],
+        ..is_no_decoder(
+            "hoards-by-a-child",
+            &["out of memory: its processes held more than 150 MiB"],
+        )
+    },
+    Animal {
+        options: &["--timeout", "8"],
+        ..passes("hangs-when-asked-what-it-is", &["pass: 17 pass"])
+    },
+];
+
+/// Those that serve.
+const SERVING: &[Animal] = &[
+    passes("serves", &["pass: 17 pass"]),
+    serves("serves", 0, &["pass: 17 pass"], Fails::None),
+    serves(
+        "serves-and-deletes-later",
+        0,
+        &["pass: 17 pass"],
+        Fails::None,
+    ),
+    serves_not(
+        "serves-not",
+        &[
+            "serve mode does not work",
+            "ended (exit status 64) without an answer",
+        ],
+    ),
+    fails(
+        "declares-serve-and-lacks-it",
+        &[
+            "serve mode does not work",
+            "ended (exit status 64) without an answer",
+        ],
+        Fails::None,
+    ),
+    serves_not(
+        "serves-the-number-before",
+        &[
+            "serve mode does not work",
+            "answers request 1 with the number 0",
+        ],
+    ),
+    serves_not(
+        "serves-the-wrong-number",
+        &[
+            "serve mode does not work",
+            "answers request 1 with the number 4711",
+        ],
+    ),
+    serves_not(
+        "serves-interleaved",
+        &["serve mode does not work", "protocol error"],
+    ),
+    serves_not(
+        "serves-huge-numbers",
+        &[
+            "serve mode does not work",
+            "announces 18446744073709551615 bytes, and no frame",
+        ],
+    ),
+    serves_not(
+        "serves-impossible-numbers",
+        &["serve mode does not work", "expected \"1 ok NBYTES\""],
+    ),
+    serves_not(
+        "serves-without-the-line",
+        &["serve mode does not work", "the line of the frame included"],
+    ),
+    serves_not(
+        "serves-bare-frames",
+        &[
+            "serve mode does not work",
+            "a frame comes behind a line of its own",
+        ],
+    ),
+    serves_not(
+        "serves-logs",
+        &["serve mode does not work", "found \"decoding\""],
+    ),
+    serves_not(
+        "serves-text-mode",
+        &["serve mode does not work", "text mode"],
+    ),
+    Animal {
+        options: &["--timeout", "2", "--serve"],
+        ..serves_not(
+            "serves-without-flush",
+            &[
+                "serve mode does not work",
+                "flush standard output after each answer",
+            ],
+        )
+    },
+    serves_not("serves-extra", &["in serve mode", "protocol error"]),
+    serves(
+        "serves-before-asked",
+        1,
+        &["in serve mode", "protocol error"],
+        Fails::Some,
+    ),
+    serves(
+        "serves-exit-codes",
+        1,
+        &["the code of a refusal is 65"],
+        Fails::Count(2),
+    ),
+    serves(
+        "serves-five-times",
+        1,
+        &["ended (exit status 0) without an answer; it had answered 5 requests"],
+        Fails::Count(3),
+    ),
+    serves(
+        "serves-until-lum",
+        1,
+        &["in serve mode, after first-rgb: crash: the serving process ended (killed by signal 6)"],
+        Fails::These(LUM),
+    ),
+    Animal {
+        options: &["--timeout", "2", "--serve", "--jobs", "1"],
+        ..serves(
+            "serves-and-hangs-at-lum",
+            1,
+            &["hang: no answer within 2 s", "not run"],
+            Fails::Count(0),
+        )
+    },
+    Animal {
+        options: &[
+            "--timeout",
+            "60",
+            "--serve",
+            "--jobs",
+            "1",
+            "--memory",
+            "250M",
+        ],
+        ..serves(
+            "serves-and-hoards",
+            1,
+            &["out of memory: its processes held more than 250 MiB"],
+            Fails::Some,
+        )
+    },
+    serves_not(
+        "serves-and-deletes",
+        &["serve mode does not work", "tampering"],
+    ),
+    serves(
+        "serves-with-leaks",
+        1,
+        &["state leaks between files", "asked alone with a picture"],
+        Fails::Count(11),
+    ),
+    serves(
+        "serves-other-answers",
+        1,
+        &[
+            "state leaks between files",
+            "it answers with \"unsupported\"; asked alone with a picture",
+        ],
+        Fails::Count(2),
+    ),
+];
+
+/// Numbers the runs, so that what one leaves is not mistaken for another's.
+static RUNS: AtomicUsize = AtomicUsize::new(0);
+
+/// Shows an animal to the harness: the verdict is exact, and nothing of it stays. Returns the most memory that the
+/// harness held, in KiB.
+#[track_caller]
+fn show(animal: &Animal) -> u64 {
+    let root = tempfile::tempdir().expect("a scratch directory");
+    let nap = format!(
+        "1000.{}{:06}",
+        std::process::id(),
+        RUNS.fetch_add(1, Ordering::Relaxed)
+    );
+    let temporary = root.path().join("a place");
+    let precious = root.path().join("precious");
+    for directory in [&temporary, &precious] {
+        fs::create_dir(directory).expect("a directory");
+    }
+    fs::write(precious.join("file"), "precious").expect("a file");
+    let report = root.path().join("report.yaml");
+    let mut command = program();
+    command
+        .env("TMPDIR", &temporary)
+        .env("ZOO_NAP", &nap)
+        .env("ZOO_PRECIOUS", &precious)
+        .arg("check")
+        .args(FEW)
+        .args(animal.options)
+        .arg("--report")
+        .arg(&report)
+        .args(["--", &zoo(), animal.kind]);
+    let (checked, memory) = common::measured(command, &report);
+    judge(animal, &checked);
+    assert_eq!(
+        fs::read_to_string(precious.join("file")).ok().as_deref(),
+        Some("precious"),
+        "{}",
+        animal.kind
+    );
+    let left: Vec<_> = fs::read_dir(&temporary)
+        .expect("a directory")
+        .flatten()
+        .map(|entry| entry.path())
         .collect();
-    assert!(left.is_empty(), "{left:?} survive");
+    assert!(left.is_empty(), "{}: {left:?} stay", animal.kind);
+    let alive = processes_of(&nap, root.path());
+    assert!(alive.is_empty(), "{}: {alive:?} survive", animal.kind);
+    memory
+}
+
+#[track_caller]
+fn judge(animal: &Animal, checked: &Checked) {
+    let Animal {
+        kind, status, says, ..
+    } = animal;
+    assert_eq!(checked.status, *status, "{kind}: {}", checked.text);
+    for says in *says {
+        assert!(
+            checked.text.contains(says),
+            "{kind} should be told {says:?}:\n{}",
+            checked.text
+        );
+    }
+    let failing = checked.cases("fail");
+    let passing = checked.cases("pass").len();
+    match animal.fails {
+        Fails::None => assert!(failing.is_empty() && passing > 0, "{kind}: {failing:?}"),
+        Fails::These(cases) => {
+            let mut cases = cases.to_vec();
+            let mut failing = failing.clone();
+            cases.sort_unstable();
+            failing.sort_unstable();
+            assert_eq!(failing, cases, "{kind}");
+        }
+        Fails::Count(count) => assert_eq!(
+            failing.len(),
+            count,
+            "{kind}: {failing:#?}\n{}",
+            checked.text
+        ),
+        Fails::Some => assert!(!failing.is_empty(), "{kind}: {}", checked.text),
+        Fails::NotJudged => assert_eq!((failing.len(), passing), (0, 0), "{kind}"),
+    }
+}
+
+/// Processes that sleep so long, or work below `root`, a moment after the run.
+fn processes_of(nap: &str, root: &Path) -> Vec<String> {
+    if !Path::new("/proc/self/cmdline").exists() {
+        println!("SKIPPED: there is no /proc to look for processes in");
+        return Vec::new();
+    }
+    let mark = format!("TMPDIR={}", root.display());
+    let look = || -> Vec<String> {
+        let processes = fs::read_dir("/proc").expect("/proc").filter_map(|entry| {
+            let process = entry.ok()?.path();
+            let command = fs::read(process.join("cmdline")).ok()?;
+            let command = String::from_utf8_lossy(&command).replace('\0', " ");
+            let environment = fs::read(process.join("environ")).unwrap_or_default();
+            let works_here = String::from_utf8_lossy(&environment).contains(&mark);
+            (command.contains(nap) || works_here).then_some(command)
+        });
+        processes.collect()
+    };
+    // The watcher may take a moment to go.
+    for _ in 0..50 {
+        if look().is_empty() {
+            return Vec::new();
+        }
+        std::thread::sleep(Duration::from_millis(100));
+    }
+    look()
+}
+
+/// The harness holds the suite and little else, whatever a decoder does.
+const MOST_MEMORY: u64 = 100 << 10;
+
+/// All are shown before any failure is told.
+#[track_caller]
+fn show_all(animals: &[Animal]) {
+    let wrong: Vec<String> = animals
+        .iter()
+        .filter_map(|animal| {
+            let memory = std::panic::catch_unwind(|| show(animal));
+            match memory {
+                Ok(memory) => (memory > MOST_MEMORY)
+                    .then(|| format!("{}: the harness held {memory} KiB", animal.kind)),
+                Err(panic) => panic
+                    .downcast_ref::<String>()
+                    .cloned()
+                    .or(Some(animal.kind.to_owned())),
+            }
+        })
+        .collect();
+    assert!(wrong.is_empty(), "{}", wrong.join("\n\n"));
+}
+
+#[test]
+fn each_that_answers_gets_its_verdict() {
+    show_all(QUIET);
+}
+
+#[test]
+fn each_that_does_not_end_is_stopped() {
+    show_all(STOPPED);
+}
+
+#[test]
+fn each_that_serves_gets_its_verdict() {
+    show_all(SERVING);
+}
+
+/// All of them again and again while every processor is busy: `PTM_ZOO_RUNS=20 cargo test --release --test zoo -- \
+/// --ignored`.
+#[test]
+#[ignore = "takes an hour"]
+fn verdicts_are_the_same_under_load() {
+    let runs = std::env::var("PTM_ZOO_RUNS")
+        .ok()
+        .and_then(|runs| runs.parse().ok())
+        .unwrap_or(20);
+    let processors = std::thread::available_parallelism().map_or(1, usize::from);
+    let _load = common::Load::new(processors);
+    let mut first = Vec::new();
+    for run in 0..runs {
+        for (i, animal) in [QUIET, STOPPED, SERVING].into_iter().flatten().enumerate() {
+            let memory = show(animal);
+            if run == 0 {
+                first.push(memory);
+            }
+            let most = first[i] + 8 * 1024;
+            assert!(
+                memory <= most,
+                "{}: the harness held {memory} KiB, and {} at first",
+                animal.kind,
+                first[i]
+            );
+        }
+        println!("run {} of {runs}: all verdicts are right", run + 1);
+    }
+}
+
+#[test]
+fn a_decimal_comma_is_found_where_a_locale_writes_one() {
+    // A machine without such a locale gets a program that lists one; the decoder looks at LC_ALL alone.
+    let root = tempfile::tempdir().expect("a scratch directory");
+    let locale = root.path().join("locale");
+    fs::write(&locale, "#!/bin/sh\necho C\necho de_DE.utf8\n").expect("a script");
+    common::make_executable(&locale);
+    let path = format!(
+        "{}:{}",
+        root.path().display(),
+        std::env::var("PATH").unwrap_or_default()
+    );
+    let check = |kind: &str| {
+        let report = root.path().join("report.yaml");
+        let mut command = program();
+        command
+            .env("PATH", &path)
+            .arg("check")
+            .args(FEW)
+            .args(PATIENT)
+            .arg("--report")
+            .arg(&report)
+            .args(["--", &zoo(), kind]);
+        common::measured(command, &report).0
+    };
+    let checked = check("reads-commas");
+    assert_eq!(checked.status, 1, "{}", checked.text);
+    assert!(checked.text.contains("FAIL: in the locale de_DE.utf8, which writes numbers with a comma, first-rgb in coef gives another picture"), "{}", checked.text);
+    assert!(checked.cases("fail").is_empty());
+    assert_eq!(check("right").status, 0);
 }

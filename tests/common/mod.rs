@@ -1,8 +1,12 @@
 //! Runs the program as its users do.
 #![allow(dead_code)] // each test file uses some of this
 
+use std::io::Read;
+use std::os::unix::fs::PermissionsExt;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::process::{Child, Command, Output, Stdio};
+use std::thread::JoinHandle;
+use std::time::Duration;
 
 /// What `check` said.
 pub struct Checked {
@@ -68,6 +72,95 @@ pub fn check_with(options: &[&str], decoder: &[&str]) -> Checked {
         text: String::from_utf8_lossy(&text).into_owned(),
         report: report.unwrap_or_default(),
     }
+}
+
+/// Runs a `check` whose report goes to `report`, and says how much memory it held at most, in KiB (0 where there is no
+/// /proc).
+pub fn measured(mut command: Command, report: &Path) -> (Checked, u64) {
+    let mut child = command
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("the program starts");
+    let status = format!("/proc/{}/status", child.id());
+    let output = [
+        child.stdout.take().map(read_aside),
+        child.stderr.take().map(read_aside),
+    ];
+    let mut most = 0;
+    let exit = loop {
+        let held = std::fs::read_to_string(&status).unwrap_or_default();
+        let held = held.lines().find_map(|line| line.strip_prefix("VmHWM:"));
+        let held = held.and_then(|held| held.trim().strip_suffix(" kB")?.parse().ok());
+        most = most.max(held.unwrap_or_default());
+        if let Some(exit) = child.try_wait().expect("it can be waited for") {
+            break exit;
+        }
+        std::thread::sleep(Duration::from_millis(5));
+    };
+    let text: Vec<u8> = output
+        .into_iter()
+        .flatten()
+        .flat_map(|reader| reader.join().expect("no reader panics"))
+        .collect();
+    let report = std::fs::read_to_string(report)
+        .ok()
+        .and_then(|text| serde_saphyr::from_str(&text).ok());
+    let checked = Checked {
+        status: exit.code().unwrap_or(-1),
+        text: String::from_utf8_lossy(&text).into_owned(),
+        report: report.unwrap_or_default(),
+    };
+    (checked, most)
+}
+
+fn read_aside(mut pipe: impl Read + Send + 'static) -> JoinHandle<Vec<u8>> {
+    std::thread::spawn(move || {
+        let mut bytes = Vec::new();
+        let _ = pipe.read_to_end(&mut bytes);
+        bytes
+    })
+}
+
+/// What keeps a report from conforming to its schema.
+pub fn report_errors(report: &serde_json::Value) -> Vec<String> {
+    let schema = std::fs::read_to_string(repository("spec-cases/schema/report.schema.json"));
+    let schema = serde_json::from_str(&schema.expect("a schema")).expect("a schema is JSON");
+    let validator = jsonschema::validator_for(&schema).expect("a schema is a schema");
+    let errors = validator.iter_errors(report);
+    errors
+        .take(5)
+        .map(|error| format!("{}: {error}", error.instance_path()))
+        .collect()
+}
+
+/// Keeps processors busy as long as it lives.
+pub struct Load(Vec<Child>);
+
+impl Load {
+    /// Keeps so many busy.
+    pub fn new(processors: usize) -> Load {
+        let busy = |_| {
+            let mut shell = Command::new("sh");
+            shell.args(["-c", "while :; do :; done"]).spawn()
+        };
+        Load((0..processors).filter_map(|i| busy(i).ok()).collect())
+    }
+}
+
+impl Drop for Load {
+    fn drop(&mut self) {
+        for child in &mut self.0 {
+            let _ = child.kill();
+            let _ = child.wait();
+        }
+    }
+}
+
+/// Lets a file be executed.
+pub fn make_executable(path: &Path) {
+    let executable = std::fs::Permissions::from_mode(0o755);
+    std::fs::set_permissions(path, executable).expect("permissions");
 }
 
 /// The directory of the programs that cargo builds beside the tests.

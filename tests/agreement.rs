@@ -1,0 +1,51 @@
+//! The decoder in Python and the reference, which were written apart from each other, on files that nobody chose.
+#![cfg(all(unix, feature = "cli"))]
+
+mod common;
+
+use std::process::Command;
+
+use common::{program, repository};
+
+const FILES: usize = 10_000;
+
+#[test]
+#[ignore = "draws 10,000 files; takes minutes"]
+fn the_python_decoder_agrees_with_the_reference_on_10_000_generated_files() {
+    let packages = Command::new("python3")
+        .args(["-c", "import PIL, pillow_jpls"])
+        .output();
+    if !packages.is_ok_and(|output| output.status.success()) {
+        println!("SKIPPED: python3 with PIL and pillow_jpls is not there");
+        return;
+    }
+    let scratch = tempfile::tempdir().expect("a scratch directory");
+    let output = program()
+        .args([
+            "fuzz",
+            "--seed",
+            "2001",
+            "--view",
+            "raw",
+            "--executions",
+            &FILES.to_string(),
+            "--out",
+        ])
+        .arg(scratch.path().join("finds"))
+        .args([
+            "--",
+            "python3",
+            &repository("examples/decoders/ptm_decoder.py"),
+        ])
+        .output()
+        .expect("the program starts");
+    let said = String::from_utf8_lossy(&[output.stdout, output.stderr].concat()).into_owned();
+    println!("{said}");
+    assert_eq!(output.status.code(), Some(0), "{said}");
+    let drawn: usize = said
+        .split_whitespace()
+        .next()
+        .and_then(|word| word.parse().ok())
+        .expect("a number of files");
+    assert!(drawn >= FILES, "{said}");
+}

@@ -1,0 +1,349 @@
+//! A failing decoder is told what to mend.
+#![cfg(feature = "harness")]
+
+use std::collections::HashMap;
+
+use ptm_conform::Reading;
+use ptm_conform::harness::cases::Suite;
+use ptm_conform::harness::check::{Plan, Run, check};
+use ptm_conform::harness::diagnose::{Cause, Diagnosis, composable, diagnose};
+use ptm_conform::harness::judge::Outcome;
+use ptm_conform::harness::matrix::ask_all;
+use ptm_conform::harness::misreadings::{self, Misreading};
+use ptm_conform::harness::protocol::{Answer, Frame, Samples};
+use ptm_conform::harness::run::{Reply, Request};
+
+fn suite() -> Suite {
+    Suite::load().expect("the suite loads").prepared()
+}
+
+fn jobs() -> usize {
+    std::thread::available_parallelism().map_or(1, usize::from)
+}
+
+fn failures(run: &Run) -> Vec<usize> {
+    let judged = run.judgement.cases.iter().enumerate();
+    judged
+        .filter(|(_, judged)| {
+            judged
+                .as_ref()
+                .is_some_and(|judged| judged.outcome == Outcome::Fail)
+        })
+        .map(|(i, _)| i)
+        .collect()
+}
+
+fn slugs(diagnosis: &Diagnosis) -> Vec<&'static str> {
+    match &diagnosis.cause {
+        Cause::Misreading {
+            misreading, alike, ..
+        } => [misreading]
+            .into_iter()
+            .chain(alike)
+            .map(|misreading| misreading.slug)
+            .collect(),
+        Cause::Described { .. } => Vec::new(),
+    }
+}
+
+fn words(diagnosis: &Diagnosis) -> String {
+    match &diagnosis.cause {
+        Cause::Misreading { misreading, .. } => misreading.slug.to_owned(),
+        Cause::Described {
+            effect, example, ..
+        } => format!("{effect} [{example}]"),
+    }
+}
+
+/// What a wrong decoder makes of the right answer.
+type Wrong = fn(&Request, Answer) -> Answer;
+
+/// A run of a decoder that answers as `wrong` makes of the reference's answer.
+fn run_of(suite: &Suite, wrong: impl Fn(&Request, Answer) -> Answer + Sync) -> Run {
+    let ask = |request: &Request<'_>, _: usize| {
+        let right = misreadings::answer(&[], Reading::SPEC, request.file, request.view);
+        Reply::from(wrong(request, right))
+    };
+    let plan = Plan::of(suite, jobs());
+    check(suite, &plan, &ask, &|_, _, _, _| ())
+}
+
+/// The diagnosis of such a decoder, in words.
+fn told(suite: &Suite, wrong: impl Fn(&Request, Answer) -> Answer + Sync) -> Vec<String> {
+    let run = run_of(suite, wrong);
+    let diagnoses = diagnose(suite, &run, &[], jobs());
+    let mut stand: Vec<usize> = diagnoses
+        .iter()
+        .flat_map(|diagnosis| diagnosis.explains.iter().chain(&diagnosis.partly))
+        .copied()
+        .collect();
+    stand.sort_unstable();
+    assert_eq!(
+        stand,
+        failures(&run),
+        "every failure stands under one diagnosis"
+    );
+    let told: Vec<String> = diagnoses
+        .iter()
+        .map(|diagnosis| {
+            format!(
+                "{}+{}-{}: {}",
+                diagnosis.explains.len(),
+                diagnosis.partly.len(),
+                diagnosis.except.len(),
+                words(diagnosis)
+            )
+        })
+        .collect();
+    for line in &told {
+        println!("  {line}");
+    }
+    told
+}
+
+#[test]
+fn what_the_catalogue_does_not_know_is_put_into_words() {
+    let suite = suite();
+    let decoders: &[(&str, Wrong, &[&str])] = &[
+        (
+            "too wide",
+            |_, answer| match answer {
+                Answer::Decoded(frame) if frame.width > 16 => Answer::Rejected,
+                other => other,
+            },
+            &["refuses every file with", "columns"],
+        ),
+        (
+            "crashes on tables over 256",
+            |request, answer| {
+                let words = String::from_utf8_lossy(&request.file[..request.file.len().min(200)])
+                    .into_owned();
+                let large = words
+                    .split_once(" N_LUT_ENTRIES")
+                    .and_then(|(before, _)| before.rsplit('\n').next()?.parse::<u32>().ok())
+                    .is_some_and(|count| count > 256);
+                match answer {
+                    Answer::Decoded(_) if large => {
+                        Answer::Crashed("killed by signal 11".to_owned())
+                    }
+                    other => other,
+                }
+            },
+            &["crashes", "more than 256 entries"],
+        ),
+        (
+            "highest bit of a3",
+            |_, answer| {
+                edited(answer, "raw", |frame, samples| {
+                    for texel in samples.chunks_exact_mut(frame) {
+                        texel[3] ^= 0x80;
+                    }
+                })
+            },
+            &["highest bit", "a3"],
+        ),
+        (
+            "last texel lost",
+            |_, answer| {
+                edited(answer, "raw", |channels, samples| {
+                    let last = samples.len() - channels;
+                    samples[last..].fill(0);
+                })
+            },
+            &["last texel"],
+        ),
+        (
+            "one more",
+            |_, answer| {
+                edited(answer, "raw", |_, samples| {
+                    for sample in samples {
+                        *sample = sample.wrapping_add(1);
+                    }
+                })
+            },
+            &["1 more"],
+        ),
+    ];
+    for (name, wrong, says) in decoders {
+        println!("{name}");
+        let told = told(&suite, wrong);
+        assert!(
+            told.first()
+                .is_some_and(|first| says.iter().all(|words| first.contains(words))),
+            "{name}: {told:#?}"
+        );
+    }
+}
+
+/// The samples of a raw frame changed; other answers as they are.
+fn edited(answer: Answer, view: &str, edit: fn(usize, &mut [u8])) -> Answer {
+    match answer {
+        Answer::Decoded(mut frame) if frame.view == view => {
+            let channels = frame.channels as usize;
+            if let Samples::U8(samples) = &mut frame.samples {
+                edit(channels, samples);
+            }
+            Answer::Decoded(Frame { ..frame })
+        }
+        other => other,
+    }
+}
+
+/// What keeps the diagnosis of a decoder with these mistakes from naming them all.
+fn missed(
+    suite: &Suite,
+    mistakes: &[&'static Misreading],
+    right: &HashMap<String, Answer>,
+) -> Result<Option<String>, &'static str> {
+    let (run, _) = ask_all(suite, mistakes, &[], jobs(), right);
+    let failing = failures(&run);
+    if failing.is_empty() {
+        return Err("fails no case");
+    }
+    let diagnoses = diagnose(suite, &run, &[], jobs());
+    let named = mistakes.iter().all(|mistake| {
+        diagnoses
+            .iter()
+            .take(mistakes.len())
+            .any(|diagnosis| slugs(diagnosis).contains(&mistake.slug))
+    });
+    Ok((!named).then(|| {
+        format!(
+            "{:?}, {} failures: {:?}",
+            mistakes
+                .iter()
+                .map(|mistake| mistake.slug)
+                .collect::<Vec<_>>(),
+            failing.len(),
+            diagnoses
+                .iter()
+                .map(|diagnosis| (diagnosis.explains.len(), words(diagnosis)))
+                .collect::<Vec<_>>()
+        )
+    }))
+}
+
+/// Every `step`th misreading, from the `first` on: fails, and is named first.
+fn names_every(first: usize, step: usize) {
+    let suite = suite();
+    let (_, right) = ask_all(&suite, &[], &[], jobs(), &HashMap::new());
+    let mut wrong = Vec::new();
+    let mut count = 0;
+    for misreading in misreadings::all().skip(first).step_by(step) {
+        count += 1;
+        match missed(&suite, &[misreading], &right) {
+            Ok(None) => {}
+            Ok(Some(why)) => wrong.push(why),
+            Err(why) => wrong.push(format!("{} {why}", misreading.slug)),
+        }
+        if count % 10 == 0 {
+            println!("{count} done, {} missed", wrong.len());
+        }
+    }
+    println!("{count} misreadings, {} not named first", wrong.len());
+    assert!(wrong.is_empty(), "{wrong:#?}");
+}
+
+#[test]
+fn one_misreading_in_forty_is_named() {
+    names_every(7, 40);
+}
+
+#[test]
+#[ignore = "takes minutes"]
+fn every_misreading_is_named() {
+    names_every(0, 1);
+}
+
+/// Sets of composable misreadings, without a pattern and the same everywhere.
+fn drawn(count: usize, size: usize) -> Vec<Vec<&'static Misreading>> {
+    let all: Vec<&'static Misreading> = misreadings::all().collect();
+    let mut state = 0x2545_f491_4f6c_dd1d_u64;
+    let mut draw = || {
+        state ^= state << 13;
+        state ^= state >> 7;
+        state ^= state << 17;
+        all[(state % all.len() as u64) as usize]
+    };
+    let mut sets = Vec::new();
+    while sets.len() < count {
+        let mut set: Vec<&'static Misreading> = Vec::new();
+        while set.len() < size {
+            let next = draw();
+            if set.iter().all(|other| composable(other, next)) {
+                set.push(next);
+            }
+        }
+        sets.push(set);
+    }
+    sets
+}
+
+/// Whether each member still changes an answer where the others are made.
+fn all_show(suite: &Suite, set: &[&'static Misreading]) -> bool {
+    set.iter().all(|member| {
+        let others: Vec<&Misreading> = set
+            .iter()
+            .copied()
+            .filter(|other| other.slug != member.slug)
+            .collect();
+        suite.cases.iter().any(|case| {
+            let built = case.build(ptm_conform::harness::cases::TableSpelling::default());
+            ptm_conform::harness::diagnose::applies(member, &built.file)
+                && case.views.first().is_some_and(|view| {
+                    misreadings::answer(set, Reading::SPEC, &built.file, view)
+                        != misreadings::answer(&others, Reading::SPEC, &built.file, view)
+                })
+        })
+    })
+}
+
+fn names_sets(count: usize, size: usize, least: usize) {
+    let suite = suite();
+    let (_, right) = ask_all(&suite, &[], &[], jobs(), &HashMap::new());
+    let (mut tried, mut named, mut equal) = (0, 0, 0);
+    let mut missing = Vec::new();
+    for set in drawn(count * 4, size) {
+        if tried == count {
+            break;
+        }
+        if !all_show(&suite, &set) {
+            continue;
+        }
+        match missed(&suite, &set, &right) {
+            Ok(None) => named += 1,
+            Ok(Some(why)) => missing.push(why),
+            Err(why) => {
+                println!(
+                    "{:?} {why}",
+                    set.iter().map(|member| member.slug).collect::<Vec<_>>()
+                );
+                equal += 1;
+            }
+        }
+        tried += 1;
+    }
+    println!("{tried} sets of {size}: {named} named whole, {equal} fail no case");
+    for why in &missing {
+        println!("  {why}");
+    }
+    assert_eq!(equal, 0, "every set is caught");
+    assert!(named * 100 >= tried * least, "{named} of {tried}");
+}
+
+#[test]
+fn ten_pairs_are_named() {
+    names_sets(10, 2, 80);
+}
+
+#[test]
+#[ignore = "takes minutes"]
+fn two_hundred_pairs_are_caught_and_nine_in_ten_named() {
+    names_sets(200, 2, 90);
+}
+
+#[test]
+#[ignore = "takes minutes"]
+fn fifty_triples_are_caught() {
+    names_sets(50, 3, 0);
+}
