@@ -9,7 +9,9 @@ use std::time::Duration;
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
 
-use crate::{EXIT_USAGE, Guarded, jobs, print, stop_on_signals};
+use super::EXIT_USAGE;
+use super::guard::{Guarded, stop_on_signals};
+use super::output::{jobs, print};
 use ptm_conform::harness::cases::{Suite, TableSpelling};
 use ptm_conform::harness::fuzz::write::{because, write};
 use ptm_conform::harness::fuzz::{News, Plan, fuzz, reduce};
@@ -33,10 +35,10 @@ pub struct CallArgs {
     #[arg(long, value_name = "SECONDS", default_value_t = 10.0)]
     timeout: f64,
     /// Memory that a call may hold, all its processes together: bytes, or with K, M or G.
-    #[arg(long, value_name = "SIZE", default_value = "2G", value_parser = crate::parse_size)]
+    #[arg(long, value_name = "SIZE", default_value = "2G", value_parser = super::arguments::parse_size)]
     memory: u64,
     /// An exit status that means "malformed" besides 65.
-    #[arg(long, value_name = "N", value_parser = crate::parse_refusal)]
+    #[arg(long, value_name = "N", value_parser = super::arguments::parse_refusal)]
     reject_exit: Option<i32>,
 }
 
@@ -44,7 +46,7 @@ impl CallArgs {
     fn decoder(&self, command: &[OsString], stop: &Arc<AtomicBool>) -> Result<Decoder, String> {
         processes::prepare();
         let mut decoder = Decoder::new(command).map_err(|error| error.to_string())?;
-        decoder.timeout = crate::positive_seconds(self.timeout)?;
+        decoder.timeout = super::arguments::positive_seconds(self.timeout)?;
         decoder.memory = self.memory;
         decoder.reject_exit = self.reject_exit;
         decoder.stop = Arc::clone(stop);
@@ -118,7 +120,7 @@ pub fn run_fuzz(args: &FuzzArgs) -> Result<u8, String> {
         stop: Arc::clone(&stop),
     };
     if let Some(seconds) = args.seconds {
-        stop_after(crate::positive_seconds(seconds)?, &stop);
+        stop_after(super::arguments::positive_seconds(seconds)?, &stop);
     }
     let bar = bar(args.executions as u64);
     let servers = Servers::new(&decoder, scratch, plan.jobs);

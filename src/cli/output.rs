@@ -1,9 +1,10 @@
-//! What goes to standard output: words in color where that is wanted, or YAML or JSON for other programs.
+//! What is shown: words in color where that is wanted, YAML or JSON for other programs, and how far long work has come.
 
 use std::io::Write;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 
 use clap::{Args, ValueEnum};
+use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
 
 /// When to use color.
@@ -90,4 +91,29 @@ impl Machine {
         }
         Ok(self.yaml || self.json)
     }
+}
+
+/// How many workers there are to be: as many as the machine runs at a time, unless told.
+pub fn jobs(asked: Option<usize>) -> Result<usize, String> {
+    match asked {
+        Some(0) => Err("--jobs needs at least 1".to_owned()),
+        Some(jobs) => Ok(jobs),
+        None => Ok(std::thread::available_parallelism().map_or(1, usize::from)),
+    }
+}
+
+/// A bar on standard error, where that is a terminal.
+pub fn progress_bar() -> ProgressBar {
+    let style = ProgressStyle::with_template("{bar:40} {pos}/{len} {elapsed}")
+        .expect("the template is well-formed");
+    if quiet() {
+        return ProgressBar::hidden();
+    }
+    ProgressBar::new(0).with_style(style)
+}
+
+/// Moves the bar to `done` of `all`.
+pub fn show_progress(bar: &ProgressBar, done: usize, all: usize) {
+    bar.set_length(all as u64);
+    bar.set_position(done as u64);
 }

@@ -1,39 +1,32 @@
 //! `ptm-conform check`, and what every command needs that starts somebody else's program.
 
 use std::ffi::OsString;
-use std::fs;
-use std::io::{self, Write};
-use std::os::unix::process::CommandExt;
 use std::path::{Path, PathBuf};
-use std::process::{Child, Stdio};
-use std::sync::atomic::AtomicBool;
-use std::sync::{Arc, Mutex};
-use std::time::Duration;
+use std::sync::Arc;
 
 use clap::Args;
-use signal_hook::consts::{SIGINT, SIGTERM};
 
-use crate::cli::files::write_whole;
-use crate::commands::known_failures::{self, KnownFailureArgs};
-use crate::commands::own_files;
-use crate::commands::renderings::RenderingArgs;
-use crate::commands::subject::{self, Answers, Subject};
-use crate::{jobs, print, progress_bar, show_progress, texture_commands};
+use super::arguments::{globs, parse_refusal, parse_size, positive_seconds};
+use super::files::write_whole;
+use super::guard::{Guarded, stop_on_signals};
+use super::known_failures::{self, KnownFailureArgs};
+use super::output::{jobs, print, progress_bar, show_progress};
+use super::own_files;
+use super::partial::Partial;
+use super::renderings::RenderingArgs;
+use super::subject::{self, Answers, Subject};
+use super::{EXIT_NOTHING_SELECTED, texture};
 use ptm_conform::harness::baseline::Baseline;
 use ptm_conform::harness::capabilities::Capabilities;
 use ptm_conform::harness::cases::{self, Suite};
 use ptm_conform::harness::check::{Plan, Remark, Repeat, Run, SAMPLE, check};
 use ptm_conform::harness::merge::{self, conclude};
-use ptm_conform::harness::protocol::EXIT_UNSUPPORTED;
 use ptm_conform::harness::report::Report;
 use ptm_conform::harness::run::{Decoder, Request};
-use ptm_conform::harness::scratch::{Scratch, remove};
+use ptm_conform::harness::scratch::Scratch;
 use ptm_conform::harness::serve::Servers;
 use ptm_conform::harness::shards::{Circumstances, End, Keeper, Part, beside};
 use ptm_conform::harness::{locale, processes, smoke};
-
-/// No case matches what was asked for.
-pub const EXIT_NOTHING_SELECTED: u8 = 5;
 
 /// Run every case against a decoder and say which clauses it misreads.
 ///
@@ -322,8 +315,8 @@ fn run_check_of_textures(
     let guarded = Guarded::new()?;
     let partial = Partial::new(&args.report)?;
     let bar = progress_bar();
-    let status = texture_commands::run_check(
-        texture_commands::Check {
+    let status = texture::run_check(
+        texture::Check {
             decoder,
             command,
             scratch: &guarded.scratch,
@@ -382,140 +375,6 @@ fn limits(args: &CheckArgs, serves: bool) -> Vec<String> {
         limits.push(format!("serve mode: one process a job; failures and one in {SAMPLE} of the rest are asked again one-shot"));
     }
     limits
-}
-
-/// The directories of a run, and a process that clears up should this one be killed.
-pub struct Guarded {
-    pub scratch: Scratch,
-    watcher: Option<Child>,
-}
-
-impl Guarded {
-    pub fn new() -> Result<Guarded, String> {
-        let scratch = Scratch::new().map_err(|error| format!("no scratch directory: {error}"))?;
-        // A decoder that is at work when this process is killed would be nobody's; without a watcher it only stays.
-        let watcher = std::env::current_exe().and_then(|program| {
-            let mut command = std::process::Command::new(program);
-            command
-                .arg("watch")
-                .args(scratch.directories())
-                .stdin(Stdio::piped())
-                .stdout(Stdio::null())
-                .stderr(Stdio::null())
-                .process_group(0);
-            processes::start(&mut command)
-        });
-        Ok(Guarded {
-            scratch,
-            watcher: watcher.ok(),
-        })
-    }
-}
-
-impl Drop for Guarded {
-    fn drop(&mut self) {
-        processes::kill_all(self.scratch.works());
-        if let Some(watcher) = &mut self.watcher {
-            drop(watcher.stdin.take());
-            let _ = watcher.wait();
-        }
-    }
-}
-
-pub fn watch(directories: &[PathBuf]) -> u8 {
-    let _ = io::copy(&mut io::stdin(), &mut io::sink());
-    for directory in directories {
-        processes::kill_all(directory);
-        remove(directory);
-    }
-    0
-}
-
-/// What has been found so far, beside the report: a list in YAML, valid after every case.
-struct Partial {
-    path: PathBuf,
-    file: Mutex<fs::File>,
-}
-
-impl Partial {
-    fn new(report: &Path) -> Result<Partial, String> {
-        let mut path = report.as_os_str().to_owned();
-        path.push(".partial");
-        let path = PathBuf::from(path);
-        let file =
-            fs::File::create(&path).map_err(|error| format!("{}: {error}", path.display()))?;
-        Ok(Partial {
-            path,
-            file: Mutex::new(file),
-        })
-    }
-
-    fn append(&self, id: &str, view: &str, answer: &str) {
-        let line = format!("- {{ id: {id}, view: \"{view}\", answer: {answer} }}\n");
-        // One write for a line; what cannot be written is still in the report.
-        let _ = self
-            .file
-            .lock()
-            .expect("no worker panics")
-            .write_all(line.as_bytes());
-    }
-
-    fn remove(self) {
-        let _ = fs::remove_file(self.path);
-    }
-}
-
-/// A flag that is set when the user wants the run to end.
-pub fn stop_on_signals() -> Result<Arc<AtomicBool>, String> {
-    let stop = Arc::new(AtomicBool::new(false));
-    for signal in [SIGINT, SIGTERM] {
-        signal_hook::flag::register(signal, Arc::clone(&stop))
-            .map_err(|error| format!("no signals: {error}"))?;
-    }
-    Ok(stop)
-}
-
-pub fn positive_seconds(seconds: f64) -> Result<Duration, String> {
-    Duration::try_from_secs_f64(seconds)
-        .ok()
-        .filter(|time| !time.is_zero())
-        .ok_or_else(|| "a time limit is a positive number of seconds".to_owned())
-}
-
-/// An exit status that may mean a refusal: 0 and 69 mean something else.
-pub fn parse_refusal(text: &str) -> Result<i32, String> {
-    let status = text
-        .parse()
-        .ok()
-        .filter(|status| (1..=255).contains(status) && *status != EXIT_UNSUPPORTED);
-    status.ok_or_else(|| {
-        format!(
-            "expected an exit status from 1 to 255 other than {EXIT_UNSUPPORTED}, found {text:?}"
-        )
-    })
-}
-
-/// Bytes, or with K, M or G.
-pub fn parse_size(text: &str) -> Result<u64, String> {
-    let (digits, shift) = match text.as_bytes().last() {
-        Some(b'K') => (&text[..text.len() - 1], 10),
-        Some(b'M') => (&text[..text.len() - 1], 20),
-        Some(b'G') => (&text[..text.len() - 1], 30),
-        _ => (text, 0),
-    };
-    let bytes = digits
-        .parse::<u64>()
-        .ok()
-        .filter(|&size| size > 0)
-        .and_then(|size| size.checked_mul(1 << shift));
-    bytes.ok_or_else(|| format!("expected a size such as 500M or 2G, found {text:?}"))
-}
-
-/// Patterns for the ids of cases.
-pub fn globs(texts: &[String]) -> Result<Vec<glob::Pattern>, String> {
-    let pattern =
-        |text: &String| glob::Pattern::new(text).map_err(|error| format!("--case {text}: {error}"));
-    texts.iter().map(pattern).collect()
 }
 
 /// Which cases match the globs and the clauses; all if there are none.

@@ -9,8 +9,10 @@ use ptm_conform::harness::protocol::View;
 use ptm_conform::harness::run::{Decoder, Request};
 use ptm_conform::harness::scratch::Scratch;
 
-use crate::cli::files::write_whole;
-use crate::{CheckArgs, EXIT_NOTHING_SELECTED, print, progress_bar, show_progress};
+use super::EXIT_NOTHING_SELECTED;
+use super::check::CheckArgs;
+use super::files::write_whole;
+use super::output::{print, progress_bar, show_progress};
 
 /// `check --files`: no suite, but the files of a directory.
 pub fn check(

@@ -44,14 +44,14 @@ impl RenderingArgs {
     /// Writes those that are asked for.
     pub fn write(&self, suite: &Suite, report: &Report, run: &Run) -> Result<(), String> {
         if let Some(path) = &self.html {
-            crate::write_whole(path, &html::page(suite, report, Some(run))?)?;
-            crate::print(&format!("page: {}\n", path.display()));
+            super::files::write_whole(path, &html::page(suite, report, Some(run))?)?;
+            super::output::print(&format!("page: {}\n", path.display()));
         }
         if let Some(path) = &self.junit {
-            crate::write_whole(path, &junit::junit(report)?)?;
+            super::files::write_whole(path, &junit::junit(report)?)?;
         }
         if self.github {
-            crate::print(&github::annotations(report));
+            super::output::print(&github::annotations(report));
             let summary = std::env::var_os("GITHUB_STEP_SUMMARY").filter(|path| !path.is_empty());
             if let Some(path) = summary {
                 append(&path, &github::summary(suite, report))?;

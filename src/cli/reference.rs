@@ -8,9 +8,9 @@ use ptm_conform::error::Class;
 use ptm_conform::harness::protocol::{EXIT_MALFORMED, EXIT_UNSUPPORTED, Frame, View, write_view};
 use ptm_conform::ptm::Format;
 
-use crate::EXIT_USAGE;
+use super::EXIT_USAGE;
 #[cfg(unix)]
-use crate::texture_commands;
+use super::texture;
 
 /// Decode FILE as the reference does and print the frame: the reference speaking the decoder protocol.
 ///
@@ -33,7 +33,7 @@ pub fn run(args: &Args) -> u8 {
         ("capabilities", None) => status(io::stdout().write_all(capabilities().as_bytes())),
         (_, None) => usage("a view needs a file"),
         #[cfg(unix)]
-        ("texture", Some(file)) => texture_commands::answer(file),
+        ("texture", Some(file)) => texture::answer(file),
         (view, Some(file)) => match view.parse::<View>() {
             Ok(view) => one(&view, file),
             Err(error) => usage(&error),

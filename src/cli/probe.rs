@@ -37,9 +37,9 @@ pub fn run(args: &ProbeArgs) -> Result<u8, String> {
         .ok()
         .filter(|timeout| !timeout.is_zero())
         .ok_or("a time limit is a positive number of seconds")?;
-    let guarded = crate::Guarded::new()?;
+    let guarded = super::guard::Guarded::new()?;
     let list = probe(&args.decoder, &decoder, &guarded.scratch);
-    crate::print(&list.to_string());
+    super::output::print(&list.to_string());
     let command: Vec<String> = args
         .decoder
         .iter()
@@ -51,7 +51,7 @@ pub fn run(args: &ProbeArgs) -> Result<u8, String> {
         .iter()
         .filter(|step| step.mark == Mark::Bad)
         .count();
-    crate::print(&match bad {
+    super::output::print(&match bad {
         0 => format!("ready. Next: ptm-conform check -- {command}\n"),
         1 => "1 thing to mend; then probe again\n".to_owned(),
         _ => format!("{bad} things to mend; then probe again\n"),

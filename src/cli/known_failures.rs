@@ -52,8 +52,8 @@ impl KnownFailureArgs {
         }
         let list = known.cloned().unwrap_or_default();
         let list = list.renewed(suite, &run.judgement.cases);
-        crate::write_whole(path, &list)?;
-        crate::print(&format!("known failures: {}\n", path.display()));
+        super::files::write_whole(path, &list)?;
+        super::output::print(&format!("known failures: {}\n", path.display()));
         Ok(())
     }
 }

@@ -102,8 +102,8 @@ struct Made {
 impl Made {
     fn write(&self, text: &str) -> Result<u8, String> {
         match &self.output {
-            Some(path) => crate::write_whole(path, text)?,
-            None => crate::print(text),
+            Some(path) => super::files::write_whole(path, text)?,
+            None => super::output::print(text),
         }
         Ok(0)
     }
@@ -118,16 +118,16 @@ pub fn run(args: &ReportArgs) -> Result<u8, String> {
             let report = Report::read(file)?;
             let suite = Suite::load()?;
             if cases.is_empty() {
-                crate::print(&printable(&report.to_text(&suite, *show)));
+                super::output::print(&printable(&report.to_text(&suite, *show)));
                 return Ok(0);
             }
-            let globs = crate::globs(cases)?;
+            let globs = super::arguments::globs(cases)?;
             let text = report.cases_to_text(&suite, |id| globs.iter().any(|glob| glob.matches(id)));
             if text.is_empty() {
                 eprintln!("ptm-conform: no case of the report matches");
-                return Ok(crate::EXIT_NOTHING_SELECTED);
+                return Ok(super::EXIT_NOTHING_SELECTED);
             }
-            crate::print(&printable(&text));
+            super::output::print(&printable(&text));
             Ok(0)
         }
         ReportCommand::Merge(args) => merge(args),
@@ -138,7 +138,7 @@ pub fn run(args: &ReportArgs) -> Result<u8, String> {
                 [report] => html::page(&Suite::load()?, report, None)?,
                 reports => html::matrix(reports)?,
             };
-            crate::write_whole(output, &page)?;
+            super::files::write_whole(output, &page)?;
             Ok(0)
         }
         ReportCommand::Junit(made) => made.write(&junit::junit(&Report::read(&made.file)?)?),
@@ -149,7 +149,7 @@ pub fn run(args: &ReportArgs) -> Result<u8, String> {
         }
         ReportCommand::Diff { old, new } => {
             let changes = Report::read(old)?.changes_to(&Report::read(new)?);
-            crate::print(&printable(&changes));
+            super::output::print(&printable(&changes));
             Ok(if changes.is_empty() {
                 0
             } else {
@@ -163,13 +163,13 @@ fn merge(args: &MergeArgs) -> Result<u8, String> {
     let suite = Suite::load()?;
     let known = args.known.read(&suite)?;
     let answers = Answers::read(&suite, &args.parts)?;
-    let bar = crate::progress_bar();
-    let merged = answers.merge(&suite, crate::jobs(None)?, &|_, _, done, all| {
-        crate::show_progress(&bar, done, all);
+    let bar = super::output::progress_bar();
+    let merged = answers.merge(&suite, super::output::jobs(None)?, &|_, _, done, all| {
+        super::output::show_progress(&bar, done, all);
     });
     bar.finish_and_clear();
     let (run, report) = merged?;
-    crate::check::finish(
+    super::check::finish(
         &suite,
         &run,
         report,

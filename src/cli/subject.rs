@@ -9,7 +9,7 @@ use ptm_conform::harness::protocol::Answer;
 use ptm_conform::harness::run::{Decoder, Reply, Request};
 use ptm_conform::harness::template::Template;
 
-use crate::CheckArgs;
+use super::check::CheckArgs;
 
 /// Who is checked, and what of the suite can be asked.
 pub struct Subject {

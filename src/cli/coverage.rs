@@ -9,8 +9,8 @@ use ptm_conform::harness::coverage::Coverage;
 use ptm_conform::harness::matrix::matrix;
 use ptm_conform::harness::smoke;
 
-use crate::cli::files::write_whole;
-use crate::{jobs, print, progress_bar, show_progress};
+use super::files::write_whole;
+use super::output::{jobs, print, progress_bar, show_progress};
 
 /// Measure the suite: which clauses it covers, which misreadings it catches and tells apart, which pairs of parameters
 /// occur, which cases are redundant. Takes minutes.

@@ -18,11 +18,13 @@ use ptm_conform::harness::texture::report;
 use ptm_conform::harness::texture::verify::verify;
 use ptm_conform::texture::{Picture, Rounding, Rules, Scene, Shape, TextureMap, picture};
 
-use crate::{EXIT_NOTHING_SELECTED, EXIT_USAGE, print, write_whole};
+use super::files::write_whole;
+use super::output::print;
+use super::{EXIT_NOTHING_SELECTED, EXIT_USAGE};
 
 /// Texture mapping: hold a file of cases against the reference, or draw what a table entry does.
 #[derive(Args)]
-pub(crate) struct TextureArgs {
+pub struct TextureArgs {
     #[command(subcommand)]
     command: Command,
 }
@@ -113,7 +115,7 @@ fn parse_color(text: &str) -> Result<[f64; 3], String> {
 }
 
 /// `ptm-conform texture …`
-pub(crate) fn run(args: &TextureArgs) -> Result<u8, String> {
+pub fn run(args: &TextureArgs) -> Result<u8, String> {
     match &args.command {
         Command::Cases(args) => run_cases(args),
         Command::Render(args) => run_render(args),
@@ -164,7 +166,7 @@ fn run_cases(args: &CasesArgs) -> Result<u8, String> {
 }
 
 /// `ptm-conform reference texture FILE`
-pub(crate) fn answer(file: &Path) -> u8 {
+pub fn answer(file: &Path) -> u8 {
     let bytes = match fs::read(file) {
         Ok(bytes) => bytes,
         Err(error) => {
@@ -186,7 +188,7 @@ pub(crate) fn answer(file: &Path) -> u8 {
 }
 
 /// What `check --suite texture` needs to know.
-pub(crate) struct Check<'a> {
+pub struct Check<'a> {
     pub decoder: &'a Decoder,
     pub command: &'a [String],
     pub scratch: &'a Scratch,
@@ -199,7 +201,7 @@ pub(crate) struct Check<'a> {
 }
 
 /// `ptm-conform check --suite texture …`
-pub(crate) fn run_check(
+pub fn run_check(
     args: Check<'_>,
     progress: &(impl Fn(&str, &Finding, usize, usize) + Sync),
 ) -> Result<u8, String> {
@@ -244,7 +246,7 @@ fn base_name(word: &Path) -> String {
 }
 
 /// What is known of texture mapping under that id.
-pub(crate) fn explain(id: &str) -> Result<String, String> {
+pub fn explain(id: &str) -> Result<String, String> {
     let suite = Suite::load()?;
     let mut text = String::new();
     if let Some(case) = suite.case(id) {

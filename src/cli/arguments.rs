@@ -1,0 +1,49 @@
+//! Values of options: times, sizes, exit statuses, patterns.
+
+use std::time::Duration;
+
+use ptm_conform::harness::protocol::EXIT_UNSUPPORTED;
+
+/// A time limit.
+pub fn positive_seconds(seconds: f64) -> Result<Duration, String> {
+    Duration::try_from_secs_f64(seconds)
+        .ok()
+        .filter(|time| !time.is_zero())
+        .ok_or_else(|| "a time limit is a positive number of seconds".to_owned())
+}
+
+/// An exit status that may mean a refusal: 0 and 69 mean something else.
+pub fn parse_refusal(text: &str) -> Result<i32, String> {
+    let status = text
+        .parse()
+        .ok()
+        .filter(|status| (1..=255).contains(status) && *status != EXIT_UNSUPPORTED);
+    status.ok_or_else(|| {
+        format!(
+            "expected an exit status from 1 to 255 other than {EXIT_UNSUPPORTED}, found {text:?}"
+        )
+    })
+}
+
+/// Bytes, or with K, M or G.
+pub fn parse_size(text: &str) -> Result<u64, String> {
+    let (digits, shift) = match text.as_bytes().last() {
+        Some(b'K') => (&text[..text.len() - 1], 10),
+        Some(b'M') => (&text[..text.len() - 1], 20),
+        Some(b'G') => (&text[..text.len() - 1], 30),
+        _ => (text, 0),
+    };
+    let bytes = digits
+        .parse::<u64>()
+        .ok()
+        .filter(|&size| size > 0)
+        .and_then(|size| size.checked_mul(1 << shift));
+    bytes.ok_or_else(|| format!("expected a size such as 500M or 2G, found {text:?}"))
+}
+
+/// Patterns for the ids of cases.
+pub fn globs(texts: &[String]) -> Result<Vec<glob::Pattern>, String> {
+    let pattern =
+        |text: &String| glob::Pattern::new(text).map_err(|error| format!("--case {text}: {error}"));
+    texts.iter().map(pattern).collect()
+}
