@@ -23,7 +23,7 @@ fn header_length(file: &[u8]) -> usize {
     let (fields, _) = ptm_conform::decode::fields(file);
     let payload = fields
         .iter()
-        .find(|field| matches!(field.clause, "2.5/3" | "2.7/1"));
+        .find(|field| matches!(field.clause, "2.5/3" | "2.7/1" | "2.9.8/2"));
     payload.map_or(file.len(), |field| field.range.start)
 }
 

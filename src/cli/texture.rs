@@ -86,9 +86,8 @@ struct RenderArgs {
     #[arg(long, value_name = "N", default_value_t = 0.5)]
     around: f64,
     /// The surface's own color: red, green, blue from 0 to 1.
-    #[arg(id = "surface_color", long = "surface-color", value_name = "R,G,B", default_value = "0.85,0.75,0.6", value_parser = parse_color)]
-    color: [f64; 3],
-
+    #[arg(long, value_name = "R,G,B", default_value = "0.85,0.75,0.6", value_parser = parse_color)]
+    surface_color: [f64; 3],
     /// Width and height of the picture.
     #[arg(long, value_name = "PIXELS", default_value_t = 512, value_parser = clap::value_parser!(u32).range(1..=8192))]
     size: u32,
@@ -353,7 +352,7 @@ fn run_render(args: &RenderArgs) -> Result<u8, String> {
         },
         entry,
         light: args.light,
-        color: args.color,
+        color: args.surface_color,
         around: args.around,
     };
     let drawn = picture(&scene, args.size as usize, &Rules::SPEC)

@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::harness::baseline::News;
 use crate::harness::capabilities::Capabilities;
-use crate::harness::cases::{Case, Expect, Feature, Suite};
+use crate::harness::cases::{Case, Feature, Suite};
 use crate::harness::check::Run;
 use crate::harness::corpus;
 use crate::harness::diagnose::{self, Diagnosis};
@@ -130,7 +130,7 @@ pub struct Cause {
     /// The misreading, where it is one of the catalogue.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub misreading: Option<String>,
-    /// What kind of failure it is, where it is none: refusal, acceptance or difference.
+    /// What kind of failure it is, where it is none: refusal, acceptance, misconduct or difference.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub kind: Option<String>,
     /// The clause it misreads.
@@ -371,9 +371,6 @@ impl Report {
                 others.len(),
                 failing.len()
             )?;
-            if let Some(advice) = advice(&others) {
-                writeln!(out, "  {advice}")?;
-            }
             let (alike, single) = by_kind(&others);
             for (kind, cases) in &alike {
                 writeln!(out, "  {} times {kind}; for example", cases.len())?;
@@ -621,26 +618,6 @@ fn unsupported(run: &Run) -> Vec<String> {
         (!known).then(|| format!("{view} of {}", format.short_name()))
     });
     features.map(ToString::to_string).chain(views).collect()
-}
-
-/// What helps where a decoder refuses files with another status than 65.
-fn advice(failures: &[&CaseResult]) -> Option<String> {
-    let status = failures
-        .iter()
-        .find_map(|case| case.says.as_ref()?.strip_prefix("crash: exit status "))?;
-    let refusals = failures
-        .iter()
-        .filter(|case| case.expect != Expect::Decode.name());
-    let alike = refusals
-        .filter(|case| {
-            case.says
-                .as_ref()
-                .is_some_and(|says| says.strip_prefix("crash: exit status ") == Some(status))
-        })
-        .count();
-    (alike > 1).then(|| {
-        format!("{alike} files that must or may be refused ended in exit status {status}. A refusal is exit status 65; if {status} is this decoder's, say --reject-exit {status}.")
-    })
 }
 
 /// Ruling `jpeg-samples`: pictures of lossy JPEG that are right and not the reference's.

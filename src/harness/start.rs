@@ -31,7 +31,7 @@ pub(super) fn why_not(program: &OsStr, error: &io::Error) -> String {
 /// What keeps it from being started, and what to do.
 pub(super) fn look(word: &OsStr, text: &str) -> Result<(), Found> {
     let here = Path::new(word);
-    let is_path = here.components().count() > 1 || text.starts_with('.');
+    let is_path = word.as_encoded_bytes().contains(&b'/');
     let Some(program) = (if is_path {
         Some(here.to_owned())
     } else {

@@ -6,6 +6,7 @@
 
 mod acceptances;
 mod assume;
+mod misconduct;
 mod pictures;
 mod provenance;
 mod refusals;
@@ -17,7 +18,7 @@ pub use assume::assume;
 pub(crate) use witness::spoken;
 pub use witness::{alike, applies, composable};
 
-use crate::harness::cases::Suite;
+use crate::harness::cases::{Expect, Suite};
 use crate::harness::check::Run;
 use crate::harness::misreadings::Misreading;
 use search::Search;
@@ -68,6 +69,8 @@ pub enum Kind {
     Refusal,
     /// Malformed files were accepted.
     Acceptance,
+    /// Files that must or may be refused ended in a crash, a hang or nonsense.
+    Misconduct,
     /// Pictures are wrong.
     Difference,
 }
@@ -79,6 +82,7 @@ impl Kind {
         match self {
             Kind::Refusal => "refusal",
             Kind::Acceptance => "acceptance",
+            Kind::Misconduct => "misconduct",
             Kind::Difference => "difference",
         }
     }
@@ -134,10 +138,12 @@ pub fn diagnose(
     drop_accidents(&search, &mut found);
     let (mut diagnoses, mut left) = named(&search, &found);
     diagnoses.extend(acceptances::describe(&witnesses, &mut left));
+    let misconduct = misconduct::describe(&witnesses, &mut left);
     let refusals = refusals::describe(&witnesses, &mut left);
     search_in_part(&search, &found, &mut diagnoses, &mut left);
     diagnoses.extend(refusals);
     diagnoses.extend(refusals::rest(&witnesses, &mut left));
+    diagnoses.extend(misconduct);
     diagnoses.extend(pictures::describe(
         &search,
         &search::of(&found.members),
@@ -150,7 +156,7 @@ pub fn diagnose(
 fn drop_accidents(search: &Search, found: &mut search::Found) {
     let witnesses = search.witnesses;
     let failing: Vec<usize> = (0..witnesses.len())
-        .filter(|&w| witnesses[w].failed)
+        .filter(|&w| witnesses[w].failed && witnesses[w].case.expect == Expect::Decode)
         .collect();
     let shared = refusals::widest(witnesses, &failing);
     found.members.retain(|member| {

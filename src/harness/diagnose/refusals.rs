@@ -111,12 +111,12 @@ pub(super) fn rest(witnesses: &[Witness], left: &mut Vec<usize>) -> Vec<Diagnosi
 
 /// What a decoder does instead of showing a picture.
 #[derive(Clone, Debug, PartialEq, Eq)]
-struct Deed {
+pub(super) struct Deed {
     /// "refuses", "crashes on (exit status 1)".
-    verb: String,
+    pub verb: String,
 }
 
-fn deed_of(witness: &Witness) -> Option<Deed> {
+pub(super) fn deed_of(witness: &Witness) -> Option<Deed> {
     let verb = match &witness.finding.shown {
         Shown::Picture { .. } => return None,
         Shown::Rejected => "refuses".to_owned(),
@@ -139,7 +139,7 @@ fn deed_of(witness: &Witness) -> Option<Deed> {
 }
 
 /// The deeds among the failures that are left, the most frequent first.
-fn deeds(witnesses: &[Witness], left: &[usize]) -> Vec<Deed> {
+pub(super) fn deeds(witnesses: &[Witness], left: &[usize]) -> Vec<Deed> {
     let mut deeds: Vec<(Deed, usize)> = Vec::new();
     for deed in left.iter().filter_map(|&w| deed_of(&witnesses[w])) {
         match deeds.iter_mut().find(|(known, _)| *known == deed) {
@@ -282,7 +282,7 @@ fn thresholds(these: &[usize], mine: &[&Traits], theirs: &[&Traits]) -> Vec<(Str
     found
 }
 
-fn example(witnesses: &[Witness], of: &[usize]) -> String {
+pub(super) fn example(witnesses: &[Witness], of: &[usize]) -> String {
     let smallest = of
         .iter()
         .map(|&w| &witnesses[w])

@@ -1,0 +1,68 @@
+//! Files that must or may be refused, and that ended in a crash, a hang or nonsense instead.
+
+use super::refusals::{Deed, deed_of, deeds, example};
+use super::witness::Witness;
+use super::{Diagnosis, Kind};
+use crate::harness::cases::Expect;
+use crate::harness::judge::Shown;
+use crate::harness::protocol::Answer;
+
+/// Faults that are named one by one.
+const NAMED: usize = 3;
+
+/// Misconduct on files that need not be read, way by way. It is taken out of `left`.
+pub(super) fn describe(witnesses: &[Witness], left: &mut Vec<usize>) -> Vec<Diagnosis> {
+    let refusable = |w: usize| witnesses[w].case.expect != Expect::Decode;
+    let of: Vec<usize> = left
+        .iter()
+        .copied()
+        .filter(|&w| refusable(w) && matches!(witnesses[w].finding.shown, Shown::Misconduct(_)))
+        .collect();
+    left.retain(|w| !of.contains(w));
+    let refuses = (0..witnesses.len())
+        .any(|w| refusable(w) && matches!(witnesses[w].finding.shown, Shown::Rejected));
+    let diagnosis = |deed: Deed| {
+        let these: Vec<usize> = of
+            .iter()
+            .copied()
+            .filter(|&w| deed_of(&witnesses[w]).as_ref() == Some(&deed))
+            .collect();
+        let effect = format!("{} {}", deed.verb, files(witnesses, &these, refuses));
+        let mend = mend(&witnesses[these[0]].finding.shown);
+        let example = example(witnesses, &these);
+        Diagnosis::described(Kind::Misconduct, witnesses, &these, (effect, mend, example))
+    };
+    deeds(witnesses, &of).into_iter().map(diagnosis).collect()
+}
+
+/// Which files they are: by their faults, where those are few.
+fn files(witnesses: &[Witness], these: &[usize], refuses: bool) -> String {
+    let mut faults: Vec<&str> = these
+        .iter()
+        .map(|&w| {
+            let case = witnesses[w].case;
+            case.damage()
+                .map_or(case.because.as_str(), |damage| damage.effect)
+        })
+        .collect();
+    faults.sort_unstable();
+    faults.dedup();
+    if faults.len() <= NAMED {
+        return format!("files that need not be read: {}", faults.join("; "));
+    }
+    let others = if refuses { "; others it refuses" } else { "" };
+    format!("{} files that must or may be refused{others}", these.len())
+}
+
+fn mend(shown: &Shown) -> String {
+    let status = match shown {
+        Shown::Misconduct(Answer::Crashed(how)) => how.strip_prefix("exit status "),
+        _ => None,
+    };
+    match status {
+        Some(status) => format!(
+            "end with exit status 65 there; if {status} is how this decoder refuses, say --reject-exit {status}"
+        ),
+        None => "find the fault before it does harm, and end with exit status 65".to_owned(),
+    }
+}
