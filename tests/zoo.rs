@@ -175,7 +175,11 @@ const QUIET: &[Animal] = &[
     ),
     fails(
         "crashes-on-malformed",
-        &["crash: exit status 1", "crashes (exit status 1) on files that need not be read", "say --reject-exit 1"],
+        &[
+            "crash: exit status 1",
+            "crashes (exit status 1) on files that need not be read",
+            "say --reject-exit 1",
+        ],
         Fails::Count(2),
     ),
     Animal {

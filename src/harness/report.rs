@@ -130,7 +130,7 @@ pub struct Cause {
     /// The misreading, where it is one of the catalogue.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub misreading: Option<String>,
-    /// What kind of failure it is, where it is none: refusal, acceptance, misconduct or difference.
+    /// What kind of failure it is, where it is none: refusal, acceptance, misconduct, difference or unsteady.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub kind: Option<String>,
     /// The clause it misreads.
@@ -462,10 +462,14 @@ fn write_cause(
     out: &mut String,
 ) -> std::fmt::Result {
     let (count, all) = (cause.explains.len(), failing.len());
+    let clause = match cause.kind.as_deref() {
+        Some("misconduct" | "unsteady") => String::new(),
+        _ => format!(" (clause {})", cause.clause),
+    };
     writeln!(
         out,
-        "{count} of {all} failures: the decoder {} (clause {}).",
-        cause.effect, cause.clause
+        "{count} of {all} failures: the decoder {}{clause}.",
+        cause.effect
     )?;
     for slug in cause.or.iter().take(3) {
         if let Some(other) = misreadings::named(slug) {

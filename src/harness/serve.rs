@@ -15,7 +15,7 @@ use std::fs;
 use std::io;
 use std::os::fd::{AsFd, OwnedFd};
 use std::os::unix::ffi::OsStrExt;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::Stdio;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -153,12 +153,12 @@ impl<'a> Server<'a> {
                 quoted(&self.call.output)
             )));
         }
-        let input = self.place.directory.join(format!("{}.ptm", self.sequence));
+        let input = self.input(self.sequence);
         lay_down(&input, request.file).map_err(broken)?;
         let outcome = self.exchange(&input, request, decoder);
         let untouched = is_untouched(&input, request.file);
-        // A file that stays is removed with its directory.
-        let _ = fs::remove_file(&input);
+        // An answer may have come too early, and the file be read later; what stays is removed with its directory.
+        let _ = fs::remove_file(self.input(self.sequence - 1));
         let answer = outcome?;
         if !untouched {
             return Err(Answer::Tampered(
@@ -177,6 +177,11 @@ impl<'a> Server<'a> {
             stderr,
             ..answer.into()
         })
+    }
+
+    /// Where the file of a request lies.
+    fn input(&self, sequence: u64) -> PathBuf {
+        self.place.directory.join(format!("{sequence}.ptm"))
     }
 
     /// Sends the request and waits for its answer.

@@ -12,6 +12,7 @@ mod provenance;
 mod refusals;
 mod search;
 mod traits;
+mod unsteady;
 mod witness;
 
 pub use assume::assume;
@@ -73,6 +74,8 @@ pub enum Kind {
     Misconduct,
     /// Pictures are wrong.
     Difference,
+    /// The same request is answered in two ways.
+    Unsteady,
 }
 
 impl Kind {
@@ -84,6 +87,7 @@ impl Kind {
             Kind::Acceptance => "acceptance",
             Kind::Misconduct => "misconduct",
             Kind::Difference => "difference",
+            Kind::Unsteady => "unsteady",
         }
     }
 }
@@ -130,8 +134,9 @@ pub fn diagnose(
 ) -> Vec<Diagnosis> {
     let reading = spoken(run);
     let witnesses = witnesses(suite, run, reading);
+    let unsteady = unsteady::describe(suite, run);
     if !witnesses.iter().any(|witness| witness.failed) {
-        return Vec::new();
+        return unsteady;
     }
     let search = Search::new(&witnesses, reading, assumed, threads);
     let mut found = search.run();
@@ -149,6 +154,7 @@ pub fn diagnose(
         &search::of(&found.members),
         &left,
     ));
+    diagnoses.extend(unsteady);
     diagnoses
 }
 

@@ -49,12 +49,15 @@ pub(super) enum Agreement {
     Against,
 }
 
-/// Every case that was asked and judged.
+/// Every case that was asked and judged, and answered in one way.
 pub(super) fn witnesses<'a>(suite: &'a Suite, run: &'a Run, reading: Reading) -> Vec<Witness<'a>> {
     let asked = suite.cases.iter().zip(&run.findings).enumerate();
     let judged = asked.filter_map(|(place, (case, finding))| {
         let outcome = run.judgement.cases[place].as_ref()?.outcome;
-        let finding = finding.as_ref()?;
+        // Of two answers neither tells of a mistake.
+        let finding = finding
+            .as_ref()
+            .filter(|finding| finding.unsteady.is_none())?;
         Some((place, case, finding, outcome))
     });
     // An answer that proves nothing, or "unsupported", tells nothing of a mistake.
