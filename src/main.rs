@@ -103,7 +103,7 @@ fn main() -> ExitCode {
     };
     outcome.map_or_else(
         |error| {
-            eprintln!("ptm-conform: {error}");
+            cli::output::complain(&format!("ptm-conform: {error}"));
             ExitCode::from(cli::EXIT_USAGE)
         },
         ExitCode::from,

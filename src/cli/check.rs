@@ -7,7 +7,7 @@ use std::sync::Arc;
 use clap::Args;
 
 use super::arguments::{globs, parse_refusal, parse_size, positive_seconds};
-use super::files::write_whole;
+use super::files::{can_be_written, write_whole};
 use super::guard::{Guarded, stop_on_signals};
 use super::known_failures::{self, KnownFailureArgs};
 use super::output::{jobs, print, progress_bar, show_progress};
@@ -118,11 +118,33 @@ pub struct CheckArgs {
     pub decoder: Vec<OsString>,
 }
 
+impl CheckArgs {
+    /// The files that a run is to write.
+    fn outputs_written(&self) -> Vec<&Path> {
+        let report = [self.report.as_path()].into_iter();
+        report
+            .chain(self.renderings.files())
+            .chain(self.known.written())
+            .collect()
+    }
+}
+
+/// Runs the suite.
 pub fn run(args: &CheckArgs) -> Result<u8, String> {
     let timeout = positive_seconds(args.timeout)?;
     let stop = stop_on_signals()?;
     processes::prepare();
+    let outputs = args.outputs_written();
+    for (i, path) in outputs.iter().enumerate() {
+        can_be_written(path)?;
+        if outputs[..i].contains(path) {
+            return Err(format!("{} is to be written twice", path.display()));
+        }
+    }
     if args.suite == "texture" {
+        if args.smoke {
+            return Err("--smoke is for the suite of PTM files".to_owned());
+        }
         if args.renderings.any() {
             return Err("--html, --junit and --github are for the suite of PTM files".to_owned());
         }
@@ -139,7 +161,9 @@ pub fn run(args: &CheckArgs) -> Result<u8, String> {
         cases.for_each(|(case, selected)| *selected &= part.holds(&case.id));
     }
     if !selected.contains(&true) {
-        eprintln!("ptm-conform: no case matches");
+        super::output::complain(
+            "ptm-conform: no case matches what --case, --clause and --shard ask for; ptm-conform explain 2.5 lists clauses and cases",
+        );
         return Ok(EXIT_NOTHING_SELECTED);
     }
     merge::named(&args.assumed)?;

@@ -37,11 +37,6 @@ pub fn run_man(args: &ManArgs, program: &Command) -> Outcome {
     let named = |error: std::io::Error| format!("{}: {error}", args.directory.display());
     fs::create_dir_all(&args.directory).map_err(named)?;
     clap_mangen::generate_to(program.clone(), &args.directory).map_err(named)?;
-    let pages = program
-        .get_subcommands()
-        .filter(|command| !command.is_hide_set())
-        .count()
-        + 1;
-    output::note(&format!("{pages} pages in {}\n", args.directory.display()));
+    output::note(&format!("man pages in {}\n", args.directory.display()));
     Ok(0)
 }

@@ -38,6 +38,10 @@ pub struct ConvertArgs {
 }
 
 pub fn run(args: &ConvertArgs) -> Outcome {
+    let is_jpeg = matches!(args.to, Format::JpegRgb | Format::JpegLrgb);
+    if is_jpeg != args.quality.is_some() {
+        return Err("--quality is for JPEG formats, and they need it".to_owned());
+    }
     let file = files::read(&args.file)?;
     let anatomy = Anatomy::of(&file);
     let ptm = match files::map(&args.file, &anatomy) {
@@ -52,7 +56,7 @@ pub fn run(args: &ConvertArgs) -> Outcome {
     let converted = match convert(&anatomy, ptm, target) {
         Ok(converted) => converted,
         Err(why) => {
-            eprintln!("ptm-conform: {why}");
+            super::output::complain(&format!("ptm-conform: {why}"));
             return Ok(1);
         }
     };

@@ -1,7 +1,7 @@
 //! Reading maps and writing results.
 
 use std::fs;
-use std::io::{self, Write};
+use std::io::{self, Read, Write};
 use std::path::Path;
 
 use ptm_conform::Ptm;
@@ -9,16 +9,51 @@ use ptm_conform::error::Class;
 use ptm_conform::harness::protocol::{EXIT_MALFORMED, EXIT_UNSUPPORTED};
 use ptm_conform::tools::anatomy::Anatomy;
 
+/// Bytes that are read of what is no ordinary file, and may never end: a pipe, a device.
+const ENDLESS: u64 = 1 << 28;
+
 /// The bytes of a file, or a sentence.
 pub fn read(path: &Path) -> Result<Vec<u8>, String> {
-    fs::read(path).map_err(|error| format!("{}: {error}", path.display()))
+    let named = |error: io::Error| format!("{}: {error}", path.display());
+    let file = fs::File::open(path).map_err(named)?;
+    if file.metadata().map_err(named)?.is_file() {
+        return fs::read(path).map_err(named);
+    }
+    let mut bytes = Vec::new();
+    file.take(ENDLESS).read_to_end(&mut bytes).map_err(named)?;
+    if bytes.len() as u64 == ENDLESS {
+        return Err(format!(
+            "{}: no ordinary file, and longer than {} MiB",
+            path.display(),
+            ENDLESS >> 20
+        ));
+    }
+    Ok(bytes)
+}
+
+/// Looks before long work whether a result can be written there.
+pub fn can_be_written(path: &Path) -> Result<(), String> {
+    let directory = path
+        .parent()
+        .filter(|parent| !parent.as_os_str().is_empty());
+    if path.is_dir() {
+        return Err(format!("{} is a directory", path.display()));
+    }
+    match directory {
+        Some(directory) if !directory.is_dir() => Err(format!(
+            "{}: there is no directory {}",
+            path.display(),
+            directory.display()
+        )),
+        _ => Ok(()),
+    }
 }
 
 /// The map in a file; where there is none, says why and what to try next, and returns the exit status.
 pub fn map<'a>(path: &Path, anatomy: &'a Anatomy) -> Result<&'a Ptm, u8> {
     anatomy.outcome.as_ref().map_err(|error| {
-        eprintln!("ptm-conform: {}: {error}", path.display());
-        eprintln!("  `ptm-conform inspect {0}` shows the file up to there, `ptm-conform lint {0}` what to mend", path.display());
+        super::output::complain(&format!("ptm-conform: {}: {error}", path.display()));
+        super::output::complain(&format!("  `ptm-conform inspect {0}` shows the file up to there, `ptm-conform lint {0}` what to mend", path.display()));
         status(error)
     })
 }
@@ -35,6 +70,10 @@ pub fn status(error: &ptm_conform::Error) -> u8 {
 /// Writes a file beside its place and moves it there, so that nobody ever sees half of it.
 pub fn write_whole(path: &Path, bytes: impl AsRef<[u8]>) -> Result<(), String> {
     let named = |error: io::Error| format!("{}: {error}", path.display());
+    can_be_written(path)?;
+    if path.exists() && !path.is_file() {
+        return fs::write(path, bytes).map_err(named);
+    }
     let directory = path
         .parent()
         .filter(|parent| !parent.as_os_str().is_empty())

@@ -101,8 +101,9 @@ fn parse_format(text: &str) -> Result<Format, String> {
 /// Fuzzes.
 pub fn run_fuzz(args: &FuzzArgs) -> Result<u8, String> {
     let suite = Suite::load()?;
+    let decoder = args.call.decoder(&args.decoder, &stop_on_signals()?)?;
+    // When the time is over nothing more is drawn, but calls that are under way come to their end.
     let stop = stop_on_signals()?;
-    let decoder = args.call.decoder(&args.decoder, &stop)?;
     let guarded = Guarded::new()?;
     let scratch = &guarded.scratch;
     let declared = decoder.capabilities(scratch).unwrap_or_default();
@@ -141,18 +142,24 @@ pub fn run_fuzz(args: &FuzzArgs) -> Result<u8, String> {
     bar.finish_and_clear();
     drop(servers);
     if let Some(why) = outcomes.not_a_decoder {
-        eprintln!("ptm-conform: not a decoder: {why}");
+        super::output::complain(&format!("ptm-conform: not a decoder: {why}"));
         return Ok(EXIT_NO_DECODER);
     }
     print(&format!(
-        "{} files drawn, {} calls, {} mistakes found{}\n",
+        "{} files drawn, {} calls, {} found{}\n",
         outcomes.files,
         outcomes.executions,
-        outcomes.finds.len(),
-        outcomes
-            .ended_early
-            .map(|why| format!("; {why}"))
-            .unwrap_or_default()
+        match outcomes.finds.len() {
+            1 => "1 mistake".to_owned(),
+            count => format!("{count} mistakes"),
+        },
+        match decoder.stop.load(Ordering::Relaxed) {
+            true => "; the run was ended by its user",
+            false if stop.load(Ordering::Relaxed) => "; the time is over",
+            false => outcomes
+                .ended_early
+                .map_or("", |_| "; the decoder does not come to an end"),
+        }
     ));
     for find in &outcomes.finds {
         print(&format!("  {:>6}  {}\n", find.seen, find.cause.name()));
@@ -256,8 +263,8 @@ fn bytes_of(name: &str) -> Result<Vec<u8>, String> {
     let suite = Suite::load()?;
     match suite.case(name) {
         Some(case) => Ok(case.build(TableSpelling::default()).file.clone()),
-        None => std::fs::read(name).map_err(|error| {
-            format!("{name} is neither the id of a case nor a file that can be read: {error}")
+        None => super::files::read(Path::new(name)).map_err(|error| {
+            format!("neither the id of a case nor a file that can be read: {error}")
         }),
     }
 }

@@ -1,6 +1,6 @@
 //! `check --baseline FILE --write-baseline FILE`: what is known, new and stale.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 
@@ -30,6 +30,11 @@ pub struct KnownFailureArgs {
 }
 
 impl KnownFailureArgs {
+    /// The list that is to be written.
+    pub fn written(&self) -> Option<&Path> {
+        self.write_baseline.as_deref()
+    }
+
     /// Reads the list, if there is one.
     pub fn read(&self, suite: &Suite) -> Result<Option<Baseline>, String> {
         self.baseline
@@ -44,10 +49,10 @@ impl KnownFailureArgs {
             return Ok(());
         };
         if run.ended_early.is_some() || run.not_a_decoder.is_some() {
-            eprintln!(
+            super::output::complain(&format!(
                 "ptm-conform: the run is not whole, so {} is not written",
                 path.display()
-            );
+            ));
             return Ok(());
         }
         let list = known.cloned().unwrap_or_default();

@@ -61,7 +61,7 @@ pub fn run(args: &LintArgs) -> Outcome {
                 lints.push(lint.without(&args.allow));
             }
             Err(why) => {
-                eprintln!("ptm-conform: {why}");
+                super::output::complain(&format!("ptm-conform: {why}"));
                 unreadable = true;
             }
         }

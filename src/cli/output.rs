@@ -72,6 +72,11 @@ pub fn print(text: &str) {
     let _ = anstream::stdout().write_all(text.as_bytes());
 }
 
+/// Says on standard error what is wrong; a reader that has gone away is no error.
+pub fn complain(text: &str) {
+    let _ = writeln!(std::io::stderr(), "{text}");
+}
+
 /// Prints a note, unless only results are wanted.
 pub fn note(text: &str) {
     if !quiet() {

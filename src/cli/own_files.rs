@@ -32,7 +32,10 @@ pub fn check(
     });
     paths.sort();
     if paths.is_empty() {
-        eprintln!("ptm-conform: no .ptm file in {}", directory.display());
+        super::output::complain(&format!(
+            "ptm-conform: no .ptm file in {}",
+            directory.display()
+        ));
         return Ok(EXIT_NOTHING_SELECTED);
     }
     let views: Vec<View> = ["raw", "coef", View::ORDINARY_LIGHT]
@@ -46,7 +49,7 @@ pub fn check(
     let bar = progress_bar();
     let mut results = Vec::new();
     for (i, path) in paths.iter().enumerate() {
-        let file = fs::read(path).map_err(|error| format!("{}: {error}", path.display()))?;
+        let file = super::files::read(path)?;
         let name = path.file_name().unwrap_or_default().to_string_lossy();
         let ask = |request: &Request<'_>| decoder.ask(request, scratch);
         results.push(check_file(&name, &file, &views, &ask));

@@ -1,6 +1,5 @@
 //! The reference as a decoder: one-shot, serving, and what it says of itself. No case and no YAML is read here.
 
-use std::fs;
 use std::io::{self, BufRead, Write};
 use std::path::{Path, PathBuf};
 
@@ -8,9 +7,9 @@ use ptm_conform::error::Class;
 use ptm_conform::harness::protocol::{EXIT_MALFORMED, EXIT_UNSUPPORTED, Frame, View, write_view};
 use ptm_conform::ptm::Format;
 
-use super::EXIT_USAGE;
 #[cfg(unix)]
 use super::texture;
+use super::{EXIT_USAGE, files};
 
 /// Decode FILE as the reference does and print the frame: the reference speaking the decoder protocol.
 ///
@@ -42,7 +41,7 @@ pub fn run(args: &Args) -> u8 {
 }
 
 fn usage(what: &str) -> u8 {
-    eprintln!("ptm-conform: {what}");
+    super::output::complain(&format!("ptm-conform: {what}"));
     EXIT_USAGE
 }
 
@@ -56,9 +55,9 @@ fn status(outcome: io::Result<()>) -> u8 {
 }
 
 fn one(view: &View, path: &Path) -> u8 {
-    let file = match fs::read(path) {
+    let file = match files::read(path) {
         Ok(file) => file,
-        Err(error) => return usage(&format!("{}: {error}", path.display())),
+        Err(error) => return usage(&error),
     };
     match ptm_conform::decode::open(&file) {
         Ok(map) => {
@@ -68,7 +67,7 @@ fn one(view: &View, path: &Path) -> u8 {
             status(written.and_then(|()| out.flush()))
         }
         Err(error) => {
-            eprintln!("{}: {error}", path.display());
+            super::output::complain(&format!("{}: {error}", path.display()));
             let status = if error.class() == Class::Malformed {
                 EXIT_MALFORMED
             } else {
@@ -106,8 +105,7 @@ fn answer(line: &[u8]) -> io::Result<Vec<u8>> {
         return Ok(with_number("unsupported view".to_owned()));
     };
     let path = path_of(path)?;
-    let file =
-        fs::read(path).map_err(|error| io::Error::other(format!("{}: {error}", path.display())))?;
+    let file = files::read(path).map_err(io::Error::other)?;
     match ptm_conform::decode(&file) {
         Ok(ptm) => {
             let mut frame = Vec::new();

@@ -83,10 +83,10 @@ fn parse_light(text: &str) -> Result<(f64, f64), String> {
         .and_then(|(lu, lv)| Some((lu.trim().parse().ok()?, lv.trim().parse().ok()?)));
     match light {
         Some((lu, lv)) if f64::hypot(lu, lv) <= 1.0 => Ok((lu, lv)),
-        Some((lu, lv)) => Err(format!(
+        Some((lu, lv)) if lu.is_finite() && lv.is_finite() => Err(format!(
             "the light {lu},{lv} is below the horizon: LU² + LV² is at most 1"
         )),
-        None => Err(format!(
+        _ => Err(format!(
             "expected two numbers such as 0.25,-0.5, found {text:?}"
         )),
     }

@@ -32,6 +32,11 @@ impl RenderingArgs {
         self.html.is_some() || self.junit.is_some() || self.github
     }
 
+    /// The files that are asked for.
+    pub fn files(&self) -> impl Iterator<Item = &Path> {
+        self.html.iter().chain(&self.junit).map(PathBuf::as_path)
+    }
+
     /// What may be printed of a decoder's own words: on GitHub, nothing that its runner takes for a command.
     pub fn printable(&self, text: String) -> String {
         if self.github {

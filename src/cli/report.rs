@@ -124,7 +124,7 @@ pub fn run(args: &ReportArgs) -> Result<u8, String> {
             let globs = super::arguments::globs(cases)?;
             let text = report.cases_to_text(&suite, |id| globs.iter().any(|glob| glob.matches(id)));
             if text.is_empty() {
-                eprintln!("ptm-conform: no case of the report matches");
+                super::output::complain("ptm-conform: no case of the report matches");
                 return Ok(super::EXIT_NOTHING_SELECTED);
             }
             super::output::print(&printable(&text));

@@ -85,11 +85,11 @@ impl Subject {
         };
         let outputs = Outputs::open(directory, suite, matches)?;
         if !outputs.strangers.is_empty() {
-            eprintln!(
+            super::output::complain(&format!(
                 "ptm-conform: {} files in the outputs belong to no request: {}",
                 outputs.strangers.len(),
                 outputs.strangers[..outputs.strangers.len().min(5)].join(", ")
-            );
+            ));
         }
         Ok(Subject {
             words: vec![

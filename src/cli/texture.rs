@@ -18,7 +18,7 @@ use ptm_conform::harness::texture::report;
 use ptm_conform::harness::texture::verify::verify;
 use ptm_conform::texture::{Picture, Rounding, Rules, Scene, Shape, TextureMap, picture};
 
-use super::files::write_whole;
+use super::files::{self, write_whole};
 use super::output::print;
 use super::{EXIT_NOTHING_SELECTED, EXIT_USAGE};
 
@@ -83,7 +83,7 @@ struct RenderArgs {
     #[arg(long)]
     mipmap: bool,
     /// How much beyond the map is shown on each side, in maps: the shape's coordinates run from -N to 1 + N.
-    #[arg(long, value_name = "N", default_value_t = 0.5)]
+    #[arg(long, value_name = "N", default_value_t = 0.5, value_parser = parse_around)]
     around: f64,
     /// The surface's own color: red, green, blue from 0 to 1.
     #[arg(long, value_name = "R,G,B", default_value = "0.85,0.75,0.6", value_parser = parse_color)]
@@ -91,6 +91,13 @@ struct RenderArgs {
     /// Width and height of the picture.
     #[arg(long, value_name = "PIXELS", default_value_t = 512, value_parser = clap::value_parser!(u32).range(1..=8192))]
     size: u32,
+}
+
+fn parse_around(text: &str) -> Result<f64, String> {
+    text.parse()
+        .ok()
+        .filter(|around| (0.0..=1000.0).contains(around))
+        .ok_or_else(|| format!("expected a number from 0 to 1000, found {text:?}"))
 }
 
 fn parse_light(text: &str) -> Result<(f64, f64), String> {
@@ -123,7 +130,8 @@ pub fn run(args: &TextureArgs) -> Result<u8, String> {
 
 fn run_cases(args: &CasesArgs) -> Result<u8, String> {
     let named = |error: String| format!("{}: {error}", args.file.display());
-    let text = fs::read_to_string(&args.file).map_err(|error| named(error.to_string()))?;
+    let text =
+        String::from_utf8(files::read(&args.file)?).map_err(|error| named(error.to_string()))?;
     let cases = cases::cases_of(&text).map_err(named)?;
     let (mut held, mut wrong, mut unknown) = (0, 0, 0);
     let mut out = String::new();
@@ -166,10 +174,10 @@ fn run_cases(args: &CasesArgs) -> Result<u8, String> {
 
 /// `ptm-conform reference texture FILE`
 pub fn answer(file: &Path) -> u8 {
-    let bytes = match fs::read(file) {
+    let bytes = match files::read(file) {
         Ok(bytes) => bytes,
         Err(error) => {
-            eprintln!("ptm-conform: {}: {error}", file.display());
+            super::output::complain(&format!("ptm-conform: {error}"));
             return EXIT_USAGE;
         }
     };
@@ -180,7 +188,7 @@ pub fn answer(file: &Path) -> u8 {
             0
         }
         Err(refusal) => {
-            eprintln!("{}: {}", file.display(), refusal.message());
+            super::output::complain(&format!("{}: {}", file.display(), refusal.message()));
             refusal.exit_status() as u8
         }
     }
@@ -211,7 +219,7 @@ pub fn run_check(
         .map(|case| (args.selects)(&case.id, &case.clauses))
         .collect();
     if !selected.contains(&true) {
-        eprintln!("ptm-conform: no case matches");
+        super::output::complain("ptm-conform: no case matches");
         return Ok(EXIT_NOTHING_SELECTED);
     }
     let plan = Plan {
@@ -365,7 +373,7 @@ fn run_render(args: &RenderArgs) -> Result<u8, String> {
 
 fn ptm_map(path: &Path, (lu, lv): (f64, f64)) -> Result<TextureMap, String> {
     let named = |error: String| format!("{}: {error}", path.display());
-    let file = fs::read(path).map_err(|error| named(error.to_string()))?;
+    let file = files::read(path)?;
     let ptm = ptm_conform::decode(&file).map_err(|error| named(error.to_string()))?;
     let coefficients = ptm.coefficients();
     Ok(TextureMap::from_ptm(

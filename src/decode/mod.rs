@@ -135,9 +135,14 @@ pub fn fields(file: &[u8]) -> (Vec<Field>, Option<Error>) {
 
 /// The fields of `file` as far as they can be read, in file order; and what [`decode`] makes of it.
 pub fn examine(file: &[u8]) -> (Vec<Field>, Result<Ptm>) {
+    examine_as(file, &Reading::SPEC)
+}
+
+/// The fields of `file` under another reading of the open points, and what [`decode_as`] makes of it.
+pub fn examine_as(file: &[u8], reading: &Reading) -> (Vec<Field>, Result<Ptm>) {
     let mut input = Input::new(file);
     let outcome = read_header(&mut input).and_then(|header| {
-        let stored = read_values(&header, &mut input, &Reading::SPEC, &Limits::default())?;
+        let stored = read_values(&header, &mut input, reading, &Limits::default())?;
         Ok(Ptm {
             planes: stored.planes(&Limits::default())?,
             header,

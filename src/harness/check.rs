@@ -651,6 +651,7 @@ fn ask_again(
         _ => (0..suite.cases.len()).filter(is_wanted).collect(),
     };
     let differences = Mutex::new(Vec::new());
+    let words = Mutex::new(Vec::new());
     side_by_side(plan, again.len(), |place, worker| {
         let i = again[place];
         let finding = run.findings[i]
@@ -659,6 +660,13 @@ fn ask_again(
         let (alone, _) = asked.ask(&suite.cases[i], &finding.view, run.table, worker, 1, true);
         if asked.is_over() {
             return false;
+        }
+        // A serving process may have said nothing of it yet.
+        if finding.stderr.is_empty() && !alone.stderr.is_empty() {
+            words
+                .lock()
+                .expect("no worker panics")
+                .push((i, alone.stderr.clone()));
         }
         if !alone.shown.is_like(&finding.shown) {
             let says = difference(plan.repeat, finding, &alone);
@@ -669,6 +677,11 @@ fn ask_again(
         }
         true
     });
+    for (i, stderr) in words.into_inner().expect("no worker panics") {
+        if let Some(finding) = &mut run.findings[i] {
+            finding.stderr = stderr;
+        }
+    }
     let differences = differences.into_inner().expect("no worker panics");
     let any = !differences.is_empty();
     for (i, says) in differences {
@@ -761,7 +774,7 @@ fn nothing_decoded(suite: &Suite, findings: &[Option<Finding>]) -> Option<String
 pub struct Scores {
     /// Cases passed, of those judged among the required ones of supported features.
     pub correctness: (usize, usize),
-    /// Features decoded, of all in the suite.
+    /// Features decoded, of those in the cases selected.
     pub breadth: (usize, usize),
     /// Calls that ended in a frame or a refusal, of all calls.
     pub robustness: (usize, usize),
@@ -784,11 +797,14 @@ impl Run {
         let features: std::collections::BTreeSet<Feature> = suite
             .cases
             .iter()
-            .flat_map(|case| case.views.iter().flat_map(|view| case.features(view)))
+            .zip(&self.judgement.cases)
+            .filter(|(_, judged)| judged.is_some())
+            .flat_map(|(case, _)| case.views.iter().flat_map(|view| case.features(view)))
             .collect();
+        let decoded = self.judgement.decoded.intersection(&features).count();
         Scores {
             correctness: (passed, judged.count()),
-            breadth: (self.judgement.decoded.len(), features.len()),
+            breadth: (decoded, features.len()),
             robustness: (self.asked - self.misconduct, self.asked),
         }
     }

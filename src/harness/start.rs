@@ -32,6 +32,12 @@ pub(super) fn why_not(program: &OsStr, error: &io::Error) -> String {
 pub(super) fn look(word: &OsStr, text: &str) -> Result<(), Found> {
     let here = Path::new(word);
     let is_path = word.as_encoded_bytes().contains(&b'/');
+    if here.is_dir() {
+        return Err((
+            format!("{text} is a directory"),
+            "name the program in it".to_owned(),
+        ));
+    }
     let Some(program) = (if is_path {
         Some(here.to_owned())
     } else {
@@ -52,12 +58,6 @@ pub(super) fn look(word: &OsStr, text: &str) -> Result<(), Found> {
     let Ok(about) = fs::metadata(&program) else {
         return Err(missing(text, &format!("{text}: no such file")));
     };
-    if about.is_dir() {
-        return Err((
-            format!("{text} is a directory"),
-            "name the program in it".to_owned(),
-        ));
-    }
     let beginning = beginning(&program);
     if about.permissions().mode() & 0o111 == 0 {
         return Err((

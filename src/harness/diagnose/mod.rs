@@ -196,7 +196,7 @@ fn named(search: &Search, found: &search::Found) -> (Vec<Diagnosis>, Vec<usize>)
         };
         if let Some(alone) = (0..set.len()).find(|&member| explained(&[set[member]])) {
             explains[alone].push(witnesses[w].place);
-        } else if explained(&set) {
+        } else if !set.is_empty() && explained(&set) {
             // Those that cannot be missed; the case stands under the last of them.
             let needed: Vec<usize> = (0..set.len())
                 .filter(|&member| {

@@ -5,7 +5,7 @@
 //! dropped.
 
 use std::borrow::Cow;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashSet};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use super::witness::{Agreement, Witness};
@@ -58,6 +58,8 @@ pub(super) struct Search<'a> {
     pub threads: usize,
     /// Cases that the decoder passes, the smallest first.
     passing: Vec<usize>,
+    /// What the failing cases are about.
+    clauses: HashSet<&'a str>,
 }
 
 type Set = Vec<&'static Misreading>;
@@ -73,7 +75,10 @@ impl<'a> Search<'a> {
             .filter(|&w| !witnesses[w].failed)
             .collect();
         passing.sort_by_key(|&w| witnesses[w].built.file.len());
+        let failing = witnesses.iter().filter(|witness| witness.failed);
+        let clauses = failing.flat_map(|witness| &witness.case.clauses);
         Search {
+            clauses: clauses.map(String::as_str).collect(),
             witnesses,
             reading,
             assumed,
@@ -208,8 +213,8 @@ impl<'a> Search<'a> {
             .zip(all)
             .filter(|&(gain, _)| gain >= LEAST)
             .collect();
-        // Stable: among equals the catalogue's order, which runs from the general to the particular.
-        promising.sort_by_key(|&(gain, _)| -gain);
+        // Among equals what the cases are about, then the catalogue's order, from the general to the particular.
+        promising.sort_by_key(|&(gain, misreading)| (-gain, !self.is_about(misreading)));
         promising.truncate(FINALISTS);
         let finalists: Set = promising
             .into_iter()
@@ -240,7 +245,7 @@ impl<'a> Search<'a> {
             let totals = totals.into_iter().zip(batch);
             scored.extend(totals.filter_map(|(total, &(_, place))| Some((total?, place))));
         }
-        scored.sort_by_key(|&(total, place)| (-total, place));
+        scored.sort_by_key(|&(total, place)| (-total, !self.is_about(finalists[place]), place));
         let &(total, first) = scored.first()?;
         let as_good = scored[1..]
             .iter()
@@ -249,6 +254,11 @@ impl<'a> Search<'a> {
             misreading: finalists[first],
             alike: as_good.map(|&(_, place)| finalists[place]).collect(),
         })
+    }
+
+    /// Whether a failing case is about the clause that is misread.
+    fn is_about(&self, misreading: &Misreading) -> bool {
+        self.clauses.contains(misreading.clause)
     }
 
     /// What a mistake adds on every failing case.

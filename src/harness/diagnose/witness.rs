@@ -7,7 +7,7 @@ use std::sync::{Arc, Mutex, OnceLock};
 
 use super::traits::{Traits, traits};
 use crate::codec;
-use crate::decode::{fields, planes};
+use crate::decode::{examine_as, planes};
 use crate::generate::Model;
 use crate::harness::cases::{Built, Case, Expect, Suite, Values};
 use crate::harness::check::Run;
@@ -27,7 +27,9 @@ pub(super) struct Witness<'a> {
     pub finding: &'a Finding,
     pub built: Arc<Built>,
     pub failed: bool,
-    /// What the reference answers, reading the open questions as the decoder does.
+    /// How the decoder reads the open questions.
+    reading: Reading,
+    /// What the reference answers, reading the open questions so.
     pub right: Answer,
     /// What the bytes of the file are, as far as they can be read.
     fields: OnceLock<Vec<Field>>,
@@ -72,6 +74,7 @@ pub(super) fn witnesses<'a>(suite: &'a Suite, run: &'a Run, reading: Reading) ->
                 finding,
                 built,
                 failed: outcome == Outcome::Fail,
+                reading,
                 right,
                 fields: OnceLock::new(),
                 traits: OnceLock::new(),
@@ -103,7 +106,8 @@ impl Witness<'_> {
 
     /// What the bytes of the file are, as far as they can be read.
     pub fn fields(&self) -> &[Field] {
-        self.fields.get_or_init(|| fields(&self.built.file).0)
+        self.fields
+            .get_or_init(|| examine_as(&self.built.file, &self.reading).0)
     }
 
     /// Where the first byte stands that is not header text.
@@ -281,9 +285,13 @@ pub(crate) fn spoken(run: &Run) -> Reading {
             .map(taken)
             .collect(),
     );
+    let reading = match run.table.newline {
+        true => dialect.reading().with_newline_after_table(),
+        false => dialect.reading(),
+    };
     Reading {
         stream: stream_once,
-        ..dialect.reading()
+        ..reading
     }
 }
 

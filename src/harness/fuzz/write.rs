@@ -102,8 +102,8 @@ fn explanation(find: &Find, built: &Built, expected: Option<&Expected>) -> Strin
     let view = find.view.as_ref().map(View::to_string).unwrap_or_default();
     let _ = writeln!(
         out,
-        "\nAsked for {view}. Seen in {} drawn files, the first {}x{}; here made small.",
-        find.seen, find.drawn.width, find.drawn.height
+        "\nAsked for {view}. First seen in a drawn file of {}x{}, here made small.",
+        find.drawn.width, find.drawn.height
     );
     let difference = expected
         .zip(find.received.as_ref())

@@ -14,7 +14,7 @@ mod lookup;
 mod luminance;
 mod side_information;
 
-use crate::decode::{Limits, Ptm, decode_as, fields};
+use crate::decode::{Limits, Ptm, decode_as, examine_as};
 use crate::error::Class;
 use crate::harness::protocol::{Answer, Frame, View};
 use crate::ptm::Field;
@@ -114,7 +114,7 @@ pub fn answer(misreadings: &[&Misreading], reading: Reading, file: &[u8], view: 
     let mut reading = reading;
     for misreading in misreadings {
         match misreading.at {
-            At::Bytes(edit) => match edit(&Anatomy::of(&seen)) {
+            At::Bytes(edit) => match edit(&Anatomy::of(&seen, &reading)) {
                 Seen::Refused => return Answer::Rejected,
                 Seen::File(bytes) => seen = bytes,
             },
@@ -144,12 +144,12 @@ pub struct Anatomy<'a> {
 }
 
 impl<'a> Anatomy<'a> {
-    /// Takes `file` apart.
+    /// Takes `file` apart under a reading of the open points.
     #[must_use]
-    pub fn of(file: &'a [u8]) -> Anatomy<'a> {
+    pub fn of(file: &'a [u8], reading: &Reading) -> Anatomy<'a> {
         Anatomy {
             file,
-            fields: fields(file).0,
+            fields: examine_as(file, reading).0,
         }
     }
 
@@ -220,7 +220,7 @@ impl<'a> Anatomy<'a> {
     pub fn respelled(&self, spell: fn(clause: &str, text: &str) -> Option<String>) -> Seen {
         let mut file = self.file.to_vec();
         for _ in 0..40 {
-            let anatomy = Anatomy::of(&file);
+            let anatomy = Anatomy::of(&file, &Reading::SPEC);
             let mut bytes = Vec::new();
             let mut at = 0;
             for field in anatomy.tokens() {
