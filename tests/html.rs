@@ -187,8 +187,40 @@ fn several_reports_make_a_table_of_decoders_and_clauses() {
             .filter_map(|cell| cell.split('"').next().map(str::to_owned))
             .collect()
     };
+    let selected = format!(
+        "{} of {}",
+        reports[0].cases.len(),
+        upside_down().0.cases.len()
+    );
+    assert_eq!(page.matches(&selected).count(), 2, "{selected}");
     assert_eq!(states("2.7.1/3"), ["fail", "pass"]);
     assert_eq!(states("2.9.5/4"), ["fail", "fail"]);
+}
+
+#[test]
+fn a_crash_is_said_in_words_and_misreads_no_clause() {
+    let (suite, _, report) = upside_down();
+    let mut report = report.clone();
+    report.diagnoses.truncate(1);
+    let cause = &mut report.diagnoses[0];
+    cause.misreading = None;
+    cause.kind = Some("misconduct".to_owned());
+    cause.example = Some("for example first-rgb: It crashes.".to_owned());
+    let page = html::page(suite, &report, None).expect("a page");
+    assert!(page.contains("<p>For example first-rgb: It crashes.</p>"));
+    assert!(!page.contains("<p class=\"rule\">"));
+    assert!(!page.contains(" data-blamed "));
+    let matrix = html::matrix(&[report.clone(), report]).expect("a page");
+    assert!(matrix.contains("crashes or hangs on files that need not be read"));
+    assert!(!matrix.contains("misconduct"));
+    for number in ["(1)", "(2)"] {
+        assert_eq!(
+            matrix
+                .matches(&format!("<span class=\"quiet\">{number}</span>"))
+                .count(),
+            1
+        );
+    }
 }
 
 #[test]

@@ -112,6 +112,11 @@ try {
   const pictures = await run("return [...document.images].map((i) => [i.naturalWidth, i.alt])");
   assert.ok(pictures.length > 100, `${pictures.length} pictures`);
   assert.ok(pictures.every(([width, alt]) => width > 0 && alt));
+  // What a link names comes into view, below the filter, among hundreds of open cases too.
+  await run("[...document.querySelectorAll('article.cause a')].at(-1).click()");
+  await wait(500);
+  const [below, top] = await run("const t = document.getElementById(decodeURIComponent(location.hash.slice(1))); return [document.querySelector('.tools').getBoundingClientRect().bottom, t.getBoundingClientRect().top]");
+  assert.ok(top >= below && top < 500, `filter ends at ${below}, target begins at ${top}`);
   await run("document.getElementById('close').click()");
   assert.equal(await run("return document.querySelectorAll('details.case[open]').length"), 0);
 
@@ -146,9 +151,15 @@ try {
   await run("document.querySelector('#' + arguments[0] + ' input').focus()", id);
   await keys("\uE014", "\uE014", "\uE014");
   assert.notEqual((await pixels(`#${id} canvas`))[0], kept[0], "arrow keys move the light");
-  await run("document.activeElement.blur(); scrollTo(0, 0)");
+  await keys("/");
+  assert.equal(await run("return document.activeElement.id"), "filter", "a slider takes no slash");
+  await run("document.activeElement.blur(); scrollTo(0, document.body.scrollHeight)");
   await keys("/");
   assert.equal(await run("return document.activeElement.id"), "filter");
+  const seen = () => run("const b = document.getElementById('filter').getBoundingClientRect(); return b.top >= 0 && b.bottom <= innerHeight");
+  assert.ok(await seen(), "the filter comes into view");
+  const folds = () => run("return [...document.querySelectorAll('details.more, details.others')].map((f) => f.open)");
+  const folded = await folds();
   const visible = () => run("return [...document.querySelectorAll('details.case')].filter((c) => !c.hidden).length");
   const all = await visible();
   await keys(..."hand-");
@@ -156,8 +167,12 @@ try {
   const some = await visible();
   assert.ok(some > 0 && some < all, `${some} of ${all}`);
   await shoot("report-filter.png");
+  await keys(..."zzz");
+  await until("nothing", "return /^No case matches/.test(document.getElementById('found').textContent)");
+  assert.ok(await seen(), "the filter stays in view");
   await keys("\uE00C");
   assert.equal(await visible(), all);
+  assert.deepEqual(await folds(), folded, "the folds are as they were");
   await run("const s = document.querySelector('details.case summary'); s.focus(); s.scrollIntoView()");
   await keys("\uE007");
   assert.ok(await run("return document.querySelector('details.case').open"), "Enter opens a case");

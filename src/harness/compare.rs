@@ -217,6 +217,10 @@ impl Expected {
         let apart = (expected - received).abs();
         match self.values {
             ExpectedValues::Raw(_) => apart.min(256.0 - apart) <= slack,
+            // Infinity is near to nothing but what no f32 holds.
+            ExpectedValues::Coef(_) if !received.is_finite() => {
+                f64::from(expected as f32) == received
+            }
             ExpectedValues::Coef(_) => {
                 apart <= 1e-5 * expected.abs().max(received.abs()) + 1e-6 + slack
             }
@@ -296,6 +300,17 @@ pub enum Difference {
     },
 }
 
+impl Difference {
+    /// Which part of the samples is right, from 0 to 1; of another shape none is.
+    #[must_use]
+    pub fn likeness(&self) -> f64 {
+        match self {
+            Difference::Shape { .. } => 0.0,
+            Difference::Samples { wrong, samples, .. } => 1.0 - *wrong as f64 / *samples as f64,
+        }
+    }
+}
+
 impl fmt::Display for Difference {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
@@ -333,4 +348,37 @@ fn list(values: &[f64]) -> String {
         }
     };
     values.iter().map(number).collect::<Vec<_>>().join(" ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[track_caller]
+    fn is_near(expected: f64, received: f64, near: bool) {
+        let one = Expected {
+            size: Size {
+                width: 1,
+                height: 1,
+            },
+            channels: 1,
+            values: ExpectedValues::Coef(vec![expected]),
+            slack: Vec::new(),
+        };
+        assert_eq!(one.is_near(0, received), near, "{received} for {expected}");
+    }
+
+    #[test]
+    fn what_is_no_number_is_near_to_nothing() {
+        is_near(0.0, 0.0, true);
+        is_near(-53.0, -53.0004, true);
+        is_near(-53.0, -53.001, false);
+        for received in [f64::INFINITY, f64::NEG_INFINITY, f64::NAN] {
+            is_near(-53.0, received, false);
+            is_near(0.0, received, false);
+        }
+        is_near(1e39, f64::INFINITY, true);
+        is_near(1e39, f64::NEG_INFINITY, false);
+        is_near(1e39, f64::from(f32::MAX), false);
+    }
 }

@@ -254,7 +254,7 @@ impl Pair {
         match self.view {
             "raw" => a == b,
             "rgb" => (a - b).abs() <= 1.0,
-            _ => (a - b).abs() <= 1e-5 * a.abs().max(b.abs()) + 1e-6,
+            _ => a == b || (a - b).abs() <= 1e-5 * a.abs().max(b.abs()).min(f64::MAX) + 1e-6,
         }
     }
 

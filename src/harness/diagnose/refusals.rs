@@ -7,6 +7,9 @@ use crate::harness::cases::Expect;
 use crate::harness::judge::Shown;
 use crate::harness::protocol::Answer;
 
+/// A trait is said that one in so many of the failures have which nothing else explains.
+const WORTH_SAYING: usize = 5;
+
 /// Refusals that a trait explains: every file of the suite that has it is treated so. They are taken out of `left`.
 pub(super) fn describe(witnesses: &[Witness], left: &mut Vec<usize>) -> Vec<Diagnosis> {
     let mut diagnoses = Vec::new();
@@ -18,7 +21,8 @@ pub(super) fn describe(witnesses: &[Witness], left: &mut Vec<usize>) -> Vec<Diag
             .collect();
         let accepted = accepted(witnesses);
         while let Some((says, of)) = shared(witnesses, &open, &accepted) {
-            if of.len() < 2 && open.len() > of.len() {
+            // What few of many share is chance.
+            if open.len() > of.len() * WORTH_SAYING || (of.len() < 2 && open.len() > of.len()) {
                 break;
             }
             open.retain(|w| !of.contains(w));
@@ -74,33 +78,16 @@ pub(super) fn rest(witnesses: &[Witness], left: &mut Vec<usize>) -> Vec<Diagnosi
             .filter(|&w| deed_of(&witnesses[w]).as_ref() == Some(&deed))
             .collect();
         left.retain(|w| !of.contains(w));
-        let all: Vec<&Traits> = of.iter().map(|&w| witnesses[w].traits()).collect();
-        let common: Vec<String> = all[0]
-            .has
-            .iter()
-            .filter(|says| all.iter().all(|traits| traits.has.contains(says)))
-            .cloned()
-            .collect();
-        let count = of.len();
-        let files = if count == 1 {
-            "a legal file"
-        } else {
-            "legal files"
-        };
-        let share = if common.is_empty() || count == 1 {
-            String::new()
-        } else {
-            format!(
-                "; all are files {}, but it reads others of that kind",
-                common.join(", ")
-            )
+        let files = match of.len() {
+            1 => "a legal file",
+            _ => "legal files; nothing was found that they share and files it reads have not",
         };
         diagnoses.push(Diagnosis::described(
             Kind::Refusal,
             witnesses,
             &of,
             (
-                format!("{} {files}{share}", deed.verb),
+                format!("{} {files}", deed.verb),
                 "look at the first of them with ptm-conform explain".to_owned(),
                 example(witnesses, &of),
             ),
@@ -224,7 +211,7 @@ pub(super) fn shared(
             for b in a + 1..all.len() {
                 let of = having(a, b);
                 let known = best.as_ref().map_or(0, |(_, known)| known.len());
-                if of.len() > known && absent(a, b) {
+                if of.len() > known && of.len() * 3 > these.len() && absent(a, b) {
                     best = Some((format!("{} and {}", all[a], all[b]), of));
                 }
             }

@@ -166,10 +166,20 @@ fn of_spelling(witness: &Witness, traits: &mut Traits) {
         data.windows(2).any(|pair| pair == b"\r\n"),
         "with the bytes CR LF in the binary data",
     );
-    traits.add(
-        data.contains(&0x1a),
-        "with the byte 0x1a in the binary data",
-    );
+    for byte in [0x00, 0x0a, 0x0d, 0x1a, 0xff] {
+        traits.add(
+            data.contains(&byte),
+            format!("with the byte {byte:#04x} in the binary data"),
+        );
+    }
+    if let Ok(ptm) = witness.decoded() {
+        for value in [0, 255] {
+            traits.add(
+                ptm.planes.samples.contains(&value),
+                format!("with a stored value of {value}"),
+            );
+        }
+    }
 }
 
 fn of_numbers(witness: &Witness, traits: &mut Traits) {

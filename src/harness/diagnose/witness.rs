@@ -7,7 +7,7 @@ use std::sync::{Arc, Mutex, OnceLock};
 
 use super::traits::{Traits, traits};
 use crate::codec;
-use crate::decode::{examine_as, planes};
+use crate::decode::{Limits, Ptm, decode_as, examine_as, planes};
 use crate::generate::Model;
 use crate::harness::cases::{Built, Case, Expect, Suite, Values};
 use crate::harness::check::Run;
@@ -108,6 +108,11 @@ impl Witness<'_> {
     pub fn fields(&self) -> &[Field] {
         self.fields
             .get_or_init(|| examine_as(&self.built.file, &self.reading).0)
+    }
+
+    /// What the reference finds in the file.
+    pub fn decoded(&self) -> crate::Result<Ptm> {
+        decode_as(&self.built.file, &self.reading, &Limits::default())
     }
 
     /// Where the first byte stands that is not header text.
@@ -339,10 +344,13 @@ pub fn alike(a: &Frame, b: &Frame) -> bool {
             x.iter().zip(y).all(|(x, y)| x.abs_diff(*y) <= 1)
         }
         (Samples::U8(x), Samples::U8(y)) => x == y,
-        (Samples::F32(x), Samples::F32(y)) => x
-            .iter()
-            .zip(y)
-            .all(|(x, y)| (x - y).abs() <= 1e-5 * x.abs().max(y.abs()) + 1e-6),
+        (Samples::F32(x), Samples::F32(y)) => x.iter().zip(y).all(|(x, y)| {
+            if x.is_finite() && y.is_finite() {
+                (x - y).abs() <= 1e-5 * x.abs().max(y.abs()) + 1e-6
+            } else {
+                x == y || x.is_nan() && y.is_nan()
+            }
+        }),
         _ => false,
     }
 }

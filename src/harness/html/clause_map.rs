@@ -67,6 +67,7 @@ pub(super) fn section(report: &Report, clauses: &[Clause]) -> Markup {
     let misread: BTreeSet<&str> = report
         .diagnoses
         .iter()
+        .filter(|cause| super::blames_its_clause(cause))
         .map(|cause| cause.clause.as_str())
         .collect();
     let tally = |clause: &Clause| tallies.get(clause.id.as_str()).copied().unwrap_or_default();
@@ -105,7 +106,7 @@ pub(super) fn section(report: &Report, clauses: &[Clause]) -> Markup {
             }
             details.others {
                 summary { "The clauses in words" }
-                table.list {
+                table.list.rules {
                     thead { tr { th scope="col" { "clause" } th scope="col" { "result" } th.number scope="col" { "passed" } th.number scope="col" { "failed" } th.number scope="col" { "open" } th scope="col" { "rule" } } }
                     tbody {
                         @for clause in clauses {

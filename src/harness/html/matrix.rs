@@ -2,8 +2,8 @@
 
 use maud::{Markup, html};
 
-use crate::harness::cases;
-use crate::harness::report::Report;
+use crate::harness::cases::{self, Suite};
+use crate::harness::report::{Cause, Report};
 
 use super::clause_map::{Tally, by_section};
 use super::{verdict_mark, whole};
@@ -14,6 +14,7 @@ use super::{verdict_mark, whole};
 /// None that a report can cause.
 pub fn matrix(reports: &[Report]) -> Result<String, String> {
     let clauses = cases::clauses()?;
+    let all = Suite::load()?.cases.len();
     let tallies: Vec<_> = reports.iter().map(Tally::of).collect();
     let suites: std::collections::BTreeSet<&str> = reports
         .iter()
@@ -35,17 +36,19 @@ pub fn matrix(reports: &[Report]) -> Result<String, String> {
             p.legend {
                 span.tile data-state="fail" { "✗" } " cases passed of cases judged, at least one failed "
                 span.tile data-state="pass" { "✓" } " all passed "
-                span.tile data-state="open" { "?" } " nothing judged: unsupported, inconclusive or not run"
+                span.tile data-state="open" { "?" } " nothing judged: unsupported, inconclusive or not run "
+                span.tile data-state="none" { "·" } " no case about it was selected"
             }
             div.scroll tabindex="0" {
                 table.matrix {
                     thead {
-                        tr { th scope="col" { "decoder" } @for report in reports { th scope="col" { code { (report.decoder.command) } } } }
+                        tr { th scope="col" { "decoder" } @for i in 0..reports.len() { th scope="col" { (name(reports, i)) } } }
                         (row("verdict", reports, |report| html! { span.verdict data-verdict=(report.verdict) { (verdict_mark(&report.verdict)) " " (report.verdict) } }))
+                        (row("cases", reports, |report| html! { (report.cases.len()) @if report.cases.len() < all { " of " (all) } }))
                         (row("correctness", reports, |report| html! { (report.scores.correctness) }))
                         (row("breadth", reports, |report| html! { (report.scores.breadth) }))
                         (row("robustness", reports, |report| html! { (report.scores.robustness) }))
-                        (row("likely mistakes", reports, |report| html! { @for cause in &report.diagnoses { code.cause { (cause.name()) } " " } }))
+                        (row("likely mistakes", reports, |report| mistakes(&report.diagnoses)))
                     }
                     @for (section, clauses) in by_section(&clauses) {
                         tbody {
@@ -68,6 +71,47 @@ pub fn matrix(reports: &[Report]) -> Result<String, String> {
         &format!("{} decoders — PTM 1.2", reports.len()),
         &body,
     ))
+}
+
+/// The command of report `i`, with a number where others have the same.
+fn name(reports: &[Report], i: usize) -> Markup {
+    let command = &reports[i].decoder.command;
+    let alike = |reports: &[Report]| {
+        let alike = reports
+            .iter()
+            .filter(|report| report.decoder.command == *command);
+        alike.count()
+    };
+    html! {
+        code { (command) }
+        @if alike(reports) > 1 { " " span.quiet { "(" (alike(&reports[..=i])) ")" } }
+    }
+}
+
+/// Each mistake of the catalogue by its name; each kind of all others in words, once.
+fn mistakes(causes: &[Cause]) -> Markup {
+    let mut kinds: Vec<&str> = causes
+        .iter()
+        .filter(|cause| cause.misreading.is_none())
+        .map(|cause| in_words(cause.name()))
+        .collect();
+    kinds.sort_unstable();
+    kinds.dedup();
+    html! {
+        @for slug in causes.iter().filter_map(|cause| cause.misreading.as_deref()) { code.cause { (slug) } " " }
+        @for kind in kinds { span.cause { (kind) } " " }
+    }
+}
+
+fn in_words(kind: &str) -> &str {
+    match kind {
+        "refusal" => "does not read some legal files",
+        "acceptance" => "reads malformed files",
+        "misconduct" => "crashes or hangs on files that need not be read",
+        "difference" => "shows wrong pictures",
+        "unsteady" => "answers the same request in two ways",
+        other => other,
+    }
 }
 
 fn row(name: &str, reports: &[Report], of: impl Fn(&Report) -> Markup) -> Markup {

@@ -94,6 +94,13 @@ struct Group<'a> {
 }
 
 impl Group<'_> {
+    fn heading(&self) -> String {
+        self.cause.map_or_else(
+            || "Like no mistake of the catalogue".to_owned(),
+            |cause| format!("The decoder {}", cause.effect),
+        )
+    }
+
     fn anchor(&self) -> String {
         self.cause.map_or_else(
             || "cases-unexplained".to_owned(),
@@ -256,6 +263,11 @@ fn diagnosis(report: &Report, groups: &[Group], clauses: &[Clause]) -> Markup {
     }
 }
 
+/// Whether it is the clause that is misread: a crash or an unsteady answer misreads none, as the text for a terminal has it.
+fn blames_its_clause(cause: &Cause) -> bool {
+    !matches!(cause.kind.as_deref(), Some("misconduct" | "unsteady"))
+}
+
 fn diagnosed(cause: &Cause, group: &Group, failures: usize, clauses: &[Clause]) -> Markup {
     let rule = clauses.iter().find(|clause| clause.id == cause.clause);
     html! {
@@ -264,8 +276,10 @@ fn diagnosed(cause: &Cause, group: &Group, failures: usize, clauses: &[Clause]) 
             div {
                 h3 { "The decoder " (cause.effect) "." }
                 p.mend { b { "To mend it: " } (cause.mend) "." }
-                p.rule {
-                    b { "Clause " (cause.clause) } @if let Some(rule) = rule { ": " (rule.rule) }
+                @if blames_its_clause(cause) {
+                    p.rule {
+                        b { "Clause " (cause.clause) } @if let Some(rule) = rule { ": " (rule.rule) }
+                    }
                 }
                 @for slug in cause.or.iter().take(3) {
                     @if let Some(other) = misreadings::named(slug) {
@@ -283,7 +297,7 @@ fn diagnosed(cause: &Cause, group: &Group, failures: usize, clauses: &[Clause]) 
                 @if let Some(passing) = cause.except.first() {
                     p { "But not everywhere: " (cause.except.len()) " cases pass that such a decoder would fail, for example " code { (passing) } "." }
                 }
-                @if let Some(example) = &cause.example { p { "For example: " (example) } }
+                @if let Some(example) = &cause.example { p { "For example " (example.strip_prefix("for example ").unwrap_or(example).trim_end_matches('.')) "." } }
                 p.quiet {
                     a href={ "#" (group.anchor()) } { "See the cases" }
                     @if let Some(slug) = &cause.misreading { " · " code { "ptm-conform explain " (slug) } }
@@ -320,14 +334,8 @@ fn failures(
                 }
             }
             @for (i, group) in groups.iter().enumerate() {
-                section.group id=(group.anchor()) aria-label=(group.anchor()) {
-                    h3 {
-                        @match group.cause {
-                            Some(cause) => { "The decoder " (cause.effect) },
-                            None => "Like no mistake of the catalogue",
-                        }
-                        " " span.quiet { (group.cases.len()) }
-                    }
+                section.group id=(group.anchor()) aria-label=(group.heading()) {
+                    h3 { (group.heading()) " " span.quiet { (group.cases.len()) } }
                     @let (first, more) = group.cases.split_at(SHOWN.min(group.cases.len()));
                     @for (j, case) in first.iter().enumerate() {
                         (card(suite, case, report.is_known(case), evidence.get(case.id.as_str()), i == 0 && j == 0))

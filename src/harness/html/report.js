@@ -23,19 +23,26 @@
   const input = document.getElementById("filter");
   if (input) {
     const found = document.getElementById("found");
+    const heading = document.getElementById("cases");
     const cards = [...document.querySelectorAll("details.case")];
     const rows = [...document.querySelectorAll("details.others table.list tbody tr")].filter((row) => row.querySelector("td:first-child code") && row.cells.length === 5);
     const all = [
       ...cards.map((element) => ({ element, text: element.textContent.toLowerCase(), clauses: element.querySelector("summary .clauses").textContent.split(" ") })),
       ...rows.map((element) => ({ element, text: element.textContent.toLowerCase(), clauses: element.cells[3].textContent.split(" ") })),
     ];
-    const folds = [...document.querySelectorAll("details.more, details.others")];
+    const folds = [...document.querySelectorAll("details.more, details.others")]
+      .map((fold) => ({ fold, inside: all.map((entry) => entry.element).filter((element) => fold.contains(element)) }))
+      .filter(({ inside }) => inside.length);
     const groups = [...document.querySelectorAll("section.group")];
     const clause = /^\d+(\.\d+)+(\/\d+)?$/;
     const has = (entry, word) => clause.test(word)
       ? entry.clauses.some((id) => id === word || id.startsWith(word + "/") || id.startsWith(word + "."))
       : entry.text.includes(word);
+    const inView = () => { const { top, bottom } = input.getBoundingClientRect(); return top >= 0 && bottom <= innerHeight; };
+    // Which folds were open before the filter opened and closed them.
+    let before;
     const apply = () => {
+      const stuck = input.form.getBoundingClientRect().top <= 0;
       const words = input.value.toLowerCase().split(/\s+/).filter(Boolean);
       let count = 0;
       for (const entry of all) {
@@ -43,22 +50,33 @@
         entry.element.hidden = !match;
         count += match;
       }
-      for (const fold of folds) {
-        const inside = fold.querySelector("details.case:not([hidden])") || [...fold.querySelectorAll("tbody tr")].some((row) => !row.hidden);
-        if (words.length) { fold.open = Boolean(inside) && (fold.open || fold.classList.contains("more") || count < 200); }
+      if (words.length) {
+        before ??= folds.map(({ fold }) => fold.open);
+        for (const { fold, inside } of folds) {
+          fold.open = inside.some((element) => !element.hidden) && (fold.open || fold.classList.contains("more") || count < 200);
+        }
+      } else if (before) {
+        folds.forEach(({ fold }, i) => { fold.open = before[i]; });
+        before = undefined;
       }
       for (const group of groups) { group.hidden = !group.querySelector("details.case:not([hidden])"); }
-      found.textContent = words.length ? `${count} of ${all.length} cases` : `${all.length} cases`;
+      found.textContent = !words.length ? `${all.length} cases` : count ? `${count} of ${all.length} cases` : "No case matches. Esc clears the filter.";
+      // What is found begins below the filter.
+      if (stuck || !inView()) { heading.scrollIntoView(); }
     };
     let waiting;
     input.addEventListener("input", () => { clearTimeout(waiting); waiting = setTimeout(apply, 80); });
     input.form.addEventListener("submit", (event) => { event.preventDefault(); apply(); });
     input.addEventListener("keydown", (event) => { if (event.key === "Escape") { input.value = ""; apply(); } });
     document.addEventListener("keydown", (event) => {
-      if (event.key === "/" && !/^(INPUT|TEXTAREA)$/.test(document.activeElement.tagName)) { event.preventDefault(); input.focus(); }
+      // A slider takes no text, and a button none either.
+      if (event.key !== "/" || document.activeElement.matches("textarea, input:not([type=range])")) { return; }
+      event.preventDefault();
+      if (!inView()) { heading.scrollIntoView(); }
+      input.focus({ preventScroll: true });
     });
     for (const tile of document.querySelectorAll("button.tile")) {
-      tile.addEventListener("click", () => { input.value = tile.dataset.clause; apply(); input.scrollIntoView({ block: "start" }); input.focus({ preventScroll: true }); });
+      tile.addEventListener("click", () => { input.value = tile.dataset.clause; apply(); heading.scrollIntoView(); input.focus({ preventScroll: true }); });
     }
     const openAll = (open) => { for (const card of cards) { if (!card.hidden) { card.open = open; } } };
     document.getElementById("open").addEventListener("click", () => { for (const fold of document.querySelectorAll("details.more")) { fold.open = true; } openAll(true); });
@@ -66,14 +84,24 @@
   }
 }
 
-// A link to a case opens it and what it lies in.
+// A link to a case opens it and what it lies in, and no filter hides it.
 {
   const reveal = () => {
     const target = location.hash.length > 1 && document.getElementById(decodeURIComponent(location.hash.slice(1)));
+    if (!target) { return; }
+    if (target.closest("[hidden]")) {
+      const input = document.getElementById("filter");
+      input.value = "";
+      input.form.requestSubmit();
+    }
     for (let at = target; at; at = at.parentElement) { if (at.tagName === "DETAILS") { at.open = true; } }
-    if (target) { target.scrollIntoView(); }
+    // The size of what was never drawn is a guess, so that one look is not enough.
+    const look = (more) => { target.scrollIntoView(); if (more) { requestAnimationFrame(() => look(more - 1)); } };
+    look(8);
   };
   addEventListener("hashchange", reveal);
+  // The same link again changes no hash.
+  addEventListener("click", (event) => { if (event.target.closest("a[href^='#']")) { setTimeout(reveal); } });
   reveal();
 }
 
