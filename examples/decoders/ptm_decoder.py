@@ -385,6 +385,8 @@ def decode_jpeg_ls(stream, width, height):
         import pillow_jpls                          # gives Pillow the format
     except ImportError:
         raise Unsupported("JPEG-LS: pillow-jpls is not installed")
+    if b"\xff\xd9" not in stream:                   # [plane-damage] CharLS looks long for the end of a cut stream.
+        raise Malformed("JPEG-LS stream without an end")
     return decode_stream(Image, pillow_jpls.JplsImageFile.format, stream, width, height)
 
 
