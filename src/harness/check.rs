@@ -438,7 +438,12 @@ fn no_decoder(first: &[First]) -> Option<String> {
             "it answers every first file with 69 (unsupported) in every view".to_owned()
         }
         (Answer::Rejected | Answer::Unsupported, _) => {
-            "it decodes no first file in any view".to_owned()
+            let refusals = answers().filter(|answer| matches!(answer, Answer::Rejected));
+            format!(
+                "it decodes no first file in any view: of {} requests for ordinary files it refuses {} with 65",
+                first.len(),
+                refusals.count()
+            )
         }
         (answer, _) => format!(
             "it answers no first file with a well-formed frame, in any view; the first of its answers: {}: {}",

@@ -43,6 +43,7 @@ fn of_format(witness: &Witness, traits: &mut Traits) {
     traits.add(lossy, "with JPEG planes");
     traits.add(format.is_compressed() && !lossy, "with JPEG-LS planes");
     traits.add(format.has_table(), "with a lookup table");
+    traits.add(!format.has_table(), "without a lookup table");
     traits.add(
         format.channels() == 18,
         "with three polynomials (RGB, JPEG_RGB, JPEGLS_RGB)",

@@ -137,6 +137,40 @@ pub(super) const ALL: &[Misreading] = &[
         }),
     },
     Misreading {
+        slug: "text-mode-universal",
+        clause: "2.0/2",
+        effect: "reads the file in text mode: CR LF and CR alone within the payload become LF",
+        mend: "open the file in binary mode",
+        at: At::Bytes(|file| {
+            let mut bytes = Vec::new();
+            for (i, &byte) in file.file.iter().enumerate() {
+                match byte {
+                    b'\r' if file.file.get(i + 1) == Some(&b'\n') => {}
+                    b'\r' => bytes.push(b'\n'),
+                    _ => bytes.push(byte),
+                }
+            }
+            Seen::File(bytes)
+        }),
+    },
+    Misreading {
+        slug: "white-space-at-the-end-stripped",
+        clause: "2.7/1",
+        effect: "strips white space from the end of the file, payload bytes among them",
+        mend: "take the payload as it is, byte by byte",
+        at: At::Bytes(|file| Seen::File(file.file.trim_ascii_end().to_vec())),
+    },
+    Misreading {
+        slug: "zeros-at-the-end-trimmed",
+        clause: "2.7/1",
+        effect: "trims zero bytes from the end of the file, payload bytes among them",
+        mend: "take the payload as it is, byte by byte",
+        at: At::Bytes(|file| {
+            let end = file.file.iter().rposition(|&byte| byte != 0);
+            Seen::File(file.file[..end.map_or(0, |last| last + 1)].to_vec())
+        }),
+    },
+    Misreading {
         slug: "version-unchecked",
         clause: "2.1/1",
         effect: "reads any version as 1.2",
