@@ -10,8 +10,9 @@ use zune_jpeg::zune_core::options::DecoderOptions;
 
 use crate::codec;
 use crate::decode::planes;
-use crate::harness::cases::Suite;
+use crate::harness::cases::{Expect, Suite, TableSpelling};
 use crate::harness::check::{Plan, check};
+use crate::harness::files::check_file;
 use crate::harness::judge::Outcome;
 use crate::harness::misreadings;
 use crate::harness::report::Report;
@@ -90,6 +91,22 @@ fn passes(reading: Reading, counts: &Counts) {
             .iter()
             .any(|remark| remark.says.contains("another inverse DCT"))
     );
+    // The same files as a user's own, of which only the bytes are known.
+    let own = suite.cases.iter().filter(|case| {
+        is_jpeg(case.format()) && case.expect == Expect::Decode && case.damage().is_none()
+    });
+    for case in own {
+        let file = &case.build(TableSpelling::default()).file;
+        let result = check_file(&case.id, file, &case.views, &|request| ask(request, 0));
+        assert_eq!(
+            result.outcome,
+            Outcome::Pass.name(),
+            "{}: {:?} {:?}",
+            case.id,
+            result.says,
+            result.relations
+        );
+    }
 }
 
 #[test]

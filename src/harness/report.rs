@@ -330,6 +330,12 @@ impl Report {
         let Subject { command, .. } = &self.decoder;
         if let Some(reason) = &self.reason {
             writeln!(out, "{command} is not a decoder: {reason}")?;
+            if command.contains("{in}") {
+                return writeln!(
+                    out,
+                    "A program called by --cmd reads the file {{in}} and writes a picture to {{out}}, or prints it; see docs/check.md."
+                );
+            }
             writeln!(
                 out,
                 "A decoder is called as: DECODER VIEW FILE, for example: {command} raw x.ptm"
