@@ -1782,6 +1782,10 @@ impl Written {
 
     /// With another index for a texel, counted as stored.
     fn set_index(&self, model: &Model, texel: usize, index: usize) -> Option<Vec<u8>> {
+        // In a full table every index is one.
+        if index < model.entries() {
+            return None;
+        }
         let start = self.range("indices", 0)?.start;
         let mut bytes = self.bytes.clone();
         if model.entries() > 256 {
