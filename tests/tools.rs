@@ -454,22 +454,23 @@ fn what_a_target_cannot_hold_is_refused_and_nothing_is_written() {
         ("LRGB.ptm", &["--to", "RGB"], "texels do not fit"),
         ("LUM.ptm", &["--to", "LRGB"], "lum-vector"),
         ("LRGB.ptm", &["--to", "LUM"], "without a loss"),
-        ("LRGB.ptm", &["--to", "JPEG_LRGB"], "quality"),
+        ("LRGB.ptm", &["--to", "JPEG_LRGB"], "--quality"),
         (
             "LRGB.ptm",
             &["--to", "PTM_LUT", "--quality", "90"],
-            "a quality is for JPEG",
+            "--quality is for JPEG",
         ),
         (
             "LRGB.ptm",
             &["--to", "PTM_LUT", "--loss", "3"],
-            "a loss is for JPEGLS",
+            "--loss is for JPEGLS",
         ),
     ] {
+        let usage = words.starts_with("--");
         let output = run(&[&["convert", path(file).as_str(), "-o", &out], more].concat());
         assert_eq!(
             output.status.code(),
-            Some(1),
+            Some(if usage { 2 } else { 1 }),
             "{file} {more:?}: {}",
             text(&output)
         );

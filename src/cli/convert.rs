@@ -42,6 +42,9 @@ pub fn run(args: &ConvertArgs) -> Outcome {
     if is_jpeg != args.quality.is_some() {
         return Err("--quality is for JPEG formats, and they need it".to_owned());
     }
+    if args.loss > 0 && !matches!(args.to, Format::JpeglsRgb | Format::JpeglsLrgb) {
+        return Err("--loss is for JPEGLS formats".to_owned());
+    }
     let file = files::read(&args.file)?;
     let anatomy = Anatomy::of(&file);
     let ptm = match files::map(&args.file, &anatomy) {
