@@ -17,6 +17,7 @@ use crate::harness::compare::Expected;
 use crate::harness::judge::{Finding, Judgement, Offer, Outcome, Right, Shown, judge};
 use crate::harness::protocol::{Answer, View};
 use crate::harness::run::{Reply, Request};
+use crate::harness::tally::Tally;
 use crate::ptm::Format;
 
 /// What of a suite is run, and how.
@@ -120,9 +121,6 @@ pub struct Run {
     pub not_a_decoder: Option<String>,
 }
 
-/// So many hangs in a row end a run.
-const HANGS: usize = 3;
-
 /// Runs `suite` against a decoder. `progress` is told of each case as it is done: what was found, and how many of how
 /// many are done.
 pub fn check(
@@ -133,10 +131,7 @@ pub fn check(
 ) -> Run {
     let asked = Asked {
         ask,
-        count: AtomicUsize::new(0),
-        misconduct: AtomicUsize::new(0),
-        hangs: AtomicUsize::new(0),
-        stop: &plan.stop,
+        tally: Tally::new(&plan.stop),
     };
     let nothing = vec![None; suite.cases.len()];
     let mut run = Run {
@@ -179,9 +174,11 @@ pub fn check(
         no_decoder(&run.first)
     };
     if run.not_a_decoder.is_none() {
-        run.table = table
-            .or_else(|| likely_spelling(suite, &run.offer, &asked).filter(|_| !plan.made_before))
-            .unwrap_or_default();
+        let likely = || match plan.made_before {
+            true => None,
+            false => likely_spelling(suite, &run.offer, &asked),
+        };
+        run.table = table.or_else(likely).unwrap_or_default();
         let withheld = withheld(suite, plan, run.table);
         let mut wanted = with_twins(suite, &plan.selected);
         for (wanted, why) in wanted.iter_mut().zip(&withheld) {
@@ -191,42 +188,26 @@ pub fn check(
             suite, &wanted, plan, &run.offer, run.table, &asked, progress,
         );
         run.judgement = judge(suite, &plan.selected, &run.findings, &run.offer);
-        run.ended_early = asked.why_over();
+        run.ended_early = asked.tally.why_over();
         if run.ended_early.is_none() && ask_again(suite, plan, &mut run, &asked) {
             run.judgement = judge(suite, &plan.selected, &run.findings, &run.offer);
         }
         say_what_was_not_run(suite, &withheld, &mut run);
         run.not_a_decoder = nothing_decoded(suite, &run.findings);
     }
-    run.asked = asked.count.into_inner();
-    run.misconduct = asked.misconduct.into_inner();
+    (run.asked, run.misconduct) = asked.tally.counts();
     run
 }
 
 /// The decoder, and a count of what it was asked.
 struct Asked<'a, F> {
     ask: &'a F,
-    count: AtomicUsize,
-    misconduct: AtomicUsize,
-    /// Hangs in a row.
-    hangs: AtomicUsize,
-    stop: &'a AtomicBool,
+    tally: Tally<'a>,
 }
 
 impl<F: Fn(&Request, usize) -> Reply + Sync> Asked<'_, F> {
-    /// Why the run should not go on, if it should not.
-    fn why_over(&self) -> Option<&'static str> {
-        if self.stop.load(Ordering::Relaxed) {
-            Some("the run was ended by its user")
-        } else if self.hangs.load(Ordering::Relaxed) >= HANGS {
-            Some("the run ended after three hangs in a row")
-        } else {
-            None
-        }
-    }
-
     fn is_over(&self) -> bool {
-        self.why_over().is_some()
+        self.tally.why_over().is_some()
     }
 
     /// Asks for `case` in `view` and holds the answer against what is expected. `worker` numbers those who ask at once.
@@ -237,18 +218,13 @@ impl<F: Fn(&Request, usize) -> Reply + Sync> Asked<'_, F> {
         table: TableSpelling,
         worker: usize,
     ) -> (Finding, Reply) {
-        let calls = self.count.fetch_add(1, Ordering::Relaxed);
-        let patience = if calls == 0 { 3 } else { 1 };
+        let patience = self.tally.call();
         let (finding, reply) = self.ask(case, view, table, worker, patience, false);
-        if reply.answer.misconduct().is_some() || reply.served.is_some() {
-            self.misconduct.fetch_add(1, Ordering::Relaxed);
-        }
         let is_hang = |answer: &Answer| matches!(answer, Answer::Hung(_));
-        if is_hang(&reply.answer) || reply.served.as_ref().is_some_and(is_hang) {
-            self.hangs.fetch_add(1, Ordering::Relaxed);
-        } else if !self.is_over() {
-            self.hangs.store(0, Ordering::Relaxed);
-        }
+        self.tally.came_to(
+            reply.answer.misconduct().is_some() || reply.served.is_some(),
+            is_hang(&reply.answer) || reply.served.as_ref().is_some_and(is_hang),
+        );
         (finding, reply)
     }
 
@@ -644,7 +620,7 @@ fn all_cases(
     side_by_side(plan, work.len(), |place, worker| {
         let (i, view) = work[place];
         let (finding, _) = asked.find(&suite.cases[i], view, table, worker);
-        if asked.stop.load(Ordering::Relaxed) {
+        if plan.stop.load(Ordering::Relaxed) {
             return false;
         }
         progress(

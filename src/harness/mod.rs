@@ -62,6 +62,9 @@ pub mod metamorphic;
 pub mod files;
 
 #[cfg(unix)]
+mod tally;
+
+#[cfg(unix)]
 pub mod check;
 
 #[cfg(unix)]

@@ -11,6 +11,7 @@ use serde_json::Value;
 use crate::harness::protocol::Answer;
 use crate::harness::run::{Decoder, Invocation};
 use crate::harness::scratch::Scratch;
+use crate::harness::tally::Tally;
 use crate::harness::texture::cases::{Case, Suite};
 use crate::harness::texture::judge::{Finding, Judgement, Outcome, Shown, judge};
 use crate::harness::texture::question::Refusal;
@@ -44,9 +45,6 @@ pub struct Run {
     pub not_a_decoder: Option<String>,
 }
 
-/// So many hangs in a row end a run.
-const HANGS: usize = 3;
-
 /// Most bytes of an answer: a JSON object of a few numbers and words.
 const LARGEST_ANSWER: usize = 1 << 20;
 
@@ -60,10 +58,7 @@ pub fn check(
 ) -> Run {
     let asked = Asked {
         ask,
-        count: AtomicUsize::new(0),
-        misconduct: AtomicUsize::new(0),
-        hangs: AtomicUsize::new(0),
-        stop: &plan.stop,
+        tally: Tally::new(&plan.stop),
     };
     let not_a_decoder = nobody_answers(suite, &asked);
     let findings = match not_a_decoder {
@@ -74,18 +69,19 @@ pub fn check(
         Some(_) => vec![false; suite.cases.len()],
         None => plan.selected.clone(),
     };
-    let ended_early = asked.why_over();
+    let ended_early = asked.tally.why_over();
     let mut judgement = judge(suite, &selected, &findings);
     for judged in judgement.cases.iter_mut().flatten() {
         if judged.outcome == Outcome::NotRun {
             ended_early.unwrap_or_default().clone_into(&mut judged.says);
         }
     }
+    let (asked, misconduct) = asked.tally.counts();
     Run {
         findings,
         judgement,
-        asked: asked.count.into_inner(),
-        misconduct: asked.misconduct.into_inner(),
+        asked,
+        misconduct,
         ended_early,
         not_a_decoder,
     }
@@ -94,38 +90,17 @@ pub fn check(
 /// Whoever answers, and a count of what was asked.
 struct Asked<'a, F> {
     ask: &'a F,
-    count: AtomicUsize,
-    misconduct: AtomicUsize,
-    /// Hangs in a row.
-    hangs: AtomicUsize,
-    stop: &'a AtomicBool,
+    tally: Tally<'a>,
 }
 
 impl<F: Fn(&Case, u32) -> Finding + Sync> Asked<'_, F> {
     fn find(&self, case: &Case) -> Finding {
-        let calls = self.count.fetch_add(1, Ordering::Relaxed);
-        let finding = (self.ask)(case, if calls == 0 { 3 } else { 1 });
-        if let Shown::Misconduct(answer) = &finding.shown {
-            self.misconduct.fetch_add(1, Ordering::Relaxed);
-            if matches!(answer, Answer::Hung(_)) {
-                self.hangs.fetch_add(1, Ordering::Relaxed);
-                return finding;
-            }
-        }
-        if self.why_over().is_none() {
-            self.hangs.store(0, Ordering::Relaxed);
-        }
+        let finding = (self.ask)(case, self.tally.call());
+        self.tally.came_to(
+            matches!(finding.shown, Shown::Misconduct(_)),
+            matches!(finding.shown, Shown::Misconduct(Answer::Hung(_))),
+        );
         finding
-    }
-
-    fn why_over(&self) -> Option<&'static str> {
-        if self.stop.load(Ordering::Relaxed) {
-            Some("the run was ended by its user")
-        } else if self.hangs.load(Ordering::Relaxed) >= HANGS {
-            Some("the run ended after three hangs in a row")
-        } else {
-            None
-        }
     }
 }
 
@@ -142,7 +117,7 @@ fn nobody_answers(
         }
         let hopeless = matches!(&finding.shown, Shown::Misconduct(Answer::NotStarted(_)));
         first.get_or_insert(finding);
-        if hopeless || asked.why_over().is_some() {
+        if hopeless || asked.tally.why_over().is_some() {
             break;
         }
     }
@@ -186,7 +161,7 @@ fn all_cases(
                     let done = done.fetch_add(1, Ordering::Relaxed) + 1;
                     progress(case, &finding, done, work.len());
                     findings.lock().expect("no worker panics")[i] = Some(finding);
-                    if asked.why_over().is_some() {
+                    if asked.tally.why_over().is_some() {
                         break;
                     }
                 }
