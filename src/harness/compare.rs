@@ -217,12 +217,9 @@ impl Expected {
         let apart = (expected - received).abs();
         match self.values {
             ExpectedValues::Raw(_) => apart.min(256.0 - apart) <= slack,
-            // Infinity is near to nothing but what no f32 holds.
-            ExpectedValues::Coef(_) if !received.is_finite() => {
-                f64::from(expected as f32) == received
-            }
+            // Infinity is right where no f32 holds the number.
             ExpectedValues::Coef(_) => {
-                apart <= 1e-5 * expected.abs().max(received.abs()) + 1e-6 + slack
+                is_close(expected, received, slack) || f64::from(expected as f32) == received
             }
             ExpectedValues::Rgb(_) => apart <= 1.0 + 1.0 / 64.0 + slack,
         }
@@ -298,6 +295,13 @@ pub enum Difference {
         /// Of how many.
         samples: usize,
     },
+}
+
+/// Whether final values are the same but for one rounding to `f32`, a product in `f32`, and `slack`. Nothing finite is
+/// close to infinity.
+pub(super) fn is_close(a: f64, b: f64, slack: f64) -> bool {
+    let larger = a.abs().max(b.abs());
+    a == b || larger.is_finite() && (a - b).abs() <= 1e-5 * larger + 1e-6 + slack
 }
 
 impl Difference {

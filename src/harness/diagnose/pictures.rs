@@ -7,6 +7,7 @@ use super::witness::Witness;
 use super::{Diagnosis, Kind};
 use crate::generate::scene::Compressed;
 use crate::harness::cases::Expect;
+use crate::harness::compare::is_close;
 use crate::harness::judge::{Right, Shown};
 use crate::harness::misreadings::Misreading;
 use crate::harness::protocol::{Answer, Frame, Samples};
@@ -254,7 +255,7 @@ impl Pair {
         match self.view {
             "raw" => a == b,
             "rgb" => (a - b).abs() <= 1.0,
-            _ => a == b || (a - b).abs() <= 1e-5 * a.abs().max(b.abs()).min(f64::MAX) + 1e-6,
+            _ => is_close(a, b, 0.0),
         }
     }
 

@@ -12,7 +12,7 @@ use crate::generate::Model;
 use crate::harness::cases::{Built, Case, Expect, Suite, Values};
 use crate::harness::check::Run;
 use crate::harness::choices::{CHOICES, Choice, Dialect};
-use crate::harness::compare::Expected;
+use crate::harness::compare::{Expected, is_close};
 use crate::harness::judge::{Finding, Outcome, Right, Shown};
 use crate::harness::misreadings::{self, Anatomy, At, Decision, Misreading, Seen};
 use crate::harness::protocol::{Answer, Frame, Samples, View};
@@ -344,13 +344,10 @@ pub fn alike(a: &Frame, b: &Frame) -> bool {
             x.iter().zip(y).all(|(x, y)| x.abs_diff(*y) <= 1)
         }
         (Samples::U8(x), Samples::U8(y)) => x == y,
-        (Samples::F32(x), Samples::F32(y)) => x.iter().zip(y).all(|(x, y)| {
-            if x.is_finite() && y.is_finite() {
-                (x - y).abs() <= 1e-5 * x.abs().max(y.abs()) + 1e-6
-            } else {
-                x == y || x.is_nan() && y.is_nan()
-            }
-        }),
+        (Samples::F32(x), Samples::F32(y)) => x
+            .iter()
+            .zip(y)
+            .all(|(x, y)| is_close(f64::from(*x), f64::from(*y), 0.0) || x.is_nan() && y.is_nan()),
         _ => false,
     }
 }

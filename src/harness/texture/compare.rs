@@ -7,6 +7,7 @@ use std::str::FromStr;
 
 use serde_json::Value;
 
+use crate::harness::compare::is_close;
 use crate::texture::{
     Boundary, Channel, ClampMethod, Composition, Parameterization, RenderingControl, SampleMethod,
 };
@@ -22,11 +23,10 @@ pub enum Tolerance {
 
 impl Tolerance {
     fn allows(self, expected: f64, received: f64) -> bool {
-        let most = match self {
-            Tolerance::Ordinary => 1e-5 * expected.abs().max(received.abs()) + 1e-6,
-            Tolerance::Absolute(most) => most,
-        };
-        (expected - received).abs() <= most
+        match self {
+            Tolerance::Ordinary => is_close(expected, received, 0.0),
+            Tolerance::Absolute(most) => (expected - received).abs() <= most,
+        }
     }
 }
 
