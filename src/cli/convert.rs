@@ -38,23 +38,17 @@ pub struct ConvertArgs {
 }
 
 pub fn run(args: &ConvertArgs) -> Outcome {
-    let is_jpeg = matches!(args.to, Format::JpegRgb | Format::JpegLrgb);
-    if is_jpeg != args.quality.is_some() {
-        return Err("--quality is for JPEG formats, and they need it".to_owned());
-    }
-    if args.loss > 0 && !matches!(args.to, Format::JpeglsRgb | Format::JpeglsLrgb) {
-        return Err("--loss is for JPEGLS formats".to_owned());
-    }
+    let target = Target {
+        format: args.to,
+        quality: args.quality,
+        loss: args.loss,
+    };
+    target.check().map_err(|why| format!("--{why}"))?;
     let file = files::read(&args.file)?;
     let anatomy = Anatomy::of(&file);
     let ptm = match files::map(&args.file, &anatomy) {
         Ok(ptm) => ptm,
         Err(status) => return Ok(status),
-    };
-    let target = Target {
-        format: args.to,
-        quality: args.quality,
-        loss: args.loss,
     };
     let converted = match convert(&anatomy, ptm, target) {
         Ok(converted) => converted,

@@ -25,6 +25,27 @@ pub struct Target {
     pub loss: u8,
 }
 
+impl Target {
+    /// Whether quality and loss are those of the format; else the sentence begins with the one that is not.
+    ///
+    /// # Errors
+    /// A JPEG format without a quality, another one with a quality, and a loss of any but JPEG-LS.
+    pub fn check(self) -> Result<(), String> {
+        let format = self.format;
+        let is_jpeg = matches!(format, Format::JpegRgb | Format::JpegLrgb);
+        match self.quality {
+            None if is_jpeg => Err(format!(
+                "quality from 20 to 100 is needed: {format} loses something; a JPEGLS format can be exact"
+            )),
+            Some(_) if !is_jpeg => Err(format!("quality is for JPEG formats, not for {format}")),
+            _ if self.loss > 0 && (is_jpeg || !format.is_compressed()) => {
+                Err(format!("loss is for JPEGLS formats, not for {format}"))
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
 /// A map, converted.
 #[derive(Debug)]
 pub struct Converted {
@@ -82,32 +103,9 @@ fn recipe(anatomy: &Anatomy, ptm: &Ptm, target: Target) -> Result<Recipe, String
             values: matrix.0,
         };
     }
-    let is_jpeg = matches!(target.format, Format::JpegRgb | Format::JpegLrgb);
-    let is_jpeg_ls = target.format.is_compressed() && !is_jpeg;
-    match target.quality {
-        None if is_jpeg => {
-            return Err(format!(
-                "{} loses something: say how much with a quality from 20 to 100, or choose a JPEGLS format, which can be exact",
-                target.format
-            ));
-        }
-        Some(_) if !is_jpeg => {
-            return Err(format!(
-                "a quality is for JPEG formats, not for {}",
-                target.format
-            ));
-        }
-        Some(quality) => recipe.compression.parameter = quality,
-        None => {}
-    }
-    if target.loss > 0 && !is_jpeg_ls {
-        return Err(format!(
-            "a loss is for JPEGLS formats, not for {}",
-            target.format
-        ));
-    }
-    if is_jpeg_ls {
-        recipe.compression.parameter = target.loss;
+    target.check()?;
+    if target.format.is_compressed() {
+        recipe.compression.parameter = target.quality.unwrap_or(target.loss);
     }
     recipe.compression.residuals = Residuals::Natural;
     recipe.check()?;
