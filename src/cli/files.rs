@@ -33,20 +33,25 @@ pub fn read(path: &Path) -> Result<Vec<u8>, String> {
 
 /// Looks before long work whether a result can be written there.
 pub fn can_be_written(path: &Path) -> Result<(), String> {
-    let directory = path
-        .parent()
-        .filter(|parent| !parent.as_os_str().is_empty());
     if path.is_dir() {
         return Err(format!("{} is a directory", path.display()));
     }
-    match directory {
-        Some(directory) if !directory.is_dir() => Err(format!(
+    let directory = directory_of(path);
+    if !directory.is_dir() {
+        return Err(format!(
             "{}: there is no directory {}",
             path.display(),
             directory.display()
-        )),
-        _ => Ok(()),
+        ));
     }
+    Ok(())
+}
+
+/// Where a file lies.
+fn directory_of(path: &Path) -> &Path {
+    path.parent()
+        .filter(|parent| !parent.as_os_str().is_empty())
+        .unwrap_or(Path::new("."))
 }
 
 /// The map in a file; where there is none, says why and what to try next, and returns the exit status.
@@ -74,11 +79,7 @@ pub fn write_whole(path: &Path, bytes: impl AsRef<[u8]>) -> Result<(), String> {
     if path.exists() && !path.is_file() {
         return fs::write(path, bytes).map_err(named);
     }
-    let directory = path
-        .parent()
-        .filter(|parent| !parent.as_os_str().is_empty())
-        .unwrap_or(Path::new("."));
-    let mut file = beside(directory).map_err(named)?;
+    let mut file = beside(directory_of(path)).map_err(named)?;
     file.write_all(bytes.as_ref()).map_err(named)?;
     file.persist(path).map_err(|error| named(error.error))?;
     Ok(())

@@ -4,7 +4,7 @@ use std::io::{self, BufRead, Write};
 use std::path::{Path, PathBuf};
 
 use ptm_conform::error::Class;
-use ptm_conform::harness::protocol::{EXIT_MALFORMED, EXIT_UNSUPPORTED, Frame, View, write_view};
+use ptm_conform::harness::protocol::{EXIT_MALFORMED, Frame, View, write_view};
 use ptm_conform::ptm::Format;
 
 #[cfg(unix)]
@@ -68,12 +68,7 @@ fn one(view: &View, path: &Path) -> u8 {
         }
         Err(error) => {
             super::output::complain(&format!("{}: {error}", path.display()));
-            let status = if error.class() == Class::Malformed {
-                EXIT_MALFORMED
-            } else {
-                EXIT_UNSUPPORTED
-            };
-            status as u8
+            files::status(&error)
         }
     }
 }

@@ -1,7 +1,6 @@
 //! The commands of the program that are about texture mapping.
 
 use std::fmt::Write as _;
-use std::fs;
 use std::path::{Path, PathBuf};
 
 use clap::{Args, Subcommand};
@@ -366,8 +365,7 @@ fn run_render(args: &RenderArgs) -> Result<u8, String> {
     let drawn = picture(&scene, args.size as usize, &Rules::SPEC)
         .map_err(|error| format!("such coordinates cannot be drawn: {error}"))?;
     let bytes = png(&drawn).map_err(|error| error.to_string())?;
-    fs::write(&args.output, bytes)
-        .map_err(|error| format!("{}: {error}", args.output.display()))?;
+    write_whole(&args.output, bytes)?;
     Ok(0)
 }
 
