@@ -1,0 +1,124 @@
+//! The decoder, without any other part of the library, against the corpus: what `cargo mutants` runs.
+//!
+//! `PTM_CORPUS` names another corpus, such as one that `generate` wrote with the large files too.
+
+use std::path::PathBuf;
+
+use ptm_conform::error::Class;
+use ptm_conform::{Limits, Ptm, Reading, decode, decode_as};
+
+/// What the manifest says of a file: its lines are plain enough to be read one by one.
+#[derive(Default)]
+struct Entry {
+    id: String,
+    file: String,
+    expect: String,
+    view: String,
+    frame: String,
+}
+
+fn entries(manifest: &str) -> Vec<Entry> {
+    let mut entries: Vec<Entry> = Vec::new();
+    for line in manifest.lines() {
+        if let Some(id) = line.strip_prefix("- id: ") {
+            let id = id.to_owned();
+            entries.push(Entry {
+                id,
+                ..Entry::default()
+            });
+        }
+        let (Some(entry), Some((key, value))) = (entries.last_mut(), line.split_once(": ")) else {
+            continue;
+        };
+        let place = match key {
+            "  file" => &mut entry.file,
+            "  expect" => &mut entry.expect,
+            "    view" => &mut entry.view,
+            "    file" => &mut entry.frame,
+            _ => continue,
+        };
+        value.trim_matches('"').clone_into(place);
+    }
+    entries
+}
+
+/// The samples in a view, as numbers, and how far off they may be.
+fn samples(ptm: &Ptm, view: &str) -> (Vec<f64>, f64) {
+    let bytes = |bytes: &[u8]| bytes.iter().map(|&byte| f64::from(byte)).collect();
+    match view.split_once(':') {
+        Some((_, light)) => {
+            let (lu, lv) = light.split_once(',').expect("a light has two numbers");
+            let [lu, lv] = [lu, lv].map(|number| number.parse().expect("a number"));
+            (bytes(&ptm.coefficients().evaluate(lu, lv).to_bytes()), 1.0)
+        }
+        None if view == "coef" => (ptm.coefficients().values.clone(), 0.0),
+        None => (bytes(&ptm.planes.samples), 0.0),
+    }
+}
+
+/// The samples of a frame.
+fn expected(frame: &[u8]) -> Vec<f64> {
+    let line = frame.iter().position(|&byte| byte == b'\n');
+    let (line, samples) = frame.split_at(line.expect("a frame has a line") + 1);
+    match line.ends_with(b"f32\n") {
+        true => samples
+            .chunks_exact(4)
+            .map(|word| f64::from(f32::from_le_bytes(word.try_into().expect("four bytes"))))
+            .collect(),
+        false => samples.iter().map(|&byte| f64::from(byte)).collect(),
+    }
+}
+
+/// Why a file is not answered as the manifest says.
+fn wrong(entry: &Entry, file: &[u8], frame: Option<Vec<u8>>) -> Option<String> {
+    let outcome = decode(file);
+    match (entry.expect.as_str(), outcome) {
+        ("decode", Ok(ptm)) => {
+            let (samples, slack) = samples(&ptm, &entry.view);
+            let expected = expected(&frame.expect("a frame lies beside its file"));
+            let near = |(&a, &b): (&f64, &f64)| {
+                (a - b).abs() <= slack || a as f32 == b as f32 || (a - b).abs() <= 1e-6 * b.abs()
+            };
+            let same =
+                samples.len() == expected.len() && samples.iter().zip(&expected).all(near);
+            (!same).then(|| "another picture".to_owned())
+        }
+        ("reject", Err(error)) if error.class() != Class::Malformed => Some(error.to_string()),
+        ("decode", Err(error)) => Some(error.to_string()),
+        ("reject" | "refuse", Ok(_)) => Some("accepted".to_owned()),
+        _ => None,
+    }
+}
+
+#[test]
+fn every_file_is_answered_as_the_manifest_says() {
+    let corpus = std::env::var_os("PTM_CORPUS").map_or_else(
+        || PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("corpus"),
+        PathBuf::from,
+    );
+    let manifest = std::fs::read_to_string(corpus.join("MANIFEST.yaml")).expect("a manifest");
+    let mut read = 0;
+    for entry in entries(&manifest) {
+        // The committed corpus does without its large files.
+        let Ok(file) = std::fs::read(corpus.join(&entry.file)) else {
+            continue;
+        };
+        let frame = std::fs::read(corpus.join(&entry.frame)).ok();
+        let wrong = wrong(&entry, &file, frame);
+        assert_eq!(wrong, None, "{}", entry.id);
+        read += 1;
+    }
+    println!("{read} files");
+    assert!(read > 1000, "{read} files");
+}
+
+#[test]
+fn a_decoder_with_little_memory_says_so() {
+    let file = b"PTM_1.2\nPTM_FORMAT_LRGB\n9 9\n1 1 1 1 1 1 0 0 0 0 0 0\n";
+    let whole = [&file[..], &[0; 9 * 9 * 9]].concat();
+    let memory = 9 * 9 * 9;
+    let read = |memory| decode_as(&whole, &Reading::SPEC, &Limits { memory });
+    assert!(read(memory).is_ok());
+    let error = read(memory - 1).expect_err("too much");
+    assert_eq!(error.class(), Class::Limit, "{error}");
+}
