@@ -79,8 +79,7 @@ fn wrong(entry: &Entry, file: &[u8], frame: Option<Vec<u8>>) -> Option<String> {
             let near = |(&a, &b): (&f64, &f64)| {
                 (a - b).abs() <= slack || a as f32 == b as f32 || (a - b).abs() <= 1e-6 * b.abs()
             };
-            let same =
-                samples.len() == expected.len() && samples.iter().zip(&expected).all(near);
+            let same = samples.len() == expected.len() && samples.iter().zip(&expected).all(near);
             (!same).then(|| "another picture".to_owned())
         }
         ("reject", Err(error)) if error.class() != Class::Malformed => Some(error.to_string()),

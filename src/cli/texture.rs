@@ -15,7 +15,8 @@ use ptm_conform::harness::texture::misreadings;
 use ptm_conform::harness::texture::question::{EntryGiven, Question};
 use ptm_conform::harness::texture::report;
 use ptm_conform::harness::texture::verify::verify;
-use ptm_conform::texture::{Picture, Rounding, Rules, Scene, Shape, TextureMap, picture};
+use ptm_conform::texture::{Rounding, Rules, Scene, Shape, TextureMap, picture};
+use ptm_conform::tools::render::Image;
 
 use super::files::{self, write_whole};
 use super::output::print;
@@ -364,7 +365,13 @@ fn run_render(args: &RenderArgs) -> Result<u8, String> {
     };
     let drawn = picture(&scene, args.size as usize, &Rules::SPEC)
         .map_err(|error| format!("such coordinates cannot be drawn: {error}"))?;
-    let bytes = png(&drawn).map_err(|error| error.to_string())?;
+    let image = Image {
+        width: drawn.side,
+        height: drawn.side,
+        channels: 3,
+        samples: drawn.rgb,
+    };
+    let bytes = image.to_png("a texture, mapped as the PEXlib table tells")?;
     write_whole(&args.output, bytes)?;
     Ok(0)
 }
@@ -381,17 +388,4 @@ fn ptm_map(path: &Path, (lu, lv): (f64, f64)) -> Result<TextureMap, String> {
         Rounding::None,
         &Rules::SPEC,
     ))
-}
-
-fn png(picture: &Picture) -> Result<Vec<u8>, png::EncodingError> {
-    let mut bytes = Vec::new();
-    let side = picture.side as u32;
-    let mut encoder = png::Encoder::new(&mut bytes, side, side);
-    encoder.set_color(png::ColorType::Rgb);
-    encoder.set_depth(png::BitDepth::Eight);
-    encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
-    let mut writer = encoder.write_header()?;
-    writer.write_image_data(&picture.rgb)?;
-    writer.finish()?;
-    Ok(bytes)
 }

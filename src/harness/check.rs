@@ -14,7 +14,7 @@ use crate::harness::capabilities::Capabilities;
 use crate::harness::cases::{Case, Expect, Feature, Suite, TableSpelling, Values};
 use crate::harness::choices;
 use crate::harness::compare::Expected;
-use crate::harness::judge::{Finding, Judgement, Offer, Outcome, Right, Shown, judge};
+use crate::harness::judge::{Finding, Judgement, Offer, Outcome, Right, Shown, Unsteady, judge};
 use crate::harness::protocol::{Answer, View};
 use crate::harness::run::{Reply, Request};
 use crate::harness::tally::Tally;
@@ -312,15 +312,16 @@ impl<F: Fn(&Request, usize) -> Reply + Sync> Asked<'_, F> {
 }
 
 /// What a serving process did instead of answering, where another answered.
-fn trouble_of_serving(reply: &Reply) -> Option<String> {
+fn trouble_of_serving(reply: &Reply) -> Option<Unsteady> {
     let served = reply.served.as_ref()?;
-    Some(format!(
+    let says = format!(
         "in serve mode{}: {}: {}; asked alone it answers ({})",
         behind(reply.after.as_ref()),
         served.name(),
         served.misconduct().unwrap_or_default(),
         reply.answer.name()
-    ))
+    );
+    Some(Unsteady { served: true, says })
 }
 
 fn behind(after: Option<&String>) -> String {
@@ -391,7 +392,10 @@ fn first_trouble(suite: &Suite, first: &[First]) -> Option<Remark> {
     first.iter().find_map(|first| {
         let id = &suite.cases[first.case].id;
         let what = trouble_of_serving(&first.reply)?;
-        Some(Remark::failure(format!("{id} in {}, {what}", first.view)))
+        Some(Remark::failure(format!(
+            "{id} in {}, {}",
+            first.view, what.says
+        )))
     })
 }
 
@@ -697,11 +701,8 @@ fn ask_again(
                 .push((i, alone.stderr.clone()));
         }
         if !alone.shown.is_like(&finding.shown) {
-            let says = difference(plan.repeat, finding, &alone);
-            differences
-                .lock()
-                .expect("no worker panics")
-                .push((i, says));
+            let how = difference(plan.repeat, finding, &alone);
+            differences.lock().expect("no worker panics").push((i, how));
         }
         true
     });
@@ -712,9 +713,9 @@ fn ask_again(
     }
     let differences = differences.into_inner().expect("no worker panics");
     let any = !differences.is_empty();
-    for (i, says) in differences {
+    for (i, how) in differences {
         if let Some(finding) = &mut run.findings[i] {
-            finding.unsteady = Some(says);
+            finding.unsteady = Some(how);
         }
     }
     any
@@ -732,17 +733,18 @@ fn is_first_unsupported(suite: &Suite, judgement: &Judgement, i: usize) -> bool 
 }
 
 /// How two answers to one request differ.
-fn difference(repeat: Repeat, finding: &Finding, alone: &Finding) -> String {
+fn difference(repeat: Repeat, finding: &Finding, alone: &Finding) -> Unsteady {
     let (first, second) = (finding.shown.describe(), alone.shown.describe());
-    match repeat {
-        Repeat::FailuresAndSample => format!(
+    let served = matches!(repeat, Repeat::FailuresAndSample);
+    let says = if served {
+        format!(
             "in serve mode{}, it answers with {first}; asked alone with {second}: state leaks between files",
             behind(finding.after.as_ref())
-        ),
-        _ => {
-            format!("answers differently each time: first with {first}, asked again with {second}")
-        }
-    }
+        )
+    } else {
+        format!("answers differently each time: first with {first}, asked again with {second}")
+    };
+    Unsteady { served, says }
 }
 
 /// Why a case is not asked, a place for each case of the suite.

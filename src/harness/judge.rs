@@ -26,7 +26,16 @@ pub struct Finding {
     /// The case that the same process was asked before, where it serves.
     pub after: Option<String>,
     /// How two answers to this request differ, if it was asked for twice and they do.
-    pub unsteady: Option<String>,
+    pub unsteady: Option<Unsteady>,
+}
+
+/// Two answers to one request.
+#[derive(Clone, Debug)]
+pub struct Unsteady {
+    /// Whether one of them is of a serving process.
+    pub served: bool,
+    /// How they differ.
+    pub says: String,
 }
 
 /// An answer, held against what was expected.
@@ -319,7 +328,7 @@ fn verdict(
     let fail = |says: String| (Fail, says);
     let pass = (Pass, String::new());
     if let Some(how) = &finding.unsteady {
-        return fail(how.clone());
+        return fail(how.says.clone());
     }
     // Negative cases stand on their accepted twin.
     let twin_decoded = matches!(

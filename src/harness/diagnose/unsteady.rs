@@ -4,21 +4,20 @@
 use super::{Cause, Diagnosis, Kind};
 use crate::harness::cases::Suite;
 use crate::harness::check::Run;
+use crate::harness::judge::Unsteady;
 
 /// The cases whose answers differ, those of serve mode apart from those that differ each time.
 pub(super) fn describe(suite: &Suite, run: &Run) -> Vec<Diagnosis> {
-    let differing: Vec<(usize, &str)> = run
+    let differing: Vec<(usize, &Unsteady)> = run
         .findings
         .iter()
         .enumerate()
         .filter(|&(place, _)| run.judgement.cases[place].is_some())
-        .filter_map(|(place, finding)| Some((place, finding.as_ref()?.unsteady.as_deref()?)))
+        .filter_map(|(place, finding)| Some((place, finding.as_ref()?.unsteady.as_ref()?)))
         .collect();
-    let (served, chance): (Vec<_>, Vec<_>) = differing
-        .into_iter()
-        .partition(|(_, says)| says.starts_with("in serve mode"));
-    let diagnosis = |of: Vec<(usize, &str)>, effect: &str, mend: &str| {
-        let &(place, says) = of.first()?;
+    let (served, chance): (Vec<_>, Vec<_>) = differing.into_iter().partition(|(_, how)| how.served);
+    let diagnosis = |of: Vec<(usize, &Unsteady)>, effect: &str, mend: &str| {
+        let &(place, how) = of.first()?;
         let case = &suite.cases[place];
         Some(Diagnosis {
             cause: Cause::Described {
@@ -26,7 +25,7 @@ pub(super) fn describe(suite: &Suite, run: &Run) -> Vec<Diagnosis> {
                 clause: case.clauses.first().cloned().unwrap_or_default(),
                 effect: effect.to_owned(),
                 mend: mend.to_owned(),
-                example: format!("for example {}: {says}", case.id),
+                example: format!("for example {}: {}", case.id, how.says),
             },
             explains: of.iter().map(|&(place, _)| place).collect(),
             partly: Vec::new(),
