@@ -342,7 +342,7 @@ impl Report {
             )?;
             return writeln!(
                 out,
-                "For raw it prints \"PTM1 raw WIDTH HEIGHT CHANNELS u8\", a line feed and the samples; see the README."
+                "For raw it prints \"PTM1 raw WIDTH HEIGHT CHANNELS u8\", a line feed and the samples; see the README.\nWhat keeps it from that, step by step: ptm-conform probe DECODER"
             );
         }
         for remark in &self.remarks {
