@@ -240,7 +240,10 @@ fn names_every(first: usize, step: usize) {
         let (run, _) = ask_all(&suite, &[misreading], &[], jobs(), &right);
         match missed(&suite, &[misreading], &run) {
             Ok(None) => {}
-            Ok(Some(why)) => wrong.push(why),
+            Ok(Some(why)) => {
+                println!("{why}");
+                wrong.push(why);
+            }
             Err(why) => wrong.push(format!("{} {why}", misreading.slug)),
         }
         if count % 10 == 0 {

@@ -111,7 +111,8 @@ pub(super) const ALL: &[Misreading] = &[
             };
             let table = file.payload();
             let step = size + 1;
-            let Some(rest) = file.file.get(table + count * step..) else {
+            let bytes = (count * step).saturating_sub(1);
+            let Some(rest) = file.file.get(table + bytes..) else {
                 return Seen::Refused;
             };
             let found = (0..count)
