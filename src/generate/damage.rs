@@ -1418,6 +1418,61 @@ pub const ALL: &[Damage] = &[
         },
     ),
     damage(
+        "stream-segment-of-no-length",
+        "2.9.8/3",
+        "a segment of a stream has length 0, less than the length itself takes",
+        |file, model| {
+            let stream = model.stream(1)?;
+            let stream = [&stream[..2], b"\xff\xfe\0\0", &stream[2..]].concat();
+            file.with_stream(model, 1, &stream)
+        },
+    ),
+    damage(
+        "stream-segment-past-the-end",
+        "2.9.8/3",
+        "a segment of a stream is longer than the stream",
+        |file, model| {
+            let stream = model.stream(1)?;
+            let stream = [&stream[..2], b"\xff\xfe\xff\xff", &stream[2..]].concat();
+            file.with_stream(model, 1, &stream)
+        },
+    ),
+    damage(
+        "stream-of-too-many-codes",
+        "2.9.8/3",
+        "a Huffman table of a stream has 255 codes more than its segment holds",
+        |file, model| {
+            let mut stream = model.stream(1)?.to_vec();
+            let at = find(&stream, 0xc4)?;
+            // Marker, length, class and number; then how many codes of 1 to 16 bits.
+            stream[at + 5 + 15] = 255;
+            file.with_stream(model, 1, &stream)
+        },
+    ),
+    damage(
+        "stream-of-table-15",
+        "2.9.8/3",
+        "a quantisation table of a stream has number 15, where there are four",
+        |file, model| {
+            let mut stream = model.stream(1)?.to_vec();
+            let at = find(&stream, 0xdb)?;
+            stream[at + 4] = 15;
+            file.with_stream(model, 1, &stream)
+        },
+    ),
+    damage(
+        "stream-of-near-255",
+        "2.9.8/3",
+        "a scan of JPEG-LS says NEAR 255, twice the most there is",
+        |file, model| {
+            let mut stream = model.stream(1)?.to_vec();
+            let at = find(&stream, 0xda)?;
+            // Marker, length, one component, its number and its table; then NEAR.
+            *stream.get_mut(at + 7).filter(|_| !model.is_jpeg())? = 255;
+            file.with_stream(model, 1, &stream)
+        },
+    ),
+    damage(
         "stream-without-tables",
         "2.9.8/3",
         "a stream lacks its first table",
