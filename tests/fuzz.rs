@@ -2,17 +2,20 @@
 #![cfg(feature = "harness")]
 
 use std::sync::Arc;
+use std::sync::atomic::Ordering;
 
 use arbitrary::Unstructured;
 use proptest::prelude::*;
 use ptm_conform::harness::capabilities::Capabilities;
-use ptm_conform::harness::cases::{Suite, TableSpelling, Values};
+use ptm_conform::harness::cases::{Case, Expect, Suite, TableSpelling, Values};
 use ptm_conform::harness::compare::Expected;
+use ptm_conform::harness::diagnose::applies;
 use ptm_conform::harness::fuzz::draft::Draft;
-use ptm_conform::harness::fuzz::{Outcomes, Plan, fuzz};
-use ptm_conform::harness::misreadings;
-use ptm_conform::harness::protocol::{Frame, View};
+use ptm_conform::harness::fuzz::{Draws, News, Outcomes, Plan, fuzz};
+use ptm_conform::harness::misreadings::{self, Misreading};
+use ptm_conform::harness::protocol::{Answer, Frame, View};
 use ptm_conform::harness::run::{Reply, Request};
+use ptm_conform::ptm::Format;
 use ptm_conform::{Reading, decode};
 
 fn plan(executions: usize) -> Plan {
@@ -70,6 +73,121 @@ fn mistakes_are_named_and_made_small() {
         let small = &outcomes.finds[0].small;
         assert!(small.width * small.height <= 2, "{small:?}");
     }
+}
+
+/// A file, the view it is asked in first, and what is right.
+struct Question {
+    file: Vec<u8>,
+    view: View,
+    right: Answer,
+}
+
+impl Question {
+    fn of(case: &Case) -> Question {
+        let file = case.build(TableSpelling::default()).file.clone();
+        let view = case.views[0].clone();
+        let right = misreadings::answer(&[], Reading::SPEC, &file, &view);
+        Question { file, view, right }
+    }
+
+    fn shows(&self, mistake: &Misreading) -> bool {
+        applies(mistake, &self.file)
+            && misreadings::answer(&[mistake], Reading::SPEC, &self.file, &self.view) != self.right
+    }
+}
+
+/// Mistakes that show on fewer than one in two hundred of the drawn files.
+const RARE: [&str; 20] = [
+    "format-by-beginning",
+    "sign-ignored-in-sizes",
+    "sizes-wrap-at-32-bits",
+    "sizes-wrap-at-64-bits",
+    "bias-fraction-cut",
+    "not-a-number-accepted",
+    "infinity-accepted",
+    "overflow-accepted",
+    "version-anywhere",
+    "version-by-number",
+    "format-by-its-end",
+    "format-without-its-beginning",
+    "extra-scales-ignored",
+    "extra-sizes-ignored",
+    "width-at-258",
+    "c-lut-width-at-256",
+    "one-plane-a-rank",
+    "reference-past-the-last-is-intra",
+    "stream-sizes-in-16-bits",
+    "side-position-in-16-bits",
+];
+
+/// Each is found, as itself or as the damage that it overlooks, and its file is not much longer than the smallest of the
+/// suite, in the same format, that shows it.
+#[test]
+#[ignore = "takes minutes"]
+fn rare_mistakes_are_found_within_two_hundred_thousand_calls() {
+    const DRAWN: usize = 2000;
+    let suite = Suite::load().expect("the suite loads");
+    let draws = Draws::of(&suite);
+    let last = |draft: &Draft| draft.cases("drawn").ok()?.pop();
+    let drawn: Vec<Question> = (0..DRAWN as u64)
+        .filter_map(|number| Some(Question::of(&last(&draws.file(7, number)?)?)))
+        .collect();
+    let known: Vec<(Format, Question)> = suite
+        .cases
+        .iter()
+        .filter(|case| {
+            matches!(
+                case.expect,
+                Expect::Decode | Expect::Reject | Expect::Refuse
+            )
+        })
+        .filter(|case| case.recipe().is_some())
+        .map(|case| (case.format(), Question::of(case)))
+        .collect();
+    let mut common = Vec::new();
+    for slug in RARE {
+        let mistake = misreadings::named(slug).unwrap_or_else(|| panic!("{slug}"));
+        let count = drawn.iter().filter(|file| file.shows(mistake)).count();
+        let plan = plan(200_000);
+        let ask = |request: &Request<'_>, _: usize| {
+            Reply::from(misreadings::answer(
+                &[mistake],
+                Reading::SPEC,
+                request.file,
+                request.view,
+            ))
+        };
+        let outcomes = fuzz(&suite, &plan, &ask, &|news| {
+            if matches!(news, News::Found(_)) {
+                plan.stop.store(true, Ordering::Relaxed);
+            }
+        });
+        let Some(find) = outcomes.finds.first() else {
+            panic!("{slug} is not found");
+        };
+        let small = last(&find.small).expect("it was written");
+        let length = small.build(TableSpelling::default()).file.len();
+        let least = known
+            .iter()
+            .filter(|(format, file)| *format == small.format() && file.shows(mistake))
+            .map(|(_, file)| file.file.len())
+            .min();
+        println!(
+            "{slug}: {count} of {DRAWN}, found as {} after {} calls, {length} bytes; {least:?}",
+            find.cause.name(),
+            outcomes.executions
+        );
+        if count * 200 >= DRAWN {
+            common.push(slug);
+        }
+        let overlooked = find
+            .small
+            .damage
+            .map(|damage| format!("accepts-{}", damage.name));
+        assert_eq!(find.cause.name(), overlooked.unwrap_or(slug.to_owned()));
+        assert!(least.is_none_or(|least| length * 5 <= least * 6), "{slug}");
+    }
+    assert_eq!(common, [""; 0], "these are not rare");
 }
 
 proptest! {

@@ -9,7 +9,7 @@ use std::fmt::Write as _;
 
 use arbitrary::{Result, Unstructured};
 
-use crate::harness::cases::{Case, Suite};
+use crate::harness::cases::{Case, Expect, Suite};
 use crate::ptm::Format;
 
 /// The words of a case, as far as they differ from the ordinary file.
@@ -30,7 +30,16 @@ pub struct Draft {
     /// The views, best first.
     pub views: Vec<String>,
     /// What is broken in the file, if anything is.
-    pub damage: Option<&'static str>,
+    pub damage: Option<Damage>,
+}
+
+/// What is broken in a file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Damage {
+    /// Its name in `spec-cases/`.
+    pub name: &'static str,
+    /// [`Expect::Reject`] or [`Expect::Refuse`].
+    pub expect: Expect,
 }
 
 /// Key and value, as they stand in a case.
@@ -266,6 +275,9 @@ impl Draft {
                 .insert("baseline", u.arbitrary::<bool>()?.to_string());
             let sampling = (*u.choose(&["1x1", "2x1", "1x2", "2x2", "4x1", "3x2"])?).to_owned();
             self.compression.insert("sampling", sampling);
+            if u.ratio(1, 3)? {
+                self.compression.insert("jfif", "false".to_owned());
+            }
         } else if !self.compression.contains_key("parameter") {
             let presets = *u.choose(&[
                 "255 3 7 21 64",
@@ -350,8 +362,10 @@ impl Draft {
         if let Some(damage) = self.damage {
             let _ = write!(
                 out,
-                "- id: {id}\n  clauses: [{}]\n  because: {because:?}\n  twin_of: {whole}\n  damage: {damage}\n  expect: reject\n",
-                section(self.format)
+                "- id: {id}\n  clauses: [{}]\n  because: {because:?}\n  twin_of: {whole}\n  damage: {}\n  expect: {}\n",
+                section(self.format),
+                damage.name,
+                damage.expect.name()
             );
         }
         out
@@ -426,6 +440,7 @@ fn draw_scale(u: &mut Unstructured) -> Result<String> {
         4 => format!("{}.", hundredths % 4),
         5 => format!("+{}E+0", f64::from(hundredths) / 100.0),
         6 => format!("{:.12}", f64::from(hundredths) / 97.0),
+        7 => format!("00{}", f64::from(hundredths) / 100.0),
         _ => (f64::from(hundredths) / 100.0).to_string(),
     })
 }
@@ -436,13 +451,19 @@ fn draw_bias(u: &mut Unstructured) -> Result<String> {
         1 => u.choose(&[127, 128, 255, 256, 257, -1, -128])?.to_string(),
         2 => u.int_in_range(-214..=460)?.to_string(),
         3 => format!("+{}", u.int_in_range(0..=255)?),
+        4 => format!("0{}", u.int_in_range(0..=255)?),
         _ => u.int_in_range(0..=255)?.to_string(),
     })
 }
 
 /// A factor of the color matrix.
 fn draw_factor(u: &mut Unstructured) -> Result<String> {
-    Ok((f64::from(u.int_in_range(-150..=150)?) / 128.0).to_string())
+    let factor = f64::from(u.int_in_range(-150..=150)?) / 128.0;
+    Ok(match u.int_in_range(0..=5)? {
+        0 => format!("{factor:e}"),
+        1 => format!("{factor:+}"),
+        _ => factor.to_string(),
+    })
 }
 
 /// `count` numbers with spaces between them.

@@ -7,7 +7,7 @@ use arbitrary::Unstructured;
 
 use super::draft::Draft;
 use super::minimise::minimise;
-use crate::harness::cases::{Built, Case, TableSpelling};
+use crate::harness::cases::{Built, Case, Expect, TableSpelling};
 use crate::harness::compare::Expected;
 use crate::harness::diagnose::alike;
 use crate::harness::judge::{Finding, Offer, Shown};
@@ -93,6 +93,7 @@ impl<F: Fn(&Request, usize) -> Reply + Sync> Decoder<'_, F> {
                     ))
             }
             Answer::Rejected => question.case.damage().is_some(),
+            Answer::Unsupported => question.case.expect == Expect::Refuse,
             _ => false,
         }
     }
@@ -116,7 +117,7 @@ impl Cause {
         decoder: &Decoder<F>,
     ) -> Cause {
         if let (Some(damage), Shown::Picture { .. }) = (draft.damage, &finding.shown) {
-            return Cause::Accepts(damage);
+            return Cause::Accepts(damage.name);
         }
         let other = Cause::Other(symptom_shown(&finding.shown));
         let Some(question) = decoder.question(draft) else {
@@ -153,7 +154,8 @@ impl Cause {
     ) -> bool {
         match self {
             Cause::Accepts(damage) => {
-                draft.damage == Some(damage) && matches!(finding.shown, Shown::Picture { .. })
+                draft.damage.is_some_and(|shown| shown.name == *damage)
+                    && matches!(finding.shown, Shown::Picture { .. })
             }
             Cause::Misreading(suspects) => decoder.question(draft).is_some_and(|question| {
                 suspects

@@ -10,7 +10,7 @@ pub mod minimise;
 pub mod reduce;
 pub mod write;
 
-use std::collections::BTreeSet;
+use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
@@ -23,7 +23,7 @@ use crate::harness::diagnose::spoken;
 use crate::harness::judge::Outcome;
 use crate::harness::run::{Reply, Request};
 use crate::ptm::Format;
-use draft::Draft;
+use draft::{Damage, Draft};
 use find::{Cause, Decoder, Find};
 
 /// Files drawn and judged together.
@@ -90,11 +90,11 @@ pub fn fuzz(
         ask(request, worker)
     };
     let opening = opening(suite);
-    let damages = damages(suite);
+    let draws = Draws::of(suite);
     let mut outcomes = Outcomes::default();
     let mut number = 0;
     while counted.load(Ordering::Relaxed) < plan.executions && !plan.stop.load(Ordering::Relaxed) {
-        let batch = Batch::draw(plan, &opening, &damages, number);
+        let batch = Batch::draw(plan, &opening, &draws, number);
         number += 1;
         outcomes.files += batch.drafts.len();
         let run = run(&batch.suite, plan, &ask);
@@ -139,19 +139,56 @@ fn opening(suite: &Suite) -> Vec<Case> {
     suite.cases.iter().filter(opens).cloned().collect()
 }
 
-/// What makes a file one that must be refused with 65, whatever else is in it: format and name of the damage.
-///
-/// That is what the suite says of it wherever it uses it.
-fn damages(suite: &Suite) -> Vec<(Format, &'static str)> {
-    let uses = |expect: fn(Expect) -> bool| -> BTreeSet<(Format, &'static str)> {
-        let cases = suite.cases.iter().filter(|case| expect(case.expect));
-        cases
-            .filter_map(|case| Some((case.format(), case.damage()?.name)))
-            .collect()
-    };
-    let must = uses(|expect| expect == Expect::Reject);
-    let may = uses(|expect| expect != Expect::Reject);
-    must.difference(&may).copied().collect()
+/// Where files are drawn from.
+pub struct Draws {
+    /// What makes a file of a format one that must be refused, whatever else is in it.
+    damages: Vec<(Format, Damage)>,
+}
+
+impl Draws {
+    /// Draws damages besides legal files: those of which the suite expects the same wherever it uses them.
+    #[must_use]
+    pub fn of(suite: &Suite) -> Draws {
+        let mut expected: BTreeMap<(Format, &'static str), Vec<Expect>> = BTreeMap::new();
+        for case in &suite.cases {
+            if let Some(damage) = case.damage() {
+                let place = expected.entry((case.format(), damage.name));
+                place.or_default().push(case.expect);
+            }
+        }
+        let damage = |((format, name), expects): (_, Vec<Expect>)| {
+            let expect = expects[0];
+            let settled = matches!(expect, Expect::Reject | Expect::Refuse)
+                && expects.iter().all(|&other| other == expect);
+            settled.then_some((format, Damage { name, expect }))
+        };
+        Draws {
+            damages: expected.into_iter().filter_map(damage).collect(),
+        }
+    }
+
+    /// The `number`th file: a legal one, or one with a damage.
+    #[must_use]
+    pub fn file(&self, seed: u64, number: u64) -> Option<Draft> {
+        let bytes = random_bytes(seed, number);
+        self.draw(&mut Unstructured::new(&bytes)).ok()
+    }
+
+    fn draw(&self, u: &mut Unstructured) -> arbitrary::Result<Draft> {
+        let mut draft = Draft::draw(u)?;
+        if u.ratio(1, DAMAGED)? {
+            let fitting: Vec<Damage> = self
+                .damages
+                .iter()
+                .filter(|(format, _)| *format == draft.format)
+                .map(|&(_, damage)| damage)
+                .collect();
+            if !fitting.is_empty() {
+                draft.damage = Some(*u.choose(&fitting)?);
+            }
+        }
+        Ok(draft)
+    }
 }
 
 /// Files that are drawn and judged together.
@@ -161,17 +198,11 @@ struct Batch {
 }
 
 impl Batch {
-    fn draw(
-        plan: &Plan,
-        opening: &[Case],
-        damages: &[(Format, &'static str)],
-        number: u64,
-    ) -> Batch {
+    fn draw(plan: &Plan, opening: &[Case], draws: &Draws, number: u64) -> Batch {
         let mut cases = opening.to_vec();
         let mut drafts = Vec::new();
         for place in 0..BATCH as u64 {
-            let bytes = random_bytes(plan.seed, number * BATCH as u64 + place);
-            let Ok(draft) = draw(&mut Unstructured::new(&bytes), damages) else {
+            let Some(draft) = draws.file(plan.seed, number * BATCH as u64 + place) else {
                 continue;
             };
             if !plan.formats.is_empty() && !plan.formats.contains(&draft.format) {
@@ -245,22 +276,6 @@ impl Batch {
                 (!id.ends_with("-whole")).then(|| (&self.drafts[number], place))
             })
     }
-}
-
-/// A legal file, or one with a damage.
-fn draw(u: &mut Unstructured, damages: &[(Format, &'static str)]) -> arbitrary::Result<Draft> {
-    let mut draft = Draft::draw(u)?;
-    if u.ratio(1, DAMAGED)? {
-        let fitting: Vec<&'static str> = damages
-            .iter()
-            .filter(|(format, _)| *format == draft.format)
-            .map(|&(_, damage)| damage)
-            .collect();
-        if !fitting.is_empty() {
-            draft.damage = Some(*u.choose(&fitting)?);
-        }
-    }
-    Ok(draft)
 }
 
 /// The bytes behind the `number`th file: `SplitMix64` from a start of its own.
