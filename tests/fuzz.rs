@@ -114,8 +114,8 @@ const RARE: [&str; 20] = [
     "extra-sizes-ignored",
     "width-at-258",
     "c-lut-width-at-256",
-    "one-plane-a-rank",
-    "reference-past-the-last-is-intra",
+    "compressed-size-sign-ignored",
+    "hexadecimal-accepted",
     "stream-sizes-in-16-bits",
     "side-position-in-16-bits",
 ];
