@@ -1,5 +1,8 @@
 //! The stages one by one: decoder, codecs, generator. `cargo bench --bench stages`
 
+// The macro of criterion makes a public function without a word.
+#![expect(missing_docs)]
+
 mod common;
 
 use std::hint::black_box;

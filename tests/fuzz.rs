@@ -115,7 +115,7 @@ const RARE: [&str; 20] = [
     "width-at-258",
     "c-lut-width-at-256",
     "compressed-size-sign-ignored",
-    "hexadecimal-accepted",
+    "negative-side-size-is-none",
     "stream-sizes-in-16-bits",
     "side-position-in-16-bits",
 ];
