@@ -36,16 +36,20 @@ fn fuzzed(slugs: &[&str], executions: usize) -> Outcomes {
         .iter()
         .map(|slug| misreadings::named(slug).unwrap_or_else(|| panic!("{slug}")))
         .collect();
-    let ask = |request: &Request<'_>, _: usize| {
+    let suite = Suite::load().expect("the suite loads");
+    fuzz(&suite, &plan(executions), &made(&mistakes), &|_| ())
+}
+
+/// Asks a decoder with these mistakes.
+fn made(mistakes: &[&Misreading]) -> impl Fn(&Request, usize) -> Reply + Sync {
+    |request, _| {
         Reply::from(misreadings::answer(
-            &mistakes,
+            mistakes,
             Reading::SPEC,
             request.file,
             request.view,
         ))
-    };
-    let suite = Suite::load().expect("the suite loads");
-    fuzz(&suite, &plan(executions), &ask, &|_| ())
+    }
 }
 
 #[test]
@@ -149,15 +153,7 @@ fn rare_mistakes_are_found_within_two_hundred_thousand_calls() {
         let mistake = misreadings::named(slug).unwrap_or_else(|| panic!("{slug}"));
         let count = drawn.iter().filter(|file| file.shows(mistake)).count();
         let plan = plan(200_000);
-        let ask = |request: &Request<'_>, _: usize| {
-            Reply::from(misreadings::answer(
-                &[mistake],
-                Reading::SPEC,
-                request.file,
-                request.view,
-            ))
-        };
-        let outcomes = fuzz(&suite, &plan, &ask, &|news| {
+        let outcomes = fuzz(&suite, &plan, &made(&[mistake]), &|news| {
             if matches!(news, News::Found(_)) {
                 plan.stop.store(true, Ordering::Relaxed);
             }

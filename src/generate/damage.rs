@@ -1408,12 +1408,7 @@ pub const ALL: &[Damage] = &[
         |file, model| {
             // APP14: name, version 100, two flag words, no color transform.
             file.with_streams(model, |_, stream| {
-                [
-                    &stream[..2],
-                    b"\xff\xee\0\x0eAdobe\0\x64\0\0\0\0\0",
-                    &stream[2..],
-                ]
-                .concat()
+                behind_soi(stream, b"\xff\xee\0\x0eAdobe\0\x64\0\0\0\0\0")
             })
         },
     ),
@@ -1422,8 +1417,7 @@ pub const ALL: &[Damage] = &[
         "2.9.8/3",
         "a segment of a stream has length 0, less than the length itself takes",
         |file, model| {
-            let stream = model.stream(1)?;
-            let stream = [&stream[..2], b"\xff\xfe\0\0", &stream[2..]].concat();
+            let stream = behind_soi(model.stream(1)?, b"\xff\xfe\0\0");
             file.with_stream(model, 1, &stream)
         },
     ),
@@ -1432,8 +1426,7 @@ pub const ALL: &[Damage] = &[
         "2.9.8/3",
         "a segment of a stream is longer than the stream",
         |file, model| {
-            let stream = model.stream(1)?;
-            let stream = [&stream[..2], b"\xff\xfe\xff\xff", &stream[2..]].concat();
+            let stream = behind_soi(model.stream(1)?, b"\xff\xfe\xff\xff");
             file.with_stream(model, 1, &stream)
         },
     ),
@@ -1491,12 +1484,7 @@ pub const ALL: &[Damage] = &[
         |file, model| {
             // COM of T.81 B.2.4.5, with a marker's bytes in its text.
             file.with_streams(model, |_, stream| {
-                [
-                    &stream[..2],
-                    b"\xff\xfe\0\x09made\xff\xd9\x00",
-                    &stream[2..],
-                ]
-                .concat()
+                behind_soi(stream, b"\xff\xfe\0\x09made\xff\xd9\x00")
             })
         },
     ),
@@ -1505,9 +1493,7 @@ pub const ALL: &[Damage] = &[
         "2.9.8/3",
         "every stream has a segment of application data",
         |file, model| {
-            file.with_streams(model, |_, stream| {
-                [&stream[..2], b"\xff\xe5\0\x06data", &stream[2..]].concat()
-            })
+            file.with_streams(model, |_, stream| behind_soi(stream, b"\xff\xe5\0\x06data"))
         },
     ),
     damage(
@@ -1516,9 +1502,7 @@ pub const ALL: &[Damage] = &[
         "fill bytes stand before a marker of every stream",
         |file, model| {
             // T.81 B.1.1.2.
-            file.with_streams(model, |_, stream| {
-                [&stream[..2], &[0xff, 0xff], &stream[2..]].concat()
-            })
+            file.with_streams(model, |_, stream| behind_soi(stream, &[0xff, 0xff]))
         },
     ),
     damage(
@@ -1544,6 +1528,11 @@ pub const ALL: &[Damage] = &[
         },
     ),
 ];
+
+/// A stream with more bytes behind its first marker.
+fn behind_soi(stream: &[u8], bytes: &[u8]) -> Vec<u8> {
+    [&stream[..2], bytes, &stream[2..]].concat()
+}
 
 /// Where the marker of this code stands, before the data.
 fn find(stream: &[u8], code: u8) -> Option<usize> {
