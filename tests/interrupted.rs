@@ -62,7 +62,8 @@ fn a_run_that_is_killed_leaves_what_it_found_and_no_process() {
         let finished = run.try_wait().expect("it can be asked").is_some();
         run.kill().expect("it can be killed");
         run.wait().expect("it is dead");
-        let deadline = Instant::now() + Duration::from_secs(10);
+        let killed = Instant::now();
+        let deadline = killed + Duration::from_secs(10);
         while !processes_below(&temporary).is_empty() && Instant::now() < deadline {
             std::thread::sleep(Duration::from_millis(50));
         }
@@ -70,6 +71,10 @@ fn a_run_that_is_killed_leaves_what_it_found_and_no_process() {
         assert!(
             alive.is_empty(),
             "{kind} after {after:?}: {alive:?} survive"
+        );
+        println!(
+            "{kind}, killed after {after:?}: its last process is gone {:?} later",
+            killed.elapsed()
         );
         while fs::read_dir(&temporary)
             .expect("a directory")

@@ -7,7 +7,7 @@ use super::recipe::Numbers;
 use super::spelling::Line;
 
 pub(super) fn write(matrix: &Numbers<16>, out: &mut Output) {
-    for (i, line) in matrix.texts.chunks(out.spelling.matrix_line).enumerate() {
+    for (i, line) in matrix.texts().chunks(out.spelling.matrix_line).enumerate() {
         if i > 0 {
             out.line_end(Line::Matrix);
         }

@@ -38,7 +38,7 @@ impl<'a> Output<'a> {
     }
 
     /// Numbers with gaps between them.
-    pub fn numbers(&mut self, clause: &'static str, name: &'static str, texts: &[String]) {
+    pub fn numbers(&mut self, clause: &'static str, name: &'static str, texts: &[&str]) {
         for (i, text) in texts.iter().enumerate() {
             if i > 0 {
                 self.gap();

@@ -10,8 +10,8 @@ use crate::ptm::{Format, Size};
 /// `N` numbers, each with the digits it is written in.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Numbers<const N: usize> {
-    /// As they stand in the file.
-    pub texts: Vec<String>,
+    /// In one piece, because a suite may hold a hundred thousand recipes.
+    text: Box<str>,
     /// What they mean.
     pub values: [f64; N],
 }
@@ -21,13 +21,23 @@ impl<const N: usize> FromStr for Numbers<N> {
 
     /// Numbers parted by spaces: `"2 2 0.5 1e-1 -3 .25"`.
     fn from_str(text: &str) -> Result<Numbers<N>, String> {
-        let texts: Vec<String> = text.split_whitespace().map(str::to_owned).collect();
-        let values: Result<Vec<f64>, _> = texts.iter().map(|number| number.parse()).collect();
+        let values: Result<Vec<f64>, _> = text.split_whitespace().map(str::parse).collect();
         let values = values.map_err(|_| format!("expected numbers, found {text:?}"))?;
         let values = values
             .try_into()
             .map_err(|_| format!("expected {N} numbers, found {text:?}"))?;
-        Ok(Numbers { texts, values })
+        Ok(Numbers {
+            text: text.into(),
+            values,
+        })
+    }
+}
+
+impl<const N: usize> Numbers<N> {
+    /// The digits of each, as they stand in the file.
+    #[must_use]
+    pub fn texts(&self) -> Vec<&str> {
+        self.text.split_whitespace().collect()
     }
 }
 

@@ -7,8 +7,8 @@ use super::recipe::Numbers;
 use super::spelling::Line;
 
 pub(super) fn write(scale: &Numbers<6>, bias: &Numbers<6>, out: &mut Output) {
-    out.numbers("2.4/3", "scale", &scale.texts);
+    out.numbers("2.4/3", "scale", &scale.texts());
     out.line_end_or_gap(out.spelling.scale_bias_on_two_lines, Line::Scale);
-    out.numbers("2.4/4", "bias", &bias.texts);
+    out.numbers("2.4/4", "bias", &bias.texts());
     out.line_end(Line::Bias);
 }

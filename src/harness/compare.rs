@@ -38,6 +38,9 @@ pub enum ExpectedValues {
     Rgb(Vec<f64>),
 }
 
+/// How far a byte may be from the exact color: one for any rounding, and a little for arithmetic in `f32`.
+pub(super) const COLOR: f64 = 1.0 + 1.0 / 64.0;
+
 impl Expected {
     /// What `values` look like in `view`; nothing where they do not say.
     #[must_use]
@@ -221,7 +224,7 @@ impl Expected {
             ExpectedValues::Coef(_) => {
                 is_close(expected, received, slack) || f64::from(expected as f32) == received
             }
-            ExpectedValues::Rgb(_) => apart <= 1.0 + 1.0 / 64.0 + slack,
+            ExpectedValues::Rgb(_) => apart <= COLOR + slack,
         }
     }
 

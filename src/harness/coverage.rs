@@ -11,7 +11,7 @@ use std::fmt::Write;
 
 use serde::Serialize;
 
-use crate::generate::Recipe;
+use crate::generate::{Numbers, Recipe};
 use crate::harness::cases::{self, Case, Expect, Status, Suite};
 use crate::harness::matrix::Row;
 use crate::harness::misreadings;
@@ -273,8 +273,9 @@ fn redundant(suite: &Suite, rows: &[Row], telling: &BTreeSet<usize>) -> Vec<Stri
 
 /// What the recipe of a case chooses: parameter and value.
 fn parameters(case: &Case, recipe: &Recipe) -> Vec<(&'static str, String)> {
-    let number = |texts: &[String], values: &[f64]| {
-        if texts.iter().any(|text| text.contains(['e', 'E'])) {
+    let number = |numbers: &Numbers<6>| {
+        let values = &numbers.values;
+        if numbers.texts().iter().any(|text| text.contains(['e', 'E'])) {
             "an exponent"
         } else if values.iter().any(|&value| value < 0.0) {
             "below zero"
@@ -296,7 +297,7 @@ fn parameters(case: &Case, recipe: &Recipe) -> Vec<(&'static str, String)> {
     let bias = if recipe.bias.values.iter().any(|&bias| bias > 255.0) {
         "over 255"
     } else {
-        number(&recipe.bias.texts, &recipe.bias.values)
+        number(&recipe.bias)
     };
     let spelling = &recipe.spelling;
     let lines = |two: bool| if two { "two lines" } else { "one line" }.to_owned();
@@ -317,10 +318,7 @@ fn parameters(case: &Case, recipe: &Recipe) -> Vec<(&'static str, String)> {
             }
             .to_owned(),
         ),
-        (
-            "scale",
-            number(&recipe.scale.texts, &recipe.scale.values).to_owned(),
-        ),
+        ("scale", number(&recipe.scale).to_owned()),
         ("bias", bias.to_owned()),
     ];
     if recipe.format.has_table() {

@@ -153,6 +153,9 @@ pub struct Cause {
     /// Cases that pass although a decoder with this mistake would fail them.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub except: Vec<String>,
+    /// All that shows of it, where other causes would show alike.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub shows: Option<String>,
     /// One failure down to the bytes of the file, where the cause is not of the catalogue.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub example: Option<String>,
@@ -506,6 +509,12 @@ fn write_cause(
             cause.except[0]
         )?;
     }
+    if let Some(shows) = &cause.shows {
+        writeln!(
+            out,
+            "  All that shows of it: the decoder {shows}. Other causes would show alike"
+        )?;
+    }
     if let Some(example) = &cause.example {
         writeln!(out, "  {}", capitalised(example))?;
     }
@@ -692,6 +701,7 @@ fn cause(suite: &Suite, diagnosis: &Diagnosis) -> Cause {
     cause.explains = ids(&diagnosis.explains);
     cause.partly = ids(&diagnosis.partly);
     cause.except = ids(&diagnosis.except);
+    cause.shows.clone_from(&diagnosis.shows);
     cause
 }
 

@@ -10,7 +10,7 @@
 
 use crate::decode::{Ptm, decode};
 use crate::generate::plan::Residuals;
-use crate::generate::{Model, Numbers, Recipe, write};
+use crate::generate::{Model, Recipe, write};
 use crate::ptm::{Format, Shape};
 use crate::tools::anatomy::{Anatomy, Role};
 
@@ -80,28 +80,16 @@ pub fn convert(anatomy: &Anatomy, ptm: &Ptm, target: Target) -> Result<Converted
 /// Header and spelling: scales as they were written, biases as integers, the rest as every known reader accepts it.
 fn recipe(anatomy: &Anatomy, ptm: &Ptm, target: Target) -> Result<Recipe, String> {
     let texts = |role: fn(usize) -> Role, count: usize| {
-        (0..count).filter_map(|i| anatomy.text(role(i))).collect()
+        let texts: Vec<String> = (0..count).filter_map(|i| anatomy.text(role(i))).collect();
+        texts.join(" ")
     };
     let mut recipe = Recipe::ordinary(target.format, ptm.header.size);
-    recipe.scale = Numbers {
-        texts: texts(Role::Scale, 6),
-        values: ptm.header.scale_bias.scale,
-    };
-    recipe.bias = Numbers {
-        texts: ptm
-            .header
-            .scale_bias
-            .bias
-            .iter()
-            .map(|bias| format!("{bias:.0}"))
-            .collect(),
-        values: ptm.header.scale_bias.bias,
-    };
-    if let Shape::Lum(matrix) = ptm.planes.shape {
-        recipe.matrix = Numbers {
-            texts: texts(Role::Matrix, 16),
-            values: matrix.0,
-        };
+    recipe.scale = texts(Role::Scale, 6).parse()?;
+    let biases = ptm.header.scale_bias.bias.iter();
+    let biases: Vec<String> = biases.map(|bias| format!("{bias:.0}")).collect();
+    recipe.bias = biases.join(" ").parse()?;
+    if let Shape::Lum(_) = ptm.planes.shape {
+        recipe.matrix = texts(Role::Matrix, 16).parse()?;
     }
     target.check()?;
     if target.format.is_compressed() {

@@ -1,19 +1,20 @@
 //! Wrong pictures that no mistake of the catalogue makes: how they differ, and where.
 
+use super::formulas::{self, Formula};
 use super::provenance;
-use super::refusals::shared;
+use super::refusals::{WORTH_SAYING, shared};
 use super::search::Search;
 use super::witness::Witness;
-use super::{Diagnosis, Kind};
+use super::{Cause, Diagnosis, Kind};
 use crate::generate::scene::Compressed;
 use crate::harness::cases::Expect;
-use crate::harness::compare::is_close;
+use crate::harness::compare::{COLOR, is_close};
 use crate::harness::judge::{Right, Shown};
 use crate::harness::misreadings::Misreading;
 use crate::harness::protocol::{Answer, Frame, Samples};
 use crate::ptm::channel_name;
 
-/// Kinds of difference that are told apart; what is beyond is said together.
+/// Kinds of difference that are told apart; what is beyond, or true of few, is said together.
 const KINDS: usize = 6;
 
 /// The wrong pictures in `left`, alike ones together. `set` are the mistakes that have been found.
@@ -25,7 +26,7 @@ pub(super) fn describe(
     let witnesses = search.witnesses;
     let said: Vec<Said> = left.iter().map(|&w| say(search, set, w)).collect();
     let mut open: Vec<usize> = (0..left.len()).collect();
-    let mut kinds: Vec<((String, String), Vec<usize>)> = Vec::new();
+    let mut kinds: Vec<((Claim, String), Vec<usize>)> = Vec::new();
     while !open.is_empty() {
         // What can be said of most; and at the end, what can be said of every wrong picture.
         let what = if kinds.len() < KINDS {
@@ -33,14 +34,14 @@ pub(super) fn describe(
         } else {
             None
         };
-        let (what, of) = match what {
-            Some(what) => {
-                let holds = |&&i: &&usize| said[i].what.contains(&what);
-                let of = open.iter().filter(holds).copied().collect();
-                (what, of)
-            }
-            None => ("wrong values".to_owned(), open.clone()),
-        };
+        let telling = what.map(|what| {
+            let holds = |&&i: &&usize| said[i].what.contains(&what);
+            let of: Vec<usize> = open.iter().filter(holds).copied().collect();
+            (what, of)
+        });
+        let (what, of) = telling
+            .filter(|(_, of)| of.len() * WORTH_SAYING >= open.len())
+            .unwrap_or_else(|| (Claim::from("wrong values".to_owned()), open.clone()));
         open.retain(|i| !of.contains(i));
         let mut place = String::new();
         let sides: [fn(&Said) -> &Vec<String>; 2] = [|said| &said.channels, |said| &said.texels];
@@ -79,18 +80,55 @@ pub(super) fn describe(
                 .copied()
                 .min_by_key(|&w| witnesses[w].built.file.len())
                 .expect("a kind has at least one case");
-            Diagnosis::described(
+            let mend = what.formula.map_or(
+                "compare these bytes of the file with what is read there",
+                Formula::mend,
+            );
+            let mut diagnosis = Diagnosis::described(
                 Kind::Difference,
                 witnesses,
                 &of,
                 (
-                    format!("shows {what}{place}{files}"),
-                    "compare these bytes of the file with what is read there".to_owned(),
+                    format!("shows {}{place}{files}", what.says),
+                    mend.to_owned(),
                     example(search, set, smallest),
                 ),
-            )
+            );
+            if let (Cause::Described { clause, .. }, Some(formula)) =
+                (&mut diagnosis.cause, what.formula)
+            {
+                formula.clause().clone_into(clause);
+            }
+            diagnosis
         })
         .collect()
+}
+
+/// The pictures that one wrong number in a formula explains, of the number that explains most.
+pub(super) fn widest_slip(search: &Search, failing: &[usize]) -> Vec<usize> {
+    let slips: Vec<(usize, Vec<Claim>)> = failing
+        .iter()
+        .filter_map(|&w| match &search.witnesses[w].finding.shown {
+            Shown::Picture {
+                frame: Some(shown), ..
+            } => Some((w, claims_of_slips(search, w, shown))),
+            _ => None,
+        })
+        .collect();
+    let Some(widest) = commonest(slips.iter().flat_map(|(_, claims)| claims)) else {
+        return Vec::new();
+    };
+    let holds = slips.iter().filter(|(_, claims)| claims.contains(&widest));
+    holds.map(|&(w, _)| w).collect()
+}
+
+fn claims_of_slips(search: &Search, w: usize, shown: &Frame) -> Vec<Claim> {
+    let slips = formulas::slips(&search.witnesses[w], &search.reading, shown);
+    let claim = |(formula, says)| Claim {
+        says: format!("values as if {says}"),
+        formula: Some(formula),
+    };
+    slips.into_iter().map(claim).collect()
 }
 
 /// Whether the decoder goes wrong in `w` much as one with `misreading` does.
@@ -131,14 +169,31 @@ pub(super) fn is_near(
 /// All that is true of how one picture differs, and of where; the most telling first.
 #[derive(Default)]
 struct Said {
-    what: Vec<String>,
+    what: Vec<Claim>,
     channels: Vec<String>,
     texels: Vec<String>,
 }
 
+/// How a picture differs.
+#[derive(Clone, PartialEq)]
+struct Claim {
+    says: String,
+    /// The formula that is computed with a wrong number.
+    formula: Option<Formula>,
+}
+
+impl From<String> for Claim {
+    fn from(says: String) -> Claim {
+        Claim {
+            says,
+            formula: None,
+        }
+    }
+}
+
 fn say(search: &Search, set: &[&'static Misreading], w: usize) -> Said {
     let plain = |what: &str| Said {
-        what: vec![what.to_owned()],
+        what: vec![Claim::from(what.to_owned())],
         ..Said::default()
     };
     let witness = &search.witnesses[w];
@@ -152,23 +207,31 @@ fn say(search: &Search, set: &[&'static Misreading], w: usize) -> Said {
     let Answer::Decoded(wanted) = &*made else {
         return plain("a picture of a file that should be refused");
     };
-    let Some(pair) = Pair::of(wanted, shown) else {
+    let Some(mut pair) = Pair::of(wanted, shown) else {
         return plain(&of_shape(wanted, shown));
     };
     if pair.wrong().is_empty() {
+        // Wrong by less than a color and its neighbour differ: what is exact tells.
+        match witness.exact(wanted) {
+            Some(exact) => pair.want = exact,
+            None => return plain("values that differ by less than they are rounded"),
+        }
+    }
+    if pair.wrong().is_empty() {
         return plain("values that differ by less than they are rounded");
     }
-    let mut what = pair.relations();
-    what.extend(pair.whole());
+    let mut what = claims_of_slips(search, w, shown);
+    what.extend(pair.relations().into_iter().map(Claim::from));
+    what.extend(pair.whole().map(Claim::from));
     if let Some(shift) = provenance::shift(witness, &pair) {
         let (count, way) = (
             shift.unsigned_abs(),
             if shift > 0 { "later" } else { "earlier" },
         );
         let bytes = if count == 1 { "byte" } else { "bytes" };
-        what.push(format!(
+        what.push(Claim::from(format!(
             "the values that stand {count} {bytes} {way} in the file: the binary data is read from a wrong place"
-        ));
+        )));
     }
     Said {
         what,
@@ -178,8 +241,8 @@ fn say(search: &Search, set: &[&'static Misreading], w: usize) -> Said {
 }
 
 /// What occurs most often; among equals what comes first.
-fn commonest<'a>(claims: impl Iterator<Item = &'a String>) -> Option<String> {
-    let mut counts: Vec<(&String, usize)> = Vec::new();
+fn commonest<'a>(claims: impl Iterator<Item = &'a Claim>) -> Option<Claim> {
+    let mut counts: Vec<(&Claim, usize)> = Vec::new();
     for claim in claims {
         match counts.iter_mut().find(|(known, _)| *known == claim) {
             Some((_, count)) => *count += 1,
@@ -254,7 +317,7 @@ impl Pair {
     fn near(&self, a: f64, b: f64) -> bool {
         match self.view {
             "raw" => a == b,
-            "rgb" => (a - b).abs() <= 1.0,
+            "rgb" => (a - b).abs() <= COLOR,
             _ => is_close(a, b, 0.0),
         }
     }
@@ -465,6 +528,16 @@ impl Pair {
             !byte && all(&|want, got| (got - want).abs() < 1.0 && got.fract() == 0.0),
             &|| "final values rounded to whole numbers".to_owned(),
         );
+        let color = self.view == "rgb";
+        let least = pairs.iter().all(|(want, got)| (got - want).abs() <= 2.0);
+        offer(color && least && all(&|want, got| got > want), &|| {
+            "colors that are a unit or two too large, as of another divisor or of rounding twice"
+                .to_owned()
+        });
+        offer(color && least && all(&|want, got| got < want), &|| {
+            "colors that are a unit or two too small, as of another divisor or of fractions cut off"
+                .to_owned()
+        });
         offer(all(&|want, got| (got - want).abs() <= 2.0), &|| {
             "values that are off by two at most, as of another rounding".to_owned()
         });

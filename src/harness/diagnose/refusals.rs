@@ -8,7 +8,7 @@ use crate::harness::judge::Shown;
 use crate::harness::protocol::Answer;
 
 /// A trait is said that one in so many of the failures have which nothing else explains.
-const WORTH_SAYING: usize = 5;
+pub(super) const WORTH_SAYING: usize = 5;
 
 /// Refusals that a trait explains: every file of the suite that has it is treated so. They are taken out of `left`.
 pub(super) fn describe(witnesses: &[Witness], left: &mut Vec<usize>) -> Vec<Diagnosis> {

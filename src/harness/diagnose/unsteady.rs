@@ -30,6 +30,7 @@ pub(super) fn describe(suite: &Suite, run: &Run) -> Vec<Diagnosis> {
             explains: of.iter().map(|&(place, _)| place).collect(),
             partly: Vec::new(),
             except: Vec::new(),
+            shows: None,
         })
     };
     let serving = diagnosis(

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::sync::{Arc, Mutex, OnceLock};
 
+use super::promises;
 use super::traits::{Traits, traits};
 use crate::codec;
 use crate::decode::{Limits, Ptm, decode_as, examine_as, planes};
@@ -12,7 +13,7 @@ use crate::generate::Model;
 use crate::harness::cases::{Built, Case, Expect, Suite, Values};
 use crate::harness::check::Run;
 use crate::harness::choices::{CHOICES, Choice, Dialect};
-use crate::harness::compare::{Expected, is_close};
+use crate::harness::compare::{Expected, ExpectedValues, is_close};
 use crate::harness::judge::{Finding, Outcome, Right, Shown};
 use crate::harness::misreadings::{self, Anatomy, At, Decision, Misreading, Seen};
 use crate::harness::protocol::{Answer, Frame, Samples, View};
@@ -56,10 +57,11 @@ pub(super) fn witnesses<'a>(suite: &'a Suite, run: &'a Run, reading: Reading) ->
     let asked = suite.cases.iter().zip(&run.findings).enumerate();
     let judged = asked.filter_map(|(place, (case, finding))| {
         let outcome = run.judgement.cases[place].as_ref()?.outcome;
-        // Of two answers neither tells of a mistake.
+        // Of two answers neither tells of a mistake, and a broken promise tells of none in reading.
         let finding = finding
             .as_ref()
-            .filter(|finding| finding.unsteady.is_none())?;
+            .filter(|finding| finding.unsteady.is_none())
+            .filter(|finding| !promises::is_broken(run, case, finding))?;
         Some((place, case, finding, outcome))
     });
     // An answer that proves nothing, or "unsupported", tells nothing of a mistake.
@@ -172,7 +174,9 @@ impl Witness<'_> {
                     frame: Some(shown), ..
                 },
                 Answer::Decoded(made),
-            ) if alike(shown, made) => Agreement::Picture,
+            ) if alike(shown, made) && (shown == made || !self.is_right(made)) => {
+                Agreement::Picture
+            }
             // Of a file that must be refused no picture is kept: to accept it is the mistake.
             (Shown::Picture { frame: None, .. }, Answer::Decoded(_))
                 if matches!(self.case.expect, Expect::Reject | Expect::Refuse) =>
@@ -195,6 +199,22 @@ impl Witness<'_> {
         }
     }
 
+    /// The colors of `made` before they were rounded, where it is the reference's own picture.
+    pub fn exact(&self, made: &Frame) -> Option<Vec<f64>> {
+        if !matches!(&self.right, Answer::Decoded(right) if right == made) {
+            return None;
+        }
+        match Expected::under(&self.built.file, &self.finding.view, &self.reading)?.values {
+            ExpectedValues::Rgb(values) => Some(values),
+            _ => None,
+        }
+    }
+
+    /// Whether that is the reference's picture, but for rounding: it explains no other one that is alike, too.
+    fn is_right(&self, made: &Frame) -> bool {
+        matches!(&self.right, Answer::Decoded(right) if alike(right, made))
+    }
+
     /// Where the decoder did not fail: whether `answer` would have been another outcome than the one it showed.
     pub fn contradicts(&self, answer: &Answer) -> bool {
         if std::ptr::eq(answer, &raw const self.right) {
@@ -202,8 +222,7 @@ impl Witness<'_> {
         }
         match (self.case.expect, answer) {
             (Expect::Decode, Answer::Decoded(made)) => {
-                let same = matches!(&self.right, Answer::Decoded(right) if alike(right, made));
-                !same && self.would_fail(made)
+                !self.is_right(made) && self.would_fail(made)
             }
             (Expect::Decode, _) => true,
             (Expect::Reject | Expect::Refuse, answer) => matches!(answer, Answer::Decoded(_)),

@@ -297,6 +297,7 @@ fn diagnosed(cause: &Cause, group: &Group, failures: usize, clauses: &[Clause]) 
                 @if let Some(passing) = cause.except.first() {
                     p { "But not everywhere: " (cause.except.len()) " cases pass that such a decoder would fail, for example " code { (passing) } "." }
                 }
+                @if let Some(shows) = &cause.shows { p { "All that shows of it: the decoder " (shows) ". Other causes would show alike." } }
                 @if let Some(example) = &cause.example { p { "For example " (example.strip_prefix("for example ").unwrap_or(example).trim_end_matches('.')) "." } }
                 p.quiet {
                     a href={ "#" (group.anchor()) } { "See the cases" }

@@ -231,16 +231,11 @@ fn cause(suite: &Suite, diagnosis: &Diagnosis) -> Cause {
     let explains = diagnosis.explains.iter();
     Cause {
         misreading: Some(diagnosis.misreading.slug.to_owned()),
-        kind: None,
         clause: diagnosis.misreading.clause.to_owned(),
         effect: diagnosis.misreading.effect.to_owned(),
         mend: diagnosis.misreading.mend.to_owned(),
-        or: Vec::new(),
-        with: Vec::new(),
         explains: explains.map(|&i| suite.cases[i].id.clone()).collect(),
-        partly: Vec::new(),
-        except: Vec::new(),
-        example: None,
+        ..Cause::default()
     }
 }
 

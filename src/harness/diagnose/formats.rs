@@ -1,0 +1,78 @@
+//! Formats of which nothing is read: their failures have one cause, or none that files could tell.
+
+use super::refusals::{deed_of, deeds, example};
+use super::witness::Witness;
+use super::{Diagnosis, Kind};
+use crate::harness::cases::Expect;
+use crate::ptm::Format;
+
+/// What a cause that explains these places comes to, if that is nothing but every legal file of some formats.
+pub(super) fn all_that_shows(witnesses: &[Witness], explains: &[usize]) -> Option<String> {
+    let is_legal = |witness: &&Witness| witness.case.expect == Expect::Decode;
+    let explained = |witness: &Witness| explains.contains(&witness.place);
+    let legal: Vec<&Witness> = witnesses.iter().filter(is_legal).collect();
+    let of: Vec<&&Witness> = legal.iter().filter(|witness| explained(witness)).collect();
+    let deed = deed_of(of.first()?)?;
+    let formats: Vec<Format> = Format::ALL
+        .into_iter()
+        .filter(|&format| of.iter().any(|witness| witness.case.format() == format))
+        .collect();
+    let all = legal
+        .iter()
+        .filter(|witness| formats.contains(&witness.case.format()))
+        .all(|witness| explained(witness) && deed_of(witness).as_ref() == Some(&deed));
+    let names: Vec<&str> = formats.iter().map(|format| format.short_name()).collect();
+    all.then(|| format!("{} every file of {}", deed.verb, names.join(", ")))
+}
+
+/// One diagnosis for each format that fails in more than one way. Its failures are taken out of `left`.
+pub(super) fn describe(witnesses: &[Witness], left: &mut Vec<usize>) -> Vec<Diagnosis> {
+    let mut diagnoses = Vec::new();
+    for format in Format::ALL {
+        let is_legal = |w: usize| {
+            let case = witnesses[w].case;
+            case.format() == format && case.expect == Expect::Decode
+        };
+        let all_open = (0..witnesses.len())
+            .filter(|&w| is_legal(w))
+            .all(|w| left.contains(&w));
+        let of: Vec<usize> = left
+            .iter()
+            .copied()
+            .filter(|&w| witnesses[w].case.format() == format)
+            .collect();
+        let wrong = of
+            .iter()
+            .filter(|&&w| deed_of(&witnesses[w]).is_none())
+            .count();
+        let mut ways: Vec<String> = deeds(witnesses, &of)
+            .into_iter()
+            .map(|deed| {
+                let like = |&&w: &&usize| deed_of(&witnesses[w]).as_ref() == Some(&deed);
+                format!("{} {}", deed.verb, of.iter().filter(like).count())
+            })
+            .collect();
+        if wrong > 0 {
+            ways.push(format!("shows wrong pictures of {wrong}"));
+        }
+        if !all_open || ways.len() < 2 {
+            continue;
+        }
+        left.retain(|w| !of.contains(w));
+        diagnoses.push(Diagnosis::described(
+            Kind::Difference,
+            witnesses,
+            &of,
+            (
+                format!(
+                    "reads no file of format {}: it {}",
+                    format.short_name(),
+                    ways.join(", ")
+                ),
+                "begin with the smallest file, the example".to_owned(),
+                example(witnesses, &of),
+            ),
+        ));
+    }
+    diagnoses
+}
