@@ -10,7 +10,7 @@ use ptm_conform::harness::diagnose::{Cause, Diagnosis, composable, diagnose};
 use ptm_conform::harness::judge::Outcome;
 use ptm_conform::harness::matrix::ask_all;
 use ptm_conform::harness::misreadings::{self, Misreading};
-use ptm_conform::harness::protocol::{Answer, Frame, Samples};
+use ptm_conform::harness::protocol::{Answer, Frame, Samples, View};
 use ptm_conform::harness::run::{Reply, Request};
 
 fn suite() -> Suite {
@@ -163,6 +163,46 @@ fn what_the_catalogue_does_not_know_is_put_into_words() {
             },
             &["1 more"],
         ),
+        (
+            "a4 is not scaled, in a decoder of final values",
+            |request, answer| match answer {
+                Answer::Decoded(frame) if frame.view == "coef" => with_samples(frame, |ptm| {
+                    let bias = ptm.header.scale_bias.bias[4];
+                    let raw = ptm.planes.texels().flatten();
+                    let values = ptm.coefficients().values.into_iter().zip(raw).enumerate();
+                    let channels = ptm.planes.shape.channels();
+                    let polynomials = ptm.planes.shape.coefficients();
+                    let value = |(i, (value, &raw)): (usize, (f64, &u8))| match i % channels {
+                        channel if channel < polynomials && channel % 6 == 4 => {
+                            (f64::from(raw) - bias) as f32
+                        }
+                        _ => value as f32,
+                    };
+                    Samples::F32(values.map(value).collect())
+                })(request.file),
+                Answer::Decoded(_) => Answer::Unsupported,
+                other => other,
+            },
+            &["a4 were not scaled"],
+        ),
+        (
+            "a1 is left out, in a decoder of colors",
+            |request, answer| match (answer, request.view) {
+                (Answer::Decoded(frame), View::Rgb(light)) => with_samples(frame, |ptm| {
+                    let mut values = ptm.coefficients();
+                    let channels = ptm.planes.shape.channels();
+                    for texel in values.values.chunks_exact_mut(channels) {
+                        for a1 in (1..ptm.planes.shape.coefficients()).step_by(6) {
+                            texel[a1] = 0.0;
+                        }
+                    }
+                    Samples::U8(values.evaluate(light.lu, light.lv).to_bytes())
+                })(request.file),
+                (Answer::Decoded(_), _) => Answer::Unsupported,
+                (other, _) => other,
+            },
+            &["a1 were left out"],
+        ),
     ];
     for (name, wrong, says) in decoders {
         println!("{name}");
@@ -172,6 +212,20 @@ fn what_the_catalogue_does_not_know_is_put_into_words() {
                 .is_some_and(|first| says.iter().all(|words| first.contains(words))),
             "{name}: {told:#?}"
         );
+    }
+}
+
+/// The frame with other samples, made of the map that the file holds.
+fn with_samples(
+    frame: Frame,
+    samples: impl Fn(&ptm_conform::Ptm) -> Samples,
+) -> impl Fn(&[u8]) -> Answer {
+    move |file| {
+        let ptm = ptm_conform::decode(file).expect("the reference showed it");
+        Answer::Decoded(Frame {
+            samples: samples(&ptm),
+            ..frame.clone()
+        })
     }
 }
 

@@ -5,7 +5,7 @@ use std::fs;
 
 use ptm_conform::Reading;
 use ptm_conform::harness::cases::Suite;
-use ptm_conform::harness::check::{Plan, check};
+use ptm_conform::harness::check::{Plan, Run, check};
 use ptm_conform::harness::misreadings::answer;
 use ptm_conform::harness::run::{Reply, Request};
 use ptm_conform::ptm::Format;
@@ -13,29 +13,33 @@ use ptm_conform::ptm::Format;
 use crate::measure::{own_time, slope};
 
 pub fn growth() {
-    println!("| cases | time a case, µs | memory, MB | memory a case, bytes |");
+    println!(
+        "| cases | time a case, µs | recipes of the suite, bytes a case | findings of the run, bytes a case |"
+    );
     println!("|---|---|---|---|");
     let mut times = Vec::new();
-    let start = memory();
     for count in [100, 1000, 10_000, 100_000] {
+        let before = memory();
         let suite = suite(count);
-        let spent = own_time(|| all_pass(&suite)).processor;
-        let memory = memory();
+        let with_suite = memory();
+        let mut run = None;
+        let spent = own_time(|| run = Some(all_pass(&suite))).processor;
+        let with_findings = memory();
         println!(
             "| {count} | {:.0} | {:.0} | {:.0} |",
             spent / count as f64 * 1e6,
-            memory / 1e6,
-            (memory - start) / count as f64
+            (with_suite - before) / count as f64,
+            (with_findings - with_suite) / count as f64,
         );
         times.push((count as f64, spent));
     }
     println!("\nslope of time: {:.2}", slope(&times));
 }
 
-/// The most memory that this process has held.
+/// The memory that this process holds, in bytes.
 fn memory() -> f64 {
     let status = fs::read_to_string("/proc/self/status").expect("Linux");
-    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"));
+    let line = status.lines().find_map(|line| line.strip_prefix("VmRSS:"));
     let kilobytes = line.and_then(|line| line.trim().strip_suffix(" kB")?.parse::<f64>().ok());
     kilobytes.expect("a number of kilobytes") * 1024.0
 }
@@ -60,11 +64,12 @@ fn suite(count: usize) -> Suite {
     Suite::from_files(&[("generated.yaml", &text)]).expect("legal cases")
 }
 
-fn all_pass(suite: &Suite) {
+fn all_pass(suite: &Suite) -> Run {
     let plan = Plan::of(suite, 1);
     let ask = |request: &Request<'_>, _: usize| {
         Reply::from(answer(&[], Reading::SPEC, request.file, request.view))
     };
     let run = check(suite, &plan, &ask, &|_, _, _, _| {});
     assert_eq!(run.exit_status(), 0, "the reference passes");
+    run
 }

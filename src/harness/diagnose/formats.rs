@@ -2,7 +2,7 @@
 
 use super::refusals::{deed_of, deeds, example};
 use super::witness::Witness;
-use super::{Diagnosis, Kind};
+use super::{Cause, Diagnosis, Kind};
 use crate::harness::cases::Expect;
 use crate::ptm::Format;
 
@@ -59,20 +59,35 @@ pub(super) fn describe(witnesses: &[Witness], left: &mut Vec<usize>) -> Vec<Diag
             continue;
         }
         left.retain(|w| !of.contains(w));
-        diagnoses.push(Diagnosis::described(
-            Kind::Difference,
-            witnesses,
-            &of,
-            (
-                format!(
+        diagnoses.push(Diagnosis {
+            cause: Cause::Described {
+                kind: Kind::Difference,
+                clause: clause(format).to_owned(),
+                effect: format!(
                     "reads no file of format {}: it {}",
                     format.short_name(),
                     ways.join(", ")
                 ),
-                "begin with the smallest file, the example".to_owned(),
-                example(witnesses, &of),
-            ),
-        ));
+                mend: "begin with the smallest file, the example".to_owned(),
+                example: example(witnesses, &of),
+            },
+            explains: of.iter().map(|&w| witnesses[w].place).collect(),
+            partly: Vec::new(),
+            except: Vec::new(),
+            shows: None,
+        });
     }
     diagnoses
+}
+
+/// Where the text says how a format's data lies.
+const fn clause(format: Format) -> &'static str {
+    match format {
+        Format::Rgb => "2.7.1/1",
+        Format::Lum => "2.7.2/1",
+        Format::Lrgb => "2.7.3/1",
+        Format::PtmLut => "2.8.1/1",
+        Format::PtmCLut => "2.8.2/1",
+        _ => "2.9/1",
+    }
 }

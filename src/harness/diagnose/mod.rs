@@ -148,6 +148,7 @@ pub fn diagnose(
     let search = Search::new(&witnesses, reading, assumed, threads);
     let mut found = search.run();
     drop_accidents(&search, &mut found);
+    drop_chance(&search, &mut found);
     let (mut diagnoses, mut left) = named(&search, &found);
     diagnoses.extend(formats::describe(&witnesses, &mut left));
     diagnoses.extend(acceptances::describe(&witnesses, &mut left));
@@ -166,15 +167,11 @@ pub fn diagnose(
     diagnoses
 }
 
-/// Takes away mistakes that only refuse, where one thing that the refused files share says more; and mistakes that passing
-/// cases speak against, where one wrong number in a formula explains more pictures.
+/// Takes away mistakes that only refuse, where one thing that the refused files share says more.
 fn drop_accidents(search: &Search, found: &mut search::Found) {
     let witnesses = search.witnesses;
-    let failing: Vec<usize> = (0..witnesses.len())
-        .filter(|&w| witnesses[w].failed && witnesses[w].case.expect == Expect::Decode)
-        .collect();
+    let failing = failing(witnesses);
     let shared = refusals::widest(witnesses, &failing);
-    let slip = pictures::widest_slip(search, &failing);
     found.members.retain(|member| {
         let of: Vec<(usize, Agreement)> = failing
             .iter()
@@ -186,13 +183,41 @@ fn drop_accidents(search: &Search, found: &mut search::Found) {
             .all(|(_, agreement)| matches!(agreement, Agreement::Word | Agreement::Crash));
         let less =
             |wide: &Vec<usize>| wide.len() > of.len() && of.iter().all(|(w, _)| wide.contains(w));
-        // Of colors, which are rounded, some agree by chance.
-        let color = |(w, _): &(usize, Agreement)| witnesses[*w].finding.view.name() == "rgb";
-        let by_chance = slip.len() > of.len()
-            && of.iter().all(color)
-            && (0..witnesses.len()).any(|w| search.contradicted(w, &[member.misreading]));
-        of.is_empty() || !(refuses && shared.iter().any(less) || by_chance)
+        of.is_empty() || !refuses || !shared.iter().any(less)
     });
+}
+
+/// Where passing cases speak against the mistakes found, takes away those that explain fewer colors than one wrong number in
+/// a formula: of colors, which are rounded, some agree by chance.
+fn drop_chance(search: &Search, found: &mut search::Found) {
+    let witnesses = search.witnesses;
+    let set = search::of(&found.members);
+    if !(0..witnesses.len()).any(|w| search.contradicted(w, &set)) {
+        return;
+    }
+    let failing = failing(witnesses);
+    let slip = pictures::widest_slip(search, &failing);
+    found.members.retain(|member| {
+        let mut without = set.clone();
+        without.retain(|other| other.slug != member.misreading.slug);
+        let shown = |w: usize, set: &[&'static Misreading]| {
+            matches!(search.agreement(w, set), Agreement::Picture)
+        };
+        let of: Vec<usize> = failing
+            .iter()
+            .copied()
+            .filter(|&w| shown(w, &set) && !shown(w, &without))
+            .collect();
+        let colors = |&w: &usize| witnesses[w].finding.view.name() == "rgb";
+        of.is_empty() || of.len() >= slip || !of.iter().all(colors)
+    });
+}
+
+/// Legal files that are not shown as they should be.
+fn failing(witnesses: &[Witness]) -> Vec<usize> {
+    (0..witnesses.len())
+        .filter(|&w| witnesses[w].failed && witnesses[w].case.expect == Expect::Decode)
+        .collect()
 }
 
 /// What each of the mistakes found explains, and which failing cases none of them does.

@@ -104,22 +104,21 @@ pub(super) fn describe(
         .collect()
 }
 
-/// The pictures that one wrong number in a formula explains, of the number that explains most.
-pub(super) fn widest_slip(search: &Search, failing: &[usize]) -> Vec<usize> {
-    let slips: Vec<(usize, Vec<Claim>)> = failing
+/// How many pictures one wrong number in a formula explains, the one that explains most.
+pub(super) fn widest_slip(search: &Search, failing: &[usize]) -> usize {
+    let slips: Vec<Claim> = failing
         .iter()
         .filter_map(|&w| match &search.witnesses[w].finding.shown {
             Shown::Picture {
                 frame: Some(shown), ..
-            } => Some((w, claims_of_slips(search, w, shown))),
+            } => Some(claims_of_slips(search, w, shown)),
             _ => None,
         })
+        .flatten()
         .collect();
-    let Some(widest) = commonest(slips.iter().flat_map(|(_, claims)| claims)) else {
-        return Vec::new();
-    };
-    let holds = slips.iter().filter(|(_, claims)| claims.contains(&widest));
-    holds.map(|&(w, _)| w).collect()
+    commonest(slips.iter()).map_or(0, |widest| {
+        slips.iter().filter(|&slip| *slip == widest).count()
+    })
 }
 
 fn claims_of_slips(search: &Search, w: usize, shown: &Frame) -> Vec<Claim> {

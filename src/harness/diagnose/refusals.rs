@@ -230,16 +230,13 @@ fn thresholds(these: &[usize], mine: &[&Traits], theirs: &[&Traits]) -> Vec<(Str
             .map(|&(_, number)| number)
     };
     let mut found = Vec::new();
-    for name in [
-        "texels",
-        "columns",
-        "rows",
-        "entries",
-        "records of side information",
-        "as their JPEG quality",
-        "as their largest loss",
-        "bytes",
-    ] {
+    let mut names: Vec<&str> = Vec::new();
+    for &(name, _) in mine.iter().flat_map(|traits| &traits.numbers) {
+        if !names.contains(&name) {
+            names.push(name);
+        }
+    }
+    for name in names {
         let theirs = || theirs.iter().filter_map(|traits| number(traits, name));
         let (Some(least), Some(most)) = (theirs().min(), theirs().max()) else {
             continue;

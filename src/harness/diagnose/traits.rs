@@ -53,6 +53,10 @@ fn of_format(witness: &Witness, traits: &mut Traits) {
         "with one polynomial and a color (LRGB, tables, JPEG_LRGB, JPEGLS_LRGB)",
     );
     traits.add(true, format!("of format {}", format.short_name()));
+    let view = witness.finding.view.name();
+    traits.add(view == "raw", "asked for stored values");
+    traits.add(view == "coef", "asked for final values");
+    traits.add(view == "rgb", "asked for colors under a light");
     if let View::Rgb(light) = &witness.finding.view {
         traits.add(
             light.lu < 0.0 && light.lv >= 0.0,
@@ -284,6 +288,23 @@ fn of_numbers(witness: &Witness, traits: &mut Traits) {
         ("rows", i64::from(height)),
         ("bytes", witness.built.file.len() as i64),
     ]);
+    let longest = ["scale", "bias", "matrix"]
+        .into_iter()
+        .flat_map(texts)
+        .map(str::len)
+        .max();
+    let largest = texts("bias")
+        .into_iter()
+        .map(value)
+        .fold(f64::MIN, f64::max);
+    traits.numbers.extend([
+        ("bytes of header", witness.payload() as i64),
+        (
+            "characters in one number",
+            longest.unwrap_or_default() as i64,
+        ),
+        ("as their largest bias", largest as i64),
+    ]);
     if recipe.format.has_table() {
         let entries = i64::from(recipe.entries);
         traits.add(entries == 1, "with a table of one entry");
@@ -323,6 +344,21 @@ fn of_compression(witness: &Witness, traits: &mut Traits) {
         plan.moves() && moving.iter().any(|(x, y)| *x < 0 || *y < 0),
         "with motion vectors below zero",
     );
+    let farthest = moving.iter().map(|(x, y)| x.abs().max(y.abs())).max();
+    let farthest = farthest.filter(|_| plan.moves()).unwrap_or_default();
+    let behind = |plane: &usize| plan.reference(*plane);
+    let deepest = (0..planes).map(|plane| {
+        std::iter::successors(Some(plane), behind)
+            .take(planes)
+            .count()
+    });
+    traits.numbers.extend([
+        ("half texels of motion", i64::from(farthest)),
+        (
+            "planes in one chain of predictions",
+            deepest.max().unwrap_or_default() as i64,
+        ),
+    ]);
     traits.add(
         plan.order
             .iter()
