@@ -131,7 +131,7 @@ impl Numbers {
             return slips;
         };
         let (u, v) = self.light;
-        let names = ["u²", "v²", "u·v", "u", "v", "nothing"];
+        let names = ["u²", "v²", "u·v", "u", "v", "1"];
         let others = [("2·u", 2.0 * u), ("2·v", 2.0 * v), ("u + v", u + v)];
         for (i, right) in names.into_iter().enumerate() {
             let mut times = |says: String, value: f64| {

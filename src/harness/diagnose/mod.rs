@@ -25,6 +25,7 @@ pub use witness::{alike, applies, composable};
 use crate::harness::cases::{Expect, Suite};
 use crate::harness::check::Run;
 use crate::harness::misreadings::Misreading;
+use crate::harness::protocol::View;
 use search::Search;
 use witness::{Agreement, Witness, witnesses};
 
@@ -187,8 +188,8 @@ fn drop_accidents(search: &Search, found: &mut search::Found) {
     });
 }
 
-/// Where passing cases speak against the mistakes found, takes away those that explain fewer colors than one wrong number in
-/// a formula: of colors, which are rounded, some agree by chance.
+/// Where passing cases speak against the mistakes found, takes away those that explain fewer pictures than one wrong number
+/// in a formula: colors are rounded, and some agree by chance.
 fn drop_chance(search: &Search, found: &mut search::Found) {
     let witnesses = search.witnesses;
     let set = search::of(&found.members);
@@ -208,8 +209,8 @@ fn drop_chance(search: &Search, found: &mut search::Found) {
             .copied()
             .filter(|&w| shown(w, &set) && !shown(w, &without))
             .collect();
-        let colors = |&w: &usize| witnesses[w].finding.view.name() == "rgb";
-        of.is_empty() || of.len() >= slip || !of.iter().all(colors)
+        let computed = |&w: &usize| witnesses[w].finding.view != View::Raw;
+        of.is_empty() || of.len() >= slip || !of.iter().all(computed)
     });
 }
 

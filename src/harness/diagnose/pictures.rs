@@ -64,7 +64,7 @@ pub(super) fn describe(
     kinds
         .into_iter()
         .map(|((what, place), of)| {
-            let files = match shared(witnesses, &of, &right) {
+            let files = match shared(witnesses, &of, &right, false) {
                 Some((says, having)) if having.len() == of.len() => {
                     format!(", in every file {says}")
                 }

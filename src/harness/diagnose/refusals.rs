@@ -20,7 +20,7 @@ pub(super) fn describe(witnesses: &[Witness], left: &mut Vec<usize>) -> Vec<Diag
             .filter(|&w| deed_of(&witnesses[w]).as_ref() == Some(&deed))
             .collect();
         let accepted = accepted(witnesses);
-        while let Some((says, of)) = shared(witnesses, &open, &accepted) {
+        while let Some((says, of)) = shared(witnesses, &open, &accepted, true) {
             // What few of many share is chance.
             if open.len() > of.len() * WORTH_SAYING || (of.len() < 2 && open.len() > of.len()) {
                 break;
@@ -50,7 +50,7 @@ pub(super) fn widest(witnesses: &[Witness], failing: &[usize]) -> Vec<Vec<usize>
             .copied()
             .filter(|&w| deed_of(&witnesses[w]).as_ref() == Some(&deed))
             .collect();
-        shared(witnesses, &of, &accepted).map(|(_, of)| of)
+        shared(witnesses, &of, &accepted, true).map(|(_, of)| of)
     };
     deeds(witnesses, failing)
         .into_iter()
@@ -138,11 +138,13 @@ pub(super) fn deeds(witnesses: &[Witness], left: &[usize]) -> Vec<Deed> {
     deeds.into_iter().map(|(deed, _)| deed).collect()
 }
 
-/// What most of `these` share and none of `others` has, in words; and which of `these` have it.
+/// What most of `these` share and none of `others` has, in words; and which of `these` have it. It may be what they were
+/// asked for, if `asked`.
 pub(super) fn shared(
     witnesses: &[Witness],
     these: &[usize],
     others: &[usize],
+    asked: bool,
 ) -> Option<(String, Vec<usize>)> {
     if these.is_empty() {
         return None;
@@ -151,8 +153,8 @@ pub(super) fn shared(
         places.iter().map(|&w| witnesses[w].traits()).collect()
     };
     let (mine, theirs) = (of(these), of(others));
-    let mut all: Vec<&String> = Vec::new();
-    for says in mine.iter().flat_map(|traits| &traits.has) {
+    let mut all: Vec<&str> = Vec::new();
+    for says in mine.iter().flat_map(|traits| traits.said(asked)) {
         if !all.contains(&says) {
             all.push(says);
         }
@@ -163,7 +165,7 @@ pub(super) fn shared(
             .map(|says| {
                 traits
                     .iter()
-                    .map(|traits| traits.has.contains(says))
+                    .map(|traits| traits.said(asked).contains(says))
                     .collect()
             })
             .collect()
@@ -198,7 +200,7 @@ pub(super) fn shared(
     };
     for (i, says) in all.iter().enumerate() {
         if absent(i, i) {
-            offer((*says).clone(), having(i, i));
+            offer((*says).to_owned(), having(i, i));
         }
     }
     for (says, of) in thresholds(these, &mine, &theirs) {

@@ -312,13 +312,21 @@ impl<'a> Search<'a> {
         for w in spread(&pictures, |w| self.witnesses[w].case.format()) {
             let witness = &self.witnesses[w];
             let before = self.answers(w, set);
-            let acting: Set = misreadings::all()
+            let concerned: Set = misreadings::all()
                 .filter(|&misreading| {
                     !named(set, misreading)
                         && !named(self.assumed, misreading)
                         && witness.concerns(misreading)
-                        && self.answers(w, &plus(set, misreading)) != before
                 })
+                .collect();
+            patience = patience.saturating_sub(concerned.len());
+            let acts = self.each(&concerned, |misreading| {
+                self.answers(w, &plus(set, misreading)) != before
+            });
+            let acting: Set = concerned
+                .into_iter()
+                .zip(acts)
+                .filter_map(|(misreading, acts)| acts.then_some(misreading))
                 .collect();
             let pairs: Vec<[&'static Misreading; 2]> = acting
                 .iter()

@@ -10,6 +10,8 @@ use crate::ptm::{Field, Format};
 pub(super) struct Traits {
     /// Each completes "files …"; from the general to the particular.
     pub has: Vec<String>,
+    /// What was asked for: completes "files …" too.
+    pub asked: &'static str,
     /// Each completes "files with more than N …".
     pub numbers: Vec<(&'static str, i64)>,
 }
@@ -18,6 +20,11 @@ pub(super) struct Traits {
 pub(super) fn traits(witness: &Witness) -> Traits {
     let mut traits = Traits {
         has: Vec::new(),
+        asked: match witness.finding.view {
+            View::Raw => "asked for stored values",
+            View::Coef => "asked for final values",
+            View::Rgb(_) => "asked for colors under a light",
+        },
         numbers: Vec::new(),
     };
     of_format(witness, &mut traits);
@@ -28,6 +35,12 @@ pub(super) fn traits(witness: &Witness) -> Traits {
 }
 
 impl Traits {
+    /// In words, with what was asked for at the end if `asked`.
+    pub fn said(&self, asked: bool) -> Vec<&str> {
+        let asked = asked.then_some(self.asked);
+        self.has.iter().map(String::as_str).chain(asked).collect()
+    }
+
     fn add(&mut self, holds: bool, says: impl Into<String>) {
         if holds {
             self.has.push(says.into());
@@ -53,10 +66,6 @@ fn of_format(witness: &Witness, traits: &mut Traits) {
         "with one polynomial and a color (LRGB, tables, JPEG_LRGB, JPEGLS_LRGB)",
     );
     traits.add(true, format!("of format {}", format.short_name()));
-    let view = witness.finding.view.name();
-    traits.add(view == "raw", "asked for stored values");
-    traits.add(view == "coef", "asked for final values");
-    traits.add(view == "rgb", "asked for colors under a light");
     if let View::Rgb(light) = &witness.finding.view {
         traits.add(
             light.lu < 0.0 && light.lv >= 0.0,

@@ -71,9 +71,13 @@ fn steps(draft: &Draft) -> Vec<Draft> {
             }));
         }
     }
-    for (key, numbers) in [("scale", "1 1 1 1 1 1"), ("bias", "0 0 0 0 0 0")] {
+    for (key, words) in [
+        ("scale", "1 1 1 1 1 1"),
+        ("bias", "0 0 0 0 0 0"),
+        ("scene", "flat-128"),
+    ] {
         all.push(with(&|draft| {
-            draft.make.insert(key, numbers.to_owned());
+            draft.make.insert(key, words.to_owned());
         }));
     }
     if draft.format.has_table() {
