@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::harness::baseline::News;
 use crate::harness::capabilities::Capabilities;
-use crate::harness::cases::{Case, Feature, Suite};
+use crate::harness::cases::{Case, Feature, Suite, TableSpelling};
 use crate::harness::check::Run;
 use crate::harness::corpus;
 use crate::harness::diagnose::{self, Diagnosis};
@@ -723,12 +723,13 @@ fn case_result(case: &Case, judged: &Judged, finding: Option<&Finding>) -> CaseR
 
 /// A digest of the files of the suite, in order.
 pub(super) fn digest(suite: &Suite) -> String {
-    let digests: String = suite
-        .cases
-        .iter()
-        .map(|case| corpus::entry(case).0.sha256)
-        .collect();
-    corpus::sha256(digests.as_bytes())
+    let jobs = std::thread::available_parallelism().map_or(1, usize::from);
+    let digest = |place: usize| {
+        let built = suite.cases[place].build(TableSpelling::default());
+        corpus::sha256(&built.file)
+    };
+    let digests = corpus::in_parallel(suite.cases.len(), jobs, &|_, _| (), &digest);
+    corpus::sha256(digests.concat().as_bytes())
 }
 
 /// A word of a command without its directories.
