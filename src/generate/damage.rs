@@ -948,6 +948,20 @@ pub const ALL: &[Damage] = &[
             file.replace_all(&edits)
         },
     ),
+    damage(
+        "plane-0-comes-late",
+        "2.9.4/2",
+        "a plane is predicted from plane 0, which has a larger rank",
+        |file, model| {
+            let plan = &model.compressed()?.plan;
+            let plane = (1..model.planes()).find(|&plane| plan.reference(plane) == Some(0))?;
+            let [late, early] = [plane, 0].map(|plane| plan.order[plane].to_string());
+            file.replace_all(&[
+                ("order", 0, late.as_bytes()),
+                ("order", plane, early.as_bytes()),
+            ])
+        },
+    ),
     // 2.9.5
     damage(
         "references-missing",

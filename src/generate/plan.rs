@@ -38,6 +38,8 @@ pub struct Compression {
     pub residuals: Residuals,
     /// The spelling of the streams.
     pub stream: Stream,
+    /// Only the streams of planes 0, 2, 4 … are so; the others are plain.
+    pub alternates: bool,
 }
 
 /// Choices that JPEG and JPEG-LS leave to a writer.
@@ -55,6 +57,18 @@ pub struct Stream {
     pub jfif: bool,
     /// JPEG-LS: preset parameters.
     pub presets: Option<Presets>,
+}
+
+impl Stream {
+    /// No choice taken.
+    pub const PLAIN: Stream = Stream {
+        restart_interval: 0,
+        optimised: false,
+        baseline: true,
+        sampling: (1, 1),
+        jfif: true,
+        presets: None,
+    };
 }
 
 /// What is painted.
@@ -302,14 +316,8 @@ impl Compression {
             } else {
                 Residuals::Natural
             },
-            stream: Stream {
-                restart_interval: 0,
-                optimised: false,
-                baseline: true,
-                sampling: (1, 1),
-                jfif: true,
-                presets: None,
-            },
+            stream: Stream::PLAIN,
+            alternates: false,
         }
     }
 

@@ -12,7 +12,7 @@
 
 use std::collections::HashSet;
 
-use super::plan::{Coding, Compression, Residuals, Texels};
+use super::plan::{Coding, Compression, Residuals, Stream, Texels};
 use super::predict::predictor;
 use super::recipe::Recipe;
 use super::scene::{Compressed, StoredPlane, hash};
@@ -115,7 +115,7 @@ fn encode_plane(
     let Encoded {
         stream,
         samples: received,
-    } = run_codec(recipe, &residual);
+    } = run_codec(recipe, plane, &residual);
     let own_slack = match recipe.coding() {
         Coding::Jpeg => u8::from(!any_transform_is_exact(&residual, &received, recipe)),
         Coding::JpegLs => 0,
@@ -252,9 +252,12 @@ fn any_transform_is_exact(residual: &[u8], received: &[u8], recipe: &Recipe) -> 
     residual == received && (0..residual.len()).all(exact)
 }
 
-fn run_codec(recipe: &Recipe, residual: &[u8]) -> Encoded {
+fn run_codec(recipe: &Recipe, plane: usize, residual: &[u8]) -> Encoded {
     let (plan, Size { width, height }) = (&recipe.compression, recipe.size);
-    let stream = &plan.stream;
+    let stream = match plan.alternates && plane % 2 == 1 {
+        true => Stream::PLAIN,
+        false => plan.stream,
+    };
     match recipe.coding() {
         Coding::Jpeg => {
             let options = jpeg::Options {

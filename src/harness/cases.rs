@@ -710,6 +710,8 @@ struct CompressionRecord {
     sampling: Option<String>,
     jfif: Option<String>,
     presets: Option<String>,
+    /// Whether only the streams of every second plane are so.
+    alternates: Option<String>,
 }
 
 /// A spelling as it is written: what differs from the plain one.
@@ -1000,6 +1002,9 @@ impl CompressionRecord {
                 t3,
                 reset,
             });
+        }
+        if let Some(alternates) = filled(&self.alternates) {
+            plan.alternates = alternates == "true";
         }
         Ok(())
     }

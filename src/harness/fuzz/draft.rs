@@ -218,8 +218,8 @@ impl Draft {
             if with_motion && u.ratio(3, 4)? {
                 let length = u.int_in_range(1..=5)?;
                 let vectors = several(length, u, |u| {
-                    let far = u.ratio(1, 12)?;
-                    let most = if far { 80 } else { 7 };
+                    // Beyond the plane, and beyond a byte.
+                    let most = *u.choose(&[7, 7, 7, 7, 7, 7, 7, 7, 7, 80, 300])?;
                     Ok(u.int_in_range(-most..=most)?.to_string())
                 })?;
                 self.compression.insert(axis, vectors);
@@ -286,6 +286,9 @@ impl Draft {
                 "255 2 2 2 3",
             ])?;
             self.compression.insert("presets", presets.to_owned());
+        }
+        if u.ratio(1, 4)? {
+            self.compression.insert("alternates", "true".to_owned());
         }
         Ok(())
     }

@@ -2,7 +2,7 @@
 
 use super::{At, Decision, Misreading};
 use crate::codec::{Class, Error};
-use crate::decode::planes;
+use crate::decode::planes::{self, Coded};
 use crate::ptm::{Format, Size};
 use crate::reading::Reading;
 
@@ -420,6 +420,22 @@ pub(super) const ALL: &[Misreading] = &[
             ..r
         },
     ),
+    kept(
+        "presets-kept",
+        "keeps the parameters of an LSE segment for the planes behind it",
+        |r| Reading {
+            reconstruct: |coded, reading| keeping(coded, reading, 0xF8),
+            ..r
+        },
+    ),
+    kept(
+        "restart-interval-kept",
+        "keeps the restart interval of a plane for the planes behind it",
+        |r| Reading {
+            reconstruct: |coded, reading| keeping(coded, reading, 0xDD),
+            ..r
+        },
+    ),
     stream(
         "presets-refused",
         "refuses JPEG-LS planes with an LSE segment",
@@ -556,6 +572,54 @@ const fn samples(
         mend,
         at: At::Reading(Decision::Stream, change),
     }
+}
+
+const fn kept(
+    slug: &'static str,
+    effect: &'static str,
+    change: fn(Reading) -> Reading,
+) -> Misreading {
+    Misreading {
+        slug,
+        clause: "2.9.8/3",
+        effect,
+        mend: "every plane is a stream of its own; what one says holds for no other",
+        at: At::Reading(Decision::Reconstruct, change),
+    }
+}
+
+/// All planes, where those without a segment of this marker have that of the plane before.
+fn keeping(coded: &Coded, reading: &Reading, marker: u8) -> crate::Result<Vec<Vec<u8>>> {
+    let mut payload = Vec::new();
+    let mut plan = coded.plan.clone();
+    let mut known: Vec<u8> = Vec::new();
+    for extent in &mut plan.extents {
+        let mut stream = coded.payload[extent.stream.clone()].to_vec();
+        // With its marker and length, four bytes.
+        let own = places(&stream)
+            .into_iter()
+            .find(|&(code, _)| code == marker)
+            .map(|(_, segment)| stream[segment.start - 4..segment.end].to_vec());
+        match own {
+            Some(own) => known = own,
+            None if stream.len() > 2 => {
+                stream.splice(2..2, known.iter().copied());
+            }
+            None => {}
+        }
+        let start = payload.len();
+        payload.extend_from_slice(&stream);
+        let middle = payload.len();
+        payload.extend_from_slice(&coded.payload[extent.side.clone()]);
+        extent.stream = start..middle;
+        extent.side = middle..payload.len();
+    }
+    let kept = Coded {
+        plan: &plan,
+        payload: &payload,
+        ..*coded
+    };
+    planes::reconstruct(&kept, reading)
 }
 
 fn jpeg(format: Format) -> bool {

@@ -736,6 +736,49 @@ pub(super) const ALL: &[Misreading] = &[
         },
     ),
     vectors(
+        "vectors-in-a-signed-byte",
+        "2.9.3/2",
+        "keeps vectors in signed bytes",
+        "a vector is a number of any size",
+        |r| Reading {
+            plan: |lists| {
+                displacing(lists, |_, _, (x, y)| {
+                    (i64::from(x as i8), i64::from(y as i8))
+                })
+            },
+            ..r
+        },
+    ),
+    vectors(
+        "vectors-in-16-bits",
+        "2.9.3/2",
+        "keeps vectors in 16 bits",
+        "a vector is a number of any size",
+        |r| Reading {
+            plan: |lists| {
+                displacing(lists, |_, _, (x, y)| {
+                    (i64::from(x as i16), i64::from(y as i16))
+                })
+            },
+            ..r
+        },
+    ),
+    vectors(
+        "motion-along-both-only",
+        "2.9.2/4",
+        "displaces only where neither number of the vector is 0",
+        "a displacement along one axis is one too",
+        |r| Reading {
+            plan: |lists| {
+                displacing(
+                    lists,
+                    |_, _, (x, y)| if x == 0 || y == 0 { (0, 0) } else { (x, y) },
+                )
+            },
+            ..r
+        },
+    ),
+    vectors(
         "half-vectors-one-way",
         "2.9.3/5",
         "displaces by a half along x only where both displacements are halves",
@@ -805,6 +848,112 @@ pub(super) const ALL: &[Misreading] = &[
         },
     ),
     predictor(
+        "motion-halves-toward-zero",
+        "2.9.3/2",
+        "halves negative vectors towards zero, and takes −1/2 for 1/2",
+        "−1/2 lies between −1 and 0: shift to the right instead of dividing",
+        |r| Reading {
+            predictor: |reference, step, size, reading| {
+                tapped(reference, step, size, reading, |at, [d, _], _| {
+                    let first = at + d / 2;
+                    [first, first + (d & 1)]
+                })
+            },
+            ..r
+        },
+    ),
+    predictor(
+        "motion-half-of-the-other-axis",
+        "2.9.3/2",
+        "takes the half of x for that of y",
+        "x and y are displaced by themselves",
+        |r| Reading {
+            predictor: |reference, step, size, reading| {
+                tapped(reference, step, size, reading, |at, [d, other], axis| {
+                    let first = at + (d >> 1);
+                    let half = if axis.is_x { d } else { other };
+                    [first, first + (half & 1)]
+                })
+            },
+            ..r
+        },
+    ),
+    predictor(
+        "motion-half-of-the-edge",
+        "2.9.3/6",
+        "keeps the first sample of a mean inside the plane and takes the next one for the second",
+        "each sample of a mean stays inside by itself",
+        |r| Reading {
+            predictor: |reference, step, size, reading| {
+                tapped(reference, step, size, reading, |at, [d, _], axis| {
+                    let first = (at + (d >> 1)).clamp(0, axis.length - 1);
+                    [first, first + (d & 1)]
+                })
+            },
+            ..r
+        },
+    ),
+    predictor(
+        "motion-half-runs-over-row-ends",
+        "2.9.3/6",
+        "takes the first sample of the next row for the second one of a mean at the end of a row",
+        "each sample of a mean stays inside by itself",
+        |r| Reading {
+            predictor: |reference, step, size, reading| {
+                displaced(
+                    reference,
+                    step,
+                    size,
+                    reading,
+                    |plane, x, y, width, height| {
+                        // One column beyond the last lies where the next row begins.
+                        let x = if x == width { x } else { x.clamp(0, width - 1) };
+                        let at = y.clamp(0, height - 1) * width + x;
+                        plane[(at as usize).min(plane.len() - 1)]
+                    },
+                )
+            },
+            ..r
+        },
+    ),
+    predictor(
+        "motion-half-begins-again",
+        "2.9.3/6",
+        "takes the first row or column for the second sample of a mean at the last one",
+        "see ruling motion-border",
+        |r| Reading {
+            predictor: |reference, step, size, reading| {
+                tapped(reference, step, size, reading, |at, [d, _], axis| {
+                    let first = (at + (d >> 1)).clamp(0, axis.length - 1);
+                    let second = at + (d >> 1) + (d & 1);
+                    let inside = (0..axis.length).contains(&second);
+                    [first, if inside || second < 0 { second } else { 0 }]
+                })
+            },
+            ..r
+        },
+    ),
+    predictor(
+        "motion-x-within-the-height",
+        "2.9.3/6",
+        "keeps x inside the height of the map",
+        "x stays inside the width, y inside the height",
+        |r| Reading {
+            predictor: |reference, step, size, reading| {
+                tapped(reference, step, size, reading, |at, [d, _], axis| {
+                    let first = at + (d >> 1);
+                    let most = if axis.is_x {
+                        axis.other.min(axis.length)
+                    } else {
+                        axis.length
+                    };
+                    [first, first + (d & 1)].map(|at| at.clamp(0, most - 1))
+                })
+            },
+            ..r
+        },
+    ),
+    predictor(
         "motion-border-black",
         "2.9.3/6",
         "takes 0 for what is outside a plane",
@@ -830,6 +979,34 @@ pub(super) const ALL: &[Misreading] = &[
         },
     ),
     // 2.9.4
+    plan(
+        "order-as-strict-sequence",
+        "2.9.4/1",
+        "takes the order list for the planes in the order in which to decode them, and refuses a file whose references then come late",
+        "number i is the rank of plane i",
+        |r| Reading {
+            plan: |lists| {
+                let mut plan = compressed::plan(lists)?;
+                plan.sequence = lists
+                    .order
+                    .iter()
+                    .map(|number| plane(lists, number))
+                    .collect::<Result<_>>()?;
+                let mut done = vec![false; plan.steps.len()];
+                for &i in &plan.sequence {
+                    if plan.steps[i]
+                        .reference
+                        .is_some_and(|reference| !done[reference])
+                    {
+                        return Err(refused(&lists.order[i]));
+                    }
+                    done[i] = true;
+                }
+                Ok(plan)
+            },
+            ..r
+        },
+    ),
     plan(
         "order-as-sequence",
         "2.9.4/1",
@@ -1629,15 +1806,7 @@ fn displaced<'a>(
     reading: &Reading,
     sample: fn(&[u8], x: i64, y: i64, width: i64, height: i64) -> u8,
 ) -> Cow<'a, [u8]> {
-    let still = rule::inverted_then_moved(
-        reference,
-        &Step {
-            moved: false,
-            ..*step
-        },
-        size,
-        reading,
-    );
+    let still = unmoved(reference, step, size, reading);
     if !step.moved {
         return still;
     }
@@ -1655,6 +1824,74 @@ fn displaced<'a>(
             at(right, upper),
             at(left, lower),
             at(right, lower),
+        ])
+    };
+    Cow::Owned(
+        (0..height)
+            .flat_map(|y| (0..width).map(move |x| (x, y)))
+            .map(texel)
+            .collect(),
+    )
+}
+
+/// The reference, inverted if the step says so, and where it is.
+fn unmoved<'a>(reference: &'a [u8], step: &Step, size: Size, reading: &Reading) -> Cow<'a, [u8]> {
+    let still = Step {
+        moved: false,
+        ..*step
+    };
+    rule::inverted_then_moved(reference, &still, size, reading)
+}
+
+/// One axis of a plane.
+struct Axis {
+    is_x: bool,
+    /// Samples along it.
+    length: i64,
+    /// Samples along the other one.
+    other: i64,
+}
+
+/// The reference as the rule has it, but with other places for the two samples of which one is made along each axis: of
+/// where it is, and how many half texels it and the other axis are displaced.
+fn tapped<'a>(
+    reference: &'a [u8],
+    step: &Step,
+    size: Size,
+    reading: &Reading,
+    taps: fn(at: i64, displacements: [i64; 2], &Axis) -> [i64; 2],
+) -> Cow<'a, [u8]> {
+    let still = unmoved(reference, step, size, reading);
+    if !step.moved || step.motion == (0, 0) {
+        return still;
+    }
+    let (width, height) = (i64::from(size.width), i64::from(size.height));
+    let (mx, my) = (
+        bounded((reading.motion_sign)(step.motion.0)),
+        bounded((reading.motion_sign)((reading.motion_vertical)(
+            step.motion.1,
+        ))),
+    );
+    let [along, across] =
+        [(true, width, height), (false, height, width)].map(|(is_x, length, other)| Axis {
+            is_x,
+            length,
+            other,
+        });
+    let texel = |(x, y): (i64, i64)| {
+        let columns = taps(x, [mx, my], &along);
+        let rows = taps(y, [my, mx], &across);
+        let at = |x: i64, y: i64| {
+            let x = (reading.motion_border)(x, size.width);
+            let y = (reading.motion_border)(y, size.height);
+            x.zip(y)
+                .map_or(128, |(x, y)| still[y * size.width as usize + x])
+        };
+        (reading.motion_half)([
+            at(columns[0], rows[0]),
+            at(columns[1], rows[0]),
+            at(columns[0], rows[1]),
+            at(columns[1], rows[1]),
         ])
     };
     Cow::Owned(

@@ -133,6 +133,23 @@ pub(super) const ALL: &[Misreading] = &[
         }),
     },
     Misreading {
+        slug: "colors-of-jfif-first",
+        clause: "2.6/4",
+        effect: "makes red, green and blue of Y, Cr and Cb with JPEG's constants, and multiplies these by the matrix",
+        mend: "the matrix multiplies Y, Cr, Cb and 1 themselves",
+        at: At::Reading(Decision::LumVector, |r| Reading {
+            lum_vector: |y, cr, cb| {
+                let (cr, cb) = (cr - 128.0, cb - 128.0);
+                [
+                    y + 1.402 * cr,
+                    y - 0.714_136 * cr - 0.344_136 * cb,
+                    y + 1.772 * cb,
+                ]
+            },
+            ..r
+        }),
+    },
+    Misreading {
         slug: "chroma-removed",
         clause: "2.6/4",
         effect: "shows Y as a grey picture",
@@ -180,9 +197,12 @@ pub(super) const ALL: &[Misreading] = &[
         clause: "2.6/4",
         effect: "subtracts 128 from Cr and Cb before multiplying",
         mend: "offsets are the matrix's business: it has a translation",
-        at: At::Reading(Decision::LumVector, |r| Reading {
-            lum_vector: |y, cr, cb| [y, cr - 128.0, cb - 128.0],
-            ..r
+        at: At::Reading(Decision::LumVector, |r| {
+            multiplying(
+                r,
+                |y, cr, cb| [y, cr - 128.0, cb - 128.0],
+                |y, cr, cb| [cr - 128.0, y, cb - 128.0],
+            )
         }),
     },
     Misreading {
@@ -190,9 +210,8 @@ pub(super) const ALL: &[Misreading] = &[
         clause: "2.7.2/2",
         effect: "multiplies the matrix by (Y, Cb, Cr, 1)",
         mend: "Cr comes before Cb, as it is stored",
-        at: At::Reading(Decision::LumVector, |r| Reading {
-            lum_vector: |y, cr, cb| [y, cb, cr],
-            ..r
+        at: At::Reading(Decision::LumVector, |r| {
+            multiplying(r, |y, cr, cb| [y, cb, cr], |y, cr, cb| [cb, y, cr])
         }),
     },
     Misreading {
@@ -200,9 +219,12 @@ pub(super) const ALL: &[Misreading] = &[
         clause: "2.7.3/5",
         effect: "clamps Y to 0…255 before multiplying by the matrix",
         mend: "clamp the final color only",
-        at: At::Reading(Decision::LumVector, |r| Reading {
-            lum_vector: |y, cr, cb| [y.clamp(0.0, 255.0), cr, cb],
-            ..r
+        at: At::Reading(Decision::LumVector, |r| {
+            multiplying(
+                r,
+                |y, cr, cb| [y.clamp(0.0, 255.0), cr, cb],
+                |y, cr, cb| [cr, y.clamp(0.0, 255.0), cb],
+            )
         }),
     },
     Misreading {
@@ -210,9 +232,12 @@ pub(super) const ALL: &[Misreading] = &[
         clause: "2.7.3/5",
         effect: "keeps Y in a byte, wrapping around, before multiplying by the matrix",
         mend: "clamp the final color only",
-        at: At::Reading(Decision::LumVector, |r| Reading {
-            lum_vector: |y, cr, cb| [f64::from(y as i64 as u8), cr, cb],
-            ..r
+        at: At::Reading(Decision::LumVector, |r| {
+            multiplying(
+                r,
+                |y, cr, cb| [f64::from(y as i64 as u8), cr, cb],
+                |y, cr, cb| [cr, f64::from(y as i64 as u8), cb],
+            )
         }),
     },
     Misreading {
@@ -336,3 +361,16 @@ pub(super) const ALL: &[Misreading] = &[
         }),
     },
 ];
+
+/// What the matrix multiplies, for a reader who has Y first and for one who has Cr first (ruling `lum-vector`).
+fn multiplying(
+    reading: Reading,
+    y_first: fn(f64, f64, f64) -> [f64; 3],
+    cr_first: fn(f64, f64, f64) -> [f64; 3],
+) -> Reading {
+    let [first, ..] = (reading.lum_vector)(1.0, 2.0, 3.0);
+    Reading {
+        lum_vector: if first == 2.0 { cr_first } else { y_first },
+        ..reading
+    }
+}
