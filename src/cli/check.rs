@@ -3,6 +3,7 @@
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use std::sync::atomic::Ordering;
 
 use clap::Args;
 
@@ -10,7 +11,7 @@ use super::arguments::{globs, parse_refusal, parse_size, positive_seconds};
 use super::files::{can_be_written, write_whole};
 use super::guard::{Guarded, stop_on_signals};
 use super::known_failures::{self, KnownFailureArgs};
-use super::output::{jobs, print, progress_bar, show_progress};
+use super::output::{jobs, print, progress_bar, show_progress, spinner};
 use super::own_files;
 use super::partial::Partial;
 use super::renderings::RenderingArgs;
@@ -229,6 +230,8 @@ pub fn run(args: &CheckArgs) -> Result<u8, String> {
         show_progress(&bar, done, all);
     });
     bar.finish_and_clear();
+    // One signal ends the calls, another one the search for causes.
+    plan.stop.store(false, Ordering::Relaxed);
     let mut remarks = (Vec::new(), notes);
     if servers.as_ref().is_some_and(Servers::have_given_up) {
         remarks.0.push(Remark::failure(NOT_SERVED.to_owned()));
@@ -247,7 +250,9 @@ pub fn run(args: &CheckArgs) -> Result<u8, String> {
         limits: limits(args, serves),
         ..Circumstances::of(&suite, &plan, &subject.words, &args.assumed)
     };
+    let spinner = spinner("looking for causes");
     let mut report = conclude(&suite, &mut run, &circumstances, &remarks, plan.jobs)?;
+    spinner.finish_and_clear();
     if made_before {
         "outputs".clone_into(&mut report.decoder.mode);
     }

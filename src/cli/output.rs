@@ -2,6 +2,7 @@
 
 use std::io::Write;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
+use std::time::Duration;
 
 use clap::{Args, ValueEnum};
 use indicatif::{ProgressBar, ProgressStyle};
@@ -115,6 +116,16 @@ pub fn progress_bar() -> ProgressBar {
         return ProgressBar::hidden();
     }
     ProgressBar::new(0).with_style(style)
+}
+
+/// Shows that work goes on of which nobody knows how long it takes.
+pub fn spinner(work: &'static str) -> ProgressBar {
+    if quiet() {
+        return ProgressBar::hidden();
+    }
+    let spinner = ProgressBar::new_spinner().with_message(work);
+    spinner.enable_steady_tick(Duration::from_millis(200));
+    spinner
 }
 
 /// Moves the bar to `done` of `all`.

@@ -119,6 +119,8 @@ pub struct Run {
     pub ended_early: Option<&'static str>,
     /// Why the program is no decoder, if it is none.
     pub not_a_decoder: Option<String>,
+    /// Set when the user wants the search for causes to end.
+    pub stop: Arc<AtomicBool>,
 }
 
 /// Runs `suite` against a decoder. `progress` is told of each case as it is done: what was found, and how many of how
@@ -150,6 +152,7 @@ pub fn check(
         misconduct: 0,
         ended_early: None,
         not_a_decoder: None,
+        stop: Arc::clone(&plan.stop),
     };
     run.remarks.extend(first_trouble(suite, &run.first));
     run.offer = offered(suite, plan, &run.first, &asked, &mut run.remarks);
@@ -572,8 +575,9 @@ fn likely_spelling(
             }
             score += match finding.shown {
                 Shown::Unsupported => return None,
+                // A wrong picture tells more of the spelling than none: its values may be wrong for another reason.
                 Shown::Picture { difference, .. } => {
-                    difference.map_or(1.0, |difference| difference.likeness())
+                    1.0 + difference.map_or(1.0, |difference| difference.likeness())
                 }
                 _ => 0.0,
             };

@@ -291,6 +291,25 @@ pub fn judge(
     }
 }
 
+/// Whether a legal file was answered 69, each time it was asked for.
+fn steadily_69(case: &Case, finding: &Finding) -> bool {
+    matches!(finding.shown, Shown::Unsupported)
+        && case.expect == Expect::Decode
+        && finding.unsteady.is_none()
+}
+
+/// Whether it was answered 69 as every file of a format is that the decoder declares to read.
+pub(in crate::harness) fn breaks_promise(
+    case: &Case,
+    finding: &Finding,
+    offer: &Offer,
+    unsupported: &BTreeSet<Feature>,
+) -> bool {
+    steadily_69(case, finding)
+        && offer.declared.contains(&case.format())
+        && unsupported.contains(&Feature::Format(case.format()))
+}
+
 /// What remains of a verdict if "unsupported" is held against what is offered.
 fn honest(
     outcome: Outcome,
@@ -301,10 +320,9 @@ fn honest(
     unsupported: &BTreeSet<Feature>,
 ) -> (Outcome, String) {
     let format = case.format();
-    let answered_69 = matches!(finding.shown, Shown::Unsupported) && case.expect == Expect::Decode;
-    if !answered_69 || finding.unsteady.is_some() {
+    if !steadily_69(case, finding) {
         (outcome, says)
-    } else if offer.declared.contains(&format) && unsupported.contains(&Feature::Format(format)) {
+    } else if breaks_promise(case, finding, offer, unsupported) {
         let says = format!(
             "its capabilities declare {format}, and it answers 69 (unsupported) to all such files"
         );

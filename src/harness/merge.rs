@@ -10,7 +10,7 @@ use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::Mutex;
-use std::sync::atomic::AtomicBool;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use crate::harness::capabilities::Capabilities;
 use crate::harness::cases::{Case, Suite, TableSpelling};
@@ -49,6 +49,10 @@ pub fn conclude(
         .splice(0..0, common.into_iter().map(Remark::failure));
     assume(suite, run, &assumed);
     let diagnoses = diagnose(suite, run, &assumed, jobs);
+    if run.stop.load(Ordering::Relaxed) {
+        let says = "the search for causes was interrupted: failures stand without one";
+        run.remarks.push(Remark::note(says.to_owned()));
+    }
     let capabilities = Capabilities {
         name: circumstances.name.clone(),
         version: circumstances.version.clone(),

@@ -2,28 +2,9 @@
 
 use super::refusals::{deed_of, deeds, example};
 use super::witness::Witness;
-use super::{Cause, Diagnosis, Kind};
+use super::{Diagnosis, Kind};
 use crate::harness::cases::Expect;
 use crate::ptm::Format;
-
-/// What a cause that explains these places comes to, if that is nothing but every legal file of some formats.
-pub(super) fn all_that_shows(witnesses: &[Witness], explains: &[usize]) -> Option<String> {
-    let is_legal = |witness: &&Witness| witness.case.expect == Expect::Decode;
-    let explained = |witness: &Witness| explains.contains(&witness.place);
-    let legal: Vec<&Witness> = witnesses.iter().filter(is_legal).collect();
-    let of: Vec<&&Witness> = legal.iter().filter(|witness| explained(witness)).collect();
-    let deed = deed_of(of.first()?)?;
-    let formats: Vec<Format> = Format::ALL
-        .into_iter()
-        .filter(|&format| of.iter().any(|witness| witness.case.format() == format))
-        .collect();
-    let all = legal
-        .iter()
-        .filter(|witness| formats.contains(&witness.case.format()))
-        .all(|witness| explained(witness) && deed_of(witness).as_ref() == Some(&deed));
-    let names: Vec<&str> = formats.iter().map(|format| format.short_name()).collect();
-    all.then(|| format!("{} every file of {}", deed.verb, names.join(", ")))
-}
 
 /// One diagnosis for each format that fails in more than one way. Its failures are taken out of `left`.
 pub(super) fn describe(witnesses: &[Witness], left: &mut Vec<usize>) -> Vec<Diagnosis> {
@@ -59,23 +40,15 @@ pub(super) fn describe(witnesses: &[Witness], left: &mut Vec<usize>) -> Vec<Diag
             continue;
         }
         left.retain(|w| !of.contains(w));
-        diagnoses.push(Diagnosis {
-            cause: Cause::Described {
-                kind: Kind::Difference,
-                clause: clause(format).to_owned(),
-                effect: format!(
-                    "reads no file of format {}: it {}",
-                    format.short_name(),
-                    ways.join(", ")
-                ),
-                mend: "begin with the smallest file, the example".to_owned(),
-                example: example(witnesses, &of),
-            },
-            explains: of.iter().map(|&w| witnesses[w].place).collect(),
-            partly: Vec::new(),
-            except: Vec::new(),
-            shows: None,
-        });
+        let effect = format!(
+            "reads no file of format {}: it {}",
+            format.short_name(),
+            ways.join(", ")
+        );
+        let mend = "begin with the smallest file, the example".to_owned();
+        let said = (effect, mend, example(witnesses, &of));
+        let diagnosis = Diagnosis::described(Kind::Difference, witnesses, &of, said);
+        diagnoses.push(diagnosis.about(clause(format)));
     }
     diagnoses
 }

@@ -76,6 +76,14 @@ struct Numbers {
 
 const COLORS: [&str; 3] = ["red", "green", "blue"];
 
+fn scales(set: &mut ScaleBias) -> &mut [f64; 6] {
+    &mut set.scale
+}
+
+fn biases(set: &mut ScaleBias) -> &mut [f64; 6] {
+    &mut set.bias
+}
+
 impl Numbers {
     fn of(planes: &Planes, scale_bias: &ScaleBias, view: &View, reading: &Reading) -> Numbers {
         let light = match view {
@@ -106,25 +114,24 @@ impl Numbers {
         };
         let ScaleBias { scale, bias } = self.final_values;
         for i in 0..6 {
-            let mut scaled = |says: String, value: f64| {
+            let mut with = |says: String, part: fn(&mut ScaleBias) -> &mut [f64; 6], value: f64| {
                 slip(Formula::Final, says, &|numbers| {
-                    numbers.final_values.scale[i] = value;
+                    part(&mut numbers.final_values)[i] = value;
                 });
             };
-            scaled(format!("a{i} were not scaled"), 1.0);
-            scaled(format!("a{i} were scaled with the wrong sign"), -scale[i]);
+            with(format!("a{i} were not scaled"), scales, 1.0);
+            with(
+                format!("a{i} were scaled with the wrong sign"),
+                scales,
+                -scale[i],
+            );
             for j in (0..6).filter(|&j| j != i) {
-                scaled(format!("a{i} had the scale of a{j}"), scale[j]);
+                with(format!("a{i} had the scale of a{j}"), scales, scale[j]);
             }
-            let mut biased = |says: String, value: f64| {
-                slip(Formula::Final, says, &|numbers| {
-                    numbers.final_values.bias[i] = value;
-                });
-            };
-            biased(format!("the bias of a{i} were not subtracted"), 0.0);
-            biased(format!("the bias of a{i} were added"), -bias[i]);
+            with(format!("the bias of a{i} were not subtracted"), biases, 0.0);
+            with(format!("the bias of a{i} were added"), biases, -bias[i]);
             for j in (0..6).filter(|&j| j != i) {
-                biased(format!("a{i} had the bias of a{j}"), bias[j]);
+                with(format!("a{i} had the bias of a{j}"), biases, bias[j]);
             }
         }
         let Some(powers) = self.powers else {

@@ -28,7 +28,10 @@ pub(super) fn describe(witnesses: &[Witness], left: &mut Vec<usize>) -> Vec<Diag
             .filter(|&w| deed_of(&witnesses[w]).as_ref() == Some(&deed))
             .collect();
         let effect = format!("{} {}", deed.verb, files(witnesses, &these, refuses));
-        let mend = mend(&witnesses[these[0]].finding.shown);
+        let may_be_read = these
+            .iter()
+            .all(|&w| matches!(witnesses[w].case.expect, Expect::Lenient | Expect::Spelling));
+        let mend = mend(&witnesses[these[0]].finding.shown, may_be_read);
         let example = example(witnesses, &these);
         Diagnosis::described(Kind::Misconduct, witnesses, &these, (effect, mend, example))
     };
@@ -42,7 +45,7 @@ fn files(witnesses: &[Witness], these: &[usize], refuses: bool) -> String {
         .map(|&w| {
             let case = witnesses[w].case;
             case.damage()
-                .map_or(case.because.as_str(), |damage| damage.effect)
+                .map_or(case.because.trim_end_matches('.'), |damage| damage.effect)
         })
         .collect();
     faults.sort_unstable();
@@ -54,15 +57,21 @@ fn files(witnesses: &[Witness], these: &[usize], refuses: bool) -> String {
     format!("{} files that must or may be refused{others}", these.len())
 }
 
-fn mend(shown: &Shown) -> String {
+fn mend(shown: &Shown, may_be_read: bool) -> String {
     let status = match shown {
         Shown::Misconduct(Answer::Crashed(how)) => how.strip_prefix("exit status "),
         _ => None,
     };
+    let end = if may_be_read {
+        "end with a picture or with exit status 65"
+    } else {
+        "end with exit status 65"
+    };
     match status {
-        Some(status) => format!(
-            "end with exit status 65 there; if {status} is how this decoder refuses, say --reject-exit {status}"
+        // How Rust and shells end that break down; nobody refuses so.
+        Some(status) if !matches!(status, "101" | "126" | "127" | "134" | "139") => format!(
+            "{end} there; if {status} is how this decoder refuses, say --reject-exit {status}"
         ),
-        None => "find the fault before it does harm, and end with exit status 65".to_owned(),
+        _ => format!("find the fault before it does harm, and {end}"),
     }
 }

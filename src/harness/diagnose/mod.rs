@@ -14,6 +14,7 @@ mod promises;
 mod provenance;
 mod refusals;
 mod search;
+mod streams;
 mod traits;
 mod unsteady;
 mod witness;
@@ -99,39 +100,67 @@ impl Kind {
 }
 
 impl Diagnosis {
+    /// A cause that explains these places, and no more is known of it.
+    fn of(cause: Cause, explains: Vec<usize>) -> Diagnosis {
+        Diagnosis {
+            cause,
+            explains,
+            partly: Vec::new(),
+            except: Vec::new(),
+            shows: None,
+        }
+    }
+
     fn described(
         kind: Kind,
         witnesses: &[Witness],
         of: &[usize],
         (effect, mend, example): (String, String, String),
     ) -> Diagnosis {
-        let clause = witnesses[of[0]].case.clauses.first();
-        let mut clauses: Vec<&String> = of
-            .iter()
-            .filter_map(|&w| witnesses[w].case.clauses.first())
-            .collect();
-        clauses.sort();
-        let most = clauses
-            .chunk_by(|a, b| a == b)
-            .max_by_key(|same| same.len())
-            .map(|same| same[0]);
-        Diagnosis {
-            cause: Cause::Described {
+        Diagnosis::of(
+            Cause::Described {
                 kind,
-                clause: most.or(clause).cloned().unwrap_or_default(),
+                clause: told_by(witnesses, of).unwrap_or_default(),
                 effect,
                 mend,
                 example,
             },
-            explains: of.iter().map(|&w| witnesses[w].place).collect(),
-            partly: Vec::new(),
-            except: Vec::new(),
-            shows: None,
+            of.iter().map(|&w| witnesses[w].place).collect(),
+        )
+    }
+
+    /// The same, about a clause that is known better than by what most of the cases are about.
+    fn about(mut self, known: &str) -> Diagnosis {
+        if let Cause::Described { clause, .. } = &mut self.cause {
+            known.clone_into(clause);
         }
+        self
     }
 }
 
-/// Why the failures of `run` failed; most telling first. `assumed` are mistakes that the user knows of.
+/// The clause that tells these cases from the others: most of them are about it, and few others are.
+fn told_by(witnesses: &[Witness], of: &[usize]) -> Option<String> {
+    let about = |clause: &String, w: &&usize| witnesses[**w].case.clauses.contains(clause);
+    let all: Vec<usize> = (0..witnesses.len()).collect();
+    let mut clauses: Vec<&String> = of
+        .iter()
+        .flat_map(|&w| &witnesses[w].case.clauses)
+        .collect();
+    clauses.sort();
+    clauses.dedup();
+    let worth = |clause: &String| {
+        let count = |places: &[usize]| places.iter().filter(|w| about(clause, w)).count();
+        let (mine, theirs) = (count(of), count(&all));
+        (mine * mine * mine) as f64 / theirs as f64
+    };
+    clauses
+        .into_iter()
+        .max_by(|a, b| worth(a).total_cmp(&worth(b)).then(b.cmp(a)))
+        .cloned()
+}
+
+/// Why the failures of `run` failed; most telling first. `assumed` are mistakes that the user knows of. Where the user
+/// ends the search, most failures have no cause.
 #[must_use]
 pub fn diagnose(
     suite: &Suite,
@@ -146,16 +175,21 @@ pub fn diagnose(
     if !witnesses.iter().any(|witness| witness.failed) {
         return apart;
     }
-    let search = Search::new(&witnesses, reading, assumed, threads);
+    let search = Search::new(&witnesses, reading, assumed, threads, &run.stop);
     let mut found = search.run();
+    if search.is_interrupted() {
+        return apart;
+    }
     drop_accidents(&search, &mut found);
     drop_chance(&search, &mut found);
     let (mut diagnoses, mut left) = named(&search, &found);
     diagnoses.extend(formats::describe(&witnesses, &mut left));
     diagnoses.extend(acceptances::describe(&witnesses, &mut left));
     let misconduct = misconduct::describe(&witnesses, &mut left);
+    let in_streams = streams::describe(&search, &found, &mut left);
     let refusals = refusals::describe(&witnesses, &mut left);
     search_in_part(&search, &found, &mut diagnoses, &mut left);
+    diagnoses.extend(in_streams);
     diagnoses.extend(refusals);
     diagnoses.extend(refusals::rest(&witnesses, &mut left));
     diagnoses.extend(misconduct);
@@ -165,14 +199,26 @@ pub fn diagnose(
         &left,
     ));
     diagnoses.extend(apart);
+    // What explains most comes first; what is known by name counts more than what is put into words.
+    diagnoses.sort_by_key(|diagnosis| {
+        let named = matches!(diagnosis.cause, Cause::Misreading { .. });
+        let explained = diagnosis.explains.len() + diagnosis.partly.len();
+        std::cmp::Reverse(explained * if named { 4 } else { 1 })
+    });
     diagnoses
 }
 
-/// Takes away mistakes that only refuse, where one thing that the refused files share says more.
+/// Takes away mistakes that only refuse, where one thing that the refused files share says more, or where passing cases
+/// speak against them: many things end in a refusal.
 fn drop_accidents(search: &Search, found: &mut search::Found) {
     let witnesses = search.witnesses;
+    let set = search::of(&found.members);
     let failing = failing(witnesses);
     let shared = refusals::widest(witnesses, &failing);
+    let refused = failing
+        .iter()
+        .filter(|&&w| refusals::deed_of(&witnesses[w]).is_some())
+        .count();
     found.members.retain(|member| {
         let of: Vec<(usize, Agreement)> = failing
             .iter()
@@ -184,7 +230,14 @@ fn drop_accidents(search: &Search, found: &mut search::Found) {
             .all(|(_, agreement)| matches!(agreement, Agreement::Word | Agreement::Crash));
         let less =
             |wide: &Vec<usize>| wide.len() > of.len() && of.iter().all(|(w, _)| wide.contains(w));
-        of.is_empty() || !refuses || !shared.iter().any(less)
+        let one = [member.misreading];
+        let contradicted = || {
+            (0..witnesses.len())
+                .any(|w| search.contradicted(w, &one) && search.contradicted(w, &set))
+        };
+        // What is no refusal by itself would show a picture somewhere.
+        let by_chance = !member.misreading.effect.starts_with("refuses") && of.len() * 3 < refused;
+        of.is_empty() || !refuses || !by_chance && !shared.iter().any(less) && !contradicted()
     });
 }
 
@@ -267,7 +320,9 @@ fn named(search: &Search, found: &search::Found) -> (Vec<Diagnosis>, Vec<usize>)
                 alike: member.alike.clone(),
                 with,
             },
-            shows: formats::all_that_shows(witnesses, &explains),
+            shows: (!member.misreading.effect.starts_with("refuses"))
+                .then(|| refusals::all_that_shows(witnesses, &explains))
+                .flatten(),
             explains,
             partly: Vec::new(),
             except: except.map(|w| witnesses[w].place).collect(),

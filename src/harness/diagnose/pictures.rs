@@ -5,15 +5,19 @@ use super::provenance;
 use super::refusals::{WORTH_SAYING, shared};
 use super::search::Search;
 use super::witness::Witness;
-use super::{Cause, Diagnosis, Kind};
+use super::{Diagnosis, Kind};
 use crate::generate::scene::Compressed;
 use crate::harness::cases::Expect;
 use crate::harness::compare::{COLOR, is_close};
 use crate::harness::judge::{Right, Shown};
 use crate::harness::misreadings::Misreading;
-use crate::harness::protocol::{Answer, Frame, Samples};
-use crate::ptm::channel_name;
+use crate::harness::protocol::{Answer, Frame, Samples, View};
+use crate::ptm::{Format, channel_name};
 
+/// What inverse transforms of lossy planes may make of one stream, and of a plane that is predicted from another.
+const TRANSFORM: f64 = 4.0;
+/// Files of which something is said; what fewer share may be chance.
+const FEWEST: usize = 3;
 /// Kinds of difference that are told apart; what is beyond, or true of few, is said together.
 const KINDS: usize = 6;
 
@@ -65,10 +69,11 @@ pub(super) fn describe(
         .into_iter()
         .map(|((what, place), of)| {
             let files = match shared(witnesses, &of, &right, false) {
+                _ if of.len() < FEWEST => String::new(),
                 Some((says, having)) if having.len() == of.len() => {
                     format!(", in every file {says}")
                 }
-                Some((says, having)) if having.len() * 2 > of.len() => format!(
+                Some((says, having)) if having.len() * 4 > of.len() * 3 => format!(
                     ", in every file {says} ({} of these {})",
                     having.len(),
                     of.len()
@@ -80,11 +85,17 @@ pub(super) fn describe(
                 .copied()
                 .min_by_key(|&w| witnesses[w].built.file.len())
                 .expect("a kind has at least one case");
-            let mend = what.formula.map_or(
-                "compare these bytes of the file with what is read there",
+            let mend = what.formula.map_or_else(
+                || match witnesses[of[0]].finding.view {
+                    View::Raw => "compare these bytes of the file with what is read there",
+                    View::Coef => "follow scale and bias of this value by hand",
+                    View::Rgb(_) => {
+                        "follow this texel by hand: scale and bias, the polynomial, the color, and only then rounding and cutting off"
+                    }
+                },
                 Formula::mend,
             );
-            let mut diagnosis = Diagnosis::described(
+            let diagnosis = Diagnosis::described(
                 Kind::Difference,
                 witnesses,
                 &of,
@@ -94,12 +105,10 @@ pub(super) fn describe(
                     example(search, set, smallest),
                 ),
             );
-            if let (Cause::Described { clause, .. }, Some(formula)) =
-                (&mut diagnosis.cause, what.formula)
-            {
-                formula.clause().clone_into(clause);
+            match what.formula {
+                Some(formula) => diagnosis.about(formula.clause()),
+                None => diagnosis,
             }
-            diagnosis
         })
         .collect()
 }
@@ -154,7 +163,9 @@ pub(super) fn is_near(
         Shown::Picture {
             frame: Some(shown), ..
         } => {
-            let wrong = |made: &Frame| Pair::of(made, shown).map(|pair| pair.wrong().len());
+            let lossy = matches!(witness.case.format(), Format::JpegRgb | Format::JpegLrgb);
+            let slack = if lossy { TRANSFORM } else { 0.0 };
+            let wrong = |made: &Frame| Some(Pair::of(made, shown)?.wrong_by_more_than(slack));
             matches!((wrong(with), wrong(without)), (Some(with), Some(without)) if with * 2 < without)
         }
         // One decoder shows nonsense where another gives up; but only a mistake about few files says so much.
@@ -203,7 +214,9 @@ fn say(search: &Search, set: &[&'static Misreading], w: usize) -> Said {
         return plain("no picture");
     };
     let made = search.made(w, set);
-    let Answer::Decoded(wanted) = &*made else {
+    // The mistakes that were found may refuse what the reference reads.
+    let ((Answer::Decoded(wanted), _) | (_, Answer::Decoded(wanted))) = (&*made, &witness.right)
+    else {
         return plain("a picture of a file that should be refused");
     };
     let Some(mut pair) = Pair::of(wanted, shown) else {
@@ -287,7 +300,7 @@ pub(super) struct Pair {
 }
 
 impl Pair {
-    fn of(wanted: &Frame, shown: &Frame) -> Option<Pair> {
+    pub fn of(wanted: &Frame, shown: &Frame) -> Option<Pair> {
         let numbers = |samples: &Samples| -> Vec<f64> {
             match samples {
                 Samples::U8(bytes) => bytes.iter().map(|&byte| f64::from(byte)).collect(),
@@ -326,6 +339,13 @@ impl Pair {
         (0..self.want.len())
             .filter(|&i| !self.near(self.want[i], self.got[i]))
             .collect()
+    }
+
+    /// How many samples are farther off.
+    fn wrong_by_more_than(&self, slack: f64) -> usize {
+        let wrong = self.wrong();
+        let is_off = |&&i: &&usize| (self.want[i] - self.got[i]).abs() > slack;
+        wrong.iter().filter(is_off).count()
     }
 
     fn at(&self, x: usize, y: usize, channel: usize) -> usize {
@@ -446,6 +466,8 @@ impl Pair {
         let byte = self.view != "coef";
         let raw = self.view == "raw";
         let first = pairs[0];
+        // One or two wrong samples, or those of one right value, are off by the same whatever the reason.
+        let telling = pairs.len() > 2 && pairs.iter().any(|pair| !self.near(pair.0, first.0));
         let mut says: Vec<String> = Vec::new();
         let mut offer = |holds: bool, claim: &dyn Fn() -> String| {
             if holds {
@@ -455,7 +477,7 @@ impl Pair {
         offer(all(&|_, got| !got.is_finite()), &|| {
             "values that are no numbers (NaN or infinite)".to_owned()
         });
-        offer(all(&|_, got| self.near(got, first.1)), &|| {
+        offer(telling && all(&|_, got| self.near(got, first.1)), &|| {
             format!("{} instead of the right value", short(first.1))
         });
         let around = |apart: f64| match raw {
@@ -463,7 +485,7 @@ impl Pair {
             false => apart,
         };
         let apart = around(first.1 - first.0);
-        let constant = all(&|want, got| self.near(around(got - want), apart));
+        let constant = telling && all(&|want, got| self.near(around(got - want), apart));
         if raw && apart == 128.0 {
             offer(constant, &|| {
                 "values with their highest bit changed, 128 more or less than they should be"
@@ -487,7 +509,8 @@ impl Pair {
         }
         let times = first.1 / first.0;
         offer(
-            first.0 != 0.0
+            telling
+                && first.0 != 0.0
                 && times.is_finite()
                 && times != 0.0
                 && all(&|want, got| self.near(want * times, got)),
@@ -528,16 +551,16 @@ impl Pair {
             &|| "final values rounded to whole numbers".to_owned(),
         );
         let color = self.view == "rgb";
-        let least = pairs.iter().all(|(want, got)| (got - want).abs() <= 2.0);
-        offer(color && least && all(&|want, got| got > want), &|| {
+        let by_two = all(&|want, got| (got - want).abs() <= 2.0);
+        offer(color && by_two && all(&|want, got| got > want), &|| {
             "colors that are a unit or two too large, as of another divisor or of rounding twice"
                 .to_owned()
         });
-        offer(color && least && all(&|want, got| got < want), &|| {
+        offer(color && by_two && all(&|want, got| got < want), &|| {
             "colors that are a unit or two too small, as of another divisor or of fractions cut off"
                 .to_owned()
         });
-        offer(all(&|want, got| (got - want).abs() <= 2.0), &|| {
+        offer(by_two, &|| {
             "values that are off by two at most, as of another rounding".to_owned()
         });
         let neighbour = self.of_neighbour(&wrong);

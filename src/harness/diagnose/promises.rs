@@ -1,19 +1,15 @@
 //! Formats that a decoder declares and does not read: that is no mistake in reading, but in what it says of itself.
 
+use std::collections::BTreeSet;
+
 use super::{Cause, Diagnosis, Kind};
-use crate::harness::cases::{Case, Expect, Feature, Suite};
+use crate::harness::cases::{Case, Suite};
 use crate::harness::check::Run;
-use crate::harness::judge::{Finding, Shown};
+use crate::harness::judge::{Finding, breaks_promise};
 
 /// Whether it answered 69 here as to every file of a format that its capabilities declare.
 pub(super) fn is_broken(run: &Run, case: &Case, finding: &Finding) -> bool {
-    matches!(finding.shown, Shown::Unsupported)
-        && case.expect == Expect::Decode
-        && run.offer.declared.contains(&case.format())
-        && run
-            .judgement
-            .unsupported
-            .contains(&Feature::Format(case.format()))
+    breaks_promise(case, finding, &run.offer, &run.judgement.unsupported)
 }
 
 /// All of them together.
@@ -29,15 +25,13 @@ pub(super) fn describe(suite: &Suite, run: &Run) -> Option<Diagnosis> {
         .map(|(place, _)| place)
         .collect();
     let first = &suite.cases[*of.first()?];
-    let mut formats: Vec<&str> = of
+    let formats: BTreeSet<&str> = of
         .iter()
         .map(|&place| suite.cases[place].format().short_name())
         .collect();
-    formats.dedup();
-    formats.sort_unstable();
-    formats.dedup();
-    Some(Diagnosis {
-        cause: Cause::Described {
+    let formats: Vec<&str> = formats.into_iter().collect();
+    Some(Diagnosis::of(
+        Cause::Described {
             kind: Kind::Refusal,
             clause: "2.2/1".to_owned(),
             effect: format!(
@@ -47,9 +41,6 @@ pub(super) fn describe(suite: &Suite, run: &Run) -> Option<Diagnosis> {
             mend: "read these formats, or take them out of the capabilities".to_owned(),
             example: format!("for example {}: {}", first.id, first.because),
         },
-        explains: of,
-        partly: Vec::new(),
-        except: Vec::new(),
-        shows: None,
-    })
+        of,
+    ))
 }

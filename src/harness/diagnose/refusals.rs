@@ -6,9 +6,14 @@ use super::{Diagnosis, Kind};
 use crate::harness::cases::Expect;
 use crate::harness::judge::Shown;
 use crate::harness::protocol::Answer;
+use crate::ptm::Format;
 
 /// A trait is said that one in so many of the failures have which nothing else explains.
 pub(super) const WORTH_SAYING: usize = 5;
+/// What fewer files share may be chance.
+const FEWEST: usize = 2;
+/// Two traits together are said of no fewer files, and of three in four of them: among so many pairs some fit by chance.
+const FEWEST_OF_BOTH: usize = 8;
 
 /// Refusals that a trait explains: every file of the suite that has it is treated so. They are taken out of `left`.
 pub(super) fn describe(witnesses: &[Witness], left: &mut Vec<usize>) -> Vec<Diagnosis> {
@@ -22,13 +27,15 @@ pub(super) fn describe(witnesses: &[Witness], left: &mut Vec<usize>) -> Vec<Diag
         let accepted = accepted(witnesses);
         while let Some((says, of)) = shared(witnesses, &open, &accepted, true) {
             // What few of many share is chance.
-            if open.len() > of.len() * WORTH_SAYING || (of.len() < 2 && open.len() > of.len()) {
+            if open.len() > of.len() * WORTH_SAYING {
                 break;
             }
             open.retain(|w| !of.contains(w));
             left.retain(|w| !of.contains(w));
             let effect = format!("{} every file {says}", deed.verb);
-            let mend = "read such files: they are legal".to_owned();
+            let mend =
+                "read such files: they are legal; if they are not meant to be read, exit with 69"
+                    .to_owned();
             let example = example(witnesses, &of);
             diagnoses.push(Diagnosis::described(
                 Kind::Refusal,
@@ -66,6 +73,33 @@ fn accepted(witnesses: &[Witness]) -> Vec<usize> {
                 && matches!(witnesses[w].finding.shown, Shown::Picture { .. })
         })
         .collect()
+}
+
+/// What a cause that explains these places comes to, if that is nothing but not to show the legal files that share
+/// something: their format, or one other thing.
+pub(super) fn all_that_shows(witnesses: &[Witness], explains: &[usize]) -> Option<String> {
+    let legal = |w: &usize| witnesses[*w].case.expect == Expect::Decode;
+    let legal: Vec<usize> = (0..witnesses.len()).filter(legal).collect();
+    let explained = |w: &usize| explains.contains(&witnesses[*w].place);
+    let (of, others): (Vec<usize>, Vec<usize>) = legal.into_iter().partition(explained);
+    let deed = deed_of(&witnesses[*of.first()?])?;
+    if !of
+        .iter()
+        .all(|&w| deed_of(&witnesses[w]).as_ref() == Some(&deed))
+    {
+        return None;
+    }
+    let format = |w: &usize| witnesses[*w].case.format();
+    let formats: Vec<Format> = Format::ALL
+        .into_iter()
+        .filter(|known| of.iter().any(|w| format(w) == *known))
+        .collect();
+    if !others.iter().any(|w| formats.contains(&format(w))) {
+        let names: Vec<&str> = formats.iter().map(|format| format.short_name()).collect();
+        return Some(format!("{} every file of {}", deed.verb, names.join(", ")));
+    }
+    let (says, having) = shared(witnesses, &of, &others, false)?;
+    (having.len() == of.len()).then(|| format!("{} every file {says}", deed.verb))
 }
 
 /// What no trait explains.
@@ -153,24 +187,14 @@ pub(super) fn shared(
         places.iter().map(|&w| witnesses[w].traits()).collect()
     };
     let (mine, theirs) = (of(these), of(others));
-    let mut all: Vec<&str> = Vec::new();
-    for says in mine.iter().flat_map(|traits| traits.said(asked)) {
-        if !all.contains(&says) {
-            all.push(says);
-        }
-    }
+    let (my_words, their_words) = (said(&mine, asked), said(&theirs, asked));
+    let all = distinct(my_words.iter().flatten().copied());
     // For each trait, which of both have it.
-    let having = |traits: &[&Traits]| -> Vec<Vec<bool>> {
-        all.iter()
-            .map(|says| {
-                traits
-                    .iter()
-                    .map(|traits| traits.said(asked).contains(says))
-                    .collect()
-            })
-            .collect()
+    let having = |words: &[Vec<&str>]| -> Vec<Vec<bool>> {
+        let have = |says| words.iter().map(|words| words.contains(says)).collect();
+        all.iter().map(have).collect()
     };
-    let (my_traits, their_traits) = (having(&mine), having(&theirs));
+    let (my_traits, their_traits) = (having(&my_words), having(&their_words));
     let both = |lists: &[Vec<bool>], a: usize, b: usize| -> Vec<bool> {
         lists[a]
             .iter()
@@ -193,7 +217,7 @@ pub(super) fn shared(
         if best
             .as_ref()
             .is_none_or(|(_, known)| of.len() > known.len())
-            && !of.is_empty()
+            && of.len() >= FEWEST
         {
             best = Some((says, of));
         }
@@ -213,13 +237,30 @@ pub(super) fn shared(
             for b in a + 1..all.len() {
                 let of = having(a, b);
                 let known = best.as_ref().map_or(0, |(_, known)| known.len());
-                if of.len() > known && of.len() * 3 > these.len() && absent(a, b) {
+                let is_telling = of.len() >= FEWEST_OF_BOTH && of.len() * 4 >= these.len() * 3;
+                if of.len() > known && is_telling && absent(a, b) {
                     best = Some((format!("{} and {}", all[a], all[b]), of));
                 }
             }
         }
     }
     best
+}
+
+/// What is said of each file.
+fn said<'a>(traits: &[&'a Traits], asked: bool) -> Vec<Vec<&'a str>> {
+    traits.iter().map(|traits| traits.said(asked)).collect()
+}
+
+/// Each once, in the order in which they come.
+fn distinct<'a>(words: impl Iterator<Item = &'a str>) -> Vec<&'a str> {
+    let mut all = Vec::new();
+    for word in words {
+        if !all.contains(&word) {
+            all.push(word);
+        }
+    }
+    all
 }
 
 /// Numbers over which, or under which, there is none of the others.
@@ -232,13 +273,8 @@ fn thresholds(these: &[usize], mine: &[&Traits], theirs: &[&Traits]) -> Vec<(Str
             .map(|&(_, number)| number)
     };
     let mut found = Vec::new();
-    let mut names: Vec<&str> = Vec::new();
-    for &(name, _) in mine.iter().flat_map(|traits| &traits.numbers) {
-        if !names.contains(&name) {
-            names.push(name);
-        }
-    }
-    for name in names {
+    let names = mine.iter().flat_map(|traits| &traits.numbers);
+    for name in distinct(names.map(|&(name, _)| name)) {
         let theirs = || theirs.iter().filter_map(|traits| number(traits, name));
         let (Some(least), Some(most)) = (theirs().min(), theirs().max()) else {
             continue;

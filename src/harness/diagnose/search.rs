@@ -6,7 +6,7 @@
 
 use std::borrow::Cow;
 use std::collections::{BTreeMap, HashSet};
-use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use super::witness::{Agreement, Witness};
 use crate::harness::cases::Expect;
@@ -23,6 +23,10 @@ const SAMPLE: usize = 40;
 const FINALISTS: usize = 64;
 /// Samples of the failing cases that a mistake is first tried on, all together.
 const SAMPLES: usize = 1 << 20;
+/// Samples of a map that is large: what passes there, or fails as smaller ones do, need not be tried with every mistake.
+const LARGE: usize = 1 << 16;
+/// Samples of an ordinary map.
+const MAP: usize = 512;
 /// Answers made in search of two mistakes that hide each other.
 const PATIENCE: usize = 40_000;
 
@@ -56,6 +60,9 @@ pub(super) struct Search<'a> {
     /// Mistakes taken for granted: made by every set, and never named.
     pub assumed: &'a [&'static Misreading],
     pub threads: usize,
+    stop: &'a AtomicBool,
+    /// Answers that were made so far; those of large maps count more.
+    effort: AtomicUsize,
     /// Cases that the decoder passes, the smallest first.
     passing: Vec<usize>,
     /// What the failing cases are about.
@@ -70,6 +77,7 @@ impl<'a> Search<'a> {
         reading: Reading,
         assumed: &'a [&'static Misreading],
         threads: usize,
+        stop: &'a AtomicBool,
     ) -> Search<'a> {
         let mut passing: Vec<usize> = (0..witnesses.len())
             .filter(|&w| !witnesses[w].failed)
@@ -83,13 +91,15 @@ impl<'a> Search<'a> {
             reading,
             assumed,
             threads,
+            stop,
+            effort: AtomicUsize::new(0),
             passing,
         }
     }
 
     pub fn run(&self) -> Found {
         let mut members: Vec<Member> = Vec::new();
-        while members.len() < MOST {
+        while members.len() < MOST && !self.is_interrupted() {
             let set = of(&members);
             let left: Vec<usize> = (0..self.witnesses.len())
                 .filter(|&w| self.witnesses[w].failed && self.value(w, &set) < WORD)
@@ -160,14 +170,24 @@ impl<'a> Search<'a> {
             }
             variants = grown;
         }
+        let effort = variants.len() * (1 + self.samples(w) / MAP);
+        self.effort.fetch_add(effort, Ordering::Relaxed);
         variants
             .iter()
             .map(|variant| witness.answer(variant, self.reading))
             .collect()
     }
 
+    /// Whether the user wants the search to end; what it finds from then on means nothing.
+    pub fn is_interrupted(&self) -> bool {
+        self.stop.load(Ordering::Relaxed)
+    }
+
     /// What a set is worth on one case.
     fn value(&self, w: usize, set: &[&'static Misreading]) -> i64 {
+        if self.is_interrupted() {
+            return 0;
+        }
         let witness = &self.witnesses[w];
         let mut all = self.assumed.iter().chain(set);
         if !all.any(|misreading| witness.concerns(misreading)) {
@@ -220,15 +240,26 @@ impl<'a> Search<'a> {
             .into_iter()
             .map(|(_, misreading)| misreading)
             .collect();
-        self.best(set, &finalists)
+        self.best(set, &finalists, &self.tried_for(tried))
     }
 
-    /// The best of `finalists`, tried on every case, and those that do as well.
-    fn best(&self, set: &Set, finalists: &Set) -> Option<Member> {
+    /// The cases on which mistakes are tried that shall explain some of `left`: all but large maps, unless these are all
+    /// that is left.
+    fn tried_for(&self, left: &[usize]) -> Vec<bool> {
+        let with_large = left.iter().all(|&w| self.samples(w) > LARGE);
+        (0..self.witnesses.len())
+            .map(|w| with_large || self.samples(w) <= LARGE)
+            .collect()
+    }
+
+    /// The best of `finalists`, tried on every case that is to be tried, and those that do as well.
+    fn best(&self, set: &Set, finalists: &Set, tried: &[bool]) -> Option<Member> {
         let now: Vec<i64> = (0..self.witnesses.len())
-            .map(|w| self.value(w, set))
+            .map(|w| if tried[w] { self.value(w, set) } else { 0 })
             .collect();
-        let failing = self.each(finalists, |misreading| self.gains(set, misreading, &now));
+        let failing = self.each(finalists, |misreading| {
+            self.gains(set, misreading, &now, tried)
+        });
         let mut ranked: Vec<(i64, usize)> = failing
             .iter()
             .enumerate()
@@ -240,7 +271,7 @@ impl<'a> Search<'a> {
             let best = scored.iter().map(|&(total, _)| total).max();
             let least = best.map_or(LEAST, |best| LEAST.max(best - WORD));
             let totals = self.each(batch, |&(gain, place)| {
-                self.total(set, finalists[place], &now, gain, least)
+                self.total(set, finalists[place], &now, gain, least, tried)
             });
             let totals = totals.into_iter().zip(batch);
             scored.extend(totals.filter_map(|(total, &(_, place))| Some((total?, place))));
@@ -262,9 +293,15 @@ impl<'a> Search<'a> {
     }
 
     /// What a mistake adds on every failing case.
-    fn gains(&self, set: &Set, misreading: &'static Misreading, now: &[i64]) -> Vec<i64> {
+    fn gains(
+        &self,
+        set: &Set,
+        misreading: &'static Misreading,
+        now: &[i64],
+        tried: &[bool],
+    ) -> Vec<i64> {
         let with = plus(set, misreading);
-        let failing = (0..self.witnesses.len()).filter(|&w| self.witnesses[w].failed);
+        let failing = (0..self.witnesses.len()).filter(|&w| tried[w] && self.witnesses[w].failed);
         failing
             .map(|w| match self.witnesses[w].could_be(misreading) {
                 true => self.value(w, &with) - now[w],
@@ -281,10 +318,11 @@ impl<'a> Search<'a> {
         now: &[i64],
         gain: i64,
         least: i64,
+        tried: &[bool],
     ) -> Option<i64> {
         let with = plus(set, misreading);
         let mut total = gain;
-        for &w in &self.passing {
+        for &w in self.passing.iter().filter(|&&w| tried[w]) {
             if total < least {
                 return None;
             }
@@ -308,7 +346,9 @@ impl<'a> Search<'a> {
             })
             .collect();
         pictures.sort_by_key(|&w| self.witnesses[w].built.file.len());
-        let mut patience = PATIENCE;
+        let spent = || self.effort.load(Ordering::Relaxed);
+        let before_all = spent();
+        let patience = || PATIENCE.saturating_sub(spent() - before_all);
         for w in spread(&pictures, |w| self.witnesses[w].case.format()) {
             let witness = &self.witnesses[w];
             let before = self.answers(w, set);
@@ -319,7 +359,6 @@ impl<'a> Search<'a> {
                         && witness.concerns(misreading)
                 })
                 .collect();
-            patience = patience.saturating_sub(concerned.len());
             let acts = self.each(&concerned, |misreading| {
                 self.answers(w, &plus(set, misreading)) != before
             });
@@ -333,9 +372,8 @@ impl<'a> Search<'a> {
                 .enumerate()
                 .flat_map(|(i, &a)| acting[i + 1..].iter().map(move |&b| [a, b]))
                 .filter(|[a, b]| stackable(a, b))
-                .take(patience)
+                .take(patience())
                 .collect();
-            patience -= pairs.len();
             let explain = self.each(&pairs, |&[a, b]| {
                 self.value(w, &plus(&plus(set, a), b)) >= WORD
             });
@@ -348,7 +386,9 @@ impl<'a> Search<'a> {
                 .collect();
             // By what they explain of the rest, roughly and then exactly.
             let sample = self.sample(left);
-            for tried in [&sample, &(0..self.witnesses.len()).collect::<Vec<_>>()] {
+            let wanted = self.tried_for(left);
+            let all: Vec<usize> = (0..wanted.len()).filter(|&w| wanted[w]).collect();
+            for tried in [&sample, &all] {
                 let totals = self.each(&pairs, |&([a, b], _)| {
                     let with = plus(&plus(set, a), b);
                     let gain = |&w: &usize| self.value(w, &with) - self.value(w, set);
@@ -369,32 +409,29 @@ impl<'a> Search<'a> {
                 };
                 return Some(vec![member(a), member(b)]);
             }
-            if patience == 0 {
+            if patience() == 0 {
                 break;
             }
         }
         None
     }
 
-    /// Takes away every mistake without which as much is explained.
+    /// Takes away every mistake without which as much is explained, of large maps too.
     fn drop_needless(&self, members: &mut Vec<Member>) {
-        let total = |set: &Set| {
-            let places: Vec<usize> = (0..self.witnesses.len()).collect();
-            self.each(&places, |&w| self.value(w, set))
-                .iter()
-                .sum::<i64>()
+        let (small, large): (Vec<usize>, Vec<usize>) =
+            (0..self.witnesses.len()).partition(|&w| self.samples(w) <= LARGE);
+        let total = |set: &Set, places: &[usize]| {
+            let values = self.each(places, |&w| self.value(w, set));
+            values.iter().sum::<i64>()
         };
-        if members.len() < 2 {
-            return;
-        }
-        let mut now = total(&of(members));
         for place in (0..members.len()).rev() {
-            let mut without = of(members);
+            let with = of(members);
+            let mut without = with.clone();
             without.remove(place);
-            let left = total(&without);
-            if !without.is_empty() && left + LEAST > now {
+            let needless =
+                |places: &[usize]| total(&without, places) + LEAST > total(&with, places);
+            if !without.is_empty() && needless(&small) && needless(&large) {
                 members.remove(place);
-                now = left;
             }
         }
     }
@@ -420,19 +457,23 @@ impl<'a> Search<'a> {
         smallest
     }
 
-    /// The smallest of these, so that all together they have no more samples than `most`; at least four.
-    fn smallest(&self, left: &[usize], most: usize) -> Vec<usize> {
-        let samples = |w: usize| match &self.witnesses[w].right {
+    /// How many samples the right answer has.
+    fn samples(&self, w: usize) -> usize {
+        match &self.witnesses[w].right {
             Answer::Decoded(frame) => {
                 frame.width as usize * frame.height as usize * frame.channels as usize
             }
             _ => 0,
-        };
+        }
+    }
+
+    /// The smallest of these, so that all together they have no more samples than `most`; at least four.
+    fn smallest(&self, left: &[usize], most: usize) -> Vec<usize> {
         let mut smallest = left.to_vec();
-        smallest.sort_by_key(|&w| (samples(w), self.witnesses[w].built.file.len()));
+        smallest.sort_by_key(|&w| (self.samples(w), self.witnesses[w].built.file.len()));
         let mut all = 0;
         let taken = smallest.iter().enumerate().take_while(|&(i, &w)| {
-            all += samples(w) + self.witnesses[w].built.file.len();
+            all += self.samples(w) + self.witnesses[w].built.file.len();
             i < 4 || all <= most
         });
         let count = taken.count();

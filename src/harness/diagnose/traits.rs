@@ -125,15 +125,15 @@ fn of_spelling(witness: &Witness, traits: &mut Traits) {
         if recipe.format.has_table() {
             traits.add(
                 spelling.count == Count::NumberWord,
-                "that write the number of entries as \"256 N_LUT_ENTRIES\"",
+                "with the number of entries written as \"256 N_LUT_ENTRIES\"",
             );
             traits.add(
                 spelling.count == Count::Number,
-                "that write the number of entries as \"256\"",
+                "with the number of entries written as \"256\"",
             );
             traits.add(
                 spelling.count == Count::WordNumber,
-                "that write the number of entries as \"nentries 256\"",
+                "with the number of entries written as \"nentries 256\"",
             );
             traits.add(
                 spelling.newline_after_table,
@@ -278,8 +278,8 @@ fn of_numbers(witness: &Witness, traits: &mut Traits) {
     };
     let (width, height) = (recipe.size.width, recipe.size.height);
     traits.add(width == 1 && height == 1, "of one texel");
-    traits.add(width == 1, "that are one texel wide");
-    traits.add(height == 1, "that are one texel high");
+    traits.add(width == 1, "of one column");
+    traits.add(height == 1, "of one row");
     traits.add(width % 2 == 1, "of odd width");
     traits.add(height % 2 == 1, "of odd height");
     traits.add(width % 2 == 0, "of even width");
@@ -288,30 +288,37 @@ fn of_numbers(witness: &Witness, traits: &mut Traits) {
         width % 8 != 0 || height % 8 != 0,
         "whose width or height is no multiple of 8",
     );
-    traits.add(width != height, "that are not square");
-    traits.add(width > height, "that are wider than high");
-    traits.add(height > width, "that are higher than wide");
+    traits.add(width != height, "of unequal width and height");
+    traits.add(width > height, "wider than high");
+    traits.add(height > width, "higher than wide");
     traits.numbers.extend([
         ("texels", recipe.size.texels() as i64),
         ("columns", i64::from(width)),
         ("rows", i64::from(height)),
         ("bytes", witness.built.file.len() as i64),
     ]);
-    let longest = ["scale", "bias", "matrix"]
-        .into_iter()
-        .flat_map(texts)
-        .map(str::len)
-        .max();
+    let longest = |name| {
+        texts(name)
+            .into_iter()
+            .map(str::len)
+            .max()
+            .unwrap_or_default() as i64
+    };
+    let header = &witness.built.file[..witness.payload()];
+    let lines = header.split(|&byte| byte == b'\n').map(<[u8]>::len);
     let largest = texts("bias")
         .into_iter()
         .map(value)
         .fold(f64::MIN, f64::max);
     traits.numbers.extend([
-        ("bytes of header", witness.payload() as i64),
+        ("bytes of header", header.len() as i64),
         (
-            "characters in one number",
-            longest.unwrap_or_default() as i64,
+            "bytes in one line of the header",
+            lines.max().unwrap_or_default() as i64,
         ),
+        ("characters in one scale", longest("scale")),
+        ("characters in one bias", longest("bias")),
+        ("characters in one number of the matrix", longest("matrix")),
         ("as their largest bias", largest as i64),
     ]);
     if recipe.format.has_table() {
@@ -321,6 +328,14 @@ fn of_numbers(witness: &Witness, traits: &mut Traits) {
         traits.add(entries > 256, "with a table of more than 256 entries");
         traits.add(entries <= 256, "with a table of at most 256 entries");
         traits.numbers.push(("entries", entries));
+        let largest = witness
+            .model()
+            .and_then(|model| model.indices.iter().max().copied());
+        if let Some(largest) = largest {
+            traits
+                .numbers
+                .push(("as their largest index", i64::from(largest)));
+        }
     }
     traits.add(
         recipe.format == Format::Lum && recipe.spelling.matrix_line != 16,
@@ -366,6 +381,10 @@ fn of_compression(witness: &Witness, traits: &mut Traits) {
         (
             "planes in one chain of predictions",
             deepest.max().unwrap_or_default() as i64,
+        ),
+        (
+            "as their largest rank",
+            plan.order.iter().copied().max().unwrap_or_default(),
         ),
     ]);
     traits.add(
@@ -414,6 +433,10 @@ fn of_compression(witness: &Witness, traits: &mut Traits) {
     );
     let stream = &plan.stream;
     traits.add(
+        plan.alternates,
+        "whose planes have streams of different kinds",
+    );
+    traits.add(
         stream.restart_interval > 0,
         "with restart markers in their JPEG streams",
     );
@@ -440,6 +463,15 @@ fn of_compression(witness: &Witness, traits: &mut Traits) {
         traits
             .numbers
             .push(("as their JPEG quality", i64::from(plan.parameter)));
+        if let Some(recipe) = witness.case.recipe()
+            && stream.restart_interval > 0
+        {
+            let blocks = recipe.size.width.div_ceil(8) * recipe.size.height.div_ceil(8);
+            let markers = (blocks - 1) / u32::from(stream.restart_interval);
+            traits
+                .numbers
+                .push(("restart markers in one plane", i64::from(markers)));
+        }
     } else {
         traits
             .numbers

@@ -19,19 +19,16 @@ pub(super) fn describe(suite: &Suite, run: &Run) -> Vec<Diagnosis> {
     let diagnosis = |of: Vec<(usize, &Unsteady)>, effect: &str, mend: &str| {
         let &(place, how) = of.first()?;
         let case = &suite.cases[place];
-        Some(Diagnosis {
-            cause: Cause::Described {
+        Some(Diagnosis::of(
+            Cause::Described {
                 kind: Kind::Unsteady,
                 clause: case.clauses.first().cloned().unwrap_or_default(),
                 effect: effect.to_owned(),
                 mend: mend.to_owned(),
                 example: format!("for example {}: {}", case.id, how.says),
             },
-            explains: of.iter().map(|&(place, _)| place).collect(),
-            partly: Vec::new(),
-            except: Vec::new(),
-            shows: None,
-        })
+            of.iter().map(|&(place, _)| place).collect(),
+        ))
     };
     let serving = diagnosis(
         served,
