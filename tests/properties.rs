@@ -59,6 +59,25 @@ fn seeds_and_finds_hold() {
 }
 
 #[test]
+fn every_file_of_the_corpus_is_answered_however_it_is_read() {
+    let corpus = concat!(env!("CARGO_MANIFEST_DIR"), "/corpus");
+    let mut files = 0;
+    let mut directories = vec![std::path::PathBuf::from(corpus)];
+    while let Some(directory) = directories.pop() {
+        for entry in std::fs::read_dir(directory).expect("a directory") {
+            let path = entry.expect("an entry").path();
+            if path.is_dir() {
+                directories.push(path);
+            } else if path.extension().is_some_and(|suffix| suffix == "ptm") {
+                properties::file(&std::fs::read(&path).expect("a file"));
+                files += 1;
+            }
+        }
+    }
+    assert!(files > 1000, "{files}");
+}
+
+#[test]
 fn every_target_calls_its_property() {
     for (target, _) in TARGETS {
         let path = format!(

@@ -7,34 +7,44 @@ use arbitrary::{Result, Unstructured};
 
 use crate::codec::{jpeg, jpeg_ls};
 use crate::decode::{Limits, decode, decode_as, fields};
+use crate::evaluate::{apply, evaluate};
 use crate::generate::spelling::Lists;
 use crate::generate::{Model, Recipe, Spelling, write};
 use crate::harness::cases::{Case, Suite, TableSpelling, Values};
+use crate::harness::choices::{CHOICES, Choice, Dialect};
 use crate::harness::compare::Expected;
 use crate::harness::fuzz::draft::Draft;
 use crate::harness::protocol::{Frame, View};
 use crate::ptm::{Format, Planes};
-use crate::reading::Reading;
 
 /// Texels of a drawn file, at most, so that a target runs thousands of files a second.
 const TEXELS: u32 = 3000;
 /// Bytes of planes that arbitrary files may ask for.
 const MEMORY: usize = 1 << 24;
 
-/// Decoding any bytes ends in planes or in an error that names a clause and a byte of the file.
+/// Decoding any bytes, however open questions are read, ends in planes or in an error that names a clause and a byte of
+/// the file.
 ///
 /// # Panics
 /// If it does not.
 pub fn file(bytes: &[u8]) {
     let limits = Limits { memory: MEMORY };
-    match decode_as(bytes, &Reading::SPEC, &limits) {
-        Ok(ptm) => {
-            assert!(ptm.planes.samples.len() <= MEMORY, "over its limit");
-            let _ = ptm.coefficients().evaluate(0.5, -0.25).to_bytes();
-        }
-        Err(error) => {
-            assert!(error.offset() <= bytes.len(), "{error}");
-            assert!(error.to_string().contains('§'), "{error}");
+    // The first, the second and the third reading of every choice, the last where there are fewer.
+    let [first, second, third] = [0, 1, 2].map(|place| {
+        let of = |choice: &Choice| place.min(choice.readings.len() - 1);
+        Dialect(CHOICES.iter().map(of).collect()).reading()
+    });
+    for reading in [first, second.with_newline_after_table(), third] {
+        match decode_as(bytes, &reading, &limits) {
+            Ok(ptm) => {
+                assert!(ptm.planes.samples.len() <= MEMORY, "over its limit");
+                let coefficients = apply(&ptm.header.scale_bias, &ptm.planes, &reading);
+                let _ = evaluate(&coefficients, 0.5, -0.25, &reading).to_bytes();
+            }
+            Err(error) => {
+                assert!(error.offset() <= bytes.len(), "{error}");
+                assert!(error.to_string().contains('§'), "{error}");
+            }
         }
     }
     // The fields are a map of the file: in order, and inside it.
