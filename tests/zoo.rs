@@ -554,21 +554,23 @@ fn processes_of(nap: &str, root: &Path) -> Vec<String> {
 /// The harness holds the suite and little else, whatever a decoder does.
 const MOST_MEMORY: u64 = 100 << 10;
 
+/// The memory that the harness held, or what went wrong.
+fn shown(animal: &Animal) -> Result<u64, String> {
+    std::panic::catch_unwind(|| show(animal)).map_err(|panic| {
+        let words = panic.downcast_ref::<String>().cloned();
+        words.unwrap_or_else(|| animal.kind.to_owned())
+    })
+}
+
 /// All are shown before any failure is told.
 #[track_caller]
 fn show_all(animals: &[Animal]) {
     let wrong: Vec<String> = animals
         .iter()
         .filter_map(|animal| {
-            let memory = std::panic::catch_unwind(|| show(animal));
-            match memory {
-                Ok(memory) => (memory > MOST_MEMORY)
-                    .then(|| format!("{}: the harness held {memory} KiB", animal.kind)),
-                Err(panic) => panic
-                    .downcast_ref::<String>()
-                    .cloned()
-                    .or(Some(animal.kind.to_owned())),
-            }
+            let most = |memory| memory > MOST_MEMORY;
+            let held = |memory| format!("{}: the harness held {memory} KiB", animal.kind);
+            shown(animal).map_or_else(Some, |memory| most(memory).then(|| held(memory)))
         })
         .collect();
     assert!(wrong.is_empty(), "{}", wrong.join("\n\n"));
@@ -617,13 +619,13 @@ fn verdicts_are_the_same_under_load() {
                 println!("run {} of {runs}", run + 1);
             }
             let kind = animals[i].kind;
-            let problem = match std::panic::catch_unwind(|| show(animals[i])) {
+            let problem = match shown(animals[i]) {
                 Ok(memory) => {
                     let first = *first[i].get_or_init(|| memory);
                     (memory > first + 8 * 1024)
                         .then(|| format!("the harness held {memory} KiB, and {first} at first"))
                 }
-                Err(panic) => Some(panic.downcast_ref::<String>().cloned().unwrap_or_default()),
+                Err(problem) => Some(problem),
             };
             if let Some(problem) = problem {
                 let problem = format!("run {}, {kind}: {problem}", run + 1);
