@@ -354,6 +354,8 @@ mod tests {
             (2, 4, 0),
             (2, -2, 4),
             (2, -3, -5),
+            (2, 130, 0),
+            (2, 65_536, 0),
             (3, 2, 0),
             (3, 1, 1),
         ] {
@@ -502,6 +504,8 @@ mod tests {
             file.streams[2] =
                 jpeg_ls::encode(&smooth, 40, 30, &jpeg_ls::Options { near, presets }).stream;
             files.push(("JPEG-LS parameters", file.bytes()));
+            file.stream(3, &smooth);
+            files.push(("a plane without them behind it", file.bytes()));
         }
 
         let dark: Vec<u8> = smooth.iter().map(|&value| value / 2).collect();
@@ -560,6 +564,13 @@ mod tests {
             file.streams[6] = jpeg::encode(&noise, 13, 9, &options).stream;
             files.push(("JPEG options", file.bytes()));
         }
+        let mut file = ByHand::new(Format::JpegLrgb, 13, 9);
+        let restarting = jpeg::Options {
+            restart_interval: 1,
+            ..plain
+        };
+        file.streams[8] = jpeg::encode(&noise, 13, 9, &restarting).stream;
+        files.push(("restart markers in the last plane", file.bytes()));
         let mut file = ByHand::new(Format::JpegLrgb, 12, 9);
         file.streams[6] = jpeg::encode(&noise[..12 * 9], 12, 9, &plain).stream;
         files.push(("rows of twelve", file.bytes()));
