@@ -173,8 +173,8 @@ codes! {
     NOT_CAUSAL = Error "PTM-E054" "2.9.4/2"
         "a plane is predicted from one that is not decoded before it"
         "give every plane a higher rank than its reference; the order list holds ranks, plane by plane"
-        ["rank-of-the-reference", "rank-below-the-reference", "refers-to-itself", "refers-in-a-cycle",
-         "intra-refers-to-itself"];
+        ["rank-of-the-reference", "rank-below-the-reference", "plane-0-comes-late", "refers-to-itself",
+         "refers-in-a-cycle", "intra-refers-to-itself"];
     NEGATIVE_SIZE = Error "PTM-E055" "2.9.6/2"
         "a plane or its side information has a negative size"
         "write how many bytes there are"
