@@ -300,7 +300,7 @@ pub(super) struct Pair {
 }
 
 impl Pair {
-    pub fn of(wanted: &Frame, shown: &Frame) -> Option<Pair> {
+    fn of(wanted: &Frame, shown: &Frame) -> Option<Pair> {
         let numbers = |samples: &Samples| -> Vec<f64> {
             match samples {
                 Samples::U8(bytes) => bytes.iter().map(|&byte| f64::from(byte)).collect(),
@@ -788,21 +788,24 @@ impl Pair {
     }
 }
 
+/// What was shown, and what a decoder with these mistakes shows, where both are pictures of one shape.
+pub(super) fn pair_of(search: &Search, set: &[&'static Misreading], w: usize) -> Option<Pair> {
+    match (&search.witnesses[w].finding.shown, &*search.made(w, set)) {
+        (
+            Shown::Picture {
+                frame: Some(shown), ..
+            },
+            Answer::Decoded(wanted),
+        ) => Pair::of(wanted, shown),
+        _ => None,
+    }
+}
+
 /// The first wrong value of the smallest file, down to the bytes it comes from.
 fn example(search: &Search, set: &[&'static Misreading], w: usize) -> String {
     let witness = &search.witnesses[w];
     let id = &witness.case.id;
-    let made = search.made(w, set);
-    let (
-        Shown::Picture {
-            frame: Some(shown), ..
-        },
-        Answer::Decoded(wanted),
-    ) = (&witness.finding.shown, &*made)
-    else {
-        return format!("for example {id}: {}", witness.case.because);
-    };
-    let Some((pair, i)) = Pair::of(wanted, shown).and_then(|pair| {
+    let Some((pair, i)) = pair_of(search, set, w).and_then(|pair| {
         let first = *pair.wrong().first()?;
         Some((pair, first))
     }) else {

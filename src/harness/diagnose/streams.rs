@@ -3,15 +3,14 @@
 //! Such a mistake loses its place in some streams and not in others, and ends in a refusal here and in nonsense there. It
 //! shows in planes that are not predicted, which nothing but their stream makes.
 
-use super::pictures::{self, Pair};
+use super::pictures;
 use super::refusals::{self, deed_of, example};
 use super::search::{Found, Search, of};
 use super::witness::Witness;
 use super::{Diagnosis, Kind};
 use crate::harness::cases::Expect;
-use crate::harness::judge::Shown;
 use crate::harness::misreadings::Misreading;
-use crate::harness::protocol::{Answer, View};
+use crate::harness::protocol::View;
 use crate::ptm::Format;
 
 /// What the planes of some formats are streams of, and its standard.
@@ -32,13 +31,13 @@ struct First {
 /// One diagnosis for each codec that goes wrong. Its failures are taken out of `left`.
 pub(super) fn describe(search: &Search, found: &Found, left: &mut Vec<usize>) -> Vec<Diagnosis> {
     let witnesses = search.witnesses;
+    let set = of(&found.members);
     let mut diagnoses = Vec::new();
     for (codec, standard, formats) in CODECS {
         let is_legal = |w: &usize| {
             let case = witnesses[*w].case;
             formats.contains(&case.format()) && case.expect == Expect::Decode
         };
-        let set = of(&found.members);
         let is_near = |w: usize| {
             let near = |&member: &&'static Misreading| pictures::is_near(search, w, &set, member);
             deed_of(&witnesses[w]).is_none() && set.iter().any(near)
@@ -53,7 +52,7 @@ pub(super) fn describe(search: &Search, found: &Found, left: &mut Vec<usize>) ->
             .partition(|&&w| deed_of(&witnesses[w]).is_some());
         let firsts: Vec<(usize, First)> = wrong
             .iter()
-            .filter_map(|&w| Some((w, first_wrong(search, found, w)?)))
+            .filter_map(|&w| Some((w, first_wrong(search, &set, w)?)))
             .collect();
         // What only goes wrong where planes are predicted has another cause, and so has what other formats share.
         let in_streams = firsts.len() * 2 > wrong.len() || refused.len() > 3 * wrong.len();
@@ -120,22 +119,12 @@ fn shared_by(witnesses: &[Witness], these: &[usize], all: &[usize]) -> String {
 }
 
 /// Where the first plane goes wrong that is not predicted, if one does.
-fn first_wrong(search: &Search, found: &Found, w: usize) -> Option<First> {
+fn first_wrong(search: &Search, set: &[&'static Misreading], w: usize) -> Option<First> {
     let witness = &search.witnesses[w];
     if matches!(witness.finding.view, View::Rgb(_)) {
         return None;
     }
-    let made = search.made(w, &of(&found.members));
-    let (
-        Shown::Picture {
-            frame: Some(shown), ..
-        },
-        Answer::Decoded(wanted),
-    ) = (&witness.finding.shown, &*made)
-    else {
-        return None;
-    };
-    let pair = Pair::of(wanted, shown)?;
+    let pair = pictures::pair_of(search, set, w)?;
     let plan = witness.case.compression()?;
     let stored = |i: usize| {
         let (texel, plane) = (i / pair.channels, i % pair.channels);

@@ -1,5 +1,6 @@
 //! §2.9.8: the streams of planes, and which way their rows run
 
+use super::compressed::reconstruct;
 use super::{At, Decision, Misreading};
 use crate::codec::{Class, Error};
 use crate::decode::planes::{self, Coded};
@@ -579,13 +580,8 @@ const fn kept(
     effect: &'static str,
     change: fn(Reading) -> Reading,
 ) -> Misreading {
-    Misreading {
-        slug,
-        clause: "2.9.8/3",
-        effect,
-        mend: "every plane is a stream of its own; what one says holds for no other",
-        at: At::Reading(Decision::Reconstruct, change),
-    }
+    let mend = "every plane is a stream of its own; what one says holds for no other";
+    reconstruct(slug, "2.9.8/3", effect, mend, change)
 }
 
 /// All planes, where those without a segment of this marker have that of the plane before.

@@ -987,11 +987,7 @@ pub(super) const ALL: &[Misreading] = &[
         |r| Reading {
             plan: |lists| {
                 let mut plan = compressed::plan(lists)?;
-                plan.sequence = lists
-                    .order
-                    .iter()
-                    .map(|number| plane(lists, number))
-                    .collect::<Result<_>>()?;
+                plan.sequence = listed(lists)?;
                 let mut done = vec![false; plan.steps.len()];
                 for &i in &plan.sequence {
                     if plan.steps[i]
@@ -1014,13 +1010,10 @@ pub(super) const ALL: &[Misreading] = &[
         "number i is the rank of plane i",
         |r| Reading {
             plan: |lists| {
-                let mut plan = unranked(lists)?;
-                plan.sequence = lists
-                    .order
-                    .iter()
-                    .map(|number| plane(lists, number))
-                    .collect::<Result<_>>()?;
-                Ok(plan)
+                Ok(Plan {
+                    sequence: listed(lists)?,
+                    ..unranked(lists)?
+                })
             },
             ..r
         },
@@ -1622,7 +1615,7 @@ const fn predict_as(
     }
 }
 
-const fn reconstruct(
+pub(super) const fn reconstruct(
     slug: &'static str,
     clause: &'static str,
     effect: &'static str,
@@ -1743,6 +1736,12 @@ fn unranked(lists: &RawLists) -> Result<Plan> {
     Ok(plan)
 }
 
+/// The order list as planes.
+fn listed(lists: &RawLists) -> Result<Vec<usize>> {
+    let numbers = lists.order.iter();
+    numbers.map(|number| plane(lists, number)).collect()
+}
+
 /// The plane of that number, if there is one.
 fn plane(lists: &RawLists, number: &Number) -> Result<usize> {
     let planes = lists.format.channels();
@@ -1806,41 +1805,11 @@ fn displaced<'a>(
     reading: &Reading,
     sample: fn(&[u8], x: i64, y: i64, width: i64, height: i64) -> u8,
 ) -> Cow<'a, [u8]> {
-    let still = unmoved(reference, step, size, reading);
-    if !step.moved {
-        return still;
-    }
     let (width, height) = (i64::from(size.width), i64::from(size.height));
-    let (mx, my) = (
-        (reading.motion_sign)(step.motion.0),
-        (reading.motion_sign)((reading.motion_vertical)(step.motion.1)),
-    );
-    let texel = |(x, y): (i64, i64)| {
-        let (left, upper) = (x.saturating_add(mx >> 1), y.saturating_add(my >> 1));
-        let (right, lower) = (left.saturating_add(mx & 1), upper.saturating_add(my & 1));
-        let at = |x, y| sample(&still, x, y, width, height);
-        (reading.motion_half)([
-            at(left, upper),
-            at(right, upper),
-            at(left, lower),
-            at(right, lower),
-        ])
-    };
-    Cow::Owned(
-        (0..height)
-            .flat_map(|y| (0..width).map(move |x| (x, y)))
-            .map(texel)
-            .collect(),
-    )
-}
-
-/// The reference, inverted if the step says so, and where it is.
-fn unmoved<'a>(reference: &'a [u8], step: &Step, size: Size, reading: &Reading) -> Cow<'a, [u8]> {
-    let still = Step {
-        moved: false,
-        ..*step
-    };
-    rule::inverted_then_moved(reference, &still, size, reading)
+    let taps: Taps = |at, [d, _], _| [at + (d >> 1), at + (d >> 1) + (d & 1)];
+    walked(reference, step, size, reading, taps, |still, x, y| {
+        sample(still, x, y, width, height)
+    })
 }
 
 /// One axis of a plane.
@@ -1852,16 +1821,40 @@ struct Axis {
     other: i64,
 }
 
-/// The reference as the rule has it, but with other places for the two samples of which one is made along each axis: of
-/// where it is, and how many half texels it and the other axis are displaced.
+/// Where the two samples stand of which one is made along an axis: of where it is, and how many half texels this axis and
+/// the other one are displaced.
+type Taps = fn(at: i64, displacements: [i64; 2], &Axis) -> [i64; 2];
+
+/// The reference as the rule has it, but with other places for the samples of which one is made.
 fn tapped<'a>(
     reference: &'a [u8],
     step: &Step,
     size: Size,
     reading: &Reading,
-    taps: fn(at: i64, displacements: [i64; 2], &Axis) -> [i64; 2],
+    taps: Taps,
 ) -> Cow<'a, [u8]> {
-    let still = unmoved(reference, step, size, reading);
+    walked(reference, step, size, reading, taps, |still, x, y| {
+        let x = (reading.motion_border)(x, size.width);
+        let y = (reading.motion_border)(y, size.height);
+        x.zip(y)
+            .map_or(128, |(x, y)| still[y * size.width as usize + x])
+    })
+}
+
+/// The reference with every sample the mean of four, which `taps` place and `sample` finds.
+fn walked<'a>(
+    reference: &'a [u8],
+    step: &Step,
+    size: Size,
+    reading: &Reading,
+    taps: Taps,
+    sample: impl Fn(&[u8], i64, i64) -> u8,
+) -> Cow<'a, [u8]> {
+    let still = Step {
+        moved: false,
+        ..*step
+    };
+    let still = rule::inverted_then_moved(reference, &still, size, reading);
     if !step.moved || step.motion == (0, 0) {
         return still;
     }
@@ -1879,19 +1872,14 @@ fn tapped<'a>(
             other,
         });
     let texel = |(x, y): (i64, i64)| {
-        let columns = taps(x, [mx, my], &along);
-        let rows = taps(y, [my, mx], &across);
-        let at = |x: i64, y: i64| {
-            let x = (reading.motion_border)(x, size.width);
-            let y = (reading.motion_border)(y, size.height);
-            x.zip(y)
-                .map_or(128, |(x, y)| still[y * size.width as usize + x])
-        };
+        let [left, right] = taps(x, [mx, my], &along);
+        let [upper, lower] = taps(y, [my, mx], &across);
+        let at = |x, y| sample(&still, x, y);
         (reading.motion_half)([
-            at(columns[0], rows[0]),
-            at(columns[1], rows[0]),
-            at(columns[0], rows[1]),
-            at(columns[1], rows[1]),
+            at(left, upper),
+            at(right, upper),
+            at(left, lower),
+            at(right, lower),
         ])
     };
     Cow::Owned(
