@@ -177,6 +177,16 @@ pub(super) const ALL: &[Misreading] = &[
         },
     ),
     formula(
+        "coefficient-within-a-signed-byte",
+        "2.4/8",
+        "cuts final coefficients off at −128 and 127",
+        MEND,
+        |r| Reading {
+            final_coefficient: |raw, i, set| right(raw, i, set).clamp(-128.0, 127.0),
+            ..r
+        },
+    ),
+    formula(
         "coefficient-in-16-bits",
         "2.4/8",
         "keeps final coefficients in 16 bit integers",

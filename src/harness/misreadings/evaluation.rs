@@ -133,6 +133,32 @@ pub(super) const ALL: &[Misreading] = &[
             ..r
         },
     ),
+    beyond_a_color(
+        "luminance-truncated",
+        "cuts the value of the polynomial to a whole number",
+        "round the final color only",
+        |r| Reading {
+            polynomial: |a, u, v| spec(a, u, v).trunc(),
+            ..r
+        },
+    ),
+    beyond_a_color(
+        "luminance-mirrored",
+        "takes the absolute value of the polynomial",
+        "the polynomial may be negative; clamp the final color only",
+        |r| Reading {
+            polynomial: |a, u, v| spec(a, u, v).abs(),
+            ..r
+        },
+    ),
+    modulate(
+        "color-over-256",
+        "divides luminance times color by 256",
+        |r| Reading {
+            modulate: |l, c| l * c / 256.0,
+            ..r
+        },
+    ),
     modulate(
         "color-over-256-truncated",
         "divides luminance times color by 256 and cuts the fraction off",
@@ -273,6 +299,22 @@ const fn polynomial(
     change: fn(Reading) -> Reading,
 ) -> Misreading {
     let mend = "C = a0·u² + a1·v² + a2·u·v + a3·u + a4·v + a5";
+    Misreading {
+        slug,
+        clause: "1.0/1",
+        effect,
+        mend,
+        at: At::Reading(Decision::Polynomial, change),
+    }
+}
+
+/// What is done too early to a value that is no color yet.
+const fn beyond_a_color(
+    slug: &'static str,
+    effect: &'static str,
+    mend: &'static str,
+    change: fn(Reading) -> Reading,
+) -> Misreading {
     Misreading {
         slug,
         clause: "1.0/1",

@@ -206,6 +206,19 @@ pub(super) const ALL: &[Misreading] = &[
         }),
     },
     Misreading {
+        slug: "chroma-signed",
+        clause: "2.7.2/1",
+        effect: "takes Cr and Cb for signed bytes",
+        mend: "they count from 0 to 255; offsets are the matrix's business",
+        at: At::Reading(Decision::LumVector, |r| {
+            multiplying(
+                r,
+                |y, cr, cb| [y, signed(cr), signed(cb)],
+                |y, cr, cb| [signed(cr), y, signed(cb)],
+            )
+        }),
+    },
+    Misreading {
         slug: "chroma-swapped-in-the-vector",
         clause: "2.7.2/2",
         effect: "multiplies the matrix by (Y, Cb, Cr, 1)",
@@ -361,6 +374,11 @@ pub(super) const ALL: &[Misreading] = &[
         }),
     },
 ];
+
+/// The byte of this value, read as a signed one.
+fn signed(value: f64) -> f64 {
+    f64::from(value as u8 as i8)
+}
 
 /// What the matrix multiplies, for a reader who has Y first and for one who has Cr first (ruling `lum-vector`).
 fn multiplying(
