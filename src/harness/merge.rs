@@ -47,7 +47,7 @@ pub fn conclude(
     };
     run.remarks
         .splice(0..0, common.into_iter().map(Remark::failure));
-    assume(suite, run, &assumed);
+    assume(suite, run, &assumed, jobs);
     let diagnoses = diagnose(suite, run, &assumed, jobs);
     if run.stop.load(Ordering::Relaxed) {
         let says = "the search for causes was interrupted: failures stand without one";

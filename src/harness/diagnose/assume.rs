@@ -3,7 +3,7 @@
 //! A failure that is what a decoder with these mistakes shows is no news; every other answer is held against what such
 //! a decoder should have shown.
 
-use super::witness::{Agreement, Witness, spoken, witnesses};
+use super::witness::{self, Agreement, Witness, spoken, witnesses};
 use crate::harness::cases::Suite;
 use crate::harness::check::Run;
 use crate::harness::choices::{combinations, concerned};
@@ -13,17 +13,17 @@ use crate::harness::misreadings::Misreading;
 use crate::harness::protocol::Answer;
 
 /// Takes the mistakes `assumed` as given: failures that they explain are no failures any more.
-pub fn assume(suite: &Suite, run: &mut Run, assumed: &[&'static Misreading]) {
+pub fn assume(suite: &Suite, run: &mut Run, assumed: &[&'static Misreading], threads: usize) {
     if assumed.is_empty() {
         return;
     }
     let reading = spoken(run);
     let mut said: Vec<(usize, Outcome, String)> = Vec::new();
-    for witness in witnesses(suite, run, reading) {
+    for witness in witnesses(suite, run, reading, threads) {
         if !witness.failed {
             continue;
         }
-        let made = witness.answer(assumed, reading);
+        let made = witness.answer(assumed);
         if *made == witness.right {
             continue;
         }
@@ -62,8 +62,8 @@ fn is_explained(witness: &Witness, made: &Answer, assumed: &[&'static Misreading
     };
     let axes = concerned(witness.case, &witness.finding.view);
     explained(made)
-        || combinations(&axes)
-            .iter()
-            .skip(1)
-            .any(|dialect| explained(&witness.answer(assumed, dialect.reading())))
+        || combinations(&axes).iter().skip(1).any(|dialect| {
+            let (reading, file) = (dialect.reading(), &witness.built.file);
+            explained(&witness::answer(assumed, reading, file, witness.finding))
+        })
 }

@@ -40,13 +40,14 @@ impl Formula {
 }
 
 /// What is true of `shown`: the one number that is wrong in a formula, in words.
-pub(super) fn slips(witness: &Witness, reading: &Reading, shown: &Frame) -> Vec<(Formula, String)> {
+pub(super) fn slips(witness: &Witness, shown: &Frame) -> Vec<(Formula, String)> {
     if witness.finding.view == View::Raw {
         return Vec::new();
     }
     let Ok(ptm) = witness.decoded() else {
         return Vec::new();
     };
+    let reading = &witness.reading;
     let right = Numbers::of(
         &ptm.planes,
         &ptm.header.scale_bias,
@@ -152,6 +153,7 @@ impl Numbers {
             times(format!("a{i} were left out"), 0.0);
             times(format!("a{i} were subtracted"), -powers[i]);
             times(format!("a{i} were added twice"), 2.0 * powers[i]);
+            times(format!("half of a{i} were added"), powers[i] / 2.0);
             for (name, value) in names.into_iter().zip(powers).chain(others) {
                 if name != right {
                     times(

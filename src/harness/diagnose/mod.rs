@@ -25,6 +25,7 @@ pub use witness::{alike, applies, composable};
 
 use crate::harness::cases::{Expect, Suite};
 use crate::harness::check::Run;
+use crate::harness::judge::Outcome;
 use crate::harness::misreadings::Misreading;
 use crate::harness::protocol::View;
 use search::Search;
@@ -129,7 +130,7 @@ impl Diagnosis {
         )
     }
 
-    /// The same, about a clause that is known better than by what most of the cases are about.
+    /// The same, about a clause that is known better than by what the cases are about.
     fn about(mut self, known: &str) -> Diagnosis {
         if let Cause::Described { clause, .. } = &mut self.cause {
             known.clone_into(clause);
@@ -168,14 +169,20 @@ pub fn diagnose(
     assumed: &[&'static Misreading],
     threads: usize,
 ) -> Vec<Diagnosis> {
-    let reading = spoken(run);
-    let witnesses = witnesses(suite, run, reading);
     let mut apart = unsteady::describe(suite, run);
     apart.extend(promises::describe(suite, run));
+    let judged = run.judgement.cases.iter().flatten();
+    if !judged
+        .into_iter()
+        .any(|judged| judged.outcome == Outcome::Fail)
+    {
+        return apart;
+    }
+    let witnesses = witnesses(suite, run, spoken(run), threads);
     if !witnesses.iter().any(|witness| witness.failed) {
         return apart;
     }
-    let search = Search::new(&witnesses, reading, assumed, threads, &run.stop);
+    let search = Search::new(&witnesses, assumed, threads, &run.stop);
     let mut found = search.run();
     if search.is_interrupted() {
         return apart;
@@ -219,7 +226,7 @@ fn drop_accidents(search: &Search, found: &mut search::Found) {
         .iter()
         .filter(|&&w| refusals::deed_of(&witnesses[w]).is_some())
         .count();
-    found.members.retain(|member| {
+    let keep = search.each(&found.members, |member| {
         let of: Vec<(usize, Agreement)> = failing
             .iter()
             .map(|&w| (w, search.agreement(w, &[member.misreading])))
@@ -239,6 +246,7 @@ fn drop_accidents(search: &Search, found: &mut search::Found) {
         let by_chance = !member.misreading.effect.starts_with("refuses") && of.len() * 3 < refused;
         of.is_empty() || !refuses || !by_chance && !shared.iter().any(less) && !contradicted()
     });
+    found.keep(&keep);
 }
 
 /// Where passing cases speak against the mistakes found, takes away those that explain fewer pictures than one wrong number
@@ -246,25 +254,40 @@ fn drop_accidents(search: &Search, found: &mut search::Found) {
 fn drop_chance(search: &Search, found: &mut search::Found) {
     let witnesses = search.witnesses;
     let set = search::of(&found.members);
-    if !(0..witnesses.len()).any(|w| search.contradicted(w, &set)) {
+    let all: Vec<usize> = (0..witnesses.len()).collect();
+    let contradicted = search.each(&all, |&w| search.contradicted(w, &set));
+    if !contradicted.contains(&true) {
         return;
     }
     let failing = failing(witnesses);
     let slip = pictures::widest_slip(search, &failing);
-    found.members.retain(|member| {
-        let mut without = set.clone();
-        without.retain(|other| other.slug != member.misreading.slug);
-        let shown = |w: usize, set: &[&'static Misreading]| {
-            matches!(search.agreement(w, set), Agreement::Picture)
+    let is_shown = |w: usize, set: &[&'static Misreading]| {
+        matches!(search.agreement(w, set), Agreement::Picture)
+    };
+    // For each failure, which of the mistakes cannot be missed for the picture that was shown.
+    let needed = search.each(&failing, |&w| {
+        let is_needed = |&place: &usize| {
+            let mut without = set.clone();
+            without.remove(place);
+            !is_shown(w, &without)
         };
-        let of: Vec<usize> = failing
-            .iter()
-            .copied()
-            .filter(|&w| shown(w, &set) && !shown(w, &without))
-            .collect();
-        let computed = |&w: &usize| witnesses[w].finding.view != View::Raw;
-        of.is_empty() || of.len() >= slip || !of.iter().all(computed)
+        match is_shown(w, &set) {
+            true => (0..set.len()).filter(is_needed).collect(),
+            false => Vec::new(),
+        }
     });
+    let keep: Vec<bool> = (0..set.len())
+        .map(|member| {
+            let of = failing.iter().zip(&needed);
+            let of: Vec<usize> = of
+                .filter(|(_, needed)| needed.contains(&member))
+                .map(|(&w, _)| w)
+                .collect();
+            let computed = |&w: &usize| witnesses[w].finding.view != View::Raw;
+            of.is_empty() || of.len() >= slip || !of.iter().all(computed)
+        })
+        .collect();
+    found.keep(&keep);
 }
 
 /// Legal files that are not shown as they should be.
@@ -281,39 +304,29 @@ fn named(search: &Search, found: &search::Found) -> (Vec<Diagnosis>, Vec<usize>)
     let mut left = Vec::new();
     let mut explains: Vec<Vec<usize>> = vec![Vec::new(); set.len()];
     let mut with: Vec<Vec<&'static Misreading>> = vec![Vec::new(); set.len()];
-    for w in (0..witnesses.len()).filter(|&w| witnesses[w].failed) {
-        let explained = |set: &[&'static Misreading]| {
-            matches!(
-                search.agreement(w, set),
-                Agreement::Picture | Agreement::Word | Agreement::Crash
-            )
-        };
-        if let Some(alone) = (0..set.len()).find(|&member| explained(&[set[member]])) {
-            explains[alone].push(witnesses[w].place);
-        } else if !set.is_empty() && explained(&set) {
-            // Those that cannot be missed; the case stands under the last of them.
-            let needed: Vec<usize> = (0..set.len())
-                .filter(|&member| {
-                    let mut without = set.clone();
-                    without.remove(member);
-                    !explained(&without)
-                })
-                .collect();
-            let last = needed.last().copied().unwrap_or_default();
-            explains[last].push(witnesses[w].place);
-            for &other in &needed {
-                if other != last && !with[last].iter().any(|known| known.slug == set[other].slug) {
-                    with[last].push(set[other]);
-                }
-            }
-        } else {
+    let failed: Vec<usize> = (0..witnesses.len())
+        .filter(|&w| witnesses[w].failed)
+        .collect();
+    let needed = search.each(&failed, |&w| needed(search, w, &set));
+    for (w, needed) in failed.into_iter().zip(needed) {
+        // The case stands under the last of those that cannot be missed.
+        let Some((&last, others)) = needed.split_last() else {
             left.push(w);
+            continue;
+        };
+        explains[last].push(witnesses[w].place);
+        for &other in others {
+            if !with[last].iter().any(|known| known.slug == set[other].slug) {
+                with[last].push(set[other]);
+            }
         }
     }
     let members = found.members.iter().zip(explains.into_iter().zip(with));
     let diagnoses = members.map(|(member, (explains, with))| {
         let one = [member.misreading];
-        let except = (0..witnesses.len()).filter(|&w| search.contradicted(w, &one));
+        let all: Vec<usize> = (0..witnesses.len()).collect();
+        let excepted = search.each(&all, |&w| search.contradicted(w, &one));
+        let except = all.into_iter().zip(excepted).filter(|&(_, is)| is);
         Diagnosis {
             cause: Cause::Misreading {
                 misreading: member.misreading,
@@ -325,12 +338,35 @@ fn named(search: &Search, found: &search::Found) -> (Vec<Diagnosis>, Vec<usize>)
                 .flatten(),
             explains,
             partly: Vec::new(),
-            except: except.map(|w| witnesses[w].place).collect(),
+            except: except.map(|(w, _)| witnesses[w].place).collect(),
         }
     });
     let mut diagnoses: Vec<Diagnosis> = diagnoses.collect();
     diagnoses.retain(|diagnosis| !diagnosis.explains.is_empty());
     (diagnoses, left)
+}
+
+/// Which of `set` explain a failure: one alone, or those that cannot be missed; none if all together do not.
+fn needed(search: &Search, w: usize, set: &[&'static Misreading]) -> Vec<usize> {
+    let explained = |set: &[&'static Misreading]| {
+        matches!(
+            search.agreement(w, set),
+            Agreement::Picture | Agreement::Word | Agreement::Crash
+        )
+    };
+    if let Some(alone) = (0..set.len()).find(|&member| explained(&[set[member]])) {
+        return vec![alone];
+    }
+    if set.is_empty() || !explained(set) {
+        return Vec::new();
+    }
+    let is_needed = |&member: &usize| {
+        let mut without = set.to_vec();
+        without.remove(member);
+        !explained(&without)
+    };
+    let needed: Vec<usize> = (0..set.len()).filter(is_needed).collect();
+    if needed.is_empty() { vec![0] } else { needed }
 }
 
 /// Failures that are near to one of the mistakes found stand under it, in part.

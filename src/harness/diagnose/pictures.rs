@@ -107,10 +107,43 @@ pub(super) fn describe(
             );
             match what.formula {
                 Some(formula) => diagnosis.about(formula.clause()),
-                None => diagnosis,
+                None => match values_of(witnesses, &of) {
+                    Some(clause) => diagnosis.about(clause),
+                    None => diagnosis,
+                },
             }
         })
         .collect()
+}
+
+/// Where these cases have no clause in common: the one that says how the values come about that are wrong.
+fn values_of(witnesses: &[Witness], of: &[usize]) -> Option<&'static str> {
+    let [first, others @ ..] = of else {
+        return None;
+    };
+    let clauses = |w: usize| &witnesses[w].case.clauses;
+    let is_shared = |clause: &String| others.iter().all(|&w| clauses(w).contains(clause));
+    if clauses(*first).iter().any(is_shared) {
+        return None;
+    }
+    let all = |formats: &[Format]| {
+        of.iter()
+            .all(|&w| formats.contains(&witnesses[w].case.format()))
+    };
+    let of_luminance = [
+        Format::Lrgb,
+        Format::PtmLut,
+        Format::PtmCLut,
+        Format::JpegLrgb,
+        Format::JpeglsLrgb,
+    ];
+    match witnesses[*first].finding.view {
+        View::Rgb(_) if all(&of_luminance) => Some("2.7.3/4"),
+        View::Rgb(_) if all(&[Format::Lum]) => Some("2.6/4"),
+        View::Rgb(_) => Some("1.0/1"),
+        View::Coef => Some("2.4/8"),
+        View::Raw => None,
+    }
 }
 
 /// How many pictures one wrong number in a formula explains, the one that explains most.
@@ -131,7 +164,7 @@ pub(super) fn widest_slip(search: &Search, failing: &[usize]) -> usize {
 }
 
 fn claims_of_slips(search: &Search, w: usize, shown: &Frame) -> Vec<Claim> {
-    let slips = formulas::slips(&search.witnesses[w], &search.reading, shown);
+    let slips = formulas::slips(&search.witnesses[w], shown);
     let claim = |(formula, says)| Claim {
         says: format!("values as if {says}"),
         formula: Some(formula),
@@ -562,6 +595,14 @@ impl Pair {
         });
         offer(by_two, &|| {
             "values that are off by two at most, as of another rounding".to_owned()
+        });
+        let is_grey = color
+            && self
+                .got
+                .chunks_exact(3)
+                .all(|rgb| rgb.windows(2).all(|two| two[0] == two[1]));
+        offer(is_grey && pairs.len() > 2, &|| {
+            "grey: one value for red, green and blue".to_owned()
         });
         let neighbour = self.of_neighbour(&wrong);
         offer(neighbour.is_some(), &|| {

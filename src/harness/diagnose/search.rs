@@ -5,15 +5,16 @@
 //! dropped.
 
 use std::borrow::Cow;
-use std::collections::{BTreeMap, HashSet};
+use std::collections::{BTreeMap, HashMap, HashSet};
+use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
-use super::witness::{Agreement, Witness};
+use super::witness::{Agreement, Witness, is_after_decoding};
 use crate::harness::cases::Expect;
+use crate::harness::corpus::in_parallel;
 use crate::harness::judge::Shown;
 use crate::harness::misreadings::{self, At, Misreading};
 use crate::harness::protocol::Answer;
-use crate::reading::Reading;
 
 /// Most mistakes of a diagnosis.
 const MOST: usize = 8;
@@ -27,6 +28,8 @@ const SAMPLES: usize = 1 << 20;
 const LARGE: usize = 1 << 16;
 /// Samples of an ordinary map.
 const MAP: usize = 512;
+/// Mistakes that agree by chance, after which the search ends: more of them say nothing.
+const CHANCES: usize = 2;
 /// Answers made in search of two mistakes that hide each other.
 const PATIENCE: usize = 40_000;
 
@@ -46,6 +49,14 @@ pub(super) struct Found {
     pub members: Vec<Member>,
 }
 
+impl Found {
+    /// Those members that are to be kept.
+    pub fn keep(&mut self, keep: &[bool]) {
+        let mut keep = keep.iter();
+        self.members.retain(|_| keep.next() == Some(&true));
+    }
+}
+
 /// One of them.
 pub(super) struct Member {
     pub misreading: &'static Misreading,
@@ -56,7 +67,6 @@ pub(super) struct Member {
 /// The search for the mistakes of one decoder.
 pub(super) struct Search<'a> {
     pub witnesses: &'a [Witness<'a>],
-    pub reading: Reading,
     /// Mistakes taken for granted: made by every set, and never named.
     pub assumed: &'a [&'static Misreading],
     pub threads: usize,
@@ -67,6 +77,10 @@ pub(super) struct Search<'a> {
     passing: Vec<usize>,
     /// What the failing cases are about.
     clauses: HashSet<&'a str>,
+    /// By name, the place of each mistake in `alone`.
+    places: HashMap<&'static str, usize>,
+    /// For each case and each mistake, what the mistake is worth alone, if it changes the answer.
+    alone: Vec<OnceLock<Option<i64>>>,
 }
 
 type Set = Vec<&'static Misreading>;
@@ -74,7 +88,6 @@ type Set = Vec<&'static Misreading>;
 impl<'a> Search<'a> {
     pub fn new(
         witnesses: &'a [Witness<'a>],
-        reading: Reading,
         assumed: &'a [&'static Misreading],
         threads: usize,
         stop: &'a AtomicBool,
@@ -85,10 +98,15 @@ impl<'a> Search<'a> {
         passing.sort_by_key(|&w| witnesses[w].built.file.len());
         let failing = witnesses.iter().filter(|witness| witness.failed);
         let clauses = failing.flat_map(|witness| &witness.case.clauses);
+        let places: HashMap<&'static str, usize> = misreadings::all()
+            .enumerate()
+            .map(|(place, misreading)| (misreading.slug, place))
+            .collect();
         Search {
+            alone: vec![OnceLock::new(); witnesses.len() * places.len()],
+            places,
             clauses: clauses.map(String::as_str).collect(),
             witnesses,
-            reading,
             assumed,
             threads,
             stop,
@@ -107,18 +125,36 @@ impl<'a> Search<'a> {
             if left.is_empty() {
                 break;
             }
+            let mut all: Set = misreadings::all()
+                .filter(|&other| !named(&set, other) && !named(self.assumed, other))
+                .collect();
             let grown = self
-                .one_more(&set, &self.sample(&left))
-                .or_else(|| self.one_more(&set, &self.affordable(&left)))
+                .one_more(&set, &mut all, &self.sample(&left))
+                .or_else(|| self.one_more(&set, &mut all, &self.affordable(&left)))
                 .map(|member| vec![member])
                 .or_else(|| self.two_more(&set, &left));
             match grown {
                 Some(more) => members.extend(more),
                 None => break,
             }
+            if members
+                .iter()
+                .filter(|member| self.is_chance(member))
+                .count()
+                >= CHANCES
+            {
+                break;
+            }
         }
         self.drop_needless(&mut members);
         Found { members }
+    }
+
+    /// Whether a mistake in computing is spoken against by cases that pass. Colors are rounded, and agree by chance with
+    /// many a mistake.
+    fn is_chance(&self, member: &Member) -> bool {
+        let contradicts = |&w: &usize| self.alone(w, member.misreading) == Some(CONTRADICTED);
+        is_after_decoding(member.misreading) && self.passing.iter().any(contradicts)
     }
 
     /// How well a set explains one case, for those who name what each of its members explains.
@@ -162,11 +198,16 @@ impl<'a> Search<'a> {
             for variant in variants {
                 let mut with = variant.clone();
                 with.retain(|other| stackable(other, misreading));
-                if with.len() < variant.len() {
-                    grown.push(variant);
-                }
+                let replaces = with.len() < variant.len();
                 with.push(misreading);
-                grown.push(with);
+                for variant in [replaces.then_some(variant), Some(with)]
+                    .into_iter()
+                    .flatten()
+                {
+                    if !grown.iter().any(|known| same(known, &variant)) {
+                        grown.push(variant);
+                    }
+                }
             }
             variants = grown;
         }
@@ -174,7 +215,7 @@ impl<'a> Search<'a> {
         self.effort.fetch_add(effort, Ordering::Relaxed);
         variants
             .iter()
-            .map(|variant| witness.answer(variant, self.reading))
+            .map(|variant| witness.answer(variant))
             .collect()
     }
 
@@ -183,18 +224,40 @@ impl<'a> Search<'a> {
         self.stop.load(Ordering::Relaxed)
     }
 
-    /// What a set is worth on one case.
+    /// What a set is worth on one case. Of mistakes of which at most one shows there alone, that one's worth: that others
+    /// show beside it only is rare, and to try it for every set takes most of the time.
     fn value(&self, w: usize, set: &[&'static Misreading]) -> i64 {
         if self.is_interrupted() {
             return 0;
         }
-        let witness = &self.witnesses[w];
-        let mut all = self.assumed.iter().chain(set);
-        if !all.any(|misreading| witness.concerns(misreading)) {
+        let all = self.assumed.iter().chain(set);
+        let mut shown = all.filter_map(|&misreading| self.alone(w, misreading));
+        match (shown.next(), shown.next()) {
             // What the reference shows is right, and no failure.
-            return 0;
+            (None, _) => 0,
+            (Some(worth), None) => worth,
+            _ => self.value_of(w, &self.answers(w, set)),
         }
-        let answers = self.answers(w, set);
+    }
+
+    /// What one mistake is worth alone on one case, the assumed ones aside; nothing if it does not show there.
+    fn alone(&self, w: usize, misreading: &'static Misreading) -> Option<i64> {
+        let witness = &self.witnesses[w];
+        let place = w * self.places.len() + self.places[misreading.slug];
+        *self.alone[place].get_or_init(|| {
+            if !witness.concerns(misreading) {
+                return None;
+            }
+            self.effort
+                .fetch_add(1 + self.samples(w) / MAP, Ordering::Relaxed);
+            let answer = witness.answer(&[misreading]);
+            (*answer != witness.right).then(|| self.value_of(w, &[answer]))
+        })
+    }
+
+    /// What these answers are worth, of which the decoder may give any.
+    fn value_of(&self, w: usize, answers: &[Cow<'_, Answer>]) -> i64 {
+        let witness = &self.witnesses[w];
         if witness.failed {
             let worths = answers
                 .iter()
@@ -211,13 +274,11 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// The one mistake that is worth most besides `set`, of those that explain one of `tried`.
-    fn one_more(&self, set: &Set, tried: &[usize]) -> Option<Member> {
+    /// The one mistake that is worth most besides `set`, of those that explain one of `tried`. If none is worth anything,
+    /// those that seemed to be are taken out of `all`.
+    fn one_more(&self, set: &Set, all: &mut Set, tried: &[usize]) -> Option<Member> {
         let now: Vec<i64> = tried.iter().map(|&w| self.value(w, set)).collect();
-        let all: Set = misreadings::all()
-            .filter(|&misreading| !named(set, misreading) && !named(self.assumed, misreading))
-            .collect();
-        let promise = self.each(&all, |misreading| {
+        let promise = self.each(all, |misreading| {
             let with = plus(set, misreading);
             let gain = |(&w, &now): (&usize, &i64)| {
                 if self.witnesses[w].could_be(misreading) {
@@ -230,7 +291,7 @@ impl<'a> Search<'a> {
         });
         let mut promising: Vec<(i64, &'static Misreading)> = promise
             .into_iter()
-            .zip(all)
+            .zip(all.iter().copied())
             .filter(|&(gain, _)| gain >= LEAST)
             .collect();
         // Among equals what the cases are about, then the catalogue's order, from the general to the particular.
@@ -240,7 +301,9 @@ impl<'a> Search<'a> {
             .into_iter()
             .map(|(_, misreading)| misreading)
             .collect();
-        self.best(set, &finalists, &self.tried_for(tried))
+        let best = self.best(set, &finalists, &self.tried_for(tried));
+        all.retain(|other| !named(&finalists, other));
+        best
     }
 
     /// The cases on which mistakes are tried that shall explain some of `left`: all but large maps, unless these are all
@@ -257,21 +320,34 @@ impl<'a> Search<'a> {
         let now: Vec<i64> = (0..self.witnesses.len())
             .map(|w| if tried[w] { self.value(w, set) } else { 0 })
             .collect();
-        let failing = self.each(finalists, |misreading| {
-            self.gains(set, misreading, &now, tried)
+        let is_left = |&w: &usize| tried[w] && self.witnesses[w].failed && now[w] < WORD;
+        let left: Vec<usize> = (0..now.len()).filter(is_left).collect();
+        let gains = self.each(finalists, |misreading| {
+            let with = plus(set, misreading);
+            let gain = |&w: &usize| match self.witnesses[w].could_be(misreading) {
+                true => self.value(w, &with) - now[w],
+                false => 0,
+            };
+            left.iter().map(gain).collect::<Vec<i64>>()
         });
-        let mut ranked: Vec<(i64, usize)> = failing
+        let mut ranked: Vec<(i64, usize)> = gains
             .iter()
             .enumerate()
             .map(|(place, gains)| (gains.iter().sum(), place))
             .collect();
         ranked.sort_by_key(|&(gain, place)| (-gain, place));
+        // What is explained already, and then what passes, can only speak against a mistake.
+        let explained = (0..now.len()).filter(|&w| self.witnesses[w].failed && !is_left(&w));
+        let others: Vec<usize> = explained
+            .chain(self.passing.iter().copied())
+            .filter(|&w| tried[w])
+            .collect();
         let mut scored: Vec<(i64, usize)> = Vec::new();
         for batch in ranked.chunks(self.threads.max(1) * 2) {
             let best = scored.iter().map(|&(total, _)| total).max();
             let least = best.map_or(LEAST, |best| LEAST.max(best - WORD));
             let totals = self.each(batch, |&(gain, place)| {
-                self.total(set, finalists[place], &now, gain, least, tried)
+                self.total(set, finalists[place], &now, gain, least, &others)
             });
             let totals = totals.into_iter().zip(batch);
             scored.extend(totals.filter_map(|(total, &(_, place))| Some((total?, place))));
@@ -280,7 +356,7 @@ impl<'a> Search<'a> {
         let &(total, first) = scored.first()?;
         let as_good = scored[1..]
             .iter()
-            .filter(|&&(other, place)| total - other < WORD && failing[place] == failing[first]);
+            .filter(|&&(other, place)| total - other < WORD && gains[place] == gains[first]);
         Some(Member {
             misreading: finalists[first],
             alike: as_good.map(|&(_, place)| finalists[place]).collect(),
@@ -292,25 +368,7 @@ impl<'a> Search<'a> {
         self.clauses.contains(misreading.clause)
     }
 
-    /// What a mistake adds on every failing case.
-    fn gains(
-        &self,
-        set: &Set,
-        misreading: &'static Misreading,
-        now: &[i64],
-        tried: &[bool],
-    ) -> Vec<i64> {
-        let with = plus(set, misreading);
-        let failing = (0..self.witnesses.len()).filter(|&w| tried[w] && self.witnesses[w].failed);
-        failing
-            .map(|w| match self.witnesses[w].could_be(misreading) {
-                true => self.value(w, &with) - now[w],
-                false => 0,
-            })
-            .collect()
-    }
-
-    /// What it is worth in all, if it adds `gain` on the failing cases; nothing if that is less than `least`.
+    /// What it is worth in all, if it adds `gain` on the cases that are left; nothing if that is less than `least`.
     fn total(
         &self,
         set: &Set,
@@ -318,11 +376,11 @@ impl<'a> Search<'a> {
         now: &[i64],
         gain: i64,
         least: i64,
-        tried: &[bool],
+        others: &[usize],
     ) -> Option<i64> {
         let with = plus(set, misreading);
         let mut total = gain;
-        for &w in self.passing.iter().filter(|&&w| tried[w]) {
+        for &w in others {
             if total < least {
                 return None;
             }
@@ -482,29 +540,8 @@ impl<'a> Search<'a> {
     }
 
     /// `work` of every item, on all threads, in order.
-    fn each<T: Sync, R: Send>(&self, items: &[T], work: impl Fn(&T) -> R + Sync) -> Vec<R> {
-        let next = AtomicUsize::new(0);
-        let share = || {
-            let mut done = Vec::new();
-            while let Some((place, item)) = {
-                let place = next.fetch_add(1, Ordering::Relaxed);
-                items.get(place).map(|item| (place, item))
-            } {
-                done.push((place, work(item)));
-            }
-            done
-        };
-        let mut all: Vec<(usize, R)> = std::thread::scope(|scope| {
-            let workers: Vec<_> = (0..self.threads.clamp(1, items.len().max(1)))
-                .map(|_| scope.spawn(share))
-                .collect();
-            let joined = workers
-                .into_iter()
-                .map(|worker| worker.join().expect("no worker panics"));
-            joined.flatten().collect()
-        });
-        all.sort_by_key(|&(place, _)| place);
-        all.into_iter().map(|(_, result)| result).collect()
+    pub fn each<T: Sync, R: Send>(&self, items: &[T], work: impl Fn(&T) -> R + Sync) -> Vec<R> {
+        in_parallel(items.len(), self.threads, &|_, _| (), &|i| work(&items[i]))
     }
 }
 
@@ -529,6 +566,10 @@ pub(super) fn of(members: &[Member]) -> Set {
 
 fn plus(set: &[&'static Misreading], misreading: &'static Misreading) -> Set {
     [set, &[misreading]].concat()
+}
+
+fn same(a: &Set, b: &Set) -> bool {
+    a.len() == b.len() && a.iter().zip(b).all(|(a, b)| a.slug == b.slug)
 }
 
 fn named(set: &[&'static Misreading], misreading: &Misreading) -> bool {

@@ -14,6 +14,7 @@ use crate::harness::cases::{Built, Case, Expect, Suite, Values};
 use crate::harness::check::Run;
 use crate::harness::choices::{CHOICES, Choice, Dialect};
 use crate::harness::compare::{Expected, ExpectedValues, is_close};
+use crate::harness::corpus::in_parallel;
 use crate::harness::judge::{Finding, Outcome, Right, Shown};
 use crate::harness::misreadings::{self, Anatomy, At, Decision, Misreading, Seen};
 use crate::harness::protocol::{Answer, Frame, Samples, View};
@@ -29,12 +30,14 @@ pub(super) struct Witness<'a> {
     pub built: Arc<Built>,
     pub failed: bool,
     /// How the decoder reads the open questions.
-    reading: Reading,
+    pub reading: Reading,
     /// What the reference answers, reading the open questions so.
     pub right: Answer,
     /// What the bytes of the file are, as far as they can be read.
     fields: OnceLock<Vec<Field>>,
     traits: OnceLock<Traits>,
+    /// What the reference finds in the file.
+    decoded: OnceLock<crate::Result<Ptm>>,
 }
 
 /// How well an answer agrees with what was shown.
@@ -53,47 +56,67 @@ pub(super) enum Agreement {
 }
 
 /// Every case that was asked and judged, and answered in one way.
-pub(super) fn witnesses<'a>(suite: &'a Suite, run: &'a Run, reading: Reading) -> Vec<Witness<'a>> {
-    let asked = suite.cases.iter().zip(&run.findings).enumerate();
-    let judged = asked.filter_map(|(place, (case, finding))| {
+pub(super) fn witnesses<'a>(
+    suite: &'a Suite,
+    run: &'a Run,
+    reading: Reading,
+    threads: usize,
+) -> Vec<Witness<'a>> {
+    let witness = |place: usize| {
+        let case = &suite.cases[place];
         let outcome = run.judgement.cases[place].as_ref()?.outcome;
         // Of two answers neither tells of a mistake, and a broken promise tells of none in reading.
-        let finding = finding
+        let finding = run.findings[place]
             .as_ref()
             .filter(|finding| finding.unsteady.is_none())
             .filter(|finding| !promises::is_broken(run, case, finding))?;
-        Some((place, case, finding, outcome))
-    });
-    // An answer that proves nothing, or "unsupported", tells nothing of a mistake.
-    let telling = judged.filter(|(.., outcome)| matches!(outcome, Outcome::Pass | Outcome::Fail));
-    telling
-        .map(|(place, case, finding, outcome)| {
-            let built = case.build(run.table);
-            let right = answer(&[], reading, &built.file, finding);
-            Witness {
-                place,
-                case,
-                finding,
-                built,
-                failed: outcome == Outcome::Fail,
-                reading,
-                right,
-                fields: OnceLock::new(),
-                traits: OnceLock::new(),
-            }
+        // An answer that proves nothing, or "unsupported", tells nothing of a mistake.
+        if !matches!(outcome, Outcome::Pass | Outcome::Fail) {
+            return None;
+        }
+        let built = case.build(run.table);
+        let right = answer(&[], reading, &built.file, finding);
+        Some(Witness {
+            place,
+            case,
+            finding,
+            built,
+            failed: outcome == Outcome::Fail,
+            reading,
+            right,
+            fields: OnceLock::new(),
+            traits: OnceLock::new(),
+            decoded: OnceLock::new(),
         })
-        .collect()
+    };
+    let all = in_parallel(suite.cases.len(), threads, &|_, _| (), &witness);
+    all.into_iter().flatten().collect()
 }
 
 impl Witness<'_> {
     /// What a decoder with these mistakes answers.
-    pub fn answer(&self, mistakes: &[&Misreading], reading: Reading) -> Cow<'_, Answer> {
+    pub fn answer(&self, mistakes: &[&Misreading]) -> Cow<'_, Answer> {
         // Taken apart once; and most edits leave most files as they are.
         let [first, rest @ ..] = mistakes else {
             return Cow::Borrowed(&self.right);
         };
+        if mistakes.iter().all(|mistake| is_after_decoding(mistake)) {
+            return match self.decoded() {
+                Ok(ptm) => {
+                    let reading = misreadings::misread(mistakes, self.reading);
+                    let view = &self.finding.view;
+                    Cow::Owned(misreadings::show(mistakes, &reading, ptm, view))
+                }
+                Err(_) => Cow::Borrowed(&self.right),
+            };
+        }
         let At::Bytes(edit) = first.at else {
-            return Cow::Owned(answer(mistakes, reading, &self.built.file, self.finding));
+            return Cow::Owned(answer(
+                mistakes,
+                self.reading,
+                &self.built.file,
+                self.finding,
+            ));
         };
         let anatomy = Anatomy {
             file: &self.built.file,
@@ -101,8 +124,8 @@ impl Witness<'_> {
         };
         match edit(&anatomy) {
             Seen::Refused => Cow::Owned(Answer::Rejected),
-            Seen::File(bytes) if bytes == self.built.file => self.answer(rest, reading),
-            Seen::File(bytes) => Cow::Owned(answer(rest, reading, &bytes, self.finding)),
+            Seen::File(bytes) if bytes == self.built.file => self.answer(rest),
+            Seen::File(bytes) => Cow::Owned(answer(rest, self.reading, &bytes, self.finding)),
         }
     }
 
@@ -113,8 +136,9 @@ impl Witness<'_> {
     }
 
     /// What the reference finds in the file.
-    pub fn decoded(&self) -> crate::Result<Ptm> {
-        decode_as(&self.built.file, &self.reading, &Limits::default())
+    pub fn decoded(&self) -> &crate::Result<Ptm> {
+        self.decoded
+            .get_or_init(|| decode_as(&self.built.file, &self.reading, &Limits::default()))
     }
 
     /// Where the first byte stands that is not header text.
@@ -277,6 +301,15 @@ const fn of_finals(decision: Decision) -> bool {
     matches!(decision, Decision::FinalCoefficient | Decision::FinalOther)
 }
 
+/// Mistakes that find the right values in the file.
+pub(super) const fn is_after_decoding(misreading: &Misreading) -> bool {
+    match misreading.at {
+        At::Reading(decision, _) => of_evaluation(decision) || of_finals(decision),
+        At::Planes(_) => true,
+        At::Bytes(_) => false,
+    }
+}
+
 /// Decisions that may end in a refusal; the others only make values.
 const fn may_refuse(decision: Decision) -> bool {
     !of_evaluation(decision)
@@ -319,7 +352,12 @@ pub(crate) fn spoken(run: &Run) -> Reading {
     }
 }
 
-fn answer(mistakes: &[&Misreading], reading: Reading, file: &[u8], finding: &Finding) -> Answer {
+pub(super) fn answer(
+    mistakes: &[&Misreading],
+    reading: Reading,
+    file: &[u8],
+    finding: &Finding,
+) -> Answer {
     misreadings::answer(mistakes, reading, file, &finding.view)
 }
 

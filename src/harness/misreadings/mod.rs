@@ -14,6 +14,8 @@ mod lookup;
 mod luminance;
 mod side_information;
 
+use std::borrow::Cow;
+
 use crate::decode::{Limits, Ptm, decode_as, examine_as};
 use crate::error::Class;
 use crate::harness::protocol::{Answer, Frame, View};
@@ -110,29 +112,47 @@ pub fn named(slug: &str) -> Option<&'static Misreading> {
 /// How a decoder with these mistakes answers, if it reads the open questions as `reading` does.
 #[must_use]
 pub fn answer(misreadings: &[&Misreading], reading: Reading, file: &[u8], view: &View) -> Answer {
+    let reading = misread(misreadings, reading);
     let mut seen = file.to_vec();
-    let mut reading = reading;
     for misreading in misreadings {
-        match misreading.at {
-            At::Bytes(edit) => match edit(&Anatomy::of(&seen, &reading)) {
+        if let At::Bytes(edit) = misreading.at {
+            match edit(&Anatomy::of(&seen, &reading)) {
                 Seen::Refused => return Answer::Rejected,
                 Seen::File(bytes) => seen = bytes,
-            },
-            At::Reading(_, change) => reading = change(reading),
-            At::Planes(_) => {}
+            }
         }
     }
-    let mut ptm = match decode_as(&seen, &reading, &Limits::default()) {
-        Ok(ptm) => ptm,
-        Err(error) if error.class() == Class::Malformed => return Answer::Rejected,
-        Err(_) => return Answer::Unsupported,
-    };
+    match decode_as(&seen, &reading, &Limits::default()) {
+        Ok(ptm) => show(misreadings, &reading, &ptm, view),
+        Err(error) if error.class() == Class::Malformed => Answer::Rejected,
+        Err(_) => Answer::Unsupported,
+    }
+}
+
+/// `reading` with these mistakes in its decisions.
+pub(crate) fn misread(misreadings: &[&Misreading], reading: Reading) -> Reading {
+    misreadings
+        .iter()
+        .fold(reading, |reading, misreading| match misreading.at {
+            At::Reading(_, change) => change(reading),
+            _ => reading,
+        })
+}
+
+/// How a decoder with these mistakes, which `reading` has in it, shows what it found in a file.
+pub(crate) fn show(
+    misreadings: &[&Misreading],
+    reading: &Reading,
+    ptm: &Ptm,
+    view: &View,
+) -> Answer {
+    let mut ptm = Cow::Borrowed(ptm);
     for misreading in misreadings {
         if let At::Planes(edit) = misreading.at {
-            edit(&mut ptm);
+            edit(ptm.to_mut());
         }
     }
-    Answer::Decoded(Frame::under(&ptm, view, &reading))
+    Answer::Decoded(Frame::under(&ptm, view, reading))
 }
 
 /// A file and its header's parts, for mistakes that act on bytes.
