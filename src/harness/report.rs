@@ -3,6 +3,7 @@
 //! A report is a plain value; YAML and text are two ways of writing it. It has no clock, path or host in it, so that two
 //! runs of the same thing are equal.
 
+use std::collections::BTreeMap;
 use std::fmt::Write;
 
 use serde::{Deserialize, Serialize};
@@ -329,6 +330,22 @@ impl Report {
         text
     }
 
+    /// Why cases were not judged, or came to nothing, and how many.
+    fn proving_nothing(&self) -> BTreeMap<&str, usize> {
+        let mut reasons = BTreeMap::new();
+        for case in &self.cases {
+            let says = if case.outcome == Outcome::Inconclusive.name() {
+                "files that must be refused, beside a legal one that is not read right either"
+            } else if case.outcome == Outcome::NotJudged.name() {
+                case.says.as_deref().unwrap_or_default()
+            } else {
+                continue;
+            };
+            *reasons.entry(says).or_default() += 1;
+        }
+        reasons
+    }
+
     fn write_text(&self, suite: &Suite, shown: usize, out: &mut String) -> std::fmt::Result {
         let Subject { command, .. } = &self.decoder;
         if let Some(reason) = &self.reason {
@@ -444,6 +461,9 @@ impl Report {
             String::new()
         };
         writeln!(out, "{}: {}{selection}", self.verdict, counts.join(", "))?;
+        for (says, count) in self.proving_nothing() {
+            writeln!(out, "{count} prove nothing: {says}")?;
+        }
         let weak = self.cases.iter().filter(|case| case.weak).count();
         if weak > 0 {
             writeln!(
