@@ -175,6 +175,7 @@ impl Expected {
             });
         }
         match (&self.values, &frame.samples) {
+            (ExpectedValues::Raw(expected), Samples::U8(received)) if expected == received => None,
             (ExpectedValues::Raw(_) | ExpectedValues::Rgb(_), Samples::U8(received)) => {
                 self.difference(|i| f64::from(received[i]))
             }

@@ -6,7 +6,7 @@ use std::sync::Mutex;
 
 use crate::harness::cases::Suite;
 use crate::harness::check::{Plan, Run, check};
-use crate::harness::diagnose::applies;
+use crate::harness::diagnose::{applies, stream_once};
 use crate::harness::judge::Outcome;
 use crate::harness::misreadings::{self, Misreading};
 use crate::harness::protocol::{Answer, Samples, View};
@@ -77,6 +77,10 @@ pub fn ask_all(
     jobs: usize,
     right: &Answers,
 ) -> (Run, Answers) {
+    let reading = Reading {
+        stream: stream_once,
+        ..Reading::SPEC
+    };
     let answers = Mutex::new(HashMap::new());
     let ask = |request: &Request<'_>, _: usize| {
         let key = key(request.name, request.view);
@@ -84,7 +88,7 @@ pub fn ask_all(
             .iter()
             .any(|mistake| applies(mistake, request.file));
         let known = right.get(&key).filter(|_| !concerned);
-        let make = || misreadings::answer(mistakes, Reading::SPEC, request.file, request.view);
+        let make = || misreadings::answer(mistakes, reading, request.file, request.view);
         let answer = known.cloned().unwrap_or_else(make);
         answers
             .lock()

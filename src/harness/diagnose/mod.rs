@@ -20,8 +20,8 @@ mod unsteady;
 mod witness;
 
 pub use assume::assume;
-pub(crate) use witness::spoken;
 pub use witness::{alike, applies, composable};
+pub(crate) use witness::{spoken, stream_once};
 
 use crate::harness::cases::{Expect, Suite};
 use crate::harness::check::Run;

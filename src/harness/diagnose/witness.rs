@@ -416,7 +416,7 @@ const REMEMBERED: usize = 128 << 20;
 static STREAMS: Mutex<(usize, BTreeMap<u64, Arc<Vec<u8>>>)> = Mutex::new((0, BTreeMap::new()));
 
 /// As the reference decodes a stream, but each only once: hundreds of mistakes act later, on the same planes.
-fn stream_once(
+pub(crate) fn stream_once(
     format: Format,
     plane: usize,
     stream: &[u8],

@@ -207,7 +207,7 @@ pub(super) const ALL: &[Misreading] = &[
     },
     Misreading {
         slug: "chroma-signed",
-        clause: "2.7.2/1",
+        clause: "2.6/4",
         effect: "takes Cr and Cb for signed bytes",
         mend: "they count from 0 to 255; offsets are the matrix's business",
         at: At::Reading(Decision::LumVector, |r| {
