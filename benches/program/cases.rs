@@ -2,6 +2,7 @@
 
 use std::fmt::Write;
 use std::fs;
+use std::sync::Mutex;
 
 use ptm_conform::Reading;
 use ptm_conform::harness::cases::Suite;
@@ -14,22 +15,30 @@ use crate::measure::{own_time, slope};
 
 pub fn growth() {
     println!(
-        "| cases | time a case, µs | recipes of the suite, bytes a case | findings of the run, bytes a case |"
+        "| cases | time a case, µs | recipes of the suite, bytes a case | findings of the run, bytes a case | growth from a tenth of the cases to all, bytes a case |"
     );
-    println!("|---|---|---|---|");
+    println!("|---|---|---|---|---|");
     let mut times = Vec::new();
     for count in [100, 1000, 10_000, 100_000] {
         let before = memory();
         let suite = suite(count);
         let with_suite = memory();
         let mut run = None;
-        let spent = own_time(|| run = Some(all_pass(&suite))).processor;
+        let seen = Mutex::new([0.0; 2]);
+        let look = |done: usize| match done {
+            _ if done == count / 10 => seen.lock().expect("no worker panics")[0] = memory(),
+            _ if done == count => seen.lock().expect("no worker panics")[1] = memory(),
+            _ => {}
+        };
+        let spent = own_time(|| run = Some(all_pass(&suite, look))).processor;
         let with_findings = memory();
+        let [at_a_tenth, at_the_end] = seen.into_inner().expect("no worker panics");
         println!(
-            "| {count} | {:.0} | {:.0} | {:.0} |",
+            "| {count} | {:.0} | {:.0} | {:.0} | {:.0} |",
             spent / count as f64 * 1e6,
             (with_suite - before) / count as f64,
             (with_findings - with_suite) / count as f64,
+            (at_the_end - at_a_tenth) / (count as f64 * 0.9),
         );
         times.push((count as f64, spent));
     }
@@ -64,12 +73,13 @@ fn suite(count: usize) -> Suite {
     Suite::from_files(&[("generated.yaml", &text)]).expect("legal cases")
 }
 
-fn all_pass(suite: &Suite) -> Run {
+/// `look` is called after each case, with how many are done.
+fn all_pass(suite: &Suite, look: impl Fn(usize) + Sync) -> Run {
     let plan = Plan::of(suite, 1);
     let ask = |request: &Request<'_>, _: usize| {
         Reply::from(answer(&[], Reading::SPEC, request.file, request.view))
     };
-    let run = check(suite, &plan, &ask, &|_, _, _, _| {});
+    let run = check(suite, &plan, &ask, &|_, _, done, _| look(done));
     assert_eq!(run.exit_status(), 0, "the reference passes");
     run
 }

@@ -18,6 +18,10 @@ pub(super) enum Formula {
     Polynomial,
     /// 2.6
     Matrix,
+    /// 2.7.1
+    Blocks,
+    /// 2.7.3
+    Color,
 }
 
 impl Formula {
@@ -26,6 +30,8 @@ impl Formula {
             Formula::Final => "2.4/8",
             Formula::Polynomial => "1.0/1",
             Formula::Matrix => "2.6/4",
+            Formula::Blocks => "2.7.1/2",
+            Formula::Color => "2.7.3/4",
         }
     }
 
@@ -35,6 +41,8 @@ impl Formula {
             Formula::Final => "final value i = (raw value i − bias i) · scale i",
             Formula::Polynomial => "C = a0·u² + a1·v² + a2·u·v + a3·u + a4·v + a5",
             Formula::Matrix => "each color is its row of the matrix times (Y, Cr, Cb, 1)",
+            Formula::Blocks => "red, green and blue have a polynomial each, in this order",
+            Formula::Color => "color = L · RGB / 255, of each its own",
         }
     }
 }
@@ -73,6 +81,8 @@ struct Numbers {
     matrix: [[f64; 4]; 3],
     /// What the matrix multiplies: for each of its first three columns, which of Y, Cr and Cb, times what, and plus what.
     vector: [(usize, f64, f64); 3],
+    /// Of which polynomial, or of which stored color, red, green and blue are made.
+    colors: [usize; 3],
 }
 
 const COLORS: [&str; 3] = ["red", "green", "blue"];
@@ -102,6 +112,7 @@ impl Numbers {
             light: light.unwrap_or_default(),
             matrix,
             vector: [0, 1, 2].map(|which| (which, 1.0, 0.0)),
+            colors: [0, 1, 2],
         }
     }
 
@@ -163,7 +174,20 @@ impl Numbers {
                 }
             }
         }
-        if !matches!(shape, Shape::Lum(_)) {
+        let colors = match shape {
+            Shape::Rgb => Some(Formula::Blocks),
+            Shape::Lrgb => Some(Formula::Color),
+            Shape::Lum(_) => None,
+        };
+        if let Some(formula) = colors {
+            for digits in 0..27 {
+                let colors = [digits / 9, digits / 3 % 3, digits % 3];
+                let [red, green, blue] = colors.map(|color| COLORS[color]);
+                let says = format!("red, green and blue were {red}, {green} and {blue}");
+                if colors != self.colors {
+                    slip(formula, says, &|numbers| numbers.colors = colors);
+                }
+            }
             return slips;
         }
         let values = ["Y", "Cr", "Cb"];
@@ -172,6 +196,7 @@ impl Numbers {
                 slip(Formula::Matrix, says, &|numbers| numbers.vector[i] = term);
             };
             taken(format!("{name} were left out"), (i, 0.0, 0.0));
+            taken(format!("{name} were subtracted"), (i, -1.0, 0.0));
             taken(format!("{name} were 1"), (i, 0.0, 1.0));
             taken(format!("{name} were 128 less"), (i, 1.0, -128.0));
             for (j, other) in values.into_iter().enumerate().filter(|&(j, _)| j != i) {
@@ -254,12 +279,16 @@ impl Numbers {
         let polynomial =
             |a: &[f64]| -> f64 { a.iter().zip(powers).map(|(a, power)| a * power).sum() };
         let color: Vec<f64> = match shape {
-            Shape::Rgb => finals.chunks(6).map(polynomial).collect(),
+            Shape::Rgb => {
+                let block = |color: usize| &finals[6 * color..6 * color + 6];
+                let colors = self.colors.iter();
+                colors.map(|&color| polynomial(block(color))).collect()
+            }
             Shape::Lrgb => {
                 let luminance = polynomial(&finals[..6]);
-                finals[6..]
-                    .iter()
-                    .map(|&color| (reading.modulate)(luminance, color))
+                let colors = self.colors.iter();
+                colors
+                    .map(|&color| (reading.modulate)(luminance, finals[6 + color]))
                     .collect()
             }
             Shape::Lum(_) => {

@@ -222,28 +222,36 @@ fn drop_accidents(search: &Search, found: &mut search::Found) {
     let set = search::of(&found.members);
     let failing = failing(witnesses);
     let shared = refusals::widest(witnesses, &failing);
-    let refused = failing
-        .iter()
-        .filter(|&&w| refusals::deed_of(&witnesses[w]).is_some())
-        .count();
-    let keep = search.each(&found.members, |member| {
-        let of: Vec<(usize, Agreement)> = failing
+    let explained = search.each(&set, |&misreading| {
+        let agreements = failing
             .iter()
-            .map(|&w| (w, search.agreement(w, &[member.misreading])))
+            .map(|&w| (w, search.agreement(w, &[misreading])));
+        agreements
             .filter(|(_, agreement)| !matches!(agreement, Agreement::None | Agreement::Against))
-            .collect();
+            .collect::<Vec<(usize, Agreement)>>()
+    });
+    let by = |member: usize, w: usize| explained[member].iter().any(|&(other, _)| other == w);
+    let places: Vec<usize> = (0..set.len()).collect();
+    let keep = search.each(&places, |&member| {
+        let of = &explained[member];
         let refuses = of
             .iter()
             .all(|(_, agreement)| matches!(agreement, Agreement::Word | Agreement::Crash));
         let less =
             |wide: &Vec<usize>| wide.len() > of.len() && of.iter().all(|(w, _)| wide.contains(w));
-        let one = [member.misreading];
+        let one = [set[member]];
         let contradicted = || {
             (0..witnesses.len())
                 .any(|w| search.contradicted(w, &one) && search.contradicted(w, &set))
         };
+        // Refusals that no other mistake explains.
+        let refused = failing.iter().filter(|&&w| {
+            let others = places.iter().filter(|&&other| other != member);
+            refusals::deed_of(&witnesses[w]).is_some() && !others.into_iter().any(|&o| by(o, w))
+        });
         // What is no refusal by itself would show a picture somewhere.
-        let by_chance = !member.misreading.effect.starts_with("refuses") && of.len() * 3 < refused;
+        let by_chance =
+            !set[member].effect.starts_with("refuses") && of.len() * 3 < refused.count();
         of.is_empty() || !refuses || !by_chance && !shared.iter().any(less) && !contradicted()
     });
     found.keep(&keep);

@@ -137,12 +137,8 @@ impl<'a> Search<'a> {
                 Some(more) => members.extend(more),
                 None => break,
             }
-            if members
-                .iter()
-                .filter(|member| self.is_chance(member))
-                .count()
-                >= CHANCES
-            {
+            let chances = members.iter().filter(|member| self.is_chance(member));
+            if chances.count() >= CHANCES {
                 break;
             }
         }

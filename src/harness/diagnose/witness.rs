@@ -193,6 +193,8 @@ impl Witness<'_> {
     /// Where the decoder failed: how well `answer` is what it did.
     pub fn agreement(&self, answer: &Answer) -> Agreement {
         match (&self.finding.shown, answer) {
+            // To refuse what the reference refuses is no mistake.
+            (_, Answer::Rejected) if self.right == Answer::Rejected => Agreement::None,
             (
                 Shown::Picture {
                     frame: Some(shown), ..
