@@ -28,7 +28,7 @@ pub(super) fn describe(
     left: &[usize],
 ) -> Vec<Diagnosis> {
     let witnesses = search.witnesses;
-    let said: Vec<Said> = left.iter().map(|&w| say(search, set, w)).collect();
+    let said: Vec<Said> = search.each(left, |&w| say(search, set, w));
     let mut open: Vec<usize> = (0..left.len()).collect();
     let mut kinds: Vec<((Claim, String), Vec<usize>)> = Vec::new();
     while !open.is_empty() {
@@ -148,16 +148,13 @@ fn values_of(witnesses: &[Witness], of: &[usize]) -> Option<&'static str> {
 
 /// How many pictures one wrong number in a formula explains, the one that explains most.
 pub(super) fn widest_slip(search: &Search, failing: &[usize]) -> usize {
-    let slips: Vec<Claim> = failing
-        .iter()
-        .filter_map(|&w| match &search.witnesses[w].finding.shown {
-            Shown::Picture {
-                frame: Some(shown), ..
-            } => Some(claims_of_slips(search, w, shown)),
-            _ => None,
-        })
-        .flatten()
-        .collect();
+    let slips = search.each(failing, |&w| match &search.witnesses[w].finding.shown {
+        Shown::Picture {
+            frame: Some(shown), ..
+        } => claims_of_slips(search, w, shown),
+        _ => Vec::new(),
+    });
+    let slips: Vec<Claim> = slips.into_iter().flatten().collect();
     commonest(slips.iter()).map_or(0, |widest| {
         slips.iter().filter(|&slip| *slip == widest).count()
     })

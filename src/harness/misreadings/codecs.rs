@@ -333,17 +333,6 @@ pub(super) const ALL: &[Misreading] = &[
         },
     ),
     stream(
-        "comments-refused",
-        "refuses planes with a comment",
-        STREAM,
-        |r| Reading {
-            stream: |format, plane, bytes, size| {
-                refused_if(has(bytes, 0xFE), format, plane, bytes, size)
-            },
-            ..r
-        },
-    ),
-    stream(
         "one-row-refused",
         "refuses planes that are smaller than a block",
         STREAM,
@@ -384,17 +373,6 @@ pub(super) const ALL: &[Misreading] = &[
         |r| Reading {
             stream: |format, plane, bytes, size| {
                 with_presets(format, plane, bytes, size, |segment| segment[1..11].fill(0))
-            },
-            ..r
-        },
-    ),
-    stream(
-        "maxval-ignored",
-        "ignores MAXVAL of an LSE segment",
-        "an LSE segment changes the parameters of the scan",
-        |r| Reading {
-            stream: |format, plane, bytes, size| {
-                with_presets(format, plane, bytes, size, |segment| segment[1..3].fill(0))
             },
             ..r
         },
