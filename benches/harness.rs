@@ -12,13 +12,13 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
-use ptm_conform::harness::capabilities::Capabilities;
-use ptm_conform::harness::cases::Suite;
-use ptm_conform::harness::check::{Plan, Repeat, check};
-use ptm_conform::harness::processes;
-use ptm_conform::harness::run::{Decoder, Request};
-use ptm_conform::harness::scratch::Scratch;
-use ptm_conform::harness::serve::Servers;
+use ptm_conform::runner::processes;
+use ptm_conform::runner::run::{Decoder, Request};
+use ptm_conform::runner::scratch::Scratch;
+use ptm_conform::runner::serve::Servers;
+use ptm_conform::session::plan::{Repeat, RunPlan};
+use ptm_conform::session::run::check;
+use ptm_conform::suite::cases::Suite;
 
 /// Measurements of each kind; the best one counts, because others only show what else the machine did.
 const ROUNDS: usize = 3;
@@ -84,14 +84,16 @@ fn rate(things: usize, deed: impl Fn()) -> f64 {
     things as f64 / best.as_secs_f64()
 }
 
-fn plan(selected: &[bool], serves: bool) -> Plan {
-    Plan {
+fn plan(selected: &[bool], serves: bool) -> RunPlan {
+    RunPlan {
         selected: selected.to_vec(),
         jobs: jobs(),
         views: Vec::new(),
+        soonest: Vec::new(),
         withheld: Vec::new(),
-        made_before: false,
-        declared: Capabilities::default(),
+        precomputed: false,
+        declared_views: None,
+        declared_kinds: None,
         repeat: if serves {
             Repeat::FailuresAndSample
         } else {
@@ -133,7 +135,7 @@ fn requests(suite: &Suite, decoder: &Decoder, scratch: &Scratch) -> Vec<(String,
         }
         servers.ask(request, job)
     };
-    let plan = Plan {
+    let plan = RunPlan {
         jobs: 1,
         ..plan(&vec![true; suite.cases.len()], true)
     };

@@ -44,8 +44,8 @@ fn codecs(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("codec");
     group.throughput(Throughput::Elements(u64::from(SIDE * SIDE)));
     let samples = common::plane(SIDE, SIDE, 0);
-    let options = jpeg::Options::new(90);
-    let lossless = jpeg_ls::Options {
+    let options = jpeg::JpegOptions::new(90);
+    let lossless = jpeg_ls::JpegLsOptions {
         near: 0,
         presets: None,
     };

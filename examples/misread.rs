@@ -10,8 +10,8 @@ use std::io::{self, Write};
 use std::process::ExitCode;
 
 use ptm_conform::Reading;
-use ptm_conform::harness::misreadings::{self, Misreading};
-use ptm_conform::harness::protocol::{Answer, EXIT_MALFORMED, EXIT_UNSUPPORTED, View};
+use ptm_conform::misreadings::{self, Misreading};
+use ptm_conform::protocol::frame::{Answer, EXIT_MALFORMED, EXIT_UNSUPPORTED, View};
 
 fn main() -> ExitCode {
     let words: Vec<String> = env::args().collect();

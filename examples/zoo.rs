@@ -13,7 +13,7 @@ use std::process::{Command, Stdio, exit};
 use std::time::Duration;
 
 use ptm_conform::decode;
-use ptm_conform::harness::protocol::{Frame, Samples, View};
+use ptm_conform::protocol::frame::{Frame, Samples, View};
 
 fn main() {
     let words: Vec<String> = std::env::args().skip(1).collect();
@@ -77,6 +77,9 @@ fn one(kind: &str, view: &str, file: &str) {
         "upside-down" => changed_picture(view, file, upside_down),
         "blue-first" => changed_picture(view, file, blue_first),
         "halves" => changed_picture(view, file, halves),
+        "brightens" => changed_picture(view, file, brighten),
+        "high-byte-first" => changed_picture(view, file, high_byte_first),
+        "cuts-large-frames" => change(view, file, |bytes| bytes.truncate(65_536)),
 
         // Much noise about a right answer.
         "chatters" => beside(view, file, || {
@@ -106,6 +109,12 @@ fn one(kind: &str, view: &str, file: &str) {
         }),
         "leaves-a-hidden-child" => beside(view, file, leave_hidden),
         "leaves-a-link" => after(view, file, |_| symlink(precious(), "out")),
+        "leaves-a-daemon" => beside(view, file, leave_daemon),
+        "leaves-orphans" => beside(view, file, leave_orphans),
+        "keeps-zombies" => beside(view, file, keep_zombies),
+        "fills-its-scratch" => after(view, file, |_| fill_scratch()),
+        "exhausts-descriptors" => after(view, file, |_| exhaust_descriptors()),
+        "prints-before-reading" => print_before_reading(view, file),
         "moves-its-directory" => after(view, file, |_| move_directory()),
 
         // The input touched.
@@ -237,6 +246,32 @@ fn halves(frame: &mut Frame) {
     }
 }
 
+/// As a picture library does that takes colors for linear light.
+fn brighten(frame: &mut Frame) {
+    let encoded = |byte: u8| {
+        let light = f64::from(byte) / 255.0;
+        let value = match light <= 0.003_130_8 {
+            true => 12.92 * light,
+            false => 1.055 * light.powf(1.0 / 2.4) - 0.055,
+        };
+        (255.0 * value).round() as u8
+    };
+    if let ("rgb", Samples::U8(bytes)) = (frame.view, &mut frame.samples) {
+        for byte in bytes.iter_mut() {
+            *byte = encoded(*byte);
+        }
+    }
+}
+
+fn high_byte_first(frame: &mut Frame) {
+    if let Samples::F32(values) = &mut frame.samples {
+        let swapped = |value: f32| f32::from_bits(value.to_bits().swap_bytes());
+        for value in values.iter_mut() {
+            *value = swapped(*value);
+        }
+    }
+}
+
 fn panicked(status: i32) {
     eprintln!("Traceback (most recent call last):");
     exit(status);
@@ -302,6 +337,58 @@ fn leave_hidden() {
     drop(child);
 }
 
+/// Forks twice, into a session of its own, and stays.
+fn leave_daemon() {
+    let daemon = format!(
+        "(setsid sh -c 'sleep {0} & sleep {0}' &) >&- 2>&- <&-",
+        nap()
+    );
+    let _ = shell_within(&daemon);
+}
+
+/// Processes of nobody that end a moment later, and say nowhere whose they are.
+fn leave_orphans() {
+    let orphans = "cd /; for i in 1 2 3 4 5; do env -i setsid -f sleep 0.05; done >&- 2>&- <&-";
+    let _ = shell_within(orphans);
+}
+
+/// Children that have ended and are not waited for.
+fn keep_zombies() {
+    (0..20).for_each(|_| start("true", &[]));
+    std::thread::sleep(Duration::from_millis(20));
+}
+
+/// Writes until there is no more room, or much is written.
+fn fill_scratch() -> io::Result<()> {
+    let mut file = fs::File::create("ballast")?;
+    let block = vec![b'x'; 1 << 20];
+    for _ in 0..64 {
+        file.write_all(&block)?;
+    }
+    Ok(())
+}
+
+/// Opens files until the system gives no more.
+#[expect(
+    clippy::unnecessary_wraps,
+    reason = "others of its type return nothing"
+)]
+fn exhaust_descriptors() -> io::Result<()> {
+    let opened: Vec<fs::File> = (0..100_000)
+        .map_while(|_| fs::File::open("/dev/null").ok())
+        .collect();
+    // They stay open until it exits.
+    std::mem::forget(opened);
+    Ok(())
+}
+
+/// Begins its answer before it has looked at the file.
+fn print_before_reading(view: &str, file: &str) {
+    put(b"PTM1 ");
+    let frame = right_or_exit(view, file, 65, 69);
+    print_and_exit(&frame[b"PTM1 ".len()..], 0);
+}
+
 /// Puts a link to something precious in the place of the directory it works in.
 fn move_directory() -> io::Result<()> {
     let here = std::env::current_dir()?;
@@ -328,11 +415,13 @@ fn drip(view: &str, file: &str) {
     exit(0);
 }
 
+#[expect(clippy::large_stack_arrays, reason = "a buffer of a pipe's size")]
 fn flood() {
     let block = [b'x'; 65_536];
     while io::stdout().write_all(&block).is_ok() {}
 }
 
+#[expect(clippy::large_stack_arrays, reason = "a buffer of a pipe's size")]
 fn flood_errors(blocks: usize) {
     let block = [b'e'; 65_536];
     for _ in 0..blocks {
@@ -550,6 +639,7 @@ fn reply(kind: &str, sequence: &str, view: &str, file: &str, memory: &mut Memory
         .concat(),
         ("serves-exit-codes", Right::Malformed) => line("reject 1"),
         ("serves-five-times", _) if memory.answered == 5 => exit(0),
+        ("serves-five-times-and-ignores-the-rest", _) if memory.answered >= 5 => Vec::new(),
         ("serves-until-lum", _) if lum => std::process::abort(),
         ("serves-and-hangs-at-lum", _) if lum => {
             sleep_for_ever();

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Witnesses from outside for the codecs: what libjpeg and CharLS make of pictures that a recipe paints.
 
-    python3 scripts/codec_witnesses.py > tests/codec-witnesses.txt
+    python3 scripts/codec_witnesses.py > tests/it/codec/witnesses.txt
 
 One line for each recipe:
 
@@ -9,7 +9,7 @@ One line for each recipe:
 
 For JPEG the stream is the file that `cjpeg -dct int -grayscale` writes, whole. For JPEG-LS it is the
 entropy-coded scan alone, because the headers before it may be spelled in several ways. The samples
-are what `djpeg -dct int` and CharLS return. tests/codec_witnesses.rs paints the same pictures.
+are what `djpeg -dct int` and CharLS return. tests/it/codec/witnesses.rs paints the same pictures.
 
 Needs cjpeg and djpeg (Debian: libjpeg-turbo-progs) and libcharls.so.2 (Debian: libcharls2); nothing
 else. Painting and choosing use integers only, so that every machine makes the same pictures.

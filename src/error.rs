@@ -13,14 +13,14 @@ pub struct Error {
     kind: Kind,
 }
 
-/// Whose doing an [`Error`] is.
+/// Whose fault an [`Error`] is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Class {
     /// The file breaks a rule of the text.
     Malformed,
     /// The file may be in order, but this reader does not read its kind.
     Unsupported,
-    /// The file asks for more memory than [`crate::decode::Limits`] allow.
+    /// The file asks for more memory than [`crate::ptm::Limits`] allow.
     Limit,
 }
 
@@ -202,7 +202,7 @@ impl fmt::Display for Error {
 
 impl fmt::Display for Kind {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        // A number of bytes that does not fit a usize is told as what it is.
+        // A number of bytes that does not fit a usize is not printed as if it did.
         let bytes = |n: usize| {
             if n == usize::MAX {
                 "more bytes than can be counted".to_owned()

@@ -2,10 +2,9 @@
 //!
 //! Format notes
 //! - A final coefficient is a real number; nothing is rounded before the very end (ruling `final-coefficient`).
-//! - One set of scales and biases serves all polynomials; colours, Cr and Cb are taken as they are.
-//! - Luminance times colour is divided by 255, and only then clamped (ruling `color`).
+//! - One set of scales and biases serves all polynomials; colors, Cr and Cb are taken as they are.
+//! - Luminance times color is divided by 255, and only then clamped (ruling `color`).
 
-use crate::decode::Ptm;
 use crate::ptm::{ColorMatrix, Planes, ScaleBias, Shape, Size};
 use crate::reading::Reading;
 
@@ -29,22 +28,6 @@ pub struct Picture {
     pub values: Vec<f64>,
 }
 
-impl Ptm {
-    /// The final coefficients (clause 2.4/8).
-    #[must_use]
-    pub fn coefficients(&self) -> Coefficients {
-        apply(&self.header.scale_bias, &self.planes, &Reading::SPEC)
-    }
-}
-
-impl Coefficients {
-    /// The picture under the light (`lu`, `lv`), each from −1 to 1: +u to the right, +v up.
-    #[must_use]
-    pub fn evaluate(&self, lu: f64, lv: f64) -> Picture {
-        evaluate(self, lu, lv, &Reading::SPEC)
-    }
-}
-
 impl Picture {
     /// The picture in whole numbers, rounded to the nearest; the text names no rounding, so no verdict depends on it.
     #[must_use]
@@ -56,28 +39,16 @@ impl Picture {
     }
 }
 
-/// Scale and bias put to work.
+/// Planes → coefficients.
 pub(crate) fn apply(scale_bias: &ScaleBias, planes: &Planes, reading: &Reading) -> Coefficients {
-    let coefficients = planes.shape.coefficients();
-    let mut values = Vec::with_capacity(planes.samples.len());
-    for texel in planes.texels() {
-        for (channel, &raw) in texel.iter().enumerate() {
-            let decision = if channel < coefficients {
-                reading.final_coefficient
-            } else {
-                reading.final_other
-            };
-            values.push(decision(raw, channel, scale_bias));
-        }
-    }
     Coefficients {
         size: planes.size,
         shape: planes.shape,
-        values,
+        values: (reading.finals)(scale_bias, planes, reading),
     }
 }
 
-/// The polynomials put to work.
+/// Coefficients → picture.
 pub(crate) fn evaluate(
     coefficients: &Coefficients,
     lu: f64,
@@ -132,9 +103,20 @@ pub(crate) fn final_coefficient(raw: u8, channel: usize, set: &ScaleBias) -> f64
     (f64::from(raw) - set.bias[channel % 6]) * set.scale[channel % 6]
 }
 
-/// Colours, Cr and Cb are plain numbers (clause 2.4/9).
-pub(crate) fn final_other(raw: u8, _channel: usize, _: &ScaleBias) -> f64 {
-    f64::from(raw)
+/// Scale and bias for coefficients; colors, Cr and Cb are plain numbers (clause 2.4/9).
+pub(crate) fn finals(set: &ScaleBias, planes: &Planes, reading: &Reading) -> Vec<f64> {
+    let coefficients = planes.shape.coefficients();
+    let mut values = Vec::with_capacity(planes.samples.len());
+    for texel in planes.texels() {
+        for (channel, &raw) in texel.iter().enumerate() {
+            values.push(if channel < coefficients {
+                (reading.final_coefficient)(raw, channel, set)
+            } else {
+                f64::from(raw)
+            });
+        }
+    }
+    values
 }
 
 /// Y, Cr, Cb (ruling `lum-vector`).
@@ -152,12 +134,12 @@ pub(crate) fn lum_translation(t: f64) -> f64 {
     t
 }
 
-/// Values and translation from 0 to 1, seen from 0 to 255: the other reading of `lum-range`.
+/// Values and translation from 0 to 1, shown from 0 to 255: the other reading of `lum-range`.
 pub(crate) fn lum_translation_unit(t: f64) -> f64 {
     t * 255.0
 }
 
-/// Luminance times colour, over 255 (clause 2.7.3/4, ruling `color`).
+/// Luminance times color, over 255 (clause 2.7.3/4, ruling `color`).
 pub(crate) fn modulate(luminance: f64, color: f64) -> f64 {
     luminance * color / 255.0
 }

@@ -19,12 +19,19 @@
 //! # The map, in reading order
 //!
 //! - [`ptm`]: the nouns and the glossary. [`error`]: what × which clause × which byte.
-//! - [`decode`](mod@decode): bytes → header → planes, a file for each section of the text. [`evaluate`]: planes → coefficients → color.
-//! - [`reading`]: the decisions that the text asks of its reader, each a function that can be exchanged.
+//! - [`reading`]: the decisions that the text asks of its reader, each a function that can be exchanged; `parts` and `input`
+//!   are what these functions are given.
+//! - [`evaluate`]: planes → coefficients → color.
+//! - [`decode`](mod@decode): bytes → header → planes, a file for each section of the text. `decode/spec.rs` is the reading of
+//!   the reference.
+//! - [`codec`]: JPEG and JPEG-LS, the standards that the text borrows for planes.
 //! - [`texture`]: what the `PEXlib` texture mapping table makes of a picture, such as a PTM under a light.
 //! - `generate` (feature `generate`): the mirror of `decode`, values → bytes; recipes, spellings, damage.
 //! - `harness` (feature `harness`): cases → run → compare → judge → diagnose → report.
-//! - `tools` (feature `cli`): what a file is made of, what is odd about it, how it looks; the same map written otherwise.
+//! - `readers` (feature `tools`): what public readers make of a file.
+//! - `tools` (feature `tools`): what a file is made of, what is odd about it, how it looks; the same map written otherwise.
+//! - `writers` (feature `cli`): the suite turned round, for programs that write the files.
+//! - `site` (feature `cli`): all of that as pages, with the format explained clause by clause.
 //!
 //! # What is never there
 //!
@@ -35,13 +42,17 @@ pub mod ptm;
 
 pub mod error;
 
+mod input;
+
+mod parts;
+
+pub mod reading;
+
 pub mod decode;
 
 pub mod codec;
 
 pub mod evaluate;
-
-pub mod reading;
 
 pub mod texture;
 
@@ -49,11 +60,48 @@ pub mod texture;
 pub mod generate;
 
 #[cfg(feature = "harness")]
-pub mod harness;
+pub mod kit;
 
-#[cfg(feature = "cli")]
+#[cfg(feature = "harness")]
+pub mod protocol;
+
+#[cfg(feature = "harness")]
+pub mod suite;
+
+#[cfg(feature = "harness")]
+pub mod misreadings;
+
+#[cfg(feature = "tools")]
+pub mod readers;
+
+#[cfg(all(feature = "harness", unix))]
+pub mod runner;
+
+#[cfg(all(feature = "harness", unix))]
+pub mod session;
+
+#[cfg(all(feature = "harness", unix))]
+pub mod diagnose;
+
+#[cfg(all(feature = "harness", unix))]
+pub mod strength;
+
+#[cfg(all(feature = "harness", unix))]
+pub mod report;
+
+#[cfg(all(feature = "harness", unix))]
+pub mod fuzz;
+
+#[cfg(feature = "tools")]
 pub mod tools;
 
-pub use decode::{Limits, Ptm, decode, decode_as};
+#[cfg(feature = "cli")]
+pub mod writers;
+
+#[cfg(all(feature = "cli", unix))]
+pub mod site;
+
+pub use decode::{decode, decode_as};
 pub use error::{Error, Result};
+pub use ptm::{Limits, Ptm};
 pub use reading::Reading;

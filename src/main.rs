@@ -1,4 +1,4 @@
-//! The program: what it can be asked, and who answers; the commands stand in [`cli`].
+//! The program: its commands, and the file of [`cli`] that carries out each.
 
 mod cli;
 
@@ -9,12 +9,12 @@ use std::process::ExitCode;
 use clap::{CommandFactory, Parser, Subcommand};
 
 #[cfg(unix)]
-use cli::check::CheckArgs;
+use cli::check_args::CheckArgs;
 use cli::completions::{CompletionsArgs, ManArgs};
 use cli::convert::ConvertArgs;
 use cli::diff::DiffArgs;
 #[cfg(not(unix))]
-use cli::elsewhere::CheckArgs;
+use cli::elsewhere::UnsupportedArgs as CheckArgs;
 use cli::explain::ExplainArgs;
 use cli::export::ExportArgs;
 use cli::generate::GenerateArgs;
@@ -36,13 +36,15 @@ struct Cli {
 #[derive(Subcommand)]
 enum Command {
     Check(CheckArgs),
+    #[cfg(unix)]
+    CheckWriter(cli::check_writer::CheckWriterArgs),
     Reference(cli::reference::Args),
     Generate(GenerateArgs),
     Explain(ExplainArgs),
     #[cfg(unix)]
     Fuzz(cli::fuzz::FuzzArgs),
     #[cfg(unix)]
-    Minimise(cli::fuzz::MinimiseArgs),
+    Minimise(cli::minimise::MinimiseArgs),
     Inspect(InspectArgs),
     Lint(LintArgs),
     Render(RenderArgs),
@@ -54,20 +56,25 @@ enum Command {
     #[cfg(unix)]
     Texture(cli::texture::TextureArgs),
     #[cfg(unix)]
+    Site(cli::site::SiteArgs),
+    #[cfg(unix)]
     Report(cli::report::ReportArgs),
     #[cfg(unix)]
     Probe(cli::probe::ProbeArgs),
     #[cfg(unix)]
     Coverage(cli::coverage::CoverageArgs),
-    /// Waits until its standard input ends, then ends what still runs in DIRECTORIES and removes them.
+    /// Waits until its standard input ends, then ends what is left of process RUN and in DIRECTORIES, and removes them.
     #[cfg(unix)]
     #[command(hide = true)]
     Watch {
+        run: u32,
         directories: Vec<PathBuf>,
     },
 }
 
 fn main() -> ExitCode {
+    #[cfg(unix)]
+    cli::guard::take_signals();
     let cli = Cli::parse();
     cli.global.apply();
     let outcome = match cli.command {
@@ -75,13 +82,15 @@ fn main() -> ExitCode {
         Command::Check(args) => cli::check::run(&args),
         #[cfg(not(unix))]
         Command::Check(args) => cli::elsewhere::run(&args),
+        #[cfg(unix)]
+        Command::CheckWriter(args) => cli::check_writer::run(&args),
         Command::Reference(args) => Ok(cli::reference::run(&args)),
         Command::Generate(args) => cli::generate::run(&args),
         Command::Explain(args) => cli::explain::run(&args),
         #[cfg(unix)]
-        Command::Fuzz(args) => cli::fuzz::run_fuzz(&args),
+        Command::Fuzz(args) => cli::fuzz::run(&args),
         #[cfg(unix)]
-        Command::Minimise(args) => cli::fuzz::run_minimise(&args),
+        Command::Minimise(args) => cli::minimise::run(&args),
         Command::Inspect(args) => cli::inspect::run(&args),
         Command::Lint(args) => cli::lint::run(&args),
         Command::Render(args) => cli::render::run(&args),
@@ -93,13 +102,15 @@ fn main() -> ExitCode {
         #[cfg(unix)]
         Command::Texture(args) => cli::texture::run(&args),
         #[cfg(unix)]
+        Command::Site(args) => cli::site::run(&args),
+        #[cfg(unix)]
         Command::Report(args) => cli::report::run(&args),
         #[cfg(unix)]
         Command::Probe(args) => cli::probe::run(&args),
         #[cfg(unix)]
         Command::Coverage(args) => cli::coverage::run(&args),
         #[cfg(unix)]
-        Command::Watch { directories } => Ok(cli::guard::watch(&directories)),
+        Command::Watch { run, directories } => Ok(cli::guard::watch(run, &directories)),
     };
     outcome.map_or_else(
         |error| {

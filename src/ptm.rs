@@ -13,6 +13,8 @@ use std::fmt;
 use std::ops::Range;
 use std::str::FromStr;
 
+use crate::error::{self, Error, Kind};
+
 /// One of the nine formats of 2.2.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Format {
@@ -20,11 +22,11 @@ pub enum Format {
     Rgb,
     /// `PTM_FORMAT_LUM`: a polynomial for Y, then Cr and Cb.
     Lum,
-    /// `PTM_FORMAT_LRGB`: a polynomial for luminance, then a colour.
+    /// `PTM_FORMAT_LRGB`: a polynomial for luminance, then a color.
     Lrgb,
-    /// `PTM_FORMAT_PTM_LUT`: polynomials in a table, colours for each texel.
+    /// `PTM_FORMAT_PTM_LUT`: polynomials in a table, colors for each texel.
     PtmLut,
-    /// `PTM_FORMAT_PTM_C_LUT`: polynomials and colours in a table.
+    /// `PTM_FORMAT_PTM_C_LUT`: polynomials and colors in a table.
     PtmCLut,
     /// `PTM_FORMAT_JPEG_RGB`: the 18 planes of RGB, each a JPEG stream.
     JpegRgb,
@@ -81,10 +83,19 @@ impl Format {
     /// Whether the planes are compressed streams (2.9).
     #[must_use]
     pub const fn is_compressed(self) -> bool {
-        matches!(
-            self,
-            Format::JpegRgb | Format::JpegLrgb | Format::JpeglsRgb | Format::JpeglsLrgb
-        )
+        self.is_jpeg() || self.is_jpeg_ls()
+    }
+
+    /// Whether the planes are JPEG streams (2.9).
+    #[must_use]
+    pub const fn is_jpeg(self) -> bool {
+        matches!(self, Format::JpegRgb | Format::JpegLrgb)
+    }
+
+    /// Whether the planes are JPEG-LS streams (2.9).
+    #[must_use]
+    pub const fn is_jpeg_ls(self) -> bool {
+        matches!(self, Format::JpeglsRgb | Format::JpeglsLrgb)
     }
 
     /// How many planes a map of this format has: 18, 9 or 8.
@@ -168,6 +179,17 @@ pub struct ScaleBias {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ColorMatrix(pub [f64; 16]);
 
+/// What 2.1–2.4 say of a map. A header that exists is legal.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Header {
+    /// Which of the nine formats (2.2).
+    pub format: Format,
+    /// Width and height (2.3).
+    pub size: Size,
+    /// What makes final coefficients of raw ones (2.4).
+    pub scale_bias: ScaleBias,
+}
+
 /// Nine formats are three shapes; after the planes nobody asks for the format again.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Shape {
@@ -175,7 +197,7 @@ pub enum Shape {
     Rgb,
     /// 9 channels: a0…a5 of luminance, then R, G, B.
     Lrgb,
-    /// 8 channels: a0…a5 of Y, then Cr and Cb; and the matrix that makes a colour of them.
+    /// 8 channels: a0…a5 of Y, then Cr and Cb; and the matrix that makes a color of them.
     Lum(ColorMatrix),
 }
 
@@ -216,7 +238,7 @@ pub fn channel_name(channels: usize, channel: usize) -> String {
     }
 }
 
-/// The stored values of a map: what is left when tables are looked up and planes decompressed, predicted and mended.
+/// The stored values of a map: what is left when tables are looked up and planes decompressed, predicted and fixed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Planes {
     /// Width and height.
@@ -231,6 +253,43 @@ impl Planes {
     /// The channels of every texel, top row first.
     pub fn texels(&self) -> impl Iterator<Item = &[u8]> {
         self.samples.chunks_exact(self.shape.channels())
+    }
+}
+
+/// A whole file, decoded.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Ptm {
+    /// The header.
+    pub header: Header,
+    /// The stored values, top row first.
+    pub planes: Planes,
+}
+
+/// How much a file may ask for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Limits {
+    /// Bytes that the planes may take; 1 GiB by default.
+    pub memory: usize,
+}
+
+impl Default for Limits {
+    fn default() -> Limits {
+        Limits { memory: 1 << 30 }
+    }
+}
+
+impl Limits {
+    /// Whether `needs` bytes are within the limit; `at` is the byte of the file that asks for them.
+    #[expect(
+        clippy::trivially_copy_pass_by_ref,
+        reason = "limits and headers are passed by reference whatever their size"
+    )]
+    pub(crate) fn check(&self, needs: usize, at: usize) -> error::Result<()> {
+        if needs > self.memory {
+            let limit = self.memory;
+            return Err(Error::new("2.3/3", at, Kind::TooLarge { needs, limit }));
+        }
+        Ok(())
     }
 }
 

@@ -96,9 +96,9 @@ pub fn streams(format: Format, width: u32, height: u32) -> Vec<Vec<u8>> {
     let one = |seed| {
         let samples = plane(width, height, seed);
         if is_jpeg(format) {
-            jpeg::encode(&samples, width, height, &jpeg::Options::new(90)).stream
+            jpeg::encode(&samples, width, height, &jpeg::JpegOptions::new(90)).stream
         } else {
-            let lossless = jpeg_ls::Options {
+            let lossless = jpeg_ls::JpegLsOptions {
                 near: 0,
                 presets: None,
             };

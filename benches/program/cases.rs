@@ -5,17 +5,18 @@ use std::fs;
 use std::sync::Mutex;
 
 use ptm_conform::Reading;
-use ptm_conform::harness::cases::Suite;
-use ptm_conform::harness::check::{Plan, Run, check};
-use ptm_conform::harness::misreadings::answer;
-use ptm_conform::harness::run::{Reply, Request};
+use ptm_conform::misreadings::answer;
 use ptm_conform::ptm::Format;
+use ptm_conform::runner::run::{Reply, Request};
+use ptm_conform::session::plan::RunPlan;
+use ptm_conform::session::run::{Run, check};
+use ptm_conform::suite::cases::Suite;
 
 use crate::measure::{own_time, slope};
 
 pub fn growth() {
     println!(
-        "| cases | time a case, µs | recipes of the suite, bytes a case | findings of the run, bytes a case | growth from a tenth of the cases to all, bytes a case |"
+        "| cases | time a case, µs | recipes of the suite, bytes a case | observations of the run, bytes a case | growth from a tenth of the cases to all, bytes a case |"
     );
     println!("|---|---|---|---|---|");
     let mut times = Vec::new();
@@ -75,7 +76,7 @@ fn suite(count: usize) -> Suite {
 
 /// `look` is called after each case, with how many are done.
 fn all_pass(suite: &Suite, look: impl Fn(usize) + Sync) -> Run {
-    let plan = Plan::of(suite, 1);
+    let plan = RunPlan::of(suite, 1);
     let ask = |request: &Request<'_>, _: usize| {
         Reply::from(answer(&[], Reading::SPEC, request.file, request.view))
     };

@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::process::Command;
 
-use ptm_conform::harness::protocol::View;
+use ptm_conform::protocol::frame::View;
 use ptm_conform::ptm::Format;
 
 use crate::measure::{memory_of, repeated, slope};

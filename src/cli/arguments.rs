@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use ptm_conform::harness::protocol::EXIT_UNSUPPORTED;
+use ptm_conform::protocol::frame::EXIT_UNSUPPORTED;
 
 /// A time limit.
 pub fn positive_seconds(seconds: f64) -> Result<Duration, String> {

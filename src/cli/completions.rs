@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use clap::{Args, Command};
 use clap_complete::Shell;
 
-use super::{Outcome, output};
+use super::{CommandResult, output};
 
 /// Print completions for a shell.
 #[derive(Args)]
@@ -22,18 +22,22 @@ pub struct CompletionsArgs {
 #[derive(Args)]
 #[command(after_help = "Example:\n  ptm-conform man ~/.local/share/man/man1 && man ptm-conform")]
 pub struct ManArgs {
-    /// The directory to write to; made if it is not there.
+    /// The directory to write to; created if it does not exist.
     directory: PathBuf,
 }
 
-pub fn run(args: &CompletionsArgs, mut program: Command) -> Outcome {
+#[expect(
+    clippy::unnecessary_wraps,
+    reason = "others of its type return nothing"
+)]
+pub fn run(args: &CompletionsArgs, mut program: Command) -> CommandResult {
     let mut text = Vec::new();
     clap_complete::generate(args.shell, &mut program, "ptm-conform", &mut text);
     output::print(&String::from_utf8_lossy(&text));
     Ok(0)
 }
 
-pub fn run_man(args: &ManArgs, program: &Command) -> Outcome {
+pub fn run_man(args: &ManArgs, program: &Command) -> CommandResult {
     let named = |error: std::io::Error| format!("{}: {error}", args.directory.display());
     fs::create_dir_all(&args.directory).map_err(named)?;
     clap_mangen::generate_to(program.clone(), &args.directory).map_err(named)?;

@@ -4,28 +4,38 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::{Outcome, files, output};
+use super::{CommandResult, files, output, readers};
 use ptm_conform::ptm::Format;
-use ptm_conform::tools::anatomy::Anatomy;
-use ptm_conform::tools::convert::{Target, convert};
+use ptm_conform::tools::convert::{Converted, Target, convert};
+use ptm_conform::tools::convert_for::convert_for;
+use ptm_conform::tools::dissection::Dissection;
+use ptm_conform::tools::repair::repair;
 
 /// Write the same map in another format, exactly or not at all.
 ///
-/// RGB and LRGB become each other where every texel can be told exactly; LRGB becomes a table of at most 65,536 distinct
-/// texels; every format becomes its JPEGLS kind without a loss, and its JPEG kind with the loss that --quality allows.
-/// The result is read back and compared before it is written. Into its own format a file is written anew, plainly.
+/// RGB and LRGB are converted into each other if every texel can be represented exactly; LRGB becomes a table of at most
+/// 65,536 distinct texels; every format becomes its JPEGLS counterpart without loss, and its JPEG counterpart with the loss
+/// that --quality allows. The result is read back and compared before it is written. Conversion into the file's own format
+/// writes it in its plainest spelling.
 ///
-/// Exit status: 0, 1 if the target cannot hold the map, 65 if the file is malformed, 69 if it is not read, 2 wrong usage.
+/// Exit status: 0, 1 if the target cannot hold the map or nothing can be repaired, 65 if the file is malformed, 69 if it is not supported, 2 usage error.
 #[derive(Args)]
 #[command(
-    after_help = "Examples:\n  ptm-conform convert coin.ptm --to JPEGLS_RGB -o small.ptm\n  ptm-conform convert coin.ptm --to JPEG_RGB --quality 90 -o smaller.ptm\n  ptm-conform convert table.ptm --to LRGB -o plain.ptm"
+    after_help = "Examples:\n  ptm-conform convert coin.ptm --to JPEGLS_RGB -o small.ptm\n  ptm-conform convert coin.ptm --to JPEG_RGB --quality 90 -o smaller.ptm\n  ptm-conform convert table.ptm --to LRGB -o plain.ptm\n  ptm-conform convert coin.ptm --for relight,rtiviewer -o everywhere.ptm\n  ptm-conform convert damaged.ptm --repair -o repaired.ptm"
 )]
 pub struct ConvertArgs {
     /// A PTM file.
     file: PathBuf,
     /// RGB, LUM, LRGB, PTM_LUT, PTM_C_LUT, JPEG_RGB, JPEG_LRGB, JPEGLS_RGB or JPEGLS_LRGB.
-    #[arg(long, value_name = "FORMAT", value_parser = parse_format)]
-    to: Format,
+    #[arg(long, value_name = "FORMAT", value_parser = parse_format, required_unless_present_any = ["readers", "repair"])]
+    to: Option<Format>,
+    /// Write the map, without loss, in a format and a spelling that these readers show right; or say why there is none.
+    #[arg(long = "for", value_name = "READER,…", value_delimiter = ',', conflicts_with_all = ["to", "quality", "loss"])]
+    readers: Vec<String>,
+    /// Put right what can be put right without guessing, and say what was: blanks and line ends of the header, bytes after the
+    /// end, compressed sizes that the streams settle, records that a later one overrides. The output must not exist yet.
+    #[arg(long, conflicts_with_all = ["to", "readers", "quality", "loss"])]
+    repair: bool,
     /// The quality of JPEG formats, from 20 to 100.
     #[arg(long, value_name = "Q", value_parser = clap::value_parser!(u8).range(20..=100))]
     quality: Option<u8>,
@@ -37,44 +47,81 @@ pub struct ConvertArgs {
     output: PathBuf,
 }
 
-pub fn run(args: &ConvertArgs) -> Outcome {
-    let target = Target {
-        format: args.to,
+pub fn run(args: &ConvertArgs) -> CommandResult {
+    if args.repair {
+        return repaired(args);
+    }
+    let target = args.to.map(|format| Target {
+        format,
         quality: args.quality,
         loss: args.loss,
-    };
-    target.check().map_err(|why| format!("--{why}"))?;
+    });
+    target
+        .map_or(Ok(()), Target::check)
+        .map_err(|why| format!("--{why}"))?;
+    let profiles = readers::known(None)?;
+    let readers = readers::asked(&profiles, &args.readers)?;
     let file = files::read(&args.file)?;
-    let anatomy = Anatomy::of(&file);
-    let ptm = match files::map(&args.file, &anatomy) {
+    let dissection = Dissection::of(&file);
+    let ptm = match files::map(&args.file, &dissection) {
         Ok(ptm) => ptm,
         Err(status) => return Ok(status),
     };
-    let converted = match convert(&anatomy, ptm, target) {
+    let converted = match target {
+        Some(target) => {
+            convert(&dissection, ptm, target).map(|converted| (target.format, converted))
+        }
+        None => convert_for(&dissection, ptm, &readers),
+    };
+    let (format, converted) = match converted {
         Ok(converted) => converted,
         Err(why) => {
-            super::output::complain(&format!("ptm-conform: {why}"));
+            output::complain(&format!("ptm-conform: {why}"));
             return Ok(1);
         }
     };
     files::write_whole(&args.output, &converted.bytes)?;
+    let sizes = format!("{} -> {} bytes", file.len(), converted.bytes.len());
+    output::note(&format!(
+        "{}: {} -> {format}, {sizes}, {}\n",
+        args.output.display(),
+        ptm.header.format,
+        losses(&converted)
+    ));
+    Ok(0)
+}
+
+/// Writes a repaired file, never over another one.
+fn repaired(args: &ConvertArgs) -> CommandResult {
+    if args.output.symlink_metadata().is_ok() {
+        let there = args.output.display();
+        return Err(format!(
+            "{there} is there already; a repaired file is a new file"
+        ));
+    }
+    let repaired = match repair(&files::read(&args.file)?) {
+        Ok(repaired) => repaired,
+        Err(why) => {
+            output::complain(&format!("ptm-conform: {}: {why}", args.file.display()));
+            return Ok(1);
+        }
+    };
+    files::write_whole(&args.output, &repaired.bytes)?;
+    for change in &repaired.changes {
+        output::note(&format!("{}: {change}\n", args.output.display()));
+    }
+    Ok(0)
+}
+
+fn losses(converted: &Converted) -> String {
     let loss = match converted.largest {
-        0 => "without a loss".to_owned(),
+        0 => "without loss".to_owned(),
         most => format!("stored values off by {most} at most"),
     };
     let entries = converted
         .entries
-        .map(|entries| format!(", {entries} table entries"))
-        .unwrap_or_default();
-    output::note(&format!(
-        "{}: {} -> {}, {} -> {} bytes, {loss}{entries}\n",
-        args.output.display(),
-        ptm.header.format,
-        args.to,
-        file.len(),
-        converted.bytes.len()
-    ));
-    Ok(0)
+        .map(|entries| format!(", {entries} table entries"));
+    loss + &entries.unwrap_or_default()
 }
 
 fn parse_format(text: &str) -> Result<Format, String> {

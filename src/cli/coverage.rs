@@ -4,10 +4,10 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use ptm_conform::harness::cases::Suite;
-use ptm_conform::harness::coverage::Coverage;
-use ptm_conform::harness::matrix::matrix;
-use ptm_conform::harness::smoke;
+use ptm_conform::strength::coverage::Coverage;
+use ptm_conform::strength::matrix::matrix;
+use ptm_conform::strength::smoke;
+use ptm_conform::suite::cases::Suite;
 
 use super::files::write_whole;
 use super::output::{jobs, print, progress_bar, show_progress};

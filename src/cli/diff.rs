@@ -5,16 +5,17 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::output::{self, Machine};
-use super::{Outcome, files};
-use ptm_conform::tools::anatomy::Anatomy;
+use super::terminal::show;
+use super::{CommandResult, files};
 use ptm_conform::tools::diff::diff;
+use ptm_conform::tools::dissection::Dissection;
 
-/// Say what two maps differ in: header fields, planes, how many texels, by how much, where first.
+/// Compare two maps: header fields, planes, how many texels differ, by how much, where first.
 ///
-/// Files that mean the same map are the same, however they are written: spelling, compression and the order of table
-/// entries are noted and do not count.
+/// Files that hold the same map are equal however they are written: spelling, compression and the order of table entries
+/// are noted and do not count as differences.
 ///
-/// Exit status: 0 the same map, 1 different maps, 2 a file that cannot be opened or decoded, or wrong usage.
+/// Exit status: 0 the same map, 1 different maps, 2 a file cannot be opened or decoded, or usage error.
 #[derive(Args)]
 #[command(
     after_help = "Examples:\n  ptm-conform diff before.ptm after.ptm\n  ptm-conform diff --quiet a.ptm b.ptm && echo same"
@@ -22,15 +23,15 @@ use ptm_conform::tools::diff::diff;
 pub struct DiffArgs {
     /// A PTM file.
     a: PathBuf,
-    /// Another one.
+    /// Another PTM file.
     b: PathBuf,
     #[command(flatten)]
     machine: Machine,
 }
 
-pub fn run(args: &DiffArgs) -> Outcome {
+pub fn run(args: &DiffArgs) -> CommandResult {
     let (a_file, b_file) = (files::read(&args.a)?, files::read(&args.b)?);
-    let (a_anatomy, b_anatomy) = (Anatomy::of(&a_file), Anatomy::of(&b_file));
+    let (a_anatomy, b_anatomy) = (Dissection::of(&a_file), Dissection::of(&b_file));
     let (a, b) = (
         files::map(&args.a, &a_anatomy),
         files::map(&args.b, &b_anatomy),
@@ -40,12 +41,14 @@ pub fn run(args: &DiffArgs) -> Outcome {
     };
     let difference = diff((&a_file, a), (&b_file, b));
     if !args.machine.print(&difference)? {
-        output::note(&difference.to_text());
-        output::note(if difference.same {
+        let same = if difference.same {
             "the same map\n"
         } else {
             ""
-        });
+        };
+        if !output::quiet() {
+            show(&(difference.to_text() + same));
+        }
     }
     Ok(u8::from(!difference.same))
 }

@@ -1,27 +1,27 @@
-//! `ptm-conform check` on systems where it cannot be.
+//! `ptm-conform check` on systems where it is not available.
 
 use std::ffi::OsString;
 
 use clap::Args;
 
-use super::Outcome;
+use super::CommandResult;
 
 /// Run every case against a decoder: on Unix systems only.
 #[derive(Args)]
-pub struct CheckArgs {
-    /// Whatever was asked.
+pub struct UnsupportedArgs {
+    /// Any arguments.
     #[arg(trailing_var_arg = true, allow_hyphen_values = true, hide = true)]
     words: Vec<OsString>,
 }
 
-pub fn run(args: &CheckArgs) -> Outcome {
+pub fn run(args: &UnsupportedArgs) -> CommandResult {
     let words: Vec<String> = args
         .words
         .iter()
         .map(|word| word.to_string_lossy().into_owned())
         .collect();
     Err(format!(
-        "`check {}` bounds the decoder that it runs by means that this system lacks; under Linux, macOS or WSL it works. For tests of your own, `ptm-conform generate --profile standard` writes files and right answers here too",
+        "`check {}` limits the decoder that it runs by means that this system lacks; it works on Linux, macOS and WSL. For your own tests, `ptm-conform generate --profile standard` writes files and right answers on this system, too",
         words.join(" ")
     ))
 }

@@ -1,110 +1,228 @@
-//! `ptm-conform explain`: what is known of a case, a clause, a ruling, a misreading or a code.
+//! `ptm-conform explain`: what is known about a case, a clause, a ruling, a misreading or a code; or all that is known.
 
+#[cfg(unix)]
+use std::collections::HashMap;
 use std::fmt::Write as _;
 
 use clap::Args;
 
-use super::Outcome;
-use super::output::print;
+use super::CommandResult;
+use super::names::nearest;
+use super::terminal::show;
 #[cfg(unix)]
-use super::texture;
-use ptm_conform::harness::cases::{self, Suite};
-use ptm_conform::harness::{corpus, misreadings};
+use super::{output::jobs, texture};
+use ptm_conform::kit::digest::sha256;
+use ptm_conform::misreadings::{self, Misreading, writing};
+#[cfg(unix)]
+use ptm_conform::session::outcome::Outcome;
+#[cfg(unix)]
+use ptm_conform::strength::matrix::ask_all;
+use ptm_conform::suite::cases::{self, Case, Suite};
+use ptm_conform::suite::clauses::{self, Clause, Ruling};
+#[cfg(unix)]
+use ptm_conform::suite::test_case::TestCase;
 use ptm_conform::tools::lint::codes::{self, Code};
 
-/// Explain a case, a clause, a ruling, a misreading or a code of lint.
+/// Explain a case, a clause, a ruling, a misreading or a lint code.
 #[derive(Args)]
 pub struct ExplainArgs {
-    /// An id such as hand-rgb-blocks, 2.4/8, lut-count, rows-top-down or PTM-W102.
-    id: String,
+    /// An id such as hand-rgb-blocks, 2.4/8, lut-count, rows-top-down or PTM-W102; a list of all ids if there is none.
+    id: Option<String>,
 }
 
 /// Explains it, or says what may have been meant.
-pub fn run(args: &ExplainArgs) -> Outcome {
-    let Some(text) = explain(&args.id)? else {
-        return Err(unknown(&args.id, &Suite::load()?)?);
+pub fn run(args: &ExplainArgs) -> CommandResult {
+    let Some(id) = &args.id else {
+        show(&list(&Suite::load()?)?);
+        return Ok(0);
     };
-    print(&text);
+    let Some(text) = explain(id)? else {
+        return Err(unknown(id, &Suite::load()?)?);
+    };
+    show(&text);
     Ok(0)
+}
+
+/// What a writer is asked to write under that id.
+#[cfg(unix)]
+fn explain_request(id: &str) -> Result<String, String> {
+    let suite = Suite::of_requests()?;
+    let Some(case) = suite.case(id) else {
+        return Ok(String::new());
+    };
+    let request = case.request();
+    Ok(format!(
+        "request {id} to writers ({})\n  {}\n  expected: {}\n{}  planes: {} bytes, the top row first; they begin {}\n",
+        case.clauses.join(", "),
+        case.because,
+        case.expectation(),
+        request.header.to_json(),
+        request.samples.len(),
+        request.samples[..request.samples.len().min(18)]
+            .iter()
+            .map(|byte| format!("{byte:02x}"))
+            .collect::<Vec<_>>()
+            .join(" ")
+    ))
+}
+
+/// All ids but those of cases, which are many.
+fn list(suite: &Suite) -> Result<String, String> {
+    let section = |clause: &str| clause.split('/').next().unwrap_or_default().to_owned();
+    let clauses = clauses::clauses()?;
+    let mut sections: Vec<String> = clauses.iter().map(|clause| section(&clause.id)).collect();
+    sections.dedup();
+    let mut text = format!(
+        "{} cases: a section below lists those about it\n\n{} clauses, in sections:\n",
+        suite.cases.len(),
+        clauses.len()
+    );
+    for of in &sections {
+        let count = |ids: &[String]| ids.iter().any(|clause| section(clause) == *of);
+        let clauses = clauses.iter().filter(|clause| section(&clause.id) == *of);
+        let cases = suite.cases.iter().filter(|case| count(&case.clauses));
+        let _ = writeln!(
+            text,
+            "  {of:<7} {:>3} clauses, {:>4} cases",
+            clauses.count(),
+            cases.count()
+        );
+    }
+    let rulings = clauses::rulings()?;
+    let names: Vec<&str> = rulings.iter().map(|ruling| ruling.id.as_str()).collect();
+    let _ = writeln!(text, "\n{} rulings:\n  {}", names.len(), names.join(", "));
+    let _ = writeln!(text, "\n{} misreadings:", misreadings::all().count());
+    for of in &sections {
+        let about = misreadings::all().filter(|misreading| section(misreading.clause) == *of);
+        let slugs: Vec<&str> = about.map(|misreading| misreading.slug).collect();
+        if !slugs.is_empty() {
+            let _ = writeln!(text, "  {of}: {}", slugs.join(", "));
+        }
+    }
+    let codes: Vec<&str> = codes::ALL.iter().map(|code| code.id).collect();
+    let _ = writeln!(
+        text,
+        "\n{} codes of lint:\n  {}",
+        codes.len(),
+        codes.join(", ")
+    );
+    Ok(text)
 }
 
 /// What is known under that id.
 fn explain(id: &str) -> Result<Option<String>, String> {
     let suite = Suite::load()?;
-    let clauses = cases::clauses()?;
+    let clauses = clauses::clauses()?;
     let mut text = String::new();
     if let Some(case) = suite.case(id) {
         explain_case(case, &mut text).map_err(|error| error.to_string())?;
     }
-    for clause in clauses.iter().filter(|clause| {
-        clause.id == id
-            || clause.id.starts_with(&format!("{id}/"))
-            || clause.id.starts_with(&format!("{id}."))
-    }) {
-        let cases: Vec<&str> = suite
-            .cases
-            .iter()
-            .filter(|case| case.clauses.contains(&clause.id))
-            .map(|case| case.id.as_str())
-            .collect();
-        let ruling = clause
-            .ruling
-            .as_ref()
-            .map(|ruling| format!(" Ruling: {ruling}."))
-            .unwrap_or_default();
-        let why = clause
-            .why
-            .as_ref()
-            .map(|why| format!(" Not tested: it {why}."))
-            .unwrap_or_default();
-        let _ = writeln!(
-            text,
-            "clause {}: {}{ruling}{why}\n  {} cases: {}",
-            clause.id,
-            clause.rule,
-            cases.len(),
-            abbreviated(&cases)
-        );
+    #[cfg(unix)]
+    text.push_str(&explain_request(id)?);
+    let below = |clause: &&Clause| {
+        let rest = clause.id.strip_prefix(id);
+        rest.is_some_and(|rest| rest.is_empty() || rest.starts_with(['/', '.']))
+    };
+    for clause in clauses.iter().filter(below) {
+        text += &explain_clause(clause, &suite);
     }
-    for ruling in cases::rulings()?.iter().filter(|ruling| ruling.id == id) {
-        let _ = writeln!(
-            text,
-            "ruling {} ({:?}), clauses {}",
-            ruling.id,
-            ruling.kind,
-            ruling.clauses.join(", ")
-        );
-        let _ = writeln!(
-            text,
-            "  open: {}\n  the reference: {}",
-            ruling.question.trim(),
-            ruling.reading.trim()
-        );
-        for also in &ruling.also {
-            let _ = writeln!(text, "  also right: {also}");
-        }
-        let _ = writeln!(text, "  evidence: {}", ruling.evidence.trim());
+    for ruling in clauses::rulings()?.iter().filter(|ruling| ruling.id == id) {
+        text += &explain_ruling(ruling);
     }
     if let Some(misreading) = misreadings::named(id) {
-        let _ = writeln!(
-            text,
-            "misreading {} of clause {}: the decoder {}.",
-            misreading.slug, misreading.clause, misreading.effect
-        );
-        let _ = writeln!(text, "  To mend it: {}.", misreading.mend);
-        if let Some(clause) = clauses.iter().find(|clause| clause.id == misreading.clause) {
-            let _ = writeln!(text, "  The clause says: {}", clause.rule);
+        let clause = clauses.iter().find(|clause| clause.id == misreading.clause);
+        text += &explain_misreading(misreading, clause);
+        if let Some(mistake) = writing::named(id) {
+            let _ = writeln!(
+                text,
+                "  A writer with this mistake {}.\n  Fix: {}.",
+                mistake.effect, mistake.fix
+            );
         }
+        #[cfg(unix)]
+        text.push_str(&shown_by(misreading, &suite)?);
     }
     if let Some(known) = Code::named(&id.to_uppercase()) {
-        text += &code(known, &suite);
+        text += &explain_code(known, &suite);
     }
     #[cfg(unix)]
     text.push_str(&texture::explain(id)?);
     Ok(Some(text).filter(|text| !text.is_empty()))
 }
 
-fn explain_case(case: &cases::Case, out: &mut String) -> std::fmt::Result {
+fn explain_clause(clause: &Clause, suite: &Suite) -> String {
+    let about = |case: &&Case| case.clauses.contains(&clause.id);
+    let ruling = clause.ruling.as_ref();
+    let why = clause.why.as_ref();
+    format!(
+        "clause {}: {}{}{}\n  {}\n",
+        clause.id,
+        clause.rule,
+        ruling.map_or_else(String::new, |ruling| format!(" Ruling: {ruling}.")),
+        why.map_or_else(String::new, |why| format!(" Not tested: it {why}.")),
+        abbreviated(suite.cases.iter().filter(about), "cases")
+    )
+}
+
+fn explain_ruling(ruling: &Ruling) -> String {
+    let mut text = format!(
+        "ruling {} ({:?}), clauses {}\n  open: {}\n  the reference: {}\n",
+        ruling.id,
+        ruling.kind,
+        ruling.clauses.join(", "),
+        ruling.question.trim(),
+        ruling.reading.trim()
+    );
+    for also in &ruling.also {
+        let _ = writeln!(text, "  also right: {also}");
+    }
+    let _ = writeln!(text, "  evidence: {}", ruling.evidence.trim());
+    text
+}
+
+fn explain_misreading(misreading: &Misreading, clause: Option<&Clause>) -> String {
+    let rule = clause.map(|clause| format!("  The clause says: {}\n", clause.rule));
+    let readers: Vec<String> = misreading.seen.iter().map(ToString::to_string).collect();
+    let seen = (!readers.is_empty()).then(|| format!("  Seen in: {}.\n", readers.join(", ")));
+    format!(
+        "misreading {} of clause {}: the decoder {}.\n  Fix: {}.\n{}{}",
+        misreading.slug,
+        misreading.clause,
+        misreading.effect,
+        misreading.fix,
+        rule.unwrap_or_default(),
+        seen.unwrap_or_default()
+    )
+}
+
+/// The cases that a decoder with this mistake fails, and what it makes of the smallest file among them.
+#[cfg(unix)]
+fn shown_by(misreading: &Misreading, suite: &Suite) -> Result<String, String> {
+    let spinner = super::output::spinner("reading every case with this mistake");
+    let (run, _) = ask_all(suite, &[misreading], &[], jobs(None)?, &HashMap::new());
+    spinner.finish_and_clear();
+    let failing: Vec<usize> = run.judgement.with(Outcome::Fail).collect();
+    let size = |&place: &usize| {
+        let spelling = cases::TableSpelling::default();
+        suite.cases[place].build(spelling).file.len()
+    };
+    let Some((bytes, place)) = failing.iter().map(|place| (size(place), *place)).min() else {
+        return Ok(String::new());
+    };
+    let case = &suite.cases[place];
+    let judged = run.judgement.cases[place].as_ref();
+    let view = run.observations[place].as_ref();
+    Ok(format!(
+        "  It fails {}\n  The smallest file that shows it has {bytes} bytes: ptm-conform generate --case {}\n    {}: {}\n    {}\n",
+        abbreviated(failing.iter().map(|&place| &suite.cases[place]), "cases"),
+        case.id,
+        view.map_or_else(String::new, |observation| observation.view.to_string()),
+        judged.map_or("", |judged| &judged.says),
+        case.because
+    ))
+}
+
+fn explain_case(case: &Case, out: &mut String) -> std::fmt::Result {
     writeln!(
         out,
         "case {} (clauses {}): {}",
@@ -130,7 +248,7 @@ fn explain_case(case: &cases::Case, out: &mut String) -> std::fmt::Result {
         out,
         "  file: {} bytes, sha-256 {}",
         built.file.len(),
-        corpus::sha256(&built.file)
+        sha256(&built.file)
     )?;
     for (is, bytes) in case.pieces() {
         writeln!(out, "    {is:<40} {}", bytes.escape_ascii())?;
@@ -150,7 +268,7 @@ fn explain_case(case: &cases::Case, out: &mut String) -> std::fmt::Result {
 
 /// Nothing is called that; what may have been meant.
 fn unknown(id: &str, suite: &Suite) -> Result<String, String> {
-    let (clauses, rulings) = (cases::clauses()?, cases::rulings()?);
+    let (clauses, rulings) = (clauses::clauses()?, clauses::rulings()?);
     let known = suite
         .cases
         .iter()
@@ -169,59 +287,33 @@ fn unknown(id: &str, suite: &Suite) -> Result<String, String> {
     ))
 }
 
-/// At most three names that are nearly `id`, or go on where it ends, the nearest first.
-fn nearest<'a>(id: &str, known: impl Iterator<Item = &'a str>) -> Vec<&'a str> {
-    let asked = id.to_lowercase();
-    let mut near: Vec<(f64, &str)> = known
-        .map(|name| {
-            let likeness = strsim::jaro_winkler(&asked, &name.to_lowercase());
-            let within = asked.len() >= 4 && name.to_lowercase().contains(&asked);
-            (if within { likeness.max(0.9) } else { likeness }, name)
-        })
-        .filter(|(likeness, _)| *likeness >= 0.88)
-        .collect();
-    near.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(b.1)));
-    near.dedup_by_key(|(_, name)| *name);
-    near.into_iter().take(3).map(|(_, name)| name).collect()
-}
-
 /// What a code of lint means, and which cases provoke it.
-fn code(code: &Code, suite: &Suite) -> String {
-    let mut out = String::new();
-    let _ = writeln!(
-        out,
-        "code {} ({}, clause {}): {}",
-        code.id,
-        code.severity.name(),
-        code.clause,
-        code.says
-    );
-    if !code.mend.is_empty() {
-        let _ = writeln!(out, "  To mend it: {}", code.mend);
-    }
-    let provokes = |case: &&cases::Case| {
-        let damage = case.damage().map(|damage| damage.name);
+fn explain_code(code: &Code, suite: &Suite) -> String {
+    let provokes = |case: &&Case| {
+        let damage = case.damage().map(|damage| damage.name.as_str());
         code.provoked_by.contains(&case.id.as_str())
             || damage.is_some_and(|damage| code.provoked_by.contains(&damage))
     };
-    let ids: Vec<&str> = suite
-        .cases
-        .iter()
-        .filter(provokes)
-        .map(|case| case.id.as_str())
-        .collect();
-    let _ = writeln!(
-        out,
-        "  {} cases provoke it: {}",
-        ids.len(),
-        abbreviated(&ids)
-    );
-    out
+    let fix = match code.fix {
+        "" => String::new(),
+        fix => format!("  Fix: {fix}\n"),
+    };
+    format!(
+        "code {} ({}, clause {}): {}\n{fix}  {}\n",
+        code.id,
+        code.severity.name(),
+        code.clause,
+        code.says,
+        abbreviated(suite.cases.iter().filter(provokes), "cases provoke it")
+    )
 }
 
-fn abbreviated(ids: &[&str]) -> String {
+/// How many cases there are, and the first six.
+fn abbreviated<'a>(cases: impl Iterator<Item = &'a Case>, what: &str) -> String {
+    let ids: Vec<&str> = cases.map(|case| case.id.as_str()).collect();
     let more = if ids.len() > 6 { ", …" } else { "" };
-    ids[..ids.len().min(6)].join(", ") + more
+    let first = ids[..ids.len().min(6)].join(", ");
+    format!("{} {what}: {first}{more}", ids.len())
 }
 
 #[cfg(test)]

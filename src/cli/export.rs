@@ -1,21 +1,21 @@
 //! `ptm-conform export`
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 
-use super::{Outcome, files, output};
-use ptm_conform::tools::anatomy::Anatomy;
+use super::{CommandResult, files, output};
+use ptm_conform::tools::dissection::Dissection;
 use ptm_conform::tools::export;
 
-/// Write the values of a map as OpenEXR, NPY or PNG, by the name of the output.
+/// Write the values of a map as OpenEXR, NPY or PNG; the name of the output decides.
 ///
 /// .exr has the final coefficients, (raw - bias) * scale, as named float channels (a0 … a5, R, G, B; of RGB maps red.a0 …
 /// blue.a5; of LUM maps Cr, Cb). .npy has the stored bytes as an array of height x width x channels, or with --final the
 /// final coefficients as 32-bit floats. .png has the stored planes below each other, in the order of the text. Top row
 /// first in all of them.
 ///
-/// Exit status: 0, 65 if the file is malformed, 69 if it is not read, 2 wrong usage.
+/// Exit status: 0, 65 if the file is malformed, 69 if it is not supported, 2 usage error.
 #[derive(Args)]
 #[command(
     after_help = "Examples:\n  ptm-conform export coin.ptm -o coin.exr\n  ptm-conform export coin.ptm --final -o coin.npy\n  ptm-conform export coin.ptm -o planes.png"
@@ -26,52 +26,58 @@ pub struct ExportArgs {
     /// Where to write: .exr, .npy or .png.
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
-    /// Final coefficients in NPY, too, instead of stored bytes.
+    /// Write final coefficients instead of stored bytes (NPY).
     #[arg(long = "final")]
     final_values: bool,
 }
 
-pub fn run(args: &ExportArgs) -> Outcome {
-    let extension = args
-        .output
-        .extension()
-        .map(|extension| extension.to_string_lossy().to_lowercase());
-    let extension = extension.as_deref().unwrap_or("");
-    if !["exr", "npy", "png"].contains(&extension) {
-        return Err(format!(
-            "{}: expected a name that ends in .exr, .npy or .png",
-            args.output.display()
-        ));
+/// What the name of the output asks for.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum ExportEncoding {
+    Exr,
+    Npy,
+    Png,
+}
+
+impl ExportEncoding {
+    fn of(path: &Path) -> Result<ExportEncoding, String> {
+        let extension = path.extension().unwrap_or_default().to_string_lossy();
+        match extension.to_lowercase().as_str() {
+            "exr" => Ok(ExportEncoding::Exr),
+            "npy" => Ok(ExportEncoding::Npy),
+            "png" => Ok(ExportEncoding::Png),
+            _ => Err(format!(
+                "{}: expected a name that ends in .exr, .npy or .png",
+                path.display()
+            )),
+        }
     }
-    if args.final_values && extension == "png" {
+}
+
+pub fn run(args: &ExportArgs) -> CommandResult {
+    let encoding = ExportEncoding::of(&args.output)?;
+    if args.final_values && encoding == ExportEncoding::Png {
         return Err("final coefficients are real numbers, which PNG cannot hold; name the output .exr or .npy".to_owned());
     }
     let file = files::read(&args.file)?;
-    let anatomy = Anatomy::of(&file);
-    let ptm = match files::map(&args.file, &anatomy) {
+    let dissection = Dissection::of(&file);
+    let ptm = match files::map(&args.file, &dissection) {
         Ok(ptm) => ptm,
         Err(status) => return Ok(status),
     };
     let channels = ptm.planes.shape.channels();
-    let (bytes, what) = match (extension, args.final_values) {
-        ("exr", _) => (
-            export::exr(ptm)?,
-            format!("final coefficients in {channels} float channels"),
-        ),
-        ("npy", true) => (
-            export::npy_final(ptm),
-            "final coefficients, 32-bit floats".to_owned(),
-        ),
-        ("npy", false) => (export::npy_stored(ptm), "stored bytes".to_owned()),
-        _ => {
-            let description = format!(
-                "{}: {channels} stored planes below each other",
-                ptm.header.format
-            );
-            (
-                export::stacked(ptm).to_png(&description)?,
-                format!("{channels} stored planes below each other"),
-            )
+    let what = match (encoding, args.final_values) {
+        (ExportEncoding::Exr, _) => format!("final coefficients in {channels} float channels"),
+        (ExportEncoding::Npy, true) => "final coefficients, 32-bit floats".to_owned(),
+        (ExportEncoding::Npy, false) => "stored bytes".to_owned(),
+        (ExportEncoding::Png, _) => format!("{channels} stored planes below each other"),
+    };
+    let bytes = match (encoding, args.final_values) {
+        (ExportEncoding::Exr, _) => export::exr(ptm)?,
+        (ExportEncoding::Npy, true) => export::npy_final(ptm),
+        (ExportEncoding::Npy, false) => export::npy_stored(ptm),
+        (ExportEncoding::Png, _) => {
+            export::stacked(ptm).to_png(&format!("{}: {what}", ptm.header.format))?
         }
     };
     files::write_whole(&args.output, bytes)?;

@@ -2,14 +2,14 @@
 
 use std::fs;
 use std::io::{self, Read, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
-use ptm_conform::Ptm;
 use ptm_conform::error::Class;
-use ptm_conform::harness::protocol::{EXIT_MALFORMED, EXIT_UNSUPPORTED};
-use ptm_conform::tools::anatomy::Anatomy;
+use ptm_conform::protocol::frame::{EXIT_MALFORMED, EXIT_UNSUPPORTED};
+use ptm_conform::ptm::Ptm;
+use ptm_conform::tools::dissection::Dissection;
 
-/// Bytes that are read of what is no ordinary file, and may never end: a pipe, a device.
+/// Bytes that are read of what is not a regular file and may never end: a pipe, a device.
 const ENDLESS: u64 = 1 << 28;
 
 /// The bytes of a file, or a sentence.
@@ -23,7 +23,7 @@ pub fn read(path: &Path) -> Result<Vec<u8>, String> {
     file.take(ENDLESS).read_to_end(&mut bytes).map_err(named)?;
     if bytes.len() as u64 == ENDLESS {
         return Err(format!(
-            "{}: no ordinary file, and longer than {} MiB",
+            "{}: not a regular file, and longer than {} MiB",
             path.display(),
             ENDLESS >> 20
         ));
@@ -31,11 +31,15 @@ pub fn read(path: &Path) -> Result<Vec<u8>, String> {
     Ok(bytes)
 }
 
-/// Looks before long work whether a result can be written there.
+/// Checks before long work whether a result can be written there.
 pub fn can_be_written(path: &Path) -> Result<(), String> {
     if path.is_dir() {
         return Err(format!("{} is a directory", path.display()));
     }
+    if path.exists() {
+        return Ok(());
+    }
+    let path = &led_to(path).map_err(|error| format!("{}: {error}", path.display()))?;
     let directory = directory_of(path);
     if !directory.is_dir() {
         return Err(format!(
@@ -55,16 +59,16 @@ fn directory_of(path: &Path) -> &Path {
 }
 
 /// The map in a file; where there is none, says why and what to try next, and returns the exit status.
-pub fn map<'a>(path: &Path, anatomy: &'a Anatomy) -> Result<&'a Ptm, u8> {
-    anatomy.outcome.as_ref().map_err(|error| {
+pub fn map<'a>(path: &Path, dissection: &'a Dissection) -> Result<&'a Ptm, u8> {
+    dissection.outcome.as_ref().map_err(|error| {
         super::output::complain(&format!("ptm-conform: {}: {error}", path.display()));
-        super::output::complain(&format!("  `ptm-conform inspect {0}` shows the file up to there, `ptm-conform lint {0}` what to mend", path.display()));
+        super::output::complain(&format!("  `ptm-conform inspect {0}` shows the file up to there, `ptm-conform lint {0}` what to fix", path.display()));
         status(error)
     })
 }
 
 /// The exit status that says whose fault it is.
-pub fn status(error: &ptm_conform::Error) -> u8 {
+pub fn status(error: &ptm_conform::error::Error) -> u8 {
     let status = match error.class() {
         Class::Malformed => EXIT_MALFORMED,
         Class::Unsupported | Class::Limit => EXIT_UNSUPPORTED,
@@ -72,20 +76,38 @@ pub fn status(error: &ptm_conform::Error) -> u8 {
     status as u8
 }
 
-/// Writes a file beside its place and moves it there, so that nobody ever sees half of it.
+/// Writes a file beside its place and moves it there, so that nobody ever sees half of it. Where a symbolic link stands, the
+/// file it leads to is written, and the link stays.
 pub fn write_whole(path: &Path, bytes: impl AsRef<[u8]>) -> Result<(), String> {
     let named = |error: io::Error| format!("{}: {error}", path.display());
     can_be_written(path)?;
     if path.exists() && !path.is_file() {
         return fs::write(path, bytes).map_err(named);
     }
-    let mut file = beside(directory_of(path)).map_err(named)?;
+    let place = led_to(path).map_err(named)?;
+    let mut file = beside(directory_of(&place)).map_err(named)?;
     file.write_all(bytes.as_ref()).map_err(named)?;
-    file.persist(path).map_err(|error| named(error.error))?;
+    file.persist(&place).map_err(|error| named(error.error))?;
     Ok(())
 }
 
-/// A file for the time being, as readable as any file that a program writes.
+/// Most links that are followed one after the other.
+const LINKS: usize = 40;
+
+/// Where a path leads if every link is followed, also to a file that is not there yet.
+fn led_to(path: &Path) -> io::Result<PathBuf> {
+    let mut place = path.to_owned();
+    for _ in 0..LINKS {
+        match fs::read_link(&place) {
+            Ok(target) => place = directory_of(&place).join(target),
+            // It is no link.
+            Err(_) => return Ok(place),
+        }
+    }
+    Err(io::Error::other("too many symbolic links"))
+}
+
+/// A temporary file, as readable as any file that a program writes.
 #[cfg(unix)]
 fn beside(directory: &Path) -> io::Result<tempfile::NamedTempFile> {
     use std::os::unix::fs::PermissionsExt;
@@ -94,7 +116,7 @@ fn beside(directory: &Path) -> io::Result<tempfile::NamedTempFile> {
         .tempfile_in(directory)
 }
 
-/// A file for the time being.
+/// A temporary file.
 #[cfg(not(unix))]
 fn beside(directory: &Path) -> io::Result<tempfile::NamedTempFile> {
     tempfile::NamedTempFile::new_in(directory)

@@ -1,51 +1,61 @@
-//! `ptm-conform generate`: the corpus, requests for programs that nobody can call, corpora for other projects.
+//! `ptm-conform generate`: the corpus, requests for programs that cannot be called, corpora for other projects.
 
 use std::path::{Path, PathBuf};
 
 use clap::Args;
 
-use super::Outcome;
+use super::names::did_you_mean;
 use super::output::{jobs, note, progress_bar, show_progress};
-use ptm_conform::harness::cases::Suite;
-use ptm_conform::harness::corpus;
+use super::{CommandResult, files};
 #[cfg(unix)]
-use ptm_conform::harness::outputs;
+use ptm_conform::session::outputs;
+use ptm_conform::suite::cases::{Suite, TableSpelling};
+use ptm_conform::suite::corpus;
 use ptm_conform::tools::profiles::{self, Profile};
 
-/// Write the corpus: every file of the suite, what a decoder finds in it, and a manifest with digests.
+/// Write the corpus: every file of the suite, the frame that a decoder should print, and a manifest with digests.
 ///
-/// With a profile it is a corpus for other projects: right answers as NPY, PNG and EXR, a manifest in YAML and JSON, and a
-/// README that says how to use them. minimal has small files for every clause, standard every file up to 64 KiB,
-/// exhaustive everything. The same version writes the same bytes on every machine.
+/// With a profile it is a corpus for other projects: right answers as arrays and pictures, a manifest in YAML and JSON, and
+/// a README that says how to use them. minimal has small files for every clause and NPY, standard every file up to 64 KiB
+/// and PNG too, exhaustive every file and EXR too. The same version writes the same bytes on every machine.
 #[derive(Args)]
 #[command(
-    after_help = "Examples:\n  ptm-conform generate --out corpus\n  ptm-conform generate --profile minimal --out tests/ptm"
+    after_help = "Examples:\n  ptm-conform generate --out corpus\n  ptm-conform generate --profile minimal --out tests/ptm\n  ptm-conform generate --case hand-lum -o lum.ptm"
 )]
 pub struct GenerateArgs {
-    /// The directory to write to, corpus unless told, requests with --requests; with a profile, an empty or a new one.
+    /// The directory to write to, by default corpus, or requests with --requests; with a profile, an empty or a new one.
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// Write what somebody needs who has a viewer but no decoder that check could call: every file that VIEW (raw, coef or
-    /// rgb, which is meant without it) can show, a list of requests, and a README.
+    /// Write requests for a viewer that check cannot call: every file that VIEW (raw, coef or rgb; by default rgb) can show,
+    /// a list of requests, and a README.
     ///
-    /// The answers are saved in outputs/ below DIR; check --outputs DIR judges them.
+    /// Save the answers in outputs/ below DIR; check --outputs DIR judges them.
     #[cfg(unix)]
     #[arg(long, value_name = "VIEW", value_parser = ["raw", "coef", "rgb"], conflicts_with_all = ["all", "profile"], num_args = 0..=1, default_missing_value = "rgb")]
     requests: Option<String>,
+    /// Write the file of one case alone: to FILE (-o), by default CASE.ptm.
+    #[arg(long, value_name = "ID", conflicts_with_all = ["all", "profile", "out"])]
+    case: Option<String>,
+    /// Where to write the file of --case.
+    #[arg(short, long, value_name = "FILE", requires = "case")]
+    output: Option<PathBuf>,
     /// A corpus for other projects: minimal, standard or exhaustive.
     #[arg(long, value_name = "PROFILE", conflicts_with = "all")]
     profile: Option<Profile>,
-    /// Write the files above 4 KiB too.
+    /// Write the files over 4 KiB, too.
     #[arg(long)]
     all: bool,
-    /// Files written at a time; the result does not depend on it.
+    /// Files written in parallel; the result does not depend on it.
     #[arg(long, value_name = "N")]
     jobs: Option<usize>,
 }
 
-/// Writes what was asked for.
-pub fn run(args: &GenerateArgs) -> Outcome {
+/// Writes the corpus, the requests or the profile.
+pub fn run(args: &GenerateArgs) -> CommandResult {
     let suite = Suite::load()?;
+    if let Some(id) = &args.case {
+        return write_case(&suite, id, args.output.as_deref());
+    }
     #[cfg(unix)]
     if let Some(view) = &args.requests {
         let out = args.out.as_deref().unwrap_or(Path::new("requests"));
@@ -84,8 +94,26 @@ pub fn run(args: &GenerateArgs) -> Outcome {
     Ok(0)
 }
 
+/// Writes the file of one case.
+fn write_case(suite: &Suite, id: &str, path: Option<&Path>) -> CommandResult {
+    let case = suite.case(id).ok_or_else(|| {
+        let ids = suite.cases.iter().map(|case| case.id.as_str());
+        format!("no case is called {id:?}{}", did_you_mean(id, ids))
+    })?;
+    let path = path.map_or_else(|| PathBuf::from(format!("{id}.ptm")), Path::to_path_buf);
+    let file = &case.build(TableSpelling::default()).file;
+    files::write_whole(&path, file)?;
+    note(&format!(
+        "{}: {} bytes; expected: {}. More: ptm-conform explain {id}\n",
+        path.display(),
+        file.len(),
+        case.expect.name()
+    ));
+    Ok(0)
+}
+
 #[cfg(unix)]
-fn export_requests(suite: &Suite, view: &str, out: &Path) -> Outcome {
+fn export_requests(suite: &Suite, view: &str, out: &Path) -> CommandResult {
     let bar = progress_bar();
     let count = outputs::export(suite, view, out, &|done, all| {
         show_progress(&bar, done, all);
@@ -94,12 +122,12 @@ fn export_requests(suite: &Suite, view: &str, out: &Path) -> Outcome {
     let count = count.map_err(|error| error.to_string())?;
     let out = out.display();
     note(&format!(
-        "{count} requests for {view} in {out}; how to go on: {out}/README.txt\n"
+        "{count} requests for {view} in {out}; next steps: {out}/README.txt\n"
     ));
     Ok(0)
 }
 
-fn write_profile(suite: &Suite, profile: Profile, out: &Path, jobs: usize) -> Outcome {
+fn write_profile(suite: &Suite, profile: Profile, out: &Path, jobs: usize) -> CommandResult {
     let bar = progress_bar();
     let manifest = profiles::write(suite, out, profile, jobs, &|done, all| {
         show_progress(&bar, done, all);

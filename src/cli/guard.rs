@@ -1,4 +1,4 @@
-//! Somebody else's programs under guard: the directories of a run, and who clears up should it be killed or stopped.
+//! The surroundings of a run: its directories, its signals, and a watcher that clears up if it is killed.
 
 use std::io;
 use std::os::unix::process::CommandExt;
@@ -6,11 +6,14 @@ use std::path::PathBuf;
 use std::process::{Child, Command, Stdio};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
+use std::time::Duration;
 
-use signal_hook::consts::{SIGINT, SIGTERM};
+use rustix::event::{PollFd, PollFlags, Timespec, poll};
+use signal_hook::consts::{SIGCHLD, SIGINT, SIGTERM, SIGXFSZ};
 
-use ptm_conform::harness::processes;
-use ptm_conform::harness::scratch::{Scratch, remove};
+use ptm_conform::runner::processes::{self, Descendants};
+use ptm_conform::runner::run::Decoder;
+use ptm_conform::runner::scratch::{Scratch, remove};
 
 /// The directories of a run, and a process that clears up should this one be killed.
 pub struct Guarded {
@@ -28,6 +31,7 @@ impl Guarded {
             let mut command = Command::new(program);
             command
                 .arg("watch")
+                .arg(std::process::id().to_string())
                 .args(scratch.directories())
                 .stdin(Stdio::piped())
                 .stdout(Stdio::null())
@@ -52,14 +56,52 @@ impl Drop for Guarded {
     }
 }
 
+/// How often the watcher looks for processes that would be nobody's.
+const LOOK: Timespec = Timespec {
+    tv_sec: 0,
+    tv_nsec: 100_000_000,
+};
+
 /// The watcher: waits until its standard input ends, which it does when the run is over or dead, and clears up.
-pub fn watch(directories: &[PathBuf]) -> u8 {
-    let _ = io::copy(&mut io::stdin(), &mut io::sink());
+///
+/// What works in the directories is found there. A process that hides where it works is known only as a child of the run,
+/// which inherits it; so the watcher looks at these children until the end.
+pub fn watch(run: u32, directories: &[PathBuf]) -> u8 {
+    let stdin = io::stdin();
+    let mut children = Descendants::default();
+    loop {
+        let mut input = [PollFd::new(&stdin, PollFlags::IN)];
+        match poll(&mut input, Some(&LOOK)) {
+            Ok(0) => children = Descendants::of(run),
+            Ok(_) => break,
+            Err(_) => std::thread::sleep(Duration::from_millis(100)),
+        }
+    }
+    children.kill();
     for directory in directories {
         processes::kill_all(directory);
         remove(directory);
     }
     0
+}
+
+/// Whether this program could do its part of a run. The error says why the run was stopped: it has no verdict then.
+pub fn untroubled(decoder: &Decoder) -> Result<(), String> {
+    decoder.trouble().map_or(Ok(()), |trouble| {
+        Err(format!(
+            "{trouble}. This is no fault of the decoder; the run was stopped without a verdict"
+        ))
+    })
+}
+
+/// Takes two signals back from whoever started this program. A program that is started with SIGCHLD ignored cannot wait for
+/// its children; one that reaches a limit on the size of files is killed without a word. What it starts gets the usual
+/// behavior of both.
+pub fn take_signals() {
+    for signal in [SIGCHLD, SIGXFSZ] {
+        // Where a signal cannot be taken, it stays as it was.
+        let _ = signal_hook::flag::register(signal, Arc::default());
+    }
 }
 
 /// A flag that is set when the user wants the run to end.

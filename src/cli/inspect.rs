@@ -5,16 +5,16 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::output::{self, Machine};
-use super::{Outcome, files};
-use ptm_conform::tools::anatomy::Anatomy;
+use super::{CommandResult, files};
+use ptm_conform::tools::dissection::Dissection;
 use ptm_conform::tools::inspect::inspect;
 
 /// Show every field of a file: its place, its clause, its value.
 ///
-/// A damaged file is shown up to its damage, and what is wrong there. Within the planes of compressed files the marker
-/// segments of JPEG and JPEG-LS are named, and the records of side information.
+/// A damaged file is shown up to the damage, with what is wrong there. Within the planes of compressed files, the marker
+/// segments of JPEG and JPEG-LS and the records of side information are shown.
 ///
-/// Exit status: 0, 65 if the file is malformed, 69 if it is not read, 2 wrong usage.
+/// Exit status: 0, 65 if the file is malformed, 69 if it is not supported, 2 usage error.
 #[derive(Args)]
 #[command(
     after_help = "Examples:\n  ptm-conform inspect coin.ptm\n  ptm-conform inspect --all --color always coin.ptm | less -R\n  ptm-conform inspect --json coin.ptm | jq '.fields[] | select(.name == \"width\")'"
@@ -22,20 +22,20 @@ use ptm_conform::tools::inspect::inspect;
 pub struct InspectArgs {
     /// A PTM file.
     file: PathBuf,
-    /// Show every table entry, marker segment and record, not only some.
+    /// Show every table entry, marker segment and record, not only the first ones.
     #[arg(long)]
     all: bool,
     #[command(flatten)]
     machine: Machine,
 }
 
-pub fn run(args: &InspectArgs) -> Outcome {
+pub fn run(args: &InspectArgs) -> CommandResult {
     let file = files::read(&args.file)?;
     let inspection = inspect(&file);
     if !args.machine.print(&inspection)? {
         output::print(&inspection.to_text(&args.file.display().to_string(), args.all));
     }
-    Ok(Anatomy::of(&file)
+    Ok(Dissection::of(&file)
         .outcome
         .as_ref()
         .err()

@@ -1,30 +1,31 @@
-//! `check --baseline FILE --write-baseline FILE`: what is known, new and stale.
+//! `check --baseline FILE --write-baseline FILE`: known, new and stale failures.
 
 use std::path::{Path, PathBuf};
 
 use clap::Args;
 
-use ptm_conform::harness::baseline::{Baseline, News};
-use ptm_conform::harness::cases::Suite;
-use ptm_conform::harness::check::Run;
+use ptm_conform::report::baseline::{Baseline, BaselineNews};
+use ptm_conform::session::run::Run;
+use ptm_conform::suite::cases::Suite;
+use ptm_conform::suite::test_case::TestCase;
 
 /// Lists of known failures.
 #[derive(Args)]
 pub struct KnownFailureArgs {
-    /// Cases that are known to fail, so that only news fails the run.
+    /// Cases that are known to fail, so that only new failures fail the run.
     ///
     /// A YAML list of "- id: CASE", with a "reason:" below it where there is one. A listed case that fails is known and no
     /// failure of the run. A failing case that is not listed is new: exit status 1. If nothing is new, but a listed case
-    /// passes, the list is stale: exit status 4, with the names; take them out, or write the list anew. Listed cases that
-    /// are not selected, or are unsupported, inconclusive or not judged, are left alone. A name that no case has, or
-    /// twice the same, is wrong usage. The verdict in the report stays what it is: a known failure is a failure.
+    /// passes, the list is stale: exit status 4, with the names; remove them, or write the list again. Listed cases that
+    /// are not selected, or are unsupported, inconclusive or not judged, are left alone. An unknown or
+    /// repeated name is a usage error. The verdicts in the report do not change: a known failure is a failure.
     #[arg(long, value_name = "FILE")]
     baseline: Option<PathBuf>,
     /// Write the list that makes all failures of this run known.
     ///
-    /// It holds the cases that failed, with the reasons that --baseline gives them, and the cases of --baseline that were
-    /// neither seen to fail nor to pass. It may be the same FILE. The exit status is the same with and without it. A run
-    /// that ended early, or of a program that is no decoder, writes none.
+    /// It holds the cases that failed, with the reasons that --baseline gives them, and the cases of --baseline that
+    /// neither failed nor passed. It may be the same FILE. The exit status is the same with and without it. A run that ended
+    /// early, or of a program that is not a decoder, writes none.
     #[arg(long, value_name = "FILE")]
     write_baseline: Option<PathBuf>,
 }
@@ -36,21 +37,26 @@ impl KnownFailureArgs {
     }
 
     /// Reads the list, if there is one.
-    pub fn read(&self, suite: &Suite) -> Result<Option<Baseline>, String> {
+    pub fn read<C: TestCase>(&self, suite: &Suite<C>) -> Result<Option<Baseline>, String> {
         self.baseline
             .as_ref()
             .map(|path| Baseline::read(path, suite))
             .transpose()
     }
 
-    /// Writes the list anew where that is asked for.
-    pub fn write(&self, suite: &Suite, run: &Run, known: Option<&Baseline>) -> Result<(), String> {
+    /// Writes the list again if that was asked for.
+    pub fn write<C: TestCase>(
+        &self,
+        suite: &Suite<C>,
+        run: &Run<C>,
+        known: Option<&Baseline>,
+    ) -> Result<(), String> {
         let Some(path) = &self.write_baseline else {
             return Ok(());
         };
         if run.ended_early.is_some() || run.not_a_decoder.is_some() {
             super::output::complain(&format!(
-                "ptm-conform: the run is not whole, so {} is not written",
+                "ptm-conform: the run is incomplete, so {} is not written",
                 path.display()
             ));
             return Ok(());
@@ -63,8 +69,12 @@ impl KnownFailureArgs {
     }
 }
 
-/// What a run brings that was not known.
-pub fn told(news: &News) -> String {
+/// What a run showed that was not known, in words.
+#[expect(
+    clippy::format_push_string,
+    reason = "texts are short where they are put together"
+)]
+pub fn in_words(news: &BaselineNews) -> String {
     let mut text = format!("known failures: {}", news.known.len());
     for (what, ids) in [
         ("new, not in the list", &news.new),

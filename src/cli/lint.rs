@@ -1,35 +1,91 @@
 //! `ptm-conform lint`
 
-use std::path::PathBuf;
+use std::io::{self, BufReader};
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 
 use clap::Args;
+use indicatif::ProgressBar;
 use serde::Serialize;
 
+use super::CommandResult;
+use super::arguments::parse_size;
+use super::collection::{Met, Opened, Room, Source, Walk, listed, open};
+use super::lint_rows::{RowFormat, Rows};
 use super::output::{self, Machine};
-use super::{Outcome, files};
+use super::readers;
+use ptm_conform::kit::parallel::in_turn;
+use ptm_conform::kit::yaml;
+use ptm_conform::readers::ReaderProfile;
 use ptm_conform::tools::lint::Lint;
 use ptm_conform::tools::lint::codes::{ALL, Severity};
+use ptm_conform::tools::lint::names::printable;
+use ptm_conform::tools::lint::settings::Settings;
+use ptm_conform::tools::lint::status::Status;
 
-/// Say what is wrong with files, what other readers may make of them, and what their writer can mend.
+/// Say what is wrong with files, what other readers may show, and what their writer can fix.
 ///
-/// Codes are stable: PTM-E… the file breaks a rule or the reference cannot read it, PTM-W… there are readers that refuse it
-/// or show another picture, PTM-I… somebody may want to know. `ptm-conform explain PTM-W102` tells more of one.
+/// Every file gets one row and one of three statuses: sound, damaged, or not a PTM. What could not be read, symbolic links
+/// inside folders, files over --limit, and PTMs of another version or beyond what the reference supports are rows too, and
+/// not judged.
 ///
-/// Exit status: 0 no errors, 1 errors, 2 wrong usage or a file that cannot be opened.
+/// Codes are stable: PTM-E… the file breaks a rule or the reference cannot read it, PTM-W… some readers refuse it or show
+/// another picture, PTM-I… for information. `ptm-conform explain PTM-W102` describes one.
+///
+/// Exit status, the first that holds: 2 usage error, or something cannot be read; 1 errors in a PTM (or warnings, with
+/// --deny-warnings); 3 a file is not a PTM; 4 a file was not judged; 0 all files are sound.
 #[derive(Args)]
 #[command(
-    after_help = "Examples:\n  ptm-conform lint coin.ptm\n  ptm-conform lint --json maps/*.ptm\n  ptm-conform lint --allow PTM-W301 --allow PTM-W302 --deny-warnings table.ptm"
+    after_help = "Examples:\n  ptm-conform lint coin.ptm\n  ptm-conform lint -r --format csv /archive > archive.csv\n  find /archive -name '*.ptm' -print0 | ptm-conform lint -0 -\n  ptm-conform lint --only PTM-W301 --severity PTM-W301=error table.ptm"
+)]
+#[expect(
+    clippy::struct_excessive_bools,
+    reason = "each is an option of its own"
 )]
 pub struct LintArgs {
-    /// PTM files.
-    #[arg(required_unless_present = "codes")]
+    /// PTM files, folders, or - for a list on standard input, a path a line.
+    #[arg(required_unless_present = "codes", value_name = "PATH")]
     files: Vec<PathBuf>,
-    /// Codes not to mention. May be given more than once.
-    #[arg(long, value_name = "CODE", value_parser = known_code)]
+    /// Enter the folders inside folders, too.
+    #[arg(short, long)]
+    recursive: bool,
+    /// The paths of the list end in a zero byte instead of a line feed.
+    #[arg(short = '0', long)]
+    null: bool,
+    /// The form of the results: text, json, yaml, csv (a row for each file) or sarif (2.1.0).
+    #[arg(long, value_name = "FORMAT", conflicts_with_all = ["yaml", "json"], hide_possible_values = true)]
+    format: Option<RowFormat>,
+    /// Do not report this code. May be given more than once.
+    #[arg(long, value_name = "CODE")]
     allow: Vec<String>,
-    /// Exit with 1 if there are warnings, too.
+    /// Report this code only. May be given more than once.
+    #[arg(long, value_name = "CODE")]
+    only: Vec<String>,
+    /// Print at most N findings of each file, the worst first; all are counted.
+    #[arg(long, value_name = "N")]
+    max: Option<usize>,
+    /// Give a code another severity: error, warning or info. May be given more than once.
+    #[arg(long, value_name = "CODE=LEVEL", value_parser = parse_severity)]
+    severity: Vec<(String, Severity)>,
+    /// Exit with 1 for warnings, too.
     #[arg(long)]
     deny_warnings: bool,
+    /// A YAML file with allow, only, severity (a mapping), max and deny_warnings; options add to it.
+    #[arg(long, value_name = "FILE")]
+    config: Option<PathBuf>,
+    /// Do not read files larger than this.
+    #[arg(long, value_name = "SIZE", default_value = "1G", value_parser = parse_size)]
+    limit: u64,
+    /// Say what these readers will show, separated by commas, or all that are known: right, wrong and in which way, or nothing.
+    #[arg(long = "for", value_name = "READER,…", value_delimiter = ',')]
+    readers: Vec<String>,
+    /// A YAML file with profiles of readers, as spec-cases/readers.yaml has them, instead of the known ones.
+    #[arg(long = "readers", value_name = "FILE", requires = "readers")]
+    profiles: Option<PathBuf>,
+    /// Files that are read at a time; by default as many as the machine has processors.
+    #[arg(long, value_name = "N")]
+    jobs: Option<usize>,
     /// List all codes and stop.
     #[arg(long)]
     codes: bool,
@@ -44,47 +100,196 @@ struct Listed {
     severity: Severity,
     clause: &'static str,
     says: &'static str,
-    mend: &'static str,
+    fix: &'static str,
     provoked_by: &'static [&'static str],
 }
 
-pub fn run(args: &LintArgs) -> Outcome {
+/// What a worker makes of a file.
+struct Row {
+    path: PathBuf,
+    lint: Lint,
+    /// Whether it could not be read.
+    failed: bool,
+}
+
+impl LintArgs {
+    /// Whether files are named by folders or lists, and not one by one.
+    fn is_collection(&self) -> bool {
+        let mut paths = self.files.iter();
+        paths.any(|path| is_list(path) || path.is_dir())
+    }
+}
+
+pub fn run(args: &LintArgs) -> CommandResult {
     if args.codes {
         return list_codes(args);
     }
-    let mut lints = Vec::new();
-    let mut unreadable = false;
-    for path in &args.files {
-        match files::read(path) {
-            Ok(file) => {
-                let lint = Lint::of(&path.display().to_string(), &file);
-                lints.push(lint.without(&args.allow));
-            }
-            Err(why) => {
-                super::output::complain(&format!("ptm-conform: {why}"));
-                unreadable = true;
-            }
-        }
-    }
-    if !args.machine.print(&lints)? {
-        let least = if output::quiet() {
-            Severity::Error
-        } else {
-            Severity::Info
-        };
-        for lint in &lints {
-            output::print(&lint.to_text(least));
-            output::note(&lint.summary());
-        }
-    }
-    let failing = |lint: &Lint| lint.errors > 0 || (args.deny_warnings && lint.warnings > 0);
-    Ok(match unreadable {
-        true => 2,
-        false => u8::from(lints.iter().any(failing)),
-    })
+    let settings = settings(args)?;
+    let jobs = output::jobs(args.jobs)?;
+    let format = match (args.format, args.machine.yaml, args.machine.json) {
+        (Some(format), ..) => format,
+        (None, true, _) => RowFormat::Yaml,
+        (None, _, true) => RowFormat::Json,
+        (None, ..) => RowFormat::Text,
+    };
+    let profiles = readers::known(args.profiles.as_deref())?;
+    let readers = readers::asked(&profiles, &args.readers)?;
+    let rows = Rows::new(format, &readers, settings.max, args.is_collection());
+    let mut rows = rows.map_err(|error| error.to_string())?;
+    let room = Room::new(args.limit.saturating_mul(2));
+    let (bar, closed) = (progress(args), AtomicBool::new(false));
+    let work = |met: Met| {
+        let row = look(
+            met,
+            &Judge {
+                limit: args.limit,
+                room: &room,
+                readers: &readers,
+            },
+        );
+        let lint = settings.select(row.lint);
+        Row { lint, ..row }
+    };
+    let mut worst = 0;
+    let walk = Walk::new(named(args), args.recursive);
+    let walk = walk.take_while(|_| !closed.load(Relaxed));
+    in_turn(walk, jobs, &work, |row| {
+        let status = status(&row, &settings);
+        worst = std::cmp::min_by_key(worst, status, |status| {
+            WORST_FIRST.iter().position(|one| one == status)
+        });
+        let shown = bar.suspend(|| rows.show(&row.path, row.lint));
+        // Nobody reads on.
+        closed.fetch_or(shown.is_err(), Relaxed);
+        bar.inc(1);
+    });
+    bar.finish_and_clear();
+    let _ = rows.end();
+    Ok(worst)
 }
 
-fn list_codes(args: &LintArgs) -> Outcome {
+/// Exit statuses: cannot be read, errors, not a PTM, not judged, sound.
+const WORST_FIRST: [u8; 5] = [2, 1, 3, 4, 0];
+
+fn status(row: &Row, settings: &Settings) -> u8 {
+    let fails = row.lint.errors > 0 || (settings.deny_warnings && row.lint.warnings > 0);
+    match row.lint.status {
+        _ if row.failed => 2,
+        Status::NotAPtm if fails => 3,
+        _ if fails => 1,
+        Status::NotJudged if row.lint.reason.is_some() => 4,
+        _ => 0,
+    }
+}
+
+fn settings(args: &LintArgs) -> Result<Settings, String> {
+    let file = match &args.config {
+        Some(path) => yaml::from_yaml(&yaml::text_of(path)?)
+            .map_err(|error| format!("{}: {error}", path.display()))?,
+        None => Settings::default(),
+    };
+    let settings = file.and(Settings {
+        allow: args.allow.clone(),
+        only: args.only.clone(),
+        severity: args.severity.iter().cloned().collect(),
+        max: args.max,
+        deny_warnings: args.deny_warnings,
+    });
+    settings.check()?;
+    Ok(settings)
+}
+
+/// Everything that was named, on the command line or in the list.
+fn named(args: &LintArgs) -> impl Iterator<Item = Source> + Send {
+    let end = if args.null { 0 } else { b'\n' };
+    let of_path = move |path: &PathBuf| -> Box<dyn Iterator<Item = Source> + Send> {
+        match is_list(path) {
+            true => Box::new(listed(BufReader::new(io::stdin()), end).map(Source::Listed)),
+            false => Box::new(std::iter::once(Source::Directly(path.clone()))),
+        }
+    };
+    args.files.iter().flat_map(of_path)
+}
+
+fn is_list(path: &Path) -> bool {
+    path.as_os_str() == "-"
+}
+
+/// A bar whose length a walk of its own finds out, so that it can say how much time is left.
+fn progress(args: &LintArgs) -> ProgressBar {
+    let bar = output::counting_bar();
+    // A list can be read once only.
+    if bar.is_hidden() || args.files.iter().any(|path| is_list(path)) {
+        return bar;
+    }
+    let (files, recursive, counted) = (args.files.clone(), args.recursive, bar.clone());
+    std::thread::spawn(move || {
+        let walk = Walk::new(files.into_iter().map(Source::Directly), recursive);
+        let files = walk.take_while(|_| !counted.is_finished()).count();
+        counted.set_length(files as u64);
+    });
+    bar
+}
+
+/// Reads a file and says what there is to say of it. A mistake of ours costs the one file.
+fn look(met: Met, judge: &Judge) -> Row {
+    let unread = |path: PathBuf, bytes, reason: String, failed| Row {
+        lint: Lint::unread(&printable(path.as_os_str()), bytes, Some(reason)),
+        path,
+        failed,
+    };
+    let path = match met {
+        Met::File(path) => path,
+        Met::Skipped(path, why) => return unread(path, None, why.to_owned(), false),
+        Met::Unreadable(path, error) => return unread(path, None, error.to_string(), true),
+    };
+    let judged = catch_unwind(AssertUnwindSafe(|| judge.judge(&path)));
+    match judged {
+        Ok(Ok(lint)) => Row {
+            path,
+            lint,
+            failed: false,
+        },
+        Ok(Err(error)) => unread(path, None, error.to_string(), true),
+        Err(_) => unread(
+            path,
+            None,
+            "a mistake of ptm-conform's own".to_owned(),
+            true,
+        ),
+    }
+}
+
+/// What every file is judged by.
+struct Judge<'a> {
+    limit: u64,
+    room: &'a Room,
+    readers: &'a [&'a ReaderProfile],
+}
+
+impl Judge<'_> {
+    fn judge(&self, path: &Path) -> io::Result<Lint> {
+        let name = printable(path.as_os_str());
+        let too_long = |bytes: Option<u64>| {
+            let reason = format!("larger than the limit of {} bytes", self.limit);
+            Lint::unread(&name, bytes, Some(reason))
+        };
+        match open(path, self.limit)? {
+            Opened::Other(beginning, bytes) => Ok(Lint::of_other(&name, &beginning, bytes)),
+            Opened::TooLong(bytes) => Ok(too_long(Some(bytes))),
+            Opened::Candidate(ptm) => self.room.with(ptm.room, || {
+                let Some(file) = ptm.read()? else {
+                    return Ok(too_long(None));
+                };
+                let mut lint = Lint::of(&name, &file);
+                lint.readers = readers::predictions(&file, self.readers);
+                Ok(lint)
+            }),
+        }
+    }
+}
+
+fn list_codes(args: &LintArgs) -> CommandResult {
     let listed: Vec<Listed> = ALL
         .iter()
         .map(|code| Listed {
@@ -92,7 +297,7 @@ fn list_codes(args: &LintArgs) -> Outcome {
             severity: code.severity,
             clause: code.clause,
             says: code.says,
-            mend: code.mend,
+            fix: code.fix,
             provoked_by: code.provoked_by,
         })
         .collect();
@@ -107,9 +312,20 @@ fn list_codes(args: &LintArgs) -> Outcome {
     Ok(0)
 }
 
-fn known_code(text: &str) -> Result<String, String> {
-    let known = ALL.iter().any(|code| code.id == text);
-    known
-        .then(|| text.to_owned())
-        .ok_or_else(|| "no such code; `ptm-conform lint --codes` lists them".to_owned())
+/// `PTM-W301=error`
+fn parse_severity(text: &str) -> Result<(String, Severity), String> {
+    let words = [
+        ("error", Severity::Error),
+        ("warning", Severity::Warning),
+        ("info", Severity::Info),
+    ];
+    let pair = text.split_once('=').and_then(|(code, level)| {
+        let severity = words.iter().find(|(word, _)| *word == level)?.1;
+        Some((code.to_owned(), severity))
+    });
+    pair.ok_or_else(|| {
+        format!(
+            "expected a code and error, warning or info, such as PTM-W301=error, found {text:?}"
+        )
+    })
 }

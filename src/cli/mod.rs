@@ -8,17 +8,34 @@ pub mod files;
 
 pub mod output;
 
-#[cfg(unix)]
+mod terminal;
+
+mod names;
+
+#[cfg_attr(not(unix), allow(dead_code))]
 mod arguments;
+
+#[cfg(unix)]
+mod call;
 
 #[cfg(unix)]
 pub mod guard;
 
 #[cfg(unix)]
 mod partial;
+mod progress;
+
+#[cfg(unix)]
+pub mod check_args;
 
 #[cfg(unix)]
 pub mod check;
+
+#[cfg(unix)]
+pub mod check_writer;
+
+#[cfg(unix)]
+mod ending;
 
 #[cfg(unix)]
 mod subject;
@@ -51,12 +68,24 @@ pub mod report;
 pub mod fuzz;
 
 #[cfg(unix)]
+pub mod minimise;
+
+#[cfg(unix)]
 pub mod coverage;
 
 #[cfg(unix)]
 pub mod texture;
 
+#[cfg(unix)]
+pub mod site;
+
 pub mod inspect;
+
+mod collection;
+
+mod readers;
+
+mod lint_rows;
 
 pub mod lint;
 
@@ -71,7 +100,7 @@ pub mod diff;
 pub mod completions;
 
 /// What a subcommand ends with: its exit status, or a sentence for wrong usage.
-pub type Outcome = Result<u8, String>;
+pub type CommandResult = Result<u8, String>;
 
 /// Wrong arguments, or a file that cannot be read or written.
 pub const EXIT_USAGE: u8 = 2;

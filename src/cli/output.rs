@@ -1,4 +1,4 @@
-//! What is shown: words in color where that is wanted, YAML or JSON for other programs, and how far long work has come.
+//! What is printed: text, in color where that is wanted; YAML or JSON for other programs; the progress of long work.
 
 use std::io::Write;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
@@ -8,9 +8,11 @@ use clap::{Args, ValueEnum};
 use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
 
+use ptm_conform::kit::yaml::to_yaml;
+
 /// When to use color.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum Color {
+pub enum ColorWhen {
     /// On a terminal, unless NO_COLOR is set
     Auto,
     /// Always
@@ -31,7 +33,7 @@ pub struct Global {
         hide_possible_values = true,
         help_heading = "Global options"
     )]
-    color: Color,
+    color: ColorWhen,
     /// Print results and errors only: no progress, no notes, no summaries.
     #[arg(short, long, global = true, help_heading = "Global options")]
     quiet: bool,
@@ -42,22 +44,22 @@ pub struct Global {
 pub struct Machine {
     /// Print YAML.
     #[arg(long, conflicts_with = "json")]
-    yaml: bool,
+    pub yaml: bool,
     /// Print JSON.
     #[arg(long)]
-    json: bool,
+    pub json: bool,
 }
 
 static QUIET: AtomicBool = AtomicBool::new(false);
 
 impl Global {
-    /// Puts the options in force for the rest of the run.
+    /// Applies the options to the rest of the run.
     pub fn apply(&self) {
         QUIET.store(self.quiet, Relaxed);
         let choice = match self.color {
-            Color::Auto => anstream::ColorChoice::Auto,
-            Color::Always => anstream::ColorChoice::Always,
-            Color::Never => anstream::ColorChoice::Never,
+            ColorWhen::Auto => anstream::ColorChoice::Auto,
+            ColorWhen::Always => anstream::ColorChoice::Always,
+            ColorWhen::Never => anstream::ColorChoice::Never,
         };
         choice.write_global();
     }
@@ -73,7 +75,7 @@ pub fn print(text: &str) {
     let _ = anstream::stdout().write_all(text.as_bytes());
 }
 
-/// Says on standard error what is wrong; a reader that has gone away is no error.
+/// Prints to standard error what is wrong; a reader that has gone away is no error.
 pub fn complain(text: &str) {
     let _ = writeln!(std::io::stderr(), "{text}");
 }
@@ -86,10 +88,10 @@ pub fn note(text: &str) {
 }
 
 impl Machine {
-    /// Prints `value` as YAML or JSON if either was asked for; else nothing, and says so.
+    /// Prints `value` as YAML or JSON if either was asked for; returns whether it did.
     pub fn print(&self, value: &impl Serialize) -> Result<bool, String> {
         if self.yaml {
-            print(&serde_saphyr::to_string(value).map_err(|error| error.to_string())?);
+            print(&to_yaml(value)?);
         } else if self.json {
             print(
                 &(serde_json::to_string_pretty(value).map_err(|error| error.to_string())? + "\n"),
@@ -99,7 +101,7 @@ impl Machine {
     }
 }
 
-/// How many workers there are to be: as many as the machine runs at a time, unless told.
+/// The number of workers: by default as many as the machine runs at a time.
 pub fn jobs(asked: Option<usize>) -> Result<usize, String> {
     match asked {
         Some(0) => Err("--jobs needs at least 1".to_owned()),
@@ -118,7 +120,19 @@ pub fn progress_bar() -> ProgressBar {
     ProgressBar::new(0).with_style(style)
 }
 
-/// Shows that work goes on of which nobody knows how long it takes.
+/// A bar for files that are counted while the work goes on: as long as its length is not known, it shows how many are done.
+pub fn counting_bar() -> ProgressBar {
+    let bar = match quiet() {
+        true => ProgressBar::hidden(),
+        false => ProgressBar::no_length(),
+    };
+    let style = ProgressStyle::with_template("{pos}/{len} files, {per_sec}, {eta} left")
+        .expect("the template is well-formed");
+    bar.with_style(style)
+}
+
+/// Shows that work goes on whose length is not known.
+#[cfg(unix)]
 pub fn spinner(work: &'static str) -> ProgressBar {
     if quiet() {
         return ProgressBar::hidden();

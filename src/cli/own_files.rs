@@ -4,33 +4,25 @@ use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
-use ptm_conform::harness::files::{FilesReport, check_file};
-use ptm_conform::harness::protocol::View;
-use ptm_conform::harness::run::{Decoder, Request};
-use ptm_conform::harness::scratch::Scratch;
+use ptm_conform::protocol::frame::View;
+use ptm_conform::runner::run::{Decoder, Request};
+use ptm_conform::runner::scratch::Scratch;
+use ptm_conform::session::files::{FilesReport, check_file};
 
 use super::EXIT_NOTHING_SELECTED;
-use super::check::CheckArgs;
 use super::files::write_whole;
+use super::guard::untroubled;
 use super::output::{print, progress_bar, show_progress};
 
-/// `check --files`: no suite, but the files of a directory.
+/// Checks the PTM files of `directory` in the views that are `asked` for, or in all, and writes the `report`.
 pub fn check(
-    args: &CheckArgs,
     directory: &Path,
+    asked: &[String],
+    report: &Path,
     decoder: &Decoder,
     scratch: &Scratch,
 ) -> Result<u8, String> {
-    let named = |error: io::Error| format!("{}: {error}", directory.display());
-    let mut paths: Vec<PathBuf> = fs::read_dir(directory)
-        .map_err(named)?
-        .map(|entry| entry.map(|entry| entry.path()).map_err(named))
-        .collect::<Result<_, _>>()?;
-    paths.retain(|path| {
-        path.extension()
-            .is_some_and(|suffix| suffix.eq_ignore_ascii_case("ptm"))
-    });
-    paths.sort();
+    let paths = maps_in(directory)?;
     if paths.is_empty() {
         super::output::complain(&format!(
             "ptm-conform: no .ptm file in {}",
@@ -44,7 +36,7 @@ pub fn check(
         .collect::<Result<_, _>>()?;
     let views: Vec<View> = views
         .into_iter()
-        .filter(|view| args.views.is_empty() || args.views.iter().any(|asked| asked == view.name()))
+        .filter(|view| asked.is_empty() || asked.iter().any(|asked| asked == view.name()))
         .collect();
     let bar = progress_bar();
     let mut results = Vec::new();
@@ -53,12 +45,29 @@ pub fn check(
         let name = path.file_name().unwrap_or_default().to_string_lossy();
         let ask = |request: &Request<'_>| decoder.ask(request, scratch);
         results.push(check_file(&name, &file, &views, &ask));
+        untroubled(decoder)?;
         show_progress(&bar, i + 1, paths.len());
     }
     bar.finish_and_clear();
-    let report = FilesReport::new(results);
-    write_whole(&args.report, &report.to_yaml()?)?;
-    print(&report.to_text());
-    print(&format!("report: {}\n", args.report.display()));
-    Ok(report.exit_status())
+    let results = FilesReport::new(results);
+    write_whole(report, &results.to_yaml()?)?;
+    print(&results.to_text());
+    print(&format!("report: {}\n", report.display()));
+    Ok(results.exit_status())
+}
+
+/// The PTM files of a directory, by name.
+fn maps_in(directory: &Path) -> Result<Vec<PathBuf>, String> {
+    let named = |error: io::Error| format!("{}: {error}", directory.display());
+    let mut paths: Vec<PathBuf> = fs::read_dir(directory)
+        .map_err(named)?
+        .map(|entry| entry.map(|entry| entry.path()).map_err(named))
+        .collect::<Result<_, _>>()?;
+    let is_ptm = |path: &PathBuf| {
+        let suffix = path.extension();
+        suffix.is_some_and(|suffix| suffix.eq_ignore_ascii_case("ptm"))
+    };
+    paths.retain(is_ptm);
+    paths.sort();
+    Ok(paths)
 }

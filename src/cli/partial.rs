@@ -1,11 +1,11 @@
-//! What has been found so far, for a run that does not come to its end.
+//! The results so far, for a run that does not finish.
 
 use std::fs;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 
-/// What has been found so far, beside the report: a list in YAML, valid after every case.
+/// The results so far, next to the report: a list in YAML, valid after every case.
 pub struct Partial {
     path: PathBuf,
     file: Mutex<fs::File>,

@@ -1,11 +1,13 @@
-//! The reference as a decoder: one-shot, serving, and what it says of itself. No case and no YAML is read here.
+//! The reference as a decoder: one-shot, serve mode, and its capabilities. No case and no YAML is read here.
 
 use std::io::{self, BufRead, Write};
 use std::path::{Path, PathBuf};
 
 use ptm_conform::error::Class;
-use ptm_conform::harness::protocol::{EXIT_MALFORMED, Frame, View, write_view};
+use ptm_conform::protocol::frame::{EXIT_MALFORMED, EXIT_UNSUPPORTED, Frame, View, write_view};
 use ptm_conform::ptm::Format;
+use ptm_conform::writers::reference::{self, NotWritten};
+use ptm_conform::writers::request::RequestHeader;
 
 #[cfg(unix)]
 use super::texture;
@@ -13,21 +15,29 @@ use super::{EXIT_USAGE, files};
 
 /// Decode FILE as the reference does and print the frame: the reference speaking the decoder protocol.
 ///
-/// `reference serve` answers lines "SEQ VIEW PATH" on standard input; `reference capabilities` says what it can do;
-/// `reference texture FILE` answers a question about texture mapping, in JSON.
+/// `reference serve` answers lines "SEQ VIEW PATH" on standard input; `reference capabilities` lists its views and formats;
+/// `reference texture FILE` answers a question about texture mapping, in JSON; `reference write REQUEST OUT` writes the file
+/// that a request of check-writer asks for.
 ///
-/// Exit status: 0, 65 if the file is malformed, 69 if it is not read.
+/// Exit status: 0, 65 if the file is malformed, 69 if it is not supported.
 #[derive(clap::Args)]
 pub struct Args {
-    /// raw, coef or rgb:LU,LV; or serve, capabilities, or texture
+    /// raw, coef or rgb:LU,LV; or serve, capabilities, texture, or write
     view: String,
-    /// A PTM file; for texture, a question in JSON.
+    /// A PTM file; for texture, a question in JSON; for write, a request in JSON.
     file: Option<PathBuf>,
+    /// The file to write; for write only.
+    out: Option<PathBuf>,
 }
 
-/// Does what `args` say, and returns the exit status.
+/// Answers in the way that `args` ask for, and returns the exit status.
 pub fn run(args: &Args) -> u8 {
     match (args.view.as_str(), &args.file) {
+        ("write", Some(request)) => match &args.out {
+            Some(out) => write(request, out),
+            None => usage("write needs a request and the file to write"),
+        },
+        (_, Some(_)) if args.out.is_some() => usage("a view has one file"),
         ("serve", None) => status(serve(io::stdin().lock(), io::stdout().lock())),
         ("capabilities", None) => status(io::stdout().write_all(capabilities().as_bytes())),
         (_, None) => usage("a view needs a file"),
@@ -70,6 +80,32 @@ fn one(view: &View, path: &Path) -> u8 {
             super::output::complain(&format!("{}: {error}", path.display()));
             files::status(&error)
         }
+    }
+}
+
+/// `reference write REQUEST OUT`
+fn write(path: &Path, out: &Path) -> u8 {
+    let refused = |status: i32, says: &str| {
+        super::output::complain(&format!("{}: {says}", path.display()));
+        status as u8
+    };
+    let request = files::read(path)
+        .and_then(|json| RequestHeader::read(&json))
+        .and_then(|header| {
+            let planes = files::read(Path::new(&header.planes))?;
+            header.with_planes(&planes)
+        });
+    let request = match request {
+        Ok(request) => request,
+        Err(error) => return refused(EXIT_MALFORMED, &error),
+    };
+    match reference::written(&request) {
+        Ok(bytes) => match files::write_whole(out, bytes) {
+            Ok(()) => 0,
+            Err(error) => usage(&error),
+        },
+        Err(NotWritten::Impossible(says)) => refused(EXIT_MALFORMED, &says),
+        Err(NotWritten::Unsupported(says)) => refused(EXIT_UNSUPPORTED, &says),
     }
 }
 

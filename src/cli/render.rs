@@ -4,19 +4,19 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::{Outcome, files, output};
-use ptm_conform::tools::anatomy::Anatomy;
+use super::{CommandResult, files, output};
+use ptm_conform::tools::dissection::Dissection;
 use ptm_conform::tools::render::{lit, normals, sheet};
 
 /// Show a map as a PNG: under one light, under many, or its normals.
 ///
-/// A light is LU,LV, its direction projected into the picture: LU to the right, LV up, 0,0 from the zenith. Colors are the
-/// reference's, rounded to the nearest byte.
+/// A light is LU,LV, its direction projected into the picture plane: LU to the right, LV up, 0,0 is the zenith. Colors are
+/// those of the reference, rounded to the nearest byte.
 ///
-/// Exit status: 0, 65 if the file is malformed, 69 if it is not read, 2 wrong usage.
+/// Exit status: 0, 65 if the file is malformed, 69 if it is not supported, 2 usage error.
 #[derive(Args)]
 #[command(
-    after_help = "Examples:\n  ptm-conform render coin.ptm --light 0.5,0.5 -o coin.png\n  ptm-conform render coin.ptm --sheet 7 --cell 200 -o sheet.png\n  ptm-conform render coin.ptm --normals -o normals.png"
+    after_help = "Examples:\n  ptm-conform render coin.ptm --light 0.5,0.5 -o coin.png\n  ptm-conform render coin.ptm --sheet 7 --cell 200 -o sheet.png\n  ptm-conform render coin.ptm --normals -o normals.png\n  ptm-conform render tiny.ptm --zoom 32 -o tiny.png"
 )]
 pub struct RenderArgs {
     /// A PTM file.
@@ -24,21 +24,27 @@ pub struct RenderArgs {
     /// One picture under this light.
     #[arg(long, value_name = "LU,LV", value_parser = parse_light, allow_hyphen_values = true, default_value = "0,0")]
     light: (f64, f64),
-    /// A sheet of N x N pictures, the light wandering over the hemisphere; 5 unless told.
+    /// A sheet of N x N pictures, by default 5 x 5, lit from all over the hemisphere.
     #[arg(long, value_name = "N", num_args = 0..=1, default_missing_value = "5", conflicts_with_all = ["light", "normals"], value_parser = clap::value_parser!(u8).range(1..=25))]
     sheet: Option<u8>,
-    /// The longest side of a picture on the sheet; larger maps are made smaller.
+    /// The longest side of a picture on the sheet; larger maps are scaled down.
     #[arg(long, value_name = "PIXELS", default_value_t = 256, requires = "sheet", value_parser = clap::value_parser!(u16).range(1..))]
     cell: u16,
-    /// The normals as colors: towards the brightest light; x, y and z from -1 to 1 as 0 to 255, x to the right, y up.
+    /// The normals as colors, each pointing to its brightest light; x, y and z from -1 to 1 as 0 to 255, x to the right, y up.
     #[arg(long, conflicts_with = "light")]
     normals: bool,
+    /// Show every texel as a square of N x N pixels.
+    #[arg(long, value_name = "N", default_value_t = 1, conflicts_with = "sheet", value_parser = clap::value_parser!(u16).range(1..))]
+    zoom: u16,
     /// Where to write the PNG.
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
 }
 
-pub fn run(args: &RenderArgs) -> Outcome {
+/// The longest side of a map that is hard to see.
+const SMALL: usize = 32;
+
+pub fn run(args: &RenderArgs) -> CommandResult {
     if !args
         .output
         .extension()
@@ -50,8 +56,8 @@ pub fn run(args: &RenderArgs) -> Outcome {
         ));
     }
     let file = files::read(&args.file)?;
-    let anatomy = Anatomy::of(&file);
-    let ptm = match files::map(&args.file, &anatomy) {
+    let dissection = Dissection::of(&file);
+    let ptm = match files::map(&args.file, &dissection) {
         Ok(ptm) => ptm,
         Err(status) => return Ok(status),
     };
@@ -63,15 +69,25 @@ pub fn run(args: &RenderArgs) -> Outcome {
         (None, true, _) => (normals(ptm), "normals, x to the right, y up".to_owned()),
         (None, false, (lu, lv)) => (lit(ptm, lu, lv), format!("light {lu},{lv}")),
     };
+    let small = args.sheet.is_none() && args.zoom == 1 && image.width.max(image.height) <= SMALL;
+    let image = match args.zoom {
+        1 => image,
+        zoom => image.enlarged(zoom.into())?,
+    };
     files::write_whole(
         &args.output,
         image.to_png(&format!("{}: {what}", ptm.header.format))?,
     )?;
     output::note(&format!(
-        "{}: {what}, {} x {} pixels\n",
+        "{}: {what}, {} x {} pixels{}\n",
         args.output.display(),
         image.width,
-        image.height
+        image.height,
+        if small {
+            "; --zoom 32 enlarges them"
+        } else {
+            ""
+        }
     ));
     Ok(0)
 }

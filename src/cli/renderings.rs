@@ -7,10 +7,13 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
-use ptm_conform::harness::cases::Suite;
-use ptm_conform::harness::check::Run;
-use ptm_conform::harness::report::Report;
-use ptm_conform::harness::{github, html, junit};
+use ptm_conform::report::Report;
+use ptm_conform::report::github;
+use ptm_conform::report::html;
+use ptm_conform::report::junit;
+use ptm_conform::report::reported::Reported;
+use ptm_conform::session::run::Run;
+use ptm_conform::suite::cases::Suite;
 
 /// Other forms of the report.
 #[derive(Args)]
@@ -21,20 +24,22 @@ pub struct RenderingArgs {
     /// Also write the report as `JUnit` XML.
     #[arg(long, value_name = "FILE")]
     junit: Option<PathBuf>,
+    /// Write the report as JSON, too.
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
     /// Print GitHub annotations, and append the job's summary to the file named by `GITHUB_STEP_SUMMARY`.
     #[arg(long)]
     github: bool,
 }
 
 impl RenderingArgs {
-    /// Whether any is asked for.
-    pub fn any(&self) -> bool {
-        self.html.is_some() || self.junit.is_some() || self.github
-    }
-
     /// The files that are asked for.
     pub fn files(&self) -> impl Iterator<Item = &Path> {
-        self.html.iter().chain(&self.junit).map(PathBuf::as_path)
+        self.html
+            .iter()
+            .chain(&self.junit)
+            .chain(&self.json)
+            .map(PathBuf::as_path)
     }
 
     /// What may be printed of a decoder's own words: on GitHub, nothing that its runner takes for a command.
@@ -47,7 +52,12 @@ impl RenderingArgs {
     }
 
     /// Writes those that are asked for.
-    pub fn write(&self, suite: &Suite, report: &Report, run: &Run) -> Result<(), String> {
+    pub fn write<C: Reported>(
+        &self,
+        suite: &Suite<C>,
+        report: &Report,
+        run: &Run<C>,
+    ) -> Result<(), String> {
         if let Some(path) = &self.html {
             super::files::write_whole(path, &html::page(suite, report, Some(run))?)?;
             super::output::print(&format!("page: {}\n", path.display()));
@@ -55,11 +65,17 @@ impl RenderingArgs {
         if let Some(path) = &self.junit {
             super::files::write_whole(path, &junit::junit(report)?)?;
         }
+        if let Some(path) = &self.json {
+            super::files::write_whole(
+                path,
+                serde_json::to_string(report).map_err(|error| error.to_string())?,
+            )?;
+        }
         if self.github {
             super::output::print(&github::annotations(report));
             let summary = std::env::var_os("GITHUB_STEP_SUMMARY").filter(|path| !path.is_empty());
             if let Some(path) = summary {
-                append(&path, &github::summary(suite, report))?;
+                append(&path, &github::summary(report, suite.cases.len()))?;
             }
         }
         Ok(())

@@ -4,12 +4,20 @@ use std::path::PathBuf;
 
 use clap::{Args, Subcommand};
 
+use super::ending::Ending;
 use super::known_failures::KnownFailureArgs;
 use super::renderings::RenderingArgs;
-use ptm_conform::harness::cases::Suite;
-use ptm_conform::harness::merge::Answers;
-use ptm_conform::harness::report::Report;
-use ptm_conform::harness::{badge, github, html, junit};
+use ptm_conform::report::Report;
+use ptm_conform::report::badge;
+use ptm_conform::report::document::SuiteName;
+use ptm_conform::report::github;
+use ptm_conform::report::html;
+use ptm_conform::report::junit;
+use ptm_conform::report::merge::KeptAnswers;
+use ptm_conform::report::reported::Reported;
+use ptm_conform::suite::cases::{Case, Suite};
+use ptm_conform::suite::texture::cases::TextureCase;
+use ptm_conform::writers::cases::WriterCase;
 
 /// Read reports that check has written.
 #[derive(Args)]
@@ -50,8 +58,8 @@ enum ReportCommand {
     Markdown(Made),
     /// Say exactly what changed from one report to another.
     ///
-    /// Cases that began to fail, were mended, changed their outcome, say something else, appeared or vanished; and the
-    /// decoder, its scores, dialect and diagnoses.
+    /// Cases that began to fail, were fixed, changed their outcome, have other details, appeared or vanished; and the
+    /// decoder, its scores, dialect and diagnoses. Where many cases changed, they are grouped by cause and clause.
     ///
     /// Exit status: 0 the reports are equal, 1 they differ, 2 one of them cannot be read.
     Diff {
@@ -59,6 +67,9 @@ enum ReportCommand {
         old: PathBuf,
         /// The report after.
         new: PathBuf,
+        /// Say of every changed case what changed.
+        #[arg(long)]
+        cases: bool,
     },
     Merge(MergeArgs),
 }
@@ -94,7 +105,7 @@ struct MergeArgs {
 struct Made {
     /// The report.
     file: PathBuf,
-    /// Where to write; standard output unless told.
+    /// Where to write; standard output by default.
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
 }
@@ -116,27 +127,26 @@ pub fn run(args: &ReportArgs) -> Result<u8, String> {
     match &args.command {
         ReportCommand::Show { file, cases, show } => {
             let report = Report::read(file)?;
-            let suite = Suite::load()?;
-            if cases.is_empty() {
-                super::output::print(&printable(&report.to_text(&suite, *show)));
-                return Ok(0);
+            match report.suite {
+                SuiteName::Ptm => show_report::<Case>(&report, cases, *show),
+                SuiteName::Texture => show_report::<TextureCase>(&report, cases, *show),
+                SuiteName::Writers => show_report::<WriterCase>(&report, cases, *show),
             }
-            let globs = super::arguments::globs(cases)?;
-            let text = report.cases_to_text(&suite, |id| globs.iter().any(|glob| glob.matches(id)));
-            if text.is_empty() {
-                super::output::complain("ptm-conform: no case of the report matches");
-                return Ok(super::EXIT_NOTHING_SELECTED);
-            }
-            super::output::print(&printable(&text));
-            Ok(0)
         }
-        ReportCommand::Merge(args) => merge(args),
+        ReportCommand::Merge(args) => {
+            // Parts of one run are of one suite, which the first tells.
+            match Report::read(&args.parts[0]).map(|report| report.suite) {
+                Ok(SuiteName::Texture) => merge::<TextureCase>(args),
+                _ => merge::<Case>(args),
+            }
+        }
         ReportCommand::Html { files, output } => {
             let reports = files.iter().map(|file| Report::read(file));
             let reports: Vec<Report> = reports.collect::<Result<_, _>>()?;
-            let page = match &reports[..] {
-                [report] => html::page(&Suite::load()?, report, None)?,
-                reports => html::matrix(reports)?,
+            let page = match reports[0].suite {
+                SuiteName::Ptm => html_page::<Case>(&reports)?,
+                SuiteName::Texture => html_page::<TextureCase>(&reports)?,
+                SuiteName::Writers => html_page::<WriterCase>(&reports)?,
             };
             super::files::write_whole(output, &page)?;
             Ok(0)
@@ -145,39 +155,65 @@ pub fn run(args: &ReportArgs) -> Result<u8, String> {
         ReportCommand::Badge(made) => made.write(&badge::badge(&Report::read(&made.file)?)),
         ReportCommand::Markdown(made) => {
             let report = Report::read(&made.file)?;
-            made.write(&github::summary(&Suite::load()?, &report))
+            let all = match report.suite {
+                SuiteName::Ptm => Suite::load()?.cases.len(),
+                SuiteName::Texture => Suite::of_textures()?.cases.len(),
+                SuiteName::Writers => Suite::of_requests()?.cases.len(),
+            };
+            made.write(&github::summary(&report, all))
         }
-        ReportCommand::Diff { old, new } => {
-            let changes = Report::read(old)?.changes_to(&Report::read(new)?);
-            super::output::print(&printable(&changes));
-            Ok(if changes.is_empty() {
-                0
-            } else {
-                EXIT_DIFFERENT
+        ReportCommand::Diff { old, new, cases } => {
+            let changes = Report::read(old)?.changes_to(&Report::read(new)?, *cases);
+            super::terminal::show(&printable(&changes));
+            Ok(match changes.is_empty() {
+                true => 0,
+                false => EXIT_DIFFERENT,
             })
         }
     }
 }
 
-fn merge(args: &MergeArgs) -> Result<u8, String> {
-    let suite = Suite::load()?;
-    let known = args.known.read(&suite)?;
-    let answers = Answers::read(&suite, &args.parts)?;
+fn show_report<C: Reported>(report: &Report, cases: &[String], show: usize) -> Result<u8, String> {
+    let suite = C::suite()?;
+    if cases.is_empty() {
+        super::terminal::show(&printable(&report.to_text(&suite, show)));
+        return Ok(0);
+    }
+    let globs = super::arguments::globs(cases)?;
+    let text = report.cases_to_text(&suite, |id| globs.iter().any(|glob| glob.matches(id)));
+    if text.is_empty() {
+        super::output::complain("ptm-conform: no case of the report matches");
+        return Ok(super::EXIT_NOTHING_SELECTED);
+    }
+    super::terminal::show(&printable(&text));
+    Ok(0)
+}
+
+fn html_page<C: Reported>(reports: &[Report]) -> Result<String, String> {
+    let suite = C::suite()?;
+    match reports {
+        [report] => html::page(&suite, report, None),
+        reports => html::matrix(reports, &C::all_clauses()?, suite.cases.len()),
+    }
+}
+
+fn merge<C: Reported>(args: &MergeArgs) -> Result<u8, String> {
+    let suite = C::suite()?;
+    let ending = Ending {
+        path: &args.report,
+        show: args.show,
+        renderings: &args.renderings,
+        args: &args.known,
+        known: args.known.read(&suite)?,
+    };
+    let answers = KeptAnswers::read(&suite, &args.parts)?;
     let bar = super::output::progress_bar();
     let merged = answers.merge(&suite, super::output::jobs(None)?, &|_, _, done, all| {
         super::output::show_progress(&bar, done, all);
     });
     bar.finish_and_clear();
     let (run, report) = merged?;
-    super::check::finish(
-        &suite,
-        &run,
-        report,
-        &args.report,
-        args.show,
-        (&args.known, known.as_ref()),
-        &args.renderings,
-    )
+    ending.finish(&suite, &run, report)
 }
 
 /// What may be shown on a terminal, whoever wrote the report: control characters but line feeds and tabs are escaped.

@@ -1,15 +1,18 @@
-//! Who is checked: a decoder, this program, a program that a template calls, or answers made elsewhere.
+//! Who is checked: a decoder, this program, a program that a template calls, or precomputed answers.
 
 use std::ffi::OsString;
 use std::path::Path;
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 
-use ptm_conform::harness::cases::{Expect, Suite};
-use ptm_conform::harness::outputs::Outputs;
-use ptm_conform::harness::protocol::Answer;
-use ptm_conform::harness::run::{Decoder, Reply, Request};
-use ptm_conform::harness::template::Template;
+use ptm_conform::protocol::frame::Answer;
+use ptm_conform::runner::caller::Caller;
+use ptm_conform::runner::run::{Decoder, Reply, Request};
+use ptm_conform::runner::template::Template;
+use ptm_conform::session::outputs::Outputs;
+use ptm_conform::suite::cases::{Expect, Suite};
 
-use super::check::CheckArgs;
+use super::check_args::CheckArgs;
 
 /// Who is checked, and what of the suite can be asked.
 pub struct Subject {
@@ -19,7 +22,7 @@ pub struct Subject {
     pub words: Vec<String>,
     /// The views to ask for; all that it offers if empty.
     pub views: Vec<&'static str>,
-    /// Why a case is not asked, a place for each case; empty if all are.
+    /// Why a case is not asked, an entry for each case; empty if all are.
     pub withheld: Vec<Option<String>>,
 }
 
@@ -27,8 +30,10 @@ pub struct Subject {
 pub enum Answers {
     /// A program.
     Program(Decoder),
-    /// Somebody has, before.
-    Made(Outputs),
+    /// Files that hold the answers.
+    Precomputed(Outputs),
+    /// A function of the process that started this one.
+    Caller(Caller),
 }
 
 impl Subject {
@@ -36,13 +41,13 @@ impl Subject {
     pub fn program(&self) -> Option<&Decoder> {
         match &self.answers {
             Answers::Program(decoder) => Some(decoder),
-            Answers::Made(_) => None,
+            Answers::Precomputed(_) | Answers::Caller(_) => None,
         }
     }
 
     /// What a reply means of this program.
     pub fn understand(&self, suite: &Suite, request: &Request, mut reply: Reply) -> Reply {
-        // Nobody owes every spelling of a table; where refusals cannot be told from breakdowns, this is one.
+        // No decoder has to read every spelling of a table; where a refusal looks like a crash, this is one.
         let one_of_several = || {
             suite
                 .case(request.name)
@@ -58,11 +63,22 @@ impl Subject {
     }
 
     /// What the command line names.
-    pub fn of(args: &CheckArgs, suite: &Suite) -> Result<Subject, String> {
+    pub fn of(args: &CheckArgs, suite: &Suite, stop: &Arc<AtomicBool>) -> Result<Subject, String> {
         let views = ["raw", "coef", "rgb"]
             .into_iter()
             .filter(|view| args.views.iter().any(|asked| asked == view))
             .collect();
+        if let Some(socket) = &args.caller {
+            let caller = Caller::connect(socket, stop);
+            return Ok(Subject {
+                answers: Answers::Caller(
+                    caller.map_err(|error| format!("{}: {error}", socket.display()))?,
+                ),
+                words: vec!["a function of the caller".to_owned()],
+                views,
+                withheld: Vec::new(),
+            });
+        }
         match (&args.cmd, &args.outputs) {
             (Some(text), _) => Subject::of_template(text, views, args.reject_exit, suite),
             (None, Some(directory)) => Subject::of_outputs(directory, suite),
@@ -98,7 +114,7 @@ impl Subject {
             ],
             views: vec![outputs.view],
             withheld: outputs.withheld(suite),
-            answers: Answers::Made(outputs),
+            answers: Answers::Precomputed(outputs),
         })
     }
 

@@ -5,17 +5,14 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, Subcommand};
 
-use ptm_conform::harness::run::Decoder;
-use ptm_conform::harness::scratch::Scratch;
-use ptm_conform::harness::texture::cases::{self, Suite};
-use ptm_conform::harness::texture::check::{Plan, Run, ask_program, check};
-use ptm_conform::harness::texture::diagnose::diagnose;
-use ptm_conform::harness::texture::judge::Finding;
-use ptm_conform::harness::texture::misreadings;
-use ptm_conform::harness::texture::question::{EntryGiven, Question};
-use ptm_conform::harness::texture::report;
-use ptm_conform::harness::texture::verify::verify;
-use ptm_conform::texture::{Rounding, Rules, Scene, Shape, TextureMap, picture};
+use ptm_conform::kit::yaml::from_yaml;
+use ptm_conform::misreadings::texture as misreadings;
+use ptm_conform::suite::cases::Suite;
+use ptm_conform::suite::clauses::{Clause, Ruling};
+use ptm_conform::suite::texture::cases::{self, TextureCase};
+use ptm_conform::suite::texture::question::{EntryGiven, Question};
+use ptm_conform::suite::texture::verify::verify;
+use ptm_conform::texture::{Preview, PreviewShape, Rounding, Rules, TextureMap, preview};
 use ptm_conform::tools::render::Image;
 
 use super::files::{self, write_whole};
@@ -194,144 +191,84 @@ pub fn answer(file: &Path) -> u8 {
     }
 }
 
-/// What `check --suite texture` needs to know.
-pub struct Check<'a> {
-    pub decoder: &'a Decoder,
-    pub command: &'a [String],
-    pub scratch: &'a Scratch,
-    pub jobs: usize,
-    pub report: &'a Path,
-    pub limits: Vec<String>,
-    pub show: usize,
-    /// Whether a case of that id, about these requirements, is selected.
-    pub selects: &'a dyn Fn(&str, &[String]) -> bool,
-}
-
-/// `ptm-conform check --suite texture …`
-pub fn run_check(
-    args: Check<'_>,
-    progress: &(impl Fn(&str, &Finding, usize, usize) + Sync),
-) -> Result<u8, String> {
-    let suite = Suite::load()?;
-    let selected: Vec<bool> = suite
-        .cases
-        .iter()
-        .map(|case| (args.selects)(&case.id, &case.clauses))
-        .collect();
-    if !selected.contains(&true) {
-        super::output::complain("ptm-conform: no case matches");
-        return Ok(EXIT_NOTHING_SELECTED);
-    }
-    let plan = Plan {
-        selected,
-        jobs: args.jobs,
-        stop: args.decoder.stop.clone(),
-    };
-    let run: Run = check(
-        &suite,
-        &plan,
-        &|case, patience| ask_program(args.decoder, case, patience, args.scratch),
-        &|case, finding, done, all| progress(&case.id, finding, done, all),
-    );
-    let words: Vec<String> = args
-        .command
-        .iter()
-        .map(|word| base_name(Path::new(word)))
-        .collect();
-    let diagnoses = diagnose(&suite, &run);
-    let report = report::report(&suite, &run, &diagnoses, words.join(" "), args.limits);
-    write_whole(args.report, &report.to_yaml()?)?;
-    print(&report::to_text(&report, &suite, args.show));
-    print(&format!("report: {}\n", args.report.display()));
-    Ok(run.exit_status())
-}
-
-/// A word of a command without its directories.
-fn base_name(word: &Path) -> String {
-    let name = word.file_name().unwrap_or(word.as_os_str());
-    name.to_string_lossy().into_owned()
-}
-
 /// What is known of texture mapping under that id.
 pub fn explain(id: &str) -> Result<String, String> {
-    let suite = Suite::load()?;
-    let mut text = String::new();
-    if let Some(case) = suite.case(id) {
-        let _ = writeln!(
-            text,
-            "case {} ({}): {}\n  question: {}\n  expected: {}",
-            case.id,
-            case.clauses.join(", "),
-            case.because,
-            case.question(),
-            case.expect
-        );
-        for also in &case.also {
-            let _ = writeln!(text, "  read as {}: {}", also.reading, also.expect);
-        }
-        if let Some(ruling) = &case.ruling {
-            let _ = writeln!(text, "  ruling: {ruling}");
-        }
-    }
+    let suite = Suite::of_textures()?;
+    let mut text = suite.case(id).map(explain_case).unwrap_or_default();
     for clause in cases::clauses()? {
-        if clause.id == id
-            || clause
-                .id
-                .strip_prefix(id)
-                .is_some_and(|rest| rest.starts_with('-'))
-        {
-            let about = |case: &&cases::Case| case.clauses.contains(&clause.id);
-            let about: Vec<&str> = suite
-                .cases
-                .iter()
-                .filter(about)
-                .map(|case| case.id.as_str())
-                .collect();
-            let why = clause
-                .why
-                .map(|why| format!(" Not tested: {why}."))
-                .unwrap_or_default();
-            let ruling = clause
-                .ruling
-                .map(|id| format!(" Ruling: {id}."))
-                .unwrap_or_default();
-            let _ = writeln!(
-                text,
-                "requirement {}: {}{ruling}{why}\n  cases: {}",
-                clause.id,
-                clause.rule,
-                about.join(", ")
-            );
+        let rest = clause.id.strip_prefix(id);
+        if rest.is_some_and(|rest| rest.is_empty() || rest.starts_with('-')) {
+            text += &explain_clause(&clause, &suite);
         }
     }
     for ruling in cases::rulings()?.iter().filter(|ruling| ruling.id == id) {
-        let _ = writeln!(
-            text,
-            "ruling {} ({}), requirements {}\n  {}\n  reading: {}",
-            ruling.id,
-            ruling.kind.name(),
-            ruling.clauses.join(", "),
-            ruling.question.trim(),
-            ruling.reading.trim()
-        );
-        for also in &ruling.also {
-            let _ = writeln!(text, "  also right: {also}");
-        }
-        let _ = writeln!(text, "  evidence: {}", ruling.evidence.trim());
+        text += &explain_ruling(ruling);
     }
     if let Some(misreading) = misreadings::named(id) {
         let _ = writeln!(
             text,
-            "misreading {} of requirement {}: the decoder {}.\n  To mend it: {}.",
-            misreading.slug, misreading.clause, misreading.effect, misreading.mend
+            "misreading {} of requirement {}: the decoder {}.\n  Fix: {}.",
+            misreading.slug, misreading.clause, misreading.effect, misreading.fix
         );
     }
     Ok(text)
 }
 
+fn explain_case(case: &TextureCase) -> String {
+    let mut text = format!(
+        "case {} ({}): {}\n  question: {}\n  expected: {}\n",
+        case.id,
+        case.clauses.join(", "),
+        case.because,
+        case.question(),
+        case.expect
+    );
+    for also in &case.also {
+        let _ = writeln!(text, "  read as {}: {}", also.reading, also.expect);
+    }
+    if let Some(ruling) = &case.ruling {
+        let _ = writeln!(text, "  ruling: {ruling}");
+    }
+    text
+}
+
+fn explain_clause(clause: &Clause, suite: &Suite<TextureCase>) -> String {
+    let about = suite.cases.iter();
+    let about = about.filter(|case| case.clauses.contains(&clause.id));
+    let about: Vec<&str> = about.map(|case| case.id.as_str()).collect();
+    let why = clause.why.as_ref();
+    let why = why.map(|why| format!(" Not tested: {why}."));
+    let ruling = clause.ruling.as_ref();
+    let ruling = ruling.map(|id| format!(" Ruling: {id}."));
+    format!(
+        "requirement {}: {}{}{}\n  cases: {}\n",
+        clause.id,
+        clause.rule,
+        ruling.unwrap_or_default(),
+        why.unwrap_or_default(),
+        about.join(", ")
+    )
+}
+
+fn explain_ruling(ruling: &Ruling) -> String {
+    let mut text = format!(
+        "ruling {} ({}), requirements {}\n  {}\n  reading: {}\n",
+        ruling.id,
+        ruling.kind.name(),
+        ruling.clauses.join(", "),
+        ruling.question.trim(),
+        ruling.reading.trim()
+    );
+    for also in &ruling.also {
+        let _ = writeln!(text, "  also right: {also}");
+    }
+    let _ = writeln!(text, "  evidence: {}", ruling.evidence.trim());
+    text
+}
+
 fn run_render(args: &RenderArgs) -> Result<u8, String> {
     let mut fields: serde_json::Value =
-        serde_saphyr::from_str(&args.entry).map_err(|error| format!("--entry: {error}"))?;
+        from_yaml(&args.entry).map_err(|error| format!("--entry: {error}"))?;
     if let Some(fields) = fields.as_object_mut() {
         for (name, value) in [
             ("parameterization", "FloatData"),
@@ -347,11 +284,11 @@ fn run_render(args: &RenderArgs) -> Result<u8, String> {
         None => TextureMap::checkerboard(&Rules::SPEC),
         Some(path) => ptm_map(path, args.ptm_light)?,
     };
-    let scene = Scene {
+    let scene = Preview {
         shape: if args.shape == "sphere" {
-            Shape::Sphere
+            PreviewShape::Sphere
         } else {
-            Shape::Plane
+            PreviewShape::Plane
         },
         map: if args.mipmap {
             map.with_box_levels()
@@ -363,7 +300,7 @@ fn run_render(args: &RenderArgs) -> Result<u8, String> {
         color: args.surface_color,
         around: args.around,
     };
-    let drawn = picture(&scene, args.size as usize, &Rules::SPEC)
+    let drawn = preview(&scene, args.size as usize, &Rules::SPEC)
         .map_err(|error| format!("such coordinates cannot be drawn: {error}"))?;
     let image = Image {
         width: drawn.side,

@@ -45,13 +45,13 @@ impl ByHand {
     pub fn stream(&mut self, plane: usize, samples: &[u8]) {
         let Size { width, height } = self.size;
         let encoded = if jpeg(self.format) {
-            jpeg::encode(samples, width, height, &jpeg::Options::new(100))
+            jpeg::encode(samples, width, height, &jpeg::JpegOptions::new(100))
         } else {
             jpeg_ls::encode(
                 samples,
                 width,
                 height,
-                &jpeg_ls::Options {
+                &jpeg_ls::JpegLsOptions {
                     near: 0,
                     presets: None,
                 },

@@ -2,17 +2,27 @@
 //!
 //! Sixteen floating point numbers (clause 2.6/2) after the biases, columns first as OpenGL loads them (clause 2.6/3).
 //!
+//! ```text
+//! the numbers of the file     e0 e1 e2 e3   e4 e5 e6 e7   e8 e9 e10 e11   e12 e13 e14 e15
+//! red                         e0 · Y + e4 · Cr + e8 · Cb + e12
+//! green                       e1 · Y + e5 · Cr + e9 · Cb + e13
+//! blue                        e2 · Y + e6 · Cr + e10 · Cb + e14
+//! ```
+//!
 //! Format notes
 //! - On one line; other splits into lines are read too (ruling `lum-layout`).
 //! - The last row, elements 3, 7, 11 and 15, is printed as 0 0 0 1 and is not looked at (ruling `lum-last-row`).
+//! - No LUM file by the authors is known. What the matrix multiplies, how its numbers lie and what range the values have are
+//!   three choices (rulings `lum-vector`, `lum-major`, `lum-range`).
 
-use super::Input;
 use crate::error::Result;
+use crate::input::Input;
 use crate::ptm::ColorMatrix;
 
 pub(super) fn read(input: &mut Input) -> Result<ColorMatrix> {
     let mut elements = [0.0; 16];
     for (i, element) in elements.iter_mut().enumerate() {
+        // lum-layout: sixteen on a line, or any other split.
         if i > 0 {
             input.gap_or_line_end("2.6/2")?;
         }

@@ -4,100 +4,66 @@
 //! motion vectors (all x, then all y), the order, the references, the sizes of the streams and the sizes of their side
 //! information. A list has a number for each plane, 18 or 9 (clause 2.9/3); the planes follow (§2.9.8).
 //!
+//! ```text
+//! 90                              the encoder's quality                                        §2.9.1
+//! 0 1 0 0 0 0 2 0 0               plane 1 inverts its reference, plane 6 displaces it          §2.9.2
+//! 0 0 0 0 0 0 3 0 0               by 3 half texels along x                                     §2.9.3
+//! 0 0 0 0 0 0 -2 0 0              and by −2 half texels, one texel, along y
+//! 1 2 0 0 0 0 1 0 0               decoded in the order 2 3 4 5 7 8, 0 6, 1                     §2.9.4
+//! 5 0 -1 -1 -1 -1 7 -1 -1         plane 0 is predicted from plane 5, 1 from 0, 6 from 7        §2.9.5
+//! 812 640 655 702 688 690 …       the bytes of each stream                                     §2.9.6
+//! 0 5 0 0 0 0 0 0 0               plane 1 has one record of side information                   §2.9.7
+//! ```
+//!
 //! Format notes
 //! - The text does not say where lines end. The one real file has a line for each list and two for the motion vectors;
 //!   any other split into lines is read as well (clause 2.9/2, ruling `list-layout`).
 //! - A number of the order list is a *rank*: it stands at the plane, not at the step (ruling `order`). Two planes of one
 //!   rank, gaps between ranks and a missing rank 0 do no harm as long as every reference ranks lower (clause 2.9.4/3,
 //!   ruling `ranks`).
-//! - The parameter is for the encoder (clause 2.9.1/2). A stream knows its own quality or loss, and what it says counts.
+//! - The parameter is for the encoder (clause 2.9.1/2). A stream carries its own quantization tables or its own NEAR, and these count.
+//! - The lists stand in plane order, all of them, whatever the order of decoding; so do the planes (clause 2.9.8/1).
+//! - A reference counts planes from 0, and 0 is a plane: only −1 means that there is no reference (clause 2.9.5/2).
+//! - Transform and vector stand at the plane that is predicted, not at its reference; those of an intra coded plane mean
+//!   nothing (ruling `prediction`).
 //! - A side information size of 0 is no side information at all (clause 2.9.7/2), and that is an empty block here.
 
 use std::ops::Range;
 
-use super::stored::Part;
-use super::{Header, Input, Limits, planes};
+use super::channels::Channels;
+use super::planes;
+// What the streams hold is the same, read one after another or on all threads; the second is sooner.
+#[cfg(not(feature = "parallel"))]
+use super::planes::residuals;
+#[cfg(feature = "parallel")]
+use super::threads::residuals;
 use crate::error::{Error, Kind, Result};
-use crate::ptm::Format;
+use crate::input::Input;
+use crate::parts::{Extent, Number, Plan, RawLists, Step};
+use crate::ptm::{Format, Header, Limits};
 use crate::reading::Reading;
 
-/// The numbers of 2.9.1–2.9.7 as they stand in the file.
-#[derive(Clone, Debug)]
-pub struct RawLists {
-    /// JPEG or JPEG-LS, and how many planes there are.
-    pub format: Format,
-    /// 2.9.1: what the encoder was told.
-    pub parameter: Number,
-    /// 2.9.2: for each plane, what is done to its reference.
-    pub transforms: Vec<Number>,
-    /// 2.9.3: for each plane a displacement along x; then for each plane one along y.
-    pub motion: Vec<Number>,
-    /// 2.9.4: for each plane, its rank.
-    pub order: Vec<Number>,
-    /// 2.9.5: for each plane, the plane it is predicted from.
-    pub references: Vec<Number>,
-    /// 2.9.6: for each plane, the bytes of its stream.
-    pub sizes: Vec<Number>,
-    /// 2.9.7: for each plane, the bytes of its side information.
-    pub side_sizes: Vec<Number>,
-}
-
-/// A number and the byte of the file where it stands.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Number {
-    /// The number.
-    pub value: i64,
-    /// Where it stands.
-    pub at: usize,
-}
-
-/// What the lists say to do. A plan that exists can be carried out: references exist and come first, sizes count bytes.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Plan {
-    /// The compression parameter.
-    pub parameter: i64,
-    /// How each plane is made of its residuals; by plane.
-    pub steps: Vec<Step>,
-    /// The planes in the order in which they are decoded.
-    pub sequence: Vec<usize>,
-    /// Where each plane lies, counted from the first byte after the lists; by plane.
-    pub extents: Vec<Extent>,
-}
-
-/// How a plane is predicted.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Step {
-    /// The plane it is predicted from, or nothing for an intra coded plane.
-    pub reference: Option<usize>,
-    /// Whether the reference is inverted first.
-    pub inverted: bool,
-    /// Whether the reference is displaced first.
-    pub moved: bool,
-    /// By how much, along x and y, in half texels.
-    pub motion: (i64, i64),
-}
-
-/// Where a plane lies.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Extent {
-    /// Its stream.
-    pub stream: Range<usize>,
-    /// Its side information.
-    pub side: Range<usize>,
-}
-
+#[expect(
+    clippy::trivially_copy_pass_by_ref,
+    reason = "limits and headers are passed by reference whatever their size"
+)]
 pub(super) fn read(
     header: &Header,
     input: &mut Input,
     reading: &Reading,
     limits: &Limits,
-) -> Result<Vec<Part<'static>>> {
-    let lists = read_lists(header.format, input)?; // §2.9.1 – 2.9.7
-    let plan = (reading.plan)(&lists)?; //            what they say to do
-    planes::read(header, &plan, input, reading, limits) // §2.9.8
+) -> Result<Vec<Channels<'static>>> {
+    let lists = read_lists(header.format, input)?; //                    §2.9.1 – 2.9.7
+    let plan = (reading.plan)(&lists)?; //                               what they say to do
+    let coded = planes::take(header, &plan, input, limits)?; //          §2.9.8: the bytes of all planes,
+    let residuals = residuals(&coded, reading)?; //                      what their streams hold,
+    let planes = (reading.reconstruct)(&coded, residuals, reading)?; //  the planes, predicted and corrected
+    Ok(planes::channels(planes))
 }
 
+/// The parameter and the seven lists in the order of the file (clause 2.9/1).
 fn read_lists(format: Format, input: &mut Input) -> Result<RawLists> {
+    // Clause 2.9/3: a number for each plane, 18 or 9; motion has two.
     let planes = format.channels();
     let parameter = number(input, "2.9.1/1", "a compression parameter")?;
     let mut list = |clause, name, count| -> Result<Vec<Number>> {
@@ -122,6 +88,7 @@ fn read_lists(format: Format, input: &mut Input) -> Result<RawLists> {
     Ok(lists)
 }
 
+/// One number of a list. Where it stands is kept, because what is wrong with it may show only beside other lists.
 fn number(input: &mut Input, clause: &'static str, name: &'static str) -> Result<Number> {
     let at = input.at();
     Ok(Number {
@@ -165,6 +132,7 @@ fn step(lists: &RawLists, plane: usize) -> Result<Step> {
     // Bits of one number (clause 2.9.2/2).
     Ok(Step {
         reference: reference(lists, plane)?,
+        // An unset bit leaves the reference as it is, a vector beside it or not.
         inverted: transform.value & 1 != 0, // clause 2.9.2/3
         moved: transform.value & 2 != 0,    // clause 2.9.2/4
         motion: (
@@ -231,7 +199,8 @@ fn extents(lists: &RawLists) -> Result<Vec<Extent>> {
     lists.sizes.iter().zip(&lists.side_sizes).map(one).collect()
 }
 
-#[cfg(all(test, feature = "generate"))]
+#[cfg(feature = "generate")]
+#[cfg(test)]
 mod tests {
     use super::super::by_hand::{ByHand, rejects, stored};
     use crate::decode;
@@ -273,6 +242,10 @@ mod tests {
     }
 
     #[test]
+    #[expect(
+        clippy::naive_bytecount,
+        reason = "files are small where bytes are counted"
+    )]
     fn the_lists_of_the_real_file_are_read() {
         // The shape of the one real JPEG_LRGB file: fourteen lines without a space before their line feeds.
         let mut file = ByHand::new(Format::JpegLrgb, 8, 8);

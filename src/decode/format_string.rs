@@ -1,9 +1,23 @@
 //! §2.2 Format String
 //!
-//! The second line is one of nine names (clause 2.2/1).
+//! The second line is one of nine names (clause 2.2/1). It decides what follows the biases, and how many values a texel has:
+//!
+//! ```text
+//! PTM_FORMAT_RGB                              three blocks of coefficients (§2.7.1)                      18
+//! PTM_FORMAT_LUM                              a color matrix (§2.6), one block (§2.7.2)                   8
+//! PTM_FORMAT_LRGB                             a block of coefficients, a block of colors (§2.7.3)         9
+//! PTM_FORMAT_PTM_LUT                          a table (§2.5), indices and a block of colors (§2.8.1)      9
+//! PTM_FORMAT_PTM_C_LUT                        a table with the colors in it, indices (§2.8.2)             9
+//! PTM_FORMAT_JPEG_RGB, PTM_FORMAT_JPEGLS_RGB        lists and 18 compressed planes (§2.9)                18
+//! PTM_FORMAT_JPEG_LRGB, PTM_FORMAT_JPEGLS_LRGB      lists and 9 compressed planes (§2.9)                  9
+//! ```
+//!
+//! Format notes
+//! - Names begin and end alike (`…_RGB`, `…_LRGB`, `…_JPEG_RGB`): only the whole token tells them apart.
+//! - Upper case only; a name in any other spelling is no name.
 
-use super::Input;
 use crate::error::Result;
+use crate::input::Input;
 use crate::ptm::Format;
 
 pub(super) fn read(input: &mut Input) -> Result<Format> {
@@ -13,6 +27,7 @@ pub(super) fn read(input: &mut Input) -> Result<Format> {
         .into_iter()
         .find(|format| format.name().as_bytes() == name)
         .ok_or(unknown)?;
+    // For most formats the payload is still five lines away, but this line ends as all of them do.
     input.line_end("2.0/2")?;
     Ok(format)
 }

@@ -1,27 +1,28 @@
 //! §2.5 Lookup Table
 //!
 //! The number of entries (clause 2.5/2), then the entries without anything between them (clause 2.5/3): six coefficients
-//! each (clause 2.5/4), and for `PTM_C_LUT` a colour too (clause 2.5/5).
+//! each (clause 2.5/4), and for `PTM_C_LUT` a color too (clause 2.5/5).
+//!
+//! ```text
+//! 32 20 4E 5F 4C 55 54 5F 45 4E 54 52 49 45 53 0A     2 N_LUT_ENTRIES
+//! 01 02 03 04 05 06                                   entry 0: a0 … a5
+//! 0B 0C 0D 0E 0F 10                                   entry 1
+//! 01 00 01 …                                          indices (§2.8): entries 1, 0, 1
+//! ```
 //!
 //! Format notes
 //! - The text shows the count as two words and does not say which of them is literal. `256 N_LUT_ENTRIES`, `256` and
-//!   `nentries 256` cannot be taken for one another, so all three are read (ruling `lut-count`).
+//!   `nentries 256` cannot be mistaken for one another, so all three are read (ruling `lut-count`).
 //! - Nothing stands between the table and the indices (ruling `lut-newline`).
+//! - The table is not padded: it has as many entries as the count says, not 256.
+//! - A count of 0 is read, and then every index is out of range (ruling `lut-range`). A count above 65,536 is read too,
+//!   although two bytes cannot name the last entries (ruling `lut-huge`).
 
-use super::Input;
 use crate::error::{Error, Kind, Result};
+use crate::input::Input;
+use crate::parts::LookupTable;
 use crate::ptm::Format;
 use crate::reading::Reading;
-
-/// The table as it is stored.
-pub(super) struct LookupTable<'a> {
-    /// How many entries.
-    pub entries: usize,
-    /// Bytes of an entry: 6 or 9.
-    pub entry_size: usize,
-    /// `entries * entry_size` bytes.
-    pub bytes: &'a [u8],
-}
 
 pub(super) fn read<'a>(
     format: Format,
@@ -35,6 +36,7 @@ pub(super) fn read<'a>(
         "the table's entries",
         entries.saturating_mul(entry_size),
     )?;
+    // lut-newline
     (reading.after_table)(input)?;
     Ok(LookupTable {
         entries,
@@ -45,6 +47,7 @@ pub(super) fn read<'a>(
 
 /// `256 N_LUT_ENTRIES`, `256` or `nentries 256`, alone on a line (clause 2.5/2, ruling `lut-count`).
 pub(crate) fn entry_count(input: &mut Input) -> Result<usize> {
+    // lut-count: a digit or a sign cannot be taken for the keyword, so the first bytes tell the spellings apart.
     let keyword_first = input.rest().starts_with(b"nentries ");
     if keyword_first {
         input.word("2.5/2", "nentries")?;

@@ -1,8 +1,15 @@
 //! Bytes → header → planes, a file for each section of the text, in its order.
 //!
+//! ```text
+//! 50 54 4D 5F 31 2E 32 0A                    PTM_1.2                    header_string     §2.1
+//! 50 54 4D 5F … 5F 4C 52 47 42 0A            PTM_FORMAT_LRGB            format_string     §2.2
+//! 31 0A 31 0A                                1, 1                       image_size        §2.3
+//! 31 20 31 20 31 20 31 20 31 20 31 0A        1 1 1 1 1 1                scale_bias        §2.4
+//! 30 20 30 20 30 20 30 20 30 20 30 0A        0 0 0 0 0 0
+//! 01 02 03 04 05 06 72 67 62                 a0 … a5, R, G, B           texels            §2.7
+//! ```
+//!
 //! [`decode`] is the contents page. Nothing here does I/O, looks at a file name, or asks about mistakes.
-
-mod input;
 
 /// §2.1 Header String
 mod header_string;
@@ -37,52 +44,35 @@ pub(crate) mod predict;
 /// §2.9.8 Compressed Coefficient Planes
 pub(crate) mod planes;
 
-/// Compressed files made by hand, for tests.
-#[cfg(all(test, feature = "generate"))]
-pub(crate) mod by_hand;
+/// The streams of 2.9.8 on all threads
+#[cfg(feature = "parallel")]
+mod threads;
+
+/// 2.9.3 put to work: the inside of a plane, row by row
+mod inside;
+
+/// What each part of 2.7, 2.8 and 2.9.8 provides: some channels of every texel
+mod channels;
+
+/// The same, put in place a run of texels at a time
+mod runs;
 
 /// The rows of the picture from what 2.7, 2.8 and 2.9.8 store
 mod stored;
 
-pub(crate) use input::Input;
+/// [`Reading::SPEC`] and the other readings of what the text leaves open
+mod spec;
+
+/// Compressed files made by hand, for tests.
+#[cfg(all(test, feature = "generate"))]
+pub(crate) mod by_hand;
+
 pub use stored::Stored;
 
 use crate::error::{Error, Result};
-use crate::ptm::{Field, Format, Planes, ScaleBias, Shape, Size};
+use crate::input::Input;
+use crate::ptm::{Field, Format, Header, Limits, Ptm, Shape};
 use crate::reading::Reading;
-
-/// What 2.1–2.4 say of a map.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Header {
-    /// Which of the nine formats (2.2).
-    pub format: Format,
-    /// Width and height (2.3).
-    pub size: Size,
-    /// What makes final coefficients of raw ones (2.4).
-    pub scale_bias: ScaleBias,
-}
-
-/// A whole file, decoded.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Ptm {
-    /// The header.
-    pub header: Header,
-    /// The stored values, top row first.
-    pub planes: Planes,
-}
-
-/// How much a file may ask for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Limits {
-    /// Bytes that the planes may take; 1 GiB unless told.
-    pub memory: usize,
-}
-
-impl Default for Limits {
-    fn default() -> Limits {
-        Limits { memory: 1 << 30 }
-    }
-}
 
 /// Decodes `file` as the reference reads it.
 ///
@@ -92,11 +82,17 @@ impl Default for Limits {
 /// assert_eq!(ptm.planes.samples, b"\x01\x02\x03\x04\x05\x06rgb");
 /// # Ok::<(), ptm_conform::Error>(())
 /// ```
+///
+/// # Errors
+/// What is wrong with the file: which clause, at which byte, what was found there.
 pub fn decode(file: &[u8]) -> Result<Ptm> {
     decode_as(file, &Reading::SPEC, &Limits::default())
 }
 
 /// Decodes `file` under another reading of the open points, or other limits.
+///
+/// # Errors
+/// What is wrong with the file: which clause, at which byte, what was found there.
 pub fn decode_as(file: &[u8], reading: &Reading, limits: &Limits) -> Result<Ptm> {
     let stored = open_as(file, reading, limits)?;
     Ok(Ptm {
@@ -115,11 +111,17 @@ pub fn decode_as(file: &[u8], reading: &Reading, limits: &Limits) -> Result<Ptm>
 /// assert_eq!(rows, [b"upper.TOP", b"bottombot"]);
 /// # Ok::<(), ptm_conform::Error>(())
 /// ```
+///
+/// # Errors
+/// What is wrong with the file: which clause, at which byte, what was found there.
 pub fn open(file: &[u8]) -> Result<Stored<'_>> {
     open_as(file, &Reading::SPEC, &Limits::default())
 }
 
 /// Reads `file` under another reading of the open points, or other limits, and leaves its values where they are stored.
+///
+/// # Errors
+/// What is wrong with the file: which clause, at which byte, what was found there.
 pub fn open_as<'a>(file: &'a [u8], reading: &'a Reading, limits: &Limits) -> Result<Stored<'a>> {
     let mut input = Input::new(file);
     let header = read_header(&mut input)?;
@@ -165,12 +167,17 @@ fn read_header(input: &mut Input) -> Result<Header> {
 }
 
 /// 2.5–2.9. What follows the last value belongs to nobody and is left alone (ruling `trailing`).
+#[expect(
+    clippy::trivially_copy_pass_by_ref,
+    reason = "limits and headers are passed by reference whatever their size"
+)]
 fn read_values<'a>(
     header: &Header,
     input: &mut Input<'a>,
     reading: &'a Reading,
     limits: &Limits,
 ) -> Result<Stored<'a>> {
+    // Nine formats become three shapes; after this nobody asks for the format again.
     let (shape, parts) = match header.format {
         Format::Rgb => (Shape::Rgb, texels::read(header, input, reading)?),
         Format::Lrgb => (Shape::Lrgb, texels::read(header, input, reading)?),

@@ -4,184 +4,127 @@
 //! 2.9.8/1). Each is a whole JPEG or JPEG-LS stream (clause 2.9.8/3), directly followed by its side information (clause
 //! 2.9.8/4): records of five bytes, a position with its high byte first and the value that belongs there (clause 2.9.8/5).
 //!
+//! ```text
+//! stream 0 │ side information 0 │ stream 1 │ side information 1 │ …        sizes from §2.9.6 and §2.9.7
+//!
+//! 00 00 01 02 FF     a record: the stored texel 258 is 255
+//! ```
+//!
+//! Why there are records: let a texel be 255 and its predictor 200, so that its residual is 255 − 200 + 128 = 183. A lossy
+//! codec may return 184 for it. That is an error of one, but the texel becomes 184 + 200 − 128 = 256, which is 0.
+//!
 //! Format notes
 //! - Lossy coding of numbers that wrap turns a 255 into a 0 now and then. The records put that right, so they overwrite;
 //!   and they do so before any other plane is predicted from this one (clause 2.9.8/7), intra planes included.
 //! - A position counts texels as they are stored, and the first stored row is the bottom row of the picture (clause
 //!   2.9.8/6, ruling `side-information`).
-//! - What a stream says of itself counts: its tables, its sampling factors, its NEAR. Only its size, its one component and
-//!   its 8 bits are the file's to say (ruling `plane-stream`).
+//! - A stream decides its own tables, sampling factors and NEAR. The file prescribes only its size, its one component and
+//!   its 8 bits (ruling `plane-stream`).
+//! - A stream is complete: its tables and parameters hold for no other plane.
+//! - Records are applied whatever the parameter says, in lossless files as well (ruling `side-lossless`); of two records for
+//!   one texel the later counts (ruling `side-twice`).
 
 use std::borrow::Cow;
 
-use super::compressed::Plan;
-use super::stored::{Part, Values};
-use super::{Header, Input, Limits, predict};
-use crate::codec::{self, jpeg, jpeg_ls};
+use super::channels::{Channels, Values};
+use super::predict;
+use crate::codec::{StreamFault, jpeg, jpeg_ls};
 use crate::error::{Error, Kind, Result};
-use crate::ptm::{Format, Size};
+use crate::input::Input;
+use crate::parts::{Block, Coded, Plan, PlaneStream, Record};
+use crate::ptm::{Header, Limits};
 use crate::reading::Reading;
 
-/// All planes of a file, still compressed, and what to do with them.
-pub struct Coded<'a> {
-    /// JPEG or JPEG-LS.
-    pub format: Format,
-    /// Texels of every plane.
-    pub size: Size,
-    /// What to do.
-    pub plan: &'a Plan,
-    /// Where in the file `payload` starts.
-    pub at: usize,
-    /// All streams and their side information, as `plan.extents` counts them.
-    pub payload: &'a [u8],
-}
-
-pub(super) fn read(
+/// The payload of a compressed file, if it is there (clause 2.9.8/2, ruling `payload-end`) and its planes are not too large.
+#[expect(
+    clippy::trivially_copy_pass_by_ref,
+    reason = "limits and headers are passed by reference whatever their size"
+)]
+pub(super) fn take<'a, 'file: 'a>(
     header: &Header,
-    plan: &Plan,
-    input: &mut Input,
-    reading: &Reading,
+    plan: &'a Plan,
+    input: &mut Input<'file>,
     limits: &Limits,
-) -> Result<Vec<Part<'static>>> {
-    let coded = Coded {
-        format: header.format,
-        size: header.size,
-        plan,
-        at: input.at(),
-        payload: cut(plan, input)?,
-    };
-    // Every plane is held, for those that may be predicted from it and until the texels are made of them.
-    let planes = header.size.texels().saturating_mul(plan.steps.len());
-    limits.check(planes, input.at())?;
-    let planes = (reading.reconstruct)(&coded, reading)?;
-    let part = |(channel, plane)| Part {
-        channel,
-        channels: 1,
-        values: Values::Bytes(Cow::Owned(plane)),
-    };
-    Ok(planes.into_iter().enumerate().map(part).collect())
-}
-
-/// The bytes of all planes, if they are there (clause 2.9.8/2, ruling `payload-end`).
-fn cut<'a>(plan: &Plan, input: &mut Input<'a>) -> Result<&'a [u8]> {
+) -> Result<Coded<'a>> {
+    let at = input.at();
     let parts = plan.extents.iter().flat_map(|extent| {
         let stream = ("2.9.8/2", "a compressed plane", extent.stream.clone());
         let side = ("2.9.8/4", "side information", extent.side.clone());
         [stream, side]
     });
-    let end = parts
-        .clone()
-        .map(|(_, _, range)| range.end)
-        .max()
-        .unwrap_or_default();
-    input.take_parts(
-        "2.9.8/2",
-        "the compressed planes and their side information",
-        end,
-        parts,
-    )
+    let ends = parts.clone().map(|(_, _, range)| range.end);
+    let end = ends.max().unwrap_or_default();
+    let what = "the compressed planes and their side information";
+    let payload = input.take_parts("2.9.8/2", what, end, parts)?;
+    // Every plane is held, for those that may be predicted from it and until the texels are made of them.
+    let planes = header.size.texels().saturating_mul(plan.steps.len());
+    limits.check(planes, input.at())?;
+    Ok(Coded {
+        format: header.format,
+        size: header.size,
+        plan,
+        at,
+        payload,
+    })
 }
 
-/// All planes as they are stored, bottom row first: decoded, predicted and mended one after another, lowest rank first.
-pub(crate) fn reconstruct(coded: &Coded, reading: &Reading) -> Result<Vec<Vec<u8>>> {
-    reconstruct_from(coded, reading, |i| coded.residuals(i, reading))
+/// What the streams hold, in the order in which the planes are decoded (clause 2.9.8/3).
+pub(crate) fn residuals(coded: &Coded, reading: &Reading) -> Result<Vec<Vec<u8>>> {
+    let one = |&plane: &usize| (reading.stream)(&coded.stream(plane));
+    coded.plan.sequence.iter().map(one).collect()
 }
 
-/// All planes, from what their streams hold.
-fn reconstruct_from(
+/// All planes as they are stored, bottom row first: predicted and corrected one after another, lowest rank first (clause
+/// 2.9.4/2). `residuals` are what their streams hold, in that order.
+pub(crate) fn reconstruct(
     coded: &Coded,
+    residuals: Vec<Vec<u8>>,
     reading: &Reading,
-    mut residuals: impl FnMut(usize) -> Result<Vec<u8>>,
 ) -> Result<Vec<Vec<u8>>> {
+    // A reference that exists has a lower rank (clause 2.9.4/2), so it is in `planes` when it is needed.
     let mut planes = coded.blank_planes();
-    for &i in &coded.plan.sequence {
-        let mut plane = residuals(i)?;
+    for (&i, mut plane) in coded.plan.sequence.iter().zip(residuals) {
         coded.predict(i, &mut plane, &planes, reading);
         // Corrected before anyone predicts from it (clause 2.9.8/7).
-        coded.mend(i, &mut plane, reading)?;
+        coded.correct(i, &mut plane, reading)?;
         planes[i] = plane;
     }
     Ok(planes)
 }
 
-/// The same planes as [`reconstruct`] makes, and the same error where it has one; the streams, which hold on to nothing
-/// but themselves, are decoded by as many threads as the machine has for it.
-#[cfg(feature = "parallel")]
-pub(crate) fn reconstruct_in_parallel(coded: &Coded, reading: &Reading) -> Result<Vec<Vec<u8>>> {
-    /// Planes of fewer texels are done before a thread has started.
-    const WORTH_A_THREAD: usize = 1 << 16;
-    let threads = std::thread::available_parallelism().map_or(1, usize::from);
-    if threads == 1 || coded.size.texels() < WORTH_A_THREAD {
-        reconstruct(coded, reading)
-    } else {
-        reconstruct_by(threads, coded, reading)
+/// The planes as channels of every texel, a plane each.
+pub(super) fn channels(planes: Vec<Vec<u8>>) -> Vec<Channels<'static>> {
+    let one = |(channel, plane)| Channels {
+        block: Block {
+            channel,
+            channels: 1,
+        },
+        values: Values::Bytes(Cow::Owned(plane)),
+    };
+    planes.into_iter().enumerate().map(one).collect()
+}
+
+impl<'a> Coded<'a> {
+    /// The stream of plane `plane`.
+    pub(crate) fn stream(&self, plane: usize) -> PlaneStream<'a> {
+        let extent = self.plan.extents[plane].stream.clone();
+        PlaneStream {
+            format: self.format,
+            plane,
+            at: self.at + extent.start,
+            bytes: &self.payload[extent],
+            size: self.size,
+        }
     }
-}
 
-#[cfg(feature = "parallel")]
-fn reconstruct_by(threads: usize, coded: &Coded, reading: &Reading) -> Result<Vec<Vec<u8>>> {
-    let mut residuals = coded.all_residuals(threads, reading);
-    reconstruct_from(coded, reading, |i| {
-        let decoded = residuals[i].take();
-        // A plan with a mistake in it may ask for a plane twice.
-        decoded.unwrap_or_else(|| coded.residuals(i, reading))
-    })
-}
-
-impl Coded<'_> {
     /// A plane full of zeros for each plane to come.
     pub(crate) fn blank_planes(&self) -> Vec<Vec<u8>> {
-        self.plan
-            .steps
-            .iter()
-            .map(|_| vec![0; self.size.texels()])
-            .collect()
+        let blank = |_| vec![0; self.size.texels()];
+        self.plan.steps.iter().map(blank).collect()
     }
 
-    /// What the stream of plane `i` holds: residuals, or the plane itself if it is intra coded (clause 2.9.8/3).
-    pub(crate) fn residuals(&self, i: usize, reading: &Reading) -> Result<Vec<u8>> {
-        let extent = self.plan.extents[i].stream.clone();
-        let at = self.at + extent.start;
-        let told = |error: codec::Error| {
-            let unsupported = error.class == codec::Class::Unsupported;
-            let kind = Kind::Stream {
-                plane: i,
-                unsupported,
-                what: error.what,
-            };
-            Error::new("2.9.8/3", at + error.offset, kind)
-        };
-        (reading.stream)(self.format, i, &self.payload[extent], self.size).map_err(told)
-    }
-
-    /// What the streams of all planes hold.
-    #[cfg(feature = "parallel")]
-    fn all_residuals(&self, threads: usize, reading: &Reading) -> Vec<Option<Result<Vec<u8>>>> {
-        use std::sync::atomic::{AtomicUsize, Ordering};
-
-        let mut all: Vec<_> = self.plan.steps.iter().map(|_| None).collect();
-        let count = all.len();
-        let next = AtomicUsize::new(0);
-        let decode_some = || {
-            let following = || Some(next.fetch_add(1, Ordering::Relaxed)).filter(|&i| i < count);
-            std::iter::from_fn(following)
-                .map(|i| (i, self.residuals(i, reading)))
-                .collect::<Vec<_>>()
-        };
-        std::thread::scope(|scope| {
-            let workers: Vec<_> = (0..threads.min(count))
-                .map(|_| scope.spawn(decode_some))
-                .collect();
-            for worker in workers {
-                for (i, residuals) in worker.join().expect("the codecs do not panic") {
-                    all[i] = Some(residuals);
-                }
-            }
-        });
-        all
-    }
-
-    /// Adds to `plane` what is predicted from its reference; nothing if it has none (clause 2.9.5/2).
+    /// Adds to `plane`, the residuals of plane `i`, what is predicted from its reference; nothing if it has none (clause
+    /// 2.9.5/2).
     pub(crate) fn predict(
         &self,
         i: usize,
@@ -191,48 +134,60 @@ impl Coded<'_> {
     ) {
         let step = &self.plan.steps[i];
         if let Some(reference) = step.reference {
-            predict::apply(
-                self.format,
-                plane,
-                &planes[reference],
-                step,
-                self.size,
-                reading,
-            );
+            let reference = &planes[reference];
+            predict::apply(self.format, plane, reference, step, self.size, reading);
         }
     }
 
     /// Puts the values of the side information of plane `i` in their places.
-    pub(crate) fn mend(&self, i: usize, plane: &mut [u8], reading: &Reading) -> Result<()> {
-        if (reading.side_counts)(self.format, self.plan.parameter) {
-            let extent = self.plan.extents[i].side.clone();
-            let at = self.at + extent.start;
-            let records = (reading.records)(&self.payload[extent], at, self.size.texels())?;
-            (reading.mend)(plane, &records);
-        }
+    pub(crate) fn correct(&self, i: usize, plane: &mut [u8], reading: &Reading) -> Result<()> {
+        let at = self.at + self.plan.extents[i].side.start;
+        let block = (reading.side_information)(self, i);
+        let records = (reading.records)(block, at, self.size.texels())?;
+        (reading.correct)(plane, &records);
         Ok(())
     }
 }
 
 /// The samples of a stream, in the order in which they are stored (clause 2.9.8/3).
-pub(crate) fn stream(
-    format: Format,
-    _plane: usize,
-    stream: &[u8],
-    size: Size,
-) -> std::result::Result<Vec<u8>, codec::Error> {
+pub(crate) fn stream(stream: &PlaneStream) -> Result<Vec<u8>> {
+    let (width, height) = (stream.size.width, stream.size.height);
     // plane-stream: a stream of another size is refused before room is made for it.
-    match format {
+    let samples = if stream.format.is_jpeg() {
         // By the integer inverse transform of the IJG (clause 2.9.8/11).
-        Format::JpegRgb | Format::JpegLrgb => jpeg::decode(stream, size.width, size.height),
-        _ => jpeg_ls::decode(stream, size.width, size.height),
+        jpeg::decode(stream.bytes, width, height)
+    } else {
+        jpeg_ls::decode(stream.bytes, width, height)
+    };
+    samples.map_err(|error| {
+        let kind = Kind::Stream {
+            plane: stream.plane,
+            unsupported: error.fault == StreamFault::Unsupported,
+            what: error.what,
+        };
+        Error::new("2.9.8/3", stream.at + error.offset, kind)
+    })
+}
+
+/// The side information of a plane: all of it, whatever the parameter says (clause 2.9.8/10, ruling `side-lossless`).
+pub(crate) fn side_information<'a>(coded: &Coded<'a>, plane: usize) -> &'a [u8] {
+    &coded.payload[coded.plan.extents[plane].side.clone()]
+}
+
+/// Lossless JPEG-LS has no side information to apply; its bytes are skipped: the other reading of `side-lossless`.
+pub(crate) fn side_information_if_lossy<'a>(coded: &Coded<'a>, plane: usize) -> &'a [u8] {
+    if coded.format.is_jpeg_ls() && coded.plan.parameter == 0 {
+        &[]
+    } else {
+        side_information(coded, plane)
     }
 }
 
 /// The records of a block of side information: positions and values (clause 2.9.8/5).
 ///
 /// `at` is where in the file the block starts, for errors.
-pub(crate) fn records(block: &[u8], at: usize, texels: usize) -> Result<Vec<(u32, u8)>> {
+pub(crate) fn records(block: &[u8], at: usize, texels: usize) -> Result<Vec<Record>> {
+    // P3, P2, P1, P0, V, and nothing between records.
     let (whole, rest) = block.as_chunks::<5>();
     if !rest.is_empty() {
         // side-malformed
@@ -244,6 +199,7 @@ pub(crate) fn records(block: &[u8], at: usize, texels: usize) -> Result<Vec<(u32
     }
     let one = |(i, &[p3, p2, p1, p0, value]): (usize, &[u8; 5])| {
         let position = u32::from_be_bytes([p3, p2, p1, p0]);
+        // side-malformed: positions count from 0, so the number of texels is already out of range.
         if position as usize >= texels {
             return Err(Error::new(
                 "2.9.8/6",
@@ -257,29 +213,20 @@ pub(crate) fn records(block: &[u8], at: usize, texels: usize) -> Result<Vec<(u32
 }
 
 /// A record's value takes the place of what was decoded (clause 2.9.8/8); of two records, the later counts (ruling `side-twice`).
-pub(crate) fn overwrite(plane: &mut [u8], records: &[(u32, u8)]) {
+pub(crate) fn overwrite(plane: &mut [u8], records: &[Record]) {
     for &(position, value) in records {
         plane[position as usize] = value;
     }
 }
 
-/// Records count whatever the parameter says (clause 2.9.8/10, ruling `side-lossless`).
-pub(crate) fn side_always(_: Format, _parameter: i64) -> bool {
-    true
-}
-
-/// Lossless JPEG-LS has no side information to apply; its bytes are stepped over: the other reading of `side-lossless`.
-pub(crate) fn side_if_lossy(format: Format, parameter: i64) -> bool {
-    !(matches!(format, Format::JpeglsRgb | Format::JpeglsLrgb) && parameter == 0)
-}
-
-#[cfg(all(test, feature = "generate"))]
+#[cfg(feature = "generate")]
+#[cfg(test)]
 mod tests {
     use super::super::by_hand::{ByHand, rejects, stored};
     use crate::codec::{jpeg, jpeg_ls};
-    use crate::decode::{Limits, decode_as};
+    use crate::decode::decode_as;
     use crate::error::Class;
-    use crate::ptm::Format;
+    use crate::ptm::{Format, Limits};
     use crate::{Reading, decode};
 
     /// Two columns, three rows; plane 0 counts from 1 to 6 as it is stored.
@@ -316,11 +263,15 @@ mod tests {
         file.record(0, 0, 77);
         file.record(0, 5, 99);
         assert_eq!(stored(&file.bytes(), 0), [77, 2, 3, 4, 5, 99]);
-        // The planes behind it are where they belong.
+        // The planes after it are where they belong.
         assert_eq!(stored(&file.bytes(), 1), [10; 6]);
     }
 
     #[test]
+    #[expect(
+        clippy::naive_bytecount,
+        reason = "files are small where bytes are counted"
+    )]
     fn a_position_has_its_high_byte_first() {
         let mut file = ByHand::new(Format::JpeglsLrgb, 300, 1);
         file.record(2, 256, 1);
@@ -358,7 +309,7 @@ mod tests {
     }
 
     #[test]
-    fn side_information_counts_in_lossless_files_unless_read_otherwise() {
+    fn side_information_counts_in_lossless_files_except_under_the_other_reading() {
         let mut file = counted();
         file.record(0, 0, 77);
         let other = decode_as(
@@ -435,10 +386,10 @@ mod tests {
 
     #[test]
     fn streams_that_are_no_such_plane_are_refused_where_they_show_it() {
-        let stream_8x8 = jpeg::encode(&[7; 64], 8, 8, &jpeg::Options::new(100)).stream;
+        let stream_8x8 = jpeg::encode(&[7; 64], 8, 8, &jpeg::JpegOptions::new(100)).stream;
         let mut file = ByHand::new(Format::JpegLrgb, 16, 8);
         file.streams[4] = stream_8x8;
-        // SOI, APP0 with 16 bytes, DQT with 67: the frame's size stands behind FFC0, its length and its precision.
+        // SOI, APP0 with 16 bytes, DQT with 67: the frame's size follows FFC0, its length and its precision.
         let frame = file.streams[4]
             .windows(2)
             .position(|pair| pair == [0xFF, 0xC0])
@@ -491,7 +442,7 @@ mod tests {
             &[1; 64],
             8,
             8,
-            &jpeg_ls::Options {
+            &jpeg_ls::JpegLsOptions {
                 near: 0,
                 presets: None,
             },
@@ -499,7 +450,7 @@ mod tests {
         .stream;
         assert_eq!(decode(&file.bytes()).unwrap_err().class(), Class::Malformed);
         let mut file = ByHand::new(Format::JpeglsLrgb, 8, 8);
-        file.streams[0] = jpeg::encode(&[1; 64], 8, 8, &jpeg::Options::new(100)).stream;
+        file.streams[0] = jpeg::encode(&[1; 64], 8, 8, &jpeg::JpegOptions::new(100)).stream;
         assert_eq!(decode(&file.bytes()).unwrap_err().class(), Class::Malformed);
     }
 
@@ -515,43 +466,5 @@ mod tests {
     fn what_follows_the_last_plane_is_left_alone() {
         let file = counted().bytes();
         assert_eq!(decode(&[&file[..], b"more"].concat()), decode(&file));
-    }
-
-    #[cfg(feature = "parallel")]
-    #[test]
-    fn threads_find_the_same_planes_and_the_same_error() {
-        let alone = crate::Reading {
-            reconstruct: super::reconstruct,
-            ..Reading::SPEC
-        };
-        let by_three = crate::Reading {
-            reconstruct: |coded, reading| super::reconstruct_by(3, coded, reading),
-            ..Reading::SPEC
-        };
-        let both = |bytes: &[u8]| {
-            let limits = Limits::default();
-            let found = decode_as(bytes, &by_three, &limits);
-            assert_eq!(found, decode_as(bytes, &alone, &limits));
-            assert_eq!(found, decode(bytes));
-            found
-        };
-        let mut file = ByHand::new(Format::JpeglsLrgb, 256, 256);
-        let noise = |seed: usize| (0..1 << 16).map(move |i: usize| ((i * i + seed * i) >> 5) as u8);
-        for plane in 0..9 {
-            file.stream(plane, &noise(plane).collect::<Vec<_>>());
-        }
-        file.predicted(0, 3, 4, 1, &noise(77).collect::<Vec<_>>());
-        file.predicted(7, 4, 0, 2, &noise(78).collect::<Vec<_>>());
-        file.moved(7, 3, -5);
-        file.record(4, 300, 1);
-        assert!(both(&file.bytes()).is_ok());
-
-        // The error is that of the plane that is decoded first, wherever it stands.
-        file.order[8] = -1;
-        for plane in [2, 8] {
-            file.streams[plane].truncate(1000);
-        }
-        let error = both(&file.bytes()).unwrap_err().to_string();
-        assert!(error.contains("plane 8"), "{error}");
     }
 }

@@ -4,17 +4,25 @@
 //! ruling `prediction`); the predictor is the reference, inverted (clause 2.9.2/3) and displaced (clause 2.9.2/4) as the
 //! plane's transform says.
 //!
+//! ```text
+//! reference   10 21 30     inverted   245 234 225     and moved by (1, 0)   240 230 225
+//! residual    128 0 100    plane = residual + predictor − 128               240 102 197
+//! ```
+//!
 //! Format notes
 //! - The text says "modular arithmetic" and no more. The 128 and the inversion 255 − v were measured on HP's own file, and
 //!   every reader agrees.
 //! - Nobody public displaces a reference. The reading here is the first of five choices (rulings `motion-…`): the predictor
-//!   at (x, y) is the reference at (x + mx/2, y + my/2) in the *stored* raster, halves are rounded up, the edge goes on
-//!   for ever outside.
-//! - A vector stands in the list for every plane. It counts only where the transform has the bit 2.
+//!   at (x, y) is the reference at (x + mx/2, y + my/2) in the *stored* raster, where row 0 is the bottom row of the picture;
+//!   halves are rounded up, and outside the plane its edge is replicated.
+//! - A vector stands in the list for every plane. It counts only where the transform has bit 2.
+//! - Both transforms act on the reference, not on the residual and not on the result; and the reference itself, a plane of
+//!   its own, stays as it is.
 
 use std::borrow::Cow;
 
-use super::compressed::Step;
+use super::inside;
+use crate::parts::Step;
 use crate::ptm::{Format, Size};
 use crate::reading::Reading;
 
@@ -28,7 +36,11 @@ pub(crate) fn apply(
     reading: &Reading,
 ) {
     let predictor = (reading.predictor)(reference, step, size, reading);
-    (reading.predict)(format, residuals, &predictor);
+    if format.is_jpeg_ls() {
+        (reading.predict_jpeg_ls)(residuals, &predictor);
+    } else {
+        (reading.predict)(residuals, &predictor);
+    }
 }
 
 /// The reference, inverted and then displaced (clauses 2.9.2/1, 2.9.2/6, ruling `motion-inversion`).
@@ -43,7 +55,7 @@ pub(crate) fn inverted_then_moved<'a>(
         (reading.invert)(predictor.to_mut());
     }
     if step.moved {
-        predictor = Cow::Owned(displace(&predictor, step.motion, size, reading));
+        predictor = Cow::Owned(moved(&predictor, size, step.motion, reading));
     }
     predictor
 }
@@ -57,7 +69,7 @@ pub(crate) fn moved_then_inverted<'a>(
 ) -> Cow<'a, [u8]> {
     let mut predictor = Cow::Borrowed(reference);
     if step.moved {
-        predictor = Cow::Owned(displace(&predictor, step.motion, size, reading));
+        predictor = Cow::Owned(moved(&predictor, size, step.motion, reading));
     }
     if step.inverted {
         (reading.invert)(predictor.to_mut());
@@ -72,68 +84,46 @@ pub(crate) fn invert(plane: &mut [u8]) {
     }
 }
 
-/// Residual + predictor − 128, modulo 256 (clause 2.9.5/4); in JPEG-LS planes too (clause 2.9.5/5, ruling `jpeg-ls-offset`).
-pub(crate) fn predict(_: Format, residuals: &mut [u8], predictor: &[u8]) {
+/// Residual + predictor − 128, modulo 256: in JPEG planes (clause 2.9.5/4), and in JPEG-LS planes as well (clause 2.9.5/5,
+/// ruling `jpeg-ls-offset`).
+pub(crate) fn predict(residuals: &mut [u8], predictor: &[u8]) {
     for (value, &predicted) in residuals.iter_mut().zip(predictor) {
         *value = value.wrapping_add(predicted).wrapping_sub(128);
     }
 }
 
-/// JPEG-LS planes without the 128: the other reading of `jpeg-ls-offset`.
-pub(crate) fn predict_jpeg_ls_without_offset(
-    format: Format,
-    residuals: &mut [u8],
-    predictor: &[u8],
-) {
-    if !matches!(format, Format::JpeglsRgb | Format::JpeglsLrgb) {
-        return predict(format, residuals, predictor);
-    }
+/// Residual + predictor, modulo 256: the other reading of `jpeg-ls-offset`, for JPEG-LS planes.
+pub(crate) fn predict_without_offset(residuals: &mut [u8], predictor: &[u8]) {
     for (value, &predicted) in residuals.iter_mut().zip(predictor) {
         *value = value.wrapping_add(predicted);
     }
 }
 
-/// The plane seen from half texels away (clauses 2.9.3/2–6).
-///
-/// Every sample is made of four, two columns in two rows, of which two or all fall together where a displacement is whole.
-pub(crate) fn displace(
-    plane: &[u8],
-    (mx, my): (i64, i64),
-    size: Size,
-    reading: &Reading,
-) -> Vec<u8> {
-    let width = size.width as usize;
-    let along_x = (reading.motion_sign)(mx);
-    let along_y = (reading.motion_sign)((reading.motion_vertical)(my));
-    let columns: Vec<_> = (0..size.width)
-        .map(|x| taps(x, along_x, size.width, reading))
-        .collect();
-
-    let mut moved = Vec::with_capacity(plane.len());
-    for rows in (0..size.height).map(|y| taps(y, along_y, size.height, reading)) {
-        let [upper, lower] = rows.map(|row| row.map(|row| &plane[row * width..][..width]));
-        // Where there is no sample, 128 stands for it: no residual at all.
-        let sample = |row: Option<&[u8]>, column: Option<usize>| {
-            row.zip(column).map_or(128, |(row, column)| row[column])
-        };
-        moved.extend(columns.iter().map(|&[left, right]| {
-            (reading.motion_half)([
-                sample(upper, left),
-                sample(upper, right),
-                sample(lower, left),
-                sample(lower, right),
-            ])
-        }));
-    }
-    moved
+/// The plane as seen from half a vector away: at (x, y) stands what was at (x + mx/2, y + my/2) (clause 2.9.3/2).
+pub(crate) fn moved(plane: &[u8], size: Size, (mx, my): (i64, i64), reading: &Reading) -> Vec<u8> {
+    let mx = (reading.motion_sign)(mx);
+    let my = (reading.motion_sign)((reading.motion_vertical)(my));
+    // For every x of every y, row by row; `inside` does so sooner.
+    inside::every_texel(plane, size, (mx, my), reading.motion_half, |x, y| {
+        // Twice the place, so that halves are whole numbers. A vector that leaves every plane may be as long as it likes.
+        let (x2, y2) = (mx.saturating_add(2 * x), my.saturating_add(2 * y));
+        between(plane, size, x2, y2, reading)
+    })
 }
 
-/// The two samples along one axis of which the one at `at` is made, `displacement` half texels away.
-fn taps(at: u32, displacement: i64, length: u32, reading: &Reading) -> [Option<usize>; 2] {
-    // Halves lie between a sample and the next one, left of zero too: −1/2 is between −1 and 0.
-    let first = i64::from(at).saturating_add(displacement >> 1);
-    let second = first.saturating_add(displacement & 1);
-    [first, second].map(|at| (reading.motion_border)(at, length))
+/// The sample at a place counted in half texels: a texel's own, or the mean of two or four (clause 2.9.3/5).
+fn between(plane: &[u8], size: Size, x2: i64, y2: i64, reading: &Reading) -> u8 {
+    // A half lies between a texel and the next one, left of zero too: −1/2 is between −1 and 0.
+    let (left, first) = (x2.div_euclid(2), y2.div_euclid(2));
+    let (right, second) = (left + x2.rem_euclid(2), first + y2.rem_euclid(2));
+    // Where a coordinate is whole, two or all of the four are the same texel.
+    let corners = [
+        (left, first),
+        (right, first),
+        (left, second),
+        (right, second),
+    ];
+    (reading.motion_half)(corners.map(|(x, y)| (reading.motion_border)(plane, size, x, y)))
 }
 
 /// A vector points from the texel to where its predictor is (clause 2.9.3/3, ruling `motion-sign`).
@@ -151,12 +141,13 @@ pub(crate) fn along_stored_rows(my: i64) -> i64 {
     my
 }
 
-/// y grows against the rows as they are stored, downwards in the picture: the other reading of `motion-vertical`.
+/// y grows against the rows as they are stored, downward in the picture: the other reading of `motion-vertical`.
 pub(crate) fn against_stored_rows(my: i64) -> i64 {
     my.saturating_neg()
 }
 
-/// (a + b + 1) >> 1 and (a + b + c + d + 2) >> 2, which are one where samples fall together (clause 2.9.3/5, ruling `motion-half`).
+/// (a + b + c + d + 2) >> 2; of two equal pairs that is (a + b + 1) >> 1, of four equal samples the sample (clause 2.9.3/5,
+/// ruling `motion-half`).
 pub(crate) fn half_up(samples: [u8; 4]) -> u8 {
     ((sum(samples) + 2) >> 2) as u8
 }
@@ -170,27 +161,26 @@ fn sum(samples: [u8; 4]) -> u16 {
     samples.into_iter().map(u16::from).sum()
 }
 
-/// Outside the plane its edge goes on (clause 2.9.3/6, ruling `motion-border`).
-#[allow(
-    clippy::unnecessary_wraps,
-    reason = "another reading of motion-border finds nothing outside"
-)]
-pub(crate) fn border_edge(at: i64, length: u32) -> Option<usize> {
-    Some(at.clamp(0, i64::from(length) - 1) as usize)
+/// Outside the plane stands the nearest sample of its edge (clause 2.9.3/6, ruling `motion-border`).
+pub(crate) fn border_edge(plane: &[u8], size: Size, x: i64, y: i64) -> u8 {
+    let (width, height) = (i64::from(size.width), i64::from(size.height));
+    plane[(y.clamp(0, height - 1) * width + x.clamp(0, width - 1)) as usize]
 }
 
 /// Outside the plane it begins again at the other side: the second reading of `motion-border`.
-#[allow(
-    clippy::unnecessary_wraps,
-    reason = "another reading of motion-border finds nothing outside"
-)]
-pub(crate) fn border_wrapped(at: i64, length: u32) -> Option<usize> {
-    Some(at.rem_euclid(i64::from(length)) as usize)
+pub(crate) fn border_wrapped(plane: &[u8], size: Size, x: i64, y: i64) -> u8 {
+    let (width, height) = (i64::from(size.width), i64::from(size.height));
+    plane[(y.rem_euclid(height) * width + x.rem_euclid(width)) as usize]
 }
 
 /// Outside the plane is 128: the third reading of `motion-border`.
-pub(crate) fn border_grey(at: i64, length: u32) -> Option<usize> {
-    usize::try_from(at).ok().filter(|&at| at < length as usize)
+pub(crate) fn border_gray(plane: &[u8], size: Size, x: i64, y: i64) -> u8 {
+    let (width, height) = (i64::from(size.width), i64::from(size.height));
+    if (0..width).contains(&x) && (0..height).contains(&y) {
+        plane[(y * width + x) as usize]
+    } else {
+        128
+    }
 }
 
 #[cfg(test)]
@@ -220,15 +210,8 @@ mod tests {
 
     /// A plane of `width` columns seen through a vector.
     fn moved(plane: &[u8], width: u32, motion: (i64, i64), reading: &Reading) -> Vec<u8> {
-        displace(
-            plane,
-            motion,
-            Size {
-                width,
-                height: plane.len() as u32 / width,
-            },
-            reading,
-        )
+        let height = plane.len() as u32 / width;
+        super::moved(plane, Size { width, height }, motion, reading)
     }
 
     #[test]
@@ -255,10 +238,16 @@ mod tests {
     }
 
     #[test]
-    fn jpeg_ls_keeps_the_offset_unless_read_otherwise() {
+    fn jpeg_ls_keeps_the_offset_but_under_the_other_reading() {
         let with = |reading: &Reading, format| {
-            let mut plane = [140];
-            (reading.predict)(format, &mut plane, &[10]);
+            let (mut plane, dot) = (
+                [140],
+                Size {
+                    width: 1,
+                    height: 1,
+                },
+            );
+            apply(format, &mut plane, &[10], &Step::default(), dot, reading);
             plane[0]
         };
         assert_eq!(with(&Reading::SPEC, Format::JpeglsRgb), 22);
@@ -335,11 +324,11 @@ mod tests {
             [20, 30, 40, 10]
         );
         assert_eq!(
-            moved(&plane, 4, (2, 0), &Reading::SPEC.with_border_grey()),
+            moved(&plane, 4, (2, 0), &Reading::SPEC.with_border_gray()),
             [20, 30, 40, 128]
         );
         assert_eq!(
-            moved(&plane, 4, (1, 0), &Reading::SPEC.with_border_grey()),
+            moved(&plane, 4, (1, 0), &Reading::SPEC.with_border_gray()),
             [15, 25, 35, 84]
         );
     }
@@ -379,7 +368,7 @@ mod tests {
                 Reading::SPEC,
                 Reading::SPEC.with_motion_minus(),
                 Reading::SPEC.with_border_wrapped(),
-                Reading::SPEC.with_border_grey(),
+                Reading::SPEC.with_border_gray(),
             ] {
                 assert_eq!(moved(&[1, 2, 3, 4, 5, 6], 3, (far, far), &reading).len(), 6);
             }

@@ -7,26 +7,27 @@
 //! - `LUM` (§2.7.2): one block, a0…a5, Cr, Cb of every texel.
 //! - `LRGB` (§2.7.3): a block of a0…a5, then a block of R, G, B.
 //!
+//! ```text
+//! LRGB, one column, two rows:
+//! 01 02 03 04 05 06     0B 0C 0D 0E 0F 10     a0 … a5 of the lower texel, of the upper texel
+//! FF 00 00              00 00 FF              its color: red; blue
+//! ```
+//!
 //! Format notes
 //! - The first byte of the first block follows the last header line's line feed, whatever byte it is.
-//! - Which stored row is which row of the picture is said here, for all formats; rows are turned in [`super::stored`].
+//! - Blocks are whole: all coefficients of all texels stand before the first color. `PTM_1.1` interleaved the nine bytes of
+//!   a texel, and readers that grew out of it still do.
+//! - The six coefficients of a texel stand side by side in every uncompressed format; only §2.9 has planes.
+//! - Which stored row is which row of the picture is decided here, for all formats; rows are turned in [`super::stored`].
 
 use std::borrow::Cow;
 
-use super::stored::{Part, Values};
-use super::{Header, Input};
+use super::channels::{Channels, Values};
 use crate::error::Result;
-use crate::ptm::Format;
+use crate::input::Input;
+use crate::parts::Block;
+use crate::ptm::{Format, Header};
 use crate::reading::Reading;
-
-/// A run of bytes that holds some channels of every texel.
-#[derive(Clone, Copy, Debug)]
-pub struct Block {
-    /// The first of its channels.
-    pub channel: usize,
-    /// How many channels, side by side.
-    pub channels: usize,
-}
 
 /// The blocks of a format in the order of the file (clauses 2.7.1/1–2, 2.7.2/1, 2.7.3/1–2).
 pub(crate) fn blocks(format: Format) -> &'static [Block] {
@@ -37,18 +38,16 @@ pub(crate) fn blocks(format: Format) -> &'static [Block] {
         Format::Rgb => const { &[block(0, 6), block(6, 6), block(12, 6)] },
         Format::Lum => const { &[block(0, 8)] },
         Format::Lrgb => const { &[block(0, 6), block(6, 3)] },
-        // The colours that follow the indices (clause 2.8.1/4); a PTM_C_LUT has them in its table.
+        // The colors that follow the indices (clause 2.8.1/4); a PTM_C_LUT has them in its table.
         Format::PtmLut => const { &[block(6, 3)] },
         _ => &[],
     }
 }
 
-/// Which stored row holds row `row` from the top: the bottom row is stored first (clauses 2.7.1/3, 2.7.2/3, 2.7.3/3, 2.8.1/5, 2.8.2/4).
-///
-/// `part` counts the blocks of the payload, indices first where there are any; for the compressed formats, whose planes
-/// lie the same way (ruling `rows`), it is the plane.
-pub(crate) fn bottom_row_first(_: Format, _part: usize, row: usize, height: usize) -> usize {
-    height - 1 - row
+/// Which stored row holds row `row` from the top: the bottom row is stored first (clauses 2.7.1/3, 2.7.2/3, 2.7.3/3,
+/// 2.8.1/5, 2.8.2/4), in compressed planes too (clause 2.9.8/9, ruling `rows`).
+pub(crate) fn bottom_row_first(header: &Header, row: usize) -> usize {
+    header.size.height as usize - 1 - row
 }
 
 /// The blocks of the format and their bytes.
@@ -56,13 +55,13 @@ pub(super) fn read<'a>(
     header: &Header,
     input: &mut Input<'a>,
     reading: &Reading,
-) -> Result<Vec<Part<'a>>> {
-    let one = |&Block { channel, channels }: &Block| {
-        let bytes = header.size.texels().saturating_mul(channels);
+) -> Result<Vec<Channels<'a>>> {
+    let one = |&block: &Block| {
+        // A product that cannot be counted stays at the largest number; no file is that long.
+        let bytes = header.size.texels().saturating_mul(block.channels);
         let bytes = input.take("2.7/1", "the texels", bytes)?;
-        Ok(Part {
-            channel,
-            channels,
+        Ok(Channels {
+            block,
             values: Values::Bytes(Cow::Borrowed(bytes)),
         })
     };

@@ -3,8 +3,9 @@
 //! The parameter, six lists with a number for each plane (motion vectors: two), and the planes (clause 2.9/1). Each list
 //! has a line of its own, motion two (ruling `list-layout`); other splits into lines by ruling `list-lines`.
 
+use super::model::Model;
 use super::output::Output;
-use super::scene::{Compressed, Model};
+use super::planes::Compressed;
 use super::spelling::{Line, Lists};
 
 pub(super) fn write(model: &Model, out: &mut Output) {

@@ -1,9 +1,9 @@
 //! §2.8 Lookup Table Indices
 //!
-//! One byte each up to 256 entries, else two, low byte first (clauses 2.8.1/2–3); then the colours of `PTM_LUT` (2.8.1/4).
+//! One byte each up to 256 entries, else two, low byte first (clauses 2.8.1/2–3); then the colors of `PTM_LUT` (2.8.1/4).
 
+use super::model::Model;
 use super::output::Output;
-use super::scene::Model;
 use super::texels;
 use crate::ptm::Format;
 

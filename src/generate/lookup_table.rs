@@ -2,8 +2,8 @@
 //!
 //! The count in one of its three spellings (ruling `lut-count`), the entries, and nothing or a line end (ruling `lut-newline`).
 
+use super::model::Model;
 use super::output::Output;
-use super::scene::Model;
 use super::spelling::{Count, Line};
 
 pub(super) fn write(model: &Model, out: &mut Output) {

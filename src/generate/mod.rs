@@ -1,6 +1,6 @@
 //! Values → bytes: the mirror of [`mod@crate::decode`], with the same sections under the same names.
 //!
-//! This side never asks the other: two tellings of one text can disagree, one told twice cannot. It writes every legal
+//! This side never asks the other: two independent implementations of one text can disagree, one implementation used twice cannot. It writes every legal
 //! spelling of a file and, with [`damage`], files that must be refused. The same recipe gives the same bytes everywhere.
 
 mod output;
@@ -36,7 +36,7 @@ mod compressed;
 mod predict;
 
 /// §2.9.8 Compressed Coefficient Planes
-mod planes;
+pub mod planes;
 
 /// What to write: format, size, scene, numbers, spelling.
 pub mod recipe;
@@ -47,31 +47,34 @@ pub mod plan;
 /// Every legal way to write the same header.
 pub mod spelling;
 
-/// Painted maps whose planes, coefficients and colors are known by construction.
+/// What is painted.
 pub mod scene;
+
+/// The bytes that a scene paints.
+mod paint;
+
+/// Painted maps whose planes, coefficients and colors are known by construction.
+pub mod model;
 
 /// One fault at a time.
 pub mod damage;
 
+/// Places in a file, as damages name them.
+mod place;
+
+/// Streams that do not belong where they are.
+mod stand_in;
+
 pub use damage::Damage;
+pub use model::Model;
+pub use output::Written;
 pub use plan::Compression;
 pub use recipe::{Numbers, Recipe};
-pub use scene::{Model, Scene};
+pub use scene::Scene;
 pub use spelling::Spelling;
 
-use crate::ptm::{Field, Format};
+use crate::ptm::Format;
 use output::Output;
-
-/// A file and what its bytes are.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Written {
-    /// The file.
-    pub bytes: Vec<u8>,
-    /// Its fields in file order: the map from a byte to what it means.
-    pub fields: Vec<Field>,
-    /// Where the first byte stands that is not header text.
-    pub payload: usize,
-}
 
 /// Writes the file of `recipe`, whose values `model` holds.
 #[must_use]

@@ -1,8 +1,18 @@
 //! Writing verbs that keep the map of what they wrote: the mirror of the reader's verbs.
 
-use super::Written;
 use super::spelling::{Line, Spelling};
 use crate::ptm::Field;
+
+/// A file and what its bytes are.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Written {
+    /// The file.
+    pub bytes: Vec<u8>,
+    /// Its fields in file order: the map from a byte to what it means.
+    pub fields: Vec<Field>,
+    /// Where the first byte stands that is not header text.
+    pub payload: usize,
+}
 
 /// A file in the making.
 pub(super) struct Output<'a> {

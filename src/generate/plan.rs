@@ -1,11 +1,11 @@
-//! How planes are compressed: the lists of §2.9 and what is to be seen in the planes behind them.
+//! How planes are compressed: the lists of §2.9 and what is painted into the planes.
 
 #![allow(clippy::cast_possible_wrap, reason = "planes are at most 18")]
 
 use std::str::FromStr;
 
 use super::predict::{INVERSION, MOTION};
-use crate::codec::jpeg_ls::Presets;
+use crate::codec::jpeg_ls::PresetParameters;
 use crate::ptm::{Format, Size};
 
 /// Which standard the planes are streams of.
@@ -32,7 +32,7 @@ pub struct Compression {
     pub order: Vec<i64>,
     /// The plane that each is predicted from; negative for none (2.9.5).
     pub references: Vec<i64>,
-    /// Side information beyond what is needed (2.9.8).
+    /// Side information in addition to what is needed (2.9.8).
     pub records: Vec<Records>,
     /// What is painted: the planes, or what is left of them.
     pub residuals: Residuals,
@@ -47,8 +47,8 @@ pub struct Compression {
 pub struct Stream {
     /// JPEG: blocks between restart markers; 0 for none.
     pub restart_interval: u16,
-    /// JPEG: Huffman tables made for the plane.
-    pub optimised: bool,
+    /// JPEG: Huffman tables computed for the plane.
+    pub optimized: bool,
     /// JPEG: no divisor over 255; without, low qualities have 16-bit tables.
     pub baseline: bool,
     /// JPEG: the two sampling factors of the one component.
@@ -56,14 +56,14 @@ pub struct Stream {
     /// JPEG: a JFIF segment, which no standard of 2.9.8 asks for.
     pub jfif: bool,
     /// JPEG-LS: preset parameters.
-    pub presets: Option<Presets>,
+    pub presets: Option<PresetParameters>,
 }
 
 impl Stream {
     /// No choice taken.
     pub const PLAIN: Stream = Stream {
         restart_interval: 0,
-        optimised: false,
+        optimized: false,
         baseline: true,
         sampling: (1, 1),
         jfif: true,
@@ -217,78 +217,42 @@ impl FromStr for Structure {
 impl Structure {
     /// References and ranks of `count` planes.
     fn lists(self, count: i64) -> (Vec<i64>, Vec<i64>) {
-        let each = |of: &dyn Fn(i64) -> i64| (0..count).map(of).collect::<Vec<i64>>();
-        let rising = each(&|i| i);
+        (0..count).map(|i| self.plane(i, count)).unzip()
+    }
+
+    /// Reference and rank of plane `i` of `count`.
+    fn plane(self, i: i64, count: i64) -> (i64, i64) {
+        let from = |reference: i64, is_root: bool| if is_root { -1 } else { reference };
         match self {
-            Structure::Intra => (each(&|_| -1), rising),
-            Structure::BelowMinusOne => (each(&|_| -2), rising),
-            Structure::Chain => (each(&|i| i - 1), rising),
-            Structure::Gaps => (each(&|i| i - 1), each(&|i| 10 * i)),
-            Structure::NoRankZero => (each(&|i| i - 1), each(&|i| i + 1)),
-            Structure::Star => (each(&|i| if i == 0 { -1 } else { 0 }), rising),
-            Structure::EqualRanks => (
-                each(&|i| if i == 0 { -1 } else { 0 }),
-                each(&|i| i64::from(i > 0)),
-            ),
+            Structure::Intra => (-1, i),
+            Structure::BelowMinusOne => (-2, i),
+            Structure::Chain => (i - 1, i),
+            Structure::Gaps => (i - 1, 10 * i),
+            Structure::NoRankZero => (i - 1, i + 1),
+            Structure::Star => (from(0, i == 0), i),
+            Structure::EqualRanks => (from(0, i == 0), i64::from(i > 0)),
             Structure::Deep => {
-                let rank = |plane: i64| {
-                    (0..count)
-                        .find(|k| (5 * k + 2) % count == plane)
-                        .expect("5 has no divisor in common with 9 or 18")
-                };
-                (
-                    each(&|i| {
-                        if rank(i) == 0 {
-                            -1
-                        } else {
-                            (i - 5).rem_euclid(count)
-                        }
-                    }),
-                    each(&rank),
-                )
+                let rank = (0..count)
+                    .find(|k| (5 * k + 2) % count == i)
+                    .expect("5 has no divisor in common with 9 or 18");
+                (from((i - 5).rem_euclid(count), rank == 0), rank)
             }
             Structure::TwoTrees => {
                 let half = count / 2;
-                let tree = |i: i64| if i < half { (0, i) } else { (half, i - half) };
-                (
-                    each(&|i| {
-                        if tree(i).1 == 0 {
-                            -1
-                        } else {
-                            tree(i).0 + (tree(i).1 - 1) / 2
-                        }
-                    }),
-                    rising,
-                )
+                let (root, place) = if i < half { (0, i) } else { (half, i - half) };
+                (from(root + (place - 1) / 2, place == 0), i)
             }
-            Structure::SharedReference => {
-                (each(&|i| if i % 3 == 0 { -1 } else { i / 3 * 3 }), rising)
-            }
-            Structure::Upward => (
-                each(&|i| if i + 1 == count { -1 } else { i + 1 }),
-                each(&|i| count - 1 - i),
-            ),
-            Structure::Rotated => {
-                let root = count - 4;
-                (
-                    each(&|i| if i == root { -1 } else { root }),
-                    each(&|i| (i + 4) % count),
-                )
-            }
+            Structure::SharedReference => (from(i / 3 * 3, i % 3 == 0), i),
+            Structure::Upward => (from(i + 1, i + 1 == count), count - 1 - i),
+            Structure::Rotated => (from(count - 4, i == count - 4), (i + 4) % count),
             Structure::Tablet => {
                 // The file has 9 planes; of 18 the second half does as the first, 9 planes and 9 ranks further.
                 const REFERENCES: [i64; 9] = [-1, 5, -1, -1, -1, 0, 7, -1, 7];
                 const ORDER: [i64; 9] = [4, 8, 3, 0, 1, 7, 5, 2, 6];
-                let reference = |i: i64| REFERENCES[(i % 9) as usize];
+                let (reference, half) = (REFERENCES[(i % 9) as usize], i / 9 * 9);
                 (
-                    each(&|i| {
-                        if reference(i) < 0 {
-                            -1
-                        } else {
-                            reference(i) + i / 9 * 9
-                        }
-                    }),
-                    each(&|i| ORDER[(i % 9) as usize] + i / 9 * 9),
+                    from(reference + half, reference < 0),
+                    ORDER[(i % 9) as usize] + half,
                 )
             }
         }
@@ -296,7 +260,7 @@ impl Structure {
 }
 
 impl Compression {
-    /// The ordinary way: every plane for itself; JPEG at quality 75 in blocks that every decoder knows exactly, JPEG-LS
+    /// The ordinary way: every plane for itself; JPEG at quality 75 in blocks that every decoder restores exactly, JPEG-LS
     /// without loss.
     #[must_use]
     pub fn ordinary(format: Format) -> Compression {

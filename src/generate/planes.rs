@@ -12,12 +12,41 @@
 
 use std::collections::HashSet;
 
+use super::paint::hash;
 use super::plan::{Coding, Compression, Residuals, Stream, Texels};
 use super::predict::predictor;
 use super::recipe::Recipe;
-use super::scene::{Compressed, StoredPlane, hash};
 use crate::codec::{Encoded, jpeg, jpeg_ls};
 use crate::ptm::Size;
+
+/// What a compressed file holds (2.9).
+#[derive(Clone, Debug, PartialEq)]
+pub struct Compressed {
+    /// The lists.
+    pub plan: Compression,
+    /// The planes, in their own order.
+    pub planes: Vec<StoredPlane>,
+}
+
+/// A plane as it is stored (2.9.8).
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct StoredPlane {
+    /// The JPEG or JPEG-LS stream.
+    pub stream: Vec<u8>,
+    /// Positions in the stored raster, and values.
+    pub records: Vec<(u32, u8)>,
+}
+
+impl StoredPlane {
+    /// Five bytes a record: the position, high byte first, and the value (clauses 2.9.8/5–8).
+    #[must_use]
+    pub fn side_information(&self) -> Vec<u8> {
+        self.records
+            .iter()
+            .flat_map(|&(position, value)| [&position.to_be_bytes()[..], &[value]].concat())
+            .collect()
+    }
+}
 
 /// Values, and what is stored for them.
 pub(super) struct Encoding {
@@ -38,11 +67,9 @@ struct Finished {
     stored: StoredPlane,
 }
 
-/// What is to be seen in a texel, counted from the top left, of a plane.
-pub(super) type Scene<'a> = &'a dyn Fn(usize, usize) -> u8;
-
-/// Encodes the planes of `recipe`, each after its reference (clause 2.9.4/2).
-pub(super) fn encode(recipe: &Recipe, scene: Scene) -> Encoding {
+/// Encodes the planes of `recipe`, each after its reference (clause 2.9.4/2). `scene` holds what is to be seen, texel after
+/// texel, top row first.
+pub(super) fn encode(recipe: &Recipe, scene: &[u8]) -> Encoding {
     let count = recipe.format.channels();
     let plan = &recipe.compression;
     let mut finished: Vec<Option<Finished>> = vec![None; count];
@@ -98,7 +125,7 @@ fn stored_place(size: Size, place: usize) -> usize {
 
 fn encode_plane(
     recipe: &Recipe,
-    scene: Scene,
+    scene: &[u8],
     plane: usize,
     reference: Option<&Finished>,
 ) -> Finished {
@@ -136,12 +163,13 @@ fn encode_plane(
 /// What is to be stored: the original values, and what is left of them after prediction.
 fn paint(
     recipe: &Recipe,
-    scene: Scene,
+    scene: &[u8],
     plane: usize,
     predictor: Option<&[u8]>,
 ) -> (Vec<u8>, Vec<u8>) {
     let size = recipe.size;
-    let scene = |place: usize| scene(stored_place(size, place), plane);
+    let channels = recipe.format.channels();
+    let scene = |place: usize| scene[stored_place(size, place) * channels + plane];
     if recipe.compression.residuals == Residuals::Natural {
         let original: Vec<u8> = (0..size.texels()).map(scene).collect();
         let residual = match predictor {
@@ -260,10 +288,10 @@ fn run_codec(recipe: &Recipe, plane: usize, residual: &[u8]) -> Encoded {
     };
     match recipe.coding() {
         Coding::Jpeg => {
-            let options = jpeg::Options {
+            let options = jpeg::JpegOptions {
                 quality: plan.parameter,
                 baseline: stream.baseline,
-                optimised: stream.optimised,
+                optimized: stream.optimized,
                 restart_interval: stream.restart_interval,
                 sampling: stream.sampling,
             };
@@ -278,7 +306,7 @@ fn run_codec(recipe: &Recipe, plane: usize, residual: &[u8]) -> Encoded {
             residual,
             width,
             height,
-            &jpeg_ls::Options {
+            &jpeg_ls::JpegLsOptions {
                 near: plan.parameter,
                 presets: stream.presets,
             },

@@ -95,7 +95,7 @@ mod tests {
     }
 
     #[test]
-    fn two_half_texels_to_the_right_show_the_neighbour_and_repeat_the_edge() {
+    fn two_half_texels_to_the_right_show_the_neighbor_and_repeat_the_edge() {
         assert_eq!(predictor(&PLANE, SIZE, 2, (2, 0)), [21, 30, 30, 50, 60, 60]);
     }
 

@@ -19,7 +19,7 @@ pub struct Numbers<const N: usize> {
 impl<const N: usize> FromStr for Numbers<N> {
     type Err = String;
 
-    /// Numbers parted by spaces: `"2 2 0.5 1e-1 -3 .25"`.
+    /// Numbers separated by spaces: `"2 2 0.5 1e-1 -3 .25"`.
     fn from_str(text: &str) -> Result<Numbers<N>, String> {
         let values: Result<Vec<f64>, _> = text.split_whitespace().map(str::parse).collect();
         let values = values.map_err(|_| format!("expected numbers, found {text:?}"))?;
@@ -119,7 +119,10 @@ impl Recipe {
         }
     }
 
-    /// What keeps this recipe from being written, if anything does.
+    /// Whether this recipe can be written.
+    ///
+    /// # Errors
+    /// A sentence that says what keeps it from being written.
     pub fn check(&self) -> Result<(), String> {
         if self.format.is_compressed() {
             self.compression.check(self.coding(), self.size)?;
@@ -154,7 +157,7 @@ impl Recipe {
         }
         if self.size.texels() > 1 << 26 {
             return Err(format!(
-                "{} texels are more than a painter has patience for",
+                "{} texels are more than are painted",
                 self.size.texels()
             ));
         }

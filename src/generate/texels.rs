@@ -4,8 +4,8 @@
 
 use std::ops::Range;
 
+use super::model::Model;
 use super::output::Output;
-use super::scene::Model;
 use crate::ptm::Format;
 
 pub(super) fn write(model: &Model, out: &mut Output) {

@@ -8,13 +8,13 @@
 //! - One direction with an explicit clamp outside is enough; what the others say does not matter then.
 //! - A direction that the map does not have has no boundary.
 //! - An index is a whole number of texels, which may lie beyond either end; conditions fold it back.
-//! - Within the map an explicit clamp still meets neighbours outside when texels are weighted: the edge again (ruling
+//! - Within the map an explicit clamp still meets neighbors outside when texels are weighted: the edge again (ruling
 //!   `explicit-neighbour`).
 
-use super::Rules;
 use super::entry::{Boundary, ClampMethod, Entry, Vector};
 use super::map::Texel;
-use super::sample::Fetched;
+use super::primitive::Fetched;
+use super::rules::Rules;
 
 /// The texel along one direction that the coordinate `t` names in a level of `size` texels.
 #[must_use]
@@ -58,7 +58,7 @@ pub(crate) fn fold(boundary: Boundary, k: i64, size: usize, rules: &Rules) -> us
         Boundary::Wrap => (rules.wrap)(k, size),
         Boundary::Mirror => (rules.mirror)(k, size),
         Boundary::ClampBorder => (rules.border)(k, size),
-        Boundary::ClampExplicit => (rules.explicit_neighbour)(k, size),
+        Boundary::ClampExplicit => (rules.explicit_neighbor)(k, size),
     }
 }
 

@@ -17,36 +17,10 @@
 //! - Γ belongs to `BlendEnvColor` (ruling `gamma`), whatever the chapter's list of symbols says.
 //! - No result is limited to 0 … 1 (ruling `color-range`).
 
-use super::Rules;
-use super::entry::{Channel, Composition, Entry};
-use super::map::{Color, Texel};
-use super::sample::Fetched;
-
-/// The color of a primitive.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Shade {
-    /// Red, green, blue.
-    pub color: Color,
-    /// Opacity.
-    pub alpha: f64,
-}
-
-/// What an equation may use.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Terms<'a> {
-    /// C and A: the primitive.
-    pub input: Shade,
-    /// W: the light on a white surface, or white.
-    pub white: Color,
-    /// T: the map's color.
-    pub color: Color,
-    /// AT: the map's alpha, if it has one.
-    pub alpha: Option<f64>,
-    /// Γ.
-    pub gamma: Color,
-    /// For E and B.
-    pub entry: &'a Entry,
-}
+use super::entry::{Channel, Color, Composition, Entry};
+use super::map::{Texel, texel_color};
+use super::primitive::{Fetched, Shade, Terms};
+use super::rules::Rules;
 
 /// The primitive after one map. `white` is the light on a white surface in the split form, and white in the direct form.
 #[must_use]
@@ -151,7 +125,7 @@ pub(crate) fn decal_background(x: &Terms) -> Shade {
 /// Γ: the selected channel, or the luminance (R-CMP-18, R-CHN-01 … R-CHN-04, ruling `gamma`). A texel without the alpha that is
 /// selected counts as opaque (ruling `no-alpha-to-select`).
 pub(crate) fn selected_channel(entry: &Entry, texel: &Texel) -> Color {
-    let rgb = super::map::texel_color(texel);
+    let rgb = texel_color(texel);
     let gamma = texel.luminance().unwrap_or(match entry.channel {
         Channel::Red => rgb[0],
         Channel::Green => rgb[1],
@@ -163,7 +137,7 @@ pub(crate) fn selected_channel(entry: &Entry, texel: &Texel) -> Color {
 
 /// `gamma`, the other reading: the texel's color, component by component.
 pub(crate) fn whole_color(_: &Entry, texel: &Texel) -> Color {
-    super::map::texel_color(texel)
+    texel_color(texel)
 }
 
 pub(crate) fn times(a: Color, b: Color) -> Color {

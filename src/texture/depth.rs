@@ -1,6 +1,6 @@
 //! Sampling hints: how deep in the levels a pixel samples, and whether it shrinks or enlarges the map.
 //!
-//! A bias of −1 moves one level towards the base, 2 two levels away from it (R-HNT-02, R-HNT-03). Frequency hints below 1 blur
+//! A bias of −1 moves one level toward the base, 2 two levels away from it (R-HNT-02, R-HNT-03). Frequency hints below 1 blur
 //! less in their direction (R-HNT-06). A pixel over more than one texel is minified, over less than one magnified
 //! (R-SMP-02, R-SMP-03).
 //!
@@ -9,8 +9,8 @@
 //!   (ruling `depth-formula`).
 //! - A pixel over exactly one texel magnifies; where directions disagree the larger one decides (ruling `one-texel`).
 
-use super::Rules;
 use super::entry::Vector;
+use super::rules::Rules;
 
 /// How far texture coordinates move from a pixel to the next.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

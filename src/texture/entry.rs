@@ -1,20 +1,19 @@
-//! Table entries: the attributes, their fallback values, and which entry an index names.
+//! Table entries: the attributes and their fallback values.
 //!
 //! An entry binds attributes to a texture map resource (R-TBL-01). A field that is not set has its fallback value
-//! (R-TBL-03 … R-TBL-17). Valid indices are 1 to 65535; the fallback entry is entry 1 (R-RST-02, R-RST-03).
+//! (R-TBL-03 … R-TBL-17).
 //!
 //! Format notes
 //! - The entry of fallback values uses a reflection parameterization: it needs an eye and a normal even on a flat surface.
-//! - An index without an entry means entry 1; if that is not there either, the fallback values (ruling `undefined-entry`).
-//! - Notes a to g under the table say which fields count only beside others; [`super::parameterize`], [`super::fetch`] and
-//!   [`super::compose`] read nothing else.
+//! - Notes a to g under the table say which fields count only beside others; the stages of the pipeline
+//!   read nothing else.
 
 use std::collections::BTreeMap;
 use std::fmt;
 use std::str::FromStr;
 
-use super::map::Color;
-use super::{NoValue, Rules};
+/// Red, green and blue, of which 0 to 1 can be shown.
+pub type Color = [f64; 3];
 
 /// Three coordinates, of a point, a direction or a texture map.
 pub type Vector = [f64; 3];
@@ -88,11 +87,11 @@ enumerants! {
 enumerants! {
     /// How texture coordinates are derived (R-PAR-01).
     Parameterization ["PEXTMParam" "PEXTMPM"] {
-        /// The vertex in modelling coordinates.
+        /// The vertex in modeling coordinates.
         VertexMCCoord,
         /// The vertex in world coordinates.
         VertexWCCoord,
-        /// The vertex normal in modelling coordinates.
+        /// The vertex normal in modeling coordinates.
         VertexMCNormal,
         /// The vertex normal in world coordinates.
         VertexWCNormal,
@@ -256,25 +255,3 @@ pub(crate) fn fallback_values() -> Entry {
 
 /// The entries that were defined, by index.
 pub type Table = BTreeMap<i64, Entry>;
-
-/// The entry that `index` names in `table`.
-///
-/// # Errors
-/// [`NoValue::OutOfRange`] outside 1 … 65535 (R-RST-02).
-pub fn resolve(table: &Table, index: i64, rules: &Rules) -> Result<Entry, NoValue> {
-    if !(rules.valid_index)(index) {
-        return Err(NoValue::OutOfRange("index-out-of-range"));
-    }
-    let entry = table.get(&index).cloned();
-    Ok(entry.unwrap_or_else(|| (rules.undefined_entry)(table, rules)))
-}
-
-/// 1 to 65535 (R-RST-02).
-pub(crate) fn valid_index(index: i64) -> bool {
-    (1..=65535).contains(&index)
-}
-
-/// Entry 1 (R-RST-03); without one, the fallback values (ruling `undefined-entry`).
-pub(crate) fn entry_one(table: &Table, rules: &Rules) -> Entry {
-    table.get(&1).cloned().unwrap_or_else(rules.fallback_values)
-}

@@ -8,8 +8,8 @@
 //!   of this library run from the top, so rows are turned once, here.
 //! - Texels are not rounded; a viewer that keeps eight bits rounds halves up (ruling `ptm-texels`).
 
-use super::Rules;
 use super::map::{Level, Texel, TextureMap};
+use super::rules::Rules;
 use crate::evaluate::{Coefficients, Picture};
 
 /// Whether values of a picture are kept as they are.

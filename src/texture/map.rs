@@ -1,20 +1,19 @@
-//! Texture maps: texels in levels, and the default map.
+//! Texture maps: texels in levels.
 //!
 //! A map has one to three dimensions and at least one level; level 0 is the base, the last one the pinnacle. Texels of a
 //! level run along t0 first, then t1, then t2, from t0 = t1 = t2 = 0 (ruling `texel-order`).
-//! The default map is a checkerboard of 8×8 squares on 16×16 texels, white at the origin (R-SEL-11 … R-SEL-13).
 //!
 //! Format notes
 //! - t0 = t1 = 0 is the *lower* left of the picture.
 //! - A texel of luminance L stands for the color (L, L, L) (R-CMP-14).
 //! - Levels are as supplied, of any size; [`TextureMap::with_box_levels`] is what most people mean by a mipmap.
 
-use super::Rules;
+use std::fmt;
+use std::str::FromStr;
 
-/// Red, green and blue, of which 0 to 1 can be shown.
-pub type Color = [f64; 3];
+use super::entry::{Color, enumerants};
 
-super::entry::enumerants! {
+enumerants! {
     /// What a texel consists of.
     TexelKind ["PEXTexelType"] {
         /// Luminance.
@@ -27,9 +26,6 @@ super::entry::enumerants! {
         RGBA,
     }
 }
-
-use std::fmt;
-use std::str::FromStr;
 
 impl TexelKind {
     /// How many components.
@@ -53,7 +49,7 @@ pub struct Texel {
 }
 
 impl Texel {
-    /// A texel, or nothing if it has not as many components as its kind.
+    /// A texel, or nothing if the number of components is not that of its kind.
     #[must_use]
     pub fn new(kind: TexelKind, components: &[f64]) -> Option<Texel> {
         let mut values = [0.0; 4];
@@ -124,7 +120,7 @@ pub(crate) fn texel_color(texel: &Texel) -> Color {
 /// One picture of a map.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Level {
-    /// Texels along t0, t1, t2; 1 in directions that the map has not.
+    /// Texels along t0, t1, t2; 1 in directions that the map does not have.
     pub size: [usize; 3],
     /// `size[0] * size[1] * size[2]` of them, t0 fastest.
     pub texels: Vec<Texel>,
@@ -177,24 +173,6 @@ impl TextureMap {
             kind,
             levels,
         })
-    }
-
-    /// The default map (R-SEL-11, R-SEL-12).
-    #[must_use]
-    pub fn checkerboard(rules: &Rules) -> TextureMap {
-        let (side, square) = (rules.checkerboard)();
-        let texel = |at: usize| {
-            let (i, j) = (at % side / square, at / side / square);
-            Texel::rgb([f64::from(u8::from((rules.is_white)(i, j))); 3])
-        };
-        TextureMap {
-            dimensions: 2,
-            kind: TexelKind::RGB,
-            levels: vec![Level {
-                size: [side, side, 1],
-                texels: (0..side * side).map(texel).collect(),
-            }],
-        }
     }
 
     /// How many coordinates sample it (R-PAR-03).
@@ -266,14 +244,4 @@ fn covered(at: usize, fine: usize, coarse: usize) -> Vec<(usize, f64)> {
 /// Where the texel `at` lies in a level: t0 fastest, then t1, then t2 (ruling `texel-order`).
 pub(crate) fn place(size: [usize; 3], at: [usize; 3]) -> usize {
     (at[2] * size[1] + at[1]) * size[0] + at[0]
-}
-
-/// Texels and texels of a square along a side of the default map (R-SEL-12).
-pub(crate) fn sixteen_by_two() -> (usize, usize) {
-    (16, 2)
-}
-
-/// Whether the square (i, j) of the default map is white; (0, 0) is (R-SEL-13).
-pub(crate) fn white_at_origin(i: usize, j: usize) -> bool {
-    (i + j).is_multiple_of(2)
 }

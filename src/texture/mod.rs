@@ -24,23 +24,44 @@
 //! - The numbers behind the enumerants are nowhere public; names are all that is used. The chapter has two sets of them,
 //!   and both are understood.
 
+mod no_value;
+pub use no_value::NoValue;
+
+// The nouns: an entry of the table, a map, and what is textured.
+
 pub(crate) mod entry;
 pub use entry::{
-    Boundary, Channel, ClampMethod, Composition, Entry, Matrix, Parameterization, RenderingControl,
-    SampleMethod, Table, Vector, resolve,
+    Boundary, Channel, ClampMethod, Color, Composition, Entry, Matrix, Parameterization,
+    RenderingControl, SampleMethod, Table, Vector,
 };
 
 pub(crate) mod map;
-pub use map::{Color, Level, Texel, TexelKind, TextureMap};
+pub use map::{Level, Texel, TexelKind, TextureMap};
+
+pub(crate) mod primitive;
+pub use primitive::{
+    Correction, Fetched, Frequency, InteriorStyle, Interpolation, Lit, Place, Point, Selection,
+    Shade, Site, SplinePoint, Surface,
+};
+
+// The decisions, and the stages of the pipeline in its order.
+
+mod rules;
+pub use rules::Rules;
+
+pub(crate) mod table;
+pub use table::resolve;
+
+pub(crate) mod checkerboard;
 
 pub(crate) mod select;
-pub use select::{InteriorStyle, Selection, Surface, select};
+pub use select::select;
 
 pub(crate) mod parameterize;
-pub use parameterize::{Place, Point, SplinePoint, parameterize, reflect};
+pub use parameterize::{parameterize, reflect};
 
 pub(crate) mod orient;
-pub use orient::{Correction, Frequency, Interpolation, Site, interpolate, orient, site};
+pub use orient::{interpolate, orient, site};
 
 pub(crate) mod depth;
 pub use depth::{Footprint, magnifies, sample_depth};
@@ -49,43 +70,18 @@ pub(crate) mod boundary;
 pub use boundary::texel_index;
 
 pub(crate) mod sample;
-pub use sample::{Fetched, fetch};
+pub use sample::fetch;
 
 pub(crate) mod compose;
-pub use compose::{Shade, compose};
+pub use compose::compose;
 
 pub(crate) mod stage;
-pub use stage::{Lit, stage};
+pub use stage::stage;
 
 pub(crate) mod from_ptm;
 pub use from_ptm::Rounding;
 
-mod rules;
-pub use rules::Rules;
+mod spec;
 
-mod picture;
-pub use picture::{Picture, Scene, Shape, picture};
-/// Why there is no value.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum NoValue {
-    /// The chapter leaves it to the implementation; the ruling that says so.
-    ImplementationDefined(&'static str),
-    /// The question is beyond the valid range; a short name of what is.
-    OutOfRange(&'static str),
-    /// Something is missing that the method needs.
-    Missing(&'static str),
-}
-
-impl std::fmt::Display for NoValue {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self {
-            NoValue::ImplementationDefined(ruling) => {
-                write!(f, "left to the implementation (ruling {ruling})")
-            }
-            NoValue::OutOfRange(what) => write!(f, "out of range: {what}"),
-            NoValue::Missing(what) => write!(f, "the method needs {what}"),
-        }
-    }
-}
-
-impl std::error::Error for NoValue {}
+mod preview;
+pub use preview::{Preview, PreviewImage, PreviewShape, preview};

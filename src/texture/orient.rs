@@ -8,59 +8,10 @@
 //!   `orientation-w`).
 //! - Correction Vertex is too vague to be computed (ruling `vertex-correction`).
 
-use std::fmt;
-use std::str::FromStr;
-
 use super::entry::{Matrix, Vector};
-use super::{NoValue, Rules};
-
-super::entry::enumerants! {
-    /// How coordinates are interpolated in a perspective view.
-    Correction ["PEXTMPerspectiveCorrection"] {
-        /// Linearly on the screen.
-        None,
-        /// Corrected at the vertices.
-        Vertex,
-        /// Corrected at every pixel.
-        Pixel,
-    }
-}
-
-super::entry::enumerants! {
-    /// How a surface's colors are interpolated.
-    Interpolation ["PEXSurfaceInterp"] {
-        /// One color a facet.
-        None,
-        /// Colors of the vertices.
-        Color,
-        /// Dot products of the reflectance equations.
-        DotProduct,
-        /// Normals.
-        Normal,
-    }
-}
-
-super::entry::enumerants! {
-    /// How often a texture is sampled.
-    Frequency ["PEXTMSampleFrequency"] {
-        /// At every pixel.
-        Pixel,
-        /// As often as the reflectance calculation is done.
-        InterpDep,
-    }
-}
-
-super::entry::enumerants! {
-    /// Where a texture is sampled.
-    Site [] {
-        /// Once a facet.
-        Facet,
-        /// At every vertex.
-        Vertex,
-        /// At every pixel.
-        Pixel,
-    }
-}
+use super::no_value::NoValue;
+use super::primitive::{Correction, Frequency, Interpolation, Site};
+use super::rules::Rules;
 
 /// Coordinates after the orientation matrix.
 #[must_use]
@@ -116,6 +67,10 @@ pub fn site(interpolation: Interpolation, frequency: Frequency, rules: &Rules) -
 }
 
 /// Pixel says it; `InterpDep` follows the reflectance calculation (R-CMP-22).
+#[expect(
+    clippy::match_same_arms,
+    reason = "a table reads better with a line for each of its rows"
+)]
 pub(crate) fn as_often_as_lit(interpolation: Interpolation, frequency: Frequency) -> Site {
     match (frequency, interpolation) {
         (Frequency::Pixel, _) => Site::Pixel,

@@ -1,6 +1,6 @@
 //! Parameterization controls: where texture coordinates come from.
 //!
-//! Four methods take the vertex or its normal, in modelling or world coordinates (R-PAR-13 … R-PAR-18); one the parameters of
+//! Four methods take the vertex or its normal, in modeling or world coordinates (R-PAR-13 … R-PAR-18); one the parameters of
 //! a B-spline surface (R-PAR-19, R-PAR-20); one the vertex's data (R-PAR-21 … R-PAR-25); two reflect the line of sight and
 //! project what results onto a sphere around the y axis (R-PAR-06 … R-PAR-12, R-PAR-26 … R-PAR-37).
 //!
@@ -14,50 +14,9 @@
 use std::f64::consts::PI;
 
 use super::entry::{Entry, Matrix, Parameterization, Vector};
-use super::{NoValue, Rules};
-
-/// A vertex in one coordinate system.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Place {
-    /// Where it is.
-    pub position: Option<Vector>,
-    /// Where the eye is.
-    pub eye: Option<Vector>,
-    /// The normal that came with the vertex.
-    pub normal: Option<Vector>,
-    /// The normal of the facet, computed.
-    pub geometric_normal: Option<Vector>,
-}
-
-/// A point of a B-spline surface.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct SplinePoint {
-    /// The first parameter.
-    pub u: f64,
-    /// The second parameter.
-    pub v: f64,
-    /// The values of each data spline at this point.
-    pub data: Vec<Vec<f64>>,
-}
-
-/// All that coordinates may be derived from. What a method does not need may be left out.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Point {
-    /// In modelling coordinates.
-    pub mc: Place,
-    /// In world coordinates.
-    pub wc: Place,
-    /// In view reference coordinates.
-    pub vrc: Place,
-    /// The vertex's floating-point data.
-    pub fp_data: Vec<f64>,
-    /// Where the primitive is a B-spline surface.
-    pub spline: Option<SplinePoint>,
-    /// The unit vector from the eye, where it is known without eye and position.
-    pub sight: Option<Vector>,
-    /// The reflection vector, where it is known without sight and normal.
-    pub reflection: Option<Vector>,
-}
+use super::no_value::NoValue;
+use super::primitive::{Place, Point};
+use super::rules::Rules;
 
 /// The coordinates of `point`, before orientation; those that a map of `dimensions` does not have may be anything.
 ///
@@ -132,7 +91,7 @@ pub(crate) fn spline_parameters(point: &Point) -> Vector {
     [u, v, 0.0]
 }
 
-/// The data at the index and behind it, as many as the map has dimensions (R-PAR-21 … R-PAR-23); on a B-spline surface the
+/// The data from the index on, as many as the map has dimensions (R-PAR-21 … R-PAR-23); on a B-spline surface the
 /// first value of each data spline (R-PAR-24).
 pub(crate) fn float_data(
     point: &Point,
@@ -159,12 +118,11 @@ fn reflection(
     place: &Place,
     rules: &Rules,
 ) -> Result<Vector, NoValue> {
-    let s = match point.reflection {
-        Some(s) => s,
-        None => {
-            let n = (rules.normal)(place).ok_or(NoValue::Missing("a normal"))?;
-            (rules.reflect)(sight(point, place, rules)?, n)
-        }
+    let s = if let Some(s) = point.reflection {
+        s
+    } else {
+        let n = (rules.normal)(place).ok_or(NoValue::Missing("a normal"))?;
+        (rules.reflect)(sight(point, place, rules)?, n)
     };
     let turned = (rules.turn)(&entry.reflection_matrix, s);
     if turned == [0.0; 3] {
@@ -213,7 +171,7 @@ pub(crate) fn azimuth(s: Vector) -> f64 {
     if angle < 0.0 { angle + 2.0 * PI } else { angle }
 }
 
-/// Twice around: seams at +x and −x, ½ towards the viewer, growing to the right (R-PAR-27, ruling `vrc-azimuth`).
+/// Twice around: seams at +x and −x, ½ toward the viewer, growing to the right (R-PAR-27, ruling `vrc-azimuth`).
 pub(crate) fn half_turns(s: Vector) -> f64 {
     (azimuth(s) / PI).fract()
 }

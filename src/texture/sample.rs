@@ -9,32 +9,11 @@
 //!   upper one is closest (ruling `texel-tie`).
 //! - A depth at or beyond an end of the levels is that end, with no interpolation (R-SMP-09, R-SMP-11).
 
-use super::Rules;
 use super::boundary::{fold, is_clamped};
 use super::entry::{Boundary, Entry, SampleMethod, Vector};
 use super::map::{Level, Texel, TextureMap};
-
-/// What sampling a map gives.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Fetched {
-    /// A value to compose with.
-    Texel(Texel),
-    /// The clamp color, in place of a texel.
-    Clamped(Texel),
-    /// Nothing: the map is not applied here.
-    Discontinued,
-}
-
-impl Fetched {
-    /// Its components, if it has any.
-    #[must_use]
-    pub fn components(&self) -> Option<&[f64]> {
-        match self {
-            Fetched::Texel(texel) | Fetched::Clamped(texel) => Some(texel.components()),
-            Fetched::Discontinued => None,
-        }
-    }
-}
+use super::primitive::Fetched;
+use super::rules::Rules;
 
 /// Samples `map` at `t` and `depth`, by the entry's method for enlarged or for shrunk maps.
 #[must_use]
@@ -95,7 +74,7 @@ fn single(entry: &Entry, map: &TextureMap, level: &Level, t: Vector, rules: &Rul
 fn weighted(entry: &Entry, map: &TextureMap, level: &Level, t: Vector, rules: &Rules) -> Texel {
     let mut near = [[(0, 1.0), (0, 0.0)]; 3];
     for d in 0..map.dimensions() {
-        near[d] = (rules.neighbours)((rules.condition)(entry, d), t[d], level.size[d], rules);
+        near[d] = (rules.neighbors)((rules.condition)(entry, d), t[d], level.size[d], rules);
     }
     let corners = (0..1_usize << map.dimensions()).map(|corner| {
         let chosen = [0, 1, 2].map(|d| near[d][corner >> d & 1]);

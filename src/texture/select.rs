@@ -8,56 +8,8 @@
 //! - An empty list does not mean "no texture": the default map is applied once, with fallback values (R-SEL-06).
 //! - The list is ordered, and an index that stands there twice is applied twice.
 
-use std::fmt;
-use std::str::FromStr;
-
-use super::Rules;
-
-super::entry::enumerants! {
-    /// How the inside of a surface is drawn.
-    InteriorStyle ["PEXInteriorStyle"] {
-        /// Edges only.
-        Hollow,
-        /// One color.
-        Solid,
-        /// A pattern.
-        Pattern,
-        /// Lines.
-        Hatch,
-        /// Nothing.
-        Empty,
-        /// Texture maps.
-        Texture,
-    }
-}
-
-/// The part of the pipeline's state that selects textures.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Surface {
-    /// Of both sides, or of the front.
-    pub interior_style: InteriorStyle,
-    /// Active textures: indices of the table.
-    pub active: Vec<i64>,
-    /// Of the back, if facets are distinguished.
-    pub bf_interior_style: InteriorStyle,
-    /// Active textures of the back.
-    pub bf_active: Vec<i64>,
-    /// Whether back-facing facets have attributes of their own.
-    pub facet_distinguish: bool,
-    /// How many maps a facet can have (R-SEL-05).
-    pub max_texture_maps: usize,
-}
-
-/// What is applied to a facet.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Selection {
-    /// No texture.
-    Untextured,
-    /// The default map, with fallback values.
-    Default,
-    /// These entries, in this order.
-    Entries(Vec<i64>),
-}
+use super::primitive::{InteriorStyle, Selection, Surface};
+use super::rules::Rules;
 
 /// What is applied to a facet that faces the viewer, or does not.
 #[must_use]

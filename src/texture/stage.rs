@@ -11,23 +11,10 @@
 //! - Both forms give the same color: CW is placed so that they do (ruling `split-form`).
 //! - Maps of both kinds in one list are two stages, each in the list's order (ruling `two-stages`).
 
-use super::Rules;
-use super::compose::{Shade, compose, times};
-use super::entry::{Entry, RenderingControl};
-use super::map::Color;
-use super::orient::{Frequency, Interpolation};
-use super::sample::Fetched;
-
-/// A primitive and the light on it.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Lit {
-    /// The primitive before any light.
-    pub surface: Shade,
-    /// CW: ambient and diffuse light on a white surface (R-CMP-08).
-    pub white: Color,
-    /// CS: the specular part (R-CMP-11).
-    pub specular: Color,
-}
+use super::compose::{compose, times};
+use super::entry::{Color, Entry, RenderingControl};
+use super::primitive::{Fetched, Frequency, Interpolation, Lit, Shade};
+use super::rules::Rules;
 
 /// The primitive after all `maps` and its light.
 #[must_use]

@@ -8,11 +8,11 @@
 //!   map is three polynomials if each product, over 255, is a whole number that fits a byte with its bias.
 //! - The colors of LUM hang on three open points, so LUM is not converted into anything else.
 
-use crate::decode::{Ptm, decode};
+use crate::decode::decode;
 use crate::generate::plan::Residuals;
 use crate::generate::{Model, Recipe, write};
-use crate::ptm::{Format, Shape};
-use crate::tools::anatomy::{Anatomy, Role};
+use crate::ptm::{Format, Ptm, Shape};
+use crate::tools::dissection::{Dissection, Role};
 
 /// What to convert into.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -57,14 +57,14 @@ pub struct Converted {
     pub entries: Option<usize>,
 }
 
-/// Converts the file that `anatomy` describes.
+/// Converts the file that `dissection` describes.
 ///
 /// # Errors
 /// Why the target cannot hold the map, in a sentence; or what the file read back shows, should it not be the same map.
-pub fn convert(anatomy: &Anatomy, ptm: &Ptm, target: Target) -> Result<Converted, String> {
+pub fn convert(dissection: &Dissection, ptm: &Ptm, target: Target) -> Result<Converted, String> {
     let source = ptm.header.format;
     let samples = samples(ptm, target.format)?;
-    let recipe = recipe(anatomy, ptm, target)?;
+    let recipe = recipe(dissection, ptm, target)?;
     let model = Model::of(&recipe, &samples)
         .map_err(|why| format!("{source} into {}: {why}", target.format))?;
     let entries = (!model.table.is_empty()).then(|| model.entries());
@@ -78,9 +78,11 @@ pub fn convert(anatomy: &Anatomy, ptm: &Ptm, target: Target) -> Result<Converted
 }
 
 /// Header and spelling: scales as they were written, biases as integers, the rest as every known reader accepts it.
-fn recipe(anatomy: &Anatomy, ptm: &Ptm, target: Target) -> Result<Recipe, String> {
+fn recipe(dissection: &Dissection, ptm: &Ptm, target: Target) -> Result<Recipe, String> {
     let texts = |role: fn(usize) -> Role, count: usize| {
-        let texts: Vec<String> = (0..count).filter_map(|i| anatomy.text(role(i))).collect();
+        let texts: Vec<String> = (0..count)
+            .filter_map(|i| dissection.text(role(i)))
+            .collect();
         texts.join(" ")
     };
     let mut recipe = Recipe::ordinary(target.format, ptm.header.size);
@@ -147,14 +149,13 @@ fn each_texel(ptm: &Ptm, target: Format, why: &str, convert: Texel) -> Result<Ve
     let mut samples = Vec::with_capacity(ptm.planes.size.texels() * target.channels());
     let (mut misfits, mut first) = (0, 0);
     for (place, texel) in ptm.planes.texels().enumerate() {
-        match convert(texel, &bias, &counts) {
-            Some(texel) => samples.extend(texel),
-            None => {
-                if misfits == 0 {
-                    first = place;
-                }
-                misfits += 1;
+        if let Some(texel) = convert(texel, &bias, &counts) {
+            samples.extend(texel);
+        } else {
+            if misfits == 0 {
+                first = place;
             }
+            misfits += 1;
         }
     }
     if misfits == 0 {
@@ -174,6 +175,10 @@ fn each_texel(ptm: &Ptm, target: Format, why: &str, convert: Texel) -> Result<Ve
 ///
 /// Without their biases the three are multiples m·d of one direction d without a common factor; the one polynomial is n·d for
 /// some n, and a color is 255·m/n.
+#[expect(
+    clippy::trivially_copy_pass_by_ref,
+    reason = "limits and headers are passed by reference whatever their size"
+)]
 fn factored(texel: &[u8], bias: &[i64; 6], counts: &[bool; 6]) -> Option<Vec<u8>> {
     let value = |channel: usize, i: usize| {
         if counts[i] {
@@ -222,6 +227,10 @@ fn factored(texel: &[u8], bias: &[i64; 6], counts: &[bool; 6]) -> Option<Vec<u8>
 }
 
 /// One polynomial times three colors as three polynomials: exactly, or not at all.
+#[expect(
+    clippy::trivially_copy_pass_by_ref,
+    reason = "limits and headers are passed by reference whatever their size"
+)]
 fn multiplied(texel: &[u8], bias: &[i64; 6], counts: &[bool; 6]) -> Option<Vec<u8>> {
     let coefficient = |(color, i): (u8, usize)| {
         if !counts[i] {

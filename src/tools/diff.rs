@@ -4,12 +4,11 @@ use std::fmt::Write as _;
 
 use serde::Serialize;
 
-use crate::decode::Ptm;
-use crate::ptm::{Planes, Shape, channel_name};
+use crate::ptm::{Planes, Ptm, Shape, channel_name};
 
 /// What two files say differently.
 #[derive(Debug, Default, PartialEq, Serialize)]
-pub struct Difference {
+pub struct MapDifference {
     /// Whether they mean the same map.
     pub same: bool,
     /// What differs in their headers, in words.
@@ -48,11 +47,11 @@ pub struct FirstTexel {
 
 /// Compares two maps; `a` and `b` are the bytes of their files.
 #[must_use]
-pub fn diff(a: (&[u8], &Ptm), b: (&[u8], &Ptm)) -> Difference {
+pub fn diff(a: (&[u8], &Ptm), b: (&[u8], &Ptm)) -> MapDifference {
     let ((a_file, a), (b_file, b)) = (a, b);
-    let mut difference = Difference {
+    let mut difference = MapDifference {
         header: header(a, b),
-        ..Difference::default()
+        ..MapDifference::default()
     };
     if same_planes(&a.planes, &b.planes) {
         difference.planes = planes(&a.planes, &b.planes);
@@ -151,7 +150,7 @@ fn planes(a: &Planes, b: &Planes) -> Vec<PlaneDifference> {
     (0..channels).filter_map(one).collect()
 }
 
-impl Difference {
+impl MapDifference {
     /// In words, a line for each; nothing at all for files that are equal.
     #[must_use]
     pub fn to_text(&self) -> String {

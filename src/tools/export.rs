@@ -8,8 +8,7 @@ use exr::prelude::{
     LayerAttributes, LineOrder, WritableImage,
 };
 
-use crate::decode::Ptm;
-use crate::ptm::{Shape, Size};
+use crate::ptm::{Ptm, Shape, Size};
 use crate::tools::render::Image;
 
 /// What channel `channel` is called in an EXR file: `a3`, `R`; of three polynomials `green.a3`.

@@ -6,17 +6,15 @@ use anstyle::{AnsiColor, Style};
 use serde::Serialize;
 
 use crate::error::{Class, Kind};
+use crate::kit::yaml::to_yaml;
 use crate::ptm::{Format, Size};
-use crate::tools::anatomy::{Anatomy, Part, Role};
+use crate::tools::dissection::{Dissection, FilePart, Role};
 use crate::tools::segments::{self, segments};
 
 /// How many entries of a table, or records, are shown unless all are asked for.
 const SOME: usize = 8;
 /// How many bytes of a payload are shown.
 const PREVIEW: usize = 8;
-
-/// Of a plane without side information.
-const NO_RECORDS: &str = "no records";
 
 const DIM: Style = Style::new().dimmed();
 const CLAUSE: Style = AnsiColor::Cyan.on_default();
@@ -39,7 +37,7 @@ pub struct Inspection {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub height: Option<u32>,
     /// Its fields, in file order.
-    pub fields: Vec<Shown>,
+    pub fields: Vec<InspectedField>,
     /// What is wrong, if anything is.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub error: Option<Fault>,
@@ -50,7 +48,7 @@ pub struct Inspection {
 
 /// A field.
 #[derive(Debug, Serialize)]
-pub struct Shown {
+pub struct InspectedField {
     /// Where it begins.
     pub offset: usize,
     /// How many bytes it has.
@@ -64,18 +62,15 @@ pub struct Shown {
     /// White space up to the next field, made visible.
     #[serde(skip)]
     behind: String,
-    /// The list it is an element of.
+    /// What it is for; nothing within a part.
     #[serde(skip)]
-    list: Option<&'static str>,
-    /// The plane whose stream it is.
-    #[serde(skip)]
-    stream: Option<usize>,
+    role: Option<Role>,
     /// Its first bytes, where it is not text.
     #[serde(skip_serializing_if = "String::is_empty")]
     pub begins: String,
     /// What it consists of: entries, segments, records.
     #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub parts: Vec<Shown>,
+    pub parts: Vec<InspectedField>,
 }
 
 /// Where the reading ended and why.
@@ -111,11 +106,11 @@ pub struct Rest {
 /// Takes `file` apart and describes every part.
 #[must_use]
 pub fn inspect(file: &[u8]) -> Inspection {
-    let anatomy = Anatomy::of(file);
-    let fields = (0..anatomy.parts.len())
-        .map(|place| show(&anatomy, place))
+    let dissection = Dissection::of(file);
+    let fields = (0..dissection.parts.len())
+        .map(|place| show(&dissection, place))
         .collect();
-    let error = anatomy.outcome.as_ref().err().map(|error| Fault {
+    let error = dissection.outcome.as_ref().err().map(|error| Fault {
         offset: error.offset(),
         clause: error.clause(),
         class: match error.class() {
@@ -130,17 +125,17 @@ pub fn inspect(file: &[u8]) -> Inspection {
             _ => None,
         },
     });
-    let end = anatomy.end()
-        + anatomy
+    let end = dissection.end()
+        + dissection
             .parts
             .len()
             .checked_sub(1)
-            .map_or(0, |last| anatomy.behind(last).len());
+            .map_or(0, |last| dissection.gap_after(last).len());
     Inspection {
         bytes: file.len(),
-        format: anatomy.format.map(Format::name),
-        width: anatomy.size.map(|size| size.width),
-        height: anatomy.size.map(|size| size.height),
+        format: dissection.format.map(Format::name),
+        width: dissection.size.map(|size| size.width),
+        height: dissection.size.map(|size| size.height),
         fields,
         error,
         rest: (end < file.len()).then(|| Rest {
@@ -151,32 +146,28 @@ pub fn inspect(file: &[u8]) -> Inspection {
     }
 }
 
-fn show(anatomy: &Anatomy, place: usize) -> Shown {
-    let part = &anatomy.parts[place];
-    let bytes = &anatomy.file[part.range.clone()];
+fn show(dissection: &Dissection, place: usize) -> InspectedField {
+    let part = &dissection.parts[place];
+    let bytes = &dissection.file[part.range.clone()];
     let (value, parts) = if let Some(whole) = part.cut_from {
         (format!("cut: {} of {whole} bytes", bytes.len()), Vec::new())
     } else if part.role.is_payload() {
-        describe(anatomy, part, bytes)
+        describe(dissection, part, bytes)
     } else {
         (bytes.escape_ascii().to_string(), Vec::new())
     };
-    Shown {
+    InspectedField {
         offset: part.range.start,
         length: bytes.len(),
         clause: part.clause,
-        name: part.role.name(anatomy.format),
+        name: part.role.name(dissection.format),
         value,
         behind: if part.role.is_payload() {
             String::new()
         } else {
-            visible(anatomy.behind(place))
+            visible(dissection.gap_after(place))
         },
-        list: part.role.list(),
-        stream: match part.role {
-            Role::Stream(plane) => Some(plane),
-            _ => None,
-        },
+        role: Some(part.role),
         begins: if part.role.is_payload() {
             hexadecimal(bytes)
         } else {
@@ -187,51 +178,17 @@ fn show(anatomy: &Anatomy, place: usize) -> Shown {
 }
 
 /// What a part of the payload is, and what it consists of.
-fn describe(anatomy: &Anatomy, part: &Part, bytes: &[u8]) -> (String, Vec<Shown>) {
-    let texels = anatomy.size.map_or(0, Size::texels);
+fn describe(
+    dissection: &Dissection,
+    part: &FilePart,
+    bytes: &[u8],
+) -> (String, Vec<InspectedField>) {
+    let texels = dissection.size.map_or(0, Size::texels);
     match part.role {
-        Role::Table => {
-            let entries = anatomy
-                .number(Role::Count)
-                .and_then(|count| usize::try_from(count).ok());
-            let size = bytes.len().checked_div(entries.unwrap_or(0)).unwrap_or(0);
-            let parts = bytes.chunks(size.max(1)).enumerate().map(|(i, entry)| {
-                child(
-                    part,
-                    i * size,
-                    entry.len(),
-                    part.clause,
-                    format!("entry {i}"),
-                    decimal(entry),
-                )
-            });
-            (
-                format!("{} entries of {size} bytes", entries.unwrap_or(0)),
-                parts.collect(),
-            )
-        }
-        Role::Indices => {
-            let width = bytes.len().checked_div(texels).unwrap_or(0);
-            let index = |bytes: &[u8]| {
-                bytes
-                    .iter()
-                    .rev()
-                    .fold(0, |index, &byte| index << 8 | usize::from(byte))
-            };
-            let largest = bytes.chunks(width.max(1)).map(index).max().unwrap_or(0);
-            let smallest = bytes.chunks(width.max(1)).map(index).min().unwrap_or(0);
-            let each = if width == 1 {
-                "one byte"
-            } else {
-                "two bytes, low byte first"
-            };
-            (
-                format!("{texels} of {each}, from {smallest} to {largest}, bottom row first"),
-                Vec::new(),
-            )
-        }
-        Role::Stream(plane) => (plan(anatomy, plane), stream_parts(part, bytes)),
-        Role::Side(_) => records(anatomy, part, bytes),
+        Role::Table => table(dissection, part, bytes),
+        Role::Indices => (indices(bytes, texels), Vec::new()),
+        Role::Stream(plane) => (plan(dissection, plane), stream_parts(part, bytes)),
+        Role::Side(_) => records(dissection, part, bytes),
         _ => {
             let each = bytes.len().checked_div(texels).unwrap_or(0);
             (
@@ -242,34 +199,63 @@ fn describe(anatomy: &Anatomy, part: &Part, bytes: &[u8]) -> (String, Vec<Shown>
     }
 }
 
+/// The entries of the lookup table.
+fn table(dissection: &Dissection, part: &FilePart, bytes: &[u8]) -> (String, Vec<InspectedField>) {
+    let entries = dissection.number(Role::Count);
+    let entries = entries.and_then(|count| usize::try_from(count).ok());
+    let entries = entries.unwrap_or(0);
+    let size = bytes.len().checked_div(entries).unwrap_or(0);
+    let entry = |(i, entry): (usize, &[u8])| {
+        let (name, value) = (format!("entry {i}"), decimal(entry));
+        child(part, i * size, entry.len(), part.clause, name, value)
+    };
+    let parts = bytes.chunks(size.max(1)).enumerate().map(entry).collect();
+    (format!("{entries} entries of {size} bytes"), parts)
+}
+
+/// How many indices there are, of what width and in what range.
+fn indices(bytes: &[u8], texels: usize) -> String {
+    let width = bytes.len().checked_div(texels).unwrap_or(0);
+    let index = |bytes: &[u8]| {
+        let bytes = bytes.iter().rev();
+        bytes.fold(0, |index, &byte| index << 8 | usize::from(byte))
+    };
+    let largest = bytes.chunks(width.max(1)).map(index).max().unwrap_or(0);
+    let smallest = bytes.chunks(width.max(1)).map(index).min().unwrap_or(0);
+    let each = match width {
+        1 => "one byte",
+        _ => "two bytes, low byte first",
+    };
+    format!("{texels} of {each}, from {smallest} to {largest}, bottom row first")
+}
+
 fn child(
-    part: &Part,
+    part: &FilePart,
     at: usize,
     length: usize,
     clause: &'static str,
     name: String,
     value: String,
-) -> Shown {
-    Shown {
+) -> InspectedField {
+    InspectedField {
         offset: part.range.start + at,
         length,
         clause,
         name,
         value,
         behind: String::new(),
-        list: None,
-        stream: None,
+        role: None,
         begins: String::new(),
         parts: Vec::new(),
     }
 }
 
 /// How a plane is made: its channel, its rank, its reference and what is done to it.
-fn plan(anatomy: &Anatomy, plane: usize) -> String {
-    let number = |role| anatomy.number(role).unwrap_or_default();
+fn plan(dissection: &Dissection, plane: usize) -> String {
+    let number = |role| dissection.number(role).unwrap_or_default();
     let mut words = format!(
         "{}, rank {}",
-        anatomy.channel(plane),
+        dissection.channel(plane),
         number(Role::Rank(plane))
     );
     let reference = number(Role::Reference(plane));
@@ -294,7 +280,7 @@ fn plan(anatomy: &Anatomy, plane: usize) -> String {
     words
 }
 
-fn stream_parts(part: &Part, stream: &[u8]) -> Vec<Shown> {
+fn stream_parts(part: &FilePart, stream: &[u8]) -> Vec<InspectedField> {
     let shown = |segment: segments::Segment| {
         child(
             part,
@@ -309,50 +295,42 @@ fn stream_parts(part: &Part, stream: &[u8]) -> Vec<Shown> {
 }
 
 /// The records of a block of side information (clause 2.9.8/5).
-fn records(anatomy: &Anatomy, part: &Part, block: &[u8]) -> (String, Vec<Shown>) {
+fn records(
+    dissection: &Dissection,
+    part: &FilePart,
+    block: &[u8],
+) -> (String, Vec<InspectedField>) {
+    const CLAUSE: &str = "2.9.8/5";
     let (whole, rest) = block.as_chunks::<5>();
     let record = |(i, &[p3, p2, p1, p0, value]): (usize, &[u8; 5])| {
         let position = u32::from_be_bytes([p3, p2, p1, p0]);
-        let place = anatomy
-            .size
-            .filter(|size| (position as usize) < size.texels())
-            .map_or_else(
-                || "no texel".to_owned(),
-                |size| {
-                    format!(
-                        "column {}, row {} from the top",
-                        position % size.width,
-                        size.height - 1 - position / size.width
-                    )
-                },
-            );
-        child(
-            part,
-            5 * i,
-            5,
-            "2.9.8/5",
-            format!("record {i}"),
-            format!("position {position} ({place}) becomes {value}"),
-        )
+        let place = place(dissection.size, position);
+        let value = format!("position {position} ({place}) becomes {value}");
+        child(part, 5 * i, 5, CLAUSE, format!("record {i}"), value)
     };
-    let mut parts: Vec<Shown> = whole.iter().enumerate().map(record).collect();
+    let mut parts: Vec<InspectedField> = whole.iter().enumerate().map(record).collect();
     if !rest.is_empty() {
-        parts.push(child(
-            part,
-            5 * whole.len(),
-            rest.len(),
-            "2.9.8/5",
-            "part of a record".to_owned(),
-            decimal(rest),
-        ));
+        let (at, name) = (5 * whole.len(), "part of a record".to_owned());
+        parts.push(child(part, at, rest.len(), CLAUSE, name, decimal(rest)));
     }
-    (
-        match whole.len() {
-            0 if rest.is_empty() => NO_RECORDS.to_owned(),
-            count => format!("{count} record{}", if count == 1 { "" } else { "s" }),
-        },
-        parts,
-    )
+    let words = match whole.len() {
+        0 if rest.is_empty() => "no records".to_owned(),
+        1 => "1 record".to_owned(),
+        count => format!("{count} records"),
+    };
+    (words, parts)
+}
+
+/// Where in the picture a position of the stored raster is.
+fn place(size: Option<Size>, position: u32) -> String {
+    match size {
+        Some(size) if (position as usize) < size.texels() => format!(
+            "column {}, row {} from the top",
+            position % size.width,
+            size.height - 1 - position / size.width
+        ),
+        _ => "no texel".to_owned(),
+    }
 }
 
 impl Inspection {
@@ -361,7 +339,7 @@ impl Inspection {
     /// # Errors
     /// None that a file could cause.
     pub fn to_yaml(&self) -> Result<String, String> {
-        serde_saphyr::to_string(self).map_err(|error| error.to_string())
+        to_yaml(self)
     }
 
     /// The fields as a table for a terminal, with its colors; `all` shows every entry, segment and record.
@@ -373,33 +351,36 @@ impl Inspection {
             "\n\n{DIM}  offset   length  clause        what{:<29}value{DIM:#}",
             ""
         );
-        let mut told = self.error.is_none();
+        let mut shown = self.error.is_none();
         let mut fields = self.fields.iter().peekable();
         while let Some(first) = fields.next() {
             let mut line = first.line();
-            while first.list.is_some() && fields.peek().is_some_and(|next| next.list == first.list)
+            while first.list().is_some()
+                && fields
+                    .peek()
+                    .is_some_and(|next| next.list() == first.list())
             {
                 line.extend(fields.next().expect("it was just seen"));
             }
-            if first.length == 0 && first.value == NO_RECORDS {
+            if first.length == 0 && matches!(first.role, Some(Role::Side(_))) {
                 continue;
             }
             line.write(&mut out, 0);
-            let hit = !told && line.holds(first, self.error.as_ref());
+            let hit = !shown && line.holds(first, self.error.as_ref());
             first.write_parts(&mut out, all, hit);
             if hit {
-                told = true;
+                shown = true;
                 self.write_error(&mut out);
             }
         }
-        if !told {
+        if !shown {
             self.write_error(&mut out);
         }
         if let Some(rest) = &self.rest {
             let why = if self.error.is_some() {
                 "not read"
             } else {
-                "behind the last value, read by nobody"
+                "after the last value, read by nobody"
             };
             let _ = writeln!(
                 out,
@@ -444,15 +425,15 @@ struct Line {
 }
 
 impl Line {
-    fn extend(&mut self, next: &Shown) {
+    fn extend(&mut self, next: &InspectedField) {
         self.end = next.offset + next.length;
         self.value += &next.styled();
     }
 
     /// Whether the error is to be told here: in it or, of a stream, in its plane.
-    fn holds(&self, first: &Shown, error: Option<&Fault>) -> bool {
+    fn holds(&self, first: &InspectedField, error: Option<&Fault>) -> bool {
         error.is_some_and(|error| match error.plane {
-            Some(plane) => first.stream == Some(plane),
+            Some(plane) => first.role == Some(Role::Stream(plane)),
             None => {
                 !error.at_end
                     && (self.offset..self.end.max(self.offset + 1)).contains(&error.offset)
@@ -483,13 +464,18 @@ impl Line {
     }
 }
 
-impl Shown {
+impl InspectedField {
+    /// The list it is an element of.
+    fn list(&self) -> Option<&'static str> {
+        self.role.and_then(Role::list)
+    }
+
     fn line(&self) -> Line {
         Line {
             offset: self.offset,
             end: self.offset + self.length,
             clause: self.clause,
-            name: self.list.map_or_else(|| self.name.clone(), str::to_owned),
+            name: self.list().map_or_else(|| self.name.clone(), str::to_owned),
             value: self.styled(),
             begins: self.begins.clone(),
         }

@@ -11,12 +11,14 @@ use std::str::FromStr;
 
 use serde::Serialize;
 
-use crate::harness::cases::{Case, Expect, Suite, TableSpelling};
-use crate::harness::choices::{CHOICES, concerned};
-use crate::harness::compare::{Expected, ExpectedValues};
-use crate::harness::corpus::{in_parallel, sha256};
-use crate::harness::protocol::View;
+use crate::kit::digest::sha256;
+use crate::kit::parallel::in_parallel;
+use crate::kit::yaml::to_yaml;
+use crate::protocol::frame::View;
 use crate::ptm::Size;
+use crate::suite::cases::{Case, Expect, Suite, TableSpelling};
+use crate::suite::choices::{CHOICES, concerned};
+use crate::suite::compare::{Expected, ExpectedValues};
 use crate::tools::export::{exr_of, npy_bytes, npy_floats, stacked_planes};
 use crate::tools::lint::codes::Code;
 use crate::tools::render::Image;
@@ -62,6 +64,30 @@ impl Profile {
         let more = of_case.iter().filter(|view| **view != View::Raw).cloned();
         std::iter::once(View::Raw).chain(more).collect()
     }
+    /// The cases of the suite that are in it, in the order of the suite.
+    #[must_use]
+    pub fn cases(self, suite: &Suite) -> Vec<&Case> {
+        let size = |case: &Case| case.build(TableSpelling::default()).file.len();
+        let cases = suite.cases.iter();
+        let fitting = cases.filter(|case| size(case) <= self.largest());
+        if self != Profile::Minimal {
+            return fitting.collect();
+        }
+        // For every clause and format the first case of each expectation, and the twins of those.
+        let mut covered = BTreeSet::new();
+        let mut ids = BTreeSet::new();
+        for case in fitting.filter(|case| matches!(case.expect, Expect::Decode | Expect::Reject)) {
+            let fresh = case.clauses.iter().filter(|clause| {
+                covered.insert((case.expect.name(), case.format(), (*clause).clone()))
+            });
+            if fresh.count() > 0 || case.first {
+                ids.insert(case.id.as_str());
+                ids.extend(case.twin_of.as_deref());
+            }
+        }
+        let in_it = |case: &&Case| ids.contains(case.id.as_str());
+        suite.cases.iter().filter(in_it).collect()
+    }
 }
 
 impl FromStr for Profile {
@@ -85,12 +111,12 @@ pub struct Manifest {
     /// How much of the suite.
     pub profile: &'static str,
     /// The files, in the order of the suite.
-    pub cases: Vec<Entry>,
+    pub cases: Vec<ProfileCase>,
 }
 
 /// A file and what a decoder owes it.
 #[derive(Debug, Serialize)]
-pub struct Entry {
+pub struct ProfileCase {
     /// The case; permanent.
     pub id: String,
     /// Where the file lies.
@@ -121,12 +147,12 @@ pub struct Entry {
     pub lint: Option<&'static str>,
     /// The right answers.
     #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub expected: Vec<Answer>,
+    pub expected: Vec<ProfiledAnswer>,
 }
 
 /// A right answer in a file.
 #[derive(Debug, Serialize)]
-pub struct Answer {
+pub struct ProfiledAnswer {
     /// `raw`, `coef` or `rgb:LU,LV`.
     pub view: String,
     /// Where it lies.
@@ -162,7 +188,7 @@ pub fn write(
         let why = format!("{}: the directory is not empty", directory.display());
         return Err(io::Error::new(io::ErrorKind::AlreadyExists, why));
     }
-    let cases = selected(suite, profile);
+    let cases = profile.cases(suite);
     let entries = in_parallel(cases.len(), jobs, progress, &|place| {
         let (entry, outputs) = entry(cases[place], profile).map_err(io::Error::other)?;
         for (path, bytes) in outputs {
@@ -176,7 +202,7 @@ pub fn write(
         profile: profile.name(),
         cases: entries.into_iter().collect::<io::Result<_>>()?,
     };
-    let yaml = serde_saphyr::to_string(&manifest).map_err(io::Error::other)?;
+    let yaml = to_yaml(&manifest).map_err(io::Error::other)?;
     let json = serde_json::to_string_pretty(&manifest).map_err(io::Error::other)?;
     put(directory, "MANIFEST.yaml", yaml.as_bytes())?;
     put(directory, "MANIFEST.json", (json + "\n").as_bytes())?;
@@ -192,36 +218,7 @@ pub fn write(
     Ok(manifest)
 }
 
-/// The cases of a profile.
-fn selected(suite: &Suite, profile: Profile) -> Vec<&Case> {
-    let size = |case: &Case| case.build(TableSpelling::default()).file.len();
-    let fitting = suite
-        .cases
-        .iter()
-        .filter(|case| size(case) <= profile.largest());
-    if profile != Profile::Minimal {
-        return fitting.collect();
-    }
-    // A case for every clause to which none stands yet, apart for what is expected; and the twins of those.
-    let mut covered = BTreeSet::new();
-    let mut ids = BTreeSet::new();
-    for case in fitting.filter(|case| matches!(case.expect, Expect::Decode | Expect::Reject)) {
-        let fresh = case.clauses.iter().filter(|clause| {
-            covered.insert((case.expect.name(), case.format(), (*clause).clone()))
-        });
-        if fresh.count() > 0 || case.first {
-            ids.insert(case.id.as_str());
-            ids.extend(case.twin_of.as_deref());
-        }
-    }
-    suite
-        .cases
-        .iter()
-        .filter(|case| ids.contains(case.id.as_str()))
-        .collect()
-}
-
-fn entry(case: &Case, profile: Profile) -> Result<(Entry, Vec<Output>), String> {
+fn entry(case: &Case, profile: Profile) -> Result<(ProfileCase, Vec<Output>), String> {
     let built = case.build(TableSpelling::default());
     let place = case.format().short_name().to_lowercase();
     let file = format!("files/{place}/{}.ptm", case.id);
@@ -229,38 +226,35 @@ fn entry(case: &Case, profile: Profile) -> Result<(Entry, Vec<Output>), String> 
     let mut expected = Vec::new();
     for view in profile.views(case) {
         if let Some(values) = Expected::of(&built.values, &view) {
-            let shows: Vec<&str> = concerned(case, &view)
-                .into_iter()
-                .map(|axis| CHOICES[axis].ruling)
-                .collect();
+            let axes = concerned(case, &view).into_iter();
+            let shows: Vec<&str> = axes.map(|axis| CHOICES[axis].ruling).collect();
             let stem = format!("expected/{place}/{}.{}", case.id, suffix(&view));
             let (more, files) = answers(&values, &view, &stem, profile, &shows)?;
             expected.extend(more);
             outputs.extend(files);
         }
     }
-    let damage = case.damage();
+    let expect = match case.any_picture {
+        true => "robust",
+        false => case.expect.name(),
+    };
     let refused = matches!(case.expect, Expect::Reject | Expect::Refuse);
-    let entry = Entry {
+    let damage = case.damage();
+    let code = damage.filter(|_| refused);
+    let code = code.and_then(|damage| Code::of(&damage.name));
+    let entry = ProfileCase {
         id: case.id.clone(),
         file,
         bytes: built.file.len(),
         sha256: sha256(&built.file),
         format: case.format().name(),
-        expect: if case.any_picture {
-            "robust"
-        } else {
-            case.expect.name()
-        },
+        expect,
         because: case.because.clone(),
         clauses: case.clauses.clone(),
         ruling: case.ruling.clone(),
         twin_of: case.twin_of.clone(),
-        damage: damage.map(|damage| damage.effect),
-        lint: damage
-            .filter(|_| refused)
-            .and_then(|damage| Code::of(damage.name))
-            .map(|code| code.id),
+        damage: damage.map(|damage| damage.effect.as_str()),
+        lint: code.map(|code| code.id),
         expected,
     };
     Ok((entry, outputs))
@@ -278,35 +272,16 @@ fn answers(
     stem: &str,
     profile: Profile,
     shows: &[&'static str],
-) -> Result<(Vec<Answer>, Vec<Output>), String> {
+) -> Result<(Vec<ProfiledAnswer>, Vec<Output>), String> {
     let (mut answers, mut outputs) = (Vec::new(), Vec::new());
     let (size, channels) = (expected.size, expected.channels);
     let slack = (!expected.slack.is_empty()).then(|| format!("{stem}.slack.npy"));
     if let Some(path) = &slack {
         outputs.push((path.clone(), npy_floats(&expected.slack, size, channels)));
     }
-    let mut files: Vec<(&'static str, Vec<u8>)> = Vec::new();
-    match &expected.values {
-        ExpectedValues::Raw(values) => {
-            files.push(("npy", npy_bytes(values, size, channels)));
-            if profile != Profile::Minimal {
-                files.push(("png", stacked_planes(values, size, channels).to_png(stem)?));
-            }
-        }
-        ExpectedValues::Coef(values) => {
-            files.push(("npy", npy_floats(values, size, channels)));
-            if profile == Profile::Exhaustive {
-                files.push(("exr", exr_of(values, size, channels, stem)?));
-            }
-        }
-        ExpectedValues::Rgb(values) => {
-            files.push(("npy", npy_floats(values, size, channels)));
-            files.push(("png", picture(values, size).to_png(stem)?));
-        }
-    }
-    for (encoding, bytes) in files {
+    for (encoding, bytes) in encoded(expected, stem, profile)? {
         let path = format!("{stem}.{encoding}");
-        answers.push(Answer {
+        answers.push(ProfiledAnswer {
             view: view.to_string(),
             file: path.clone(),
             encoding,
@@ -318,6 +293,38 @@ fn answers(
         outputs.push((path, bytes));
     }
     Ok((answers, outputs))
+}
+
+/// An answer as NPY, and as the picture or EXR that the profile has besides; each with its suffix.
+fn encoded(
+    expected: &Expected,
+    description: &str,
+    profile: Profile,
+) -> Result<Vec<(&'static str, Vec<u8>)>, String> {
+    let (size, channels) = (expected.size, expected.channels);
+    let png = |image: Image| Ok::<_, String>(("png", image.to_png(description)?));
+    Ok(match &expected.values {
+        ExpectedValues::Raw(values) => {
+            let npy = ("npy", npy_bytes(values, size, channels));
+            match profile {
+                Profile::Minimal => vec![npy],
+                _ => vec![npy, png(stacked_planes(values, size, channels))?],
+            }
+        }
+        ExpectedValues::Coef(values) => {
+            let npy = ("npy", npy_floats(values, size, channels));
+            match profile {
+                Profile::Exhaustive => {
+                    vec![npy, ("exr", exr_of(values, size, channels, description)?)]
+                }
+                _ => vec![npy],
+            }
+        }
+        ExpectedValues::Rgb(values) => {
+            let npy = ("npy", npy_floats(values, size, channels));
+            vec![npy, png(picture(values, size))?]
+        }
+    })
 }
 
 /// Colors rounded to bytes.
@@ -408,7 +415,7 @@ mod tests {
         let suite = suite();
         let [minimal, standard, exhaustive] =
             [Profile::Minimal, Profile::Standard, Profile::Exhaustive]
-                .map(|profile| selected(&suite, profile).len());
+                .map(|profile| profile.cases(&suite).len());
         assert!(
             minimal * 2 < standard && standard < exhaustive,
             "{minimal}, {standard}, {exhaustive}"
@@ -427,6 +434,6 @@ mod tests {
             case.build(TableSpelling::default()).file.len() <= Profile::Minimal.largest()
         };
         let all: Vec<&Case> = suite.cases.iter().filter(small).collect();
-        assert_eq!(clauses(&selected(&suite, Profile::Minimal)), clauses(&all));
+        assert_eq!(clauses(&Profile::Minimal.cases(&suite)), clauses(&all));
     }
 }

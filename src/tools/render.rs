@@ -1,8 +1,7 @@
 //! A map as a picture: lit from somewhere, from everywhere, or as the normals that its polynomials hint at.
 
-use crate::decode::Ptm;
 use crate::evaluate::Coefficients;
-use crate::ptm::Shape;
+use crate::ptm::{Ptm, Shape};
 
 /// A picture of 8 bits a sample, top row first.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -21,8 +20,8 @@ pub struct Image {
 const MARGIN: usize = 4;
 /// Gray, between black and white pictures.
 const BACKGROUND: u8 = 48;
-/// Bytes of a contact sheet.
-const LARGEST_SHEET: usize = 1 << 30;
+/// Bytes of a contact sheet, or of an enlarged picture.
+const LARGEST: usize = 1 << 30;
 /// The light at the rim of a contact sheet; at 1 it would graze the map.
 const RIM: f64 = 0.9;
 
@@ -62,7 +61,7 @@ pub fn sheet(ptm: &Ptm, side: usize, cell: usize) -> Result<Image, String> {
     let bytes = place(side, cell_width)
         .saturating_mul(place(side, cell_height))
         .saturating_mul(3);
-    if bytes > LARGEST_SHEET {
+    if bytes > LARGEST {
         return Err(format!(
             "a sheet of {bytes} bytes is too large; ask for fewer or smaller pictures"
         ));
@@ -199,6 +198,34 @@ impl Image {
         Ok(bytes)
     }
 
+    /// Every pixel as a square of `factor` × `factor`.
+    ///
+    /// # Errors
+    /// A picture of more than 1 GiB.
+    pub fn enlarged(&self, factor: usize) -> Result<Image, String> {
+        let bytes = self
+            .samples
+            .len()
+            .saturating_mul(factor.saturating_mul(factor));
+        if bytes > LARGEST {
+            return Err(format!(
+                "a picture of {bytes} bytes is too large; enlarge it less"
+            ));
+        }
+        let row_bytes = (self.width * self.channels).max(1);
+        let wide = |row: &[u8]| -> Vec<u8> {
+            let pixels = row.chunks(self.channels);
+            pixels.flat_map(|pixel| pixel.repeat(factor)).collect()
+        };
+        let rows = self.samples.chunks(row_bytes);
+        Ok(Image {
+            width: self.width * factor,
+            height: self.height * factor,
+            channels: self.channels,
+            samples: rows.flat_map(|row| wide(row).repeat(factor)).collect(),
+        })
+    }
+
     /// Every pixel the mean of `factor` × `factor`, fewer at the right and at the bottom.
     fn shrunk(&self, factor: usize) -> Image {
         if factor <= 1 {
@@ -293,6 +320,23 @@ mod tests {
             assert!((lu.hypot(lv) - RIM).abs() < 1e-9, "{x}, {y}");
         }
         assert_eq!(on_disc(0.0, 0.0), (0.0, 0.0));
+    }
+
+    #[test]
+    fn an_enlarged_picture_has_squares() {
+        let image = Image {
+            width: 2,
+            height: 2,
+            channels: 1,
+            samples: vec![1, 2, 3, 4],
+        };
+        let large = image.enlarged(2).expect("a small picture");
+        assert_eq!((large.width, large.height), (4, 4));
+        assert_eq!(
+            large.samples,
+            [1, 1, 2, 2, 1, 1, 2, 2, 3, 3, 4, 4, 3, 3, 4, 4]
+        );
+        assert!(image.enlarged(usize::MAX).is_err());
     }
 
     #[test]

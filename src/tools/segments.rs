@@ -9,7 +9,7 @@ use std::ops::Range;
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Segment {
     /// What it is.
-    pub kind: Kind,
+    pub kind: SegmentKind,
     /// Its bytes, counted from the beginning of the stream.
     pub range: Range<usize>,
     /// What it says, in words; empty where there is nothing to say.
@@ -18,7 +18,7 @@ pub struct Segment {
 
 /// What a part of a stream is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
+pub enum SegmentKind {
     /// A marker of this code, with its segment if it has one.
     Marker(u8),
     /// Bytes FF before a marker (T.81 B.1.1.2).
@@ -36,15 +36,15 @@ const EOI: u8 = 0xd9;
 const SOS: u8 = 0xda;
 const SOF55: u8 = 0xf7;
 
-impl Kind {
+impl SegmentKind {
     /// What it is called by its standard.
     #[must_use]
     pub fn name(self) -> String {
-        let Kind::Marker(code) = self else {
+        let SegmentKind::Marker(code) = self else {
             return match self {
-                Kind::Fill => "fill bytes",
-                Kind::Data => "entropy-coded data",
-                Kind::Behind => "bytes behind the end",
+                SegmentKind::Fill => "fill bytes",
+                SegmentKind::Data => "entropy-coded data",
+                SegmentKind::Behind => "bytes behind the end",
                 _ => "no marker",
             }
             .to_owned();
@@ -72,7 +72,7 @@ impl Kind {
     #[must_use]
     pub const fn clause(self) -> &'static str {
         match self {
-            Kind::Marker(code) => match code {
+            SegmentKind::Marker(code) => match code {
                 SOI | EOI => "T.81 B.2.1",
                 SOF55 => "T.87 C.2.2",
                 0xf8 => "T.87 C.2.4.1",
@@ -87,9 +87,9 @@ impl Kind {
                 0xfe => "T.81 B.2.4.5",
                 _ => "T.81 B.1.1.3",
             },
-            Kind::Fill => "T.81 B.1.1.2",
-            Kind::Data => "T.81 B.1.1.5",
-            Kind::Behind | Kind::Stray => "T.81 B.1.1.3",
+            SegmentKind::Fill => "T.81 B.1.1.2",
+            SegmentKind::Data => "T.81 B.1.1.5",
+            SegmentKind::Behind | SegmentKind::Stray => "T.81 B.1.1.3",
         }
     }
 }
@@ -114,7 +114,7 @@ pub fn frame(stream: &[u8], parts: &[Segment]) -> Option<(u8, u8, u16, u16, u8)>
     let is_frame =
         |code| matches!(code, 0xc0..=0xcf | SOF55) && !matches!(code, 0xc4 | 0xc8 | 0xcc);
     parts.iter().find_map(|part| match part.kind {
-        Kind::Marker(code) if is_frame(code) => match stream[part.range.clone()] {
+        SegmentKind::Marker(code) if is_frame(code) => match stream[part.range.clone()] {
             [_, _, _, _, precision, h1, h0, w1, w0, components, ..] => Some((
                 code,
                 precision,
@@ -131,7 +131,9 @@ pub fn frame(stream: &[u8], parts: &[Segment]) -> Option<(u8, u8, u16, u16, u8)>
 /// What the scan header of a JPEG-LS stream says of NEAR (T.87 C.2.3).
 #[must_use]
 pub fn near(stream: &[u8], parts: &[Segment]) -> Option<u8> {
-    let scan = parts.iter().find(|part| part.kind == Kind::Marker(SOS))?;
+    let scan = parts
+        .iter()
+        .find(|part| part.kind == SegmentKind::Marker(SOS))?;
     let body = stream.get(scan.range.start + 4..scan.range.end)?;
     let components = usize::from(*body.first()?);
     body.get(1 + 2 * components).copied()
@@ -148,7 +150,7 @@ impl Walk<'_> {
         self.parts.last().map_or(0, |part| part.range.end)
     }
 
-    fn push(&mut self, kind: Kind, length: usize, says: String) {
+    fn push(&mut self, kind: SegmentKind, length: usize, says: String) {
         let start = self.at();
         let end = start.saturating_add(length).min(self.stream.len());
         self.parts.push(Segment {
@@ -161,22 +163,22 @@ impl Walk<'_> {
     fn step(&mut self) {
         let rest = &self.stream[self.at()..];
         let last = self.parts.last().map(|part| part.kind);
-        if last == Some(Kind::Marker(EOI)) {
-            return self.push(Kind::Behind, rest.len(), String::new());
+        if last == Some(SegmentKind::Marker(EOI)) {
+            return self.push(SegmentKind::Behind, rest.len(), String::new());
         }
-        if last == Some(Kind::Marker(SOS)) {
+        if last == Some(SegmentKind::Marker(SOS)) {
             return self.data();
         }
         match *rest {
             [0xff, 0xff, ..] => {
                 let fill = rest.iter().take_while(|&&byte| byte == 0xff).count() - 1;
-                self.push(Kind::Fill, fill, String::new());
+                self.push(SegmentKind::Fill, fill, String::new());
             }
             [0xff, code, ..] if code != 0 => self.marker(code),
             _ => {
                 let stray = rest[1..].iter().position(|&byte| byte == 0xff);
                 self.push(
-                    Kind::Stray,
+                    SegmentKind::Stray,
                     stray.map_or(rest.len(), |at| at + 1),
                     String::new(),
                 );
@@ -188,19 +190,19 @@ impl Walk<'_> {
         let rest = &self.stream[self.at()..];
         self.jpeg_ls |= code == SOF55;
         if matches!(code, 0x01 | 0xd0..=0xd9) {
-            return self.push(Kind::Marker(code), 2, String::new());
+            return self.push(SegmentKind::Marker(code), 2, String::new());
         }
         // A length counts its own two bytes and not the marker (T.81 B.1.1.4).
         let length = match *rest {
             [_, _, high, low, ..] => usize::from(u16::from_be_bytes([high, low])),
-            _ => return self.push(Kind::Marker(code), rest.len(), "cut".to_owned()),
+            _ => return self.push(SegmentKind::Marker(code), rest.len(), "cut".to_owned()),
         };
         let body = rest.get(4..2 + length.max(2));
         let says = body.map_or_else(
             || format!("cut: {length} bytes, {} remain", rest.len() - 2),
             |body| describe(code, body, self.jpeg_ls),
         );
-        self.push(Kind::Marker(code), 2 + length.max(2), says);
+        self.push(SegmentKind::Marker(code), 2 + length.max(2), says);
     }
 
     /// Up to the next marker that is no restart: a byte FF is followed by 00 (T.81) or by a byte below 80 (T.87).
@@ -230,10 +232,10 @@ impl Walk<'_> {
         if end == 0 {
             return match *rest {
                 [0xff, code, ..] if code != 0xff => self.marker(code),
-                _ => self.push(Kind::Fill, 1, String::new()),
+                _ => self.push(SegmentKind::Fill, 1, String::new()),
             };
         }
-        self.push(Kind::Data, end, says);
+        self.push(SegmentKind::Data, end, says);
     }
 }
 
@@ -353,7 +355,7 @@ mod tests {
     #[test]
     fn the_segments_of_both_codecs_are_named() {
         let samples: Vec<u8> = (0..=255).collect();
-        let jpeg = jpeg::encode(&samples, 16, 16, &jpeg::Options::new(75)).stream;
+        let jpeg = jpeg::encode(&samples, 16, 16, &jpeg::JpegOptions::new(75)).stream;
         assert_eq!(
             names(&jpeg),
             [
@@ -369,7 +371,7 @@ mod tests {
             ]
         );
         assert!(frame(&jpeg, &segments(&jpeg)) == Some((0xc0, 8, 16, 16, 1)));
-        let options = jpeg_ls::Options {
+        let options = jpeg_ls::JpegLsOptions {
             near: 3,
             presets: None,
         };
@@ -384,7 +386,7 @@ mod tests {
     #[test]
     fn any_bytes_are_walked_to_their_end() {
         let samples: Vec<u8> = (0..64).map(|i| i * 3).collect();
-        let stream = jpeg::encode(&samples, 8, 8, &jpeg::Options::new(90)).stream;
+        let stream = jpeg::encode(&samples, 8, 8, &jpeg::JpegOptions::new(90)).stream;
         for at in 0..stream.len() {
             whole(&stream[..at]);
             for byte in [0, 0x7f, 0xda, 0xff] {

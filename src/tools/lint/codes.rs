@@ -1,19 +1,19 @@
-//! What lint can say: a stable code for each thing, the damages and cases that provoke it, and what to mend.
+//! What lint can report: a stable code for each problem, the damages and cases that provoke it, and what to fix.
 //!
-//! Codes are permanent. E: the file breaks a rule, or the reference cannot read it. W: it is read, and there are readers
-//! that refuse it or show something else. I: it is in order, and somebody may want to know.
+//! Codes are permanent. E: the file breaks a rule, or the reference cannot read it. W: the reference reads it, and some
+//! readers refuse it or show another picture. I: it is in order; for information.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// How bad it is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Deserialize, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Severity {
     /// The file breaks a rule, or the reference cannot read it.
     Error,
-    /// There are readers that refuse it or show something else.
+    /// Some readers refuse it or show another picture.
     Warning,
-    /// Somebody may want to know.
+    /// For information.
     Info,
 }
 
@@ -29,7 +29,7 @@ impl Severity {
     }
 }
 
-/// A thing that lint can say.
+/// A problem that lint can report.
 #[derive(Debug, PartialEq, Eq)]
 pub struct Code {
     /// `PTM-E001`; permanent.
@@ -38,10 +38,10 @@ pub struct Code {
     pub severity: Severity,
     /// The clause it is about.
     pub clause: &'static str,
-    /// What is so, in a sentence.
+    /// The problem in a sentence.
     pub says: &'static str,
     /// What a writer does about it; empty where there is nothing to do.
-    pub mend: &'static str,
+    pub fix: &'static str,
     /// Names of damages, and ids of cases, of which every one provokes it. A damage stands at one error code only: it is
     /// the code of each must-reject case that is made by it.
     pub provoked_by: &'static [&'static str],
@@ -52,7 +52,7 @@ const fn code(
     id: &'static str,
     clause: &'static str,
     says: &'static str,
-    mend: &'static str,
+    fix: &'static str,
     provoked_by: &'static [&'static str],
 ) -> Code {
     Code {
@@ -60,17 +60,17 @@ const fn code(
         severity,
         clause,
         says,
-        mend,
+        fix,
         provoked_by,
     }
 }
 
 macro_rules! codes {
-    ($($name:ident = $severity:ident $id:literal $clause:literal $says:literal $mend:literal $provoked_by:expr;)*) => {
+    ($($name:ident = $severity:ident $id:literal $clause:literal $says:literal $fix:literal $provoked_by:expr;)*) => {
         $(
             #[allow(clippy::doc_markdown, reason = "what lint says is no Markdown")]
             #[doc = $says]
-            pub static $name: Code = code(Severity::$severity, $id, $clause, $says, $mend, &$provoked_by);
+            pub static $name: Code = code(Severity::$severity, $id, $clause, $says, $fix, &$provoked_by);
         )*
 
         /// All codes, errors first, in the order of the text.
@@ -92,16 +92,16 @@ codes! {
         "write one of the nine names of 2.2, such as PTM_FORMAT_LRGB"
         ["format-unknown", "format-cut", "format-lower-case", "format-with-a-letter-behind", "format-with-a-word-behind", "format-behind-a-letter", "format-without-its-last-letter", "format-without-its-beginning", "format-in-mixed-case"];
     CARRIAGE_RETURN = Error "PTM-E005" "2.0/1"
-        "a carriage return stands in the header"
+        "the header contains a carriage return"
         "open the file in binary mode and end lines with a line feed alone"
         ["cr-lf", "cr-alone"];
     TAB = Error "PTM-E006" "2.0/1"
-        "a tab stands in the header"
-        "part numbers with spaces"
+        "the header contains a tab"
+        "separate numbers with spaces"
         ["tabs"];
     LAYOUT = Error "PTM-E007" "2.0/1"
-        "blanks, an empty line or further words stand in the header where none may"
-        "begin lines with their first word, and write nothing but one space, or not even that, before the line feed"
+        "the header has blanks, an empty line or extra words where none are allowed"
+        "begin lines with their first word, and write at most one space before the line feed"
         ["two-spaces-before-newline", "leading-blank", "leading-blank-before-scale", "empty-line", "size-of-three-numbers", "size-and-a-word", "bias-seven", "bias-and-a-word"];
     HEADER_ENDS = Error "PTM-E008" "2.0/1"
         "the file ends within its header"
@@ -153,7 +153,7 @@ codes! {
         ["matrix-missing-an-element", "matrix-missing"];
 
     LISTS_SHORT = Error "PTM-E050" "2.9/3"
-        "the lists of a compressed file have too few numbers"
+        "a list of a compressed file has too few numbers"
         "write a number for every plane in each list, two in the motion vectors, and the parameter before them"
         ["parameter-missing", "transform-missing", "motion-x-missing", "motion-y-missing", "motion-y-line-missing",
          "order-missing", "references-missing", "compressed-size-missing", "side-size-missing"];
@@ -163,7 +163,7 @@ codes! {
         ["transform-no-number", "motion-no-number", "order-no-number", "references-no-number", "compressed-size-no-number",
          "compressed-size-beyond-64-bits", "parameter-fraction"];
     TRANSFORM = Error "PTM-E052" "2.9.2/5"
-        "a transform has bits that mean nothing"
+        "a transform has undefined bits"
         "use 0, 1 (inversion), 2 (motion) or 3 (both)"
         ["transform-4", "transform-5", "transform-256", "transform-negative"];
     NOT_A_PLANE = Error "PTM-E053" "2.9.5/3"
@@ -223,20 +223,20 @@ codes! {
         ["position-past-the-last-texel", "position-near-31-bits", "position-with-the-highest-bit", "position-near-32-bits"];
 
     SPACE_AFTER_NAME = Warning "PTM-W101" "2.0/2"
-        "a space stands before the line feed of the version or of the format"
-        "leave the space out; it is legal, and many readers do not know the file for a PTM then"
+        "a space precedes the line feed of the version or of the format"
+        "omit the space; it is legal, but many readers then do not recognize the file as a PTM"
         ["space-behind-version-rgb", "space-behind-format-lrgb"];
     SIZE_ON_ONE_LINE = Warning "PTM-W102" "2.3/2"
-        "width and height stand on one line"
-        "write two lines, as HP's programs do; many readers know nothing else"
+        "width and height are on one line"
+        "write two lines, as HP's programs do; many readers read nothing else"
         ["size-on-one-line-lum", "size-on-one-line-ptm-lut"];
     SCALE_BIAS_ON_ONE_LINE = Warning "PTM-W103" "2.4/6"
-        "scales and biases stand on one line"
-        "write two lines, as HP's programs do; many readers know nothing else"
+        "scales and biases are on one line"
+        "write two lines, as HP's programs do; many readers read nothing else"
         ["scale-and-bias-on-one-line-rgb", "scale-and-bias-on-one-line-lum"];
     WIDE_GAP = Warning "PTM-W104" "2.4/5"
-        "several spaces part two numbers"
-        "write one space; there are readers that stumble over two"
+        "several spaces separate two numbers"
+        "write one space; some readers fail on two"
         ["gap-of-2-spaces-rgb", "gap-of-5-spaces-lrgb"];
     LIST_LAYOUT = Warning "PTM-W105" "2.9/2"
         "the lists of a compressed file do not have a line each"
@@ -244,12 +244,12 @@ codes! {
         ["lists-in-layout-one-line-jpeg-lrgb", "lists-in-layout-number-per-line-jpegls-rgb",
          "lists-in-layout-motion-on-one-line-jpeg-rgb"];
     MATRIX_LAYOUT = Warning "PTM-W106" "2.6/2"
-        "the color matrix stands on several lines"
+        "the color matrix is on several lines"
         "write its sixteen numbers on one line"
         ["lum-matrix-in-lines-of-1", "lum-matrix-in-lines-of-4"];
     BIAS_AS_FLOAT = Warning "PTM-W107" "2.4/4"
         "a bias is written with a point or an exponent"
-        "write integers; readers that scan for one stop at the point"
+        "write integers; readers that scan for an integer stop at the point"
         ["bias-as-float"];
     BIAS_BEYOND_16_BITS = Warning "PTM-W108" "2.4/4"
         "a bias is beyond 16 bits"
@@ -257,7 +257,7 @@ codes! {
         ["bias-beyond-16-bits-lrgb", "bias-beyond-16-bits-rgb"];
     TRAILING = Warning "PTM-W110" "2.7/3"
         "bytes follow the last value"
-        "end the file there; readers that hold its length against its header refuse it"
+        "end the file there; readers that compare its length with its header refuse it"
         ["newline-behind", "bytes-behind"];
     HUGE_TABLE = Warning "PTM-W111" "2.8.1/3"
         "the table has more than 65,536 entries, which two bytes cannot name"
@@ -265,7 +265,7 @@ codes! {
         ["table-of-65537-entries-ptm-lut", "table-of-70000-entries-ptm-c-lut"];
     MATRIX_LAST_ROW = Warning "PTM-W112" "2.6/3"
         "the last row of the color matrix is not 0 0 0 1"
-        "write 0 0 0 1 as elements 3, 7, 11 and 15; is the matrix turned?"
+        "write 0 0 0 1 as elements 3, 7, 11 and 15; is the matrix transposed?"
         ["lum-last-row-53"];
     RANKS = Warning "PTM-W120" "2.9.4/3"
         "ranks repeat, leave gaps or do not begin at 0, or a reference is below -1"
@@ -278,7 +278,7 @@ codes! {
         ["parameter-0", "parameter-19", "parameter-101", "parameter-300", "parameter-negative"];
     NEAR = Warning "PTM-W122" "2.9.1/2"
         "a JPEG-LS stream has another NEAR than the parameter says"
-        "write as the parameter what the encoder was told"
+        "write the NEAR of the encoder as the parameter"
         ["parameter-3-jpegls-lrgb"];
     RECORD_TWICE = Warning "PTM-W123" "2.9.8/8"
         "two records correct one texel"
@@ -295,18 +295,18 @@ codes! {
         ["table-spelled-256-false-ptm-lut"];
     CHOICE_LUM_VECTOR = Warning "PTM-W303" "2.6/4"
         "readers whose matrix multiplies (Cr, Y, Cb, 1) show other colors (ruling lum-vector)"
-        "use PTM_FORMAT_LRGB, whose colors nobody reads otherwise"
+        "use PTM_FORMAT_LRGB, whose colors all readers agree on"
         ["first-lum"];
     CHOICE_LUM_MAJOR = Warning "PTM-W304" "2.6/3"
         "readers that take the matrix row by row show other colors (ruling lum-major)"
-        "use PTM_FORMAT_LRGB, whose colors nobody reads otherwise"
+        "use PTM_FORMAT_LRGB, whose colors all readers agree on"
         ["first-lum"];
     CHOICE_LUM_RANGE = Warning "PTM-W305" "2.6/5"
         "readers whose colors run from 0 to 1 show other colors (ruling lum-range)"
         "write a matrix without a translation"
         ["lum-translated-0-0"];
     CHOICE_JPEG_LS_OFFSET = Warning "PTM-W306" "2.9.5/5"
-        "readers that do not take 128 off JPEG-LS residuals show other values (ruling jpeg-ls-offset)"
+        "readers that do not subtract 128 from JPEG-LS residuals show other values (ruling jpeg-ls-offset)"
         "do not predict planes of JPEG-LS files"
         ["planes-in-structure-chain-jpegls-rgb", "planes-in-structure-star-jpegls-rgb"];
     CHOICE_MOTION_SIGN = Warning "PTM-W307" "2.9.3/3"
@@ -326,8 +326,8 @@ codes! {
         "do not use motion compensation; no public reader implements it"
         ["motion-far-beyond-the-right-jpeg-rgb", "motion-far-beyond-a-corner-jpeg-lrgb"];
     CHOICE_MOTION_INVERSION = Warning "PTM-W311" "2.9.2/6"
-        "readers that invert after they displace show other values (ruling motion-inversion)"
-        "invert or displace, not both"
+        "readers that invert after motion compensation show other values (ruling motion-inversion)"
+        "use inversion or motion compensation, not both"
         ["motion-inverted-between-columns-jpeg-rgb", "motion-in-structure-deep-jpeg-lrgb"];
     CHOICE_SIDE_LOSSLESS = Warning "PTM-W312" "2.9.8/10"
         "readers that skip the side information of lossless files show other values (ruling side-lossless)"
@@ -336,7 +336,7 @@ codes! {
 
     STREAM_EXTRAS = Warning "PTM-W401" "2.9.8/3"
         "a stream has application data, comments or fill bytes that no encoder of planes writes"
-        "leave them out; readers with a small decoder of their own may stumble"
+        "omit them; readers with a minimal codec may fail"
         ["stream-application-data", "stream-comments", "stream-fill-bytes"];
     STREAM_TRAILING = Warning "PTM-W402" "2.9.8/3"
         "bytes follow the end of a stream within its plane"
@@ -348,11 +348,11 @@ codes! {
         ["presets-with-a-smaller-largest-sample-jpegls-lrgb"];
     OTHER_TRANSFORM = Warning "PTM-W404" "2.9.8/11"
         "a reader with another inverse DCT may show 255 for 0 or 0 for 255"
-        "write side information for texels so close to the ends of the scale"
+        "write side information for texels so close to 0 or 255"
         ["overflows-corrected-at-quality-60-chain-jpeg-lrgb"];
 
     SPACE_BEFORE_NEWLINE = Info "PTM-I101" "2.0/2"
-        "a space stands before a line feed of the header"
+        "a space precedes a line feed of the header"
         ""
         ["space-behind-width-rgb", "space-behind-scale-lrgb", "space-behind-the-matrix", "space-behind-the-count-ptm-lut"];
     SCALE_ZERO = Info "PTM-I201" "2.4/3"
@@ -361,7 +361,7 @@ codes! {
         ["scale-zero-lrgb", "scale-zero-rgb"];
     ENTRIES_UNUSED = Info "PTM-I202" "2.5/2"
         "entries of the table are not used"
-        "leave them out; with at most 256 entries an index takes one byte"
+        "omit them; with at most 256 entries an index takes one byte"
         ["first-ptm-lut", "first-ptm-c-lut"];
     PREDICTION_UNUSED = Info "PTM-I203" "2.9.2/1"
         "a transform or a vector has no effect, because its plane is not predicted or its transform lacks the bit"
@@ -369,9 +369,23 @@ codes! {
         ["intra-planes-have-transforms-jpeg-lrgb"];
     RESTARTS = Info "PTM-I204" "2.9.8/3"
         "a stream has a restart interval"
-        "leave it out; readers with a small decoder of their own may stumble"
+        "omit it; readers with a minimal codec may fail"
         ["stream-restart-interval-unused"];
 }
+
+/// The code of each ruling of kind *choice* that changes a picture.
+pub static RULINGS: &[(&str, &Code)] = &[
+    ("lum-vector", &CHOICE_LUM_VECTOR),
+    ("lum-major", &CHOICE_LUM_MAJOR),
+    ("lum-range", &CHOICE_LUM_RANGE),
+    ("jpeg-ls-offset", &CHOICE_JPEG_LS_OFFSET),
+    ("motion-sign", &CHOICE_MOTION_SIGN),
+    ("motion-vertical", &CHOICE_MOTION_VERTICAL),
+    ("motion-half", &CHOICE_MOTION_HALF),
+    ("motion-border", &CHOICE_MOTION_BORDER),
+    ("motion-inversion", &CHOICE_MOTION_INVERSION),
+    ("side-lossless", &CHOICE_SIDE_LOSSLESS),
+];
 
 impl Code {
     /// The code of that id.

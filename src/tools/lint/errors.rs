@@ -1,60 +1,52 @@
 //! Why the reference does not read a file, sorted into codes.
 
-use super::Finding;
 use super::codes::{self, Code};
+use super::diagnostic::Diagnostic;
 use super::planes;
-use crate::decode::Limits;
 use crate::error::{Class, Error, Kind};
-use crate::ptm::{Format, Size};
-use crate::tools::anatomy::{Anatomy, Role};
+use crate::ptm::{Limits, Size};
+use crate::tools::dissection::{Dissection, Role};
 
-pub(super) fn find(anatomy: &Anatomy) -> Vec<Finding> {
-    let mut findings = too_large(anatomy);
-    if let Err(error) = &anatomy.outcome {
-        match error.clause() {
-            // Every plane for itself, where one of them is at fault.
-            "2.9.8/3" | "2.9.8/5" | "2.9.8/6" => findings.extend(planes::faults(anatomy)),
-            _ if findings.is_empty() || error.class() != Class::Limit => findings.push(Finding {
-                clause: error.clause(),
-                ..Finding::new(
-                    code(anatomy, error),
-                    error.offset(),
-                    error.kind().to_string(),
-                )
-            }),
-            _ => {}
+pub(super) fn diagnose(dissection: &Dissection) -> Vec<Diagnostic> {
+    let mut diagnostics = too_large(dissection);
+    let Err(error) = &dissection.outcome else {
+        return diagnostics;
+    };
+    match error.clause() {
+        // Every plane for itself, where one of them is at fault.
+        "2.9.8/3" | "2.9.8/5" | "2.9.8/6" => diagnostics.extend(planes::faults(dissection)),
+        clause if diagnostics.is_empty() || error.class() != Class::Limit => {
+            let code = code(dissection, error);
+            diagnostics.push(Diagnostic {
+                clause,
+                ..Diagnostic::new(code, error.offset(), error.kind().to_string())
+            });
         }
+        _ => {}
     }
-    findings
+    diagnostics
 }
 
-/// Planes beyond the limit, whatever the file has of them.
-fn too_large(anatomy: &Anatomy) -> Vec<Finding> {
-    let (Some(format), Some(size)) = (anatomy.format, anatomy.size) else {
+/// Planes beyond the limit, whether the file holds them or not.
+fn too_large(dissection: &Dissection) -> Vec<Diagnostic> {
+    let (Some(format), Some(size)) = (dissection.format, dissection.size) else {
         return Vec::new();
     };
-    let limit = Limits::default().memory;
-    let needs = Size::texels(size).saturating_mul(format.channels());
-    let at = anatomy.part(Role::Width).map_or(0, |part| part.range.start);
-    if needs <= limit {
+    let (channels, limit) = (format.channels(), Limits::default().memory);
+    if Size::texels(size).saturating_mul(channels) <= limit {
         return Vec::new();
     }
-    vec![Finding::new(
-        &codes::TOO_LARGE,
-        at,
-        format!(
-            "{size} texels of {} bytes, the limit is {limit} bytes",
-            format.channels()
-        ),
-    )]
+    let found = format!("{size} texels of {channels} bytes, the limit is {limit} bytes");
+    let at = dissection.start(Role::Width);
+    vec![Diagnostic::new(&codes::TOO_LARGE, at, found)]
 }
 
-fn code(anatomy: &Anatomy, error: &Error) -> &'static Code {
-    if let Some(code) = white_space(anatomy, error) {
+fn code(dissection: &Dissection, error: &Error) -> &'static Code {
+    if let Some(code) = white_space(dissection, error) {
         return code;
     }
     match (error.clause(), error.kind()) {
-        ("2.1/1", _) if anatomy.file.starts_with(b"PTM_") => &codes::OTHER_VERSION,
+        ("2.1/1", _) if dissection.file.starts_with(b"PTM_") => &codes::OTHER_VERSION,
         ("2.1/1", _) => &codes::NOT_A_PTM,
         (_, Kind::TooLarge { .. }) => &codes::TOO_LARGE,
         (_, Kind::Short { .. }) => &codes::PAYLOAD_ENDS,
@@ -66,7 +58,7 @@ fn code(anatomy: &Anatomy, error: &Error) -> &'static Code {
         (_, Kind::NotRead { .. }) => &codes::TRANSFORM,
         (_, Kind::Stream { .. }) => &codes::STREAM_DAMAGED,
         (_, Kind::Ended { .. }) => &codes::HEADER_ENDS,
-        (clause, Kind::Expected { .. }) => expected(clause, token(anatomy.file, error.offset())),
+        (clause, Kind::Expected { .. }) => expected(clause, token(dissection.file, error.offset())),
     }
 }
 
@@ -91,12 +83,12 @@ fn expected(clause: &str, token: &[u8]) -> &'static Code {
 }
 
 /// White space that the text does not know (ruling `header-blanks`).
-fn white_space(anatomy: &Anatomy, error: &Error) -> Option<&'static Code> {
+fn white_space(dissection: &Dissection, error: &Error) -> Option<&'static Code> {
     if !matches!(error.kind(), Kind::Expected { .. }) {
         return None;
     }
-    let there = &anatomy.file[error.offset().min(anatomy.file.len())..];
-    let word = token(anatomy.file, error.offset());
+    let there = &dissection.file[error.offset().min(dissection.file.len())..];
+    let word = token(dissection.file, error.offset());
     let readable = word
         .iter()
         .all(|byte| byte.is_ascii_graphic() || b"\r\t".contains(byte));
@@ -130,11 +122,4 @@ fn is_whole(token: &[u8]) -> bool {
         .or(token.strip_prefix(b"+"))
         .unwrap_or(token);
     !digits.is_empty() && digits.iter().all(u8::is_ascii_digit)
-}
-
-/// The planes of a compressed format; none for the others.
-pub(super) fn planes(format: Option<Format>) -> usize {
-    format
-        .filter(|format| format.is_compressed())
-        .map_or(0, Format::channels)
 }

@@ -1,76 +1,58 @@
-//! How the header is written: what is legal, and what readers stumble over.
+//! How the header is written: what is legal, and where readers fail all the same.
 
-use super::Finding;
-use super::codes;
-use super::errors::planes;
-use crate::tools::anatomy::{Anatomy, Role};
+use std::collections::HashSet;
 
-pub(super) fn find(anatomy: &Anatomy) -> Vec<Finding> {
-    let mut findings = Vec::new();
-    let mut told = Vec::new();
-    // Each thing once, where it shows first.
-    let mut tell = |code: &'static codes::Code, at: usize, what: String| {
-        if !told.contains(&code.id) {
-            told.push(code.id);
-            findings.push(Finding::new(code, at, what));
-        }
-    };
-    let count = planes(anatomy.format);
-    for (place, part) in anatomy.parts.iter().enumerate() {
-        if part.role.is_payload() {
-            break;
-        }
-        let (behind, at) = (anatomy.behind(place), part.range.end);
-        let name = part.role.name(anatomy.format);
-        let one_line = !behind.contains(&b'\n') && !behind.is_empty();
-        if behind == b" \n" {
-            match part.role {
-                Role::Version | Role::Format => {
-                    tell(&codes::SPACE_AFTER_NAME, at, format!("behind the {name}"));
-                }
-                _ => tell(
-                    &codes::SPACE_BEFORE_NEWLINE,
-                    at,
-                    format!("behind the {name}"),
-                ),
-            }
-        }
-        if behind.len() > 1 && behind.iter().all(|&byte| byte == b' ') {
-            tell(
-                &codes::WIDE_GAP,
-                at,
-                format!("{} spaces behind the {name}", behind.len()),
-            );
-        }
-        match part.role {
-            Role::Width if one_line => tell(&codes::SIZE_ON_ONE_LINE, at, String::new()),
-            Role::Scale(5) if one_line => tell(&codes::SCALE_BIAS_ON_ONE_LINE, at, String::new()),
-            Role::Matrix(0..15) if behind.contains(&b'\n') => {
-                tell(
-                    &codes::MATRIX_LAYOUT,
-                    at,
-                    format!("a line ends behind the {name}"),
-                );
-            }
-            role if role.list().is_some()
-                && role
-                    .plane()
-                    .is_some_and(|plane| (plane + 1 == count) == one_line) =>
-            {
-                let ends = if one_line {
-                    "no line ends"
-                } else {
-                    "a line ends"
-                };
-                tell(&codes::LIST_LAYOUT, at, format!("{ends} behind the {name}"));
-            }
-            Role::Parameter if one_line => tell(
-                &codes::LIST_LAYOUT,
-                at,
-                format!("no line ends behind the {name}"),
-            ),
-            _ => {}
-        }
+use super::codes::{self, Code};
+use super::diagnostic::Diagnostic;
+use crate::tools::dissection::{Dissection, FilePart, Role};
+
+/// Each code once, where it shows first.
+pub(super) fn diagnose(dissection: &Dissection) -> Vec<Diagnostic> {
+    let header = dissection.parts.iter().enumerate();
+    let header = header.take_while(|(_, part)| !part.role.is_payload());
+    let mut seen = HashSet::new();
+    header
+        .flat_map(|(place, part)| gap(dissection, part, dissection.gap_after(place)))
+        .filter(|diagnostic| seen.insert(diagnostic.code))
+        .collect()
+}
+
+/// What is odd about the white space after a part of the header.
+fn gap(dissection: &Dissection, part: &FilePart, gap: &[u8]) -> Vec<Diagnostic> {
+    let name = part.role.name(dissection.format);
+    let after = format!("after the {name}");
+    let mut odd: Vec<(&'static Code, String)> = Vec::new();
+    if gap == b" \n" {
+        let code = match part.role {
+            Role::Version | Role::Format => &codes::SPACE_AFTER_NAME,
+            _ => &codes::SPACE_BEFORE_NEWLINE,
+        };
+        odd.push((code, after.clone()));
     }
-    findings
+    if gap.len() > 1 && gap.iter().all(|&byte| byte == b' ') {
+        odd.push((&codes::WIDE_GAP, format!("{} spaces {after}", gap.len())));
+    }
+    let ends = gap.contains(&b'\n');
+    let one_line = !ends && !gap.is_empty();
+    let ending = if one_line {
+        "no line ends"
+    } else {
+        "a line ends"
+    };
+    let ending = format!("{ending} {after}");
+    let last = |plane| plane + 1 == dissection.compressed_planes();
+    match part.role {
+        Role::Width if one_line => odd.push((&codes::SIZE_ON_ONE_LINE, String::new())),
+        Role::Scale(5) if one_line => odd.push((&codes::SCALE_BIAS_ON_ONE_LINE, String::new())),
+        Role::Matrix(0..15) if ends => odd.push((&codes::MATRIX_LAYOUT, ending)),
+        Role::Parameter if one_line => odd.push((&codes::LIST_LAYOUT, ending)),
+        role if role.list().is_some() && role.plane().map(last) == Some(one_line) => {
+            odd.push((&codes::LIST_LAYOUT, ending));
+        }
+        _ => {}
+    }
+    let at = part.range.end;
+    odd.into_iter()
+        .map(|(code, found)| Diagnostic::new(code, at, found))
+        .collect()
 }

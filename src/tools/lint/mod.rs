@@ -1,10 +1,24 @@
-//! What is wrong with a file, what other readers may make of it, and what its writer can mend.
+//! What is wrong with a file, what other readers may make of it, and what its writer can fix.
 //!
 //! Errors are the reference's own, sorted into stable [`codes`], and those of every plane where the planes are at fault;
-//! warnings and infos come of the file's spelling, of its values, of its streams, and of reading it in every way that the
-//! open points allow.
+//! warnings and infos come from the file's spelling, from its values, from its streams, and from reading it in every way that
+//! the open points allow.
 
 pub mod codes;
+
+pub mod diagnostic;
+
+pub mod status;
+
+pub mod names;
+
+pub mod settings;
+
+pub mod totals;
+
+pub mod csv;
+
+pub mod sarif;
 
 mod errors;
 
@@ -21,111 +35,118 @@ use std::fmt::Write as _;
 use anstyle::{AnsiColor, Style};
 use serde::Serialize;
 
-use crate::tools::anatomy::Anatomy;
-use codes::{Code, Severity};
-
-/// One thing said of a file.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Finding {
-    /// Which thing.
-    pub code: &'static Code,
-    /// The byte at which it shows.
-    pub offset: usize,
-    /// The clause it is about: the code's, or the very one that is broken.
-    pub clause: &'static str,
-    /// What was found there, in words.
-    pub what: String,
-}
+use self::codes::Severity;
+use self::diagnostic::Diagnostic;
+use self::status::Status;
+use crate::ptm::Format;
+use crate::readers::ReaderPrediction;
+use crate::tools::dissection::Dissection;
 
 /// Everything said of a file.
 #[derive(Clone, Debug, Serialize)]
 pub struct Lint {
-    /// The file's name, as it was given.
+    /// The file's name, as it was given, with what a terminal would obey as escapes.
     pub file: String,
+    /// What it is.
+    pub status: Status,
+    /// Its format, if that was read.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub format: Option<&'static str>,
+    /// Texels of a row, if that was read.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub width: Option<u32>,
+    /// Rows, if that was read.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub height: Option<u32>,
+    /// How many bytes it has, where that is known.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub bytes: Option<u64>,
+    /// Why it was not read, if it was not.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub reason: Option<String>,
     /// How many errors there are.
     pub errors: usize,
     /// How many warnings.
     pub warnings: usize,
+    /// How many findings for information.
+    pub infos: usize,
+    /// What readers will show, where that was asked for.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub readers: Vec<ReaderPrediction>,
     /// What was found, errors first, then by place.
-    pub findings: Vec<Told>,
-}
-
-/// A finding as it is written.
-#[derive(Clone, Debug, Serialize)]
-pub struct Told {
-    /// `PTM-E001`
-    pub code: &'static str,
-    /// `error`, `warning` or `info`.
-    pub severity: Severity,
-    /// The byte at which it shows.
-    pub offset: usize,
-    /// The clause it is about.
-    pub clause: &'static str,
-    /// What is so.
-    pub says: &'static str,
-    /// What was found.
-    pub found: String,
-    /// What to do about it.
-    #[serde(skip_serializing_if = "str::is_empty")]
-    pub mend: &'static str,
-}
-
-impl Finding {
-    pub(crate) fn new(code: &'static Code, offset: usize, what: impl Into<String>) -> Finding {
-        Finding {
-            code,
-            offset,
-            clause: code.clause,
-            what: what.into(),
-        }
-    }
+    pub findings: Vec<Diagnostic>,
 }
 
 /// Everything that can be said of `file`, errors first, then by place.
 #[must_use]
-pub fn lint(file: &[u8]) -> Vec<Finding> {
-    let anatomy = Anatomy::of(file);
-    let mut findings = errors::find(&anatomy);
-    findings.extend(header::find(&anatomy));
-    findings.extend(values::find(&anatomy));
-    findings.extend(planes::find(&anatomy));
-    findings.extend(choices::find(&anatomy));
-    findings.sort_by_key(|finding| (finding.code.severity, finding.offset, finding.code.id));
-    findings
+pub fn lint(file: &[u8]) -> Vec<Diagnostic> {
+    Lint::of("", file).findings
 }
 
 impl Lint {
-    /// The findings of a file, with its name.
+    /// What is said of a file, with its name.
     #[must_use]
     pub fn of(name: &str, file: &[u8]) -> Lint {
-        let findings = lint(file);
-        let count = |severity| {
-            findings
-                .iter()
-                .filter(|finding| finding.code.severity == severity)
-                .count()
+        let dissection = Dissection::of(file);
+        let findings = [
+            errors::diagnose(&dissection),
+            header::diagnose(&dissection),
+            values::diagnose(&dissection),
+            planes::diagnose(&dissection),
+            choices::diagnose(&dissection),
+        ]
+        .concat();
+        let mut lint = Lint {
+            status: Status::of(&dissection),
+            format: dissection.format.map(Format::name),
+            width: dissection.size.map(|size| size.width),
+            height: dissection.size.map(|size| size.height),
+            bytes: Some(file.len() as u64),
+            findings,
+            ..Lint::unread(name, None, None)
         };
+        lint.sort_and_count();
+        lint
+    }
+
+    /// What is said of a file of which only the beginning was read, because it is none of a PTM.
+    #[must_use]
+    pub fn of_other(name: &str, beginning: &[u8], bytes: u64) -> Lint {
         Lint {
-            file: name.to_owned(),
-            errors: count(Severity::Error),
-            warnings: count(Severity::Warning),
-            findings: findings.into_iter().map(told).collect(),
+            bytes: Some(bytes),
+            ..Lint::of(name, beginning)
         }
     }
 
-    /// Without the findings of some codes.
+    /// What is said of a file that was not read, and why.
     #[must_use]
-    pub fn without(mut self, codes: &[String]) -> Lint {
+    pub fn unread(name: &str, bytes: Option<u64>, reason: Option<String>) -> Lint {
+        Lint {
+            file: name.to_owned(),
+            status: Status::NotJudged,
+            format: None,
+            width: None,
+            height: None,
+            bytes,
+            reason,
+            errors: 0,
+            warnings: 0,
+            infos: 0,
+            readers: Vec::new(),
+            findings: Vec::new(),
+        }
+    }
+
+    fn sort_and_count(&mut self) {
         self.findings
-            .retain(|finding| !codes.iter().any(|code| code == finding.code));
+            .sort_by_key(|one| (one.severity, one.offset, one.code));
         let count = |severity| {
-            self.findings
-                .iter()
-                .filter(|finding| finding.severity == severity)
-                .count()
+            let of_it = self.findings.iter();
+            of_it.filter(|one| one.severity == severity).count()
         };
-        (self.errors, self.warnings) = (count(Severity::Error), count(Severity::Warning));
-        self
+        self.errors = count(Severity::Error);
+        self.warnings = count(Severity::Warning);
+        self.infos = count(Severity::Info);
     }
 
     /// As lines for a terminal, with its colors; those from `least` on.
@@ -152,10 +173,7 @@ impl Lint {
                 finding.clause,
                 finding.says
             );
-            for (word, text) in [
-                ("found", finding.found.as_str()),
-                ("to mend it", finding.mend),
-            ] {
+            for (word, text) in [("found", finding.found.as_str()), ("fix", finding.fix)] {
                 if !text.is_empty() {
                     let _ = writeln!(out, "    {word}: {text}");
                 }
@@ -164,31 +182,38 @@ impl Lint {
         out
     }
 
-    /// How many errors, warnings and infos, in words.
+    /// What it is, and how many errors, warnings and infos there are, in words.
     #[must_use]
     pub fn summary(&self) -> String {
-        let infos = self.findings.len() - self.errors - self.warnings;
         let counted = |count: usize, word: &str| {
             format!("{count} {word}{}", if count == 1 { "" } else { "s" })
         };
-        format!(
-            "{}: {}, {}, {}\n",
-            self.file,
-            counted(self.errors, "error"),
-            counted(self.warnings, "warning"),
-            counted(infos, "info")
-        )
+        let counts = || {
+            let counts = [
+                counted(self.errors, "error"),
+                counted(self.warnings, "warning"),
+                counted(self.infos, "info"),
+            ];
+            counts.join(", ")
+        };
+        let said = self.reason.clone().unwrap_or_else(counts);
+        format!("{}: {}: {said}\n", self.file, self.status.words())
     }
-}
 
-fn told(finding: Finding) -> Told {
-    Told {
-        code: finding.code.id,
-        severity: finding.code.severity,
-        offset: finding.offset,
-        clause: finding.clause,
-        says: finding.code.says,
-        found: finding.what,
-        mend: finding.code.mend,
+    /// What readers will show, a line each.
+    #[must_use]
+    pub fn shown(&self) -> String {
+        let mut out = String::new();
+        for reader in &self.readers {
+            let _ = write!(out, "    in {}: {}", reader.reader, reader.shows.name());
+            let more = [("", Some(&reader.how)), ("fix: ", reader.fix.as_ref())];
+            for (word, text) in more {
+                if let Some(text) = text.filter(|text| !text.is_empty()) {
+                    let _ = write!(out, "; {word}{text}");
+                }
+            }
+            out.push('\n');
+        }
+        out
     }
 }

@@ -1,77 +1,69 @@
 //! The planes of a compressed file: faults of each, and what their lists and streams have that is odd.
 
-use super::Finding;
 use super::codes::{self, Code};
-use super::errors;
+use super::diagnostic::Diagnostic;
 use crate::codec::{self, jpeg, jpeg_ls};
 use crate::decode::planes::records;
-use crate::error::Kind as ErrorKind;
+use crate::error::Kind;
 use crate::ptm::{Format, Size};
-use crate::tools::anatomy::{Anatomy, Part, Role};
-use crate::tools::segments::{Kind, Segment, frame, near, segments};
+use crate::tools::dissection::{Dissection, FilePart, Role};
+use crate::tools::segments::{Segment, SegmentKind, frame, near, segments};
 
 /// What is odd about lists and streams.
-pub(super) fn find(anatomy: &Anatomy) -> Vec<Finding> {
-    let count = errors::planes(anatomy.format);
+pub(super) fn diagnose(dissection: &Dissection) -> Vec<Diagnostic> {
+    let count = dissection.compressed_planes();
     let (Some(format), true) = (
-        anatomy.format,
-        count > 0 && anatomy.part(Role::SideSize(count - 1)).is_some(),
+        dissection.format,
+        count > 0 && dissection.part(Role::SideSize(count - 1)).is_some(),
     ) else {
         return Vec::new();
     };
-    let mut findings = [
-        ranks(anatomy, count),
-        parameter(anatomy, format),
-        unused(anatomy, count),
+    let mut diagnostics = [
+        ranks(dissection, count),
+        parameter(dissection, format),
+        unused(dissection, count),
     ]
     .concat();
     for plane in 0..count {
-        findings.extend(stream(anatomy, plane));
-        findings.extend(twice(anatomy, plane));
+        diagnostics.extend(stream(dissection, plane));
+        diagnostics.extend(twice(dissection, plane));
     }
-    findings.extend(other_transforms(anatomy, format));
-    first_of_each(findings)
+    diagnostics.extend(other_transforms(dissection, format));
+    first_of_each(diagnostics)
 }
 
 /// The faults of all planes, where the reference stops at the first.
-pub(super) fn faults(anatomy: &Anatomy) -> Vec<Finding> {
-    let (Some(format), Some(size)) = (anatomy.format, anatomy.size) else {
+pub(super) fn faults(dissection: &Dissection) -> Vec<Diagnostic> {
+    let (Some(format), Some(size)) = (dissection.format, dissection.size) else {
         return Vec::new();
     };
-    let mut findings = Vec::new();
-    for plane in 0..errors::planes(anatomy.format) {
-        if let Some(part) = anatomy.part(Role::Stream(plane)) {
-            let stream = &anatomy.file[part.range.clone()];
+    let mut diagnostics = Vec::new();
+    for plane in 0..dissection.compressed_planes() {
+        if let Some(part) = dissection.part(Role::Stream(plane)) {
+            let stream = &dissection.file[part.range.clone()];
             if let Err(error) = decode(format, stream, size) {
-                findings.push(Finding::new(
-                    stream_code(format, stream, size, &error),
-                    part.range.start + error.offset,
-                    format!("plane {plane}: {}", error.what),
-                ));
+                let code = stream_code(format, stream, size, &error);
+                let at = part.range.start + error.offset;
+                let found = format!("plane {plane}: {}", error.what);
+                diagnostics.push(Diagnostic::new(code, at, found));
             }
         }
-        if let Some(part) = anatomy.part(Role::Side(plane))
-            && let Err(error) = records(
-                &anatomy.file[part.range.clone()],
-                part.range.start,
-                size.texels(),
-            )
-        {
-            let code = match error.kind() {
-                ErrorKind::PartialRecord { .. } => &codes::RECORD_CUT,
-                _ => &codes::POSITION,
-            };
-            findings.push(Finding::new(
-                code,
-                error.offset(),
-                format!("plane {plane}: {}", error.kind()),
-            ));
+        if let Some(part) = dissection.part(Role::Side(plane)) {
+            let block = &dissection.file[part.range.clone()];
+            if let Err(error) = records(block, part.range.start, size.texels()) {
+                let code = match error.kind() {
+                    Kind::PartialRecord { .. } => &codes::RECORD_CUT,
+                    _ => &codes::POSITION,
+                };
+                let found = format!("plane {plane}: {}", error.kind());
+                diagnostics.push(Diagnostic::new(code, error.offset(), found));
+            }
         }
     }
-    findings
+    diagnostics
 }
 
-fn decode(format: Format, stream: &[u8], size: Size) -> Result<Vec<u8>, codec::Error> {
+fn decode(format: Format, stream: &[u8], size: Size) -> Result<Vec<u8>, codec::StreamError> {
     if is_jpeg(format) {
         jpeg::decode(stream, size.width, size.height)
     } else {
@@ -84,8 +76,13 @@ fn is_jpeg(format: Format) -> bool {
 }
 
 /// What is wrong with a stream that the codec refuses, by what its markers say.
-fn stream_code(format: Format, stream: &[u8], size: Size, error: &codec::Error) -> &'static Code {
-    if error.class == codec::Class::Unsupported {
+fn stream_code(
+    format: Format,
+    stream: &[u8],
+    size: Size,
+    error: &codec::StreamError,
+) -> &'static Code {
+    if error.fault == codec::StreamFault::Unsupported {
         return &codes::STREAM_KIND;
     }
     let parts = segments(stream);
@@ -105,18 +102,17 @@ fn stream_code(format: Format, stream: &[u8], size: Size, error: &codec::Error) 
 }
 
 /// Ranks that repeat, leave gaps or begin elsewhere; references below −1 (ruling `ranks`).
-fn ranks(anatomy: &Anatomy, count: usize) -> Vec<Finding> {
-    let number = |role| anatomy.number(role).unwrap_or_default();
-    let at = |role| anatomy.part(role).map_or(0, |part| part.range.start);
+fn ranks(dissection: &Dissection, count: usize) -> Vec<Diagnostic> {
+    let number = |role| dissection.number(role).unwrap_or_default();
     let ranks: Vec<i64> = (0..count).map(|plane| number(Role::Rank(plane))).collect();
     let mut sorted = ranks.clone();
     sorted.sort_unstable();
-    let mut findings = Vec::new();
+    let mut diagnostics = Vec::new();
     if !sorted.iter().copied().eq((0..).take(count)) {
         let words: Vec<String> = ranks.iter().map(i64::to_string).collect();
-        findings.push(Finding::new(
+        diagnostics.push(Diagnostic::new(
             &codes::RANKS,
-            at(Role::Rank(0)),
+            dissection.start(Role::Rank(0)),
             format!("ranks {}", words.join(" ")),
         ));
     }
@@ -125,34 +121,30 @@ fn ranks(anatomy: &Anatomy, count: usize) -> Vec<Finding> {
             "the reference of plane {plane} is {}",
             number(Role::Reference(plane))
         );
-        findings.push(Finding::new(
+        diagnostics.push(Diagnostic::new(
             &codes::RANKS,
-            at(Role::Reference(plane)),
+            dissection.start(Role::Reference(plane)),
             found,
         ));
     }
-    findings
+    diagnostics
 }
 
 /// The parameter (clause 2.9.1/2).
-fn parameter(anatomy: &Anatomy, format: Format) -> Vec<Finding> {
-    let (Some(part), Some(value)) = (
-        anatomy.part(Role::Parameter),
-        anatomy.number(Role::Parameter),
-    ) else {
+fn parameter(dissection: &Dissection, format: Format) -> Vec<Diagnostic> {
+    let range = if is_jpeg(format) { 20..=100 } else { 0..=127 };
+    let value = dissection.number(Role::Parameter);
+    let Some(value) = value.filter(|value| !range.contains(value)) else {
         return Vec::new();
     };
-    let range = if is_jpeg(format) { 20..=100 } else { 0..=127 };
-    if range.contains(&value) {
-        return Vec::new();
-    }
     let found = format!("{value}, expected {} to {}", range.start(), range.end());
-    vec![Finding::new(&codes::PARAMETER, part.range.start, found)]
+    let at = dissection.start(Role::Parameter);
+    vec![Diagnostic::new(&codes::PARAMETER, at, found)]
 }
 
 /// Transforms and vectors without an effect.
-fn unused(anatomy: &Anatomy, count: usize) -> Vec<Finding> {
-    let number = |role| anatomy.number(role).unwrap_or_default();
+fn unused(dissection: &Dissection, count: usize) -> Vec<Diagnostic> {
+    let number = |role| dissection.number(role).unwrap_or_default();
     let idle = |plane: usize| {
         let (transform, intra) = (
             number(Role::Transform(plane)),
@@ -162,25 +154,22 @@ fn unused(anatomy: &Anatomy, count: usize) -> Vec<Finding> {
         (intra && transform != 0) || (vector != (0, 0) && (intra || transform & 2 == 0))
     };
     let planes: Vec<usize> = (0..count).filter(|&plane| idle(plane)).collect();
-    let first = planes
-        .first()
-        .and_then(|&plane| anatomy.part(Role::Transform(plane)));
-    first.map_or_else(Vec::new, |part| {
-        let words: Vec<String> = planes.iter().map(usize::to_string).collect();
-        vec![Finding::new(
-            &codes::PREDICTION_UNUSED,
-            part.range.start,
-            format!("planes {}", words.join(", ")),
-        )]
-    })
+    let Some(&first) = planes.first() else {
+        return Vec::new();
+    };
+    let words: Vec<String> = planes.iter().map(usize::to_string).collect();
+    let at = dissection.start(Role::Transform(first));
+    let found = format!("planes {}", words.join(", "));
+    vec![Diagnostic::new(&codes::PREDICTION_UNUSED, at, found)]
 }
 
 /// What a stream has besides what an encoder of planes writes (ruling `plane-odd`).
-fn stream(anatomy: &Anatomy, plane: usize) -> Vec<Finding> {
-    let (Some(part), Some(format)) = (anatomy.part(Role::Stream(plane)), anatomy.format) else {
+fn stream(dissection: &Dissection, plane: usize) -> Vec<Diagnostic> {
+    let (Some(part), Some(format)) = (dissection.part(Role::Stream(plane)), dissection.format)
+    else {
         return Vec::new();
     };
-    let stream = &anatomy.file[part.range.clone()];
+    let stream = &dissection.file[part.range.clone()];
     if !stream.starts_with(&[0xff, 0xd8]) {
         return Vec::new();
     }
@@ -192,25 +181,25 @@ fn stream(anatomy: &Anatomy, plane: usize) -> Vec<Finding> {
         } else {
             format!(" ({})", segment.says)
         };
-        Some(Finding::new(
+        Some(Diagnostic::new(
             code,
             part.range.start + segment.range.start,
             format!("plane {plane}: {}{says}", segment.kind.name()),
         ))
     });
-    odd.chain(other_near(anatomy, plane, part, stream, &parts))
+    odd.chain(other_near(dissection, plane, part, stream, &parts))
         .collect()
 }
 
 fn odd_segment(format: Format, segment: &Segment, stream: &[u8]) -> Option<&'static Code> {
-    let jfif = is_jpeg(format) && segment.kind == Kind::Marker(0xe0);
+    let jfif = is_jpeg(format) && segment.kind == SegmentKind::Marker(0xe0);
     match segment.kind {
-        Kind::Marker(0xe0..=0xef | 0xfe) if !jfif => Some(&codes::STREAM_EXTRAS),
-        Kind::Fill => Some(&codes::STREAM_EXTRAS),
-        Kind::Marker(0xdd) => Some(&codes::RESTARTS),
-        Kind::Behind => Some(&codes::STREAM_TRAILING),
+        SegmentKind::Marker(0xe0..=0xef | 0xfe) if !jfif => Some(&codes::STREAM_EXTRAS),
+        SegmentKind::Fill => Some(&codes::STREAM_EXTRAS),
+        SegmentKind::Marker(0xdd) => Some(&codes::RESTARTS),
+        SegmentKind::Behind => Some(&codes::STREAM_TRAILING),
         // LSE of type 1 with MAXVAL below 255; 0 stands for the largest there is (T.87 C.2.4.1.1).
-        Kind::Marker(0xf8) => match stream[segment.range.clone()] {
+        SegmentKind::Marker(0xf8) => match stream[segment.range.clone()] {
             [_, _, _, _, 1, high, low, ..] => ((1..255).contains(&u16::from_be_bytes([high, low])))
                 .then_some(&codes::STREAM_MAXVAL),
             _ => None,
@@ -221,26 +210,26 @@ fn odd_segment(format: Format, segment: &Segment, stream: &[u8]) -> Option<&'sta
 
 /// A JPEG-LS stream whose NEAR is not the parameter.
 fn other_near(
-    anatomy: &Anatomy,
+    dissection: &Dissection,
     plane: usize,
-    part: &Part,
+    part: &FilePart,
     stream: &[u8],
     parts: &[Segment],
-) -> Option<Finding> {
+) -> Option<Diagnostic> {
     let near = near(stream, parts)
         .filter(|_| frame(stream, parts).is_some_and(|(code, ..)| code == 0xf7))?;
-    let parameter = anatomy.number(Role::Parameter)?;
+    let parameter = dissection.number(Role::Parameter)?;
     (i64::from(near) != parameter).then(|| {
         let found = format!("plane {plane}: NEAR {near}, the parameter is {parameter}");
-        Finding::new(&codes::NEAR, part.range.start, found)
+        Diagnostic::new(&codes::NEAR, part.range.start, found)
     })
 }
 
 /// A texel with two records (ruling `side-twice`).
-fn twice(anatomy: &Anatomy, plane: usize) -> Option<Finding> {
-    let part = anatomy.part(Role::Side(plane))?;
+fn twice(dissection: &Dissection, plane: usize) -> Option<Diagnostic> {
+    let part = dissection.part(Role::Side(plane))?;
     let mut positions: Vec<(u32, usize)> =
-        records(&anatomy.file[part.range.clone()], 0, usize::MAX)
+        records(&dissection.file[part.range.clone()], 0, usize::MAX)
             .ok()?
             .iter()
             .enumerate()
@@ -256,68 +245,76 @@ fn twice(anatomy: &Anatomy, plane: usize) -> Option<Finding> {
         "plane {plane}: records {} and {record} are both of position {position}",
         pair[0].1
     );
-    Some(Finding::new(
+    Some(Diagnostic::new(
         &codes::RECORD_TWICE,
         part.range.start + 5 * record,
         found,
     ))
 }
 
-/// Texels of predicted JPEG planes so near to an end of the scale that another inverse DCT may carry them to the other.
+/// Texels of predicted JPEG planes so close to an end of the range that another inverse DCT may carry them to the other.
 ///
-/// An inverse DCT may be off by one in every plane on the way, save in blocks of one value, which all give back alike;
+/// An inverse DCT may be off by one in every plane on the way, except in blocks of one value, which all decode alike;
 /// and a corrected texel is certain.
-fn other_transforms(anatomy: &Anatomy, format: Format) -> Vec<Finding> {
-    let (Ok(ptm), Some(size), true) = (&anatomy.outcome, anatomy.size, is_jpeg(format)) else {
+fn other_transforms(dissection: &Dissection, format: Format) -> Vec<Diagnostic> {
+    let (Ok(ptm), Some(size), true) = (&dissection.outcome, dissection.size, is_jpeg(format))
+    else {
         return Vec::new();
     };
-    let number = |role| anatomy.number(role).unwrap_or_default();
-    let count = format.channels();
-    let mut order: Vec<usize> = (0..count).collect();
+    let number = |role| dissection.number(role).unwrap_or_default();
+    let mut order: Vec<usize> = (0..format.channels()).collect();
+    if order
+        .iter()
+        .all(|&plane| number(Role::Reference(plane)) < 0)
+    {
+        return Vec::new();
+    }
     order.sort_by_key(|&plane| number(Role::Rank(plane)));
-    let mut slack = vec![0u8; count];
-    let mut findings = Vec::new();
+    let mut slack = vec![0u8; format.channels()];
+    let mut diagnostics = Vec::new();
     for plane in order {
-        let Some(part) = anatomy.part(Role::Stream(plane)) else {
+        let Some(part) = dissection.part(Role::Stream(plane)) else {
             continue;
         };
-        let exact = decode(format, &anatomy.file[part.range.clone()], size)
+        let exact = decode(format, &dissection.file[part.range.clone()], size)
             .is_ok_and(|samples| in_blocks_of_one_value(&samples, size.width as usize));
         let reference = usize::try_from(number(Role::Reference(plane))).ok();
         slack[plane] = u8::from(!exact) + reference.map_or(0, |reference| slack[reference]);
-        if reference.is_none() || slack[plane] == 0 {
-            continue;
-        }
-        let mut texels: Vec<bool> = (0..size.texels())
-            .map(|texel| {
-                let sample = ptm.planes.samples[texel * count + plane];
-                sample < slack[plane] || 255 - sample < slack[plane]
-            })
-            .collect();
-        let side = anatomy.bytes(Role::Side(plane)).unwrap_or_default();
-        for &(position, _) in &records(side, 0, size.texels()).unwrap_or_default() {
-            let (x, y) = (
-                position % size.width,
-                size.height - 1 - position / size.width,
-            );
-            texels[(y * size.width + x) as usize] = false;
-        }
-        if let Some(first) = texels.iter().position(|&near| near) {
-            let found = format!(
-                "plane {plane}: {} texels within {} of 0 or 255, the first at column {}, row {} from the top",
-                texels.iter().filter(|&&near| near).count(),
-                slack[plane],
-                first % size.width as usize,
-                first / size.width as usize
-            );
-            findings.push(Finding::new(
-                &codes::OTHER_TRANSFORM,
-                part.range.start,
-                found,
-            ));
+        if reference.is_some() && slack[plane] > 0 {
+            let samples = ptm.planes.samples.iter().skip(plane);
+            let samples = samples.step_by(format.channels()).copied();
+            let side = dissection.bytes(Role::Side(plane)).unwrap_or_default();
+            let found = near_an_end(samples, slack[plane], side, size);
+            let found = found.map(|texels| format!("plane {plane}: {texels}"));
+            let at = part.range.start;
+            diagnostics
+                .extend(found.map(|found| Diagnostic::new(&codes::OTHER_TRANSFORM, at, found)));
         }
     }
-    findings
+    diagnostics
+}
+
+/// The texels of a plane, top row first, that are within `slack` of 0 or 255 and that no record corrects.
+fn near_an_end(
+    samples: impl Iterator<Item = u8>,
+    slack: u8,
+    side: &[u8],
+    size: Size,
+) -> Option<String> {
+    let near = |sample: u8| sample < slack || 255 - sample < slack;
+    let mut texels: Vec<bool> = samples.map(near).collect();
+    for &(position, _) in &records(side, 0, size.texels()).unwrap_or_default() {
+        let (x, y) = (position % size.width, position / size.width);
+        texels[((size.height - 1 - y) * size.width + x) as usize] = false;
+    }
+    let first = texels.iter().position(|&near| near)?;
+    let width = size.width as usize;
+    Some(format!(
+        "{} texels within {slack} of 0 or 255, the first at column {}, row {} from the top",
+        texels.iter().filter(|&&near| near).count(),
+        first % width,
+        first / width
+    ))
 }
 
 fn in_blocks_of_one_value(samples: &[u8], width: usize) -> bool {
@@ -325,23 +322,24 @@ fn in_blocks_of_one_value(samples: &[u8], width: usize) -> bool {
     (0..samples.len()).all(|at| samples[at] == first_of_block(at))
 }
 
-/// One finding of each code, with the number of its like: eighteen planes mostly have the same oddity.
-fn first_of_each(findings: Vec<Finding>) -> Vec<Finding> {
-    let mut kept: Vec<(Finding, usize)> = Vec::new();
-    for finding in findings {
+/// One diagnostic of each code, with the number of its like: eighteen planes mostly have the same oddity.
+#[expect(
+    clippy::format_push_string,
+    reason = "texts are short where they are put together"
+)]
+fn first_of_each(diagnostics: Vec<Diagnostic>) -> Vec<Diagnostic> {
+    let mut kept: Vec<(Diagnostic, usize)> = Vec::new();
+    for diagnostic in diagnostics {
         match kept
             .iter_mut()
-            .find(|(first, _)| first.code.id == finding.code.id)
+            .find(|(first, _)| first.code == diagnostic.code)
         {
             Some((_, like)) => *like += 1,
-            None => kept.push((finding, 0)),
+            None => kept.push((diagnostic, 0)),
         }
     }
-    let worded = |(mut finding, like): (Finding, usize)| {
-        if like > 0 {
-            finding.what = format!("{}; and {like} more such places", finding.what);
-        }
-        finding
-    };
-    kept.into_iter().map(worded).collect()
+    for (diagnostic, like) in kept.iter_mut().filter(|(_, like)| *like > 0) {
+        diagnostic.found += &format!("; and {like} more such places");
+    }
+    kept.into_iter().map(|(diagnostic, _)| diagnostic).collect()
 }

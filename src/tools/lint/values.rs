@@ -1,132 +1,96 @@
 //! Numbers and tables that are read and still odd.
 
-use super::Finding;
 use super::codes;
-use crate::tools::anatomy::{Anatomy, Role};
+use super::diagnostic::Diagnostic;
+use crate::tools::dissection::{Dissection, Role};
 
-pub(super) fn find(anatomy: &Anatomy) -> Vec<Finding> {
+pub(super) fn diagnose(dissection: &Dissection) -> Vec<Diagnostic> {
     [
-        numbers(anatomy),
-        matrix(anatomy),
-        table(anatomy),
-        trailing(anatomy),
+        (0..6).flat_map(|i| scale_and_bias(dissection, i)).collect(),
+        matrix(dissection),
+        table(dissection),
+        trailing(dissection),
     ]
     .concat()
 }
 
-/// Scales and biases.
-fn numbers(anatomy: &Anatomy) -> Vec<Finding> {
-    let mut findings = Vec::new();
-    for i in 0..6 {
-        let at = |role| anatomy.part(role).map_or(0, |part| part.range.start);
-        if anatomy
-            .text(Role::Scale(i))
-            .and_then(|text| text.parse().ok())
-            == Some(0.0)
-        {
-            findings.push(Finding::new(
-                &codes::SCALE_ZERO,
-                at(Role::Scale(i)),
-                format!("the scale of a{i}"),
-            ));
-        }
-        let Some(bias) = anatomy.text(Role::Bias(i)) else {
-            continue;
-        };
-        let Some(value) = bias
-            .parse::<f64>()
-            .ok()
-            .filter(|value| value.is_finite() && value.fract() == 0.0)
-        else {
-            continue;
-        };
-        let found = format!("the bias of a{i} is {bias}");
-        if bias.contains(['.', 'e', 'E']) {
-            findings.push(Finding::new(
-                &codes::BIAS_AS_FLOAT,
-                at(Role::Bias(i)),
-                &found,
-            ));
-        }
-        if !(-32768.0..=32767.0).contains(&value) {
-            findings.push(Finding::new(
-                &codes::BIAS_BEYOND_16_BITS,
-                at(Role::Bias(i)),
-                found,
-            ));
-        }
+/// The scale and the bias of coefficient `i`.
+fn scale_and_bias(dissection: &Dissection, i: usize) -> Vec<Diagnostic> {
+    let mut diagnostics = Vec::new();
+    let number = |role| dissection.text(role)?.parse::<f64>().ok();
+    if number(Role::Scale(i)) == Some(0.0) {
+        let (at, found) = (
+            dissection.start(Role::Scale(i)),
+            format!("the scale of a{i}"),
+        );
+        diagnostics.push(Diagnostic::new(&codes::SCALE_ZERO, at, found));
     }
-    findings
+    let whole = number(Role::Bias(i)).filter(|bias| bias.is_finite() && bias.fract() == 0.0);
+    if let (Some(text), Some(bias)) = (dissection.text(Role::Bias(i)), whole) {
+        let as_float = text.contains(['.', 'e', 'E']);
+        let beyond = !(-32768.0..=32767.0).contains(&bias);
+        let odd = [
+            (as_float, &codes::BIAS_AS_FLOAT),
+            (beyond, &codes::BIAS_BEYOND_16_BITS),
+        ];
+        let at = dissection.start(Role::Bias(i));
+        diagnostics.extend(
+            odd.into_iter()
+                .filter(|(is_so, _)| *is_so)
+                .map(|(_, code)| Diagnostic::new(code, at, format!("the bias of a{i} is {text}"))),
+        );
+    }
+    diagnostics
 }
 
 /// The last row of the color matrix.
-fn matrix(anatomy: &Anatomy) -> Vec<Finding> {
-    let odd = [(3, 0.0), (7, 0.0), (11, 0.0), (15, 1.0)]
-        .into_iter()
-        .find_map(|(element, usual)| {
-            let part = anatomy.part(Role::Matrix(element))?;
-            let text = anatomy.text(Role::Matrix(element))?;
-            (text.parse::<f64>().ok()? != usual).then(|| {
-                Finding::new(
-                    &codes::MATRIX_LAST_ROW,
-                    part.range.start,
-                    format!("element {element} is {text}"),
-                )
-            })
-        });
-    odd.into_iter().collect()
+fn matrix(dissection: &Dissection) -> Vec<Diagnostic> {
+    let odd = |(element, usual): (usize, f64)| {
+        let text = dissection.text(Role::Matrix(element))?;
+        let at = dissection.start(Role::Matrix(element));
+        (text.parse::<f64>().ok()? != usual).then(|| {
+            let found = format!("element {element} is {text}");
+            Diagnostic::new(&codes::MATRIX_LAST_ROW, at, found)
+        })
+    };
+    let row = [(3, 0.0), (7, 0.0), (11, 0.0), (15, 1.0)];
+    row.into_iter().find_map(odd).into_iter().collect()
 }
 
-/// The lookup table: its size, and who uses it.
-fn table(anatomy: &Anatomy) -> Vec<Finding> {
-    let mut findings = Vec::new();
-    let (Some(count), Some(entries)) = (anatomy.part(Role::Count), anatomy.number(Role::Count))
-    else {
-        return findings;
+/// The lookup table: its size, and whether all of it is used.
+fn table(dissection: &Dissection) -> Vec<Diagnostic> {
+    let at = dissection.start(Role::Count);
+    let entries = dissection.number(Role::Count);
+    let Some(entries) = entries.and_then(|entries| usize::try_from(entries).ok()) else {
+        return Vec::new();
     };
+    let mut diagnostics = Vec::new();
     if entries > 65_536 {
-        findings.push(Finding::new(
-            &codes::HUGE_TABLE,
-            count.range.start,
-            format!("{entries} entries"),
-        ));
+        let found = format!("{entries} entries");
+        diagnostics.push(Diagnostic::new(&codes::HUGE_TABLE, at, found));
     }
-    let (Ok(_), Some(indices), Ok(entries)) = (
-        &anatomy.outcome,
-        anatomy.bytes(Role::Indices),
-        usize::try_from(entries),
-    ) else {
-        return findings;
+    let (Ok(_), Some(indices)) = (&dissection.outcome, dissection.bytes(Role::Indices)) else {
+        return diagnostics;
     };
     let mut used = vec![false; entries];
     for index in indices.chunks(if entries <= 256 { 1 } else { 2 }) {
-        let index = index
-            .iter()
-            .rev()
-            .fold(0, |index, &byte| index << 8 | usize::from(byte));
-        used[index] = true;
+        let bytes = index.iter().rev();
+        used[bytes.fold(0, |index, &byte| index << 8 | usize::from(byte))] = true;
     }
-    let unused = used.iter().filter(|&&used| !used).count();
     if let Some(first) = used.iter().position(|&used| !used) {
+        let unused = used.iter().filter(|&&used| !used).count();
         let found = format!("{unused} of {entries} entries, the first is entry {first}");
-        findings.push(Finding::new(
-            &codes::ENTRIES_UNUSED,
-            count.range.start,
-            found,
-        ));
+        diagnostics.push(Diagnostic::new(&codes::ENTRIES_UNUSED, at, found));
     }
-    findings
+    diagnostics
 }
 
-/// Bytes behind the last value (ruling `trailing`).
-fn trailing(anatomy: &Anatomy) -> Vec<Finding> {
-    let (end, length) = (anatomy.end(), anatomy.file.len());
-    if anatomy.outcome.is_err() || end == length {
+/// Bytes after the last value (ruling `trailing`).
+fn trailing(dissection: &Dissection) -> Vec<Diagnostic> {
+    let (end, length) = (dissection.end(), dissection.file.len());
+    if dissection.outcome.is_err() || end == length {
         return Vec::new();
     }
-    vec![Finding::new(
-        &codes::TRAILING,
-        end,
-        format!("{} bytes", length - end),
-    )]
+    let found = format!("{} bytes", length - end);
+    vec![Diagnostic::new(&codes::TRAILING, end, found)]
 }

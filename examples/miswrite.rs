@@ -1,0 +1,49 @@
+//! A writer with a mistake of the catalogue, to be run by `ptm-conform check-writer`:
+//!
+//! ```text
+//! cargo build --release --example miswrite
+//! ptm-conform check-writer -- target/release/examples/miswrite rows-top-down
+//! ```
+
+use std::env;
+use std::path::Path;
+use std::process::ExitCode;
+
+use ptm_conform::misreadings;
+use ptm_conform::writers::reference::{NotWritten, written};
+use ptm_conform::writers::request::RequestHeader;
+use ptm_conform::writers::wrong::miswritten;
+
+fn main() -> ExitCode {
+    let words: Vec<String> = env::args().collect();
+    let [_, slug, _, request, out] = &words[..] else {
+        eprintln!("usage: miswrite SLUG write REQUEST OUT");
+        return ExitCode::from(2);
+    };
+    match write(slug, request, Path::new(out)) {
+        Ok(status) => ExitCode::from(status),
+        Err(why) => {
+            eprintln!("{why}");
+            ExitCode::from(2)
+        }
+    }
+}
+
+/// Writes the file that a writer with this mistake writes: the right one where the mistake does not show.
+fn write(slug: &str, request: &str, out: &Path) -> Result<u8, String> {
+    let mistake = misreadings::named(slug).ok_or_else(|| format!("no misreading {slug}"))?;
+    let read = |path: &str| std::fs::read(path).map_err(|error| format!("{path}: {error}"));
+    let header = RequestHeader::read(&read(request)?)?;
+    let array = read(&header.planes)?;
+    let request = header.with_planes(&array)?;
+    let file = miswritten(&request, mistake).map_or_else(|| written(&request), Ok);
+    match file {
+        Ok(file) => {
+            let said = |error| format!("{}: {error}", out.display());
+            std::fs::write(out, file).map_err(said)?;
+            Ok(0)
+        }
+        Err(NotWritten::Impossible(_)) => Ok(65),
+        Err(NotWritten::Unsupported(_)) => Ok(69),
+    }
+}

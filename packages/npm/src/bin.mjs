@@ -1,0 +1,10 @@
+#!/usr/bin/env node
+// The program itself, by the name that it has everywhere.
+
+import { spawnSync } from "node:child_process";
+
+import { program } from "./node.mjs";
+
+const { status, error } = spawnSync(program(), process.argv.slice(2), { stdio: "inherit" });
+if (error) throw error;
+process.exitCode = status ?? 1;

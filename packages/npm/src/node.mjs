@@ -1,0 +1,100 @@
+// Runs in Node: the whole suite with its causes, by the program, which asks functions of this process over a socket.
+
+import { spawn } from "node:child_process";
+import { existsSync, mkdtempSync, readFileSync, rmSync } from "node:fs";
+import { createRequire } from "node:module";
+import { createServer } from "node:net";
+import { tmpdir } from "node:os";
+import { dirname, join } from "node:path";
+
+import { Malformed, Unsupported } from "./index.mjs";
+
+export { Malformed, Unsupported };
+
+/** The path of ptm-conform: PTM_CONFORM_PROGRAM, else the one that npm has installed for this machine. */
+export function program() {
+  if (process.env.PTM_CONFORM_PROGRAM) return process.env.PTM_CONFORM_PROGRAM;
+  const carrier = `@ptm-conform/${process.platform}-${process.arch}`;
+  try {
+    const manifest = createRequire(import.meta.url).resolve(`${carrier}/package.json`);
+    return join(dirname(manifest), "bin", "ptm-conform");
+  } catch {
+    throw new Error(`${carrier} is not installed; PTM_CONFORM_PROGRAM may name a program`);
+  }
+}
+
+/** All cases, as index.mjs runs them. */
+export function cases() {
+  return JSON.parse(readFileSync(new URL("./cases.json", import.meta.url), "utf8"));
+}
+
+/**
+ * Checks functions: `raw(file)` and `coef(file)` return { width, height, channels, samples }, `rgb(file, lu, lv)` a picture
+ * of 3 channels; one is enough. Returns { status, text, report }: the exit status of `ptm-conform check`, what it prints,
+ * and the report.
+ */
+export async function check(functions, { malformed = Malformed, unsupported = Unsupported, options = [] } = {}) {
+  const decoders = typeof functions === "function" ? { raw: functions } : functions;
+  const directory = mkdtempSync(join(tmpdir(), "ptm-"));
+  const place = (name) => join(directory, name);
+  const server = createServer((socket) => answerAll(socket, (view, file) => answer(decoders, view, file, { malformed, unsupported })));
+  try {
+    await new Promise((resolve) => server.listen(place("socket"), resolve));
+    const words = ["check", "--caller", place("socket"), "--report", place("report.yaml"), "--json", place("report.json"), ...options];
+    const { status, text, errors } = await finished(spawn(program(), words, { stdio: ["ignore", "pipe", "pipe"] }));
+    if (!existsSync(place("report.json"))) throw new Error(errors.trim() || `ptm-conform ended with ${status}`);
+    const report = JSON.parse(readFileSync(place("report.json"), "utf8"));
+    return { status, text: text.replace(/^report: .*\n/m, ""), report };
+  } finally {
+    server.close();
+    rmSync(directory, { recursive: true });
+  }
+}
+
+function finished(child) {
+  const said = { text: "", errors: "" };
+  child.stdout.setEncoding("utf8").on("data", (text) => { said.text += text; });
+  child.stderr.setEncoding("utf8").on("data", (text) => { said.errors += text; });
+  return new Promise((resolve, reject) => child.on("error", reject).on("close", (status) => resolve({ status, ...said })));
+}
+
+/** Requests are "NAME VIEW NBYTES", a line feed and the file; answers "WORD NBYTES", a line feed and the bytes. */
+function answerAll(socket, answer) {
+  let waiting = Buffer.alloc(0);
+  let last = Promise.resolve();
+  socket.on("error", () => {});
+  socket.on("data", (bytes) => {
+    waiting = Buffer.concat([waiting, bytes]);
+    for (;;) {
+      const end = waiting.indexOf(10);
+      if (end < 0) return;
+      const [, view, length] = waiting.toString("latin1", 0, end).split(" ");
+      const next = end + 1 + Number(length);
+      if (waiting.length < next) return;
+      const file = Uint8Array.from(waiting.subarray(end + 1, next));
+      waiting = waiting.subarray(next);
+      last = last.then(async () => {
+        const [word, data] = await answer(view, file);
+        socket.write(Buffer.concat([Buffer.from(`${word} ${data.length}\n`), data]));
+      });
+    }
+  });
+}
+
+async function answer(decoders, request, file, { malformed, unsupported }) {
+  const [view, light] = request.split(":");
+  if (!decoders[view]) return ["unsupported", Buffer.alloc(0)];
+  let picture;
+  try {
+    picture = await decoders[view](file, ...(light ? light.split(",").map(Number) : []));
+  } catch (error) {
+    const word = error instanceof malformed ? "reject" : error instanceof unsupported ? "unsupported" : "crash";
+    return [word, Buffer.from(String(error)).subarray(0, 4000)];
+  }
+  const { width, height, channels, samples } = picture ?? {};
+  const [type, wanted] = view === "coef" ? ["f32", [Float32Array, Float64Array]] : ["u8", [Uint8Array, Uint8ClampedArray]];
+  if (!wanted.some((kind) => samples instanceof kind)) return ["error", Buffer.from(`its samples are no ${wanted[0].name}`)];
+  const values = view === "coef" ? Float32Array.from(samples) : samples;
+  const line = Buffer.from(`PTM1 ${view} ${width} ${height} ${channels} ${type}\n`);
+  return ["ok", Buffer.concat([line, Buffer.from(values.buffer, values.byteOffset, values.byteLength)])];
+}

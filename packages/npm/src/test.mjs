@@ -1,0 +1,69 @@
+// Tries the package: node test.mjs, in its directory. PTM_CONFORM_PROGRAM names the program, or it is installed.
+
+import assert from "node:assert/strict";
+import { spawnSync } from "node:child_process";
+import { existsSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
+import { tmpdir } from "node:os";
+import { join } from "node:path";
+
+import { Malformed, Unsupported, bytesOf, run } from "./index.mjs";
+import { cases, check, program } from "./node.mjs";
+import { load } from "./reference.mjs";
+
+const all = cases();
+assert(all.length > 2000, `${all.length} cases`);
+const answers = new Map(all.filter(({ raw }) => raw).map(({ file, raw }) => [file, raw]));
+const expected = new Map(all.map(({ file, expect }) => [file, expect]));
+const base64 = (file) => Buffer.from(file).toString("base64");
+const right = (file) => {
+  const raw = answers.get(base64(file));
+  if (!raw || !["decode", "spelling"].includes(expected.get(base64(file)))) throw new Malformed("as prepared");
+  return { ...raw, samples: bytesOf(raw.samples) };
+};
+const upsideDown = (file) => {
+  const picture = right(file), row = picture.width * picture.channels;
+  const rows = Array.from({ length: picture.height }, (_, y) => picture.samples.slice(y * row, (y + 1) * row));
+  return { ...picture, samples: Uint8Array.from(rows.reverse().flatMap((row) => [...row])) };
+};
+
+// The judge of the data.
+const good = await run(all, right);
+assert(good.passed, JSON.stringify(good.failures.slice(0, 3)));
+assert(good.results.filter(({ outcome }) => outcome === "pass").length > 2000);
+const turned = await run(all, upsideDown);
+const hand = turned.failures.find(({ id }) => id === "hand-rgb-blocks");
+assert.match(hand.says, /^texel \(0, 0\), first in channel 0: expected 24 25 26 .* received 16 17 18/);
+for (const decode of [() => { throw new Malformed(); }, () => { throw new Unsupported(); }, () => null, () => { throw new TypeError("lost"); }]) {
+  assert(!(await run(all, decode)).passed);
+}
+
+// The program, asking the same functions.
+const options = ["--case", "hand-*", "--case", "first-*"];
+const checked = await check(right, { options });
+assert.equal(checked.status, 0, checked.text);
+const wrong = await check({ raw: upsideDown }, { options });
+assert.equal(wrong.status, 1, wrong.text);
+assert(wrong.text.includes("rows-top-down") || wrong.text.includes("upside down"), wrong.text);
+const lost = await check({ raw: () => { throw new TypeError("lost"); } }, { options });
+assert.equal(lost.status, 3);
+
+// What the reference reads is what the data says.
+const directory = mkdtempSync(join(tmpdir(), "ptm-"));
+for (const { file, raw } of all.filter(({ id }) => id.startsWith("hand-"))) {
+  const path = join(directory, "x.ptm");
+  writeFileSync(path, bytesOf(file));
+  const { stdout } = spawnSync(program(), ["reference", "raw", path]);
+  if (raw) assert.deepEqual(stdout.subarray(stdout.indexOf(10) + 1), Buffer.from(raw.samples, "base64"));
+}
+rmSync(directory, { recursive: true });
+// The reference as WebAssembly, where the package was built with it.
+if (existsSync("reference.wasm")) {
+  const reference = await load(readFileSync("reference.wasm"));
+  const own = await run(all, (file) => reference.decode(file));
+  assert(own.passed, JSON.stringify(own.failures.slice(0, 3)));
+  const lum = bytesOf(all.find(({ id }) => id === "hand-lum").file);
+  assert.deepEqual(reference.lint(lum).map(({ code }) => code), ["PTM-W303", "PTM-W304"]);
+  assert.equal(reference.relight(lum, 0, 0).samples.length, 8);
+  assert.throws(() => reference.decode(new Uint8Array()), Malformed);
+}
+console.log("all right");

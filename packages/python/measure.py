@@ -1,0 +1,143 @@
+#!/usr/bin/env python3
+"""Compares check_callable with the protocol, and says how fast it asks.
+
+    measure.py [--copies N] [--options "--smoke"] [--no-speed]
+
+The Python example and wrong copies of it are checked twice, as programs in serve mode and as functions; the verdicts on all cases
+and the causes must be equal. The speed is that of a function that returns prepared answers. PTM_CONFORM_PROGRAM names the
+program; NumPy is needed. Exit status 1 if anything differs.
+"""
+
+import argparse
+import importlib.util
+import io
+import json
+import os
+import subprocess
+import sys
+import tempfile
+import time
+
+HERE = os.path.dirname(os.path.abspath(__file__))
+EXAMPLE = os.path.join(HERE, "..", "..", "examples", "decoders", "ptm_decoder.py")
+sys.path.insert(0, HERE)
+
+import numpy
+import ptm_conform
+
+# One mistake each.
+WRONG = [
+    ('index, "little")', 'index, "big")'),
+    ("reversed(range(height))", "range(height)"),
+    ("len(entries) <= 256", "len(entries) < 256"),
+    ("(raw - ptm.bias[i % 6]) * ptm.scale[i % 6]", "raw * ptm.scale[i % 6] - ptm.bias[i % 6]"),
+    ("zip(red, green, blue)", "zip(blue, green, red)"),
+    ("if max(indices) >= len(entries):", "if False:"),
+    ("luminance * channel / 255", "luminance * channel / 256"),
+    ("255 - value for value in predictor", "256 - value & 255 for value in predictor"),
+    ("// 4 for l, r", "// 4 + 1 & 255 for l, r"),
+    ('record[:4], "big"', 'record[:4], "little"'),
+]
+
+
+def module_of(path):
+    spec = importlib.util.spec_from_file_location("decoder", path)
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+def array_of(frame):
+    line, samples = frame.split(b"\n", 1)
+    _, _, width, height, channels, kind = line.split()
+    return numpy.frombuffer(samples, {b"u8": "u1", b"f32": "<f4"}[kind]).reshape(int(height), int(width), int(channels))
+
+
+def functions_of(path):
+    """The decoder's views as functions of bytes."""
+    module = module_of(path)
+
+    def frame(view, file):
+        module.open = lambda path, mode: io.BytesIO(file)
+        return array_of(module.frame(view.encode(), b""))
+
+    return {
+        "raw": lambda file: frame("raw", file),
+        "coef": lambda file: frame("coef", file),
+        "rgb": lambda file, lu, lv: frame("rgb:%s,%s" % (lu, lv), file),
+        "malformed": module.Malformed,
+        "unsupported": module.Unsupported,
+    }
+
+
+def by_protocol(path, options):
+    with tempfile.TemporaryDirectory() as directory:
+        report = os.path.join(directory, "report.json")
+        command = [ptm_conform.program(), "check", "--serve", "--report", os.path.join(directory, "report.yaml"), "--json", report, *options]
+        subprocess.run([*command, "--", sys.executable, path], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        with open(report, "rb") as file:
+            return json.load(file)
+
+
+def verdicts(report):
+    outcomes = {case["id"]: case["outcome"] for case in report["cases"]}
+    causes = [(cause.get("misreading"), cause["explains"]) for cause in report["diagnoses"]]
+    return outcomes, causes, report["scores"]["correctness"], report["dialect"]
+
+
+def compare(copies, options):
+    """Whether both ways give equal verdicts on the example and on so many wrong copies."""
+    with open(EXAMPLE, encoding="utf-8") as file:
+        source = file.read()
+    equal = True
+    for edit in [("", ""), *WRONG[:copies]]:
+        assert edit[0] in source, edit
+        with tempfile.TemporaryDirectory() as directory:
+            path = os.path.join(directory, "decoder.py")
+            with open(path, "w", encoding="utf-8") as out:
+                out.write(source.replace(*edit, 1))
+            called = ptm_conform.check_callable(**functions_of(path), options=options)
+            same = verdicts(called.data) == verdicts(by_protocol(path, options))
+        failed = sum(case["outcome"] == "fail" for case in called.data["cases"])
+        print("%s: %d failures, %s  %s" % ("equal" if same else "DIFFERENT", failed, ", ".join(called.causes) or "no cause", edit[1] or "the example"), flush=True)
+        equal = equal and same
+    return equal
+
+
+def speed():
+    """Cases a second of a function that only looks up its answer, from the call of check_callable to its return."""
+    answers = {}
+    path = os.path.join(tempfile.mkdtemp(), "x.ptm")
+    reference = subprocess.Popen([ptm_conform.program(), "reference", "serve"], stdin=subprocess.PIPE, stdout=subprocess.PIPE)
+
+    def decode(file):
+        if file not in answers:
+            with open(path, "wb") as out:
+                out.write(file)
+            reference.stdin.write(b"1 raw %s\n" % path.encode())
+            reference.stdin.flush()
+            _, word, *rest = reference.stdout.readline().split(b" ")
+            answers[file] = array_of(reference.stdout.read(int(rest[0]))) if word == b"ok" else {b"reject": ptm_conform.Malformed, b"unsupported": ptm_conform.Unsupported}[word]
+        answer = answers[file]
+        if isinstance(answer, type):
+            raise answer("as prepared")
+        return answer
+
+    ptm_conform.check_callable(decode)
+    began = time.perf_counter()
+    report = ptm_conform.check_callable(decode)
+    seconds = time.perf_counter() - began
+    reference.stdin.close()
+    print("%d cases in %.2f s: %.0f a second, all included; %s" % (len(report.data["cases"]), seconds, len(report.data["cases"]) / seconds, report.data["verdict"]))
+
+
+if __name__ == "__main__":
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--copies", type=int, default=len(WRONG))
+    parser.add_argument("--options", default="")
+    parser.add_argument("--no-speed", action="store_true")
+    arguments = parser.parse_args()
+    equal = compare(arguments.copies, arguments.options.split())
+    if not arguments.no_speed:
+        speed()
+    sys.exit(0 if equal else 1)

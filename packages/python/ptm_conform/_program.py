@@ -1,0 +1,63 @@
+"""The program that the package carries, and what it does with single files."""
+
+import json
+import os
+import shutil
+import subprocess
+import sysconfig
+import tempfile
+
+
+class Malformed(ValueError):
+    """The file breaks a rule of the format; the message names the clause and the byte."""
+
+
+class Unsupported(NotImplementedError):
+    """The file may be sound, but it is not read."""
+
+
+def program():
+    """The path of `ptm-conform`: PTM_CONFORM_PROGRAM, else the installed one, else one in PATH."""
+    named = os.environ.get("PTM_CONFORM_PROGRAM")
+    if named:
+        return named
+    name = "ptm-conform" + (sysconfig.get_config_var("EXE") or "")
+    schemes = [sysconfig.get_default_scheme(), sysconfig.get_preferred_scheme("user")]
+    for scheme in schemes:
+        path = os.path.join(sysconfig.get_path("scripts", scheme), name)
+        if os.path.isfile(path):
+            return path
+    found = shutil.which(name)
+    if found is None:
+        raise FileNotFoundError("the program ptm-conform is not installed beside the package")
+    return found
+
+
+def decode(file, view="raw"):
+    """What the reference makes of `file` (bytes), as an array of (height, width, channels), top row first.
+
+    `raw`: the stored values, uint8. `coef`: the final coefficients, float32. `rgb:LU,LV`: the picture under that light,
+    uint8. Raises Malformed or Unsupported.
+    """
+    import numpy
+
+    with tempfile.TemporaryDirectory() as directory:
+        path = os.path.join(directory, "x.ptm")
+        with open(path, "wb") as out:
+            out.write(file)
+        run = subprocess.run([program(), "reference", view, path], capture_output=True)
+    if run.returncode != 0:
+        says = run.stderr.decode(errors="replace").strip().replace(path + ": ", "")
+        raise {65: Malformed, 69: Unsupported}.get(run.returncode, ValueError)(says)
+    line, samples = run.stdout.split(b"\n", 1)
+    _, _, width, height, channels, kind = line.split(b" ")
+    dtype = {b"u8": "u1", b"f32": "<f4"}[kind]
+    return numpy.frombuffer(samples, dtype).reshape(int(height), int(width), int(channels)).copy()
+
+
+def lint(path):
+    """What is wrong with a file, a dictionary for each finding: code, severity, offset, clause, says, found, fix."""
+    run = subprocess.run([program(), "lint", "--json", os.fspath(path)], capture_output=True)
+    if run.returncode == 2:
+        raise OSError(run.stderr.decode(errors="replace").strip())
+    return json.loads(run.stdout)[0]["findings"]

@@ -1,0 +1,137 @@
+//! The reference for a page: a file in, its fields, findings, planes and pictures out.
+//!
+//! Exports are plain functions over numbers, so that nothing but `cargo` is needed to build the module and nothing but a
+//! page to call it: no generated script stands between. A page calls [`reserve`], writes a file there, calls [`open`], and
+//! reads what [`report`] and [`relight`] point at. One file is open at a time.
+
+use std::cell::RefCell;
+
+use ptm_conform::Ptm;
+use ptm_conform::kit::digest::sha256;
+use ptm_conform::ptm::Shape;
+use ptm_conform::tools::inspect::inspect;
+use ptm_conform::tools::lint::lint;
+use serde_json::json;
+
+/// What is open.
+#[derive(Default)]
+struct Opened {
+    /// The bytes that the page writes.
+    file: Vec<u8>,
+    /// What is said of the file, in JSON.
+    report: String,
+    map: Option<Ptm>,
+    /// The last picture: red, green, blue and 255 of every texel.
+    picture: Vec<u8>,
+}
+
+thread_local! {
+    static OPENED: RefCell<Opened> = RefCell::default();
+}
+
+fn with<T>(act: impl FnOnce(&mut Opened) -> T) -> T {
+    OPENED.with(|opened| act(&mut opened.borrow_mut()))
+}
+
+/// Room for a file of `length` bytes; the page writes them there.
+#[unsafe(no_mangle)]
+pub extern "C" fn reserve(length: usize) -> *mut u8 {
+    with(|opened| {
+        opened.file = vec![0; length];
+        opened.file.as_mut_ptr()
+    })
+}
+
+/// Reads the file that was written; 1 if it is a map, 0 if it is not. Either way there is a report.
+#[unsafe(no_mangle)]
+pub extern "C" fn open() -> u32 {
+    with(|opened| {
+        let decoded = ptm_conform::decode(&opened.file);
+        opened.report = report_on(&opened.file, decoded.as_ref().ok());
+        opened.map = decoded.ok();
+        u32::from(opened.map.is_some())
+    })
+}
+
+/// Fields and findings as the program prints them, and the size and the planes' digest of a map.
+pub fn report_on(file: &[u8], map: Option<&Ptm>) -> String {
+    let map = map.map(|ptm| {
+        json!({
+            "format": ptm.header.format.name(),
+            "width": ptm.header.size.width,
+            "height": ptm.header.size.height,
+            "channels": ptm.planes.shape.channels(),
+            "scale": ptm.header.scale_bias.scale,
+            "bias": ptm.header.scale_bias.bias,
+            "planes": sha256(&ptm.planes.samples),
+        })
+    });
+    json!({ "inspect": inspect(file), "lint": lint(file), "map": map }).to_string()
+}
+
+/// The report.
+#[unsafe(no_mangle)]
+pub extern "C" fn report() -> *const u8 {
+    with(|opened| opened.report.as_ptr())
+}
+
+/// How many bytes the report has.
+#[unsafe(no_mangle)]
+pub extern "C" fn report_length() -> usize {
+    with(|opened| opened.report.len())
+}
+
+/// The stored values, texel after texel, top row first; nothing if no map is open. The report's map has width, height and
+/// channels.
+#[unsafe(no_mangle)]
+pub extern "C" fn samples() -> *const u8 {
+    with(|opened| match &opened.map {
+        Some(ptm) => ptm.planes.samples.as_ptr(),
+        None => std::ptr::null(),
+    })
+}
+
+/// The map under a light as four bytes for each texel; nothing if no map is open.
+#[unsafe(no_mangle)]
+pub extern "C" fn relight(lu: f64, lv: f64) -> *const u8 {
+    with(|opened| {
+        let Some(ptm) = &opened.map else {
+            return std::ptr::null();
+        };
+        light_into(ptm, lu, lv, &mut opened.picture);
+        opened.picture.as_ptr()
+    })
+}
+
+/// The picture that `Coefficients::evaluate` and `Picture::to_bytes` make, to the bit, from the stored bytes: each term of
+/// the polynomial is looked up by its byte.
+pub fn light_into(ptm: &Ptm, lu: f64, lv: f64, picture: &mut Vec<u8>) {
+    let set = &ptm.header.scale_bias;
+    let terms: [[f64; 256]; 6] = std::array::from_fn(|i| {
+        std::array::from_fn(|raw| {
+            let a = (raw as f64 - set.bias[i]) * set.scale[i];
+            [a * lu * lu, a * lv * lv, a * lu * lv, a * lu, a * lv, a][i]
+        })
+    });
+    let sum = |a: &[u8]| {
+        let term = |i: usize| terms[i][usize::from(a[i])];
+        term(0) + term(1) + term(2) + term(3) + term(4) + term(5)
+    };
+    let byte = |value: f64| value.clamp(0.0, 255.0).round() as u8;
+    let texels = ptm.planes.samples.chunks_exact(ptm.planes.shape.channels());
+    picture.resize(texels.len() * 4, 255);
+    for (texel, pixel) in texels.zip(picture.chunks_exact_mut(4)) {
+        let color = match ptm.planes.shape {
+            Shape::Rgb => [sum(&texel[..6]), sum(&texel[6..12]), sum(&texel[12..])],
+            Shape::Lrgb => {
+                let luminance = sum(&texel[..6]);
+                [6, 7, 8].map(|c| luminance * f64::from(texel[c]) / 255.0)
+            }
+            Shape::Lum(m) => {
+                let (y, cr, cb) = (sum(&texel[..6]), f64::from(texel[6]), f64::from(texel[7]));
+                [0, 1, 2].map(|r| m.0[r] * y + m.0[4 + r] * cr + m.0[8 + r] * cb + m.0[12 + r])
+            }
+        };
+        pixel[..3].copy_from_slice(&color.map(byte));
+    }
+}

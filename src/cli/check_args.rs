@@ -1,0 +1,188 @@
+//! The arguments of `check`, and what follows of them alone.
+
+use std::ffi::OsString;
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+
+use super::arguments::{globs, parse_refusal, parse_size};
+use super::files::can_be_written;
+use super::known_failures::KnownFailureArgs;
+use super::renderings::RenderingArgs;
+use ptm_conform::report::shards::Shard;
+use ptm_conform::runner::processes;
+use ptm_conform::session::plan::SAMPLE;
+use ptm_conform::suite::cases::Suite;
+use ptm_conform::suite::test_case::TestCase;
+
+/// Run every case against a decoder and say which clauses it misreads.
+///
+/// The decoder is called as `DECODER [ARG…] VIEW FILE` once for each case, where VIEW is raw, coef or rgb:LU,LV. It
+/// prints one line, "PTM1 VIEW WIDTH HEIGHT CHANNELS u8" (f32 for coef), then the samples, texel after texel, top row
+/// first; and exits with 0, with 65 if the file is malformed, or with 69 if it does not read such files or views.
+///
+/// Exit status: 0 the decoder passes, 1 it fails, 2 wrong usage, 3 it is not a decoder, 4 known failures
+/// were fixed and should be taken off the list, 5 no case was selected.
+#[derive(Args)]
+#[command(
+    after_help = "Examples:\n  ptm-conform check ./my-decoder\n  ptm-conform check -- python3 decode.py --strict\n  ptm-conform check --case '*lut*' --jobs 1 ./my-decoder\n  ptm-conform check --cmd 'viewer -u {lu} -v {lv} {in} -o {out}.png' --reject-exit 1\n  ptm-conform check --baseline known-failures.yaml ./my-decoder"
+)]
+pub struct CheckArgs {
+    /// Where to write the report.
+    #[arg(long, value_name = "FILE", default_value = "ptm-conform-report.yaml")]
+    pub report: PathBuf,
+    /// Calls at a time; as many as there are processors by default.
+    #[arg(long, value_name = "N")]
+    pub jobs: Option<usize>,
+    /// Wall-clock limit of a call; the first one gets three times as much.
+    #[arg(long, value_name = "SECONDS", default_value_t = 10.0)]
+    pub timeout: f64,
+    /// Memory that a call may hold, all its processes together: bytes, or with K, M or G.
+    #[arg(long, value_name = "SIZE", default_value = "2G", value_parser = parse_size)]
+    pub memory: u64,
+    /// Only cases whose id matches; * and ? are wild cards. May be given more than once.
+    #[arg(long = "case", value_name = "GLOB")]
+    pub cases: Vec<String>,
+    /// Only cases about this clause or section: 2.4/8, or 2.4. May be given more than once.
+    #[arg(long = "clause", value_name = "ID")]
+    pub clauses: Vec<String>,
+    /// Which cases: those of PTM files, or those of the texture mapping table, asked as `DECODER texture FILE`.
+    #[arg(long, value_name = "SUITE", default_value = "ptm", value_parser = ["ptm", "texture"])]
+    pub suite: String,
+    /// Ask in this view only. May be given more than once.
+    #[arg(long = "view", value_name = "VIEW", value_parser = ["raw", "coef", "rgb"])]
+    pub views: Vec<String>,
+    /// Only one part of so many of the suite, 3/8 for example; keeps all answers in FILE.answers for `report merge`.
+    #[arg(long, value_name = "I/N")]
+    pub shard: Option<Shard>,
+    /// Ask processes that stay (`DECODER serve`); without this or --one-shot if the decoder's capabilities say so.
+    #[arg(long, conflicts_with = "one_shot")]
+    pub serve: bool,
+    /// Ask a process of its own each time.
+    #[arg(long)]
+    pub one_shot: bool,
+    /// An exit status that means "malformed" besides 65.
+    ///
+    /// Uncaught exceptions end many languages with 1, so a refusal through another status than 65 is marked weak in the
+    /// report: a decoder that breaks down on every malformed file would pass such cases too.
+    #[arg(long, value_name = "N", value_parser = parse_refusal)]
+    pub reject_exit: Option<i32>,
+    /// Instead of the suite, check every .ptm file in DIR: against the reference, and against other encodings of the
+    /// same values.
+    #[arg(long, value_name = "DIR")]
+    pub files: Option<PathBuf>,
+    /// Only the smoke subset: few cases that still catch every misreading of the catalogue.
+    #[arg(long)]
+    pub smoke: bool,
+    /// Take this misreading as given and judge the rest; its name is in the diagnosis. May be given more than once.
+    #[arg(long = "assume", value_name = "SLUG")]
+    pub assumed: Vec<String>,
+    /// Check a program that does not speak the protocol, by a line that calls it.
+    ///
+    /// The line is split as a shell splits it, but no shell runs. {in} is the PTM file; {out} the file to write, which may
+    /// have a suffix ({out}.png), without it the answer is read from standard output; {lu} and {lv} are the light; {view}
+    /// is raw, coef or rgb:LU,LV. {{ and }} are braces. The answer is a PNG or PPM picture, a NumPy array or a PTM1 frame.
+    /// Asked in rgb alone unless {view} is there or --view names one view. Unless --reject-exit tells a refusal from
+    /// a breakdown, files that must or may be refused are not judged.
+    #[arg(long, value_name = "TEMPLATE", conflicts_with_all = ["decoder", "serve"])]
+    pub cmd: Option<String>,
+    /// Judge answers that were made elsewhere: by hand in a viewer, in a browser, on another system.
+    ///
+    /// DIR is a directory that `generate --requests` has written, to whose outputs/ the answers have come: for each
+    /// case a file named after it, PNG, PPM, NumPy array or PTM1 frame, or its line in rejected.txt or unsupported.txt. What
+    /// has no answer is not judged.
+    #[arg(long, value_name = "DIR", conflicts_with_all = ["decoder", "cmd", "serve", "reject_exit", "views", "files", "shard"])]
+    pub outputs: Option<PathBuf>,
+    /// Ask the process that listens at this Unix socket, and answers by a function of its own: for packages of other languages.
+    #[arg(long, value_name = "SOCKET", hide = true, conflicts_with_all = ["decoder", "cmd", "serve", "one_shot", "outputs", "files", "shard"])]
+    pub caller: Option<PathBuf>,
+    #[command(flatten)]
+    pub renderings: RenderingArgs,
+    #[command(flatten)]
+    pub known: KnownFailureArgs,
+    /// Failures to print in full; the report has all of them.
+    #[arg(long, value_name = "N", default_value_t = 10)]
+    pub show: usize,
+    /// The decoder and its arguments; the reference itself if there is none.
+    #[arg(value_name = "DECODER", trailing_var_arg = true)]
+    pub decoder: Vec<OsString>,
+}
+
+impl CheckArgs {
+    /// Refuses before long work what cannot be written, or would be written twice.
+    pub fn check_outputs(&self) -> Result<(), String> {
+        let report = [self.report.as_path()].into_iter();
+        let renderings = report.chain(self.renderings.files());
+        let outputs: Vec<&Path> = renderings.chain(self.known.written()).collect();
+        for (i, path) in outputs.iter().enumerate() {
+            can_be_written(path)?;
+            if outputs[..i].contains(path) {
+                return Err(format!("{} is to be written twice", path.display()));
+            }
+        }
+        Ok(())
+    }
+
+    /// Which cases match the globs, the clauses and the shard, of those among which `also` is; all if nothing is asked for.
+    pub fn selection<C: TestCase>(
+        &self,
+        suite: &Suite<C>,
+        also: &[bool],
+    ) -> Result<Vec<bool>, String> {
+        let globs = globs(&self.cases)?;
+        let about = |clause: &String| {
+            self.clauses.iter().any(|asked| {
+                let rest = clause.strip_prefix(asked.as_str());
+                rest.is_some_and(|rest| rest.is_empty() || rest.starts_with(['/', '.', '-']))
+            })
+        };
+        let matches = |case: &C| {
+            (globs.is_empty() || globs.iter().any(|glob| glob.matches(case.id())))
+                && (self.clauses.is_empty() || case.clauses().iter().any(about))
+                && self.shard.is_none_or(|shard| shard.holds(case.id()))
+        };
+        let cases = suite.cases.iter().zip(also);
+        Ok(cases.map(|(case, &also)| also && matches(case)).collect())
+    }
+
+    /// The limits in force, in words.
+    pub fn limits(&self, serves: bool) -> Vec<String> {
+        if self.outputs.is_some() {
+            return vec!["none: the outputs were made elsewhere".to_owned()];
+        }
+        if self.caller.is_some() {
+            return vec!["none: the decoder is a function of the calling process".to_owned()];
+        }
+        let watched = processes::can_be_watched();
+        let memory = if watched {
+            format!(
+                "memory: {} MiB, the resident sets of a call's processes, sampled",
+                self.memory >> 20
+            )
+        } else {
+            "memory: not limited, because this system has no /proc".to_owned()
+        };
+        let left = if watched {
+            "processes: the group of a call, and what has left it, are killed when the call is over"
+        } else {
+            "processes: the group of a call is killed when the call is over"
+        };
+        let mut limits = vec![
+            format!(
+                "wall clock: {} s a call, three times that for the first",
+                self.timeout
+            ),
+            memory,
+            "standard output: 4 times the largest frame of the file and 64 KiB".to_owned(),
+            "files: 4 GiB each, no core dumps".to_owned(),
+            left.to_owned(),
+            "input: each file is held against its bytes after the call".to_owned(),
+            "locale: C; the first files once more in one with a decimal comma, where there is one"
+                .to_owned(),
+        ];
+        if serves {
+            limits.push(format!("serve mode: one process a job; failures and one in {SAMPLE} of the rest are asked again one-shot"));
+        }
+        limits
+    }
+}

@@ -1,0 +1,217 @@
+//! `ptm-conform check-writer`: arguments, plan, first contact, requests, verdicts, report, causes.
+
+use std::ffi::OsString;
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use clap::Args;
+
+use super::EXIT_NOTHING_SELECTED;
+use super::arguments::{globs, parse_size, positive_seconds};
+use super::ending::Ending;
+use super::files::can_be_written;
+use super::guard::{Guarded, stop_on_signals, untroubled};
+use super::known_failures::KnownFailureArgs;
+use super::output::{complain, jobs, progress_bar, show_progress, spinner};
+use super::partial::Partial;
+use super::renderings::RenderingArgs;
+use super::subject;
+use ptm_conform::ptm::Format;
+use ptm_conform::report::conclude::{causes, verdicts};
+use ptm_conform::report::reported::Reported;
+use ptm_conform::report::shards::{Circumstances, OtherRemarks};
+use ptm_conform::runner::processes;
+use ptm_conform::runner::run::{Decoder, Request};
+use ptm_conform::runner::scratch::Scratch;
+use ptm_conform::runner::template::Template;
+use ptm_conform::session::plan::{Repeat, RunPlan};
+use ptm_conform::session::run::{Run, Session};
+use ptm_conform::suite::cases::Suite;
+use ptm_conform::writers::asking::{self, VALUES};
+use ptm_conform::writers::cases::WriterCase;
+use ptm_conform::writers::test_case::WriteView;
+
+/// Have a writer write PTM files from given values, and say which clauses it gets wrong.
+///
+/// The writer is called as `WRITER [ARG…] write REQUEST OUT` once for each request. REQUEST is a JSON file with format,
+/// width, height, scale, bias and so on, and the path of the planes: a NumPy array, height × width × channels, u8, top row
+/// first. The writer puts a PTM file at OUT and exits with 0; or it exits with 69 if it does not write such files, with 65
+/// if no file can hold the values.
+///
+/// Exit status: 0 the writer passes, 1 it fails, 2 wrong usage, 3 it is not a writer, 4 known failures were fixed and
+/// should be taken off the list, 5 no request was selected.
+#[derive(Args)]
+#[command(
+    after_help = "Examples:\n  ptm-conform check-writer ./my-writer\n  ptm-conform check-writer --format LRGB -- python3 write.py\n  ptm-conform check-writer --format LRGB --cmd 'convert-to-ptm --size {width}x{height} --scale {scale} --bias {bias} {planes} {out}.ptm'"
+)]
+pub struct CheckWriterArgs {
+    /// Where to write the report.
+    #[arg(long, value_name = "FILE", default_value = "ptm-conform-report.yaml")]
+    report: PathBuf,
+    /// Calls at a time; as many as there are processors by default.
+    #[arg(long, value_name = "N")]
+    jobs: Option<usize>,
+    /// Wall-clock limit of a call; the first one gets three times as much.
+    #[arg(long, value_name = "SECONDS", default_value_t = 10.0)]
+    timeout: f64,
+    /// Memory that a call may hold, all its processes together: bytes, or with K, M or G.
+    #[arg(long, value_name = "SIZE", default_value = "2G", value_parser = parse_size)]
+    memory: u64,
+    /// Only requests for this format: LRGB, JPEG_RGB, … May be given more than once.
+    #[arg(long = "format", value_name = "FORMAT")]
+    formats: Vec<Format>,
+    /// Only requests whose id matches; * and ? are wild cards. May be given more than once.
+    #[arg(long = "case", value_name = "GLOB")]
+    cases: Vec<String>,
+    /// Only the smoke subset: few requests of every format.
+    #[arg(long)]
+    smoke: bool,
+    /// Check a program that does not speak the protocol, by a line that calls it.
+    ///
+    /// The line is split as a shell splits it, but no shell runs. {out} is the file to write, which may have a suffix
+    /// ({out}.ptm); {in} is the request in JSON; {planes} is the NumPy array; {format}, {width}, {height}, {scale}, {bias},
+    /// {matrix}, {quality} and {near} are values, lists with commas between their numbers. {{ and }} are braces.
+    #[arg(long, value_name = "TEMPLATE", conflicts_with = "writer")]
+    cmd: Option<String>,
+    #[command(flatten)]
+    renderings: RenderingArgs,
+    #[command(flatten)]
+    known: KnownFailureArgs,
+    /// Failures to print in full; the report has all of them.
+    #[arg(long, value_name = "N", default_value_t = 10)]
+    show: usize,
+    /// The writer and its arguments; the reference itself if there is none.
+    #[arg(value_name = "WRITER", trailing_var_arg = true)]
+    writer: Vec<OsString>,
+}
+
+/// The largest file that a writer may write: far more than any request needs, and little enough to be written in vain.
+const LARGEST_FILE: u64 = 64 << 20;
+
+/// Runs the suite of requests.
+pub fn run(args: &CheckWriterArgs) -> Result<u8, String> {
+    let stop = stop_on_signals()?;
+    processes::prepare_for(LARGEST_FILE);
+    let written = args.renderings.files().chain(args.known.written());
+    for path in [args.report.as_path()].into_iter().chain(written) {
+        can_be_written(path)?;
+    }
+    let suite = Suite::of_requests()?;
+    let selected = args.selected(&suite)?;
+    if !selected.contains(&true) {
+        complain("ptm-conform: no request matches what --case, --format and --smoke ask for");
+        return Ok(EXIT_NOTHING_SELECTED);
+    }
+    let (writer, words) = args.writer(&stop)?;
+    let plan = RunPlan {
+        selected,
+        repeat: Repeat::Failures,
+        stop: Arc::clone(&stop),
+        ..RunPlan::of(&suite, jobs(args.jobs)?)
+    };
+    let ending = Ending {
+        path: &args.report,
+        show: args.show,
+        renderings: &args.renderings,
+        args: &args.known,
+        known: args.known.read(&suite)?,
+    };
+    let partial = Partial::new(&args.report)?;
+    let guarded = Guarded::new()?;
+
+    let mut run = ask(&suite, &plan, &writer, &guarded.scratch, &partial);
+    untroubled(&writer)?;
+    let circumstances = Circumstances {
+        limits: args.limits(),
+        ..Circumstances::of(&suite, &plan, &words, &[])
+    };
+    let others = OtherRemarks::default();
+    let mut report = verdicts(&suite, &mut run, &circumstances, &others, plan.jobs)?;
+    ending.write(&suite, &run, &mut report)?;
+    let spinner = spinner("looking for causes");
+    let report = causes(&suite, &run, report, |run| {
+        WriterCase::diagnose(&suite, run, &[], plan.jobs)
+    });
+    spinner.finish_and_clear();
+    let status = ending.finish(&suite, &run, report)?;
+    partial.remove();
+    Ok(status)
+}
+
+/// First contact, requests, verdicts.
+fn ask(
+    suite: &Suite<WriterCase>,
+    plan: &RunPlan<WriterCase>,
+    writer: &Decoder,
+    scratch: &Scratch,
+    partial: &Partial,
+) -> Run<WriterCase> {
+    let ask =
+        |request: &Request<'_, WriteView>, _: usize| asking::ask(writer, suite, request, scratch);
+    let bar = progress_bar();
+    let session = Session::new(suite, plan, &ask);
+    let contact = session.first_contact();
+    let observations = session.ask_cases(&contact, &|case, observation, done, all| {
+        partial.append(&case.id, "write", observation.response.name());
+        show_progress(&bar, done, all);
+    });
+    let mut run = session.verdicts(contact, observations, &|_, _| ());
+    bar.finish_and_clear();
+    // One signal ends the calls, another one the search for causes.
+    plan.stop.store(false, Ordering::Relaxed);
+    asking::reword(&mut run);
+    run
+}
+
+impl CheckWriterArgs {
+    /// Which requests match; the first ones of the selected formats are asked anyway.
+    fn selected(&self, suite: &Suite<WriterCase>) -> Result<Vec<bool>, String> {
+        let globs = globs(&self.cases)?;
+        let matches = |case: &WriterCase| {
+            (globs.is_empty() || globs.iter().any(|glob| glob.matches(&case.id)))
+                && (self.formats.is_empty() || self.formats.contains(&case.format()))
+                && (!self.smoke || case.smoke)
+        };
+        Ok(suite.cases.iter().map(matches).collect())
+    }
+
+    /// The writer under its limits, and its command as the report has it.
+    fn writer(&self, stop: &Arc<AtomicBool>) -> Result<(Decoder, Vec<String>), String> {
+        let (mut writer, words) = if let Some(text) = &self.cmd {
+            let template = Template::parse_for_writer(text, &VALUES);
+            let template = template.map_err(|error| format!("--cmd: {error}"))?;
+            let writer = Decoder::with_template(template).map_err(|error| error.to_string())?;
+            (writer, shlex::split(text).unwrap_or_default())
+        } else {
+            let (program, words) = subject::program(&self.writer)?;
+            (program.as_writer(), words)
+        };
+        writer.timeout = positive_seconds(self.timeout)?;
+        writer.memory = self.memory;
+        writer.stop = Arc::clone(stop);
+        Ok((writer, words))
+    }
+
+    /// The limits in force, in words.
+    fn limits(&self) -> Vec<String> {
+        let memory = match processes::can_be_watched() {
+            true => format!(
+                "memory: {} MiB, the resident sets of a call's processes, sampled",
+                self.memory >> 20
+            ),
+            false => "memory: not limited, because this system has no /proc".to_owned(),
+        };
+        vec![
+            format!(
+                "wall clock: {} s a call, three times that for the first",
+                self.timeout
+            ),
+            memory,
+            "the file: twice the bytes of its planes and 64 KiB; larger ones are not read"
+                .to_owned(),
+            format!("files: {} MiB each, no core dumps", LARGEST_FILE >> 20),
+            "input: request and planes are held against their bytes after the call".to_owned(),
+        ]
+    }
+}

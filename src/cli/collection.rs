@@ -1,0 +1,302 @@
+//! The files of a collection, one after the other: those that are named, those of a list, and those in folders.
+//!
+//! Whatever it holds, a collection is walked in bounded memory: of a folder only so many names are known at a time, and
+//! links that are met inside are not followed, so no walk goes round in circles.
+
+use std::collections::VecDeque;
+use std::ffi::OsString;
+use std::fs::{self, File, FileType, ReadDir};
+use std::io::{self, BufRead, Read};
+use std::path::{Path, PathBuf};
+use std::sync::{Condvar, Mutex};
+
+use ptm_conform::ptm::Format;
+use ptm_conform::tools::dissection::Dissection;
+use ptm_conform::tools::lint::status::MAGIC;
+
+/// Names of a folder that are known, and sorted, at a time.
+const CHUNK: usize = 4096;
+/// The longest line of a list.
+const LONGEST_PATH: u64 = 1 << 16;
+/// Bytes that surely hold the first lines of a PTM.
+const FIRST_LINES: usize = 256;
+/// Bytes that are read of every file.
+const HEAD: u64 = 4096;
+
+const NO_FILE: &str = "neither a file nor a folder";
+
+/// What a walk comes to.
+pub enum Met {
+    /// A file, or what was named as one.
+    File(PathBuf),
+    /// Something that is not read, and why.
+    Skipped(PathBuf, &'static str),
+    /// Something that cannot be read, and why.
+    Unreadable(PathBuf, io::Error),
+}
+
+/// A folder whose entries are being handed out.
+struct Folder {
+    path: PathBuf,
+    entries: Option<ReadDir>,
+    chunk: VecDeque<io::Result<(OsString, FileType)>>,
+}
+
+/// What was named, and where.
+pub enum Source {
+    /// On the command line: read whatever it is, a pipe too.
+    Directly(PathBuf),
+    /// In a list.
+    Listed(PathBuf),
+}
+
+/// A walk through everything that was named.
+pub struct Walk<N> {
+    named: N,
+    folders: Vec<Folder>,
+    recursive: bool,
+}
+
+impl<N: Iterator<Item = Source>> Walk<N> {
+    /// Files, and the files of folders; with `recursive` those of the folders inside too.
+    pub fn new(named: N, recursive: bool) -> Walk<N> {
+        Walk {
+            named,
+            folders: Vec::new(),
+            recursive,
+        }
+    }
+
+    /// Enters a folder, or says why not.
+    fn enter(&mut self, path: PathBuf) -> Option<Met> {
+        match fs::read_dir(&path) {
+            Ok(entries) => {
+                self.folders.push(Folder {
+                    path,
+                    entries: Some(entries),
+                    chunk: VecDeque::new(),
+                });
+                None
+            }
+            Err(error) => Some(Met::Unreadable(path, error)),
+        }
+    }
+
+    /// What is named, links followed; nothing where it is a folder.
+    fn meet_named(&mut self, named: &Source) -> Option<Met> {
+        let (Source::Directly(path) | Source::Listed(path)) = named;
+        match (fs::metadata(path), named) {
+            (Ok(data), _) if data.is_dir() => self.enter(path.clone()),
+            // To open a pipe is to wait for whoever writes to it.
+            (Ok(data), Source::Listed(_)) if !data.is_file() => {
+                Some(Met::Skipped(path.clone(), NO_FILE))
+            }
+            _ => Some(Met::File(path.clone())),
+        }
+    }
+
+    /// What an entry of a folder is; nothing where the walk goes on elsewhere.
+    fn meet(&mut self, path: PathBuf, kind: FileType) -> Option<Met> {
+        if kind.is_symlink() {
+            Some(Met::Skipped(path, "a symbolic link, which is not followed"))
+        } else if kind.is_file() {
+            Some(Met::File(path))
+        } else if !kind.is_dir() {
+            Some(Met::Skipped(path, NO_FILE))
+        } else if self.recursive {
+            self.enter(path)
+        } else {
+            None
+        }
+    }
+}
+
+impl<N: Iterator<Item = Source>> Iterator for Walk<N> {
+    type Item = Met;
+
+    fn next(&mut self) -> Option<Met> {
+        loop {
+            let Some(folder) = self.folders.last_mut() else {
+                let named = self.named.next()?;
+                match self.meet_named(&named) {
+                    Some(met) => return Some(met),
+                    None => continue,
+                }
+            };
+            let met = match folder.next() {
+                None => {
+                    self.folders.pop();
+                    None
+                }
+                Some(Ok((name, kind))) => {
+                    let path = folder.path.join(name);
+                    self.meet(path, kind)
+                }
+                Some(Err(error)) => Some(Met::Unreadable(folder.path.clone(), error)),
+            };
+            if met.is_some() {
+                return met;
+            }
+        }
+    }
+}
+
+impl Iterator for Folder {
+    type Item = io::Result<(OsString, FileType)>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        if self.chunk.is_empty()
+            && let Some(entries) = &mut self.entries
+        {
+            let named = |entry: io::Result<fs::DirEntry>| {
+                let entry = entry?;
+                Ok((entry.file_name(), entry.file_type()?))
+            };
+            let mut chunk: Vec<_> = entries.take(CHUNK).map(named).collect();
+            // Closed as soon as all is known, so that a deep walk holds no folder open.
+            if chunk.len() < CHUNK {
+                self.entries = None;
+            }
+            chunk.sort_by(|a, b| match (a, b) {
+                (Ok((a, _)), Ok((b, _))) => a.cmp(b),
+                (a, b) => a.is_ok().cmp(&b.is_ok()),
+            });
+            self.chunk = chunk.into();
+        }
+        self.chunk.pop_front()
+    }
+}
+
+/// The paths of a list, each ended by `end`; a line that is too long for a path ends the list.
+pub fn listed(mut list: impl BufRead + Send, end: u8) -> impl Iterator<Item = PathBuf> + Send {
+    std::iter::from_fn(move || {
+        loop {
+            let mut line = Vec::new();
+            let read = list.by_ref().take(LONGEST_PATH).read_until(end, &mut line);
+            if !matches!(read, Ok(1..)) {
+                return None;
+            }
+            if line.last() == Some(&end) {
+                line.pop();
+            }
+            if !line.is_empty() {
+                return Some(path_of(line));
+            }
+        }
+    })
+}
+
+#[cfg(unix)]
+fn path_of(bytes: Vec<u8>) -> PathBuf {
+    use std::os::unix::ffi::OsStringExt;
+    OsString::from_vec(bytes).into()
+}
+
+#[cfg(not(unix))]
+fn path_of(bytes: Vec<u8>) -> PathBuf {
+    String::from_utf8_lossy(&bytes)
+        .trim_end_matches('\r')
+        .into()
+}
+
+/// A file of which the beginning is known.
+pub enum Opened {
+    /// No PTM: its beginning, and how long it is.
+    Other(Vec<u8>, u64),
+    /// Longer than the limit; so long.
+    TooLong(u64),
+    /// It begins as a PTM does.
+    Candidate(Candidate),
+}
+
+/// A file that begins as a PTM does, and is no longer than the limit as far as that is known.
+pub struct Candidate {
+    file: File,
+    beginning: Vec<u8>,
+    limit: u64,
+    /// Bytes that the file and its planes take.
+    pub room: u64,
+}
+
+/// Opens a file and reads its beginning.
+pub fn open(path: &Path, limit: u64) -> io::Result<Opened> {
+    let mut file = File::open(path)?;
+    let length = file.metadata()?.len();
+    let mut beginning = Vec::new();
+    file.by_ref().take(HEAD).read_to_end(&mut beginning)?;
+    if !beginning.starts_with(MAGIC) {
+        // What is no regular file has no length before its end.
+        let length = length.max(beginning.len() as u64);
+        return Ok(Opened::Other(beginning, length));
+    }
+    if length > limit {
+        return Ok(Opened::TooLong(length));
+    }
+    // Only compressed planes are much larger than their file.
+    let room = match beginning
+        .windows(4)
+        .take(FIRST_LINES)
+        .any(|word| word == b"JPEG")
+    {
+        true => length.saturating_add(planes(&beginning)),
+        false => length.saturating_mul(2),
+    };
+    Ok(Opened::Candidate(Candidate {
+        file,
+        beginning,
+        limit,
+        room,
+    }))
+}
+
+impl Candidate {
+    /// Reads the rest; nothing if it is longer than the limit after all.
+    pub fn read(self) -> io::Result<Option<Vec<u8>>> {
+        let mut bytes = self.beginning;
+        let rest = (self.limit.saturating_add(1)).saturating_sub(bytes.len() as u64);
+        self.file.take(rest).read_to_end(&mut bytes)?;
+        Ok((bytes.len() as u64 <= self.limit).then_some(bytes))
+    }
+}
+
+/// Bytes of the planes that the header announces.
+fn planes(beginning: &[u8]) -> u64 {
+    let head = Dissection::of(&beginning[..beginning.len().min(FIRST_LINES)]);
+    let texels = head.size.map_or(0, |size| size.texels() as u64);
+    texels.saturating_mul(head.format.map_or(0, Format::channels) as u64)
+}
+
+/// Room that all workers share: who needs more than is left waits.
+pub struct Room {
+    all: u64,
+    left: Mutex<u64>,
+    freed: Condvar,
+}
+
+impl Room {
+    /// So many bytes.
+    pub fn new(all: u64) -> Room {
+        Room {
+            all,
+            left: Mutex::new(all),
+            freed: Condvar::new(),
+        }
+    }
+
+    /// Does `work` as soon as there are `bytes` for it, or all of them, should it need more.
+    pub fn with<T>(&self, bytes: u64, work: impl FnOnce() -> T) -> T {
+        const POISONED: &str = "nothing panics while it holds the lock";
+        let bytes = bytes.min(self.all);
+        let left = self.left.lock().expect(POISONED);
+        let mut left = self
+            .freed
+            .wait_while(left, |left| *left < bytes)
+            .expect(POISONED);
+        *left -= bytes;
+        drop(left);
+        let done = work();
+        *self.left.lock().expect(POISONED) += bytes;
+        self.freed.notify_all();
+        done
+    }
+}

@@ -1,0 +1,138 @@
+//! What `lint` prints of each file, as soon as its turn comes, in every form; and at the end the totals.
+
+use std::io::{self, Write};
+use std::path::Path;
+
+use clap::ValueEnum;
+use ptm_conform::kit::yaml::to_yaml;
+use ptm_conform::readers::ReaderProfile;
+use ptm_conform::tools::lint::codes::Severity;
+use ptm_conform::tools::lint::status::Status;
+use ptm_conform::tools::lint::totals::Totals;
+use ptm_conform::tools::lint::{Lint, csv, sarif};
+
+use super::output;
+
+/// A form of the results.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum RowFormat {
+    /// For people
+    Text,
+    /// A list with a record for each file
+    Json,
+    /// The same as YAML
+    Yaml,
+    /// A row for each file
+    Csv,
+    /// SARIF 2.1.0, for code hosts and editors
+    Sarif,
+}
+
+/// Prints rows; what a killed run has printed is whole rows.
+pub struct Rows {
+    format: RowFormat,
+    /// The most findings that are printed of a file.
+    most: usize,
+    /// How many readers are asked for.
+    readers: usize,
+    /// Whether most files may be something else, of which a line says enough.
+    is_collection: bool,
+    /// Whether there is a row, or a result, before the next one.
+    begun: bool,
+    /// Counts of everything, printed or not.
+    pub totals: Totals,
+}
+
+impl Rows {
+    /// Rows in this form, after their head.
+    pub fn new(
+        format: RowFormat,
+        readers: &[&ReaderProfile],
+        most: Option<usize>,
+        is_collection: bool,
+    ) -> io::Result<Rows> {
+        match format {
+            RowFormat::Text | RowFormat::Yaml => {}
+            RowFormat::Json => put("[\n")?,
+            RowFormat::Csv => put(&csv::head(readers.iter().map(|reader| &*reader.name)))?,
+            RowFormat::Sarif => put(&sarif::head())?,
+        }
+        Ok(Rows {
+            format,
+            most: most.unwrap_or(usize::MAX),
+            readers: readers.len(),
+            is_collection,
+            begun: false,
+            totals: Totals::default(),
+        })
+    }
+
+    /// Prints and counts a file.
+    pub fn show(&mut self, path: &Path, mut lint: Lint) -> io::Result<()> {
+        self.totals.add(&lint);
+        // A row for each file has every code; elsewhere findings are lines.
+        if self.format != RowFormat::Csv {
+            lint.findings.truncate(self.most);
+        }
+        match self.format {
+            RowFormat::Text if self.is_collection && lint.status == Status::NotAPtm => {
+                put(&format!("{}: {}\n", lint.file, lint.status.words()))
+            }
+            RowFormat::Text => text(&lint),
+            RowFormat::Json => {
+                let record = serde_json::to_string(&lint).map_err(io::Error::other)?;
+                self.separated(&[record])
+            }
+            RowFormat::Yaml => put(&to_yaml(&[lint]).map_err(io::Error::other)?),
+            RowFormat::Csv => put(&csv::row(&lint, self.readers)),
+            RowFormat::Sarif => self.separated(&sarif::results(path.as_os_str(), &lint)),
+        }
+    }
+
+    /// Prints what belongs after the last row.
+    pub fn end(&self) -> io::Result<()> {
+        match self.format {
+            RowFormat::Json => put("\n]\n")?,
+            RowFormat::Sarif => put(sarif::tail())?,
+            RowFormat::Yaml if self.totals.files == 0 => put("[]\n")?,
+            _ => {}
+        }
+        if self.totals.files > 1 && !output::quiet() {
+            let totals = self.totals.to_text();
+            match self.format {
+                RowFormat::Text => put(&totals)?,
+                // Standard output is the document alone.
+                _ => output::complain(totals.trim_end()),
+            }
+        }
+        Ok(())
+    }
+
+    fn separated(&mut self, records: &[String]) -> io::Result<()> {
+        let mut out = String::new();
+        for record in records {
+            out += if self.begun { ",\n" } else { "" };
+            out += record;
+            self.begun = true;
+        }
+        put(&out)
+    }
+}
+
+fn text(lint: &Lint) -> io::Result<()> {
+    let (least, summary) = match output::quiet() {
+        true => (Severity::Error, String::new()),
+        false => (Severity::Info, lint.summary()),
+    };
+    let text = lint.to_text(least) + &summary + &lint.shown();
+    let mut out = anstream::stdout().lock();
+    out.write_all(text.as_bytes())?;
+    out.flush()
+}
+
+/// In one piece, so that a run that is killed leaves whole rows.
+fn put(text: &str) -> io::Result<()> {
+    let mut out = io::stdout().lock();
+    out.write_all(text.as_bytes())?;
+    out.flush()
+}

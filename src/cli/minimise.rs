@@ -1,0 +1,146 @@
+//! `ptm-conform minimise`
+
+use std::ffi::OsString;
+use std::fmt;
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+
+use super::call::CallArgs;
+use super::fuzz::bar;
+use super::guard::{Guarded, stop_on_signals};
+use super::output::print;
+use super::{CommandResult, EXIT_USAGE};
+use ptm_conform::fuzz::reduce;
+use ptm_conform::protocol::frame::{Answer, Frame, View};
+use ptm_conform::runner::run::Request;
+use ptm_conform::suite::cases::{Suite, TableSpelling};
+
+/// Make a file small while a decoder fails on it in the same way.
+///
+/// The file is taken apart, made narrower, lower and simpler step by step, and written again; a step is kept if the
+/// decoder's answer still differs from the reference's in the same way: a wrong picture, a refusal or a crash.
+///
+/// Exit status: 0 a smaller file was written, 1 the decoder does not fail on it, 2 usage error.
+#[derive(Args)]
+#[command(
+    after_help = "Example:\n  ptm-conform minimise --view raw -o small.ptm large.ptm -- ./my-decoder"
+)]
+pub struct MinimiseArgs {
+    /// raw, coef or rgb:LU,LV
+    #[arg(long, default_value = "raw")]
+    view: View,
+    /// Where to write the small file; by default FILE with the suffix .small.ptm.
+    #[arg(short, long, value_name = "FILE")]
+    out: Option<PathBuf>,
+    #[command(flatten)]
+    call: CallArgs,
+    /// A PTM file, or the id of a case.
+    #[arg(value_name = "FILE|CASE")]
+    file: String,
+    /// The decoder and its arguments.
+    #[arg(value_name = "DECODER", trailing_var_arg = true, required = true)]
+    decoder: Vec<OsString>,
+}
+
+/// Writes the smallest file on which the decoder still fails in the same way.
+pub fn run(args: &MinimiseArgs) -> CommandResult {
+    let file = bytes_of(&args.file)?;
+    let stop = stop_on_signals()?;
+    let decoder = args.call.decoder(&args.decoder, &stop)?;
+    let guarded = Guarded::new()?;
+    let scratch = &guarded.scratch;
+    let ask = |file: &[u8]| {
+        let request = Request {
+            name: "case",
+            view: &args.view,
+            file,
+            largest_frame: 72 * (file.len() + (1 << 20)),
+            timeout_factor: 1,
+            alone: true,
+        };
+        decoder.ask(&request, scratch).answer
+    };
+    let Some(symptom) = Symptom::of(&file, &args.view, &ask(&file)) else {
+        print("the decoder answers as the reference does; there is nothing to reduce\n");
+        return Ok(1);
+    };
+    let bar = bar(0);
+    let fails = |file: &[u8]| {
+        bar.inc(1);
+        Symptom::of(file, &args.view, &ask(file)) == Some(symptom)
+    };
+    let small = reduce::reduce(&file, &stop, &fails);
+    bar.finish_and_clear();
+    super::guard::untroubled(&decoder)?;
+    let Some(small) = small else {
+        print(
+            "the failure depends on how the header is written: the file cannot be made smaller\n",
+        );
+        return Ok(EXIT_USAGE);
+    };
+    let out = args.out.clone().unwrap_or_else(|| beside(&args.file));
+    std::fs::write(&out, &small).map_err(|error| format!("{}: {error}", out.display()))?;
+    print(&format!(
+        "{symptom}: {} bytes instead of {}, in {}\n",
+        small.len(),
+        file.len(),
+        out.display()
+    ));
+    Ok(0)
+}
+
+fn bytes_of(name: &str) -> Result<Vec<u8>, String> {
+    let suite = Suite::load()?;
+    match suite.case(name) {
+        Some(case) => Ok(case.build(TableSpelling::default()).file.clone()),
+        None => super::files::read(Path::new(name)).map_err(|error| {
+            format!("neither the id of a case nor a file that can be read: {error}")
+        }),
+    }
+}
+
+fn beside(name: &str) -> PathBuf {
+    let stem = Path::new(name).file_stem().unwrap_or_default();
+    PathBuf::from(format!("{}.small.ptm", stem.to_string_lossy()))
+}
+
+/// How an answer differs from the reference's.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Symptom {
+    OtherPicture,
+    PictureOfMalformed,
+    LegalRefused,
+    /// A crash, a hang or another violation, by its name.
+    Violation(&'static str),
+}
+
+impl Symptom {
+    /// Nothing where the answer is right.
+    fn of(file: &[u8], view: &View, answer: &Answer) -> Option<Symptom> {
+        let expected = ptm_conform::decode(file)
+            .ok()
+            .map(|ptm| Frame::of(&ptm, view));
+        match (expected, answer) {
+            (Some(expected), Answer::Decoded(frame)) => {
+                let alike = ptm_conform::diagnose::alike(&expected, frame);
+                (!alike).then_some(Symptom::OtherPicture)
+            }
+            (None, Answer::Decoded(_)) => Some(Symptom::PictureOfMalformed),
+            (Some(_), Answer::Rejected) => Some(Symptom::LegalRefused),
+            (_, Answer::Rejected | Answer::Unsupported) => None,
+            (_, other) => Some(Symptom::Violation(other.name())),
+        }
+    }
+}
+
+impl fmt::Display for Symptom {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str(match self {
+            Symptom::OtherPicture => "another picture",
+            Symptom::PictureOfMalformed => "a picture of a malformed file",
+            Symptom::LegalRefused => "a refusal of a legal file",
+            Symptom::Violation(name) => name,
+        })
+    }
+}

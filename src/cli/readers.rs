@@ -1,0 +1,80 @@
+//! The readers that `--for` names.
+
+use std::path::Path;
+
+use ptm_conform::kit::yaml;
+use ptm_conform::readers::{
+    OpenedFile, ReaderPrediction, ReaderProfile, Shown, profiles, profiles_of,
+};
+use ptm_conform::tools::convert_for::convert_for;
+use ptm_conform::tools::dissection::Dissection;
+
+use super::names::did_you_mean;
+
+/// The profiles of a file, or the known ones.
+pub fn known(file: Option<&Path>) -> Result<Vec<ReaderProfile>, String> {
+    match file {
+        None => Ok(profiles().to_vec()),
+        Some(path) => profiles_of(&yaml::text_of(path)?)
+            .map_err(|error| format!("{}: {error}", path.display())),
+    }
+}
+
+/// Those of `known` that are asked for by name, or all.
+pub fn asked<'a>(
+    known: &'a [ReaderProfile],
+    names: &[String],
+) -> Result<Vec<&'a ReaderProfile>, String> {
+    let mut found: Vec<&ReaderProfile> = Vec::new();
+    for name in names {
+        let is_it = |profile: &&ReaderProfile| {
+            name == "all" || profile.name == *name || profile.reader == *name
+        };
+        let these: Vec<&ReaderProfile> = known.iter().filter(is_it).collect();
+        if these.is_empty() {
+            let names: Vec<&str> = known.iter().map(|profile| &*profile.name).collect();
+            let meant = did_you_mean(name, names.iter().copied());
+            return Err(format!(
+                "--for {name}: readers are {}, all{meant}",
+                names.join(", ")
+            ));
+        }
+        for profile in these {
+            if !found.iter().any(|one| one.name == profile.name) {
+                found.push(profile);
+            }
+        }
+    }
+    Ok(found)
+}
+
+/// What the readers will show of a file, and what its owner can do.
+pub fn predictions(file: &[u8], readers: &[&ReaderProfile]) -> Vec<ReaderPrediction> {
+    if readers.is_empty() {
+        return Vec::new();
+    }
+    let subject = OpenedFile::of(file);
+    let predict = |profile: &&ReaderProfile| {
+        let mut prediction = subject.predict(profile);
+        if prediction.shows != Shown::Right {
+            prediction.fix = Some(fix(file, profile));
+        }
+        prediction
+    };
+    readers.iter().map(predict).collect()
+}
+
+/// What the owner of a file can do so that the reader shows it right.
+fn fix(file: &[u8], reader: &ReaderProfile) -> String {
+    let dissection = Dissection::of(file);
+    let Ok(ptm) = &dissection.outcome else {
+        return "write the file anew from its source; `lint` says what is wrong with it".to_owned();
+    };
+    match convert_for(&dissection, ptm, &[reader]) {
+        Ok((format, _)) => format!(
+            "`ptm-conform convert --for {}` writes the same map as {format}",
+            reader.name
+        ),
+        Err(why) => why,
+    }
+}

@@ -1,0 +1,166 @@
+//! Text for people: in color, and as wide as the terminal.
+//!
+//! What a line says stands in its first word, and the color follows that word. Off a terminal the text stays as it is, line
+//! for line; `NO_COLOR` and `--color` are obeyed by [`print`](super::output::print).
+
+use std::fmt::Write;
+use std::io::IsTerminal;
+
+use anstyle::{AnsiColor, Style};
+use textwrap::{Options, WordSeparator, WordSplitter};
+
+use super::output::print;
+
+/// The narrowest page that text is wrapped for.
+const NARROWEST: usize = 40;
+
+const HEADING: Style = Style::new().bold();
+const BAD: Style = AnsiColor::Red.on_default().bold();
+const GOOD: Style = AnsiColor::Green.on_default().bold();
+const NEXT: Style = AnsiColor::Cyan.on_default();
+const REMARK: Style = AnsiColor::Yellow.on_default();
+const FAINT: Style = Style::new().dimmed();
+
+/// How lines begin, and how that is shown.
+const BEGINNINGS: [(&str, Style); 17] = [
+    ("FAIL", BAD),
+    ("fail:", BAD),
+    ("✗", BAD),
+    ("pass:", GOOD),
+    ("✓", GOOD),
+    ("Fix:", GOOD),
+    ("→", NEXT),
+    ("note:", REMARK),
+    ("–", FAINT),
+    ("$", FAINT),
+    ("Unexplained failures:", HEADING),
+    ("case ", HEADING),
+    ("clause ", HEADING),
+    ("ruling ", HEADING),
+    ("misreading ", HEADING),
+    ("code ", HEADING),
+    ("plane ", HEADING),
+];
+
+/// Prints text for people.
+pub fn show(text: &str) {
+    let width = std::io::stdout().is_terminal().then(width).flatten();
+    print(&page(text, width));
+}
+
+/// The columns of the terminal.
+fn width() -> Option<usize> {
+    let (width, _) = terminal_size::terminal_size_of(std::io::stdout())?;
+    Some(usize::from(width.0).max(NARROWEST))
+}
+
+/// The text in color; lines longer than `width` go on below, further in.
+fn page(text: &str, width: Option<usize>) -> String {
+    let mut page = String::new();
+    for line in text.lines() {
+        let indent = line.len() - line.trim_start_matches(' ').len();
+        // A command is copied as a whole.
+        let width = width.filter(|_| !line[indent..].starts_with("$ "));
+        let hanging = " ".repeat(indent + 2);
+        let lines = match width {
+            Some(width) => textwrap::wrap(line, options(width, &hanging)),
+            None => vec![line.into()],
+        };
+        for (i, line) in lines.iter().enumerate() {
+            let marked = if i == 0 { beginning(line) } else { None };
+            let _ = match marked {
+                Some((end, style)) => writeln!(
+                    page,
+                    "{}{style}{}{style:#}{}",
+                    &line[..indent],
+                    &line[indent..end],
+                    &line[end..]
+                ),
+                None => writeln!(page, "{line}"),
+            };
+        }
+    }
+    page
+}
+
+fn options(width: usize, hanging: &str) -> Options<'_> {
+    Options::new(width)
+        .subsequent_indent(hanging)
+        .word_separator(WordSeparator::AsciiSpace)
+        .word_splitter(WordSplitter::NoHyphenation)
+        .break_words(false)
+}
+
+/// Where the first word of a line ends, and how it is shown, if it is one that says what the line is.
+fn beginning(line: &str) -> Option<(usize, Style)> {
+    let text = line.trim_start_matches(' ');
+    let indent = line.len() - text.len();
+    // "64 of 64 failures: …"
+    if text.starts_with(|c: char| c.is_ascii_digit())
+        && let Some((counts, _)) = text.split_once(" failures:")
+        && counts
+            .split(" of ")
+            .all(|count| count.parse::<u32>().is_ok())
+    {
+        return Some((indent + counts.len() + " failures:".len(), HEADING));
+    }
+    let (start, style) = (BEGINNINGS.iter()).find(|(start, _)| text.starts_with(start))?;
+    // A heading is the word and the name after it.
+    let named = start.ends_with(' ') && indent == 0;
+    let length = match named {
+        true => {
+            start.len()
+                + text[start.len()..]
+                    .find(' ')
+                    .unwrap_or(text.len() - start.len())
+        }
+        false if start.ends_with(' ') => return None,
+        false => start.len(),
+    };
+    Some((indent + length, *style))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const TEXT: &str = "64 of 64 failures: the decoder reads the high byte of an index first.\n  Fix: read the low byte first.\n  FAIL a-case  (2.5/2)\n    byte     0  version    PTM_1.2\n  $ printf '1 raw a-very-long-name.ptm' | decoder serve | xxd | head\n";
+
+    #[test]
+    fn without_color_and_off_a_terminal_nothing_changes() {
+        let plain = anstream::adapter::strip_str(&page(TEXT, None)).to_string();
+        assert_eq!(plain, TEXT);
+    }
+
+    #[test]
+    fn lines_go_on_further_in_and_commands_stay_whole() {
+        let plain = anstream::adapter::strip_str(&page(TEXT, Some(40))).to_string();
+        assert_eq!(
+            plain,
+            "64 of 64 failures: the decoder reads the\n  high byte of an index first.\n  Fix: read the low byte first.\n  FAIL a-case  (2.5/2)\n    byte     0  version    PTM_1.2\n  $ printf '1 raw a-very-long-name.ptm' | decoder serve | xxd | head\n"
+        );
+    }
+
+    #[test]
+    fn what_a_line_says_is_colored() {
+        let colored = |line: &str| {
+            let (end, style) = beginning(line)?;
+            Some((line[..end].to_owned(), style))
+        };
+        for (line, marked, style) in [
+            (
+                "64 of 64 failures: the decoder",
+                "64 of 64 failures:",
+                HEADING,
+            ),
+            ("  FAIL a-case  (2.5/2)", "  FAIL", BAD),
+            ("pass: 2114 pass", "pass:", GOOD),
+            ("case hand-lum (clauses 2.6/1): x", "case hand-lum", HEADING),
+            ("clause 2.5/2: x", "clause 2.5/2:", HEADING),
+        ] {
+            assert_eq!(colored(line), Some((marked.to_owned(), style)), "{line}");
+        }
+        assert_eq!(colored("3 of the failures: x"), None);
+        assert_eq!(colored("  case of need"), None);
+    }
+}

@@ -1,0 +1,177 @@
+//! The bits of an entropy-coded segment, many at a time.
+//!
+//! What [`Bits`] does bit by bit this does with a window of 64 of them, which is filled eight bytes
+//! at once where no byte 0xFF is near. A Huffman code is then a look-up and a prefix of zeros an
+//! instruction. Whatever is rare (offsets, the end of the segment) is left to [`Bits`].
+//!
+//! ```text
+//! stream   … A1 B2 | C3 D4 FF 00 E5 …     the next byte to load is C3
+//! window   0001 1011 0010 0000 …          four bits of A1 are read: count = 12
+//! ```
+
+use super::bits::{Bits, ReadBits, carried, early};
+use super::stream_error::Result;
+
+pub(super) struct BitBuffer<'a, const AFTER_FF: u32> {
+    stream: &'a [u8],
+    /// Where the segment begins.
+    start: usize,
+    /// The next byte to load.
+    at: usize,
+    /// The next bits, from the top; zeros below them.
+    window: u64,
+    /// How many of them there are.
+    count: u32,
+}
+
+impl<'a, const AFTER_FF: u32> ReadBits<'a, AFTER_FF> for BitBuffer<'a, AFTER_FF> {
+    fn new(stream: &'a [u8], at: usize) -> Self {
+        BitBuffer {
+            stream,
+            start: at,
+            at,
+            window: 0,
+            count: 0,
+        }
+    }
+
+    #[inline]
+    fn receive(&mut self, count: u32) -> Result<u32> {
+        self.require(count);
+        let number = leading(self.window, count);
+        self.skip(count)?;
+        Ok(number)
+    }
+
+    /// Goes back over the bytes of the window.
+    #[cold]
+    fn plain(&self) -> Bits<'a, AFTER_FF> {
+        let (mut at, mut unread) = (self.at, self.count);
+        while at > self.start {
+            let after_ff = at - 1 > self.start && self.stream[at - 2] == 0xFF;
+            let bits = if after_ff { AFTER_FF } else { 8 };
+            if bits > unread {
+                break;
+            }
+            unread -= bits;
+            at -= 1;
+        }
+        Bits {
+            stream: self.stream,
+            at,
+            unread,
+        }
+    }
+}
+
+impl<const AFTER_FF: u32> BitBuffer<'_, AFTER_FF> {
+    /// Sees to it that at least `count` bits, up to 57, are in the window if the segment has them.
+    #[inline]
+    pub fn require(&mut self, count: u32) {
+        if self.count < count {
+            self.fill();
+        }
+    }
+
+    /// The next bits, from the top, zeros after the end. As many as were required are certain.
+    #[inline]
+    pub fn window(&self) -> u64 {
+        self.window
+    }
+
+    /// Skips bits that were required, if they exist.
+    #[inline]
+    pub fn skip(&mut self, bits: u32) -> Result<()> {
+        if bits > self.count {
+            return Err(early(self.at));
+        }
+        self.window <<= bits;
+        self.count -= bits;
+        Ok(())
+    }
+
+    /// Fills the window: at least 57 bits, unless the segment ends.
+    fn fill(&mut self) {
+        // A byte before of 0xFF would make the first of the eight a stuffed one.
+        if let Some(&[before, ref eight @ ..]) = self.stream[self.at - 1..].first_chunk::<9>()
+            && before != 0xFF
+            && !contains_ff(*eight)
+        {
+            let bytes = (64 - self.count) / 8;
+            let loaded = u64::from_be_bytes(*eight) >> (64 - 8 * bytes);
+            self.window |= loaded << (64 - self.count - 8 * bytes);
+            self.count += 8 * bytes;
+            self.at += bytes as usize;
+            return;
+        }
+        while self.count <= 56
+            && let Some(bits) = carried::<AFTER_FF>(self.stream, self.at)
+        {
+            // In two steps, because a byte that carries nothing would be a shift by 64.
+            let byte = u64::from(self.stream[self.at]) << 56 << (8 - bits);
+            self.window |= byte >> self.count;
+            self.count += bits;
+            self.at += 1;
+        }
+    }
+}
+
+/// The first bits of a window, as a number.
+#[inline]
+pub(super) fn leading(window: u64, bits: u32) -> u32 {
+    // In two steps, because no bits at all would be a shift by 64.
+    (window >> 1 >> (63 - bits)) as u32
+}
+
+/// A byte 0xFF is a zero byte of the complement, and subtracting one from each byte borrows into
+/// the high bit of exactly those (and of some above a true one).
+#[inline]
+fn contains_ff(eight: [u8; 8]) -> bool {
+    let complement = !u64::from_be_bytes(eight);
+    complement.wrapping_sub(0x0101_0101_0101_0101) & !complement & 0x8080_8080_8080_8080 != 0
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::super::bits::{Bits, ReadBits};
+    use super::BitBuffer;
+
+    /// Reads numbers of these sizes and then the end, and tells all that came back.
+    fn reads<'a, const AFTER_FF: u32, B: ReadBits<'a, AFTER_FF>>(
+        stream: &'a [u8],
+        sizes: &[u32],
+    ) -> Vec<String> {
+        let mut bits = B::new(stream, 1);
+        let mut results = Vec::new();
+        for &size in sizes {
+            let number = bits.receive(size);
+            if number.is_err() {
+                results.push(format!("{number:?}"));
+                return results;
+            }
+            results.push(format!("{number:?}, then byte {}", bits.plain().offset()));
+        }
+        results.push(format!("{:?}", bits.plain().finish()));
+        results
+    }
+
+    proptest! {
+        #[test]
+        fn the_buffer_equals_the_plain_bits(
+            data in prop::collection::vec(prop_oneof![Just(0xFF), Just(0), any::<u8>()], 0..60),
+            sizes in prop::collection::vec(0_u32..=16, 0..60),
+        ) {
+            let stream = [vec![0], data].concat();
+            prop_assert_eq!(
+                reads::<0, BitBuffer<0>>(&stream, &sizes),
+                reads::<0, Bits<0>>(&stream, &sizes)
+            );
+            prop_assert_eq!(
+                reads::<7, BitBuffer<7>>(&stream, &sizes),
+                reads::<7, Bits<7>>(&stream, &sizes)
+            );
+        }
+    }
+}

@@ -1,0 +1,137 @@
+//! T.81 B.1.1.5, F.1.2.3 and T.87 A.1, C.1.1: the bits of an entropy-coded segment
+//!
+//! Codes are packed into bytes without gaps, the first bit of a code into the highest free bit of a
+//! byte. So that markers can be found without decoding, a byte 0xFF of the data is followed by
+//! *stuffing*: in T.81 by a byte 0x00, in T.87 by a single zero bit. Both are one rule with another
+//! number: the byte after 0xFF carries only `AFTER_FF` bits of data, 0 in T.81 and 7 in T.87, and
+//! the bits above them are zeros. If they are not, 0xFF is the first byte of a marker, and the
+//! segment has ended before it.
+//!
+//! Worked example, sixteen bits of data in each standard:
+//!
+//! ```text
+//! data     1111 1111 1010 0001
+//! T.81     FF 00 A1        1111 1111 (0000 0000) 1010 0001
+//! T.87     FF 50 80        1111 1111 (0)101 0000 1xxx xxxx
+//! ```
+//!
+//! Format notes
+//! - The last byte is filled up. T.81 wants ones there (F.1.2.3), T.87 says nothing; no decoder
+//!   checks them, and neither do we.
+//! - Less than a byte may be left over. Where more is, the decoder has lost its way or the encoder
+//!   has written samples that do not exist.
+
+use super::stream_error::{Result, StreamError, malformed};
+
+/// What a decoder asks of an entropy-coded segment. [`Bits`] answers as the standards tell it,
+/// [`BitBuffer`](super::bit_buffer::BitBuffer) faster.
+pub(super) trait ReadBits<'a, const AFTER_FF: u32>: Sized {
+    /// The segment that begins at byte `at`, after a marker or a marker segment. The byte before
+    /// must not be 0xFF.
+    fn new(stream: &'a [u8], at: usize) -> Self;
+
+    /// RECEIVE (T.81 F.2.2.4): the next `count` bits, at most 16, as a number.
+    fn receive(&mut self, count: u32) -> Result<u32>;
+
+    /// The same place, for what is needed once: offsets of errors and the end of the segment.
+    fn plain(&self) -> Bits<'a, AFTER_FF>;
+}
+
+/// The bits one by one.
+#[derive(Clone)]
+pub(super) struct Bits<'a, const AFTER_FF: u32> {
+    pub stream: &'a [u8],
+    /// The next byte to load.
+    pub at: usize,
+    /// How many bits of the byte before are still unread.
+    pub unread: u32,
+}
+
+impl<'a, const AFTER_FF: u32> ReadBits<'a, AFTER_FF> for Bits<'a, AFTER_FF> {
+    fn new(stream: &'a [u8], at: usize) -> Self {
+        let unread = 0;
+        Bits { stream, at, unread }
+    }
+
+    fn receive(&mut self, count: u32) -> Result<u32> {
+        let mut number = 0;
+        for _ in 0..count {
+            number = number << 1 | self.bit()?;
+        }
+        Ok(number)
+    }
+
+    fn plain(&self) -> Bits<'a, AFTER_FF> {
+        self.clone()
+    }
+}
+
+impl<const AFTER_FF: u32> Bits<'_, AFTER_FF> {
+    /// NEXTBIT (T.81 F.2.2.5).
+    pub fn bit(&mut self) -> Result<u32> {
+        // A loop, because the stuffed byte of T.81 carries no bits at all.
+        while self.unread == 0 {
+            self.unread =
+                carried::<AFTER_FF>(self.stream, self.at).ok_or_else(|| early(self.at))?;
+            self.at += 1;
+        }
+        self.unread -= 1;
+        Ok(u32::from(self.stream[self.at - 1] >> self.unread & 1))
+    }
+
+    /// The byte of the stream that holds the next bit.
+    pub fn offset(&self) -> usize {
+        self.at - usize::from(self.unread > 0)
+    }
+
+    /// Skips the bits that fill the last byte. Returns where the marker stands that ends the
+    /// segment.
+    pub fn finish(self) -> Result<usize> {
+        let (mut at, mut padding) = (self.at, self.unread);
+        while let Some(bits) = carried::<AFTER_FF>(self.stream, at) {
+            padding += bits;
+            if padding >= 8 {
+                let what = "the entropy-coded segment continues after its last sample";
+                return Err(malformed(self.at, what));
+            }
+            at += 1;
+        }
+        Ok(at)
+    }
+}
+
+/// How many bits of data the byte at `at` carries; none where the segment has ended: at a marker,
+/// or at the end of the stream, also if a single 0xFF stands there.
+#[inline]
+pub(super) fn carried<const AFTER_FF: u32>(stream: &[u8], at: usize) -> Option<u32> {
+    let starts_marker = |next: Option<&u8>| next.is_none_or(|&next| next >> AFTER_FF != 0);
+    match stream.get(at)? {
+        0xFF if starts_marker(stream.get(at + 1)) => None,
+        _ if stream[at - 1] == 0xFF => Some(AFTER_FF),
+        _ => Some(8),
+    }
+}
+
+/// More bits were wanted than the segment has.
+pub(super) fn early(at: usize) -> StreamError {
+    malformed(at, "the entropy-coded segment ends too early")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Bits, ReadBits};
+
+    /// The worked example above.
+    #[test]
+    fn a_byte_ff_is_followed_by_a_stuffed_byte_in_t_81_and_by_a_stuffed_bit_in_t_87() {
+        let t_81 = [0, 0xFF, 0x00, 0xA1, 0xFF, 0xD9];
+        let mut bits = Bits::<0>::new(&t_81, 1);
+        assert_eq!(bits.receive(16), Ok(0xFFA1));
+        assert_eq!(bits.finish(), Ok(4));
+
+        let t_87 = [0, 0xFF, 0x50, 0x80, 0xFF, 0xD9];
+        let mut bits = Bits::<7>::new(&t_87, 1);
+        assert_eq!(bits.receive(16), Ok(0xFFA1));
+        assert_eq!(bits.finish(), Ok(4));
+    }
+}

@@ -1,0 +1,171 @@
+//! T.81 B.2.2, B.2.3 (T.87 C.2.2, C.2.3): the frame header and the scan header
+//!
+//! The frame header tells the size of the image, the precision of its samples and its components;
+//! the scan header, which of these components the entropy-coded data that follows holds. A plane
+//! has one component, so both headers have a fixed length here.
+//!
+//! ```text
+//! SOF  00 0B  08         00 08   00 10  01          01    11            00
+//!      length precision  height  width  components  name  factors 1x1   quantization table
+//! SOS  00 08  01          01    00                      00 3F 00
+//!      length components  name  Huffman or mapping tables  three parameters
+//! ```
+//!
+//! Format notes
+//! - Height comes before width. A height of zero means "defined later, by DNL" (B.2.5).
+//! - Sampling factors are relative: they set the size of a component against the *other* components
+//!   (A.1.1), and a scan of one component has its blocks in plain raster order whatever they say
+//!   (A.2.2). So any pair of legal factors means the same here.
+//! - The name of a component is any byte. It only has to be the same in both headers.
+//! - The three parameters of a scan differ between the standards: in T.81 they are the range of the
+//!   spectrum and the successive approximation, in T.87 NEAR, the interleave mode and the point
+//!   transform.
+
+use super::markers::Cursor;
+use super::stream_error::{Result, malformed, unsupported};
+
+/// The frame header (T.81 B.2.2), as far as it is not already known of a plane.
+pub(super) struct FrameHeader {
+    /// The name that the scan header must repeat.
+    component: u8,
+    /// The quantization table of the component, which only T.81 has.
+    pub quantization_table: u8,
+}
+
+impl FrameHeader {
+    /// Reads the header of a frame that must be `width` × `height`, one component, 8 bits.
+    ///
+    /// `other_precisions` are those that the standard allows and we do not implement.
+    pub fn read(
+        stream: &mut Cursor,
+        width: u32,
+        height: u32,
+        other_precisions: &[u8],
+    ) -> Result<FrameHeader> {
+        let mut header = stream.segment("the frame header")?;
+        expect_8_bits(&mut header, other_precisions)?;
+        expect_size(&mut header, width, height)?;
+        expect_one_component(&mut header)?;
+        let component = header.byte("the name of the component")?;
+        check_sampling_factors(&mut header)?;
+        let quantization_table = header.byte("the quantization table of the component")?;
+        header.expect_end()?;
+        Ok(FrameHeader {
+            component,
+            quantization_table,
+        })
+    }
+}
+
+fn expect_8_bits(header: &mut Cursor, other_precisions: &[u8]) -> Result<()> {
+    let at = header.at;
+    match header.byte("the sample precision")? {
+        8 => Ok(()),
+        bits if other_precisions.contains(&bits) => Err(unsupported(
+            at,
+            format!("samples of {bits} bits are not implemented"),
+        )),
+        bits => Err(malformed(
+            at,
+            format!("samples of {bits} bits do not exist here"),
+        )),
+    }
+}
+
+/// plane-stream: a plane is as large as its PTM. Nothing has been allocated yet.
+fn expect_size(header: &mut Cursor, width: u32, height: u32) -> Result<()> {
+    let at = header.at;
+    let (rows, columns) = (header.u16("the height")?, header.u16("the width")?);
+    if rows == 0 {
+        let what = "a height defined by DNL is not implemented";
+        return Err(unsupported(at, what));
+    }
+    if (u32::from(columns), u32::from(rows)) != (width, height) {
+        let what = format!("expected {width} x {height} samples, found {columns} x {rows}");
+        return Err(malformed(at, what));
+    }
+    Ok(())
+}
+
+fn expect_one_component(header: &mut Cursor) -> Result<()> {
+    let at = header.at;
+    match header.byte("the number of components")? {
+        1 => Ok(()),
+        components => Err(malformed(
+            at,
+            format!("expected one component, found {components}"),
+        )),
+    }
+}
+
+/// Horizontal and vertical factor, four bits each (B.2.2): legal ones change nothing.
+fn check_sampling_factors(header: &mut Cursor) -> Result<()> {
+    let at = header.at;
+    let factors = header.byte("the sampling factors")?;
+    let (horizontal, vertical) = (factors >> 4, factors & 15);
+    if !(1..=4).contains(&horizontal) || !(1..=4).contains(&vertical) {
+        let what = format!("sampling factors {horizontal} x {vertical} are not within 1 to 4");
+        return Err(malformed(at, what));
+    }
+    Ok(())
+}
+
+/// The scan header (T.81 B.2.3): the tables of the one component and three parameters.
+pub(super) struct ScanHeader {
+    pub tables: u8,
+    pub parameters: [u8; 3],
+    /// Where `tables` and, right after it, `parameters` stand.
+    pub at: usize,
+}
+
+impl ScanHeader {
+    pub fn read(stream: &mut Cursor, frame: &FrameHeader) -> Result<ScanHeader> {
+        let mut header = stream.segment("the scan header")?;
+        expect_one_component(&mut header)?;
+        let at = header.at;
+        let component = header.byte("the name of the component")?;
+        if component != frame.component {
+            let only = frame.component;
+            let what = format!("the scan is of component {component}, the frame has only {only}");
+            return Err(malformed(at, what));
+        }
+        let at = header.at;
+        let tables = header.byte("the tables of the component")?;
+        let mut parameters = [0; 3];
+        for parameter in &mut parameters {
+            *parameter = header.byte("its parameters")?;
+        }
+        header.expect_end()?;
+        Ok(ScanHeader {
+            tables,
+            parameters,
+            at,
+        })
+    }
+}
+
+/// Zeros for all samples of a scan whose entropy-coded data begins at the cursor.
+///
+/// A scan has at least `least_bits`: this keeps a short stream from claiming a large image. Where
+/// there is not enough memory the result is an error instead of an abort.
+pub(super) fn room_for_samples(
+    stream: &Cursor,
+    width: u32,
+    height: u32,
+    least_bits: u64,
+) -> Result<Vec<u8>> {
+    let remaining = stream.stream.len() - stream.at;
+    if (remaining as u64 * 8) < least_bits {
+        let what = format!("{width} x {height} samples do not fit in the {remaining} bytes left");
+        return Err(malformed(stream.at, what));
+    }
+    // Neither side is over 65,535, or the frame header would have differed.
+    let count = usize::try_from(u64::from(width) * u64::from(height)).unwrap_or(usize::MAX);
+    let mut samples = Vec::new();
+    if samples.try_reserve_exact(count).is_err() {
+        let what = format!("no memory for {width} x {height} samples");
+        return Err(unsupported(stream.at, what));
+    }
+    samples.resize(count, 0);
+    Ok(samples)
+}

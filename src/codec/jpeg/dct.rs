@@ -1,0 +1,58 @@
+//! T.81 A.3.3: what forward and inverse DCT share
+//!
+//! The standard defines the transform by cosines and leaves its arithmetic open. The integer
+//! arithmetic here is that of the Independent JPEG Group's accurate transform ("islow"), after the
+//! factorization of Loeffler, Ligtenberg and Moschytz (ICASSP 1989): twelve multiplications for
+//! eight values. Columns and rows are transformed one after the other.
+//!
+//! Numbers are integers with a fixed point: factors have `FRACTION` bits after it, and values keep
+//! `EXTRA` such bits from the first pass to the second.
+//!
+//! This file, `inverse_dct` and `forward_dct` are based in part on the work of the Independent JPEG
+//! Group.
+
+use std::ops::{Add, Neg, Sub};
+
+/// Factors are multiplied by 2¹³ and rounded.
+pub(super) const FRACTION: u32 = 13;
+
+/// Between the two passes values keep two more bits than samples need.
+pub(super) const EXTRA: u32 = 2;
+
+/// Numbers with a fixed point, in integers of 64 or 32 bits.
+///
+/// 64 bits are enough for whatever a stream may hold. In 32 bits sums and products wrap.
+pub(super) trait FixedPoint:
+    Copy + Add<Output = Self> + Sub<Output = Self> + Neg<Output = Self>
+{
+    fn from_i32(value: i32) -> Self;
+
+    /// The low 32 bits.
+    fn to_i32(self) -> i32;
+
+    /// The product with a factor, which is first multiplied by 2¹³ and rounded: 0.541196100 is 4433.
+    fn times(self, factor: f64) -> Self;
+
+    /// Division by a power of two, with halves rounded up.
+    fn round_shift(self, bits: u32) -> Self;
+}
+
+impl FixedPoint for i64 {
+    fn from_i32(value: i32) -> i64 {
+        i64::from(value)
+    }
+
+    fn to_i32(self) -> i32 {
+        self as i32
+    }
+
+    #[inline]
+    fn times(self, factor: f64) -> i64 {
+        self * (factor * f64::from(1 << FRACTION) + 0.5) as i64
+    }
+
+    #[inline]
+    fn round_shift(self, bits: u32) -> i64 {
+        (self + (1 << (bits - 1))) >> bits
+    }
+}

@@ -1,0 +1,96 @@
+//! T.81 F.2.2: one block of coefficients
+//!
+//! A coefficient is coded in two parts: a Huffman code tells its *size*, the number of bits that
+//! its magnitude needs, and so many further bits tell which number of that size it is. Codes of AC
+//! coefficients tell the run of zeros before it as well: RUN in the high four bits of the symbol,
+//! SIZE in the low ones.
+//!
+//! ```text
+//! size 1:  −1              |  1             bits 0 | 1
+//! size 2:  −3 −2           |  2 3           bits 00 01 | 10 11
+//! size 3:  −7 −6 −5 −4     |  4 5 6 7       bits 000 001 010 011 | 100 101 110 111
+//! ```
+//!
+//! Worked example, with the tables of Annex K: DC difference −3, then 5 at k = 3, then zeros.
+//!
+//! ```text
+//! 011 00           size 2, bits 00              −3
+//! 1111110111 101   run 2, size 3, bits 101      5 after two zeros
+//! 1010             EOB                          zeros to the end of the block
+//! 11               padding                      in all 67 EF 6B
+//! ```
+//!
+//! Format notes
+//! - A run is at most fifteen; ZRL (RUN 15, SIZE 0) stands for sixteen zeros. A run that leaves the
+//!   block is malformed, also one of nothing but ZRL.
+//! - A block whose last coefficient is not zero has no EOB.
+//! - For samples of 8 bits, differences have at most 11 bits (Table F.1) and AC coefficients at
+//!   most 10 (Table F.2).
+
+use super::huffman::ReadSymbols;
+use super::zigzag::ZIGZAG;
+use crate::codec::stream_error::{Result, malformed};
+
+/// Decodes a block and dequantizes it on the way (A.3.4): its DCT coefficients in row order.
+///
+/// `steps` are in zigzag order; `previous_dc` is the quantized DC coefficient of the block before,
+/// and then of this one.
+#[inline]
+pub(super) fn decode_block<'a, B: ReadSymbols<'a>>(
+    bits: &mut B,
+    dc: &B::Table,
+    ac: &B::Table,
+    steps: &[u16; 64],
+    previous_dc: &mut i32,
+) -> Result<[i32; 64]> {
+    let mut block = [0; 64];
+    *previous_dc += decode_dc_difference(bits, dc)?;
+    // The sum of 64 samples of at most 128, over 8, needs eleven bits; quantization only makes it
+    // smaller.
+    if !(-2048..2048).contains(previous_dc) {
+        let what = format!("a DC coefficient of {previous_dc} does not exist");
+        return Err(malformed(bits.plain().offset(), what));
+    }
+    block[0] = *previous_dc * i32::from(steps[0]);
+
+    // F.2.2.2, Figure F.13.
+    let mut k = 1;
+    while k < 64 {
+        let symbol = bits.symbol(ac)?;
+        let (run, size) = (usize::from(symbol >> 4), symbol & 15);
+        match (run, size) {
+            (0, 0) => break,                   // EOB
+            (15, 0) | (_, 1..=10) => k += run, // ZRL is fifteen zeros and then a zero
+            _ => {
+                let what = format!("an AC code for run {run}, size {size} does not exist");
+                return Err(malformed(bits.plain().offset(), what));
+            }
+        }
+        if k > 63 || (k == 63 && size == 0) {
+            let what = "a run of zeros leaves the block";
+            return Err(malformed(bits.plain().offset(), what));
+        }
+        let value = extend(bits.receive(u32::from(size))?, size);
+        block[usize::from(ZIGZAG[k])] = value * i32::from(steps[k]);
+        k += 1;
+    }
+    Ok(block)
+}
+
+/// F.2.2.1: the size of the difference, then the difference.
+#[inline]
+fn decode_dc_difference<'a, B: ReadSymbols<'a>>(bits: &mut B, table: &B::Table) -> Result<i32> {
+    let size = bits.symbol(table)?;
+    if size > 11 {
+        let what = format!("a DC difference of {size} bits does not exist");
+        return Err(malformed(bits.plain().offset(), what));
+    }
+    Ok(extend(bits.receive(u32::from(size))?, size))
+}
+
+/// EXTEND (F.2.2.1, Figure F.12): a number of `size` bits whose first bit is 0 is negative.
+#[inline]
+fn extend(bits: u32, size: u8) -> i32 {
+    let negative = size > 0 && bits >> (size - 1) == 0;
+    bits as i32 - if negative { (1 << size) - 1 } else { 0 }
+}

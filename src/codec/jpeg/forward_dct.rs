@@ -1,0 +1,80 @@
+//! T.81 A.3.3: the forward DCT, as the Independent JPEG Group computes it
+//!
+//! The mirror of `inverse_dct`: all rows, then all columns, each the inverse of eight values read
+//! backwards. The results are eight times too large; quantization divides by that, too.
+//!
+//! Worked example: 64 samples of 131, which are 3 above gray.
+//!
+//! ```text
+//! rows     8 · 3 · 2¹³, less 11 bits:  96 in column 0 of each row
+//! columns  8 · 96 · 2¹³, less 15 bits: 192 in row 0, which is 8 times DC = 24
+//! ```
+//!
+//! Format notes
+//! - No decoder depends on these roundings, but files that equal libjpeg's do.
+
+use super::dct::{EXTRA, FRACTION, FixedPoint};
+
+/// From samples less 128 to DCT coefficients times eight, both in row order.
+pub(super) fn forward_dct(block: &[i32; 64]) -> [i32; 64] {
+    let mut half = [0; 64];
+    for (row, out) in block.chunks_exact(8).zip(half.chunks_exact_mut(8)) {
+        let row = forward_dct_of_8(std::array::from_fn(|x| i64::from(row[x])));
+        for (out, value) in out.iter_mut().zip(row) {
+            *out = value.round_shift(FRACTION - EXTRA);
+        }
+    }
+    let mut coefficients = [0; 64];
+    for x in 0..8 {
+        let column = std::array::from_fn(|y| half[8 * y + x]);
+        for (y, value) in forward_dct_of_8(column).into_iter().enumerate() {
+            coefficients[8 * y + x] = value.round_shift(FRACTION + EXTRA).to_i32();
+        }
+    }
+    coefficients
+}
+
+/// The forward transform in one dimension, times √8 and times 2¹³.
+fn forward_dct_of_8(s: [i64; 8]) -> [i64; 8] {
+    // What is symmetric about the middle makes the even coefficients, the rest the odd ones.
+    // Four sums and four differences: each half of the transform sees half of the values.
+    let even = [s[0] + s[7], s[1] + s[6], s[2] + s[5], s[3] + s[4]];
+    let odd = [s[0] - s[7], s[1] - s[6], s[2] - s[5], s[3] - s[4]];
+
+    // 0 and 4 need no factor, 2 and 6 are the rotation of the inverse, turned back.
+    let (outer, inner) = (even[0] + even[3], even[1] + even[2]);
+    let (low, high) = (even[0] - even[3], even[1] - even[2]);
+    let rotation = (low + high).times(0.541_196_100);
+
+    // The products of the inverse, with the indices of samples in place of coefficients.
+    let shared = (odd[0] + odd[1] + odd[2] + odd[3]).times(1.175_875_602);
+    let pair_30 = -(odd[3] + odd[0]).times(0.899_976_223);
+    let pair_21 = -(odd[2] + odd[1]).times(2.562_915_447);
+    let pair_31 = shared - (odd[3] + odd[1]).times(1.961_570_560);
+    let pair_20 = shared - (odd[2] + odd[0]).times(0.390_180_644);
+
+    [
+        (outer + inner).times(1.0),
+        odd[0].times(1.501_321_110) + pair_30 + pair_20,
+        rotation + low.times(0.765_366_865),
+        odd[1].times(3.072_711_026) + pair_21 + pair_31,
+        (outer - inner).times(1.0),
+        odd[2].times(2.053_119_869) + pair_21 + pair_20,
+        rotation - high.times(1.847_759_065),
+        odd[3].times(0.298_631_336) + pair_30 + pair_31,
+    ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::forward_dct;
+
+    /// 64 samples of 3 above gray have the DC coefficient 24, which is the worked example of the
+    /// inverse transform.
+    #[test]
+    fn a_flat_block_has_a_dc_coefficient_only() {
+        let mut expected = [0; 64];
+        expected[0] = 24 * 8;
+        assert_eq!(forward_dct(&[3; 64]), expected);
+    }
+}

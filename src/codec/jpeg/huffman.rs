@@ -1,0 +1,63 @@
+//! T.81 F.2.2.3: the next Huffman code
+//!
+//! Codes of one length are consecutive numbers, so it is enough to know the first of them, how many
+//! there are and where their symbols begin; bits are appended until the code is one of its length.
+//!
+//! Worked example, with the table of `huffman_table` (00 = 05, 01 = 07, 10 = 06, 110 = 08):
+//!
+//! ```text
+//! bits 110…   length  first  count   code
+//!             1       0      0       1      no code of this length
+//!             2       0      3       11     0 + 3 = 11: beyond the last
+//!             3       110    1       110    the first one: symbol 08
+//! ```
+
+use super::huffman_table::HuffmanTable;
+use crate::codec::bits::{Bits, ReadBits};
+use crate::codec::stream_error::{Result, malformed};
+
+/// What the decoding of a block asks of the entropy-coded segment. [`Bits`] answers as the standard
+/// tells it, [`BitBuffer`](crate::codec::bit_buffer::BitBuffer) faster.
+pub(super) trait ReadSymbols<'a>: ReadBits<'a, 0> {
+    /// A Huffman table as this reader needs it.
+    type Table: for<'t> From<&'t HuffmanTable>;
+
+    /// DECODE (F.2.2.3): the next code of the table, as its symbol.
+    fn symbol(&mut self, table: &Self::Table) -> Result<u8>;
+}
+
+impl<'a> ReadSymbols<'a> for Bits<'a, 0> {
+    type Table = HuffmanTable;
+
+    fn symbol(&mut self, table: &HuffmanTable) -> Result<u8> {
+        decode_symbol(self, table)
+    }
+}
+
+impl From<&HuffmanTable> for HuffmanTable {
+    fn from(table: &HuffmanTable) -> HuffmanTable {
+        table.clone()
+    }
+}
+
+/// DECODE: bit by bit, until the code is one of the table.
+pub(super) fn decode_symbol<'a>(
+    bits: &mut impl ReadBits<'a, 0>,
+    table: &HuffmanTable,
+) -> Result<u8> {
+    let start = bits.plain();
+    let mut code = 0;
+    let mut first = 0; // MINCODE: the first code of this length
+    let mut index = 0; // VALPTR: where its symbol stands
+    for &count in &table.counts {
+        let count = usize::from(count);
+        code = code << 1 | bits.receive(1)? as usize;
+        if code < first + count {
+            return Ok(table.symbols[index + code - first]);
+        }
+        index += count;
+        first = (first + count) << 1;
+    }
+    let what = "the next bits are no code of the Huffman table";
+    Err(malformed(start.offset(), what))
+}

@@ -1,0 +1,95 @@
+//! T.81 B.2.4.2, Annex C: what a Huffman table is
+//!
+//! A table tells only how many codes there are of each length, 1 … 16 bits (BITS), and which
+//! symbols they stand for, shortest code first (HUFFVAL). The codes follow from that: the first is
+//! all zeros, each next one is one more, and with each further bit of length a zero is appended.
+//!
+//! Worked example: the segment of a table of four codes, and what it means.
+//!
+//! ```text
+//! FF C4  00 17  00     00 03 01 00*13             05 07 06 08
+//!        length class  3 codes of 2 bits, 1 of 3   symbols
+//!
+//! symbol  05  07  06  08
+//! code    00  01  10  110
+//! ```
+//!
+//! Format notes
+//! - A code of nothing but ones is never assigned (Annex C), so that it can begin no code: a table
+//!   of two codes of one bit is illegal.
+//! - A symbol may occur twice; the second code then means the same.
+
+/// A Huffman table.
+#[derive(Clone)]
+pub(super) struct HuffmanTable {
+    /// BITS: the number of codes of 1, 2, … 16 bits.
+    pub counts: [u8; 16],
+    /// HUFFVAL: the symbols in the order of their codes.
+    pub symbols: Vec<u8>,
+}
+
+/// A code and the symbol it stands for.
+#[derive(Clone, Copy)]
+pub(super) struct HuffmanCode {
+    pub symbol: u8,
+    /// The code, in the low `length` bits.
+    pub code: u32,
+    pub length: u32,
+}
+
+impl HuffmanTable {
+    /// Annex C, Figures C.1 and C.2: all codes, shortest first.
+    pub fn codes(&self) -> Vec<HuffmanCode> {
+        let mut codes = Vec::new();
+        let mut symbols = self.symbols.iter();
+        let mut code = 0;
+        for (length, &count) in (1..).zip(&self.counts) {
+            for &symbol in symbols.by_ref().take(usize::from(count)) {
+                codes.push(HuffmanCode {
+                    symbol,
+                    code,
+                    length,
+                });
+                code += 1;
+            }
+            code <<= 1;
+        }
+        codes
+    }
+
+    /// The first length that has more codes than the shorter ones leave free, the code of all ones
+    /// included.
+    pub fn overfull_length(&self) -> Option<usize> {
+        let mut next = 0_u32;
+        (1..=16).find(|&length| {
+            next = (next << 1) + u32::from(self.counts[length - 1]);
+            next >= 1 << length
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::HuffmanTable;
+
+    /// The worked example above.
+    #[test]
+    fn codes_follow_from_their_lengths() {
+        let mut counts = [0; 16];
+        counts[1..3].copy_from_slice(&[3, 1]);
+        let symbols = vec![5, 7, 6, 8];
+        let codes = HuffmanTable { counts, symbols }.codes();
+        let texts = codes.iter().map(|code| {
+            format!(
+                "{}: {:0len$b}",
+                code.symbol,
+                code.code,
+                len = code.length as usize
+            )
+        });
+        assert_eq!(
+            texts.collect::<Vec<_>>(),
+            ["5: 00", "7: 01", "6: 10", "8: 110"]
+        );
+    }
+}

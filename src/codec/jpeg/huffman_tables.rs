@@ -1,0 +1,171 @@
+//! T.81 K.2, K.3: the Huffman tables that an encoder chooses
+//!
+//! Either the typical tables of Annex K, which suit most pictures and are what nearly all streams
+//! carry, or the shortest codes for the symbols that occur.
+//!
+//! Worked example: four symbols that occur 5, 3, 1 and 1 times. One more symbol, which never occurs,
+//! takes the code of all ones. The two rarest become siblings until one tree is left, and each
+//! joining makes the codes of both a bit longer:
+//!
+//! ```text
+//! joined                    bits so far of A B C D, nobody
+//! nobody 1, D 1   → 2       0 0 0 1  1
+//! C 1, (D) 2      → 3       0 0 1 2  2
+//! (C D) 3, B 3    → 6       0 1 2 3  3
+//! A 5, (B C D) 6  → 11      1 2 3 4  4      A 0, B 10, C 110, D 1110
+//! ```
+//!
+//! Format notes
+//! - Where several symbols are equally rare the standard takes the one of the larger number; another
+//!   choice gives tables as short and other bytes.
+//! - No code may exceed 16 bits. Longer ones are shortened at the cost of some that are not
+//!   (Figure K.3), which is no longer optimal and what every encoder does.
+
+use super::huffman_table::HuffmanTable;
+use crate::codec::writer::Writer;
+
+/// The classes of tables and of the symbols they are for (B.2.4.2).
+pub(super) const DC: usize = 0;
+pub(super) const AC: usize = 1;
+
+/// What is written.
+pub(super) enum Symbol {
+    /// A class, a symbol of that class, and as many further bits as its low four bits say.
+    Code(usize, u8, u32),
+    /// The restart marker of this number.
+    Restart(u8),
+}
+
+/// The symbols of Table K.5, shortest code first.
+#[rustfmt::skip]
+const AC_SYMBOLS: [u8; 162] = [
+    0x01, 0x02, 0x03, 0x00, 0x04, 0x11, 0x05, 0x12, 0x21, 0x31, 0x41, 0x06, 0x13, 0x51,
+    0x61, 0x07, 0x22, 0x71, 0x14, 0x32, 0x81, 0x91, 0xA1, 0x08, 0x23, 0x42, 0xB1, 0xC1,
+    0x15, 0x52, 0xD1, 0xF0, 0x24, 0x33, 0x62, 0x72, 0x82, 0x09, 0x0A, 0x16, 0x17, 0x18,
+    0x19, 0x1A, 0x25, 0x26, 0x27, 0x28, 0x29, 0x2A, 0x34, 0x35, 0x36, 0x37, 0x38, 0x39,
+    0x3A, 0x43, 0x44, 0x45, 0x46, 0x47, 0x48, 0x49, 0x4A, 0x53, 0x54, 0x55, 0x56, 0x57,
+    0x58, 0x59, 0x5A, 0x63, 0x64, 0x65, 0x66, 0x67, 0x68, 0x69, 0x6A, 0x73, 0x74, 0x75,
+    0x76, 0x77, 0x78, 0x79, 0x7A, 0x83, 0x84, 0x85, 0x86, 0x87, 0x88, 0x89, 0x8A, 0x92,
+    0x93, 0x94, 0x95, 0x96, 0x97, 0x98, 0x99, 0x9A, 0xA2, 0xA3, 0xA4, 0xA5, 0xA6, 0xA7,
+    0xA8, 0xA9, 0xAA, 0xB2, 0xB3, 0xB4, 0xB5, 0xB6, 0xB7, 0xB8, 0xB9, 0xBA, 0xC2, 0xC3,
+    0xC4, 0xC5, 0xC6, 0xC7, 0xC8, 0xC9, 0xCA, 0xD2, 0xD3, 0xD4, 0xD5, 0xD6, 0xD7, 0xD8,
+    0xD9, 0xDA, 0xE1, 0xE2, 0xE3, 0xE4, 0xE5, 0xE6, 0xE7, 0xE8, 0xE9, 0xEA, 0xF1, 0xF2,
+    0xF3, 0xF4, 0xF5, 0xF6, 0xF7, 0xF8, 0xF9, 0xFA,
+];
+
+/// The typical tables for luminance, by class: Tables K.3 and K.5.
+pub(super) fn typical_tables() -> [HuffmanTable; 2] {
+    let dc = HuffmanTable {
+        counts: [0, 1, 5, 1, 1, 1, 1, 1, 1, 0, 0, 0, 0, 0, 0, 0],
+        symbols: (0..=11).collect(),
+    };
+    let ac = HuffmanTable {
+        counts: [0, 2, 1, 3, 3, 2, 4, 3, 5, 5, 4, 4, 0, 0, 1, 125],
+        symbols: AC_SYMBOLS.to_vec(),
+    };
+    [dc, ac]
+}
+
+/// The shortest codes for these symbols, by class (K.2).
+pub(super) fn optimal_tables(symbols: &[Symbol]) -> [HuffmanTable; 2] {
+    let mut occurrences = [[0; 256]; 2];
+    for symbol in symbols {
+        if let Symbol::Code(class, symbol, _) = *symbol {
+            occurrences[class][usize::from(symbol)] += 1;
+        }
+    }
+    occurrences.map(|occurrences| optimal_table(&occurrences))
+}
+
+/// B.2.4.2: class and number 0, the numbers of codes, the symbols.
+pub(super) fn write_tables(stream: &mut Writer, tables: &[HuffmanTable; 2]) {
+    for (class, table) in (0..).zip(tables) {
+        let segment = [&[class << 4], &table.counts[..], &table.symbols].concat();
+        stream.segment(0xC4, &segment);
+    }
+}
+
+/// Stands for no symbol: it takes the code of all ones, which Annex C assigns to none.
+const NOBODY: usize = 256;
+
+/// K.2: a table for symbols that occur so often.
+fn optimal_table(occurrences: &[u32; 256]) -> HuffmanTable {
+    let lengths = code_lengths(occurrences);
+    let mut counts = [0; NOBODY + 1];
+    for &length in &lengths {
+        counts[length] += 1;
+    }
+    limit_to_16_bits(&mut counts);
+    // The longest code of all is nobody's.
+    let longest = (1..=16).rev().find(|&length| counts[length] > 0);
+    counts[longest.unwrap_or_else(|| unreachable!("an image has symbols"))] -= 1;
+
+    // Figure K.4: the symbols in the order of their lengths before shortening, then of their values.
+    let mut symbols: Vec<u8> = (0..=255)
+        .filter(|&symbol| occurrences[usize::from(symbol)] > 0)
+        .collect();
+    symbols.sort_by_key(|&symbol| lengths[usize::from(symbol)]);
+    HuffmanTable {
+        counts: std::array::from_fn(|i| counts[i + 1] as u8),
+        symbols,
+    }
+}
+
+/// Figure K.1: joins the two lightest trees until one is left. Each joining makes the codes of all
+/// symbols in both a bit longer. Of equally light trees the one with the larger first symbol counts
+/// as lighter.
+fn code_lengths(occurrences: &[u32; 256]) -> [usize; NOBODY + 1] {
+    let mut weights: Vec<u32> = occurrences.iter().copied().chain([1]).collect();
+    let mut trees: Vec<Vec<usize>> = (0..=NOBODY).map(|symbol| vec![symbol]).collect();
+    let mut lengths = [0; NOBODY + 1];
+    loop {
+        let lightest = |weights: &[u32], except: Option<usize>| {
+            (0..=NOBODY)
+                .rev()
+                .filter(|&tree| weights[tree] > 0 && Some(tree) != except)
+                .min_by_key(|&tree| weights[tree])
+        };
+        let first = lightest(&weights, None);
+        let (Some(first), Some(second)) = (first, lightest(&weights, first)) else {
+            return lengths;
+        };
+        let joined = std::mem::take(&mut trees[second]);
+        trees[first].extend(joined);
+        weights[first] += std::mem::take(&mut weights[second]);
+        for &symbol in &trees[first] {
+            lengths[symbol] += 1;
+        }
+    }
+}
+
+/// Figure K.3: shortens codes of over 16 bits. Two siblings that are too long make room: one goes up
+/// to their parent, the other becomes the sibling of a shorter code, which moves down for it.
+fn limit_to_16_bits(counts: &mut [usize; NOBODY + 1]) {
+    for length in (17..=NOBODY).rev() {
+        while counts[length] > 0 {
+            let shorter = (1..length - 1).rev().find(|&shorter| counts[shorter] > 0);
+            let shorter = shorter.unwrap_or_else(|| {
+                unreachable!("257 symbols do not need codes of over 16 bits each")
+            });
+            counts[length] -= 2;
+            counts[length - 1] += 1;
+            counts[shorter + 1] += 2;
+            counts[shorter] -= 1;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::optimal_table;
+
+    /// The worked example above.
+    #[test]
+    fn frequent_symbols_have_short_codes() {
+        let mut occurrences = [0; 256];
+        occurrences[..4].copy_from_slice(&[5, 3, 1, 1]);
+        let table = optimal_table(&occurrences);
+        assert_eq!(table.symbols, [0, 1, 2, 3]);
+        assert_eq!(table.counts[..5], [1, 1, 1, 1, 0]);
+    }
+}

@@ -1,0 +1,84 @@
+//! T.81 A.3.3: the inverse DCT, as the Independent JPEG Group computes it
+//!
+//! The standard does not fix the inverse transform to the bit; it allows any that is close. PTM
+//! planes carry differences modulo 256, where being off by one turns 255 into 0. So this one is
+//! exact, and it is the integer transform "islow" that HP's encoder and nearly every decoder use
+//! (ruling `jpeg-samples`).
+//!
+//! Worked example: a block whose only coefficient is DC = 24.
+//!
+//! ```text
+//! columns  24 · 2¹³, less 11 bits:  96 in each row of column 0
+//! rows     96 · 2¹³, less 18 bits:  3
+//! samples  3 + 128 = 131
+//! ```
+//!
+//! Format notes
+//! - The last step keeps ten bits of the result, as a signed number, and clamps those. For every
+//!   stream that an encoder made this is plain clamping; coefficients out of all bounds wrap.
+
+use super::dct::{EXTRA, FRACTION, FixedPoint};
+
+/// From DCT coefficients to samples, both in row order.
+pub(super) fn inverse_dct(coefficients: &[i32; 64]) -> [u8; 64] {
+    inverse_dct_in::<i64>(coefficients)
+}
+
+/// All columns, then all rows.
+pub(super) fn inverse_dct_in<T: FixedPoint>(coefficients: &[i32; 64]) -> [u8; 64] {
+    let mut half = [T::from_i32(0); 64];
+    for x in 0..8 {
+        let column = std::array::from_fn(|y| T::from_i32(coefficients[8 * y + x]));
+        for (y, value) in inverse_dct_of_8(column).into_iter().enumerate() {
+            half[8 * y + x] = value.round_shift(FRACTION - EXTRA);
+        }
+    }
+    let mut samples = [0; 64];
+    for (row, out) in half.chunks_exact(8).zip(samples.chunks_exact_mut(8)) {
+        let row = inverse_dct_of_8(std::array::from_fn(|x| row[x]));
+        for (sample, value) in out.iter_mut().zip(row) {
+            // Three more bits, because each of the two passes multiplies by √8.
+            *sample = to_sample(value.round_shift(FRACTION + EXTRA + 3).to_i32());
+        }
+    }
+    samples
+}
+
+/// A.3.1 takes 128 off every sample before the transform; here it comes back, and what leaves
+/// 0 … 255 is clamped. Only ten bits of the value count (see the format notes).
+#[inline]
+fn to_sample(value: i32) -> u8 {
+    let ten_bits = (value << 22) >> 22;
+    (ten_bits + 128).clamp(0, 255) as u8
+}
+
+/// The inverse transform in one dimension, times √8 and times 2¹³.
+#[inline]
+fn inverse_dct_of_8<T: FixedPoint>(c: [T; 8]) -> [T; 8] {
+    // The even coefficients: 0 and 4 need no factor, 2 and 6 are rotated by 6π/16 with three
+    // multiplications.
+    let rotation = (c[2] + c[6]).times(0.541_196_100);
+    let low = rotation + c[2].times(0.765_366_865);
+    let high = rotation - c[6].times(1.847_759_065);
+    let (sum, difference) = ((c[0] + c[4]).times(1.0), (c[0] - c[4]).times(1.0));
+    let even = [sum + low, difference + high, difference - high, sum - low];
+
+    // The odd coefficients: four pairs of them share one product each, and all share one.
+    let shared = (c[7] + c[3] + c[5] + c[1]).times(1.175_875_602);
+    let pair_71 = -(c[7] + c[1]).times(0.899_976_223);
+    let pair_53 = -(c[5] + c[3]).times(2.562_915_447);
+    let pair_73 = shared - (c[7] + c[3]).times(1.961_570_560);
+    let pair_51 = shared - (c[5] + c[1]).times(0.390_180_644);
+    let odd = [
+        c[1].times(1.501_321_110) + pair_71 + pair_51,
+        c[3].times(3.072_711_026) + pair_53 + pair_73,
+        c[5].times(2.053_119_869) + pair_53 + pair_51,
+        c[7].times(0.298_631_336) + pair_71 + pair_73,
+    ];
+
+    // Even coefficients are symmetric about the middle, odd ones change their sign there.
+    std::array::from_fn(|i| match i {
+        0..=3 => even[i] + odd[i],
+        _ => even[7 - i] - odd[7 - i],
+    })
+}

@@ -1,0 +1,124 @@
+//! Huffman codes by look-up
+//!
+//! Nearly all codes of a stream are short. The next `SHORT` bits of the segment are the number of
+//! an entry, which tells the symbol and the length of the code that these bits begin with. Longer
+//! codes are left to the plain way, one step of which costs as much as a look-up.
+//!
+//! Worked example, the 1,024 entries of the table of `huffman_table`:
+//!
+//! ```text
+//! bits 00 0000 0000 … 00 1111 1111   256 entries   2 bits, symbol 05
+//! bits 01…                           256 entries   2 bits, symbol 07
+//! bits 10…                           256 entries   2 bits, symbol 06
+//! bits 110…                          128 entries   3 bits, symbol 08
+//! bits 111…                          128 entries   0: no code of at most ten bits
+//! ```
+
+use super::huffman::{ReadSymbols, decode_symbol};
+use super::huffman_table::HuffmanTable;
+use crate::codec::bit_buffer::{BitBuffer, leading};
+use crate::codec::stream_error::Result;
+
+/// Longer codes are rare, and a table of ten bits still stays in the first cache beside its twin.
+const SHORT: u32 = 10;
+
+/// A Huffman table and, for each of the possible next bits, the code that they begin with.
+pub(super) struct LookupTable {
+    table: HuffmanTable,
+    /// Length (high byte) and symbol (low byte); 0 if the code is longer or none.
+    short: [u16; 1 << SHORT],
+}
+
+impl From<&HuffmanTable> for LookupTable {
+    fn from(table: &HuffmanTable) -> LookupTable {
+        let mut short = [0; 1 << SHORT];
+        for code in table.codes() {
+            if code.length <= SHORT {
+                // All continuations of the code begin with it.
+                let free = SHORT - code.length;
+                let first = (code.code << free) as usize;
+                let entry = (code.length as u16) << 8 | u16::from(code.symbol);
+                short[first..first + (1 << free)].fill(entry);
+            }
+        }
+        let table = table.clone();
+        LookupTable { table, short }
+    }
+}
+
+impl<'a> ReadSymbols<'a> for BitBuffer<'a, 0> {
+    type Table = LookupTable;
+
+    #[inline]
+    fn symbol(&mut self, table: &LookupTable) -> Result<u8> {
+        // Enough for the longest code and for the number that follows it.
+        self.require(16 + 16);
+        let entry = table.short[leading(self.window(), SHORT) as usize];
+        if entry == 0 {
+            return long_symbol(self, &table.table);
+        }
+        self.skip(u32::from(entry >> 8))?;
+        Ok(entry as u8)
+    }
+}
+
+#[cold]
+fn long_symbol(bits: &mut BitBuffer<0>, table: &HuffmanTable) -> Result<u8> {
+    decode_symbol(bits, table)
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::super::huffman::ReadSymbols;
+    use super::super::huffman_table::HuffmanTable;
+    use crate::codec::bit_buffer::BitBuffer;
+    use crate::codec::bits::Bits;
+
+    /// Reads symbols, each followed by as many bits as its low four say, until an error.
+    fn symbols<'a, B: ReadSymbols<'a>>(stream: &'a [u8], table: &HuffmanTable) -> Vec<String> {
+        let table = B::Table::from(table);
+        let mut bits = B::new(stream, 1);
+        let mut results = Vec::new();
+        loop {
+            let symbol = bits.symbol(&table);
+            let number = symbol
+                .clone()
+                .map(|symbol| bits.receive(u32::from(symbol & 15)));
+            results.push(format!("{symbol:?} {number:?}"));
+            if !matches!(number, Ok(Ok(_))) {
+                return results;
+            }
+            results.push(format!("byte {}", bits.plain().offset()));
+        }
+    }
+
+    /// Any legal table: counts are cut so that the code of all ones stays free.
+    fn table(wanted: &[u8], symbols: Vec<u8>) -> HuffmanTable {
+        let mut counts = [0; 16];
+        let (mut free, mut left) = (1_usize, symbols.len());
+        for (count, &wanted) in counts.iter_mut().zip(wanted) {
+            free *= 2;
+            *count = usize::from(wanted).min(free - 1).min(left) as u8;
+            free -= usize::from(*count);
+            left -= usize::from(*count);
+        }
+        HuffmanTable { counts, symbols }
+    }
+
+    proptest! {
+        #[test]
+        fn looked_up_codes_equal_the_plain_way(
+            wanted in prop::collection::vec(0_u8..6, 16),
+            symbol_list in prop::collection::vec(any::<u8>(), 1..60),
+            data in prop::collection::vec(prop_oneof![Just(0xFF), Just(0), any::<u8>()], 0..40),
+        ) {
+            let (stream, table) = ([vec![0], data].concat(), table(&wanted, symbol_list));
+            prop_assert_eq!(
+                symbols::<BitBuffer<0>>(&stream, &table),
+                symbols::<Bits<0>>(&stream, &table)
+            );
+        }
+    }
+}

@@ -1,0 +1,60 @@
+//! The inverse DCT in 32 bits
+//!
+//! Half as wide, the integers of a block are transformed twice as many at once. Of what the second
+//! pass returns only the ten bits from bit 18 on are kept, and these survive the wrapping of sums and
+//! products. Of the first pass all bits count, so it must not wrap: it does not while coefficients
+//! have at most 14 bits, as all that encoders make. Others are left to the plain way.
+
+use std::num::Wrapping;
+
+use super::dct::{FRACTION, FixedPoint};
+use super::inverse_dct::{inverse_dct, inverse_dct_in};
+
+/// Equal to [`inverse_dct`] for all coefficients.
+pub(super) fn fast_inverse_dct(coefficients: &[i32; 64]) -> [u8; 64] {
+    let limit = 1 << 13;
+    let narrow = coefficients.iter().all(|c| (-limit..limit).contains(c));
+    match narrow {
+        true => inverse_dct_in::<Wrapping<i32>>(coefficients),
+        false => inverse_dct(coefficients),
+    }
+}
+
+impl FixedPoint for Wrapping<i32> {
+    fn from_i32(value: i32) -> Self {
+        Wrapping(value)
+    }
+
+    fn to_i32(self) -> i32 {
+        self.0
+    }
+
+    #[inline]
+    fn times(self, factor: f64) -> Self {
+        self * Wrapping((factor * f64::from(1 << FRACTION) + 0.5) as i32)
+    }
+
+    #[inline]
+    fn round_shift(self, bits: u32) -> Self {
+        Wrapping((self + Wrapping(1 << (bits - 1))).0 >> bits)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::super::inverse_dct::inverse_dct;
+    use super::fast_inverse_dct;
+
+    proptest! {
+        #[test]
+        fn thirty_two_bits_equal_the_plain_way(
+            bits in 1_u32..=27,
+            values in prop::collection::vec(any::<i32>(), 64),
+        ) {
+            let coefficients = std::array::from_fn(|i| values[i] >> (32 - bits));
+            prop_assert_eq!(fast_inverse_dct(&coefficients), inverse_dct(&coefficients));
+        }
+    }
+}

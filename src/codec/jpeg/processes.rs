@@ -1,0 +1,37 @@
+//! T.81 Table B.1: the markers of the other coding processes
+//!
+//! A marker that stands where another is expected is either an error of the stream or the sign of a
+//! process that T.81 has and this decoder has not. The frame header tells the processes apart:
+//!
+//! ```text
+//! SOF      Huffman  arithmetic
+//!          C0 C1    C9            sequential (baseline C0)
+//!          C2       CA            progressive
+//!          C3       CB            lossless
+//!          C5 – C7  CD – CF       hierarchical, with DHP (DE) and EXP (DF)
+//! ```
+//!
+//! Format notes
+//! - C4 and C8 are none of them: DHT, and a code that is reserved. CC (DAC) defines arithmetic
+//!   coding conditions.
+
+use crate::codec::markers::{DNL, Marker};
+use crate::codec::stream_error::{StreamError, malformed, unsupported};
+
+/// The error for a marker in the wrong place.
+pub(super) fn unexpected(marker: Marker, expected: &str) -> StreamError {
+    let process = match marker.code {
+        0xC2 => "progressive coding",
+        0xC3 => "lossless coding",
+        0xC5..=0xC7 | 0xCD..=0xCF | 0xDE | 0xDF => "hierarchical coding",
+        0xC9..=0xCC => "arithmetic coding",
+        DNL => "a height defined by DNL",
+        0xF7 => {
+            let what = format!("expected {expected}, found a JPEG-LS frame");
+            return malformed(marker.at, what);
+        }
+        _ => return malformed(marker.at, format!("expected {expected}, found {marker}")),
+    };
+    let what = format!("{process} ({marker}) is not implemented");
+    unsupported(marker.at, what)
+}

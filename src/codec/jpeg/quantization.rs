@@ -1,0 +1,100 @@
+//! T.81 A.3.4, K.1: quantized coefficients
+//!
+//! A coefficient is divided by its quantization step and rounded: all that is ever lost is lost
+//! here. The steps of Annex K suit quality 50; other qualities multiply them by a percentage, which
+//! is the Independent JPEG Group's convention and not part of the standard.
+//!
+//! Worked example: the DC step is 16 at quality 50.
+//!
+//! ```text
+//! quality   10    50   75   90   100
+//! percent  500   100   50   20     0
+//! DC step   80    16    8    3     1
+//! ```
+//!
+//! Format notes
+//! - Blocks that extend past the image are filled up with its last column and row (A.2.4).
+//! - Halves are rounded away from zero.
+
+use super::forward_dct::forward_dct;
+use super::inverse_dct::inverse_dct;
+use super::zigzag::ZIGZAG;
+
+/// Quantization steps for luminance at quality 50, in rows (Table K.1).
+#[rustfmt::skip]
+const LUMINANCE: [u32; 64] = [
+    16, 11, 10, 16,  24,  40,  51,  61,
+    12, 12, 14, 19,  26,  58,  60,  55,
+    14, 13, 16, 24,  40,  57,  69,  56,
+    14, 17, 22, 29,  51,  87,  80,  62,
+    18, 22, 37, 56,  68, 109, 103,  77,
+    24, 35, 55, 64,  81, 104, 113,  92,
+    49, 64, 78, 87, 103, 121, 120, 101,
+    72, 92, 95, 98, 112, 100, 103,  99,
+];
+
+/// The steps of a quality, 1 … 100, in rows.
+pub(crate) fn scaled_steps(quality: u8, baseline: bool) -> [u16; 64] {
+    let percent = match u32::from(quality) {
+        quality @ ..50 => 5000 / quality,
+        quality => 200 - 2 * quality,
+    };
+    let largest = if baseline { 255 } else { 32767 };
+    LUMINANCE.map(|step| ((step * percent + 50) / 100).clamp(1, largest) as u16)
+}
+
+/// An image on its way to the stream.
+pub(super) struct QuantizedImage {
+    /// All blocks in raster order, each in zigzag order.
+    pub blocks: Vec<[i16; 64]>,
+    /// The samples that a decoder makes of them.
+    pub decoded: Vec<u8>,
+}
+
+pub(super) fn quantize_image(
+    samples: &[u8],
+    width: usize,
+    height: usize,
+    steps: &[u16; 64],
+) -> QuantizedImage {
+    let mut blocks = Vec::new();
+    let mut decoded = vec![0; samples.len()];
+    for top in (0..height).step_by(8) {
+        for left in (0..width).step_by(8) {
+            let block = std::array::from_fn(|i| {
+                let (x, y) = ((left + i % 8).min(width - 1), (top + i / 8).min(height - 1));
+                i32::from(samples[y * width + x]) - 128 // A.3.1
+            });
+            let coefficients = forward_dct(&block);
+            let quantized: [i32; 64] = std::array::from_fn(|i| quantize(coefficients[i], steps[i]));
+            blocks.push(ZIGZAG.map(|i| quantized[usize::from(i)] as i16));
+
+            let dequantized = std::array::from_fn(|i| quantized[i] * i32::from(steps[i]));
+            let back = inverse_dct(&dequantized);
+            let inside = (width - left).min(8);
+            for y in top..(top + 8).min(height) {
+                decoded[y * width + left..][..inside]
+                    .copy_from_slice(&back[8 * (y - top)..][..inside]);
+            }
+        }
+    }
+    QuantizedImage { blocks, decoded }
+}
+
+/// A.3.4. The forward DCT left a factor of eight in.
+fn quantize(coefficient: i32, step: u16) -> i32 {
+    let step = i32::from(step) * 8;
+    (coefficient.abs() + step / 2) / step * coefficient.signum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::scaled_steps;
+
+    /// The worked example above.
+    #[test]
+    fn quality_is_a_percentage_of_the_steps_of_annex_k() {
+        let dc_steps = [10, 50, 75, 90, 100].map(|quality| scaled_steps(quality, true)[0]);
+        assert_eq!(dc_steps, [80, 16, 8, 3, 1]);
+    }
+}

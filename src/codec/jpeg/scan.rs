@@ -1,0 +1,94 @@
+//! T.81 E.2.3, E.2.4: a scan: all blocks of the image, in intervals that start afresh
+//!
+//! Worked example: two blocks of one interval each, with the DC codes 00 for size 0 and 01 for size 4
+//! and the AC code 0 for the end of the block.
+//!
+//! ```text
+//! 61      01 1000 0 1    DC difference 8, end of block, padding
+//! FF D0                  RST0
+//! 61      01 1000 0 1    DC difference 8 from 0, not from the block before
+//! ```
+//!
+//! Format notes
+//! - A scan of one component has its blocks in plain raster order, and one block is one MCU,
+//!   whatever the sampling factors of the component say (A.2.2). A restart interval counts these
+//!   blocks.
+//! - The blocks of the last column and row extend past the image; what is outside is dropped
+//!   (A.2.4). A picture of 9 × 9 samples has four blocks.
+//! - Between two intervals stands a restart marker, and after it the DC prediction is 0 again. The
+//!   markers count from RST0 to RST7 and over again. After the last interval there is none.
+
+use super::decode_block::decode_block;
+use super::huffman::ReadSymbols;
+use super::huffman_table::HuffmanTable;
+use super::narrow_dct::fast_inverse_dct;
+use super::processes::unexpected;
+use crate::codec::headers::room_for_samples;
+use crate::codec::markers::{Cursor, RST0};
+use crate::codec::stream_error::Result;
+
+/// What a scan is coded with.
+pub(super) struct ScanTables {
+    /// Quantization steps in zigzag order.
+    pub quantization: [u16; 64],
+    pub dc: HuffmanTable,
+    pub ac: HuffmanTable,
+    /// In blocks; 0 for none.
+    pub restart_interval: u16,
+}
+
+/// Decodes the entropy-coded data that begins at the cursor, up to the marker that ends it.
+pub(super) fn decode_scan<'a, B: ReadSymbols<'a>>(
+    stream: &mut Cursor<'a>,
+    tables: &ScanTables,
+    width: u32,
+    height: u32,
+) -> Result<Vec<u8>> {
+    let columns = width.div_ceil(8) as usize;
+    let blocks = columns * height.div_ceil(8) as usize;
+    // No code is shorter than a bit, and a block is at least a DC code and an end of block.
+    let mut samples = room_for_samples(stream, width, height, 2 * blocks as u64)?;
+    let interval = match tables.restart_interval {
+        0 => blocks,
+        interval => usize::from(interval),
+    };
+
+    let (dc, ac) = (B::Table::from(&tables.dc), B::Table::from(&tables.ac));
+    let mut bits = B::new(stream.stream, stream.at);
+    let mut previous_dc = 0;
+    for block in 0..blocks {
+        if block > 0 && block % interval == 0 {
+            let number = (block / interval - 1) % 8;
+            bits = B::new(stream.stream, read_restart(&bits, number as u8)?);
+            previous_dc = 0;
+        }
+        let steps = &tables.quantization;
+        let coefficients = decode_block(&mut bits, &dc, &ac, steps, &mut previous_dc)?;
+        let decoded = fast_inverse_dct(&coefficients); // the plain way: inverse_dct
+        let (x, y) = (block % columns * 8, block / columns * 8);
+        place(&mut samples, width as usize, x, y, &decoded);
+    }
+    stream.at = bits.plain().finish()?;
+    Ok(samples)
+}
+
+/// E.2.4: the interval ends, and its marker has the number of the interval. Returns where the next
+/// one begins.
+fn read_restart<'a>(bits: &impl ReadSymbols<'a>, number: u8) -> Result<usize> {
+    let bits = bits.plain();
+    let mut stream = Cursor::new(bits.stream, bits.finish()?);
+    let marker = stream.marker()?;
+    if marker.code != RST0 + number {
+        return Err(unexpected(marker, &format!("restart marker {number}")));
+    }
+    Ok(stream.at)
+}
+
+/// Copies what is inside the image of the block whose top left sample is (x, y).
+fn place(samples: &mut [u8], width: usize, x: usize, y: usize, block: &[u8; 64]) {
+    let inside = (width - x).min(8);
+    let rows = samples.chunks_exact_mut(width).skip(y);
+    for (row, decoded) in rows.zip(block.chunks_exact(8)) {
+        row[x..x + inside].copy_from_slice(&decoded[..inside]);
+    }
+}

@@ -1,0 +1,120 @@
+//! T.81 F.1.2: from quantized blocks to symbols, and from symbols to bits
+//!
+//! The mirror of `decode_block` and `scan`, in two steps, because a Huffman table made for the image
+//! must know all symbols before the first is written.
+//!
+//! Worked example: the block of `decode_block`, DC −3 and then 0 0 5 and sixty zeros.
+//!
+//! ```text
+//! DC  size 2, bits 00          −3 is the first of the numbers of two bits
+//! AC  run 2, size 3, bits 101
+//! AC  EOB
+//! ```
+//!
+//! Format notes
+//! - A restart marker ends its interval on a whole byte, and the next one begins with the full DC
+//!   coefficient in place of a difference.
+//! - Zeros at the end are never written as ZRL: EOB covers them all.
+
+use super::huffman_table::HuffmanTable;
+use super::huffman_tables::{AC, DC, Symbol};
+use crate::codec::markers::RST0;
+use crate::codec::writer::{BitWriter, Writer};
+
+/// All symbols of the scan in order.
+///
+/// `blocks` are in zigzag order; with a `restart_interval` over 0 a marker follows every so many.
+pub(super) fn symbols_of(blocks: &[[i16; 64]], restart_interval: usize) -> Vec<Symbol> {
+    let mut symbols = Vec::new();
+    let mut previous_dc = 0;
+    for (index, block) in blocks.iter().enumerate() {
+        if restart_interval > 0 && index > 0 && index % restart_interval == 0 {
+            let number = ((index / restart_interval - 1) % 8) as u8;
+            symbols.push(Symbol::Restart(number));
+            previous_dc = 0;
+        }
+        let dc = i32::from(block[0]);
+        let (size, bits) = size_and_bits(dc - previous_dc);
+        symbols.push(Symbol::Code(DC, size, bits));
+        previous_dc = dc;
+        push_ac(&mut symbols, &block[1..]);
+    }
+    symbols
+}
+
+/// F.1.2.2: runs of zeros and the coefficients after them.
+fn push_ac(symbols: &mut Vec<Symbol>, coefficients: &[i16]) {
+    let mut run = 0;
+    for &coefficient in coefficients {
+        if coefficient == 0 {
+            run += 1;
+            continue;
+        }
+        while run > 15 {
+            symbols.push(Symbol::Code(AC, 0xF0, 0)); // ZRL
+            run -= 16;
+        }
+        let (size, bits) = size_and_bits(i32::from(coefficient));
+        symbols.push(Symbol::Code(AC, run << 4 | size, bits));
+        run = 0;
+    }
+    if run > 0 {
+        symbols.push(Symbol::Code(AC, 0x00, 0)); // EOB
+    }
+}
+
+/// F.1.2.1: the bits that a magnitude needs, and these bits; of a negative number those of one
+/// less, so that the first of them is a zero.
+fn size_and_bits(value: i32) -> (u8, u32) {
+    let size = 32 - value.unsigned_abs().leading_zeros();
+    let bits = if value < 0 { value - 1 } else { value };
+    (size as u8, bits as u32 & ((1 << size) - 1))
+}
+
+/// Writes the entropy-coded data. Each interval ends in ones (F.1.2.3).
+pub(super) fn write_symbols(stream: &mut Writer, symbols: &[Symbol], tables: &[HuffmanTable; 2]) {
+    let codes = [codes_by_symbol(&tables[DC]), codes_by_symbol(&tables[AC])];
+    let mut out = BitWriter::<0>::new(stream);
+    for symbol in symbols {
+        match *symbol {
+            Symbol::Code(class, symbol, bits) => {
+                let (code, length) = codes[class][usize::from(symbol)];
+                out.put(code, length);
+                out.put(bits, u32::from(symbol & 15));
+            }
+            Symbol::Restart(number) => {
+                out.finish(1);
+                stream.marker(RST0 + number);
+                out = BitWriter::new(stream);
+            }
+        }
+    }
+    out.finish(1);
+}
+
+/// Code and length for each symbol; length 0 for symbols that have none.
+fn codes_by_symbol(table: &HuffmanTable) -> [(u32, u32); 256] {
+    let mut codes = [(0, 0); 256];
+    for code in table.codes() {
+        codes[usize::from(code.symbol)] = (code.code, code.length);
+    }
+    codes
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::huffman_tables::typical_tables;
+    use super::{symbols_of, write_symbols};
+    use crate::codec::writer::Writer;
+
+    /// The worked example of `decode_block`.
+    #[test]
+    fn a_block_is_written_as_sizes_and_numbers() {
+        let mut block = [0; 64];
+        (block[0], block[3]) = (-3, 5);
+        let mut stream = Writer::new();
+        let symbols = symbols_of(&[block], 0);
+        write_symbols(&mut stream, &symbols, &typical_tables());
+        assert_eq!(stream.finish()[2..], [0x67, 0xEF, 0x6B, 0xFF, 0xD9]);
+    }
+}

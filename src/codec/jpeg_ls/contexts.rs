@@ -1,0 +1,126 @@
+//! T.87 A.2.1, A.4.2, A.5.1, A.5.2, A.6: what a context knows and learns
+//!
+//! A context keeps four numbers: N errors so far, the sum A of their magnitudes, the sum B of the
+//! errors themselves and the correction C of the prediction. A / N is the mean magnitude, which
+//! gives the parameter k of the Golomb code; B / N is the mean error, which C takes over one by one.
+//!
+//! Worked example, a fresh context with MAXVAL 255 that meets the errors −3, −2 and 0:
+//!
+//! ```text
+//!         A   B   C  N   k
+//! fresh   4   0   0  1   2   1 · 2² ≥ 4
+//! −3      7  −1  −1  2   2   B was −3 and is not over −2: C takes one, B gets N back
+//! −2      9   0  −2  3   2   the same again
+//!  0      9   0  −2  4   2   predictions are now lowered by two
+//! ```
+//!
+//! Format notes
+//! - When N reaches RESET, all sums are halved before N is counted up. B is rounded down then, also
+//!   below zero.
+
+use super::parameters::Parameters;
+
+/// What is known of the errors in one kind of neighborhood.
+#[derive(Clone, Copy)]
+pub(super) struct Context {
+    /// Sum of the magnitudes of errors.
+    a: i32,
+    /// Sum of the errors themselves, less what C has taken over.
+    b: i32,
+    /// What is added to the prediction, −128 … 127.
+    c: i32,
+    /// How many errors these are of.
+    n: i32,
+}
+
+/// A.2.1: the contexts at the start of a scan, by number. Number 0 is the flat neighborhood, which
+/// is run mode's, and not used.
+pub(super) fn fresh_contexts(parameters: &Parameters) -> [Context; 365] {
+    let a = initial_a(parameters);
+    [Context {
+        a,
+        b: 0,
+        c: 0,
+        n: 1,
+    }; 365]
+}
+
+/// A.2.1: as if there had been one error of a usual magnitude.
+pub(super) fn initial_a(parameters: &Parameters) -> i32 {
+    ((parameters.range + 32) / 64).max(2)
+}
+
+/// A.5.1: the smallest k with n · 2^k ≥ a, so that 2^k is about the mean magnitude and a usual error
+/// has one zero or none before its one.
+#[inline]
+pub(super) fn golomb_parameter(a: i32, n: i32) -> u32 {
+    let mut k = 0;
+    while n << k < a {
+        k += 1;
+    }
+    k
+}
+
+impl Context {
+    /// A.4.2: the prediction, corrected by what was learned. `sign` is −1 in the mirrored
+    /// neighborhood.
+    #[inline]
+    pub fn correct(&self, predicted: i32, sign: i32, maxval: i32) -> i32 {
+        (predicted + sign * self.c).clamp(0, maxval)
+    }
+
+    #[inline]
+    pub fn golomb_parameter(&self) -> u32 {
+        golomb_parameter(self.a, self.n)
+    }
+
+    /// A.5.2: errors are mapped to numbers 0, 1, 2 … in the order 0, −1, 1, −2, 2 …; where negative
+    /// ones are more frequent, in the order −1, 0, −2, 1 …, but only if k and NEAR are 0.
+    #[inline]
+    pub fn maps_negative_first(&self, k: u32, near: i32) -> bool {
+        k == 0 && near == 0 && 2 * self.b <= -self.n
+    }
+
+    /// A.6.
+    #[inline]
+    pub fn update(&mut self, error: i32, parameters: &Parameters) {
+        self.b += error * parameters.step;
+        self.a += error.abs();
+        if self.n == parameters.reset {
+            self.a >>= 1;
+            self.b >>= 1;
+            self.n >>= 1;
+        }
+        self.n += 1;
+
+        // C takes over whole units of the mean error; B keeps within −N < B ≤ 0.
+        if self.b <= -self.n {
+            self.c = (self.c - 1).max(-128);
+            self.b = (self.b + self.n).max(1 - self.n);
+        } else if self.b > 0 {
+            self.c = (self.c + 1).min(127);
+            self.b = (self.b - self.n).min(0);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::parameters::{Parameters, PresetParameters};
+    use super::{Context, fresh_contexts};
+
+    /// The worked example above.
+    #[test]
+    fn a_context_learns_how_far_predictions_are_off() {
+        let parameters = Parameters::new(&PresetParameters::default(), 0, 0, 0).expect("defaults");
+        let mut context = fresh_contexts(&parameters)[1];
+        let mut states = Vec::new();
+        for error in [-3, -2, 0] {
+            context.update(error, &parameters);
+            let Context { a, b, c, n } = context;
+            states.push([a, b, c, n]);
+        }
+        assert_eq!(states, [[7, -1, -1, 2], [9, 0, -2, 3], [9, 0, -2, 4]]);
+        assert_eq!(context.golomb_parameter(), 2);
+    }
+}

@@ -1,0 +1,163 @@
+//! T.87 Annex F: bits → samples
+//!
+//! Every sample from the first to the last, and nothing after it. The template chooses between two
+//! modes for each: regular mode codes one sample, run mode any number of them and the one after.
+//!
+//! Worked example: a picture of one sample in the byte 70, bits 0111 0000.
+//!
+//! ```text
+//!        a, b, c and d are 0: all gradients are flat, run mode
+//! 0      no piece of a run; its rest takes J = 0 bits: the run is empty
+//! 1 11   the Golomb code of 3, with k = 2
+//!        RItype 1: 3 + 1 = 4 is twice the magnitude, of the sign that is not favored: error 2
+//!        sample 0 + 2
+//! 0000   padding
+//! ```
+//!
+//! Format notes
+//! - The template after a run is that of the interrupting sample: b is above *it*.
+//! - Errors are checked, because a Golomb code can hold more numbers than there are errors.
+
+use super::contexts::{Context, fresh_contexts};
+use super::golomb::ReadGolomb;
+use super::gradients::context_number;
+use super::parameters::Parameters;
+use super::prediction::predict;
+use super::run_mode::{Interruption, RunMode};
+use super::template::{Lines, Neighbors};
+use crate::codec::headers::room_for_samples;
+use crate::codec::markers::Cursor;
+use crate::codec::stream_error::{Result, StreamError, malformed};
+
+/// Decodes the entropy-coded data that begins at the cursor, up to the marker that ends it.
+pub(super) fn decode_scan<'a, B: ReadGolomb<'a>>(
+    stream: &mut Cursor<'a>,
+    parameters: &Parameters,
+    width: u32,
+    height: u32,
+) -> Result<Vec<u8>> {
+    // A line that continues the run of the line before still takes a bit.
+    let mut samples = room_for_samples(stream, width, height, u64::from(height))?;
+    let mut scan = ScanDecoder {
+        parameters,
+        bits: B::new(stream.stream, stream.at),
+        contexts: fresh_contexts(parameters),
+        run_mode: RunMode::new(parameters),
+    };
+    let mut lines = Lines::new(width);
+    for line in samples.chunks_exact_mut(width as usize) {
+        lines.next();
+        scan.decode_line(&mut lines)?;
+        line.copy_from_slice(lines.samples());
+    }
+    stream.at = scan.bits.plain().finish()?;
+    Ok(samples)
+}
+
+/// The state of a scan.
+struct ScanDecoder<'p, B> {
+    parameters: &'p Parameters,
+    bits: B,
+    contexts: [Context; 365],
+    run_mode: RunMode,
+}
+
+impl<'a, B: ReadGolomb<'a>> ScanDecoder<'_, B> {
+    /// A.3.2: each sample in the mode that its neighborhood asks for.
+    fn decode_line(&mut self, lines: &mut Lines) -> Result<()> {
+        let width = lines.width();
+        let mut x = 0;
+        let mut neighbors = lines.neighbors(x);
+        while x < width {
+            let context = context_number(self.parameters, neighbors);
+            let sample = if context == 0 {
+                let run = self.decode_run_length(width - x)?;
+                lines.fill(x, run, neighbors.a);
+                x += run;
+                if x == width {
+                    break;
+                }
+                neighbors = lines.neighbors(x);
+                self.decode_interruption(neighbors)?
+            } else {
+                self.decode_regular(context, neighbors)?
+            };
+            neighbors = lines.set(x, sample, neighbors);
+            x += 1;
+        }
+        Ok(())
+    }
+
+    /// A.4 – A.6: one sample in regular mode.
+    #[inline]
+    fn decode_regular(&mut self, context: i32, neighbors: Neighbors) -> Result<i32> {
+        let parameters = self.parameters;
+        let sign = context.signum();
+        let context = &mut self.contexts[context.unsigned_abs() as usize];
+        let predicted = context.correct(predict(neighbors), sign, parameters.maxval);
+
+        let k = context.golomb_parameter();
+        let mapped = self.bits.golomb(k, parameters.limit, parameters.qbpp)?;
+        let error = (mapped >> 1) ^ -(mapped & 1); // 0, −1, 1, −2, 2 …
+        let error = if context.maps_negative_first(k, parameters.near) {
+            -1 - error
+        } else {
+            error
+        };
+        if !parameters.is_reduced(error) {
+            return Err(impossible(&self.bits, error));
+        }
+        context.update(error, parameters);
+        Ok(parameters.reconstruct(predicted, sign * error))
+    }
+
+    /// A.7.1: how many samples equal a, up to the end of the line, which is `left` samples away.
+    fn decode_run_length(&mut self, left: usize) -> Result<usize> {
+        let mut run = 0;
+        while self.bits.receive(1)? == 1 {
+            let piece = 1 << self.run_mode.j();
+            if run + piece > left {
+                return Ok(left); // A.7.1.2: a run that the line cuts short
+            }
+            run += piece;
+            self.run_mode.lengthen();
+            if run == left {
+                return Ok(left);
+            }
+        }
+        run += self.bits.receive(self.run_mode.j())? as usize;
+        if run >= left {
+            let what = format!("a run of {run} samples and its end in a line with {left} to go");
+            return Err(malformed(self.bits.plain().offset(), what));
+        }
+        Ok(run)
+    }
+
+    /// A.7.2: the sample that interrupts a run.
+    fn decode_interruption(&mut self, neighbors: Neighbors) -> Result<i32> {
+        let parameters = self.parameters;
+        let interruption = Interruption::new(parameters, neighbors.a, neighbors.b);
+        let limit = self.run_mode.limit(parameters);
+        let context = self.run_mode.context(&interruption);
+
+        let kind = interruption.kind;
+        let k = context.golomb_parameter(kind);
+        let mapped = self.bits.golomb(k, limit, parameters.qbpp)?;
+        let doubled = mapped + kind; // twice the magnitude, less one for the favored sign
+        let magnitude = (doubled + 1) >> 1;
+        let favored = context.favored_sign(k) * magnitude;
+        let error = if doubled & 1 == 1 { favored } else { -favored };
+        if !parameters.is_reduced(error) {
+            return Err(impossible(&self.bits, error));
+        }
+        context.update(error, mapped, kind, parameters.reset);
+        self.run_mode.shorten();
+        Ok(parameters.reconstruct(interruption.predicted, interruption.sign * error))
+    }
+}
+
+#[cold]
+fn impossible<'a>(bits: &impl ReadGolomb<'a>, error: i32) -> StreamError {
+    let what = format!("no sample has prediction error {error}");
+    malformed(bits.plain().offset(), what)
+}

@@ -1,0 +1,174 @@
+//! T.87 Annex A: samples → bits
+//!
+//! The mirror of `decode_scan`. The neighbors are samples as the decoder will know them, which with
+//! NEAR over 0 are not those of the picture: an encoder that predicts from the picture itself drifts
+//! away from its decoder.
+//!
+//! Worked example: a line of seven samples 0 and a 1, in the bytes FB 40.
+//!
+//! ```text
+//! 1 1 1 1 1    run mode: four pieces of one sample, one of two
+//! 0 1          interrupted after one more sample
+//! 1 01         error 1 with a and b alike: 2 · 1 − 1 = 1, k = 2
+//! 000000       padding
+//! ```
+//!
+//! Format notes
+//! - After a last byte 0xFF there is one more, of seven zeros, or a decoder would take the marker
+//!   that follows for data.
+
+use super::contexts::{Context, fresh_contexts};
+use super::gradients::context_number;
+use super::parameters::Parameters;
+use super::prediction::predict;
+use super::run_mode::{Interruption, RunMode};
+use super::template::{Lines, Neighbors};
+use crate::codec::writer::{BitWriter, Writer};
+
+/// Writes all samples and returns what they become.
+pub(super) fn encode_scan(
+    stream: &mut Writer,
+    parameters: &Parameters,
+    samples: &[u8],
+    width: u32,
+) -> Vec<u8> {
+    let mut decoded = Vec::with_capacity(samples.len());
+    let mut scan = ScanEncoder {
+        parameters,
+        bits: BitWriter::new(stream),
+        contexts: fresh_contexts(parameters),
+        run_mode: RunMode::new(parameters),
+    };
+    let mut lines = Lines::new(width);
+    for originals in samples.chunks_exact(width as usize) {
+        lines.next();
+        scan.encode_line(&mut lines, originals);
+        decoded.extend_from_slice(lines.samples());
+    }
+    scan.bits.finish(0);
+    decoded
+}
+
+/// The state of a scan.
+struct ScanEncoder<'p, 's> {
+    parameters: &'p Parameters,
+    bits: BitWriter<'s, 7>,
+    contexts: [Context; 365],
+    run_mode: RunMode,
+}
+
+impl ScanEncoder<'_, '_> {
+    /// A.3.2: each sample in the mode that its neighborhood asks for.
+    fn encode_line(&mut self, lines: &mut Lines, originals: &[u8]) {
+        let width = lines.width();
+        let mut x = 0;
+        let mut neighbors = lines.neighbors(x);
+        while x < width {
+            let context = context_number(self.parameters, neighbors);
+            let sample = if context == 0 {
+                let run = self.run_of(neighbors.a, &originals[x..]);
+                self.encode_run_length(run, x + run == width);
+                lines.fill(x, run, neighbors.a);
+                x += run;
+                if x == width {
+                    break;
+                }
+                neighbors = lines.neighbors(x);
+                self.encode_interruption(originals[x], neighbors)
+            } else {
+                self.encode_regular(originals[x], context, neighbors)
+            };
+            neighbors = lines.set(x, sample, neighbors);
+            x += 1;
+        }
+    }
+
+    /// A.4 – A.6: one sample in regular mode.
+    fn encode_regular(&mut self, original: u8, context: i32, neighbors: Neighbors) -> i32 {
+        let parameters = self.parameters;
+        let sign = context.signum();
+        let context = &mut self.contexts[context.unsigned_abs() as usize];
+        let predicted = context.correct(predict(neighbors), sign, parameters.maxval);
+        let error = parameters.quantize_error(sign * (i32::from(original) - predicted));
+
+        let k = context.golomb_parameter();
+        let ordered = if context.maps_negative_first(k, parameters.near) {
+            -1 - error
+        } else {
+            error
+        };
+        let mapped = 2 * ordered.abs() - i32::from(ordered < 0);
+        context.update(error, parameters);
+        self.put_golomb(mapped, k, parameters.limit);
+        parameters.reconstruct(predicted, sign * error)
+    }
+
+    /// A.7.1.1: how many samples are as good as a.
+    fn run_of(&self, a: i32, originals: &[u8]) -> usize {
+        let alike = |&&original: &&u8| (i32::from(original) - a).abs() <= self.parameters.near;
+        originals.iter().take_while(alike).count()
+    }
+
+    /// A.7.1.2.
+    fn encode_run_length(&mut self, mut run: usize, ends_line: bool) {
+        while run >= 1 << self.run_mode.j() {
+            self.bits.put(1, 1);
+            run -= 1 << self.run_mode.j();
+            self.run_mode.lengthen();
+        }
+        if !ends_line {
+            self.bits.put(run as u32, 1 + self.run_mode.j());
+        } else if run > 0 {
+            self.bits.put(1, 1);
+        }
+    }
+
+    /// A.7.2: the sample that interrupts a run.
+    fn encode_interruption(&mut self, original: u8, neighbors: Neighbors) -> i32 {
+        let parameters = self.parameters;
+        let interruption = Interruption::new(parameters, neighbors.a, neighbors.b);
+        let (sign, kind) = (interruption.sign, interruption.kind);
+        let error =
+            parameters.quantize_error(sign * (i32::from(original) - interruption.predicted));
+
+        let limit = self.run_mode.limit(parameters);
+        let context = self.run_mode.context(&interruption);
+        let k = context.golomb_parameter(kind);
+        let favored = error.signum() == context.favored_sign(k);
+        let mapped = 2 * error.abs() - kind - i32::from(favored);
+        context.update(error, mapped, kind, parameters.reset);
+        self.put_golomb(mapped, k, limit);
+        self.run_mode.shorten();
+        parameters.reconstruct(interruption.predicted, sign * error)
+    }
+
+    /// A.5.3: a limited-length Golomb code.
+    fn put_golomb(&mut self, mapped: i32, k: u32, limit: u32) {
+        let (number, qbpp) = (mapped as u32, self.parameters.qbpp);
+        let longest = limit - qbpp - 1;
+        let zeros = number >> k;
+        if zeros < longest {
+            self.bits.put(0, zeros);
+            self.bits.put(1 << k | number & ((1 << k) - 1), 1 + k);
+        } else {
+            self.bits.put(0, longest);
+            self.bits.put(1 << qbpp | (number - 1), 1 + qbpp);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::encoder::{JpegLsOptions, encode};
+
+    /// The worked example above.
+    #[test]
+    fn a_run_is_written_in_pieces() {
+        let options = JpegLsOptions {
+            near: 0,
+            presets: None,
+        };
+        let stream = encode(&[0, 0, 0, 0, 0, 0, 0, 1], 8, 1, &options).stream;
+        assert!(stream.ends_with(&[0, 0, 0, 0xFB, 0x40, 0xFF, 0xD9]));
+    }
+}

@@ -1,0 +1,48 @@
+//! T.87 C.2: the order of a stream, written
+
+use super::encode_scan::encode_scan;
+use super::parameters::{Parameters, PresetParameters};
+use crate::codec::writer::{Encoded, Writer, check_size};
+
+/// How to encode.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub struct JpegLsOptions {
+    /// How far a sample may come out from what it was; 0 for no loss.
+    pub near: u8,
+    /// Preset parameters to write; without them no LSE segment is written.
+    pub presets: Option<PresetParameters>,
+}
+
+/// Encodes `width` × `height` samples, given in row order from the top.
+///
+/// # Panics
+///
+/// If there are not `width` × `height` samples, a side is not within 1 … 65,535, a sample is over
+/// MAXVAL, or an option is out of its range.
+#[must_use]
+pub fn encode(samples: &[u8], width: u32, height: u32, options: &JpegLsOptions) -> Encoded {
+    check_size(samples, width, height);
+    let parameters = Parameters::new(&options.presets.unwrap_or_default(), 0, options.near, 0)
+        .unwrap_or_else(|error| panic!("{error}"));
+    let maxval = parameters.maxval;
+    if let Some(sample) = samples.iter().find(|&&sample| i32::from(sample) > maxval) {
+        panic!("sample {sample} is over MAXVAL {maxval}");
+    }
+
+    let mut stream = Writer::new();
+    stream.frame_header(0xF7, width, height, (1, 1));
+    if let Some(presets) = options.presets {
+        write_presets(&mut stream, presets);
+    }
+    stream.scan_header([options.near, 0, 0]); // not interleaved, no point transform (C.2.3)
+    let samples = encode_scan(&mut stream, &parameters, samples, width);
+    let stream = stream.finish();
+    Encoded { stream, samples }
+}
+
+/// C.2.4.1.1: type 1 and the five parameters.
+fn write_presets(stream: &mut Writer, presets: PresetParameters) {
+    let p = presets;
+    let numbers = [p.maxval, p.t1, p.t2, p.t3, p.reset].map(u16::to_be_bytes);
+    stream.segment(0xF8, &[&[1], &numbers.concat()[..]].concat());
+}

@@ -1,0 +1,70 @@
+//! Golomb codes by counting zeros
+//!
+//! The zeros of a code are counted with one instruction, and both parts are skipped at once. Limited
+//! codes are rare and left to the plain way.
+//!
+//! ```text
+//! window   0001 0111 …     k = 2: three zeros, then 01: 3 · 4 + 1 = 13, six bits
+//! ```
+
+use super::golomb::{ReadGolomb, decode_golomb};
+use crate::codec::bit_buffer::{BitBuffer, leading};
+use crate::codec::stream_error::Result;
+
+impl<'a> ReadGolomb<'a> for BitBuffer<'a, 7> {
+    #[inline]
+    fn golomb(&mut self, k: u32, limit: u32, qbpp: u32) -> Result<i32> {
+        // More than a code that is not limited has: its zeros, a one and k bits.
+        self.require(48);
+        let zeros = self.window().leading_zeros();
+        if zeros >= limit - qbpp - 1 {
+            return limited_golomb(self, k, limit, qbpp);
+        }
+        let low = leading(self.window() << (zeros + 1), k);
+        self.skip(zeros + 1 + k)?;
+        Ok((zeros << k | low) as i32)
+    }
+}
+
+#[cold]
+fn limited_golomb(bits: &mut BitBuffer<7>, k: u32, limit: u32, qbpp: u32) -> Result<i32> {
+    decode_golomb(bits, k, limit, qbpp)
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::super::golomb::ReadGolomb;
+    use crate::codec::bit_buffer::BitBuffer;
+    use crate::codec::bits::Bits;
+
+    fn numbers<'a, B: ReadGolomb<'a>>(stream: &'a [u8], codes: &[(u32, u32, u32)]) -> Vec<String> {
+        let mut bits = B::new(stream, 1);
+        let mut results = Vec::new();
+        for &(k, limit, qbpp) in codes {
+            let number = bits.golomb(k, limit, qbpp);
+            if number.is_err() {
+                results.push(format!("{number:?}"));
+                return results;
+            }
+            results.push(format!("{number:?}, then byte {}", bits.plain().offset()));
+        }
+        results.push(format!("{:?}", bits.plain().finish()));
+        results
+    }
+
+    proptest! {
+        #[test]
+        fn counted_zeros_equal_the_plain_way(
+            data in prop::collection::vec(prop_oneof![Just(0xFF), Just(0), any::<u8>()], 0..40),
+            codes in prop::collection::vec((0_u32..=9, 16_u32..=32, 1_u32..=8), 0..40),
+        ) {
+            let stream = [vec![0], data].concat();
+            prop_assert_eq!(
+                numbers::<BitBuffer<7>>(&stream, &codes),
+                numbers::<Bits<7>>(&stream, &codes)
+            );
+        }
+    }
+}

@@ -1,0 +1,69 @@
+//! T.87 A.5.3: limited-length Golomb codes, read
+//!
+//! A number is coded in two parts: its high bits, all but the last k, as so many zeros and a one,
+//! then its last k bits. A code would be long for a large number, so it is limited: after LIMIT −
+//! qbpp − 1 zeros and a one the number less one follows in qbpp bits.
+//!
+//! Worked example, with k = 2, LIMIT 32 and qbpp 8:
+//!
+//! ```text
+//! 3     1 11                   no zeros, low bits 11
+//! 13    0001 01                13 = 3 · 4 + 1
+//! 200   (23 zeros) 1 11000111  200 / 4 is over 22: the number 199 as it is
+//! ```
+
+use crate::codec::bits::{Bits, ReadBits};
+use crate::codec::stream_error::{Result, malformed};
+
+/// What the decoding of a scan asks of the entropy-coded segment. [`Bits`] answers as the standard
+/// tells it, [`BitBuffer`](crate::codec::bit_buffer::BitBuffer) faster.
+pub(super) trait ReadGolomb<'a>: ReadBits<'a, 7> {
+    /// The next code, as its number.
+    fn golomb(&mut self, k: u32, limit: u32, qbpp: u32) -> Result<i32>;
+}
+
+impl<'a> ReadGolomb<'a> for Bits<'a, 7> {
+    fn golomb(&mut self, k: u32, limit: u32, qbpp: u32) -> Result<i32> {
+        decode_golomb(self, k, limit, qbpp)
+    }
+}
+
+/// A.5.3, read.
+pub(super) fn decode_golomb<'a>(
+    bits: &mut impl ReadBits<'a, 7>,
+    k: u32,
+    limit: u32,
+    qbpp: u32,
+) -> Result<i32> {
+    let start = bits.plain();
+    let longest = limit - qbpp - 1;
+    let mut zeros = 0;
+    while bits.receive(1)? == 0 {
+        zeros += 1;
+        if zeros > longest {
+            let what = format!("a code begins with more than {longest} zeros");
+            return Err(malformed(start.offset(), what));
+        }
+    }
+    let number = if zeros < longest {
+        zeros << k | bits.receive(k)?
+    } else {
+        bits.receive(qbpp)? + 1
+    };
+    Ok(number as i32)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::ReadGolomb;
+    use crate::codec::bits::{Bits, ReadBits};
+
+    /// The worked example above.
+    #[test]
+    fn long_codes_are_limited() {
+        let stream = [0, 0b1110_0010, 0b1000_0000, 0, 0, 0b1110_0011, 0b1000_0000];
+        let mut bits = Bits::new(&stream, 1);
+        let numbers = [(); 3].map(|()| bits.golomb(2, 32, 8));
+        assert_eq!(numbers, [Ok(3), Ok(13), Ok(200)]);
+    }
+}

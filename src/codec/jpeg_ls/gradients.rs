@@ -1,0 +1,51 @@
+//! T.87 A.3.2 – A.3.4: local gradients and the context they choose
+//!
+//! The gradients d − b, b − c and c − a tell how steep the neighborhood is. Each is quantized into
+//! one of nine regions, −4 … 4, by the thresholds T1, T2, T3 and NEAR. A neighborhood and its mirror
+//! image (all signs turned) share a context, whose errors then count with the other sign: of 9³ =
+//! 729 triples, one is flat and 364 pairs remain.
+//!
+//! Worked example, without loss and with the thresholds 3, 7, 21:
+//!
+//! ```text
+//! c b d    10 12 40    gradients  28   2   5    regions  4  1  2    context 81·4 + 9·1 + 2 = 335
+//! a x       5  x
+//! ```
+
+use super::parameters::Parameters;
+use super::template::Neighbors;
+
+/// The number of the context, with its sign: negative in the mirrored neighborhood. 0 is the flat
+/// neighborhood, which is run mode's. The standard leaves the numbering open.
+#[inline]
+pub(super) fn context_number(parameters: &Parameters, neighbors: Neighbors) -> i32 {
+    let Neighbors { a, b, c, d } = neighbors;
+    let region = |gradient| region(parameters, gradient);
+    81 * region(d - b) + 9 * region(b - c) + region(c - a)
+}
+
+/// A.3.3: the flat region has NEAR on both sides of zero, the others T1, T2 and T3.
+#[inline]
+fn region(parameters: &Parameters, gradient: i32) -> i32 {
+    let [t1, t2, t3] = parameters.thresholds;
+    let magnitude = gradient.abs();
+    let reached = |threshold: i32| i32::from(magnitude >= threshold);
+    let region = reached(parameters.near + 1) + reached(t1) + reached(t2) + reached(t3);
+    region * gradient.signum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::parameters::{Parameters, PresetParameters};
+    use super::{Neighbors, context_number};
+
+    /// The worked example above.
+    #[test]
+    fn mirrored_neighborhoods_share_a_context() {
+        let parameters = Parameters::new(&PresetParameters::default(), 0, 0, 0).expect("defaults");
+        let number = |a, b, c, d| context_number(&parameters, Neighbors { a, b, c, d });
+        assert_eq!(number(5, 12, 10, 40), 335);
+        assert_eq!(number(255 - 5, 255 - 12, 255 - 10, 255 - 40), -335);
+        assert_eq!(number(9, 9, 9, 9), 0);
+    }
+}

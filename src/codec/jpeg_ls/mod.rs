@@ -1,0 +1,61 @@
+//! JPEG-LS: ITU-T T.87 | ISO/IEC 14495-1, lossless and near-lossless, one component of 8 bits
+//!
+//! Samples are coded one by one, left to right and top to bottom. Each is predicted from four
+//! neighbors that are already known, and the prediction error is written with a limited-length
+//! Golomb code. The gradients of the neighborhood choose one of 364 *contexts*, which learn from
+//! the errors they have met how far the prediction is off and how long the codes should be. Where
+//! the neighborhood is flat, the coder counts equal samples instead (*run mode*).
+//!
+//! ```text
+//! c b d     template → gradients ─┬→ prediction → contexts → golomb    regular mode (A.4 – A.6)
+//! a x                             └→ run_mode                          run mode (A.7)
+//! ```
+//!
+//! With NEAR above 0 each sample may come out wrong by up to NEAR: the error is divided by 2·NEAR +
+//! 1 and rounded, and both sides go on from the sample that the decoder will have.
+//!
+//! Decoder and encoder learn alike, so they share the contexts and everything else that neither
+//! reads nor writes bits. Annex F, the decoder, is Annex A read the other way round.
+//!
+//! Format notes
+//! - A decoder must take part in NEAR: the frame looks the same with and without loss.
+//! - In what unit JPEG-LS counts a restart interval the standard leaves open, and implementations
+//!   differ; streams with one are not read.
+
+mod parameters;
+
+mod template;
+
+mod gradients;
+
+mod prediction;
+
+mod contexts;
+
+mod run_mode;
+
+// Reading.
+
+mod decoder;
+
+mod decode_scan;
+
+mod golomb;
+
+mod fast_golomb;
+
+// Writing.
+
+#[cfg(feature = "generate")]
+mod encoder;
+
+#[cfg(feature = "generate")]
+mod encode_scan;
+
+pub use decoder::decode;
+
+#[cfg(feature = "generate")]
+pub use encoder::{JpegLsOptions, encode};
+
+#[cfg(feature = "generate")]
+pub use parameters::PresetParameters;

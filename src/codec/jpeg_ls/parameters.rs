@@ -1,0 +1,177 @@
+//! T.87 C.2.4.1.1, A.2.1: preset coding parameters and what follows from them
+//!
+//! An LSE segment may set MAXVAL, the thresholds of the gradients and RESET; NEAR stands in the scan
+//! header. All other numbers of a scan are computed from these.
+//!
+//! Worked example, samples of 8 bits:
+//!
+//! ```text
+//! MAXVAL NEAR   T1 T2 T3  RESET   RANGE qbpp  bpp  LIMIT
+//! 255    0       3  7 21  64        256    8    8     32
+//! 255    3      12 22 42  64         38    6    8     32
+//! 127    0       2  3 10  64        128    7    7     30
+//! ```
+//!
+//! Format notes
+//! - In the segment a zero stands for the default, which depends on MAXVAL and NEAR.
+//! - LIMIT follows from MAXVAL, not from the precision in the frame header.
+//! - T1 = T2 = T3 is legal.
+
+use crate::codec::stream_error::{Result, malformed};
+
+/// The preset coding parameters of an LSE segment (C.2.4.1.1). 0 stands for the default.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash)]
+pub struct PresetParameters {
+    /// The largest sample: 1 … 255.
+    pub maxval: u16,
+    /// T1, NEAR + 1 … MAXVAL: from where on a gradient counts as steeper.
+    pub t1: u16,
+    /// T2, T1 … MAXVAL.
+    pub t2: u16,
+    /// T3, T2 … MAXVAL.
+    pub t3: u16,
+    /// RESET, 3 … 255: after so many samples a context forgets half of what it knows.
+    pub reset: u16,
+}
+
+/// The numbers that a scan is coded with.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) struct Parameters {
+    /// The largest sample.
+    pub maxval: i32,
+    pub near: i32,
+    /// T1, T2, T3.
+    pub thresholds: [i32; 3],
+    pub reset: i32,
+    /// 2·NEAR + 1: the difference of neighboring errors.
+    pub step: i32,
+    /// How many different errors there are.
+    pub range: i32,
+    /// The bits of an error written as a plain number.
+    pub qbpp: u32,
+    /// The bits of the longest code.
+    pub limit: u32,
+}
+
+impl Parameters {
+    /// Fills in defaults and checks. The preset parameters stand at `presets_at`, NEAR at `near_at`.
+    pub fn new(
+        presets: &PresetParameters,
+        presets_at: usize,
+        near: u8,
+        near_at: usize,
+    ) -> Result<Parameters> {
+        let near = i32::from(near);
+        let maxval = or_default(presets.maxval, 255);
+        if maxval > 255 {
+            let what = format!("MAXVAL {maxval} does not fit in 8 bits");
+            return Err(malformed(presets_at, what));
+        }
+        if near > maxval / 2 {
+            let what = format!("NEAR {near} is more than half of MAXVAL {maxval}");
+            return Err(malformed(near_at, what));
+        }
+        let thresholds = thresholds(presets, presets_at, maxval, near)?;
+        let reset = or_default(presets.reset, 64);
+        if !(3..=255).contains(&reset) {
+            let what = format!("RESET must be within 3 to 255, found {reset}");
+            return Err(malformed(presets_at + 8, what));
+        }
+
+        // A.2.1.
+        let step = 2 * near + 1;
+        let range = (maxval + 2 * near) / step + 1;
+        let bpp = bits_for(maxval + 1).max(2);
+        Ok(Parameters {
+            maxval,
+            near,
+            thresholds,
+            reset,
+            step,
+            range,
+            qbpp: bits_for(range),
+            limit: 2 * (bpp + bpp.max(8)),
+        })
+    }
+}
+
+fn or_default(value: u16, default: i32) -> i32 {
+    match value {
+        0 => default,
+        value => i32::from(value),
+    }
+}
+
+/// How many bits so many values need.
+fn bits_for(values: i32) -> u32 {
+    (values - 1).ilog2() + 1
+}
+
+/// T1, T2, T3: each within the one before and MAXVAL.
+fn thresholds(
+    presets: &PresetParameters,
+    presets_at: usize,
+    maxval: i32,
+    near: i32,
+) -> Result<[i32; 3]> {
+    let mut thresholds = default_thresholds(maxval, near);
+    let mut least = near + 1;
+    for (i, stored) in [presets.t1, presets.t2, presets.t3].into_iter().enumerate() {
+        let threshold = or_default(stored, thresholds[i]);
+        if !(least..=maxval).contains(&threshold) {
+            let name = i + 1;
+            let what = format!("T{name} must be within {least} to {maxval}, found {threshold}");
+            return Err(malformed(presets_at + 2 * name, what));
+        }
+        thresholds[i] = threshold;
+        least = threshold;
+    }
+    Ok(thresholds)
+}
+
+/// C.2.4.1.1.1: 3, 7, 21 for 8 bits without loss, and from there in proportion to MAXVAL and NEAR.
+///
+/// What would be larger than MAXVAL, or smaller than the one before, is replaced by that one.
+fn default_thresholds(maxval: i32, near: i32) -> [i32; 3] {
+    let wanted = if maxval >= 128 {
+        // MAXVAL is at most 255 here, so that the factor of the standard is always 1.
+        [3 + 3 * near, 7 + 5 * near, 21 + 7 * near]
+    } else {
+        let divisor = 256 / (maxval + 1);
+        [
+            (3 / divisor + 3 * near).max(2),
+            (7 / divisor + 5 * near).max(3),
+            (21 / divisor + 7 * near).max(4),
+        ]
+    };
+    let mut least = near + 1;
+    wanted.map(|threshold| {
+        if (least..=maxval).contains(&threshold) {
+            least = threshold;
+        }
+        least
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Parameters, PresetParameters};
+
+    /// The worked example above, and the smallest MAXVAL.
+    #[test]
+    fn defaults_follow_from_maxval_and_near() {
+        let all = |maxval, near| {
+            let presets = PresetParameters {
+                maxval,
+                ..PresetParameters::default()
+            };
+            let p = Parameters::new(&presets, 0, near, 0).expect("legal parameters");
+            (p.thresholds, p.reset, p.range, p.qbpp, p.limit)
+        };
+        assert_eq!(all(0, 0), ([3, 7, 21], 64, 256, 8, 32));
+        assert_eq!(all(255, 3), ([12, 22, 42], 64, 38, 6, 32));
+        assert_eq!(all(127, 0), ([2, 3, 10], 64, 128, 7, 30));
+        assert_eq!(all(128, 0), ([3, 7, 21], 64, 129, 8, 32));
+        assert_eq!(all(1, 0), ([1, 1, 1], 64, 2, 1, 20));
+    }
+}

@@ -1,0 +1,90 @@
+//! T.87 A.4: prediction, its error and the sample that the two make
+//!
+//! The prediction is the *median edge detector*: at an edge b or a, else the plane through a, b and
+//! c. The error is a number modulo RANGE, because sample and prediction are: of two errors that make
+//! the same sample the one nearer to zero is coded.
+//!
+//! Worked example, a = 5, b = 12 and the sample 250, without loss:
+//!
+//! ```text
+//! c = 10   between a and b      prediction 5 + 12 − 10 = 7
+//! c = 20   beyond both          prediction 5, the smaller: an edge
+//! error    250 − 7 = 243        243 − 256 = −13
+//! sample   7 − 13 = −6          −6 + 256 = 250
+//! ```
+
+use super::parameters::Parameters;
+use super::template::Neighbors;
+
+/// A.4.1.
+#[inline]
+pub(super) fn predict(neighbors: Neighbors) -> i32 {
+    let Neighbors { a, b, c, .. } = neighbors;
+    if c >= a.max(b) {
+        a.min(b)
+    } else if c <= a.min(b) {
+        a.max(b)
+    } else {
+        a + b - c
+    }
+}
+
+impl Parameters {
+    /// A.4.4, A.4.5: the error as it is coded: in units of the step, and nearest to zero of those
+    /// that make the same sample.
+    #[cfg(feature = "generate")]
+    pub fn quantize_error(&self, error: i32) -> i32 {
+        let quantized = (error + self.near * error.signum()) / self.step;
+        let positive = if quantized < 0 {
+            quantized + self.range
+        } else {
+            quantized
+        };
+        if positive >= (self.range + 1) / 2 {
+            positive - self.range
+        } else {
+            positive
+        }
+    }
+
+    /// Whether `quantize_error` can have returned it.
+    #[inline]
+    pub fn is_reduced(&self, error: i32) -> bool {
+        -(self.range / 2) <= error && error < (self.range + 1) / 2
+    }
+
+    /// A.4.4: the sample that an error makes of a prediction, for the decoder and for everyone who
+    /// predicts from it.
+    #[inline]
+    pub fn reconstruct(&self, predicted: i32, error: i32) -> i32 {
+        let modulus = self.range * self.step;
+        let sample = predicted + error * self.step;
+        let sample = if sample < -self.near {
+            sample + modulus
+        } else if sample > self.maxval + self.near {
+            sample - modulus
+        } else {
+            sample
+        };
+        sample.clamp(0, self.maxval)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::parameters::{Parameters, PresetParameters};
+    use super::{Neighbors, predict};
+
+    /// The worked example above.
+    #[test]
+    fn errors_are_numbers_modulo_range() {
+        let (a, b, d) = (5, 12, 40);
+        assert_eq!(predict(Neighbors { a, b, c: 10, d }), 7);
+        assert_eq!(predict(Neighbors { a, b, c: 20, d }), 5);
+        let parameters = Parameters::new(&PresetParameters::default(), 0, 0, 0).expect("defaults");
+        assert!(parameters.is_reduced(-13) && !parameters.is_reduced(243));
+        assert_eq!(parameters.reconstruct(7, -13), 250);
+        #[cfg(feature = "generate")]
+        assert_eq!(parameters.quantize_error(250 - 7), -13);
+    }
+}

@@ -1,0 +1,92 @@
+//! T.87 A.3.1, A.2.1: the causal template
+//!
+//! The neighbors of the sample x, as the decoder knows them: a to the left of it, b above it, c and
+//! d to the left and to the right of b.
+//!
+//! ```text
+//!     c  b  d
+//!     a  x
+//! ```
+//!
+//! Worked example, the neighbors of the samples at the edges of two lines of three:
+//!
+//! ```text
+//!  0 |  0  0  0 | 0     above the first line there are zeros
+//!  0 | 10 20 30 | 30    to the right of a line, d is b: after 30 comes 30
+//! 10 | 40 50 60         to the left of a line, a is b: before 40 comes 10
+//! ```
+//!
+//! Format notes
+//! - To the left of a line c is what a was at the start of the line before: in the example it is 0
+//!   for the sample 40, and *not* 10.
+
+/// The line above and the line being coded, each with a place more at both sides for its edges: the
+/// sample in column x stands at x + 1.
+pub(super) struct Lines {
+    above: Vec<u8>,
+    line: Vec<u8>,
+}
+
+/// The four neighbors of a sample.
+#[derive(Clone, Copy)]
+pub(super) struct Neighbors {
+    pub a: i32,
+    pub b: i32,
+    pub c: i32,
+    pub d: i32,
+}
+
+impl Lines {
+    pub fn new(width: u32) -> Lines {
+        let zeros = vec![0; width as usize + 3];
+        Lines {
+            above: zeros.clone(),
+            line: zeros,
+        }
+    }
+
+    /// Goes one line down and sets its edges.
+    pub fn next(&mut self) {
+        std::mem::swap(&mut self.above, &mut self.line);
+        let width = self.width();
+        self.above[width + 1] = self.above[width];
+        self.line[0] = self.above[1];
+    }
+
+    pub fn width(&self) -> usize {
+        self.line.len() - 3
+    }
+
+    /// The neighbors of the sample in column x.
+    pub fn neighbors(&self, x: usize) -> Neighbors {
+        Neighbors {
+            a: i32::from(self.line[x]),
+            b: i32::from(self.above[x + 1]),
+            c: i32::from(self.above[x]),
+            d: i32::from(self.above[x + 2]),
+        }
+    }
+
+    /// Sets the sample in column x, whose neighbors these are. Returns the neighbors of the next
+    /// sample: the template has moved by one.
+    #[inline]
+    pub fn set(&mut self, x: usize, sample: i32, neighbors: Neighbors) -> Neighbors {
+        self.line[x + 1] = sample as u8;
+        Neighbors {
+            a: sample,
+            b: neighbors.d,
+            c: neighbors.b,
+            d: i32::from(self.above[x + 3]),
+        }
+    }
+
+    /// Sets a run of samples that begins in column x.
+    pub fn fill(&mut self, x: usize, run: usize, sample: i32) {
+        self.line[x + 1..][..run].fill(sample as u8);
+    }
+
+    /// The samples of the line.
+    pub fn samples(&self) -> &[u8] {
+        &self.line[1..=self.width()]
+    }
+}

@@ -1,0 +1,159 @@
+//! T.81 B.1.1 (T.87 C.1): markers and marker segments
+//!
+//! A stream is a sequence of *markers*: a byte 0xFF and a code that is neither 0x00 nor 0xFF. Some
+//! markers stand alone; the others open a *marker segment*, whose first two bytes hold its length.
+//! The scan header is followed by entropy-coded data, which has no length: it ends where the next
+//! marker stands.
+//!
+//! Worked example, a stream of 4 × 1 zeros in JPEG-LS:
+//!
+//! ```text
+//! FF D8                                      SOI, start of image
+//! FF F7  00 0B  08  00 01 00 04 01 01 11 00  SOF55, frame header: 11 bytes, 8 bits, 1 row of 4
+//! FF DA  00 08  01  01 00 00 00 00           SOS, scan header: 8 bytes, of one component
+//! F0                                         entropy-coded data
+//! FF D9                                      EOI, end of image
+//! ```
+//!
+//! Format notes
+//! - A length counts its own two bytes and not the marker (B.1.1.4): 00 0B covers eleven bytes, and
+//!   the shortest segment, 00 02, is empty.
+//! - Numbers of two bytes are stored high byte first (B.1.1.1).
+//! - Any number of bytes 0xFF may precede a marker (B.1.1.2), but not the first one.
+//! - What follows EOI belongs to somebody else and is not looked at.
+
+use std::fmt;
+
+use super::stream_error::{Result, malformed};
+
+// The markers that both standards use, by their second byte (T.81 Table B.1, T.87 Table C.1).
+pub(super) const RST0: u8 = 0xD0;
+pub(super) const SOI: u8 = 0xD8;
+pub(super) const EOI: u8 = 0xD9;
+pub(super) const SOS: u8 = 0xDA;
+pub(super) const DNL: u8 = 0xDC;
+pub(super) const DRI: u8 = 0xDD;
+pub(super) const APP0: u8 = 0xE0;
+const APP15: u8 = 0xEF;
+const COM: u8 = 0xFE;
+
+/// A marker and where its 0xFF stands.
+#[derive(Clone, Copy)]
+pub(super) struct Marker {
+    pub code: u8,
+    pub at: usize,
+}
+
+impl fmt::Display for Marker {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(out, "marker FF{:02X}", self.code)
+    }
+}
+
+/// A stream, or one marker segment of it, and the next byte to read.
+///
+/// A segment is the same stream with an earlier end, so that all offsets count from the same zero.
+pub(super) struct Cursor<'a> {
+    pub stream: &'a [u8],
+    pub at: usize,
+    /// What ends where `stream` ends, for the sentence of the error.
+    name: &'static str,
+}
+
+impl<'a> Cursor<'a> {
+    /// A stream, to be read from byte `at` on.
+    pub fn new(stream: &'a [u8], at: usize) -> Self {
+        let name = "the stream";
+        Cursor { stream, at, name }
+    }
+
+    /// Reads the first marker, SOI, which stands at the first byte (B.2.1).
+    pub fn open(stream: &'a [u8]) -> Result<Self> {
+        match stream {
+            [] => Err(malformed(0, "the stream is empty")),
+            [0xFF, SOI, ..] => Ok(Cursor::new(stream, 2)),
+            _ => Err(malformed(
+                0,
+                "the stream does not start with SOI, bytes FF D8",
+            )),
+        }
+    }
+
+    pub fn byte(&mut self, what: &str) -> Result<u8> {
+        let Some(&byte) = self.stream.get(self.at) else {
+            return Err(malformed(
+                self.at,
+                format!("{} ends before {what}", self.name),
+            ));
+        };
+        self.at += 1;
+        Ok(byte)
+    }
+
+    pub fn u16(&mut self, what: &str) -> Result<u16> {
+        Ok(u16::from_be_bytes([self.byte(what)?, self.byte(what)?]))
+    }
+
+    pub fn at_end(&self) -> bool {
+        self.at == self.stream.len()
+    }
+
+    /// Nothing may be left over in a segment that has been read.
+    pub fn expect_end(&self) -> Result<()> {
+        match self.stream.len() - self.at {
+            0 => Ok(()),
+            left => Err(malformed(
+                self.at,
+                format!("{} is {left} bytes too long", self.name),
+            )),
+        }
+    }
+
+    /// The next marker, after any fill bytes (B.1.1.2).
+    pub fn marker(&mut self) -> Result<Marker> {
+        let first = self.byte("a marker")?;
+        if first != 0xFF {
+            let what = format!("expected a marker, found byte {first:02X}");
+            return Err(malformed(self.at - 1, what));
+        }
+        let mut code = 0xFF;
+        while code == 0xFF {
+            code = self.byte("the code of a marker")?;
+        }
+        // Of several bytes 0xFF the last is the marker's own.
+        let at = self.at - 2;
+        Ok(Marker { code, at })
+    }
+
+    /// The next marker of another kind than comments and application data, which are skipped
+    /// (B.2.4.5, B.2.4.6).
+    pub fn marker_after_comments(&mut self) -> Result<Marker> {
+        let mut marker = self.marker()?;
+        while matches!(marker.code, COM | APP0..=APP15) {
+            self.segment("a comment or application segment")?;
+            marker = self.marker()?;
+        }
+        Ok(marker)
+    }
+
+    /// The segment that the marker just read opens (B.1.1.4); this cursor continues after it.
+    pub fn segment(&mut self, name: &'static str) -> Result<Cursor<'a>> {
+        let start = self.at;
+        let length = self.u16("the length of a segment")?;
+        if length < 2 {
+            let what = format!("{name} has length {length}, which does not cover itself");
+            return Err(malformed(start, what));
+        }
+        let end = start + usize::from(length);
+        if end > self.stream.len() {
+            let what = format!("{name} of {length} bytes extends past the end of the stream");
+            return Err(malformed(start, what));
+        }
+        self.at = end;
+        Ok(Cursor {
+            stream: &self.stream[..end],
+            at: start + 2,
+            name,
+        })
+    }
+}

@@ -1,0 +1,127 @@
+//! T.81 B.1.1 (T.87 C.1): markers, marker segments and entropy-coded bits, written
+//!
+//! The mirror of `markers`, `headers` and `bits`, for both encoders. Where those allow several
+//! spellings (fill bytes, names of components, numbers of tables), this has one: none, 1 and 0.
+//!
+//! Worked example: eight ones and 1010 0001, and then the end, in both standards.
+//!
+//! ```text
+//! T.81   FF     the next byte carries nothing: 00
+//!        A1     complete
+//! T.87   FF     the next byte carries seven bits: 0 and 101 0000
+//!        50 80  the last bit, filled up with zeros
+//! ```
+
+use super::markers::{EOI, SOI, SOS};
+
+/// What an encoder made.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Encoded {
+    /// The complete stream, from SOI to EOI.
+    pub stream: Vec<u8>,
+    /// The samples that an exact decoder returns for it, in row order.
+    ///
+    /// They are by-products of encoding: no decoder was asked.
+    pub samples: Vec<u8>,
+}
+
+/// A stream that is being written.
+pub(super) struct Writer {
+    stream: Vec<u8>,
+}
+
+impl Writer {
+    /// Starts with SOI (B.2.1).
+    pub fn new() -> Writer {
+        let stream = vec![0xFF, SOI];
+        Writer { stream }
+    }
+
+    /// B.1.1.4: the length counts its own two bytes.
+    pub fn segment(&mut self, code: u8, content: &[u8]) {
+        self.marker(code);
+        self.stream.extend((content.len() as u16 + 2).to_be_bytes());
+        self.stream.extend(content);
+    }
+
+    pub fn marker(&mut self, code: u8) {
+        self.stream.extend([0xFF, code]);
+    }
+
+    /// B.2.2: 8 bits, height before width, one component of name 1, quantization table 0.
+    pub fn frame_header(&mut self, code: u8, width: u32, height: u32, factors: (u8, u8)) {
+        let mut content = vec![8];
+        content.extend((height as u16).to_be_bytes());
+        content.extend((width as u16).to_be_bytes());
+        content.extend([1, 1, factors.0 << 4 | factors.1, 0]);
+        self.segment(code, &content);
+    }
+
+    /// B.2.3: the one component, tables 0, and the parameters of the scan.
+    pub fn scan_header(&mut self, [first, second, third]: [u8; 3]) {
+        self.segment(SOS, &[1, 1, 0, first, second, third]);
+    }
+
+    /// Ends with EOI.
+    pub fn finish(mut self) -> Vec<u8> {
+        self.marker(EOI);
+        self.stream
+    }
+}
+
+/// The bits of an entropy-coded segment: `AFTER_FF` as in `bits`.
+pub(super) struct BitWriter<'a, const AFTER_FF: u32> {
+    stream: &'a mut Vec<u8>,
+    /// Bits that do not yet make a byte, at the bottom.
+    window: u64,
+    count: u32,
+    /// How many bits the next byte carries.
+    room: u32,
+}
+
+impl<'a, const AFTER_FF: u32> BitWriter<'a, AFTER_FF> {
+    pub fn new(writer: &'a mut Writer) -> Self {
+        BitWriter {
+            stream: &mut writer.stream,
+            window: 0,
+            count: 0,
+            room: 8,
+        }
+    }
+
+    /// Appends the low `count` bits of `bits`, at most 32; the bits above them are zeros.
+    pub fn put(&mut self, bits: u32, count: u32) {
+        self.window = self.window << count | u64::from(bits);
+        self.count += count;
+        while self.count >= self.room {
+            self.count -= self.room;
+            let byte = (self.window >> self.count) as u8 & ((1_u32 << self.room) - 1) as u8;
+            self.stream.push(byte);
+            self.room = if byte == 0xFF { AFTER_FF } else { 8 };
+        }
+    }
+
+    /// Fills the last byte with copies of `padding`, 0 or 1. Stuffing after a last 0xFF is part of
+    /// the data: without it a decoder would see a marker too early.
+    pub fn finish(mut self, padding: u32) {
+        while self.count > 0 || self.room < 8 {
+            self.put(padding, 1);
+        }
+    }
+}
+
+/// What both encoders ask of their input.
+///
+/// # Panics
+/// If there are not `width` × `height` samples, or a side is not within 1 … 65,535.
+pub(super) fn check_size(samples: &[u8], width: u32, height: u32) {
+    assert!(
+        (1..=0xFFFF).contains(&width) && (1..=0xFFFF).contains(&height),
+        "no stream has {width} x {height} samples"
+    );
+    assert_eq!(
+        samples.len(),
+        width as usize * height as usize,
+        "samples of a picture of {width} x {height}"
+    );
+}

@@ -1,0 +1,76 @@
+//! Some channels of every texel: what each part of §2.7, §2.8 and §2.9.8 provides
+//!
+//! A file has its values in up to eighteen parts: blocks of a few channels (2.7), indices that stand for entries of a
+//! table (2.8), planes (2.9.8). What they have in common: each part has
+//! some channels of every texel, and its texels lie row after row, in the order in which the rows are stored.
+//!
+//! ```text
+//! RGB            0…5  6…11  12…17          three blocks
+//! LUM            0…7                       one block
+//! LRGB           0…5  6…8                  two blocks
+//! PTM_LUT        0…5  6…8                  indices into a table of six, a block
+//! PTM_C_LUT      0…8                       indices into a table of nine
+//! JPEG_RGB …     0  1  2  3  …  17         a plane each
+//! ```
+
+use std::borrow::Cow;
+use std::ops::Range;
+
+use crate::parts::{Block, IndexBlock, LookupTable};
+use crate::reading::Reading;
+
+/// Some channels of every texel.
+pub(super) struct Channels<'a> {
+    /// Which.
+    pub block: Block,
+    /// Their values.
+    pub values: Values<'a>,
+}
+
+/// How the values lie: texel after texel, row after stored row.
+pub(super) enum Values<'a> {
+    /// As they are.
+    Bytes(Cow<'a, [u8]>),
+    /// As entries of a table. Every index has been checked.
+    Entries(IndexBlock<'a>, LookupTable<'a>),
+}
+
+impl Channels<'_> {
+    /// The values of the stored texel `at`.
+    pub fn of_texel(&self, at: usize, reading: &Reading) -> &[u8] {
+        match &self.values {
+            Values::Bytes(bytes) => &bytes[at * self.block.channels..][..self.block.channels],
+            Values::Entries(indices, table) => {
+                let entry = entry(indices, table, at, reading).expect("every index was checked");
+                &table.bytes[entry * table.entry_size..][..table.entry_size]
+            }
+        }
+    }
+
+    /// Puts the values of the stored texels of `run` where they belong in `texels`, which have `size` channels each.
+    pub fn put(&self, run: Range<usize>, texels: &mut [u8], size: usize, reading: &Reading) {
+        for (at, texel) in run.zip(texels.chunks_exact_mut(size)) {
+            let values = self.of_texel(at, reading);
+            texel[self.block.channel..][..values.len()].copy_from_slice(values);
+        }
+    }
+
+    /// Bytes that it takes besides the file.
+    pub fn held(&self) -> usize {
+        match &self.values {
+            Values::Bytes(Cow::Owned(bytes)) => bytes.len(),
+            _ => 0,
+        }
+    }
+}
+
+/// The number of the entry that the index of the stored texel `at` names, if there is one.
+pub(super) fn entry(
+    indices: &IndexBlock,
+    table: &LookupTable,
+    at: usize,
+    reading: &Reading,
+) -> Option<usize> {
+    let index = (reading.index)(&indices.bytes[at * indices.width..][..indices.width]);
+    (reading.entry)(index, table.entries).filter(|&entry| entry < table.entries)
+}

@@ -1,0 +1,111 @@
+//! A displaced plane, row by row where all four samples of a mean lie inside the plane
+//!
+//! Inside, where most texels are, no edge is in the way: four slices of the plane run side by side. What is left, a frame
+//! as wide as the displacement, is made texel by texel as [`super::predict`] says; a test below holds the two equal.
+
+use std::ops::Range;
+
+use crate::ptm::Size;
+
+/// `sample` at every texel, row by row, where `sample` is `half` of the four samples around a place half a vector away.
+pub(super) fn every_texel(
+    plane: &[u8],
+    size: Size,
+    (mx, my): (i64, i64),
+    half: fn([u8; 4]) -> u8,
+    sample: impl Fn(i64, i64) -> u8,
+) -> Vec<u8> {
+    let width = size.width as usize;
+    let (across, down) = (Axis::new(mx, size.width), Axis::new(my, size.height));
+    let row = |y: i64| &plane[y as usize * width..][..width];
+    let mut texels = Vec::with_capacity(plane.len());
+    for y in 0..i64::from(size.height) {
+        let run = if down.inside.contains(&y) {
+            across.inside.clone()
+        } else {
+            0..0
+        };
+        // The left of the frame, or the whole row where the row above or below it is outside.
+        texels.extend((0..run.start).map(|x| sample(x, y)));
+        if !run.is_empty() {
+            // a b in the first row, c d in the second: the order in which `half` has them.
+            let [first, second] = down.taps(y).map(row);
+            let [left, right] = across.taps(run.start).map(|x| x as usize);
+            let length = (run.end - run.start) as usize;
+            let [a, c] = [first, second].map(|row| &row[left..][..length]);
+            let [b, d] = [first, second].map(|row| &row[right..][..length]);
+            texels.extend((0..length).map(|i| half([a[i], b[i], c[i], d[i]])));
+        }
+        texels.extend((run.end..i64::from(size.width)).map(|x| sample(x, y)));
+    }
+    texels
+}
+
+/// One axis of a plane and the displacement along it.
+struct Axis {
+    /// How far the first of two samples is away, and the second.
+    offsets: [i64; 2],
+    /// Where both lie inside the plane.
+    inside: Range<i64>,
+}
+
+impl Axis {
+    fn new(displacement: i64, length: u32) -> Axis {
+        // A half lies between a texel and the next one, so the second sample is never before the first.
+        let length = i64::from(length);
+        let first = displacement.div_euclid(2);
+        let second = first + displacement.rem_euclid(2);
+        let start = first.saturating_neg().clamp(0, length);
+        Axis {
+            offsets: [first, second],
+            inside: start..length.saturating_sub(second).clamp(start, length),
+        }
+    }
+
+    fn taps(&self, at: i64) -> [i64; 2] {
+        self.offsets.map(|offset| at + offset)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    /// The edge, replicated.
+    fn edge(plane: &[u8], size: Size, x: i64, y: i64) -> u8 {
+        let x = x.clamp(0, i64::from(size.width) - 1);
+        let y = y.clamp(0, i64::from(size.height) - 1);
+        plane[y as usize * size.width as usize + x as usize]
+    }
+
+    proptest! {
+        #[test]
+        fn rows_are_texel_by_texel(
+            (width, height) in (1u32..12, 1u32..12),
+            samples in proptest::collection::vec(any::<u8>(), 144),
+            near in (-30i64..30, -30i64..30),
+            far in (any::<i64>(), any::<i64>()),
+            which in 0..4,
+        ) {
+            let size = Size { width, height };
+            let plane = &samples[..size.texels()];
+            let (mx, my) = [near, far, (near.0, far.1), (far.0, near.1)][which as usize];
+            // Not symmetrical, so that exchanged samples show.
+            let half = |[a, b, c, d]: [u8; 4]| a ^ b.rotate_left(1) ^ c.rotate_left(2) ^ d.rotate_left(3);
+            let sample = |x: i64, y: i64| {
+                let (x, y) = (mx.saturating_add(2 * x), my.saturating_add(2 * y));
+                let (left, first) = (x.div_euclid(2), y.div_euclid(2));
+                let (right, second) = (left + x.rem_euclid(2), first + y.rem_euclid(2));
+                half([(left, first), (right, first), (left, second), (right, second)]
+                    .map(|(x, y)| edge(plane, size, x, y)))
+            };
+            let plain: Vec<u8> = (0..i64::from(height))
+                .flat_map(|y| (0..i64::from(width)).map(move |x| (x, y)))
+                .map(|(x, y)| sample(x, y))
+                .collect();
+            prop_assert_eq!(every_texel(plane, size, (mx, my), half, sample), plain);
+        }
+    }
+}

@@ -1,0 +1,100 @@
+//! The streams of 2.9.8 on all threads
+//!
+//! A stream depends on nothing but itself, so all of them can be decoded at once; prediction and correction, which go from
+//! plane to plane, come after. The result is that of [`planes::residuals`], its error included: the error of the plane
+//! that is decoded first.
+
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use super::planes;
+use crate::error::Result;
+use crate::parts::Coded;
+use crate::reading::Reading;
+
+/// Planes of fewer texels are done before a thread has started.
+const WORTH_A_THREAD: usize = 1 << 16;
+
+/// As [`planes::residuals`].
+pub(super) fn residuals(coded: &Coded, reading: &Reading) -> Result<Vec<Vec<u8>>> {
+    let threads = std::thread::available_parallelism().map_or(1, usize::from);
+    if threads == 1 || coded.size.texels() < WORTH_A_THREAD {
+        return planes::residuals(coded, reading);
+    }
+    residuals_by(threads, coded, reading)
+}
+
+fn residuals_by(threads: usize, coded: &Coded, reading: &Reading) -> Result<Vec<Vec<u8>>> {
+    let sequence = &coded.plan.sequence;
+    let next = AtomicUsize::new(0);
+    // Each thread takes the next plane that nobody has taken yet, until there is none.
+    let decode_some = || {
+        let mut decoded = Vec::new();
+        let mut place = next.fetch_add(1, Ordering::Relaxed);
+        while let Some(&plane) = sequence.get(place) {
+            decoded.push((place, (reading.stream)(&coded.stream(plane))));
+            place = next.fetch_add(1, Ordering::Relaxed);
+        }
+        decoded
+    };
+    let mut all: Vec<_> = std::thread::scope(|scope| {
+        // This thread takes part, so that a system without more threads decodes the planes all the same.
+        let start = |_| std::thread::Builder::new().spawn_scoped(scope, decode_some);
+        let workers: Vec<_> = (1..threads.min(sequence.len()))
+            .map_while(|i| start(i).ok())
+            .collect();
+        let mut decoded = decode_some();
+        let joined = workers.into_iter().map(std::thread::ScopedJoinHandle::join);
+        decoded.extend(joined.flat_map(|decoded| decoded.expect("the codecs do not panic")));
+        decoded
+    });
+    all.sort_by_key(|&(place, _)| place);
+    all.into_iter().map(|(_, residuals)| residuals).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::error::{Error, Kind};
+    use crate::parts::{Extent, Plan, PlaneStream};
+    use crate::ptm::{Format, Size};
+
+    /// A "stream" of one byte is its plane; 255 is refused, below 8 only after a while.
+    fn stream(stream: &PlaneStream) -> Result<Vec<u8>> {
+        if stream.bytes[0] < 8 {
+            std::thread::sleep(std::time::Duration::from_micros(200));
+        }
+        match stream.bytes[0] {
+            255 => Err(Error::new(
+                "2.9.8/3",
+                stream.at,
+                Kind::NotRead {
+                    what: "streams of 255",
+                },
+            )),
+            value => Ok(vec![stream.plane as u8, value]),
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn threads_find_the_same_residuals_and_the_same_error(
+            payload in proptest::collection::vec(any::<u8>(), 18),
+            sequence in proptest::collection::vec(0usize..18, 0..30),
+            threads in 1usize..6,
+        ) {
+            let reading = Reading { stream, ..Reading::SPEC };
+            let extent = |i| Extent { stream: i..i + 1, side: 0..0 };
+            let plan = Plan {
+                parameter: 0,
+                steps: vec![crate::parts::Step::default(); 18],
+                sequence,
+                extents: (0..18).map(extent).collect(),
+            };
+            let size = Size { width: 1, height: 1 };
+            let coded = Coded { format: Format::JpegRgb, size, plan: &plan, at: 100, payload: &payload };
+            prop_assert_eq!(residuals_by(threads, &coded, &reading), planes::residuals(&coded, &reading));
+        }
+    }
+}

@@ -1,0 +1,109 @@
+//! What a decoder with some mistakes makes of a file, listed ones and solved ones.
+
+use std::borrow::Cow;
+
+use super::mistake::Mistake;
+use super::solved::{self, Act};
+use super::witness::{Witness, applies};
+use crate::decode::decode_as;
+use crate::error::Class;
+use crate::misreadings::{self, Anatomy, At, Misreading, Seen, Stage};
+use crate::protocol::frame::{Answer, View};
+use crate::ptm::{Limits, Ptm};
+use crate::session::observation::Response;
+
+impl Witness<'_> {
+    /// What a decoder with these mistakes answers.
+    pub fn answer(&self, mistakes: &[&Mistake]) -> Cow<'_, Answer> {
+        let listed = self.listed(mistakes);
+        let acts = self.acts(mistakes);
+        if acts.is_empty() {
+            return self.answer_of_listed(&listed);
+        }
+        match self.planes(mistakes) {
+            Ok(ptm) => {
+                let reading = misreadings::misread(&listed, self.reading);
+                let view = &self.observation.view;
+                Cow::Owned(Answer::Decoded(solved::frame(&acts, &ptm, view, &reading)))
+            }
+            Err(answer) => Cow::Owned(answer),
+        }
+    }
+
+    /// What of these mistakes the catalog lists and is made in this file.
+    fn listed(&self, mistakes: &[&Mistake]) -> Vec<&'static Misreading> {
+        let made = mistakes.iter().filter(|mistake| match mistake {
+            Mistake::Narrow(_, scope) => scope.holds(self),
+            _ => true,
+        });
+        made.filter_map(|mistake| mistake.listed()).collect()
+    }
+
+    /// What of these mistakes is solved and made in this file.
+    fn acts<'m>(&self, mistakes: &[&'m Mistake]) -> Vec<&'m Act> {
+        let solved = mistakes.iter().filter_map(|mistake| mistake.solved());
+        solved
+            .filter(|solved| solved.scope.holds(self))
+            .map(|solved| &solved.act)
+            .collect()
+    }
+
+    /// The stored values that a decoder with these mistakes finds; what it answers where it finds none.
+    pub fn planes(&self, mistakes: &[&Mistake]) -> Result<Ptm, Answer> {
+        let listed = self.listed(mistakes);
+        let reading = misreadings::misread(&listed, self.reading);
+        let mut file = Cow::Borrowed(&self.built.file[..]);
+        for misreading in &listed {
+            if let At::Bytes(edit) = misreading.at {
+                match edit(&Anatomy::of(&file, &reading)) {
+                    Seen::Refused => return Err(Answer::Rejected),
+                    Seen::File(bytes) => file = Cow::Owned(bytes),
+                }
+            }
+        }
+        let mut ptm = match decode_as(&file, &reading, &Limits::default()) {
+            Ok(ptm) => ptm,
+            Err(error) if error.class() == Class::Malformed => return Err(Answer::Rejected),
+            Err(_) => return Err(Answer::Unsupported),
+        };
+        for misreading in &listed {
+            if let At::Planes(edit) = misreading.at {
+                edit(&mut ptm);
+            }
+        }
+        for act in self.acts(mistakes) {
+            act.apply(&mut ptm, self);
+        }
+        Ok(ptm)
+    }
+
+    /// Whether a mistake could show in the answer at all.
+    pub fn concerns(&self, mistake: &Mistake) -> bool {
+        let view = &self.observation.view;
+        let misreading = match mistake {
+            Mistake::Narrow(_, scope) if !scope.holds(self) => return false,
+            Mistake::Listed(misreading) | Mistake::Narrow(misreading, _) => misreading,
+            Mistake::Solved(solved) => {
+                return solved.act.shows_in(view) && solved.scope.holds(self);
+            }
+        };
+        let last = match view {
+            View::Raw => Stage::Planes,
+            View::Coef => Stage::Coefficients,
+            View::Rgb(_) => Stage::Color,
+        };
+        let shows = misreading.at.stage() <= last;
+        shows && applies(misreading, &self.built.file)
+    }
+
+    /// Whether a mistake could be why the decoder did what it did here: a mistake that only changes values refuses
+    /// nothing.
+    pub fn could_be(&self, mistake: &Mistake) -> bool {
+        let refused = !matches!(self.observation.response, Response::Picture { .. });
+        let may_refuse = || {
+            let listed = mistake.listed();
+            listed.is_some_and(|misreading| misreading.at.may_refuse())
+        };
+        self.concerns(mistake) && (!refused || may_refuse())
+    }
+}

@@ -1,0 +1,227 @@
+//! What each of the mistakes found explains.
+
+use super::diagnosis::{Category, Cause, Diagnosis, Words};
+use super::mistake::Mistake;
+use super::pictures;
+use super::refusals::{self, WholeFormats};
+use super::scope::Scope;
+use super::search::{Found, Id, Member, Search, Set, of};
+use super::solved::Solved;
+use super::witness::Agreement;
+use crate::misreadings::{Misreading, Symptom};
+use crate::ptm::Format;
+
+/// What a mistake explains by itself or as the last of several, and the others.
+#[derive(Clone, Default)]
+struct Share {
+    explains: Vec<usize>,
+    with: Set,
+}
+
+/// What each of the mistakes found explains, and which failing cases none of them does.
+pub(super) fn attribute(search: &Search, found: &Found) -> (Vec<(Id, Diagnosis)>, Vec<usize>) {
+    let set = of(&found.members);
+    let mut left = Vec::new();
+    let mut shares = vec![Share::default(); set.len()];
+    let failed: Vec<usize> = (0..search.witnesses.len())
+        .filter(|&w| search.witnesses[w].failed)
+        .collect();
+    let needed = search.each(&failed, |&w| needed(search, w, &set));
+    for (w, needed) in failed.into_iter().zip(needed) {
+        // The case stands under the last of those that are indispensable.
+        let Some((&last, others)) = needed.split_last() else {
+            left.push(w);
+            continue;
+        };
+        shares[last].explains.push(w);
+        for &other in others {
+            if !shares[last].with.contains(&set[other]) {
+                shares[last].with.push(set[other]);
+            }
+        }
+    }
+    let whole = refusals::whole_formats(search.witnesses);
+    let mut diagnoses: Vec<(Id, Diagnosis)> = whole
+        .into_iter()
+        .filter_map(|whole| of_whole(search, &whole, &found.members, &mut shares, &mut left))
+        .collect();
+    let members = found.members.iter().zip(shares);
+    let others = members
+        .filter(|(_, share)| !share.explains.is_empty())
+        .map(|(member, share)| (member.id, diagnosis(search, member, &share)));
+    diagnoses.extend(others);
+    (diagnoses, left)
+}
+
+/// Where whole formats fail in one way, that is all that can be seen: said instead of the mistakes that explain nothing
+/// else, unless one of them explains something else too.
+fn of_whole(
+    search: &Search,
+    whole: &WholeFormats,
+    members: &[Member],
+    shares: &mut [Share],
+    left: &mut Vec<usize>,
+) -> Option<(Id, Diagnosis)> {
+    let is_of = |w: &usize| whole.of.contains(w);
+    let is_seen_elsewhere = |share: &Share| {
+        let inside = share.explains.iter().filter(|w| is_of(w)).count();
+        inside * 4 >= whole.of.len() && inside < share.explains.len()
+    };
+    if shares.iter().any(is_seen_elsewhere) {
+        return None;
+    }
+    let mut alike = Vec::new();
+    for (member, share) in members.iter().zip(shares) {
+        if share.explains.iter().any(is_of) {
+            let ids = std::iter::once(&member.id).chain(&member.alike);
+            alike.extend(ids.filter_map(|&id| search.mistakes[id].listed()));
+        }
+        share.explains.retain(|w| !is_of(w));
+    }
+    left.retain(|w| !is_of(w));
+    // No mistake has this place: nothing else stands under it in part.
+    Some((Id::MAX, whole.describe(search.witnesses, alike)))
+}
+
+fn diagnosis(search: &Search, member: &Member, share: &Share) -> Diagnosis {
+    let witnesses = search.witnesses;
+    let listed = |set: &[Id]| -> Vec<&'static Misreading> {
+        let mistakes = set.iter().map(|&id| &search.mistakes[id]);
+        mistakes.filter_map(Mistake::listed).collect()
+    };
+    let misreading = match &search.mistakes[member.id] {
+        Mistake::Listed(misreading) => misreading,
+        Mistake::Narrow(misreading, scope) => return of_narrow(search, misreading, scope, share),
+        Mistake::Solved(solved) => return of_solved(search, solved, share),
+    };
+    let alike = listed(&member.alike);
+    if misreading.shows == Symptom::Values
+        && let Some(effect) = refusals::all_that_shows(witnesses, &share.explains)
+    {
+        let all = [&[*misreading], &alike[..]].concat();
+        return refusals::of_effect(witnesses, &share.explains, effect).like(all);
+    }
+    let except = search.contradictions(&[member.id]);
+    let cause = Cause::Misreading {
+        misreading,
+        alike,
+        with: listed(&share.with),
+    };
+    Diagnosis {
+        except: except.iter().map(|&w| witnesses[w].place).collect(),
+        shows: refusals::other_end(witnesses, &share.explains),
+        certain: true,
+        ..Diagnosis::of(cause, places(search, &share.explains))
+    }
+}
+
+fn places(search: &Search, of: &[usize]) -> Vec<usize> {
+    of.iter().map(|&w| search.witnesses[w].place).collect()
+}
+
+/// A mistake of the catalog that is made in some files only.
+fn of_narrow(
+    search: &Search,
+    misreading: &'static Misreading,
+    scope: &Scope,
+    share: &Share,
+) -> Diagnosis {
+    let witnesses = search.witnesses;
+    let words = Words {
+        effect: format!("{}, but only in files {}", misreading.effect, scope.says()),
+        fix: misreading.fix.to_owned(),
+        example: pictures::example(search, pictures::smallest(witnesses, &share.explains)),
+    };
+    let described = Diagnosis::described(Category::Difference, witnesses, &share.explains, words);
+    Diagnosis {
+        certain: true,
+        ..described.about(misreading.clause).like(vec![misreading])
+    }
+}
+
+/// A mistake that was solved, in words.
+fn of_solved(search: &Search, solved: &Solved, share: &Share) -> Diagnosis {
+    let witnesses = search.witnesses;
+    let smallest = pictures::smallest(witnesses, &share.explains);
+    let scope = match solved.scope.says() {
+        says if says.is_empty() => formats_of(search, &share.explains),
+        says => format!(", in every file {says}"),
+    };
+    let words = Words {
+        effect: format!("{}{scope}", solved.act.says()),
+        fix: solved.act.fix(),
+        example: pictures::example(search, smallest),
+    };
+    let described = Diagnosis::described(Category::Difference, witnesses, &share.explains, words);
+    let described = match solved.act.clause() {
+        Some(clause) => described.about(clause),
+        None => described,
+    };
+    Diagnosis {
+        certain: true,
+        ..described
+    }
+}
+
+/// ", in files of RGB", where a mistake that is made everywhere shows in some formats only.
+fn formats_of(search: &Search, of: &[usize]) -> String {
+    let shown = |format: &Format| {
+        let mut of = of.iter();
+        of.any(|&w| search.witnesses[w].case.format() == *format)
+    };
+    let formats: Vec<Format> = Format::ALL.into_iter().filter(shown).collect();
+    let names: Vec<&str> = formats.iter().map(|format| format.short_name()).collect();
+    match names.len() {
+        1..=4 => format!(", in files of {}", names.join(", ")),
+        _ => String::new(),
+    }
+}
+
+/// Which of `set` explain a failure: one alone, or those that cannot be missed; none if all together do not.
+fn needed(search: &Search, w: usize, set: &[Id]) -> Vec<usize> {
+    let explained = |set: &[Id]| {
+        matches!(
+            search.agreement(w, set),
+            Agreement::Picture | Agreement::Word | Agreement::Crash
+        )
+    };
+    if let Some(alone) = (0..set.len()).find(|&member| explained(&[set[member]])) {
+        return vec![alone];
+    }
+    if set.is_empty() || !explained(set) {
+        return Vec::new();
+    }
+    let needed = indispensable(set, explained);
+    if needed.is_empty() { vec![0] } else { needed }
+}
+
+/// The members of `set` without each of which something no longer `holds` of it.
+pub(super) fn indispensable(set: &[Id], holds: impl Fn(&[Id]) -> bool) -> Vec<usize> {
+    let is_needed = |&member: &usize| {
+        let mut without = set.to_vec();
+        without.remove(member);
+        !holds(&without)
+    };
+    (0..set.len()).filter(is_needed).collect()
+}
+
+/// Failures that are near to one of the mistakes found stand under it, in part.
+pub(super) fn attribute_in_part(
+    search: &Search,
+    found: &Found,
+    diagnoses: &mut [(Id, Diagnosis)],
+    left: &mut Vec<usize>,
+) {
+    let set = of(&found.members);
+    left.retain(|&w| {
+        let near = set
+            .iter()
+            .find(|&&member| pictures::is_near(search, w, &set, member));
+        let known = near.and_then(|member| diagnoses.iter_mut().find(|(id, _)| id == member));
+        let is_left = known.is_none();
+        if let Some((_, diagnosis)) = known {
+            diagnosis.partly.push(search.witnesses[w].place);
+        }
+        is_left
+    });
+}

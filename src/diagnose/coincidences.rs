@@ -1,0 +1,183 @@
+//! Mistakes that agree with some answers and are not made: many things end in a refusal, and colors are rounded.
+
+use std::collections::HashSet;
+
+use super::attribution::indispensable;
+use super::failure_mode::FailureMode;
+use super::pictures::widest_slip;
+use super::refusals;
+use super::search::{Found, Id, Search, of};
+use super::witness::{Agreement, Witness};
+use crate::misreadings::Symptom;
+use crate::protocol::frame::View;
+use crate::suite::cases::Expect;
+
+/// Takes them away.
+pub(super) fn drop(search: &Search, found: &mut Found) {
+    drop_refusals(search, found);
+    drop_acceptances(search, found);
+    drop_colors(search, found);
+    drop_rare(search, found);
+}
+
+/// One in so many pictures may agree with a mistake by chance, where they are colors or final values.
+const RARE: usize = 40;
+
+/// Takes away mistakes of the catalog that explain a few computed pictures and would change many others otherwise than
+/// the decoder does.
+fn drop_rare(search: &Search, found: &mut Found) {
+    let set = of(&found.members);
+    let failing = failing(search.witnesses);
+    let keep = search.each(&set, |&id| {
+        if search.mistakes[id].listed().is_none() {
+            return true;
+        }
+        let mut without = set.clone();
+        without.retain(|&other| other != id);
+        let (mut explained, mut other, mut stored) = (0, 0, 0);
+        for &w in &failing {
+            let is_explained = |set: &[Id]| search.agreement(w, set) == Agreement::Picture;
+            if is_explained(&set) && !is_explained(&without) || is_explained(&[id]) {
+                explained += 1;
+                stored += usize::from(search.witnesses[w].observation.view == View::Raw);
+            } else if FailureMode::of(&search.witnesses[w]).is_none()
+                && search.made(w, &set) != search.made(w, &without)
+            {
+                other += 1;
+            }
+        }
+        explained == 0 || stored > 0 || explained * RARE > other
+    });
+    found.keep(&keep);
+}
+
+/// Takes away mistakes that only refuse, where one thing that the refused files share says more, or where passing cases
+/// speak against them: many things end in a refusal.
+fn drop_refusals(search: &Search, found: &mut Found) {
+    let witnesses = search.witnesses;
+    let set = of(&found.members);
+    let failing = failing(witnesses);
+    let shared = refusals::widest(witnesses, &failing);
+    let explained = search.each(&set, |&id| {
+        let agreements = failing.iter().map(|&w| (w, search.agreement(w, &[id])));
+        agreements
+            .filter(|(_, agreement)| !matches!(agreement, Agreement::None | Agreement::Against))
+            .collect::<Vec<(usize, Agreement)>>()
+    });
+    let by = |member: usize, w: usize| explained[member].iter().any(|&(other, _)| other == w);
+    let places: Vec<usize> = (0..set.len()).collect();
+    let keep = search.each(&places, |&member| {
+        let of_member = &explained[member];
+        let refuses = of_member
+            .iter()
+            .all(|(_, agreement)| matches!(agreement, Agreement::Word | Agreement::Crash));
+        let less = |wide: &Vec<usize>| {
+            let covered = of_member.iter().filter(|(w, _)| wide.contains(w)).count();
+            wide.len() > of_member.len() && covered * 10 >= of_member.len() * 9
+        };
+        let one = [set[member]];
+        let contradicted = || {
+            (0..witnesses.len())
+                .any(|w| search.contradicted(w, &one) && search.contradicted(w, &set))
+        };
+        // Refusals that no other mistake explains.
+        let refused = failing.iter().filter(|&&w| {
+            let alone = places.iter().all(|&other| other == member || !by(other, w));
+            FailureMode::of(&witnesses[w]).is_some() && alone
+        });
+        // What is no refusal by itself would show a picture somewhere; a crash says less of it than a refusal.
+        let crashes = (of_member.iter()).all(|(_, agreement)| *agreement == Agreement::Crash);
+        let few = of_member.len() * if crashes { 1 } else { 3 } < refused.count();
+        let is_coincidence = !refuses_by_itself(search, set[member]) && few;
+        of_member.is_empty()
+            || !refuses
+            || !is_coincidence && !shared.iter().any(less) && !contradicted()
+    });
+    found.keep(&keep);
+}
+
+/// Different faults that one missing check may share by chance with a mistake of the catalog.
+const FEW_FAULTS: usize = 2;
+
+/// Takes away mistakes that explain nothing but a few faults of malformed files which are accepted, where other failures that none explains
+/// are about the same clause: what is wrong there is more than that.
+fn drop_acceptances(search: &Search, found: &mut Found) {
+    let witnesses = search.witnesses;
+    let set = of(&found.members);
+    let failed: Vec<usize> = (0..witnesses.len())
+        .filter(|&w| witnesses[w].failed)
+        .collect();
+    let explains = |w: usize, set: &[Id]| {
+        !matches!(
+            search.agreement(w, set),
+            Agreement::None | Agreement::Against
+        )
+    };
+    let open = search.each(&failed, |&w| !explains(w, &set));
+    let open: Vec<usize> = (failed.iter().zip(open))
+        .filter_map(|(&w, open)| open.then_some(w))
+        .collect();
+    let keep = search.each(&set, |&id| {
+        let Some(misreading) = search.mistakes[id].listed() else {
+            return true;
+        };
+        let is_open = |w: &usize| {
+            let mut clauses = witnesses[*w].case.clauses.iter();
+            clauses.any(|clause| clause == misreading.clause)
+        };
+        let of = failed.iter().copied().filter(|&w| explains(w, &[id]));
+        let of: Vec<usize> = of.collect();
+        let accepts_only = of
+            .iter()
+            .all(|&w| witnesses[w].case.expect != Expect::Decode);
+        // What is said of many different faults is more than that.
+        let faults: HashSet<_> = (of.iter())
+            .filter_map(|&w| Some(&witnesses[w].case.damage()?.effect))
+            .collect();
+        !accepts_only || faults.len() > FEW_FAULTS || !open.iter().any(is_open)
+    });
+    found.keep(&keep);
+}
+
+/// Where passing cases speak against the mistakes found, takes away those that explain fewer pictures than one wrong number
+/// in a formula: colors are rounded, and some agree by chance.
+fn drop_colors(search: &Search, found: &mut Found) {
+    let witnesses = search.witnesses;
+    let set = of(&found.members);
+    if search.contradictions(&set).is_empty() {
+        return;
+    }
+    let failing = failing(witnesses);
+    let slip = widest_slip(search, &failing);
+    let is_shown = |w: usize, set: &[Id]| matches!(search.agreement(w, set), Agreement::Picture);
+    // For each failure, which of the mistakes cannot be missed for the picture that was shown.
+    let needed = search.each(&failing, |&w| match is_shown(w, &set) {
+        true => indispensable(&set, |set| is_shown(w, set)),
+        false => Vec::new(),
+    });
+    let keep: Vec<bool> = (0..set.len())
+        .map(|member| {
+            let of = failing.iter().zip(&needed);
+            let of: Vec<usize> = of
+                .filter(|(_, needed)| needed.contains(&member))
+                .map(|(&w, _)| w)
+                .collect();
+            let computed = |&w: &usize| witnesses[w].observation.view != View::Raw;
+            of.is_empty() || of.len() >= slip || !of.iter().all(computed)
+        })
+        .collect();
+    found.keep(&keep);
+}
+
+/// Legal files that are not shown as they should be.
+fn failing(witnesses: &[Witness]) -> Vec<usize> {
+    (0..witnesses.len())
+        .filter(|&w| witnesses[w].failed && witnesses[w].case.expect == Expect::Decode)
+        .collect()
+}
+
+/// Whether all that a mistake shows are refusals.
+fn refuses_by_itself(search: &Search, id: Id) -> bool {
+    let listed = search.mistakes[id].listed();
+    listed.is_some_and(|misreading| misreading.shows == Symptom::Refusals)
+}

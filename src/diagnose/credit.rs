@@ -1,0 +1,41 @@
+//! What a mistake is worth that explains part of a picture.
+
+use super::pair::Pair;
+use super::witness::Witness;
+use crate::protocol::frame::Answer;
+use crate::session::observation::Response;
+
+/// The most that part of a picture is worth: less than a refusal that is explained.
+const MOST: usize = 6;
+
+/// For each channel that the reference has wrong and this answer has right, its part of [`MOST`]; nothing where another
+/// channel goes wrong instead.
+pub(super) fn credit(witness: &Witness, answer: &Answer) -> i64 {
+    let Response::Picture {
+        frame: Some(received),
+        ..
+    } = &witness.observation.response
+    else {
+        return 0;
+    };
+    let (Answer::Decoded(right), Answer::Decoded(made)) = (&witness.right, answer) else {
+        return 0;
+    };
+    let (Some(right), Some(made)) = (Pair::of(right, received), Pair::of(made, received)) else {
+        return 0;
+    };
+    if right.width * right.height < 4 {
+        return 0;
+    }
+    let (before, after) = (right.wrong_channels(), made.wrong_channels());
+    let channels = || before.iter().zip(&after);
+    let spoiled = channels().any(|(before, after)| !before && *after);
+    let fixed = channels()
+        .filter(|(before, after)| **before && !**after)
+        .count();
+    let wrong = before.iter().filter(|is| **is).count();
+    match spoiled || wrong == 0 {
+        true => 0,
+        false => (fixed * MOST / wrong) as i64,
+    }
+}

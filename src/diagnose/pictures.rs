@@ -1,0 +1,402 @@
+//! Wrong pictures of unknown cause: how they differ, and where.
+
+use super::arithmetic::arithmetic;
+use super::changes::short;
+use super::diagnosis::{Category, Diagnosis, Words};
+use super::formulas::single_slips;
+use super::pair::Pair;
+use super::places::{channels_concerned, root_channels, texels_concerned};
+use super::provenance;
+use super::refusals::WORTH_SAYING;
+use super::relations::relations;
+use super::search::{Id, Search, Set};
+use super::shared::shared;
+use super::witness::Witness;
+use crate::protocol::frame::{Answer, Frame, View};
+use crate::ptm::Format;
+use crate::session::observation::Response;
+use crate::suite::cases::Expect;
+use crate::suite::compare::{Expected, ExpectedValues};
+use crate::suite::dialect::Right;
+
+/// What inverse transforms of lossy planes may make of one stream, and of a plane that is predicted from another.
+const TRANSFORM: f64 = 4.0;
+/// Files of which something is said; what fewer share may be chance.
+const FEWEST: usize = 3;
+/// Ways to differ that are told apart; what is beyond, or true of few, is said together.
+const WAYS: usize = 6;
+
+/// All that is true of how one picture differs, and of where; the most telling first.
+#[derive(Default)]
+struct Said {
+    what: Vec<String>,
+    channels: Vec<&'static str>,
+    texels: Vec<&'static str>,
+    /// Those of `texels` that are not true of every texel of so small a picture.
+    telling: Vec<&'static str>,
+}
+
+/// The wrong pictures in `left`, alike ones together. `set` are the mistakes that have been found.
+pub(super) fn describe(search: &Search, set: &[Id], left: &[usize]) -> Vec<Diagnosis> {
+    let said: Vec<Said> = search.each(left, |&w| say(search, set, w));
+    let mut open: Vec<usize> = (0..left.len()).collect();
+    let mut diagnoses = Vec::new();
+    while !open.is_empty() {
+        // What can be said of most; and at the end, what can be said of every wrong picture.
+        let what = match diagnoses.len() {
+            0..WAYS => commonest(open.iter().flat_map(|&i| &said[i].what)),
+            _ => None,
+        };
+        let telling = what.and_then(|what| {
+            let holds = |&i: &usize| said[i].what.contains(&what);
+            let of: Vec<usize> = open.iter().copied().filter(holds).collect();
+            (of.len() * WORTH_SAYING >= open.len()).then_some((what, of))
+        });
+        let (what, of) = telling.unwrap_or_else(|| ("wrong values".to_owned(), open.clone()));
+        open.retain(|i| !of.contains(i));
+        let sides: [fn(&Said) -> &Vec<&'static str>; 2] =
+            [|said| &said.channels, |said| &said.texels];
+        let place = sides.map(|side| {
+            let first = side(&said[of[0]]).iter();
+            let is_shared = |claim: &&&str| of.iter().all(|&i| side(&said[i]).contains(claim));
+            first.filter(is_shared).copied().collect::<Vec<_>>()
+        });
+        let tells = |claim: &&&str| of.iter().any(|&i| said[i].telling.contains(claim));
+        let place = [place[0].first(), place[1].iter().find(tells)]
+            .map(|claim| claim.copied().unwrap_or_default());
+        let of: Vec<usize> = of.iter().map(|&i| left[i]).collect();
+        diagnoses.push(difference(
+            search,
+            &of,
+            &format!("{what}{}", place.concat()),
+        ));
+    }
+    diagnoses
+}
+
+/// A way to differ, in words.
+fn difference(search: &Search, of: &[usize], what: &str) -> Diagnosis {
+    let witnesses = search.witnesses;
+    let fix = match witnesses[of[0]].observation.view {
+        View::Raw => "compare these bytes of the example with what is read there",
+        View::Coef => "follow scale and bias of this value by hand",
+        View::Rgb(_) => {
+            "follow this texel by hand: scale and bias, the polynomial, the color, and only then rounding and clamping"
+        }
+    };
+    let words = Words {
+        effect: format!("shows {what}{}; the cause is unknown", files(witnesses, of)),
+        fix: fix.to_owned(),
+        example: example(search, smallest(witnesses, of)),
+    };
+    let diagnosis = Diagnosis::described(Category::Difference, witnesses, of, words);
+    match values_of(witnesses, of) {
+        Some(clause) => diagnosis.about(clause),
+        None => diagnosis,
+    }
+}
+
+/// What these files share, and none that is shown right has.
+fn files(witnesses: &[Witness], of: &[usize]) -> String {
+    let is_right = |w: &usize| {
+        let witness = &witnesses[*w];
+        !witness.failed
+            && witness.case.expect == Expect::Decode
+            && matches!(&witness.observation.response, Response::Picture { right, .. } if *right != Right::Anyway(false))
+    };
+    let right: Vec<usize> = (0..witnesses.len()).filter(is_right).collect();
+    if of.len() < FEWEST {
+        return String::new();
+    }
+    match shared(witnesses, of, &right, false) {
+        Some(shared) if shared.of.len() == of.len() => {
+            format!(", in every file {}", shared.says())
+        }
+        Some(shared) if shared.of.len() * 4 > of.len() * 3 => format!(
+            ", in every file {} ({} of these {})",
+            shared.says(),
+            shared.of.len(),
+            of.len()
+        ),
+        _ => String::new(),
+    }
+}
+
+/// Where these cases have no clause in common: the one that says how the values come about that are wrong.
+fn values_of(witnesses: &[Witness], of: &[usize]) -> Option<&'static str> {
+    let [first, others @ ..] = of else {
+        return None;
+    };
+    let clauses = |w: usize| &witnesses[w].case.clauses;
+    let is_shared = |clause: &String| others.iter().all(|&w| clauses(w).contains(clause));
+    if clauses(*first).iter().any(is_shared) {
+        return None;
+    }
+    let channels = |w: usize| witnesses[w].case.format().channels();
+    let alike = of.iter().all(|&w| channels(w) == channels(*first));
+    match witnesses[*first].observation.view {
+        View::Rgb(_) if alike && channels(*first) == 9 => Some("2.7.3/4"),
+        View::Rgb(_) if alike && channels(*first) == 8 => Some("2.6/4"),
+        View::Rgb(_) => Some("1.0/1"),
+        View::Coef => Some("2.4/8"),
+        View::Raw => None,
+    }
+}
+
+/// How many pictures one wrong number in a formula explains, the one that explains most.
+pub(super) fn widest_slip(search: &Search, failing: &[usize]) -> usize {
+    let slips = search.each(failing, |&w| {
+        let witness = &search.witnesses[w];
+        match (&witness.observation.response, witness.decoded()) {
+            (
+                Response::Picture {
+                    frame: Some(received),
+                    ..
+                },
+                Ok(ptm),
+            ) => single_slips(ptm, &witness.observation.view, &witness.reading, received),
+            _ => Vec::new(),
+        }
+    });
+    let slips: Vec<String> = slips.into_iter().flatten().map(|(_, says)| says).collect();
+    commonest(slips.iter()).map_or(0, |widest| {
+        slips.iter().filter(|&slip| *slip == widest).count()
+    })
+}
+
+/// Whether the decoder goes wrong in `w` much as one with the mistake `member` does.
+pub(super) fn is_near(search: &Search, w: usize, set: &[Id], member: Id) -> bool {
+    let witness = &search.witnesses[w];
+    let without: Set = set
+        .iter()
+        .copied()
+        .filter(|&other| other != member)
+        .collect();
+    let (with, without) = (search.made(w, set), search.made(w, &without));
+    let (Answer::Decoded(with), Answer::Decoded(without)) = (&*with, &*without) else {
+        return false;
+    };
+    if with == without {
+        return false;
+    }
+    match &witness.observation.response {
+        Response::Picture {
+            frame: Some(shown), ..
+        } => {
+            let lossy = matches!(witness.case.format(), Format::JpegRgb | Format::JpegLrgb);
+            let slack = if lossy { TRANSFORM } else { 0.0 };
+            let wrong = |made: &Frame| Some(Pair::of(made, shown)?.wrong_by_more_than(slack));
+            matches!((wrong(with), wrong(without)), (Some(with), Some(without)) if with * 2 < without)
+        }
+        // One decoder shows nonsense where another gives up; but only a mistake about few files says so much.
+        Response::Rejected | Response::Violation(Answer::Crashed(_)) => {
+            let listed = search.mistakes[member].listed();
+            listed.is_some_and(|misreading| {
+                ["2.5", "2.6", "2.8", "2.9"]
+                    .iter()
+                    .any(|section| misreading.clause.starts_with(section))
+            })
+        }
+        _ => false,
+    }
+}
+
+fn say(search: &Search, set: &[Id], w: usize) -> Said {
+    let plain = |what: &str| Said {
+        what: vec![what.to_owned()],
+        ..Said::default()
+    };
+    let witness = &search.witnesses[w];
+    let Response::Picture {
+        frame: Some(received),
+        ..
+    } = &witness.observation.response
+    else {
+        return plain("no picture");
+    };
+    let made = search.made(w, set);
+    // The mistakes that were found may refuse what the reference reads.
+    let ((Answer::Decoded(wanted), _) | (_, Answer::Decoded(wanted))) = (&*made, &witness.right)
+    else {
+        return plain("a picture of a file that should be refused");
+    };
+    let Some(mut pair) = Pair::of(wanted, received) else {
+        return plain(&of_shape(wanted, received));
+    };
+    if pair.wrong().is_empty() {
+        // Wrong by less than a color and its neighbor differ: what is exact tells.
+        pair.want = witness.exact(wanted).unwrap_or(pair.want);
+    }
+    if pair.wrong().is_empty() {
+        return plain("values that differ by less than they are rounded");
+    }
+    let mut what = relations(&pair);
+    if let Some(shift) = provenance::shift(witness, &pair) {
+        let count = shift.unsigned_abs();
+        let way = if shift > 0 { "later" } else { "earlier" };
+        let bytes = if count == 1 { "byte" } else { "bytes" };
+        what.push(format!(
+            "the values that stand {count} {bytes} {way} in the file: the binary data is read from a wrong place"
+        ));
+    }
+    let (texels, telling) = texels_concerned(&pair, witness);
+    Said {
+        what,
+        channels: channels_concerned(&pair, witness),
+        texels,
+        telling,
+    }
+}
+
+/// What occurs most often; among equals what comes first.
+fn commonest<'a>(claims: impl Iterator<Item = &'a String>) -> Option<String> {
+    let mut counts: Vec<(&String, usize)> = Vec::new();
+    for claim in claims {
+        match counts.iter_mut().find(|(known, _)| *known == claim) {
+            Some((_, count)) => *count += 1,
+            None => counts.push((claim, 1)),
+        }
+    }
+    let most = counts.iter().map(|&(_, count)| count).max()?;
+    let first = counts.iter().find(|&&(_, count)| count == most)?;
+    Some(first.0.clone())
+}
+
+/// A picture of another shape.
+fn of_shape(wanted: &Frame, shown: &Frame) -> String {
+    let size = |frame: &Frame| (frame.width, frame.height);
+    if wanted.view != shown.view {
+        format!("view {} where {} was asked for", shown.view, wanted.view)
+    } else if std::mem::discriminant(&wanted.samples) != std::mem::discriminant(&shown.samples) {
+        "samples of another type (raw and rgb are u8, coef is f32)".to_owned()
+    } else if wanted.channels != shown.channels {
+        format!(
+            "{} channels where there are {}",
+            shown.channels, wanted.channels
+        )
+    } else if size(wanted) == (shown.height, shown.width) {
+        "width and height exchanged".to_owned()
+    } else {
+        of_size(size(wanted), size(shown))
+    }
+}
+
+/// What may become of one length: words, and the function.
+const LENGTHS: &[(&str, fn(u32) -> u32)] = &[
+    ("one less than it should be", |n| n.wrapping_sub(1)),
+    ("one more than it should be", |n| n + 1),
+    ("cut off to its low 16 bits", |n| n & 0xffff),
+    ("cut off to its low 8 bits", |n| n & 0xff),
+    ("rounded up to a multiple of 8", |n| n.next_multiple_of(8)),
+    ("rounded up to a multiple of 4", |n| n.next_multiple_of(4)),
+    ("rounded up to a multiple of 2", |n| n.next_multiple_of(2)),
+    ("rounded down to a multiple of 8", |n| n / 8 * 8),
+    ("rounded down to a multiple of 4", |n| n / 4 * 4),
+    ("rounded down to a multiple of 2", |n| n / 2 * 2),
+    ("half of what it should be", |n| n / 2),
+    ("twice what it should be", |n| n.saturating_mul(2)),
+    ("without its last digit", |n| n / 10),
+];
+
+/// A picture of another size, in words.
+fn of_size(wanted: (u32, u32), shown: (u32, u32)) -> String {
+    let length = |name: &str, wanted: u32, shown: u32| {
+        let known = LENGTHS.iter().find(|(_, of)| of(wanted) == shown);
+        match known {
+            Some((says, _)) => format!("a picture whose {name} is {says}"),
+            None => format!("a picture of another {name}"),
+        }
+    };
+    match (wanted.0 == shown.0, wanted.1 == shown.1) {
+        (true, _) => length("height", wanted.1, shown.1),
+        (_, true) => length("width", wanted.0, shown.0),
+        _ if shown.0 == shown.1 && (shown.0 == wanted.0 || shown.0 == wanted.1) => {
+            "a picture as wide as high".to_owned()
+        }
+        _ => "a picture of another width and height".to_owned(),
+    }
+}
+
+/// What was shown, and what a decoder with these mistakes shows, where both are pictures of one shape.
+pub(super) fn pair_of(search: &Search, set: &[Id], w: usize) -> Option<Pair> {
+    match (
+        &search.witnesses[w].observation.response,
+        &*search.made(w, set),
+    ) {
+        (
+            Response::Picture {
+                frame: Some(shown), ..
+            },
+            Answer::Decoded(wanted),
+        ) => Pair::of(wanted, shown),
+        _ => None,
+    }
+}
+
+/// The smallest of these files.
+pub(super) fn smallest(witnesses: &[Witness], of: &[usize]) -> usize {
+    let size = |w: &usize| witnesses[*w].built.file.len();
+    let smallest = of.iter().copied().min_by_key(size);
+    smallest.expect("a diagnosis explains at least one case")
+}
+
+/// The first wrong value of a file: the reference's own, the one received, the bytes and the arithmetic.
+pub(super) fn example(search: &Search, w: usize) -> String {
+    let witness = &search.witnesses[w];
+    let id = &witness.case.id;
+    let first = pair_of(search, &Vec::new(), w).and_then(|mut pair| {
+        if let Some(exact) = expected(witness, &pair) {
+            pair.want = exact;
+        }
+        let first = first_wrong(&pair, witness)?;
+        Some((pair, first))
+    });
+    let Some((pair, i)) = first else {
+        return format!("for example {id}: {}", witness.case.because);
+    };
+    let (texel, channel) = (i / pair.channels, i % pair.channels);
+    let (x, y) = (texel % pair.width, texel / pair.width);
+    let mut says = format!(
+        "for example {id}, texel ({x}, {y}), {}: received {}, expected {}",
+        pair.name(channel),
+        short(pair.got[i]),
+        short(pair.want[i]),
+    );
+    says.extend(arithmetic(witness, texel, channel).map(|steps| format!(" = {steps}")));
+    let origin = match pair.view {
+        "rgb" => provenance::texel(witness, x, y),
+        _ => provenance::sample(witness, x, y, channel),
+    };
+    says.extend(origin.map(|origin| format!("; it comes from {origin}")));
+    says
+}
+
+/// The first wrong sample; in compressed planes the first that is stored, of the first plane in which it begins.
+fn first_wrong(pair: &Pair, witness: &Witness) -> Option<usize> {
+    let wrong = pair.wrong();
+    if !witness.case.format().is_compressed() || pair.view == "rgb" {
+        return wrong.first().copied();
+    }
+    let roots = root_channels(pair, witness);
+    let wrong = wrong.into_iter().filter(|i| roots[i % pair.channels]);
+    let stored = |&i: &usize| {
+        let (texel, plane) = (i / pair.channels, i % pair.channels);
+        (
+            plane,
+            pair.height - 1 - texel / pair.width,
+            texel % pair.width,
+        )
+    };
+    wrong.min_by_key(stored)
+}
+
+/// What the suite expects, not rounded.
+fn expected(witness: &Witness, pair: &Pair) -> Option<Vec<f64>> {
+    let view = &witness.observation.view;
+    let expected = Expected::of(&witness.built.values, view)?;
+    let values = match expected.values {
+        ExpectedValues::Rgb(values) | ExpectedValues::Coef(values) => values,
+        ExpectedValues::Raw(_) => return None,
+    };
+    (values.len() == pair.want.len()).then_some(values)
+}

@@ -1,0 +1,308 @@
+//! Solves, from wrong pictures, what was done to them: mistakes that no list has.
+//!
+//! Painted values know where each came from. From the smallest failing files of each format candidates are read off the
+//! answers; each is then held against all failing files, and against the passing ones that could deny it. Where these do,
+//! what the failing files share tells in which files the mistake is made.
+
+use std::cmp::Reverse;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
+use super::changes::{Change, merged};
+use super::mistake::Mistake;
+use super::scope::Scope;
+use super::search::{Id, Search, Set, WORD, spread};
+use super::shared::shared;
+use super::solve_file::candidates;
+use super::solve_terms;
+use super::solved::{Act, Solved};
+use crate::misreadings::Stage;
+use crate::protocol::frame::View;
+use crate::session::observation::Response;
+
+/// Fewer pictures than these tell nothing that could be held against others.
+const FEWEST: usize = 2;
+/// Fewer pictures tell nothing of some files alone; under a light, where colors are rounded, still more are needed.
+const FEWEST_NARROW: usize = 4;
+const FEWEST_COLORS: usize = 6;
+/// Failing files that candidates are read off.
+const FILES: usize = 40;
+/// Candidates that are held against some failing files, and against all.
+const MOST: usize = 240;
+const FINALISTS: usize = 20;
+/// Mistakes of the catalog of which is solved where they are made.
+const NARROW: usize = 12;
+/// Samples of all these files together.
+const SAMPLES: usize = 1 << 18;
+
+/// Adds to the mistakes of `search` those that explain some of `left` beside `set`. Returns those that are made together.
+pub(super) fn solve(search: &mut Search, set: &Set, left: &[usize]) -> Vec<Set> {
+    let pictures: Vec<usize> = left
+        .iter()
+        .copied()
+        .filter(|&w| {
+            matches!(
+                search.witnesses[w].observation.response,
+                Response::Picture { frame: Some(_), .. }
+            )
+        })
+        .collect();
+    if pictures.len() < FEWEST {
+        return Vec::new();
+    }
+    let kind = |w: usize| {
+        let witness = &search.witnesses[w];
+        (witness.case.format(), witness.observation.view.name())
+    };
+    let mut sample = spread(&search.smallest(&pictures, SAMPLES), kind);
+    sample.truncate(FILES);
+    let found = search.each(&sample, |&w| {
+        let found = catch_unwind(AssertUnwindSafe(|| candidates(search, set, w)));
+        found.unwrap_or_else(|panic| {
+            search.note(&*panic);
+            Vec::new()
+        })
+    });
+    let (alone, together): (Vec<Vec<Act>>, Vec<Vec<Act>>) = found
+        .into_iter()
+        .flatten()
+        .partition(|group| group.len() == 1);
+    let known = search.mistakes.len();
+    let alone = distinct(alone.into_iter().flatten().collect());
+    let of_terms = solve_terms::candidates(search, set, &pictures);
+    let new = alone.into_iter().filter(|act| !is_known(search, act));
+    let of_terms = of_terms.into_iter().filter(|act| !is_known(search, act));
+    let new: Vec<Act> = new.take(MOST).chain(of_terms).collect();
+    let best = finalists(search, set, &sample, new);
+    search.truncate(known);
+    for act in best {
+        add(search, set, &pictures, act);
+    }
+    narrow(search, set, &sample, &pictures);
+    let mut groups: Vec<Set> = Vec::new();
+    for group in together.into_iter().take(FINALISTS) {
+        let ids: Set = group.into_iter().map(|act| id_of(search, act)).collect();
+        if !groups.contains(&ids) {
+            groups.push(ids);
+        }
+    }
+    groups
+}
+
+/// Each once; tables that do not contradict each other as one.
+fn distinct(acts: Vec<Act>) -> Vec<Act> {
+    let mut distinct: Vec<Act> = Vec::new();
+    for act in acts {
+        let joined = distinct.iter_mut().any(|known| match (known, &act) {
+            (
+                Act::Stored {
+                    channels: known_channels,
+                    change: Change::Table(known),
+                },
+                Act::Stored {
+                    channels,
+                    change: Change::Table(table),
+                },
+            ) if known_channels == channels => match merged(known, table) {
+                Some(both) => {
+                    *known = both;
+                    true
+                }
+                None => false,
+            },
+            (known, act) => known == act,
+        });
+        if !joined {
+            distinct.push(act);
+        }
+    }
+    distinct
+}
+
+fn is_known(search: &Search, act: &Act) -> bool {
+    let mut solved = search.mistakes.iter().filter_map(Mistake::solved);
+    solved.any(|solved| solved.act == *act)
+}
+
+fn id_of(search: &mut Search, act: Act) -> Id {
+    let is_it = |mistake: &Mistake| {
+        mistake
+            .solved()
+            .is_some_and(|solved| solved.act == act && solved.scope == Scope::All)
+    };
+    match search.mistakes.iter().position(is_it) {
+        Some(id) => id,
+        None => search.add(Mistake::Solved(Solved {
+            act,
+            scope: Scope::All,
+        })),
+    }
+}
+
+/// Those of `acts` that are worth most on the sample.
+fn finalists(search: &mut Search, set: &Set, sample: &[usize], acts: Vec<Act>) -> Vec<Act> {
+    let first = search.mistakes.len();
+    let count = acts.len();
+    for act in acts {
+        search.add(Mistake::Solved(Solved {
+            act,
+            scope: Scope::All,
+        }));
+    }
+    let ids: Vec<Id> = (first..first + count).collect();
+    let gains = search.each(&ids, |&id| {
+        let with = [&set[..], &[id]].concat();
+        let gain = |&w: &usize| (search.value(w, &with) - search.value(w, set)).max(0);
+        sample.iter().map(gain).sum::<i64>()
+    });
+    let mut ranked: Vec<(i64, Id)> = gains
+        .into_iter()
+        .zip(ids)
+        .filter(|&(gain, _)| gain > 0)
+        .collect();
+    ranked.sort_by_key(|&(gain, id)| (-gain, id));
+    ranked.truncate(FINALISTS);
+    let act = |(_, id): (i64, Id)| {
+        search.mistakes[id]
+            .solved()
+            .map(|solved| solved.act.clone())
+    };
+    ranked.into_iter().filter_map(act).collect()
+}
+
+/// Adds `act` in the files in which it is made, if these can be told and most of them show it.
+fn add(search: &mut Search, set: &Set, pictures: &[usize], act: Act) {
+    let id = search.add(Mistake::Solved(Solved {
+        act: act.clone(),
+        scope: Scope::All,
+    }));
+    let with = [&set[..], &[id]].concat();
+    let gains = search.each(pictures, |&w| {
+        let value = search.value(w, &with);
+        (value - search.value(w, set), value)
+    });
+    let explained = |least: i64| -> Vec<usize> {
+        let pairs = pictures.iter().zip(&gains);
+        let enough = pairs.filter(|&(_, &(gain, value))| gain > 0 && value >= least);
+        enough.map(|(&w, _)| w).collect()
+    };
+    let (whole, part) = (explained(WORD), explained(1));
+    let of = if whole.is_empty() { part } else { whole };
+    let denied = search.denied(&with);
+    let scope = match denied.is_empty() {
+        true => Some(Scope::All),
+        false => scope_of(search, &of, &denied)
+            .filter(|scope| !(scope.is_of_light() && act.shows_in(&View::Coef))),
+    };
+    let acting = search.each(pictures, |&w| {
+        let holds = |scope: &Scope| scope.holds(&search.witnesses[w]);
+        scope.as_ref().is_some_and(holds) && search.made(w, &with) != search.made(w, set)
+    });
+    let acting = acting.into_iter().filter(|acts| *acts).count();
+    search.truncate(id);
+    let is_shown = is_shown(search, &of, acting, scope.as_ref());
+    if let Some(scope) = scope
+        && is_shown
+        && !(of.len() == 1 && is_doubtful(search, of[0], &act))
+    {
+        search.add(Mistake::Solved(Solved { act, scope }));
+    }
+}
+
+/// Adds mistakes of the catalog that passing cases deny, in the files in which they are made, if these can be told.
+fn narrow(search: &mut Search, set: &Set, sample: &[usize], pictures: &[usize]) {
+    let is_open = |id: &Id| {
+        matches!(search.mistakes[*id], Mistake::Listed(_))
+            && !set.contains(id)
+            && !search.assumed.contains(id)
+    };
+    let open: Vec<Id> = (0..search.mistakes.len()).filter(is_open).collect();
+    let explains = |id: Id, w: usize| {
+        let with = [&set[..], &[id]].concat();
+        search.value(w, &with) >= WORD && search.value(w, set) < WORD
+    };
+    let counts = search.each(&open, |&id| {
+        sample.iter().filter(|&&w| explains(id, w)).count()
+    });
+    let mut ranked: Vec<(usize, Id)> = counts.into_iter().zip(open).collect();
+    ranked.retain(|&(count, _)| count >= FEWEST);
+    ranked.sort_by_key(|&(count, id)| (Reverse(count), id));
+    ranked.truncate(NARROW);
+    let best: Vec<Id> = ranked.into_iter().map(|(_, id)| id).collect();
+    let scopes = search.each(&best, |&id| scope_of_listed(search, set, id, pictures));
+    for (id, scope) in best.into_iter().zip(scopes) {
+        if let (Some(scope), Some(misreading)) = (scope, search.mistakes[id].listed()) {
+            search.add(Mistake::Narrow(misreading, scope));
+        }
+    }
+}
+
+/// In which files a mistake of the catalog is made that passing cases deny.
+fn scope_of_listed(search: &Search, set: &Set, id: Id, pictures: &[usize]) -> Option<Scope> {
+    let with = [&set[..], &[id]].concat();
+    let denied = search.denied(&with);
+    if denied.is_empty() {
+        return None;
+    }
+    let explains = |w: &usize| search.value(*w, &with) >= WORD && search.value(*w, set) < WORD;
+    let explained: Vec<usize> = pictures.iter().copied().filter(explains).collect();
+    let scope =
+        scope_of(search, &explained, &denied).filter(|scope| !matches!(scope, Scope::Both(..)))?;
+    let misreading = search.mistakes[id].listed()?;
+    let acts = |w: &&usize| {
+        scope.holds(&search.witnesses[**w]) && search.made(**w, &with) != search.made(**w, set)
+    };
+    let acting = pictures.iter().filter(acts).count();
+    let is_of_files = misreading.at.stage() == Stage::Color || !scope.is_of_light();
+    let is_made = is_of_files
+        && explained.len() > FEWEST
+        && explained.len() * 4 >= pictures.len()
+        && explained.len() * 3 >= acting
+        && is_shown(search, &explained, acting, Some(&scope));
+    is_made.then_some(scope)
+}
+
+/// Whether the pictures `of` are enough of those on which a mistake with this scope acts. Colors are rounded, and agree by
+/// chance with many a mistake.
+fn is_shown(search: &Search, of: &[usize], acting: usize, scope: Option<&Scope>) -> bool {
+    let is_color = |w: &usize| matches!(search.witnesses[*w].observation.view, View::Rgb(_));
+    let colors_only = of.iter().all(is_color);
+    let narrow = !matches!(scope, Some(Scope::All | Scope::Formats(_)));
+    let fewest = match (narrow, colors_only) {
+        (true, true) => FEWEST_COLORS,
+        (true, false) => FEWEST_NARROW,
+        (false, _) => 1,
+    };
+    let part = if colors_only { 3 } else { 10 };
+    of.len() >= fewest && of.len() * part >= acting
+}
+
+/// What the explained files share, and none of those that deny the mistake has.
+fn scope_of(search: &Search, explained: &[usize], denied: &[usize]) -> Option<Scope> {
+    let format = |w: &usize| search.witnesses[*w].case.format();
+    if explained.len() >= 2
+        && !explained
+            .iter()
+            .any(|w| denied.iter().any(|d| format(d) == format(w)))
+    {
+        let mut formats: Vec<_> = explained.iter().map(format).collect();
+        formats.sort_unstable();
+        formats.dedup();
+        return Some(Scope::Formats(formats));
+    }
+    let shared = shared(search.witnesses, explained, denied, true)?;
+    (shared.of.len() * 4 >= explained.len() * 3).then_some(shared.scope)
+}
+
+/// Whether one file alone does not show it: colors are rounded, and tables have many entries.
+fn is_doubtful(search: &Search, w: usize, act: &Act) -> bool {
+    let is_free = match act {
+        Act::Stored { change, .. } | Act::Final { change, .. } | Act::Shown { change, .. } => {
+            !matches!(
+                change,
+                Change::Offset(_) | Change::Xor(_) | Change::Inverted
+            )
+        }
+        _ => false,
+    };
+    is_free || matches!(search.witnesses[w].observation.view, View::Rgb(_))
+}

@@ -1,0 +1,497 @@
+//! A mistake that no catalog lists, solved from the answers: what is done, where, and in which files.
+
+use super::changes::{Change, Values, short};
+use super::formulas::{Formula, Numbers};
+use super::scope::Scope;
+use super::strides::{Extent, Strides};
+use super::terms::Terms;
+use super::witness::Witness;
+use crate::evaluate;
+use crate::protocol::frame::{Frame, Samples, View};
+use crate::ptm::{Format, Ptm, Shape, channel_name};
+use crate::reading::Reading;
+
+/// One mistake.
+pub(super) struct Solved {
+    pub act: Act,
+    /// In which files it is made.
+    pub scope: Scope,
+}
+
+/// What is done.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Act {
+    /// Channel i of a texel is read from another one, in maps with so many channels.
+    Channels(Vec<usize>),
+    /// Coefficient i of every polynomial is read from another one.
+    Coefficients([usize; 6]),
+    /// A block of the payload is read with other strides.
+    Block { block: Block, strides: Strides },
+    /// Texels are taken from other places, of some channels.
+    Texels {
+        channels: Channels,
+        strides: Strides,
+    },
+    /// Indices into the table are changed.
+    Index(Change),
+    /// Stored values are changed.
+    Stored { channels: Channels, change: Change },
+    /// Final values are changed.
+    Final { channels: Channels, change: Change },
+    /// Other scales and biases are used.
+    Terms(Terms),
+    /// One number of a formula is another, in words.
+    Slip(Formula, String),
+    /// The colors that come out are changed.
+    Shown { colors: [bool; 3], change: Change },
+}
+
+/// Part of the channels of a texel, in every shape.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Channels {
+    /// Which of a0 … a5.
+    pub coefficients: [bool; 6],
+    /// Of which of three polynomials.
+    pub polynomials: [bool; 3],
+    /// Which stored colors, or Cr and Cb.
+    pub colors: [bool; 3],
+}
+
+/// A run of stored values in the file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Block {
+    /// Each of them.
+    All,
+    Red,
+    Green,
+    Blue,
+    Coefficients,
+    Colors,
+}
+
+impl Channels {
+    /// Those of a texel with `count` channels; nothing for sets that other shapes could not have.
+    pub fn of(mask: &[bool]) -> Option<Channels> {
+        let mut channels = Channels {
+            coefficients: [false; 6],
+            polynomials: [true; 3],
+            colors: [false; 3],
+        };
+        match mask.len() {
+            18 => {
+                channels.polynomials = [0, 1, 2].map(|p| mask[6 * p..6 * p + 6].contains(&true));
+                for (k, _) in mask.iter().enumerate().filter(|(_, is)| **is) {
+                    channels.coefficients[k % 6] = true;
+                }
+                channels.colors = [channels.coefficients == [true; 6]; 3];
+            }
+            8 | 9 => {
+                channels.coefficients.copy_from_slice(&mask[..6]);
+                channels.colors[..mask.len() - 6].copy_from_slice(&mask[6..]);
+                if mask.len() == 8 && mask[6] && mask[7] {
+                    channels.colors[2] = true;
+                }
+            }
+            _ => return None,
+        }
+        let same = (0..mask.len()).all(|k| channels.holds(mask.len(), k) == mask[k]);
+        same.then_some(channels)
+    }
+
+    pub fn holds(&self, count: usize, channel: usize) -> bool {
+        match count {
+            18 => self.coefficients[channel % 6] && self.polynomials[channel / 6],
+            _ if channel < 6 => self.coefficients[channel],
+            _ => self.colors[channel - 6],
+        }
+    }
+
+    /// ", only in a3"; nothing for all.
+    fn says(&self) -> String {
+        let all_coefficients = self.coefficients == [true; 6];
+        let polynomial = ["red", "green", "blue"];
+        let of = match self.polynomials {
+            [true, true, true] => String::new(),
+            some => {
+                let names = (0..3).filter(|&p| some[p]).map(|p| polynomial[p]);
+                format!(" of {}", names.collect::<Vec<_>>().join(" and "))
+            }
+        };
+        let mut names: Vec<String> = match all_coefficients {
+            true => vec![format!("the coefficients{of}")],
+            false => (0..6)
+                .filter(|&a| self.coefficients[a])
+                .map(|a| format!("a{a}{of}"))
+                .collect(),
+        };
+        match self.colors {
+            [true, true, true] if all_coefficients && of.is_empty() => return String::new(),
+            [true, true, true] if names.is_empty() => names.push("the stored colors".to_owned()),
+            colors if !all_coefficients => {
+                let which = (0..3).filter(|&color| colors[color]);
+                names.extend(which.map(|color| {
+                    let (name, lum) = (channel_name(9, 6 + color), ["Cr", "Cb", ""][color]);
+                    if lum.is_empty() {
+                        name
+                    } else {
+                        format!("{name} ({lum} of LUM)")
+                    }
+                }));
+            }
+            _ => {}
+        }
+        format!(", only in {}", names.join(", "))
+    }
+}
+
+impl Block {
+    /// The blocks of a format and the channels of each.
+    pub fn of(format: Format) -> &'static [(Block, usize, usize)] {
+        match format {
+            Format::Rgb => &[
+                (Block::Red, 0, 6),
+                (Block::Green, 6, 6),
+                (Block::Blue, 12, 6),
+            ],
+            Format::Lum => &[(Block::Coefficients, 0, 8)],
+            Format::Lrgb => &[(Block::Coefficients, 0, 6), (Block::Colors, 6, 3)],
+            Format::PtmLut => &[(Block::Colors, 6, 3)],
+            _ => &[],
+        }
+    }
+
+    /// Where it begins in the file.
+    pub fn start(self, witness: &Witness) -> Option<usize> {
+        let name = match (self, witness.case.format()) {
+            (Block::All, _) => return None,
+            (Block::Red, _) => "red coefficients",
+            (Block::Green, _) => "green coefficients",
+            (Block::Blue, _) => "blue coefficients",
+            (Block::Coefficients, Format::Lum) => "coefficients, Cr and Cb",
+            (Block::Coefficients, _) => "coefficients",
+            (Block::Colors, _) => "colors",
+        };
+        let mut fields = witness.built.fields.iter();
+        fields
+            .find(|field| field.name == name)
+            .map(|field| field.range.start)
+    }
+
+    const fn name(self) -> &'static str {
+        match self {
+            Block::All => "every block of values",
+            Block::Red => "the block of red",
+            Block::Green => "the block of green",
+            Block::Blue => "the block of blue",
+            Block::Coefficients => "the block of coefficients",
+            Block::Colors => "the block of colors",
+        }
+    }
+}
+
+impl Act {
+    /// Whether it shows in this view.
+    pub fn shows_in(&self, view: &View) -> bool {
+        match self {
+            Act::Final { .. } | Act::Terms(_) | Act::Slip(Formula::Final, _) => *view != View::Raw,
+            Act::Slip(..) | Act::Shown { .. } => matches!(view, View::Rgb(_)),
+            _ => true,
+        }
+    }
+
+    /// What it makes of the stored values.
+    pub fn apply(&self, ptm: &mut Ptm, witness: &Witness) {
+        let shape = ptm.planes.shape;
+        let count = shape.channels();
+        match self {
+            Act::Channels(from) if from.len() == count => {
+                for texel in ptm.planes.samples.chunks_exact_mut(count) {
+                    let right = texel.to_vec();
+                    for (sample, &from) in texel.iter_mut().zip(from) {
+                        *sample = right[from];
+                    }
+                }
+            }
+            Act::Coefficients(from) => {
+                for a in ptm
+                    .planes
+                    .samples
+                    .chunks_exact_mut(count)
+                    .flat_map(|texel| texel[..shape.coefficients()].chunks_exact_mut(6))
+                {
+                    let right = a.to_vec();
+                    for (sample, &from) in a.iter_mut().zip(from) {
+                        *sample = right[from];
+                    }
+                }
+            }
+            Act::Block { block, strides } => read_block(ptm, witness, *block, strides),
+            Act::Texels { channels, strides } => move_texels(ptm, channels, strides),
+            Act::Index(change) => look_up(ptm, witness, change),
+            Act::Stored { channels, change } => {
+                for (i, sample) in ptm.planes.samples.iter_mut().enumerate() {
+                    if channels.holds(count, i % count) {
+                        *sample = change.apply(f64::from(*sample), Values::Bytes) as u8;
+                    }
+                }
+            }
+            _ => {}
+        }
+    }
+
+    /// What it makes of the final values.
+    fn change_finals(&self, values: &mut [f64], shape: Shape) {
+        let count = shape.channels();
+        if let Act::Final { channels, change } = self {
+            for (i, value) in values.iter_mut().enumerate() {
+                let channel = i % count;
+                if channels.holds(count, channel) {
+                    *value = change.apply(*value, Values::Reals);
+                }
+            }
+        }
+    }
+
+    /// What it does, as a sentence without its subject.
+    pub fn says(&self) -> String {
+        match self {
+            Act::Channels(from) => {
+                let name = |channel: usize| channel_name(from.len(), channel);
+                let moved: Vec<String> = from
+                    .iter()
+                    .enumerate()
+                    .filter(|&(channel, &from)| channel != from)
+                    .map(|(channel, &from)| format!("{} in {}", name(from), name(channel)))
+                    .collect();
+                format!("shows channels exchanged ({})", moved.join(", "))
+            }
+            Act::Coefficients([5, 4, 3, 2, 1, 0]) => {
+                "takes the six coefficients in reverse order, a5 … a0".to_owned()
+            }
+            Act::Coefficients(from) => {
+                let moved: Vec<String> = (0..6)
+                    .filter(|&a| from[a] != a)
+                    .map(|a| format!("a{} in a{a}", from[a]))
+                    .collect();
+                format!("shows coefficients exchanged ({})", moved.join(", "))
+            }
+            Act::Block { block, strides } => {
+                let channels = if *block == Block::Colors { 3 } else { 6 };
+                strides.says(block.name(), channels)
+            }
+            Act::Texels { channels, strides } => {
+                format!("{}{}", strides.says_of_texels(), channels.says())
+            }
+            Act::Index(Change::Offset(offset)) => format!(
+                "looks up the entry of index {} {} in the table where index i is stored",
+                if *offset < 0.0 { "i −" } else { "i +" },
+                short(offset.abs())
+            ),
+            Act::Index(change) => {
+                format!(
+                    "looks up indices wrongly: it takes {}",
+                    change.says(Values::Reals)
+                )
+            }
+            Act::Stored { channels, change } => {
+                format!(
+                    "shows stored values wrong: {}{}",
+                    change.says(Values::Bytes),
+                    channels.says()
+                )
+            }
+            Act::Final { channels, change } => {
+                format!(
+                    "shows final values wrong: {}{}",
+                    change.says(Values::Reals),
+                    channels.says()
+                )
+            }
+            Act::Terms(terms) => terms.says(),
+            Act::Slip(_, says) => format!("computes values as if {says}"),
+            Act::Shown { colors, change } => {
+                let names = ["red", "green", "blue"];
+                let some: Vec<&str> = (0..3).filter(|&k| colors[k]).map(|k| names[k]).collect();
+                let only = match some.len() {
+                    3 => String::new(),
+                    _ => format!(", only in {}", some.join(" and ")),
+                };
+                format!("shows colors wrong: {}{only}", change.says(Values::Colors))
+            }
+        }
+    }
+
+    /// What to do about it.
+    pub fn fix(&self) -> String {
+        match self {
+            Act::Channels(_) | Act::Coefficients(_) => {
+                "follow one texel of the example from its bytes to its channels; the first byte is the first channel"
+            }
+            Act::Block { .. } | Act::Texels { .. } => {
+                "compute the place of a value as row · width · channels + column · channels + channel, rows from the bottom of the picture"
+            }
+            Act::Index(_) => "index 0 names the first entry of the table; take indices as they are stored",
+            Act::Stored { .. } => "stored values are bytes from 0 to 255; take them as they are",
+            Act::Final { .. } | Act::Terms(_) => Formula::Final.fix(),
+            Act::Slip(formula, _) => formula.fix(),
+            Act::Shown { .. } => "round and clamp the computed color to 0…255 and show it as it is, without a color space or a curve",
+        }
+        .to_owned()
+    }
+
+    /// The clause that it violates; nothing where that depends on the files.
+    pub fn clause(&self) -> Option<&'static str> {
+        match self {
+            Act::Slip(formula, _) => Some(formula.clause()),
+            Act::Final { .. } | Act::Terms(_) => Some("2.4/8"),
+            Act::Shown { .. } => Some("1.0/1"),
+            _ => None,
+        }
+    }
+}
+
+/// The picture with these acts in its formulas.
+pub(super) fn frame(acts: &[&Act], ptm: &Ptm, view: &View, reading: &Reading) -> Frame {
+    let values = || values(acts, ptm, view, reading);
+    let (channels, samples) = match view {
+        View::Raw => return Frame::under(ptm, view, reading),
+        View::Coef => {
+            let values = values().into_iter().map(|value| value as f32);
+            (
+                ptm.planes.shape.channels() as u32,
+                Samples::F32(values.collect()),
+            )
+        }
+        View::Rgb(_) => {
+            let bytes = values().into_iter().map(|value| value.round() as u8);
+            (3, Samples::U8(bytes.collect()))
+        }
+    };
+    Frame {
+        view: view.name(),
+        width: ptm.planes.size.width,
+        height: ptm.planes.size.height,
+        channels,
+        samples,
+    }
+}
+
+/// The final values, or the colors before they are rounded.
+pub(super) fn values(acts: &[&Act], ptm: &Ptm, view: &View, reading: &Reading) -> Vec<f64> {
+    let slips: Vec<&str> = acts
+        .iter()
+        .filter_map(|act| match act {
+            Act::Slip(_, says) if act.shows_in(view) => Some(says.as_str()),
+            _ => None,
+        })
+        .collect();
+    let mut values = if slips.is_empty() {
+        let mut finals = evaluate::apply(&ptm.header.scale_bias, &ptm.planes, reading);
+        for act in acts {
+            if let Act::Terms(terms) = act {
+                terms.apply(&mut finals.values, &ptm.planes, &ptm.header.scale_bias);
+            }
+            act.change_finals(&mut finals.values, ptm.planes.shape);
+        }
+        match view {
+            View::Rgb(light) => evaluate::evaluate(&finals, light.lu, light.lv, reading).values,
+            _ => finals.values,
+        }
+    } else {
+        Numbers::of(&ptm.planes, &ptm.header.scale_bias, view, reading)
+            .with(&slips, ptm.planes.shape)
+            .values(&ptm.planes, reading)
+    };
+    for act in acts {
+        if let (Act::Shown { colors, change }, View::Rgb(_)) = (act, view) {
+            for texel in values.chunks_exact_mut(3) {
+                for (value, _) in texel.iter_mut().zip(colors).filter(|(_, is)| **is) {
+                    *value = change.apply(*value, Values::Colors);
+                }
+            }
+        }
+    }
+    values
+}
+
+/// A block read with other strides, from the bytes of the file; what lies outside of it is 0.
+fn read_block(ptm: &mut Ptm, witness: &Witness, block: Block, strides: &Strides) {
+    let blocks = Block::of(witness.case.format());
+    for &(known, first, c) in blocks
+        .iter()
+        .filter(|(known, ..)| block == Block::All || *known == block)
+    {
+        if let Some(start) = known.start(witness) {
+            read_bytes(ptm, witness, (start, first, c), strides);
+        }
+    }
+}
+
+/// The same of one block, which begins at byte `start` and holds `c` channels from the `first` on.
+fn read_bytes(
+    ptm: &mut Ptm,
+    witness: &Witness,
+    (start, first, c): (usize, usize, usize),
+    strides: &Strides,
+) {
+    let count = ptm.planes.shape.channels();
+    let extent = Extent {
+        w: ptm.planes.size.width as usize,
+        h: ptm.planes.size.height as usize,
+        c,
+    };
+    if ptm.planes.samples.len() != extent.w * extent.h * count || first + c > count {
+        return;
+    }
+    let file = &witness.built.file;
+    for (texel, samples) in ptm.planes.samples.chunks_exact_mut(count).enumerate() {
+        let (column, row) = (texel % extent.w, extent.h - 1 - texel / extent.w);
+        for (k, sample) in samples[first..first + c].iter_mut().enumerate() {
+            let place = start as isize + strides.place(column, row, k, extent);
+            let byte = usize::try_from(place).ok().and_then(|at| file.get(at));
+            *sample = byte.copied().unwrap_or_default();
+        }
+    }
+}
+
+/// Texels from other places; what lies outside of the picture is 0.
+fn move_texels(ptm: &mut Ptm, channels: &Channels, strides: &Strides) {
+    let count = ptm.planes.shape.channels();
+    let extent = Extent {
+        w: ptm.planes.size.width as usize,
+        h: ptm.planes.size.height as usize,
+        c: 1,
+    };
+    let right = ptm.planes.samples.clone();
+    let (w, h) = (extent.w, extent.h);
+    for (texel, samples) in ptm.planes.samples.chunks_exact_mut(count).enumerate() {
+        let place = strides.place(texel % w, h - 1 - texel / w, 0, extent);
+        let from = usize::try_from(place).ok().filter(|&place| place < w * h);
+        for (k, sample) in samples.iter_mut().enumerate() {
+            if channels.holds(count, k) {
+                *sample = from.map_or(0, |stored| {
+                    right[((h - 1 - stored / w) * w + stored % w) * count + k]
+                });
+            }
+        }
+    }
+}
+
+/// The table looked up with other indices; what lies outside of it is 0.
+fn look_up(ptm: &mut Ptm, witness: &Witness, change: &Change) {
+    let Some(model) = witness.model().filter(|model| model.format.has_table()) else {
+        return;
+    };
+    let size = model.entry_size();
+    for (texel, &index) in ptm.planes.samples.chunks_exact_mut(9).zip(&model.indices) {
+        let index = change.apply(f64::from(index), Values::Reals);
+        let entry = (index >= 0.0)
+            .then(|| model.table.get(index as usize * size..))
+            .flatten()
+            .and_then(|rest| rest.get(..size));
+        match entry {
+            Some(entry) => texel[..size].copy_from_slice(entry),
+            None => texel[..size].fill(0),
+        }
+    }
+}

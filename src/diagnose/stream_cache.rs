@@ -1,0 +1,46 @@
+//! Streams of planes that were decoded before: hundreds of mistakes act later, on the same planes.
+
+use std::collections::HashMap;
+use std::sync::Mutex;
+
+use crate::decode::planes;
+use crate::error::Result;
+use crate::parts::PlaneStream;
+use crate::ptm::{Format, Size};
+
+/// Bytes of streams and samples that are kept.
+const MOST: usize = 128 << 20;
+
+type Samples = HashMap<Box<[u8]>, Box<[u8]>>;
+
+/// Samples by format, size and stream, and how many bytes that is. A decision of [`Reading`](crate::Reading) is a plain
+/// function, so what it remembers has to stand beside it.
+static DECODED: Mutex<Option<(usize, HashMap<(Format, Size), Samples>)>> = Mutex::new(None);
+
+/// As the reference decodes a stream, but each only once.
+pub(crate) fn stream_once(stream: &PlaneStream) -> Result<Vec<u8>> {
+    let (format, size) = (stream.format, stream.size);
+    let known = |cache: &Option<(usize, HashMap<_, Samples>)>| {
+        Some(
+            cache
+                .as_ref()?
+                .1
+                .get(&(format, size))?
+                .get(stream.bytes)?
+                .to_vec(),
+        )
+    };
+    if let Some(samples) = known(&DECODED.lock().expect("no worker panics")) {
+        return Ok(samples);
+    }
+    let samples = planes::stream(stream)?;
+    let mut cache = DECODED.lock().expect("no worker panics");
+    let (bytes, decoded) = cache.get_or_insert_default();
+    if *bytes > MOST {
+        (*bytes, *decoded) = Default::default();
+    }
+    *bytes += samples.len() + stream.bytes.len();
+    let of_size = decoded.entry((format, size)).or_default();
+    of_size.insert(stream.bytes.into(), samples.clone().into());
+    Ok(samples)
+}

@@ -1,0 +1,328 @@
+//! What a decoder with some mistakes would answer, held against what the decoder under test did answer.
+
+use std::borrow::Cow;
+use std::sync::{Arc, OnceLock};
+
+use super::stream_cache::stream_once;
+use super::trait_list::Traits;
+use crate::decode::{decode_as, examine_as};
+use crate::generate::Model;
+use crate::kit::parallel::in_parallel;
+use crate::misreadings::{self, Anatomy, At, Misreading, Seen, Stage};
+use crate::protocol::frame::{Answer, Frame, Samples};
+use crate::ptm::{Field, Limits, Ptm};
+use crate::reading::Reading;
+use crate::session::observation::{Observation, Response};
+use crate::session::outcome::Outcome;
+use crate::session::run::Run;
+use crate::suite::cases::{Built, Case, Expect, Suite};
+use crate::suite::choices::CHOICES;
+use crate::suite::compare::{Expected, ExpectedValues, is_close};
+use crate::suite::dialect::Dialect;
+use crate::suite::dialect::Right;
+use crate::suite::values::Values;
+
+/// One case that was asked, and all that is known of it.
+pub(super) struct Witness<'a> {
+    /// Its place in the suite.
+    pub place: usize,
+    pub case: &'a Case,
+    pub observation: &'a Observation,
+    pub built: Arc<Built>,
+    pub failed: bool,
+    /// How the decoder reads the open questions.
+    pub reading: Reading,
+    /// What the reference answers, reading the open questions so.
+    pub right: Answer,
+    /// What the bytes of the file are, as far as they can be read.
+    fields: OnceLock<Vec<Field>>,
+    pub traits: OnceLock<Traits>,
+    /// What the reference finds in the file.
+    decoded: OnceLock<crate::error::Result<Ptm>>,
+}
+
+/// How well an answer agrees with what was shown.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Agreement {
+    /// The same picture.
+    Picture,
+    /// The same refusal or acceptance.
+    Word,
+    /// A refusal, where the decoder ended in another way without a picture.
+    Crash,
+    /// Another picture or another outcome.
+    None,
+    /// A refusal, where the decoder shows a picture: this mistake cannot be there.
+    Against,
+}
+
+/// Every case that was asked and judged, and answered in one way.
+pub(super) fn witnesses<'a>(
+    suite: &'a Suite,
+    run: &'a Run,
+    reading: Reading,
+    threads: usize,
+) -> Vec<Witness<'a>> {
+    let witness = |place: usize| {
+        let case = &suite.cases[place];
+        let outcome = run.judgement.cases[place].as_ref()?.outcome;
+        // Of two answers neither tells of a mistake, and a broken promise tells of none in reading.
+        let observation = run.observations[place]
+            .as_ref()
+            .filter(|observation| observation.nondeterminism.is_none())
+            .filter(|observation| !breaks_its_promise(run, case, observation))?;
+        // An answer that proves nothing, or "unsupported", tells nothing of a mistake.
+        if !matches!(outcome, Outcome::Pass | Outcome::Fail) {
+            return None;
+        }
+        let built = case.build(run.table);
+        let right = misreadings::answer(&[], reading, &built.file, &observation.view);
+        Some(Witness {
+            place,
+            case,
+            observation,
+            built,
+            failed: outcome == Outcome::Fail,
+            reading,
+            right,
+            fields: OnceLock::new(),
+            traits: OnceLock::new(),
+            decoded: OnceLock::new(),
+        })
+    };
+    let all = in_parallel(suite.cases.len(), threads, &|_, _| (), &witness);
+    all.into_iter().flatten().collect()
+}
+
+/// Whether it answered 69 here as to every file of a format that its capabilities declare.
+pub(super) fn breaks_its_promise(run: &Run, case: &Case, observation: &Observation) -> bool {
+    run.offer
+        .is_broken_by(case, observation, &run.judgement.unsupported)
+}
+
+impl Witness<'_> {
+    /// What a decoder with these mistakes of the catalog answers.
+    pub fn answer_of_listed(&self, mistakes: &[&Misreading]) -> Cow<'_, Answer> {
+        // Taken apart once; and most edits leave most files as they are.
+        let [first, rest @ ..] = mistakes else {
+            return Cow::Borrowed(&self.right);
+        };
+        if mistakes.iter().all(|mistake| is_after_decoding(mistake)) {
+            return match self.decoded() {
+                Ok(ptm) => {
+                    let reading = misreadings::misread(mistakes, self.reading);
+                    let view = &self.observation.view;
+                    Cow::Owned(misreadings::show(mistakes, &reading, ptm, view))
+                }
+                Err(_) => Cow::Borrowed(&self.right),
+            };
+        }
+        let At::Bytes(edit) = first.at else {
+            return Cow::Owned(self.answer_to(mistakes, &self.built.file));
+        };
+        let anatomy = Anatomy {
+            file: &self.built.file,
+            fields: self.fields().to_vec(),
+        };
+        match edit(&anatomy) {
+            Seen::Refused => Cow::Owned(Answer::Rejected),
+            Seen::File(bytes) if bytes == self.built.file => self.answer_of_listed(rest),
+            Seen::File(bytes) => Cow::Owned(self.answer_to(rest, &bytes)),
+        }
+    }
+
+    /// The same to other bytes.
+    fn answer_to(&self, mistakes: &[&Misreading], file: &[u8]) -> Answer {
+        misreadings::answer(mistakes, self.reading, file, &self.observation.view)
+    }
+
+    /// What the bytes of the file are, as far as they can be read.
+    pub fn fields(&self) -> &[Field] {
+        self.fields
+            .get_or_init(|| examine_as(&self.built.file, &self.reading).0)
+    }
+
+    /// What the reference finds in the file.
+    pub fn decoded(&self) -> &crate::error::Result<Ptm> {
+        self.decoded
+            .get_or_init(|| decode_as(&self.built.file, &self.reading, &Limits::default()))
+    }
+
+    /// Where the first byte stands that is not header text.
+    pub fn payload(&self) -> usize {
+        let anatomy = Anatomy {
+            file: &self.built.file,
+            fields: self.fields().to_vec(),
+        };
+        anatomy.payload()
+    }
+
+    /// What was painted, where the generator wrote the file.
+    pub fn model(&self) -> Option<&Model> {
+        match &self.built.values {
+            Values::Painted(model) => Some(model),
+            _ => None,
+        }
+    }
+
+    /// Where the decoder failed: how well `answer` is what it did.
+    pub fn agreement(&self, answer: &Answer) -> Agreement {
+        match (&self.observation.response, answer) {
+            // To refuse what the reference refuses is no mistake.
+            (_, Answer::Rejected) if self.right == Answer::Rejected => Agreement::None,
+            (
+                Response::Picture {
+                    frame: Some(shown), ..
+                },
+                Answer::Decoded(made),
+            ) if alike(shown, made) && (shown == made || !self.is_right(made)) => {
+                Agreement::Picture
+            }
+            // Of a file that must be refused no picture is kept: to accept it is the mistake.
+            (Response::Picture { frame: None, .. }, Answer::Decoded(_))
+                if matches!(self.case.expect, Expect::Reject | Expect::Refuse) =>
+            {
+                Agreement::Word
+            }
+            (Response::Rejected, Answer::Rejected)
+            | (Response::Unsupported, Answer::Rejected | Answer::Unsupported) => Agreement::Word,
+            (Response::Violation(Answer::Crashed(_)), Answer::Rejected)
+                if self.case.expect == Expect::Decode =>
+            {
+                Agreement::Crash
+            }
+            (Response::Picture { .. }, Answer::Rejected | Answer::Unsupported)
+                if self.case.expect == Expect::Decode =>
+            {
+                Agreement::Against
+            }
+            _ => Agreement::None,
+        }
+    }
+
+    /// The colors of `made` before they were rounded, where it is the reference's own picture.
+    pub fn exact(&self, made: &Frame) -> Option<Vec<f64>> {
+        if !matches!(&self.right, Answer::Decoded(right) if right == made) {
+            return None;
+        }
+        match Expected::under(&self.built.file, &self.observation.view, &self.reading)?.values {
+            ExpectedValues::Rgb(values) => Some(values),
+            _ => None,
+        }
+    }
+
+    /// Whether that is the reference's picture, but for rounding: it explains no other one that is alike, too.
+    fn is_right(&self, made: &Frame) -> bool {
+        matches!(&self.right, Answer::Decoded(right) if alike(right, made))
+    }
+
+    /// Where the decoder did not fail: whether `answer` would have been another outcome than the one it showed.
+    pub fn contradicts(&self, answer: &Answer) -> bool {
+        if std::ptr::eq(answer, &raw const self.right) {
+            return false;
+        }
+        match (self.case.expect, answer) {
+            (Expect::Decode, Answer::Decoded(made)) => {
+                !self.is_right(made) && self.would_fail(made)
+            }
+            (Expect::Decode, _) => true,
+            (Expect::Reject | Expect::Refuse, answer) => matches!(answer, Answer::Decoded(_)),
+            (Expect::Lenient | Expect::Spelling | Expect::ImplementationDefined, _) => false,
+        }
+    }
+
+    /// On a file beyond the letter both are right, to refuse it and to decode it: whether `answer` is what it did.
+    pub fn leans_away(&self, answer: &Answer) -> bool {
+        match (&self.observation.response, answer) {
+            (Response::Rejected, Answer::Decoded(_))
+            | (Response::Picture { .. }, Answer::Rejected) => true,
+            (Response::Picture { .. }, Answer::Decoded(made)) => self.would_fail(made),
+            _ => false,
+        }
+    }
+
+    /// Whether that picture would be judged wrong.
+    fn would_fail(&self, made: &Frame) -> bool {
+        let right = match (&self.observation.response, &self.right) {
+            // A choice shows in it: right is what the decoder's own dialect makes of it.
+            (
+                Response::Picture {
+                    right: Right::In { .. },
+                    ..
+                },
+                Answer::Decoded(right),
+            ) => return !alike(right, made),
+            _ => Expected::of(&self.built.values, &self.observation.view),
+        };
+        right.is_some_and(|right| right.compare(made).is_some())
+    }
+}
+
+/// Mistakes that find the right values in the file.
+pub(super) fn is_after_decoding(misreading: &Misreading) -> bool {
+    misreading.at.stage() >= Stage::Planes
+}
+
+/// How the decoder reads the open questions.
+pub(crate) fn dialect_reading(run: &Run) -> Reading {
+    let judgement = &run.judgement;
+    let followed = judgement.dialect.0.iter().zip(&judgement.settled);
+    let settled = Dialect(
+        followed
+            .map(|(&reading, &settled)| if settled { reading } else { 0 })
+            .collect(),
+    );
+    let reading = CHOICES.under(&settled, Reading::SPEC);
+    let reading = match run.table.newline {
+        true => reading.with_newline_after_table(),
+        false => reading,
+    };
+    Reading {
+        stream: stream_once,
+        ..reading
+    }
+}
+
+/// Whether a mistake could act on a file: those of tables, matrices and compressed planes act where there are any.
+#[must_use]
+pub fn applies(misreading: &Misreading, file: &[u8]) -> bool {
+    let format = &file[..file.len().min(64)];
+    let has = |word: &[u8]| format.windows(word.len()).any(|bytes| bytes == word);
+    let section = |name: &str| misreading.clause.starts_with(name);
+    if !has(b"PTM_FORMAT_") || matches!(misreading.at, At::Bytes(_)) {
+        true
+    } else if section("2.9") {
+        has(b"RMAT_JPEG")
+    } else if section("2.5") || section("2.8") {
+        has(b"LUT")
+    } else if section("2.6") {
+        has(b"RMAT_LUM")
+    } else {
+        true
+    }
+}
+
+/// Whether two mistakes can be made at once: they act in different places or on different decisions.
+#[must_use]
+pub fn composable(a: &Misreading, b: &Misreading) -> bool {
+    !a.at.is_at(&b.at)
+}
+
+/// Whether two pictures are one, but for rounding.
+#[must_use]
+pub fn alike(a: &Frame, b: &Frame) -> bool {
+    if (a.view, a.width, a.height, a.channels) != (b.view, b.width, b.height, b.channels) {
+        return false;
+    }
+    match (&a.samples, &b.samples) {
+        (Samples::U8(x), Samples::U8(y)) if a.view == "rgb" => {
+            x.iter().zip(y).all(|(x, y)| x.abs_diff(*y) <= 1)
+        }
+        (Samples::U8(x), Samples::U8(y)) => x == y,
+        (Samples::F32(x), Samples::F32(y)) => x
+            .iter()
+            .zip(y)
+            .all(|(x, y)| is_close(f64::from(*x), f64::from(*y), 0.0) || x.is_nan() && y.is_nan()),
+        _ => false,
+    }
+}

@@ -1,0 +1,476 @@
+//! A random file in the words of a case.
+//!
+//! What is drawn is not bytes but what `spec-cases/` would write under `make`, so that a find is a ready case, and so
+//! that whatever makes it simpler is one word less or a smaller word. Whether a drawn file is legal is settled by how
+//! it is drawn; nothing here stands under a lenient ruling.
+
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+
+use arbitrary::{Result, Unstructured};
+
+use crate::ptm::Format;
+use crate::suite::cases::{Case, Expect, Suite};
+
+/// The words of a case, as far as they differ from the ordinary file.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Draft {
+    /// The format.
+    pub format: Format,
+    /// Texels in a row.
+    pub width: u32,
+    /// Rows.
+    pub height: u32,
+    /// Words of `make` itself.
+    pub make: Words,
+    /// Words of `compression`.
+    pub compression: Words,
+    /// Words of `spelling`.
+    pub spelling: Words,
+    /// The views, best first.
+    pub views: Vec<String>,
+    /// What is broken in the file, if anything is.
+    pub damage: Option<DraftDamage>,
+}
+
+/// What is broken in a file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct DraftDamage {
+    /// Its name in `spec-cases/`.
+    pub name: &'static str,
+    /// [`Expect::Reject`] or [`Expect::Refuse`].
+    pub expect: Expect,
+}
+
+/// Key and value, as they stand in a case.
+pub type Words = BTreeMap<&'static str, String>;
+
+impl Draft {
+    /// Draws a legal file.
+    ///
+    /// # Errors
+    /// If `u` has no bytes left.
+    pub fn draw(u: &mut Unstructured) -> Result<Draft> {
+        let format = *u.choose(&Format::ALL)?;
+        let (width, height) = draw_size(format, u)?;
+        let mut draft = Draft {
+            format,
+            width,
+            height,
+            make: Words::from([("seed", u.int_in_range(0..=9999)?.to_string())]),
+            compression: Words::new(),
+            spelling: draw_spelling(u)?,
+            views: Vec::new(),
+            damage: None,
+        };
+        draft.draw_numbers(u)?;
+        if format.is_compressed() {
+            draft.draw_compression(u)?;
+        } else {
+            draft.draw_payload(u)?;
+        }
+        draft.draw_views(u)?;
+        Ok(draft)
+    }
+
+    fn texels(&self) -> u32 {
+        self.width * self.height
+    }
+
+    /// Scale, bias, matrix and scene.
+    fn draw_numbers(&mut self, u: &mut Unstructured) -> Result<()> {
+        if u.ratio(2, 3)? {
+            self.make.insert("scale", several(6, u, draw_scale)?);
+        }
+        if u.ratio(2, 3)? {
+            self.make.insert("bias", several(6, u, draw_bias)?);
+        }
+        if self.format == Format::Lum && u.ratio(1, 2)? {
+            // Columns first; the last row is 0 0 0 1 and there is no translation, whose place is an open question.
+            let mut matrix = Vec::new();
+            for _ in 0..3 {
+                matrix.push(several(3, u, draw_factor)? + " 0");
+            }
+            self.make
+                .insert("matrix", format!("{} 0 0 0 1", matrix.join(" ")));
+        }
+        if u.ratio(1, 2)? {
+            let scene = match u.int_in_range(0..=9)? {
+                0 => "extremes".to_owned(),
+                1 => "ramp".to_owned(),
+                2 => "stripes".to_owned(),
+                3 => "soft".to_owned(),
+                4 => "columns".to_owned(),
+                5 => "rows".to_owned(),
+                6 => "diagonals".to_owned(),
+                7 => "unlit".to_owned(),
+                _ => format!("flat-{}", u.choose(&[0, 1, 127, 128, 129, 254, 255])?),
+            };
+            self.make.insert("scene", scene);
+        }
+        Ok(())
+    }
+
+    /// Tables, indices, and the byte after the header.
+    fn draw_payload(&mut self, u: &mut Unstructured) -> Result<()> {
+        if self.format.has_table() {
+            let entries = match u.int_in_range(0..=19)? {
+                0 => 65_536,
+                1 => 65_535,
+                2..=5 => *u.choose(&[255, 256, 257, 258, 511, 512, 513])?,
+                6..=9 => u.int_in_range(259..=1500)?,
+                _ => u.int_in_range(1..=40)?,
+            };
+            self.make.insert("entries", entries.to_string());
+            match u.int_in_range(0..=9)? {
+                0 if entries > 2 => self.make.insert("indices", "bytes-differ".to_owned()),
+                1 => self.make.insert("indices", "below-256".to_owned()),
+                2 => self.make.insert("indices", (entries - 1).to_string()),
+                3 => self
+                    .make
+                    .insert("indices", u.int_in_range(0..=entries - 1)?.to_string()),
+                _ => None,
+            };
+        }
+        if u.ratio(1, 3)? {
+            let byte = *u.choose(&[
+                0x00, 0x09, 0x0a, 0x0d, 0x1a, 0x20, 0x23, 0x2d, 0x30, 0x39, 0x7f, 0x80, 0xfe, 0xff,
+            ])?;
+            self.make.insert("first_byte", format!("{byte:#04x}"));
+        }
+        Ok(())
+    }
+
+    fn draw_compression(&mut self, u: &mut Unstructured) -> Result<()> {
+        let jpeg = matches!(self.format, Format::JpegRgb | Format::JpegLrgb);
+        let lossy = jpeg || u.ratio(1, 3)?;
+        if jpeg {
+            let quality = *u.choose(&[1, 10, 20, 23, 24, 25, 50, 75, 90, 95, 99, 100])?;
+            self.compression.insert("parameter", quality.to_string());
+        } else if lossy {
+            self.compression
+                .insert("parameter", u.int_in_range(1..=10)?.to_string());
+        }
+        self.draw_forest(u)?;
+        let moves = self.draw_transforms(u)?;
+        let residuals = match u.int_in_range(0..=9)? {
+            // What an inverse DCT rounds is asked raw, and never moved.
+            0..=2 if !(jpeg && moves) => "natural",
+            3 => "wraps",
+            4 => "framed",
+            5 => "gray",
+            _ => "blocks",
+        };
+        self.compression.insert("residuals", residuals.to_owned());
+        self.draw_records(u)?;
+        self.draw_stream(jpeg, u)
+    }
+
+    /// References and ranks: a known structure, or any forest.
+    fn draw_forest(&mut self, u: &mut Unstructured) -> Result<()> {
+        const STRUCTURES: [&str; 9] = [
+            "intra",
+            "chain",
+            "star",
+            "deep",
+            "two-trees",
+            "shared-reference",
+            "upward",
+            "rotated",
+            "tablet",
+        ];
+        if u.ratio(1, 2)? {
+            let structure = (*u.choose(&STRUCTURES)?).to_owned();
+            self.compression.insert("structure", structure);
+            return Ok(());
+        }
+        let count = self.format.channels();
+        let mut by_rank: Vec<usize> = (0..count).collect();
+        for last in (1..count).rev() {
+            by_rank.swap(last, u.int_in_range(0..=last)?);
+        }
+        let (mut references, mut order) = (vec![-1i64; count], vec![0usize; count]);
+        for (rank, &plane) in by_rank.iter().enumerate() {
+            order[plane] = rank;
+            if rank > 0 && u.ratio(2, 3)? {
+                references[plane] = by_rank[u.int_in_range(0..=rank - 1)?] as i64;
+            }
+        }
+        self.compression.insert("references", joined(&references));
+        self.compression.insert("order", joined(&order));
+        Ok(())
+    }
+
+    /// Transforms and vectors; whether anything may be moved by them.
+    fn draw_transforms(&mut self, u: &mut Unstructured) -> Result<bool> {
+        if u.ratio(1, 3)? {
+            return Ok(false);
+        }
+        let with_motion = u.ratio(1, 2)?;
+        let pool: &[u32] = if with_motion { &[0, 1, 2, 3] } else { &[0, 1] };
+        let length = u.int_in_range(1..=5)?;
+        let transforms = several(length, u, |u| Ok(u.choose(pool)?.to_string()))?;
+        self.compression.insert("transforms", transforms);
+        if u.ratio(1, 5)? {
+            self.compression.insert("everywhere", "true".to_owned());
+        }
+        for axis in ["motion_x", "motion_y"] {
+            if with_motion && u.ratio(3, 4)? {
+                let length = u.int_in_range(1..=5)?;
+                let vectors = several(length, u, |u| {
+                    // Beyond the plane, and beyond a byte.
+                    let most = *u.choose(&[7, 7, 7, 7, 7, 7, 7, 7, 7, 80, 300])?;
+                    Ok(u.int_in_range(-most..=most)?.to_string())
+                })?;
+                self.compression.insert(axis, vectors);
+            }
+        }
+        Ok(with_motion)
+    }
+
+    fn draw_records(&mut self, u: &mut Unstructured) -> Result<()> {
+        if u.ratio(1, 2)? {
+            return Ok(());
+        }
+        let count = self.format.channels();
+        let mut records = Vec::new();
+        for _ in 0..u.int_in_range(1..=3)? {
+            let planes = match u.int_in_range(0..=5)? {
+                0 => "all".to_owned(),
+                1 => "predicted".to_owned(),
+                2 => "intra".to_owned(),
+                _ => u.int_in_range(0..=count - 1)?.to_string(),
+            };
+            let texels = match u.int_in_range(0..=5)? {
+                0 => "first".to_owned(),
+                1 => "last".to_owned(),
+                2 if self.texels() <= 64 => "all".to_owned(),
+                3 if self.texels() <= 400 => "border".to_owned(),
+                _ => {
+                    let most = self.texels() - 1;
+                    several(u.int_in_range(1..=3)?, u, |u| {
+                        Ok(u.int_in_range(0..=most)?.to_string())
+                    })?
+                    .replace(' ', "+")
+                }
+            };
+            records.push(format!("{planes}:{texels}"));
+        }
+        self.compression.insert("records", records.join(" "));
+        Ok(())
+    }
+
+    /// What a writer of streams may choose.
+    fn draw_stream(&mut self, jpeg: bool, u: &mut Unstructured) -> Result<()> {
+        if u.ratio(1, 2)? {
+            return Ok(());
+        }
+        if jpeg {
+            let interval = *u.choose(&[0, 0, 1, 2, 3, 7])?;
+            self.compression
+                .insert("restart_interval", interval.to_string());
+            self.compression
+                .insert("optimised_tables", u.arbitrary::<bool>()?.to_string());
+            self.compression
+                .insert("baseline", u.arbitrary::<bool>()?.to_string());
+            let sampling = (*u.choose(&["1x1", "2x1", "1x2", "2x2", "4x1", "3x2"])?).to_owned();
+            self.compression.insert("sampling", sampling);
+            if u.ratio(1, 3)? {
+                self.compression.insert("jfif", "false".to_owned());
+            }
+        } else if !self.compression.contains_key("parameter") {
+            let presets = *u.choose(&[
+                "255 3 7 21 64",
+                "255 2 5 9 31",
+                "255 10 40 90 255",
+                "255 2 2 2 3",
+            ])?;
+            self.compression.insert("presets", presets.to_owned());
+        }
+        if u.ratio(1, 4)? {
+            self.compression.insert("alternates", "true".to_owned());
+        }
+        Ok(())
+    }
+
+    fn draw_views(&mut self, u: &mut Unstructured) -> Result<()> {
+        let mut views = vec!["raw".to_owned()];
+        let rounds = self.compression.get("residuals").map(String::as_str) == Some("natural")
+            && matches!(self.format, Format::JpegRgb | Format::JpegLrgb);
+        if !rounds {
+            let (lu, lv) = (u.int_in_range(-65..=65)?, u.int_in_range(-65..=65)?);
+            let light = format!("rgb:{},{}", f64::from(lu) / 100.0, f64::from(lv) / 100.0);
+            views.extend(["coef".to_owned(), light]);
+            let best = u.int_in_range(0..=2)?;
+            views.swap(0, best);
+        }
+        self.views = views;
+        Ok(())
+    }
+
+    /// The same file undamaged.
+    #[must_use]
+    pub fn whole(&self) -> Draft {
+        Draft {
+            damage: None,
+            ..self.clone()
+        }
+    }
+
+    /// The case, or two of them if the file is damaged: its twin `ID-whole`, and itself.
+    ///
+    /// # Errors
+    /// What keeps the file from being written.
+    pub fn cases(&self, id: &str) -> std::result::Result<Vec<Case>, String> {
+        let suite = Suite::from_files(&[(id, &self.to_yaml(id, "drawn at random"))])?;
+        Ok(suite.cases)
+    }
+
+    /// The case as `spec-cases/` would write it.
+    #[must_use]
+    pub fn to_yaml(&self, id: &str, because: &str) -> String {
+        let clause = section(self.format);
+        let whole = match self.damage {
+            Some(_) => format!("{id}-whole"),
+            None => id.to_owned(),
+        };
+        let mut out = format!(
+            "- id: {whole}\n  clauses: [{clause}]\n  because: {because:?}\n  make:\n    format: {}\n    size: {}x{}\n",
+            self.format.short_name(),
+            self.width,
+            self.height
+        );
+        for (heading, indent, words) in [
+            ("", "    ", &self.make),
+            ("    compression:\n", "      ", &self.compression),
+            ("    spelling:\n", "      ", &self.spelling),
+        ] {
+            if !words.is_empty() {
+                out += heading;
+            }
+            for (key, word) in words {
+                let _ = writeln!(out, "{indent}{key}: {word:?}");
+            }
+        }
+        let views: Vec<String> = self.views.iter().map(|view| format!("{view:?}")).collect();
+        let _ = writeln!(out, "  expect: decode\n  views: [{}]", views.join(", "));
+        if let Some(damage) = self.damage {
+            let _ = write!(
+                out,
+                "- id: {id}\n  clauses: [{clause}]\n  because: {because:?}\n  twin_of: {whole}\n  damage: {}\n  expect: {}\n",
+                damage.name,
+                damage.expect.name()
+            );
+        }
+        out
+    }
+}
+
+/// The section that gives a format its payload.
+fn section(format: Format) -> &'static str {
+    match format {
+        Format::PtmLut | Format::PtmCLut => "2.8/1",
+        format if format.is_compressed() => "2.9/1",
+        _ => "2.7/1",
+    }
+}
+
+/// Mostly small; sometimes long, around 256, or over 65,535 texels. Decoders on libjpeg are right, and it reads no plane
+/// that is wider than 65,500.
+fn draw_size(format: Format, u: &mut Unstructured) -> Result<(u32, u32)> {
+    Ok(match u.int_in_range(0..=99)? {
+        0 => *u.choose(&[(257, 256), (300, 220), (65_500, 2), (2, 32_769)])?,
+        1..=4 if !format.is_compressed() => (u.int_in_range(100..=600)?, 1),
+        5..=8 if !format.is_compressed() => (1, u.int_in_range(100..=600)?),
+        9..=14 => (*u.choose(&[255, 256, 257])?, u.int_in_range(1..=3)?),
+        15..=18 => (u.int_in_range(1..=3)?, *u.choose(&[255, 256, 257])?),
+        19..=30 => (u.int_in_range(1..=40)?, u.int_in_range(1..=40)?),
+        31..=40 => (*u.choose(&[8, 16, 24])?, *u.choose(&[8, 16])?),
+        _ => (u.int_in_range(1..=9)?, u.int_in_range(1..=9)?),
+    })
+}
+
+fn draw_spelling(u: &mut Unstructured) -> Result<Words> {
+    const LINES: [&str; 9] = [
+        "version",
+        "format",
+        "width",
+        "height",
+        "scale",
+        "bias",
+        "count",
+        "matrix",
+        "side-sizes",
+    ];
+    let mut words = Words::new();
+    if u.ratio(1, 4)? {
+        let lines = if u.ratio(1, 3)? {
+            "all".to_owned()
+        } else {
+            let length = u.int_in_range(1..=2)?;
+            several(length, u, |u| Ok((*u.choose(&LINES)?).to_owned()))?
+        };
+        words.insert("space_before_newline", lines);
+    }
+    for key in ["size_lines", "scale_bias_lines"] {
+        if u.ratio(1, 3)? {
+            words.insert(key, "1".to_owned());
+        }
+    }
+    if u.ratio(1, 6)? {
+        words.insert("gap", u.choose(&[2, 3, 10, 90])?.to_string());
+    }
+    Ok(words)
+}
+
+/// A scale: small, of any sign and spelling.
+fn draw_scale(u: &mut Unstructured) -> Result<String> {
+    let hundredths = u.int_in_range(1..=240)?;
+    Ok(match u.int_in_range(0..=9)? {
+        0 => "1".to_owned(),
+        1 => format!("-{}", f64::from(hundredths) / 100.0),
+        2 => format!("{hundredths}e-2"),
+        3 => format!(".{hundredths:03}"),
+        4 => format!("{}.", hundredths % 4),
+        5 => format!("+{}E+0", f64::from(hundredths) / 100.0),
+        6 => format!("{:.12}", f64::from(hundredths) / 97.0),
+        7 => format!("00{}", f64::from(hundredths) / 100.0),
+        _ => (f64::from(hundredths) / 100.0).to_string(),
+    })
+}
+
+fn draw_bias(u: &mut Unstructured) -> Result<String> {
+    Ok(match u.int_in_range(0..=9)? {
+        0 => "0".to_owned(),
+        1 => u.choose(&[127, 128, 255, 256, 257, -1, -128])?.to_string(),
+        2 => u.int_in_range(-214..=460)?.to_string(),
+        3 => format!("+{}", u.int_in_range(0..=255)?),
+        4 => format!("0{}", u.int_in_range(0..=255)?),
+        _ => u.int_in_range(0..=255)?.to_string(),
+    })
+}
+
+/// A factor of the color matrix.
+fn draw_factor(u: &mut Unstructured) -> Result<String> {
+    let factor = f64::from(u.int_in_range(-150..=150)?) / 128.0;
+    Ok(match u.int_in_range(0..=5)? {
+        0 => format!("{factor:e}"),
+        1 => format!("{factor:+}"),
+        _ => factor.to_string(),
+    })
+}
+
+/// `count` numbers with spaces between them.
+fn several(
+    count: usize,
+    u: &mut Unstructured,
+    mut one: impl FnMut(&mut Unstructured) -> Result<String>,
+) -> Result<String> {
+    let words: Result<Vec<String>> = (0..count).map(|_| one(u)).collect();
+    Ok(words?.join(" "))
+}
+
+fn joined(numbers: &[impl ToString]) -> String {
+    let words: Vec<String> = numbers.iter().map(ToString::to_string).collect();
+    words.join(" ")
+}

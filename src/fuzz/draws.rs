@@ -1,0 +1,79 @@
+//! Where the files of a run are drawn from: the same seed draws the same files.
+
+use std::collections::BTreeMap;
+
+use arbitrary::Unstructured;
+
+use super::draft::{Draft, DraftDamage};
+use crate::ptm::Format;
+use crate::suite::cases::{Expect, Suite};
+
+/// One file in so many is damaged, and must be refused.
+const DAMAGED: u32 = 6;
+/// Random bytes for one file.
+const BYTES: usize = 2048;
+
+/// Where files are drawn from.
+pub struct Draws {
+    /// What makes a file of a format one that must be refused, whatever else is in it.
+    damages: Vec<(Format, DraftDamage)>,
+}
+
+impl Draws {
+    /// Draws damages besides legal files: those of which the suite expects the same wherever it uses them.
+    #[must_use]
+    pub fn of(suite: &Suite) -> Draws {
+        let mut expected: BTreeMap<(Format, &'static str), Vec<Expect>> = BTreeMap::new();
+        for case in &suite.cases {
+            if let Some(damage) = case.damage() {
+                let place = expected.entry((case.format(), damage.name.as_str()));
+                place.or_default().push(case.expect);
+            }
+        }
+        let damage = |((format, name), expects): (_, Vec<Expect>)| {
+            let expect = expects[0];
+            let settled = matches!(expect, Expect::Reject | Expect::Refuse)
+                && expects.iter().all(|&other| other == expect);
+            settled.then_some((format, DraftDamage { name, expect }))
+        };
+        Draws {
+            damages: expected.into_iter().filter_map(damage).collect(),
+        }
+    }
+
+    /// The `number`th file: a legal one, or one with a damage.
+    #[must_use]
+    pub fn file(&self, seed: u64, number: u64) -> Option<Draft> {
+        let bytes = random_bytes(seed, number);
+        self.draw(&mut Unstructured::new(&bytes)).ok()
+    }
+
+    fn draw(&self, u: &mut Unstructured) -> arbitrary::Result<Draft> {
+        let mut draft = Draft::draw(u)?;
+        if u.ratio(1, DAMAGED)? {
+            let fitting: Vec<DraftDamage> = self
+                .damages
+                .iter()
+                .filter(|(format, _)| *format == draft.format)
+                .map(|&(_, damage)| damage)
+                .collect();
+            if !fitting.is_empty() {
+                draft.damage = Some(*u.choose(&fitting)?);
+            }
+        }
+        Ok(draft)
+    }
+}
+
+/// The bytes that draw the `number`th file: `SplitMix64` from a start of its own.
+pub(super) fn random_bytes(seed: u64, number: u64) -> Vec<u8> {
+    let mut state = seed ^ number.wrapping_mul(0xd134_2543_de82_ef95);
+    let mut next = || {
+        state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = state;
+        z = (z ^ z >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ z >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
+        z ^ z >> 31
+    };
+    (0..BYTES / 8).flat_map(|_| next().to_le_bytes()).collect()
+}

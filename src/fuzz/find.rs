@@ -1,0 +1,362 @@
+//! A mistake that fuzzing found: its cause, and the smallest file that shows it.
+
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+
+use arbitrary::Unstructured;
+
+use super::draft::Draft;
+use super::draws::random_bytes;
+use super::minimise::minimise;
+use crate::diagnose::alike;
+use crate::misreadings::{self, Misreading};
+use crate::protocol::frame::{Answer, Frame, View};
+use crate::reading::Reading;
+use crate::runner::run::Request;
+use crate::session::asking::Ask;
+use crate::session::observation::{Observation, Response};
+use crate::session::offer::Offer;
+use crate::suite::cases::{Built, Case, Expect, TableSpelling};
+use crate::suite::compare::Expected;
+
+/// Passing files that a suspected misreading is held against.
+const WITNESSES: usize = 200;
+/// Files drawn to tell suspects apart, and how many of those are asked for.
+const DRAWN_TO_TELL_APART: u64 = 3000;
+const ASKED_TO_TELL_APART: usize = 24;
+
+/// A decoder, and what is known of it.
+pub struct KnownDecoder<'a> {
+    /// Asks it.
+    pub ask: &'a Ask<'a>,
+    /// The views it offers.
+    pub offer: Offer,
+    /// How tables are spelled for it.
+    pub table: TableSpelling,
+    /// How it reads the open questions.
+    pub reading: Reading,
+}
+
+/// A file, asked for.
+pub(super) struct DraftRequest {
+    /// The case; of a damaged draft the damaged one.
+    pub case: Case,
+    /// Its file.
+    pub built: Arc<Built>,
+    /// The view it is asked in.
+    pub view: View,
+}
+
+impl KnownDecoder<'_> {
+    /// The question that a draft is; nothing where it cannot be written or no view of it is offered.
+    pub(super) fn question(&self, draft: &Draft) -> Option<DraftRequest> {
+        let case = draft.cases("draft").ok()?.pop()?;
+        let view = self.offer.chosen_view(&case)?.clone();
+        let built = case.build(self.table);
+        Some(DraftRequest { case, built, view })
+    }
+
+    /// What the decoder makes of it.
+    pub(super) fn answer(&self, question: &DraftRequest) -> Answer {
+        let request = Request {
+            name: &question.case.id,
+            view: &question.view,
+            file: &question.built.file,
+            largest_frame: question
+                .case
+                .recipe()
+                .map_or(0, |recipe| recipe.size.texels())
+                * 18
+                * 4
+                + question.built.file.len(),
+            timeout_factor: 1,
+            alone: false,
+        };
+        (self.ask)(&request, 0).answer
+    }
+
+    /// What a decoder makes of it that has these mistakes and reads open questions as this one does.
+    fn answer_with(&self, mistakes: &[&Misreading], question: &DraftRequest) -> Answer {
+        misreadings::answer(mistakes, self.reading, &question.built.file, &question.view)
+    }
+
+    /// Whether the answer is right, by the dialect of this decoder.
+    fn is_right(&self, question: &DraftRequest, answer: &Answer) -> bool {
+        match answer {
+            Answer::Decoded(_) if question.case.damage().is_some() => false,
+            Answer::Decoded(frame) => {
+                let right = |expected: Option<Expected>| {
+                    expected.is_some_and(|expected| expected.compare(frame).is_none())
+                };
+                right(Expected::of(&question.built.values, &question.view))
+                    || right(Expected::under(
+                        &question.built.file,
+                        &question.view,
+                        &self.reading,
+                    ))
+            }
+            Answer::Rejected => question.case.damage().is_some(),
+            Answer::Unsupported => question.case.expect == Expect::Refuse,
+            _ => false,
+        }
+    }
+}
+
+/// Why a file fails.
+pub enum Explanation {
+    /// As a decoder with any of these misreadings would; the most likely first.
+    Misreading(Vec<&'static Misreading>),
+    /// It decodes a file with this damage.
+    Accepts(&'static str),
+    /// In a way that no misreading explains: a picture, a refusal, or a crash with its words.
+    Other(String),
+}
+
+impl Explanation {
+    pub(super) fn of(
+        draft: &Draft,
+        observation: &Observation,
+        passed: &[&Draft],
+        decoder: &KnownDecoder,
+    ) -> Explanation {
+        if let (Some(damage), Response::Picture { .. }) = (draft.damage, &observation.response) {
+            return Explanation::Accepts(damage.name);
+        }
+        let other = Explanation::Other(symptom_shown(&observation.response));
+        let Some(question) = decoder.question(draft) else {
+            return other;
+        };
+        let mut suspects: Vec<&'static Misreading> = misreadings::all()
+            .filter(|suspect| explains(suspect, &question, observation, decoder))
+            .collect();
+        for question in passed
+            .iter()
+            .take(WITNESSES)
+            .filter_map(|draft| decoder.question(draft))
+        {
+            if suspects.is_empty() {
+                break;
+            }
+            suspects.retain(|suspect| {
+                decoder.is_right(&question, &decoder.answer_with(&[suspect], &question))
+            });
+        }
+        if suspects.is_empty() {
+            other
+        } else {
+            Explanation::Misreading(suspects)
+        }
+    }
+
+    /// Whether another failure has this cause too.
+    pub(super) fn also_of(
+        &self,
+        draft: &Draft,
+        observation: &Observation,
+        decoder: &KnownDecoder,
+    ) -> bool {
+        match self {
+            Explanation::Accepts(damage) => {
+                draft.damage.is_some_and(|shown| shown.name == *damage)
+                    && matches!(observation.response, Response::Picture { .. })
+            }
+            Explanation::Misreading(suspects) => decoder.question(draft).is_some_and(|question| {
+                suspects
+                    .iter()
+                    .any(|suspect| explains(suspect, &question, observation, decoder))
+            }),
+            Explanation::Other(known) => *known == symptom_shown(&observation.response),
+        }
+    }
+
+    /// Drops the suspects that do not explain this failure too.
+    pub(super) fn narrow(
+        &mut self,
+        draft: &Draft,
+        observation: &Observation,
+        decoder: &KnownDecoder,
+    ) {
+        if let (Explanation::Misreading(suspects), Some(question)) = (self, decoder.question(draft))
+        {
+            suspects.retain(|suspect| explains(suspect, &question, observation, decoder));
+        }
+    }
+
+    /// A word or a sentence.
+    #[must_use]
+    pub fn name(&self) -> String {
+        match self {
+            Explanation::Misreading(suspects) => suspects[0].slug.to_owned(),
+            Explanation::Accepts(damage) => format!("accepts-{damage}"),
+            Explanation::Other(symptom) => symptom.clone(),
+        }
+    }
+}
+
+/// What a decoder does that nothing in the catalog explains, in words that are the same for every file.
+fn symptom(name: &str, words: Option<&str>) -> String {
+    match name {
+        "decoded" => "a wrong picture".to_owned(),
+        "rejected" => "refuses a legal file".to_owned(),
+        "unsupported" => "answers 69 to a file of a kind it decodes".to_owned(),
+        "crash" => format!("crash: {}", words.unwrap_or_default()),
+        other => other.to_owned(),
+    }
+}
+
+fn symptom_shown(shown: &Response) -> String {
+    let words = match shown {
+        Response::Violation(answer) => answer.violation(),
+        _ => None,
+    };
+    symptom(shown.name(), words)
+}
+
+fn explains(
+    suspect: &Misreading,
+    question: &DraftRequest,
+    observation: &Observation,
+    decoder: &KnownDecoder,
+) -> bool {
+    let is_damaged = question.case.damage().is_some();
+    match (
+        &observation.response,
+        decoder.answer_with(&[suspect], question),
+    ) {
+        (
+            Response::Picture {
+                frame: Some(shown), ..
+            },
+            Answer::Decoded(made),
+        ) => alike(shown, &made),
+        // Of a file that must be refused no picture is kept: to accept it is the mistake.
+        (Response::Picture { .. }, Answer::Decoded(_)) => is_damaged,
+        (Response::Rejected, Answer::Rejected) => true,
+        _ => false,
+    }
+}
+
+/// A mistake, and the smallest file that shows it.
+pub struct Find {
+    /// Why it fails.
+    pub cause: Explanation,
+    /// What the verdict on the first file said.
+    pub says: String,
+    /// The file as it was drawn.
+    pub drawn: Draft,
+    /// The same made small.
+    pub small: Draft,
+    /// The view in which the small one was asked for.
+    pub view: Option<View>,
+    /// What the decoder did with it, in a word or two.
+    pub answer: String,
+    /// The frame it made of it, if it was one.
+    pub received: Option<Frame>,
+    /// How many drawn files failed alike.
+    pub seen: usize,
+}
+
+impl Find {
+    pub(super) fn new(
+        draft: &Draft,
+        mut cause: Explanation,
+        says: String,
+        decoder: &KnownDecoder,
+        stop: &AtomicBool,
+    ) -> Find {
+        tell_apart(draft, &mut cause, decoder);
+        let small = minimise(draft, decoder.table, stop, &|smaller| {
+            fails_alike(smaller, &cause, decoder)
+        });
+        let question = decoder.question(&small);
+        let answer = question.as_ref().map(|question| decoder.answer(question));
+        Find {
+            cause,
+            says,
+            drawn: draft.clone(),
+            view: question.map(|question| question.view),
+            answer: answer.as_ref().map_or("", Answer::name).to_owned(),
+            received: answer.and_then(|answer| match answer {
+                Answer::Decoded(frame) => Some(frame),
+                _ => None,
+            }),
+            small,
+            seen: 1,
+        }
+    }
+}
+
+/// Asks for files that the suspects read differently, until one suspect is left or no such file is found.
+fn tell_apart(draft: &Draft, cause: &mut Explanation, decoder: &KnownDecoder) {
+    let Explanation::Misreading(suspects) = cause else {
+        return;
+    };
+    let mut asked = 0;
+    for number in 0..DRAWN_TO_TELL_APART {
+        if suspects.len() == 1 || asked == ASKED_TO_TELL_APART {
+            return;
+        }
+        let bytes = random_bytes(0x7e11, number);
+        let Ok(mut other) = Draft::draw(&mut Unstructured::new(&bytes)) else {
+            continue;
+        };
+        if other.width * other.height > 4096 {
+            continue;
+        }
+        other.views.clone_from(&draft.views);
+        let Some(question) = decoder.question(&other) else {
+            continue;
+        };
+        let answers: Vec<Answer> = suspects
+            .iter()
+            .map(|suspect| decoder.answer_with(&[suspect], &question))
+            .collect();
+        if answers.windows(2).all(|pair| same(&pair[0], &pair[1])) {
+            continue;
+        }
+        asked += 1;
+        let answer = decoder.answer(&question);
+        if answers.iter().any(|made| same(made, &answer)) {
+            let mut made = answers.iter();
+            suspects.retain(|_| made.next().is_some_and(|made| same(made, &answer)));
+        }
+    }
+}
+
+/// Whether two answers are one.
+fn same(a: &Answer, b: &Answer) -> bool {
+    match (a, b) {
+        (Answer::Decoded(a), Answer::Decoded(b)) => alike(a, b),
+        (a, b) => a.name() == b.name(),
+    }
+}
+
+/// Whether the decoder fails on a draft for the same reason.
+pub(super) fn fails_alike(draft: &Draft, cause: &Explanation, decoder: &KnownDecoder) -> bool {
+    let Some(question) = decoder.question(draft) else {
+        return false;
+    };
+    // Most that is smaller shows nothing any more; that is known without asking.
+    let made = match cause {
+        Explanation::Misreading(suspects) => {
+            let made = decoder.answer_with(&suspects[..1], &question);
+            if decoder.is_right(&question, &made) {
+                return false;
+            }
+            Some(made)
+        }
+        _ => None,
+    };
+    let answer = decoder.answer(&question);
+    match (cause, &answer) {
+        (Explanation::Misreading(_), answer) => made.is_some_and(|made| same(&made, answer)),
+        (Explanation::Accepts(_), Answer::Decoded(_)) => decoder
+            .question(&draft.whole())
+            .is_some_and(|whole| matches!(decoder.answer(&whole), Answer::Decoded(_))),
+        (Explanation::Accepts(_), _) => false,
+        (Explanation::Other(known), answer) => {
+            !decoder.is_right(&question, answer)
+                && *known == symptom(answer.name(), answer.violation())
+        }
+    }
+}

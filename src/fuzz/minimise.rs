@@ -1,0 +1,146 @@
+//! Makes a drawn file small while it fails in the same way: every step takes a word away or makes one smaller.
+
+use std::sync::atomic::AtomicBool;
+
+use super::draft::{Draft, Words};
+use super::shrink::shrink;
+use crate::suite::cases::TableSpelling;
+
+/// The smallest draft reached from `draft` by steps after each of which it still `fails`.
+pub fn minimise(
+    draft: &Draft,
+    table: TableSpelling,
+    stop: &AtomicBool,
+    fails: &impl Fn(&Draft) -> bool,
+) -> Draft {
+    shrink(
+        draft.clone(),
+        |draft| weigh(draft, table),
+        steps,
+        stop,
+        fails,
+    )
+}
+
+/// Bytes of the file, and of the words that make it.
+fn weigh(draft: &Draft, table: TableSpelling) -> Option<(usize, usize)> {
+    let case = draft.cases("weighed").ok()?.pop()?;
+    let words = draft.to_yaml("", "").len();
+    Some((case.build(table).file.len(), words))
+}
+
+/// Some of the words of a draft.
+type Part = fn(&mut Draft) -> &mut Words;
+const MAKE: Part = |draft| &mut draft.make;
+const COMPRESSION: Part = |draft| &mut draft.compression;
+const SPELLING: Part = |draft| &mut draft.spelling;
+
+/// Everything that is one step simpler.
+fn steps(draft: &Draft) -> Vec<Draft> {
+    let mut all = sizes(draft);
+    let mut add = |change: &dyn Fn(&mut Draft)| {
+        let mut simpler = draft.clone();
+        change(&mut simpler);
+        all.push(simpler);
+    };
+    for part in [MAKE, COMPRESSION, SPELLING] {
+        for (key, word) in part(&mut draft.clone()).clone() {
+            add(&|draft| drop(part(draft).remove(key)));
+            for word in simpler_words(key, &word) {
+                add(&|draft| drop(part(draft).insert(key, word.clone())));
+            }
+        }
+    }
+    let (has_table, is_compressed) = (draft.format.has_table(), draft.format.is_compressed());
+    for (applies, part, key, word) in [
+        (true, MAKE, "scale", "1 1 1 1 1 1"),
+        (true, MAKE, "bias", "0 0 0 0 0 0"),
+        (true, MAKE, "scene", "flat-128"),
+        (has_table, MAKE, "entries", "1"),
+        (has_table, MAKE, "entries", "2"),
+        (has_table, MAKE, "entries", "256"),
+        (has_table, MAKE, "entries", "257"),
+        (true, MAKE, "matrix", "1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1"),
+        (is_compressed, COMPRESSION, "residuals", "gray"),
+        (is_compressed, COMPRESSION, "parameter", "1"),
+    ] {
+        if applies {
+            add(&|draft| drop(part(draft).insert(key, word.to_owned())));
+        }
+    }
+    all
+}
+
+/// Narrower, lower, or both; and turned, where a strip stands upright.
+fn sizes(draft: &Draft) -> Vec<Draft> {
+    let smaller = |side: u32| {
+        let mut sides = vec![
+            1,
+            2,
+            side / 2,
+            side - side / 4,
+            side.saturating_sub(8),
+            side.saturating_sub(1),
+        ];
+        sides.retain(|&smaller| (1..side).contains(&smaller));
+        sides.push(side);
+        sides.dedup();
+        sides
+    };
+    let mut all = Vec::new();
+    for width in smaller(draft.width) {
+        for height in smaller(draft.height) {
+            let mut draft = draft.clone();
+            // Records may stand past the end of what is left; such a file cannot be written and is passed over.
+            (draft.width, draft.height) = (width, height);
+            all.push(draft);
+        }
+    }
+    all
+}
+
+/// A number nearer to nothing, or a list with one word less or one word simpler.
+fn simpler_words(key: &str, word: &str) -> Vec<String> {
+    let list: Vec<&str> = word.split(' ').collect();
+    let mut all = Vec::new();
+    // Lists with a number for each plane, coefficient or element keep their length.
+    let fixed = ["scale", "bias", "matrix", "references", "order", "presets"].contains(&key);
+    for place in 0..list.len() {
+        let mut replace = |words: &[&str]| {
+            let (before, after) = (&list[..place], &list[place + 1..]);
+            all.push([before, words, after].concat().join(" "));
+        };
+        if !fixed && list.len() > 1 {
+            replace(&[]);
+        }
+        match (key, list[place].parse::<i64>()) {
+            ("references", Ok(plane)) if plane >= 0 => replace(&["-1"]),
+            ("order" | "references" | "presets", _) => {}
+            ("scale" | "matrix", _) => {
+                for simple in ["0", "1", "-1", "2"] {
+                    replace(&[simple]);
+                }
+            }
+            (_, Ok(number)) => {
+                for smaller in [0, 1, -1, number / 2, number - number.signum()] {
+                    if smaller != number {
+                        replace(&[&smaller.to_string()]);
+                    }
+                }
+            }
+            _ => {}
+        }
+        if let Some((planes, texels)) = list[place].split_once(':') {
+            let simple = [
+                format!("0:{texels}"),
+                format!("{planes}:first"),
+                format!("{planes}:last"),
+                format!("{planes}:{}", texels.split('+').next().unwrap_or(texels)),
+            ];
+            for simple in simple.iter().filter(|simple| **simple != list[place]) {
+                replace(&[simple]);
+            }
+        }
+    }
+    all
+}

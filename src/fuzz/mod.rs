@@ -1,0 +1,225 @@
+//! Differential fuzzing of a decoder: random files of all formats, judged as cases are, grouped by cause, made small.
+//!
+//! Files are drawn in batches, and a batch is run as the suite is: the same verdicts, the same dialect, the same
+//! tolerance. What fails is grouped by the misreadings that would have failed alike, not by its bytes, and the first of
+//! each group is made as small as it can be while it fails alike. The same seed draws the same files.
+
+pub mod draft;
+pub mod draws;
+pub mod find;
+pub mod minimise;
+pub mod properties;
+pub mod reduce;
+mod shrink;
+pub mod write;
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+
+use crate::diagnose::dialect_reading;
+use crate::protocol::capabilities::Capabilities;
+use crate::ptm::Format;
+use crate::runner::run::Request;
+use crate::session::asking::Ask;
+use crate::session::outcome::Outcome;
+use crate::session::plan::{Repeat, RunPlan};
+use crate::session::run::{Run, check};
+use crate::suite::cases::{Case, Expect, Suite};
+use draft::Draft;
+use draws::Draws;
+use find::{Explanation, Find, KnownDecoder};
+
+/// Files drawn and judged together.
+const BATCH: usize = 500;
+
+/// What is drawn, and how much of it.
+#[derive(Clone, Debug)]
+pub struct FuzzPlan {
+    /// Where the draws start.
+    pub seed: u64,
+    /// Requests after which no further batch is begun.
+    pub executions: usize,
+    /// Requests at a time, at least 1.
+    pub jobs: usize,
+    /// Views to ask for; all that the decoder offers if empty.
+    pub views: Vec<&'static str>,
+    /// What the decoder says of itself.
+    pub declared: Capabilities,
+    /// Only these formats; all if empty.
+    pub formats: Vec<Format>,
+    /// Set when the run is to end.
+    pub stop: Arc<AtomicBool>,
+}
+
+/// What a run brought to light.
+#[derive(Default)]
+pub struct FuzzResult {
+    /// Requests sent.
+    pub executions: usize,
+    /// Files drawn.
+    pub files: usize,
+    /// Mistakes, in the order in which they were found.
+    pub finds: Vec<Find>,
+    /// Why the program is no decoder, if it is none.
+    pub not_a_decoder: Option<String>,
+    /// Why the run ended before its bound, if it did.
+    pub ended_early: Option<&'static str>,
+}
+
+/// What is reported while the run goes on.
+pub enum FuzzProgress<'a> {
+    /// Requests so far.
+    Executions(usize),
+    /// A mistake not seen before, already made small.
+    Found(&'a Find),
+}
+
+/// Fuzzes a decoder. `tell` is called for every find as soon as it is made small.
+pub fn fuzz(
+    suite: &Suite,
+    plan: &FuzzPlan,
+    ask: &Ask,
+    tell: &(impl Fn(FuzzProgress) + Sync),
+) -> FuzzResult {
+    let counted = AtomicUsize::new(0);
+    let ask = |request: &Request, worker: usize| {
+        tell(FuzzProgress::Executions(
+            counted.fetch_add(1, Ordering::Relaxed) + 1,
+        ));
+        ask(request, worker)
+    };
+    let opening = opening(suite);
+    let draws = Draws::of(suite);
+    let mut outcomes = FuzzResult::default();
+    let mut number = 0;
+    while counted.load(Ordering::Relaxed) < plan.executions && !plan.stop.load(Ordering::Relaxed) {
+        let batch = Batch::draw(plan, &opening, &draws, number);
+        number += 1;
+        outcomes.files += batch.drafts.len();
+        let run = run(&batch.suite, plan, &ask);
+        if let Some(why) = run.not_a_decoder.filter(|_| number == 1) {
+            outcomes.not_a_decoder = Some(why);
+            break;
+        }
+        let run = Run {
+            not_a_decoder: None,
+            ..run
+        };
+        let decoder = KnownDecoder {
+            ask: &ask,
+            offer: run.offer.clone(),
+            table: run.table,
+            reading: dialect_reading(&run),
+        };
+        batch.sort(&run, &decoder, &mut outcomes.finds, tell, &plan.stop);
+        if run.ended_early.is_some() {
+            outcomes.ended_early = run.ended_early;
+            break;
+        }
+    }
+    outcomes.executions = counted.into_inner();
+    outcomes
+}
+
+fn run(suite: &Suite, plan: &FuzzPlan, ask: &Ask) -> Run {
+    let plan = RunPlan {
+        views: plan.views.clone(),
+        repeat: Repeat::Failures,
+        stop: Arc::clone(&plan.stop),
+        ..RunPlan::of(suite, plan.jobs).declared_by(&plan.declared)
+    };
+    check(suite, &plan, &ask, &|_, _, _, _| ())
+}
+
+/// The cases that every batch begins with: first files and the spellings of a table.
+fn opening(suite: &Suite) -> Vec<Case> {
+    let opens = |case: &&Case| case.first || case.expect == Expect::Spelling;
+    suite.cases.iter().filter(opens).cloned().collect()
+}
+
+/// Files that are drawn and judged together.
+struct Batch {
+    suite: Suite,
+    drafts: Vec<Draft>,
+}
+
+impl Batch {
+    fn draw(plan: &FuzzPlan, opening: &[Case], draws: &Draws, number: u64) -> Batch {
+        let mut cases = opening.to_vec();
+        let mut drafts = Vec::new();
+        for place in 0..BATCH as u64 {
+            let Some(draft) = draws.file(plan.seed, number * BATCH as u64 + place) else {
+                continue;
+            };
+            if !plan.formats.is_empty() && !plan.formats.contains(&draft.format) {
+                continue;
+            }
+            // What the writer cannot write (a damage without a place in the file, say) is not drawn.
+            if let Ok(drawn) = draft.cases(&format!("draft-{}", drafts.len())) {
+                cases.extend(drawn);
+                drafts.push(draft);
+            }
+        }
+        Batch {
+            suite: Suite { cases },
+            drafts,
+        }
+    }
+
+    /// Puts every failure to the find whose cause it has, or makes a new find of it.
+    fn sort(
+        &self,
+        run: &Run,
+        decoder: &KnownDecoder,
+        finds: &mut Vec<Find>,
+        tell: &impl Fn(FuzzProgress),
+        stop: &AtomicBool,
+    ) {
+        let passed: Vec<&Draft> = self
+            .with(run, Outcome::Pass)
+            .map(|(draft, _)| draft)
+            .collect();
+        // Wrong pictures first: what is wrong with them often explains what is accepted, too.
+        let (accepted, others): (Vec<_>, Vec<_>) = self
+            .with(run, Outcome::Fail)
+            .partition(|(draft, _)| draft.damage.is_some());
+        for (draft, place) in others.into_iter().chain(accepted) {
+            let Some(observation) = &run.observations[place] else {
+                continue;
+            };
+            if let Some(known) = finds
+                .iter_mut()
+                .find(|find| find.cause.also_of(draft, observation, decoder))
+            {
+                known.cause.narrow(draft, observation, decoder);
+                known.seen += 1;
+                continue;
+            }
+            let says = run.judgement.cases[place]
+                .as_ref()
+                .map(|judged| judged.says.clone())
+                .unwrap_or_default();
+            let cause = Explanation::of(draft, observation, &passed, decoder);
+            let find = Find::new(draft, cause, says, decoder, stop);
+            tell(FuzzProgress::Found(&find));
+            finds.push(find);
+        }
+    }
+
+    /// Drafts with this outcome, and the places of their cases.
+    fn with<'a>(
+        &'a self,
+        run: &'a Run,
+        outcome: Outcome,
+    ) -> impl Iterator<Item = (&'a Draft, usize)> {
+        let judged = run.judgement.cases.iter().enumerate();
+        judged
+            .filter(move |(_, judged)| judged.as_ref().is_some_and(|j| j.outcome == outcome))
+            .filter_map(|(place, _)| {
+                let id = self.suite.cases[place].id.strip_prefix("draft-")?;
+                // The twin of a damaged draft fails as a draft without damage.
+                let number: usize = id.trim_end_matches("-whole").parse().ok()?;
+                (!id.ends_with("-whole")).then(|| (&self.drafts[number], place))
+            })
+    }
+}

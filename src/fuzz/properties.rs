@@ -1,0 +1,437 @@
+//! What holds for every input: one function for each property, called by the fuzz targets and by proptest alike.
+//!
+//! Each takes bytes that nobody vouches for and panics where its property does not hold. Those that need structure draw
+//! it from the bytes; bytes that hold too little of it show nothing and pass.
+
+use std::collections::HashSet;
+#[cfg(unix)]
+use std::sync::LazyLock;
+
+use arbitrary::{Result, Unstructured};
+
+use crate::codec::{jpeg, jpeg_ls};
+use crate::decode::{decode, decode_as, fields};
+#[cfg(unix)]
+use crate::diagnose::diagnose;
+use crate::evaluate::{apply, evaluate};
+use crate::fuzz::draft::Draft;
+use crate::generate::spelling::Lists;
+use crate::generate::{Model, Recipe, Spelling, write};
+#[cfg(unix)]
+use crate::misreadings;
+#[cfg(unix)]
+use crate::protocol::frame::{Answer, Samples};
+use crate::protocol::frame::{Frame, View};
+use crate::ptm::{Format, Limits, Planes};
+use crate::reading::Reading;
+#[cfg(unix)]
+use crate::runner::run::{Reply, Request};
+#[cfg(unix)]
+use crate::session::{plan::RunPlan, run::check};
+use crate::suite::cases::{Case, Suite, TableSpelling};
+use crate::suite::choices::CHOICES;
+use crate::suite::compare::Expected;
+use crate::suite::dialect::{Choice, Dialect};
+use crate::suite::values::Values;
+
+/// Texels of a drawn file, at most, so that a target runs thousands of files a second.
+const TEXELS: u32 = 3000;
+/// Bytes of planes that arbitrary files may ask for.
+const MEMORY: usize = 1 << 24;
+
+/// Decoding any bytes, however open questions are read, ends in planes or in an error that names a clause and a byte of
+/// the file.
+///
+/// # Panics
+/// If it does not.
+pub fn file(bytes: &[u8]) {
+    let limits = Limits { memory: MEMORY };
+    // The first, the second and the third reading of every choice, the last where there are fewer.
+    let [first, second, third] = [0, 1, 2].map(|place| {
+        let of = |choice: &Choice<Reading>| place.min(choice.readings.len() - 1);
+        CHOICES.under(&Dialect(CHOICES.iter().map(of).collect()), Reading::SPEC)
+    });
+    for reading in [first, second.with_newline_after_table(), third] {
+        match decode_as(bytes, &reading, &limits) {
+            Ok(ptm) => {
+                assert!(ptm.planes.samples.len() <= MEMORY, "over its limit");
+                let coefficients = apply(&ptm.header.scale_bias, &ptm.planes, &reading);
+                let _ = evaluate(&coefficients, 0.5, -0.25, &reading).to_bytes();
+            }
+            Err(error) => {
+                assert!(error.offset() <= bytes.len(), "{error}");
+                assert!(error.to_string().contains('§'), "{error}");
+            }
+        }
+    }
+    // The fields are a map of the file: in order, and inside it.
+    let (fields, _) = fields(bytes);
+    for pair in fields.windows(2) {
+        assert!(pair[0].range.end <= pair[1].range.start, "{pair:?}");
+    }
+    assert!(fields.iter().all(|field| field.range.end <= bytes.len()));
+}
+
+/// A drawn file decodes to what was painted.
+///
+/// # Panics
+/// If it does not.
+pub fn recipe(bytes: &[u8]) {
+    let Some((draft, case)) = drawn(bytes) else {
+        return;
+    };
+    let built = case.build(TableSpelling::default());
+    let ptm = decode(&built.file)
+        .unwrap_or_else(|error| panic!("{error}\n{}", draft.to_yaml("drawn", "")));
+    let expected = Expected::of(&built.values, &View::Raw).expect("it was painted");
+    let difference = expected.compare(&Frame::of(&ptm, &View::Raw));
+    assert!(
+        difference.is_none(),
+        "{difference:?}\n{}",
+        draft.to_yaml("drawn", "")
+    );
+}
+
+/// However the header is spelled, the planes are the same.
+///
+/// # Panics
+/// If they are not.
+pub fn spelling(bytes: &[u8]) {
+    let Some((_, case)) = drawn(bytes) else {
+        return;
+    };
+    let Values::Painted(model) = &case.build(TableSpelling::default()).values else {
+        return;
+    };
+    let recipe = case.recipe().expect("it was drawn");
+    let with = |spelling: Spelling| {
+        let recipe = Recipe {
+            spelling,
+            ..recipe.clone()
+        };
+        decode(&write(&recipe, model).bytes)
+            .expect("a legal spelling")
+            .planes
+    };
+    let drawn = with(recipe.spelling.clone());
+    assert_eq!(drawn, with(Spelling::default()));
+    let lenient = Spelling {
+        lists: Lists::OneLine,
+        ..recipe.spelling.clone()
+    };
+    assert_eq!(drawn, with(lenient));
+}
+
+/// What was painted is the same planes as plain texels and as lossless JPEG-LS, however these are predicted.
+///
+/// # Panics
+/// If they are not.
+pub fn re_encoding(bytes: &[u8]) {
+    let Some((_, case)) = drawn(bytes) else {
+        return;
+    };
+    let compressed = case.recipe().expect("it was drawn").clone();
+    let plain_format = match compressed.format {
+        Format::JpeglsRgb => Format::Rgb,
+        Format::JpeglsLrgb => Format::Lrgb,
+        _ => return,
+    };
+    // Corrections of lossless planes are as painted; lossy ones would differ.
+    if compressed.compression.parameter > 0 {
+        return;
+    }
+    let plain = Recipe {
+        format: plain_format,
+        compression: crate::generate::Compression::ordinary(plain_format),
+        ..compressed.clone()
+    };
+    let natural = Recipe {
+        compression: crate::generate::Compression {
+            residuals: crate::generate::plan::Residuals::Natural,
+            ..compressed.compression.clone()
+        },
+        ..compressed
+    };
+    assert_eq!(planes(&plain).samples, planes(&natural).samples);
+}
+
+/// Any bytes as a JPEG stream end in the samples asked for, or in an error inside the stream.
+///
+/// # Panics
+/// If they do not.
+pub fn jpeg_stream(bytes: &[u8]) {
+    stream(bytes, jpeg::decode);
+}
+
+/// Any bytes as a JPEG-LS stream end in the samples asked for, or in an error inside the stream.
+///
+/// # Panics
+/// If they do not.
+pub fn jpeg_ls_stream(bytes: &[u8]) {
+    stream(bytes, jpeg_ls::decode);
+}
+
+fn stream(bytes: &[u8], decode: fn(&[u8], u32, u32) -> Decoded<Vec<u8>>) {
+    let [width, height, stream @ ..] = bytes else {
+        return;
+    };
+    let (width, height) = (u32::from(*width) + 1, u32::from(*height) + 1);
+    match decode(stream, width, height) {
+        Ok(samples) => assert_eq!(samples.len(), (width * height) as usize),
+        Err(error) => assert!(error.offset <= stream.len(), "{error}"),
+    }
+}
+
+type Decoded<T> = std::result::Result<T, crate::codec::StreamError>;
+
+/// A JPEG stream decodes to what its encoder says an exact decoder makes of it. Returns the stream, its size and those
+/// samples, for a second opinion.
+///
+/// # Panics
+/// If it does not.
+#[must_use]
+pub fn jpeg_round_trip(bytes: &[u8]) -> Option<(Vec<u8>, u32, u32, Vec<u8>)> {
+    let u = &mut Unstructured::new(bytes);
+    let (width, height, options) = jpeg_options(u).ok()?;
+    let samples = picture(width, height, u);
+    let encoded = jpeg::encode(&samples, width, height, &options);
+    let decoded = jpeg::decode(&encoded.stream, width, height).expect("our own stream");
+    assert_eq!(decoded, encoded.samples);
+    Some((encoded.stream, width, height, decoded))
+}
+
+/// Whether samples of one JPEG stream are those of another decoder, but for its inverse transform: that is up to 18 off.
+///
+/// Blocks with a sample at either end of the range are left out. Theirs may lie far beyond it, where a transform in 16 bits
+/// goes astray.
+#[must_use]
+pub fn nearly(ours: &[u8], theirs: &[u8], width: u32) -> bool {
+    let block = |i: usize| (i % width as usize / 8, i / width as usize / 8);
+    let at_an_end = ours
+        .iter()
+        .enumerate()
+        .filter(|(_, sample)| matches!(sample, 0 | 255));
+    let left_out: HashSet<(usize, usize)> = at_an_end.map(|(i, _)| block(i)).collect();
+    let near = |i: usize| ours[i].abs_diff(theirs[i]) <= 18 || left_out.contains(&block(i));
+    ours.len() == theirs.len() && (0..ours.len()).all(near)
+}
+
+/// A JPEG-LS stream decodes to samples within its loss, and to those its encoder promised.
+///
+/// # Panics
+/// If it does not.
+pub fn jpeg_ls_round_trip(bytes: &[u8]) {
+    let u = &mut Unstructured::new(bytes);
+    let Ok((width, height, options)) = jpeg_ls_options(u) else {
+        return;
+    };
+    let samples = picture(width, height, u);
+    let encoded = jpeg_ls::encode(&samples, width, height, &options);
+    let decoded = jpeg_ls::decode(&encoded.stream, width, height).expect("our own stream");
+    assert_eq!(decoded, encoded.samples);
+    assert!(
+        decoded
+            .iter()
+            .zip(&samples)
+            .all(|(a, b)| a.abs_diff(*b) <= options.near)
+    );
+}
+
+fn jpeg_options(u: &mut Unstructured) -> Result<(u32, u32, jpeg::JpegOptions)> {
+    let options = jpeg::JpegOptions {
+        quality: u.int_in_range(1..=100)?,
+        baseline: u.arbitrary()?,
+        optimized: u.arbitrary()?,
+        restart_interval: u.int_in_range(0..=5)?,
+        sampling: (u.int_in_range(1..=4)?, u.int_in_range(1..=4)?),
+    };
+    Ok((u.int_in_range(1..=40)?, u.int_in_range(1..=40)?, options))
+}
+
+fn jpeg_ls_options(u: &mut Unstructured) -> Result<(u32, u32, jpeg_ls::JpegLsOptions)> {
+    let near = if u.arbitrary()? {
+        u.int_in_range(1..=20)?
+    } else {
+        0
+    };
+    let presets = if u.arbitrary()? {
+        let t1 = u.int_in_range(u16::from(near) + 1..=255)?;
+        let t2 = u.int_in_range(t1..=255)?;
+        Some(jpeg_ls::PresetParameters {
+            maxval: 255,
+            t1,
+            t2,
+            t3: u.int_in_range(t2..=255)?,
+            reset: u.int_in_range(3..=255)?,
+        })
+    } else {
+        None
+    };
+    let options = jpeg_ls::JpegLsOptions { near, presets };
+    Ok((u.int_in_range(1..=60)?, u.int_in_range(1..=40)?, options))
+}
+
+/// Samples from the bytes that are left, over and over: runs where they are few, noise where they are many.
+fn picture(width: u32, height: u32, u: &mut Unstructured) -> Vec<u8> {
+    let rest = u.bytes(u.len()).unwrap_or_default();
+    let rest = if rest.is_empty() { &[128][..] } else { rest };
+    rest.iter()
+        .copied()
+        .cycle()
+        .take((width * height) as usize)
+        .collect()
+}
+
+/// Any output of a decoder is one frame, which is then written as it was read, or it is told why not.
+///
+/// # Panics
+/// If it is not.
+pub fn frame(bytes: &[u8]) {
+    match Frame::read(bytes) {
+        Ok(frame) => {
+            let mut written = Vec::new();
+            frame.write(&mut written).expect("into memory");
+            assert_eq!(Frame::read(&written).as_ref().map(shape), Ok(shape(&frame)));
+        }
+        Err(why) => assert!(!why.is_empty()),
+    }
+}
+
+fn shape(frame: &Frame) -> (&'static str, u32, u32, u32) {
+    (frame.view, frame.width, frame.height, frame.channels)
+}
+
+/// Any text as a case file is a suite, or it is told why not.
+///
+/// # Panics
+/// If it is neither.
+pub fn case_file(bytes: &[u8]) {
+    // A large size is legal and slow to paint.
+    let is_long = bytes
+        .windows(4)
+        .any(|four| four.iter().all(u8::is_ascii_digit));
+    if let (Ok(text), false) = (std::str::from_utf8(bytes), is_long)
+        && let Err(why) = Suite::from_files(&[("case.yaml", text)])
+    {
+        assert!(why.starts_with("case.yaml"), "{why}");
+    }
+}
+
+fn drawn(bytes: &[u8]) -> Option<(Draft, Case)> {
+    let draft = Draft::draw(&mut Unstructured::new(bytes)).ok()?;
+    if draft.width * draft.height > TEXELS {
+        return None;
+    }
+    let case = draft
+        .cases("drawn")
+        .unwrap_or_else(|why| panic!("{why}\n{}", draft.to_yaml("drawn", "")))
+        .pop()?;
+    Some((draft, case))
+}
+
+fn planes(recipe: &Recipe) -> Planes {
+    let model = Model::paint(recipe);
+    decode(&write(recipe, &model).bytes)
+        .expect("a legal recipe")
+        .planes
+}
+
+/// Whatever a decoder answers, the search for its causes ends, without a fault, and puts every failure under at most one
+/// cause.
+///
+/// # Panics
+/// If it does not.
+#[cfg(unix)]
+pub fn diagnosis(bytes: &[u8]) {
+    static SUITE: LazyLock<Suite> = LazyLock::new(|| {
+        let mut suite = Suite::load().expect("the suite loads");
+        let small = |case: &Case| case.build(TableSpelling::default()).file.len() < SMALL;
+        let chosen = suite
+            .cases
+            .iter()
+            .enumerate()
+            .filter(|(place, case)| case.first || place % EVERY == 0 && small(case));
+        let chosen: HashSet<String> = chosen
+            .flat_map(|(_, case)| [Some(case.id.clone()), case.twin_of.clone()])
+            .flatten()
+            .collect();
+        suite.cases.retain(|case| chosen.contains(&case.id));
+        suite.prepared()
+    });
+    let script: Vec<u8> = bytes.iter().copied().take(SUITE.cases.len()).collect();
+    let ask = |request: &Request<'_>, _: usize| {
+        let right = misreadings::answer(&[], Reading::SPEC, request.file, request.view);
+        let sum = request
+            .file
+            .iter()
+            .map(|&byte| usize::from(byte))
+            .sum::<usize>();
+        let choice = script.get(sum % script.len().max(1)).copied();
+        Reply::from(wrong(choice.unwrap_or_default(), right, request))
+    };
+    let run = check(&SUITE, &RunPlan::of(&SUITE, 1), &ask, &|_, _, _, _| ());
+    let mut explained = HashSet::new();
+    for diagnosis in diagnose(&SUITE, &run, &[], 1) {
+        for place in diagnosis.explains.into_iter().chain(diagnosis.partly) {
+            assert!(explained.insert(place), "{} twice", SUITE.cases[place].id);
+        }
+    }
+}
+
+/// Of the suite, every so many cases of files with fewer bytes.
+#[cfg(unix)]
+const EVERY: usize = 40;
+#[cfg(unix)]
+const SMALL: usize = 2000;
+
+/// One of the ways to answer wrongly, or the right answer.
+#[cfg(unix)]
+fn wrong(choice: u8, right: Answer, request: &Request<'_>) -> Answer {
+    let change = |edit: &dyn Fn(usize, u8) -> u8| match right.clone() {
+        Answer::Decoded(mut frame) => {
+            match &mut frame.samples {
+                Samples::U8(samples) => {
+                    for (i, sample) in samples.iter_mut().enumerate() {
+                        *sample = edit(i, *sample);
+                    }
+                }
+                Samples::F32(samples) => {
+                    for (i, sample) in samples.iter_mut().enumerate() {
+                        *sample = f32::from_bits(sample.to_bits() ^ u32::from(edit(i, 0)) << 16);
+                    }
+                }
+            }
+            Answer::Decoded(frame)
+        }
+        other => other,
+    };
+    match choice {
+        0..64 => right,
+        64..80 => Answer::Rejected,
+        80..88 => Answer::Unsupported,
+        88..96 => Answer::Crashed(format!("killed by signal {}", choice % 4)),
+        96..104 => Answer::Hung("10 s".to_owned()),
+        104..112 => change(&|i, sample| sample ^ (i as u8).wrapping_mul(choice)),
+        112..128 => change(&|_, sample| sample.wrapping_add(choice)),
+        128..136 => change(&|i, sample| {
+            if i % 7 == usize::from(choice % 7) {
+                0
+            } else {
+                sample
+            }
+        }),
+        136..144 => match right {
+            Answer::Decoded(mut frame) => {
+                (frame.width, frame.height) = (frame.height, frame.width);
+                Answer::Decoded(frame)
+            }
+            _ => Answer::ProtocolError("no frame".to_owned()),
+        },
+        _ => {
+            let all: Vec<_> = misreadings::all().collect();
+            let at = |step: usize| all[usize::from(choice) * step % all.len()];
+            let (file, view) = (request.file, request.view);
+            misreadings::answer(&[at(4)], Reading::SPEC, file, view)
+        }
+    }
+}

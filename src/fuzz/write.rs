@@ -1,0 +1,146 @@
+//! A find on disk: a ready case, its file, what is expected, what came, and what it means.
+
+use std::fmt::Write as _;
+use std::fs;
+use std::io;
+use std::path::Path;
+
+use super::find::{Explanation, Find};
+use crate::protocol::frame::{Frame, Samples, View};
+use crate::suite::cases::{Built, TableSpelling};
+use crate::suite::compare::{Expected, ExpectedValues};
+
+/// Longest part of a field that is shown.
+const SHOWN: usize = 24;
+
+/// Writes `NAME.yaml` (the case), `NAME.ptm`, `NAME.expected` and `NAME.received` (frames, where there are such), and
+/// `NAME.txt` (cause, difference, annotated bytes) into `directory`. Returns `NAME`.
+///
+/// # Errors
+/// Those of the file system.
+pub fn write(find: &Find, table: TableSpelling, directory: &Path) -> io::Result<String> {
+    fs::create_dir_all(directory)?;
+    let name = slug(&find.cause.name());
+    let at = |suffix: &str| directory.join(format!("{name}.{suffix}"));
+    let id = format!("found-{name}");
+    let case = find.small.cases(&id).map_err(io::Error::other)?.pop();
+    let case = case.ok_or_else(|| io::Error::other("the case is empty"))?;
+    let built = case.build(table);
+    fs::write(at("ptm"), &built.file)?;
+    fs::write(at("yaml"), find.small.to_yaml(&id, &because(find)))?;
+    let expected = find
+        .view
+        .as_ref()
+        .and_then(|view| Expected::of(&built.values, view));
+    if let Some(expected) = &expected {
+        write_frame(&frame(expected), &at("expected"))?;
+    }
+    if let Some(received) = &find.received {
+        write_frame(received, &at("received"))?;
+    }
+    fs::write(at("txt"), explanation(find, &built, expected.as_ref()))?;
+    Ok(name)
+}
+
+fn write_frame(frame: &Frame, path: &Path) -> io::Result<()> {
+    let mut file = io::BufWriter::new(fs::File::create(path)?);
+    frame.write(&mut file)?;
+    io::Write::flush(&mut file)
+}
+
+/// The frame of a decoder that is right.
+fn frame(expected: &Expected) -> Frame {
+    let (view, samples) = match &expected.values {
+        ExpectedValues::Raw(bytes) => ("raw", Samples::U8(bytes.clone())),
+        ExpectedValues::Coef(values) => {
+            let values = values.iter().map(|&value| value as f32).collect();
+            ("coef", Samples::F32(values))
+        }
+        ExpectedValues::Rgb(values) => {
+            let bytes = values.iter().map(|value| value.round() as u8).collect();
+            ("rgb", Samples::U8(bytes))
+        }
+    };
+    Frame {
+        view,
+        width: expected.size.width,
+        height: expected.size.height,
+        channels: expected.channels as u32,
+        samples,
+    }
+}
+
+/// The cause in a sentence.
+#[must_use]
+pub fn because(find: &Find) -> String {
+    match &find.cause {
+        Explanation::Misreading(suspects) => {
+            format!(
+                "A decoder {}. (clause {})",
+                suspects[0].effect, suspects[0].clause
+            )
+        }
+        Explanation::Accepts(damage) => {
+            format!("A decoder accepts a file with this damage: {damage}.")
+        }
+        Explanation::Other(symptom) => format!("A decoder fails: {symptom}."),
+    }
+}
+
+fn explanation(find: &Find, built: &Built, expected: Option<&Expected>) -> String {
+    let mut out = format!("{}\n", because(find));
+    if let Explanation::Misreading(suspects) = &find.cause {
+        let _ = writeln!(out, "Fix: {}.", suspects[0].fix);
+        let others: Vec<&str> = suspects[1..].iter().map(|also| also.slug).collect();
+        if !others.is_empty() {
+            let others = others.join(", ");
+            let _ = writeln!(out, "No file was drawn that tells it from: {others}.");
+        }
+    }
+    let view = find.view.as_ref().map(View::to_string).unwrap_or_default();
+    let _ = writeln!(
+        out,
+        "\nAsked for {view}. First seen in a drawn file of {}x{}, here made small.",
+        find.drawn.width, find.drawn.height
+    );
+    let difference = expected
+        .zip(find.received.as_ref())
+        .and_then(|(expected, received)| expected.compare(received));
+    let _ = match difference {
+        Some(difference) => writeln!(out, "{difference}"),
+        None => writeln!(out, "The decoder: {}", find.answer),
+    };
+    out + &annotated(built)
+}
+
+/// The file, field by field; its first bytes where it has none.
+fn annotated(built: &Built) -> String {
+    let mut out = format!("\nThe file, {} bytes:\n", built.file.len());
+    for field in &built.fields {
+        let bytes = &built.file[field.range.clone()];
+        let more = if bytes.len() > SHOWN { "…" } else { "" };
+        let _ = writeln!(
+            out,
+            "  byte {:>6}  {:<20} {:<8} {}{more}",
+            field.range.start,
+            field.name,
+            field.clause,
+            bytes[..bytes.len().min(SHOWN)].escape_ascii()
+        );
+    }
+    if built.fields.is_empty() {
+        let start = &built.file[..built.file.len().min(400)];
+        let _ = writeln!(out, "  {}", start.escape_ascii());
+    }
+    out
+}
+
+/// A name for files.
+fn slug(name: &str) -> String {
+    let words: Vec<String> = name
+        .split(|c: char| !c.is_ascii_alphanumeric())
+        .filter(|word| !word.is_empty())
+        .map(str::to_lowercase)
+        .collect();
+    words.join("-").chars().take(60).collect()
+}

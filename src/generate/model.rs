@@ -1,0 +1,248 @@
+//! Painted maps whose planes, coefficients and colors are known by construction.
+//!
+//! What a file means is computed here from what was painted, not by decoding the file.
+
+use std::collections::HashMap;
+
+use super::paint::{index, sample};
+use super::planes::{self, Compressed};
+use super::recipe::Recipe;
+use crate::ptm::{Format, Size};
+
+/// The values of a file.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Model {
+    /// Which format.
+    pub format: Format,
+    /// Width and height.
+    pub size: Size,
+    /// `height * width * channels` stored values, texel after texel, top row first.
+    pub samples: Vec<u8>,
+    /// The table's entries one after the other; empty without one.
+    pub table: Vec<u8>,
+    /// The entry of each texel, top row first; empty without a table.
+    pub indices: Vec<u32>,
+    /// The scales.
+    pub scale: [f64; 6],
+    /// The biases.
+    pub bias: [f64; 6],
+    /// The sixteen numbers of the matrix, columns first.
+    pub matrix: [f64; 16],
+    /// The streams of a compressed format.
+    pub compressed: Option<Compressed>,
+    /// For each of the samples, how far another inverse DCT may be off, counted around the circle of 256 values; empty
+    /// where none can be.
+    pub slack: Vec<u8>,
+}
+
+impl Model {
+    /// Paints the values of `recipe`.
+    #[must_use]
+    pub fn paint(recipe: &Recipe) -> Model {
+        let channels = recipe.format.channels();
+        let texels = recipe.size.texels();
+        let samples = (0..texels * channels).map(|i| sample(recipe, i / channels, i % channels));
+        let mut model = Model::uncompressed(recipe, samples.collect());
+        if recipe.format.is_compressed() {
+            model.compress(recipe);
+        } else if recipe.format.has_table() {
+            model.paint_table(recipe);
+        } else if let Some(first) = recipe.first {
+            // The payload begins with a0 of the bottom left texel.
+            model.samples[(texels - recipe.size.width as usize) * channels] = first;
+        }
+        model
+    }
+
+    /// The values of a map that exists, in the header and the format of `recipe`: `samples` as in [`Model::samples`].
+    ///
+    /// A table has the distinct texels in the order in which they are stored. What a lossy compression leaves of the
+    /// samples is the model's.
+    ///
+    /// # Errors
+    /// If the map has more distinct texels than a table can have entries.
+    pub fn of(recipe: &Recipe, samples: &[u8]) -> Result<Model, String> {
+        let mut model = Model::uncompressed(recipe, samples.to_vec());
+        if recipe.format.is_compressed() {
+            model.compress(recipe);
+        } else if recipe.format.has_table() {
+            model.collect_table()?;
+        }
+        Ok(model)
+    }
+
+    /// The values, with neither table nor streams yet.
+    fn uncompressed(recipe: &Recipe, samples: Vec<u8>) -> Model {
+        Model {
+            format: recipe.format,
+            size: recipe.size,
+            samples,
+            table: Vec::new(),
+            indices: Vec::new(),
+            scale: recipe.scale.values,
+            bias: recipe.bias.values,
+            matrix: recipe.matrix.values,
+            compressed: None,
+            slack: Vec::new(),
+        }
+    }
+
+    /// The streams, and the samples that an exact decoder makes of them.
+    fn compress(&mut self, recipe: &Recipe) {
+        let encoding = planes::encode(recipe, &self.samples);
+        self.samples = encoding.samples;
+        self.slack = encoding.slack;
+        self.compressed = Some(encoding.compressed);
+    }
+
+    /// A table of the distinct texels, and the indices that name them.
+    fn collect_table(&mut self) -> Result<(), String> {
+        const MOST: usize = 65_536;
+        let (size, width) = (self.entry_size(), self.size.width as usize);
+        let mut known: HashMap<&[u8], u32> = HashMap::new();
+        let mut indices = vec![0; self.size.texels()];
+        let mut table = Vec::new();
+        // From the bottom row up, as they are stored.
+        for row in (0..self.size.height as usize).rev() {
+            let texels = row * width..(row + 1) * width;
+            for (index, texel) in indices[texels.clone()].iter_mut().zip(texels) {
+                let entry = &self.samples[9 * texel..][..size];
+                let next = known.len() as u32;
+                *index = *known.entry(entry).or_insert_with(|| {
+                    table.extend_from_slice(entry);
+                    next
+                });
+            }
+        }
+        let entries = known.len();
+        if entries > MOST {
+            return Err(format!(
+                "{entries} texels are distinct, and two bytes name at most {MOST} entries"
+            ));
+        }
+        (self.indices, self.table) = (indices, table);
+        Ok(())
+    }
+
+    /// The table, the indices, and the samples that come of them.
+    fn paint_table(&mut self, recipe: &Recipe) {
+        let size = self.entry_size();
+        self.table = (0..recipe.entries as usize * size)
+            .map(|i| sample(recipe, i / size, i % size))
+            .collect();
+        if let Some(first) = recipe.first {
+            self.table[0] = first;
+        }
+        self.indices = (0..self.size.texels())
+            .map(|texel| index(recipe, texel))
+            .collect();
+        for (texel, &index) in self.samples.chunks_exact_mut(9).zip(&self.indices) {
+            texel[..size].copy_from_slice(&self.table[index as usize * size..][..size]);
+        }
+    }
+
+    /// Bytes of a table entry: 6, or 9 where the color is in the table.
+    #[must_use]
+    pub fn entry_size(&self) -> usize {
+        if self.format == Format::PtmCLut { 9 } else { 6 }
+    }
+
+    /// Entries of the table.
+    #[must_use]
+    pub fn entries(&self) -> usize {
+        self.table.len() / self.entry_size()
+    }
+
+    /// `height * width * channels` final values: (raw − bias) · scale for coefficients, the byte itself for the rest.
+    #[must_use]
+    pub fn coefficients(&self) -> Vec<f64> {
+        let channels = self.format.channels();
+        let polynomials = if channels == 18 { 18 } else { 6 };
+        let value = |(i, &byte): (usize, &u8)| match i % channels {
+            channel if channel < polynomials => {
+                (f64::from(byte) - self.bias[channel % 6]) * self.scale[channel % 6]
+            }
+            _ => f64::from(byte),
+        };
+        self.samples.iter().enumerate().map(value).collect()
+    }
+
+    /// `height * width * 3` colors from 0 to 255 under the light (`u`, `v`), not rounded.
+    #[must_use]
+    pub fn picture(&self, u: f64, v: f64) -> Vec<f64> {
+        let powers = [u * u, v * v, u * v, u, v, 1.0];
+        let polynomial = |a: &[f64]| {
+            a.iter()
+                .zip(powers)
+                .map(|(a, power)| a * power)
+                .sum::<f64>()
+        };
+        let color = |texel: &[f64]| match texel.len() {
+            18 => [
+                polynomial(&texel[..6]),
+                polynomial(&texel[6..12]),
+                polynomial(&texel[12..]),
+            ],
+            9 => [6, 7, 8].map(|channel| polynomial(&texel[..6]) * texel[channel] / 255.0),
+            _ => {
+                let input = [polynomial(&texel[..6]), texel[6], texel[7], 1.0];
+                [0, 1, 2].map(|row| {
+                    (0..4)
+                        .map(|column| self.matrix[4 * column + row] * input[column])
+                        .sum()
+                })
+            }
+        };
+        let coefficients = self.coefficients();
+        coefficients
+            .chunks_exact(self.format.channels())
+            .flat_map(color)
+            .map(|value| value.clamp(0.0, 255.0))
+            .collect()
+    }
+
+    /// How far each of the final values may be off where inverse DCTs differ; empty where none may.
+    #[must_use]
+    pub fn coefficient_slack(&self) -> Vec<f64> {
+        let channels = self.format.channels();
+        let polynomials = if channels == 18 { 18 } else { 6 };
+        let slack = |(i, &slack): (usize, &u8)| match i % channels {
+            channel if channel < polynomials => f64::from(slack) * self.scale[channel % 6].abs(),
+            _ => f64::from(slack),
+        };
+        self.slack.iter().enumerate().map(slack).collect()
+    }
+
+    /// How far each color may be off; empty where none may.
+    #[must_use]
+    pub fn picture_slack(&self, u: f64, v: f64) -> Vec<f64> {
+        let powers = [u * u, v * v, u * v, u, v, 1.0];
+        let sum = |a: &[f64], weigh: fn(f64) -> f64| {
+            a.iter()
+                .zip(powers)
+                .map(|(a, power)| weigh(a * power))
+                .sum::<f64>()
+        };
+        let color = |(values, slack): (&[f64], &[f64])| {
+            if values.len() == 18 {
+                [0, 6, 12].map(|channel| sum(&slack[channel..channel + 6], f64::abs))
+            } else {
+                // The largest that a product can be off where both factors are.
+                let (luminance, off) = (
+                    sum(&values[..6], |term| term).abs(),
+                    sum(&slack[..6], f64::abs),
+                );
+                [6, 7, 8].map(|channel| {
+                    (off * (values[channel] + slack[channel]) + luminance * slack[channel]) / 255.0
+                })
+            }
+        };
+        let channels = self.format.channels();
+        let (values, slack) = (self.coefficients(), self.coefficient_slack());
+        values
+            .chunks_exact(channels)
+            .zip(slack.chunks_exact(channels))
+            .flat_map(color)
+            .collect()
+    }
+}

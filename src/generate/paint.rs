@@ -1,0 +1,77 @@
+//! The bytes that a scene paints: whole numbers only, so that a recipe gives the same values on every machine.
+
+use super::recipe::{Indices, Recipe};
+use super::scene::Scene;
+
+/// The painted byte of a channel of a texel, or of an entry.
+#[expect(
+    clippy::match_same_arms,
+    reason = "a table reads better with a line for each of its rows"
+)]
+pub(super) fn sample(recipe: &Recipe, texel: usize, channel: usize) -> u8 {
+    let (width, height) = (recipe.size.width as usize, recipe.size.height as usize);
+    let (x, y) = (texel % width, texel / width);
+    let noise = hash(recipe.seed, texel, channel) as u8;
+    match recipe.scene {
+        Scene::Noise => noise,
+        Scene::Extremes => noise % 2 * 255,
+        Scene::Ramp => (x * 7 + y * 29 + channel * 53 + recipe.seed as usize) as u8,
+        Scene::Stripes => (10 + channel * 13 + recipe.seed as usize) as u8,
+        Scene::Flat(value) => value,
+        Scene::Unlit if channel < 5 => 128,
+        Scene::Unlit => noise,
+        Scene::LuminanceIsCr if channel < 5 => 128,
+        Scene::LuminanceIsCr if channel == 6 => hash(recipe.seed, texel, 5) as u8,
+        Scene::LuminanceIsCr => noise,
+        Scene::Framed(value) if x.min(y) < 2 || x + 2 >= width || y + 2 >= height => value,
+        Scene::Framed(_) => noise,
+        Scene::Soft => 96 + noise % 64,
+        // Along a line x + y is the same, because y runs downward here.
+        Scene::Diagonals => hash(recipe.seed, (x + y) % 4, channel) as u8,
+        Scene::Columns => two(recipe.seed, x, channel),
+        Scene::Rows => two(recipe.seed, y, channel),
+    }
+}
+
+/// One of two bytes of different parity, in turn.
+fn two(seed: u32, place: usize, channel: usize) -> u8 {
+    let even = hash(seed, 0, channel) as u8;
+    if place.is_multiple_of(2) {
+        even
+    } else {
+        hash(seed, 1, channel) as u8 & 0xfe | !even & 1
+    }
+}
+
+/// The entry of a texel.
+pub(super) fn index(recipe: &Recipe, texel: usize) -> u32 {
+    let entries = recipe.entries;
+    let any = hash(recipe.seed ^ 0x5bd1, texel, 99);
+    match &recipe.indices {
+        Indices::Any => match texel {
+            1 => entries - 1,
+            2 => 0,
+            _ => any % entries,
+        },
+        Indices::Below(limit) => any % entries.min(*limit),
+        Indices::BytesDiffer => {
+            // Walk on to the next index whose bytes differ; of two neighbors one always does.
+            let start = any % entries;
+            (0..entries)
+                .map(|step| (start + step) % entries)
+                .find(|index| index % 256 != index / 256)
+                .unwrap_or(0)
+        }
+        Indices::These(list) => list[texel % list.len()],
+    }
+}
+
+/// A pseudo-random number for a place: the finalizer of `MurmurHash3` over seed, texel and channel.
+pub(super) fn hash(seed: u32, texel: usize, channel: usize) -> u32 {
+    let mut h = seed.wrapping_mul(0x9e37_79b1)
+        ^ (texel as u32).wrapping_mul(0x85eb_ca77)
+        ^ (channel as u32).wrapping_mul(0xc2b2_ae3d);
+    h = (h ^ h >> 16).wrapping_mul(0x85eb_ca6b);
+    h = (h ^ h >> 13).wrapping_mul(0xc2b2_ae35);
+    h ^ h >> 16
+}

@@ -1,0 +1,343 @@
+//! Places in a file, as damages name them: `width`, `bias[5]`, `plane[last].da+7`, `file-1 row`.
+
+use std::ops::Range;
+use std::str::FromStr;
+
+use super::model::Model;
+use super::output::Written;
+
+/// A place: a field or a part of it.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[cfg_attr(
+    feature = "harness",
+    derive(serde::Deserialize),
+    serde(try_from = "String")
+)]
+pub(super) struct Place {
+    name: String,
+    which: Which,
+    segment: Option<Segment>,
+    offset: Offset,
+}
+
+/// Which of the fields of one name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum Which {
+    Nth(usize),
+    Last,
+    All,
+    /// That of the predicted plane of the largest rank.
+    Predicted,
+    /// That of the plane from which it is predicted.
+    Reference,
+    /// That of the plane of the smallest rank.
+    First,
+    /// That of the first plane that is predicted from plane 0.
+    FromZero,
+}
+
+/// A part of a JPEG or JPEG-LS stream.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum Segment {
+    /// The first segment before the data whose marker has this code.
+    Marker(u8),
+    /// The frame header: marker code c0 or f7.
+    Frame,
+    /// From the scan header to the end.
+    Scan,
+    /// What follows the scan header, without EOI.
+    Data,
+}
+
+/// Where in the field; the place is the rest of it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum Offset {
+    Forward(usize),
+    Back(usize),
+    /// Back by whole texels of the last block, or by rows of them.
+    Texels(usize),
+    Rows(usize),
+    Half,
+}
+
+/// What a field may be called.
+const NAMES: [&str; 27] = [
+    "file",
+    "header",
+    "payload",
+    "version",
+    "format",
+    "width",
+    "height",
+    "scale",
+    "bias",
+    "count",
+    "count keyword",
+    "table",
+    "matrix",
+    "indices",
+    "coefficients",
+    "colors",
+    "blue coefficients",
+    "parameter",
+    "transforms",
+    "motion x",
+    "motion y",
+    "order",
+    "references",
+    "compressed sizes",
+    "side sizes",
+    "plane",
+    "side information",
+];
+
+impl FromStr for Place {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Place, String> {
+        let unknown = |what: &str| format!("unknown {what} in the place {text:?}");
+        let cut = text.rfind(['+', '-', '/']).unwrap_or(text.len());
+        let (whole, offset) = match Offset::parse(&text[cut..]) {
+            Some(offset) => (&text[..cut], offset),
+            None => (text, Offset::Forward(0)),
+        };
+        let (field, segment) = match whole.split_once('.') {
+            Some((field, segment)) => (
+                field,
+                Some(Segment::parse(segment).ok_or_else(|| unknown("part"))?),
+            ),
+            None => (whole, None),
+        };
+        let (name, which) = match field
+            .strip_suffix(']')
+            .and_then(|field| field.split_once('['))
+        {
+            Some((name, which)) => (name, Which::parse(which).ok_or_else(|| unknown("number"))?),
+            None => (field, Which::Nth(0)),
+        };
+        if !NAMES.contains(&name) {
+            return Err(unknown("field"));
+        }
+        Ok(Place {
+            name: name.to_owned(),
+            which,
+            segment,
+            offset,
+        })
+    }
+}
+
+impl TryFrom<String> for Place {
+    type Error = String;
+
+    fn try_from(text: String) -> Result<Place, String> {
+        text.parse()
+    }
+}
+
+impl Offset {
+    fn parse(text: &str) -> Option<Offset> {
+        let (sign, number) = (text.get(..1)?, text.get(1..)?);
+        Some(match (sign, number.split_once(' ')) {
+            ("+", None) => Offset::Forward(number.parse().ok()?),
+            ("-", None) => Offset::Back(number.parse().ok()?),
+            ("-", Some((number, "texel"))) => Offset::Texels(number.parse().ok()?),
+            ("-", Some((number, "row"))) => Offset::Rows(number.parse().ok()?),
+            ("/", None) if number == "2" => Offset::Half,
+            _ => return None,
+        })
+    }
+}
+
+impl Segment {
+    fn parse(name: &str) -> Option<Segment> {
+        Some(match name {
+            "frame" => Segment::Frame,
+            "scan" => Segment::Scan,
+            "data" => Segment::Data,
+            _ => Segment::Marker(u8::from_str_radix(name, 16).ok()?),
+        })
+    }
+
+    /// Its bytes in a stream.
+    fn range(self, stream: &[u8]) -> Option<Range<usize>> {
+        let found = match self {
+            Segment::Marker(code) => segment(stream, code)?,
+            Segment::Frame => segment(stream, 0xc0).or_else(|| segment(stream, 0xf7))?,
+            Segment::Scan => segment(stream, 0xda)?.start..stream.len(),
+            Segment::Data => segment(stream, 0xda)?.end..stream.len().checked_sub(2)?,
+        };
+        (found.start <= found.end).then_some(found)
+    }
+}
+
+/// The first segment with this marker code before the data of a stream.
+pub(super) fn segment(stream: &[u8], code: u8) -> Option<Range<usize>> {
+    let mut at = 2;
+    loop {
+        let &[_, found, high, low] = stream.get(at..at + 4)? else {
+            return None;
+        };
+        let end = at + 2 + usize::from(high) * 256 + usize::from(low);
+        match found {
+            _ if found == code => return (end <= stream.len()).then_some(at..end),
+            0xda => return None,
+            _ => at = end,
+        }
+    }
+}
+
+impl Which {
+    fn parse(text: &str) -> Option<Which> {
+        Some(match text {
+            "last" => Which::Last,
+            "all" => Which::All,
+            "predicted" => Which::Predicted,
+            "reference" => Which::Reference,
+            "first" => Which::First,
+            "from-0" => Which::FromZero,
+            _ => Which::Nth(text.parse().ok()?),
+        })
+    }
+
+    /// The plane that is meant, of a compressed file.
+    fn plane(self, model: &Model) -> Option<usize> {
+        let plan = &model.compressed.as_ref()?.plan;
+        let by_rank = plan.in_order();
+        let is_predicted = |plane: &&usize| plan.reference(**plane).is_some();
+        let predicted = by_rank.iter().rev().find(is_predicted).copied();
+        match self {
+            Which::Predicted => predicted,
+            Which::Reference => plan.reference(predicted?),
+            Which::First => by_rank.first().copied(),
+            Which::FromZero => (1..by_rank.len()).find(|&plane| plan.reference(plane) == Some(0)),
+            Which::Nth(_) | Which::Last | Which::All => None,
+        }
+    }
+}
+
+/// A range of a file, and the number of the field it belongs to among all fields.
+#[derive(Clone, Debug)]
+pub(super) struct Spot {
+    pub field: usize,
+    pub range: Range<usize>,
+}
+
+impl Spot {
+    /// A range that is no field's.
+    pub fn outside(range: Range<usize>) -> Spot {
+        Spot {
+            field: usize::MAX,
+            range,
+        }
+    }
+}
+
+/// A file and what its places are called.
+pub(super) struct Named<'a> {
+    pub written: &'a Written,
+    pub model: &'a Model,
+}
+
+impl Named<'_> {
+    /// The bytes of a place that is one.
+    pub fn spot(&self, place: &Place) -> Result<Spot, String> {
+        let spots = self.spots(place)?;
+        let [spot] = &spots[..] else {
+            return Err(format!("{} is several places", place.name));
+        };
+        Ok(spot.clone())
+    }
+
+    /// The bytes of a place, which may be several.
+    pub fn spots(&self, place: &Place) -> Result<Vec<Spot>, String> {
+        let missing = || format!("the file has no such {}", place.name);
+        let spots = self.fields(place).ok_or_else(missing)?.into_iter();
+        let part = |spot: Spot| {
+            let range = self.part(place, spot.range)?;
+            Some(Spot { range, ..spot })
+        };
+        spots.map(part).collect::<Option<_>>().ok_or_else(missing)
+    }
+
+    /// Whole fields.
+    fn fields(&self, place: &Place) -> Option<Vec<Spot>> {
+        let (payload, end) = (self.written.payload, self.written.bytes.len());
+        let named = self.named(&place.name);
+        let range = match place.name.as_str() {
+            "file" => 0..end,
+            "header" => 0..payload,
+            "payload" => payload..end,
+            _ => {
+                return match place.which {
+                    Which::All => Some(named),
+                    Which::Last => Some(vec![named.last()?.clone()]),
+                    Which::Nth(nth) => Some(vec![named.get(nth)?.clone()]),
+                    which => Some(vec![named.get(which.plane(self.model)?)?.clone()]),
+                };
+            }
+        };
+        Some(vec![Spot::outside(range)])
+    }
+
+    /// The fields of that name, in file order.
+    pub fn named(&self, name: &str) -> Vec<Spot> {
+        let fields = self.written.fields.iter().enumerate();
+        let named = fields.filter(|(_, field)| field.name == name);
+        let spot = |(field, found): (usize, &crate::ptm::Field)| Spot {
+            field,
+            range: found.range.clone(),
+        };
+        named.map(spot).collect()
+    }
+
+    /// The part of a field that a place is.
+    fn part(
+        &self,
+        place: &Place,
+        Range { mut start, mut end }: Range<usize>,
+    ) -> Option<Range<usize>> {
+        if let Some(segment) = place.segment {
+            let range = segment.range(&self.written.bytes[start..end])?;
+            (start, end) = (start + range.start, start + range.end);
+        }
+        let texel = || {
+            let block = self.written.fields.last()?.range.len();
+            block.checked_div(self.model.size.texels())
+        };
+        let back = |length: usize| end.checked_sub(length);
+        let start = match place.offset {
+            Offset::Forward(length) => Some(start + length),
+            Offset::Back(length) => back(length),
+            Offset::Texels(count) => back(count * texel()?),
+            Offset::Rows(count) => back(count * texel()? * self.model.size.width as usize),
+            Offset::Half => Some(start.midpoint(end)),
+        }
+        .filter(|at| (start..=end).contains(at))?;
+        Some(start..end)
+    }
+
+    /// The text of a range.
+    pub fn text(&self, range: &Range<usize>) -> String {
+        String::from_utf8_lossy(&self.written.bytes[range.clone()]).into_owned()
+    }
+
+    /// What `{inside}` stands for in the new content of a range.
+    pub fn filled(&self, inside: &str, at: &Range<usize>) -> Result<String, String> {
+        let plane = |which: Which| which.plane(self.model).map(|plane| plane.to_string());
+        let value = match inside {
+            "" => Some(self.text(at)),
+            ":lower" => Some(self.text(at).to_lowercase()),
+            ":hex" => self
+                .text(at)
+                .parse()
+                .ok()
+                .map(|number: u64| format!("{number:x}")),
+            "planes" => Some(self.model.format.channels().to_string()),
+            "predicted" => plane(Which::Predicted),
+            "first" => plane(Which::First),
+            _ => Some(self.text(&self.spot(&inside.parse()?)?.range)),
+        };
+        value.ok_or_else(|| format!("the file has no {{{inside}}}"))
+    }
+}

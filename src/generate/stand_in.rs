@@ -1,0 +1,90 @@
+//! Streams that stand in for one of a file and do not belong there: gray planes of another size, codec or number of
+//! components. They take an encoder, so `spec-cases/damages.yaml` names them and says no more.
+
+use std::str::FromStr;
+
+use super::model::Model;
+use super::place::segment;
+use crate::codec::{jpeg, jpeg_ls};
+use crate::ptm::Format;
+
+/// A gray plane, 128 everywhere.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum StandIn {
+    OneWider,
+    OneHigher,
+    ExchangedSides,
+    OtherCodec,
+    ThreeComponents,
+}
+
+impl FromStr for StandIn {
+    type Err = String;
+
+    fn from_str(name: &str) -> Result<StandIn, String> {
+        Ok(match name {
+            "gray-one-wider" => StandIn::OneWider,
+            "gray-one-higher" => StandIn::OneHigher,
+            "gray-with-exchanged-sides" => StandIn::ExchangedSides,
+            "gray-by-the-other-codec" => StandIn::OtherCodec,
+            "gray-of-three-components" => StandIn::ThreeComponents,
+            _ => return Err(format!("unknown stream {name:?}")),
+        })
+    }
+}
+
+impl StandIn {
+    /// Its bytes, for a file of these values.
+    pub fn stream(self, model: &Model) -> Result<Vec<u8>, String> {
+        let (width, height) = (model.size.width, model.size.height);
+        let is_jpeg = matches!(model.format, Format::JpegRgb | Format::JpegLrgb);
+        Ok(match self {
+            StandIn::OneWider => gray(width + 1, height, is_jpeg),
+            StandIn::OneHigher => gray(width, height + 1, is_jpeg),
+            StandIn::ExchangedSides if width == height => {
+                return Err("the sides of a square are equal".to_owned());
+            }
+            StandIn::ExchangedSides => gray(height, width, is_jpeg),
+            StandIn::OtherCodec => gray(width, height, !is_jpeg),
+            StandIn::ThreeComponents => three_components(&gray(width, height, is_jpeg)),
+        })
+    }
+}
+
+fn gray(width: u32, height: u32, is_jpeg: bool) -> Vec<u8> {
+    let samples = vec![128; width as usize * height as usize];
+    if is_jpeg {
+        return jpeg::encode(&samples, width, height, &jpeg::JpegOptions::new(75)).stream;
+    }
+    let lossless = jpeg_ls::JpegLsOptions {
+        near: 0,
+        presets: None,
+    };
+    jpeg_ls::encode(&samples, width, height, &lossless).stream
+}
+
+/// A stream of three components of full size, each as the one of `one`, with a scan for each, which both standards allow.
+fn three_components(one: &[u8]) -> Vec<u8> {
+    let found = |code| segment(one, code);
+    let frame = (found(0xc0).or_else(|| found(0xf7))).expect("an encoder writes a frame header");
+    let scan = found(0xda).expect("an encoder writes a scan header").start;
+    let (start, end) = (frame.start, one.len() - 2);
+    let table = one[start + 12];
+    // The frame header grows by three bytes for each component: name, sampling factors, table.
+    let header = [
+        &[one[start], one[start + 1], 0, 17],
+        &one[start + 4..start + 9],
+        &[3],
+        &[1, 0x11, table],
+        &[2, 0x11, table],
+        &[3, 0x11, table],
+    ]
+    .concat();
+    let data = |component: u8| {
+        let mut data = one[scan..end].to_vec();
+        data[5] = component;
+        data
+    };
+    let before = [&one[..start], &header, &one[frame.end..scan]].concat();
+    [before, data(1), data(2), data(3), one[end..].to_vec()].concat()
+}

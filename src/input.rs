@@ -1,0 +1,235 @@
+//! Reading verbs over a file that always know where they are.
+//!
+//! A header line is made of *tokens* separated by *gaps* and ended by a *line end*:
+//!
+//! - a token is a run of bytes without space and line feed;
+//! - a gap is one or more spaces (ruling `size-spelling`);
+//! - a line end is one line feed, before which one space may stand (clause 2.0/2, ruling `header-line-end`).
+//!
+//! Tabs, carriage returns, leading blanks, empty lines and further spaces are none of these (ruling `header-blanks`).
+
+use std::ops::Range;
+
+use crate::error::{Error, Kind, Result};
+use crate::ptm::Field;
+
+/// A file and how far it has been read.
+#[derive(Debug)]
+pub struct Input<'a> {
+    file: &'a [u8],
+    at: usize,
+    fields: Vec<Field>,
+}
+
+impl<'a> Input<'a> {
+    pub(crate) fn new(file: &'a [u8]) -> Input<'a> {
+        Input {
+            file,
+            at: 0,
+            fields: Vec::new(),
+        }
+    }
+
+    pub(crate) fn at(&self) -> usize {
+        self.at
+    }
+
+    pub(crate) fn into_fields(self) -> Vec<Field> {
+        self.fields
+    }
+
+    /// Everything not yet read.
+    pub(crate) fn rest(&self) -> &'a [u8] {
+        &self.file[self.at..]
+    }
+
+    /// The next token.
+    pub(crate) fn token(&mut self, clause: &'static str, name: &'static str) -> Result<&'a [u8]> {
+        let rest = self.rest();
+        let length = rest
+            .iter()
+            .position(|byte| matches!(byte, b' ' | b'\n'))
+            .unwrap_or(rest.len());
+        if length == 0 {
+            return Err(self.wrong(clause, name));
+        }
+        self.fields.push(Field {
+            clause,
+            name,
+            range: self.at..self.at + length,
+        });
+        self.at += length;
+        Ok(&rest[..length])
+    }
+
+    /// The token `word`, and no other.
+    pub(crate) fn word(&mut self, clause: &'static str, word: &'static str) -> Result<()> {
+        let start = self.at;
+        if self.token(clause, word)? == word.as_bytes() {
+            return Ok(());
+        }
+        self.at = start;
+        Err(self.wrong(clause, word))
+    }
+
+    /// A finite decimal number (ruling `numbers`).
+    pub(crate) fn number(&mut self, clause: &'static str, name: &'static str) -> Result<f64> {
+        let start = self.at;
+        let value = decimal(self.token(clause, name)?);
+        value.ok_or_else(|| self.wrong_at(start, clause, name))
+    }
+
+    /// A whole number from 0 to 2³² − 1, written in digits with or without a sign.
+    pub(crate) fn integer(&mut self, clause: &'static str, name: &'static str) -> Result<u32> {
+        let start = self.at;
+        let token = self.token(clause, name)?;
+        let value = std::str::from_utf8(token)
+            .ok()
+            .and_then(|digits| digits.parse().ok());
+        value.ok_or_else(|| self.wrong_at(start, clause, name))
+    }
+
+    /// A whole number of any sign.
+    pub(crate) fn signed(&mut self, clause: &'static str, name: &'static str) -> Result<i64> {
+        let start = self.at;
+        let token = self.token(clause, name)?;
+        let value = std::str::from_utf8(token)
+            .ok()
+            .and_then(|digits| digits.parse().ok());
+        value.ok_or_else(|| self.wrong_at(start, clause, name))
+    }
+
+    /// One or more spaces.
+    pub(crate) fn gap(&mut self, clause: &'static str) -> Result<()> {
+        let spaces = self.rest().iter().take_while(|&&byte| byte == b' ').count();
+        if spaces == 0 {
+            return Err(self.wrong(clause, "a space"));
+        }
+        self.at += spaces;
+        Ok(())
+    }
+
+    /// One line feed, before which one space may stand.
+    pub(crate) fn line_end(&mut self, clause: &'static str) -> Result<()> {
+        if !self.skip_line_end() {
+            return Err(self.wrong(clause, "the end of the line"));
+        }
+        Ok(())
+    }
+
+    /// A gap, or a line end where the text allows either.
+    pub(crate) fn gap_or_line_end(&mut self, clause: &'static str) -> Result<()> {
+        if self.skip_line_end() {
+            Ok(())
+        } else {
+            self.gap(clause)
+        }
+    }
+
+    /// The next `count` bytes of the payload.
+    pub(crate) fn take(
+        &mut self,
+        clause: &'static str,
+        name: &'static str,
+        count: usize,
+    ) -> Result<&'a [u8]> {
+        let rest = self.rest();
+        if count > rest.len() {
+            return Err(Error::new(
+                clause,
+                self.at,
+                Kind::Short {
+                    what: name,
+                    needs: count,
+                    remain: rest.len(),
+                },
+            ));
+        }
+        self.fields.push(Field {
+            clause,
+            name,
+            range: self.at..self.at + count,
+        });
+        self.at += count;
+        Ok(&rest[..count])
+    }
+
+    /// The next `count` bytes of the payload, and what some of them are: ranges that count from here.
+    pub(crate) fn take_parts(
+        &mut self,
+        clause: &'static str,
+        name: &'static str,
+        count: usize,
+        parts: impl Iterator<Item = (&'static str, &'static str, Range<usize>)>,
+    ) -> Result<&'a [u8]> {
+        let rest = self.rest();
+        if count > rest.len() {
+            return Err(Error::new(
+                clause,
+                self.at,
+                Kind::Short {
+                    what: name,
+                    needs: count,
+                    remain: rest.len(),
+                },
+            ));
+        }
+        let from = self.at;
+        self.fields.extend(parts.map(|(clause, name, range)| Field {
+            clause,
+            name,
+            range: from + range.start..from + range.end,
+        }));
+        self.at += count;
+        Ok(&rest[..count])
+    }
+
+    /// The error that something else than `what` stands here.
+    pub(crate) fn wrong(&self, clause: &'static str, what: &'static str) -> Error {
+        self.wrong_at(self.at, clause, what)
+    }
+
+    fn wrong_at(&self, offset: usize, clause: &'static str, what: &'static str) -> Error {
+        // Enough of what stands there to recognise it: its line, at most 24 bytes of it, and never nothing.
+        let there = &self.file[offset..];
+        let end = there
+            .iter()
+            .skip(1)
+            .position(|&byte| byte == b'\n')
+            .map_or(there.len(), |before| before + 1);
+        let kind = match &there[..end.min(24)] {
+            [] => Kind::Ended { what },
+            found => Kind::Expected {
+                what,
+                found: found.escape_ascii().to_string(),
+            },
+        };
+        Error::new(clause, offset, kind)
+    }
+
+    /// Whether a line end stands here.
+    pub(crate) fn at_line_end(&self) -> bool {
+        self.rest().starts_with(b"\n") || self.rest().starts_with(b" \n")
+    }
+
+    fn skip_line_end(&mut self) -> bool {
+        let there = self.at_line_end();
+        if there {
+            self.at += if self.rest()[0] == b'\n' { 1 } else { 2 };
+        }
+        there
+    }
+}
+
+/// `[+-]?(d+.?d*|.d+)([eE][+-]?d+)?`, and finite.
+fn decimal(token: &[u8]) -> Option<f64> {
+    // The standard library reads this grammar and, besides it, only names: `inf`, `infinity`, `nan`.
+    let text = std::str::from_utf8(token).ok()?;
+    if text
+        .bytes()
+        .any(|byte| !matches!(byte, b'0'..=b'9' | b'+' | b'-' | b'.' | b'e' | b'E'))
+    {
+        return None;
+    }
+    text.parse().ok().filter(|value: &f64| value.is_finite())
+}

@@ -1,0 +1,12 @@
+//! Digests: what files, corpus and runs are known by.
+
+use sha2::{Digest, Sha256};
+
+/// The SHA-256 digest in hexadecimal.
+#[must_use]
+pub fn sha256(bytes: &[u8]) -> String {
+    Sha256::digest(bytes)
+        .iter()
+        .map(|byte| format!("{byte:02x}"))
+        .collect()
+}

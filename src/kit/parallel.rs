@@ -1,0 +1,110 @@
+//! Work on all threads, results in order.
+
+use std::collections::BTreeMap;
+use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
+use std::sync::{Condvar, Mutex};
+
+/// Calls `work` with every number below `count`, each on a thread of its own; on this thread where the system has no more.
+pub(crate) fn on_threads(count: usize, work: &(impl Fn(usize) + Sync)) {
+    std::thread::scope(|scope| {
+        let refused = |&i: &usize| {
+            let thread = std::thread::Builder::new();
+            thread.spawn_scoped(scope, move || work(i)).is_err()
+        };
+        let left: Vec<usize> = (0..count).filter(refused).collect();
+        left.into_iter().for_each(work);
+    });
+}
+
+/// What `make` makes of every number below `count`, in order, made by `jobs` at a time.
+pub(crate) fn in_parallel<T: Send>(
+    count: usize,
+    jobs: usize,
+    progress: &(impl Fn(usize, usize) + Sync),
+    make: &(impl Fn(usize) -> T + Sync),
+) -> Vec<T> {
+    let (next, done) = (AtomicUsize::new(0), AtomicUsize::new(0));
+    let slots: Vec<Mutex<Option<T>>> = (0..count).map(|_| Mutex::new(None)).collect();
+    on_threads(jobs.clamp(1, count.max(1)), &|_| {
+        loop {
+            let place = next.fetch_add(1, Relaxed);
+            if place >= count {
+                break;
+            }
+            *slots[place].lock().expect("no worker panics") = Some(make(place));
+            progress(done.fetch_add(1, Relaxed) + 1, count);
+        }
+    });
+    let made = slots
+        .into_iter()
+        .map(|slot| slot.into_inner().expect("no worker panics"));
+    made.flatten().collect()
+}
+
+/// Results that may wait for an earlier one.
+const WAITING: usize = 256;
+
+/// What is shown next, and what came before its turn.
+struct Line<R, S> {
+    next: usize,
+    waiting: BTreeMap<usize, R>,
+    show: S,
+}
+
+/// Calls `work` with every item, `jobs` at a time, and `show` with every result, in the order of the items. However many there
+/// are, only a few are held: who is far ahead waits. `work` must not panic.
+pub fn in_turn<T: Send, R: Send>(
+    items: impl Iterator<Item = T> + Send,
+    jobs: usize,
+    work: &(impl Fn(T) -> R + Sync),
+    show: impl FnMut(R) + Send,
+) {
+    const POISONED: &str = "no worker panics";
+    let items = Mutex::new(items.enumerate());
+    let line = Mutex::new(Line {
+        next: 0,
+        waiting: BTreeMap::new(),
+        show,
+    });
+    let moved = Condvar::new();
+    on_threads(jobs.max(1), &|_| {
+        loop {
+            let Some((turn, item)) = items.lock().expect(POISONED).next() else {
+                break;
+            };
+            let result = work(item);
+            let line = line.lock().expect(POISONED);
+            let early = |line: &mut Line<R, _>| turn > line.next + WAITING;
+            let mut line = moved.wait_while(line, early).expect(POISONED);
+            line.waiting.insert(turn, result);
+            let Line {
+                next,
+                waiting,
+                show,
+            } = &mut *line;
+            while let Some(result) = waiting.remove(next) {
+                show(result);
+                *next += 1;
+            }
+            moved.notify_all();
+        }
+    });
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn results_come_in_turn_although_the_first_takes_longest() {
+        let mut shown = Vec::new();
+        let work = |item: usize| {
+            if item == 0 {
+                std::thread::sleep(std::time::Duration::from_millis(50));
+            }
+            item
+        };
+        in_turn(0..2000, 4, &work, |result| shown.push(result));
+        assert!(shown.into_iter().eq(0..2000));
+    }
+}

@@ -1,0 +1,471 @@
+//! YAML at the door.
+//!
+//! A file is read once into a tree of nodes that know their lines, and records are read from the tree. So the parser is
+//! compiled once, whatever the number of records, and every error names the line at fault. Only so much of a file is read,
+//! and anchors, aliases and tags have no business in it.
+
+use std::collections::HashSet;
+use std::fmt;
+use std::fs::File;
+use std::io::Read;
+use std::path::Path;
+
+use granit_parser::{Event, Parser, ScalarStyle};
+use serde::Serialize;
+use serde::de::value::{MapAccessDeserializer, MapDeserializer, SeqDeserializer};
+use serde::de::{self, DeserializeOwned, Deserializer, IntoDeserializer, Unexpected, Visitor};
+use serde::forward_to_deserialize_any;
+
+/// The largest file that is read: some two hundred thousand cases.
+const LARGEST: u64 = 64 << 20;
+/// The most nodes of a file.
+const MOST_NODES: usize = 8_000_000;
+/// The most lists and mappings one inside the other.
+const DEEPEST: usize = 16;
+
+/// The text of a file that a user names.
+///
+/// # Errors
+/// A sentence that names the file.
+#[expect(
+    clippy::naive_bytecount,
+    reason = "files are small where bytes are counted"
+)]
+pub fn text_of(path: &Path) -> Result<String, String> {
+    let named = |error: &dyn fmt::Display| format!("{}: {error}", path.display());
+    let mut bytes = Vec::new();
+    let file = File::open(path).map_err(|error| named(&error))?;
+    file.take(LARGEST + 1)
+        .read_to_end(&mut bytes)
+        .map_err(|error| named(&error))?;
+    if bytes.len() as u64 > LARGEST {
+        return Err(named(&format!(
+            "larger than {} MiB, which is no report",
+            LARGEST >> 20
+        )));
+    }
+    String::from_utf8(bytes).map_err(|error| {
+        let at = error.utf8_error().valid_up_to();
+        let line = 1 + error.as_bytes()[..at]
+            .iter()
+            .filter(|&&byte| byte == b'\n')
+            .count();
+        named(&format!("line {line}: not UTF-8"))
+    })
+}
+
+/// Reads one value.
+///
+/// # Errors
+/// A sentence that names the line at fault.
+pub fn from_yaml<T: DeserializeOwned>(text: &str) -> Result<T, String> {
+    T::deserialize(&parse(text)?).map_err(|error| error.to_string())
+}
+
+/// Reads a list of records, each with the line on which it begins. A file that holds nothing is an empty list.
+///
+/// # Errors
+/// A sentence that names the line at fault.
+pub fn records<T: DeserializeOwned>(text: &str) -> Result<Vec<(usize, T)>, String> {
+    let Node { line, value } = parse(text)?;
+    let nodes = match value {
+        Value::List(nodes) => nodes,
+        Value::Scalar { text, plain: true } if text.is_empty() => Vec::new(),
+        _ => return Err(format!("line {line}: expected a list")),
+    };
+    let record = |node: &Node| Ok((node.line, T::deserialize(node)?));
+    let records: Result<_, Flaw> = nodes.iter().map(record).collect();
+    records.map_err(|error| error.to_string())
+}
+
+/// Writes a value.
+///
+/// # Errors
+/// For what YAML cannot hold, which none of the program's records is.
+pub fn to_yaml(value: &impl Serialize) -> Result<String, String> {
+    serde_saphyr::to_string(value).map_err(|error| error.to_string())
+}
+
+/// A scalar, list or mapping and the line on which it begins, counted from 1.
+struct Node {
+    line: usize,
+    value: Value,
+}
+
+enum Value {
+    /// Its text, and whether it stands without quotation marks, so that it may be a number, a Boolean or nothing.
+    Scalar {
+        text: String,
+        plain: bool,
+    },
+    List(Vec<Node>),
+    Map(Vec<(Node, Node)>),
+}
+
+/// What is wrong and where; line 0 until a node says its own.
+#[derive(Debug)]
+struct Flaw {
+    line: usize,
+    what: String,
+}
+
+impl fmt::Display for Flaw {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "line {}: {}", self.line, self.what)
+    }
+}
+
+impl std::error::Error for Flaw {}
+
+impl de::Error for Flaw {
+    fn custom<T: fmt::Display>(what: T) -> Flaw {
+        Flaw {
+            line: 0,
+            what: what.to_string(),
+        }
+    }
+}
+
+/// The tree of a text.
+fn parse(text: &str) -> Result<Node, String> {
+    let mut open: Vec<(Node, Option<Node>)> = Vec::new();
+    let mut root: Option<Node> = None;
+    let (mut nodes, mut documents) = (0, 0);
+    for next in Parser::new_from_str(text) {
+        let (event, span) =
+            next.map_err(|error| format!("line {}: {}", error.marker().line(), error.info()))?;
+        let line = span.start.line();
+        let refuse = |what: &str| Err(format!("line {line}: {what}"));
+        let value = match event {
+            Event::Scalar(_, _, 1.., _)
+            | Event::SequenceStart(_, 1.., _)
+            | Event::MappingStart(_, 1.., _)
+            | Event::Alias(_) => return refuse("anchors and aliases are not read"),
+            Event::Scalar(_, _, _, Some(_))
+            | Event::SequenceStart(_, _, Some(_))
+            | Event::MappingStart(_, _, Some(_)) => return refuse("tags are not read"),
+            Event::Scalar(text, style, ..) => Value::Scalar {
+                text: text.into_owned(),
+                plain: style == ScalarStyle::Plain,
+            },
+            Event::SequenceStart(..) => Value::List(Vec::new()),
+            Event::MappingStart(..) => Value::Map(Vec::new()),
+            Event::SequenceEnd | Event::MappingEnd => {
+                let (node, _) = open.pop().expect("the parser pairs starts and ends");
+                node.check_keys()?;
+                put(node, &mut open, &mut root);
+                continue;
+            }
+            Event::DocumentStart(..) if documents == 1 => return refuse("a second document"),
+            Event::DocumentStart(..) => {
+                documents += 1;
+                continue;
+            }
+            _ => continue,
+        };
+        nodes += 1;
+        if nodes > MOST_NODES {
+            return refuse("too many values");
+        }
+        let is_scalar = matches!(value, Value::Scalar { .. });
+        let node = Node { line, value };
+        if is_scalar {
+            put(node, &mut open, &mut root);
+        } else if open.len() == DEEPEST {
+            return refuse("too deeply nested");
+        } else {
+            open.push((node, None));
+        }
+    }
+    Ok(root.unwrap_or(Node {
+        line: 1,
+        value: Value::Scalar {
+            text: String::new(),
+            plain: true,
+        },
+    }))
+}
+
+/// Puts a finished node into the innermost open one; of a mapping each has with it the key that waits for its value.
+fn put(node: Node, open: &mut [(Node, Option<Node>)], root: &mut Option<Node>) {
+    let Some((parent, waiting)) = open.last_mut() else {
+        *root = Some(node);
+        return;
+    };
+    match &mut parent.value {
+        Value::List(items) => items.push(node),
+        Value::Map(entries) => match waiting.take() {
+            Some(key) => entries.push((key, node)),
+            None => *waiting = Some(node),
+        },
+        Value::Scalar { .. } => unreachable!("a scalar is never open"),
+    }
+}
+
+impl Node {
+    /// Keys are scalars, and none is there twice.
+    fn check_keys(&self) -> Result<(), String> {
+        let Value::Map(entries) = &self.value else {
+            return Ok(());
+        };
+        let mut known = HashSet::new();
+        for (Node { line, value }, _) in entries {
+            match value {
+                Value::Scalar { text, .. } if known.insert(text) => {}
+                Value::Scalar { text, .. } => {
+                    return Err(format!("line {line}: {text} is there twice"));
+                }
+                _ => return Err(format!("line {line}: expected a key")),
+            }
+        }
+        Ok(())
+    }
+
+    /// What a scalar without quotation marks says, by the core schema of YAML 1.2.
+    fn meaning(&self) -> Unexpected<'_> {
+        let (text, plain) = match &self.value {
+            Value::List(_) => return Unexpected::Seq,
+            Value::Map(_) => return Unexpected::Map,
+            Value::Scalar { text, plain } => (text, *plain),
+        };
+        match text.as_str() {
+            _ if !plain => Unexpected::Str(text),
+            "" | "~" | "null" | "Null" | "NULL" => Unexpected::Unit,
+            "true" | "True" | "TRUE" => Unexpected::Bool(true),
+            "false" | "False" | "FALSE" => Unexpected::Bool(false),
+            _ => number(text).unwrap_or(Unexpected::Str(text)),
+        }
+    }
+
+    fn flaw<'de>(&self, visitor: &impl Visitor<'de>) -> Flaw {
+        de::Error::invalid_type(self.meaning(), visitor)
+    }
+}
+
+fn number(text: &str) -> Option<Unexpected<'_>> {
+    let digits = text.trim_start_matches(['+', '-']);
+    match digits {
+        ".inf" | ".Inf" | ".INF" if text.starts_with('-') => {
+            return Some(Unexpected::Float(f64::NEG_INFINITY));
+        }
+        ".inf" | ".Inf" | ".INF" => return Some(Unexpected::Float(f64::INFINITY)),
+        ".nan" | ".NaN" | ".NAN" => return Some(Unexpected::Float(f64::NAN)),
+        // Rust's own parser knows words such as infinity.
+        _ if !digits.starts_with(|c: char| c == '.' || c.is_ascii_digit()) => return None,
+        _ => {}
+    }
+    let unsigned = text.parse().map(Unexpected::Unsigned);
+    let signed = || text.parse().map(Unexpected::Signed);
+    let float = || text.parse().map(Unexpected::Float);
+    unsigned.or_else(|_| signed()).or_else(|_| float()).ok()
+}
+
+/// Reads by a function of the node, and puts the node's line to an error that has none.
+macro_rules! read {
+    ($($name:ident($($more:ident: $type:ty),*) = $read:expr;)*) => {$(
+        fn $name<V: Visitor<'de>>(self, $($more: $type,)* visitor: V) -> Result<V::Value, Flaw> {
+            let read: fn(&Node, V) -> Result<V::Value, Flaw> = $read;
+            read(self, visitor).map_err(|flaw| match flaw.line {
+                0 => Flaw { line: self.line, ..flaw },
+                _ => flaw,
+            })
+        }
+    )*};
+}
+
+impl<'de> Deserializer<'de> for &Node {
+    type Error = Flaw;
+
+    read! {
+        deserialize_any() = |node, visitor| match (&node.value, node.meaning()) {
+            (Value::List(_), _) => node.deserialize_seq(visitor),
+            (Value::Map(_), _) => node.deserialize_map(visitor),
+            (_, Unexpected::Unit) => visitor.visit_unit(),
+            (_, Unexpected::Bool(value)) => visitor.visit_bool(value),
+            (_, Unexpected::Unsigned(value)) => visitor.visit_u64(value),
+            (_, Unexpected::Signed(value)) => visitor.visit_i64(value),
+            (_, Unexpected::Float(value)) => visitor.visit_f64(value),
+            (Value::Scalar { text, .. }, _) => visitor.visit_str(text),
+        };
+        // A text needs no quotation marks where a text is expected, even if it looks like a number.
+        deserialize_str() = |node, visitor| match &node.value {
+            Value::Scalar { plain: true, .. } if matches!(node.meaning(), Unexpected::Unit) => {
+                Err(node.flaw(&visitor))
+            }
+            Value::Scalar { text, .. } => visitor.visit_str(text),
+            _ => Err(node.flaw(&visitor)),
+        };
+        deserialize_f64() = |node, visitor| match node.meaning() {
+            Unexpected::Unsigned(value) => visitor.visit_f64(value as f64),
+            Unexpected::Signed(value) => visitor.visit_f64(value as f64),
+            _ => node.deserialize_any(visitor),
+        };
+        deserialize_option() = |node, visitor| match node.meaning() {
+            Unexpected::Unit => visitor.visit_none(),
+            _ => visitor.visit_some(node),
+        };
+        deserialize_seq() = |node, visitor| match &node.value {
+            Value::List(items) => visitor.visit_seq(SeqDeserializer::new(items.iter())),
+            _ => Err(node.flaw(&visitor)),
+        };
+        deserialize_map() = |node, visitor| match &node.value {
+            Value::Map(entries) => {
+                let entries = entries.iter().map(|(key, value)| (key, value));
+                visitor.visit_map(MapDeserializer::new(entries))
+            }
+            _ => Err(node.flaw(&visitor)),
+        };
+        deserialize_enum(_name: &'static str, _variants: &'static [&'static str]) = |node, visitor| {
+            match &node.value {
+                Value::Scalar { text, .. } => visitor.visit_enum(text.as_str().into_deserializer()),
+                Value::Map(entries) => {
+                    let entries = entries.iter().map(|(key, value)| (key, value));
+                    visitor.visit_enum(MapAccessDeserializer::new(MapDeserializer::new(entries)))
+                }
+                Value::List(_) => Err(node.flaw(&visitor)),
+            }
+        };
+        deserialize_newtype_struct(_name: &'static str) = |node, visitor| {
+            visitor.visit_newtype_struct(node)
+        };
+    }
+
+    fn deserialize_string<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Flaw> {
+        self.deserialize_str(visitor)
+    }
+
+    fn deserialize_identifier<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Flaw> {
+        self.deserialize_str(visitor)
+    }
+
+    fn deserialize_tuple<V: Visitor<'de>>(self, _: usize, visitor: V) -> Result<V::Value, Flaw> {
+        self.deserialize_seq(visitor)
+    }
+
+    fn deserialize_struct<V: Visitor<'de>>(
+        self,
+        _: &'static str,
+        _: &'static [&'static str],
+        visitor: V,
+    ) -> Result<V::Value, Flaw> {
+        self.deserialize_map(visitor)
+    }
+
+    fn deserialize_ignored_any<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Flaw> {
+        visitor.visit_unit()
+    }
+
+    forward_to_deserialize_any! {
+        bool i8 i16 i32 i64 i128 u8 u16 u32 u64 u128 f32 char bytes byte_buf unit unit_struct tuple_struct
+    }
+}
+
+impl IntoDeserializer<'_, Flaw> for &Node {
+    type Deserializer = Self;
+
+    fn into_deserializer(self) -> Self {
+        self
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use serde::Deserialize;
+
+    use super::*;
+
+    #[derive(Debug, PartialEq, Deserialize)]
+    #[serde(deny_unknown_fields)]
+    struct Record {
+        id: String,
+        #[serde(default)]
+        first: bool,
+        size: Option<u8>,
+        way: Option<Way>,
+    }
+
+    #[derive(Debug, PartialEq, Deserialize)]
+    #[serde(rename_all = "lowercase")]
+    enum Way {
+        Up,
+        Down,
+    }
+
+    #[track_caller]
+    fn rejects(text: &str, error: &str) {
+        assert_eq!(records::<Record>(text).unwrap_err(), error);
+    }
+
+    #[test]
+    fn every_error_names_its_line() {
+        rejects(
+            "- id: a\n- id: b\n  frist: true\n",
+            "line 3: unknown field `frist`, expected one of `id`, `first`, `size`, `way`",
+        );
+        rejects(
+            "- id: a\n  first: yes\n",
+            "line 2: invalid type: string \"yes\", expected a boolean",
+        );
+        rejects(
+            "- id: a\n  first: 'true'\n",
+            "line 2: invalid type: string \"true\", expected a boolean",
+        );
+        rejects(
+            "- { id: a, size: 256 }\n",
+            "line 1: invalid value: integer `256`, expected u8",
+        );
+        rejects(
+            "- id: a\n\n  way: sideways\n",
+            "line 3: unknown variant `sideways`, expected `up` or `down`",
+        );
+        rejects("- id: a\n  id: b\n", "line 2: id is there twice");
+        rejects("- first: true\n", "line 1: missing field `id`");
+        rejects(
+            "- id:\n",
+            "line 1: invalid type: unit value, expected a string",
+        );
+        rejects("id: a\n", "line 1: expected a list");
+        rejects(
+            "- id: &a b\n- id: *a\n",
+            "line 1: anchors and aliases are not read",
+        );
+        rejects("- id: !b a\n", "line 1: tags are not read");
+        rejects("- id: a\n---\n- id: b\n", "line 2: a second document");
+        rejects(
+            "- [[[[[[[[[[[[[[[[]]]]]]]]]]]]]]]]\n",
+            "line 1: too deeply nested",
+        );
+    }
+
+    #[test]
+    fn texts_need_no_quotation_marks_and_numbers_have_none() {
+        let read: Vec<(usize, Record)> =
+            records("- { id: 1.0, size: 255, way: down }\n- id: 'null'\n  first: true\n")
+                .expect("it is well-formed");
+        let plain = Record {
+            id: "1.0".to_owned(),
+            first: false,
+            size: Some(255),
+            way: Some(Way::Down),
+        };
+        let quoted = Record {
+            id: "null".to_owned(),
+            first: true,
+            size: None,
+            way: None,
+        };
+        assert_eq!(read, [(1, plain), (2, quoted)]);
+        assert_eq!(records::<Record>("# nothing\n").expect("a list"), []);
+    }
+
+    #[test]
+    fn scalars_mean_what_the_core_schema_says() {
+        let value: serde_json::Value =
+            from_yaml("[1, -1, 1.5, .5, 1e3, inf, '1', ~, true, True, yes, 1.2.3, 2x]")
+                .expect("it is well-formed");
+        let expected = serde_json::json!([
+            1, -1, 1.5, 0.5, 1000.0, "inf", "1", null, true, true, "yes", "1.2.3", "2x"
+        ]);
+        assert_eq!(value, expected);
+    }
+}

@@ -1,0 +1,66 @@
+//! A decoder with mistakes: what it answers.
+
+use std::borrow::Cow;
+
+use super::anatomy::{Anatomy, Seen};
+use super::at::At;
+use super::misreading::Misreading;
+use crate::decode::decode_as;
+use crate::error::{Class, Error};
+use crate::protocol::frame::{Answer, Frame, View};
+use crate::ptm::{Limits, Ptm};
+use crate::reading::Reading;
+
+/// How a decoder with these mistakes answers, if it reads the open questions as `reading` does.
+#[must_use]
+pub fn answer(misreadings: &[&Misreading], reading: Reading, file: &[u8], view: &View) -> Answer {
+    match read(misreadings, reading, file) {
+        Ok((ptm, reading)) => show(misreadings, &reading, &ptm, view),
+        Err(Some(error)) if error.class() != Class::Malformed => Answer::Unsupported,
+        Err(_) => Answer::Rejected,
+    }
+}
+
+/// What a decoder with these mistakes finds in a file, before its mistakes with finished planes, and how it goes on reading;
+/// or why it refuses the file, where that is no mistake itself.
+pub(crate) fn read(
+    misreadings: &[&Misreading],
+    reading: Reading,
+    file: &[u8],
+) -> Result<(Ptm, Reading), Option<Error>> {
+    let reading = misread(misreadings, reading);
+    let mut seen = Cow::Borrowed(file);
+    for misreading in misreadings {
+        if let At::Bytes(edit) = misreading.at {
+            match edit(&Anatomy::of(&seen, &reading)) {
+                Seen::Refused => return Err(None),
+                Seen::File(bytes) => seen = Cow::Owned(bytes),
+            }
+        }
+    }
+    let ptm = decode_as(&seen, &reading, &Limits::default()).map_err(Some)?;
+    Ok((ptm, reading))
+}
+
+/// `reading` with these mistakes in its decisions.
+pub(crate) fn misread(misreadings: &[&Misreading], reading: Reading) -> Reading {
+    misreadings
+        .iter()
+        .fold(reading, |reading, misreading| misreading.at.change(reading))
+}
+
+/// How a decoder with these mistakes, which `reading` has in it, shows what it found in a file.
+pub(crate) fn show(
+    misreadings: &[&Misreading],
+    reading: &Reading,
+    ptm: &Ptm,
+    view: &View,
+) -> Answer {
+    let mut ptm = Cow::Borrowed(ptm);
+    for misreading in misreadings {
+        if let At::Planes(edit) = misreading.at {
+            edit(ptm.to_mut());
+        }
+    }
+    Answer::Decoded(Frame::under(&ptm, view, reading))
+}

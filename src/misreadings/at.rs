@@ -1,0 +1,152 @@
+//! The places where a mistake can act.
+
+use std::mem::discriminant;
+
+use super::anatomy::{Anatomy, Seen};
+use crate::error::Result;
+use crate::parts::{Block, Plan, PlaneStream, RawLists, Record};
+use crate::ptm::{ColorMatrix, Format, Header, Ptm, ScaleBias};
+use crate::reading::{
+    Finals, Predictor, ReadIndices, ReadRecords, Reading, Reconstruct, SideInformation,
+};
+
+/// The one place where a mistake acts, and what it does there.
+#[derive(Clone, Copy, Debug)]
+#[allow(missing_docs)] // a decision is documented at the function that `Reading::SPEC` names
+pub enum At {
+    /// The file as such a reader sees it.
+    Bytes(fn(&Anatomy) -> Seen),
+    /// What it makes of the result.
+    Planes(fn(&mut Ptm)),
+    // Decisions of `Reading`, each as it stands there. 1.0
+    Light(fn(f64, f64) -> (f64, f64)),
+    Polynomial(fn(&[f64], f64, f64) -> f64),
+    // 2.4
+    FinalCoefficient(fn(u8, usize, &ScaleBias) -> f64),
+    Finals(Finals),
+    // 2.6
+    /// What the matrix multiplies, of a reader who has Y first and of one who has Cr first (ruling `lum-vector`).
+    LumVector(fn(f64, f64, f64) -> [f64; 3], fn(f64, f64, f64) -> [f64; 3]),
+    LumMatrix(fn(&ColorMatrix) -> [[f64; 4]; 3]),
+    LumTranslation(fn(f64) -> f64),
+    // 2.7
+    Blocks(fn(Format) -> &'static [Block]),
+    StoredRow(fn(&Header, usize) -> usize),
+    Modulate(fn(f64, f64) -> f64),
+    Clamp(fn(f64) -> f64),
+    // 2.8
+    Indices(ReadIndices),
+    Index(fn(&[u8]) -> usize),
+    Entry(fn(usize, usize) -> Option<usize>),
+    // 2.9
+    Plan(fn(&RawLists) -> Result<Plan>),
+    Predictor(Predictor),
+    Invert(fn(&mut [u8])),
+    MotionHalf(fn([u8; 4]) -> u8),
+    /// In JPEG planes and in JPEG-LS planes alike.
+    Predict(fn(&mut [u8], &[u8])),
+    Reconstruct(Reconstruct),
+    Stream(fn(&PlaneStream) -> Result<Vec<u8>>),
+    SideInformation(SideInformation),
+    Records(ReadRecords),
+    Correct(fn(&mut [u8], &[Record])),
+}
+
+/// The stages of decoding, in their order. What goes wrong at one shows there and at the later ones.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Stage {
+    /// The bytes that are read.
+    File,
+    /// From bytes to planes.
+    Decoding,
+    /// The finished planes.
+    Planes,
+    /// Final coefficients.
+    Coefficients,
+    /// Colors under a light.
+    Color,
+}
+
+impl At {
+    /// `reading` with this mistake, where it is one in a decision.
+    pub(crate) fn change(self, reading: Reading) -> Reading {
+        let mut other = reading;
+        match self {
+            At::Bytes(_) | At::Planes(_) => {}
+            At::Light(light) => other.light = light,
+            At::Polynomial(polynomial) => other.polynomial = polynomial,
+            At::FinalCoefficient(coefficient) => other.final_coefficient = coefficient,
+            At::Finals(finals) => other.finals = finals,
+            At::LumVector(y_first, cr_first) => {
+                let [first, ..] = (reading.lum_vector)(1.0, 2.0, 3.0);
+                other.lum_vector = if first == 2.0 { cr_first } else { y_first };
+            }
+            At::LumMatrix(matrix) => other.lum_matrix = matrix,
+            At::LumTranslation(translation) => other.lum_translation = translation,
+            At::Blocks(blocks) => other.blocks = blocks,
+            At::StoredRow(row) => other.stored_row = row,
+            At::Modulate(modulate) => other.modulate = modulate,
+            At::Clamp(clamp) => other.clamp = clamp,
+            At::Indices(indices) => other.indices = indices,
+            At::Index(index) => other.index = index,
+            At::Entry(entry) => other.entry = entry,
+            At::Plan(plan) => other.plan = plan,
+            At::Predictor(predictor) => other.predictor = predictor,
+            At::Invert(invert) => other.invert = invert,
+            At::MotionHalf(half) => other.motion_half = half,
+            At::Predict(predict) => (other.predict, other.predict_jpeg_ls) = (predict, predict),
+            At::Reconstruct(reconstruct) => other.reconstruct = reconstruct,
+            At::Stream(stream) => other.stream = stream,
+            At::SideInformation(side) => other.side_information = side,
+            At::Records(records) => other.records = records,
+            At::Correct(correct) => other.correct = correct,
+        }
+        other
+    }
+
+    /// At which stage of decoding it acts.
+    #[must_use]
+    pub const fn stage(&self) -> Stage {
+        match self {
+            At::Bytes(_) => Stage::File,
+            At::Planes(_) => Stage::Planes,
+            At::FinalCoefficient(_) | At::Finals(_) => Stage::Coefficients,
+            At::Light(_)
+            | At::Polynomial(_)
+            | At::LumVector(..)
+            | At::LumMatrix(_)
+            | At::LumTranslation(_)
+            | At::Modulate(_)
+            | At::Clamp(_) => Stage::Color,
+            _ => Stage::Decoding,
+        }
+    }
+
+    /// Whether a file may be refused because of it; the others only make values.
+    #[must_use]
+    pub fn may_refuse(&self) -> bool {
+        let makes_values = matches!(
+            self,
+            At::StoredRow(_)
+                | At::Predictor(_)
+                | At::Invert(_)
+                | At::MotionHalf(_)
+                | At::Predict(_)
+                | At::SideInformation(_)
+                | At::Correct(_)
+        );
+        self.stage() <= Stage::Decoding && !makes_values
+    }
+
+    /// Whether both act at one place: on the bytes, on the result, or in the same decision.
+    #[must_use]
+    pub fn is_at(&self, other: &At) -> bool {
+        discriminant(self) == discriminant(other)
+    }
+
+    /// Whether it is a decision of [`Reading`], of which a decoder makes each in one way.
+    #[must_use]
+    pub const fn is_decision(&self) -> bool {
+        !matches!(self, At::Bytes(_) | At::Planes(_))
+    }
+}

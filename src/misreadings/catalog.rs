@@ -1,0 +1,43 @@
+//! All misreadings of the PTM suite.
+
+use std::sync::LazyLock;
+
+use super::misreading::{Misreading, catalog};
+use super::{
+    arithmetic, buffers, codecs, evaluation, header, layout, lists, lookup, luminance, motion,
+    places, prediction, side_information, transforms,
+};
+
+/// Read when the first misreading is asked for, once.
+static ALL: LazyLock<Vec<Misreading>> = LazyLock::new(|| {
+    let sections = [
+        header::ACTS,
+        buffers::ACTS,
+        arithmetic::ACTS,
+        lookup::ACTS,
+        luminance::ACTS,
+        layout::ACTS,
+        lists::ACTS,
+        transforms::ACTS,
+        motion::ACTS,
+        prediction::ACTS,
+        places::ACTS,
+        side_information::ACTS,
+        codecs::ACTS,
+        evaluation::ACTS,
+    ];
+    let yaml = include_str!("../../spec-cases/misreadings.yaml");
+    catalog(yaml, sections.into_iter().flatten())
+        .unwrap_or_else(|error| unreachable!("misreadings.yaml, which a test reads: {error}"))
+});
+
+/// All misreadings, section after section.
+pub fn all() -> impl Iterator<Item = &'static Misreading> {
+    ALL.iter()
+}
+
+/// The misreading of that name.
+#[must_use]
+pub fn named(slug: &str) -> Option<&'static Misreading> {
+    all().find(|misreading| misreading.slug == slug)
+}

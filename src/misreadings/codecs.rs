@@ -1,0 +1,440 @@
+//! §2.9.8: the streams of planes, and which way their rows run
+
+use super::at::At;
+use super::layout::{turned, turned_if};
+use crate::decode::planes;
+use crate::error::{Error, Kind, Result};
+use crate::parts::{Coded, PlaneStream};
+use crate::ptm::{Format, Size};
+use crate::reading::Reading;
+
+type Samples = Result<Vec<u8>>;
+
+pub(super) const ACTS: &[(&str, At)] = &[
+    // Rows
+    (
+        "compressed-rows-top-down",
+        At::StoredRow(|header, row| turned_if(header.format.is_compressed(), header, row)),
+    ),
+    (
+        "jpeg-rows-top-down",
+        At::StoredRow(|header, row| turned_if(header.format.is_jpeg(), header, row)),
+    ),
+    (
+        "jpeg-ls-rows-top-down",
+        At::StoredRow(|header, row| turned_if(header.format.is_jpeg_ls(), header, row)),
+    ),
+    (
+        "compressed-colors-top-down",
+        At::Planes(|ptm| {
+            if ptm.header.format.is_compressed() && ptm.header.format.channels() == 9 {
+                turned(ptm, 6..9);
+            }
+        }),
+    ),
+    (
+        "compressed-green-and-blue-top-down",
+        At::Planes(|ptm| {
+            if ptm.header.format.is_compressed() && ptm.header.format.channels() == 18 {
+                turned(ptm, 6..18);
+            }
+        }),
+    ),
+    // Samples
+    (
+        "jpeg-rows-padded-to-4",
+        At::Stream(|plane| sheared(planes::stream(plane), plane.format.is_jpeg(), plane.size, 4)),
+    ),
+    (
+        "jpeg-rows-padded-to-8",
+        At::Stream(|plane| sheared(planes::stream(plane), plane.format.is_jpeg(), plane.size, 8)),
+    ),
+    (
+        "compressed-columns-mirrored",
+        At::Stream(|plane| {
+            let mut samples = planes::stream(plane)?;
+            samples
+                .chunks_exact_mut(plane.size.width as usize)
+                .for_each(<[u8]>::reverse);
+            Ok(samples)
+        }),
+    ),
+    (
+        "jpeg-studio-range",
+        At::Stream(|plane| {
+            each(planes::stream(plane), plane.format.is_jpeg(), |value| {
+                ((i32::from(value) - 16) * 255 / 219).clamp(0, 255) as u8
+            })
+        }),
+    ),
+    (
+        "jpeg-studio-range-made",
+        At::Stream(|plane| {
+            each(planes::stream(plane), plane.format.is_jpeg(), |value| {
+                (u16::from(value) * 219 / 255 + 16) as u8
+            })
+        }),
+    ),
+    (
+        "jpeg-without-level-shift",
+        At::Stream(|plane| {
+            each(planes::stream(plane), plane.format.is_jpeg(), |value| {
+                value.saturating_sub(128)
+            })
+        }),
+    ),
+    (
+        "jpeg-gamma",
+        At::Stream(|plane| {
+            // A square root is near enough to what color management does, and the same everywhere.
+            each(planes::stream(plane), plane.format.is_jpeg(), |value| {
+                (u16::from(value) * 255).isqrt() as u8
+            })
+        }),
+    ),
+    (
+        "jpeg-low-bit-lost",
+        At::Stream(|plane| {
+            each(planes::stream(plane), plane.format.is_jpeg(), |value| {
+                value & 0xFE
+            })
+        }),
+    ),
+    // What streams may have
+    (
+        "restart-markers-refused",
+        At::Stream(|plane| refused_if(has(plane.bytes, 0xDD), plane)),
+    ),
+    (
+        "sof1-refused",
+        At::Stream(|plane| refused_if(has(plane.bytes, 0xC1), plane)),
+    ),
+    (
+        "tables-of-16-bits-refused",
+        At::Stream(|plane| {
+            let wide = segments(plane.bytes).any(|(code, segment)| {
+                code == 0xDB && segment.first().is_some_and(|&first| first >> 4 == 1)
+            });
+            refused_if(wide, plane)
+        }),
+    ),
+    (
+        "tables-of-16-bits-cut",
+        At::Stream(|plane| {
+            let cut = edited(plane.bytes, |code, segment| {
+                if let (0xDB, Some((16..=31, table))) = (
+                    code,
+                    segment
+                        .split_first_mut()
+                        .map(|(&mut first, table)| (first, table)),
+                ) {
+                    for entry in table.chunks_exact_mut(2) {
+                        // A divisor of 0 is no divisor; such a reader finds at least 1.
+                        entry[0] = 0;
+                        entry[1] = entry[1].max(1);
+                    }
+                }
+            });
+            planes::stream(&PlaneStream {
+                bytes: &cut,
+                ..*plane
+            })
+        }),
+    ),
+    (
+        "quantisation-table-in-rows",
+        At::Stream(|plane| {
+            let turned = edited(plane.bytes, |code, segment| {
+                if let (0xDB, [0..=15, table @ ..]) = (code, segment)
+                    && table.len() == 64
+                {
+                    // Entry k of the file is taken for the frequency at place k, which stands at another place of the file.
+                    let stored = table.to_vec();
+                    table
+                        .iter_mut()
+                        .zip(zigzag())
+                        .for_each(|(entry, place)| *entry = stored[place]);
+                }
+            });
+            planes::stream(&PlaneStream {
+                bytes: &turned,
+                ..*plane
+            })
+        }),
+    ),
+    (
+        "optimised-tables-refused",
+        At::Stream(|plane| {
+            // The tables of Annex K have 12 and 162 codes.
+            let codes = |segment: &[u8]| {
+                segment
+                    .get(1..17)
+                    .map_or(0, |counts| counts.iter().map(|&n| u32::from(n)).sum())
+            };
+            let own = segments(plane.bytes)
+                .any(|(code, segment)| code == 0xC4 && ![12, 162, 174].contains(&codes(segment)));
+            refused_if(own, plane)
+        }),
+    ),
+    (
+        "sampling-factors-refused",
+        At::Stream(|plane| {
+            let factors = segments(plane.bytes).any(|(code, segment)| {
+                matches!(code, 0xC0 | 0xC1) && segment.get(7).is_some_and(|&f| f != 0x11)
+            });
+            refused_if(factors, plane)
+        }),
+    ),
+    (
+        "jfif-required",
+        At::Stream(|plane| refused_if(plane.format.is_jpeg() && !has(plane.bytes, 0xE0), plane)),
+    ),
+    (
+        "one-row-refused",
+        At::Stream(|plane| {
+            refused_if(
+                plane.format.is_jpeg() && (plane.size.width < 8 || plane.size.height < 8),
+                plane,
+            )
+        }),
+    ),
+    // JPEG-LS parameters
+    (
+        "near-ignored",
+        At::Stream(|plane| {
+            let lossless = edited(plane.bytes, |code, segment| {
+                if let (0xDA, [1, _, _, near, ..], true) =
+                    (code, segment, plane.format.is_jpeg_ls())
+                {
+                    *near = 0;
+                }
+            });
+            planes::stream(&PlaneStream {
+                bytes: &lossless,
+                ..*plane
+            })
+        }),
+    ),
+    (
+        "presets-ignored",
+        At::Stream(|plane| with_presets(plane, |segment| segment[1..11].fill(0))),
+    ),
+    (
+        "thresholds-ignored",
+        At::Stream(|plane| with_presets(plane, |segment| segment[3..9].fill(0))),
+    ),
+    (
+        "reset-ignored",
+        At::Stream(|plane| with_presets(plane, |segment| segment[9..11].fill(0))),
+    ),
+    (
+        "presets-kept",
+        At::Reconstruct(|coded, _, reading| keeping(coded, reading, 0xF8)),
+    ),
+    (
+        "restart-interval-kept",
+        At::Reconstruct(|coded, _, reading| keeping(coded, reading, 0xDD)),
+    ),
+    (
+        "presets-refused",
+        At::Stream(|plane| refused_if(has(plane.bytes, 0xF8), plane)),
+    ),
+    // What streams must not be
+    (
+        "plane-size-unchecked",
+        At::Stream(|plane| {
+            let found = segments(plane.bytes)
+                .find(|&(code, _)| matches!(code, 0xC0 | 0xC1 | 0xF7))
+                .map(|(_, segment)| segment);
+            let Some([_, h1, h0, w1, w0, ..]) = found else {
+                return planes::stream(plane);
+            };
+            let own = Size {
+                width: u16::from_be_bytes([*w1, *w0]).into(),
+                height: u16::from_be_bytes([*h1, *h0]).into(),
+            };
+            if own.texels() > 1 << 24 {
+                return planes::stream(plane);
+            }
+            let samples = planes::stream(&PlaneStream {
+                size: own,
+                ..*plane
+            })?;
+            let mut placed = vec![0; plane.size.texels()];
+            for (to, from) in placed
+                .chunks_exact_mut(plane.size.width as usize)
+                .zip(samples.chunks_exact((own.width as usize).max(1)))
+            {
+                to.iter_mut().zip(from).for_each(|(to, &from)| *to = from);
+            }
+            Ok(placed)
+        }),
+    ),
+    (
+        "empty-stream-is-a-blank-plane",
+        At::Stream(|plane| {
+            if plane.bytes.is_empty() {
+                Ok(vec![0; plane.size.texels()])
+            } else {
+                planes::stream(plane)
+            }
+        }),
+    ),
+    (
+        "codec-from-the-stream",
+        At::Stream(|plane| {
+            let found = if has(plane.bytes, 0xF7) {
+                Format::JpeglsLrgb
+            } else {
+                Format::JpegLrgb
+            };
+            planes::stream(&PlaneStream {
+                format: if plane.bytes.is_empty() {
+                    plane.format
+                } else {
+                    found
+                },
+                ..*plane
+            })
+        }),
+    ),
+    (
+        "broken-plane-is-blank",
+        At::Stream(|plane| {
+            Ok(planes::stream(plane).unwrap_or_else(|_| vec![0; plane.size.texels()]))
+        }),
+    ),
+];
+
+/// All planes, where those without a segment of this marker have that of the plane before.
+fn keeping(coded: &Coded, reading: &Reading, marker: u8) -> Result<Vec<Vec<u8>>> {
+    let mut payload = Vec::new();
+    let mut plan = coded.plan.clone();
+    let mut known: Vec<u8> = Vec::new();
+    for extent in &mut plan.extents {
+        let mut stream = coded.payload[extent.stream.clone()].to_vec();
+        // With its marker and length, four bytes.
+        let own = places(&stream)
+            .into_iter()
+            .find(|&(code, _)| code == marker)
+            .map(|(_, segment)| stream[segment.start - 4..segment.end].to_vec());
+        match own {
+            Some(own) => known = own,
+            None if stream.len() > 2 => {
+                stream.splice(2..2, known.iter().copied());
+            }
+            None => {}
+        }
+        let start = payload.len();
+        payload.extend_from_slice(&stream);
+        let middle = payload.len();
+        payload.extend_from_slice(&coded.payload[extent.side.clone()]);
+        extent.stream = start..middle;
+        extent.side = middle..payload.len();
+    }
+    let kept = Coded {
+        plan: &plan,
+        payload: &payload,
+        ..*coded
+    };
+    planes::reconstruct(&kept, planes::residuals(&kept, reading)?, reading)
+}
+
+/// Other samples, where they are `concerned`.
+fn each(samples: Samples, concerned: bool, change: fn(u8) -> u8) -> Samples {
+    let mut samples = samples?;
+    if concerned {
+        for value in &mut samples {
+            *value = change(*value);
+        }
+    }
+    Ok(samples)
+}
+
+/// The first samples of a buffer in which rows are filled up to a multiple of `unit`, taken for the plane.
+fn sheared(samples: Samples, concerned: bool, size: Size, unit: usize) -> Samples {
+    let samples = samples?;
+    if !concerned {
+        return Ok(samples);
+    }
+    let width = size.width as usize;
+    let padded = width.next_multiple_of(unit);
+    let at = |i: usize| samples[i / padded * width + (i % padded).min(width - 1)];
+    Ok((0..samples.len()).map(at).collect())
+}
+
+fn refused_if(refused: bool, plane: &PlaneStream) -> Samples {
+    if refused {
+        let kind = Kind::Stream {
+            plane: plane.plane,
+            unsupported: false,
+            what: "such streams are not read".to_owned(),
+        };
+        return Err(Error::new("2.9.8/3", plane.at, kind));
+    }
+    planes::stream(plane)
+}
+
+/// The markers of a stream up to its scan and what their segments hold after their length.
+fn segments(bytes: &[u8]) -> impl Iterator<Item = (u8, &[u8])> {
+    places(bytes)
+        .into_iter()
+        .map(|(code, range)| (code, &bytes[range]))
+}
+
+fn has(bytes: &[u8], marker: u8) -> bool {
+    segments(bytes).any(|(code, _)| code == marker)
+}
+
+fn places(bytes: &[u8]) -> Vec<(u8, std::ops::Range<usize>)> {
+    let mut found = Vec::new();
+    let mut at = 2;
+    while let Some(&[0xFF, code, high, low]) = bytes.get(at..at + 4) {
+        let end = at + 2 + usize::from(u16::from_be_bytes([high, low]));
+        if end < at + 4 || end > bytes.len() {
+            break;
+        }
+        found.push((code, at + 4..end));
+        at = end;
+        if code == 0xDA {
+            break;
+        }
+    }
+    found
+}
+
+/// The stream with other segments.
+fn edited(bytes: &[u8], edit: impl Fn(u8, &mut [u8])) -> Vec<u8> {
+    let mut stream = bytes.to_vec();
+    for (code, range) in places(bytes) {
+        edit(code, &mut stream[range]);
+    }
+    stream
+}
+
+/// The stream with other preset parameters; 0 is the default of each.
+fn with_presets(plane: &PlaneStream, edit: fn(&mut [u8])) -> Samples {
+    let changed = edited(plane.bytes, |code, segment| {
+        if code == 0xF8 && segment.len() == 11 && segment[0] == 1 {
+            edit(segment);
+        }
+    });
+    planes::stream(&PlaneStream {
+        bytes: &changed,
+        ..*plane
+    })
+}
+
+/// For each place in rows, which entry in zigzag order it has; and, entry by entry, the inverse.
+fn zigzag() -> [usize; 64] {
+    let mut order: Vec<usize> = (0..64).collect();
+    // Diagonal after diagonal; up the even ones, down the odd ones.
+    order.sort_by_key(|&place| {
+        let (row, column) = (place / 8, place % 8);
+        let diagonal = row + column;
+        (diagonal, if diagonal % 2 == 0 { column } else { row })
+    });
+    let mut places = [0; 64];
+    places.copy_from_slice(&order);
+    places
+}

@@ -1,0 +1,409 @@
+//! §2.7 Uncompressed Per Texel Data: how texels lie in the file
+
+use std::ops::Range;
+
+use super::anatomy::Seen;
+use super::at::At;
+use crate::decode::{decode, texels};
+use crate::parts::Block;
+use crate::ptm::{Format, Header, Ptm};
+
+pub(super) const ACTS: &[(&str, At)] = &[
+    ("rows-top-down", At::StoredRow(|_, row| row)),
+    (
+        "rgb-rows-top-down",
+        At::StoredRow(|header, row| turned_if(header.format == Format::Rgb, header, row)),
+    ),
+    (
+        "lrgb-rows-top-down",
+        At::StoredRow(|header, row| turned_if(header.format == Format::Lrgb, header, row)),
+    ),
+    (
+        "lrgb-colors-top-down",
+        At::Planes(|ptm| {
+            if ptm.header.format == Format::Lrgb {
+                turned(ptm, 6..9);
+            }
+        }),
+    ),
+    (
+        "lrgb-coefficients-top-down",
+        At::Planes(|ptm| {
+            if ptm.header.format == Format::Lrgb {
+                turned(ptm, 0..6);
+            }
+        }),
+    ),
+    (
+        "rgb-only-red-turned",
+        At::Planes(|ptm| {
+            if ptm.header.format == Format::Rgb {
+                turned(ptm, 6..18);
+            }
+        }),
+    ),
+    (
+        "payload-reversed",
+        At::Bytes(|file| {
+            let turned = file.file[file.payload()..].iter().rev();
+            Seen::File(file.header().iter().chain(turned).copied().collect())
+        }),
+    ),
+    (
+        "lrgb-nine-interleaved",
+        At::Blocks(|format| blocks(format, Format::Lrgb, const { &[run(0, 9)] })),
+    ),
+    (
+        "lrgb-nine-planes",
+        At::Blocks(|format| blocks(format, Format::Lrgb, &PLANES[..9])),
+    ),
+    (
+        "lrgb-coefficients-in-planes",
+        At::Blocks(|format| {
+            blocks(
+                format,
+                Format::Lrgb,
+                const { &[one(0), one(1), one(2), one(3), one(4), one(5), run(6, 3)] },
+            )
+        }),
+    ),
+    (
+        "lrgb-colors-in-planes",
+        At::Blocks(|format| {
+            blocks(
+                format,
+                Format::Lrgb,
+                const { &[run(0, 6), one(6), one(7), one(8)] },
+            )
+        }),
+    ),
+    (
+        "color-block-first",
+        At::Blocks(|format| blocks(format, Format::Lrgb, const { &[run(6, 3), run(0, 6)] })),
+    ),
+    (
+        "rgb-eighteen-interleaved",
+        At::Blocks(|format| blocks(format, Format::Rgb, const { &[run(0, 18)] })),
+    ),
+    (
+        "rgb-eighteen-planes",
+        At::Blocks(|format| blocks(format, Format::Rgb, &PLANES[..18])),
+    ),
+    (
+        "rgb-blocks-bgr",
+        At::Blocks(|format| {
+            blocks(
+                format,
+                Format::Rgb,
+                const { &[run(12, 6), run(6, 6), run(0, 6)] },
+            )
+        }),
+    ),
+    (
+        "rgb-green-and-blue-exchanged",
+        At::Blocks(|format| {
+            blocks(
+                format,
+                Format::Rgb,
+                const { &[run(0, 6), run(12, 6), run(6, 6)] },
+            )
+        }),
+    ),
+    (
+        "rgb-as-lrgb",
+        At::Bytes(|file| {
+            file.respelled(|clause, text| {
+                (clause == "2.2/1" && text == "PTM_FORMAT_RGB")
+                    .then(|| "PTM_FORMAT_LRGB".to_owned())
+            })
+        }),
+    ),
+    (
+        "rgb-coefficients-by-color",
+        At::Planes(|ptm| {
+            if ptm.header.format == Format::Rgb {
+                each(ptm, |texel| {
+                    let stored = texel.to_vec();
+                    for (i, value) in texel.iter_mut().enumerate() {
+                        *value = stored[i % 6 * 3 + i / 6];
+                    }
+                });
+            }
+        }),
+    ),
+    (
+        "color-block-bgr",
+        At::Planes(|ptm| {
+            if ptm.header.format == Format::Lrgb {
+                each(ptm, |texel| texel.swap(6, 8));
+            }
+        }),
+    ),
+    (
+        "coefficients-reversed",
+        At::Planes(|ptm| {
+            each(ptm, |texel| {
+                let polynomials = if texel.len() == 18 { 18 } else { 6 };
+                texel[..polynomials]
+                    .chunks_exact_mut(6)
+                    .for_each(<[u8]>::reverse);
+            });
+        }),
+    ),
+    (
+        "a0-last",
+        At::Planes(|ptm| {
+            each(ptm, |texel| {
+                let polynomials = if texel.len() == 18 { 18 } else { 6 };
+                texel[..polynomials]
+                    .chunks_exact_mut(6)
+                    .for_each(|a| a.rotate_right(1));
+            });
+        }),
+    ),
+    (
+        "mirrored",
+        At::Planes(|ptm| {
+            let (row, channels) = row_and_channels(ptm);
+            let turned = ptm
+                .planes
+                .samples
+                .chunks_exact(row)
+                .flat_map(|row| row.rchunks_exact(channels).flatten())
+                .copied();
+            ptm.planes.samples = turned.collect();
+        }),
+    ),
+    (
+        "columns-first",
+        At::Planes(|ptm| {
+            let (width, height) = (
+                ptm.planes.size.width as usize,
+                ptm.planes.size.height as usize,
+            );
+            let channels = ptm.planes.shape.channels();
+            // Back to stored order, then down the columns from the bottom.
+            let row = width * channels;
+            let stored: Vec<u8> = ptm
+                .planes
+                .samples
+                .rchunks_exact(row)
+                .flatten()
+                .copied()
+                .collect();
+            let texel = |i: usize| {
+                let (x, y) = (i % width, height - 1 - i / width);
+                &stored[(x * height + y) * channels..][..channels]
+            };
+            ptm.planes.samples = (0..width * height).flat_map(texel).copied().collect();
+        }),
+    ),
+    (
+        "last-row-lost",
+        At::Planes(|ptm| {
+            let (row, _) = row_and_channels(ptm);
+            ptm.planes.samples[..row].fill(0);
+        }),
+    ),
+    (
+        "first-row-lost",
+        At::Planes(|ptm| {
+            let (row, _) = row_and_channels(ptm);
+            let start = ptm.planes.samples.len() - row;
+            ptm.planes.samples[start..].fill(0);
+        }),
+    ),
+    (
+        "last-column-lost",
+        At::Planes(|ptm| {
+            let (row, channels) = row_and_channels(ptm);
+            ptm.planes.samples.chunks_exact_mut(row).for_each(|row| {
+                row.iter_mut()
+                    .rev()
+                    .take(channels)
+                    .for_each(|value| *value = 0);
+            });
+        }),
+    ),
+    (
+        "rows-rotated-by-one",
+        At::Planes(|ptm| {
+            let (row, _) = row_and_channels(ptm);
+            ptm.planes.samples.rotate_right(row);
+        }),
+    ),
+    (
+        "texels-counted-in-16-bits",
+        At::Planes(|ptm| {
+            let channels = ptm.planes.shape.channels();
+            let (width, height) = (
+                ptm.planes.size.width as usize,
+                ptm.planes.size.height as usize,
+            );
+            for (i, texel) in ptm.planes.samples.chunks_exact_mut(channels).enumerate() {
+                let stored = (height - 1 - i / width) * width + i % width;
+                if stored >= 65_536 {
+                    texel.fill(0);
+                }
+            }
+        }),
+    ),
+    (
+        "columns-counted-in-8-bits",
+        At::Planes(|ptm| {
+            let (row, channels) = row_and_channels(ptm);
+            for row in ptm.planes.samples.chunks_exact_mut(row) {
+                row.iter_mut()
+                    .skip(256 * channels)
+                    .for_each(|value| *value = 0);
+            }
+        }),
+    ),
+    (
+        "rows-counted-in-8-bits",
+        At::Planes(|ptm| {
+            let (row, _) = row_and_channels(ptm);
+            let lost = (ptm.planes.size.height as usize).saturating_sub(256) * row;
+            ptm.planes.samples[..lost].fill(0);
+        }),
+    ),
+    (
+        "square-only",
+        At::Planes(|ptm| {
+            let (width, height) = (
+                ptm.planes.size.width as usize,
+                ptm.planes.size.height as usize,
+            );
+            if height > width {
+                let channels = ptm.planes.shape.channels();
+                let length = ptm.planes.samples.len();
+                let shifted: Vec<u8> = (0..length)
+                    .map(|i| {
+                        ptm.planes.samples[(i / (width * channels) * height * channels
+                            + i % (width * channels))
+                            % length]
+                    })
+                    .collect();
+                ptm.planes.samples = shifted;
+            }
+        }),
+    ),
+    (
+        "height-before-width",
+        At::Bytes(
+            |file| match (file.field("2.3/1", 0), file.field("2.3/1", 1)) {
+                (Some(width), Some(height)) => Seen::File(
+                    [
+                        &file.file[..width.range.start],
+                        &file.file[height.range.clone()],
+                        &file.file[width.range.end..height.range.start],
+                        &file.file[width.range.clone()],
+                        &file.file[height.range.end..],
+                    ]
+                    .concat(),
+                ),
+                _ => file.unchanged(),
+            },
+        ),
+    ),
+    (
+        "blocks-separated",
+        At::Bytes(|file| {
+            let format = file.texts(&["2.2/1"]);
+            let (Ok(ptm), ["PTM_FORMAT_RGB" | "PTM_FORMAT_LRGB"]) =
+                (decode(file.file), &format[..])
+            else {
+                return file.unchanged();
+            };
+            // The blocks that follow the first one start a byte later each.
+            let first = file.payload() + ptm.header.size.texels() * 6;
+            let second = first + ptm.header.size.texels() * 6 + 1;
+            let mut bytes = file.file.to_vec();
+            for separator in [second, first] {
+                let stands = separator == first || ptm.header.format == Format::Rgb;
+                if stands && separator < bytes.len() {
+                    bytes.remove(separator);
+                }
+            }
+            Seen::File(bytes)
+        }),
+    ),
+    (
+        "trailing-bytes-are-the-end",
+        At::Bytes(|file| {
+            let end = file.fields.iter().map(|field| field.range.end).max();
+            let extra = match (end, decode(file.file)) {
+                (Some(end), Ok(_)) => file.file.len() - end,
+                _ => 0,
+            };
+            match file.file.get(file.payload() + extra..) {
+                Some(payload) => Seen::File([file.header(), payload].concat()),
+                None => file.unchanged(),
+            }
+        }),
+    ),
+];
+
+/// The stored row of a reader who takes the first one for the top, in some files.
+pub(super) fn turned_if(top_down: bool, header: &Header, row: usize) -> usize {
+    if top_down {
+        row
+    } else {
+        texels::bottom_row_first(header, row)
+    }
+}
+
+/// Some channels upside down.
+pub(super) fn turned(ptm: &mut Ptm, channels: Range<usize>) {
+    let (row, texel) = row_and_channels(ptm);
+    let upright = ptm.planes.samples.clone();
+    let rows = ptm.planes.samples.chunks_exact_mut(row);
+    for (to, from) in rows.zip(upright.rchunks_exact(row)) {
+        let texels = to.chunks_exact_mut(texel).zip(from.chunks_exact(texel));
+        texels.for_each(|(to, from)| to[channels.clone()].copy_from_slice(&from[channels.clone()]));
+    }
+}
+
+/// The blocks of a format, for a reader who is mistaken in those of one format.
+pub(super) fn blocks(format: Format, of: Format, mistaken: &'static [Block]) -> &'static [Block] {
+    if format == of {
+        mistaken
+    } else {
+        texels::blocks(format)
+    }
+}
+
+/// A block for each channel.
+pub(super) static PLANES: [Block; 18] = {
+    let mut planes = [one(0); 18];
+    let mut channel = 0;
+    while channel < 18 {
+        planes[channel] = one(channel);
+        channel += 1;
+    }
+    planes
+};
+
+/// A block of one channel.
+pub(super) const fn one(channel: usize) -> Block {
+    run(channel, 1)
+}
+
+pub(super) const fn run(channel: usize, channels: usize) -> Block {
+    Block { channel, channels }
+}
+
+/// Changes the channels of every texel.
+pub(super) fn each(ptm: &mut Ptm, change: fn(&mut [u8])) {
+    let channels = ptm.planes.shape.channels();
+    ptm.planes
+        .samples
+        .chunks_exact_mut(channels)
+        .for_each(change);
+}
+
+/// Bytes of a row, bytes of a texel.
+fn row_and_channels(ptm: &Ptm) -> (usize, usize) {
+    let channels = ptm.planes.shape.channels();
+    (ptm.planes.size.width as usize * channels, channels)
+}

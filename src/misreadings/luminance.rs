@@ -1,0 +1,193 @@
+//! §2.6 Color Matrix and §2.7.2 `PTM_FORMAT_LUM`
+
+use super::anatomy::Seen;
+use super::at::At;
+use super::layout::{PLANES, blocks, one, run, turned_if};
+use crate::ptm::{Format, Shape};
+
+pub(super) const ACTS: &[(&str, At)] = &[
+    (
+        "matrix-not-read",
+        At::Bytes(|file| {
+            let Some(start) = file.field("2.6/2", 0).map(|field| field.range.start) else {
+                return file.unchanged();
+            };
+            let matrix = &file.file[start..file.payload()];
+            Seen::File([file.header(), matrix, &file.file[file.payload()..]].concat())
+        }),
+    ),
+    (
+        "matrix-exponent-refused",
+        At::Bytes(|file| {
+            file.refused_if(
+                file.texts(&["2.6/2"])
+                    .iter()
+                    .any(|text| text.contains(['e', 'E'])),
+            )
+        }),
+    ),
+    (
+        "matrix-fifteen-elements",
+        At::Bytes(|file| {
+            let Some(start) = file.field("2.6/2", 0).map(|field| field.range.start) else {
+                return file.unchanged();
+            };
+            let line = file.file[start..]
+                .split(|&byte| byte == b'\n')
+                .next()
+                .unwrap_or_default();
+            match line.split(|&byte| byte == b' ').count() {
+                15 => Seen::File(
+                    [
+                        &file.file[..start + line.len()],
+                        b" 0",
+                        &file.file[start + line.len()..],
+                    ]
+                    .concat(),
+                ),
+                _ => file.unchanged(),
+            }
+        }),
+    ),
+    (
+        "matrix-numbers-cut",
+        At::LumMatrix(|m| {
+            crate::decode::color_matrix::columns_first(m).map(|row| row.map(f64::trunc))
+        }),
+    ),
+    (
+        "matrix-transposed-but-translation",
+        At::LumMatrix(|m| {
+            [0, 1, 2].map(|row| {
+                [
+                    m.0[4 * row],
+                    m.0[4 * row + 1],
+                    m.0[4 * row + 2],
+                    m.0[12 + row],
+                ]
+            })
+        }),
+    ),
+    (
+        "matrix-ignored",
+        At::LumMatrix(|_| {
+            [
+                [1.0, 0.0, 0.0, 0.0],
+                [0.0, 1.0, 0.0, 0.0],
+                [0.0, 0.0, 1.0, 0.0],
+            ]
+        }),
+    ),
+    (
+        "matrix-of-jfif",
+        At::LumMatrix(|_| {
+            [
+                [1.0, 1.402, 0.0, -179.456],
+                [1.0, -0.714_136, -0.344_136, 135.459],
+                [1.0, 0.0, 1.772, -226.816],
+            ]
+        }),
+    ),
+    (
+        "colors-of-jfif-first",
+        At::LumVector(colors_of_jfif, colors_of_jfif),
+    ),
+    (
+        "chroma-removed",
+        At::LumMatrix(|_| [[1.0, 0.0, 0.0, 0.0]; 3]),
+    ),
+    (
+        "matrix-rows-as-blue-green-red",
+        At::LumMatrix(|m| {
+            let [red, green, blue] = crate::decode::color_matrix::columns_first(m);
+            [blue, green, red]
+        }),
+    ),
+    ("translation-ignored", At::LumTranslation(|_| 0.0)),
+    ("translation-subtracted", At::LumTranslation(|t| -t)),
+    (
+        "chroma-centered",
+        At::LumVector(
+            |y, cr, cb| [y, cr - 128.0, cb - 128.0],
+            |y, cr, cb| [cr - 128.0, y, cb - 128.0],
+        ),
+    ),
+    (
+        "chroma-signed",
+        At::LumVector(
+            |y, cr, cb| [y, signed(cr), signed(cb)],
+            |y, cr, cb| [signed(cr), y, signed(cb)],
+        ),
+    ),
+    (
+        "chroma-swapped-in-the-vector",
+        At::LumVector(|y, cr, cb| [y, cb, cr], |y, cr, cb| [cb, y, cr]),
+    ),
+    (
+        "luminance-clamped",
+        At::LumVector(
+            |y, cr, cb| [y.clamp(0.0, 255.0), cr, cb],
+            |y, cr, cb| [cr, y.clamp(0.0, 255.0), cb],
+        ),
+    ),
+    (
+        "luminance-in-a-byte",
+        At::LumVector(
+            |y, cr, cb| [f64::from(y as i64 as u8), cr, cb],
+            |y, cr, cb| [cr, f64::from(y as i64 as u8), cb],
+        ),
+    ),
+    (
+        "cb-before-cr",
+        At::Planes(|ptm| {
+            if let Shape::Lum(_) = ptm.planes.shape {
+                ptm.planes
+                    .samples
+                    .chunks_exact_mut(8)
+                    .for_each(|texel| texel.swap(6, 7));
+            }
+        }),
+    ),
+    (
+        "chroma-before-coefficients",
+        At::Planes(|ptm| {
+            if let Shape::Lum(_) = ptm.planes.shape {
+                ptm.planes
+                    .samples
+                    .chunks_exact_mut(8)
+                    .for_each(|texel| texel.rotate_left(2));
+            }
+        }),
+    ),
+    (
+        "lum-planar",
+        At::Blocks(|format| blocks(format, Format::Lum, &PLANES[..8])),
+    ),
+    (
+        "lum-two-blocks",
+        At::Blocks(|format| blocks(format, Format::Lum, const { &[run(0, 6), run(6, 2)] })),
+    ),
+    (
+        "lum-chroma-in-planes",
+        At::Blocks(|format| blocks(format, Format::Lum, const { &[run(0, 6), one(6), one(7)] })),
+    ),
+    (
+        "lum-rows-top-down",
+        At::StoredRow(|header, row| turned_if(header.format == Format::Lum, header, row)),
+    ),
+];
+
+/// Red, green and blue with the constants of JFIF.
+fn colors_of_jfif(y: f64, cr: f64, cb: f64) -> [f64; 3] {
+    let (cr, cb) = (cr - 128.0, cb - 128.0);
+    [
+        y + 1.402 * cr,
+        y - 0.714_136 * cr - 0.344_136 * cb,
+        y + 1.772 * cb,
+    ]
+}
+
+/// The byte of this value, read as a signed one.
+fn signed(value: f64) -> f64 {
+    f64::from(value as u8 as i8)
+}

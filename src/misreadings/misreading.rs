@@ -1,0 +1,157 @@
+//! What is said of a mistake, beside the place where it acts.
+
+use std::fmt;
+
+use serde::Deserialize;
+
+use super::at::At;
+use crate::kit::yaml;
+
+/// One mistake: a record of `misreadings.yaml` and the place in the program where it acts. The PTM suite and the texture
+/// suite have the same record and differ in the kind of place.
+#[derive(Clone, Debug)]
+pub struct Misreading<A = At> {
+    /// A permanent name.
+    pub slug: &'static str,
+    /// The clause it misreads.
+    pub clause: &'static str,
+    /// What a decoder with this mistake does, as a sentence without its subject: "reads …".
+    pub effect: &'static str,
+    /// What to do about it, as a sentence without its full stop.
+    pub fix: &'static str,
+    /// How it shows.
+    pub shows: Symptom,
+    /// Public readers that make it.
+    pub seen: Vec<Sighting>,
+    /// Where it acts.
+    pub at: A,
+}
+
+/// How a mistake shows in the answers of a decoder.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Symptom {
+    /// Legal files are refused, and that is all.
+    Refusals,
+    /// Wrong values in at least some files, or files accepted that should be refused.
+    #[default]
+    Values,
+}
+
+/// A public reader that makes a mistake.
+#[derive(Clone, Debug, PartialEq, Eq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Sighting {
+    /// Its name, or its owner and name where it is a repository.
+    pub reader: String,
+    /// The version that was looked at, where it is known.
+    pub version: Option<String>,
+}
+
+impl fmt::Display for Sighting {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match &self.version {
+            Some(version) => write!(f, "{} at {version}", self.reader),
+            None => f.write_str(&self.reader),
+        }
+    }
+}
+
+/// A misreading as the YAML has it.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Record {
+    slug: String,
+    clause: String,
+    effect: String,
+    fix: String,
+    #[serde(default)]
+    shows: Symptom,
+    #[serde(default)]
+    seen: Vec<Sighting>,
+}
+
+/// Joins the records of a YAML file with the places where they act. Both name the same slugs in the same order.
+///
+/// The texts live as long as the program; a catalog is made once.
+///
+/// # Errors
+/// A sentence that names the line at fault.
+pub(crate) fn catalog<A: Copy + 'static>(
+    yaml: &str,
+    acts: impl Iterator<Item = &'static (&'static str, A)>,
+) -> Result<Vec<Misreading<A>>, String> {
+    let mut records = yaml::records::<Record>(yaml)?.into_iter();
+    let join = |&(slug, at): &(&'static str, A)| match records.next() {
+        Some((_, record)) if record.slug == slug => Ok(Misreading {
+            slug,
+            clause: record.clause.leak(),
+            effect: record.effect.leak(),
+            fix: record.fix.leak(),
+            shows: record.shows,
+            seen: record.seen,
+            at,
+        }),
+        Some((line, record)) => Err(format!(
+            "line {line}: expected {slug}, found {}",
+            record.slug
+        )),
+        None => Err(format!("expected {slug}, found the end of the file")),
+    };
+    let all = acts.map(join).collect::<Result<_, _>>()?;
+    match records.next() {
+        Some((line, record)) => Err(format!("line {line}: {} acts nowhere", record.slug)),
+        None => Ok(all),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const ACTS: &[(&str, u8)] = &[("one", 1), ("two", 2)];
+
+    fn record(slug: &str) -> String {
+        format!("- {{ slug: {slug}, clause: 2.1/1, effect: errs, fix: do not }}\n")
+    }
+
+    #[track_caller]
+    fn rejects(yaml: &str, why: &str) {
+        let error = catalog(yaml, ACTS.iter()).expect_err("the catalog is refused");
+        assert!(error.contains(why), "{error}");
+    }
+
+    #[test]
+    fn a_record_and_its_place_become_one_misreading() {
+        let yaml = record("one")
+            + "- slug: two\n  clause: 2.2/1\n  effect: errs\n  fix: do not\n  shows: refusals\n  seen: [{ reader: someone }]\n";
+        let all = catalog(&yaml, ACTS.iter()).unwrap();
+        assert_eq!(
+            (all[0].slug, all[0].at, all[0].shows),
+            ("one", 1, Symptom::Values)
+        );
+        assert_eq!(
+            (all[1].clause, all[1].at, all[1].shows),
+            ("2.2/1", 2, Symptom::Refusals)
+        );
+        assert_eq!(all[1].seen[0].reader, "someone");
+    }
+
+    #[test]
+    fn an_unknown_key_is_an_error_with_its_line() {
+        rejects(&(record("one") + "- slug: two\n  cause: 2.2/1\n"), "line 3");
+    }
+
+    #[test]
+    fn slugs_that_differ_are_errors() {
+        rejects(&record("one"), "expected two, found the end of the file");
+        rejects(
+            &(record("two") + &record("one")),
+            "line 1: expected one, found two",
+        );
+        rejects(
+            &(record("one") + &record("two") + &record("three")),
+            "line 3: three acts nowhere",
+        );
+    }
+}

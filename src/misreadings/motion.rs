@@ -1,0 +1,354 @@
+//! §2.9.3: motion vectors
+
+#![allow(
+    clippy::cast_possible_wrap,
+    reason = "planes are 18 at most, and texels fewer than a limit allows"
+)]
+
+use std::borrow::Cow;
+
+use super::at::At;
+use super::transforms::changed;
+use crate::decode::{compressed, predict as rule};
+use crate::error::Result;
+use crate::parts::{Number, Plan, RawLists, Step};
+use crate::ptm::Size;
+use crate::reading::Reading;
+
+pub(super) const ACTS: &[(&str, At)] = &[
+    (
+        "vectors-interleaved",
+        At::Plan(|lists| {
+            displacing(lists, |motion, i, _| {
+                (motion[2 * i].value, motion[2 * i + 1].value)
+            })
+        }),
+    ),
+    (
+        "vectors-y-first",
+        At::Plan(|lists| displacing(lists, |_, _, (x, y)| (y, x))),
+    ),
+    (
+        "vectors-one-plane-late",
+        At::Plan(|lists| {
+            displacing(lists, |motion, i, _| {
+                let before = i.saturating_sub(1);
+                (
+                    motion[before].value,
+                    motion[motion.len() / 2 + before].value,
+                )
+            })
+        }),
+    ),
+    (
+        "motion-x-only",
+        At::Plan(|lists| displacing(lists, |_, _, (x, _)| (x, 0))),
+    ),
+    (
+        "motion-y-only",
+        At::Plan(|lists| displacing(lists, |_, _, (_, y)| (0, y))),
+    ),
+    (
+        "motion-whole-texels",
+        At::Plan(|lists| displacing(lists, |_, _, (x, y)| (2 * x, 2 * y))),
+    ),
+    (
+        "motion-quarter-texels",
+        At::Plan(|lists| displacing(lists, |_, _, (x, y)| (x / 2, y / 2))),
+    ),
+    (
+        "motion-halves-cut",
+        At::Plan(|lists| displacing(lists, |_, _, (x, y)| (x / 2 * 2, y / 2 * 2))),
+    ),
+    (
+        "motion-halves-floored",
+        At::Plan(|lists| displacing(lists, |_, _, (x, y)| (x >> 1 << 1, y >> 1 << 1))),
+    ),
+    (
+        "motion-halves-away",
+        At::Plan(|lists| displacing(lists, |_, _, (x, y)| (x + x % 2, y + y % 2))),
+    ),
+    (
+        "motion-sign-lost",
+        At::Plan(|lists| displacing(lists, |_, _, (x, y)| (x.abs(), y.abs()))),
+    ),
+    (
+        "vectors-in-a-byte",
+        At::Plan(|lists| {
+            displacing(lists, |_, _, (x, y)| {
+                (i64::from(x as u8), i64::from(y as u8))
+            })
+        }),
+    ),
+    (
+        "vectors-in-a-signed-byte",
+        At::Plan(|lists| {
+            displacing(lists, |_, _, (x, y)| {
+                (i64::from(x as i8), i64::from(y as i8))
+            })
+        }),
+    ),
+    (
+        "vectors-in-16-bits",
+        At::Plan(|lists| {
+            displacing(lists, |_, _, (x, y)| {
+                (i64::from(x as i16), i64::from(y as i16))
+            })
+        }),
+    ),
+    (
+        "motion-along-both-only",
+        At::Plan(|lists| {
+            displacing(
+                lists,
+                |_, _, (x, y)| if x == 0 || y == 0 { (0, 0) } else { (x, y) },
+            )
+        }),
+    ),
+    (
+        "half-vectors-one-way",
+        At::Plan(|lists| {
+            displacing(
+                lists,
+                |_, _, (x, y)| {
+                    if x & y & 1 != 0 { (x, y - 1) } else { (x, y) }
+                },
+            )
+        }),
+    ),
+    (
+        "vector-of-the-reference",
+        At::Plan(|lists| {
+            changed(lists, |lists, _, step| match step.reference {
+                Some(j) => Step {
+                    motion: (
+                        lists.motion[j].value,
+                        lists.motion[lists.motion.len() / 2 + j].value,
+                    ),
+                    ..step
+                },
+                None => step,
+            })
+        }),
+    ),
+    (
+        "motion-rounded-twice",
+        At::MotionHalf(|[a, b, c, d]| {
+            let mean = |a: u8, b: u8| u8::midpoint(a, b) + ((a ^ b) & 1);
+            mean(mean(a, b), mean(c, d))
+        }),
+    ),
+    (
+        "motion-runs-over-row-ends",
+        At::Predictor(|reference, step, size, reading| {
+            displaced(reference, step, size, reading, |plane, x, y, width, _| {
+                let at = y
+                    .saturating_mul(width)
+                    .saturating_add(x)
+                    .clamp(0, plane.len() as i64 - 1);
+                plane[at as usize]
+            })
+        }),
+    ),
+    (
+        "motion-halves-toward-zero",
+        At::Predictor(|reference, step, size, reading| {
+            tapped(reference, step, size, reading, |at, [d, _], _| {
+                let first = at + d / 2;
+                [first, first + (d & 1)]
+            })
+        }),
+    ),
+    (
+        "motion-half-of-the-other-axis",
+        At::Predictor(|reference, step, size, reading| {
+            tapped(reference, step, size, reading, |at, [d, other], axis| {
+                let first = at + (d >> 1);
+                let half = if axis.is_x { d } else { other };
+                [first, first + (half & 1)]
+            })
+        }),
+    ),
+    (
+        "motion-half-of-the-edge",
+        At::Predictor(|reference, step, size, reading| {
+            tapped(reference, step, size, reading, |at, [d, _], axis| {
+                let first = (at + (d >> 1)).clamp(0, axis.length - 1);
+                [first, first + (d & 1)]
+            })
+        }),
+    ),
+    (
+        "motion-half-runs-over-row-ends",
+        At::Predictor(|reference, step, size, reading| {
+            displaced(
+                reference,
+                step,
+                size,
+                reading,
+                |plane, x, y, width, height| {
+                    // One column beyond the last lies where the next row begins.
+                    let x = if x == width { x } else { x.clamp(0, width - 1) };
+                    let at = y.clamp(0, height - 1) * width + x;
+                    plane[(at as usize).min(plane.len() - 1)]
+                },
+            )
+        }),
+    ),
+    (
+        "motion-half-begins-again",
+        At::Predictor(|reference, step, size, reading| {
+            tapped(reference, step, size, reading, |at, [d, _], axis| {
+                let first = (at + (d >> 1)).clamp(0, axis.length - 1);
+                let second = at + (d >> 1) + (d & 1);
+                let inside = (0..axis.length).contains(&second);
+                [first, if inside || second < 0 { second } else { 0 }]
+            })
+        }),
+    ),
+    (
+        "motion-x-within-the-height",
+        At::Predictor(|reference, step, size, reading| {
+            tapped(reference, step, size, reading, |at, [d, _], axis| {
+                let first = at + (d >> 1);
+                let most = if axis.is_x {
+                    axis.other.min(axis.length)
+                } else {
+                    axis.length
+                };
+                [first, first + (d & 1)].map(|at| at.clamp(0, most - 1))
+            })
+        }),
+    ),
+    (
+        "motion-border-black",
+        At::Predictor(|reference, step, size, reading| {
+            displaced(
+                reference,
+                step,
+                size,
+                reading,
+                |plane, x, y, width, height| {
+                    let inside = (0..width).contains(&x) && (0..height).contains(&y);
+                    if inside {
+                        plane[(y * width + x) as usize]
+                    } else {
+                        0
+                    }
+                },
+            )
+        }),
+    ),
+];
+
+/// The plan with another vector for each plane, of all numbers of 2.9.3, the plane and the vector it should be.
+fn displacing(
+    lists: &RawLists,
+    change: fn(&[Number], usize, (i64, i64)) -> (i64, i64),
+) -> Result<Plan> {
+    let mut plan = compressed::plan(lists)?;
+    for (i, step) in plan.steps.iter_mut().enumerate() {
+        // Beyond any plane, and far from where arithmetic ends.
+        let (x, y) = change(
+            &lists.motion,
+            i,
+            (bounded(step.motion.0), bounded(step.motion.1)),
+        );
+        step.motion = (bounded(x), bounded(y));
+    }
+    Ok(plan)
+}
+
+fn bounded(displacement: i64) -> i64 {
+    displacement.clamp(-(1 << 40), 1 << 40)
+}
+
+/// The reference as the rule has it, but with another way to find a sample at (x, y), in the plane or outside of it.
+fn displaced<'a>(
+    reference: &'a [u8],
+    step: &Step,
+    size: Size,
+    reading: &Reading,
+    sample: fn(&[u8], x: i64, y: i64, width: i64, height: i64) -> u8,
+) -> Cow<'a, [u8]> {
+    let (width, height) = (i64::from(size.width), i64::from(size.height));
+    let taps: Taps = |at, [d, _], _| [at + (d >> 1), at + (d >> 1) + (d & 1)];
+    walked(reference, step, size, reading, taps, |still, x, y| {
+        sample(still, x, y, width, height)
+    })
+}
+
+/// One axis of a plane.
+struct Axis {
+    is_x: bool,
+    /// Samples along it.
+    length: i64,
+    /// Samples along the other one.
+    other: i64,
+}
+
+/// Where the two samples stand of which one is made along an axis: of where it is, and how many half texels this axis and
+/// the other one are displaced.
+type Taps = fn(at: i64, displacements: [i64; 2], &Axis) -> [i64; 2];
+
+/// The reference as the rule has it, but with other places for the samples of which one is made.
+fn tapped<'a>(
+    reference: &'a [u8],
+    step: &Step,
+    size: Size,
+    reading: &Reading,
+    taps: Taps,
+) -> Cow<'a, [u8]> {
+    walked(reference, step, size, reading, taps, |still, x, y| {
+        (reading.motion_border)(still, size, x, y)
+    })
+}
+
+/// The reference with every sample the mean of four, which `taps` place and `sample` finds.
+fn walked<'a>(
+    reference: &'a [u8],
+    step: &Step,
+    size: Size,
+    reading: &Reading,
+    taps: Taps,
+    sample: impl Fn(&[u8], i64, i64) -> u8,
+) -> Cow<'a, [u8]> {
+    let still = Step {
+        moved: false,
+        ..*step
+    };
+    let still = rule::inverted_then_moved(reference, &still, size, reading);
+    if !step.moved || step.motion == (0, 0) {
+        return still;
+    }
+    let (width, height) = (i64::from(size.width), i64::from(size.height));
+    let (mx, my) = (
+        bounded((reading.motion_sign)(step.motion.0)),
+        bounded((reading.motion_sign)((reading.motion_vertical)(
+            step.motion.1,
+        ))),
+    );
+    let [along, across] =
+        [(true, width, height), (false, height, width)].map(|(is_x, length, other)| Axis {
+            is_x,
+            length,
+            other,
+        });
+    let texel = |(x, y): (i64, i64)| {
+        let [left, right] = taps(x, [mx, my], &along);
+        let [upper, lower] = taps(y, [my, mx], &across);
+        let at = |x, y| sample(&still, x, y);
+        (reading.motion_half)([
+            at(left, upper),
+            at(right, upper),
+            at(left, lower),
+            at(right, lower),
+        ])
+    };
+    Cow::Owned(
+        (0..height)
+            .flat_map(|y| (0..width).map(move |x| (x, y)))
+            .map(texel)
+            .collect(),
+    )
+}

@@ -1,0 +1,188 @@
+//! §2.9.6–2.9.8/1: sizes, where the planes lie, and which plane is which
+
+use super::at::At;
+use crate::decode::compressed;
+use crate::error::Result;
+use crate::parts::{Extent, Number, Plan, RawLists};
+use crate::ptm::Ptm;
+
+pub(super) const ACTS: &[(&str, At)] = &[
+    // 2.9.6, 2.9.7 and where the planes lie
+    (
+        "planes-in-decode-order",
+        At::Plan(|lists| {
+            relaid(lists, |lists, plan| {
+                let mut end = 0;
+                for &i in &plan.sequence {
+                    let (stream, side) = (size(&lists.sizes[i]), size(&lists.side_sizes[i]));
+                    let (start, middle) = (end, usize::saturating_add(end, stream));
+                    end = middle.saturating_add(side);
+                    plan.extents[i] = Extent {
+                        stream: start..middle,
+                        side: middle..end,
+                    };
+                }
+            })
+        }),
+    ),
+    (
+        "sizes-by-rank",
+        At::Plan(|lists| {
+            relaid(lists, |_, plan| {
+                // The first stream is the one decoded first for such a reader, and so are its sizes.
+                let before = plan.extents.clone();
+                for (place, &i) in plan.sequence.iter().enumerate() {
+                    plan.extents[i] = before[place].clone();
+                }
+            })
+        }),
+    ),
+    (
+        "side-sizes-are-records",
+        At::Plan(|lists| {
+            relaid(lists, |lists, plan| {
+                sized(plan, |i| {
+                    (
+                        size(&lists.sizes[i]),
+                        size(&lists.side_sizes[i]).saturating_mul(5),
+                    )
+                });
+            })
+        }),
+    ),
+    (
+        "sizes-include-side-information",
+        At::Plan(|lists| {
+            relaid(lists, |lists, plan| {
+                sized(plan, |i| {
+                    (
+                        size(&lists.sizes[i]).saturating_sub(size(&lists.side_sizes[i])),
+                        size(&lists.side_sizes[i]),
+                    )
+                });
+            })
+        }),
+    ),
+    (
+        "side-information-not-skipped",
+        At::Plan(|lists| {
+            relaid(lists, |lists, plan| {
+                sized(plan, |i| (size(&lists.sizes[i]), 0));
+            })
+        }),
+    ),
+    (
+        "side-information-before-its-plane",
+        At::Plan(|lists| {
+            relaid(lists, |_, plan| {
+                for extent in &mut plan.extents {
+                    let (start, end) = (extent.stream.start, extent.side.end);
+                    let side = start..start + extent.side.len();
+                    *extent = Extent {
+                        stream: side.end..end,
+                        side,
+                    };
+                }
+            })
+        }),
+    ),
+    (
+        "side-information-behind-all-planes",
+        At::Plan(|lists| {
+            relaid(lists, |_, plan| {
+                let mut end = 0;
+                for extent in &mut plan.extents {
+                    extent.stream = end..usize::saturating_add(end, extent.stream.len());
+                    end = extent.stream.end;
+                }
+                for extent in &mut plan.extents {
+                    extent.side = end..end.saturating_add(extent.side.len());
+                    end = extent.side.end;
+                }
+            })
+        }),
+    ),
+    (
+        "negative-side-size-is-none",
+        At::Plan(|lists| {
+            let mut lists = lists.clone();
+            lists
+                .side_sizes
+                .iter_mut()
+                .for_each(|size| size.value = size.value.max(0));
+            compressed::plan(&lists)
+        }),
+    ),
+    // 2.9.8: which plane is which
+    (
+        "rgb-planes-coefficient-major",
+        At::Planes(|ptm| rearranged(ptm, 18, |channel| channel % 6 * 3 + channel / 6)),
+    ),
+    (
+        "rgb-planes-bgr",
+        At::Planes(|ptm| rearranged(ptm, 18, |channel| (2 - channel / 6) * 6 + channel % 6)),
+    ),
+    (
+        "lrgb-planes-colors-first",
+        At::Planes(|ptm| rearranged(ptm, 9, |channel| (channel + 3) % 9)),
+    ),
+    (
+        "lrgb-planes-bgr",
+        At::Planes(|ptm| {
+            rearranged(
+                ptm,
+                9,
+                |channel| if channel < 6 { channel } else { 14 - channel },
+            );
+        }),
+    ),
+    (
+        "lrgb-planes-backwards",
+        At::Planes(|ptm| {
+            rearranged(
+                ptm,
+                9,
+                |channel| if channel < 6 { 5 - channel } else { channel },
+            );
+        }),
+    ),
+];
+
+/// The plan with the planes in other places.
+fn relaid(lists: &RawLists, change: fn(&RawLists, &mut Plan)) -> Result<Plan> {
+    let mut plan = compressed::plan(lists)?;
+    change(lists, &mut plan);
+    Ok(plan)
+}
+
+/// Lays the planes one after another with other sizes.
+fn sized(plan: &mut Plan, sizes: impl Fn(usize) -> (usize, usize)) {
+    let mut end = 0usize;
+    for (i, extent) in plan.extents.iter_mut().enumerate() {
+        let (stream, side) = sizes(i);
+        let (start, middle) = (end, end.saturating_add(stream));
+        end = middle.saturating_add(side);
+        *extent = Extent {
+            stream: start..middle,
+            side: middle..end,
+        };
+    }
+}
+
+/// A size that has been found to be none or more bytes.
+fn size(number: &Number) -> usize {
+    number.value.max(0) as usize
+}
+
+/// Takes channel `from(i)` for channel `i` of every texel of a compressed file of so many planes.
+fn rearranged(ptm: &mut Ptm, planes: usize, from: fn(usize) -> usize) {
+    if ptm.header.format.is_compressed() && ptm.header.format.channels() == planes {
+        for texel in ptm.planes.samples.chunks_exact_mut(planes) {
+            let stored = texel.to_vec();
+            texel
+                .iter_mut()
+                .enumerate()
+                .for_each(|(i, value)| *value = stored[from(i)]);
+        }
+    }
+}

@@ -1,0 +1,440 @@
+//! §2.9.8: side information
+
+use super::at::At;
+use crate::decode::planes as rule;
+use crate::error::Result;
+use crate::parts::Coded;
+use crate::ptm::Size;
+use crate::reading::Reading;
+
+pub(super) const ACTS: &[(&str, At)] = &[
+    // When
+    (
+        "side-information-too-late",
+        At::Reconstruct(|coded, residuals, reading| {
+            let mut done = uncorrected(coded, residuals, reading)?;
+            for (i, plane) in done.iter_mut().enumerate() {
+                coded.correct(i, plane, reading)?;
+            }
+            Ok(done)
+        }),
+    ),
+    (
+        "side-information-before-prediction",
+        At::Reconstruct(|coded, residuals, reading| {
+            let mut done = coded.blank_planes();
+            for (&i, mut plane) in coded.plan.sequence.iter().zip(residuals) {
+                coded.correct(i, &mut plane, reading)?;
+                coded.predict(i, &mut plane, &done, reading);
+                done[i] = plane;
+            }
+            Ok(done)
+        }),
+    ),
+    (
+        "side-information-only-for-references",
+        At::Reconstruct(|coded, residuals, reading| {
+            let mut corrected = coded.blank_planes();
+            let mut done = coded.blank_planes();
+            for (&i, mut plane) in coded.plan.sequence.iter().zip(residuals) {
+                coded.predict(i, &mut plane, &corrected, reading);
+                done[i].clone_from(&plane);
+                coded.correct(i, &mut plane, reading)?;
+                corrected[i] = plane;
+            }
+            Ok(done)
+        }),
+    ),
+    ("side-information-ignored", At::Reconstruct(uncorrected)),
+    (
+        "side-information-of-intra-planes-ignored",
+        At::Reconstruct(|coded, residuals, reading| {
+            only(coded, residuals, reading, |coded, i| {
+                coded.plan.steps[i].reference.is_some()
+            })
+        }),
+    ),
+    (
+        "side-information-of-intra-planes-only",
+        At::Reconstruct(|coded, residuals, reading| {
+            only(coded, residuals, reading, |coded, i| {
+                coded.plan.steps[i].reference.is_none()
+            })
+        }),
+    ),
+    (
+        "side-information-of-inverted-planes-ignored",
+        At::Reconstruct(|coded, residuals, reading| {
+            only(coded, residuals, reading, |coded, i| {
+                let step = &coded.plan.steps[i];
+                step.reference.is_none() || !(step.inverted || step.moved)
+            })
+        }),
+    ),
+    (
+        "side-information-of-colors-ignored",
+        At::Reconstruct(|coded, residuals, reading| {
+            only(coded, residuals, reading, |coded, i| {
+                coded.plan.steps.len() == 18 || i < 6
+            })
+        }),
+    ),
+    (
+        "side-information-of-jpeg-ls-ignored",
+        At::SideInformation(|coded, plane| skipped_if(coded.format.is_jpeg_ls(), coded, plane)),
+    ),
+    (
+        "quality-100-is-lossless",
+        At::SideInformation(|coded, plane| {
+            let lossless = coded.plan.parameter == 100 && coded.format.is_jpeg();
+            skipped_if(lossless, coded, plane)
+        }),
+    ),
+    // Where
+    (
+        "side-rows-turned",
+        At::Reconstruct(|coded, residuals, reading| {
+            replaced(coded, residuals, reading, |position, size| {
+                let (x, y) = (position % size.width, position / size.width);
+                (size.height - 1 - y) * size.width + x
+            })
+        }),
+    ),
+    (
+        "side-columns-first",
+        At::Reconstruct(|coded, residuals, reading| {
+            replaced(coded, residuals, reading, |position, size| {
+                position % size.height * size.width + position / size.height
+            })
+        }),
+    ),
+    (
+        "side-columns-mirrored",
+        At::Reconstruct(|coded, residuals, reading| {
+            replaced(coded, residuals, reading, |position, size| {
+                position / size.width * size.width + size.width - 1 - position % size.width
+            })
+        }),
+    ),
+    (
+        "side-from-the-end",
+        At::Reconstruct(|coded, residuals, reading| {
+            replaced(coded, residuals, reading, |position, size| {
+                size.width * size.height - 1 - position
+            })
+        }),
+    ),
+    (
+        "side-positions-from-one",
+        At::Records(|block, at, texels| {
+            edited(block, at, texels, |(position, value)| {
+                (position.saturating_sub(1), value)
+            })
+        }),
+    ),
+    (
+        "side-one-texel-late",
+        At::Records(|block, at, texels| {
+            let last = texels as u32 - 1;
+            Ok(rule::records(block, at, texels)?
+                .into_iter()
+                .map(|(position, value)| ((position + 1).min(last), value))
+                .collect())
+        }),
+    ),
+    (
+        "side-position-zero-skipped",
+        At::Records(|block, at, texels| kept(block, at, texels, |(position, _), _| position > 0)),
+    ),
+    (
+        "side-last-texel-skipped",
+        At::Records(|block, at, texels| {
+            kept(block, at, texels, |(position, _), texels| {
+                (position as usize) < texels - 1
+            })
+        }),
+    ),
+    (
+        "side-last-texel-refused",
+        At::Records(|block, at, texels| rule::records(block, at, texels - 1)),
+    ),
+    (
+        "side-position-in-16-bits",
+        At::Records(|block, at, texels| {
+            edited(block, at, texels, |(position, value)| {
+                (position & 0xFFFF, value)
+            })
+        }),
+    ),
+    (
+        "side-position-in-8-bits",
+        At::Records(|block, at, texels| {
+            edited(block, at, texels, |(position, value)| {
+                (position & 0xFF, value)
+            })
+        }),
+    ),
+    (
+        "side-position-past-the-end-ignored",
+        At::Records(|block, _, texels| {
+            let (whole, rest) = block.as_chunks::<5>();
+            // A partial record is refused as ever.
+            rule::records(rest, 0, texels)?;
+            Ok(inside(
+                whole
+                    .iter()
+                    .map(|&[p3, p2, p1, p0, value]| (u32::from_be_bytes([p3, p2, p1, p0]), value)),
+                texels,
+            ))
+        }),
+    ),
+    // What
+    (
+        "side-little-endian",
+        At::Records(|block, at, texels| {
+            reread(block, at, texels, |&[p0, p1, p2, p3, value]| {
+                (u32::from_le_bytes([p0, p1, p2, p3]), value)
+            })
+        }),
+    ),
+    (
+        "side-words-swapped",
+        At::Records(|block, at, texels| {
+            reread(block, at, texels, |&[p1, p0, p3, p2, value]| {
+                (u32::from_be_bytes([p3, p2, p1, p0]), value)
+            })
+        }),
+    ),
+    (
+        "side-value-first",
+        At::Records(|block, at, texels| {
+            reread(block, at, texels, |&[value, p3, p2, p1, p0]| {
+                (u32::from_be_bytes([p3, p2, p1, p0]), value)
+            })
+        }),
+    ),
+    (
+        "side-bytes-signed",
+        At::Records(|block, at, texels| {
+            reread(block, at, texels, |&[p3, p2, p1, p0, value]| {
+                let signed = |byte: u8, shift: u32| (i64::from(byte.cast_signed()) << shift) as u32;
+                (
+                    signed(p3, 24)
+                        .wrapping_add(signed(p2, 16))
+                        .wrapping_add(signed(p1, 8))
+                        .wrapping_add(signed(p0, 0)),
+                    value,
+                )
+            })
+        }),
+    ),
+    (
+        "side-value-signed",
+        At::Records(|block, at, texels| {
+            edited(block, at, texels, |(position, value)| {
+                (position, if value > 127 { 0 } else { value })
+            })
+        }),
+    ),
+    (
+        "side-cursor-by-one",
+        At::Records(|block, at, texels| {
+            rule::records(block, at, texels)?;
+            let seen = block.windows(5).map(|record| {
+                (
+                    u32::from_be_bytes([record[0], record[1], record[2], record[3]]),
+                    record[4],
+                )
+            });
+            Ok(inside(seen, texels))
+        }),
+    ),
+    (
+        "side-records-of-four-bytes",
+        At::Records(|block, _, texels| {
+            let (whole, _) = block.as_chunks::<4>();
+            Ok(inside(
+                whole
+                    .iter()
+                    .map(|&[p2, p1, p0, value]| (u32::from_be_bytes([0, p2, p1, p0]), value)),
+                texels,
+            ))
+        }),
+    ),
+    (
+        "side-first-record-only",
+        At::Records(|block, at, texels| {
+            Ok(rule::records(block, at, texels)?
+                .into_iter()
+                .take(1)
+                .collect())
+        }),
+    ),
+    (
+        "side-first-record-lost",
+        At::Records(|block, at, texels| {
+            Ok(rule::records(block, at, texels)?
+                .into_iter()
+                .skip(1)
+                .collect())
+        }),
+    ),
+    (
+        "side-last-record-lost",
+        At::Records(|block, at, texels| {
+            let mut records = rule::records(block, at, texels)?;
+            records.pop();
+            Ok(records)
+        }),
+    ),
+    (
+        "side-partial-record-ignored",
+        At::Records(|block, at, texels| rule::records(&block[..block.len() / 5 * 5], at, texels)),
+    ),
+    // How
+    (
+        "side-values-added",
+        At::Correct(|plane, records| each(plane, records, u8::wrapping_add)),
+    ),
+    (
+        "side-values-are-residuals",
+        At::Correct(|plane, records| {
+            each(plane, records, |old, value| {
+                old.wrapping_add(value).wrapping_sub(128)
+            });
+        }),
+    ),
+    (
+        "side-values-exclusive-or",
+        At::Correct(|plane, records| each(plane, records, |old, value| old ^ value)),
+    ),
+    (
+        "side-values-wrap-only",
+        At::Correct(|plane, records| {
+            each(plane, records, |_, value| if value > 127 { 255 } else { 0 });
+        }),
+    ),
+    (
+        "side-values-only-where-overflown",
+        At::Correct(|plane, records| {
+            each(plane, records, |old, value| {
+                if old.abs_diff(value) > 127 {
+                    value
+                } else {
+                    old
+                }
+            });
+        }),
+    ),
+    (
+        "side-first-of-two-wins",
+        At::Correct(|plane, records| {
+            let turned: Vec<_> = records.iter().rev().copied().collect();
+            rule::overwrite(plane, &turned);
+        }),
+    ),
+];
+
+/// The side information of a plane, or none where it is skipped.
+fn skipped_if<'a>(skipped: bool, coded: &Coded<'a>, plane: usize) -> &'a [u8] {
+    if skipped {
+        &[]
+    } else {
+        rule::side_information(coded, plane)
+    }
+}
+
+/// All planes without any correction.
+fn uncorrected(coded: &Coded, residuals: Vec<Vec<u8>>, reading: &Reading) -> Result<Vec<Vec<u8>>> {
+    only(coded, residuals, reading, |_, _| false)
+}
+
+/// All planes, of which only some are corrected.
+fn only(
+    coded: &Coded,
+    residuals: Vec<Vec<u8>>,
+    reading: &Reading,
+    corrected: fn(&Coded, usize) -> bool,
+) -> Result<Vec<Vec<u8>>> {
+    let mut done = coded.blank_planes();
+    for (&i, mut plane) in coded.plan.sequence.iter().zip(residuals) {
+        coded.predict(i, &mut plane, &done, reading);
+        if corrected(coded, i) {
+            coded.correct(i, &mut plane, reading)?;
+        }
+        done[i] = plane;
+    }
+    Ok(done)
+}
+
+/// All planes, corrected at other positions.
+fn replaced(
+    coded: &Coded,
+    residuals: Vec<Vec<u8>>,
+    reading: &Reading,
+    moved: fn(u32, Size) -> u32,
+) -> Result<Vec<Vec<u8>>> {
+    let mut done = coded.blank_planes();
+    for (&i, mut plane) in coded.plan.sequence.iter().zip(residuals) {
+        coded.predict(i, &mut plane, &done, reading);
+        let records = (reading.records)((reading.side_information)(coded, i), 0, plane.len())?;
+        let records: Vec<_> = records
+            .into_iter()
+            .map(|(position, value)| (moved(position, coded.size), value))
+            .collect();
+        (reading.correct)(&mut plane, &records);
+        done[i] = plane;
+    }
+    Ok(done)
+}
+
+/// The records of a legal block, some of them changed.
+fn edited(
+    block: &[u8],
+    at: usize,
+    texels: usize,
+    change: fn((u32, u8)) -> (u32, u8),
+) -> Result<Vec<(u32, u8)>> {
+    Ok(rule::records(block, at, texels)?
+        .into_iter()
+        .map(change)
+        .collect())
+}
+
+/// Some of the records of a legal block.
+fn kept(
+    block: &[u8],
+    at: usize,
+    texels: usize,
+    keep: fn((u32, u8), usize) -> bool,
+) -> Result<Vec<(u32, u8)>> {
+    Ok(rule::records(block, at, texels)?
+        .into_iter()
+        .filter(|&record| keep(record, texels))
+        .collect())
+}
+
+/// The records of a legal block, read in another way; those past the end are ignored.
+fn reread(
+    block: &[u8],
+    at: usize,
+    texels: usize,
+    read: fn(&[u8; 5]) -> (u32, u8),
+) -> Result<Vec<(u32, u8)>> {
+    rule::records(block, at, texels)?;
+    Ok(inside(block.as_chunks::<5>().0.iter().map(read), texels))
+}
+
+fn inside(records: impl Iterator<Item = (u32, u8)>, texels: usize) -> Vec<(u32, u8)> {
+    records
+        .filter(|&(position, _)| (position as usize) < texels)
+        .collect()
+}
+
+fn each(plane: &mut [u8], records: &[(u32, u8)], change: fn(old: u8, value: u8) -> u8) {
+    for &(position, value) in records {
+        if let Some(texel) = plane.get_mut(position as usize) {
+            *texel = change(*texel, value);
+        }
+    }
+}

@@ -1,0 +1,378 @@
+//! §2.9.2: which transform, and what it does
+
+use super::at::At;
+use crate::decode::{compressed, predict as rule};
+use crate::error::{Error, Kind, Result};
+use crate::parts::{Coded, Number, Plan, RawLists, Step};
+use crate::reading::Reading;
+
+pub(super) const ACTS: &[(&str, At)] = &[
+    // 2.9.2: which transform
+    (
+        "any-transform-refused",
+        At::Plan(|lists| refusing(lists, |transform| transform != 0)),
+    ),
+    (
+        "motion-refused",
+        At::Plan(|lists| refusing(lists, |transform| transform & 2 != 0)),
+    ),
+    (
+        "undefined-transforms-ignored",
+        At::Plan(|lists| {
+            let mut lists = lists.clone();
+            for transform in &mut lists.transforms {
+                transform.value &= 3;
+            }
+            compressed::plan(&lists)
+        }),
+    ),
+    (
+        "transform-by-equality",
+        At::Plan(|lists| {
+            with_bits(lists, |transform, step| {
+                (
+                    step.inverted && transform != 3,
+                    step.moved && transform != 3,
+                )
+            })
+        }),
+    ),
+    (
+        "transform-three-is-inversion",
+        At::Plan(|lists| {
+            with_bits(lists, |transform, step| {
+                (step.inverted, step.moved && transform != 3)
+            })
+        }),
+    ),
+    (
+        "transform-three-is-motion",
+        At::Plan(|lists| {
+            with_bits(lists, |transform, step| {
+                (step.inverted && transform != 3, step.moved)
+            })
+        }),
+    ),
+    (
+        "any-transform-inverts",
+        At::Plan(|lists| with_bits(lists, |_, step| (step.inverted || step.moved, step.moved))),
+    ),
+    (
+        "any-transform-moves",
+        At::Plan(|lists| {
+            with_bits(lists, |_, step| {
+                (step.inverted, step.inverted || step.moved)
+            })
+        }),
+    ),
+    (
+        "transform-bits-exchanged",
+        At::Plan(|lists| with_bits(lists, |_, step| (step.moved, step.inverted))),
+    ),
+    (
+        "inversion-ignored",
+        At::Plan(|lists| with_bits(lists, |_, step| (false, step.moved))),
+    ),
+    (
+        "motion-ignored",
+        At::Plan(|lists| with_bits(lists, |_, step| (step.inverted, false))),
+    ),
+    (
+        "vectors-without-their-bit",
+        At::Plan(|lists| with_bits(lists, |_, step| (step.inverted, true))),
+    ),
+    (
+        "transforms-one-plane-late",
+        At::Plan(|lists| {
+            changed(lists, |lists, i, step| {
+                let transform = lists.transforms[i.saturating_sub(1)].value;
+                Step {
+                    inverted: transform & 1 != 0,
+                    moved: transform & 2 != 0,
+                    ..step
+                }
+            })
+        }),
+    ),
+    (
+        "transform-of-the-reference",
+        At::Plan(|lists| {
+            changed(lists, |lists, _, step| {
+                let transform = step
+                    .reference
+                    .map_or(0, |reference| lists.transforms[reference].value);
+                Step {
+                    inverted: transform & 1 != 0,
+                    moved: transform & 2 != 0,
+                    ..step
+                }
+            })
+        }),
+    ),
+    // 2.9.2: what it does
+    (
+        "inversion-from-256",
+        At::Invert(|plane| each(plane, |value| 0u8.wrapping_sub(value))),
+    ),
+    (
+        "inversion-around-128",
+        At::Invert(|plane| {
+            each(plane, |value| {
+                if value == 0 {
+                    255
+                } else {
+                    0u8.wrapping_sub(value)
+                }
+            });
+        }),
+    ),
+    (
+        "inversion-from-254",
+        At::Invert(|plane| each(plane, |value| 254u8.wrapping_sub(value))),
+    ),
+    (
+        "inversion-of-the-high-bit",
+        At::Invert(|plane| each(plane, |value| value ^ 0x80)),
+    ),
+    (
+        "inversion-turns-the-plane-round",
+        At::Invert(<[u8]>::reverse),
+    ),
+    (
+        "inversion-with-one-carry",
+        At::Reconstruct(|coded, residuals, reading| {
+            planes(coded, residuals, reading, |i, plane, done, _| {
+                let step = &coded.plan.steps[i];
+                match step.reference {
+                    Some(reference) if step.inverted && !step.moved => {
+                        each_pair(plane, &done[reference], |value, reference| {
+                            let sum = i16::from(value) - i16::from(reference) - 129;
+                            clamped(if sum < 0 { sum + 256 } else { sum })
+                        });
+                    }
+                    _ => coded.predict(i, plane, done, reading),
+                }
+            })
+        }),
+    ),
+    (
+        "inversion-of-the-residual",
+        At::Reconstruct(|coded, residuals, reading| {
+            planes(coded, residuals, reading, |i, plane, done, steps| {
+                if steps[i].reference.is_some() && steps[i].inverted {
+                    (reading.invert)(plane);
+                }
+                predict(
+                    coded,
+                    reading,
+                    plane,
+                    done,
+                    Step {
+                        inverted: false,
+                        ..steps[i]
+                    },
+                );
+            })
+        }),
+    ),
+    (
+        "inversion-of-the-result",
+        At::Reconstruct(|coded, residuals, reading| {
+            planes(coded, residuals, reading, |i, plane, done, steps| {
+                predict(
+                    coded,
+                    reading,
+                    plane,
+                    done,
+                    Step {
+                        inverted: false,
+                        ..steps[i]
+                    },
+                );
+                if steps[i].reference.is_some() && steps[i].inverted {
+                    (reading.invert)(plane);
+                }
+            })
+        }),
+    ),
+    (
+        "motion-of-the-residual",
+        At::Reconstruct(|coded, residuals, reading| {
+            planes(coded, residuals, reading, |i, plane, done, steps| {
+                if steps[i].reference.is_some() && steps[i].moved {
+                    let moved = rule::moved(plane, coded.size, steps[i].motion, reading);
+                    plane.copy_from_slice(&moved);
+                }
+                predict(
+                    coded,
+                    reading,
+                    plane,
+                    done,
+                    Step {
+                        moved: false,
+                        ..steps[i]
+                    },
+                );
+            })
+        }),
+    ),
+    (
+        "motion-of-the-result",
+        At::Reconstruct(|coded, residuals, reading| {
+            planes(coded, residuals, reading, |i, plane, done, steps| {
+                predict(
+                    coded,
+                    reading,
+                    plane,
+                    done,
+                    Step {
+                        moved: false,
+                        ..steps[i]
+                    },
+                );
+                if steps[i].reference.is_some() && steps[i].moved {
+                    let moved = rule::moved(plane, coded.size, steps[i].motion, reading);
+                    plane.copy_from_slice(&moved);
+                }
+            })
+        }),
+    ),
+    (
+        "transforms-of-intra-planes",
+        At::Reconstruct(|coded, residuals, reading| {
+            planes(coded, residuals, reading, |i, plane, done, steps| {
+                coded.predict(i, plane, done, reading);
+                if steps[i].reference.is_none() && steps[i].inverted {
+                    (reading.invert)(plane);
+                }
+            })
+        }),
+    ),
+    (
+        "reference-stays-inverted",
+        At::Reconstruct(|coded, residuals, reading| {
+            let mut done = coded.blank_planes();
+            for (&i, mut plane) in coded.plan.sequence.iter().zip(residuals) {
+                let step = coded.plan.steps[i];
+                if let (Some(reference), true) = (step.reference, step.inverted) {
+                    (reading.invert)(&mut done[reference]);
+                }
+                predict(
+                    coded,
+                    reading,
+                    &mut plane,
+                    &done,
+                    Step {
+                        inverted: false,
+                        ..step
+                    },
+                );
+                coded.correct(i, &mut plane, reading)?;
+                done[i] = plane;
+            }
+            Ok(done)
+        }),
+    ),
+    (
+        "motion-leaves-planes-empty",
+        At::Reconstruct(|coded, residuals, reading| {
+            planes(coded, residuals, reading, |i, plane, done, steps| {
+                coded.predict(i, plane, done, reading);
+                if steps[i].reference.is_some() && steps[i].moved {
+                    plane.fill(0);
+                }
+            })
+        }),
+    ),
+];
+
+/// The plan of a reader who refuses some transforms.
+fn refusing(lists: &RawLists, refuses: fn(i64) -> bool) -> Result<Plan> {
+    let mut transforms = lists.transforms.iter();
+    match transforms.find(|transform| refuses(transform.value)) {
+        Some(transform) => Err(refused(transform)),
+        None => compressed::plan(lists),
+    }
+}
+
+/// The plan of a reader who inverts and displaces where `bits` says so of a transform and the step that it should be.
+fn with_bits(lists: &RawLists, bits: fn(i64, &Step) -> (bool, bool)) -> Result<Plan> {
+    changed(lists, |lists, i, step| {
+        let (inverted, moved) = bits(lists.transforms[i].value, &step);
+        Step {
+            inverted,
+            moved,
+            ..step
+        }
+    })
+}
+
+/// The plan with another step for each plane.
+pub(super) fn changed(
+    lists: &RawLists,
+    change: impl Fn(&RawLists, usize, Step) -> Step,
+) -> Result<Plan> {
+    let mut plan = compressed::plan(lists)?;
+    for (i, step) in plan.steps.iter_mut().enumerate() {
+        *step = change(lists, i, *step);
+    }
+    Ok(plan)
+}
+
+pub(super) fn refused(number: &Number) -> Error {
+    Error::new(
+        "2.9/1",
+        number.at,
+        Kind::Expected {
+            what: "another number",
+            found: number.value.to_string(),
+        },
+    )
+}
+
+/// All planes, each made of its residuals by `make`, then fixed.
+pub(super) fn planes(
+    coded: &Coded,
+    residuals: Vec<Vec<u8>>,
+    reading: &Reading,
+    make: impl Fn(usize, &mut [u8], &[Vec<u8>], &[Step]),
+) -> Result<Vec<Vec<u8>>> {
+    let mut done = coded.blank_planes();
+    for (&i, mut plane) in coded.plan.sequence.iter().zip(residuals) {
+        make(i, &mut plane, &done, &coded.plan.steps);
+        coded.correct(i, &mut plane, reading)?;
+        done[i] = plane;
+    }
+    Ok(done)
+}
+
+/// Predicts plane `i` as `step` says.
+fn predict(coded: &Coded, reading: &Reading, plane: &mut [u8], done: &[Vec<u8>], step: Step) {
+    if let Some(reference) = step.reference {
+        rule::apply(
+            coded.format,
+            plane,
+            &done[reference],
+            &step,
+            coded.size,
+            reading,
+        );
+    }
+}
+
+pub(super) fn each(plane: &mut [u8], change: impl Fn(u8) -> u8) {
+    for value in plane {
+        *value = change(*value);
+    }
+}
+
+pub(super) fn each_pair(plane: &mut [u8], predictor: &[u8], change: fn(u8, u8) -> u8) {
+    plane
+        .iter_mut()
+        .zip(predictor)
+        .for_each(|(value, &predicted)| *value = change(*value, predicted));
+}
+
+pub(super) fn clamped(sum: i16) -> u8 {
+    sum.clamp(0, 255) as u8
+}

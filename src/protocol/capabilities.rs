@@ -1,0 +1,196 @@
+//! What a decoder says about itself: `DECODER capabilities` (PTM-CP 1, optional).
+//!
+//! It counts only if the program exits with 0 after YAML that says `protocol: 1`. Any other result, crash, hang or
+//! flood included, is no fault: the program never promised to know the question.
+
+use serde::Deserialize;
+
+use crate::kit::yaml::from_yaml;
+use crate::protocol::frame::EXIT_UNSUPPORTED;
+use crate::ptm::Format;
+
+/// Most characters of a name or version that are kept.
+const LONGEST_NAME: usize = 100;
+
+/// What a decoder can do, by its own word; nothing where it does not say.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Capabilities {
+    /// What it is called.
+    pub name: Option<String>,
+    /// Its version.
+    pub version: Option<String>,
+    /// The views it offers.
+    pub views: Option<Vec<&'static str>>,
+    /// The formats it reads.
+    pub formats: Option<Vec<Format>>,
+    /// Whether it answers `serve`.
+    pub serves: bool,
+    /// Its exit status for malformed files, besides 65.
+    pub reject_exit: Option<i32>,
+    /// A sentence for each word of its answer that means nothing.
+    pub remarks: Vec<String>,
+}
+
+/// The answer as it is written; what is not named here is ignored.
+#[derive(Deserialize)]
+struct Record {
+    protocol: i64,
+    name: Option<String>,
+    version: Option<String>,
+    views: Option<Vec<String>>,
+    formats: Option<Vec<String>>,
+    modes: Option<Vec<String>>,
+    reject_exit: Option<i64>,
+}
+
+/// A word as it is kept; people write versions without quotation marks, which is no matter where a text is read.
+fn printable(word: &str) -> String {
+    let printable = word.chars().filter(|c| !c.is_control());
+    printable.take(LONGEST_NAME).collect()
+}
+
+impl Capabilities {
+    /// Reads an answer.
+    ///
+    /// # Errors
+    /// A sentence that says why it does not count.
+    pub fn read(answer: &[u8]) -> Result<Capabilities, String> {
+        let text = std::str::from_utf8(answer).map_err(|_| "its answer is not UTF-8".to_owned())?;
+        let record: Record =
+            from_yaml(text).map_err(|error| format!("its answer is not understood: {error}"))?;
+        if record.protocol != 1 {
+            return Err(format!(
+                "it speaks protocol {}, and this program speaks 1",
+                record.protocol
+            ));
+        }
+        let mut remarks = Vec::new();
+        let views = record.views.map(|words| {
+            known(words, "view", &mut remarks, |word| {
+                ["raw", "coef", "rgb"]
+                    .into_iter()
+                    .find(|&view| view == word)
+            })
+        });
+        let formats = record.formats.map(|words| {
+            known(words, "format", &mut remarks, |word| {
+                word.parse::<Format>().ok()
+            })
+        });
+        let modes = record.modes.map(|words| {
+            known(words, "mode", &mut remarks, |word| {
+                ["one-shot", "serve"].into_iter().find(|&mode| mode == word)
+            })
+        });
+        let reject_exit = record.reject_exit.and_then(|status| {
+            let usable = i32::try_from(status)
+                .ok()
+                .filter(|status| (1..=255).contains(status) && *status != EXIT_UNSUPPORTED);
+            if usable.is_none() {
+                remarks.push(format!("no exit status {status} can mean a refusal"));
+            }
+            usable
+        });
+        Ok(Capabilities {
+            name: record.name.as_deref().map(printable),
+            version: record.version.as_deref().map(printable),
+            views,
+            formats,
+            serves: modes.is_some_and(|modes| modes.contains(&"serve")),
+            reject_exit,
+            remarks,
+        })
+    }
+
+    /// Whether it says that it reads `format`.
+    #[must_use]
+    pub fn declares(&self, format: Format) -> bool {
+        self.formats
+            .as_ref()
+            .is_some_and(|formats| formats.contains(&format))
+    }
+}
+
+fn known<T>(
+    words: Vec<String>,
+    what: &str,
+    remarks: &mut Vec<String>,
+    know: impl Fn(&str) -> Option<T>,
+) -> Vec<T> {
+    let one = |word: String| {
+        let word = printable(&word);
+        let known = know(&word);
+        if known.is_none() && remarks.len() < 10 {
+            remarks.push(format!("it declares the {what} {word:?}, which is none"));
+        }
+        known
+    };
+    words.into_iter().filter_map(one).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use std::fmt::Write;
+
+    use super::*;
+
+    #[track_caller]
+    fn does_not_count(answer: &[u8], says: &str) {
+        let error = Capabilities::read(answer).expect_err("it does not count");
+        assert!(error.contains(says), "{error}");
+    }
+
+    #[test]
+    fn an_answer_says_what_it_says_and_no_more() {
+        let read = Capabilities::read(b"protocol: 1\nname: x\nversion: 1.10\nviews: [raw, png]\nmodes: [serve]\ncolour: blue\nreject_exit: 1\n");
+        let capabilities = read.expect("it counts");
+        assert_eq!(capabilities.name.as_deref(), Some("x"));
+        assert_eq!(capabilities.version.as_deref(), Some("1.10"));
+        assert_eq!(capabilities.views, Some(vec!["raw"]));
+        assert_eq!(capabilities.formats, None);
+        assert!(capabilities.serves);
+        assert_eq!(capabilities.reject_exit, Some(1));
+        assert_eq!(
+            capabilities.remarks,
+            ["it declares the view \"png\", which is none"]
+        );
+    }
+
+    #[test]
+    fn statuses_that_mean_something_else_are_no_refusals() {
+        for status in ["0", "69", "256", "-1", "99999999999"] {
+            let answer = format!("protocol: 1\nreject_exit: {status}\n");
+            let capabilities = Capabilities::read(answer.as_bytes()).expect("it counts");
+            assert_eq!(capabilities.reject_exit, None, "{status}");
+            assert_eq!(capabilities.remarks.len(), 1);
+        }
+    }
+
+    #[test]
+    fn other_answers_do_not_count() {
+        does_not_count(b"", "not understood");
+        does_not_count(b"usage: dec VIEW FILE\n", "not understood");
+        does_not_count(b"name: x\n", "not understood");
+        does_not_count(b"protocol: 2\n", "protocol 2");
+        does_not_count(b"protocol: one\n", "not understood");
+        does_not_count(b"protocol: 1\nviews: 3\n", "not understood");
+        does_not_count(b"PTM1 raw 1 1 1 u8\n\xff", "not UTF-8");
+        does_not_count(b"protocol: 1\nprotocol: 1\n", "not understood");
+    }
+
+    #[test]
+    fn bombs_do_no_harm() {
+        let mut laughs = "a: &a [x, x, x, x, x, x, x, x, x, x]\n".to_owned();
+        for (this, last) in ('b'..='p').zip('a'..) {
+            let list = vec![format!("*{last}"); 10].join(", ");
+            let _ = writeln!(laughs, "{this}: &{this} [{list}]");
+        }
+        let _ = Capabilities::read(format!("protocol: 1\n{laughs}").as_bytes());
+        does_not_count(
+            format!("protocol: 1\n{laughs}views: *p\n").as_bytes(),
+            "not understood",
+        );
+        let deep = format!("protocol: 1\nx: {}", "[".repeat(15_000));
+        does_not_count(deep.as_bytes(), "not understood");
+    }
+}

@@ -1,0 +1,472 @@
+//! PTM-CP 1: what a decoder is asked and how it answers.
+//!
+//! `DECODER [ARG…] VIEW FILE`; on standard output one line and the samples,
+//!
+//! ```text
+//! PTM1 <raw|coef|rgb> <width> <height> <channels> <u8|f32>\n
+//! ```
+//!
+//! texel after texel, top row first, `f32` low byte first; and an exit status: 0, 65 (malformed) or 69 (unsupported).
+
+use std::fmt;
+use std::io::{self, Write};
+use std::str::FromStr;
+
+use serde::de::Error as _;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+use crate::decode::Stored;
+use crate::ptm::{Ptm, Size};
+
+/// Exit status of a decoder that finds the file malformed (`EX_DATAERR`).
+pub const EXIT_MALFORMED: i32 = 65;
+/// Exit status of a decoder that does not read such files (`EX_UNAVAILABLE`).
+pub const EXIT_UNSUPPORTED: i32 = 69;
+
+/// What a decoder is asked for.
+#[derive(Clone, Debug, PartialEq)]
+pub enum View {
+    /// The stored values; u8.
+    Raw,
+    /// The final values; f32.
+    Coef,
+    /// The picture under a light; u8.
+    Rgb(Light),
+}
+
+/// A direction of light.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Light {
+    /// To the right.
+    pub lu: f64,
+    /// Up.
+    pub lv: f64,
+    text: String,
+}
+
+impl View {
+    /// A light that shows every coefficient.
+    pub const ORDINARY_LIGHT: &'static str = "rgb:0.3125,-0.4375";
+
+    /// `raw`, `coef` or `rgb`.
+    #[must_use]
+    pub const fn name(&self) -> &'static str {
+        match self {
+            View::Raw => "raw",
+            View::Coef => "coef",
+            View::Rgb(_) => "rgb",
+        }
+    }
+}
+
+impl fmt::Display for View {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            View::Rgb(light) => write!(f, "rgb:{}", light.text),
+            other => f.write_str(other.name()),
+        }
+    }
+}
+
+impl FromStr for View {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<View, String> {
+        let unknown = || {
+            format!(
+                "unknown view {text:?}; views are raw, coef and rgb:LU,LV, for example rgb:0.25,-0.5"
+            )
+        };
+        match text {
+            "raw" => Ok(View::Raw),
+            "coef" => Ok(View::Coef),
+            _ => {
+                let light = text.strip_prefix("rgb:").ok_or_else(unknown)?;
+                let (lu, lv) = light.split_once(',').ok_or_else(unknown)?;
+                match (lu.parse::<f64>(), lv.parse::<f64>()) {
+                    (Ok(lu), Ok(lv)) if lu.is_finite() && lv.is_finite() => Ok(View::Rgb(Light {
+                        lu,
+                        lv,
+                        text: light.to_owned(),
+                    })),
+                    _ => Err(unknown()),
+                }
+            }
+        }
+    }
+}
+
+/// Longest PTM1 line.
+const LONGEST_LINE: usize = 200;
+
+/// One answer.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Frame {
+    /// `raw`, `coef` or `rgb`.
+    pub view: &'static str,
+    /// Texels in a row.
+    pub width: u32,
+    /// Rows.
+    pub height: u32,
+    /// Samples of a texel.
+    pub channels: u32,
+    /// `height * width * channels` of them.
+    pub samples: Samples,
+}
+
+/// The samples of a frame, texel after texel, top row first.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Samples {
+    /// Bytes.
+    U8(Vec<u8>),
+    /// Reals.
+    F32(Vec<f32>),
+}
+
+impl Samples {
+    /// How many there are.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        match self {
+            Samples::U8(bytes) => bytes.len(),
+            Samples::F32(values) => values.len(),
+        }
+    }
+
+    /// Whether there are none.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// How many bytes they take.
+    #[must_use]
+    pub fn bytes(&self) -> usize {
+        match self {
+            Samples::U8(bytes) => bytes.len(),
+            Samples::F32(values) => 4 * values.len(),
+        }
+    }
+
+    /// Whether they are bit for bit the same.
+    #[must_use]
+    pub fn are_like(&self, other: &Samples) -> bool {
+        match (self, other) {
+            (Samples::U8(a), Samples::U8(b)) => a == b,
+            (Samples::F32(a), Samples::F32(b)) => {
+                a.len() == b.len() && a.iter().zip(b).all(|(a, b)| a.to_bits() == b.to_bits())
+            }
+            _ => false,
+        }
+    }
+}
+
+impl Frame {
+    /// Whether it is bit for bit the same; no number but itself is like one that is none.
+    #[must_use]
+    pub fn is_like(&self, other: &Frame) -> bool {
+        let shape = |frame: &Frame| (frame.view, frame.width, frame.height, frame.channels);
+        shape(self) == shape(other) && self.samples.are_like(&other.samples)
+    }
+
+    /// What `ptm` looks like in `view`, under the reading of the reference.
+    #[must_use]
+    pub fn of(ptm: &Ptm, view: &View) -> Frame {
+        Frame::under(ptm, view, &crate::reading::Reading::SPEC)
+    }
+
+    /// What `ptm` looks like in `view` under a reading.
+    pub(crate) fn under(ptm: &Ptm, view: &View, reading: &crate::reading::Reading) -> Frame {
+        let coefficients = || crate::evaluate::apply(&ptm.header.scale_bias, &ptm.planes, reading);
+        let channels = ptm.planes.shape.channels() as u32;
+        let (channels, samples) = match view {
+            View::Raw => (channels, Samples::U8(ptm.planes.samples.clone())),
+            View::Coef => (
+                channels,
+                Samples::F32(
+                    coefficients()
+                        .values
+                        .iter()
+                        .map(|&value| value as f32)
+                        .collect(),
+                ),
+            ),
+            View::Rgb(light) => {
+                let picture =
+                    crate::evaluate::evaluate(&coefficients(), light.lu, light.lv, reading);
+                (3, Samples::U8(picture.to_bytes()))
+            }
+        };
+        Frame {
+            view: view.name(),
+            width: ptm.planes.size.width,
+            height: ptm.planes.size.height,
+            channels,
+            samples,
+        }
+    }
+
+    /// Writes the line and the samples.
+    ///
+    /// # Errors
+    /// Those of `out`.
+    pub fn write(&self, out: &mut impl Write) -> io::Result<()> {
+        let size = Size {
+            width: self.width,
+            height: self.height,
+        };
+        self.write_line(size, out)?;
+        self.write_samples(out)
+    }
+
+    /// The line of a frame of that size.
+    fn write_line(&self, size: Size, out: &mut impl Write) -> io::Result<()> {
+        let Size { width, height } = size;
+        let kind = if matches!(self.samples, Samples::U8(_)) {
+            "u8"
+        } else {
+            "f32"
+        };
+        writeln!(
+            out,
+            "PTM1 {} {width} {height} {} {kind}",
+            self.view, self.channels
+        )
+    }
+
+    fn write_samples(&self, out: &mut impl Write) -> io::Result<()> {
+        match &self.samples {
+            Samples::U8(bytes) => out.write_all(bytes),
+            Samples::F32(values) => values
+                .iter()
+                .try_for_each(|value| out.write_all(&value.to_le_bytes())),
+        }
+    }
+
+    /// Reads exactly one frame.
+    ///
+    /// # Errors
+    /// A sentence that says what keeps `bytes` from being one.
+    pub fn read(bytes: &[u8]) -> Result<Frame, String> {
+        if bytes.is_empty() {
+            return Err("standard output is empty".to_owned());
+        }
+        if !bytes.starts_with(b"PTM1 ") {
+            let beginning = bytes[..bytes.len().min(24)].escape_ascii();
+            return Err(format!(
+                "standard output begins with \"{beginning}\" instead of a PTM1 line"
+            ));
+        }
+        let mut beginning = bytes.iter().take(LONGEST_LINE);
+        let end = beginning.position(|&byte| byte == b'\n');
+        let end = end.ok_or("the PTM1 line has no end")?;
+        let line = std::str::from_utf8(&bytes[..end]).map_err(|_| "the PTM1 line is not ASCII")?;
+        let mut frame = Frame::announced(line)?;
+        let samples = &bytes[end + 1..];
+        let shape = [frame.width, frame.height, frame.channels];
+        let size = if frame.is_real() { 4 } else { 1 };
+        let needed = shape
+            .into_iter()
+            .try_fold(size, |product: usize, n| product.checked_mul(n as usize));
+        if needed != Some(samples.len()) {
+            let needed = needed.map_or("more bytes than can be counted".to_owned(), |needed| {
+                format!("{needed} bytes")
+            });
+            let cut = match bytes.len().is_multiple_of(65_536) {
+                true => {
+                    "; the output is cut at a multiple of 65,536: does the program exit before its output is flushed?"
+                }
+                false => "",
+            };
+            return Err(format!(
+                "{line:?} announces {needed} of samples, {} follow{cut}",
+                samples.len()
+            ));
+        }
+        frame.samples = match frame.samples {
+            Samples::U8(_) => Samples::U8(samples.to_vec()),
+            Samples::F32(_) => {
+                let values = samples.as_chunks::<4>().0;
+                Samples::F32(values.iter().copied().map(f32::from_le_bytes).collect())
+            }
+        };
+        Ok(frame)
+    }
+
+    /// The frame that a PTM1 line announces, still without samples.
+    fn announced(line: &str) -> Result<Frame, String> {
+        if line.ends_with('\r') {
+            return Err("the PTM1 line ends in CR LF: is standard output in text mode?".to_owned());
+        }
+        let words: Vec<&str> = line.split(' ').collect();
+        let [_, view, width, height, channels, kind] = words[..] else {
+            return Err(format!(
+                "{line:?} is not \"PTM1 VIEW WIDTH HEIGHT CHANNELS TYPE\""
+            ));
+        };
+        let view = ["raw", "coef", "rgb"]
+            .into_iter()
+            .find(|&known| known == view)
+            .ok_or_else(|| format!("unknown view in {line:?}"))?;
+        let number = |word: &str| {
+            let digits = word.bytes().all(|byte| byte.is_ascii_digit());
+            let number = digits.then(|| word.parse::<u32>().ok()).flatten();
+            number.ok_or_else(|| format!("{word:?} in {line:?} is not a number"))
+        };
+        let (width, height, channels) = (number(width)?, number(height)?, number(channels)?);
+        if [width, height, channels].contains(&0) {
+            return Err(format!("{line:?} announces a picture without a texel"));
+        }
+        let samples = match kind {
+            "u8" => Samples::U8(Vec::new()),
+            "f32" => Samples::F32(Vec::new()),
+            _ => return Err(format!("unknown type in {line:?}; types are u8 and f32")),
+        };
+        Ok(Frame {
+            view,
+            width,
+            height,
+            channels,
+            samples,
+        })
+    }
+
+    fn is_real(&self) -> bool {
+        matches!(self.samples, Samples::F32(_))
+    }
+}
+
+/// Writes the frame of a map in `view`, piece by piece: the samples of a frame are those of its pieces, one after another.
+///
+/// # Errors
+/// Those of `out`.
+pub fn write_view(map: &Stored<'_>, view: &View, out: &mut impl Write) -> io::Result<()> {
+    for (i, piece) in map.pieces().enumerate() {
+        let frame = Frame::of(&piece, view);
+        if i == 0 {
+            frame.write_line(map.header.size, out)?;
+        }
+        frame.write_samples(out)?;
+    }
+    Ok(())
+}
+
+/// What a decoder did with a request: for a PTM file a frame, for another question what stands in its place.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Answer<T = Frame> {
+    /// Exit status 0 and what was asked for.
+    Decoded(T),
+    /// Exit status 65.
+    Rejected,
+    /// Exit status 69.
+    Unsupported,
+    /// Exit status 0 and something else than one frame.
+    ProtocolError(String),
+    /// A signal, or any other exit status.
+    Crashed(String),
+    /// No end within the time limit.
+    Hung(String),
+    /// More output than any frame of that file could have.
+    Flooded(String),
+    /// More memory than it may hold.
+    OutOfMemory(String),
+    /// It changed or removed the file it was given.
+    Tampered(String),
+    /// The operating system could not start it.
+    NotStarted(String),
+    /// This program could not do its part, so nothing is known about the decoder.
+    NotAsked(String),
+}
+
+impl<T> Answer<T> {
+    /// The same of something else, if nothing was decoded; else what was.
+    ///
+    /// # Errors
+    /// Whatever is no [`Answer::Decoded`].
+    pub fn decoded<U>(self) -> Result<T, Answer<U>> {
+        Err(match self {
+            Answer::Decoded(decoded) => return Ok(decoded),
+            Answer::Rejected => Answer::Rejected,
+            Answer::Unsupported => Answer::Unsupported,
+            Answer::ProtocolError(what) => Answer::ProtocolError(what),
+            Answer::Crashed(what) => Answer::Crashed(what),
+            Answer::Hung(what) => Answer::Hung(what),
+            Answer::Flooded(what) => Answer::Flooded(what),
+            Answer::OutOfMemory(what) => Answer::OutOfMemory(what),
+            Answer::Tampered(what) => Answer::Tampered(what),
+            Answer::NotStarted(what) => Answer::NotStarted(what),
+            Answer::NotAsked(what) => Answer::NotAsked(what),
+        })
+    }
+
+    /// One or two words for a report.
+    #[must_use]
+    pub const fn name(&self) -> &'static str {
+        match self {
+            Answer::Decoded(_) => "decoded",
+            Answer::Rejected => "rejected",
+            Answer::Unsupported => "unsupported",
+            Answer::ProtocolError(_) => "protocol error",
+            Answer::Crashed(_) => "crash",
+            Answer::Hung(_) => "hang",
+            Answer::Flooded(_) => "flood",
+            Answer::OutOfMemory(_) => "out of memory",
+            Answer::Tampered(_) => "tampering",
+            Answer::NotStarted(_) => "not started",
+            Answer::NotAsked(_) => "not asked",
+        }
+    }
+
+    /// What went wrong, where that is neither a picture nor a refusal.
+    #[must_use]
+    pub fn violation(&self) -> Option<&str> {
+        match self {
+            Answer::Decoded(_) | Answer::Rejected | Answer::Unsupported => None,
+            Answer::ProtocolError(what)
+            | Answer::Crashed(what)
+            | Answer::Hung(what)
+            | Answer::Flooded(what)
+            | Answer::OutOfMemory(what)
+            | Answer::Tampered(what)
+            | Answer::NotStarted(what)
+            | Answer::NotAsked(what) => Some(what),
+        }
+    }
+}
+
+impl Answer {
+    /// Whether it is the same in all that a decoder is responsible for: pictures bit for bit, mishaps by their kind.
+    #[must_use]
+    pub fn is_like(&self, other: &Answer) -> bool {
+        match (self, other) {
+            (Answer::Decoded(a), Answer::Decoded(b)) => a.is_like(b),
+            _ => std::mem::discriminant(self) == std::mem::discriminant(other),
+        }
+    }
+}
+
+/// A frame as text: its bytes in hexadecimal.
+impl Serialize for Frame {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut bytes = Vec::new();
+        self.write(&mut bytes)
+            .expect("writing to memory does not fail");
+        let text: String = bytes.iter().map(|byte| format!("{byte:02x}")).collect();
+        serializer.serialize_str(&text)
+    }
+}
+
+impl<'de> Deserialize<'de> for Frame {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Frame, D::Error> {
+        let text = String::deserialize(deserializer)?;
+        let (pairs, rest) = text.as_bytes().as_chunks::<2>();
+        let byte = |pair: &[u8; 2]| {
+            let digits = std::str::from_utf8(pair).ok()?;
+            u8::from_str_radix(digits, 16).ok()
+        };
+        let bytes: Option<Vec<u8>> = pairs.iter().map(byte).collect();
+        let bytes = bytes.filter(|_| rest.is_empty());
+        let bytes = bytes.ok_or_else(|| D::Error::custom("a frame is no row of hex digits"))?;
+        Frame::read(&bytes).map_err(D::Error::custom)
+    }
+}

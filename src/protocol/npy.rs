@@ -1,0 +1,202 @@
+//! NumPy arrays: `\x93NUMPY`, a version, the length of a header, and the header: a Python dictionary of `descr`,
+//! `fortran_order` and `shape`. The shape is (height, width, channels), the type `u1` or `<f4`, in C order.
+
+use crate::protocol::frame::{Frame, Samples};
+
+/// Reads a whole file as a frame of `view`.
+pub(crate) fn read(bytes: &[u8], view: &'static str) -> Result<Frame, String> {
+    let (header, data) = split(bytes)?;
+    let Header {
+        descr,
+        fortran_order,
+        shape,
+    } = Header::parse(header)?;
+    if fortran_order {
+        return Err("its samples are in Fortran order; save numpy.ascontiguousarray(a)".to_owned());
+    }
+    let size = match descr.as_str() {
+        "|u1" | "<u1" | "u1" | "|B" => 1,
+        "<f4" => 4,
+        ">f4" => {
+            return Err(
+                "its samples are f32 with the high byte first; save a.astype('<f4')".to_owned(),
+            );
+        }
+        "<f8" | ">f8" => return Err("its samples are f64; save a.astype('<f4')".to_owned()),
+        other => {
+            return Err(format!(
+                "its type is {other:?}; types are '|u1' for raw and rgb, '<f4' for coef"
+            ));
+        }
+    };
+    let [height, width, channels] = shape[..] else {
+        return Err(format!(
+            "its shape has {} numbers; a shape is (height, width, channels)",
+            shape.len()
+        ));
+    };
+    let needed = [height, width, channels]
+        .into_iter()
+        .try_fold(size, |product: u64, n| product.checked_mul(u64::from(n)));
+    if needed != Some(data.len() as u64) {
+        return Err(format!(
+            "shape ({height}, {width}, {channels}) of {descr} needs {}, {} follow",
+            needed.map_or("more bytes than can be counted".to_owned(), |needed| {
+                format!("{needed} bytes")
+            }),
+            data.len()
+        ));
+    }
+    let samples = if size == 1 {
+        Samples::U8(data.to_vec())
+    } else {
+        let values = data.as_chunks::<4>().0;
+        Samples::F32(values.iter().copied().map(f32::from_le_bytes).collect())
+    };
+    Ok(Frame {
+        view,
+        width,
+        height,
+        channels,
+        samples,
+    })
+}
+
+/// The header and what follows it.
+fn split(bytes: &[u8]) -> Result<(&str, &[u8]), String> {
+    let cut = || "it ends within its header".to_owned();
+    let version = bytes.get(6..8).ok_or_else(cut)?;
+    let (length, begin) = match (version, bytes.get(8..10), bytes.get(8..12)) {
+        ([1, 0], Some(length), _) => (usize::from(u16::from_le_bytes([length[0], length[1]])), 10),
+        ([2 | 3, 0], _, Some(length)) => {
+            let length = [length[0], length[1], length[2], length[3]];
+            (u32::from_le_bytes(length) as usize, 12)
+        }
+        ([1..=3, 0], ..) => return Err(cut()),
+        _ => {
+            return Err(format!(
+                "its version is {}.{}; versions 1.0, 2.0 and 3.0 are read",
+                version[0], version[1]
+            ));
+        }
+    };
+    let end = begin + length;
+    let header = bytes.get(begin..end).ok_or_else(cut)?;
+    let header = std::str::from_utf8(header).map_err(|_| "its header is not text")?;
+    let header = header
+        .strip_suffix('\n')
+        .ok_or("its header does not end in a line feed")?;
+    Ok((header, &bytes[end..]))
+}
+
+/// What the dictionary says.
+struct Header {
+    descr: String,
+    fortran_order: bool,
+    shape: Vec<u32>,
+}
+
+impl Header {
+    fn parse(text: &str) -> Result<Header, String> {
+        let mut rest = Rest(text);
+        let (mut descr, mut fortran_order, mut shape) = (None, None, None);
+        rest.expect("{")?;
+        while !rest.accept("}") {
+            let key = rest.string()?;
+            rest.expect(":")?;
+            let fresh = match key {
+                "descr" => descr.replace(rest.string()?.to_owned()).is_none(),
+                "fortran_order" => fortran_order.replace(rest.truth()?).is_none(),
+                "shape" => shape.replace(rest.tuple()?).is_none(),
+                other => return Err(format!("its header has an unknown key {other:?}")),
+            };
+            if !fresh {
+                return Err(format!("its header has {key:?} twice"));
+            }
+            if !rest.accept(",") {
+                rest.expect("}")?;
+                break;
+            }
+        }
+        if !rest.0.trim_start_matches(' ').is_empty() {
+            return Err(format!("its header goes on after the dictionary: {rest}"));
+        }
+        match (descr, fortran_order, shape) {
+            (Some(descr), Some(fortran_order), Some(shape)) => Ok(Header {
+                descr,
+                fortran_order,
+                shape,
+            }),
+            _ => Err("its header lacks one of descr, fortran_order and shape".to_owned()),
+        }
+    }
+}
+
+/// What of the dictionary is still to be read.
+struct Rest<'a>(&'a str);
+
+impl<'a> Rest<'a> {
+    fn accept(&mut self, sign: &str) -> bool {
+        let text = self.0.trim_start_matches(' ');
+        let after = text.strip_prefix(sign);
+        self.0 = after.unwrap_or(text);
+        after.is_some()
+    }
+
+    fn expect(&mut self, sign: &str) -> Result<(), String> {
+        if self.accept(sign) {
+            Ok(())
+        } else {
+            Err(format!("its header should have {sign:?} before {self}"))
+        }
+    }
+
+    /// Text between quotes; no escapes.
+    fn string(&mut self) -> Result<&'a str, String> {
+        let quote = ["'", "\""].into_iter().find(|quote| self.accept(quote));
+        let quote =
+            quote.ok_or_else(|| format!("its header should have a string before {self}"))?;
+        let (string, after) = self
+            .0
+            .split_once(quote)
+            .ok_or_else(|| format!("its header has a string without an end: {self}"))?;
+        self.0 = after;
+        Ok(string)
+    }
+
+    fn truth(&mut self) -> Result<bool, String> {
+        match (self.accept("False"), self.accept("True")) {
+            (true, false) => Ok(false),
+            (false, true) => Ok(true),
+            _ => Err(format!(
+                "its fortran_order is neither True nor False: {self}"
+            )),
+        }
+    }
+
+    fn tuple(&mut self) -> Result<Vec<u32>, String> {
+        let mut numbers = Vec::new();
+        self.expect("(")?;
+        while !self.accept(")") {
+            let digits = self.0.bytes().take_while(u8::is_ascii_digit).count();
+            let (word, after) = self.0.split_at(digits);
+            let number = word
+                .parse()
+                .map_err(|_| format!("its shape should have a number before {self}"))?;
+            numbers.push(number);
+            self.0 = after;
+            if !self.accept(",") {
+                self.expect(")")?;
+                break;
+            }
+        }
+        Ok(numbers)
+    }
+}
+
+impl std::fmt::Display for Rest<'_> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let beginning: String = self.0.chars().take(24).collect();
+        write!(f, "{beginning:?}")
+    }
+}

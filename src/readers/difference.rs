@@ -1,0 +1,223 @@
+//! How a wrong picture looks to somebody who knows the right one.
+
+use crate::evaluate::{apply, evaluate};
+use crate::ptm::{Planes, Ptm};
+use crate::reading::Reading;
+
+/// Lights under which pictures are compared: straight from above, and slanting.
+const LIGHTS: [(f64, f64); 3] = [(0.0, 0.0), (0.3125, -0.4375), (-0.625, 0.5)];
+/// How far apart two roundings of a color may be, as for decoders.
+const ROUNDING: f64 = 1.0 + 1.0 / 64.0;
+/// Differences of colors that nobody sees.
+const UNSEEN: u8 = 2;
+
+/// A map under the lights, as it is and as a reader shows it.
+pub(super) struct Pictures {
+    /// Width and height, of the true one and of the other.
+    sizes: [(usize, usize); 2],
+    /// For each light the true picture and the other.
+    lit: Vec<[Vec<u8>; 2]>,
+    /// For each light whether a color differs by more than roundings do.
+    differ: [bool; LIGHTS.len()],
+    /// Whether final coefficients differ.
+    coefficients_differ: bool,
+}
+
+impl Pictures {
+    /// Both maps under the lights; the other one as `reading` evaluates it.
+    pub(super) fn new(truth: &Ptm, other: &Ptm, reading: &Reading) -> Pictures {
+        let size = |ptm: &Ptm| {
+            (
+                ptm.planes.size.width as usize,
+                ptm.planes.size.height as usize,
+            )
+        };
+        let sizes = [size(truth), size(other)];
+        let same =
+            sizes[0] == sizes[1] && truth.planes.shape.channels() == other.planes.shape.channels();
+        let mut lit = vec![[Vec::new(), Vec::new()]; LIGHTS.len()];
+        let mut differ = [!same; LIGHTS.len()];
+        let mut coefficients_differ = !same;
+        // Row by row, because coefficients and colors take far more room than what they are made of.
+        for row in 0..sizes[0].1.max(sizes[1].1) {
+            let rows = [(truth, &Reading::SPEC), (other, reading)].map(|(ptm, reading)| {
+                let row = row_of(ptm, row)?;
+                Some((apply(&ptm.header.scale_bias, &row, reading), reading))
+            });
+            if let [Some((ours, _)), Some((theirs, _))] = &rows {
+                let mut pairs = ours.values.iter().zip(&theirs.values);
+                coefficients_differ |=
+                    pairs.any(|(a, b)| (a - b).abs() > 1e-5 * a.abs().max(b.abs()) + 1e-6);
+            }
+            for (light, &(lu, lv)) in LIGHTS.iter().enumerate() {
+                let colors = rows.each_ref().map(|row| {
+                    let lit = |(row, reading): &(_, &Reading)| evaluate(row, lu, lv, reading);
+                    row.as_ref().map(lit)
+                });
+                if let [Some(ours), Some(theirs)] = &colors {
+                    let mut pairs = ours.values.iter().zip(&theirs.values);
+                    differ[light] |= pairs.any(|(a, b)| (a - b).abs() > ROUNDING);
+                }
+                for (picture, row) in lit[light].iter_mut().zip(colors) {
+                    picture.extend(row.map(|row| row.to_bytes()).unwrap_or_default());
+                }
+            }
+        }
+        Pictures {
+            sizes,
+            lit,
+            differ,
+            coefficients_differ,
+        }
+    }
+
+    /// What is wrong with the other one, as one sees it; nothing where it is right.
+    pub(super) fn difference(&self) -> Option<String> {
+        let Some(light) = self.differ.iter().position(|&differs| differs) else {
+            return self
+                .coefficients_differ
+                .then(|| "coefficients differ, which shows under some lights at most".to_owned());
+        };
+        if self.sizes[0] != self.sizes[1] {
+            let (width, height) = self.sizes[1];
+            return Some(format!("a picture of {width} x {height}"));
+        }
+        let [truth, other] = &self.lit[light];
+        let words = self
+            .turned(truth, other)
+            .or_else(|| exchanged(truth, other));
+        let words = words.unwrap_or_else(|| weighed(truth, other));
+        Some(match light {
+            0 => words,
+            _ => format!("wrong as the light moves: {words}"),
+        })
+    }
+
+    /// Whether the picture is upside down, mirrored, or both.
+    fn turned(&self, truth: &[u8], other: &[u8]) -> Option<String> {
+        let (width, height) = self.sizes[0];
+        let is = |place: &dyn Fn(usize, usize) -> (usize, usize)| {
+            (0..height).all(|y| {
+                (0..width).all(|x| {
+                    let (there, here) = (place(x, y), 3 * (y * width + x));
+                    let there = 3 * (there.1 * width + there.0);
+                    truth[there..there + 3] == other[here..here + 3]
+                })
+            })
+        };
+        let turns: [(&str, &dyn Fn(usize, usize) -> (usize, usize)); 3] = [
+            ("upside down", &|x, y| (x, height - 1 - y)),
+            ("mirrored", &|x, y| (width - 1 - x, y)),
+            ("turned by 180 degrees", &|x, y| {
+                (width - 1 - x, height - 1 - y)
+            }),
+        ];
+        let turn = turns.iter().find(|(_, place)| is(place));
+        turn.map(|(words, _)| (*words).to_owned())
+    }
+}
+
+/// A row of a map, from the top.
+fn row_of(ptm: &Ptm, row: usize) -> Option<Planes> {
+    let length = ptm.planes.size.width as usize * ptm.planes.shape.channels();
+    let samples = ptm.planes.samples.get(row * length..(row + 1) * length)?;
+    let mut size = ptm.planes.size;
+    size.height = 1;
+    Some(Planes {
+        size,
+        shape: ptm.planes.shape,
+        samples: samples.to_vec(),
+    })
+}
+
+/// Whether colors are in each other's place.
+fn exchanged(truth: &[u8], other: &[u8]) -> Option<String> {
+    let orders = [
+        ([2, 1, 0], "red and blue exchanged"),
+        ([1, 0, 2], "red and green exchanged"),
+        ([0, 2, 1], "green and blue exchanged"),
+        (
+            [1, 2, 0],
+            "colors shifted: green for red, blue for green, red for blue",
+        ),
+        (
+            [2, 0, 1],
+            "colors shifted: blue for red, red for green, green for blue",
+        ),
+    ];
+    let is = |order: &[usize; 3]| {
+        let mut texels = truth.chunks(3).zip(other.chunks(3));
+        texels.all(|(a, b)| (0..3).all(|channel| b[channel] == a[order[channel]]))
+    };
+    let found = orders.iter().find(|(order, _)| is(order));
+    found.map(|(_, words)| (*words).to_owned())
+}
+
+/// Sums over the texels of two pictures.
+#[derive(Default)]
+struct Sums {
+    texels: f64,
+    /// Of the true brightness, of the other, of their squares and of their product.
+    moments: [f64; 5],
+    differing: f64,
+    /// The true brightness where they differ.
+    where_differing: f64,
+    largest: u8,
+}
+
+/// What else is to be seen: how much of the picture, brighter or darker, noise and where.
+fn weighed(truth: &[u8], other: &[u8]) -> String {
+    let mut sums = Sums::default();
+    for (a, b) in truth.chunks(3).zip(other.chunks(3)) {
+        let light = |texel: &[u8]| texel.iter().map(|&value| f64::from(value)).sum::<f64>() / 3.0;
+        let (x, y) = (light(a), light(b));
+        sums.texels += 1.0;
+        for (sum, term) in sums.moments.iter_mut().zip([x, y, x * x, y * y, x * y]) {
+            *sum += term;
+        }
+        let largest = a
+            .iter()
+            .zip(b)
+            .map(|(a, b)| a.abs_diff(*b))
+            .max()
+            .unwrap_or(0);
+        sums.largest = sums.largest.max(largest);
+        if largest > 0 {
+            sums.differing += 1.0;
+            sums.where_differing += x;
+        }
+    }
+    sums.words()
+}
+
+impl Sums {
+    fn words(&self) -> String {
+        let [x, y, xx, yy, xy] = self.moments.map(|sum| sum / self.texels.max(1.0));
+        let share = self.differing / self.texels.max(1.0);
+        let percent = format!("{:.0} % of the picture", (100.0 * share).max(1.0));
+        let spread = |mean: f64, square: f64| (square - mean * mean).max(0.0).sqrt();
+        let likeness = (xy - x * y) / (spread(x, xx) * spread(y, yy)).max(1e-9);
+        if self.largest <= UNSEEN {
+            return format!(
+                "off by {} of 255 at most, which is hardly to be seen",
+                self.largest
+            );
+        }
+        if share < 0.5 {
+            let there = self.where_differing / self.differing.max(1.0);
+            let place = match () {
+                () if there < 0.6 * x => " in dark parts",
+                () if there > 1.4 * x => " in bright parts",
+                () => "",
+            };
+            return format!("noise{place}: {percent}");
+        }
+        let words = match () {
+            () if y < 0.9 * x && (likeness > 0.8 || y < 0.3 * x) => "too dark",
+            () if y > 1.1 * x && likeness > 0.8 => "too bright",
+            () if likeness > 0.8 => "wrong colors or shading",
+            () => "another picture, as of noise",
+        };
+        format!("{words}: {percent}")
+    }
+}

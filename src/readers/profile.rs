@@ -1,0 +1,127 @@
+//! What is known of a reader.
+
+use std::sync::LazyLock;
+
+use serde::Deserialize;
+
+use super::limits::Limit;
+use crate::kit::yaml;
+use crate::misreadings::{self, Misreading};
+use crate::ptm::Format;
+
+/// A reader, as `readers.yaml` has it.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ReaderProfile {
+    /// The short name by which it is asked for.
+    pub name: String,
+    /// Its repository, owner and name, or its name where it has none.
+    pub reader: String,
+    /// The version or commit that was looked at, where it is known.
+    pub version: Option<String>,
+    /// The formats that it reads, by their short names.
+    pub reads: Vec<String>,
+    /// How it is known what it reads.
+    pub evidence: Evidence,
+    /// Its misreadings.
+    #[serde(default)]
+    pub misreadings: Vec<KnownMisreading>,
+    /// What else it does not take.
+    #[serde(default)]
+    pub limits: Vec<KnownLimit>,
+}
+
+/// How something is known.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Evidence {
+    /// The reader was run on the cases.
+    Run,
+    /// Its source was read.
+    Code,
+}
+
+/// A misreading of a reader.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct KnownMisreading {
+    /// Its slug in `misreadings.yaml`.
+    pub slug: String,
+    /// How it is known.
+    pub evidence: Evidence,
+}
+
+/// A limit of a reader.
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct KnownLimit {
+    /// Which.
+    pub limit: Limit,
+    /// How it is known.
+    pub evidence: Evidence,
+}
+
+static ALL: LazyLock<Vec<ReaderProfile>> = LazyLock::new(|| {
+    profiles_of(include_str!("../../spec-cases/readers.yaml"))
+        .unwrap_or_else(|error| unreachable!("readers.yaml, which a test reads: {error}"))
+});
+
+/// The readers that are known.
+#[must_use]
+pub fn profiles() -> &'static [ReaderProfile] {
+    &ALL
+}
+
+/// The readers of a file such as `readers.yaml`.
+///
+/// # Errors
+/// A sentence that names the line or the reader at fault.
+pub fn profiles_of(text: &str) -> Result<Vec<ReaderProfile>, String> {
+    let records = yaml::records::<ReaderProfile>(text)?;
+    let profiles: Vec<ReaderProfile> = records.into_iter().map(|(_, profile)| profile).collect();
+    for profile in &profiles {
+        profile.check()?;
+    }
+    Ok(profiles)
+}
+
+impl ReaderProfile {
+    /// Whether it reads this format at all.
+    #[must_use]
+    pub fn reads(&self, format: Format) -> bool {
+        self.reads.iter().any(|name| name == format.short_name())
+    }
+
+    /// Its misreadings, in the order in which they act on a file.
+    pub(super) fn acting(&self) -> Vec<&'static Misreading> {
+        let named = self.misreadings.iter();
+        named
+            .filter_map(|known| misreadings::named(&known.slug))
+            .collect()
+    }
+
+    fn check(&self) -> Result<(), String> {
+        let unknown = |what: &str| Err(format!("{}: {what}", self.name));
+        for name in &self.reads {
+            if !Format::ALL.iter().any(|format| format.short_name() == name) {
+                return unknown(&format!("no format is called {name}"));
+            }
+        }
+        let acting = self.acting();
+        for known in &self.misreadings {
+            if !acting.iter().any(|one| one.slug == known.slug) {
+                return unknown(&format!("no misreading is called {}", known.slug));
+            }
+        }
+        // Of two mistakes in one decision the second would undo the first.
+        let decisions = acting.iter().filter(|one| one.at.is_decision());
+        let mut seen: Vec<&Misreading> = Vec::new();
+        for one in decisions {
+            if let Some(other) = seen.iter().find(|other| other.at.is_at(&one.at)) {
+                return unknown(&format!("{} and {} act at one place", other.slug, one.slug));
+            }
+            seen.push(one);
+        }
+        Ok(())
+    }
+}

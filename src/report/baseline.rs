@@ -1,0 +1,130 @@
+//! Known failures: a list of cases that are expected to fail, so that only news is an error.
+//!
+//! ```yaml
+//! - id: table-of-257-entries-ptm-lut
+//!   reason: two-byte indices come with version 2
+//! - id: lum-translated-0-0
+//! ```
+//!
+//! A listed case that fails is *known*. A failing case that is not listed is *new*. A listed case that passes is *stale*:
+//! its line should go. A listed case with any other outcome, or that was not selected, is left alone.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use serde::{Deserialize, Serialize};
+
+use crate::kit::yaml::{records, text_of, to_yaml};
+use crate::session::outcome::{Judged, Outcome};
+use crate::session::run::Run;
+use crate::suite::cases::Suite;
+use crate::suite::test_case::TestCase;
+
+/// A list of known failures, by id.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Baseline(BTreeMap<String, Option<String>>);
+
+/// A line of the file.
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Known {
+    id: String,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    reason: Option<String>,
+}
+
+/// A run held against a baseline: ids, in the order of the suite.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct BaselineNews {
+    /// Listed, and failing.
+    pub known: Vec<String>,
+    /// Failing, and not listed.
+    pub new: Vec<String>,
+    /// Listed, and passing.
+    pub stale: Vec<String>,
+}
+
+impl BaselineNews {
+    /// The exit status of `check` where some failures are known: 0, 1, 3 or 4.
+    #[must_use]
+    pub fn exit_status<C: TestCase>(&self, run: &Run<C>) -> u8 {
+        match run.status(!self.new.is_empty()) {
+            0 if !self.stale.is_empty() => 4,
+            status => status,
+        }
+    }
+}
+
+impl Baseline {
+    /// Reads a list.
+    ///
+    /// # Errors
+    /// A sentence that names the file and the line at fault; also for an id that the suite does not have, or twice.
+    pub fn read<C: TestCase>(path: &Path, suite: &Suite<C>) -> Result<Baseline, String> {
+        Baseline::parse(&text_of(path)?, suite)
+            .map_err(|error| format!("{}: {error}", path.display()))
+    }
+
+    fn parse<C: TestCase>(text: &str, suite: &Suite<C>) -> Result<Baseline, String> {
+        let mut listed = BTreeMap::new();
+        for (number, Known { id, reason }) in records(text)? {
+            if suite.case(&id).is_none() {
+                return Err(format!("line {number}: no case is called {id:?}"));
+            }
+            if listed.contains_key(&id) {
+                return Err(format!("line {number}: {id} is there twice"));
+            }
+            listed.insert(id, reason);
+        }
+        Ok(Baseline(listed))
+    }
+
+    /// Holds verdicts, a place for each case of `suite`, against the list.
+    #[must_use]
+    pub fn news<C: TestCase>(&self, suite: &Suite<C>, judged: &[Option<Judged>]) -> BaselineNews {
+        let mut news = BaselineNews::default();
+        for (case, judged) in suite.cases.iter().zip(judged) {
+            let Some(judged) = judged else { continue };
+            let list = match (judged.outcome, self.0.contains_key(case.id())) {
+                (Outcome::Fail, true) => &mut news.known,
+                (Outcome::Fail, false) => &mut news.new,
+                (Outcome::Pass, true) => &mut news.stale,
+                _ => continue,
+            };
+            list.push(case.id().to_owned());
+        }
+        news
+    }
+
+    /// The list that makes this run's failures known: what failed, with the reasons of this list, and what of this list
+    /// was neither seen to pass nor to fail. In the order of the suite.
+    #[must_use]
+    pub fn renewed<C: TestCase>(&self, suite: &Suite<C>, judged: &[Option<Judged>]) -> String {
+        let stays = |id: &str, judged: &Option<Judged>| match judged
+            .as_ref()
+            .map(|judged| judged.outcome)
+        {
+            Some(Outcome::Fail) => true,
+            Some(Outcome::Pass) => false,
+            _ => self.0.contains_key(id),
+        };
+        let known: Vec<Known> = suite
+            .cases
+            .iter()
+            .zip(judged)
+            .filter(|(case, judged)| stays(case.id(), judged))
+            .map(|(case, _)| Known {
+                id: case.id().to_owned(),
+                reason: self.0.get(case.id()).cloned().flatten(),
+            })
+            .collect();
+        let list = if known.is_empty() {
+            "[]\n".to_owned()
+        } else {
+            to_yaml(&known).expect("strings can be written")
+        };
+        format!(
+            "# Known failures, for ptm-conform check --baseline. A reason: may stand below each id.\n{list}"
+        )
+    }
+}

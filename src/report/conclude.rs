@@ -1,0 +1,145 @@
+//! The end of a run: first the report with all verdicts, then the same with their causes.
+//!
+//! The verdicts do not wait for the search for causes, and nothing that goes wrong in it takes them away.
+
+use std::any::Any;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::atomic::Ordering;
+
+use crate::diagnose::Diagnosis;
+use crate::report::document::{LikelyCause, Report};
+use crate::report::make::likely_causes;
+use crate::report::reported::Reported;
+use crate::report::shards::{Circumstances, OtherRemarks};
+use crate::session::contact::Contact;
+use crate::session::remark::Remark;
+use crate::session::run::{Run, Session};
+use crate::suite::cases::Suite;
+use crate::suite::test_case::TestCase;
+
+/// The report of a run: verdicts and causes.
+///
+/// # Errors
+/// Those of [`verdicts`].
+pub fn conclude<C: Reported>(
+    suite: &Suite<C>,
+    run: &mut Run<C>,
+    circumstances: &Circumstances,
+    others: &OtherRemarks,
+    jobs: usize,
+) -> Result<Report, String> {
+    let report = verdicts(suite, run, circumstances, others, jobs)?;
+    let assumed = &circumstances.assumed;
+    Ok(causes(suite, run, report, |run| {
+        C::diagnose(suite, run, assumed, jobs)
+    }))
+}
+
+/// Finds what all first files have in common that is wrong, has it said, and undone in every picture that comes. What is
+/// assumed is said already.
+pub fn undo_common_transforms<C: Reported>(
+    suite: &Suite<C>,
+    session: &mut Session<C>,
+    contact: &mut Contact<C>,
+    assumed: &[String],
+) {
+    if assumed.is_empty() {
+        let (undo, said) = C::common_transforms(suite, contact);
+        contact.remarks.splice(0..0, said);
+        session.undo(undo);
+    }
+}
+
+/// The report of a run without causes: with the remarks that are not made of answers, and what the decoder says of itself.
+///
+/// # Errors
+/// A sentence with the first of the assumed misreadings that is none.
+pub fn verdicts<C: Reported>(
+    suite: &Suite<C>,
+    run: &mut Run<C>,
+    circumstances: &Circumstances,
+    others: &OtherRemarks,
+    jobs: usize,
+) -> Result<Report, String> {
+    run.remarks.splice(0..0, others.before.iter().cloned());
+    run.remarks.extend(others.after.iter().cloned());
+    C::assume(suite, run, &circumstances.assumed, jobs)?;
+    let limits = circumstances.limits.clone();
+    let mut report = Report::of(suite, run, &circumstances.command, limits);
+    report.decoder.name.clone_from(&circumstances.name);
+    report.decoder.version.clone_from(&circumstances.version);
+    circumstances.mode().clone_into(&mut report.decoder.mode);
+    Ok(report)
+}
+
+/// Likely causes of what failed so far, most telling first; none where the search fails.
+pub fn first_causes<C: TestCase, A: 'static>(
+    suite: &Suite<C>,
+    run: &Run<C>,
+    search: impl FnOnce(&Run<C>) -> Vec<Diagnosis<A>>,
+) -> Vec<LikelyCause> {
+    let found = catch_unwind(AssertUnwindSafe(|| search(run)));
+    likely_causes(suite, &found.unwrap_or_default())
+}
+
+/// The same report with the causes that `search` finds. A search that panics, or that the user ends, leaves the verdicts
+/// without some of their causes, and the report says so.
+#[must_use]
+pub fn causes<C: TestCase, A: 'static>(
+    suite: &Suite<C>,
+    run: &Run<C>,
+    report: Report,
+    search: impl FnOnce(&Run<C>) -> Vec<Diagnosis<A>>,
+) -> Report {
+    let found = catch_unwind(AssertUnwindSafe(|| search(run)));
+    let (diagnoses, fault) = match found {
+        Ok(diagnoses) => (diagnoses, None),
+        Err(panic) => (Vec::new(), Some(in_words(&*panic))),
+    };
+    let mut report = report.explained_by(suite, &diagnoses);
+    if let Some(fault) = fault {
+        report.remarks.push(Remark::note(format!(
+            "the search for causes failed, a fault of ours and not of the decoder: {fault}; the verdicts stand"
+        )));
+    }
+    if run.stop.load(Ordering::Relaxed) {
+        let says = "the search for causes was interrupted: failures stand without one";
+        report.remarks.push(Remark::note(says.to_owned()));
+    }
+    report
+}
+
+/// What a panic says.
+fn in_words(panic: &(dyn Any + Send)) -> String {
+    let text = panic.downcast_ref::<&str>().map(|text| (*text).to_owned());
+    let text = text.or_else(|| panic.downcast_ref::<String>().cloned());
+    text.unwrap_or_else(|| "a panic without words".to_owned())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::misreadings::At;
+    use crate::protocol::frame::Answer;
+    use crate::runner::run::{Reply, Request};
+    use crate::session::plan::RunPlan;
+    use crate::session::run::check;
+
+    #[test]
+    fn a_search_that_panics_costs_no_verdict() {
+        let mut suite = Suite::load().expect("the suite loads");
+        suite.cases.retain(|case| case.first);
+        let ask = |_: &Request<'_>, _: usize| Reply::from(Answer::Rejected);
+        let plan = RunPlan::of(&suite, 1);
+        let run = check(&suite, &plan, &ask, &|_, _, _, _| ());
+        let report = Report::of(&suite, &run, &["decoder".to_owned()], Vec::new());
+        let verdicts = report.clone();
+        let report = causes::<_, At>(&suite, &run, report, |_| panic!("index 3 of 2"));
+        assert_eq!(report.cases, verdicts.cases);
+        assert_eq!(report.verdict, verdicts.verdict);
+        assert_eq!(report.diagnoses, []);
+        let last = report.remarks.last().expect("a remark");
+        assert!(!last.failure && last.says.contains("a fault of ours"));
+        assert!(last.says.contains("index 3 of 2"), "{}", last.says);
+    }
+}

@@ -1,0 +1,257 @@
+//! What GitHub shows of a run: annotations, and a summary of the job in Markdown.
+//!
+//! A runner takes lines of output that begin with `::` as commands. Everything that a decoder may have said is escaped,
+//! so that it stays text.
+
+use std::fmt::Write;
+
+use crate::report::document::{CaseResult, LikelyCause, Report};
+use crate::session::outcome::Outcome;
+
+/// A runner shows ten errors of a step.
+const ANNOTATIONS: usize = 10;
+
+/// Failures that the summary lists; it may have one mebibyte.
+const LISTED: usize = 100;
+
+/// Workflow commands, a line each: an error for each likely mistake, then one for each failure without a cause.
+#[must_use]
+pub fn annotations(report: &Report) -> String {
+    let errors = errors(report);
+    let left_out = errors.len().saturating_sub(ANNOTATIONS);
+    let mut text = String::new();
+    for (title, message) in errors.iter().take(ANNOTATIONS) {
+        let _ = writeln!(text, "::error title={}::{}", property(title), data(message));
+    }
+    if left_out > 0 {
+        let _ = writeln!(
+            text,
+            "::notice title={} conformance::{left_out} more errors stand in the report",
+            property(report.suite.short())
+        );
+    }
+    text
+}
+
+/// Titles and messages.
+fn errors(report: &Report) -> Vec<(String, String)> {
+    let name = report.suite.short();
+    let reason = report.reason.iter();
+    let mut errors: Vec<(String, String)> = reason
+        .map(|reason| (report.verdict.clone(), reason.clone()))
+        .collect();
+    let remarks = report.remarks.iter().filter(|remark| remark.failure);
+    errors.extend(remarks.map(|remark| (format!("{name} conformance"), remark.says.clone())));
+    // What is known is no news.
+    let failures = report.with(Outcome::Fail);
+    let news: Vec<&CaseResult> = failures.filter(|case| !report.is_known(case)).collect();
+    for cause in &report.diagnoses {
+        let stands = |case: &&&CaseResult| report.cause_of(case) == Some(cause);
+        let share = news.iter().filter(stands).count();
+        if share > 0 {
+            errors.push((
+                format!("{name}, clause {}: {}", cause.clause, cause.name()),
+                format!(
+                    "{share} of {} failures: the {} {}. Fix: {}.",
+                    news.len(),
+                    report.suite.subject(),
+                    cause.effect,
+                    cause.fix
+                ),
+            ));
+        }
+    }
+    let unexplained = news.iter().filter(|case| report.cause_of(case).is_none());
+    errors.extend(unexplained.map(|case| {
+        let says = case.says.clone().unwrap_or_default();
+        (format!("{name}, case {}", case.id), says)
+    }));
+    errors
+}
+
+/// The job's summary in Markdown; `all` is how many cases the suite has.
+#[must_use]
+pub fn summary(report: &Report, all: usize) -> String {
+    let failures: Vec<&CaseResult> = report.with(Outcome::Fail).collect();
+    let mut text = String::new();
+    let mut write = || {
+        write_head(report, &mut text)?;
+        write_diagnoses(report, &failures, &mut text)?;
+        write_failures(&failures, &mut text)?;
+        let (judged, counts) = (report.cases.len(), report.counts());
+        writeln!(text, "\n{judged} of {all} cases: {counts}.")
+    };
+    write().expect("writing to memory does not fail");
+    text
+}
+
+/// Verdict, scores and remarks.
+fn write_head(report: &Report, out: &mut String) -> std::fmt::Result {
+    let sign = if report.verdict == "pass" {
+        "✅"
+    } else {
+        "❌"
+    };
+    let (suite, command) = (report.suite.short(), code(&report.decoder.command));
+    writeln!(out, "## {sign} {suite}: {command}: {}\n", report.verdict)?;
+    if let Some(reason) = &report.reason {
+        for line in reason.lines() {
+            writeln!(out, "> {}  ", plain(line))?;
+        }
+        writeln!(out)?;
+    }
+    let scores = &report.scores;
+    writeln!(
+        out,
+        "| correctness | breadth | robustness |\n|--:|--:|--:|\n| {} | {} | {} |\n",
+        scores.correctness, scores.breadth, scores.robustness
+    )?;
+    for remark in &report.remarks {
+        writeln!(out, "> {}\n", plain(&remark.says))?;
+    }
+    Ok(())
+}
+
+/// News, causes, and how many failures have none.
+fn write_diagnoses(
+    report: &Report,
+    failures: &[&CaseResult],
+    out: &mut String,
+) -> std::fmt::Result {
+    let all = failures.len();
+    if let Some(news) = &report.baseline {
+        let [known, new, fixed] = [&news.known, &news.new, &news.stale].map(Vec::len);
+        writeln!(
+            out,
+            "Of {all} failures {known} were known and {new} are new; {fixed} known ones were fixed.\n"
+        )?;
+    }
+    if !report.diagnoses.is_empty() {
+        writeln!(out, "### Diagnosis\n")?;
+    }
+    for cause in &report.diagnoses {
+        write_cause(cause, report.suite.subject(), all, out)?;
+    }
+    let unexplained = failures
+        .iter()
+        .filter(|case| report.cause_of(case).is_none());
+    match unexplained.count() {
+        0 => Ok(()),
+        count => writeln!(out, "\nUnexplained failures: {count} of {all}."),
+    }
+}
+
+fn write_cause(
+    cause: &LikelyCause,
+    subject: &str,
+    all: usize,
+    out: &mut String,
+) -> std::fmt::Result {
+    writeln!(
+        out,
+        "- **{} of {all} failures:** the {subject} {} (clause {}).  \n  Fix: {}.",
+        cause.explains.len(),
+        plain(&cause.effect),
+        plain(&cause.clause),
+        plain(&cause.fix),
+    )?;
+    match &cause.misreading {
+        Some(slug) => {
+            let command = format!("ptm-conform explain {slug}");
+            writeln!(out, "  More: {}", code(&command))
+        }
+        None => Ok(()),
+    }
+}
+
+/// A table of the failing cases.
+fn write_failures(failures: &[&CaseResult], out: &mut String) -> std::fmt::Result {
+    if failures.is_empty() {
+        return Ok(());
+    }
+    writeln!(
+        out,
+        "\n<details><summary>{} failing cases</summary>\n\n| case | clauses | result |\n|---|---|---|",
+        failures.len()
+    )?;
+    for case in failures.iter().take(LISTED) {
+        let says = case.says.as_deref().unwrap_or_default();
+        let says: String = says.chars().take(300).collect();
+        writeln!(
+            out,
+            "| {} | {} | {} |",
+            code(&case.id),
+            plain(&case.clauses.join(", ")),
+            plain(&says)
+        )?;
+    }
+    if failures.len() > LISTED {
+        writeln!(out, "\n… and {} more.", failures.len() - LISTED)?;
+    }
+    writeln!(out, "\n</details>")
+}
+
+/// `text` with nothing in it that a runner takes for a command: lines that begin like one are quoted.
+#[must_use]
+pub fn without_commands(text: &str) -> String {
+    text.split_inclusive('\n')
+        .map(|line| {
+            let begins = line.trim_start();
+            if begins.starts_with("::") || begins.starts_with("##[") {
+                format!("> {line}")
+            } else {
+                line.to_owned()
+            }
+        })
+        .collect()
+}
+
+/// The message of a workflow command.
+fn data(text: &str) -> String {
+    text.replace('%', "%25")
+        .replace('\r', "%0D")
+        .replace('\n', "%0A")
+}
+
+/// A property of a workflow command.
+fn property(text: &str) -> String {
+    data(text).replace(':', "%3A").replace(',', "%2C")
+}
+
+/// Words that are no Markdown and no HTML, on one line.
+fn plain(text: &str) -> String {
+    let mut plain = String::new();
+    for c in text.chars() {
+        match c {
+            '<' => plain.push_str("&lt;"),
+            '>' => plain.push_str("&gt;"),
+            '&' => plain.push_str("&amp;"),
+            '\n' | '\r' => plain.push(' '),
+            '\\' | '`' | '*' | '_' | '[' | ']' | '|' | '~' | '#' | '!' | '@' => {
+                plain.push('\\');
+                plain.push(c);
+            }
+            _ => plain.push(c),
+        }
+    }
+    plain
+}
+
+/// Words as code, whatever is in them.
+fn code(text: &str) -> String {
+    let mut escaped = String::new();
+    for c in text.chars() {
+        match c {
+            '<' => escaped.push_str("&lt;"),
+            '>' => escaped.push_str("&gt;"),
+            '&' => escaped.push_str("&amp;"),
+            '|' => escaped.push_str("&#124;"),
+            '`' | '*' | '_' | '[' | ']' | '\\' | '~' | '@' => {
+                let _ = write!(escaped, "&#{};", u32::from(c));
+            }
+            '\n' | '\r' => escaped.push(' '),
+            _ => escaped.push(c),
+        }
+    }
+    format!("<code>{escaped}</code>")
+}

@@ -1,0 +1,147 @@
+//! Every clause of the text, colored by what the run showed of it.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use maud::{Markup, html};
+
+use crate::report::document::{Report, section_of};
+use crate::session::outcome::Outcome;
+use crate::suite::clauses::{Clause, ClauseStatus};
+
+/// What a run showed of a clause.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct ClauseTally {
+    /// Cases about it that passed.
+    pub passed: usize,
+    /// Cases about it that failed.
+    pub failed: usize,
+    /// Cases about it that say nothing: unsupported, inconclusive, not judged, not run.
+    pub open: usize,
+}
+
+impl ClauseTally {
+    /// For each clause that a case of `report` is about.
+    pub(super) fn of(report: &Report) -> BTreeMap<&str, ClauseTally> {
+        let mut tallies: BTreeMap<&str, ClauseTally> = BTreeMap::new();
+        for case in &report.cases {
+            for clause in &case.clauses {
+                let tally = tallies.entry(clause).or_default();
+                if case.outcome == Outcome::Pass.name() {
+                    tally.passed += 1;
+                } else if case.outcome == Outcome::Fail.name() {
+                    tally.failed += 1;
+                } else {
+                    tally.open += 1;
+                }
+            }
+        }
+        tallies
+    }
+
+    /// In a word, and a sign.
+    pub(super) fn state(self) -> (&'static str, &'static str) {
+        match self {
+            ClauseTally { failed: 1.., .. } => ("fail", "✗"),
+            ClauseTally { passed: 1.., .. } => ("pass", "✓"),
+            ClauseTally { open: 1.., .. } => ("open", "?"),
+            _ => ("none", "·"),
+        }
+    }
+}
+
+/// Clauses section by section, in their order.
+pub(super) fn by_section(clauses: &[Clause]) -> Vec<(&str, Vec<&Clause>)> {
+    let mut sections: Vec<(&str, Vec<&Clause>)> = Vec::new();
+    for clause in clauses {
+        let section = section_of(&clause.id);
+        match sections.last_mut() {
+            Some((last, of)) if *last == section => of.push(clause),
+            _ => sections.push((section, vec![clause])),
+        }
+    }
+    sections
+}
+
+pub(super) fn section(report: &Report, clauses: &[Clause]) -> Markup {
+    let tallies = ClauseTally::of(report);
+    let misread: BTreeSet<&str> = report
+        .diagnoses
+        .iter()
+        .filter(|cause| cause.blames_its_clause())
+        .map(|cause| cause.clause.as_str())
+        .collect();
+    html! {
+        section aria-labelledby="clauses" {
+            h2 #clauses { "Clauses" }
+            p {
+                "A case may be about several clauses; a failing one counts for each of them, so the mark ▸ shows what the diagnosis blames. "
+                "A clause filters the cases above."
+            }
+            p.legend {
+                span.tile data-state="fail" { "✗" } " a case failed "
+                span.tile data-state="pass" { "✓" } " all judged passed "
+                span.tile data-state="open" { "?" } " nothing judged "
+                span.tile data-state="none" { "·" } " not testable"
+            }
+            div.map {
+                @for (section, clauses) in by_section(clauses) {
+                    div.row {
+                        span.section { (section) }
+                        div {
+                            @for clause in clauses {
+                                @let of = tally(&tallies, clause);
+                                @let (state, mark) = of.state();
+                                @let blamed = misread.contains(clause.id.as_str());
+                                @let ordinal = clause.id.split(['/', '-']).next_back().unwrap_or_default();
+                                button.tile type="button" data-state=(state) data-blamed[blamed] data-clause=(clause.id)
+                                    title={ (clause.id) ": " (clause.rule) " " (of.passed) " passed, " (of.failed) " failed." }
+                                    aria-label={ "clause " (clause.id) ": " (of.passed) " passed, " (of.failed) " failed" } {
+                                    @if blamed { "▸" } (mark) small { (ordinal) }
+                                }
+                            }
+                        }
+                    }
+                }
+            }
+            (in_words(clauses, &tallies))
+        }
+    }
+}
+
+/// A table of the clauses with their rules.
+fn in_words(clauses: &[Clause], tallies: &BTreeMap<&str, ClauseTally>) -> Markup {
+    html! {
+        details.others {
+            summary { "The clauses in words" }
+            table.list.rules {
+                thead { tr { th scope="col" { "clause" } th scope="col" { "result" } th.number scope="col" { "passed" } th.number scope="col" { "failed" } th.number scope="col" { "open" } th scope="col" { "rule" } } }
+                tbody {
+                    @for clause in clauses {
+                        @let of = tally(tallies, clause);
+                        @let (state, mark) = of.state();
+                        tr {
+                            td { code { (clause.id) } }
+                            td data-state=(state) { (mark) " " (result(state, clause.status)) }
+                            td.number { (of.passed) } td.number { (of.failed) } td.number { (of.open) }
+                            td { (clause.rule) }
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
+
+fn tally(tallies: &BTreeMap<&str, ClauseTally>, clause: &Clause) -> ClauseTally {
+    tallies.get(clause.id.as_str()).copied().unwrap_or_default()
+}
+
+fn result(state: &'static str, status: ClauseStatus) -> &'static str {
+    match (state, status) {
+        ("none", ClauseStatus::Informative) => "informative",
+        ("none", ClauseStatus::Untestable) => "untestable",
+        ("none", _) => "not selected",
+        ("open", _) => "nothing judged",
+        (state, _) => state,
+    }
+}

@@ -1,0 +1,210 @@
+//! What there is to see of a failing case: the texel, the pictures, the bytes, the preview.
+
+use maud::{Markup, html};
+
+use crate::decode::decode;
+use crate::protocol::frame::{Frame, Samples, View};
+use crate::ptm::{Shape, Size, channel_name};
+use crate::report::html::origin::{self, Origin};
+use crate::report::html::pictures;
+use crate::report::html::preview;
+use crate::session::observation::{Observation, Response};
+use crate::suite::cases::{Built, Case, TableSpelling};
+use crate::suite::compare::{Difference, Expected};
+use crate::suite::dialect::Right;
+use crate::suite::texture::cases::TextureCase;
+
+/// Of a PTM file that was asked.
+pub(in crate::report) fn of_case(
+    case: &Case,
+    table: TableSpelling,
+    observation: &Observation,
+) -> Markup {
+    let built = case.build(table);
+    let shown = match &observation.response {
+        Response::Picture {
+            difference: Some(difference),
+            frame: Some(frame),
+            ..
+        } => of_picture(case, &built, &observation.view, difference, frame),
+        Response::Picture { .. } => accepted(&built),
+        _ => beginning(&built),
+    };
+    let several = matches!(
+        &observation.response,
+        Response::Picture {
+            right: Right::In { .. },
+            ..
+        }
+    );
+    html! {
+        @if several {
+            p.note { "The text leaves open how this file is read, and more than one picture is right; the reference's is shown." }
+        }
+        (shown)
+        @if !observation.stderr.is_empty() { (standard_error(&observation.stderr)) }
+    }
+}
+
+/// Of a texture question that was asked.
+pub(in crate::report) fn of_question(
+    case: &TextureCase,
+    observation: &Observation<TextureCase>,
+) -> Markup {
+    let received = match &observation.response {
+        Response::Picture { frame, .. } => frame.as_ref().unwrap_or(&case.expect).to_string(),
+        other => other.name().to_owned(),
+    };
+    html! {
+        @for (name, text) in [("The question", case.question().to_string()), ("Expected", case.expect.to_string()), ("Received", received)] {
+            p.label { (name) }
+            pre.bytes tabindex="0" { (text) }
+        }
+        @if !case.concerned().is_empty() {
+            p.note { "The text leaves open how this is read, and more than one answer is right; the reference's is shown." }
+        }
+        @if !observation.stderr.is_empty() { (standard_error(&observation.stderr)) }
+    }
+}
+
+/// The end of what a decoder complained of.
+pub(super) fn standard_error(stderr: &str) -> Markup {
+    const SHOWN: usize = 700;
+    let skipped = stderr.chars().count().saturating_sub(SHOWN);
+    let end: String = stderr.chars().skip(skipped).collect();
+    html! {
+        p.label { "Its standard error" @if skipped > 0 { ", the end" } }
+        pre.stderr tabindex="0" { (end) }
+    }
+}
+
+fn of_picture(
+    case: &Case,
+    built: &Built,
+    view: &View,
+    difference: &Difference,
+    frame: &Frame,
+) -> Markup {
+    let expected = Expected::of(&built.values, view);
+    let (Some(expected), Difference::Samples { x, y, .. }) = (&expected, difference) else {
+        return beginning(built);
+    };
+    let first = texel(expected, *x, *y);
+    let received = |i: usize| match &frame.samples {
+        Samples::U8(samples) => f64::from(samples[i]),
+        Samples::F32(samples) => f64::from(samples[i]),
+    };
+    let channel = (0..expected.channels)
+        .find(|channel| !expected.is_near(first + channel, received(first + channel)))
+        .unwrap_or_default();
+    let name = channel_name(expected.channels, channel);
+    html! {
+        p.label { "Texel (" (x) ", " (y) ")" }
+        div.scroll tabindex="0" { table.texel {
+            thead {
+                @if expected.channels == 18 {
+                    tr { td {} @for of in ["red", "green", "blue"] { th scope="colgroup" colspan="6" { (of) } } }
+                }
+                tr { td {} @for c in 0..expected.channels {
+                    th scope="col" { (channel_name(expected.channels, c).split(' ').next().unwrap_or_default()) }
+                } }
+            }
+            tbody {
+                tr { th scope="row" { "expected" } @for c in 0..expected.channels { td { (number(expected.value(first + c))) } } }
+                tr { th scope="row" { "received" } @for c in 0..expected.channels {
+                    @let value = received(first + c);
+                    @if expected.is_near(first + c, value) { td { (number(value)) } } @else { td.wrong { "≠ " (number(value)) } }
+                } }
+            }
+        } }
+        @if let Some(figure) = pictures::figure(expected, frame, (*x, *y, channel)) { (figure) }
+        (origins(&name, &built.file, &of_sample(case, built, view, expected.size, (*x, *y), channel)))
+        @if let Some(figure) = preview::figure(built, frame) { (figure) }
+    }
+}
+
+/// The number of the first sample of a texel.
+fn texel(expected: &Expected, x: usize, y: usize) -> usize {
+    (y * expected.size.width as usize + x) * expected.channels
+}
+
+/// Where a sample of `view` comes from.
+fn of_sample(
+    case: &Case,
+    built: &Built,
+    view: &View,
+    size: Size,
+    place: (usize, usize),
+    channel: usize,
+) -> Vec<Origin> {
+    let stored = |channels| origin::of_samples(case, &built.file, size, place, channels);
+    let shape = decode(&built.file).map(|ptm| ptm.planes.shape);
+    match (view, shape) {
+        (View::Raw, _) => stored(channel..channel + 1),
+        (View::Coef, Ok(shape)) => {
+            let mut origins = stored(channel..channel + 1);
+            if channel < shape.coefficients() {
+                origins.extend(origin::of_scale_and_bias(&built.file, channel));
+            }
+            origins
+        }
+        // A color is made of whole polynomials.
+        (View::Rgb(_), Ok(Shape::Rgb)) => stored(6 * channel..6 * channel + 6),
+        (View::Rgb(_), Ok(Shape::Lrgb)) => {
+            let mut origins = stored(0..6);
+            origins.extend(stored(6 + channel..7 + channel));
+            origins
+        }
+        (View::Rgb(_), Ok(Shape::Lum(_))) => stored(0..8),
+        _ => Vec::new(),
+    }
+}
+
+fn origins(name: &str, file: &[u8], origins: &[Origin]) -> Markup {
+    html! {
+        @if !origins.is_empty() { p.label { "Where " (name) " of that texel comes from" } }
+        @for origin in origins {
+            p.origin {
+                @if origin.range.len() == 1 { "Byte " (origin.range.start) } @else { "Bytes " (origin.range.start) "–" (origin.range.end.max(1) - 1) }
+                ": " (origin.what)
+                " " span.clauses { (origin.clause) }
+            }
+            (origin::excerpt(file, &origin.range))
+        }
+    }
+}
+
+/// A file that must be refused: what the reference finds wrong, and where.
+fn accepted(built: &Built) -> Markup {
+    match decode(&built.file) {
+        Err(error) => html! {
+            p.label { "What the reference says" }
+            p.origin { (error) }
+            (origin::excerpt(&built.file, &(error.offset()..error.offset() + 1)))
+        },
+        Ok(_) => beginning(built),
+    }
+}
+
+/// A file of which no picture came: how it begins.
+fn beginning(built: &Built) -> Markup {
+    const SHOWN: usize = 320;
+    let begins = &built.file[..built.file.len().min(SHOWN)];
+    let lines = begins.split_inclusive(|&byte| byte == b'\n');
+    let lines: Vec<String> = lines
+        .map(|line| line.escape_ascii().to_string().replace("\\n", "↵\n"))
+        .collect();
+    html! {
+        p.label { "The file begins (" (built.file.len()) " bytes in all)" }
+        pre.bytes tabindex="0" { (lines.concat()) }
+    }
+}
+
+/// A number as short as it may be.
+fn number(value: f64) -> String {
+    if value != 0.0 && (value.abs() < 1e-3 || value.abs() >= 1e7) {
+        return format!("{value:.4e}");
+    }
+    let text = format!("{value:.4}");
+    text.trim_end_matches('0').trim_end_matches('.').to_owned()
+}

@@ -1,0 +1,132 @@
+//! Many decoders on one page: implementation × clause.
+
+use maud::{Markup, html};
+
+use crate::report::document::{LikelyCause, Report};
+use crate::report::html::clause_map::{ClauseTally, by_section};
+use crate::report::html::shell::{verdict_mark, whole};
+use crate::suite::clauses::Clause;
+
+/// A table with a column for each of `reports`, all on one suite of `all` cases, and a row for each of its `clauses` that a
+/// case is about.
+///
+/// # Errors
+/// A sentence if the reports are not of one suite.
+pub fn matrix(reports: &[Report], clauses: &[Clause], all: usize) -> Result<String, String> {
+    let suite = reports.first().ok_or("no reports")?.suite;
+    if reports.iter().any(|report| report.suite != suite) {
+        return Err("these reports are not of one suite".to_owned());
+    }
+    let tallies: Vec<_> = reports.iter().map(ClauseTally::of).collect();
+    let suites: std::collections::BTreeSet<&str> = reports
+        .iter()
+        .map(|report| report.tool.corpus.as_str())
+        .collect();
+    let body = html! {
+        header.top {
+            div.bar {
+                span.brand { "ptm-conform " span { (env!("CARGO_PKG_VERSION")) } }
+                button #theme type="button" aria-pressed="false" title="Dark or light" { "◐ " span { "Dark or light" } }
+            }
+            p.kicker { (suite.title()) }
+            h1 { (reports.len()) " decoders, clause by clause" }
+        }
+        main #main tabindex="-1" {
+            @if suites.len() > 1 {
+                p.note { "These reports were made with different versions of the suite; their numbers are not to be compared." }
+            }
+            p.legend {
+                span.tile data-state="fail" { "✗" } " cases passed of cases judged, at least one failed "
+                span.tile data-state="pass" { "✓" } " all passed "
+                span.tile data-state="open" { "?" } " nothing judged: unsupported, inconclusive or not run "
+                span.tile data-state="none" { "·" } " no case about it was selected"
+            }
+            div.scroll tabindex="0" {
+                table.matrix {
+                    thead {
+                        tr { th scope="col" { "decoder" } @for i in 0..reports.len() { th scope="col" { (name(reports, i)) } } }
+                        (row("verdict", reports, |report| html! { span.verdict data-verdict=(report.verdict) { (verdict_mark(&report.verdict)) " " (report.verdict) } }))
+                        (row("cases", reports, |report| html! { (report.cases.len()) @if report.cases.len() < all { " of " (all) } }))
+                        (row("correctness", reports, |report| html! { (report.scores.correctness) }))
+                        (row("breadth", reports, |report| html! { (report.scores.breadth) }))
+                        (row("robustness", reports, |report| html! { (report.scores.robustness) }))
+                        (row("likely mistakes", reports, |report| mistakes(&report.diagnoses)))
+                    }
+                    @for (section, clauses) in by_section(clauses) {
+                        tbody {
+                            tr.section { th colspan=(reports.len() + 1) scope="rowgroup" { "Section " (section) } }
+                            @for clause in clauses {
+                                @if tallies.iter().any(|tallies| tallies.contains_key(clause.id.as_str())) {
+                                    tr {
+                                        th scope="row" { code { (clause.id) } " " span.rule { (clause.rule) } }
+                                        @for tallies in &tallies { (cell(tallies.get(clause.id.as_str()).copied().unwrap_or_default())) }
+                                    }
+                                }
+                            }
+                        }
+                    }
+                }
+            }
+        }
+    };
+    Ok(whole(
+        &format!("{} decoders — {}", reports.len(), suite.short()),
+        &body,
+    ))
+}
+
+/// The command of report `i`, with a number where others have the same.
+fn name(reports: &[Report], i: usize) -> Markup {
+    let command = &reports[i].decoder.command;
+    let alike = |reports: &[Report]| {
+        let alike = reports
+            .iter()
+            .filter(|report| report.decoder.command == *command);
+        alike.count()
+    };
+    html! {
+        code { (command) }
+        @if alike(reports) > 1 { " " span.quiet { "(" (alike(&reports[..=i])) ")" } }
+    }
+}
+
+/// Each mistake of the catalogue by its name; each kind of all others in words, once.
+fn mistakes(causes: &[LikelyCause]) -> Markup {
+    let mut kinds: Vec<&str> = causes
+        .iter()
+        .filter(|cause| cause.misreading.is_none())
+        .map(|cause| in_words(cause.name()))
+        .collect();
+    kinds.sort_unstable();
+    kinds.dedup();
+    html! {
+        @for slug in causes.iter().filter_map(|cause| cause.misreading.as_deref()) { code.cause { (slug) } " " }
+        @for kind in kinds { span.cause { (kind) } " " }
+    }
+}
+
+fn in_words(kind: &str) -> &str {
+    match kind {
+        "refusal" => "does not read some legal files",
+        "acceptance" => "reads malformed files",
+        "violation" => "crashes or hangs on files that need not be read",
+        "difference" => "returns wrong pictures",
+        "nondeterminism" => "answers the same request in two ways",
+        other => other,
+    }
+}
+
+fn row(name: &str, reports: &[Report], of: impl Fn(&Report) -> Markup) -> Markup {
+    html! { tr { th scope="row" { (name) } @for report in reports { td { (of(report)) } } } }
+}
+
+fn cell(tally: ClauseTally) -> Markup {
+    let (state, mark) = tally.state();
+    let judged = tally.passed + tally.failed;
+    html! {
+        td.result data-state=(state) {
+            (mark) " "
+            @if judged > 0 { (tally.passed) span { "/" (judged) } } @else if tally.open > 0 { span { (tally.open) " open" } }
+        }
+    }
+}

@@ -1,0 +1,291 @@
+//! Planes side by side: expected, received, and how far they are apart.
+//!
+//! - raw and rgb show a sample as the gray it is; coef shows each plane from its least to its greatest value.
+//! - Apart means: raw, the way around the circle of 256 values; rgb, the plain difference; coef, the difference as a part of
+//!   what the plane spans. What is near enough to pass is left blank.
+
+use maud::{Markup, PreEscaped, html};
+
+use crate::protocol::frame::{Frame, Samples};
+use crate::ptm::channel_name;
+use crate::suite::compare::Expected;
+
+/// The largest part of a plane that is shown, in texels a side.
+const LARGEST: usize = 48;
+
+/// Texels that are shown: columns and rows from `x` and `y`.
+struct Window {
+    x: usize,
+    y: usize,
+    width: usize,
+    height: usize,
+}
+
+/// Two frames of one shape, sample beside sample.
+struct Pair<'a> {
+    expected: &'a Expected,
+    frame: &'a Frame,
+    window: Window,
+    /// For coef, the least and greatest value of each plane in either frame.
+    spans: Vec<(f64, f64)>,
+}
+
+/// The pictures of a frame that differs from what was expected, `spot` being the first texel and channel that does.
+/// Nothing where there is nothing to lay side by side.
+pub(super) fn figure(
+    expected: &Expected,
+    frame: &Frame,
+    spot: (usize, usize, usize),
+) -> Option<Markup> {
+    let channels = expected.channels;
+    let pair = Pair::new(expected, frame, (spot.0, spot.1))?;
+    let groups = match channels {
+        18 => [0..6, 6..12, 12..18].to_vec(),
+        _ => std::iter::once(0..channels).collect(),
+    };
+    let wrong: Vec<usize> = (0..channels).map(|channel| pair.wrong(channel)).collect();
+    let (shown, equal): (Vec<_>, Vec<_>) = groups
+        .into_iter()
+        .partition(|group| wrong[group.clone()].iter().any(|&wrong| wrong > 0));
+    let texels = expected.size.texels();
+    let equal: Vec<&str> = equal
+        .iter()
+        .map(|group| ["red", "green", "blue"][group.start / 6 % 3])
+        .collect();
+    Some(html! {
+        figure.planes {
+            @for group in shown {
+                (pair.table(group, &wrong, texels, spot))
+            }
+            figcaption {
+                @if pair.window.width * pair.window.height < texels {
+                    "Response: columns " (pair.window.x) "–" (pair.window.x + pair.window.width - 1)
+                    " and rows " (pair.window.y) "–" (pair.window.y + pair.window.height - 1)
+                    " of " (expected.size) ". "
+                }
+                @if !equal.is_empty() { "Every plane of " (equal.join(" and ")) " is as it should be. " }
+                "The frame marks texel (" (spot.0) ", " (spot.1) "), the first that differs."
+            }
+        }
+    })
+}
+
+impl<'a> Pair<'a> {
+    fn new(expected: &'a Expected, frame: &'a Frame, spot: (usize, usize)) -> Option<Pair<'a>> {
+        let (width, height) = (expected.size.width as usize, expected.size.height as usize);
+        let count = match &frame.samples {
+            Samples::U8(samples) => samples.len(),
+            Samples::F32(samples) => samples.len(),
+        };
+        let alike = (frame.width, frame.height, frame.channels as usize)
+            == (expected.size.width, expected.size.height, expected.channels);
+        if !alike || count != expected.size.texels() * expected.channels {
+            return None;
+        }
+        // The texel in question in the middle, as far as the edges allow.
+        let from = |spot: usize, all: usize| {
+            spot.saturating_sub(LARGEST / 2)
+                .min(all.saturating_sub(LARGEST))
+        };
+        let mut pair = Pair {
+            expected,
+            frame,
+            window: Window {
+                x: from(spot.0, width),
+                y: from(spot.1, height),
+                width: width.min(LARGEST),
+                height: height.min(LARGEST),
+            },
+            spans: Vec::new(),
+        };
+        if frame.view == "coef" {
+            pair.spans = (0..expected.channels)
+                .map(|channel| pair.span(channel))
+                .collect();
+        }
+        Some(pair)
+    }
+
+    fn received(&self, i: usize) -> f64 {
+        match &self.frame.samples {
+            Samples::U8(samples) => f64::from(samples[i]),
+            Samples::F32(samples) => f64::from(samples[i]),
+        }
+    }
+
+    /// How many samples of a plane are wrong, in all of it.
+    fn wrong(&self, channel: usize) -> usize {
+        (0..self.expected.size.texels())
+            .map(|texel| texel * self.expected.channels + channel)
+            .filter(|&i| !self.expected.is_near(i, self.received(i)))
+            .count()
+    }
+
+    /// Sample number of a channel at a place in the window.
+    fn place(&self, x: usize, y: usize, channel: usize) -> usize {
+        let (x, y) = (self.window.x + x, self.window.y + y);
+        (y * self.expected.size.width as usize + x) * self.expected.channels + channel
+    }
+
+    /// The least and the greatest finite value of a plane in either frame.
+    fn span(&self, channel: usize) -> (f64, f64) {
+        let texels = 0..self.expected.size.texels();
+        let both = texels.flat_map(|texel| {
+            let i = texel * self.expected.channels + channel;
+            [self.expected.value(i), self.received(i)]
+        });
+        both.filter(|value| value.is_finite())
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| {
+                (low.min(value), high.max(value))
+            })
+    }
+
+    fn gray(&self, value: f64, channel: usize) -> u8 {
+        match self.spans.get(channel) {
+            Some((low, high)) if high > low => ((value - low) / (high - low) * 255.0) as u8,
+            Some(_) => 128,
+            None => value.round() as u8,
+        }
+    }
+
+    /// How far apart, from 0 (near enough) to 1.
+    fn apart(&self, i: usize, channel: usize) -> f64 {
+        let (expected, received) = (self.expected.value(i), self.received(i));
+        if self.expected.is_near(i, received) {
+            return 0.0;
+        }
+        let apart = (expected - received).abs();
+        let part = match self.spans.get(channel) {
+            Some((low, high)) => apart / (high - low),
+            None if self.frame.view == "raw" => apart.min(256.0 - apart) / 128.0,
+            None => apart / 255.0,
+        };
+        // Something is to be seen of the least difference; and what is no number is as far off as can be.
+        if part.is_finite() {
+            part.clamp(0.02, 1.0)
+        } else {
+            1.0
+        }
+    }
+
+    /// The colour of a channel at a place in the window, in a row of the table.
+    fn texel(&self, row: &str, x: usize, y: usize, channel: usize) -> [u8; 4] {
+        let i = self.place(x, y, channel);
+        let gray = |value: f64| {
+            let gray = self.gray(value, channel);
+            [gray, gray, gray, 255]
+        };
+        match row {
+            EXPECTED => gray(self.expected.value(i)),
+            RECEIVED => gray(self.received(i)),
+            _ => heat(self.apart(i, channel)),
+        }
+    }
+
+    /// A table with a column for each plane of `group`.
+    fn table(
+        &self,
+        group: std::ops::Range<usize>,
+        wrong: &[usize],
+        texels: usize,
+        (x, y, channel): (usize, usize, usize),
+    ) -> Markup {
+        let Window { width, height, .. } = self.window;
+        let scale = (52 / width).min(96 / height).clamp(1, 22);
+        let pitch = (width + 1) * scale;
+        let total = group.len() * (width + 1) - 1;
+        let names: Vec<String> = group
+            .clone()
+            .map(|channel| channel_name(self.expected.channels, channel))
+            .collect();
+        let (first, last) = (&names[0], &names[names.len() - 1]);
+        html! {
+            table style={ "--pitch:" (pitch) "px" } {
+                thead { tr {
+                    @if let Some((_, of)) = first.rsplit_once(" of ") { th scope="colgroup" { (of) } } @else { td {} }
+                    @for (name, channel) in names.iter().zip(group.clone()) {
+                        @let count = wrong[channel];
+                        th scope="col" .wrong[count > 0] title={ (name) ": " (count) " of " (texels) " samples differ" } {
+                            (name.split(' ').next().unwrap_or_default())
+                            small { @if count > 0 { "≠ " (count) } @else { "=" } }
+                        }
+                    }
+                } }
+                tbody {
+                    @for row in [EXPECTED, RECEIVED, APART] {
+                        @let pixels = self.strip(row, group.clone());
+                        tr {
+                            th scope="row" { (row) }
+                            td colspan=(group.len()) { span.strip {
+                                img width=(total * scale) height=(height * scale)
+                                    alt={ (row) ", " (first) " to " (last) }
+                                    src={ "data:image/png;base64," (PreEscaped(png(total, height, &pixels))) };
+                                @if group.contains(&channel) {
+                                    @let column = (channel - group.start) * (width + 1) + x - self.window.x;
+                                    i.spot style={
+                                        "left:" (column * scale) "px;top:" ((y - self.window.y) * scale) "px;width:"
+                                        (scale) "px;height:" (scale) "px"
+                                    } {}
+                                }
+                            } }
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    /// Planes side by side with a column of nothing between them, four bytes a texel.
+    fn strip(&self, row: &str, group: std::ops::Range<usize>) -> Vec<u8> {
+        let mut pixels = Vec::new();
+        for y in 0..self.window.height {
+            for channel in group.clone() {
+                if channel > group.start {
+                    pixels.extend([0; 4]);
+                }
+                for x in 0..self.window.width {
+                    pixels.extend(self.texel(row, x, y, channel));
+                }
+            }
+        }
+        pixels
+    }
+}
+
+const EXPECTED: &str = "expected";
+const RECEIVED: &str = "received";
+const APART: &str = "apart";
+
+/// Nothing for 0; then from amber over red to violet, which a page of either tone shows.
+fn heat(apart: f64) -> [u8; 4] {
+    if apart <= 0.0 {
+        return [0; 4];
+    }
+    let stops = [
+        [250.0, 178.0, 60.0],
+        [226.0, 62.0, 48.0],
+        [124.0, 30.0, 150.0],
+    ];
+    let (from, to, part) = if apart < 0.5 {
+        (stops[0], stops[1], apart * 2.0)
+    } else {
+        (stops[1], stops[2], apart * 2.0 - 1.0)
+    };
+    let mix = |i: usize| (from[i] + (to[i] - from[i]) * part) as u8;
+    [mix(0), mix(1), mix(2), 255]
+}
+
+/// A picture as PNG in base 64.
+fn png(width: usize, height: usize, rgba: &[u8]) -> String {
+    let mut bytes = Vec::new();
+    let mut encoder = png::Encoder::new(&mut bytes, width as u32, height as u32);
+    encoder.set_color(png::ColorType::Rgba);
+    encoder.set_depth(png::BitDepth::Eight);
+    encoder.set_compression(png::Compression::High);
+    let mut writer = encoder.write_header().expect("a picture has a width");
+    writer
+        .write_image_data(rgba)
+        .expect("there are four bytes for each pixel");
+    drop(writer);
+    data_encoding::BASE64.encode(&bytes)
+}

@@ -1,0 +1,64 @@
+//! The map under a light that one can move: expected beside received.
+//!
+//! The page holds the stored values and evaluates the polynomial (1.0) itself; what is received is drawn with the
+//! decoder's own values.
+
+use data_encoding::BASE64;
+use maud::{Markup, html};
+
+use crate::decode::decode;
+use crate::protocol::frame::{Frame, Samples, View};
+use crate::ptm::{ColorMatrix, Ptm, Shape};
+use crate::suite::cases::Built;
+use crate::suite::compare::{Expected, ExpectedValues};
+
+/// The most samples a preview holds; larger maps have none.
+const SAMPLES: usize = 24 << 10;
+
+/// A preview of what `frame` holds beside what it should hold; nothing for pictures under one light, which cannot be lit
+/// anew, for other shapes, and for large maps.
+pub(super) fn figure(built: &Built, frame: &Frame) -> Option<Markup> {
+    let expected = Expected::of(&built.values, &View::Raw)?;
+    let ExpectedValues::Raw(stored) = &expected.values else {
+        return None;
+    };
+    let shape = (
+        expected.size.width,
+        expected.size.height,
+        expected.channels as u32,
+    );
+    if shape != (frame.width, frame.height, frame.channels) || stored.len() > SAMPLES {
+        return None;
+    }
+    let Ptm { header, planes } = decode(&built.file).ok()?;
+    let matrix = match planes.shape {
+        Shape::Lum(ColorMatrix(elements)) => numbers(&elements),
+        _ => String::new(),
+    };
+    let (kind, received) = match &frame.samples {
+        Samples::U8(samples) if frame.view == "raw" => ("raw", BASE64.encode(samples)),
+        Samples::F32(samples) if frame.view == "coef" => {
+            let bytes: Vec<u8> = samples
+                .iter()
+                .flat_map(|value| value.to_le_bytes())
+                .collect();
+            ("coef", BASE64.encode(&bytes))
+        }
+        _ => return None,
+    };
+    Some(html! {
+        figure.preview data-width=(frame.width) data-height=(frame.height) data-channels=(frame.channels)
+            data-scale=(numbers(&header.scale_bias.scale)) data-bias=(numbers(&header.scale_bias.bias))
+            data-matrix=(matrix) data-expected=(BASE64.encode(stored)) data-kind=(kind) data-received=(received) {
+            figcaption { "Under a light: drag over a picture, or use the sliders." }
+        }
+    })
+}
+
+fn numbers(values: &[f64]) -> String {
+    values
+        .iter()
+        .map(ToString::to_string)
+        .collect::<Vec<_>>()
+        .join(" ")
+}

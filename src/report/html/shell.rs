@@ -1,0 +1,59 @@
+//! A page with its head, and the signs that stand for outcomes.
+
+use data_encoding::BASE64;
+use maud::{DOCTYPE, Markup, PreEscaped, html};
+use sha2::{Digest, Sha256};
+
+/// The style of reports and of the site.
+pub const STYLE: &str = include_str!("style.css");
+const SCRIPT: &str = include_str!("report.js");
+
+/// A page with its head.
+pub(super) fn whole(title: &str, body: &Markup) -> String {
+    let digest = BASE64.encode(&Sha256::digest(SCRIPT));
+    let policy = format!(
+        "default-src 'none'; img-src data:; style-src 'unsafe-inline'; script-src 'sha256-{digest}'; base-uri 'none'; form-action 'none'"
+    );
+    let markup = html! {
+        (DOCTYPE)
+        html lang="en" {
+            head {
+                meta charset="utf-8";
+                meta http-equiv="Content-Security-Policy" content=(policy);
+                meta name="viewport" content="width=device-width, initial-scale=1";
+                meta name="color-scheme" content="light dark";
+                meta name="generator" content=(concat!("ptm-conform ", env!("CARGO_PKG_VERSION")));
+                title { (title) }
+                // No icon, so that no browser asks for one.
+                link rel="icon" href="data:,";
+                style { (PreEscaped(STYLE)) }
+            }
+            body {
+                a.skip href="#main" { "To the results" }
+                (body)
+                script { (PreEscaped(SCRIPT)) }
+            }
+        }
+    };
+    markup.into_string()
+}
+
+/// A sign for an outcome, so that no color is needed to tell.
+pub(super) fn mark(outcome: &str) -> &'static str {
+    match outcome {
+        "pass" => "✓",
+        "fail" => "✗",
+        "implementation-defined" => "≠",
+        "inconclusive" => "?",
+        "unsupported" => "–",
+        "other dialect" => "≈",
+        "as assumed" => "=",
+        "not judged" => "·",
+        _ => "○",
+    }
+}
+
+/// A sign for a verdict.
+pub(super) fn verdict_mark(verdict: &str) -> &'static str {
+    if verdict == "pass" { "✓" } else { "✗" }
+}

@@ -1,0 +1,95 @@
+//! The report as `JUnit` XML, for what already reads test results.
+//!
+//! A failed case is a failure and a case that was not run is an error. What is no evidence is skipped: unsupported,
+//! inconclusive, another dialect, not judged, assumed, a known failure; and a lenient case that was answered in one of its
+//! right ways, because more than one is right.
+
+use quick_junit::{NonSuccessKind, TestCase, TestCaseStatus, TestSuite};
+
+use crate::report::document::{CaseResult, Report, section_of};
+use crate::session::outcome::Outcome;
+use crate::suite::cases::Expect;
+
+/// The XML, one test case for each case of `report`, under the section of its first clause.
+///
+/// # Errors
+/// None that a report can cause.
+pub fn junit(report: &Report) -> Result<String, String> {
+    let mut suite = TestSuite::new(report.decoder.command.as_str());
+    let scores = [
+        ("correctness", report.scores.correctness.to_string()),
+        ("breadth", report.scores.breadth.to_string()),
+        ("robustness", report.scores.robustness.to_string()),
+        ("verdict", report.verdict.clone()),
+    ];
+    for (name, value) in scores {
+        suite.add_property((name, value.as_str()));
+    }
+    if let Some(reason) = &report.reason {
+        let mut status = TestCaseStatus::non_success(NonSuccessKind::Error);
+        status
+            .set_message(report.verdict.as_str())
+            .set_description(reason);
+        let mut case = TestCase::new("first-files", status);
+        case.set_classname("ptm-conform");
+        suite.add_test_case(case);
+    }
+    suite.add_test_cases(report.cases.iter().map(|case| test_case(report, case)));
+    let mut junit = quick_junit::Report::new("ptm-conform");
+    junit.add_test_suite(suite);
+    junit.to_string().map_err(|error| error.to_string())
+}
+
+fn test_case(report: &Report, case: &CaseResult) -> TestCase {
+    let mut junit = TestCase::new(case.id.as_str(), status(report, case));
+    // A dot would separate packages.
+    let section = case
+        .clauses
+        .first()
+        .map_or("none", |clause| section_of(clause))
+        .replace('.', "_");
+    junit.set_classname(format!("ptm-conform.section-{section}"));
+    if let Some(stderr) = &case.stderr {
+        junit.set_system_err(stderr);
+    }
+    junit
+}
+
+fn status(report: &Report, case: &CaseResult) -> TestCaseStatus {
+    let says = case.says.as_deref().unwrap_or(&case.outcome);
+    let is = |outcome: Outcome| case.outcome == outcome.name();
+    if report.is_known(case) {
+        let mut status = TestCaseStatus::skipped();
+        status.set_message(format!("known failure: {says}"));
+        status
+    } else if is(Outcome::Fail) {
+        let mut status = TestCaseStatus::non_success(NonSuccessKind::Failure);
+        status
+            .set_message(says)
+            .set_type(format!("clause {}", case.clauses.join(", ")));
+        if let Some(cause) = report.cause_of(case) {
+            status.set_description(format!(
+                "The {} {} (clause {}). Fix: {}.",
+                report.suite.subject(),
+                cause.effect,
+                cause.clause,
+                cause.fix
+            ));
+        }
+        status
+    } else if is(Outcome::NotRun) {
+        let mut status = TestCaseStatus::non_success(NonSuccessKind::Error);
+        status.set_message(format!("not run: {says}"));
+        status
+    } else if is(Outcome::Pass) && case.expect != Expect::Lenient.name() {
+        TestCaseStatus::success()
+    } else {
+        let mut status = TestCaseStatus::skipped();
+        status.set_message(if is(Outcome::Pass) {
+            "lenient: more than one answer is right, and this was one of them"
+        } else {
+            says
+        });
+        status
+    }
+}

@@ -1,0 +1,91 @@
+//! What a decoder does with files outside the specification.
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+
+use crate::session::observation::Response;
+use crate::session::outcome::Outcome;
+use crate::session::run::Run;
+use crate::suite::cases::{Expect, Suite};
+use crate::suite::test_case::TestCase;
+
+/// Cases that are named as evidence.
+const NAMED: usize = 3;
+
+/// What a decoder did with the files of one lenient ruling. Refusing them and showing the reference's picture are both
+/// right.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Leniency {
+    /// The ruling.
+    pub ruling: String,
+    /// Files decoded as the reference decodes them.
+    pub decoded: usize,
+    /// Files refused.
+    pub refused: usize,
+    /// Files answered 69.
+    pub unsupported: usize,
+    /// Files that gave another picture or none.
+    pub other: usize,
+}
+
+impl Leniency {
+    /// In words: `lut-huge: 1 refused, 4 other results`.
+    pub(super) fn in_words(&self) -> String {
+        let counts = [
+            (self.decoded, "decoded"),
+            (self.refused, "refused"),
+            (self.unsupported, "unsupported"),
+            (
+                self.other,
+                if self.other == 1 {
+                    "other result"
+                } else {
+                    "other results"
+                },
+            ),
+        ];
+        let counts: Vec<String> = counts
+            .into_iter()
+            .filter(|&(count, _)| count > 0)
+            .map(|(count, what)| format!("{count} {what}"))
+            .collect();
+        format!("{}: {}", self.ruling, counts.join(", "))
+    }
+}
+
+/// What the decoder does outside the specification, ruling by ruling.
+pub(super) fn leniency<C: TestCase>(suite: &Suite<C>, run: &Run<C>) -> Vec<Leniency> {
+    let mut rulings: BTreeMap<&str, Leniency> = BTreeMap::new();
+    for (i, case) in suite.cases.iter().enumerate() {
+        let (Expect::Lenient, Some(ruling)) = (case.expect(), case.ruling()) else {
+            continue;
+        };
+        let (Some(observation), Some(judged)) = (&run.observations[i], &run.judgement.cases[i])
+        else {
+            continue;
+        };
+        let of = rulings.entry(ruling).or_insert_with(|| Leniency {
+            ruling: ruling.to_owned(),
+            ..Leniency::default()
+        });
+        match (&observation.response, judged.outcome) {
+            (Response::Rejected, _) => of.refused += 1,
+            (Response::Unsupported, _) => of.unsupported += 1,
+            (Response::Picture { .. }, Outcome::Pass) => of.decoded += 1,
+            _ => of.other += 1,
+        }
+    }
+    rulings.into_values().collect()
+}
+
+/// The first cases of a kind that passed.
+pub(super) fn passing<C: TestCase>(
+    suite: &Suite<C>,
+    run: &Run<C>,
+    is: impl Fn(usize) -> bool,
+) -> Vec<String> {
+    let passed = run.judgement.with(Outcome::Pass).filter(|&i| is(i));
+    let ids = passed.map(|i| suite.cases[i].id().to_owned());
+    ids.take(NAMED).collect()
+}

@@ -1,0 +1,229 @@
+//! From a run and its diagnoses to the report.
+
+use std::path::Path;
+
+use crate::diagnose::{Cause, Diagnosis};
+use crate::misreadings::Misreading;
+use crate::report::document::{
+    CaseResult, DecoderInfo, FollowedReading, LikelyCause, Report, SCHEMA, SuiteName, Tool,
+};
+use crate::report::leniency::{leniency, passing};
+use crate::report::reported::Reported;
+use crate::session::observation::{Observation, Response};
+use crate::session::outcome::{Judged, Outcome};
+use crate::session::remark::Remark;
+use crate::session::run::Run;
+use crate::suite::cases::Suite;
+use crate::suite::dialect::Right;
+use crate::suite::test_case::TestCase;
+
+impl Report {
+    /// The report of `run`, without causes. `command` is shown without directories.
+    #[must_use]
+    pub fn of<C: Reported>(
+        suite: &Suite<C>,
+        run: &Run<C>,
+        command: &[String],
+        limits: Vec<String>,
+    ) -> Report {
+        let verdict = match run.exit_status() {
+            0 => "pass",
+            1 => "fail",
+            _ if C::SUITE == SuiteName::Writers => "not a writer",
+            _ => "not a decoder",
+        };
+        let words: Vec<String> = command.iter().map(|word| base_name(word)).collect();
+        let views = run.offer.views.iter();
+        let remarks = run.remarks.iter().cloned();
+        Report {
+            schema: SCHEMA,
+            suite: C::SUITE,
+            tool: Tool {
+                name: env!("CARGO_PKG_NAME").to_owned(),
+                version: env!("CARGO_PKG_VERSION").to_owned(),
+                corpus: C::digest(suite),
+                limits,
+            },
+            decoder: DecoderInfo {
+                command: words.join(" "),
+                name: None,
+                version: None,
+                mode: "one-shot".to_owned(),
+                views: views.map(|&view| view.to_owned()).collect(),
+                decodes: (run.judgement.decoded.iter())
+                    .map(ToString::to_string)
+                    .collect(),
+                unsupported: unsupported(run),
+            },
+            verdict: verdict.to_owned(),
+            reason: run.not_a_decoder.clone(),
+            scores: run.scores(suite),
+            remarks: remarks.chain(another_transform(run)).collect(),
+            dialect: dialect(suite, run),
+            lenient: leniency(suite, run),
+            baseline: None,
+            diagnoses: Vec::new(),
+            cases: case_results(suite, run),
+        }
+    }
+
+    /// The same with likely causes, most telling first.
+    #[must_use]
+    pub fn explained_by<C: TestCase, A: 'static>(
+        mut self,
+        suite: &Suite<C>,
+        diagnoses: &[Diagnosis<A>],
+    ) -> Report {
+        self.diagnoses = likely_causes(suite, diagnoses);
+        self
+    }
+}
+
+fn case_results<C: TestCase>(suite: &Suite<C>, run: &Run<C>) -> Vec<CaseResult> {
+    let judged = suite.cases.iter().zip(&run.judgement.cases);
+    judged
+        .zip(&run.observations)
+        .filter_map(|((case, judged), observation)| {
+            Some(case_result(case, judged.as_ref()?, observation.as_ref()))
+        })
+        .collect()
+}
+
+fn case_result<C: TestCase>(
+    case: &C,
+    judged: &Judged,
+    observation: Option<&Observation<C>>,
+) -> CaseResult {
+    let stderr = observation.map(|observation| observation.stderr.clone());
+    CaseResult {
+        id: case.id().to_owned(),
+        outcome: judged.outcome.name().to_owned(),
+        view: observation.map(|observation| observation.view.to_string()),
+        expect: case.expectation().to_owned(),
+        clauses: case.clauses().to_vec(),
+        weak: observation.is_some_and(|observation| observation.weak),
+        says: Some(judged.says.clone()).filter(|says| !says.is_empty()),
+        stderr: stderr.filter(|stderr| judged.outcome == Outcome::Fail && !stderr.is_empty()),
+    }
+}
+
+/// The reading of each choice that some case showed, with the cases that show it.
+fn dialect<C: Reported>(suite: &Suite<C>, run: &Run<C>) -> Vec<FollowedReading> {
+    let followed = run.judgement.dialect.0.iter().zip(&run.judgement.settled);
+    let choices = followed.zip(C::CHOICES.iter()).enumerate();
+    let choices = choices.filter(|(_, ((_, settled), _))| **settled);
+    let choices = choices.map(|(axis, ((&reading, _), choice))| {
+        let shows = |i: usize| {
+            let observation = run.observations[i].as_ref();
+            matches!(
+                observation.map(|observation| &observation.response),
+                Some(Response::Picture { right: Right::In { axes, .. }, .. }) if axes.contains(&axis)
+            )
+        };
+        FollowedReading {
+            ruling: choice.ruling.to_owned(),
+            reading: choice.readings[reading].0.to_owned(),
+            shown_by: passing(suite, run, shows),
+        }
+    });
+    let mut readings = C::readings_of_files(suite, run);
+    readings.extend(choices);
+    readings
+}
+
+/// What it answers 69 to throughout: whole features, and views of single kinds of file.
+fn unsupported<C: Reported>(run: &Run<C>) -> Vec<String> {
+    let features = run.judgement.unsupported.iter().map(ToString::to_string);
+    let lacking = run.offer.lacking.iter();
+    let views = lacking
+        .filter(|(view, kind)| !C::is_listed(view, kind))
+        .map(|(view, kind)| format!("{view} of {kind}"));
+    features.chain(views).collect()
+}
+
+/// Ruling `jpeg-samples`: pictures of lossy JPEG that are right and not the reference's.
+fn another_transform<C: TestCase>(run: &Run<C>) -> Option<Remark> {
+    let is_another = |response: &Response<C>| {
+        matches!(
+            response,
+            Response::Picture {
+                another_transform: true,
+                ..
+            }
+        )
+    };
+    let observed = run.observations.iter().flatten();
+    let count = observed
+        .filter(|observation| is_another(&observation.response))
+        .count();
+    (count > 0).then(|| Remark::note(format!(
+        "{count} raw pictures of lossy JPEG planes are within the tolerance and not equal to the reference's: the decoder uses another inverse DCT"
+    )))
+}
+
+/// Diagnoses as a report has them.
+pub(super) fn likely_causes<C: TestCase, A: 'static>(
+    suite: &Suite<C>,
+    diagnoses: &[Diagnosis<A>],
+) -> Vec<LikelyCause> {
+    let causes = diagnoses.iter().map(|diagnosis| cause(suite, diagnosis));
+    causes.collect()
+}
+
+fn cause<C: TestCase, A: 'static>(suite: &Suite<C>, diagnosis: &Diagnosis<A>) -> LikelyCause {
+    let ids = |places: &[usize]| -> Vec<String> {
+        let ids = places.iter().map(|&i| suite.cases[i].id().to_owned());
+        ids.collect()
+    };
+    let cause = match &diagnosis.cause {
+        Cause::Misreading {
+            misreading,
+            alike,
+            with,
+        } => LikelyCause {
+            misreading: Some(misreading.slug.to_owned()),
+            clause: misreading.clause.to_owned(),
+            effect: misreading.effect.to_owned(),
+            fix: misreading.fix.to_owned(),
+            or: slugs(alike),
+            with: slugs(with),
+            ..LikelyCause::default()
+        },
+        Cause::Described {
+            category,
+            clause,
+            effect,
+            fix,
+            example,
+            alike,
+        } => LikelyCause {
+            kind: Some(category.name().to_owned()),
+            clause: clause.clone(),
+            effect: effect.clone(),
+            fix: fix.clone(),
+            example: Some(example.clone()),
+            or: slugs(alike),
+            ..LikelyCause::default()
+        },
+    };
+    LikelyCause {
+        explains: ids(&diagnosis.explains),
+        partly: ids(&diagnosis.partly),
+        except: ids(&diagnosis.except),
+        shows: diagnosis.shows.clone(),
+        ..cause
+    }
+}
+
+fn slugs<A: 'static>(misreadings: &[&Misreading<A>]) -> Vec<String> {
+    let slugs = misreadings.iter();
+    slugs.map(|misreading| misreading.slug.to_owned()).collect()
+}
+
+/// A word of a command without its directories.
+fn base_name(word: &str) -> String {
+    Path::new(word).file_name().map_or_else(
+        || word.to_owned(),
+        |name| name.to_string_lossy().into_owned(),
+    )
+}

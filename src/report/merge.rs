@@ -1,0 +1,245 @@
+//! Parts of a run put together: the decoder that the merged run asks is the answers that the parts kept.
+//!
+//! So everything that a whole run finds out is found out again by the same code: first files, spelling of tables, verdicts,
+//! dialect, diagnoses. A decoder that answers the same to the same request gets the report of the whole run, byte for
+//! byte.
+
+use std::collections::HashMap;
+use std::fs::File;
+use std::io::{BufRead, BufReader};
+use std::path::{Path, PathBuf};
+use std::sync::Mutex;
+
+use serde::de::DeserializeOwned;
+
+use crate::protocol::frame::Answer;
+use crate::report::conclude::{conclude, undo_common_transforms};
+use crate::report::document::Report;
+use crate::report::reported::Reported;
+use crate::report::shards::{self, Circumstances, End, Kept, OtherRemarks, Record, Shard};
+use crate::runner::run::{Reply, Request};
+use crate::session::asking::ReplyTo;
+use crate::session::plan::{Repeat, RunPlan};
+use crate::session::remark::Remark;
+use crate::session::run::{Progress, Run, Session};
+use crate::suite::cases::Suite;
+use crate::suite::test_case::TestCase;
+
+/// What the parts of a run kept.
+pub struct KeptAnswers<C: TestCase> {
+    /// By file, view, and whether a process of its own was asked.
+    known: HashMap<(String, String, bool), Kept<C::Output>>,
+    circumstances: Circumstances,
+    remarks: OtherRemarks,
+    selected: Vec<String>,
+}
+
+impl<C: Reported> KeptAnswers<C> {
+    /// Reads the answers beside these reports.
+    ///
+    /// # Errors
+    /// A sentence: a file is damaged or of another run, suite or version, or a part is missing, there twice or not ended.
+    pub fn read(suite: &Suite<C>, reports: &[PathBuf]) -> Result<KeptAnswers<C>, String> {
+        let mut known = HashMap::new();
+        let mut ends: Vec<(&Path, End)> = Vec::new();
+        for report in reports {
+            let (kept, end) = read(&shards::beside(report))
+                .map_err(|error| format!("{}: {error}", shards::beside(report).display()))?;
+            known.extend(kept.into_iter().map(|kept| {
+                let key = (kept.file.clone(), kept.view.clone(), kept.alone);
+                (key, kept)
+            }));
+            ends.push((report, end));
+        }
+        check_parts(&ends)?;
+        ends.sort_by_key(|(_, end)| end.part.number);
+        let (first, end) = ends.first().ok_or("no reports")?;
+        if end.corpus != C::digest(suite) {
+            return Err(format!(
+                "{}: its suite is not that of this program",
+                first.display()
+            ));
+        }
+        let mut remarks = OtherRemarks::default();
+        for (_, End { remarks: more, .. }) in &ends {
+            add_new(&mut remarks.before, &more.before);
+            add_new(&mut remarks.after, &more.after);
+        }
+        Ok(KeptAnswers {
+            known,
+            circumstances: end.circumstances.clone(),
+            remarks,
+            selected: ends
+                .iter()
+                .flat_map(|(_, end)| end.selected.clone())
+                .collect(),
+        })
+    }
+
+    /// The whole run and its report. `progress` is told as while cases are asked.
+    ///
+    /// # Errors
+    /// A sentence, if no part asked for something that the whole needs.
+    pub fn merge(
+        &self,
+        suite: &Suite<C>,
+        jobs: usize,
+        progress: &Progress<C>,
+    ) -> Result<(Run<C>, Report), String> {
+        let plan = self.plan(suite, jobs);
+        let missing = Mutex::new(None);
+        let ask = |request: &Request<'_, C::View>, _: usize| {
+            self.reply(suite, request).unwrap_or_else(|| {
+                let what = format!("{} in {}", request.name, request.view);
+                missing
+                    .lock()
+                    .expect("no worker panics")
+                    .get_or_insert(what);
+                Answer::NotStarted("no part of the run asked for this".to_owned()).into()
+            })
+        };
+        let mut session = Session::new(suite, &plan, &ask);
+        let mut contact = session.first_contact();
+        undo_common_transforms(
+            suite,
+            &mut session,
+            &mut contact,
+            &self.circumstances.assumed,
+        );
+        let observations = session.ask_cases(&contact, progress);
+        let mut run = session.verdicts(contact, observations, &|_, _| ());
+        if let Some(what) = missing.into_inner().expect("no worker panics") {
+            return Err(format!(
+                "no part of the run asked for {what}: does the decoder answer differently each time?"
+            ));
+        }
+        let report = conclude(suite, &mut run, &self.circumstances, &self.remarks, jobs)?;
+        Ok((run, report))
+    }
+
+    /// What the parts were asked, together.
+    fn plan(&self, suite: &Suite<C>, jobs: usize) -> RunPlan<C> {
+        let Circumstances {
+            declared_views,
+            declared_formats,
+            serves,
+            views,
+            withheld,
+            ..
+        } = &self.circumstances;
+        let ids = || suite.cases.iter().map(C::id);
+        let known = |views: &Vec<String>| -> Vec<&'static str> {
+            let is_asked = |view: &&str| views.iter().any(|asked| asked == view);
+            C::VIEWS.iter().copied().filter(is_asked).collect()
+        };
+        let kind = |name: &String| {
+            let mut kinds = suite.cases.iter().map(C::kind);
+            kinds.find(|kind| kind.to_string() == *name)
+        };
+        let why: HashMap<&str, &String> = withheld.iter().map(|(id, why)| (&**id, why)).collect();
+        RunPlan {
+            selected: ids()
+                .map(|id| self.selected.iter().any(|selected| selected == id))
+                .collect(),
+            views: known(views),
+            withheld: match withheld.is_empty() {
+                true => Vec::new(),
+                false => ids().map(|id| why.get(id).copied().cloned()).collect(),
+            },
+            declared_views: declared_views.as_ref().map(known),
+            declared_kinds: (declared_formats.as_ref())
+                .map(|names| names.iter().filter_map(kind).collect()),
+            repeat: match serves {
+                true => Repeat::FailuresAndSample,
+                false => Repeat::Failures,
+            },
+            ..RunPlan::of(suite, jobs)
+        }
+    }
+
+    /// What was answered. What no part asked for twice, because its own verdict gave no reason to, is taken to be steady.
+    fn reply(&self, suite: &Suite<C>, request: &Request<'_, C::View>) -> Option<ReplyTo<C>> {
+        let key = |alone| {
+            (
+                shards::digest(request.file),
+                request.view.to_string(),
+                alone,
+            )
+        };
+        let again = self.known.get(&key(true)).filter(|_| request.alone);
+        let kept = again.or_else(|| self.known.get(&key(false)))?;
+        let answer = match &kept.answer {
+            Some(answer) => answer.clone(),
+            None => Answer::Decoded(suite.case(&kept.case)?.expected_output(request.view)?),
+        };
+        Some(Reply {
+            stderr: kept.stderr.clone(),
+            exit: kept.exit,
+            after: kept.after.clone(),
+            served: kept.served.clone(),
+            ..answer.into()
+        })
+    }
+}
+
+fn add_new(remarks: &mut Vec<Remark>, more: &[Remark]) {
+    for remark in more {
+        if !remarks.contains(remark) {
+            remarks.push(remark.clone());
+        }
+    }
+}
+
+/// The answers of one part, and the line that ends them.
+fn read<T: DeserializeOwned>(path: &Path) -> Result<(Vec<Kept<T>>, End), String> {
+    let file = File::open(path).map_err(|error| error.to_string())?;
+    let mut answers = Vec::new();
+    for (number, line) in BufReader::new(file).lines().enumerate() {
+        let line = line.map_err(|error| error.to_string())?;
+        match serde_json::from_str(&line) {
+            Ok(Record::Answer(kept)) => answers.push(*kept),
+            Ok(Record::End(end)) => return Ok((answers, *end)),
+            Err(error) => return Err(format!("line {}: {error}", number + 1)),
+        }
+    }
+    Err("it has no last line; did the run not end?".to_owned())
+}
+
+/// Whether these are the parts of one run, all of them.
+fn check_parts(ends: &[(&Path, End)]) -> Result<(), String> {
+    let Some((first_path, first)) = ends.first() else {
+        return Err("no reports to merge".to_owned());
+    };
+    for (path, end) in ends {
+        let named = |what: &str| Err(format!("{}: {what}", path.display()));
+        if end.version != env!("CARGO_PKG_VERSION") {
+            return named(&format!(
+                "written by version {} of this program",
+                end.version
+            ));
+        }
+        if (end.part.of, &end.corpus, &end.circumstances)
+            != (first.part.of, &first.corpus, &first.circumstances)
+        {
+            return named(&format!("not of the same run as {}", first_path.display()));
+        }
+        if let Some(why) = &end.ended_early {
+            return named(&format!(
+                "part {} did not end: {why}; run it again",
+                end.part
+            ));
+        }
+    }
+    for number in 1..=first.part.of {
+        let part = Shard {
+            number,
+            ..first.part
+        };
+        match ends.iter().filter(|(_, end)| end.part == part).count() {
+            1 => {}
+            0 => return Err(format!("part {part} is missing")),
+            _ => return Err(format!("part {part} is there twice")),
+        }
+    }
+    Ok(())
+}

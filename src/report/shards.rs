@@ -1,0 +1,374 @@
+//! A run in parts, for more than one machine: which cases a part asks for, and what it keeps of the answers.
+//!
+//! A verdict on one case depends on others: on its twin, on what else of its feature is decoded, on the dialect. So parts
+//! are not merged report by report. Each keeps what its decoder answered, in a file beside its report, and the whole is
+//! judged from all answers as if one machine had asked for them (see [`merge`](super::merge)).
+//!
+//! The file has a line of JSON for each answer, written as it comes, and a last one that says of which run they are.
+
+use std::collections::HashMap;
+use std::fmt;
+use std::fs::File;
+use std::io::{self, BufWriter, Write};
+use std::path::{Path, PathBuf};
+use std::str::FromStr;
+use std::sync::Mutex;
+
+use serde::de::DeserializeOwned;
+use serde::{Deserialize, Serialize};
+use sha2::{Digest, Sha256};
+
+use crate::protocol::frame::Answer;
+use crate::report::document::Tool;
+use crate::runner::run::Request;
+use crate::session::asking::ReplyTo;
+use crate::session::observation::{Observation, Response};
+use crate::session::plan::RunPlan;
+use crate::session::remark::Remark;
+use crate::session::run::Run;
+use crate::suite::cases::Suite;
+use crate::suite::dialect::Right;
+use crate::suite::test_case::TestCase;
+
+/// One of so many parts of the suite: `3/8`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Shard {
+    /// From 1 on.
+    pub number: u32,
+    /// How many there are.
+    pub of: u32,
+}
+
+impl Shard {
+    /// Whether the case of that id belongs to it. That depends on the id alone, so new cases move no other.
+    #[must_use]
+    pub fn holds(self, id: &str) -> bool {
+        let digest = Sha256::digest(id.as_bytes());
+        let first = digest[..8]
+            .iter()
+            .fold(0, |n, &byte| n << 8 | u64::from(byte));
+        first % u64::from(self.of) == u64::from(self.number - 1)
+    }
+}
+
+impl FromStr for Shard {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Shard, String> {
+        let wrong = || format!("expected a part such as 3/8, found {text:?}");
+        let (number, of) = text.split_once('/').ok_or_else(wrong)?;
+        match (number.parse(), of.parse()) {
+            (Ok(number), Ok(of)) if (1..=of).contains(&number) => Ok(Shard { number, of }),
+            _ => Err(wrong()),
+        }
+    }
+}
+
+impl fmt::Display for Shard {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}/{}", self.number, self.of)
+    }
+}
+
+/// What is to be known of a run besides its answers.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Circumstances {
+    /// The command of the decoder.
+    pub command: Vec<String>,
+    /// What it calls itself.
+    pub name: Option<String>,
+    /// The version it gives.
+    pub version: Option<String>,
+    /// The views that it says it has.
+    pub declared_views: Option<Vec<String>>,
+    /// The formats that it says it reads.
+    pub declared_formats: Option<Vec<String>>,
+    /// Whether its processes answer many requests.
+    pub serves: bool,
+    /// Whether the answers were made before the run.
+    #[serde(default)]
+    pub precomputed: bool,
+    /// The views that were to be asked for; all if empty.
+    pub views: Vec<String>,
+    /// Why cases are not asked: id and reason.
+    pub withheld: Vec<(String, String)>,
+    /// Misreadings taken as given.
+    pub assumed: Vec<String>,
+    /// The limits in force, in words.
+    pub limits: Vec<String>,
+}
+
+impl Circumstances {
+    /// Those that the plan of a run tells; the others are empty.
+    #[must_use]
+    pub fn of<C: TestCase>(
+        suite: &Suite<C>,
+        plan: &RunPlan<C>,
+        command: &[String],
+        assumed: &[String],
+    ) -> Circumstances {
+        let words = |views: &Vec<&str>| views.iter().map(|&view| view.to_owned()).collect();
+        let withheld = suite.cases.iter().zip(&plan.withheld);
+        Circumstances {
+            command: command.to_vec(),
+            declared_views: plan.declared_views.as_ref().map(words),
+            declared_formats: (plan.declared_kinds.as_ref())
+                .map(|kinds| kinds.iter().map(ToString::to_string).collect()),
+            precomputed: plan.precomputed,
+            views: words(&plan.views),
+            withheld: withheld
+                .filter_map(|(case, why)| Some((case.id().to_owned(), why.clone()?)))
+                .collect(),
+            assumed: assumed.to_vec(),
+            ..Circumstances::default()
+        }
+    }
+
+    /// How the decoder was asked, as it stands in a report.
+    pub(super) fn mode(&self) -> &'static str {
+        match (self.precomputed, self.serves) {
+            (true, _) => "outputs",
+            (false, true) => "serve",
+            (false, false) => "one-shot",
+        }
+    }
+}
+
+/// Remarks on the run as a whole that are not made of answers: those that stand before the others, and those after.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub struct OtherRemarks {
+    /// Before the others.
+    pub before: Vec<Remark>,
+    /// After them.
+    pub after: Vec<Remark>,
+}
+
+/// The last line: of which run the answers are. A file without it is of a run that did not end.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct End {
+    /// The version of this program.
+    pub version: String,
+    /// The digest of the suite.
+    pub corpus: String,
+    /// The part.
+    pub part: Shard,
+    /// The run.
+    pub circumstances: Circumstances,
+    /// Remarks on the run as a whole that are not made of answers.
+    pub remarks: OtherRemarks,
+    /// The cases that are to be judged.
+    pub selected: Vec<String>,
+    /// Why the run ended before all cases were asked, if it did.
+    pub ended_early: Option<String>,
+}
+
+impl End {
+    /// The end of a part of a run.
+    #[must_use]
+    pub fn of<C: TestCase>(
+        suite: &Suite<C>,
+        plan: &RunPlan<C>,
+        run: &Run<C>,
+        tool: &Tool,
+        part: Shard,
+        circumstances: Circumstances,
+        remarks: OtherRemarks,
+    ) -> End {
+        let cases = suite.cases.iter().zip(&plan.selected);
+        let selected = cases.filter(|&(_, &selected)| selected);
+        End {
+            version: tool.version.clone(),
+            corpus: tool.corpus.clone(),
+            part,
+            circumstances,
+            remarks,
+            selected: selected.map(|(case, _)| case.id().to_owned()).collect(),
+            ended_early: run.ended_early.map(str::to_owned),
+        }
+    }
+}
+
+/// An answer as it is kept.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(bound(serialize = "T: Serialize", deserialize = "T: DeserializeOwned"))]
+pub struct Kept<T> {
+    /// The case.
+    pub case: String,
+    /// The beginning of the digest of its file, which is not the same in every spelling of tables.
+    pub file: String,
+    /// The view.
+    pub view: String,
+    /// Whether a process of its own was asked, to see whether it answers otherwise.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub alone: bool,
+    /// The answer; nothing for the expected picture.
+    pub answer: Option<Answer<T>>,
+    /// The exit status.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub exit: Option<i32>,
+    /// The beginning of standard error.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub stderr: String,
+    /// The request that the same process answered before.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub after: Option<String>,
+    /// What a serving process did instead.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub served: Option<Answer<T>>,
+}
+
+/// A line of the file.
+#[derive(Serialize, Deserialize)]
+#[serde(untagged)]
+#[serde(bound(serialize = "T: Serialize", deserialize = "T: DeserializeOwned"))]
+pub(super) enum Record<T> {
+    Answer(Box<Kept<T>>),
+    End(Box<End>),
+}
+
+/// The file beside a report that keeps the answers.
+#[must_use]
+pub fn beside(report: &Path) -> PathBuf {
+    let mut path = report.as_os_str().to_owned();
+    path.push(".answers");
+    path.into()
+}
+
+/// The beginning of the digest of a file.
+pub(super) fn digest(file: &[u8]) -> String {
+    let digest = Sha256::digest(file);
+    digest[..8]
+        .iter()
+        .map(|byte| format!("{byte:02x}"))
+        .collect()
+}
+
+/// Keeps answers as they come.
+pub struct Keeper<C: TestCase>(Mutex<Keeping<C::Output>>);
+
+struct Keeping<T> {
+    out: BufWriter<File>,
+    /// Answers that may prove to be the expected picture, by case and view.
+    waiting: HashMap<(String, String), Kept<T>>,
+    /// What kept the first line from being written that was not.
+    failed: Option<io::Error>,
+}
+
+impl<C: TestCase> Keeper<C> {
+    /// Begins a file.
+    ///
+    /// # Errors
+    /// Those of the file system.
+    pub fn new(path: &Path) -> io::Result<Keeper<C>> {
+        Ok(Keeper(Mutex::new(Keeping {
+            out: BufWriter::new(File::create(path)?),
+            waiting: HashMap::new(),
+            failed: None,
+        })))
+    }
+
+    /// Keeps an answer.
+    pub fn answered(&self, request: &Request<'_, C::View>, reply: &ReplyTo<C>) {
+        let kept = Kept {
+            case: request.name.to_owned(),
+            file: digest(request.file),
+            view: request.view.to_string(),
+            alone: request.alone,
+            answer: Some(reply.answer.clone()),
+            exit: reply.exit,
+            stderr: reply.stderr.clone(),
+            after: reply.after.clone(),
+            served: reply.served.clone(),
+        };
+        let mut keeping = self.0.lock().expect("no worker panics");
+        if kept.alone {
+            keeping.write(&Record::Answer(Box::new(kept)));
+        } else {
+            let key = (kept.case.clone(), kept.view.clone());
+            if let Some(before) = keeping.waiting.insert(key, kept) {
+                keeping.write(&Record::Answer(Box::new(before)));
+            }
+        }
+    }
+
+    /// Of the answer to a case that has just been asked for, if it is the expected picture, nothing more is kept.
+    pub fn observed(&self, case: &C, observation: &Observation<C>) {
+        let expected = matches!(
+            observation.response,
+            Response::Picture {
+                right: Right::Anyway(true),
+                difference: None,
+                another_transform: false,
+                ..
+            }
+        );
+        let mut keeping = self.0.lock().expect("no worker panics");
+        let key = (case.id().to_owned(), observation.view.to_string());
+        if let Some(mut kept) = keeping.waiting.remove(&key) {
+            if expected && case.expected_output(&observation.view).is_some() {
+                kept.answer = None;
+            }
+            keeping.write(&Record::Answer(Box::new(kept)));
+        }
+    }
+
+    /// Ends the file.
+    ///
+    /// # Errors
+    /// Those of the file system, the first that occurred.
+    pub fn finish(self, end: End) -> io::Result<()> {
+        let mut keeping = self.0.into_inner().expect("no worker panics");
+        let mut waiting: Vec<_> = keeping.waiting.drain().collect();
+        waiting.sort_by(|(a, _), (b, _)| a.cmp(b));
+        for (_, kept) in waiting {
+            keeping.write(&Record::Answer(Box::new(kept)));
+        }
+        keeping.write(&Record::End(Box::new(end)));
+        match keeping.failed {
+            Some(error) => Err(error),
+            None => keeping.out.flush(),
+        }
+    }
+}
+
+impl<T: Serialize> Keeping<T> {
+    fn write(&mut self, record: &Record<T>) {
+        let written = serde_json::to_writer(&mut self.out, record)
+            .map_err(io::Error::other)
+            .and_then(|()| self.out.write_all(b"\n"));
+        if let Err(error) = written {
+            self.failed.get_or_insert(error);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_part_is_a_number_of_a_number() {
+        assert_eq!("3/8".parse(), Ok(Shard { number: 3, of: 8 }));
+        for wrong in ["", "3", "0/8", "9/8", "1/0", "3/8/1", "a/8", "-1/8"] {
+            assert!(wrong.parse::<Shard>().is_err(), "{wrong}");
+        }
+    }
+
+    /// An assignment that moved would part old reports from new ones.
+    #[test]
+    fn every_case_has_one_part_for_ever() {
+        let part_of = |id: &str| {
+            let parts = (1..=8).filter(|&number| Shard { number, of: 8 }.holds(id));
+            parts.collect::<Vec<_>>()
+        };
+        assert_eq!(part_of("one-texel-rgb"), [7]);
+        assert_eq!(part_of("hand-rgb-blocks"), [7]);
+        let counts = (1..=8).map(|number| {
+            let part = Shard { number, of: 8 };
+            (0..8000)
+                .filter(|i| part.holds(&format!("case-{i}")))
+                .count()
+        });
+        assert!(counts.into_iter().all(|count| (900..1100).contains(&count)));
+    }
+}

@@ -1,0 +1,427 @@
+//! The report as text for a terminal: every word that the user of `check` reads.
+
+use std::collections::BTreeMap;
+use std::fmt::Write;
+
+use crate::report::document::{
+    CaseResult, DecoderInfo, FollowedReading, LikelyCause, Report, SuiteName,
+};
+use crate::report::leniency::Leniency;
+use crate::report::words::known_words;
+use crate::session::outcome::Outcome;
+use crate::session::run::Run;
+use crate::suite::cases::Suite;
+use crate::suite::test_case::TestCase;
+
+/// Failures that are named under a cause of the catalog, and under one that is described.
+const EXAMPLES: (usize, usize) = (2, 1);
+
+impl Report {
+    /// As text for a terminal, at most `shown` failures in full.
+    #[must_use]
+    pub fn to_text<C: TestCase>(&self, suite: &Suite<C>, shown: usize) -> String {
+        let mut text = String::new();
+        let page = Page {
+            report: self,
+            suite,
+            failing: self.with(Outcome::Fail).collect(),
+        };
+        page.write(shown, &mut text)
+            .expect("writing to memory does not fail");
+        text
+    }
+
+    /// All that is said of the cases whose id is `wanted`, as text.
+    #[must_use]
+    pub fn cases_to_text<C: TestCase>(
+        &self,
+        suite: &Suite<C>,
+        wanted: impl Fn(&str) -> bool,
+    ) -> String {
+        let mut text = String::new();
+        for case in self.cases.iter().filter(|case| wanted(&case.id)) {
+            write_case(case, suite, &mut text).expect("writing to memory does not fail");
+        }
+        text
+    }
+
+    /// How many cases have each outcome, in words.
+    #[must_use]
+    pub fn counts(&self) -> String {
+        let count = |outcome: &Outcome| (self.with(*outcome).count(), outcome.name());
+        let counts = Outcome::ALL.iter().map(count);
+        let counts = counts.filter(|&(count, _)| count > 0);
+        let counts: Vec<String> = counts
+            .map(|(count, name)| format!("{count} {name}"))
+            .collect();
+        counts.join(", ")
+    }
+}
+
+/// Likely causes that are told while a run goes on.
+const FIRST_CAUSES: usize = 5;
+
+/// What the first cases of a run show, for a terminal; nothing where none of them failed.
+#[must_use]
+pub fn first_causes_to_text<C: TestCase>(run: &Run<C>, causes: &[LikelyCause]) -> Option<String> {
+    let judged = run.judgement.cases.iter().flatten().count();
+    let failed = run.judgement.with(Outcome::Fail).count();
+    if failed == 0 {
+        return None;
+    }
+    let mut text = format!(
+        "Of the first {judged} cases {failed} failed. Likely causes; the whole run confirms or corrects them:"
+    );
+    for cause in causes.iter().take(FIRST_CAUSES) {
+        let clause = match cause.blames_its_clause() {
+            true => format!(" (clause {})", cause.clause),
+            false => String::new(),
+        };
+        let _ = write!(
+            text,
+            "\n  {} of {failed} failures: the decoder {}{clause}.\n    Fix: {}.",
+            cause.explains.len(),
+            cause.effect,
+            cause.fix
+        );
+    }
+    if causes.len() > FIRST_CAUSES {
+        let _ = write!(text, "\n  … and {} more", causes.len() - FIRST_CAUSES);
+    }
+    if causes.is_empty() {
+        text += "\n  none yet";
+    }
+    Some(text)
+}
+
+/// A report on its way to a terminal.
+struct Page<'a, C: TestCase> {
+    report: &'a Report,
+    suite: &'a Suite<C>,
+    failing: Vec<&'a CaseResult>,
+}
+
+impl<C: TestCase> Page<'_, C> {
+    fn write(&self, shown: usize, out: &mut String) -> std::fmt::Result {
+        if let Some(reason) = &self.report.reason {
+            return self.write_no_decoder(reason, out);
+        }
+        for remark in &self.report.remarks {
+            let kind = if remark.failure { "FAIL" } else { "note" };
+            writeln!(out, "{kind}: {}", remark.says.replace('\n', "\n  "))?;
+        }
+        if !self.report.remarks.is_empty() {
+            writeln!(out)?;
+        }
+        for cause in &self.report.diagnoses {
+            self.write_cause(cause, out)?;
+        }
+        self.write_unexplained(shown, out)?;
+        self.write_summary(out)
+    }
+
+    fn write_no_decoder(&self, reason: &str, out: &mut String) -> std::fmt::Result {
+        let DecoderInfo { command, .. } = &self.report.decoder;
+        let subject = self.report.suite.subject();
+        writeln!(out, "{command} is not a {subject}: {reason}")?;
+        match self.report.suite {
+            SuiteName::Texture => writeln!(
+                out,
+                "It is called as: DECODER texture FILE, for example: {command} texture case.json\nFILE is a question in JSON, the answer on standard output a JSON object; see spec-cases/texture/README.md."
+            ),
+            SuiteName::Writers => writeln!(
+                out,
+                "A writer is called as: WRITER write REQUEST OUT, for example: {command} write request.json out.ptm\nREQUEST is a JSON file, and the PTM goes to OUT; see docs/writers.md."
+            ),
+            SuiteName::Ptm if command.contains("{in}") => writeln!(
+                out,
+                "A program called by --cmd reads the file {{in}} and writes a picture to {{out}}, or prints it; see docs/check.md."
+            ),
+            SuiteName::Ptm => writeln!(
+                out,
+                "A decoder is called as: DECODER VIEW FILE, for example: {command} raw x.ptm\nFor raw it prints \"PTM1 raw WIDTH HEIGHT CHANNELS u8\", a line feed and the samples; see the README.\nWhat keeps it from that, step by step: ptm-conform probe DECODER"
+            ),
+        }
+    }
+
+    /// A cause, what to do about it, and two of its cases.
+    fn write_cause(&self, cause: &LikelyCause, out: &mut String) -> std::fmt::Result {
+        let (count, all) = (cause.explains.len(), self.failing.len());
+        let clause = match cause.blames_its_clause() {
+            true => format!(" (clause {})", cause.clause),
+            false => String::new(),
+        };
+        writeln!(
+            out,
+            "{count} of {all} failures: the {} {}{clause}.",
+            self.report.suite.subject(),
+            cause.effect
+        )?;
+        write_details(cause, self.report.suite, out)?;
+        match &cause.misreading {
+            Some(slug) => writeln!(
+                out,
+                "  Fix: {}. More: ptm-conform explain {slug}",
+                cause.fix
+            )?,
+            None => writeln!(out, "  Fix: {}.", cause.fix)?,
+        }
+        let examples = match cause.misreading {
+            Some(_) => EXAMPLES.0,
+            None => EXAMPLES.1,
+        };
+        let explained = |case: &&&CaseResult| cause.explains.contains(&case.id);
+        for case in self.failing.iter().filter(explained).take(examples) {
+            self.write_failure(case, out)?;
+        }
+        writeln!(out)
+    }
+
+    /// Failures without a cause.
+    fn write_unexplained(&self, shown: usize, out: &mut String) -> std::fmt::Result {
+        let failing = self.failing.iter().copied();
+        let unexplained: Vec<&CaseResult> = failing
+            .filter(|case| self.report.cause_of(case).is_none())
+            .collect();
+        if unexplained.is_empty() {
+            return Ok(());
+        }
+        let (count, all) = (unexplained.len(), self.failing.len());
+        writeln!(out, "Unexplained failures: {count} of {all}")?;
+        let (alike, single) = by_kind(&unexplained);
+        for (kind, cases) in &alike {
+            writeln!(out, "  {} times {kind}; for example", cases.len())?;
+            for case in cases.iter().take(2) {
+                self.write_failure(case, out)?;
+            }
+        }
+        for case in single.iter().take(shown) {
+            self.write_failure(case, out)?;
+        }
+        if single.len() > shown {
+            let more = single.len() - shown;
+            writeln!(out, "  … and {more} more; the report has them all")?;
+        }
+        writeln!(out)
+    }
+
+    fn write_failure(&self, case: &CaseResult, out: &mut String) -> std::fmt::Result {
+        writeln!(out, "  FAIL {}  ({})", case.id, case.clauses.join(", "))?;
+        writeln!(
+            out,
+            "    {}: {}",
+            case.view.as_deref().unwrap_or_default(),
+            case.says.as_deref().unwrap_or_default()
+        )?;
+        if let Some(case) = self.suite.case(&case.id) {
+            for line in case.because().lines() {
+                writeln!(out, "    {line}")?;
+            }
+        }
+        let stderr = case.stderr.as_ref();
+        match stderr.and_then(|stderr| stderr.lines().last()) {
+            Some(line) => writeln!(out, "    its standard error ends: {line}"),
+            None => Ok(()),
+        }
+    }
+
+    /// Dialect, counts and scores.
+    fn write_summary(&self, out: &mut String) -> std::fmt::Result {
+        let report = self.report;
+        self.write_dialect(out)?;
+        let lenient = report.lenient.iter().map(Leniency::in_words);
+        write_list(
+            out,
+            "outside the specification",
+            &lenient.collect::<Vec<_>>(),
+        )?;
+        if !report.decoder.unsupported.is_empty() {
+            let unsupported = report.decoder.unsupported.join(", ");
+            writeln!(out, "unsupported, as it says itself: {unsupported}")?;
+        }
+        let (judged, all) = (report.cases.len(), self.suite.cases.len());
+        let selection = match judged < all {
+            true => format!(" ({judged} of {all} cases selected)"),
+            false => String::new(),
+        };
+        writeln!(out, "{}: {}{selection}", report.verdict, report.counts())?;
+        for ((outcome, says), count) in self.not_conclusive() {
+            writeln!(out, "{count} {outcome}: {says}")?;
+        }
+        let weak = report.cases.iter().filter(|case| case.weak).count();
+        if weak > 0 {
+            writeln!(
+                out,
+                "{weak} refusals are weak: their exit status may mean a crash as well, and is less evidence than 65"
+            )?;
+        }
+        let scores = &report.scores;
+        writeln!(
+            out,
+            "correctness {}, breadth {}, robustness {}",
+            scores.correctness, scores.breadth, scores.robustness
+        )
+    }
+
+    /// In how many open questions it reads as the reference does, and how it reads the others.
+    fn write_dialect(&self, out: &mut String) -> std::fmt::Result {
+        let of_reference = |known: &&FollowedReading| {
+            let choice = C::CHOICES
+                .iter()
+                .find(|choice| choice.ruling == known.ruling);
+            choice.is_some_and(|choice| choice.readings[0].0 == known.reading)
+        };
+        let (alike, own): (Vec<_>, Vec<_>) = self.report.dialect.iter().partition(of_reference);
+        let alike = match alike.len() {
+            0 => None,
+            1 => Some("1 open question read as the reference does".to_owned()),
+            many => Some(format!("{many} open questions read as the reference does")),
+        };
+        let own = own
+            .iter()
+            .map(|known| format!("{}: {}", known.ruling, known.reading));
+        write_list(
+            out,
+            "dialect",
+            &alike.into_iter().chain(own).collect::<Vec<_>>(),
+        )
+    }
+
+    /// Why cases were inconclusive or not judged, and how many.
+    fn not_conclusive(&self) -> BTreeMap<(&'static str, &str), usize> {
+        let mut reasons = BTreeMap::new();
+        let inconclusive = Outcome::Inconclusive.name();
+        let twins = match self.failing.is_empty() {
+            true => "the valid twin was not decoded",
+            false => "the valid twin was not decoded, or misread too",
+        };
+        let count = self.report.with(Outcome::Inconclusive).count();
+        if count > 0 {
+            reasons.insert((inconclusive, twins), count);
+        }
+        for case in self.report.with(Outcome::NotJudged) {
+            let says = case.says.as_deref().unwrap_or_default();
+            *reasons
+                .entry((Outcome::NotJudged.name(), says))
+                .or_default() += 1;
+        }
+        reasons
+    }
+}
+
+fn write_list(out: &mut String, name: &str, items: &[String]) -> std::fmt::Result {
+    match items.is_empty() {
+        true => Ok(()),
+        false => writeln!(out, "{name}: {}", items.join("; ")),
+    }
+}
+
+/// What else is known of a cause, a line each.
+fn write_details(cause: &LikelyCause, suite: SuiteName, out: &mut String) -> std::fmt::Result {
+    let subject = suite.subject();
+    for (slug, words) in known_words(suite, &cause.or).take(3) {
+        writeln!(
+            out,
+            "  or, which fails the same cases: it {} (clause {}; {slug})",
+            words.effect, words.clause
+        )?;
+    }
+    for (slug, words) in known_words(suite, &cause.with) {
+        writeln!(out, "  in some of them also: it {} ({slug})", words.effect)?;
+    }
+    if !cause.partly.is_empty() {
+        writeln!(
+            out,
+            "  {} more in part: it goes wrong there too, but not in just this way",
+            cause.partly.len()
+        )?;
+    }
+    if let Some(passing) = cause.except.first() {
+        writeln!(
+            out,
+            "  But not everywhere: {} cases pass that such a {subject} would fail, for example {passing}",
+            cause.except.len()
+        )?;
+    }
+    if let Some(shows) = &cause.shows {
+        writeln!(
+            out,
+            "  All that shows of it: the {subject} {shows}. Other causes would show alike"
+        )?;
+    }
+    match &cause.example {
+        Some(example) => writeln!(out, "  {}", capitalized(example)),
+        None => Ok(()),
+    }
+}
+
+fn capitalized(text: &str) -> String {
+    let mut letters = text.chars();
+    letters.next().map_or(String::new(), |first| {
+        first.to_uppercase().chain(letters).collect()
+    })
+}
+
+fn write_case<C: TestCase>(
+    case: &CaseResult,
+    suite: &Suite<C>,
+    out: &mut String,
+) -> std::fmt::Result {
+    let weak = if case.weak { ", weakly" } else { "" };
+    let CaseResult { id, outcome, .. } = case;
+    writeln!(out, "{id}: {outcome}{weak}  ({})", case.clauses.join(", "))?;
+    if let Some(case) = suite.case(id) {
+        for line in case.because().lines() {
+            writeln!(out, "  {line}")?;
+        }
+    }
+    let asked = case.view.as_deref();
+    let asked = asked.map(|view| format!(", asked in {view}"));
+    let asked = asked.unwrap_or_default();
+    writeln!(out, "  expected: {}{asked}", case.expect)?;
+    if let Some(says) = &case.says {
+        writeln!(out, "  {says}")?;
+    }
+    if let Some(stderr) = &case.stderr {
+        writeln!(out, "  its standard error:")?;
+        for line in stderr.lines() {
+            writeln!(out, "    {line}")?;
+        }
+    }
+    Ok(())
+}
+
+/// Failures of which the same is said.
+type Alike<'a> = Vec<(&'a str, Vec<&'a CaseResult>)>;
+
+/// Crashes, hangs and the like that occur more than once, by what is said of them; and all other failures.
+fn by_kind<'a>(failures: &[&'a CaseResult]) -> (Alike<'a>, Vec<&'a CaseResult>) {
+    let mut kinds: Alike = Vec::new();
+    let mut single = Vec::new();
+    for &case in failures {
+        let says = case.says.as_deref().unwrap_or_default();
+        let is_violation = VIOLATIONS.iter().any(|name| {
+            says.strip_prefix(name)
+                .is_some_and(|rest| rest.starts_with(": "))
+        });
+        match kinds.iter_mut().find(|(kind, _)| *kind == says) {
+            _ if !is_violation => single.push(case),
+            Some((_, cases)) => cases.push(case),
+            None => kinds.push((says, vec![case])),
+        }
+    }
+    let (alike, rare): (Vec<_>, Vec<_>) = kinds.into_iter().partition(|(_, cases)| cases.len() > 2);
+    single.extend(rare.into_iter().flat_map(|(_, cases)| cases));
+    (alike, single)
+}
+
+/// What is neither a picture nor a refusal, as [`Answer::name`](crate::protocol::frame::Answer::name) calls it.
+const VIOLATIONS: [&str; 7] = [
+    "protocol error",
+    "crash",
+    "hang",
+    "flood",
+    "out of memory",
+    "tampering",
+    "not started",
+];

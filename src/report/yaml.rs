@@ -1,0 +1,52 @@
+//! Writing a report as YAML, and reading it back.
+//!
+//! The file may be anything: only so much of it is read, anchors and aliases have no business in it, and an error names
+//! the line.
+
+use std::path::Path;
+
+use serde::Deserialize;
+
+use crate::kit::yaml::{from_yaml, text_of, to_yaml};
+use crate::report::document::{Report, SCHEMA};
+
+/// What tells one version of the form from another.
+#[derive(Deserialize)]
+struct Form {
+    schema: Option<u32>,
+}
+
+impl Report {
+    /// As YAML.
+    ///
+    /// # Errors
+    /// None that a report can cause.
+    pub fn to_yaml(&self) -> Result<String, String> {
+        to_yaml(self)
+    }
+
+    /// Reads the report that `check` has written to `path`.
+    ///
+    /// # Errors
+    /// A sentence that names the file, and the line at fault where there is one; also for a report of another version.
+    pub fn read(path: &Path) -> Result<Report, String> {
+        let text = text_of(path)?;
+        let named = |error: String| format!("{}: {error}", path.display());
+        let hint = match text.starts_with("- ") {
+            true => {
+                "\nit is a list, as FILE.partial is; a report is a mapping that begins with schema:"
+            }
+            false => "",
+        };
+        let form = from_yaml::<Form>(&text).map_err(|error| named(error + hint))?;
+        match form.schema {
+            Some(SCHEMA) => from_yaml(&text).map_err(named),
+            Some(other) => Err(named(format!(
+                "line 1: a report of schema {other}, and this program reads schema {SCHEMA}"
+            ))),
+            None => Err(named(format!(
+                "line 1: no report of schema {SCHEMA}; run check again if an older version wrote it"
+            ))),
+        }
+    }
+}

@@ -1,0 +1,181 @@
+//! Asks a function instead of a program: the process that started this one listens at a Unix socket and answers there.
+//!
+//! ```text
+//! to the caller     NAME VIEW NBYTES, a line feed and the PTM file
+//! from it           WORD NBYTES, a line feed and so many bytes
+//! ```
+//!
+//! WORD is `ok` before an answer (a frame, an array or a picture); `reject`, `unsupported`, `crash` or `error` before a
+//! message. `error` is an answer of another kind than was asked for. There is no time limit, because a function cannot be
+//! ended without its process; the caller can end itself.
+
+use std::io::{self, BufRead, BufReader, Read, Write};
+use std::os::unix::net::UnixStream;
+use std::path::Path;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex};
+
+use crate::protocol::forms;
+use crate::protocol::frame::{Answer, View};
+use crate::runner::run::{Reply, Request};
+
+/// Longest first line of an answer.
+const LONGEST_LINE: u64 = 100;
+/// Most bytes of a message that are kept.
+const LONGEST_MESSAGE: u64 = 4096;
+
+/// A process that answers by a function of its own.
+pub struct Caller {
+    stream: Mutex<BufReader<UnixStream>>,
+    /// Set when the caller is gone, and the run is to end.
+    stop: Arc<AtomicBool>,
+}
+
+impl Caller {
+    /// Connects to the process that listens at `socket`. `stop` is set when it has gone away.
+    ///
+    /// # Errors
+    /// If nobody listens there.
+    pub fn connect(socket: &Path, stop: &Arc<AtomicBool>) -> io::Result<Caller> {
+        Ok(Caller {
+            stream: Mutex::new(BufReader::new(UnixStream::connect(socket)?)),
+            stop: Arc::clone(stop),
+        })
+    }
+
+    /// Asks for one view of a file.
+    ///
+    /// # Panics
+    /// Never: no request panics while it holds the stream.
+    #[must_use]
+    pub fn ask(&self, request: &Request) -> Reply {
+        let mut stream = self.stream.lock().expect("no request panics");
+        exchange(&mut stream, request).unwrap_or_else(|error| {
+            self.stop.store(true, Ordering::Relaxed);
+            Reply::from(Answer::NotAsked(format!(
+                "the caller does not answer: {error}"
+            )))
+        })
+    }
+}
+
+/// One request and its answer.
+fn exchange(stream: &mut BufReader<UnixStream>, request: &Request) -> io::Result<Reply> {
+    let Request {
+        name, view, file, ..
+    } = request;
+    let line = format!("{name} {view} {}\n", file.len());
+    let connection = stream.get_mut();
+    connection.write_all(&[line.as_bytes(), file].concat())?;
+    let (word, length) = first_line(stream)?;
+    let most = match word.as_str() {
+        "ok" => request.most() as u64,
+        _ => LONGEST_MESSAGE,
+    };
+    let mut bytes = Vec::new();
+    let read = stream
+        .by_ref()
+        .take(length.min(most))
+        .read_to_end(&mut bytes)? as u64;
+    let rest = io::copy(&mut stream.by_ref().take(length - read), &mut io::sink())?;
+    if read + rest != length {
+        return Err(io::ErrorKind::UnexpectedEof.into());
+    }
+    let message = || String::from_utf8_lossy(&bytes).into_owned();
+    let answer = match word.as_str() {
+        "ok" if length > most => {
+            Answer::Flooded(format!("{length} bytes, at most {most} are read"))
+        }
+        "ok" => of_bytes(&bytes, request.view, request.most()),
+        "reject" => Answer::Rejected,
+        "unsupported" => Answer::Unsupported,
+        "crash" => Answer::Crashed(message()),
+        "error" => Answer::ProtocolError(message()),
+        _ => return Err(io::Error::other(format!("it says {word:?}"))),
+    };
+    let stderr = if word == "ok" {
+        String::new()
+    } else {
+        message()
+    };
+    Ok(Reply {
+        stderr,
+        ..Reply::from(answer)
+    })
+}
+
+fn of_bytes(bytes: &[u8], view: &View, most: usize) -> Answer {
+    match forms::read(bytes, view, most) {
+        Ok(frame) => Answer::Decoded(frame),
+        Err(what) => Answer::ProtocolError(what),
+    }
+}
+
+/// The word of an answer, and how many bytes follow.
+fn first_line(stream: &mut BufReader<UnixStream>) -> io::Result<(String, u64)> {
+    let mut line = String::new();
+    stream.by_ref().take(LONGEST_LINE).read_line(&mut line)?;
+    if line.is_empty() {
+        return Err(io::ErrorKind::UnexpectedEof.into());
+    }
+    let words = line
+        .strip_suffix('\n')
+        .and_then(|line| line.split_once(' '));
+    let words = words.and_then(|(word, length)| Some((word.to_owned(), length.parse().ok()?)));
+    words.ok_or_else(|| io::Error::other(format!("its line {line:?} is not WORD NBYTES")))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::protocol::frame::Samples;
+
+    /// What is made of `answer` to a request for the stored values of one texel, and whether the run is to end.
+    fn reply_to(answer: &[u8]) -> (Reply, bool) {
+        let (ours, mut theirs) = UnixStream::pair().expect("a pair of sockets");
+        theirs.write_all(answer).expect("the answer fits");
+        theirs
+            .shutdown(std::net::Shutdown::Write)
+            .expect("nothing more comes");
+        let caller = Caller {
+            stream: Mutex::new(BufReader::new(ours)),
+            stop: Arc::default(),
+        };
+        let view = "raw".parse().expect("a view");
+        let reply = caller.ask(&Request {
+            name: "a",
+            view: &view,
+            file: b"PTM",
+            largest_frame: 30,
+            timeout_factor: 1,
+            alone: false,
+        });
+        let mut asked = [0; 11];
+        theirs.read_exact(&mut asked).expect("a request");
+        assert_eq!(&asked, b"a raw 3\nPTM");
+        (reply, caller.stop.load(Ordering::Relaxed))
+    }
+
+    #[test]
+    fn an_answer_is_what_a_decoder_would_have_said() {
+        let (reply, _) = reply_to(b"ok 27\nPTM1 raw 1 1 9 u8\n123456789");
+        let Answer::Decoded(frame) = reply.answer else {
+            panic!("{reply:?}")
+        };
+        assert_eq!(frame.samples, Samples::U8(b"123456789".to_vec()));
+        assert_eq!(reply_to(b"reject 3\nbad").0.answer, Answer::Rejected);
+        assert_eq!(reply_to(b"unsupported 0\n").0.answer, Answer::Unsupported);
+        let (reply, _) = reply_to(b"crash 3\nbad");
+        assert_eq!(reply.answer, Answer::Crashed("bad".to_owned()));
+        assert_eq!(reply.stderr, "bad");
+    }
+
+    #[test]
+    fn a_caller_that_does_not_answer_ends_the_run() {
+        for answer in [&b""[..], b"ok 27\nPTM1", b"ok\n", b"yes 0\n", b"ok -1\n"] {
+            let (reply, stopped) = reply_to(answer);
+            assert!(matches!(reply.answer, Answer::NotAsked(_)), "{reply:?}");
+            assert!(stopped);
+        }
+    }
+}

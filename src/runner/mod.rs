@@ -1,0 +1,25 @@
+//! Other people's programs: how they are started, limited, asked and ended.
+//!
+//! Needs a Unix system.
+
+pub(crate) mod trouble;
+
+pub mod processes;
+
+pub(crate) mod call;
+
+pub mod run;
+
+pub mod write;
+
+pub mod scratch;
+
+pub mod serve;
+
+pub mod caller;
+
+pub mod capabilities;
+
+pub mod start;
+
+pub mod template;

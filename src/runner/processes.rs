@@ -1,0 +1,242 @@
+//! What the system tells about other processes: how much memory a call holds, and which of its processes are left.
+//!
+//! A decoder may start processes that leave its group and outlive it. This process asks to inherit such orphans, and
+//! every process carries the mark of its call: the directory it works in, as its `TMPDIR` or as its working directory.
+//! On systems without `/proc` none of this is in force, and the report says so.
+
+use std::fs;
+use std::io;
+use std::os::unix::ffi::OsStrExt;
+use std::path::Path;
+use std::process::{Child, Command};
+use std::sync::{Mutex, PoisonError, RwLock};
+
+use rustix::process::{
+    Pid, Resource, Rlimit, Signal, WaitOptions, getrlimit, kill_process, setrlimit, waitpid,
+};
+
+/// Largest file that a decoder, or this process, may write.
+const LARGEST_FILE: u64 = 4 << 30;
+
+/// The processes that this one has started itself and not yet waited for; its other children are orphans.
+static STARTED: Mutex<Vec<u32>> = Mutex::new(Vec::new());
+
+/// Held while a process is started, until it is among [`STARTED`]; whoever takes it alone sees no process in between.
+static STARTING: RwLock<()> = RwLock::new(());
+
+/// Whether memory can be measured and orphans found.
+#[must_use]
+pub fn can_be_watched() -> bool {
+    let this = std::process::id();
+    Path::new(&format!("/proc/self/task/{this}/children")).exists()
+}
+
+/// Prepares this process: orphans come to it, and what it starts inherits no core dumps and no endless files.
+pub fn prepare() {
+    prepare_for(LARGEST_FILE);
+}
+
+/// The same where no file of more than `largest_file` bytes may be written.
+pub fn prepare_for(largest_file: u64) {
+    #[cfg(target_os = "linux")]
+    let _ = rustix::process::set_child_subreaper(Some(rustix::process::getpid()));
+    for (resource, limit) in [(Resource::Core, 0), (Resource::Fsize, largest_file)] {
+        let both = Rlimit {
+            current: Some(limit),
+            maximum: Some(limit),
+        };
+        // Where a limit cannot be set, because a lower one is in force, that one holds.
+        let _ = setrlimit(resource, both);
+    }
+}
+
+/// Whether files are limited to less than [`prepare`] asks for.
+pub(crate) fn files_are_limited_from_outside() -> bool {
+    let limit = getrlimit(Resource::Fsize).current;
+    limit.is_some_and(|limit| limit < LARGEST_FILE)
+}
+
+/// Starts a process of this program's own.
+///
+/// # Errors
+/// Those of the system.
+pub fn start(command: &mut Command) -> io::Result<Child> {
+    let _starting = STARTING.read().unwrap_or_else(PoisonError::into_inner);
+    let child = command.spawn()?;
+    started().push(child.id());
+    Ok(child)
+}
+
+/// Says that a process that was [started](start) has been waited for.
+pub fn has_been_waited_for(pid: u32) {
+    let mut started = started();
+    // The number may already be that of another process, which is listed too.
+    if let Some(i) = started.iter().position(|&known| known == pid) {
+        started.swap_remove(i);
+    }
+}
+
+fn started() -> std::sync::MutexGuard<'static, Vec<u32>> {
+    STARTED.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Bytes of memory that a process, its descendants and the orphans of its call hold, all together.
+#[must_use]
+pub fn memory_of(root: Pid, workplace: &Path) -> u64 {
+    let page = rustix::param::page_size() as u64;
+    let mut members = orphans(|pid| works_in(pid, workplace));
+    members.push(root.as_raw_nonzero().get().cast_unsigned());
+    let mut pages = 0;
+    while let Some(pid) = members.pop() {
+        pages += resident_pages(pid).unwrap_or_default();
+        members.extend(children_of(pid));
+    }
+    pages * page
+}
+
+fn resident_pages(pid: u32) -> Option<u64> {
+    let sizes = fs::read_to_string(format!("/proc/{pid}/statm")).ok()?;
+    sizes.split(' ').nth(1)?.parse().ok()
+}
+
+/// Kills every orphan that works for the call in `workplace`, wherever it has gone to, until none is left; and takes
+/// leave of all orphans that have ended, so that none of them counts against the limit on processes.
+pub fn kill_orphans(workplace: &Path) {
+    kill_while_any(|| orphans(|pid| works_in(pid, workplace)));
+    for pid in orphans(has_ended).into_iter().filter_map(to_pid) {
+        let _ = waitpid(Some(pid), WaitOptions::NOHANG);
+    }
+}
+
+/// Kills every process that works anywhere below `scratch`, and every orphan that hides where it works.
+pub fn kill_all(scratch: &Path) {
+    kill_while_any(|| {
+        let marked = processes().filter(|&pid| works_in(pid, scratch));
+        marked.chain(orphans(|_| true)).collect()
+    });
+}
+
+fn kill_while_any(those: impl Fn() -> Vec<u32>) {
+    for round in 0..200 {
+        let left = those();
+        if left.is_empty() {
+            return;
+        }
+        for pid in left.into_iter().filter_map(to_pid) {
+            let _ = kill_process(pid, Signal::KILL);
+            // Only children can be waited for; others are somebody else's to wait for.
+            let _ = waitpid(Some(pid), WaitOptions::NOHANG);
+        }
+        if round > 0 {
+            std::thread::sleep(std::time::Duration::from_millis(1));
+        }
+    }
+}
+
+/// The processes that this one has inherited, as far as they are `wanted`.
+fn orphans(wanted: impl Fn(u32) -> bool) -> Vec<u32> {
+    let this = std::process::id();
+    // Orphans come to the first thread; what other threads start is theirs.
+    let inherited = || {
+        let mut children = children_of_thread(this, this);
+        if !children.is_empty() {
+            let started = started();
+            children.retain(|pid| !started.contains(pid));
+        }
+        children
+    };
+    if inherited().is_empty() {
+        return Vec::new();
+    }
+    // What looks like an orphan may be a process that is just being started.
+    let _nothing_starts = STARTING.write().unwrap_or_else(PoisonError::into_inner);
+    let mut orphans = inherited();
+    orphans.retain(|&pid| wanted(pid));
+    orphans
+}
+
+/// Whether a process has ended and only its number is left.
+fn has_ended(pid: u32) -> bool {
+    state_and_start(pid).is_some_and(|(state, _)| state == 'Z')
+}
+
+/// The state of a process, and when it was started: with its number, this tells it from all others.
+fn state_and_start(pid: u32) -> Option<(char, u64)> {
+    let text = fs::read_to_string(format!("/proc/{pid}/stat")).ok()?;
+    // The name in parentheses may contain anything.
+    let mut fields = text.rsplit_once(')')?.1.split_whitespace();
+    Some((
+        fields.next()?.chars().next()?,
+        fields.nth(18)?.parse().ok()?,
+    ))
+}
+
+/// Processes as they were seen at one moment, for a watcher that must end them when their parent is gone.
+#[derive(Default)]
+pub struct Descendants(Vec<(u32, u64)>);
+
+impl Descendants {
+    /// The children of a process, orphans that it has inherited among them, but this process.
+    #[must_use]
+    pub fn of(parent: u32) -> Descendants {
+        let children = children_of(parent).filter(|&pid| pid != std::process::id());
+        Descendants(children.filter_map(identified).collect())
+    }
+
+    /// Kills all that still run, and what they have started.
+    pub fn kill(self) {
+        let mut left = self.0;
+        while let Some((pid, start)) = left.pop() {
+            if identified(pid) == Some((pid, start)) {
+                left.extend(children_of(pid).filter_map(identified));
+                if let Some(pid) = to_pid(pid) {
+                    let _ = kill_process(pid, Signal::KILL);
+                }
+            }
+        }
+    }
+}
+
+/// A process with the time of its start.
+fn identified(pid: u32) -> Option<(u32, u64)> {
+    state_and_start(pid).map(|(_, start)| (pid, start))
+}
+
+fn children_of(pid: u32) -> impl Iterator<Item = u32> {
+    let threads = fs::read_dir(format!("/proc/{pid}/task"));
+    let threads = threads.into_iter().flatten().flatten();
+    let threads = threads.filter_map(|entry| entry.file_name().to_str()?.parse().ok());
+    threads.flat_map(move |thread| children_of_thread(pid, thread))
+}
+
+fn children_of_thread(pid: u32, thread: u32) -> Vec<u32> {
+    let children = fs::read_to_string(format!("/proc/{pid}/task/{thread}/children"));
+    let children = children.unwrap_or_default();
+    children
+        .split_whitespace()
+        .filter_map(|pid| pid.parse().ok())
+        .collect()
+}
+
+fn processes() -> impl Iterator<Item = u32> {
+    let entries = fs::read_dir("/proc").into_iter().flatten().flatten();
+    entries.filter_map(|entry| entry.file_name().to_str()?.parse().ok())
+}
+
+/// Whether a process was started with its temporary directory in or below `place`, or works there; and is no zombie.
+fn works_in(pid: u32, place: &Path) -> bool {
+    let directory = fs::read_link(format!("/proc/{pid}/cwd"));
+    if directory.is_ok_and(|directory| directory.starts_with(place)) {
+        return true;
+    }
+    let environment = fs::read(format!("/proc/{pid}/environ")).unwrap_or_default();
+    let mark = [b"TMPDIR=", place.as_os_str().as_bytes()].concat();
+    environment.split(|&byte| byte == 0).any(|variable| {
+        let rest = variable.strip_prefix(&mark[..]);
+        rest.is_some_and(|rest| rest.first().is_none_or(|&next| next == b'/'))
+    })
+}
+
+fn to_pid(pid: u32) -> Option<Pid> {
+    Pid::from_raw(i32::try_from(pid).ok()?)
+}

@@ -1,0 +1,259 @@
+//! Where inputs lie and decoders work: directories that nobody else uses, gone when the run is over.
+//!
+//! Inputs lie in memory where the system has a place for that and the file fits, because files come and go there without
+//! waiting for a disk. Decoders work, and have their `TMPDIR`, where temporary files usually go: programs may be started
+//! from there.
+
+use std::fs;
+use std::io::{self, Read, Write};
+use std::os::unix::fs::{MetadataExt, OpenOptionsExt, PermissionsExt};
+use std::path::{Path, PathBuf};
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use rustix::fs::OFlags;
+use rustix::io::Errno;
+use tempfile::TempDir;
+
+use crate::runner::trouble::{Trouble, is_lack_of_room};
+
+/// A file system in memory, where there is one.
+const MEMORY: &str = "/dev/shm";
+
+/// Free bytes that a decoder may expect where it works.
+const ROOM_TO_WORK: u64 = 64 << 20;
+
+/// The directories of a run, each on a file system of its own.
+#[derive(Debug)]
+pub struct Scratch {
+    /// Where inputs go, best first: to the first one that has room.
+    roots: Vec<TempDir>,
+    /// Which of the roots decoders work in.
+    works: usize,
+    /// Workplaces that were left as they were found.
+    free: Mutex<Vec<PathBuf>>,
+    next: AtomicU64,
+}
+
+impl Scratch {
+    /// Makes the directories: in `TMPDIR` if it is set, else in memory and in `/tmp`; on other file systems too, for files
+    /// that do not fit there.
+    ///
+    /// # Errors
+    /// Those of the file system, if no directory can be made.
+    pub fn new() -> io::Result<Scratch> {
+        let usual = std::env::temp_dir();
+        let others = ["/var/tmp", "/tmp"].map(PathBuf::from);
+        let candidates = match std::env::var_os("TMPDIR") {
+            Some(_) => [&[usual][..], &others, &[MEMORY.into()]].concat(),
+            None => [&[MEMORY.into(), usual][..], &others].concat(),
+        };
+        let mut roots: Vec<TempDir> = Vec::new();
+        let mut failure = None;
+        for parent in candidates {
+            let device = |path: &Path| fs::metadata(path).map(|about| about.dev()).ok();
+            let is_new = |root: &TempDir| device(root.path()) != device(&parent);
+            if roots.iter().all(is_new) {
+                let mut name = tempfile::Builder::new();
+                match name.prefix("ptm-conform-").tempdir_in(&parent) {
+                    Ok(root) => roots.push(root),
+                    Err(error) => failure = failure.or(Some(error)),
+                }
+            }
+        }
+        if roots.is_empty() {
+            return Err(failure.unwrap_or_else(|| io::ErrorKind::NotFound.into()));
+        }
+        Ok(Scratch {
+            works: place_to_work(&roots),
+            roots,
+            free: Mutex::default(),
+            next: AtomicU64::new(0),
+        })
+    }
+
+    /// All directories.
+    pub fn directories(&self) -> impl Iterator<Item = &Path> {
+        self.roots.iter().map(TempDir::path)
+    }
+
+    /// Where decoders work.
+    #[must_use]
+    pub fn works(&self) -> &Path {
+        self.roots[self.works].path()
+    }
+
+    /// A place for one process.
+    pub(crate) fn workspace(&self) -> Result<Workspace<'_>, Trouble> {
+        let name = self.next.fetch_add(1, Ordering::Relaxed).to_string();
+        let known = self.free.lock().expect("nothing panics here").pop();
+        let workplace = if let Some(workplace) = known {
+            workplace
+        } else {
+            let workplace = self.works().join(format!("work-{name}"));
+            fs::create_dir_all(&workplace).map_err(|error| {
+                let what = format!("make a working directory in {}", self.works().display());
+                Trouble::new(&what, &error)
+            })?;
+            workplace
+        };
+        Ok(Workspace {
+            scratch: self,
+            name,
+            directories: Vec::new(),
+            workplace,
+        })
+    }
+}
+
+/// The first root outside memory in which there is room to work; memory may not be executable, so it comes last.
+fn place_to_work(roots: &[TempDir]) -> usize {
+    let has_room = |root: &TempDir| {
+        rustix::fs::statvfs(root.path())
+            .is_ok_and(|system| system.f_bavail.saturating_mul(system.f_frsize) >= ROOM_TO_WORK)
+    };
+    let on_disk = |&i: &usize| !roots[i].path().starts_with(MEMORY);
+    (0..roots.len())
+        .filter(on_disk)
+        .find(|&i| has_room(&roots[i]))
+        .or_else(|| (0..roots.len()).find(on_disk))
+        .unwrap_or_default()
+}
+
+impl Drop for Scratch {
+    fn drop(&mut self) {
+        for directory in self.directories() {
+            remove(directory);
+        }
+    }
+}
+
+/// Directories for one process: what one leaves behind, even if it cannot be removed, meets no other.
+pub(crate) struct Workspace<'a> {
+    scratch: &'a Scratch,
+    name: String,
+    /// Where its inputs lie: a directory in each root that was needed.
+    directories: Vec<PathBuf>,
+    /// Where it works.
+    pub(crate) workplace: PathBuf,
+}
+
+impl Workspace<'_> {
+    /// Writes an input, read-only, where there is room for it.
+    pub(crate) fn lay_down(&mut self, file_name: &str, bytes: &[u8]) -> Result<PathBuf, Trouble> {
+        let mut failure = None;
+        for root in self.scratch.directories() {
+            let directory = root.join(&self.name);
+            let path = directory.join(file_name);
+            if !self.directories.contains(&directory) {
+                self.directories.push(directory.clone());
+            }
+            match fs::create_dir_all(&directory).and_then(|()| write_read_only(&path, bytes)) {
+                Ok(()) => return Ok(path),
+                Err(error) => {
+                    let _ = fs::remove_file(&path);
+                    let go_on = is_lack_of_room(&error);
+                    failure = failure.or(Some((root, error)));
+                    if !go_on {
+                        break;
+                    }
+                }
+            }
+        }
+        let (root, error) = failure.expect("there is a root, and it did not return");
+        let what = format!(
+            "write an input of {} bytes in {}",
+            bytes.len(),
+            root.display()
+        );
+        Err(Trouble::new(&what, &error))
+    }
+
+    /// `text` without the directories of its inputs: where a file lay is nothing to report; its name is.
+    pub(crate) fn without_directories(&self, text: &str) -> String {
+        let directories = self.directories.iter();
+        directories.fold(text.to_owned(), |text, directory| {
+            text.replace(&format!("{}/", directory.display()), "")
+        })
+    }
+}
+
+impl Drop for Workspace<'_> {
+    fn drop(&mut self) {
+        // What cannot be removed stays: it is no fault of the answer.
+        for directory in &self.directories {
+            remove(directory);
+        }
+        if is_untouched_directory(&self.workplace) {
+            let mut free = self.scratch.free.lock().expect("nothing panics here");
+            free.push(std::mem::take(&mut self.workplace));
+        } else {
+            remove(&self.workplace);
+        }
+    }
+}
+
+fn write_read_only(path: &Path, bytes: &[u8]) -> io::Result<()> {
+    let mut file = fs::OpenOptions::new()
+        .write(true)
+        .create_new(true)
+        .mode(0o444)
+        .open(path)?;
+    file.write_all(bytes)
+}
+
+/// Whether an input is still the file it was. It may have become anything, a pipe or a link too, and may still change.
+pub(crate) fn is_untouched(path: &Path, bytes: &[u8]) -> Result<bool, Trouble> {
+    let carefully = OFlags::NOFOLLOW | OFlags::NONBLOCK;
+    let open = fs::OpenOptions::new()
+        .read(true)
+        .custom_flags(carefully.bits().cast_signed())
+        .open(path);
+    let file = match open {
+        Ok(file) => file,
+        Err(error) => {
+            let ours = [Errno::MFILE, Errno::NFILE, Errno::NOMEM, Errno::IO];
+            return match Errno::from_io_error(&error) {
+                Some(errno) if ours.contains(&errno) => {
+                    Err(Trouble::new("read an input again", &error))
+                }
+                _ => Ok(false),
+            };
+        }
+    };
+    let same_kind = file
+        .metadata()
+        .is_ok_and(|file| file.is_file() && file.len() == bytes.len() as u64);
+    let mut read = Vec::with_capacity(bytes.len() + 1);
+    Ok(same_kind
+        && file
+            .take(bytes.len() as u64 + 1)
+            .read_to_end(&mut read)
+            .is_ok_and(|_| read == bytes))
+}
+
+/// Whether it is still an empty directory, and ours.
+fn is_untouched_directory(directory: &Path) -> bool {
+    let ours = |file: fs::Metadata| file.is_dir() && file.permissions().mode() & 0o700 == 0o700;
+    fs::symlink_metadata(directory).is_ok_and(ours)
+        && fs::read_dir(directory).is_ok_and(|mut entries| entries.next().is_none())
+}
+
+/// Removes a directory, and what a decoder has locked in it; what cannot be removed stays.
+pub fn remove(directory: &Path) {
+    if fs::remove_dir_all(directory).is_err() {
+        unlock(directory);
+        let _ = fs::remove_dir_all(directory);
+    }
+}
+
+/// Makes all directories below this one ours again; links are not followed.
+fn unlock(directory: &Path) {
+    let is_directory = |path: &Path| fs::symlink_metadata(path).is_ok_and(|file| file.is_dir());
+    if is_directory(directory) {
+        let _ = fs::set_permissions(directory, fs::Permissions::from_mode(0o700));
+        for entry in fs::read_dir(directory).into_iter().flatten().flatten() {
+            unlock(&entry.path());
+        }
+    }
+}

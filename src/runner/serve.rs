@@ -1,0 +1,514 @@
+//! Serve mode of PTM-CP 1: one process answers request after request.
+//!
+//! ```text
+//! to the decoder    SEQ VIEW PATH
+//! from it           SEQ ok NBYTES, a line feed and a frame of NBYTES bytes, its own line included
+//!                   SEQ reject CODE
+//!                   SEQ unsupported FEATURE
+//! ```
+//!
+//! Each job has a process of its own with one request in flight. A process that dies, hangs or answers out of order is
+//! ended, the request is charged to it and asked again of a process of its own, and the next request starts another one.
+
+use std::ffi::OsStr;
+use std::fs;
+use std::os::fd::{AsFd, OwnedFd};
+use std::os::unix::ffi::OsStrExt;
+use std::path::{Path, PathBuf};
+use std::process::Stdio;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::{Duration, Instant};
+
+use crate::protocol::frame::{Answer, EXIT_MALFORMED, Frame};
+use crate::runner::call::{A_YEAR, Call, LOOK};
+use crate::runner::processes;
+use crate::runner::run::{
+    Decoder, Failure, Reply, Request, STOPPED, TAMPERED, describe, printable,
+};
+use crate::runner::scratch::{Scratch, Workspace, is_untouched};
+use crate::runner::trouble::Trouble;
+
+/// Why a request has no answer from the process that was asked.
+enum Unanswered {
+    /// What it did instead.
+    Violation(Answer),
+    /// This program could not do its part.
+    Trouble,
+}
+
+impl From<Answer> for Unanswered {
+    fn from(answer: Answer) -> Unanswered {
+        Unanswered::Violation(answer)
+    }
+}
+
+impl From<Trouble> for Unanswered {
+    /// The request is repeated one-shot, where trouble that persists stops the run.
+    fn from(_: Trouble) -> Unanswered {
+        Unanswered::Trouble
+    }
+}
+
+impl From<std::io::Error> for Unanswered {
+    fn from(_: std::io::Error) -> Unanswered {
+        Unanswered::Trouble
+    }
+}
+
+/// Longest first line of an answer.
+const LONGEST_LINE: usize = 1000;
+/// So many requests without a single answer, and nobody is served any more.
+const BARREN: usize = 2;
+/// How long a process may take to end, or to show what it has kept back, when its standard input is closed.
+const GRACE: Duration = Duration::from_secs(2);
+
+/// The serving processes of a run, one for each job.
+pub struct Servers<'a> {
+    decoder: &'a Decoder,
+    scratch: &'a Scratch,
+    jobs: Vec<Mutex<Option<Server<'a>>>>,
+    /// Requests answered by any of them.
+    answered: AtomicUsize,
+    /// Requests that none has answered, while no request has been.
+    barren: AtomicUsize,
+}
+
+impl<'a> Servers<'a> {
+    /// No process is started before it is needed.
+    #[must_use]
+    pub fn new(decoder: &'a Decoder, scratch: &'a Scratch, jobs: usize) -> Servers<'a> {
+        Servers {
+            decoder,
+            scratch,
+            jobs: (0..jobs).map(|_| Mutex::default()).collect(),
+            answered: AtomicUsize::new(0),
+            barren: AtomicUsize::new(0),
+        }
+    }
+
+    /// Asks the process of `job`; or a process of its own if the request says so, or if serving leads nowhere.
+    #[must_use]
+    pub fn ask(&self, request: &Request, job: usize) -> Reply {
+        if request.alone || self.have_given_up() {
+            return self.decoder.ask(request, self.scratch);
+        }
+        let mut place = self.jobs[job].lock().expect("a job asks alone");
+        let started = match place.take() {
+            Some(server) => Ok(server),
+            None => Server::start(self.decoder, self.scratch),
+        };
+        // What cannot be started cannot be started alone either, and says why.
+        let Ok(mut server) = started else {
+            return self.decoder.ask(request, self.scratch);
+        };
+        let after = server.before.replace(request.name.to_owned());
+        let served = match server.ask(request, self.decoder) {
+            Ok(reply) => {
+                self.answered.fetch_add(1, Ordering::Relaxed);
+                *place = Some(server);
+                return Reply { after, ..reply };
+            }
+            Err(Unanswered::Trouble) => {
+                drop(server);
+                return self.decoder.ask(request, self.scratch);
+            }
+            Err(Unanswered::Violation(served)) => served,
+        };
+        drop(server);
+        if self.answered.load(Ordering::Relaxed) == 0 {
+            self.barren.fetch_add(1, Ordering::Relaxed);
+        }
+        let stopped = self.decoder.stop.load(Ordering::Relaxed);
+        let alone = match stopped {
+            true => served.clone().into(),
+            false => self.decoder.ask(request, self.scratch),
+        };
+        // A file that it cannot bear alone either is no matter of serving.
+        let served = alone.answer.violation().is_none().then_some(served);
+        Reply {
+            after,
+            served,
+            ..alone
+        }
+    }
+
+    /// Whether the first requests went unanswered, so that nobody is served any more.
+    #[must_use]
+    pub fn have_given_up(&self) -> bool {
+        self.barren.load(Ordering::Relaxed) >= BARREN
+    }
+}
+
+/// A serving process.
+struct Server<'a> {
+    call: Call,
+    /// Nothing once it is closed.
+    stdin: Option<OwnedFd>,
+    workspace: Workspace<'a>,
+    /// The file of the last request.
+    input: Option<PathBuf>,
+    /// The number of the last request.
+    sequence: u64,
+    /// The name of the last request.
+    before: Option<String>,
+    /// When its memory was measured last.
+    measured: Instant,
+}
+
+impl<'a> Server<'a> {
+    fn start(decoder: &Decoder, scratch: &'a Scratch) -> Result<Server<'a>, Failure> {
+        let workspace = scratch.workspace()?;
+        let words = decoder.followed_by(&[OsStr::new("serve")]);
+        let mut call = decoder.start(&words, &workspace.workplace, Stdio::piped())?;
+        let stdin = call.child.stdin.take().map(OwnedFd::from);
+        if let Some(stdin) = &stdin {
+            rustix::io::ioctl_fionbio(stdin, true)
+                .map_err(|error| Trouble::new("follow a process", &error.into()))?;
+        }
+        Ok(Server {
+            call,
+            stdin,
+            workspace,
+            input: None,
+            sequence: 0,
+            before: None,
+            measured: Instant::now(),
+        })
+    }
+
+    /// Asks once. After an error the process is of no use.
+    fn ask(&mut self, request: &Request, decoder: &Decoder) -> Result<Reply, Unanswered> {
+        self.sequence += 1;
+        self.call.errors.clear();
+        self.call.read_what_is_there(LONGEST_LINE)?;
+        self.expect_silence("it wrote", "before it was asked")?;
+        let name = format!("{}.ptm", self.sequence);
+        let input = self.workspace.lay_down(&name, request.file)?;
+        let outcome = self.exchange(&input, request, decoder);
+        let untouched = is_untouched(&input, request.file);
+        // An answer may have come too early, and the file be read later; what stays is removed with its directory.
+        if let Some(last) = self.input.replace(input) {
+            let _ = fs::remove_file(last);
+        }
+        let answer = outcome?;
+        if !untouched? {
+            return Err(Answer::Tampered(TAMPERED.to_owned()).into());
+        }
+        self.expect_silence("its answer is followed by", "")?;
+        let stderr = printable(&self.call.errors);
+        Ok(Reply {
+            stderr: self.workspace.without_directories(&stderr),
+            ..answer.into()
+        })
+    }
+
+    /// Nothing may have been written that is not an answer.
+    fn expect_silence(&self, before: &str, after: &str) -> Result<(), Answer> {
+        if self.call.output.is_empty() {
+            Ok(())
+        } else {
+            let says = format!("{before} {} {after}", quoted(&self.call.output));
+            Err(Answer::ProtocolError(says.trim_end().to_owned()))
+        }
+    }
+
+    /// Sends the request and waits for its answer.
+    fn exchange(
+        &mut self,
+        input: &Path,
+        request: &Request,
+        decoder: &Decoder,
+    ) -> Result<Answer, Unanswered> {
+        let most = request.most();
+        let limit = decoder.timeout.saturating_mul(request.timeout_factor);
+        let deadline = Instant::now() + limit.min(A_YEAR);
+        let line = [
+            format!("{} {} ", self.sequence, request.view).as_bytes(),
+            input.as_os_str().as_bytes(),
+            b"\n",
+        ]
+        .concat();
+        let mut unsent = &line[..];
+        loop {
+            self.send(&mut unsent)?;
+            if let Some(answer) = self.answer(most, decoder)? {
+                return Ok(answer);
+            }
+            if self.call.has_ended() {
+                // It may have written its last words since.
+                return match self.read_answer(most, decoder)? {
+                    Some(answer) => Ok(answer),
+                    None => Err(self.ended().into()),
+                };
+            }
+            let left = deadline.saturating_duration_since(Instant::now());
+            if left.is_zero() {
+                return Err(self.hung(most, limit, decoder).into());
+            }
+            if decoder.stop.load(Ordering::Relaxed) {
+                return Err(Answer::Hung(STOPPED.to_owned()).into());
+            }
+            self.measure(decoder)?;
+            let writing = self.stdin.as_ref().filter(|_| !unsent.is_empty());
+            self.call
+                .wait_for_news(writing.map(AsFd::as_fd), left.min(LOOK))?;
+            self.call.read_what_is_there(most + LONGEST_LINE)?;
+        }
+    }
+
+    /// Sends what can be sent without waiting. A process that takes nothing any more shows in other ways.
+    fn send(&self, unsent: &mut &[u8]) -> std::io::Result<()> {
+        while let (false, Some(stdin)) = (unsent.is_empty(), &self.stdin) {
+            match rustix::io::write(stdin, unsent) {
+                Ok(count) => *unsent = &unsent[count..],
+                Err(rustix::io::Errno::INTR) => {}
+                Err(rustix::io::Errno::AGAIN) => break,
+                Err(rustix::io::Errno::PIPE) => *unsent = &[],
+                Err(error) => return Err(error.into()),
+            }
+        }
+        Ok(())
+    }
+
+    fn read_answer(
+        &mut self,
+        most: usize,
+        decoder: &Decoder,
+    ) -> Result<Option<Answer>, Unanswered> {
+        self.call.read_what_is_there(most + LONGEST_LINE)?;
+        Ok(self.answer(most, decoder)?)
+    }
+
+    /// Takes the answer out of what has been read, if it is there as a whole.
+    fn answer(&mut self, most: usize, decoder: &Decoder) -> Result<Option<Answer>, Answer> {
+        let read = read_answer(&self.call.output, self.sequence, most, decoder.reject_exit);
+        let taken = read.map_err(Answer::ProtocolError)?;
+        Ok(taken.map(|(answer, length)| {
+            self.call.output.drain(..length);
+            answer
+        }))
+    }
+
+    /// Whether it holds too much memory; looked at now and then.
+    fn measure(&mut self, decoder: &Decoder) -> Result<(), Answer> {
+        if self.measured.elapsed() < LOOK || !processes::can_be_watched() {
+            return Ok(());
+        }
+        self.measured = Instant::now();
+        if processes::memory_of(self.call.group, &self.workspace.workplace) > decoder.memory {
+            return Err(decoder.held_too_much());
+        }
+        Ok(())
+    }
+
+    /// It has ended and owes an answer.
+    fn ended(&mut self) -> Answer {
+        let answered = self.sequence - 1;
+        let how = self.call.end(&self.workspace.workplace).map(describe);
+        Answer::Crashed(format!(
+            "the serving process ended ({}) without an answer; it had answered {answered} requests",
+            how.unwrap_or_else(|error| error.to_string())
+        ))
+    }
+
+    /// It has not answered in time. What it shows when its input is closed, it had kept back.
+    fn hung(&mut self, most: usize, limit: Duration, decoder: &Decoder) -> Answer {
+        drop(self.stdin.take());
+        let deadline = Instant::now() + GRACE;
+        let mut kept_back = false;
+        while !kept_back && Instant::now() < deadline {
+            let ended = self.call.has_ended();
+            kept_back = matches!(self.read_answer(most, decoder), Ok(Some(_)));
+            if ended || self.call.wait_for_news(None, LOOK).is_err() {
+                break;
+            }
+        }
+        let limit = limit.as_secs_f64();
+        Answer::Hung(if kept_back {
+            format!(
+                "no answer within {limit} s; it came when standard input was closed: flush standard output after each answer"
+            )
+        } else {
+            format!("no answer within {limit} s")
+        })
+    }
+}
+
+impl Drop for Server<'_> {
+    fn drop(&mut self) {
+        // The end of its input is the end of its work; who does not heed it is killed.
+        drop(self.stdin.take());
+        let deadline = Instant::now() + GRACE / 4;
+        while !self.call.has_ended() && Instant::now() < deadline {
+            let _ = self.call.wait_for_news(None, LOOK);
+            let _ = self.call.read_what_is_there(LONGEST_LINE);
+            if self.call.output.len() > LONGEST_LINE {
+                break;
+            }
+        }
+        let _ = self.call.end(&self.workspace.workplace);
+    }
+}
+
+/// The answer to request `sequence` at the beginning of `bytes`, and its length; nothing while it is not there as a
+/// whole. The error is a sentence.
+fn read_answer(
+    bytes: &[u8],
+    sequence: u64,
+    most: usize,
+    reject_exit: Option<i32>,
+) -> Result<Option<(Answer, usize)>, String> {
+    let mut beginning = bytes.iter().take(LONGEST_LINE);
+    let Some(end) = beginning.position(|&byte| byte == b'\n') else {
+        return match bytes.len() >= LONGEST_LINE {
+            true => Err(format!(
+                "its answer begins with {} and has no line end",
+                quoted(bytes)
+            )),
+            false => Ok(None),
+        };
+    };
+    let line = &bytes[..end];
+    let mut words = line.splitn(3, |&byte| byte == b' ');
+    let number = words.next().and_then(digits);
+    let number = number.ok_or_else(|| unexpected(line, sequence))?;
+    if number != sequence {
+        return Err(format!(
+            "it answers request {sequence} with the number {number}: {}",
+            quoted(line)
+        ));
+    }
+    let (kind, rest) = (words.next(), words.next().unwrap_or_default());
+    match kind {
+        Some(b"ok") => {
+            let length = digits(rest).ok_or_else(|| unexpected(line, sequence))?;
+            read_frame(&bytes[end + 1..], length, most)
+                .map(|frame| frame.map(|frame| (frame, end + 1 + length as usize)))
+        }
+        Some(b"reject") => match digits(rest).and_then(|code| i32::try_from(code).ok()) {
+            Some(code) if code == EXIT_MALFORMED || Some(code) == reject_exit => {
+                Ok(Some((Answer::Rejected, end + 1)))
+            }
+            _ => Err(format!(
+                "the code of a refusal is {EXIT_MALFORMED}, found {}",
+                quoted(line)
+            )),
+        },
+        Some(b"unsupported") => Ok(Some((Answer::Unsupported, end + 1))),
+        _ => Err(unexpected(line, sequence)),
+    }
+}
+
+/// The frame of `length` bytes at the beginning of `bytes`; nothing while it is not there as a whole.
+fn read_frame(bytes: &[u8], length: u64, most: usize) -> Result<Option<Answer>, String> {
+    if length > most as u64 {
+        return Err(format!(
+            "it announces {length} bytes, and no frame of that file has more than {most}"
+        ));
+    }
+    let Some(frame) = bytes.get(..length as usize) else {
+        return Ok(None);
+    };
+    let frame = Frame::read(frame).map_err(|what| {
+        format!("it announces {length} bytes, the line of the frame included: {what}")
+    })?;
+    Ok(Some(Answer::Decoded(frame)))
+}
+
+/// What to say of a line that is no answer.
+fn unexpected(line: &[u8], sequence: u64) -> String {
+    let hint = match line {
+        [.., b'\r'] => "; is standard output in text mode?",
+        [b'P', b'T', b'M', b'1', ..] => "; a frame comes after a line of its own",
+        _ => "",
+    };
+    format!(
+        "expected \"{sequence} ok NBYTES\", \"{sequence} reject CODE\" or \"{sequence} unsupported FEATURE\", found {}{hint}",
+        quoted(line)
+    )
+}
+
+fn digits(word: &[u8]) -> Option<u64> {
+    let number = std::str::from_utf8(word).ok()?;
+    let plain = number.bytes().all(|byte| byte.is_ascii_digit());
+    number.parse().ok().filter(|_| plain)
+}
+
+/// The beginning of some bytes, for a sentence.
+fn quoted(bytes: &[u8]) -> String {
+    let shown = &bytes[..bytes.len().min(40)];
+    let more = if bytes.len() > shown.len() { "…" } else { "" };
+    format!("\"{}{more}\"", shown.escape_ascii())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const FRAME: &[u8] = b"PTM1 raw 1 1 1 u8\nx";
+
+    #[track_caller]
+    fn says(bytes: &[u8], what: &str) {
+        let error = read_answer(bytes, 7, 1000, None).expect_err("it is wrong");
+        assert!(error.contains(what), "{error}");
+    }
+
+    #[test]
+    fn a_whole_answer_is_taken_and_a_part_is_waited_for() {
+        let whole = [&b"7 ok 19\n"[..], FRAME, b"8 ok"].concat();
+        for length in 0..8 + FRAME.len() {
+            assert_eq!(
+                read_answer(&whole[..length], 7, 1000, None),
+                Ok(None),
+                "{length}"
+            );
+        }
+        let taken = read_answer(&whole, 7, 1000, None).expect("it is right");
+        assert!(matches!(taken, Some((Answer::Decoded(_), 27))), "{taken:?}");
+    }
+
+    #[test]
+    fn refusals_have_a_code_or_a_feature() {
+        let read = |bytes, reject_exit| read_answer(bytes, 7, 1000, reject_exit);
+        assert_eq!(
+            read(b"7 reject 65\n", None),
+            Ok(Some((Answer::Rejected, 12)))
+        );
+        assert_eq!(
+            read(b"7 reject 1\n", Some(1)),
+            Ok(Some((Answer::Rejected, 11)))
+        );
+        assert_eq!(
+            read(b"7 unsupported a b\n", None),
+            Ok(Some((Answer::Unsupported, 18)))
+        );
+        assert_eq!(
+            read(b"7 unsupported\n", None),
+            Ok(Some((Answer::Unsupported, 14)))
+        );
+        says(b"7 reject 1\n", "the code of a refusal is 65");
+    }
+
+    #[test]
+    fn what_is_no_answer_is_named() {
+        says(b"6 reject 65\n", "answers request 7 with the number 6");
+        says(
+            b"77777777777777777777777 reject 65\n",
+            "expected \"7 ok NBYTES\"",
+        );
+        says(
+            b"7 ok 99999999999\n",
+            "no frame of that file has more than 1000",
+        );
+        says(b"7 ok -1\n", "expected \"7 ok NBYTES\"");
+        says(b"7 ok 19\r\n", "text mode");
+        says(FRAME, "a frame comes after a line of its own");
+        says(b"hello\n", "found \"hello\"");
+        says(&[b'x'; 2000], "has no line end");
+        says(
+            &[&b"7 ok 18\n"[..], FRAME].concat(),
+            "the line of the frame included",
+        );
+    }
+}

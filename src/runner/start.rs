@@ -1,0 +1,292 @@
+//! Why a program does not start, and what to do about it.
+//!
+//! The system's own word for it ("no such file or directory") often names the wrong thing: the file is there, and what
+//! is missing is its interpreter.
+
+use std::ffi::OsStr;
+use std::fs;
+use std::io::{self, Read};
+use std::os::unix::fs::PermissionsExt;
+use std::path::{Path, PathBuf};
+
+/// What keeps a program from being started, and what to do.
+pub(crate) type Obstacle = (String, String);
+
+/// What to say of `program`, which did not start because of `error`.
+pub(crate) fn why_not(program: &OsStr, error: &io::Error) -> String {
+    // Where it lies is nothing to report; its name is.
+    let name = Path::new(program).file_name().unwrap_or(program);
+    match look(program, &name.to_string_lossy()) {
+        Err((says, next)) => format!("{says}; {next}"),
+        Ok(()) if error.kind() == io::ErrorKind::NotFound => format!(
+            "{}: the file is there, so its loader is missing: is it built for another C library? See ldd",
+            name.display()
+        ),
+        Ok(()) => format!("{}: {error}", name.display()),
+    }
+}
+
+/// Looks at a program before it is started. `text` is what to call it.
+///
+/// # Errors
+/// What keeps it from being started, and what to do.
+pub(crate) fn look(word: &OsStr, text: &str) -> Result<(), Obstacle> {
+    let here = Path::new(word);
+    let is_path = word.as_encoded_bytes().contains(&b'/');
+    if here.is_dir() {
+        return Err((
+            format!("{text} is a directory"),
+            "name the program in it".to_owned(),
+        ));
+    }
+    let Some(program) = (if is_path {
+        Some(here.to_owned())
+    } else {
+        in_path(word)
+    }) else {
+        let (says, next) = if here.is_file() {
+            (
+                format!(
+                    "{text} is in this directory, and programs without a / are looked up in PATH only"
+                ),
+                format!("write ./{text}"),
+            )
+        } else {
+            missing(text, "no program of this name is in PATH")
+        };
+        return Err((says, next));
+    };
+    let Ok(about) = fs::metadata(&program) else {
+        return Err(missing(text, &format!("{text}: no such file")));
+    };
+    if !about.is_file() {
+        return Err((
+            format!("{text} is a device, a pipe or a socket, not a program"),
+            "name the decoder by a path such as ./my-decoder, after --".to_owned(),
+        ));
+    }
+    let beginning = beginning(&program);
+    if about.permissions().mode() & 0o111 == 0 {
+        if let Some(language) = source_of(text) {
+            return Err(source(text, language));
+        }
+        return Err((
+            format!("{text} is not executable"),
+            match interpreter_for(text) {
+                Some(interpreter) => {
+                    format!("chmod +x {text}, or name the interpreter too: -- {interpreter} {text}")
+                }
+                None => format!("chmod +x {text}"),
+            },
+        ));
+    }
+    look_at_beginning(text, &beginning)
+}
+
+/// A command that was not found: perhaps it is several words in one.
+fn missing(text: &str, says: &str) -> Obstacle {
+    let next = if text.contains(' ') {
+        format!("the command is several words: write them without quotation marks, -- {text}")
+    } else {
+        "name the decoder by a path such as ./my-decoder, after --".to_owned()
+    };
+    (says.to_owned(), next)
+}
+
+fn in_path(word: &OsStr) -> Option<PathBuf> {
+    let directories = std::env::var_os("PATH")?;
+    std::env::split_paths(&directories)
+        .map(|directory| directory.join(word))
+        .find(|path| path.is_file())
+}
+
+/// The first bytes of a file; none of one that cannot be read, which can run all the same.
+fn beginning(path: &Path) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    if fs::metadata(path).is_ok_and(|about| about.is_file()) {
+        let _ = fs::File::open(path).and_then(|file| file.take(512).read_to_end(&mut bytes));
+    }
+    bytes
+}
+
+/// Beginnings of files that this system cannot run by themselves: what they are, and what to do.
+const OTHER_KINDS: [(&[u8], &str, &str); 6] = [
+    (
+        b"MZ",
+        "a Windows program",
+        "run it by wine (-- wine my-decoder.exe), or run it there on an exported corpus: ptm-conform generate --help",
+    ),
+    (b"\xcf\xfa\xed\xfe", MACH, MACH_REMEDY),
+    (b"\xce\xfa\xed\xfe", MACH, MACH_REMEDY),
+    (b"\xca\xfe\xba\xbe", MACH, MACH_REMEDY),
+    (
+        b"PK\x03\x04",
+        "an archive",
+        "a jar is run by java: -- java -jar my-decoder.jar",
+    ),
+    (
+        b"\xef\xbb\xbf#!",
+        "a script that begins with a byte order mark, which hides its #! line",
+        "save the script as UTF-8 without byte order mark",
+    ),
+];
+
+const MACH: &str = "a macOS program, or a Java class";
+const MACH_REMEDY: &str = "build it for this system; run a class by java";
+
+/// What the system needs to know to run a file stands at its beginning.
+fn look_at_beginning(text: &str, beginning: &[u8]) -> Result<(), Obstacle> {
+    if beginning.is_empty() {
+        return Err((
+            format!("{text} is empty"),
+            "write the decoder first".to_owned(),
+        ));
+    }
+    if let Some(line) = beginning.strip_prefix(b"#!") {
+        return look_at_first_line(text, line);
+    }
+    if let [0x7f, b'E', b'L', b'F', ..] = beginning {
+        return look_at_elf(text, beginning);
+    }
+    let mut kinds = OTHER_KINDS.iter();
+    let kind = kinds.find(|(first, what, _)| {
+        beginning.starts_with(first) && (*what != MACH || cfg!(target_os = "linux"))
+    });
+    Err(if let Some((_, what, next)) = kind {
+        (format!("{text} is {what}"), (*next).to_owned())
+    } else if let Some(language) = source_of(text) {
+        source(text, language)
+    } else {
+        let interpreter = interpreter_for(text).unwrap_or("python3");
+        (
+            format!("{text} has no #! line, so the system does not know what runs it"),
+            format!(
+                "begin it with #!/usr/bin/env {interpreter}, or name the interpreter: -- {interpreter} {text}"
+            ),
+        )
+    })
+}
+
+/// `line` is what follows `#!`, and more.
+fn look_at_first_line(text: &str, line: &[u8]) -> Result<(), Obstacle> {
+    let end = line.iter().position(|&byte| byte == b'\n');
+    let line = &line[..end.unwrap_or(line.len())];
+    if line.ends_with(b"\r") {
+        return Err((
+            format!(
+                "the first line of {text} ends in CR LF, and the CR is taken for a part of the interpreter's name"
+            ),
+            "save the script with line feeds alone (dos2unix)".to_owned(),
+        ));
+    }
+    let line = String::from_utf8_lossy(line);
+    let interpreter = line.split_whitespace().next().unwrap_or_default();
+    if !Path::new(interpreter).is_file() {
+        return Err((
+            format!(
+                "the first line of {text} names the interpreter {interpreter:?}, which is not there"
+            ),
+            "name one that is, for example #!/usr/bin/env python3".to_owned(),
+        ));
+    }
+    Ok(())
+}
+
+fn look_at_elf(text: &str, beginning: &[u8]) -> Result<(), Obstacle> {
+    let Some(&[low, high]) = beginning.get(18..20) else {
+        return Ok(());
+    };
+    let machine = match beginning[5] {
+        2 => u16::from_be_bytes([low, high]),
+        _ => u16::from_le_bytes([low, high]),
+    };
+    let bits = if beginning[4] == 1 { 32 } else { 64 };
+    let (name, ours) = machine_name(machine);
+    if ours {
+        return Ok(());
+    }
+    Err((
+        format!("{text} is a program for another machine: {name}, {bits} bits"),
+        "build it for this machine, or run it by an emulator: -- qemu-aarch64 ./my-decoder"
+            .to_owned(),
+    ))
+}
+
+/// The name of an ELF machine, and whether this program is of it.
+fn machine_name(machine: u16) -> (String, bool) {
+    let known = [
+        (3, "x86"),
+        (8, "mips"),
+        (20, "powerpc"),
+        (21, "powerpc64"),
+        (22, "s390x"),
+        (40, "arm"),
+        (62, "x86_64"),
+        (183, "aarch64"),
+        (243, "riscv64"),
+        (258, "loongarch64"),
+    ];
+    let name = known
+        .iter()
+        .find(|&&(number, _)| number == machine)
+        .map(|&(_, name)| name);
+    // A machine of 64 bits runs the programs of its predecessor too; what is not known is left to the system.
+    let runs = [("x86_64", "x86"), ("aarch64", "arm")]
+        .contains(&(std::env::consts::ARCH, name.unwrap_or_default()));
+    let ours = name.is_none_or(|name| name == std::env::consts::ARCH) || runs;
+    (
+        name.map_or_else(|| format!("machine {machine}"), str::to_owned),
+        ours,
+    )
+}
+
+/// What runs a script, by its suffix.
+fn interpreter_for(text: &str) -> Option<&'static str> {
+    let suffixes = [
+        (".py", "python3"),
+        (".js", "node"),
+        (".mjs", "node"),
+        (".rb", "ruby"),
+        (".pl", "perl"),
+        (".sh", "sh"),
+        (".lua", "lua"),
+        (".R", "Rscript"),
+        (".jl", "julia"),
+        (".php", "php"),
+    ];
+    suffixes
+        .iter()
+        .find(|(suffix, _)| text.ends_with(suffix))
+        .map(|&(_, interpreter)| interpreter)
+}
+
+fn source(text: &str, language: &str) -> Obstacle {
+    (
+        format!("{text} is {language} source code, not a program"),
+        "build it, and name the program that the build makes".to_owned(),
+    )
+}
+
+/// The language of a file that is compiled before it runs, by its suffix.
+fn source_of(text: &str) -> Option<&'static str> {
+    let languages = [
+        (".c", "C"),
+        (".cc", "C++"),
+        (".cpp", "C++"),
+        (".cxx", "C++"),
+        (".cs", "C#"),
+        (".go", "Go"),
+        (".java", "Java"),
+        (".kt", "Kotlin"),
+        (".rs", "Rust"),
+        (".swift", "Swift"),
+        (".ts", "TypeScript"),
+    ];
+    let named = languages.iter().find(|(suffix, _)| text.ends_with(suffix));
+    named.map(|&(_, language)| language)
+}
+
+pub(crate) fn is_script_name(text: &str) -> bool {
+    let other = [".jar", ".class", ".exe", ".dll"];
+    interpreter_for(text).is_some() || other.iter().any(|suffix| text.ends_with(suffix))
+}

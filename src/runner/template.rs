@@ -1,0 +1,326 @@
+//! Command lines for programs that do not speak the decoder protocol: `viewer -u {lu} -v {lv} {in} -o {out}.png`.
+//!
+//! The text is split as a shell splits it, and no shell sees it. A placeholder may stand anywhere in a word, so paths with
+//! spaces stay one word. `{{` and `}}` are braces.
+
+use std::ffi::{OsStr, OsString};
+use std::fs::File;
+use std::io::Read;
+use std::os::fd::OwnedFd;
+use std::path::Path;
+
+use rustix::fs::{AtFlags, FileType, Mode, OFlags};
+use rustix::io::Errno;
+
+use crate::protocol::frame::Answer;
+use crate::runner::trouble::{Trouble, is_shortage};
+
+/// A command line with places for what changes from call to call.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Template {
+    words: Vec<Vec<Piece>>,
+}
+
+/// A piece of a word.
+#[derive(Clone, Debug, PartialEq, Eq)]
+enum Piece {
+    Text(OsString),
+    In,
+    /// The file to be written, with what follows in the word: viewers go by the suffix.
+    Out(String),
+    Lu,
+    Lv,
+    View,
+    /// A value of what is asked, by its name.
+    Value(String),
+}
+
+/// The name of the file to be written, without its suffix.
+const OUTPUT: &str = "picture";
+
+impl Template {
+    /// Reads a template. Words that name existing files are made absolute, because calls run in directories of their own.
+    ///
+    /// # Errors
+    /// A sentence that says what is wrong with it.
+    pub fn parse(text: &str) -> Result<Template, String> {
+        let template = Template::split(text, &[])?;
+        if !template.pieces().any(|piece| *piece == Piece::In) {
+            return Err("it has no {in}, the place for the PTM file".to_owned());
+        }
+        if template.outputs().count() > 1 {
+            return Err("it has {out} more than once".to_owned());
+        }
+        Ok(template)
+    }
+
+    /// Reads a template for a program that writes `{out}`. Besides it, placeholders are `{in}` and `names`.
+    ///
+    /// # Errors
+    /// A sentence that says what is wrong with it.
+    pub fn parse_for_writer(text: &str, names: &[&str]) -> Result<Template, String> {
+        let template = Template::split(text, names)?;
+        if template.outputs().count() != 1 {
+            return Err("it needs {out}, the place for the file to write, once".to_owned());
+        }
+        let is_input = |piece: &Piece| matches!(piece, Piece::In | Piece::Value(_));
+        if !template.pieces().any(is_input) {
+            return Err(format!(
+                "it names nothing of the request: {{in}}, {{{}}}",
+                names.join("}, {")
+            ));
+        }
+        if template
+            .pieces()
+            .any(|piece| matches!(piece, Piece::Lu | Piece::Lv | Piece::View))
+        {
+            return Err("a writer has no view and no light".to_owned());
+        }
+        Ok(template)
+    }
+
+    /// The words of a template, the first of which is a program.
+    fn split(text: &str, names: &[&str]) -> Result<Template, String> {
+        let words =
+            shlex::split(text).ok_or("a quotation in it has no end, or a backslash ends it")?;
+        let words: Vec<Vec<Piece>> = words
+            .iter()
+            .enumerate()
+            .map(|(i, word)| pieces(word, i == 0, names))
+            .collect::<Result<_, _>>()?;
+        match words.first().map(Vec::as_slice) {
+            None => Err("it is empty".to_owned()),
+            Some([Piece::Text(_)]) => Ok(Template { words }),
+            Some(_) => Err("its first word is the program, without placeholders".to_owned()),
+        }
+    }
+
+    /// The words of `command`, each as it is; a placeholder is a word by itself.
+    #[must_use]
+    pub fn of_words(command: &[OsString]) -> Template {
+        let piece = |word: &OsString| match word.to_str() {
+            Some("{in}") => Piece::In,
+            Some("{out}") => Piece::Out(String::new()),
+            Some("{view}") => Piece::View,
+            _ => Piece::Text(word.clone()),
+        };
+        Template {
+            words: command.iter().map(|word| vec![piece(word)]).collect(),
+        }
+    }
+
+    /// Whether the view is a word of the call, so that a call can ask for any.
+    #[must_use]
+    pub fn names_view(&self) -> bool {
+        self.pieces().any(|piece| *piece == Piece::View)
+    }
+
+    /// Whether both directions of the light are there.
+    #[must_use]
+    pub fn names_light(&self) -> bool {
+        [Piece::Lu, Piece::Lv]
+            .iter()
+            .all(|wanted| self.pieces().any(|piece| piece == wanted))
+    }
+
+    /// The words of a call that asks for `view`, reads `input` and works in `workplace`. A view without a light has the
+    /// light 0, 0.
+    pub(crate) fn words(&self, view: &str, input: &Path, workplace: &Path) -> Vec<OsString> {
+        let light = view.strip_prefix("rgb:").unwrap_or("0,0");
+        let (lu, lv) = light.split_once(',').unwrap_or((light, "0"));
+        self.filled(input, workplace, &|piece| match piece {
+            Piece::Lu => lu.into(),
+            Piece::Lv => lv.into(),
+            _ => view.into(),
+        })
+    }
+
+    /// The words of a call that carries out the request in `input`, whose values have names.
+    pub(crate) fn words_of_values(
+        &self,
+        input: &Path,
+        workplace: &Path,
+        values: &[(&str, OsString)],
+    ) -> Vec<OsString> {
+        self.filled(input, workplace, &|piece| {
+            let of_name = values
+                .iter()
+                .find(|(name, _)| matches!(piece, Piece::Value(of) if of == name));
+            of_name.map(|(_, value)| value.clone()).unwrap_or_default()
+        })
+    }
+
+    fn filled(
+        &self,
+        input: &Path,
+        workplace: &Path,
+        other: &dyn Fn(&Piece) -> OsString,
+    ) -> Vec<OsString> {
+        let filled = |piece: &Piece| match piece {
+            Piece::Text(text) => text.clone(),
+            Piece::In => input.into(),
+            Piece::Out(suffix) => workplace.join(format!("{OUTPUT}{suffix}")).into(),
+            piece => other(piece),
+        };
+        let joined = |pieces: &Vec<Piece>| pieces.iter().map(filled).collect();
+        self.words.iter().map(joined).collect()
+    }
+
+    /// The file that a call writes, if it writes one. To be asked before the call: `workplace` is opened and kept, so
+    /// that what the program puts in its place meets nobody.
+    pub(crate) fn output_file(&self, workplace: &Path) -> Result<Option<OutputFile>, Trouble> {
+        let Some(suffix) = self.outputs().next() else {
+            return Ok(None);
+        };
+        let flags = OFlags::RDONLY | OFlags::DIRECTORY | OFlags::CLOEXEC;
+        let directory = rustix::fs::open(workplace, flags, Mode::empty())
+            .map_err(|error| Trouble::new("open a working directory", &error.into()))?;
+        Ok(Some(OutputFile {
+            directory,
+            name: format!("{OUTPUT}{suffix}"),
+        }))
+    }
+
+    fn pieces(&self) -> impl Iterator<Item = &Piece> {
+        self.words.iter().flatten()
+    }
+
+    fn outputs(&self) -> impl Iterator<Item = &String> {
+        self.pieces().filter_map(|piece| match piece {
+            Piece::Out(suffix) => Some(suffix),
+            _ => None,
+        })
+    }
+}
+
+/// The pieces of a word.
+fn pieces(word: &str, is_program: bool, names: &[&str]) -> Result<Vec<Piece>, String> {
+    let mut pieces = Vec::new();
+    let mut text = String::new();
+    let mut rest = word;
+    while let Some(first) = rest.chars().next() {
+        if let Some(after) = rest.strip_prefix("{{").or(rest.strip_prefix("}}")) {
+            text.push(first);
+            rest = after;
+        } else if let Some((name, after)) = placeholder(rest) {
+            rest = after;
+            let piece = match name {
+                "in" => Piece::In,
+                "lu" => Piece::Lu,
+                "lv" => Piece::Lv,
+                "view" => Piece::View,
+                "out" => {
+                    let suffix: String = rest
+                        .chars()
+                        .take_while(|c| c.is_ascii_alphanumeric() || *c == '.')
+                        .collect();
+                    rest = &rest[suffix.len()..];
+                    Piece::Out(suffix)
+                }
+                value if names.contains(&value) => Piece::Value(value.to_owned()),
+                other if !names.is_empty() => {
+                    return Err(format!(
+                        "unknown placeholder {{{other}}}; placeholders are {{in}}, {{out}}, {{{}}}",
+                        names.join("}, {")
+                    ));
+                }
+                other => {
+                    return Err(format!(
+                        "unknown placeholder {{{other}}}; placeholders are {{in}}, {{out}}, {{lu}}, {{lv}} and \
+                         {{view}}, and {{{{{other}}}}} is the word in braces"
+                    ));
+                }
+            };
+            if !text.is_empty() {
+                pieces.push(Piece::Text(std::mem::take(&mut text).into()));
+            }
+            pieces.push(piece);
+        } else {
+            text.push(first);
+            rest = &rest[first.len_utf8()..];
+        }
+    }
+    if pieces.is_empty() {
+        return Ok(vec![Piece::Text(absolute(OsStr::new(&text), is_program)?)]);
+    }
+    if !text.is_empty() {
+        pieces.push(Piece::Text(text.into()));
+    }
+    Ok(pieces)
+}
+
+/// The name of the placeholder at the beginning of `text`, and what follows it.
+fn placeholder(text: &str) -> Option<(&str, &str)> {
+    let (name, after) = text.strip_prefix('{')?.split_once('}')?;
+    let is_name = !name.is_empty()
+        && name
+            .bytes()
+            .all(|byte| byte.is_ascii_alphanumeric() || byte == b'_');
+    is_name.then_some((name, after))
+}
+
+/// A word of a command; if it names an existing file, from the root on. A bare program name is looked up in PATH and
+/// nowhere else.
+pub(crate) fn absolute(word: &OsStr, is_program: bool) -> Result<OsString, String> {
+    let path = Path::new(word);
+    let names_file = path.exists() && (!is_program || path.components().count() > 1);
+    if names_file {
+        let path =
+            std::path::absolute(path).map_err(|error| format!("{}: {error}", word.display()))?;
+        Ok(path.into_os_string())
+    } else {
+        Ok(word.to_owned())
+    }
+}
+
+/// The file that a call writes.
+pub(crate) struct OutputFile {
+    directory: OwnedFd,
+    name: String,
+}
+
+impl OutputFile {
+    /// Whether there is a regular file of more than `most` bytes.
+    pub(crate) fn is_longer_than(&self, most: usize) -> bool {
+        let about = rustix::fs::statat(&self.directory, &self.name, AtFlags::SYMLINK_NOFOLLOW);
+        about.is_ok_and(|about| {
+            FileType::from_raw_mode(about.st_mode) == FileType::RegularFile
+                && u64::try_from(about.st_size).is_ok_and(|size| size > most as u64)
+        })
+    }
+
+    /// What is in it, at most `most` bytes. No link is followed and nothing but a plain file opened.
+    pub(crate) fn read(&self, most: usize) -> Result<Result<Vec<u8>, Answer>, Trouble> {
+        let fault = |what: &str| {
+            Ok(Err(Answer::ProtocolError(format!(
+                "its output file {what}"
+            ))))
+        };
+        let flags = OFlags::RDONLY | OFlags::NOFOLLOW | OFlags::NONBLOCK | OFlags::CLOEXEC;
+        let file = match rustix::fs::openat(&self.directory, &self.name, flags, Mode::empty()) {
+            Ok(file) => File::from(file),
+            Err(Errno::NOENT) => return fault("is not there, though it exits with 0"),
+            Err(Errno::LOOP) => return fault("is a link"),
+            Err(error) if is_shortage(&error.into()) => {
+                return Err(Trouble::new("read an output file", &error.into()));
+            }
+            Err(error) => return fault(&format!("cannot be read: {error}")),
+        };
+        match file.metadata() {
+            Ok(about) if about.is_file() => {}
+            _ => return fault("is not a regular file"),
+        }
+        let mut bytes = Vec::new();
+        if let Err(error) = file.take(most as u64 + 1).read_to_end(&mut bytes) {
+            return fault(&format!("cannot be read: {error}"));
+        }
+        if bytes.len() > most {
+            let says = format!("more than {most} bytes in its output file");
+            return Ok(Err(Answer::Flooded(says)));
+        }
+        match bytes.is_empty() {
+            true => fault("is empty"),
+            false => Ok(Ok(bytes)),
+        }
+    }
+}

@@ -1,0 +1,69 @@
+//! What this program could not do for a call: no space on a disk, no open files, no more processes.
+//!
+//! Such trouble says nothing about the decoder. The call is repeated, and if the trouble persists, the run ends.
+
+use std::io;
+
+use rustix::io::Errno;
+
+/// Something that this program could not do, with what helps.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct Trouble(String);
+
+/// What helps against the shortages that are known.
+const REMEDIES: [(&[Errno], &str); 6] = [
+    (
+        &[Errno::NOSPC, Errno::DQUOT],
+        "let TMPDIR name a directory with more space",
+    ),
+    (
+        &[Errno::ROFS, Errno::ACCESS, Errno::PERM],
+        "let TMPDIR name a directory that can be written to",
+    ),
+    (&[Errno::FBIG], "raise the limit on file sizes (ulimit -f)"),
+    (
+        &[Errno::MFILE, Errno::NFILE],
+        "raise the limit on open files (ulimit -n) or lower --jobs",
+    ),
+    (
+        &[Errno::AGAIN],
+        "raise the limit on processes (ulimit -u) or lower --jobs",
+    ),
+    (&[Errno::NOMEM], "free memory or lower --jobs"),
+];
+
+impl Trouble {
+    /// `what` could not be done because of `error`.
+    pub(crate) fn new(what: &str, error: &io::Error) -> Trouble {
+        let known = Errno::from_io_error(error).and_then(|error| {
+            let mut remedies = REMEDIES.iter();
+            remedies.find(|(errors, _)| errors.contains(&error))
+        });
+        let remedy = known.map_or(String::new(), |(_, remedy)| format!("; {remedy}"));
+        Trouble(format!("cannot {what}: {error}{remedy}"))
+    }
+
+    /// The sentence.
+    pub(crate) fn into_text(self) -> String {
+        self.0
+    }
+}
+
+/// Whether starting a program failed for want of something that every program needs.
+pub(crate) fn is_shortage(error: &io::Error) -> bool {
+    let shortages = [
+        Errno::AGAIN,
+        Errno::NOMEM,
+        Errno::MFILE,
+        Errno::NFILE,
+        Errno::NOSPC,
+        Errno::IO,
+    ];
+    Errno::from_io_error(error).is_some_and(|error| shortages.contains(&error))
+}
+
+/// Whether another file system may have room for a file that could not be written.
+pub(crate) fn is_lack_of_room(error: &io::Error) -> bool {
+    let errors = [Errno::NOSPC, Errno::DQUOT, Errno::ROFS, Errno::IO];
+    Errno::from_io_error(error).is_some_and(|error| errors.contains(&error))
+}

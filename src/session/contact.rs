@@ -1,0 +1,290 @@
+//! First contact: the first files in every view, and what follows of what the decoder offers.
+
+use std::sync::Mutex;
+
+use crate::protocol::frame::Answer;
+use crate::session::asking::{Asking, ReplyTo, side_by_side, trouble_of_serving};
+use crate::session::observation::Response;
+use crate::session::offer::Offer;
+use crate::session::plan::{Repeat, RunPlan};
+use crate::session::remark::Remark;
+use crate::session::spelling::{likely_spelling, table_spelling};
+use crate::suite::cases::{Case, Expect, Suite, TableSpelling};
+use crate::suite::test_case::TestCase;
+
+/// What the decoder did with a first file.
+#[derive(Clone, Debug)]
+pub struct First<C: TestCase = Case> {
+    /// Its place in the suite.
+    pub case: usize,
+    /// The view it was asked in.
+    pub view: C::View,
+    /// What came.
+    pub reply: ReplyTo<C>,
+}
+
+/// What is known of a decoder before any case is judged.
+#[derive(Clone, Debug)]
+pub struct Contact<C: TestCase = Case> {
+    /// What it did with the first files.
+    pub first: Vec<First<C>>,
+    /// What it offers.
+    pub offer: Offer<C>,
+    /// How the tables' counts are spelled for it.
+    pub table: TableSpelling,
+    /// What is to be said of it.
+    pub remarks: Vec<Remark>,
+    /// Why the program is no decoder, if it is none.
+    pub not_a_decoder: Option<String>,
+    /// Why no case is to be asked, where something has to be fixed before.
+    pub ends: Option<&'static str>,
+}
+
+impl<C: TestCase> Contact<C> {
+    /// Whether cases are to be asked.
+    #[must_use]
+    pub fn is_ready(&self) -> bool {
+        self.not_a_decoder.is_none() && self.ends.is_none()
+    }
+}
+
+/// Asks the first files, what is offered, and the spelling of tables.
+pub(super) fn first_contact<C: TestCase>(
+    suite: &Suite<C>,
+    plan: &RunPlan<C>,
+    asking: &Asking<C>,
+) -> Contact<C> {
+    let mut contact = Contact {
+        first: first_files(suite, plan, asking),
+        offer: Offer::default(),
+        table: TableSpelling::default(),
+        remarks: Vec::new(),
+        not_a_decoder: None,
+        ends: None,
+    };
+    contact.remarks.extend(first_trouble(suite, &contact.first));
+    contact.offer = offered(suite, plan, &contact.first, asking, &mut contact.remarks);
+    // Where no first file could be asked, the views are those that were asked for.
+    if contact.first.is_empty() {
+        contact.offer.views.clone_from(&plan.views);
+    }
+    // A decoder of tables only may refuse all first files because it knows another spelling of the count.
+    let answers = contact.first.is_empty()
+        || (contact.first.iter())
+            .any(|first| matches!(first.reply.answer, Answer::Decoded(_) | Answer::Rejected));
+    let known = answers.then(|| table_spelling(suite, plan, &contact.offer, asking));
+    let likely = || match answers && !plan.precomputed {
+        true => likely_spelling(suite, &contact.offer, asking),
+        false => None,
+    };
+    match known.flatten().or_else(likely) {
+        Some(table) => contact.table = table,
+        None => contact.not_a_decoder = no_decoder(&contact.first),
+    }
+    contact
+}
+
+/// The first files in every view that may be asked for: one after the other until one is decoded, then as many at a time as
+/// there are jobs. A serving process gets them all in order.
+fn first_files<C: TestCase>(
+    suite: &Suite<C>,
+    plan: &RunPlan<C>,
+    asking: &Asking<C>,
+) -> Vec<First<C>> {
+    let cases = suite.cases.iter().enumerate();
+    let first = cases.filter(|&(i, case)| case.is_first() && plan.asks(i) && !plan.precomputed);
+    let in_views = first.flat_map(|(i, case)| case.views().iter().map(move |view| (i, view)));
+    let work: Vec<(usize, &C::View)> = in_views
+        .filter(|(_, view)| plan.may_ask(C::view_name(view)))
+        .collect();
+    let ask = |&(case, view): &(usize, &C::View), worker| First {
+        case,
+        view: view.clone(),
+        reply: (asking.observe(&suite.cases[case], view, TableSpelling::default(), worker)).1,
+    };
+    let mut replies = Vec::new();
+    let mut left = work.iter();
+    for one in left.by_ref() {
+        let first = ask(one, 0);
+        let answer = &first.reply.answer;
+        let hopeless = matches!(answer, Answer::NotStarted(_)) || asking.is_over();
+        let decoded = matches!(answer, Answer::Decoded(_));
+        replies.push(first);
+        if hopeless {
+            return replies;
+        }
+        if decoded && plan.repeat != Repeat::FailuresAndSample {
+            break;
+        }
+    }
+    let left = left.as_slice();
+    let others: Mutex<Vec<Option<First<C>>>> = Mutex::new(left.iter().map(|_| None).collect());
+    side_by_side(plan, left.len(), |place, worker| {
+        let first = ask(&left[place], worker);
+        others.lock().expect("no worker panics")[place] = Some(first);
+        !asking.is_over()
+    });
+    let others = others.into_inner().expect("no worker panics");
+    replies.extend(others.into_iter().flatten());
+    replies
+}
+
+/// The first of the first files that was not answered in serve mode.
+fn first_trouble<C: TestCase>(suite: &Suite<C>, first: &[First<C>]) -> Option<Remark> {
+    first.iter().find_map(|first| {
+        let id = suite.cases[first.case].id();
+        let what = trouble_of_serving(&first.reply)?;
+        Some(Remark::failure(format!(
+            "{id} in {}, {}",
+            first.view, what.says
+        )))
+    })
+}
+
+/// Why the program behind these replies is no decoder, if it is none.
+fn no_decoder<C: TestCase>(first: &[First<C>]) -> Option<String> {
+    let answers = || first.iter().map(|first| &first.reply.answer);
+    let decoded = answers().any(|answer| matches!(answer, Answer::Decoded(_)));
+    let refused = answers().any(|answer| matches!(answer, Answer::Rejected));
+    let First { reply, .. } = first
+        .iter()
+        .find(|first| first.reply.answer.violation().is_some())
+        .or(first.first())?;
+    let why = match (&reply.answer, reply.exit) {
+        (Answer::NotStarted(why), _) => format!("it cannot be started: {why}"),
+        (_, Some(status @ (126 | 127))) if !decoded => {
+            format!("its command cannot be run: exit status {status}")
+        }
+        _ if decoded => return None,
+        (Answer::Unsupported, _) if !refused => {
+            "it answers every first file with 69 (unsupported) in every view".to_owned()
+        }
+        (Answer::Rejected | Answer::Unsupported, _) => {
+            let refusals = answers().filter(|answer| matches!(answer, Answer::Rejected));
+            format!(
+                "it decodes no first file in any view: of {} requests for ordinary files it refuses {} with 65",
+                first.len(),
+                refusals.count()
+            )
+        }
+        (answer, _) => format!(
+            "it answers no first file with a well-formed frame, in any view; the first of its answers: {}: {}",
+            answer.name(),
+            answer.violation().unwrap_or_default()
+        ),
+    };
+    Some(if reply.stderr.is_empty() {
+        why
+    } else {
+        format!("{why}\nits standard error begins:\n{}", reply.stderr)
+    })
+}
+
+/// What is offered: each view in which a first file was decoded, and of each kind all but those in which every first file
+/// of it was answered 69.
+fn offered<C: TestCase>(
+    suite: &Suite<C>,
+    plan: &RunPlan<C>,
+    first: &[First<C>],
+    asking: &Asking<C>,
+    remarks: &mut Vec<Remark>,
+) -> Offer<C> {
+    let declared = plan.declared_views.clone().unwrap_or_default();
+    let asked_for = |view: &str| first.iter().any(|first| C::view_name(&first.view) == view);
+    let mut offer = Offer {
+        declared: plan.declared_kinds.clone().unwrap_or_default(),
+        ..Offer::default()
+    };
+    for &view in C::VIEWS {
+        if is_offered(first, view) {
+            offer.views.push(view);
+        } else if answered(suite, first, view, None) {
+            remarks.push(Remark::failure(format!(
+                "in the view {view} it decodes none of the first files, which it decodes in another view; it is not asked in {view}"
+            )));
+        } else if declared.contains(&view) && asked_for(view) {
+            remarks.push(Remark::failure(format!(
+                "its capabilities declare the view {view}, and it answers 69 (unsupported) to every first file in it"
+            )));
+        }
+    }
+    if asking.is_over() {
+        return offer;
+    }
+    for kind in kinds(suite) {
+        let has = |view: &&str| answered(suite, first, view, Some(&kind));
+        if !offer.views.iter().any(has) {
+            continue;
+        }
+        for view in offer.views.clone() {
+            if has(&view) || shows_others(suite, view, &kind, asking) {
+                continue;
+            }
+            let promised =
+                (plan.declared_kinds.as_ref()).is_some_and(|kinds| kinds.contains(&kind));
+            if declared.contains(&view) && promised {
+                remarks.push(Remark::failure(format!(
+                    "its capabilities declare the view {view} and {kind}, and it answers 69 (unsupported) to such files in that view"
+                )));
+            }
+            offer.lacking.push((view, kind.clone()));
+        }
+    }
+    offer
+}
+
+/// Whether a first file was decoded in this view. A refusal offers nothing; but where no view decodes any first file,
+/// each that is not answered 69 is offered, so that the run can say what is wrong.
+fn is_offered<C: TestCase>(first: &[First<C>], view: &str) -> bool {
+    let decoded = |first: &&First<C>| matches!(first.reply.answer, Answer::Decoded(_));
+    let in_view = |first: &&First<C>| C::view_name(&first.view) == view;
+    match first.iter().any(|first| decoded(&first)) {
+        true => first.iter().filter(in_view).any(|first| decoded(&first)),
+        false => (first.iter().filter(in_view))
+            .any(|first| !matches!(first.reply.answer, Answer::Unsupported)),
+    }
+}
+
+/// Whether a first file in this view, of this kind if one is named, was answered with anything but 69.
+fn answered<C: TestCase>(
+    suite: &Suite<C>,
+    first: &[First<C>],
+    view: &str,
+    kind: Option<&C::Feature>,
+) -> bool {
+    first.iter().any(|first| {
+        C::view_name(&first.view) == view
+            && kind.is_none_or(|kind| suite.cases[first.case].kind() == *kind)
+            && !matches!(first.reply.answer, Answer::Unsupported)
+    })
+}
+
+/// The kinds of the first files, each once.
+fn kinds<C: TestCase>(suite: &Suite<C>) -> Vec<C::Feature> {
+    let first = suite.cases.iter().filter(|case| case.is_first());
+    let mut kinds: Vec<C::Feature> = first.map(C::kind).collect();
+    kinds.sort();
+    kinds.dedup();
+    kinds
+}
+
+/// Whether it shows a case of this kind in this view although it did not show the first: a view is lacking as a whole.
+fn shows_others<C: TestCase>(
+    suite: &Suite<C>,
+    view: &str,
+    kind: &C::Feature,
+    asking: &Asking<C>,
+) -> bool {
+    let others = suite
+        .cases
+        .iter()
+        .filter(|case| case.expect() == Expect::Decode && !case.is_first() && case.kind() == *kind)
+        .filter_map(|case| {
+            let mut views = case.views().iter();
+            Some((case, views.find(|of| C::view_name(of) == view)?))
+        });
+    others.take(3).any(|(case, view)| {
+        let (observation, _) = asking.observe(case, view, TableSpelling::default(), 0);
+        !matches!(observation.response, Response::Unsupported)
+    })
+}

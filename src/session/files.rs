@@ -1,0 +1,289 @@
+//! Checks on files of one's own, which come without expected output.
+//!
+//! The decoder is held against the reference, in whichever reading of the open questions fits, and against itself: other
+//! encodings of the same values must give the same picture.
+
+use std::fmt::Write;
+
+use serde::Serialize;
+
+use crate::decode::{decode_as, fields};
+use crate::error::Class;
+use crate::generate::Model;
+use crate::kit::yaml::to_yaml;
+use crate::protocol::frame::{Answer, Frame, View};
+use crate::ptm::{Format, Limits};
+use crate::reading::Reading;
+use crate::runner::run::{Reply, Request};
+use crate::session::metamorphic::encodings;
+use crate::session::outcome::Outcome;
+use crate::suite::choices::CHOICES;
+use crate::suite::compare::Expected;
+use crate::suite::dialect::Dialect;
+use crate::suite::values::Values;
+
+/// What came of a directory of files.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct FilesReport {
+    /// `pass` or `fail`.
+    pub verdict: String,
+    /// File by file.
+    pub files: Vec<FileResult>,
+}
+
+/// What came of one file.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct FileResult {
+    /// Its name, without directories.
+    pub file: String,
+    /// The view it was asked in.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub view: Option<String>,
+    /// Against the reference: pass, fail, unsupported.
+    pub outcome: String,
+    /// Why.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub says: Option<String>,
+    /// Other encodings of the same values that give another picture, or none.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub relations: Vec<String>,
+    /// How many other encodings were tried.
+    pub encodings: usize,
+}
+
+/// Checks one file with the decoder behind `ask`, in the first of `views` that it offers.
+pub fn check_file(
+    name: &str,
+    file: &[u8],
+    views: &[View],
+    ask: &dyn Fn(&Request) -> Reply,
+) -> FileResult {
+    let answer = |view: &View, file: &[u8]| {
+        let request = Request {
+            name,
+            view,
+            file,
+            largest_frame: largest_frame(file),
+            timeout_factor: 3,
+            alone: true,
+        };
+        ask(&request).answer
+    };
+    let mut result = FileResult {
+        file: name.to_owned(),
+        view: None,
+        outcome: Outcome::Unsupported.name().to_owned(),
+        says: None,
+        relations: Vec::new(),
+        encodings: 0,
+    };
+    let answered = views.iter().map(|view| (view, answer(view, file)));
+    let mut supported = answered.filter(|(_, shown)| *shown != Answer::Unsupported);
+    let Some((view, shown)) = supported.next() else {
+        return result;
+    };
+    result.view = Some(view.to_string());
+    let (mut outcome, says) = match held_against_reference(file, view, &shown) {
+        Ok(says) => (Outcome::Pass, says),
+        Err(says) => (Outcome::Fail, says),
+    };
+    result.says = Some(says).filter(|says| !says.is_empty());
+    if let (Answer::Decoded(shown), Ok(ptm)) = (&shown, crate::decode(file)) {
+        let slack = expected(file, view, &Reading::SPEC).map(|right| right.slack);
+        let slack = slack.unwrap_or_default();
+        for encoding in encodings(&ptm) {
+            let again = answer(view, &encoding.file);
+            if again != Answer::Unsupported {
+                result.encodings += 1;
+                let broken = relation(shown, slack.clone(), &again);
+                let broken = broken.map(|says| format!("{}: {says}", encoding.how));
+                result.relations.extend(broken);
+            }
+        }
+    }
+    if !result.relations.is_empty() {
+        outcome = Outcome::Fail;
+    }
+    outcome.name().clone_into(&mut result.outcome);
+    result
+}
+
+/// What a file should look like. Lossy JPEG planes may be off by what inverse DCTs differ in (ruling `jpeg-samples`).
+fn expected(file: &[u8], view: &View, reading: &Reading) -> Option<Expected> {
+    let ptm = decode_as(file, reading, &Limits::default()).ok()?;
+    let (format, planes) = (ptm.header.format, ptm.planes);
+    if !matches!(format, Format::JpegRgb | Format::JpegLrgb) {
+        return Expected::under(file, view, reading);
+    }
+    let model = Model {
+        format,
+        size: planes.size,
+        slack: transforms_in_a_row(file).repeat(planes.size.texels()),
+        samples: planes.samples,
+        table: Vec::new(),
+        indices: Vec::new(),
+        scale: ptm.header.scale_bias.scale,
+        bias: ptm.header.scale_bias.bias,
+        matrix: [0.0; 16],
+        compressed: None,
+    };
+    Expected::of(&Values::Painted(model), view)
+}
+
+/// For each plane how many inverse DCTs its values come from: its own, and those of the planes that it is predicted from.
+fn transforms_in_a_row(file: &[u8]) -> Vec<u8> {
+    let (fields, _) = fields(file);
+    let references: Vec<Option<usize>> = fields
+        .iter()
+        .filter(|field| field.clause == "2.9.5/1")
+        .map(|field| {
+            std::str::from_utf8(&file[field.range.clone()])
+                .ok()?
+                .parse()
+                .ok()
+        })
+        .collect();
+    let count = |plane: usize| {
+        let mut next = Some(plane);
+        let row = std::iter::from_fn(|| {
+            let plane = next?;
+            next = references.get(plane).copied().flatten();
+            Some(plane)
+        });
+        row.take(references.len()).count() as u8
+    };
+    (0..references.len()).map(count).collect()
+}
+
+/// What is wrong with an answer, or what there is to say of a right one.
+fn held_against_reference(file: &[u8], view: &View, shown: &Answer) -> Result<String, String> {
+    let reference = decode_as(file, &Reading::SPEC, &Limits::default());
+    match (shown, reference) {
+        (Answer::Decoded(shown), Ok(ptm)) => {
+            let right =
+                expected(file, view, &Reading::SPEC).expect("the reference has just decoded it");
+            let Some(difference) = right.compare(shown) else {
+                return Ok(String::new());
+            };
+            let open = match ptm.header.format {
+                Format::Lum => CHOICES.axes(&["lum-vector", "lum-major", "lum-range"]),
+                format if format.is_compressed() => (0..CHOICES.len())
+                    .filter(|&axis| !CHOICES[axis].ruling.starts_with("lum"))
+                    .collect(),
+                _ => Vec::new(),
+            };
+            let fits = |dialect: &Dialect| {
+                expected(file, view, &CHOICES.under(dialect, Reading::SPEC))
+                    .is_some_and(|right| right.compare(shown).is_none())
+            };
+            match CHOICES
+                .combinations(&open)
+                .iter()
+                .skip(1)
+                .find(|dialect| fits(dialect))
+            {
+                Some(dialect) => Ok(format!("right in its own reading: {}", other(dialect))),
+                None => Err(difference.to_string()),
+            }
+        }
+        (Answer::Decoded(_), Err(error)) if error.class() == Class::Malformed => Err(format!(
+            "shows a picture of a file that the reference refuses: {error}"
+        )),
+        (Answer::Decoded(_), Err(error)) => Ok(format!("the reference does not read it: {error}")),
+        (Answer::Rejected, Ok(_)) => Err("refuses a file that the reference reads".to_owned()),
+        (Answer::Rejected, Err(_)) => Ok("refused, as the reference does".to_owned()),
+        (answer, _) => Err(format!(
+            "{}: {}",
+            answer.name(),
+            answer.violation().unwrap_or_default()
+        )),
+    }
+}
+
+/// The readings in which a dialect is not the reference's.
+fn other(dialect: &Dialect) -> String {
+    let others = CHOICES
+        .iter()
+        .zip(&dialect.0)
+        .filter(|&(_, &taken)| taken > 0);
+    let readings: Vec<&str> = others
+        .map(|(choice, &taken)| choice.readings[taken].0)
+        .collect();
+    readings.join("; ")
+}
+
+/// How the picture of another encoding differs from the first one.
+fn relation(shown: &Frame, slack: Vec<f64>, again: &Answer) -> Option<String> {
+    match again {
+        Answer::Decoded(again) => {
+            let first = Expected {
+                slack,
+                ..Expected::of_frame(shown)
+            };
+            let difference = first.compare(again)?;
+            Some(format!("another picture: {difference}"))
+        }
+        other => Some(format!("no picture, but {}", other.name())),
+    }
+}
+
+/// The most bytes a frame of that file can have.
+fn largest_frame(file: &[u8]) -> usize {
+    crate::decode(file).map_or(file.len() * 72, |ptm| ptm.planes.size.texels() * 72)
+}
+
+impl FilesReport {
+    /// The report of some files.
+    #[must_use]
+    pub fn new(files: Vec<FileResult>) -> FilesReport {
+        let failed = files
+            .iter()
+            .any(|file| file.outcome == Outcome::Fail.name());
+        FilesReport {
+            verdict: if failed { "fail" } else { "pass" }.to_owned(),
+            files,
+        }
+    }
+
+    /// 0, 1, or 3 if no file was read at all.
+    #[must_use]
+    pub fn exit_status(&self) -> u8 {
+        let unread = |file: &FileResult| file.outcome == Outcome::Unsupported.name();
+        match self.verdict.as_str() {
+            _ if self.files.iter().all(unread) => 3,
+            "pass" => 0,
+            _ => 1,
+        }
+    }
+
+    /// As YAML.
+    ///
+    /// # Errors
+    /// None that a report can cause.
+    pub fn to_yaml(&self) -> Result<String, String> {
+        to_yaml(self)
+    }
+
+    /// As text for a terminal.
+    #[must_use]
+    pub fn to_text(&self) -> String {
+        let mut text = String::new();
+        for file in &self.files {
+            let says = file.says.as_deref().unwrap_or_default();
+            let _ = writeln!(
+                text,
+                "{} {} {}: {} other encodings{}{says}",
+                file.outcome,
+                file.file,
+                file.view.as_deref().unwrap_or("in no view"),
+                file.encodings,
+                if says.is_empty() { "" } else { "; " },
+            );
+            for relation in &file.relations {
+                let _ = writeln!(text, "  {relation}");
+            }
+        }
+        let _ = writeln!(text, "{}: {} files", self.verdict, self.files.len());
+        text
+    }
+}

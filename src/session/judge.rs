@@ -1,0 +1,314 @@
+//! From observations to verdicts.
+//!
+//! What an observation means depends on others: of a file that must be refused nothing follows where its accepted twin was
+//! not decoded; "unsupported" is honest only of a whole feature; a reading of an open question must be the same everywhere.
+//! All of that is decided here, from observations alone.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use crate::session::dialect::dialect_of;
+use crate::session::observation::{Observation, Response};
+use crate::session::offer::{Offer, is_always_unsupported};
+use crate::session::outcome::{Judged, Outcome};
+use crate::suite::cases::{Case, Expect, Suite};
+use crate::suite::dialect::{Dialect, Right};
+use crate::suite::test_case::TestCase;
+
+/// What is said of a decoder.
+#[derive(Clone, Debug)]
+pub struct Judgement<C: TestCase = Case> {
+    /// One for each case of the suite; nothing for those that were not selected.
+    pub cases: Vec<Option<Judged>>,
+    /// How it reads the open questions, as the reference does where no case showed it.
+    pub dialect: Dialect,
+    /// Of each open question, whether the cases tell the reading from every other.
+    pub settled: Vec<bool>,
+    /// Features that every file needing them was answered 69.
+    pub unsupported: BTreeSet<C::Feature>,
+    /// Features of which a file was decoded.
+    pub decoded: BTreeSet<C::Feature>,
+}
+
+impl<C: TestCase> Judgement<C> {
+    /// The places of the cases with this outcome.
+    pub fn with(&self, outcome: Outcome) -> impl Iterator<Item = usize> {
+        let judged = self.cases.iter().enumerate();
+        judged
+            .filter(move |(_, judged)| judged.as_ref().is_some_and(|j| j.outcome == outcome))
+            .map(|(place, _)| place)
+    }
+}
+
+/// Judges the observations of a run. `observations` has a place for each case of the suite; nothing where none of its views
+/// is offered. `selected` says which cases are to be judged; the others only serve as twins.
+#[must_use]
+pub fn judge<C: TestCase>(
+    suite: &Suite<C>,
+    selected: &[bool],
+    observations: &[Option<Observation<C>>],
+    offer: &Offer<C>,
+) -> Judgement<C> {
+    let (dialect, settled) = dialect_of(observations);
+    let (unsupported, decoded) = features(suite, observations, offer);
+    let twins = C::twins(&suite.cases);
+    let spelling_known = (suite.cases.iter().zip(observations)).any(|(case, observation)| {
+        let is_right = |observation: &Observation<C>| is_right(observation, &dialect);
+        case.expect() == Expect::Spelling && observation.as_ref().is_some_and(is_right)
+    });
+    let judged = |i: usize| {
+        let case = &suite.cases[i];
+        let Some(observation) = &observations[i] else {
+            return Judged {
+                outcome: Outcome::NotJudged,
+                says: "none of its views is offered".to_owned(),
+            };
+        };
+        let evidence = Evidence {
+            case,
+            observation,
+            twins: (twins[i].iter())
+                .map(|&twin| (suite.cases[twin].id(), observations[twin].as_ref()))
+                .collect(),
+            dialect: &dialect,
+            unsupported: &unsupported,
+            spelling_known,
+        };
+        let (outcome, says) = evidence.honest(offer);
+        Judged { outcome, says }
+    };
+    Judgement {
+        cases: (0..suite.cases.len())
+            .map(|i| selected[i].then(|| judged(i)))
+            .collect(),
+        dialect,
+        settled,
+        unsupported,
+        decoded,
+    }
+}
+
+/// All that bears on the verdict on one case.
+struct Evidence<'a, C: TestCase> {
+    case: &'a C,
+    observation: &'a Observation<C>,
+    /// The accepted files that it stands on, by their ids.
+    twins: Vec<(&'a str, Option<&'a Observation<C>>)>,
+    dialect: &'a Dialect,
+    unsupported: &'a BTreeSet<C::Feature>,
+    /// Whether a spelling of tables was read rightly.
+    spelling_known: bool,
+}
+
+type Verdict = (Outcome, String);
+
+fn fail(says: impl Into<String>) -> Verdict {
+    (Outcome::Fail, says.into())
+}
+
+const PASS: Verdict = (Outcome::Pass, String::new());
+
+impl<C: TestCase> Evidence<'_, C> {
+    /// The verdict, with "unsupported" compared with what is offered.
+    fn honest(&self, offer: &Offer<C>) -> Verdict {
+        let (case, observation) = (self.case, self.observation);
+        if offer.is_broken_by(case, observation, self.unsupported) {
+            let kind = case.kind();
+            fail(format!(
+                "its capabilities declare {kind}, and it answers 69 (unsupported) to all such files"
+            ))
+        } else if is_always_unsupported(case, observation)
+            && offer.lacks(&observation.view, &case.kind())
+        {
+            (Outcome::Unsupported, String::new())
+        } else {
+            self.verdict()
+        }
+    }
+
+    fn verdict(&self) -> Verdict {
+        if let Some(how) = &self.observation.nondeterminism {
+            return fail(&*how.says);
+        }
+        if let Some(says) = self.stands_on_nothing() {
+            return (Outcome::Inconclusive, says);
+        }
+        match (&self.observation.response, self.case.expect()) {
+            (Response::Violation(answer), _) => {
+                let what = answer.violation().unwrap_or_default();
+                fail(format!("{}: {what}", answer.name()))
+            }
+            (Response::Rejected, expect) => self.of_refusal(expect),
+            (Response::Unsupported, expect) => self.of_unsupported(expect),
+            (
+                Response::Picture {
+                    right,
+                    difference,
+                    frame,
+                    ..
+                },
+                expect,
+            ) => {
+                if C::CHOICES.is_right(right, self.dialect) {
+                    return PASS;
+                }
+                let own = self.difference_in_own_dialect(frame.as_ref());
+                let differs = own.as_ref().or(difference.as_ref());
+                let differs = differs.map(ToString::to_string).unwrap_or_default();
+                self.of_wrong_picture(expect, right, differs)
+            }
+        }
+    }
+
+    /// How a wrong picture differs from the one that its own reading of the open questions would give, where that is not the
+    /// reference's.
+    fn difference_in_own_dialect(&self, frame: Option<&C::Output>) -> Option<C::Difference> {
+        if *self.dialect == C::CHOICES.reference() {
+            return None;
+        }
+        let view = &self.observation.view;
+        // What equals the reference's answer is not kept.
+        let output = frame.cloned().or_else(|| self.case.expected_output(view))?;
+        self.case.difference_in(view, &output, self.dialect)
+    }
+
+    /// Negative cases stand on their accepted twins: says so if none of them was decoded.
+    fn stands_on_nothing(&self) -> Option<String> {
+        let decoded = |twin: Option<&Observation<C>>| {
+            twin.is_some_and(|twin| matches!(twin.response, Response::Picture { .. }))
+        };
+        match &self.twins[..] {
+            [] => None,
+            twins if twins.iter().any(|&(_, twin)| decoded(twin)) => None,
+            [(id, _)] => Some(format!("its twin {id} was not decoded")),
+            [(id, _), ..] => Some(format!(
+                "no legal file of its kind was decoded, such as {id}"
+            )),
+        }
+    }
+
+    fn of_refusal(&self, expect: Expect) -> Verdict {
+        let expected = self.case.expected_in_words();
+        match (expect, expected) {
+            (Expect::Decode, Some(expected)) => {
+                fail(format!("expected {expected}, received a refusal"))
+            }
+            (Expect::Decode, None) => fail("refused a legal file"),
+            (Expect::ImplementationDefined, expected) => (
+                Outcome::ImplementationDefined,
+                format!(
+                    "the reference answers {}; received a refusal",
+                    expected.unwrap_or_default()
+                ),
+            ),
+            _ => PASS,
+        }
+    }
+
+    fn of_unsupported(&self, expect: Expect) -> Verdict {
+        match expect {
+            Expect::Refuse | Expect::Lenient | Expect::Spelling => PASS,
+            Expect::Reject => {
+                fail("answered 69 (unsupported) to a malformed file of a kind it decodes")
+            }
+            Expect::Decode | Expect::ImplementationDefined => {
+                let features = self.case.features(&self.observation.view);
+                match features.is_disjoint(self.unsupported) {
+                    true => fail(C::NOT_UNSUPPORTED),
+                    false => (Outcome::Unsupported, String::new()),
+                }
+            }
+        }
+    }
+
+    fn of_wrong_picture(&self, expect: Expect, right: &Right, differs: String) -> Verdict {
+        let is_right = |twin: &Observation<C>| is_right(twin, self.dialect);
+        let twin_is_wrong = || {
+            let mut twins = self.twins.iter();
+            !self.twins.is_empty() && !twins.any(|(_, twin)| twin.is_some_and(is_right))
+        };
+        match (expect, right) {
+            (Expect::Reject | Expect::Refuse, _) => {
+                fail(format!("{}: {}", C::ACCEPTED, self.case.fault()))
+            }
+            (Expect::Spelling, _) if self.spelling_known => (Outcome::OtherDialect, String::new()),
+            (Expect::Lenient, _) if twin_is_wrong() => (
+                Outcome::Inconclusive,
+                "its twin was decoded wrongly".to_owned(),
+            ),
+            (Expect::ImplementationDefined, _) => (
+                Outcome::ImplementationDefined,
+                format!("left to the implementation; the reference differs: {differs}"),
+            ),
+            (_, Right::In { axes, combinations }) => {
+                let dialects = C::CHOICES.combinations(axes).into_iter().zip(combinations);
+                match dialects
+                    .filter(|(_, right)| **right)
+                    .map(|(other, _)| other)
+                    .next()
+                {
+                    Some(other) => fail(format!("{}: {differs}", self.mixed(axes, &other))),
+                    None => fail(differs),
+                }
+            }
+            _ => fail(differs),
+        }
+    }
+
+    /// Which readings it mixes, where the answer is right in another dialect.
+    fn mixed(&self, axes: &[usize], other: &Dialect) -> String {
+        let differing = axes
+            .iter()
+            .filter(|&&axis| other.0[axis] != self.dialect.0[axis]);
+        let readings = differing.map(|&axis| {
+            let choice = &C::CHOICES[axis];
+            let name = |dialect: &Dialect| choice.readings[dialect.0[axis]].0;
+            let (here, elsewhere) = (name(other), name(self.dialect));
+            format!("{}: {here} here, {elsewhere} elsewhere", choice.ruling)
+        });
+        format!(
+            "mixes readings ({})",
+            readings.collect::<Vec<_>>().join("; ")
+        )
+    }
+}
+
+fn is_right<C: TestCase>(observation: &Observation<C>, dialect: &Dialect) -> bool {
+    match &observation.response {
+        Response::Picture { right, .. } => C::CHOICES.is_right(right, dialect),
+        _ => false,
+    }
+}
+
+/// Features that every must-accept file needing them was answered 69, and those that were decoded.
+fn features<C: TestCase>(
+    suite: &Suite<C>,
+    observations: &[Option<Observation<C>>],
+    offer: &Offer<C>,
+) -> (BTreeSet<C::Feature>, BTreeSet<C::Feature>) {
+    let mut all_unsupported: BTreeMap<C::Feature, bool> = BTreeMap::new();
+    let mut decoded = BTreeSet::new();
+    for (case, observation) in suite.cases.iter().zip(observations) {
+        let (Some(observation), Expect::Decode | Expect::ImplementationDefined) =
+            (observation, case.expect())
+        else {
+            continue;
+        };
+        let unsupported = matches!(observation.response, Response::Unsupported);
+        for feature in case.features(&observation.view) {
+            // That it lacks this view of this kind says nothing of the kind.
+            if unsupported && feature == case.kind() && offer.lacks(&observation.view, &case.kind())
+            {
+                continue;
+            }
+            all_unsupported
+                .entry(feature.clone())
+                .and_modify(|all| *all &= unsupported)
+                .or_insert(unsupported);
+            if matches!(observation.response, Response::Picture { .. }) {
+                decoded.insert(feature);
+            }
+        }
+    }
+    all_unsupported.retain(|_, all| *all);
+    (all_unsupported.into_keys().collect(), decoded)
+}

@@ -1,0 +1,118 @@
+//! The first files once more, in a locale that writes numbers with a decimal comma.
+//!
+//! Programs that read "0.5" with `strtod` or `scanf` after `setlocale` find 0 there. Numbers of PTM files are written
+//! with a point in every country.
+
+use std::process::{Command, Stdio};
+
+use crate::protocol::frame::{Answer, Frame, View};
+use crate::runner::run::{Decoder, Request};
+use crate::runner::scratch::Scratch;
+use crate::session::run::Run;
+use crate::suite::cases::Suite;
+
+/// Languages of which every locale writes a decimal comma.
+const WITH_COMMA: [&str; 12] = [
+    "de_DE", "fr_FR", "es_ES", "it_IT", "nl_NL", "pl_PL", "pt_BR", "ru_RU", "sv_SE", "da_DK",
+    "fi_FI", "cs_CZ",
+];
+
+/// A locale of this machine that writes a decimal comma, as `locale -a` lists it.
+#[must_use]
+pub fn with_comma() -> Option<String> {
+    let output = Command::new("locale")
+        .arg("-a")
+        .stdin(Stdio::null())
+        .stderr(Stdio::null())
+        .output()
+        .ok()?;
+    choose(&String::from_utf8_lossy(&output.stdout))
+}
+
+fn choose(list: &str) -> Option<String> {
+    WITH_COMMA.iter().find_map(|language| {
+        let of_language = |name: &&str| {
+            name.strip_prefix(language)
+                .is_some_and(|rest| rest.is_empty() || rest.starts_with(['.', '@']))
+        };
+        list.lines()
+            .map(str::trim)
+            .find(of_language)
+            .map(str::to_owned)
+    })
+}
+
+/// Asks the first files again in `locale`, each in one view in which it was decoded, and says what is otherwise.
+#[must_use]
+pub fn difference(
+    suite: &Suite,
+    run: &Run,
+    decoder: &Decoder,
+    locale: &str,
+    scratch: &Scratch,
+) -> Option<String> {
+    let mut decoder = decoder.clone();
+    locale.clone_into(&mut decoder.locale);
+    for i in 0..suite.cases.len() {
+        // Stored values need no numbers but the size: they are asked for only if there is nothing else.
+        let views = ["coef", "rgb", "raw"].into_iter();
+        let decoded = |view: &str| {
+            run.first
+                .iter()
+                .find_map(|first| match &first.reply.answer {
+                    Answer::Decoded(frame) if first.case == i && first.view.name() == view => {
+                        Some((&first.view, frame, &first.reply.answer))
+                    }
+                    _ => None,
+                })
+        };
+        let Some((view, frame, before)) = views.into_iter().find_map(decoded) else {
+            continue;
+        };
+        let case = &suite.cases[i];
+        let request = Request {
+            name: &case.id,
+            view,
+            file: &case.build(run.table).file,
+            largest_frame: frame.samples.bytes(),
+            timeout_factor: 1,
+            alone: true,
+        };
+        let answer = decoder.ask(&request, scratch).answer;
+        if !answer.is_like(before) {
+            return Some(words(locale, &case.id, view, &answer, frame));
+        }
+    }
+    None
+}
+
+fn words(locale: &str, id: &str, view: &View, answer: &Answer, frame: &Frame) -> String {
+    let got = match answer {
+        Answer::Decoded(other) if (other.width, other.height) != (frame.width, frame.height) => {
+            format!("a picture of {}x{}", other.width, other.height)
+        }
+        Answer::Decoded(_) => "another picture".to_owned(),
+        other => match other.violation() {
+            Some(what) => format!("{}: {what}", other.name()),
+            None => other.name().to_owned(),
+        },
+    };
+    format!(
+        "in the locale {locale}, which writes numbers with a comma, {id} in {view} gives {got}: numbers of PTM files have a point whatever the locale (LC_NUMERIC)"
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_locale_with_a_comma_is_found_by_its_language() {
+        assert_eq!(choose("C\nC.utf8\nPOSIX\nen_US.utf8\n"), None);
+        assert_eq!(
+            choose("C\nfr_FR.utf8\nde_DE@euro\n"),
+            Some("de_DE@euro".to_owned())
+        );
+        assert_eq!(choose("de_DEX\nsv_SE\n"), Some("sv_SE".to_owned()));
+    }
+}

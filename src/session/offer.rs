@@ -1,0 +1,70 @@
+//! What a decoder offers: views, and formats in them.
+
+use std::collections::BTreeSet;
+
+use crate::session::observation::{Observation, Response};
+use crate::suite::cases::{Case, Expect};
+use crate::suite::test_case::TestCase;
+
+/// What a decoder offers.
+#[derive(Clone, Debug)]
+pub struct Offer<C: TestCase = Case> {
+    /// The views, best first.
+    pub views: Vec<&'static str>,
+    /// Views that it lacks of a kind of case which it shows in others.
+    pub lacking: Vec<(&'static str, C::Feature)>,
+    /// The kinds of case that it declares to read.
+    pub declared: Vec<C::Feature>,
+}
+
+impl<C: TestCase> Default for Offer<C> {
+    fn default() -> Self {
+        Offer {
+            views: Vec::new(),
+            lacking: Vec::new(),
+            declared: Vec::new(),
+        }
+    }
+}
+
+impl<C: TestCase> Offer<C> {
+    /// Whether it shows cases of this kind in other views only.
+    #[must_use]
+    pub fn lacks(&self, view: &C::View, kind: &C::Feature) -> bool {
+        let view = C::view_name(view);
+        self.lacking
+            .iter()
+            .any(|(lacking, of)| *lacking == view && of == kind)
+    }
+
+    /// The first of the case's views that is offered, of files of its kind if there is such a one.
+    #[must_use]
+    pub fn chosen_view<'a>(&self, case: &'a C) -> Option<&'a C::View> {
+        let offered = |view: &&C::View| self.views.contains(&C::view_name(view));
+        let mut views = case.views().iter().filter(offered);
+        views
+            .clone()
+            .find(|view| !self.lacks(view, &case.kind()))
+            .or_else(|| views.next())
+    }
+
+    /// Whether it was answered 69 as every case of a kind is that the decoder declares to read.
+    #[must_use]
+    pub fn is_broken_by(
+        &self,
+        case: &C,
+        observation: &Observation<C>,
+        unsupported: &BTreeSet<C::Feature>,
+    ) -> bool {
+        is_always_unsupported(case, observation)
+            && self.declared.contains(&case.kind())
+            && unsupported.contains(&case.kind())
+    }
+}
+
+/// Whether a legal file was answered 69, each time it was asked for.
+pub(super) fn is_always_unsupported<C: TestCase>(case: &C, observation: &Observation<C>) -> bool {
+    matches!(observation.response, Response::Unsupported)
+        && case.expect() == Expect::Decode
+        && observation.nondeterminism.is_none()
+}

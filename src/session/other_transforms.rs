@@ -1,0 +1,125 @@
+//! Decoders with another inverse DCT pass (ruling `jpeg-samples`).
+//!
+//! The samples of JPEG planes come from two independent decoders in turn; all else is the reference. Streams that such a
+//! decoder does not read are left to the reference, and counted.
+
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use zune_jpeg::zune_core::colorspace::ColorSpace;
+use zune_jpeg::zune_core::options::DecoderOptions;
+
+use crate::decode::planes;
+use crate::misreadings;
+use crate::parts::PlaneStream;
+use crate::reading::Reading;
+use crate::runner::run::Request;
+use crate::session::files::check_file;
+use crate::session::observation::Response;
+use crate::session::outcome::Outcome;
+use crate::session::plan::RunPlan;
+use crate::session::run::check;
+use crate::suite::cases::{Expect, Suite, TableSpelling};
+
+type Samples = crate::error::Result<Vec<u8>>;
+
+/// Planes that a decoder read, and planes that it left to the reference.
+type Counts = [AtomicUsize; 2];
+
+static BY_JPEG_DECODER: Counts = [AtomicUsize::new(0), AtomicUsize::new(0)];
+static BY_ZUNE: Counts = [AtomicUsize::new(0), AtomicUsize::new(0)];
+
+/// The samples of `decode` where the reference has some at all, and `decode` too.
+fn replaced(
+    stream: &PlaneStream,
+    decode: fn(&[u8]) -> Option<Vec<u8>>,
+    counts: &Counts,
+) -> Samples {
+    let own = planes::stream(stream)?;
+    if !stream.format.is_jpeg() {
+        return Ok(own);
+    }
+    let other = decode(stream.bytes).filter(|samples| samples.len() == own.len());
+    counts[usize::from(other.is_none())].fetch_add(1, Ordering::Relaxed);
+    Ok(other.unwrap_or(own))
+}
+
+fn by_jpeg_decoder(stream: &[u8]) -> Option<Vec<u8>> {
+    jpeg_decoder::Decoder::new(stream).decode().ok()
+}
+
+fn by_zune(stream: &[u8]) -> Option<Vec<u8>> {
+    let gray = DecoderOptions::default().jpeg_set_out_colorspace(ColorSpace::Luma);
+    zune_jpeg::JpegDecoder::new_with_options(std::io::Cursor::new(stream), gray)
+        .decode()
+        .ok()
+}
+
+/// The report on the reference with such samples.
+#[track_caller]
+fn passes(reading: Reading, counts: &Counts) {
+    let suite = Suite::load().expect("the suite loads");
+    let plan = RunPlan {
+        selected: suite
+            .cases
+            .iter()
+            .map(|case| case.format().is_jpeg())
+            .collect(),
+        ..RunPlan::of(&suite, 2)
+    };
+    let ask = |request: &Request<'_>, _: usize| {
+        misreadings::answer(&[], reading, request.file, request.view).into()
+    };
+    let run = check(&suite, &plan, &ask, &|_, _, _, _| ());
+    let failed: Vec<_> = (run.judgement.with(Outcome::Fail))
+        .map(|i| (&suite.cases[i].id, &run.judgement.cases[i]))
+        .collect();
+    let [read, left] = [0, 1].map(|i: usize| counts[i].load(Ordering::Relaxed));
+    println!("{read} planes read, {left} left");
+    assert!(failed.is_empty(), "{} failed: {failed:#?}", failed.len());
+    assert!(left * 20 < read, "{left} of {read} planes were left");
+    let is_another = |response: &Response| {
+        matches!(
+            response,
+            Response::Picture {
+                another_transform: true,
+                ..
+            }
+        )
+    };
+    let mut observed = run.observations.iter().flatten();
+    assert!(observed.any(|observation| is_another(&observation.response)));
+    // The same files as a user's own, of which only the bytes are known.
+    let own = suite.cases.iter().filter(|case| {
+        case.format().is_jpeg() && case.expect == Expect::Decode && case.damage().is_none()
+    });
+    for case in own {
+        let file = &case.build(TableSpelling::default()).file;
+        let result = check_file(&case.id, file, &case.views, &|request| ask(request, 0));
+        assert_eq!(
+            result.outcome,
+            Outcome::Pass.name(),
+            "{}: {:?} {:?}",
+            case.id,
+            result.says,
+            result.relations
+        );
+    }
+}
+
+#[test]
+fn a_decoder_with_the_samples_of_jpeg_decoder_passes() {
+    let reading = Reading {
+        stream: |stream| replaced(stream, by_jpeg_decoder, &BY_JPEG_DECODER),
+        ..Reading::SPEC
+    };
+    passes(reading, &BY_JPEG_DECODER);
+}
+
+#[test]
+fn a_decoder_with_the_samples_of_zune_jpeg_passes() {
+    let reading = Reading {
+        stream: |stream| replaced(stream, by_zune, &BY_ZUNE),
+        ..Reading::SPEC
+    };
+    passes(reading, &BY_ZUNE);
+}

@@ -1,0 +1,305 @@
+//! Answers made elsewhere: by hand in a viewer, in a browser, on another system.
+//!
+//! [`export`] writes every file that can be asked about in one view, and a list of what to do with it. [`Outputs`] is what
+//! comes back: for each file a picture, a frame or an array under the name of the case, whatever the suffix; or word that
+//! it was refused. It answers requests as a decoder does, so the verdicts are the same.
+
+use std::collections::{BTreeMap, HashMap};
+use std::fmt::Write as _;
+use std::fs;
+use std::io::{self, Read};
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+
+use crate::kit::digest::sha256;
+use crate::kit::yaml::{from_yaml, text_of, to_yaml};
+use crate::protocol::forms;
+use crate::protocol::frame::{Answer, View};
+use crate::runner::run::{Reply, Request};
+use crate::suite::cases::{Case, Suite, TableSpelling};
+use crate::suite::corpus::put;
+
+/// The list of requests, for programs.
+const LIST: &str = "requests.yaml";
+/// The same list, for spreadsheets and scripts.
+const TABLE: &str = "requests.tsv";
+/// Where the answers go.
+const ANSWERS: &str = "outputs";
+
+/// What is to be made of one file.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Listed {
+    /// The case.
+    id: String,
+    /// Its file, below the directory of the list.
+    file: String,
+    /// The file's digest.
+    sha256: String,
+    /// What to show: `raw`, `coef` or `rgb:LU,LV`.
+    view: String,
+    /// The file to write, below the directory of the list; any suffix will do.
+    output: String,
+}
+
+impl Listed {
+    fn of(case: &Case, view: &View, file: &[u8]) -> Listed {
+        let suffix = if matches!(view, View::Rgb(_)) {
+            "png"
+        } else {
+            "npy"
+        };
+        Listed {
+            id: case.id.clone(),
+            file: format!("files/{}.ptm", case.id),
+            sha256: sha256(file),
+            view: view.to_string(),
+            output: format!("{ANSWERS}/{}.{suffix}", case.id),
+        }
+    }
+}
+
+/// What the exported directory says of itself.
+const READ_ME: &str = "\
+Open each file of files/, show it as requests.tsv says, and save the answer in outputs/ under the name that stands there.
+
+requests.tsv has a line for each file: case, file, view, output, parted by tabs; requests.yaml says the same.
+A view is
+  rgb:LU,LV  the picture under the light from LU (to the right) and LV (up), each from -1 to 1, in the size of the file
+  raw        the stored bytes of all channels, texel after texel, top row first
+  coef       the final values of all channels, the same way
+An answer is a PNG or a PPM (P6) of 8 bits for rgb, without color management; a NumPy array of (height, width, channels), u1
+for raw and rgb, <f4 for coef; or a frame of the decoder protocol. Its suffix does not matter.
+
+What is refused as malformed: list its case in outputs/rejected.txt. What is sound but not read, such as a whole format:
+list it in outputs/unsupported.txt. One case a line; * and ? are wild cards: *-lum. An empty file outputs/CASE.reject or
+outputs/CASE.unsupported says the same of one case. An answer goes before a list.
+A case without an answer is not judged, so you may begin with a few.
+
+Then: ptm-conform check --outputs THIS-DIRECTORY
+";
+
+/// Writes the files that can be asked about in `view` (`raw`, `coef` or `rgb`) to `directory`, and the list of requests.
+/// Returns how many there are.
+///
+/// # Errors
+/// Those of the file system, with the path.
+pub fn export(
+    suite: &Suite,
+    view: &str,
+    directory: &Path,
+    progress: &impl Fn(usize, usize),
+) -> io::Result<usize> {
+    let mut list = Vec::new();
+    for (done, case) in suite.cases.iter().enumerate() {
+        if let Some(view) = case.views.iter().find(|offered| offered.name() == view) {
+            let built = case.build(TableSpelling::default());
+            let listed = Listed::of(case, view, &built.file);
+            put(&directory.join(&listed.file), &built.file)?;
+            list.push(listed);
+        }
+        progress(done + 1, suite.cases.len());
+    }
+    let yaml = to_yaml(&list).map_err(io::Error::other)?;
+    let mut table = "case\tfile\tview\toutput\n".to_owned();
+    for Listed {
+        id,
+        file,
+        view,
+        output,
+        ..
+    } in &list
+    {
+        let _ = writeln!(table, "{id}\t{file}\t{view}\t{output}");
+    }
+    put(&directory.join("README.txt"), READ_ME.as_bytes())?;
+    put(&directory.join(TABLE), table.as_bytes())?;
+    put(&directory.join(LIST), yaml.as_bytes())?;
+    fs::create_dir_all(directory.join(ANSWERS))?;
+    Ok(list.len())
+}
+
+/// What was said of a case.
+#[derive(Clone, Debug, PartialEq, Eq)]
+enum Given {
+    /// An answer, in that file.
+    File(PathBuf),
+    Rejected,
+    Unsupported,
+}
+
+/// Answers made elsewhere.
+#[derive(Clone, Debug)]
+pub struct Outputs {
+    given: HashMap<String, Given>,
+    /// The view of all requests.
+    pub view: &'static str,
+    /// Files among the answers that belong to no request.
+    pub strangers: Vec<String>,
+}
+
+impl Outputs {
+    /// Reads what lies in a directory that [`export`] has made. `matches` says whether a pattern means an id.
+    ///
+    /// # Errors
+    /// A sentence that names the file, and the line at fault where there is one.
+    pub fn open(
+        directory: &Path,
+        suite: &Suite,
+        matches: impl Fn(&str, &str) -> Result<bool, String>,
+    ) -> Result<Outputs, String> {
+        let path = directory.join(LIST);
+        let list: Vec<Listed> =
+            from_yaml(&text_of(&path)?).map_err(|error| format!("{}: {error}", path.display()))?;
+        let view = view_of(&list, suite).map_err(|error| format!("{}: {error}", path.display()))?;
+        let (mut given, strangers) = answers(&directory.join(ANSWERS), &list)?;
+        for (name, meaning) in [
+            ("rejected.txt", Given::Rejected),
+            ("unsupported.txt", Given::Unsupported),
+        ] {
+            let path = directory.join(ANSWERS).join(name);
+            if !path.exists() {
+                continue;
+            }
+            for (number, pattern) in text_of(&path)?.lines().enumerate() {
+                let fault = |what: &str| {
+                    format!(
+                        "{}: line {}: {what}: {pattern:?}",
+                        path.display(),
+                        number + 1
+                    )
+                };
+                let pattern = pattern.trim();
+                if pattern.is_empty() || pattern.starts_with('#') {
+                    continue;
+                }
+                let mut any = false;
+                for listed in &list {
+                    if matches(pattern, &listed.id).map_err(|error| fault(&error))? {
+                        any = true;
+                        given
+                            .entry(listed.id.clone())
+                            .or_insert_with(|| meaning.clone());
+                    }
+                }
+                if !any {
+                    return Err(fault("no request matches"));
+                }
+            }
+        }
+        if given.is_empty() {
+            return Err(format!(
+                "{}: there is no answer to any request",
+                directory.join(ANSWERS).display()
+            ));
+        }
+        Ok(Outputs {
+            given: given.into_iter().collect(),
+            view,
+            strangers,
+        })
+    }
+
+    /// Why a case cannot be asked, a place for each case of `suite`.
+    #[must_use]
+    pub fn withheld(&self, suite: &Suite) -> Vec<Option<String>> {
+        let missing = |case: &Case| {
+            (!self.given.contains_key(&case.id)).then(|| "no answer was given".to_owned())
+        };
+        suite.cases.iter().map(missing).collect()
+    }
+
+    /// Answers as a decoder does.
+    #[must_use]
+    pub fn ask(&self, request: &Request) -> Reply {
+        let answer = match self.given.get(request.name) {
+            None => Answer::NotStarted("no answer was given".to_owned()),
+            Some(Given::Rejected) => Answer::Rejected,
+            Some(Given::Unsupported) => Answer::Unsupported,
+            Some(Given::File(path)) => {
+                let most = 4 * request.largest_frame + 65_536;
+                match read(path, most).and_then(|bytes| forms::read(&bytes, request.view, most)) {
+                    Ok(frame) => Answer::Decoded(frame),
+                    Err(what) => Answer::ProtocolError(what),
+                }
+            }
+        };
+        Reply::from(answer)
+    }
+}
+
+/// The view of all requests, whose files are those of `suite`.
+fn view_of(list: &[Listed], suite: &Suite) -> Result<&'static str, String> {
+    let other = "these requests are of another version of this program; export them anew";
+    let mut view = None;
+    for listed in list {
+        let case = suite.case(&listed.id).ok_or(other)?;
+        let asked = case
+            .views
+            .iter()
+            .find(|view| view.to_string() == listed.view)
+            .ok_or(other)?;
+        let file = &case.build(TableSpelling::default()).file;
+        if *listed != Listed::of(case, asked, file) {
+            return Err(other.to_owned());
+        }
+        if *view.get_or_insert(asked.name()) != asked.name() {
+            return Err("all requests are of one view".to_owned());
+        }
+    }
+    view.ok_or_else(|| "there are no requests".to_owned())
+}
+
+/// The answers that are files of their own, and the names of files that are none.
+fn answers(
+    directory: &Path,
+    list: &[Listed],
+) -> Result<(BTreeMap<String, Given>, Vec<String>), String> {
+    let named = |error: io::Error| format!("{}: {error}", directory.display());
+    let ids: std::collections::HashSet<&str> = list.iter().map(|listed| &*listed.id).collect();
+    let mut given = BTreeMap::new();
+    let mut strangers = Vec::new();
+    for entry in fs::read_dir(directory).map_err(named)? {
+        let path = entry.map_err(named)?.path();
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        let (id, suffix) = name.split_once('.').unwrap_or((&name, ""));
+        if !ids.contains(id) {
+            if !["rejected.txt", "unsupported.txt"].contains(&&*name) {
+                strangers.push(name.into_owned());
+            }
+            continue;
+        }
+        let is = match suffix {
+            "reject" => Given::Rejected,
+            "unsupported" => Given::Unsupported,
+            _ => Given::File(path.clone()),
+        };
+        if given.insert(id.to_owned(), is).is_some() {
+            return Err(format!(
+                "{}: there are two answers for {id}",
+                directory.display()
+            ));
+        }
+    }
+    strangers.sort();
+    Ok((given, strangers))
+}
+
+/// What is in an answer, at most `most` bytes. Nothing but a plain file is opened.
+fn read(path: &Path, most: usize) -> Result<Vec<u8>, String> {
+    let fault = |what: &dyn std::fmt::Display| format!("its output file {what}");
+    let about = fs::symlink_metadata(path).map_err(|error| fault(&error))?;
+    if !about.is_file() {
+        return Err(fault(&"is no plain file"));
+    }
+    let mut bytes = Vec::new();
+    fs::File::open(path)
+        .and_then(|file| file.take(most as u64 + 1).read_to_end(&mut bytes))
+        .map_err(|error| fault(&error))?;
+    match bytes.len() {
+        0 => Err(fault(&"is empty")),
+        length if length > most => Err(fault(&"is larger than any picture of that file")),
+        _ => Ok(bytes),
+    }
+}

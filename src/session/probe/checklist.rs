@@ -1,0 +1,164 @@
+//! The steps of a probe and how each ended.
+
+use std::fmt::Write;
+use std::path::Path;
+
+/// How a step ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Mark {
+    /// As it should be.
+    Good,
+    /// To be fixed.
+    Bad,
+    /// Not there, and not needed.
+    Absent,
+}
+
+/// One step of the walk.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ProbeStep {
+    /// How it ended.
+    pub mark: Mark,
+    /// The observation.
+    pub says: String,
+    /// What to do next, where there is something to do.
+    pub next: Option<String>,
+    /// How to make the observation by hand, where there is something to fix.
+    pub repeat: Option<Reproduction>,
+}
+
+/// Requests that show again what was observed.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Reproduction {
+    /// Whether they go to one process in serve mode.
+    pub serve: bool,
+    /// One after the other.
+    pub requests: Vec<ProbeRequest>,
+}
+
+/// A view of a file.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ProbeRequest {
+    /// The view, as a word of the command line.
+    pub view: String,
+    /// A name for the file.
+    pub file_name: String,
+    /// Its bytes.
+    pub file: Vec<u8>,
+}
+
+impl Reproduction {
+    pub(super) fn one_shot(request: ProbeRequest) -> Reproduction {
+        Reproduction {
+            serve: false,
+            requests: vec![request],
+        }
+    }
+
+    /// The command line that repeats it, the files lying in `directory` and the decoder being called by `decoder`.
+    #[must_use]
+    pub fn command(&self, decoder: &str, directory: &Path) -> String {
+        let shown = "xxd | head";
+        let quoted = |path: &Path| {
+            let path = path.to_string_lossy();
+            shlex::try_quote(&path)
+                .map_or_else(|_| path.clone().into_owned(), std::borrow::Cow::into_owned)
+        };
+        if !self.serve {
+            let one = |request: &ProbeRequest| {
+                let path = quoted(&directory.join(&request.file_name));
+                format!("{decoder} {} {path} | {shown}", request.view)
+            };
+            return self.requests.iter().map(one).collect::<Vec<_>>().join("\n");
+        }
+        let lines: Vec<String> = (self.requests.iter().enumerate())
+            .map(|(i, request)| {
+                let path = directory.join(&request.file_name);
+                format!("{} {} {}\\n", i + 1, request.view, path.display())
+            })
+            .collect();
+        format!("printf '{}' | {decoder} serve | {shown}", lines.concat())
+    }
+}
+
+/// The steps that were taken.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Checklist {
+    /// In the order in which they were taken.
+    pub steps: Vec<ProbeStep>,
+    /// Whether any first file gave a well-formed frame.
+    pub answers: bool,
+}
+
+impl Checklist {
+    pub(super) fn good(&mut self, says: impl Into<String>) {
+        self.add(Mark::Good, says, None, None);
+    }
+
+    /// Something to fix, what to do about it, and how to see it again.
+    pub(super) fn bad(
+        &mut self,
+        says: impl Into<String>,
+        next: impl Into<String>,
+        repeat: impl Into<Option<Reproduction>>,
+    ) {
+        self.add(Mark::Bad, says, Some(next.into()), repeat.into());
+    }
+
+    pub(super) fn absent(&mut self, says: impl Into<String>) {
+        self.add(Mark::Absent, says, None, None);
+    }
+
+    fn add(
+        &mut self,
+        mark: Mark,
+        says: impl Into<String>,
+        next: Option<String>,
+        repeat: Option<Reproduction>,
+    ) {
+        self.steps.push(ProbeStep {
+            mark,
+            says: says.into(),
+            next,
+            repeat,
+        });
+    }
+
+    /// 0 if the decoder is ready for `check`, 3 if it is no decoder yet, 1 otherwise.
+    #[must_use]
+    pub fn exit_status(&self) -> u8 {
+        match (self.answers, self.faults()) {
+            (false, _) => 3,
+            (true, 1..) => 1,
+            (true, 0) => 0,
+        }
+    }
+
+    /// How many things are to be fixed.
+    #[must_use]
+    pub fn faults(&self) -> usize {
+        let bad = self.steps.iter().filter(|step| step.mark == Mark::Bad);
+        bad.count()
+    }
+
+    /// As text for a terminal; `command` makes the command line that repeats an observation.
+    #[must_use]
+    pub fn to_text(&self, command: &dyn Fn(&Reproduction) -> Option<String>) -> String {
+        let mut text = String::new();
+        for step in &self.steps {
+            let mark = match step.mark {
+                Mark::Good => '✓',
+                Mark::Bad => '✗',
+                Mark::Absent => '–',
+            };
+            let _ = writeln!(text, "{mark} {}", step.says.replace('\n', "\n  "));
+            if let Some(next) = &step.next {
+                let _ = writeln!(text, "  → {}", next.replace('\n', "\n    "));
+            }
+            if let Some(command) = step.repeat.as_ref().and_then(command) {
+                let _ = writeln!(text, "  $ {}", command.replace('\n', "\n  $ "));
+            }
+        }
+        text
+    }
+}

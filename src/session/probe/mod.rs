@@ -1,0 +1,91 @@
+//! Walks the author of a decoder through the contract, one step after the other.
+//!
+//! `check` judges; this explains. Each step asks one thing of the decoder and says in words what is wrong and what to do
+//! about it. A wrong answer is not only distinguished from a right one: it is repaired in all the ways in which wrappers go
+//! wrong (text before the frame, line ends, byte order, whole planes, rows upside down …), and the repair that makes it
+//! right is what has to be fixed.
+
+use std::ffi::OsString;
+
+use crate::runner::run::Decoder;
+use crate::runner::scratch::Scratch;
+use crate::session::contact::Contact;
+use crate::session::plan::RunPlan;
+use crate::suite::cases::{Case, Expect, Suite};
+
+pub(super) use arrangement::Arrangement;
+pub use checklist::{Checklist, Mark, ProbeRequest, ProbeStep, Reproduction};
+
+mod checklist;
+
+mod sample;
+
+mod command;
+
+mod calls;
+
+mod one_shot;
+
+mod serve;
+
+mod dialog;
+
+mod explain;
+
+mod repair;
+
+mod mistake;
+
+mod body;
+
+mod arrangement;
+
+mod wrapper;
+
+/// What is wrong with the wrapper of `decoder`, by what it did with the first files, a large one and malformed ones: nothing
+/// where it is ready to be asked. `command` is empty where it is no command that the file can be added to.
+#[must_use]
+pub fn wrapper_faults(
+    command: &[OsString],
+    decoder: &Decoder,
+    scratch: &Scratch,
+    suite: &Suite,
+    plan: &RunPlan,
+    contact: &Contact,
+) -> Vec<ProbeStep> {
+    let calls = calls::Calls {
+        command,
+        decoder,
+        scratch,
+    };
+    let is_judged_refusal = |(i, case): (usize, &Case)| {
+        plan.selected[i] && plan.asks(i) && matches!(case.expect, Expect::Reject | Expect::Refuse)
+    };
+    let judges_refusals = suite.cases.iter().enumerate().any(is_judged_refusal);
+    wrapper::faults(&calls, suite, contact, judges_refusals, plan.jobs)
+}
+
+/// Takes all steps with `decoder`, which was made of `command`.
+#[must_use]
+pub fn probe(command: &[OsString], decoder: &Decoder, scratch: &Scratch) -> Checklist {
+    let calls = calls::Calls {
+        command,
+        decoder,
+        scratch,
+    };
+    let mut list = Checklist::default();
+    if let Err((says, next)) = command::look(command) {
+        list.bad(says, next, None);
+        return list;
+    }
+    let Some(first) = one_shot::first_frame(&calls, &mut list) else {
+        return list;
+    };
+    list.answers = true;
+    one_shot::large_frame(&calls, &first, &mut list);
+    one_shot::refusals(&calls, &first, &mut list);
+    one_shot::unknown_view(&calls, &first.sample, &mut list);
+    one_shot::capabilities(&calls, &mut list);
+    serve::look(&calls, &first.sample, &first.views[0], &mut list);
+    list
+}

@@ -1,0 +1,331 @@
+//! The steps of a probe that start a process for each request.
+
+use crate::protocol::frame::{Answer, View};
+use crate::ptm::Format;
+use crate::runner::run::Reply;
+use crate::suite::cases::TableSpelling;
+use crate::suite::compare::Expected;
+
+use super::calls::Calls;
+use super::checklist::{Checklist, ProbeRequest, Reproduction};
+use super::explain::{briefly, explain, not_refused};
+use super::sample::Sample;
+use super::{command, repair};
+
+/// Formats by how many readers know them.
+const FORMATS: [Format; 9] = [
+    Format::Lrgb,
+    Format::Rgb,
+    Format::PtmCLut,
+    Format::PtmLut,
+    Format::Lum,
+    Format::JpegRgb,
+    Format::JpegLrgb,
+    Format::JpeglsRgb,
+    Format::JpeglsLrgb,
+];
+
+/// A first file that the decoder has answered with a frame.
+pub(super) struct FirstFrame {
+    pub(super) sample: Sample,
+    /// The views in which it did.
+    pub(super) views: Vec<View>,
+}
+
+/// A sample, and the replies to it in each view.
+struct Asked {
+    sample: Sample,
+    replies: Vec<(View, Reply)>,
+}
+
+impl Asked {
+    fn new(calls: &Calls, sample: Sample) -> Asked {
+        let views = [
+            View::Raw,
+            View::Coef,
+            View::ORDINARY_LIGHT.parse().expect("a view"),
+        ];
+        let ask = |view: View| {
+            let reply = calls.ask(&view, &sample.file);
+            (view, reply)
+        };
+        Asked {
+            replies: views.into_iter().map(ask).collect(),
+            sample,
+        }
+    }
+
+    /// Asks for a format: in the spelling of its table that the decoder reads, if it reads one.
+    fn in_best_spelling(calls: &Calls, format: Format) -> Asked {
+        let mut best: Option<Asked> = None;
+        for sample in Sample::in_all_spellings(format, "5x3") {
+            let asked = Asked::new(calls, sample);
+            let rank = asked.rank();
+            if best.as_ref().is_none_or(|best| rank > best.rank()) {
+                best = Some(asked);
+            }
+            let unsupported = |(_, reply): &(View, Reply)| reply.answer == Answer::Unsupported;
+            let settled = best.as_ref().is_some_and(|best| {
+                best.rank() == Rank::Right || best.replies.iter().all(unsupported)
+            });
+            if settled {
+                break;
+            }
+        }
+        best.expect("every format has a spelling")
+    }
+
+    /// How well the decoder reads the file.
+    fn rank(&self) -> Rank {
+        let one = |(view, reply): &(View, Reply)| match &reply.answer {
+            Answer::Decoded(frame) if self.sample.expected(view).compare(frame).is_none() => {
+                Rank::Right
+            }
+            Answer::Decoded(frame)
+                if (frame.width, frame.height)
+                    == (self.sample.size.width, self.sample.size.height) =>
+            {
+                Rank::RightSize
+            }
+            Answer::Decoded(_) => Rank::Frame,
+            _ => Rank::Nothing,
+        };
+        self.replies.iter().map(one).max().unwrap_or(Rank::Nothing)
+    }
+
+    /// Whether more files would only take time.
+    fn is_hopeless(&self) -> bool {
+        self.replies.iter().any(|(_, reply)| {
+            matches!(
+                reply.answer,
+                Answer::NotStarted(_) | Answer::NotAsked(_) | Answer::Hung(_)
+            ) || reply.stdout.windows(5).any(|bytes| bytes == b"PTM1 ")
+        })
+    }
+}
+
+/// What came of a file, worst first.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+enum Rank {
+    Nothing,
+    Frame,
+    RightSize,
+    Right,
+}
+
+/// Looks for a format and views that it decodes; judges the pictures.
+pub(super) fn first_frame(calls: &Calls, list: &mut Checklist) -> Option<FirstFrame> {
+    let mut troubled = None;
+    let mut lacking = Vec::new();
+    for format in FORMATS {
+        let asked = Asked::in_best_spelling(calls, format);
+        if asked.rank() > Rank::Nothing {
+            judge_views(&asked, list);
+            if !lacking.is_empty() {
+                list.absent(format!("not decoded: {}", lacking.join(", ")));
+            }
+            let is_frame = |reply: &Reply| matches!(reply.answer, Answer::Decoded(_));
+            let offered = asked.replies.into_iter();
+            let offered = offered.filter(|(_, reply)| is_frame(reply));
+            return Some(FirstFrame {
+                sample: asked.sample,
+                views: offered.map(|(view, _)| view).collect(),
+            });
+        }
+        lacking.push(format.short_name());
+        let hopeless = asked.is_hopeless();
+        let mut replies = asked.replies.into_iter();
+        let bad = replies.find(|(_, reply)| reply.answer != Answer::Unsupported);
+        if let (None, Some((view, reply))) = (&troubled, bad) {
+            troubled = Some((asked.sample, view, reply));
+        }
+        if hopeless {
+            break;
+        }
+    }
+    match troubled {
+        Some((sample, view, reply)) => {
+            let known = why_no_frame(calls, (&sample.file, &sample.expected(&view)), &view, &reply);
+            let (says, next) = known.unwrap_or_else(|| explain(&reply));
+            let says = format!("{} {view}: {says}", sample.format.short_name());
+            list.bad(says, next, sample.repeat(&view));
+        }
+        None => list.bad(
+            "it answers 69 (unsupported) to an ordinary file of every format, in every view",
+            "start with one format, for example LRGB, and one view, for example raw; 69 is for the rest",
+            None,
+        ),
+    }
+    None
+}
+
+/// Says of each view of a file whether it is right, and if not, what would make it right.
+fn judge_views(asked: &Asked, list: &mut Checklist) {
+    let sample = &asked.sample;
+    let name = sample.format.short_name();
+    if sample.spelling != TableSpelling::default() {
+        let newline = match sample.spelling.newline {
+            true => " and a line feed stands after the table",
+            false => "",
+        };
+        let count = sample.spelling.count.name();
+        list.good(format!(
+            "{name}: read where the number of entries is written \"{count}\"{newline}"
+        ));
+    }
+    for (view, reply) in &asked.replies {
+        let what = format!("{name} {view}");
+        let wrong = match &reply.answer {
+            Answer::Decoded(frame) => match sample.expected(view).compare(frame) {
+                None => {
+                    list.good(format!("{what}: decoded, and the picture is right"));
+                    continue;
+                }
+                Some(difference) => (
+                    format!("the frame is well-formed, but the picture is wrong: {difference}"),
+                    "the mistake is not one of wrappers; ptm-conform check names the clause that is misread",
+                ),
+            },
+            Answer::Unsupported => {
+                list.absent(format!(
+                    "{what}: answered 69, so this view is not offered, and not needed"
+                ));
+                continue;
+            }
+            answer => (
+                briefly(answer),
+                "exit with 69 if it does not support this view; otherwise fix what standard error says",
+            ),
+        };
+        let (says, next) = match repair::repair(&reply.stdout, &sample.expected(view), view) {
+            Some(repair) => (repair.says(), repair.next()),
+            None => (wrong.0, wrong.1.to_owned()),
+        };
+        list.bad(format!("{what}: {says}"), next, sample.repeat(view));
+    }
+}
+
+/// What is known to give such an answer, which is no frame, and what to do.
+pub(super) fn why_no_frame(
+    calls: &Calls,
+    (file, expected): (&[u8], &Expected),
+    view: &View,
+    reply: &Reply,
+) -> Option<(String, String)> {
+    if let Some(repair) = repair::repair(&reply.stdout, expected, view) {
+        return Some((repair.says(), repair.next()));
+    }
+    if let Some(obstacle) = command::not_run(calls.command, reply) {
+        return Some(obstacle);
+    }
+    // Who hangs takes his time in every way of being called.
+    if matches!(reply.answer, Answer::Hung(_)) {
+        return None;
+    }
+    let (says, next) = calls.other_way(file, expected, view)?;
+    Some((says.to_owned(), next.to_owned()))
+}
+
+/// A frame that does not fit into a pipe at once.
+pub(super) fn large_frame(calls: &Calls, first: &FirstFrame, list: &mut Checklist) {
+    let sample = Sample::new(first.sample.format, "201x149", first.sample.spelling);
+    for view in &first.views {
+        let reply = calls.ask(view, &sample.file);
+        let what = format!("a frame of {} texels in {view}", sample.size.texels());
+        let (says, next) = match &reply.answer {
+            Answer::Decoded(frame)
+                if (frame.width, frame.height) == (sample.size.width, sample.size.height) =>
+            {
+                list.good(format!("{what}: complete"));
+                continue;
+            }
+            Answer::Decoded(frame) => (
+                format!(
+                    "the frame says {} x {} instead of {}",
+                    frame.width, frame.height, sample.size
+                ),
+                "width and height are those of the file".to_owned(),
+            ),
+            _ => explain(&reply),
+        };
+        list.bad(format!("{what}: {says}"), next, sample.repeat(view));
+    }
+}
+
+/// Files that every decoder must refuse.
+pub(super) fn refusals(calls: &Calls, first: &FirstFrame, list: &mut Checklist) {
+    let (whole, view) = (&first.sample.file, &first.views[0]);
+    for (what, file_name, file) in malformed(whole) {
+        let reply = calls.ask(view, file);
+        if reply.answer == Answer::Rejected {
+            list.good(format!("{what}: refused with 65"));
+            continue;
+        }
+        let (says, next) = not_refused(&reply);
+        let request = ProbeRequest {
+            view: view.to_string(),
+            file_name: file_name.to_owned(),
+            file: file.to_vec(),
+        };
+        list.bad(
+            format!("{what}: {says}"),
+            next,
+            Reproduction::one_shot(request),
+        );
+    }
+}
+
+/// Files that every decoder must refuse: what each is, a name, and its bytes.
+pub(super) fn malformed(whole: &[u8]) -> [(&'static str, &'static str, &[u8]); 3] {
+    [
+        ("an empty file", "empty.ptm", b""),
+        (
+            "a file that is no PTM",
+            "no.ptm",
+            b"\x89PNG\r\n\x1a\n, which this is not either",
+        ),
+        (
+            "a PTM that ends too soon",
+            "cut-short.ptm",
+            &whole[..whole.len() - 7],
+        ),
+    ]
+}
+
+/// A view that nobody has.
+pub(super) fn unknown_view(calls: &Calls, sample: &Sample, list: &mut Checklist) {
+    const UNKNOWN: &str = "no-such-view";
+    let reply = calls.ask_for(UNKNOWN, &["{in}"], &sample.file);
+    let (says, next) = match &reply.answer {
+        Answer::Unsupported => return list.good("an unknown view: answered 69"),
+        Answer::Decoded(_) => (
+            "it prints a frame all the same".to_owned(),
+            "look at VIEW, and answer 69 to one that it does not support",
+        ),
+        answer => (
+            briefly(answer),
+            "exit with 69 where VIEW is one that it does not support",
+        ),
+    };
+    let request = ProbeRequest {
+        view: UNKNOWN.to_owned(),
+        ..sample.request(&View::Raw)
+    };
+    list.bad(
+        format!("an unknown view: {says}"),
+        next,
+        Reproduction::one_shot(request),
+    );
+}
+
+/// What it says about itself.
+pub(super) fn capabilities(calls: &Calls, list: &mut Checklist) {
+    let reply = calls.ask_for("capabilities", &[], b"");
+    let text = String::from_utf8_lossy(&reply.stdout);
+    let says_so = text.lines().any(|line| line.trim_end() == "protocol: 1");
+    if reply.exit == Some(0) && says_so {
+        list.good("capabilities: declared");
+    } else {
+        list.absent("capabilities: not declared, and not needed");
+    }
+}

@@ -1,0 +1,173 @@
+//! What is wrong with an answer: the mistakes of wrappers, each undone, until the picture is right.
+
+use crate::protocol::frame::{Frame, Samples, View};
+use crate::suite::compare::{Expected, ExpectedValues};
+
+use super::arrangement::arrangements;
+use super::body::body;
+use super::mistake::{Mistake, mistake};
+
+/// The mistakes that, undone, leave the right picture.
+pub(super) struct Repair(pub(super) Vec<Mistake>);
+
+impl Repair {
+    pub(super) fn says(&self) -> String {
+        let says: Vec<&str> = self.0.iter().map(|mistake| mistake.says.as_str()).collect();
+        says.join("; and ")
+    }
+
+    pub(super) fn next(&self) -> String {
+        let next: Vec<&str> = self.0.iter().map(|mistake| mistake.next).collect();
+        next.join("\n")
+    }
+}
+
+/// The fewest mistakes that, undone, make `bytes` the right answer; nothing if there are no such.
+pub(super) fn repair(bytes: &[u8], expected: &Expected, view: &View) -> Option<Repair> {
+    let repairs = repairs(bytes, expected, view);
+    // Among equals the first.
+    repairs.into_iter().min_by_key(|repair| repair.0.len())
+}
+
+/// All sets of mistakes that, undone, make `bytes` the right answer; none where nothing has to be undone.
+pub(super) fn repairs(bytes: &[u8], expected: &Expected, view: &View) -> Vec<Repair> {
+    let mut repairs = Vec::new();
+    for (bytes, mistakes) in streams(bytes) {
+        let Some((shape, values)) = body(&bytes, expected, view) else {
+            continue;
+        };
+        for (values, encoded) in values {
+            for (values, arranged) in arrangements(&values, expected) {
+                let all: Vec<Mistake> = [&mistakes[..], &shape, &encoded, &arranged].concat();
+                if !all.is_empty() && is_right(&values, expected) {
+                    repairs.push(Repair(all));
+                }
+            }
+        }
+    }
+    repairs
+}
+
+/// Bytes, and what had to be undone to get them.
+type Stream = (Vec<u8>, Vec<Mistake>);
+
+/// The bytes as they are, and without what text mode, encodings and messages do to them.
+fn streams(bytes: &[u8]) -> Vec<Stream> {
+    let mut streams = vec![(bytes.to_vec(), Vec::new())];
+    streams.extend(from_utf16(bytes));
+    streams.extend(from_utf8(bytes));
+    streams.extend(line_ends(bytes));
+    let after_text: Vec<Stream> = streams.iter().filter_map(without_text_before).collect();
+    streams.extend(after_text);
+    streams
+}
+
+fn from_utf16(bytes: &[u8]) -> Option<Stream> {
+    let pairs = bytes.strip_prefix(b"\xff\xfe")?.as_chunks::<2>().0;
+    let narrow = pairs.iter().map(|&pair| u16::from_le_bytes(pair) as u8);
+    Some((
+        narrow.collect(),
+        vec![mistake(
+            "its output is text in UTF-16, as PowerShell writes it",
+            "write bytes; do not send them through PowerShell's > or |",
+        )],
+    ))
+}
+
+fn from_utf8(bytes: &[u8]) -> Option<Stream> {
+    let text = std::str::from_utf8(bytes).ok()?;
+    if bytes.is_ascii() || text.chars().any(|c| u32::from(c) > 255) {
+        return None;
+    }
+    let narrow = text.chars().map(|c| u32::from(c) as u8);
+    Some((
+        narrow.collect(),
+        vec![mistake(
+            "its samples are printed as text: every byte from 128 on has become two (UTF-8)",
+            "write bytes, not characters: in Python sys.stdout.buffer, in Java System.out.write, in Node a Buffer",
+        )],
+    ))
+}
+
+/// The stream from its PTM1 line on, if something else stands before that.
+fn without_text_before((bytes, mistakes): &Stream) -> Option<Stream> {
+    let line = bytes.windows(5).position(|word| word == b"PTM1 ");
+    let line = line.filter(|&line| line > 0)?;
+    let shown = bytes[..line.min(60)].escape_ascii();
+    let text = mistake(
+        format!("it prints text before the frame: \"{shown}\""),
+        "print messages to standard error; standard output has the frame and nothing else",
+    );
+    Some((bytes[line..].to_vec(), [&mistakes[..], &[text]].concat()))
+}
+
+/// The bytes without the carriage returns that text mode puts before line feeds: those of the first line, those after it,
+/// or all of them.
+fn line_ends(bytes: &[u8]) -> Vec<Stream> {
+    let next = "set standard output to binary mode and end the line with a line feed alone: in C on Windows \
+                _setmode(_fileno(stdout), _O_BINARY), in Python sys.stdout.buffer, in Perl binmode STDOUT";
+    let Some(end) = bytes.iter().position(|&byte| byte == b'\n') else {
+        return Vec::new();
+    };
+    let (line, samples) = bytes.split_at(end + 1);
+    let fixed_line = without_carriage_returns(line);
+    let fixed = without_carriage_returns(samples);
+    let candidates = [
+        (
+            [&fixed_line[..], samples].concat(),
+            fixed_line != line,
+            "its first line ends in CR LF",
+        ),
+        (
+            [line, &fixed].concat(),
+            fixed != samples,
+            "every line feed among the samples has become CR LF: text mode",
+        ),
+        (
+            [fixed_line.clone(), fixed.clone()].concat(),
+            fixed_line != line && fixed != samples,
+            "CR LF ends its first line, and every line feed among the samples has become CR LF: text mode",
+        ),
+    ];
+    candidates
+        .into_iter()
+        .filter(|(_, changed, _)| *changed)
+        .map(|(bytes, _, says)| (bytes, vec![mistake(says, next)]))
+        .collect()
+}
+
+fn without_carriage_returns(bytes: &[u8]) -> Vec<u8> {
+    let mut kept = Vec::with_capacity(bytes.len());
+    for (i, &byte) in bytes.iter().enumerate() {
+        if byte != b'\r' || bytes.get(i + 1) != Some(&b'\n') {
+            kept.push(byte);
+        }
+    }
+    kept
+}
+
+fn is_right(values: &[f64], expected: &Expected) -> bool {
+    let (view, samples) = match expected.values {
+        ExpectedValues::Coef(_) => (
+            "coef",
+            Samples::F32(values.iter().map(|&value| value as f32).collect()),
+        ),
+        ExpectedValues::Raw(_) => ("raw", Samples::U8(to_bytes(values))),
+        ExpectedValues::Rgb(_) => ("rgb", Samples::U8(to_bytes(values))),
+    };
+    let frame = Frame {
+        view,
+        width: expected.size.width,
+        height: expected.size.height,
+        channels: expected.channels as u32,
+        samples,
+    };
+    expected.compare(&frame).is_none()
+}
+
+fn to_bytes(values: &[f64]) -> Vec<u8> {
+    values
+        .iter()
+        .map(|value| value.clamp(0.0, 255.0) as u8)
+        .collect()
+}

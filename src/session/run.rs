@@ -1,0 +1,344 @@
+//! One run: first contact, every case once, failures once more, verdicts.
+
+use std::collections::BTreeSet;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex};
+
+use crate::session::again::ask_again;
+use crate::session::asking::{Ask, Asking, Counting, Undo, side_by_side};
+use crate::session::contact::{Contact, First, first_contact};
+use crate::session::judge::{Judgement, judge};
+use crate::session::observation::{Observation, Response};
+use crate::session::offer::Offer;
+use crate::session::outcome::Outcome;
+use crate::session::plan::RunPlan;
+use crate::session::remark::Remark;
+use crate::session::scores::{Fraction, Scores};
+use crate::session::tally::Tally;
+use crate::suite::cases::{Case, Expect, Suite, TableSpelling};
+use crate::suite::test_case::TestCase;
+
+/// What a run showed.
+#[derive(Clone, Debug)]
+pub struct Run<C: TestCase = Case> {
+    /// What was observed, a place for each case of the suite.
+    pub observations: Vec<Option<Observation<C>>>,
+    /// The verdicts.
+    pub judgement: Judgement<C>,
+    /// What the decoder did with the first files.
+    pub first: Vec<First<C>>,
+    /// What the decoder offers.
+    pub offer: Offer<C>,
+    /// How the tables' counts were spelled for it.
+    pub table: TableSpelling,
+    /// What is to be said of the run as a whole.
+    pub remarks: Vec<Remark>,
+    /// How many requests were sent, those that were asked again not counted.
+    pub asked: usize,
+    /// How many of them ended in neither a frame nor a refusal.
+    pub violation: usize,
+    /// Why the run ended before all cases were asked, if it did.
+    pub ended_early: Option<&'static str>,
+    /// Why the program is no decoder, if it is none.
+    pub not_a_decoder: Option<String>,
+    /// Set when the user wants the search for causes to end.
+    pub stop: Arc<AtomicBool>,
+}
+
+/// Is told of each case as it is done: what was observed, and how many of how many are done.
+pub type Progress<'a, C = Case> = dyn Fn(&C, &Observation<C>, usize, usize) + Sync + 'a;
+
+/// Runs `suite` against a decoder.
+pub fn check<C: TestCase>(
+    suite: &Suite<C>,
+    plan: &RunPlan<C>,
+    ask: &Ask<C>,
+    progress: &Progress<C>,
+) -> Run<C> {
+    let session = Session::new(suite, plan, ask);
+    let contact = session.first_contact();
+    let observations = session.ask_cases(&contact, progress);
+    session.verdicts(contact, observations, &|_, _| ())
+}
+
+/// A run that goes on, step by step.
+pub struct Session<'a, C: TestCase> {
+    suite: &'a Suite<C>,
+    plan: &'a RunPlan<C>,
+    asking: Asking<'a, C>,
+}
+
+impl<'a, C: TestCase> Session<'a, C> {
+    /// Nothing has been asked yet.
+    #[must_use]
+    pub fn new(suite: &'a Suite<C>, plan: &'a RunPlan<C>, ask: &'a Ask<'a, C>) -> Session<'a, C> {
+        let tally = Tally::new(&plan.stop);
+        Session {
+            suite,
+            plan,
+            asking: Asking {
+                ask,
+                tally,
+                undo: Vec::new(),
+            },
+        }
+    }
+
+    /// From now on these changes are undone in every picture before it is compared.
+    pub fn undo(&mut self, changes: Vec<Undo<C>>) {
+        self.asking.undo = changes;
+    }
+
+    /// Whether any change is undone.
+    #[must_use]
+    pub fn undoes_changes(&self) -> bool {
+        !self.asking.undo.is_empty()
+    }
+
+    /// Asks the first files: whether it is a decoder at all, what it offers, how it spells tables.
+    #[must_use]
+    pub fn first_contact(&self) -> Contact<C> {
+        first_contact(self.suite, self.plan, &self.asking)
+    }
+
+    /// What there is to ask: every selected case and its twins, in the first of its views that is offered; nothing of a
+    /// program that is no decoder. The cases that are to be asked soonest, and the others.
+    #[must_use]
+    pub fn agenda(&self, contact: &Contact<C>) -> (Vec<usize>, Vec<usize>) {
+        let Session { suite, plan, .. } = self;
+        let withheld = plan.withheld_in(suite, contact.table);
+        let (wanted, soonest) = plan.with_twins(suite);
+        let is_asked = |&i: &usize| {
+            contact.is_ready()
+                && wanted[i]
+                && withheld[i].is_none()
+                && contact.offer.chosen_view(&suite.cases[i]).is_some()
+        };
+        (0..suite.cases.len())
+            .filter(is_asked)
+            .partition(|&i| soonest[i])
+    }
+
+    /// Asks some cases once, each in the first of its views that is offered.
+    pub fn ask_some(
+        &self,
+        contact: &Contact<C>,
+        places: &[usize],
+        observations: &mut Vec<Option<Observation<C>>>,
+        progress: &Progress<C>,
+    ) {
+        let Session {
+            suite,
+            plan,
+            asking,
+        } = self;
+        let done = AtomicUsize::new(0);
+        let made = Mutex::new(std::mem::take(observations));
+        side_by_side(plan, places.len(), |place, worker| {
+            let i = places[place];
+            let case = &suite.cases[i];
+            let Some(view) = contact.offer.chosen_view(case) else {
+                return true;
+            };
+            let (observation, _) = asking.observe(case, view, contact.table, worker);
+            if plan.stop.load(Ordering::Relaxed) {
+                return false;
+            }
+            let done = done.fetch_add(1, Ordering::Relaxed) + 1;
+            progress(case, &observation, done, places.len());
+            made.lock().expect("no worker panics")[i] = Some(observation);
+            !asking.is_over()
+        });
+        *observations = made.into_inner().expect("no worker panics");
+    }
+
+    /// Asks every case that is on the agenda.
+    #[must_use]
+    pub fn ask_cases(
+        &self,
+        contact: &Contact<C>,
+        progress: &Progress<C>,
+    ) -> Vec<Option<Observation<C>>> {
+        let mut observations = vec![None; self.suite.cases.len()];
+        let (soonest, others) = self.agenda(contact);
+        let all = [soonest, others].concat();
+        self.ask_some(contact, &all, &mut observations, progress);
+        observations
+    }
+
+    /// How many requests were sent so far.
+    #[must_use]
+    pub fn asked(&self) -> usize {
+        self.asking.tally.counts().0
+    }
+
+    /// The run as it would stand if only these cases had been selected; nothing is asked again.
+    #[must_use]
+    pub fn so_far(
+        &self,
+        contact: &Contact<C>,
+        places: &[usize],
+        observations: &[Option<Observation<C>>],
+    ) -> Run<C> {
+        let selected = &self.plan.selected;
+        let is_seen = |i: usize| selected[i] && places.contains(&i) && observations[i].is_some();
+        let selected: Vec<bool> = (0..selected.len()).map(is_seen).collect();
+        let (asked, violation) = self.asking.tally.counts();
+        Run {
+            judgement: judge(self.suite, &selected, observations, &contact.offer),
+            observations: observations.to_vec(),
+            first: contact.first.clone(),
+            offer: contact.offer.clone(),
+            table: contact.table,
+            remarks: contact.remarks.clone(),
+            asked,
+            violation,
+            ended_early: None,
+            not_a_decoder: None,
+            stop: Arc::clone(&self.plan.stop),
+        }
+    }
+
+    /// Judges, asks failures again, and judges once more where an answer differed. `again` is told of each request that is
+    /// repeated: how many of how many are done.
+    #[must_use]
+    pub fn verdicts(
+        self,
+        contact: Contact<C>,
+        mut observations: Vec<Option<Observation<C>>>,
+        again: &Counting,
+    ) -> Run<C> {
+        let Session {
+            suite,
+            plan,
+            asking,
+        } = self;
+        let nothing = vec![false; suite.cases.len()];
+        let selected = match contact.not_a_decoder {
+            Some(_) => &nothing,
+            None => &plan.selected,
+        };
+        let mut judgement = judge(suite, selected, &observations, &contact.offer);
+        let ended_early = match contact.not_a_decoder {
+            Some(_) => None,
+            None => contact.ends.or_else(|| asking.tally.why_over()),
+        };
+        let table = contact.table;
+        if ended_early.is_none()
+            && ask_again(
+                suite,
+                plan,
+                table,
+                &mut observations,
+                &judgement,
+                &asking,
+                again,
+            )
+        {
+            judgement = judge(suite, selected, &observations, &contact.offer);
+        }
+        let (asked, violation) = asking.tally.counts();
+        let not_a_decoder = contact
+            .not_a_decoder
+            .or_else(|| nothing_decoded(suite, &observations));
+        let mut run = Run {
+            observations,
+            judgement,
+            first: contact.first,
+            offer: contact.offer,
+            table,
+            remarks: contact.remarks,
+            asked,
+            violation,
+            ended_early,
+            not_a_decoder,
+            stop: Arc::clone(&plan.stop),
+        };
+        run.explain_what_was_not_run(suite, &plan.withheld_in(suite, table));
+        run
+    }
+}
+
+/// Whether every must-accept file was answered 69.
+fn nothing_decoded<C: TestCase>(
+    suite: &Suite<C>,
+    observations: &[Option<Observation<C>>],
+) -> Option<String> {
+    let accepted = suite.cases.iter().zip(observations);
+    let mut asked = accepted
+        .filter(|(case, _)| case.expect() == Expect::Decode)
+        .filter_map(|(_, observation)| observation.as_ref())
+        .peekable();
+    let unsupported =
+        |observation: &Observation<C>| matches!(observation.response, Response::Unsupported);
+    (asked.peek().is_some() && asked.all(unsupported))
+        .then(|| "it answers every file that it should decode with 69 (unsupported)".to_owned())
+}
+
+impl<C: TestCase> Run<C> {
+    /// Cases that were not asked: on purpose, or because the run ended before.
+    fn explain_what_was_not_run(&mut self, suite: &Suite<C>, withheld: &[Option<String>]) {
+        let judged = suite.cases.iter().zip(&mut self.judgement.cases);
+        for (((case, judged), observation), why) in judged.zip(&self.observations).zip(withheld) {
+            let Some(judged) = judged else { continue };
+            if let Some(why) = why {
+                judged.outcome = Outcome::NotJudged;
+                judged.says.clone_from(why);
+            } else if observation.is_none() && self.offer.chosen_view(case).is_some() {
+                judged.outcome = Outcome::NotRun;
+                judged.says = self.ended_early.map(str::to_owned).unwrap_or_default();
+            }
+        }
+    }
+
+    /// The scores of this run.
+    #[must_use]
+    pub fn scores(&self, suite: &Suite<C>) -> Scores {
+        let count = |outcome: Outcome| self.judgement.with(outcome).count();
+        let features: BTreeSet<C::Feature> = suite
+            .cases
+            .iter()
+            .zip(&self.judgement.cases)
+            .filter(|(_, judged)| judged.is_some())
+            .flat_map(|(case, _)| case.views().iter().flat_map(|view| case.features(view)))
+            .collect();
+        let fraction = |part, whole| Fraction { part, whole };
+        Scores {
+            correctness: fraction(
+                count(Outcome::Pass),
+                count(Outcome::Pass) + count(Outcome::Fail),
+            ),
+            breadth: fraction(
+                self.judgement.decoded.intersection(&features).count(),
+                features.len(),
+            ),
+            robustness: fraction(self.asked - self.violation, self.asked),
+        }
+    }
+
+    /// The exit status of `check`: 0, 1 or 3.
+    #[must_use]
+    pub fn exit_status(&self) -> u8 {
+        self.status(self.judgement.with(Outcome::Fail).next().is_some())
+    }
+
+    /// The same if not every failure counts: `failed` says whether one does.
+    #[must_use]
+    pub fn status(&self, failed: bool) -> u8 {
+        match self.not_a_decoder {
+            Some(_) => 3,
+            None => u8::from(
+                failed
+                    || self.ended_early.is_some()
+                    || self.remarks.iter().any(|remark| remark.failure)
+                    || !self.decoded_something(),
+            ),
+        }
+    }
+
+    /// Whether a picture came of any file.
+    fn decoded_something(&self) -> bool {
+        let mut observed = self.observations.iter().flatten();
+        observed.any(|observation| matches!(observation.response, Response::Picture { .. }))
+    }
+}

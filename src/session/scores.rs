@@ -1,0 +1,56 @@
+//! The three scores; never one percentage.
+
+use std::fmt;
+use std::str::FromStr;
+
+use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
+
+/// The three scores; never one percentage.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Scores {
+    /// Cases passed, of those judged among the required ones of supported features.
+    pub correctness: Fraction,
+    /// Features decoded, of those in the cases selected.
+    pub breadth: Fraction,
+    /// Calls that ended in a frame or a refusal, of all calls.
+    pub robustness: Fraction,
+}
+
+/// A part of a whole, written `3/4`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Fraction {
+    /// How many.
+    pub part: usize,
+    /// Of how many.
+    pub whole: usize,
+}
+
+impl fmt::Display for Fraction {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}/{}", self.part, self.whole)
+    }
+}
+
+impl FromStr for Fraction {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Fraction, String> {
+        let parts = text.split_once('/');
+        let parts = parts.and_then(|(part, whole)| Some((part.parse().ok()?, whole.parse().ok()?)));
+        let (part, whole) = parts.ok_or_else(|| format!("expected 3/4 or so, found {text:?}"))?;
+        Ok(Fraction { part, whole })
+    }
+}
+
+impl Serialize for Fraction {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_str(self)
+    }
+}
+
+impl<'de> Deserialize<'de> for Fraction {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Fraction, D::Error> {
+        let text = String::deserialize(deserializer)?;
+        text.parse().map_err(de::Error::custom)
+    }
+}

@@ -1,0 +1,208 @@
+//! The annotated format as it is written: `spec-cases/annotated/`, a file for each chapter.
+
+use std::collections::BTreeMap;
+
+use data_encoding::HEXLOWER;
+use serde::Deserialize;
+
+use crate::kit::yaml::from_yaml;
+
+/// A chapter of the format's text: one page.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Chapter {
+    /// `2.4`; sections below it that have no chapter of their own belong to it.
+    pub section: String,
+    /// What it is about.
+    pub title: String,
+    /// What a reader should know first.
+    pub intro: String,
+    /// A table after the introduction.
+    pub table: Option<ChapterTable>,
+    /// Steps to take, in order.
+    #[serde(default)]
+    pub steps: Vec<String>,
+    /// Every clause of its sections, in their order.
+    pub clauses: Vec<AnnotatedClause>,
+}
+
+/// A table of a chapter.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ChapterTable {
+    /// The names of its columns.
+    pub head: Vec<String>,
+    /// Its cells.
+    pub rows: Vec<Vec<String>>,
+}
+
+/// What a clause asks of a reader, at length.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct AnnotatedClause {
+    /// Its id in `clauses.yaml`.
+    pub clause: String,
+    /// The rule, and what to beware of.
+    pub text: String,
+    /// Formulas, a line each.
+    #[serde(default)]
+    pub formula: Vec<String>,
+    /// Bytes and what they mean; at least one.
+    pub examples: Vec<WorkedExample>,
+}
+
+/// A file and what a decoder finds in it.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct WorkedExample {
+    /// What is to be seen.
+    pub says: Option<String>,
+    /// The file of `files.yaml` that it begins with.
+    pub file: String,
+    /// Parts that replace those of the same name.
+    #[serde(default)]
+    pub with: Vec<Part>,
+    /// The parts that matter.
+    #[serde(default)]
+    pub look: Vec<String>,
+    /// `raw`, `coef` or `rgb:LU,LV`; raw if left out.
+    pub view: Option<String>,
+    /// Column and row, counted from the top left, or `all`; `0 0` if left out.
+    pub texel: Option<String>,
+    /// The numbers of the channels; all if left out.
+    pub channels: Option<String>,
+    /// The values that are found there, texel after texel.
+    pub value: Option<String>,
+    /// The clause for which the file is refused.
+    pub refused: Option<String>,
+    /// The arithmetic.
+    pub because: Option<String>,
+}
+
+/// Some bytes and what they are.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Part {
+    /// What they are.
+    pub is: String,
+    text: Option<String>,
+    hex: Option<String>,
+    stream: Option<String>,
+    /// How often they stand there.
+    times: Option<usize>,
+}
+
+/// The files and streams that examples begin with.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Files {
+    files: BTreeMap<String, Vec<Part>>,
+    streams: BTreeMap<String, String>,
+}
+
+/// The annotated format.
+#[derive(Clone, Debug)]
+pub struct Annotated {
+    /// The chapters, in the order of the text.
+    pub chapters: Vec<Chapter>,
+    /// What their examples begin with.
+    pub files: Files,
+}
+
+macro_rules! chapter {
+    ($name:literal) => {
+        (
+            $name,
+            include_str!(concat!("../../spec-cases/annotated/", $name)),
+        )
+    };
+}
+
+/// The chapters in the order of the text.
+pub const CHAPTERS: &[(&str, &str)] = &[
+    chapter!("1.0-background.yaml"),
+    chapter!("2.0-file-format.yaml"),
+    chapter!("2.1-header-string.yaml"),
+    chapter!("2.2-format-string.yaml"),
+    chapter!("2.3-image-size.yaml"),
+    chapter!("2.4-scale-and-bias.yaml"),
+    chapter!("2.5-lookup-table.yaml"),
+    chapter!("2.6-color-matrix.yaml"),
+    chapter!("2.7-texel-data.yaml"),
+    chapter!("2.8-indices.yaml"),
+    chapter!("2.9-compressed.yaml"),
+    chapter!("2.9.8-planes.yaml"),
+];
+
+/// The files that examples begin with.
+pub const FILES: &str = include_str!("../../spec-cases/annotated/files.yaml");
+
+impl Annotated {
+    /// Reads chapters, each with the name of its file, and the files that their examples begin with.
+    ///
+    /// # Errors
+    /// A sentence that names the file and the line at fault.
+    pub fn read(chapters: &[(&str, &str)], files: &str) -> Result<Annotated, String> {
+        let read = |(name, text): &(&str, &str)| {
+            from_yaml(text).map_err(|error| format!("{name}: {error}"))
+        };
+        Ok(Annotated {
+            chapters: chapters.iter().map(read).collect::<Result<_, _>>()?,
+            files: from_yaml(files).map_err(|error| format!("files.yaml: {error}"))?,
+        })
+    }
+
+    /// The chapter whose page holds a clause: that of the longest section above it.
+    #[must_use]
+    pub fn chapter_of(&self, clause: &str) -> Option<&Chapter> {
+        let section = clause.split('/').next().unwrap_or(clause);
+        let holds = |chapter: &&Chapter| {
+            let rest = section.strip_prefix(chapter.section.as_str());
+            rest.is_some_and(|rest| rest.is_empty() || rest.starts_with('.'))
+        };
+        let chapters = self.chapters.iter().filter(holds);
+        chapters.max_by_key(|chapter| chapter.section.len())
+    }
+}
+
+impl Files {
+    /// The parts of a file with some of them replaced: what each is, and its bytes.
+    ///
+    /// # Errors
+    /// A sentence that names the part or file that is not there.
+    pub fn parts(&self, file: &str, with: &[Part]) -> Result<Vec<(String, Vec<u8>)>, String> {
+        let parts = self.files.get(file);
+        let parts = parts.ok_or_else(|| format!("there is no file {file}"))?;
+        for part in with {
+            if parts.iter().all(|old| old.is != part.is) {
+                return Err(format!("{file} has no part {:?}", part.is));
+            }
+        }
+        let made = parts.iter().map(|old| {
+            let part = with.iter().find(|part| part.is == old.is).unwrap_or(old);
+            Ok((part.is.clone(), self.bytes(part)?))
+        });
+        made.collect()
+    }
+
+    fn bytes(&self, part: &Part) -> Result<Vec<u8>, String> {
+        let bytes = match (&part.text, &part.hex, &part.stream) {
+            (Some(text), None, None) => Ok(text.as_bytes().to_vec()),
+            (None, Some(hex), None) => unhex(hex),
+            (None, None, Some(stream)) => {
+                let stream = self.streams.get(stream);
+                unhex(stream.ok_or_else(|| format!("part {:?} names no stream", part.is))?)
+            }
+            _ => Err("it needs one of text, hex and stream".to_owned()),
+        };
+        let bytes = bytes.map_err(|error| format!("part {:?}: {error}", part.is))?;
+        Ok(bytes.repeat(part.times.unwrap_or(1)))
+    }
+}
+
+fn unhex(text: &str) -> Result<Vec<u8>, String> {
+    let digits: String = text.split_whitespace().collect();
+    HEXLOWER
+        .decode(digits.as_bytes())
+        .map_err(|_| format!("expected pairs of hex digits, found {text:?}"))
+}

@@ -1,0 +1,270 @@
+//! A page for each case: the file byte by byte, its picture, what is expected, its twin.
+
+use maud::{Markup, html};
+
+use super::misreading_pages::filter;
+use super::paper::{Paper, SiteFile};
+use super::pictures;
+use crate::decode::decode;
+use crate::protocol::frame::{Light, View};
+use crate::ptm::channel_name;
+use crate::suite::cases::{Built, Case, Expect, TableSpelling};
+use crate::suite::compare::{Expected, ExpectedValues};
+use crate::tools::inspect::{Inspection, inspect};
+use crate::tools::lint::lint;
+
+/// The largest file that the site holds; larger ones are made by the program.
+const DOWNLOAD: usize = 64 << 10;
+/// Texels whose values are listed.
+const TEXELS: usize = 12;
+/// Fields that are listed.
+const FIELDS: usize = 32;
+
+/// The pages of all cases, their files, and their list.
+pub(super) fn pages(paper: Paper, jobs: usize) -> Vec<SiteFile> {
+    let cases = &paper.library.suite.cases;
+    let made = crate::kit::parallel::in_parallel(cases.len(), jobs, &|_, _| (), &|i| {
+        let built = cases[i].build(TableSpelling::default());
+        let page = page(paper, &cases[i], &built);
+        let file = (built.file.len() <= DOWNLOAD).then(|| SiteFile {
+            path: format!("files/{}.ptm", cases[i].id),
+            bytes: built.file.clone(),
+        });
+        (page, file)
+    });
+    let mut pages = vec![list(paper)];
+    for (page, file) in made {
+        pages.push(page);
+        pages.extend(file);
+    }
+    pages
+}
+
+fn list(paper: Paper) -> SiteFile {
+    let cases = &paper.library.suite.cases;
+    let body = html! {
+        h1 { "Cases" }
+        p.lead { (cases.len()) " files, each with one thing in it that a reader can get wrong." }
+        (meanings())
+        (filter("cases"))
+        div.scroll tabindex="0" { table.list.cases.filtered {
+            thead { tr { th scope="col" { "case" } th scope="col" { "expected" } th scope="col" { "clauses" } th scope="col" { "format" } } }
+            tbody { @for case in cases {
+                tr title=(case.because) { td { (paper.link(&case.id)) } td { (case.expect.name()) } td.clauses { (case.clauses.join(" ")) } td { (case.format().short_name()) } }
+            } }
+        } }
+    };
+    paper.page("cases/index.html", "Cases", "Cases", &body)
+}
+
+fn meanings() -> Markup {
+    html! {
+        dl.kinds {
+            @for expect in [Expect::Decode, Expect::Reject, Expect::Refuse, Expect::Lenient, Expect::Spelling] {
+                dt { span.chip { (expect.name()) } } dd { (means(expect)) }
+            }
+        }
+    }
+}
+
+fn means(expect: Expect) -> &'static str {
+    match expect {
+        Expect::Decode => "The picture must be right.",
+        Expect::Reject => {
+            "The file breaks a rule: exit status 65, and nothing else. Its twin, one edit away, must be decoded."
+        }
+        Expect::Refuse => "Exit status 65 or 69: it is larger than any machine.",
+        Expect::Lenient => {
+            "Outside the specification: refusing it and the picture of the reference are both right; another picture, a crash and a hang are wrong."
+        }
+        Expect::Spelling => {
+            "One of several spellings of a table's count, of which a decoder knows at least one."
+        }
+        Expect::ImplementationDefined => "Any answer is right.",
+    }
+}
+
+fn page(paper: Paper, case: &Case, built: &Built) -> SiteFile {
+    let inspection = inspect(&built.file);
+    let body = html! {
+        p.kicker { a href="index.html" { "Cases" } }
+        h1 { code { (case.id) } }
+        p.lead { (paper.prose(&case.because)) }
+        p { span.chip { (case.expect.name()) } " " (means(case.expect)) }
+        (facts(paper, case, built))
+        (picture(case, built))
+        (values(case, built))
+        h2 { "The file, byte by byte" }
+        (fields(paper, &inspection))
+        (findings(paper, built))
+        (neighbors(paper, case))
+        (answered(paper, case))
+        h2 { "Run it" }
+        pre.command tabindex="0" { "ptm-conform check --case '" (case.id) "' ./my-decoder\nptm-conform explain " (case.id) }
+    };
+    paper.page(&format!("cases/{}.html", case.id), "Cases", &case.id, &body)
+}
+
+fn facts(paper: Paper, case: &Case, built: &Built) -> Markup {
+    let views: Vec<String> = case.views.iter().map(ToString::to_string).collect();
+    html! {
+        dl.facts {
+            dt { "Clauses" } dd { (paper.links(case.clauses.iter().map(String::as_str))) }
+            dt { "Format" } dd { (paper.link_as("2.2", &html! { code { (case.format()) } })) }
+            @if let Some(ruling) = &case.ruling { dt { "Ruling" } dd { (paper.link(ruling)) } }
+            dt { "Asked for" } dd { code { (views.join(", ")) } " — the first of these that the decoder offers" }
+            @if let Some(slack) = slack(case, built) { dt { "Tolerance" } dd { (slack) } }
+            dt { "File" } dd {
+                @if built.file.len() <= DOWNLOAD {
+                    a href={ (paper.root) "files/" (case.id) ".ptm" } download { (case.id) ".ptm" } ", "
+                }
+                (built.file.len()) " bytes"
+                @if built.file.len() > DOWNLOAD { "; " code { "ptm-conform generate --all --out DIR" } " writes it" }
+            }
+        }
+    }
+}
+
+/// How far values may be off.
+fn slack(case: &Case, built: &Built) -> Option<String> {
+    let view = case.views.first()?;
+    let expected = Expected::of(&built.values, view)?;
+    let most = expected.slack.iter().copied().fold(0.0, f64::max);
+    let own = match view {
+        View::Raw => "none",
+        View::Coef => "1e-5 of the larger value, and 1e-6",
+        View::Rgb(_) => "each byte within 1 + 1/64 of the exact color",
+    };
+    Some(match most > 0.0 {
+        true => format!("{own}; besides up to {most}, because inverse DCTs differ"),
+        false => own.to_owned(),
+    })
+}
+
+fn picture(case: &Case, built: &Built) -> Markup {
+    let asked = case.views.iter().find_map(|view| match view {
+        View::Rgb(light) => Some(light.clone()),
+        _ => None,
+    });
+    let ordinary = || match View::ORDINARY_LIGHT.parse() {
+        Ok(View::Rgb(light)) => light,
+        _ => unreachable!("the ordinary light is a light"),
+    };
+    let light: Light = asked.unwrap_or_else(ordinary);
+    html! {
+        @if let Ok(ptm) = decode(&built.file) {
+            figure.large {
+                (pictures::of_map(&ptm, (light.lu, light.lv), &format!("the map, {}, under a light", ptm.header.size)))
+                figcaption { (ptm.header.size) " under the light " (light.lu) ", " (light.lv) @if case.expect != Expect::Decode { ", as the reference decodes it" } }
+            }
+        } @else { p.nothing { "No picture: the reference refuses this file." } }
+    }
+}
+
+/// What is expected of the first texels.
+fn values(case: &Case, built: &Built) -> Markup {
+    let Some(view) = case.views.first() else {
+        return html! {};
+    };
+    let Some(expected) = Expected::of(&built.values, view) else {
+        return html! {};
+    };
+    let width = expected.size.width as usize;
+    let texels = expected.size.texels();
+    html! {
+        h2 { "Expected values" }
+        div.scroll tabindex="0" { table.values {
+            thead { tr { th scope="col" { code { (view) } } @for channel in 0..expected.channels { th.number scope="col" { (channel_name(expected.channels, channel)) } } } }
+            tbody { @for texel in 0..texels.min(TEXELS) { tr {
+                th scope="row" { "(" (texel % width) ", " (texel / width) ")" }
+                @for channel in 0..expected.channels { td.number { (number(&expected, texel * expected.channels + channel)) } }
+            } } }
+        } }
+        @if texels > TEXELS { p.quiet { "The first " (TEXELS) " of " (texels) " texels; (0, 0) is the top left one." } }
+    }
+}
+
+fn number(expected: &Expected, i: usize) -> String {
+    let value = match &expected.values {
+        ExpectedValues::Raw(values) => return values[i].to_string(),
+        ExpectedValues::Coef(values) | ExpectedValues::Rgb(values) => values[i],
+    };
+    if value != 0.0 && (value.abs() < 1e-3 || value.abs() >= 1e7) {
+        return format!("{value:.4e}");
+    }
+    let text = format!("{value:.4}");
+    text.trim_end_matches('0').trim_end_matches('.').to_owned()
+}
+
+fn fields(paper: Paper, inspection: &Inspection) -> Markup {
+    let all = inspection.fields.len();
+    html! {
+        div.scroll tabindex="0" { table.hex {
+            thead { tr { th.number scope="col" { "byte" } th.number scope="col" { "length" } th scope="col" { "clause" } th scope="col" { "what" } th scope="col" { "value" } th scope="col" { "begins" } } }
+            tbody { @for field in inspection.fields.iter().take(FIELDS) { tr {
+                td.number { (field.offset) } td.number { (field.length) }
+                td { (paper.link_as(field.clause, &html! { (field.clause) })) } td { (field.name) } td { code { (short(&field.value)) } } td { code { (field.begins) } }
+            } } }
+        } }
+        @if all > FIELDS { p.quiet { (all - FIELDS) " more fields; " code { "ptm-conform inspect" } " shows all." } }
+        @if let Some(error) = &inspection.error {
+            p.fault { b { "Byte " (error.offset) } ", clause " (paper.link_as(error.clause, &html! { (error.clause) })) ", " (error.class) ": " (error.what) }
+        }
+        @if let Some(rest) = &inspection.rest { p { (rest.length) " bytes from byte " (rest.offset) " on belong to no field: " code { (rest.begins) } } }
+    }
+}
+
+/// A value that does not fill the page.
+fn short(value: &str) -> String {
+    const LONGEST: usize = 96;
+    match value.char_indices().nth(LONGEST) {
+        Some((at, _)) => format!("{}…", &value[..at]),
+        None => value.to_owned(),
+    }
+}
+
+fn findings(paper: Paper, built: &Built) -> Markup {
+    let findings = lint(&built.file);
+    html! {
+        @if !findings.is_empty() {
+            h2 { "What lint says" }
+            ul { @for finding in findings.iter().take(12) { li { (paper.link(finding.code)) " " (finding.says) @if !finding.found.is_empty() { ": " code { (short(&finding.found)) } } } } }
+        }
+    }
+}
+
+/// The file that it was made from, and those made from it.
+fn neighbors(paper: Paper, case: &Case) -> Markup {
+    let children: Vec<&str> = paper
+        .library
+        .suite
+        .cases
+        .iter()
+        .filter(|child| child.twin_of.as_ref() == Some(&case.id))
+        .map(|child| child.id.as_str())
+        .collect();
+    html! {
+        @if let (Some(twin), Some(damage)) = (&case.twin_of, case.damage()) {
+            h2 { "Its twin" }
+            p { "It is " (paper.link(twin)) ", in which " (damage.effect) "." }
+        }
+        @if !children.is_empty() {
+            h2 { "Its damaged copies" }
+            ul.columns { @for child in children { li { (paper.link(child)) } } }
+        }
+    }
+}
+
+/// What public readers made of it.
+fn answered(paper: Paper, case: &Case) -> Markup {
+    let runs = paper.library.runs.iter().zip(&paper.library.outcomes);
+    let outcomes: Vec<_> = runs
+        .filter_map(|(run, outcomes)| Some((run, outcomes.get(&case.id)?)))
+        .collect();
+    html! {
+        @if !outcomes.is_empty() {
+            h2 { "Public readers" }
+            ul.plain { @for (run, outcome) in outcomes { li { span.outcome data-outcome=(outcome) { (outcome) } " " (paper.link_as(&run.reader, &html! { (run.reader) })) " " span.quiet { (run.version) } } } }
+        }
+    }
+}

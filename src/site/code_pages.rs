@@ -1,0 +1,131 @@
+//! A page for each code of lint: what it means, why it matters, what to do, an example, who is affected.
+
+use std::collections::BTreeMap;
+
+use maud::{Markup, html};
+
+use super::paper::{Paper, SiteFile};
+use crate::misreadings;
+use crate::suite::cases::{Case, TableSpelling};
+use crate::tools::lint::codes::{self, Code, Severity};
+use crate::tools::lint::lint;
+
+/// The pages of all codes, and their list.
+pub(super) fn pages(paper: Paper) -> Vec<SiteFile> {
+    let list = html! {
+        h1 { "Lint codes" }
+        p.lead { code { "ptm-conform lint" } " reports these. E: the file breaks a rule, or the reference cannot read it. W: some readers refuse it or show another picture. I: for information." }
+        div.scroll tabindex="0" { table.list {
+            thead { tr { th scope="col" { "code" } th scope="col" { "clause" } th scope="col" { "what" } } }
+            tbody { @for code in codes::ALL { tr { td { (paper.link(code.id)) } td { (paper.link_as(code.clause, &html! { (code.clause) })) } td { (code.says) } } } }
+        } }
+    };
+    let mut pages = vec![paper.page("codes/index.html", "Lint codes", "Lint codes", &list)];
+    pages.extend(codes::ALL.iter().map(|code| page(paper, code)));
+    pages
+}
+
+fn page(paper: Paper, code: &Code) -> SiteFile {
+    let provokes = |case: &&Case| {
+        let damage = case.damage().map(|damage| damage.name.as_str());
+        code.provoked_by.contains(&case.id.as_str())
+            || damage.is_some_and(|damage| code.provoked_by.contains(&damage))
+    };
+    let cases: Vec<&Case> = paper.library.suite.cases.iter().filter(provokes).collect();
+    let body = html! {
+        p.kicker { a href="index.html" { "Lint codes" } }
+        h1 { code { (code.id) } " " span.chip data-severity=(code.severity.name()) { (code.severity.name()) } }
+        p.lead { "Lint says: " (code.says) "." }
+        h2 { "Why it matters" }
+        p { (impact(code.severity)) }
+        @if let Some(clause) = paper.library.clause(code.clause) { p { "Clause " (paper.link(&clause.id)) ": " (clause.rule) } }
+        @if !code.fix.is_empty() { h2 { "What to do" } p { (sentence(code.fix)) } }
+        (example(paper, code, &cases))
+        (affected(paper, code, &cases))
+        @if !cases.is_empty() {
+            h2 { "Cases that provoke it" }
+            ul.columns { @for case in &cases { li { (paper.link(&case.id)) } } }
+        }
+    };
+    paper.page(
+        &format!("codes/{}.html", code.id),
+        "Lint codes",
+        code.id,
+        &body,
+    )
+}
+
+fn impact(severity: Severity) -> &'static str {
+    match severity {
+        Severity::Error => {
+            "The file breaks a rule of the format. Readers refuse it, or show a picture of which nobody can say whether it is right."
+        }
+        Severity::Warning => {
+            "The reference reads the file. Other readers refuse it or show another picture, so it will not open everywhere."
+        }
+        Severity::Info => "The file is in order. This is good to know when it was meant otherwise.",
+    }
+}
+
+/// A phrase as a sentence.
+fn sentence(phrase: &str) -> String {
+    let mut letters = phrase.chars();
+    let first: String = letters
+        .next()
+        .map(char::to_uppercase)
+        .into_iter()
+        .flatten()
+        .collect();
+    format!("{first}{}.", letters.as_str())
+}
+
+/// What lint prints of the smallest file that provokes it.
+fn example(paper: Paper, code: &Code, cases: &[&Case]) -> Markup {
+    let built = |case: &&&Case| case.build(TableSpelling::default()).file.len();
+    let Some(case) = cases.iter().min_by_key(built) else {
+        return html! {};
+    };
+    let file = case.build(TableSpelling::default());
+    let findings = lint(&file.file);
+    html! {
+        h2 { "Example" }
+        p { (paper.link(&case.id)) ", " (file.file.len()) " bytes: " (case.because) }
+        @for finding in findings.iter().filter(|finding| finding.code == code.id) {
+            pre.command tabindex="0" { (case.id) ".ptm: byte " (finding.offset) ": " (finding.code) ": " (finding.says) @if !finding.found.is_empty() { "\n  found: " (finding.found) } }
+        }
+    }
+}
+
+/// What our runs and the catalog say of public readers.
+fn affected(paper: Paper, code: &Code, cases: &[&Case]) -> Markup {
+    let seen = misreadings::all()
+        .filter(|misreading| misreading.clause == code.clause && !misreading.seen.is_empty());
+    let seen: Vec<_> = seen.collect();
+    let tally = |outcomes: &BTreeMap<String, String>| {
+        let mut tally: BTreeMap<String, usize> = BTreeMap::new();
+        for outcome in cases.iter().filter_map(|case| outcomes.get(&case.id)) {
+            *tally.entry(outcome.clone()).or_default() += 1;
+        }
+        tally
+    };
+    let runs = paper.library.runs.iter().zip(&paper.library.outcomes);
+    let runs: Vec<_> = runs
+        .map(|(run, outcomes)| (run, tally(outcomes)))
+        .filter(|(_, tally)| !tally.is_empty())
+        .collect();
+    html! {
+        @if !seen.is_empty() || !runs.is_empty() {
+            h2 { "Readers" }
+            @if !runs.is_empty() {
+                p { "Of the files that provoke it:" }
+                ul { @for (run, tally) in runs { li { (paper.link_as(&run.reader, &html! { (run.reader) })) ": "
+                    @for (i, (outcome, count)) in tally.iter().enumerate() { @if i > 0 { ", " } (count) " " (outcome) }
+                } } }
+            }
+            @if !seen.is_empty() {
+                p { "Mistakes in this clause that were seen in public readers:" }
+                ul { @for misreading in seen { li { (paper.link(misreading.slug)) ": " (super::misreading_pages::sightings(paper, misreading)) } } }
+            }
+        }
+    }
+}

@@ -1,0 +1,149 @@
+//! The documents of the repository as pages.
+
+use maud::{Markup, PreEscaped, html};
+use pulldown_cmark::{CowStr, Event, HeadingLevel, Options, Parser, Tag, TagEnd};
+
+use super::paper::{Paper, SiteFile};
+
+macro_rules! document {
+    ($file:literal, $page:literal) => {
+        ($file, $page, include_str!(concat!("../../", $file)))
+    };
+}
+
+/// The documents: where they lie in the repository, the name of their page, their text.
+const DOCUMENTS: &[(&str, &str, &str)] = &[
+    document!("README.md", "index"),
+    document!("docs/check.md", "check"),
+    document!("docs/report.md", "report"),
+    document!("docs/diagnosis.md", "diagnosis"),
+    document!("docs/fuzz.md", "fuzz"),
+    document!("docs/files.md", "files"),
+    document!("docs/scale.md", "scale"),
+    document!("docs/texture.md", "texture"),
+    document!("docs/site.md", "site"),
+    document!("spec-cases/README.md", "spec-cases"),
+    document!("spec-cases/texture/README.md", "spec-cases-texture"),
+    document!("CONTRIBUTING.md", "contributing"),
+    document!("CHANGELOG.md", "changelog"),
+];
+
+/// A page for each document.
+pub(super) fn pages(paper: Paper) -> Vec<SiteFile> {
+    let page = |(file, name, text): &(&str, &str, &str)| {
+        let (title, markup) = rendered(file, text);
+        let body = html! {
+            nav.within aria-label="Documents" { @for (other, page, _) in DOCUMENTS { a href={ (page) ".html" } aria-current=[(page == name).then_some("page")] { (short(other)) } " " } }
+            div.document { (markup) }
+        };
+        paper.page(&format!("docs/{name}.html"), "Program", &title, &body)
+    };
+    DOCUMENTS.iter().map(page).collect()
+}
+
+/// The name of a document in the list.
+fn short(file: &str) -> &str {
+    file.trim_end_matches(".md").trim_start_matches("docs/")
+}
+
+/// The title of a document, and its markup with links that lead to pages of the site.
+fn rendered(file: &str, text: &str) -> (String, Markup) {
+    let mut title = file.to_owned();
+    let mut heading: Option<(HeadingLevel, String)> = None;
+    let mut inside_link = Vec::new();
+    let mut events = Vec::new();
+    for event in Parser::new_ext(text, Options::ENABLE_TABLES) {
+        match event {
+            Event::Start(Tag::Link {
+                dest_url,
+                link_type,
+                title: says,
+                id,
+            }) => {
+                let page = page_of(file, &dest_url);
+                inside_link.push(page.is_some());
+                if let Some(page) = page {
+                    events.push(Event::Start(Tag::Link {
+                        dest_url: CowStr::from(page),
+                        link_type,
+                        title: says,
+                        id,
+                    }));
+                }
+            }
+            Event::End(TagEnd::Link) => {
+                if inside_link.pop() == Some(true) {
+                    events.push(Event::End(TagEnd::Link));
+                }
+            }
+            Event::Start(Tag::Heading { level, .. }) => heading = Some((level, String::new())),
+            Event::End(TagEnd::Heading(_)) => {
+                if let Some((level, text)) = heading.take() {
+                    if level == HeadingLevel::H1 {
+                        title.clone_from(&text);
+                    }
+                    events.push(Event::Html(CowStr::from(set_heading(level, &text))));
+                }
+            }
+            // Nothing but text stands in headings.
+            Event::Text(ref text) | Event::Code(ref text) if heading.is_some() => {
+                if let Some((_, heading)) = &mut heading {
+                    heading.push_str(text);
+                }
+            }
+            Event::Html(_) | Event::InlineHtml(_) => {}
+            event => events.push(event),
+        }
+    }
+    let mut markup = String::new();
+    pulldown_cmark::html::push_html(&mut markup, events.into_iter());
+    let markup = markup
+        .replace(
+            "<table>",
+            "<div class=\"scroll\" tabindex=\"0\"><table class=\"list\">",
+        )
+        .replace("</table>", "</table></div>")
+        .replace("<pre>", "<pre tabindex=\"0\">")
+        .replace("<th></th>", "<td></td>");
+    (title, PreEscaped(markup))
+}
+
+/// A heading with the anchor that links to it use.
+fn set_heading(level: HeadingLevel, text: &str) -> String {
+    html! { (PreEscaped(format!("<{level} id=\"{}\">", anchor(text)))) (text) (PreEscaped(format!("</{level}>"))) }.0
+}
+
+fn anchor(heading: &str) -> String {
+    let letters = heading.to_lowercase();
+    let letters = letters
+        .chars()
+        .filter(|c| c.is_alphanumeric() || matches!(c, ' ' | '-'));
+    letters.map(|c| if c == ' ' { '-' } else { c }).collect()
+}
+
+/// The page of the site that a link of a document leads to; nothing where it leads to a file of the repository.
+fn page_of(file: &str, link: &str) -> Option<String> {
+    if link.starts_with('#') || link.starts_with("https://") {
+        return Some(link.to_owned());
+    }
+    let folder = file.rsplit_once('/').map_or("", |(folder, _)| folder);
+    let mut path: Vec<&str> = folder.split('/').filter(|part| !part.is_empty()).collect();
+    let (place, anchor) = link
+        .split_once('#')
+        .map_or((link, None), |(place, anchor)| (place, Some(anchor)));
+    for part in place.split('/') {
+        match part {
+            ".." => {
+                path.pop();
+            }
+            "." => {}
+            part => path.push(part),
+        }
+    }
+    let place = path.join("/");
+    let (_, page, _) = DOCUMENTS.iter().find(|(file, _, _)| *file == place)?;
+    Some(anchor.map_or_else(
+        || format!("{page}.html"),
+        |anchor| format!("{page}.html#{anchor}"),
+    ))
+}

@@ -1,0 +1,283 @@
+//! The annotated format: a page for each chapter of the text.
+
+use std::collections::BTreeSet;
+
+use maud::{Markup, html};
+
+use super::annotated::{AnnotatedClause, Chapter, WorkedExample};
+use super::example::{Executed, Found, execute};
+use super::formula::formula;
+use super::misreading_pages;
+use super::overview;
+use super::paper::{Paper, SiteFile};
+use super::ruling_pages;
+use crate::misreadings::{self, Misreading};
+use crate::suite::clauses::{Clause, Ruling};
+
+/// Misreadings of a clause that are shown with pictures; the others are listed.
+const PICTURED: usize = 2;
+/// Bytes of a part that are shown.
+const SHOWN: usize = 32;
+
+/// The pages of all chapters, and their contents page.
+///
+/// # Errors
+/// A sentence that names the clause whose example does not hold.
+pub(super) fn pages(paper: Paper) -> Result<Vec<SiteFile>, String> {
+    let chapters = &paper.library.annotated.chapters;
+    let mut pages = vec![contents(paper)];
+    for (i, chapter) in chapters.iter().enumerate() {
+        let before = i.checked_sub(1).map(|i| &chapters[i]);
+        pages.push(page(paper, chapter, before, chapters.get(i + 1))?);
+    }
+    Ok(pages)
+}
+
+fn contents(paper: Paper) -> SiteFile {
+    let body = html! {
+        h1 { "The format, annotated" }
+        p.lead {
+            "PTM 1.2 section by section, in our own words: every rule has an id, an example in bytes that was executed when this page was built, the mistakes that "
+            "readers make in it, and, where the text is silent, how this suite reads it and why."
+        }
+        p { "To write a decoder, read the chapters in order. " (paper.link_as("2.2", &html! { "Section 2.2" })) " says which of them a format needs." }
+        ol.chapters {
+            @for chapter in &paper.library.annotated.chapters {
+                li { a href={ (chapter.section) ".html" } { b { (chapter.section) } " " (chapter.title) } " " span.quiet { (chapter.clauses.len()) " clauses" } }
+            }
+        }
+        h2 #drawing { "The file in one drawing" }
+        (overview::drawing(paper))
+        (overview::flow(paper))
+    };
+    paper.page(
+        "format/index.html",
+        "Format",
+        "The format, annotated",
+        &body,
+    )
+}
+
+fn page(
+    paper: Paper,
+    chapter: &Chapter,
+    before: Option<&Chapter>,
+    after: Option<&Chapter>,
+) -> Result<SiteFile, String> {
+    let mut told = BTreeSet::new();
+    let mut clauses = chapter.clauses.iter();
+    let clauses: Result<Vec<Markup>, String> =
+        clauses.try_fold(Vec::new(), |mut done, annotated| {
+            done.push(clause(paper, annotated, &mut told)?);
+            Ok(done)
+        });
+    let clauses = clauses?;
+    let to = |chapter: &Chapter| html! { a href={ (chapter.section) ".html" } { (chapter.section) " " (chapter.title) } };
+    let body = html! {
+        p.kicker { a href="index.html" { "The format, annotated" } }
+        h1 { (chapter.section) " " (chapter.title) }
+        p.lead { (paper.prose(&chapter.intro)) }
+        @if let Some(table) = &chapter.table {
+            div.scroll tabindex="0" { table.list {
+                thead { tr { @for cell in &table.head { th scope="col" { (cell) } } } }
+                tbody { @for row in &table.rows { tr { @for cell in row { td { (paper.prose(cell)) } } } } }
+            } }
+        }
+        @if !chapter.steps.is_empty() {
+            ol.steps { @for step in &chapter.steps { li { (paper.prose(step)) } } }
+        }
+        nav.within aria-label="Clauses of this chapter" {
+            @for clause in &chapter.clauses { a href={ "#c-" (clause.clause.replace('/', "-")) } { (clause.clause) } " " }
+        }
+        @for clause in &clauses { (clause) }
+        nav.turn aria-label="Chapters" {
+            @if let Some(chapter) = before { span { "← " (to(chapter)) } }
+            @if let Some(chapter) = after { span { (to(chapter)) " →" } }
+        }
+    };
+    let path = format!("format/{}.html", chapter.section);
+    Ok(paper.page(
+        &path,
+        "Format",
+        &format!("{} {}", chapter.section, chapter.title),
+        &body,
+    ))
+}
+
+fn clause<'a>(
+    paper: Paper<'a>,
+    annotated: &AnnotatedClause,
+    told: &mut BTreeSet<&'a str>,
+) -> Result<Markup, String> {
+    let library = paper.library;
+    let id = annotated.clause.as_str();
+    let known = library
+        .clause(id)
+        .ok_or_else(|| format!("there is no clause {id}"))?;
+    let executed = execute(annotated, known.ruling.as_deref(), &library.annotated.files)?;
+    let anchor = format!("c-{}", id.replace('/', "-"));
+    let mistakes: Vec<&Misreading> = misreadings::all()
+        .filter(|misreading| misreading.clause == id)
+        .collect();
+    Ok(html! {
+        section.clause id=(anchor) aria-labelledby={ (anchor) "-h" } {
+            h2 id={ (anchor) "-h" } { a.id href={ "#" (anchor) } { (id) } " " (known.rule) }
+            p { (paper.prose(&annotated.text)) }
+            @for line in &annotated.formula { div.formula { (formula(line)) } }
+            @for (i, (example, executed)) in annotated.examples.iter().zip(&executed).enumerate() {
+                (worked(paper, example, executed, i + 1, annotated.examples.len()))
+            }
+            (ruled(paper, known, told))
+            (mistaken(paper, &mistakes))
+            (tested(paper, known))
+        }
+    })
+}
+
+/// An example with its bytes and what is found in them.
+fn worked(
+    paper: Paper,
+    example: &WorkedExample,
+    executed: &Executed,
+    number: usize,
+    of: usize,
+) -> Markup {
+    let mut at = 0;
+    let placed: Vec<(usize, &(String, Vec<u8>))> = executed
+        .parts
+        .iter()
+        .map(|part| {
+            let offset = at;
+            at += part.1.len();
+            (offset, part)
+        })
+        .filter(|(_, (_, bytes))| !bytes.is_empty())
+        .collect();
+    html! {
+        figure.example {
+            figcaption { b { "Example" @if of > 1 { " " (number) } } @if let Some(says) = &example.says { " " (paper.prose(says)) } }
+            div.scroll tabindex="0" { table.hex {
+                thead { tr { th.number scope="col" { "byte" } th scope="col" { "what" } th scope="col" { "bytes" } th scope="col" { "as text" } } }
+                tbody {
+                    @for (offset, (is, bytes)) in placed {
+                        tr data-look[example.look.iter().any(|name| name == is)] {
+                            td.number { (offset) } td { (is) } td { code { (hex(bytes)) } } td { code { (as_text(bytes)) } }
+                        }
+                    }
+                }
+            } }
+            (result(&executed.asks, &executed.found, example.because.as_deref()))
+            @for (reading, found) in &executed.otherwise {
+                p.otherwise { "Under the other reading, " em { (reading) } ": " (in_line(found)) "." }
+            }
+        }
+    }
+}
+
+fn result(asks: &str, found: &Found, because: Option<&str>) -> Markup {
+    html! {
+        @match found {
+            Found::Refused(..) => p.result { (in_line(found)) "." },
+            Found::Values(names, rows) => div.scroll tabindex="0" { table.values {
+                thead { tr { th scope="col" { code { (asks) } } @for name in names { th.number scope="col" { (name) } } } }
+                tbody { @for (texel, values) in rows { tr { th scope="row" { "texel " (texel) } @for value in values { td.number { (value) } } } } }
+            } },
+        }
+        @if let Some(because) = because { p.because { (because) } }
+    }
+}
+
+fn in_line(found: &Found) -> Markup {
+    match found {
+        Found::Refused(clause, why) => {
+            html! { b { "Refused" } " for clause " (clause) ": " code { (why) } }
+        }
+        Found::Values(_, rows) => html! {
+            @for (i, (texel, values)) in rows.iter().enumerate() {
+                @if i > 0 { "; " } "texel " (texel) " is" @for value in values { " " b { (value) } }
+            }
+        },
+    }
+}
+
+/// Bytes in hex; of many the first and the last.
+fn hex(bytes: &[u8]) -> String {
+    let words = |bytes: &[u8]| -> String {
+        let words: Vec<String> = bytes.iter().map(|byte| format!("{byte:02x}")).collect();
+        words.join(" ")
+    };
+    if bytes.len() <= SHOWN {
+        return words(bytes);
+    }
+    let (first, last) = (&bytes[..SHOWN / 2], &bytes[bytes.len() - SHOWN / 4..]);
+    format!("{} … {} ({} bytes)", words(first), words(last), bytes.len())
+}
+
+/// A header line as it reads; nothing for data.
+fn as_text(bytes: &[u8]) -> String {
+    let is_text = bytes
+        .iter()
+        .all(|byte| byte.is_ascii_graphic() || b" \r\n".contains(byte));
+    if !is_text || !bytes.ends_with(b"\n") && !bytes.ends_with(b" ") {
+        return String::new();
+    }
+    String::from_utf8_lossy(bytes)
+        .replace('\r', "←")
+        .replace('\n', "↵")
+        .replace(' ', "␣")
+}
+
+/// The rulings of a clause; in full those that were not `told` before in the chapter.
+fn ruled<'a>(paper: Paper<'a>, clause: &Clause, told: &mut BTreeSet<&'a str>) -> Markup {
+    let rulings = paper.library.rulings.iter();
+    let rulings = rulings.filter(|ruling| ruling.clauses.contains(&clause.id));
+    let rulings: Vec<(&Ruling, bool)> = rulings
+        .map(|ruling| (ruling, told.insert(&ruling.id)))
+        .collect();
+    html! {
+        @for (ruling, first) in rulings {
+            aside.ruling aria-label={ "Ruling " (ruling.id) " at " (clause.id) } {
+                p { b { "Where the text is silent: " } (paper.link(&ruling.id)) " " span.chip { (ruling.kind.name()) } }
+                @if first { (ruling_pages::words(paper, ruling)) } @else { p { (paper.prose(ruling.reading.trim())) } }
+            }
+        }
+    }
+}
+
+fn mistaken(paper: Paper, mistakes: &[&Misreading]) -> Markup {
+    let mut mistakes = mistakes.to_vec();
+    // Those that somebody was seen to make first.
+    mistakes.sort_by_key(|misreading| misreading.seen.is_empty());
+    let (first, others) = mistakes.split_at(PICTURED.min(mistakes.len()));
+    html! {
+        @if !first.is_empty() {
+            details.mistakes open[first.iter().any(|misreading| !misreading.seen.is_empty())] {
+                summary { "What goes wrong: " (mistakes.len()) @if mistakes.len() == 1 { " misreading" } @else { " misreadings" } }
+                @for misreading in first {
+                    article.mistake {
+                        p { (paper.link(misreading.slug)) ": the decoder " (misreading.effect) ". " b { "Fix: " } (misreading.fix) "." }
+                        @if !misreading.seen.is_empty() { p.seen { "Seen in " (misreading_pages::sightings(paper, misreading)) "." } }
+                        (misreading_pages::pair(paper, misreading))
+                    }
+                }
+                @if !others.is_empty() {
+                    ul { @for misreading in others { li { (paper.link(misreading.slug)) ": " (misreading.effect) } } }
+                }
+            }
+        }
+    }
+}
+
+fn tested(paper: Paper, clause: &Clause) -> Markup {
+    let cases = paper.library.cases_about(&clause.id);
+    let first = cases.iter().take(6).map(|case| case.id.as_str());
+    html! {
+        p.tested {
+            @if let Some(why) = &clause.why { "Not tested by itself: it " (why) ". " }
+            @if !cases.is_empty() {
+                (cases.len()) @if cases.len() == 1 { " case: " } @else { " cases: " } (paper.links(first))
+                @if cases.len() > 6 { " … " a href={ (paper.root) "cases/index.html?" (clause.id) } { "all" } }
+            }
+        }
+    }
+}

@@ -1,0 +1,120 @@
+//! The first page.
+
+use maud::html;
+
+use super::overview;
+use super::paper::{Paper, SiteFile};
+use super::pictures;
+use crate::evaluate::Coefficients;
+use crate::misreadings;
+use crate::ptm::{Shape, Size};
+
+/// The lights of the little pictures at the top.
+const LIGHTS: [(f64, f64); 4] = [(-0.7, 0.3), (0.0, 0.7), (0.5, 0.5), (0.7, -0.3)];
+
+/// The first page.
+pub(super) fn page(paper: Paper) -> SiteFile {
+    let library = paper.library;
+    let counts = [
+        (
+            "format/index.html",
+            library.clauses.len(),
+            "clauses, each with an example in bytes that was executed",
+        ),
+        (
+            "cases/index.html",
+            library.suite.cases.len(),
+            "cases: files with one thing in them that a reader can get wrong",
+        ),
+        (
+            "misreadings/index.html",
+            misreadings::all().count(),
+            "misreadings, with the smallest file that shows each",
+        ),
+        (
+            "rulings/index.html",
+            library.rulings.len(),
+            "rulings where the text is silent, with their evidence",
+        ),
+        (
+            "readers/index.html",
+            library.readers().len(),
+            "public readers, and what they make of it",
+        ),
+    ];
+    let body = html! {
+        h1 { "Polynomial Texture Maps, PTM 1.2" }
+        p.lead {
+            "A PTM holds a picture that can be lit anew: six numbers for each texel say how it answers to the light. HP Labs published the format in 2001; its text has gaps, and every reader fills them "
+            "in its own way. Here it is explained rule by rule, and tested."
+        }
+        (lit())
+        ul.doors { @for (place, count, what) in counts { li { a href=(place) { b { (count) } " " (what) } } } }
+        h2 { "The file in one drawing" }
+        (overview::drawing(paper))
+        h2 { "From bytes to a picture" }
+        (overview::flow(paper))
+        h2 { "Where to begin" }
+        ul {
+            li { "You write a reader: read " a href="format/index.html" { "the format" } " from its first chapter, then try your program with " a href="docs/index.html" { code { "ptm-conform check" } } "." }
+            li { "A file looks wrong: " @if paper.drop { a href="drop.html" { "drop it" } ", or " } code { "ptm-conform lint FILE" } "; the codes are explained " a href="codes/index.html" { "here" } "." }
+            li { "A program shows it wrong: find its mistake among the " a href="misreadings/index.html" { "misreadings" } ", or see " a href="scoreboard.html" { "what public readers do" } "." }
+            li { "You map it onto a surface: " a href="texture/index.html" { "the texture chapter" } "." }
+        }
+    };
+    paper.page("index.html", "", "Polynomial Texture Maps", &body)
+}
+
+/// One map under some lights.
+fn lit() -> maud::Markup {
+    let map = hemisphere();
+    html! {
+        div.lights aria-label="One map under four lights" role="group" {
+            @for (lu, lv) in LIGHTS {
+                figure {
+                    (pictures::of_coefficients(&map, (lu, lv), &format!("a ball, lit from {lu}, {lv}")))
+                    figcaption { "u " (lu) ", v " (lv) }
+                }
+            }
+        }
+    }
+}
+
+/// A striped ball whose luminance is that of a matte surface: the normal times the light.
+fn hemisphere() -> Coefficients {
+    const SIDE: u32 = 96;
+    let texel = |i: u32| {
+        let place = |at: u32| (f64::from(at) + 0.5) / f64::from(SIDE) * 2.2 - 1.1;
+        let (x, y) = (place(i % SIDE), -place(i / SIDE));
+        let above = 1.0 - x * x - y * y;
+        if above < 0.0 {
+            return [0.0, 0.0, 0.0, 0.0, 0.0, 40.0, 90.0, 96.0, 104.0];
+        }
+        let z = above.sqrt();
+        let [red, green, blue] = if ((x * 5.0).floor() as i32 + (y * 5.0).floor() as i32) % 2 == 0 {
+            [235.0, 150.0, 90.0]
+        } else {
+            [120.0, 165.0, 210.0]
+        };
+        // The height of the light is √(1 − u² − v²), which is nearly 1 − (u² + v²) / 2.
+        [
+            -115.0 * z,
+            -115.0 * z,
+            0.0,
+            230.0 * x,
+            230.0 * y,
+            25.0 + 230.0 * z,
+            red,
+            green,
+            blue,
+        ]
+    };
+    Coefficients {
+        size: Size {
+            width: SIDE,
+            height: SIDE,
+        },
+        shape: Shape::Lrgb,
+        values: (0..SIDE * SIDE).flat_map(texel).collect(),
+    }
+}

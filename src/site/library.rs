@@ -1,0 +1,148 @@
+//! Everything that the site is about, and where the page of each thing lies.
+
+use std::collections::{BTreeMap, BTreeSet, HashMap};
+
+use super::annotated::{Annotated, CHAPTERS, FILES};
+use super::example::execute_all;
+use super::readers::{ReaderRun, reader_runs, slug};
+use super::witness::{Witness, witnesses};
+use crate::misreadings;
+use crate::suite::cases::{Case, Suite};
+use crate::suite::clauses::{self, Clause, Ruling};
+use crate::suite::texture::cases::{self as texture, TextureCase};
+use crate::tools::lint::codes;
+
+/// What the pages are made of.
+pub(super) struct Library {
+    pub suite: Suite,
+    pub textures: Suite<TextureCase>,
+    pub clauses: Vec<Clause>,
+    pub rulings: Vec<Ruling>,
+    pub requirements: Vec<Clause>,
+    pub texture_rulings: Vec<Ruling>,
+    pub annotated: Annotated,
+    pub runs: Vec<ReaderRun>,
+    /// For each misreading the smallest file that shows it.
+    pub witnesses: HashMap<&'static str, Witness>,
+    /// What each reader made of each case, in the order of `runs`.
+    pub outcomes: Vec<BTreeMap<String, String>>,
+    /// Id → page, from the root of the site.
+    places: HashMap<String, String>,
+}
+
+impl Library {
+    /// Loads everything. `jobs` files are decoded at a time.
+    pub(super) fn open(annotated: Option<Annotated>, jobs: usize) -> Result<Library, String> {
+        let annotated = annotated.map_or_else(|| Annotated::read(CHAPTERS, FILES), Ok)?;
+        execute_all(&annotated)?;
+        let suite = Suite::load()?.prepared();
+        let runs = reader_runs()?;
+        let owned = |run: &ReaderRun| {
+            let outcomes = run.by_case().into_iter();
+            outcomes
+                .map(|(case, outcome)| (case.to_owned(), outcome.to_owned()))
+                .collect()
+        };
+        let mut library = Library {
+            witnesses: witnesses(&suite, jobs),
+            suite,
+            textures: Suite::of_textures()?,
+            clauses: clauses::clauses()?,
+            rulings: clauses::rulings()?,
+            requirements: texture::clauses()?,
+            texture_rulings: texture::rulings()?,
+            annotated,
+            outcomes: runs.iter().map(owned).collect(),
+            runs,
+            places: HashMap::new(),
+        };
+        library.places = library.all_places();
+        Ok(library)
+    }
+
+    fn all_places(&self) -> HashMap<String, String> {
+        let mut places = HashMap::new();
+        let mut put = |id: &str, place: String| {
+            places.insert(id.to_owned(), place);
+        };
+        for case in &self.suite.cases {
+            put(&case.id, format!("cases/{}.html", case.id));
+        }
+        for misreading in misreadings::all() {
+            put(
+                misreading.slug,
+                format!("misreadings/{}.html", misreading.slug),
+            );
+        }
+        for ruling in &self.rulings {
+            put(&ruling.id, format!("rulings/{}.html", ruling.id));
+        }
+        for code in codes::ALL {
+            put(code.id, format!("codes/{}.html", code.id));
+        }
+        for reader in self.readers() {
+            put(reader, format!("readers/{}.html", slug(reader)));
+        }
+        for clause in &self.clauses {
+            let section = self
+                .annotated
+                .chapter_of(&clause.id)
+                .map(|chapter| &chapter.section);
+            if let Some(section) = section {
+                put(
+                    &clause.id,
+                    format!("format/{section}.html#c-{}", clause.id.replace('/', "-")),
+                );
+            }
+        }
+        for chapter in &self.annotated.chapters {
+            put(&chapter.section, format!("format/{}.html", chapter.section));
+        }
+        self.texture_places(&mut put);
+        places
+    }
+
+    fn texture_places(&self, put: &mut impl FnMut(&str, String)) {
+        for requirement in &self.requirements {
+            put(
+                &requirement.id,
+                format!("texture/index.html#{}", requirement.id),
+            );
+        }
+        for ruling in &self.texture_rulings {
+            put(&ruling.id, format!("texture/rulings.html#{}", ruling.id));
+        }
+        for case in &self.textures.cases {
+            put(&case.id, format!("texture/cases.html#{}", case.id));
+        }
+        for misreading in misreadings::texture::all() {
+            put(
+                misreading.slug,
+                format!("texture/misreadings.html#{}", misreading.slug),
+            );
+        }
+    }
+
+    /// The page of an id, from the root of the site.
+    pub(super) fn place(&self, id: &str) -> Option<&str> {
+        self.places.get(id).map(String::as_str)
+    }
+
+    /// Every public reader that is known by a run or a sighting.
+    pub(super) fn readers(&self) -> BTreeSet<&str> {
+        let seen = misreadings::all().flat_map(|misreading| &misreading.seen);
+        let seen = seen.map(|sighting| sighting.reader.as_str());
+        seen.chain(self.runs.iter().map(|run| run.reader.as_str()))
+            .collect()
+    }
+
+    pub(super) fn clause(&self, id: &str) -> Option<&Clause> {
+        self.clauses.iter().find(|clause| clause.id == id)
+    }
+
+    /// The cases about a clause.
+    pub(super) fn cases_about(&self, clause: &str) -> Vec<&Case> {
+        let about = |case: &&Case| case.clauses.iter().any(|id| id == clause);
+        self.suite.cases.iter().filter(about).collect()
+    }
+}

@@ -1,0 +1,160 @@
+//! A page for each misreading: what it does, the smallest file that shows it, right and wrong, the fix.
+
+use maud::{Markup, html};
+
+use super::paper::{Paper, SiteFile};
+use super::pictures;
+use super::readers::slug;
+use super::witness::Witness;
+use crate::decode::decode;
+use crate::misreadings::{self, Misreading};
+use crate::protocol::frame::{Answer, Frame, View};
+use crate::reading::Reading;
+use crate::report::document::section_of;
+use crate::suite::cases::TableSpelling;
+
+/// The pages of all misreadings, and their list.
+pub(super) fn pages(paper: Paper) -> Vec<SiteFile> {
+    let mut pages = vec![list(paper)];
+    pages.extend(misreadings::all().map(|misreading| page(paper, misreading)));
+    pages
+}
+
+fn list(paper: Paper) -> SiteFile {
+    let count = misreadings::all().count();
+    let mut sections: Vec<(&str, Vec<&Misreading>)> = Vec::new();
+    for misreading in misreadings::all() {
+        let section = section_of(misreading.clause);
+        match sections.iter_mut().find(|(known, _)| *known == section) {
+            Some((_, of)) => of.push(misreading),
+            None => sections.push((section, vec![misreading])),
+        }
+    }
+    sections.sort_by_key(|(section, _)| *section);
+    let body = html! {
+        h1 { "Misreadings" }
+        p.lead { (count) " mistakes that a reader of the format can make, each in one clause. Those marked ● were seen in public readers." }
+        (filter("misreadings"))
+        @for (section, of) in sections {
+            section.filtered aria-label={ "Section " (section) } {
+                h2 { "Section " (paper.link_as(section, &html! { (section) })) }
+                ul.plain { @for misreading in of { li {
+                    (paper.link(misreading.slug)) @if !misreading.seen.is_empty() { span.seen title="seen in a public reader" { " ●" } }
+                    " " span.quiet { (misreading.clause) } " " (misreading.effect)
+                } } }
+            }
+        }
+    };
+    paper.page(
+        "misreadings/index.html",
+        "Misreadings",
+        "Misreadings",
+        &body,
+    )
+}
+
+/// A box that filters the entries of a list page.
+pub(super) fn filter(of: &str) -> Markup {
+    html! {
+        form.tools role="search" {
+            label for="list-filter" { "Filter" }
+            input #list-filter type="search" placeholder={ "words or clauses; only matching " (of) " stay" } autocomplete="off" spellcheck="false";
+            span #list-found role="status" aria-live="polite" {}
+        }
+    }
+}
+
+fn page(paper: Paper, misreading: &Misreading) -> SiteFile {
+    let rule = paper.library.clause(misreading.clause);
+    let witness = paper.library.witnesses.get(misreading.slug);
+    let body = html! {
+        p.kicker { a href="index.html" { "Misreadings" } }
+        h1 { code { (misreading.slug) } }
+        p.lead { "The decoder " (misreading.effect) "." }
+        p.fix { b { "Fix: " } (paper.prose(misreading.fix)) "." }
+        p { b { "Clause " (paper.link_as(misreading.clause, &html! { (misreading.clause) })) } @if let Some(rule) = rule { ": " (rule.rule) } }
+        @if !misreading.seen.is_empty() { p { b { "Seen in " } (sightings(paper, misreading)) "." } }
+        h2 { "The smallest file that shows it" }
+        @match witness {
+            Some(witness) => (shown(paper, misreading, witness)),
+            None => p { "No file of the suite shows it by itself: it acts on a choice or on the spelling of a table." },
+        }
+    };
+    paper.page(
+        &format!("misreadings/{}.html", misreading.slug),
+        "Misreadings",
+        misreading.slug,
+        &body,
+    )
+}
+
+fn shown(paper: Paper, misreading: &Misreading, witness: &Witness) -> Markup {
+    let case = &paper.library.suite.cases[witness.case];
+    let built = case.build(TableSpelling::default());
+    html! {
+        p { (paper.link(&case.id)) ", " (built.file.len()) " bytes, asked for " code { (witness.view) } ": " (case.because) }
+        (pair(paper, misreading))
+        @if let Some(difference) = &witness.difference { p { "In " code { (witness.view) } ": " (difference) "." } }
+        pre.command tabindex="0" { "ptm-conform check --case '" (case.id) "' ./my-decoder" }
+    }
+}
+
+/// Public readers that make the mistake.
+pub(super) fn sightings(paper: Paper, misreading: &Misreading) -> Markup {
+    html! {
+        @for (i, sighting) in misreading.seen.iter().enumerate() {
+            @if i > 0 { ", " }
+            a href={ (paper.root) "readers/" (slug(&sighting.reader)) ".html" } { (sighting.reader) }
+            @if let Some(version) = &sighting.version { " " span.quiet { (version) } }
+        }
+    }
+}
+
+/// The right picture beside what a decoder with the mistake shows.
+pub(super) fn pair(paper: Paper, misreading: &Misreading) -> Markup {
+    let Some(witness) = paper.library.witnesses.get(misreading.slug) else {
+        return html! {};
+    };
+    let case = &paper.library.suite.cases[witness.case];
+    let file = &case.build(TableSpelling::default()).file;
+    let right = decode(file);
+    let right_frame = |view: &View| {
+        right
+            .as_ref()
+            .ok()
+            .map(|ptm| Frame::under(ptm, view, &Reading::SPEC))
+    };
+    let light: View = match &witness.view {
+        View::Rgb(_) => witness.view.clone(),
+        _ => View::ORDINARY_LIGHT.parse().expect("a light"),
+    };
+    let wrong_lit = Witness::lit(misreading, file, &light);
+    let shows = right.is_err() || wrong_lit.is_none() || wrong_lit != right_frame(&light);
+    // What does not show under a light shows in the stored values.
+    let view = if shows { light } else { View::Raw };
+    let wrong = if shows {
+        wrong_lit
+    } else {
+        Witness::lit(misreading, file, &View::Raw)
+    };
+    html! {
+        div.pair {
+            figure { (or_words(right_frame(&view).as_ref(), "right", "refused: the file breaks a rule")) figcaption { "right" } }
+            figure { (or_words(wrong.as_ref(), "wrong", said(&witness.answer))) figcaption { "with the mistake" } }
+        }
+        @if view == View::Raw { p.quiet { "Stored values, plane beside plane; under a light the difference does not show here." } }
+    }
+}
+
+fn said(answer: &Answer) -> &'static str {
+    match answer {
+        Answer::Rejected => "refused",
+        Answer::Unsupported => "unsupported",
+        _ => "no picture",
+    }
+}
+
+fn or_words(frame: Option<&Frame>, alt: &str, otherwise: &str) -> Markup {
+    let picture = frame.and_then(|frame| pictures::of_frame(frame, alt));
+    picture.unwrap_or_else(|| html! { p.nothing { (otherwise) } })
+}

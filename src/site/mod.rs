@@ -1,0 +1,99 @@
+//! The site: everything that is known of the format, its readers and this suite, as pages that need no server.
+//!
+//! [`build`] is the contents page. Every worked example is executed while its page is made; one that does not hold ends
+//! the build. The same program makes the same bytes.
+
+pub mod annotated;
+
+pub mod example;
+
+mod formula;
+
+pub mod readers;
+
+mod witness;
+
+mod library;
+
+mod paper;
+
+mod pictures;
+
+mod overview;
+
+mod home;
+
+mod ruling_pages;
+
+mod misreading_pages;
+
+mod format_pages;
+
+mod case_pages;
+
+mod code_pages;
+
+mod reader_pages;
+
+mod texture_pages;
+
+mod docs_pages;
+
+mod glossary;
+
+mod search;
+
+mod drop;
+
+pub use paper::SiteFile;
+
+use annotated::Annotated;
+use library::Library;
+use paper::Paper;
+
+/// The style of every page, which reports share.
+const STYLE: &str = crate::report::html::STYLE;
+/// What pages do beside being read.
+const SCRIPT: &str = include_str!("site.js");
+
+/// All files of the site. `annotated` takes the place of the annotated format that is part of the program; with `module`, the
+/// reference as WebAssembly, there is a page on which files are dropped.
+///
+/// # Errors
+/// A sentence that names the clause whose example does not hold, or the file of the suite that cannot be read.
+pub fn build(
+    annotated: Option<Annotated>,
+    module: Option<&[u8]>,
+    jobs: usize,
+) -> Result<Vec<SiteFile>, String> {
+    let library = Library::open(annotated, jobs)?;
+    let paper = |path| Paper::new(&library, path, module.is_some());
+    let (below, top) = (paper("a/b"), paper("a"));
+    let mut files = vec![
+        text("style.css", STYLE),
+        text("site.js", SCRIPT),
+        search::index(&library),
+    ];
+    if let Some(module) = module {
+        files.extend(drop::pages(top, module)?);
+    }
+    files.push(home::page(top));
+    files.push(glossary::page(top));
+    files.push(reader_pages::scoreboard(top));
+    files.extend(format_pages::pages(below)?);
+    files.extend(ruling_pages::pages(below));
+    files.extend(misreading_pages::pages(below));
+    files.extend(code_pages::pages(below));
+    files.extend(reader_pages::pages(below));
+    files.extend(texture_pages::pages(below)?);
+    files.extend(docs_pages::pages(below));
+    files.extend(case_pages::pages(below, jobs));
+    Ok(files)
+}
+
+fn text(path: &str, text: &str) -> SiteFile {
+    SiteFile {
+        path: path.to_owned(),
+        bytes: text.as_bytes().to_vec(),
+    }
+}

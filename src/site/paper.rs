@@ -1,0 +1,165 @@
+//! A page: its head, its navigation, and links that know how deep it lies.
+
+use maud::{DOCTYPE, Markup, PreEscaped, html};
+
+use super::library::Library;
+
+/// A file of the site.
+pub struct SiteFile {
+    /// Where it lies, from the root of the site.
+    pub path: String,
+    /// Its bytes.
+    pub bytes: Vec<u8>,
+}
+
+/// The parts of the site, as every page lists them.
+const PARTS: &[(&str, &str)] = &[
+    ("format/index.html", "Format"),
+    ("cases/index.html", "Cases"),
+    ("misreadings/index.html", "Misreadings"),
+    ("rulings/index.html", "Rulings"),
+    ("codes/index.html", "Lint codes"),
+    ("readers/index.html", "Readers"),
+    ("scoreboard.html", "Scoreboard"),
+    ("texture/index.html", "Texture"),
+    ("glossary.html", "Glossary"),
+    ("docs/index.html", "Program"),
+];
+
+/// What a page is written on: it knows the library and how deep it lies.
+#[derive(Clone, Copy)]
+pub(super) struct Paper<'a> {
+    pub library: &'a Library,
+    /// From the page to the root of the site: nothing or `../`.
+    pub root: &'static str,
+    /// Whether the site has the page on which files are dropped.
+    pub drop: bool,
+}
+
+impl<'a> Paper<'a> {
+    pub(super) fn new(library: &'a Library, path: &str, drop: bool) -> Paper<'a> {
+        let root = if path.contains('/') { "../" } else { "" };
+        Paper {
+            library,
+            root,
+            drop,
+        }
+    }
+
+    /// A link to the page of an id, by its name; the bare name where it has none.
+    pub(super) fn link(&self, id: &str) -> Markup {
+        self.link_as(id, &html! { code { (id) } })
+    }
+
+    /// A link to the page of an id.
+    pub(super) fn link_as(&self, id: &str, text: &Markup) -> Markup {
+        match self.library.place(id) {
+            Some(place) => html! { a href={ (self.root) (place) } { (text) } },
+            None => text.clone(),
+        }
+    }
+
+    /// Links with commas between them.
+    pub(super) fn links<'b>(&self, ids: impl IntoIterator<Item = &'b str>) -> Markup {
+        html! {
+            @for (i, id) in ids.into_iter().enumerate() { @if i > 0 { ", " } (self.link(id)) }
+        }
+    }
+
+    /// Text with `code`, *stress*, and links to every id that it names.
+    pub(super) fn prose(&self, text: &str) -> Markup {
+        let parts = text.split('`').enumerate();
+        html! {
+            @for (i, part) in parts {
+                @if i % 2 == 1 { (self.link(part)) } @else { (self.stressed(part)) }
+            }
+        }
+    }
+
+    fn stressed(&self, text: &str) -> Markup {
+        html! {
+            @for (i, part) in text.split('*').enumerate() {
+                @if i % 2 == 1 { em { (part) } } @else { (self.with_clauses(part)) }
+            }
+        }
+    }
+
+    /// Links wherever a clause is named.
+    fn with_clauses(&self, text: &str) -> Markup {
+        let mut out = String::new();
+        let mut rest = text;
+        while let Some(at) = rest.find(|c: char| c.is_ascii_digit()) {
+            let length = rest[at..].find(|c: char| !c.is_ascii_digit() && c != '.' && c != '/');
+            let word = &rest[at..at + length.unwrap_or(rest.len() - at)];
+            let id = word.trim_end_matches(['.', '/']);
+            let plain = &rest[..at];
+            out += &html! { (plain) }.0;
+            let is_clause = id.contains('.') && (id.contains('/') || id.starts_with("2."));
+            out += &match is_clause && self.library.place(id).is_some() {
+                true => self.link_as(id, &html! { (id) }).0,
+                false => html! { (id) }.0,
+            };
+            rest = &rest[at + id.len()..];
+        }
+        PreEscaped(out + &html! { (rest) }.0)
+    }
+
+    /// The whole page; `path` is where it lies, `part` the part of the site that it belongs to.
+    pub(super) fn page(&self, path: &str, part: &str, title: &str, body: &Markup) -> SiteFile {
+        let root = self.root;
+        let markup = html! {
+            (DOCTYPE)
+            html lang="en" {
+                head {
+                    meta charset="utf-8";
+                    meta name="viewport" content="width=device-width, initial-scale=1";
+                    meta name="color-scheme" content="light dark";
+                    meta name="generator" content=(concat!("ptm-conform ", env!("CARGO_PKG_VERSION")));
+                    title { (title) " — PTM 1.2" }
+                    link rel="icon" href="data:,";
+                    link rel="stylesheet" href={ (root) "style.css" };
+                    script src={ (root) "site.js" } defer {}
+                }
+                body.site data-root=(root) {
+                    a.skip href="#main" { "To the text" }
+                    (self.head(part))
+                    main #main tabindex="-1" { (body) }
+                    footer {
+                        p { "Made by ptm-conform " (env!("CARGO_PKG_VERSION")) " from the files of its suite. No page asks a server for anything." }
+                    }
+                }
+            }
+        };
+        SiteFile {
+            path: path.to_owned(),
+            bytes: markup.into_string().into_bytes(),
+        }
+    }
+
+    pub(super) fn head(&self, part: &str) -> Markup {
+        let root = self.root;
+        let parts = PARTS
+            .iter()
+            .copied()
+            .chain(self.drop.then_some(("drop.html", "Drop a file")));
+        html! {
+            header.top {
+                div.bar {
+                    a.brand href={ (root) "index.html" } { "PTM 1.2, annotated and tested" }
+                    button #theme type="button" aria-pressed="false" title="Dark or light" { "◐ " span { "Dark or light" } }
+                }
+                nav aria-label="Parts of the site" {
+                    @for (place, name) in parts {
+                        a href={ (root) (place) } aria-current=[(name == part).then_some("page")] { (name) }
+                    }
+                }
+                search {
+                    label for="search" { "Search" }
+                    input #search type="search" placeholder="an id or a word" autocomplete="off" spellcheck="false"
+                        role="combobox" aria-expanded="false" aria-controls="hits" aria-autocomplete="list";
+                    ul #hits role="listbox" aria-label="Pages found" hidden {}
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,114 @@
+//! Maps as pictures that stand in a page: small PNGs, shown large with hard edges.
+
+use data_encoding::BASE64;
+use maud::{Markup, html};
+
+use crate::evaluate::Coefficients;
+use crate::protocol::frame::{Frame, Samples};
+use crate::ptm::Ptm;
+use crate::tools::render::{Image, lit};
+
+/// The longest side of a picture on the page, in CSS pixels.
+const SHOWN: usize = 224;
+/// The longest side of a picture in texels; of larger maps every second, third … texel is shown.
+const LARGEST: usize = 128;
+
+/// A map under a light.
+pub(super) fn of_map(ptm: &Ptm, (lu, lv): (f64, f64), says: &str) -> Markup {
+    picture(&thinned(lit(ptm, lu, lv)), says)
+}
+
+/// Coefficients under a light.
+pub(super) fn of_coefficients(map: &Coefficients, (lu, lv): (f64, f64), says: &str) -> Markup {
+    let image = Image {
+        width: map.size.width as usize,
+        height: map.size.height as usize,
+        channels: 3,
+        samples: map.evaluate(lu, lv).to_bytes(),
+    };
+    picture(&image, says)
+}
+
+/// The picture of a frame: colors as they are, of all other views the planes side by side.
+pub(super) fn of_frame(frame: &Frame, says: &str) -> Option<Markup> {
+    let (width, height) = (frame.width as usize, frame.height as usize);
+    let channels = frame.channels as usize;
+    let Samples::U8(samples) = &frame.samples else {
+        return None;
+    };
+    if samples.len() != width * height * channels || samples.is_empty() {
+        return None;
+    }
+    if frame.view == "rgb" {
+        let image = Image {
+            width,
+            height,
+            channels,
+            samples: samples.clone(),
+        };
+        return Some(picture(&thinned(image), says));
+    }
+    let plane = |channel: usize| {
+        let samples = samples.iter().skip(channel).step_by(channels).copied();
+        thinned(Image {
+            width,
+            height,
+            channels: 1,
+            samples: samples.collect(),
+        })
+    };
+    Some(picture(
+        &beside(&(0..channels).map(plane).collect::<Vec<_>>()),
+        says,
+    ))
+}
+
+/// Gray pictures side by side with a column between them.
+fn beside(planes: &[Image]) -> Image {
+    const BETWEEN: u8 = 128;
+    let (each, height) = (planes[0].width, planes[0].height);
+    let mut samples = Vec::new();
+    for y in 0..height {
+        for (i, plane) in planes.iter().enumerate() {
+            if i > 0 {
+                samples.push(BETWEEN);
+            }
+            samples.extend(&plane.samples[y * each..(y + 1) * each]);
+        }
+    }
+    let width = planes.len() * (each + 1) - 1;
+    Image {
+        width,
+        height,
+        channels: 1,
+        samples,
+    }
+}
+
+fn thinned(image: Image) -> Image {
+    let step = image.width.max(image.height).div_ceil(LARGEST);
+    if step <= 1 {
+        return image;
+    }
+    let (width, height) = (image.width.div_ceil(step), image.height.div_ceil(step));
+    let texel = |x: usize, y: usize| (y * step * image.width + x * step) * image.channels;
+    let places = (0..width * height).map(|i| texel(i % width, i / width));
+    let samples = places.flat_map(|at| &image.samples[at..at + image.channels]);
+    Image {
+        width,
+        height,
+        channels: image.channels,
+        samples: samples.copied().collect(),
+    }
+}
+
+fn picture(image: &Image, says: &str) -> Markup {
+    let scale = (SHOWN / image.width.max(image.height)).max(1);
+    let png = image
+        .to_png("ptm-conform")
+        .expect("a thinned picture is small");
+    html! {
+        img.texels width=(image.width * scale) height=(image.height * scale) alt=(says)
+            src={ "data:image/png;base64," (BASE64.encode(&png)) };
+    }
+}

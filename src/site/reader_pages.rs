@@ -1,0 +1,211 @@
+//! A page for each public reader: what our run of the suite showed, and which mistakes were seen in it.
+
+use std::collections::BTreeMap;
+
+use maud::{Markup, html};
+
+use super::paper::{Paper, SiteFile};
+use super::readers::{ReaderRun, ReaderTally, slug};
+use crate::misreadings::{self, Misreading};
+use crate::suite::clauses::Clause;
+
+/// Cases of an outcome that are listed before the rest is folded away.
+const LISTED: usize = 20;
+
+/// What a run showed of each clause.
+pub(super) fn tallies<'a>(
+    paper: Paper<'a>,
+    outcomes: &BTreeMap<String, String>,
+) -> BTreeMap<&'a str, ReaderTally> {
+    let mut tallies: BTreeMap<&str, ReaderTally> = BTreeMap::new();
+    for case in &paper.library.suite.cases {
+        if let Some(outcome) = outcomes.get(&case.id) {
+            for clause in &case.clauses {
+                tallies.entry(clause).or_default().add(outcome);
+            }
+        }
+    }
+    tallies
+}
+
+/// The pages of all readers, and their list.
+pub(super) fn pages(paper: Paper) -> Vec<SiteFile> {
+    let readers = paper.library.readers();
+    let run_of = |reader: &str| {
+        paper
+            .library
+            .runs
+            .iter()
+            .position(|run| run.reader == reader)
+    };
+    let mut pages = vec![list(paper)];
+    for reader in readers {
+        pages.push(page(paper, reader, run_of(reader)));
+    }
+    pages
+}
+
+fn mistakes(reader: &str) -> Vec<&'static Misreading> {
+    let makes = |misreading: &&Misreading| {
+        misreading
+            .seen
+            .iter()
+            .any(|sighting| sighting.reader == reader)
+    };
+    misreadings::all().filter(makes).collect()
+}
+
+fn list(paper: Paper) -> SiteFile {
+    let body = html! {
+        h1 { "Readers" }
+        p.lead { "Public programs that read PTM files: those on which this suite was run, and those in whose source a mistake was seen. "
+            a href="../scoreboard.html" { "The scoreboard" } " compares the runs clause by clause." }
+        div.scroll tabindex="0" { table.list {
+            thead { tr { th scope="col" { "reader" } th scope="col" { "run" } th scope="col" { "mistakes seen" } } }
+            tbody { @for reader in paper.library.readers() {
+                @let run = paper.library.runs.iter().find(|run| run.reader == reader);
+                tr {
+                    td { (paper.link_as(reader, &html! { (reader) })) }
+                    td { @if let Some(run) = run { (run.version) ", " (run.version_date) } @else { "–" } }
+                    td { (mistakes(reader).len()) }
+                }
+            } }
+        } }
+    };
+    paper.page("readers/index.html", "Readers", "Readers", &body)
+}
+
+fn page(paper: Paper, reader: &str, run: Option<usize>) -> SiteFile {
+    let mistakes = mistakes(reader);
+    let body = html! {
+        p.kicker { a href="index.html" { "Readers" } }
+        h1 { (reader) }
+        @if let Some(place) = run { (of_run(paper, &paper.library.runs[place], &paper.library.outcomes[place])) }
+        @else { p { "The suite was not run on this reader. What is listed here was seen in its source." } }
+        @if !mistakes.is_empty() {
+            h2 { "Mistakes that were seen in it" }
+            ul { @for misreading in mistakes {
+                li { (paper.link(misreading.slug)) ", clause " (paper.link_as(misreading.clause, &html! { (misreading.clause) })) ": it " (misreading.effect) "." }
+            } }
+        }
+    };
+    paper.page(
+        &format!("readers/{}.html", slug(reader)),
+        "Readers",
+        reader,
+        &body,
+    )
+}
+
+fn of_run(paper: Paper, run: &ReaderRun, outcomes: &BTreeMap<String, String>) -> Markup {
+    let tallies = tallies(paper, outcomes);
+    let failing = |clause: &&Clause| {
+        tallies
+            .get(clause.id.as_str())
+            .is_some_and(|tally| tally.failed > 0)
+    };
+    let clauses: Vec<&Clause> = paper.library.clauses.iter().filter(failing).collect();
+    html! {
+        dl.facts {
+            dt { "Source" } dd { code { (run.source) } " (" (run.language) ")" }
+            dt { "Version" } dd { (run.version) " of " (run.version_date) }
+            dt { "Run" } dd { (run.run_date) ", " (run.called) }
+            dt { "Views" } dd { (run.views.join(", ")) }
+            dt { "Outcomes" } dd { @for (i, (outcome, cases)) in run.outcomes.iter().enumerate() { @if i > 0 { ", " } (cases.len()) " " (outcome) } }
+        }
+        @for remark in &run.remarks { p.note { (paper.prose(remark)) } }
+        h2 { "Clauses in which a case fails" }
+        @if clauses.is_empty() { p { "None." } }
+        ul { @for clause in clauses {
+            @let tally = tallies[clause.id.as_str()];
+            li { (paper.link_as(&clause.id, &html! { (clause.id) })) " " (clause.rule) " " span.quiet { (tally.passed) " of " (tally.passed + tally.failed) " pass" } }
+        } }
+        h2 { "Cases" }
+        @for (outcome, cases) in &run.outcomes {
+            @if outcome != "pass" { details.others { summary { (cases.len()) " " (outcome) } (listed(paper, cases)) } }
+        }
+    }
+}
+
+fn listed(paper: Paper, cases: &[String]) -> Markup {
+    let (first, more) = cases.split_at(LISTED.min(cases.len()));
+    html! {
+        ul.columns { @for case in first { li { (paper.link(case)) } } }
+        @if !more.is_empty() { details { summary { (more.len()) " more" } ul.columns { @for case in more { li { (paper.link(case)) } } } } }
+    }
+}
+
+/// Implementation × clause.
+pub(super) fn scoreboard(paper: Paper) -> SiteFile {
+    let runs = &paper.library.runs;
+    let all: Vec<BTreeMap<&str, ReaderTally>> = paper
+        .library
+        .outcomes
+        .iter()
+        .map(|outcomes| tallies(paper, outcomes))
+        .collect();
+    let tally = |place: usize, clause: &str| all[place].get(clause).copied().unwrap_or_default();
+    let tested = |clause: &&Clause| {
+        (0..runs.len()).any(|place| tally(place, &clause.id) != ReaderTally::default())
+    };
+    let differs = |clause: &Clause| {
+        let states: std::collections::BTreeSet<&str> = (0..runs.len())
+            .map(|place| tally(place, &clause.id).state().0)
+            .collect();
+        states.len() > 1
+    };
+    let body = html! {
+        h1 { "Scoreboard" }
+        p.lead { "What public readers made of the cases about each clause: passed of judged. A case may be about several clauses, so one mistake can show in several rows; "
+            "a reader's page says which mistakes are known." }
+        (legend())
+        form.tools {
+            label for="list-filter" { "Filter" }
+            input #list-filter type="search" placeholder="a clause or a word" autocomplete="off" spellcheck="false";
+            label.check { input #differing type="checkbox"; " only where they differ" }
+            span #list-found role="status" aria-live="polite" {}
+        }
+        div.scroll.tall tabindex="0" { table.matrix.filtered {
+            thead { (heads(paper)) }
+            tbody { @for clause in paper.library.clauses.iter().filter(tested) {
+                tr data-same[!differs(clause)] {
+                    th scope="row" { (paper.link_as(&clause.id, &html! { code { (clause.id) } })) " " span.rule { (clause.rule) } }
+                    @for place in 0..runs.len() { (cell(tally(place, &clause.id))) }
+                }
+            } }
+        } }
+    };
+    paper.page("scoreboard.html", "Scoreboard", "Scoreboard", &body)
+}
+
+fn legend() -> Markup {
+    html! {
+        p.legend {
+            span.tile data-state="fail" { "✗" } " at least one case failed "
+            span.tile data-state="pass" { "✓" } " all judged cases passed "
+            span.tile data-state="open" { "–" } " nothing judged: unsupported, inconclusive or not run"
+        }
+    }
+}
+
+/// A column for each reader.
+fn heads(paper: Paper) -> Markup {
+    html! {
+        tr {
+            th scope="col" { "clause" }
+            @for run in &paper.library.runs {
+                th scope="col" { (paper.link_as(&run.reader, &html! { (run.reader) })) br; small.quiet { (run.version) ", " (run.version_date) br; "run " (run.run_date) } }
+            }
+        }
+    }
+}
+
+fn cell(tally: ReaderTally) -> Markup {
+    let (state, mark) = tally.state();
+    let judged = tally.passed + tally.failed;
+    html! {
+        td.result data-state=(state) {
+            (mark) " " @if judged > 0 { (tally.passed) span { "/" (judged) } } @else if tally.open > 0 { span { (tally.open) " open" } }
+        }
+    }
+}

@@ -1,0 +1,132 @@
+//! What public readers answered to this suite: `reports/readers/`, a file for each.
+
+use std::collections::BTreeMap;
+
+use serde::Deserialize;
+
+use crate::kit::yaml::from_yaml;
+use crate::session::outcome::Outcome;
+
+/// One run of the suite against a public reader.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ReaderRun {
+    /// Its name, or its owner and name where it is a repository.
+    pub reader: String,
+    /// The language it is written in.
+    pub language: String,
+    /// Where its source is.
+    pub source: String,
+    /// The version that was run.
+    pub version: String,
+    /// The day of that version.
+    pub version_date: String,
+    /// The day of the run.
+    pub run_date: String,
+    /// How it was called.
+    pub called: String,
+    /// What to know of the run beside its outcomes.
+    #[serde(default)]
+    pub remarks: Vec<String>,
+    /// The views it offers.
+    pub views: Vec<String>,
+    /// Each outcome with the ids of its cases.
+    pub outcomes: BTreeMap<String, Vec<String>>,
+}
+
+const FILES: &[(&str, &str)] = &[
+    (
+        "cceh-rti.yaml",
+        include_str!("../../reports/readers/cceh-rti.yaml"),
+    ),
+    (
+        "ptmconvert.yaml",
+        include_str!("../../reports/readers/ptmconvert.yaml"),
+    ),
+    (
+        "relight.yaml",
+        include_str!("../../reports/readers/relight.yaml"),
+    ),
+    (
+        "rtiviewer.yaml",
+        include_str!("../../reports/readers/rtiviewer.yaml"),
+    ),
+];
+
+/// All runs that are part of the program.
+///
+/// # Errors
+/// A sentence that names the file and what is wrong.
+pub fn reader_runs() -> Result<Vec<ReaderRun>, String> {
+    let read = |(name, text): &(&str, &str)| {
+        let run: ReaderRun = from_yaml(text).map_err(|error| format!("{name}: {error}"))?;
+        let known = |outcome: &String| Outcome::ALL.iter().any(|known| known.name() == outcome);
+        match run.outcomes.keys().find(|&outcome| !known(outcome)) {
+            Some(outcome) => Err(format!("{name}: no outcome is called {outcome:?}")),
+            None => Ok(run),
+        }
+    };
+    FILES.iter().map(read).collect()
+}
+
+/// What a reader made of the cases about a clause.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct ReaderTally {
+    /// Cases passed.
+    pub passed: usize,
+    /// Cases failed.
+    pub failed: usize,
+    /// Cases that say nothing: unsupported, inconclusive, not judged, not run.
+    pub open: usize,
+}
+
+impl ReaderTally {
+    pub(super) fn add(&mut self, outcome: &str) {
+        if outcome == Outcome::Pass.name() {
+            self.passed += 1;
+        } else if outcome == Outcome::Fail.name() {
+            self.failed += 1;
+        } else {
+            self.open += 1;
+        }
+    }
+
+    /// In a word, and a sign.
+    pub(super) fn state(self) -> (&'static str, &'static str) {
+        match self {
+            ReaderTally { failed: 1.., .. } => ("fail", "✗"),
+            ReaderTally { passed: 1.., .. } => ("pass", "✓"),
+            ReaderTally { open: 1.., .. } => ("open", "–"),
+            ReaderTally { .. } => ("none", "·"),
+        }
+    }
+}
+
+impl ReaderRun {
+    /// What became of each case.
+    pub(super) fn by_case(&self) -> BTreeMap<&str, &str> {
+        let outcomes = self.outcomes.iter();
+        let pairs = outcomes.flat_map(|(outcome, cases)| {
+            cases
+                .iter()
+                .map(move |case| (case.as_str(), outcome.as_str()))
+        });
+        pairs.collect()
+    }
+
+    /// The name of its page.
+    #[must_use]
+    pub fn slug(&self) -> String {
+        slug(&self.reader)
+    }
+}
+
+/// The name of a reader's page.
+pub(super) fn slug(reader: &str) -> String {
+    let words = reader.to_lowercase();
+    let words: Vec<&str> = words
+        .split(|c: char| !c.is_ascii_alphanumeric())
+        .filter(|word| !word.is_empty())
+        .collect();
+    words.join("-")
+}

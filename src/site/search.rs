@@ -1,0 +1,59 @@
+//! The index of the search box: a script that every page loads when somebody begins to type.
+
+use serde_json::json;
+
+use super::library::Library;
+use super::paper::SiteFile;
+use crate::misreadings;
+use crate::tools::lint::codes;
+
+/// The index: for each page its id, what it is, where it lies, and its words.
+pub(super) fn index(library: &Library) -> SiteFile {
+    let mut entries = Vec::new();
+    let mut put = |id: &str, kind: &str, words: &str| {
+        if let Some(place) = library.place(id) {
+            entries.push(json!([id, kind, place, words]));
+        }
+    };
+    for chapter in &library.annotated.chapters {
+        put(&chapter.section, "section", &chapter.title);
+    }
+    for clause in &library.clauses {
+        put(&clause.id, "clause", &clause.rule);
+    }
+    for ruling in &library.rulings {
+        put(&ruling.id, "ruling", ruling.question.trim());
+    }
+    for code in codes::ALL {
+        put(code.id, "lint code", code.says);
+    }
+    for reader in library.readers() {
+        put(reader, "reader", "");
+    }
+    for misreading in misreadings::all() {
+        put(misreading.slug, "misreading", misreading.effect);
+    }
+    for case in &library.suite.cases {
+        put(&case.id, "case", &case.because);
+    }
+    for requirement in &library.requirements {
+        put(&requirement.id, "texture", &requirement.rule);
+    }
+    for ruling in &library.texture_rulings {
+        put(&ruling.id, "texture ruling", ruling.question.trim());
+    }
+    for misreading in misreadings::texture::all() {
+        put(misreading.slug, "texture misreading", misreading.effect);
+    }
+    for case in &library.textures.cases {
+        put(&case.id, "texture case", &case.because);
+    }
+    let script = format!(
+        "window.searchIndex = {};\n",
+        serde_json::Value::Array(entries)
+    );
+    SiteFile {
+        path: "search-index.js".to_owned(),
+        bytes: script.into_bytes(),
+    }
+}

@@ -1,0 +1,142 @@
+// The pages work without this: it adds the tone, the search and the filters.
+"use strict";
+
+// Dark or light: what the system says, until one is chosen.
+{
+  const root = document.documentElement;
+  const button = document.getElementById("theme");
+  const system = matchMedia("(prefers-color-scheme: dark)");
+  const isDark = () => (root.style.colorScheme || (system.matches ? "dark" : "light")) === "dark";
+  const show = () => button.setAttribute("aria-pressed", String(isDark()));
+  try { root.style.colorScheme = localStorage.getItem("ptm-conform-scheme") || ""; } catch { /* no memory, no harm */ }
+  button.addEventListener("click", () => {
+    root.style.colorScheme = isDark() ? "light" : "dark";
+    show();
+    try { localStorage.setItem("ptm-conform-scheme", root.style.colorScheme); } catch { /* as above */ }
+  });
+  system.addEventListener("change", show);
+  show();
+}
+
+// The search box: ids first, then words; the index is a script beside the pages, fetched when somebody begins to type.
+{
+  const input = document.getElementById("search");
+  const hits = document.getElementById("hits");
+  const root = document.body.dataset.root;
+  const MOST = 20;
+  let chosen = -1;
+  let loading;
+  const load = () => {
+    loading ??= new Promise((resolve) => {
+      const script = document.createElement("script");
+      script.src = `${root}search-index.js`;
+      script.addEventListener("load", () => resolve(window.searchIndex));
+      document.head.append(script);
+    });
+    return loading;
+  };
+  // The smaller the better; none at all if a word is nowhere.
+  const rank = ([id, , , words], wanted) => {
+    const name = id.toLowerCase();
+    const text = `${name} ${words.toLowerCase()}`;
+    if (!wanted.every((word) => text.includes(word))) { return Infinity; }
+    const whole = wanted.join("-");
+    if (name === whole || name === wanted.join(" ")) { return 0; }
+    if (name.startsWith(whole)) { return 1; }
+    return wanted.every((word) => name.includes(word)) ? 2 : 3;
+  };
+  const close = () => { hits.hidden = true; chosen = -1; input.setAttribute("aria-expanded", "false"); input.removeAttribute("aria-activedescendant"); };
+  const find = async () => {
+    const wanted = input.value.toLowerCase().split(/\s+/).filter(Boolean);
+    if (!wanted.length) { close(); return; }
+    const index = await load();
+    const found = index.map((entry) => ({ entry, rank: rank(entry, wanted) })).filter((hit) => hit.rank < Infinity);
+    found.sort((a, b) => a.rank - b.rank || a.entry[0].length - b.entry[0].length);
+    hits.replaceChildren(...found.slice(0, MOST).map(({ entry: [id, kind, place, words] }, i) => {
+      const item = document.createElement("li");
+      item.id = `hit-${i}`;
+      item.setAttribute("role", "option");
+      item.setAttribute("aria-selected", "false");
+      const link = document.createElement("a");
+      link.href = root + place;
+      link.tabIndex = -1;
+      const name = document.createElement("b");
+      name.textContent = id;
+      const what = document.createElement("small");
+      what.textContent = ` ${kind} `;
+      link.append(name, what, words.slice(0, 90));
+      item.append(link);
+      return item;
+    }));
+    if (!found.length) {
+      const item = document.createElement("li");
+      item.setAttribute("role", "option");
+      item.setAttribute("aria-selected", "false");
+      item.setAttribute("aria-disabled", "true");
+      item.textContent = "Nothing is called so, and no text says it.";
+      hits.append(item);
+    }
+    chosen = -1;
+    hits.hidden = false;
+    input.setAttribute("aria-expanded", "true");
+  };
+  const choose = (step) => {
+    const items = [...hits.querySelectorAll("li:has(a)")];
+    if (!items.length) { return; }
+    items[chosen]?.setAttribute("aria-selected", "false");
+    chosen = (chosen + step + items.length) % items.length;
+    items[chosen].setAttribute("aria-selected", "true");
+    items[chosen].scrollIntoView({ block: "nearest" });
+    input.setAttribute("aria-activedescendant", items[chosen].id);
+  };
+  input.addEventListener("focus", load, { once: true });
+  input.addEventListener("input", find);
+  input.addEventListener("keydown", (event) => {
+    if (event.key === "Escape") { close(); input.value = ""; }
+    if (event.key === "ArrowDown") { event.preventDefault(); choose(1); }
+    if (event.key === "ArrowUp") { event.preventDefault(); choose(-1); }
+    if (event.key === "Enter") { hits.querySelectorAll("li a")[Math.max(chosen, 0)]?.click(); }
+  });
+  document.addEventListener("click", (event) => { if (!event.target.closest("search")) { close(); } });
+  document.addEventListener("keydown", (event) => {
+    if (event.key !== "/" || document.activeElement.matches("input:not([type=range], [type=checkbox]), textarea")) { return; }
+    event.preventDefault();
+    input.focus();
+  });
+}
+
+// The filter of a list: every word must occur; a clause also matches what lies below it. It stands in the address.
+{
+  const input = document.getElementById("list-filter");
+  if (input) {
+    const found = document.getElementById("list-found");
+    const differing = document.getElementById("differing");
+    const rows = [...document.querySelectorAll("table.filtered tbody tr, section.filtered li, section.case-text.filtered")];
+    const sections = [...document.querySelectorAll("section.filtered:not(.case-text)")];
+    const clause = /^\d+(\.\d+)+(\/\d+)?$/;
+    const texts = rows.map((row) => `${row.textContent} ${row.title}`.toLowerCase());
+    const words = texts.map((text) => text.split(/[\s,;:]+/));
+    const has = (i, word) => clause.test(word)
+      ? words[i].some((id) => id === word || id.startsWith(`${word}/`) || id.startsWith(`${word}.`))
+      : texts[i].includes(word);
+    const apply = () => {
+      const wanted = input.value.toLowerCase().split(/\s+/).filter(Boolean);
+      let count = 0;
+      rows.forEach((row, i) => {
+        const match = wanted.every((word) => has(i, word)) && !(differing?.checked && "same" in row.dataset);
+        row.hidden = !match;
+        count += match;
+      });
+      for (const section of sections) { section.hidden = !section.querySelector("li:not([hidden])"); }
+      found.textContent = count === rows.length ? `${count}` : `${count} of ${rows.length}`;
+      const query = encodeURIComponent(input.value.trim());
+      history.replaceState(null, "", (query ? `?${query}` : location.pathname) + location.hash);
+    };
+    const asked = decodeURIComponent(location.search.slice(1));
+    if (asked) { input.value = asked; }
+    input.addEventListener("input", apply);
+    differing?.addEventListener("change", apply);
+    input.form.addEventListener("submit", (event) => event.preventDefault());
+    if (asked) { apply(); } else { found.textContent = `${rows.length}`; }
+  }
+}

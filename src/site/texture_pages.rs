@@ -1,0 +1,191 @@
+//! The texture chapter: its requirements, rulings, steps with a question and an answer each, cases and misreadings.
+
+use maud::{Markup, html};
+
+use super::paper::{Paper, SiteFile};
+use super::ruling_pages;
+use crate::misreadings;
+use crate::report::document::section_of;
+use crate::suite::clauses::Clause;
+use crate::suite::texture::cases::TextureCase;
+use crate::suite::texture::verify::verify;
+
+/// The topics of the chapter by their letters, in the order of the pipeline.
+const TOPICS: &[(&str, &str)] = &[
+    ("R-TBL", "The table: fields and their fallback values"),
+    ("R-SEL", "Selection: which entries a surface uses"),
+    ("R-RCT", "Rendering control: before or after lighting"),
+    ("R-PAR", "Parameterization: where coordinates come from"),
+    ("R-ORI", "Orientation, interpolation and perspective"),
+    ("R-SMP", "Sampling: which texels, and their mean"),
+    ("R-BND", "Boundaries: outside the map"),
+    ("R-CLM", "Clamp methods"),
+    ("R-CMP", "Composition: texel and surface color"),
+    ("R-CHN", "Channels"),
+    ("R-HNT", "Hints"),
+    ("R-RST", "Restrictions"),
+];
+
+/// The steps, each with what it does.
+const STEPS: &[(&str, &str)] = &[
+    ("defaults", "all fields of an entry in which nothing is set"),
+    ("select", "which entries of the table a surface uses"),
+    (
+        "resolve",
+        "the fields of one entry, fallback values included",
+    ),
+    (
+        "parameterize",
+        "a point of the surface → texture coordinates",
+    ),
+    ("reflect", "eye vector and normal → reflection vector"),
+    ("orient", "coordinates × orientation matrix"),
+    (
+        "interpolate",
+        "coordinates of the corners → coordinates inside",
+    ),
+    ("sites", "where samples are taken: facet, vertex or pixel"),
+    ("depth", "how far the map is reduced or magnified"),
+    (
+        "index",
+        "a coordinate → the closest texel, under a boundary condition",
+    ),
+    ("sample", "coordinates → a texel or a mean of texels"),
+    ("compose", "texel and surface color → color"),
+    ("stage", "all of it, for a surface"),
+];
+
+/// The pages of the chapter.
+///
+/// # Errors
+/// A case whose expected answer is not the reference's.
+pub(super) fn pages(paper: Paper) -> Result<Vec<SiteFile>, String> {
+    Ok(vec![
+        chapter(paper)?,
+        rulings(paper),
+        cases(paper),
+        mistakes(paper),
+    ])
+}
+
+fn chapter(paper: Paper) -> Result<SiteFile, String> {
+    let questions: Result<Vec<Markup>, String> =
+        STEPS.iter().map(|step| question(paper, step)).collect();
+    let questions = questions?;
+    let body = html! {
+        h1 { "Texture mapping, annotated" }
+        p.lead { "A PTM under a light is a picture, and a picture is a texture. The chapter “Texture Mapping Table” of PEXlib 5.2 says what becomes of it on a surface. Its formulas were pictures and are "
+            "lost; what stands for them here is rebuilt from the words around them and from related texts, and marked by a ruling." }
+        p { a href="rulings.html" { "Rulings" } " · " a href="cases.html" { "Cases" } " · " a href="misreadings.html" { "Misreadings" } " · " a href="../docs/texture.html" { "How a stage is asked" } }
+        h2 #steps { "Step by step: a question and its answer" }
+        p { "Every answer was computed by the reference when this page was built, and compared with the one that the suite expects." }
+        @for question in &questions { (question) }
+        h2 #requirements { "The requirements" }
+        @for (letters, title) in TOPICS {
+            @let of: Vec<&Clause> = paper.library.requirements.iter().filter(|clause| section_of(&clause.id) == *letters).collect();
+            @if !of.is_empty() {
+                h3 id=(letters) { (title) " " span.quiet { (letters) } }
+                ul.plain { @for clause in of { (requirement(paper, clause)) } }
+            }
+        }
+    };
+    Ok(paper.page("texture/index.html", "Texture", "Texture mapping", &body))
+}
+
+fn requirement(paper: Paper, clause: &Clause) -> Markup {
+    let cases = paper
+        .library
+        .textures
+        .cases
+        .iter()
+        .filter(|case| case.clauses.contains(&clause.id));
+    let cases: Vec<&str> = cases.map(|case| case.id.as_str()).collect();
+    html! {
+        li id=(clause.id) {
+            b { (clause.id) } " " (clause.rule)
+            @if let Some(ruling) = &clause.ruling { " Ruling: " (paper.link(ruling)) "." }
+            @if let Some(why) = &clause.why { " " span.quiet { "Not tested: it " (why) "." } }
+            @if !cases.is_empty() { " " span.quiet { "Cases: " (paper.links(cases)) "." } }
+        }
+    }
+}
+
+/// The shortest question of a step with its answer, which the reference gives too.
+fn question(paper: Paper, (op, does): &(&str, &str)) -> Result<Markup, String> {
+    let of = paper
+        .library
+        .textures
+        .cases
+        .iter()
+        .filter(|case| case.op == *op);
+    let case = of.min_by_key(|case| case.question().to_string().len());
+    let case = case.ok_or_else(|| format!("no case asks for {op}"))?;
+    let wrong = verify(case)
+        .into_iter()
+        .find(|answer| answer.holds == Some(false));
+    if let Some(wrong) = wrong {
+        return Err(format!("texture case {}: {}", wrong.id, wrong.says));
+    }
+    Ok(html! {
+        figure.example id={ "step-" (op) } {
+            figcaption { b { code { (op) } } " " (does) " — " (paper.link(&case.id)) }
+            pre tabindex="0" { (case.question()) }
+            pre tabindex="0" { (case.expect) }
+            p.because { (case.because) }
+        }
+    })
+}
+
+fn rulings(paper: Paper) -> SiteFile {
+    let body = html! {
+        p.kicker { a href="index.html" { "Texture" } }
+        h1 { "Texture: rulings" }
+        @for ruling in &paper.library.texture_rulings {
+            section.clause id=(ruling.id) {
+                h2 { code { (ruling.id) } " " span.chip { (ruling.kind.name()) } }
+                (ruling_pages::words(paper, ruling))
+                p.tested { "Requirements: " (paper.links(ruling.clauses.iter().map(String::as_str))) }
+            }
+        }
+    };
+    paper.page("texture/rulings.html", "Texture", "Texture: rulings", &body)
+}
+
+fn cases(paper: Paper) -> SiteFile {
+    let body = html! {
+        p.kicker { a href="index.html" { "Texture" } }
+        h1 { "Texture: cases" }
+        p.lead { (paper.library.textures.cases.len()) " questions with their answers." }
+        (super::misreading_pages::filter("cases"))
+        @for case in &paper.library.textures.cases { (one_case(paper, case)) }
+    };
+    paper.page("texture/cases.html", "Texture", "Texture: cases", &body)
+}
+
+fn one_case(paper: Paper, case: &TextureCase) -> Markup {
+    html! {
+        section.case-text.filtered id=(case.id) {
+            h2 { code { (case.id) } " " span.quiet { (case.op) } }
+            p { (case.because) " " span.quiet { (paper.links(case.clauses.iter().map(String::as_str))) } @if let Some(ruling) = &case.ruling { " Ruling: " (paper.link(ruling)) } }
+            pre tabindex="0" { (case.question()) }
+            pre tabindex="0" { (case.expect) }
+            @for also in &case.also { p { "Read as " em { (also.reading) } ": " code { (also.expect) } } }
+        }
+    }
+}
+
+fn mistakes(paper: Paper) -> SiteFile {
+    let body = html! {
+        p.kicker { a href="index.html" { "Texture" } }
+        h1 { "Texture: misreadings" }
+        ul.plain { @for misreading in misreadings::texture::all() {
+            li id=(misreading.slug) { code { (misreading.slug) } " " (paper.link_as(misreading.clause, &html! { (misreading.clause) })) ": the stage " (misreading.effect) ". " b { "Fix: " } (misreading.fix) "." }
+        } }
+    };
+    paper.page(
+        "texture/misreadings.html",
+        "Texture",
+        "Texture: misreadings",
+        &body,
+    )
+}

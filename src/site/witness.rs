@@ -1,0 +1,86 @@
+//! For each misreading the smallest file that shows it.
+
+use std::collections::HashMap;
+
+use crate::diagnose::applies;
+use crate::kit::parallel::in_parallel;
+use crate::misreadings::{self, Misreading, answer};
+use crate::protocol::frame::{Answer, Frame, View};
+use crate::reading::Reading;
+use crate::suite::cases::{Case, Expect, Suite, TableSpelling};
+use crate::suite::choices::CHOICES;
+use crate::suite::test_case::TestCase;
+
+/// A file on which a misreading shows.
+#[derive(Clone, Debug)]
+pub(super) struct Witness {
+    /// The place of the case in the suite.
+    pub case: usize,
+    /// The view in which it shows.
+    pub view: View,
+    /// What a decoder with the mistake answers.
+    pub answer: Answer,
+    /// How its picture is not the right one, if there is one to compare it with.
+    pub difference: Option<String>,
+}
+
+/// The smallest witness of every misreading that has one.
+pub(super) fn witnesses(suite: &Suite, jobs: usize) -> HashMap<&'static str, Witness> {
+    let mut by_size: Vec<usize> = (0..suite.cases.len()).collect();
+    let length = |&place: &usize| {
+        suite.cases[place]
+            .build(TableSpelling::default())
+            .file
+            .len()
+    };
+    by_size.sort_by_cached_key(length);
+    let all: Vec<&'static Misreading> = misreadings::all().collect();
+    let found = in_parallel(all.len(), jobs, &|_, _| (), &|i| {
+        let mut places = by_size.iter();
+        let witness = places.find_map(|&place| witness(all[i], place, &suite.cases[place]));
+        (all[i].slug, witness)
+    });
+    let found = found.into_iter();
+    found
+        .filter_map(|(slug, witness)| Some((slug, witness?)))
+        .collect()
+}
+
+fn witness(misreading: &Misreading, place: usize, case: &Case) -> Option<Witness> {
+    let built = case.build(TableSpelling::default());
+    let view = case.views.first()?;
+    if case.expect == Expect::Spelling || !applies(misreading, &built.file) {
+        return None;
+    }
+    let answer = answer(&[misreading], Reading::SPEC, &built.file, view);
+    let compared = match &answer {
+        Answer::Decoded(frame) => Some(case.compare(&built, view, frame)),
+        _ => None,
+    };
+    let wrong = match (&case.expect, &compared) {
+        (Expect::Decode, None) => true,
+        (Expect::Reject, _) => !matches!(answer, Answer::Rejected),
+        (Expect::Refuse, compared) => compared.is_some(),
+        (Expect::Decode | Expect::Lenient, Some(compared)) => {
+            !case.any_picture && !CHOICES.is_right(&compared.right, &CHOICES.reference())
+        }
+        _ => false,
+    };
+    let difference = compared.and_then(|compared| compared.difference);
+    wrong.then(|| Witness {
+        case: place,
+        view: view.clone(),
+        answer,
+        difference: difference.map(|difference| difference.to_string()),
+    })
+}
+
+impl Witness {
+    /// What a decoder with the mistake shows under a light, if it shows anything.
+    pub(super) fn lit(misreading: &Misreading, file: &[u8], view: &View) -> Option<Frame> {
+        match answer(&[misreading], Reading::SPEC, file, view) {
+            Answer::Decoded(frame) => Some(frame),
+            _ => None,
+        }
+    }
+}

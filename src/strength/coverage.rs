@@ -1,0 +1,410 @@
+//! How strong the suite is, measured: clauses, kills, separations, pairs of parameters, and what could be left out.
+//!
+//! - A clause is covered by cases, and by a misreading of it that is caught.
+//! - A misreading is *killed* by the cases that fail a decoder with it; two are *separated* by a case that they answer
+//!   differently.
+//! - A case is *redundant* if without it every misreading is still killed and every pair still separated. It may be there
+//!   for its clause, or for a mistake that nobody has made yet.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::fmt::Write;
+
+use serde::Serialize;
+
+use crate::generate::{Numbers, Recipe};
+use crate::kit::yaml::to_yaml;
+use crate::misreadings;
+use crate::ptm::{Format, Size};
+use crate::strength::matrix::MatrixRow;
+use crate::suite::cases::{Case, Expect, Suite};
+use crate::suite::clauses::{self, ClauseStatus};
+
+/// All that is measured.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Coverage {
+    /// Every clause, in the order of the text.
+    pub clauses: Vec<ClauseCoverage>,
+    /// Every misreading, in the order of the catalogue: the kill matrix.
+    pub misreadings: Vec<Kills>,
+    /// The separation matrix, as far as it is not full.
+    pub separation: Separation,
+    /// Which pairs of parameters occur together in some file.
+    pub pairwise: Pairwise,
+    /// Cases without which as much is killed and separated.
+    pub redundant: Vec<String>,
+}
+
+/// How one clause is covered.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct ClauseCoverage {
+    /// Section and ordinal.
+    pub clause: String,
+    /// tested, ruled, informative or untestable.
+    pub status: String,
+    /// How many cases are about it.
+    pub cases: usize,
+    /// Misreadings of it that are killed.
+    pub killed: Vec<String>,
+}
+
+/// The cases that kill one misreading.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Kills {
+    /// The misreading.
+    pub misreading: String,
+    /// Its clause.
+    pub clause: String,
+    /// How many cases fail because of it.
+    pub count: usize,
+    /// All of them.
+    pub cases: Vec<String>,
+}
+
+/// Which misreadings the suite tells apart.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Separation {
+    /// Pairs of misreadings.
+    pub pairs: usize,
+    /// Pairs that some case tells apart.
+    pub separated: usize,
+    /// The others: sets that answer every case alike.
+    pub alike: Vec<Vec<String>>,
+}
+
+/// Which values of two parameters occur together.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Pairwise {
+    /// The parameters and the values they take.
+    pub parameters: BTreeMap<String, Vec<String>>,
+    /// Pairs of values that can occur together.
+    pub pairs: usize,
+    /// Pairs that do, in a file that must be decoded.
+    pub covered: usize,
+    /// The others.
+    pub missing: Vec<String>,
+}
+
+impl Coverage {
+    /// Measures the suite by its matrix.
+    ///
+    /// # Errors
+    /// If the clauses cannot be loaded.
+    pub fn new(suite: &Suite, rows: &[MatrixRow]) -> Result<Coverage, String> {
+        let id = |&i: &usize| suite.cases[i].id.clone();
+        let kills = rows.iter().map(|row| Kills {
+            misreading: row.misreading.slug.to_owned(),
+            clause: row.misreading.clause.to_owned(),
+            count: row.killed_by.len(),
+            cases: row.killed_by.iter().map(id).collect(),
+        });
+        let (separation, telling) = separation(suite, rows);
+        Ok(Coverage {
+            clauses: clauses(suite, rows)?,
+            misreadings: kills.collect(),
+            separation,
+            pairwise: pairwise(suite),
+            redundant: redundant(suite, rows, &telling),
+        })
+    }
+
+    /// As YAML.
+    ///
+    /// # Errors
+    /// None that a measurement can cause.
+    pub fn to_yaml(&self) -> Result<String, String> {
+        to_yaml(self)
+    }
+
+    /// As text for a terminal.
+    #[must_use]
+    pub fn to_text(&self, suite: &Suite) -> String {
+        let mut text = String::new();
+        self.write_text(suite, &mut text)
+            .expect("writing to memory does not fail");
+        text
+    }
+
+    fn write_text(&self, suite: &Suite, out: &mut String) -> std::fmt::Result {
+        self.write_clauses(out)?;
+        self.write_misreadings(out)?;
+        let Pairwise {
+            pairs,
+            covered,
+            missing,
+            ..
+        } = &self.pairwise;
+        writeln!(
+            out,
+            "pairs of recipe parameters: {covered} of {pairs} occur in a file that must be decoded"
+        )?;
+        for pair in missing.iter().take(MISSING) {
+            writeln!(out, "  missing: {pair}")?;
+        }
+        if missing.len() > MISSING {
+            let more = missing.len() - MISSING;
+            writeln!(out, "  … and {more} more; --yaml lists them")?;
+        }
+        writeln!(
+            out,
+            "redundant: {} of {} cases kill nothing and separate no pair that others do not",
+            self.redundant.len(),
+            suite.cases.len()
+        )
+    }
+
+    fn write_clauses(&self, out: &mut String) -> std::fmt::Result {
+        let mut statuses: BTreeMap<&str, usize> = BTreeMap::new();
+        for clause in &self.clauses {
+            *statuses.entry(&clause.status).or_default() += 1;
+        }
+        let statuses = statuses.iter();
+        let statuses: Vec<String> = statuses
+            .map(|(status, count)| format!("{count} {status}"))
+            .collect();
+        let (all, statuses) = (self.clauses.len(), statuses.join(", "));
+        writeln!(out, "clauses: {all}: {statuses}")?;
+        let is_weak = |clause: &&ClauseCoverage| {
+            clause.status == "tested" && (clause.cases == 0 || clause.killed.is_empty())
+        };
+        for clause in self.clauses.iter().filter(is_weak) {
+            writeln!(
+                out,
+                "  {}: {} cases, and no misreading of it is killed",
+                clause.clause, clause.cases
+            )?;
+        }
+        Ok(())
+    }
+
+    fn write_misreadings(&self, out: &mut String) -> std::fmt::Result {
+        let all = self.misreadings.len();
+        let killed = self.misreadings.iter().filter(|kills| kills.count > 0);
+        writeln!(out, "misreadings: {} of {all} killed", killed.count())?;
+        for kills in self.misreadings.iter().filter(|kills| kills.count < 2) {
+            writeln!(
+                out,
+                "  {} ({}): killed by {}",
+                kills.misreading,
+                kills.clause,
+                kills.cases.first().map_or("no case", String::as_str)
+            )?;
+        }
+        let Separation {
+            pairs,
+            separated,
+            alike,
+        } = &self.separation;
+        writeln!(
+            out,
+            "pairs of misreadings: {separated} of {pairs} told apart"
+        )?;
+        for set in alike {
+            writeln!(out, "  alike in every case: {}", set.join(", "))?;
+        }
+        Ok(())
+    }
+}
+
+/// Missing pairs of parameters that the summary names.
+const MISSING: usize = 20;
+
+fn clauses(suite: &Suite, rows: &[MatrixRow]) -> Result<Vec<ClauseCoverage>, String> {
+    let one = |clause: clauses::Clause| ClauseCoverage {
+        status: match clause.status {
+            ClauseStatus::Tested => "tested",
+            ClauseStatus::Ruled => "ruled",
+            ClauseStatus::Informative => "informative",
+            ClauseStatus::Untestable => "untestable",
+        }
+        .to_owned(),
+        cases: suite
+            .cases
+            .iter()
+            .filter(|case| case.clauses.contains(&clause.id))
+            .count(),
+        killed: rows
+            .iter()
+            .filter(|row| row.misreading.clause == clause.id && !row.killed_by.is_empty())
+            .map(|row| row.misreading.slug.to_owned())
+            .collect(),
+        clause: clause.id,
+    };
+    Ok(clauses::clauses()?.into_iter().map(one).collect())
+}
+
+/// The separation matrix, and the cases that alone separate some pair.
+fn separation(suite: &Suite, rows: &[MatrixRow]) -> (Separation, BTreeSet<usize>) {
+    let mut telling = BTreeSet::new();
+    let mut alike: BTreeMap<&[u64], Vec<String>> = BTreeMap::new();
+    let mut separated = 0;
+    for (i, a) in rows.iter().enumerate() {
+        let slug = misreadings::named(a.misreading.slug).map_or("", |known| known.slug);
+        alike.entry(&a.answers).or_default().push(slug.to_owned());
+        for b in &rows[i + 1..] {
+            let mut apart = (0..suite.cases.len()).filter(|&c| a.answers[c] != b.answers[c]);
+            match (apart.next(), apart.next()) {
+                (Some(only), None) => {
+                    separated += 1;
+                    telling.insert(only);
+                }
+                (Some(_), Some(_)) => separated += 1,
+                (None, _) => {}
+            }
+        }
+    }
+    let separation = Separation {
+        pairs: rows.len() * rows.len().saturating_sub(1) / 2,
+        separated,
+        alike: alike.into_values().filter(|set| set.len() > 1).collect(),
+    };
+    (separation, telling)
+}
+
+fn redundant(suite: &Suite, rows: &[MatrixRow], telling: &BTreeSet<usize>) -> Vec<String> {
+    let only = |row: &MatrixRow| match row.killed_by[..] {
+        [only] => Some(only),
+        _ => None,
+    };
+    let killing: BTreeSet<usize> = rows.iter().filter_map(only).collect();
+    let needed = |i: &usize| killing.contains(i) || telling.contains(i);
+    (0..suite.cases.len())
+        .filter(|i| !needed(i))
+        .map(|i| suite.cases[i].id.clone())
+        .collect()
+}
+
+/// What the recipe of a case chooses: parameter and value.
+fn parameters(case: &Case, recipe: &Recipe) -> Vec<(&'static str, String)> {
+    let spelling = &recipe.spelling;
+    let lines = |two: bool| if two { "two lines" } else { "one line" };
+    let bias = match recipe.bias.values.iter().any(|&bias| bias > 255.0) {
+        true => "over 255",
+        false => kind_of_numbers(&recipe.bias),
+    };
+    let mut chosen = vec![
+        ("format", recipe.format.short_name()),
+        ("size", kind_of_size(recipe.size)),
+        ("size is written on", lines(spelling.size_on_two_lines)),
+        (
+            "scale and bias are written on",
+            lines(spelling.scale_bias_on_two_lines),
+        ),
+        (
+            "space before a line feed",
+            yes_or_no(!spelling.space_before_newline.is_empty()),
+        ),
+        ("scale", kind_of_numbers(&recipe.scale)),
+        ("bias", bias),
+    ];
+    if recipe.format.has_table() {
+        let entries = match recipe.entries {
+            1 => "one",
+            2..=255 => "up to 255",
+            256 => "256",
+            _ => "more than 256",
+        };
+        chosen.push(("entries", entries));
+    }
+    if let Some(plan) = case.compression() {
+        let prediction = match (plan.predicts(), plan.inverts(), plan.moves()) {
+            (false, ..) => "none",
+            (_, false, false) => "plain",
+            (_, true, false) => "inverted",
+            (_, false, true) => "moved",
+            (_, true, true) => "inverted and moved",
+        };
+        chosen.push(("prediction", prediction));
+        chosen.push(("side information", yes_or_no(!plan.records.is_empty())));
+    }
+    let owned = |(name, value): (&'static str, &str)| (name, value.to_owned());
+    chosen.into_iter().map(owned).collect()
+}
+
+fn yes_or_no(yes: bool) -> &'static str {
+    if yes { "yes" } else { "no" }
+}
+
+fn kind_of_numbers(numbers: &Numbers<6>) -> &'static str {
+    let values = &numbers.values;
+    if numbers.texts().iter().any(|text| text.contains(['e', 'E'])) {
+        "an exponent"
+    } else if values.iter().any(|&value| value < 0.0) {
+        "below zero"
+    } else if values.contains(&0.0) {
+        "zero"
+    } else {
+        "ordinary"
+    }
+}
+
+fn kind_of_size(size: Size) -> &'static str {
+    match (size.width, size.height) {
+        (1, 1) => "one texel",
+        (_, 1) => "one row",
+        (1, _) => "one column",
+        (width, height) if width > 255 || height > 255 => "over 255",
+        (width, height) if width == height => "square",
+        _ => "oblong",
+    }
+}
+
+/// Whether two values can stand in one file at all.
+fn possible(a: (&str, &str), b: (&str, &str)) -> bool {
+    let rules_out = |format: (&str, &str), other: (&str, &str)| {
+        format.0 == "format"
+            && format
+                .1
+                .parse::<Format>()
+                .is_ok_and(|format| match other.0 {
+                    "entries" => !format.has_table(),
+                    "prediction" | "side information" => !format.is_compressed(),
+                    _ => false,
+                })
+    };
+    let apart = |a: &str, b: &str| a == "entries" && matches!(b, "prediction" | "side information");
+    !(rules_out(a, b) || rules_out(b, a) || apart(a.0, b.0) || apart(b.0, a.0))
+}
+
+fn pairwise(suite: &Suite) -> Pairwise {
+    let mut values: BTreeMap<&'static str, BTreeSet<String>> = BTreeMap::new();
+    let mut seen = BTreeSet::new();
+    let decoded = suite
+        .cases
+        .iter()
+        .filter(|case| case.expect == Expect::Decode);
+    for (case, recipe) in decoded.filter_map(|case| Some((case, case.recipe()?))) {
+        let chosen = parameters(case, recipe);
+        for (i, (a, x)) in chosen.iter().enumerate() {
+            values.entry(a).or_default().insert(x.clone());
+            for (b, y) in &chosen[i + 1..] {
+                seen.insert(((*a, x.clone()), (*b, y.clone())));
+            }
+        }
+    }
+    let (mut pairs, mut covered, mut missing) = (0, 0, Vec::new());
+    for (a, xs) in &values {
+        for (b, ys) in values.range(*a..).skip(1) {
+            for (x, y) in xs.iter().flat_map(|x| ys.iter().map(move |y| (x, y))) {
+                if !possible((a, x), (b, y)) {
+                    continue;
+                }
+                pairs += 1;
+                let (one, other) = ((*a, x.clone()), (*b, y.clone()));
+                if seen.contains(&(one.clone(), other.clone())) || seen.contains(&(other, one)) {
+                    covered += 1;
+                } else {
+                    missing.push(format!("{a}: {x}, and {b}: {y}"));
+                }
+            }
+        }
+    }
+    Pairwise {
+        parameters: values
+            .into_iter()
+            .map(|(name, values)| (name.to_owned(), values.into_iter().collect()))
+            .collect(),
+        pairs,
+        covered,
+        missing,
+    }
+}

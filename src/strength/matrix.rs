@@ -1,0 +1,154 @@
+//! How strong a suite is: which cases catch which misreadings, and which misreadings it can tell apart.
+
+use std::collections::HashMap;
+use std::hash::{DefaultHasher, Hash, Hasher};
+use std::sync::Mutex;
+
+use crate::diagnose::{applies, stream_once};
+use crate::misreadings::texture::Change;
+use crate::misreadings::{self, At, Misreading};
+use crate::protocol::frame::{Answer, Frame, Samples};
+use crate::reading::Reading;
+use crate::runner::run::Request;
+use crate::session::outcome::Outcome;
+use crate::session::plan::RunPlan;
+use crate::session::run::{Run, check};
+use crate::suite::cases::{Case, Suite};
+use crate::suite::test_case::TestCase;
+use crate::suite::texture::cases::TextureCase;
+use crate::texture::Rules;
+
+/// What a suite makes of a decoder with one mistake.
+pub struct MatrixRow<A: 'static = At> {
+    /// The mistake.
+    pub misreading: &'static Misreading<A>,
+    /// The cases that fail, by their place in the suite.
+    pub killed_by: Vec<usize>,
+    /// A digest of its answer to every case.
+    pub answers: Vec<u64>,
+}
+
+/// Answers, by case and view.
+pub type Known<C> = HashMap<String, Answer<<C as TestCase>::Output>>;
+
+/// Runs the suite of PTM files against every misreading, asked in `views` only, or in all if there are none. `progress` is
+/// told how many of how many are done.
+#[must_use]
+pub fn matrix(
+    suite: &Suite,
+    views: &[&'static str],
+    jobs: usize,
+    progress: &dyn Fn(usize, usize),
+) -> Vec<MatrixRow> {
+    let (_, right) = ask_all(suite, &[], views, jobs, &HashMap::new());
+    let digest = |frame: &Frame, hasher: &mut DefaultHasher| {
+        (frame.width, frame.height, frame.channels).hash(hasher);
+        match &frame.samples {
+            Samples::U8(bytes) => bytes.hash(hasher),
+            Samples::F32(values) => (values.iter()).for_each(|value| value.to_bits().hash(hasher)),
+        }
+    };
+    let all = misreadings::all().count();
+    let rows = misreadings::all().enumerate().map(|(i, misreading)| {
+        let (run, answers) = ask_all(suite, &[misreading], views, jobs, &right);
+        progress(i + 1, all);
+        row(suite, misreading, &run, &answers, digest)
+    });
+    rows.collect()
+}
+
+/// Runs the suite of texture questions against every misreading.
+#[must_use]
+pub fn texture_matrix(suite: &Suite<TextureCase>, jobs: usize) -> Vec<MatrixRow<Change>> {
+    let rows = misreadings::texture::all().map(|misreading| {
+        let rules = (misreading.at)(Rules::SPEC);
+        let ask = |request: &Request<'_, _>| {
+            let case = suite.case(request.name).expect("its own case is asked");
+            case.answer(&rules)
+        };
+        let (run, answers) = recorded(suite, &RunPlan::of(suite, jobs), &ask);
+        row(suite, misreading, &run, &answers, |answer, hasher| {
+            answer.to_string().hash(hasher);
+        })
+    });
+    rows.collect()
+}
+
+fn row<C: TestCase, A: 'static>(
+    suite: &Suite<C>,
+    misreading: &'static Misreading<A>,
+    run: &Run<C>,
+    answers: &Known<C>,
+    digest: impl Fn(&C::Output, &mut DefaultHasher),
+) -> MatrixRow<A> {
+    let digest = |answer: &Answer<C::Output>| {
+        let mut hasher = DefaultHasher::new();
+        answer.name().hash(&mut hasher);
+        if let Answer::Decoded(output) = answer {
+            digest(output, &mut hasher);
+        }
+        hasher.finish()
+    };
+    let observed = suite.cases.iter().zip(&run.observations);
+    let digests = observed.map(|(case, observation)| {
+        let view = &observation.as_ref()?.view;
+        answers.get(&key::<C>(case.id(), view)).map(digest)
+    });
+    MatrixRow {
+        misreading,
+        killed_by: run.judgement.with(Outcome::Fail).collect(),
+        answers: digests.map(Option::unwrap_or_default).collect(),
+    }
+}
+
+/// A run of a decoder with these mistakes, and its answers. A file on which none of them can act is answered as in
+/// `right`, where that is known.
+#[must_use]
+pub fn ask_all(
+    suite: &Suite,
+    mistakes: &[&Misreading],
+    views: &[&'static str],
+    jobs: usize,
+    right: &Known<Case>,
+) -> (Run, Known<Case>) {
+    let reading = Reading {
+        stream: stream_once,
+        ..Reading::SPEC
+    };
+    let ask = |request: &Request<'_>| {
+        let concerned = mistakes
+            .iter()
+            .any(|mistake| applies(mistake, request.file));
+        let known = right.get(&key::<Case>(request.name, request.view));
+        let make = || misreadings::answer(mistakes, reading, request.file, request.view);
+        known.filter(|_| !concerned).cloned().unwrap_or_else(make)
+    };
+    let plan = RunPlan {
+        views: views.to_vec(),
+        ..RunPlan::of(suite, jobs)
+    };
+    recorded(suite, &plan, &ask)
+}
+
+/// A run, and every answer in it.
+fn recorded<C: TestCase>(
+    suite: &Suite<C>,
+    plan: &RunPlan<C>,
+    ask: &(dyn Fn(&Request<'_, C::View>) -> Answer<C::Output> + Sync),
+) -> (Run<C>, Known<C>) {
+    let answers = Mutex::new(HashMap::new());
+    let recording = |request: &Request<'_, C::View>, _: usize| {
+        let answer = ask(request);
+        answers
+            .lock()
+            .expect("no worker panics")
+            .insert(key::<C>(request.name, request.view), answer.clone());
+        answer.into()
+    };
+    let run = check(suite, plan, &recording, &|_, _, _, _| ());
+    (run, answers.into_inner().expect("no worker panics"))
+}
+
+fn key<C: TestCase>(name: &str, view: &C::View) -> String {
+    format!("{name} {view}")
+}

@@ -1,0 +1,161 @@
+//! The suite as files: what `generate` writes and `corpus/` holds.
+
+use std::fs;
+use std::io;
+use std::path::Path;
+
+use serde::{Deserialize, Serialize};
+
+use crate::kit::digest::sha256;
+use crate::kit::parallel::in_parallel;
+use crate::kit::yaml::to_yaml;
+use crate::protocol::frame::{Frame, Samples, View};
+use crate::suite::cases::{Case, Suite, TableSpelling};
+use crate::suite::compare::{Expected, ExpectedValues};
+
+/// Files above this size are not part of the committed corpus; the manifest has their digests.
+pub const COMMITTED: usize = 4 * 1024;
+
+/// A file of the corpus, as the manifest lists it.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct ManifestEntry {
+    /// The case.
+    pub id: String,
+    /// Where it lies, below the corpus.
+    pub file: String,
+    /// Its size in bytes.
+    pub bytes: usize,
+    /// Its digest.
+    pub sha256: String,
+    /// `decode`, `reject`, `refuse`, `lenient`, `robust` or `spelling`.
+    pub expect: String,
+    /// The accepted file of which it is an edit.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub twin_of: Option<String>,
+    /// What a decoder finds, in the first of the case's views.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub expected: Option<ExpectedFile>,
+}
+
+/// An expected output, as the manifest lists it.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct ExpectedFile {
+    /// `raw`, `coef` or `rgb:LU,LV`.
+    pub view: String,
+    /// Where the frame lies, below the corpus.
+    pub file: String,
+    /// Its digest.
+    pub sha256: String,
+}
+
+/// A file to write: where, and what.
+pub type Output = (String, Vec<u8>);
+
+/// The entry of a case, and its files.
+#[must_use]
+pub fn entry(case: &Case) -> (ManifestEntry, Vec<Output>) {
+    let built = case.build(TableSpelling::default());
+    let place = case.format().short_name().to_lowercase();
+    let file = format!("{place}/{}.ptm", case.id);
+    let mut entry = ManifestEntry {
+        id: case.id.clone(),
+        file: file.clone(),
+        bytes: built.file.len(),
+        sha256: sha256(&built.file),
+        expect: if case.any_picture {
+            "robust"
+        } else {
+            case.expect.name()
+        }
+        .to_owned(),
+        twin_of: case.twin_of.clone(),
+        expected: None,
+    };
+    let mut outputs = Vec::new();
+    let view = &case.views[0];
+    if let Some(expected) = Expected::of(&built.values, view) {
+        let frame = frame(&expected, view);
+        let path = format!("{place}/{}.{}", case.id, view.name());
+        entry.expected = Some(ExpectedFile {
+            view: view.to_string(),
+            file: path.clone(),
+            sha256: sha256(&frame),
+        });
+        outputs.push((path, frame));
+    }
+    outputs.insert(0, (file, built.file.clone()));
+    (entry, outputs)
+}
+
+/// Writes the corpus of `suite` below `directory`: its files, and `MANIFEST.yaml`. Files above `largest` bytes are only
+/// listed. The same bytes come of any number of `jobs`.
+///
+/// # Errors
+/// Those of the file system, with the path.
+pub fn write(
+    suite: &Suite,
+    directory: &Path,
+    largest: usize,
+    jobs: usize,
+    progress: &(impl Fn(usize, usize) + Sync),
+) -> io::Result<Vec<ManifestEntry>> {
+    let entries = in_parallel(suite.cases.len(), jobs, progress, &|place| {
+        write_one(&suite.cases[place], directory, largest)
+    });
+    let entries = entries.into_iter().collect::<io::Result<Vec<_>>>()?;
+    let manifest = to_yaml(&entries).map_err(io::Error::other)?;
+    put(
+        &directory.join("MANIFEST.yaml"),
+        format!("# Written by `ptm-conform generate`; see spec-cases/README.md.\n{manifest}")
+            .as_bytes(),
+    )?;
+    Ok(entries)
+}
+
+fn write_one(case: &Case, directory: &Path, largest: usize) -> io::Result<ManifestEntry> {
+    let (entry, outputs) = entry(case);
+    if outputs.iter().all(|(_, bytes)| bytes.len() <= largest) {
+        for (path, bytes) in outputs {
+            put(&directory.join(path), &bytes)?;
+        }
+    }
+    Ok(entry)
+}
+
+pub(crate) fn put(path: &Path, bytes: &[u8]) -> io::Result<()> {
+    let named =
+        |error: io::Error| io::Error::new(error.kind(), format!("{}: {error}", path.display()));
+    if let Some(parent) = path.parent() {
+        fs::create_dir_all(parent).map_err(named)?;
+    }
+    fs::write(path, bytes).map_err(named)
+}
+
+/// The frame of an expected output, as bytes.
+fn frame(expected: &Expected, view: &View) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    picture(expected, view)
+        .write(&mut bytes)
+        .expect("writing to memory does not fail");
+    bytes
+}
+
+/// The frame of an expected output; colors rounded to the nearest byte.
+pub(crate) fn picture(expected: &Expected, view: &View) -> Frame {
+    let samples = match &expected.values {
+        ExpectedValues::Raw(values) => Samples::U8(values.clone()),
+        ExpectedValues::Coef(values) => {
+            Samples::F32(values.iter().map(|&value| value as f32).collect())
+        }
+        ExpectedValues::Rgb(values) => {
+            Samples::U8(values.iter().map(|&value| value.round() as u8).collect())
+        }
+    };
+    Frame {
+        view: view.name(),
+        width: expected.size.width,
+        height: expected.size.height,
+        channels: expected.channels as u32,
+        samples,
+    }
+}

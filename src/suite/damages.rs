@@ -1,0 +1,87 @@
+//! The damages of `spec-cases/damages.yaml`.
+
+use std::sync::LazyLock;
+
+use crate::generate::Damage;
+use crate::kit::yaml::records;
+
+const FILE: &str = include_str!("../../spec-cases/damages.yaml");
+
+static DAMAGES: LazyLock<Result<Vec<Damage>, String>> =
+    LazyLock::new(|| read(FILE).map_err(|error| format!("damages.yaml: {error}")));
+
+fn read(text: &str) -> Result<Vec<Damage>, String> {
+    let mut damages: Vec<Damage> = Vec::new();
+    for (line, damage) in records::<Damage>(text)? {
+        if [&damage.name, &damage.clause, &damage.effect].contains(&&String::new()) {
+            return Err(format!("line {line}: a damage has slug, clause and effect"));
+        }
+        if damages.iter().any(|other| other.name == damage.name) {
+            return Err(format!("line {line}: {} is there twice", damage.name));
+        }
+        damages.push(damage);
+    }
+    Ok(damages)
+}
+
+/// All damages, in the order of the text.
+///
+/// # Errors
+/// A sentence that names the line at fault.
+pub fn damages() -> Result<&'static [Damage], String> {
+    DAMAGES.as_deref().map_err(Clone::clone)
+}
+
+/// The damage of that name.
+///
+/// # Errors
+/// Where there is none.
+pub fn named(name: &str) -> Result<&'static Damage, String> {
+    let found = damages()?.iter().find(|damage| damage.name == name);
+    found.ok_or_else(|| format!("unknown damage {name:?}"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[track_caller]
+    fn rejects(text: &str, error: &str) {
+        let text = format!("- slug: a\n  clause: 2.1/1\n  effect: it is wrong\n{text}");
+        let said = read(&text).expect_err("it is no damage");
+        assert!(said.starts_with(error), "{said}");
+    }
+
+    #[test]
+    fn every_error_names_its_line() {
+        rejects(
+            "  replcae: { width: x }\n",
+            "line 4: unknown field `replcae`",
+        );
+        rejects("  fit: yes\n", "line 4: invalid type");
+        rejects(
+            "  replace: { widht: x }\n",
+            "line 4: unknown field in the place \"widht\"",
+        );
+        rejects(
+            "  end: \"plane[frist]\"\n",
+            "line 4: unknown number in the place \"plane[frist]\"",
+        );
+        rejects(
+            "  flip: { \"plane[1].sof\": hex ff }\n",
+            "line 4: unknown part in the place \"plane[1].sof\"",
+        );
+        rejects(
+            "  index: { second: entries }\n",
+            "line 4: unknown variant `second`",
+        );
+        rejects(
+            "  needs: { coding: gif }\n",
+            "line 4: unknown variant `gif`",
+        );
+        rejects(
+            "- slug: b\n",
+            "line 4: a damage has slug, clause and effect",
+        );
+    }
+}

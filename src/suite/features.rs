@@ -1,0 +1,38 @@
+//! What a decoder may lack.
+
+use std::fmt;
+
+use crate::ptm::Format;
+
+/// A thing a decoder may lack.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Feature {
+    /// One of the nine formats.
+    Format(Format),
+    /// Tables with more than 256 entries.
+    LargeTables,
+    /// The rgb view of LUM files.
+    LumColor,
+    /// Planes that are predicted from others.
+    Prediction,
+    /// References that are inverted.
+    Inversion,
+    /// References that are moved.
+    Motion,
+    /// Corrections behind the planes.
+    SideInformation,
+}
+
+impl fmt::Display for Feature {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Feature::Format(format) => f.write_str(format.short_name()),
+            Feature::LargeTables => f.write_str("tables over 256 entries"),
+            Feature::LumColor => f.write_str("rgb of LUM"),
+            Feature::Prediction => f.write_str("prediction"),
+            Feature::Inversion => f.write_str("inversion"),
+            Feature::Motion => f.write_str("motion compensation"),
+            Feature::SideInformation => f.write_str("side information"),
+        }
+    }
+}

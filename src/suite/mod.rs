@@ -1,0 +1,33 @@
+//! What is asked: cases, the pictures expected of them, and the open questions that have several right answers.
+
+pub mod cases;
+
+pub mod clauses;
+
+pub mod choices;
+
+pub mod compare;
+
+pub mod corpus;
+
+pub mod damages;
+
+pub mod dialect;
+
+pub mod features;
+
+mod load;
+
+mod ptm;
+
+pub(crate) mod recipes;
+
+mod record;
+
+pub mod test_case;
+
+pub mod texture;
+
+pub mod values;
+
+pub(crate) mod words;

@@ -1,0 +1,174 @@
+//! The suite of PTM files as a run asks it: a file in a view, answered with a frame.
+
+use std::collections::{BTreeSet, HashMap};
+use std::sync::Arc;
+
+use crate::protocol::frame::{Frame, View};
+use crate::reading::Reading;
+use crate::suite::cases::{Built, Case, Expect, TableSpelling};
+use crate::suite::choices::{CHOICES, concerned, pictures};
+use crate::suite::compare::{Difference, Expected};
+use crate::suite::corpus;
+use crate::suite::dialect::{Choices, Dialect, Right};
+use crate::suite::features::Feature;
+use crate::suite::test_case::{Comparison, TestCase};
+use crate::suite::values::Values;
+
+impl TestCase for Case {
+    type View = View;
+    type Output = Frame;
+    type Difference = Difference;
+    type Feature = Feature;
+    type Built = Arc<Built>;
+    type Decisions = Reading;
+
+    const VIEWS: &'static [&'static str] = &["raw", "coef", "rgb"];
+    const CHOICES: Choices<Reading> = CHOICES;
+
+    fn id(&self) -> &str {
+        &self.id
+    }
+
+    fn clauses(&self) -> &[String] {
+        &self.clauses
+    }
+
+    fn because(&self) -> String {
+        self.because.clone()
+    }
+
+    fn ruling(&self) -> Option<&str> {
+        self.ruling.as_deref()
+    }
+
+    fn expect(&self) -> Expect {
+        self.expect
+    }
+
+    fn expectation(&self) -> &'static str {
+        self.expect.name()
+    }
+
+    fn is_first(&self) -> bool {
+        self.first
+    }
+
+    fn views(&self) -> &[View] {
+        &self.views
+    }
+
+    fn view_name(view: &View) -> &'static str {
+        view.name()
+    }
+
+    fn kind(&self) -> Feature {
+        Feature::Format(self.format())
+    }
+
+    fn features(&self, view: &View) -> BTreeSet<Feature> {
+        self.features(view)
+    }
+
+    fn twins(cases: &[Case]) -> Vec<Vec<usize>> {
+        let numbered = cases.iter().enumerate();
+        let places: HashMap<&str, usize> = numbered.map(|(i, case)| (&*case.id, i)).collect();
+        let twin = |case: &Case| {
+            let twin = case.twin_of.as_ref();
+            twin.map(|twin| places[twin.as_str()]).into_iter().collect()
+        };
+        cases.iter().map(twin).collect()
+    }
+
+    fn has_table(&self) -> bool {
+        self.format().has_table()
+    }
+
+    fn spelling(&self) -> Option<TableSpelling> {
+        let spelling = &self.recipe()?.spelling;
+        (self.expect == Expect::Spelling).then_some(TableSpelling {
+            count: spelling.count,
+            newline: spelling.newline_after_table,
+        })
+    }
+
+    fn made(&self, table: TableSpelling) -> Arc<Built> {
+        self.build(table)
+    }
+
+    fn file(built: &Arc<Built>) -> &[u8] {
+        &built.file
+    }
+
+    fn largest_answer(&self, built: &Arc<Built>) -> usize {
+        // An f32 for each of 18 channels is the most a frame can have for a texel.
+        let texels = match &built.values {
+            Values::Painted(model) => model.size.texels(),
+            _ => self
+                .recipe()
+                .map_or(built.file.len(), |recipe| recipe.size.texels())
+                .max(built.file.len()),
+        };
+        texels * 18 * 4
+    }
+
+    fn compare(&self, built: &Arc<Built>, view: &View, frame: &Frame) -> Comparison<Case> {
+        let expected = Expected::of(&built.values, view);
+        let difference = (expected.as_ref()).and_then(|expected| expected.compare(frame));
+        let another_transform =
+            (expected.as_ref()).is_some_and(|expected| expected.is_another_transform(frame));
+        let axes = concerned(self, view);
+        let right = match expected {
+            Some(expected) if !axes.is_empty() => {
+                let pictures = pictures(built, view, expected, &axes);
+                let equals = |picture: &Option<Expected>| {
+                    (picture.as_ref()).is_some_and(|picture| picture.compare(frame).is_none())
+                };
+                Right::In {
+                    axes,
+                    combinations: pictures.iter().map(equals).collect(),
+                }
+            }
+            expected => Right::Anyway(
+                matches!(built.values, Values::Any) || expected.is_some() && difference.is_none(),
+            ),
+        };
+        Comparison {
+            right,
+            difference,
+            another_transform,
+        }
+    }
+
+    fn difference_in(&self, view: &View, frame: &Frame, dialect: &Dialect) -> Option<Difference> {
+        // What a choice shows in has no table, so there is one spelling.
+        let built = self.build(TableSpelling::default());
+        let axes = concerned(self, view);
+        let expected = Expected::of(&built.values, view)?;
+        let pictures = pictures(&built, view, expected, &axes);
+        pictures[CHOICES.place(dialect, &axes)]
+            .as_ref()?
+            .compare(frame)
+    }
+
+    fn likeness(difference: &Difference) -> f64 {
+        difference.likeness()
+    }
+
+    fn is_like(one: &Frame, other: &Frame) -> bool {
+        one.is_like(other)
+    }
+
+    fn expected_output(&self, view: &View) -> Option<Frame> {
+        let built = self.build(TableSpelling::default());
+        Some(corpus::picture(&Expected::of(&built.values, view)?, view))
+    }
+
+    fn expected_in_words(&self) -> Option<String> {
+        None
+    }
+
+    fn fault(&self) -> String {
+        let damage = self.damage();
+        damage.map_or_else(|| self.because.clone(), |damage| damage.effect.clone())
+    }
+}

@@ -1,0 +1,193 @@
+//! Cases as they are written.
+
+use std::collections::BTreeMap;
+
+use serde::Deserialize;
+
+use super::cases::{Case, Expect, Source};
+use super::damages;
+use super::recipes::MakeRecord;
+use super::values::{HandValues, Piece, format_of};
+use super::words::Words;
+use crate::generate::plan::{Coding, Residuals};
+use crate::generate::spelling::Count;
+use crate::generate::{Model, Recipe, write};
+use crate::protocol::frame::View;
+
+/// What a case asks of a decoder, as it is written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+enum Asked {
+    Decode,
+    Reject,
+    Refuse,
+    Lenient,
+    Spelling,
+    /// As lenient, and every picture is right: only a crash or a hang is wrong.
+    Robust,
+}
+
+impl Asked {
+    fn expect(self) -> Expect {
+        match self {
+            Asked::Decode => Expect::Decode,
+            Asked::Reject => Expect::Reject,
+            Asked::Refuse => Expect::Refuse,
+            Asked::Lenient | Asked::Robust => Expect::Lenient,
+            Asked::Spelling => Expect::Spelling,
+        }
+    }
+}
+
+/// A case as it is written: one, or with `for_each` one for every combination of the listed words.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct CaseRecord {
+    pub id: String,
+    clauses: Vec<String>,
+    because: String,
+    ruling: Option<String>,
+    #[serde(default)]
+    pub for_each: BTreeMap<String, Vec<String>>,
+    make: Option<MakeRecord>,
+    bytes: Option<Vec<Piece>>,
+    values: Option<HandValues>,
+    twin_of: Option<String>,
+    damage: Option<String>,
+    /// Rulings, separated by spaces; `none` for none.
+    shows: Option<String>,
+    expect: Asked,
+    views: Option<Vec<String>>,
+    #[serde(default)]
+    first: bool,
+}
+
+impl CaseRecord {
+    /// The case with these words; `twin` is the case that `twin_of` names, where one of that id stands before.
+    pub fn case<'a>(
+        &self,
+        words: &Words,
+        twin: impl Fn(&str) -> Option<&'a Case>,
+    ) -> Result<Case, String> {
+        let twin_of = self.twin_of.as_ref().map(|twin| words.id(twin));
+        let twin = twin_of.as_deref().and_then(twin);
+        let source = self.source(words, twin_of.as_deref(), twin)?;
+        if self.expect == Asked::Spelling && self.make.is_none() {
+            return Err("a case that expects a spelling is made by a recipe".to_owned());
+        }
+        let views = self.views(words, &source, twin)?;
+        let shows = self.shows.as_ref().map(|shows| {
+            let shows = words.fill(shows);
+            let axes = shows.split_whitespace().filter(|&axis| axis != "none");
+            axes.map(str::to_owned).collect()
+        });
+        let because = words.fill(&self.because);
+        Ok(Case {
+            id: words.id(&self.id),
+            clauses: self.clauses.clone(),
+            because: because.split_whitespace().collect::<Vec<_>>().join(" "),
+            ruling: self.ruling.clone(),
+            expect: self.expect.expect(),
+            any_picture: self.expect == Asked::Robust,
+            views,
+            first: self.first,
+            shows: shows.or_else(|| twin?.shows.clone()),
+            twin_of,
+            source,
+            prepared: None,
+        })
+    }
+
+    /// Where the file comes from.
+    fn source(
+        &self,
+        words: &Words,
+        twin_of: Option<&str>,
+        twin: Option<&Case>,
+    ) -> Result<Source, String> {
+        match (&self.make, &self.bytes, twin_of) {
+            (Some(make), None, None) => Ok(Source::Recipe {
+                recipe: make.recipe(words)?,
+                damage: None,
+            }),
+            (None, Some(pieces), None) => {
+                for piece in pieces {
+                    piece.bytes(Count::default(), false)?;
+                }
+                let format = format_of(pieces)?;
+                self.values
+                    .as_ref()
+                    .map_or(Ok(()), |values| values.check(format))?;
+                Ok(Source::Hand {
+                    format,
+                    pieces: pieces.clone(),
+                    values: self.values.clone(),
+                })
+            }
+            (None, None, Some(id)) => {
+                let twin = twin.ok_or_else(|| format!("its twin {id} does not stand before it"))?;
+                self.damaged(words, twin)
+                    .map_err(|error| format!("its twin {id} {error}"))
+            }
+            _ => Err("a case has one of make, bytes and twin_of".to_owned()),
+        }
+    }
+
+    /// The damage to the file of a twin.
+    fn damaged(&self, words: &Words, twin: &Case) -> Result<Source, String> {
+        if twin.twin_of.is_some() {
+            return Err("is itself an edit".to_owned());
+        }
+        let recipe = twin.recipe().ok_or("has no recipe")?.clone();
+        let name = self.damage.as_ref().ok_or("needs a damage")?;
+        let damage =
+            damages::named(&words.fill(name)).map_err(|error| format!("has an {error}"))?;
+        let model = Model::paint(&recipe);
+        let damaged = damage.apply(&write(&recipe, &model), &model);
+        damaged.map_err(|error| format!("cannot have damage {}: {error}", damage.name))?;
+        Ok(Source::Recipe {
+            recipe,
+            damage: Some(damage),
+        })
+    }
+
+    /// The views that can decide it.
+    fn views(
+        &self,
+        words: &Words,
+        source: &Source,
+        twin: Option<&Case>,
+    ) -> Result<Vec<View>, String> {
+        let views = match (&self.views, source, &self.values, twin) {
+            (Some(views), ..) => {
+                let views = views.iter().map(|view| words.fill(view).parse());
+                views.collect::<Result<_, _>>()?
+            }
+            (None, Source::Hand { .. }, Some(values), _) => values.views()?,
+            (None, _, _, Some(twin)) => twin.views.clone(),
+            _ => vec![View::Raw, View::Coef, View::ORDINARY_LIGHT.parse()?],
+        };
+        if let Source::Recipe { recipe, .. } = source {
+            check_views(recipe, &views)?;
+        }
+        Ok(views)
+    }
+}
+
+/// A sample that another inverse DCT may turn from 255 to 0 is to be seen raw only, where the distance between the two
+/// is one.
+fn check_views(recipe: &Recipe, views: &[View]) -> Result<(), String> {
+    let lossy = recipe.format.is_compressed()
+        && recipe.coding() == Coding::Jpeg
+        && recipe.compression.residuals == Residuals::Natural;
+    if !lossy || views.iter().all(|view| *view == View::Raw) {
+        return Ok(());
+    }
+    let model = Model::paint(recipe);
+    let near_the_edge =
+        |(&sample, &slack): (&u8, &u8)| slack > 0 && (sample < slack || 255 - sample < slack);
+    match model.samples.iter().zip(&model.slack).any(near_the_edge) {
+        true => Err("its samples come too close to 0 or 255 for any view but raw".to_owned()),
+        false => Ok(()),
+    }
+}

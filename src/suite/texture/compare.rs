@@ -1,0 +1,96 @@
+//! Whether an answer is the expected one.
+//!
+//! Only the fields that are expected are looked at. Numbers may differ by 1e-5 of the larger one and 1e-6, so that single
+//! precision passes; words may be written with the chapter's prefixes. A color may be limited to 0…1 (ruling `color-range`).
+
+use std::str::FromStr;
+
+use serde_json::Value;
+
+use crate::suite::compare::is_close;
+use crate::texture::{
+    Boundary, Channel, ClampMethod, Composition, Parameterization, RenderingControl, SampleMethod,
+};
+
+/// How far a number may be off.
+#[derive(Clone, Copy, Debug)]
+pub enum Tolerance {
+    /// 1e-5 of the larger number, and 1e-6.
+    Ordinary,
+    /// So much.
+    Absolute(f64),
+}
+
+impl Tolerance {
+    fn allows(self, expected: f64, received: f64) -> bool {
+        match self {
+            Tolerance::Ordinary => is_close(expected, received, 0.0),
+            Tolerance::Absolute(most) => (expected - received).abs() <= most,
+        }
+    }
+}
+
+/// Where `received` is not what is expected, in words; nothing if it is.
+#[must_use]
+pub fn difference(expected: &Value, received: &Value, tolerance: Tolerance) -> Option<String> {
+    let fields = expected.as_object()?;
+    // An answer that is left to the implementation has no value to compare; any sign of that will do.
+    if fields.contains_key("impl_defined") {
+        return received
+            .get("impl_defined")
+            .is_none()
+            .then(|| format!("expected no value, received {received}"));
+    }
+    fields.iter().find_map(|(name, expected)| {
+        let Some(received) = received.get(name) else {
+            return Some(format!("{name}: expected {expected}, received nothing"));
+        };
+        // A black and white map may have texels of luminance.
+        let gray = name == "texel" && as_gray(expected, received, tolerance);
+        (!gray && !equal(name, expected, received, tolerance))
+            .then(|| format!("{name}: expected {expected}, received {received}"))
+    })
+}
+
+fn as_gray(expected: &Value, received: &Value, tolerance: Tolerance) -> bool {
+    let (Some(expected), Some([value])) =
+        (expected.as_array(), received.as_array().map(Vec::as_slice))
+    else {
+        return false;
+    };
+    expected.len() == 3 && expected.iter().all(|one| equal("", one, value, tolerance))
+}
+
+fn equal(name: &str, expected: &Value, received: &Value, tolerance: Tolerance) -> bool {
+    match (expected, received) {
+        (Value::Number(a), Value::Number(b)) => match (a.as_f64(), b.as_f64()) {
+            (Some(a), Some(b)) => {
+                tolerance.allows(a, b) || name == "color" && tolerance.allows(a.clamp(0.0, 1.0), b)
+            }
+            _ => false,
+        },
+        (Value::Array(a), Value::Array(b)) => {
+            a.len() == b.len() && a.iter().zip(b).all(|(a, b)| equal(name, a, b, tolerance))
+        }
+        (Value::String(a), Value::String(b)) => a == b || bare(name, b) == Some(a.as_str()),
+        (a, b) => a == b,
+    }
+}
+
+/// The name of an enumerant without the prefix it was written with.
+fn bare(field: &str, word: &str) -> Option<&'static str> {
+    match field {
+        "rendering_control" => RenderingControl::from_str(word)
+            .ok()
+            .map(RenderingControl::name),
+        "parameterization" => Parameterization::from_str(word)
+            .ok()
+            .map(Parameterization::name),
+        "composition" => Composition::from_str(word).ok().map(Composition::name),
+        "channel" => Channel::from_str(word).ok().map(Channel::name),
+        "min_sample" | "mag_sample" => SampleMethod::from_str(word).ok().map(SampleMethod::name),
+        "boundary" => Boundary::from_str(word).ok().map(Boundary::name),
+        "clamp_method" => ClampMethod::from_str(word).ok().map(ClampMethod::name),
+        _ => None,
+    }
+}

@@ -1,0 +1,66 @@
+//! What a texture question expects: under the reference's readings, and under the others that are right too.
+
+use serde_json::Value;
+
+use crate::protocol::frame::Answer;
+use crate::suite::dialect::{Axis, Dialect};
+use crate::suite::texture::cases::{Basis, TextureCase};
+use crate::suite::texture::choices::CHOICES;
+use crate::suite::texture::compare::{Tolerance, difference};
+use crate::suite::texture::question::Refusal;
+use crate::texture::Rules;
+
+impl TextureCase {
+    /// How far numbers of an answer may be off.
+    #[must_use]
+    pub fn tolerance(&self) -> Tolerance {
+        self.tol.map_or(Tolerance::Ordinary, Tolerance::Absolute)
+    }
+
+    /// Whether the question is out of the valid range, so that it must be refused.
+    #[must_use]
+    pub fn must_be_refused(&self) -> bool {
+        self.expect.get("error").is_some()
+    }
+
+    /// What one who reads the chapter as `rules` do answers.
+    #[must_use]
+    pub fn answer(&self, rules: &Rules) -> Answer<Value> {
+        match self.read().and_then(|question| question.answer(rules)) {
+            Ok(value) => Answer::Decoded(value),
+            Err(Refusal::Malformed(_)) => Answer::Rejected,
+            Err(Refusal::Unsupported(_)) => Answer::Unsupported,
+        }
+    }
+
+    /// What it expects under a dialect: what it says under the reference's own; else what it lists, which is what the
+    /// reference makes of it under that reading.
+    #[must_use]
+    pub fn expected(&self, dialect: &Dialect) -> Value {
+        if *dialect == CHOICES.reference() {
+            return self.expect.clone();
+        }
+        let rules = CHOICES.under(dialect, Rules::SPEC);
+        match self.answer(&rules) {
+            Answer::Decoded(value) => value,
+            _ => self.expect.clone(),
+        }
+    }
+
+    /// The choices of which another reading changes what it expects.
+    #[must_use]
+    pub fn concerned(&self) -> &[Axis] {
+        self.concerned.get_or_init(|| {
+            let changes = |&axis: &Axis| {
+                (1..CHOICES[axis].readings.len()).any(|reading| {
+                    let mut dialect = CHOICES.reference();
+                    dialect.0[axis] = reading;
+                    difference(&self.expect, &self.expected(&dialect), self.tolerance()).is_some()
+                })
+            };
+            // What is left to the implementation is right in every dialect.
+            let axes = (0..CHOICES.len()).filter(|_| self.basis != Basis::Impl);
+            axes.filter(changes).collect()
+        })
+    }
+}

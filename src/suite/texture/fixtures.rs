@@ -1,0 +1,74 @@
+//! Maps with names: what stands for `ramp4` or `lit4x4` in a case.
+//!
+//! Cases name their maps; a question holds their texels, so that nobody who answers needs this file.
+
+use std::collections::BTreeMap;
+use std::sync::LazyLock;
+
+use serde_json::Value;
+
+use crate::kit::yaml::from_yaml;
+
+static MAPS: LazyLock<BTreeMap<String, Value>> = LazyLock::new(|| {
+    from_yaml(include_str!("../../../spec-cases/texture/maps.yaml"))
+        .expect("the embedded maps are well-formed")
+});
+
+/// What is asked of everybody in a case: its `given` with maps in place of their names, and without the words that say under
+/// which reading it is answered.
+#[must_use]
+pub fn spelled_out(given: &Value) -> Value {
+    match given {
+        Value::Object(fields) => {
+            let fields = fields
+                .iter()
+                .filter(|(name, _)| !READINGS.contains(&name.as_str()));
+            let spelled = fields.map(|(name, value)| {
+                let value = match name.as_str() {
+                    "map" => map_of(value),
+                    _ => spelled_out(value),
+                };
+                (name.clone(), value)
+            });
+            Value::Object(spelled.collect())
+        }
+        Value::Array(values) => values.iter().map(spelled_out).collect(),
+        other => other.clone(),
+    }
+}
+
+/// Fields of `given` that name a reading.
+const READINGS: [&str; 2] = ["reading", "grid"];
+
+/// The readings that `given` names.
+#[must_use]
+pub fn readings(given: &Value) -> Vec<&str> {
+    READINGS
+        .iter()
+        .filter_map(|field| given[*field].as_str())
+        .collect()
+}
+
+fn map_of(value: &Value) -> Value {
+    if let Some(map) = value.as_str().and_then(|name| MAPS.get(name)) {
+        return map.clone();
+    }
+    let named = value["ptm"].as_str().and_then(|name| MAPS.get(name));
+    let mut value = value.clone();
+    if let Some(map) = named {
+        value["ptm"] = Value::String(hex(&map["pieces"]));
+    }
+    value
+}
+
+/// The bytes of a file that is written in pieces, in hexadecimal digits.
+fn hex(pieces: &Value) -> String {
+    let mut digits = String::new();
+    for piece in pieces.as_array().into_iter().flatten() {
+        let text = piece["text"].as_str().unwrap_or_default();
+        digits.extend(text.bytes().map(|byte| format!("{byte:02x}")));
+        let hex = piece["hex"].as_str().unwrap_or_default();
+        digits.extend(hex.split_whitespace());
+    }
+    digits
+}

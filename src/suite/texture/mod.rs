@@ -1,0 +1,27 @@
+//! Somebody else's texture stage under test: the cases of `spec-cases/texture`, asked one by one.
+//!
+//! The protocol is PTM-CP 1 with another view:
+//!
+//! ```text
+//! DECODER [ARG…] texture FILE
+//! ```
+//!
+//! FILE is a question in JSON, the answer on standard output is a JSON object, because nearly every language reads and
+//! writes JSON without a library. Exit status: 0 answered, 65 the question is out of the valid range, 69 not supported.
+//! [`question`] has every field.
+
+pub mod question;
+
+pub mod fixtures;
+
+pub mod cases;
+
+pub mod choices;
+
+pub mod compare;
+
+pub mod expected;
+
+pub mod test_case;
+
+pub mod verify;

@@ -1,0 +1,189 @@
+//! The suite of texture questions as a run asks it: a question in JSON, answered with a JSON object.
+
+use std::collections::BTreeSet;
+use std::fmt;
+
+use serde_json::Value;
+
+use crate::suite::cases::{Expect, TableSpelling};
+use crate::suite::dialect::{Choices, Dialect, Right};
+use crate::suite::test_case::{Comparison, TestCase};
+use crate::suite::texture::cases::{Basis, TextureCase};
+use crate::suite::texture::choices::CHOICES;
+use crate::suite::texture::compare::difference;
+use crate::texture::Rules;
+
+/// Most bytes of an answer: a JSON object of a few numbers and words.
+const LARGEST_ANSWER: usize = 1 << 20;
+
+/// The one way in which a texture question is asked.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct TextureView;
+
+impl fmt::Display for TextureView {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("texture")
+    }
+}
+
+impl TestCase for TextureCase {
+    type View = TextureView;
+    type Output = Value;
+    type Difference = String;
+    type Feature = String;
+    type Built = Vec<u8>;
+    type Decisions = Rules;
+
+    const VIEWS: &'static [&'static str] = &["texture"];
+    const CHOICES: Choices<Rules> = CHOICES;
+
+    fn id(&self) -> &str {
+        &self.id
+    }
+
+    fn clauses(&self) -> &[String] {
+        &self.clauses
+    }
+
+    fn because(&self) -> String {
+        let lost = match (self.basis, &self.ruling) {
+            (Basis::Inferred, Some(ruling)) => {
+                format!(
+                    "\nThe chapter's formula is lost; ruling {ruling} says what stands for it and why."
+                )
+            }
+            _ => String::new(),
+        };
+        format!("{}: {}{lost}", self.op, self.because)
+    }
+
+    fn ruling(&self) -> Option<&str> {
+        self.ruling.as_deref()
+    }
+
+    fn expect(&self) -> Expect {
+        match self.basis {
+            _ if self.must_be_refused() => Expect::Reject,
+            Basis::Impl => Expect::ImplementationDefined,
+            _ => Expect::Decode,
+        }
+    }
+
+    fn expectation(&self) -> &'static str {
+        match self.basis {
+            _ if self.must_be_refused() => "reject",
+            Basis::Reading => "choice",
+            Basis::Impl => "implementation-defined",
+            Basis::Text | Basis::Sibling | Basis::Inferred => "value",
+        }
+    }
+
+    fn is_first(&self) -> bool {
+        self.first
+    }
+
+    fn views(&self) -> &[TextureView] {
+        &[TextureView]
+    }
+
+    fn view_name(_: &TextureView) -> &'static str {
+        "texture"
+    }
+
+    fn kind(&self) -> String {
+        self.op.clone()
+    }
+
+    /// The step, and maps made of PTM files where it needs them.
+    fn features(&self, _: &TextureView) -> BTreeSet<String> {
+        let mut features = BTreeSet::from([self.op.clone()]);
+        if self.given.to_string().contains("\"ptm\"") {
+            features.insert("PTM maps".to_owned());
+        }
+        features
+    }
+
+    /// A refusal proves nothing of a step to which every question is refused.
+    fn twins(cases: &[TextureCase]) -> Vec<Vec<usize>> {
+        let accepted = |op: &str| {
+            let of_op = cases.iter().enumerate();
+            of_op
+                .filter(|(_, other)| other.op == op && !other.must_be_refused())
+                .map(|(i, _)| i)
+                .collect()
+        };
+        let twins = |case: &TextureCase| match case.must_be_refused() {
+            true => accepted(&case.op),
+            false => Vec::new(),
+        };
+        cases.iter().map(twins).collect()
+    }
+
+    fn has_table(&self) -> bool {
+        false
+    }
+
+    fn spelling(&self) -> Option<TableSpelling> {
+        None
+    }
+
+    fn made(&self, _: TableSpelling) -> Vec<u8> {
+        format!("{}\n", self.question()).into_bytes()
+    }
+
+    fn file(built: &Vec<u8>) -> &[u8] {
+        built
+    }
+
+    fn largest_answer(&self, _: &Vec<u8>) -> usize {
+        LARGEST_ANSWER
+    }
+
+    fn compare(&self, _: &Vec<u8>, _: &TextureView, answer: &Value) -> Comparison<TextureCase> {
+        let difference_in =
+            |dialect: &Dialect| difference(&self.expected(dialect), answer, self.tolerance());
+        let difference = difference(&self.expect, answer, self.tolerance());
+        let axes = self.concerned();
+        let right = match axes.is_empty() {
+            // Any words say that it is refused.
+            true if self.must_be_refused() => Right::Anyway(answer.get("error").is_some()),
+            true => Right::Anyway(difference.is_none()),
+            false => Right::In {
+                axes: axes.to_vec(),
+                combinations: (CHOICES.combinations(axes).iter())
+                    .map(|dialect| difference_in(dialect).is_none())
+                    .collect(),
+            },
+        };
+        Comparison {
+            right,
+            difference,
+            another_transform: false,
+        }
+    }
+
+    fn difference_in(&self, _: &TextureView, answer: &Value, dialect: &Dialect) -> Option<String> {
+        difference(&self.expected(dialect), answer, self.tolerance())
+    }
+
+    /// An answer is right or wrong, never near.
+    fn likeness(_: &String) -> f64 {
+        0.0
+    }
+
+    fn is_like(one: &Value, other: &Value) -> bool {
+        one == other
+    }
+
+    fn expected_output(&self, _: &TextureView) -> Option<Value> {
+        Some(self.expect.clone())
+    }
+
+    fn expected_in_words(&self) -> Option<String> {
+        Some(self.expect.to_string())
+    }
+
+    fn fault(&self) -> String {
+        self.expect["error"].to_string()
+    }
+}

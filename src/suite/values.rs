@@ -1,0 +1,144 @@
+//! What files mean: painted by the generator, or worked out by hand.
+
+use serde::Deserialize;
+
+use crate::generate::Model;
+use crate::generate::spelling::Count;
+use crate::protocol::frame::View;
+use crate::ptm::{Format, Size};
+
+/// What a file means.
+#[derive(Clone, Debug)]
+pub enum Values {
+    /// Painted by the generator.
+    Painted(Model),
+    /// Worked out by hand.
+    Hand(HandValues),
+    /// Whatever a decoder makes of it.
+    Any,
+    /// Nothing: the file is to be refused.
+    None,
+}
+
+/// A part of a hand-assembled file.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Piece {
+    /// What it is.
+    pub is: String,
+    text: Option<String>,
+    hex: Option<String>,
+}
+
+/// The values of a hand-assembled file; a line for each texel, top row first.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct HandValues {
+    /// Width and height.
+    pub size: String,
+    /// Stored values.
+    pub raw: Vec<String>,
+    /// Final values.
+    pub coef: Option<Vec<String>>,
+    /// Colors under a light.
+    pub rgb: Option<HandPicture>,
+}
+
+/// Colors of a hand-assembled file.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct HandPicture {
+    /// `LU,LV`
+    pub light: String,
+    /// Real numbers from 0 to 255.
+    pub texels: Vec<String>,
+}
+
+impl Piece {
+    /// Its bytes; the count of a lookup table and what follows the entries can be written in several ways.
+    pub fn bytes(&self, count: Count, newline: bool) -> Result<Vec<u8>, String> {
+        let mut bytes = match (&self.text, &self.hex) {
+            (Some(text), None) => text.as_bytes().to_vec(),
+            (None, Some(hex)) => unhex(hex)?,
+            _ => return Err(format!("piece {:?} needs either text or hex", self.is)),
+        };
+        if self.is == "count" {
+            let text = String::from_utf8_lossy(&bytes);
+            let mut words = text.split_whitespace();
+            let number = words.find(|word| word.parse::<u32>().is_ok());
+            let number = number.ok_or("a piece that is: count needs a number")?;
+            bytes = format!("{}\n", count.name().replace("256", number)).into_bytes();
+        }
+        if self.is == "table" && newline {
+            bytes.push(b'\n');
+        }
+        Ok(bytes)
+    }
+}
+
+/// The format that the pieces of a file name.
+pub(super) fn format_of(pieces: &[Piece]) -> Result<Format, String> {
+    let format = pieces.iter().find(|piece| piece.is == "format");
+    let text = format.and_then(|piece| piece.text.as_ref());
+    text.ok_or("a hand-assembled file needs a piece that is: format")?
+        .trim()
+        .parse()
+}
+
+fn unhex(text: &str) -> Result<Vec<u8>, String> {
+    let bytes = text.split_whitespace().map(|pair| {
+        let is_pair = pair.len() == 2;
+        is_pair.then(|| u8::from_str_radix(pair, 16).ok()).flatten()
+    });
+    bytes
+        .collect::<Option<_>>()
+        .ok_or_else(|| format!("expected pairs of hex digits, found {text:?}"))
+}
+
+impl HandValues {
+    /// The numbers of `lines`, texel after texel.
+    #[must_use]
+    pub fn numbers(lines: &[String]) -> Vec<f64> {
+        lines
+            .iter()
+            .flat_map(|line| line.split_whitespace())
+            .filter_map(|number| number.parse().ok())
+            .collect()
+    }
+
+    pub(super) fn views(&self) -> Result<Vec<View>, String> {
+        let coef = self.coef.iter().map(|_| Ok(View::Coef));
+        let rgb = self
+            .rgb
+            .iter()
+            .map(|picture| format!("rgb:{}", picture.light).parse());
+        std::iter::once(Ok(View::Raw))
+            .chain(coef)
+            .chain(rgb)
+            .collect()
+    }
+
+    pub(super) fn check(&self, format: Format) -> Result<(), String> {
+        let texels = self.size.parse::<Size>()?.texels();
+        let check = |what: &str, lines: &[String], channels: usize| {
+            let words = lines.iter().map(|line| line.split_whitespace().count());
+            let numbers = HandValues::numbers(lines).len();
+            if lines.len() != texels
+                || words.clone().any(|count| count != channels)
+                || words.sum::<usize>() != numbers
+            {
+                return Err(format!("{what} needs {texels} lines of {channels} numbers"));
+            }
+            Ok(())
+        };
+        check("raw", &self.raw, format.channels())?;
+        check(
+            "coef",
+            self.coef.as_deref().unwrap_or(&self.raw),
+            format.channels(),
+        )?;
+        self.rgb
+            .as_ref()
+            .map_or(Ok(()), |picture| check("rgb", &picture.texels, 3))
+    }
+}

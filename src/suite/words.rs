@@ -1,0 +1,130 @@
+//! The words of a case record: texts in which `{key}` stands for one of the words that `for_each` lists.
+
+use std::collections::BTreeMap;
+use std::str::FromStr;
+
+/// One combination of the words of `for_each`.
+pub(crate) struct Words<'a>(Vec<(&'a str, &'a str)>);
+
+impl<'a> Words<'a> {
+    /// Every combination, the last key changing fastest.
+    pub fn combinations(for_each: &'a BTreeMap<String, Vec<String>>) -> Vec<Words<'a>> {
+        let mut all = vec![Vec::new()];
+        for (key, words) in for_each {
+            let longer = |taken: &Vec<(&'a str, &'a str)>| {
+                let with =
+                    |word: &'a String| [&taken[..], &[(key.as_str(), word.as_str())]].concat();
+                words.iter().map(with).collect::<Vec<_>>()
+            };
+            all = all.iter().flat_map(longer).collect();
+        }
+        all.into_iter().map(Words).collect()
+    }
+
+    /// `text` with each `{key}` replaced by its word; of a word `name = value` by the value.
+    pub fn fill(&self, text: &str) -> String {
+        self.replaced(text, |_, value| value.to_owned())
+    }
+
+    /// An id: each `{key}` replaced by its word, or by its name if it has one, as a slug.
+    pub fn id(&self, text: &str) -> String {
+        self.replaced(text, |name, _| slug(name))
+    }
+
+    fn replaced(&self, text: &str, word: impl Fn(&str, &str) -> String) -> String {
+        let fill = |text: String, (key, both): &(&str, &str)| {
+            let (name, value) = both.split_once(" = ").unwrap_or((both, both));
+            text.replace(&format!("{{{key}}}"), &word(name, value))
+        };
+        self.0.iter().fold(text.to_owned(), fill)
+    }
+
+    /// Puts what a text says into `slot`, if there is a text.
+    pub fn parse<T: FromStr<Err = String>>(
+        &self,
+        slot: &mut T,
+        text: Option<&String>,
+    ) -> Result<(), String> {
+        if let Some(text) = text {
+            *slot = self.fill(text).parse()?;
+        }
+        Ok(())
+    }
+
+    /// Likewise a number, decimal or after `0x` hexadecimal.
+    pub fn number<T: FromStr>(
+        &self,
+        name: &str,
+        slot: &mut T,
+        text: Option<&String>,
+    ) -> Result<(), String> {
+        if let Some(text) = text {
+            *slot = number(name, &self.fill(text))?;
+        }
+        Ok(())
+    }
+
+    /// At least one number, if there is a text.
+    pub fn numbers<T: FromStr>(
+        &self,
+        name: &str,
+        text: Option<&String>,
+    ) -> Result<Option<Vec<T>>, String> {
+        text.map(|text| numbers(name, &self.fill(text))).transpose()
+    }
+
+    /// One of two words, the first of which means yes.
+    pub fn either(
+        &self,
+        name: &str,
+        [yes, no]: [&str; 2],
+        slot: &mut bool,
+        text: Option<&String>,
+    ) -> Result<(), String> {
+        if let Some(text) = text {
+            let text = self.fill(text);
+            if ![yes, no].contains(&text.as_str()) {
+                return Err(format!("expected {yes} or {no} for {name}, found {text:?}"));
+            }
+            *slot = text == yes;
+        }
+        Ok(())
+    }
+
+    /// `true` or `false`.
+    pub fn flag(&self, name: &str, slot: &mut bool, text: Option<&String>) -> Result<(), String> {
+        self.either(name, ["true", "false"], slot, text)
+    }
+}
+
+/// A number, decimal or after `0x` hexadecimal.
+pub(super) fn number<T: FromStr>(name: &str, text: &str) -> Result<T, String> {
+    let digits = text.strip_prefix("0x").map_or_else(
+        || text.parse().ok(),
+        |hex| u32::from_str_radix(hex, 16).ok()?.to_string().parse().ok(),
+    );
+    digits.ok_or_else(|| format!("expected a number for {name}, found {text:?}"))
+}
+
+fn numbers<T: FromStr>(name: &str, text: &str) -> Result<Vec<T>, String> {
+    let words = text.split_whitespace();
+    let list: Vec<T> = words
+        .map(|word| number(name, word))
+        .collect::<Result<_, _>>()?;
+    if list.is_empty() {
+        return Err(format!("expected numbers for {name}"));
+    }
+    Ok(list)
+}
+
+/// A word as it stands in an id: lower case, with hyphens; the sign of a number in words.
+fn slug(word: &str) -> String {
+    let signed = word.starts_with(|c: char| c == '-' || c.is_ascii_digit());
+    let word = if signed {
+        word.replace('-', "minus ")
+    } else {
+        word.to_owned()
+    };
+    word.to_lowercase()
+        .replace(|c: char| !c.is_ascii_alphanumeric(), "-")
+}

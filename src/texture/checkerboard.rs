@@ -1,0 +1,31 @@
+//! The default map: a checkerboard of 8×8 squares on 16×16 texels, white at the origin (R-SEL-11 … R-SEL-13).
+
+use super::map::{Level, Texel, TextureMap};
+use super::rules::Rules;
+
+impl TextureMap {
+    /// The default map (R-SEL-11, R-SEL-12).
+    #[must_use]
+    pub fn checkerboard(rules: &Rules) -> TextureMap {
+        let (side, square) = (rules.checkerboard)();
+        let texel = |at: usize| {
+            let (i, j) = (at % side / square, at / side / square);
+            Texel::rgb([f64::from(u8::from((rules.is_white)(i, j))); 3])
+        };
+        let base = Level {
+            size: [side, side, 1],
+            texels: (0..side * side).map(texel).collect(),
+        };
+        TextureMap::new(2, vec![base]).expect("a checkerboard has texels")
+    }
+}
+
+/// Texels and texels of a square along a side of the default map (R-SEL-12).
+pub(crate) fn sixteen_by_two() -> (usize, usize) {
+    (16, 2)
+}
+
+/// Whether the square (i, j) of the default map is white; (0, 0) is (R-SEL-13).
+pub(crate) fn white_at_origin(i: usize, j: usize) -> bool {
+    (i + j).is_multiple_of(2)
+}

@@ -1,0 +1,26 @@
+//! Why a question about textures has no value.
+
+/// Why there is no value.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum NoValue {
+    /// The chapter leaves it to the implementation; the ruling that says so.
+    ImplementationDefined(&'static str),
+    /// The question is beyond the valid range; a short name of what is.
+    OutOfRange(&'static str),
+    /// Something is missing that the method needs.
+    Missing(&'static str),
+}
+
+impl std::fmt::Display for NoValue {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            NoValue::ImplementationDefined(ruling) => {
+                write!(f, "left to the implementation (ruling {ruling})")
+            }
+            NoValue::OutOfRange(what) => write!(f, "out of range: {what}"),
+            NoValue::Missing(what) => write!(f, "the method needs {what}"),
+        }
+    }
+}
+
+impl std::error::Error for NoValue {}

@@ -1,0 +1,208 @@
+//! A preview of what an entry does: a plane or a ball with one map, under a light near by.
+//!
+//! The chapter says nothing of pictures; this is for people who want to see what they read. The whole pipeline is run for each
+//! pixel: coordinates, orientation, depth from the pixel's footprint, sampling, and composition with light computed from
+//! normals. A line runs around the map, where coordinates leave 0…1.
+
+use std::f64::consts::PI;
+
+use super::depth::{Footprint, magnifies, sample_depth};
+use super::entry::{Color, Entry, Vector};
+use super::map::TextureMap;
+use super::no_value::NoValue;
+use super::orient::orient;
+use super::parameterize::{dot, length, parameterize};
+use super::primitive::{Frequency, Interpolation, Lit, Place, Point, Shade, SplinePoint};
+use super::rules::Rules;
+use super::sample::fetch;
+use super::stage::stage;
+
+/// What is textured.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PreviewShape {
+    /// A square that faces the eye.
+    Plane,
+    /// The front of a ball.
+    Sphere,
+}
+
+/// A shape, its map and its light.
+#[derive(Clone, Debug)]
+pub struct Preview {
+    /// What is textured.
+    pub shape: PreviewShape,
+    /// The map.
+    pub map: TextureMap,
+    /// How it is applied.
+    pub entry: Entry,
+    /// Where the light stands: +u right, +v up, on a half ball before the shape.
+    pub light: (f64, f64),
+    /// The surface's own color.
+    pub color: Color,
+    /// The shape's own coordinates run from −`around` to 1 + `around` in both directions.
+    pub around: f64,
+}
+
+/// A square picture.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct PreviewImage {
+    /// Pixels in a row, and rows.
+    pub side: usize,
+    /// Red, green and blue of each pixel, top row first.
+    pub rgb: Vec<u8>,
+}
+
+const EYE: Vector = [0.0, 0.0, 4.0];
+/// The light's distance.
+const NEAR: f64 = 2.2;
+const OUTLINE: Color = [0.95, 0.45, 0.1];
+const BACKGROUND: Color = [0.13, 0.13, 0.15];
+/// Samples along each side of a pixel.
+const FINE: usize = 2;
+
+/// Draws it, `side` pixels wide and high.
+///
+/// # Errors
+/// If the entry's coordinates cannot be derived on such a shape.
+pub fn preview(preview: &Preview, side: usize, rules: &Rules) -> Result<PreviewImage, NoValue> {
+    let mut rgb = Vec::with_capacity(3 * side * side);
+    for row in 0..side {
+        for column in 0..side {
+            let mut sum = [0.0; 3];
+            for fine in 0..FINE * FINE {
+                let at = |whole: usize, part: usize| {
+                    (whole as f64 + (part as f64 + 0.5) / FINE as f64) / side as f64
+                };
+                let x = 2.0 * at(column, fine % FINE) - 1.0;
+                let y = 1.0 - 2.0 * at(row, fine / FINE);
+                let color = seen(preview, x, y, 2.0 / side as f64, rules)?;
+                sum = [0, 1, 2].map(|c| sum[c] + color[c].clamp(0.0, 1.0));
+            }
+            let bytes = sum.map(|c| (c / (FINE * FINE) as f64 * 255.0).round() as u8);
+            rgb.extend(bytes);
+        }
+    }
+    Ok(PreviewImage { side, rgb })
+}
+
+/// The color at (x, y), both from −1 to 1; `step` is the way to the next pixel.
+fn seen(preview: &Preview, x: f64, y: f64, step: f64, rules: &Rules) -> Result<Color, NoValue> {
+    let Some(point) = surface(preview, x, y) else {
+        return Ok(BACKGROUND);
+    };
+    let here = coordinates(preview, &point, rules)?;
+    // At the rim of a ball the next pixel may be beside it; the map is hardly seen there.
+    let beside = |x, y| match surface(preview, x, y) {
+        Some(point) => coordinates(preview, &point, rules),
+        None => Ok(here),
+    };
+    let (right, above) = (beside(x + step, y)?, beside(x, y + step)?);
+    if is_outline(preview, here, [right, above]) {
+        return Ok(OUTLINE);
+    }
+    // Where coordinates jump, at a seam, the way round is the shorter one.
+    let way = |there: Vector| {
+        [0, 1, 2].map(|c| {
+            let way = there[c] - here[c];
+            if way.abs() > 0.5 { 0.0 } else { way }
+        })
+    };
+    let footprint = Footprint {
+        dt_dx: way(right),
+        dt_dy: way(above),
+    };
+    let Entry {
+        depth_bias,
+        frequency,
+        ..
+    } = preview.entry;
+    let base = &preview.map.levels()[0].size[..preview.map.dimensions()];
+    let depth = sample_depth(base, &footprint, depth_bias, frequency, rules);
+    let magnify = magnifies(base, &footprint, rules);
+    let fetched = fetch(&preview.entry, &preview.map, here, depth, magnify, rules);
+    let maps = [(preview.entry.clone(), fetched)];
+    let lit = lit(preview, &point);
+    // Normals are interpolated: texture and light meet at every pixel.
+    let shade = stage(&maps, &lit, Interpolation::Normal, Frequency::Pixel, rules);
+    Ok([0, 1, 2].map(|c| shade.alpha * shade.color[c] + (1.0 - shade.alpha) * BACKGROUND[c]))
+}
+
+/// Whether one is in the map and the next is not.
+fn is_outline(preview: &Preview, here: Vector, next: [Vector; 2]) -> bool {
+    let inside = |t: Vector| {
+        let mut directions = t.iter().take(preview.map.dimensions());
+        directions.all(|t| (0.0..=1.0).contains(t))
+    };
+    next.into_iter().any(|next| inside(next) != inside(here))
+}
+
+fn coordinates(preview: &Preview, point: &Point, rules: &Rules) -> Result<Vector, NoValue> {
+    let t = parameterize(&preview.entry, point, preview.map.dimensions(), rules)?;
+    Ok(orient(&preview.entry.orientation_matrix, t, rules))
+}
+
+/// The point of the shape that is seen at (x, y), if the shape is there.
+fn surface(preview: &Preview, x: f64, y: f64) -> Option<Point> {
+    const MARGIN: f64 = 1.06;
+    let (x, y) = (x * MARGIN, y * MARGIN);
+    let (position, normal, across) = match preview.shape {
+        PreviewShape::Plane if x.abs() > 1.0 || y.abs() > 1.0 => return None,
+        PreviewShape::Plane => (
+            [x, y, 0.0],
+            [0.0, 0.0, 1.0],
+            [x, y].map(|c| f64::midpoint(c, 1.0)),
+        ),
+        PreviewShape::Sphere if x.hypot(y) > 1.0 => return None,
+        PreviewShape::Sphere => {
+            let z = (1.0 - x * x - y * y).sqrt();
+            let across = [x.atan2(z), y.asin()].map(|angle| angle / PI + 0.5);
+            ([x, y, z], [x, y, z], across)
+        }
+    };
+    let [u, v] = across.map(|c| c * (1.0 + 2.0 * preview.around) - preview.around);
+    let place = |position| Place {
+        position: Some(position),
+        eye: Some(EYE),
+        normal: Some(normal),
+        geometric_normal: Some(normal),
+    };
+    Some(Point {
+        mc: place([u, v, f64::midpoint(position[2], 1.0)]),
+        wc: place(position),
+        vrc: place(position),
+        fp_data: vec![u, v, f64::midpoint(position[2], 1.0)],
+        spline: Some(SplinePoint {
+            u,
+            v,
+            data: vec![vec![u], vec![v], vec![f64::midpoint(position[2], 1.0)]],
+        }),
+        sight: None,
+        reflection: None,
+    })
+}
+
+/// A little light from everywhere, diffuse light and a highlight from a lamp.
+fn lit(preview: &Preview, point: &Point) -> Lit {
+    let position = point.wc.position.unwrap_or_default();
+    let normal = point.wc.normal.unwrap_or_default();
+    let (lu, lv) = preview.light;
+    let lw = (1.0 - lu * lu - lv * lv).max(0.0).sqrt();
+    let to_lamp = unit([0, 1, 2].map(|c| [lu, lv, lw][c] * NEAR - position[c]));
+    let to_eye = unit([0, 1, 2].map(|c| EYE[c] - position[c]));
+    let halfway = unit([0, 1, 2].map(|c| to_lamp[c] + to_eye[c]));
+    let diffuse = dot(normal, to_lamp).max(0.0);
+    let highlight = dot(normal, halfway).max(0.0).powi(60);
+    Lit {
+        surface: Shade {
+            color: preview.color,
+            alpha: 1.0,
+        },
+        white: [0.18 + 0.82 * diffuse; 3],
+        specular: [0.32 * highlight; 3],
+    }
+}
+
+fn unit(a: Vector) -> Vector {
+    let length = length(a);
+    a.map(|c| c / length)
+}

@@ -1,0 +1,203 @@
+//! What is textured: surfaces, their points, and the colors on their way through the pipeline.
+
+use std::fmt;
+use std::str::FromStr;
+
+use super::entry::{Color, Entry, Vector, enumerants};
+use super::map::Texel;
+
+enumerants! {
+    /// How the inside of a surface is drawn.
+    InteriorStyle ["PEXInteriorStyle"] {
+        /// Edges only.
+        Hollow,
+        /// One color.
+        Solid,
+        /// A pattern.
+        Pattern,
+        /// Lines.
+        Hatch,
+        /// Nothing.
+        Empty,
+        /// Texture maps.
+        Texture,
+    }
+}
+
+/// The part of the pipeline's state that selects textures.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Surface {
+    /// Of both sides, or of the front.
+    pub interior_style: InteriorStyle,
+    /// Active textures: indices of the table.
+    pub active: Vec<i64>,
+    /// Of the back, if facets are distinguished.
+    pub bf_interior_style: InteriorStyle,
+    /// Active textures of the back.
+    pub bf_active: Vec<i64>,
+    /// Whether back-facing facets have attributes of their own.
+    pub facet_distinguish: bool,
+    /// How many maps a facet can have (R-SEL-05).
+    pub max_texture_maps: usize,
+}
+
+/// What is applied to a facet.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Selection {
+    /// No texture.
+    Untextured,
+    /// The default map, with fallback values.
+    Default,
+    /// These entries, in this order.
+    Entries(Vec<i64>),
+}
+
+/// A vertex in one coordinate system.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Place {
+    /// Where it is.
+    pub position: Option<Vector>,
+    /// Where the eye is.
+    pub eye: Option<Vector>,
+    /// The normal that came with the vertex.
+    pub normal: Option<Vector>,
+    /// The normal of the facet, computed.
+    pub geometric_normal: Option<Vector>,
+}
+
+/// A point of a B-spline surface.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct SplinePoint {
+    /// The first parameter.
+    pub u: f64,
+    /// The second parameter.
+    pub v: f64,
+    /// The values of each data spline at this point.
+    pub data: Vec<Vec<f64>>,
+}
+
+/// All that coordinates may be derived from. What a method does not need may be left out.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Point {
+    /// In modeling coordinates.
+    pub mc: Place,
+    /// In world coordinates.
+    pub wc: Place,
+    /// In view reference coordinates.
+    pub vrc: Place,
+    /// The vertex's floating-point data.
+    pub fp_data: Vec<f64>,
+    /// Where the primitive is a B-spline surface.
+    pub spline: Option<SplinePoint>,
+    /// The unit vector from the eye, where it is known without eye and position.
+    pub sight: Option<Vector>,
+    /// The reflection vector, where it is known without sight and normal.
+    pub reflection: Option<Vector>,
+}
+
+enumerants! {
+    /// How coordinates are interpolated in a perspective view.
+    Correction ["PEXTMPerspectiveCorrection"] {
+        /// Linearly on the screen.
+        None,
+        /// Corrected at the vertices.
+        Vertex,
+        /// Corrected at every pixel.
+        Pixel,
+    }
+}
+
+enumerants! {
+    /// How a surface's colors are interpolated.
+    Interpolation ["PEXSurfaceInterp"] {
+        /// One color a facet.
+        None,
+        /// Colors of the vertices.
+        Color,
+        /// Dot products of the reflectance equations.
+        DotProduct,
+        /// Normals.
+        Normal,
+    }
+}
+
+enumerants! {
+    /// How often a texture is sampled.
+    Frequency ["PEXTMSampleFrequency"] {
+        /// At every pixel.
+        Pixel,
+        /// As often as the reflectance calculation is done.
+        InterpDep,
+    }
+}
+
+enumerants! {
+    /// Where a texture is sampled.
+    Site [] {
+        /// Once a facet.
+        Facet,
+        /// At every vertex.
+        Vertex,
+        /// At every pixel.
+        Pixel,
+    }
+}
+
+/// What sampling a map gives.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Fetched {
+    /// A value to compose with.
+    Texel(Texel),
+    /// The clamp color, in place of a texel.
+    Clamped(Texel),
+    /// Nothing: the map is not applied here.
+    Discontinued,
+}
+
+impl Fetched {
+    /// Its components, if it has any.
+    #[must_use]
+    pub fn components(&self) -> Option<&[f64]> {
+        match self {
+            Fetched::Texel(texel) | Fetched::Clamped(texel) => Some(texel.components()),
+            Fetched::Discontinued => None,
+        }
+    }
+}
+
+/// The color of a primitive.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Shade {
+    /// Red, green, blue.
+    pub color: Color,
+    /// Opacity.
+    pub alpha: f64,
+}
+
+/// What an equation may use.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Terms<'a> {
+    /// C and A: the primitive.
+    pub input: Shade,
+    /// W: the light on a white surface, or white.
+    pub white: Color,
+    /// T: the map's color.
+    pub color: Color,
+    /// AT: the map's alpha, if it has one.
+    pub alpha: Option<f64>,
+    /// Γ.
+    pub gamma: Color,
+    /// For E and B.
+    pub entry: &'a Entry,
+}
+
+/// A primitive and the light on it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Lit {
+    /// The primitive before any light.
+    pub surface: Shade,
+    /// CW: ambient and diffuse light on a white surface (R-CMP-08).
+    pub white: Color,
+    /// CS: the specular part (R-CMP-11).
+    pub specular: Color,
+}

@@ -1,0 +1,86 @@
+//! The same map, written so that certain readers show it right.
+//!
+//! Every format that all of them read is tried without a loss, the file's own first, in the spelling that every known reader takes;
+//! and what they will show of the result is predicted before anybody gets it.
+
+use super::convert::{Converted, Target, convert};
+use super::dissection::Dissection;
+use crate::ptm::{Format, Ptm};
+use crate::readers::{OpenedFile, ReaderProfile, Shown};
+
+/// Formats that are tried after the file's own: those that most readers take first.
+const TRIED: [Format; 7] = [
+    Format::Lrgb,
+    Format::Rgb,
+    Format::PtmLut,
+    Format::PtmCLut,
+    Format::JpeglsLrgb,
+    Format::JpeglsRgb,
+    Format::Lum,
+];
+
+/// Converts the file that `dissection` describes into the first format that all of `readers` show right.
+///
+/// # Errors
+/// Why there is none, in a sentence for each format that they read.
+pub fn convert_for(
+    dissection: &Dissection,
+    ptm: &Ptm,
+    readers: &[&ReaderProfile],
+) -> Result<(Format, Converted), String> {
+    let own = ptm.header.format;
+    let others = TRIED.into_iter().filter(|&format| format != own);
+    let read_by_all = |format: &Format| readers.iter().all(|reader| reader.reads(*format));
+    let formats: Vec<Format> = std::iter::once(own)
+        .chain(others)
+        .filter(read_by_all)
+        .collect();
+    let names: Vec<&str> = readers.iter().map(|reader| &*reader.name).collect();
+    let names = names.join(" and ");
+    if formats.is_empty() {
+        return Err(format!(
+            "{names}: no format without a loss is read by all of them"
+        ));
+    }
+    let mut reasons = Vec::new();
+    for format in formats {
+        match attempt(dissection, ptm, format, readers) {
+            Ok(converted) => return Ok((format, converted)),
+            Err(why) => reasons.push(why),
+        }
+    }
+    Err(format!(
+        "no way to write this map is right in {names}: {}",
+        reasons.join("; ")
+    ))
+}
+
+/// The map in `format`, if all readers will show it right.
+fn attempt(
+    dissection: &Dissection,
+    ptm: &Ptm,
+    format: Format,
+    readers: &[&ReaderProfile],
+) -> Result<Converted, String> {
+    if matches!(format, Format::JpegRgb | Format::JpegLrgb) {
+        return Err(format!("{format} would lose something"));
+    }
+    let target = Target {
+        format,
+        quality: None,
+        loss: 0,
+    };
+    let converted = convert(dissection, ptm, target)?;
+    let subject = OpenedFile::of(&converted.bytes);
+    for reader in readers {
+        let prediction = subject.predict(reader);
+        if prediction.shows != Shown::Right {
+            let (reader, shows) = (&prediction.reader, prediction.shows.name());
+            return Err(format!(
+                "as {format}, {reader} would show {shows} ({})",
+                prediction.how
+            ));
+        }
+    }
+    Ok(converted)
+}

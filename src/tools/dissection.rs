@@ -1,0 +1,425 @@
+//! What every byte of a file is, as far as it can be read: the fields of the reference decoder, named for people.
+//!
+//! A field gets a [`Role`]: which of the numbers of its list it is, and whose. Where the file is damaged, the dissection ends
+//! at the damage; a payload that is cut short is shown as far as it goes, because the header says where its parts lie.
+
+use std::collections::HashMap;
+use std::ops::Range;
+
+use crate::decode::examine;
+use crate::error::{Error, Kind};
+use crate::ptm::{Format, Ptm, Size, channel_name};
+
+/// A part of a file and what it is for.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct FilePart {
+    /// What it is for.
+    pub role: Role,
+    /// The clause that puts it there.
+    pub clause: &'static str,
+    /// Its bytes.
+    pub range: Range<usize>,
+    /// How many bytes it should have, where the file ends before.
+    pub cut_from: Option<usize>,
+}
+
+/// What a part is for; numbers count coefficients, matrix elements, blocks or planes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[allow(missing_docs)] // they are the format's words
+pub enum Role {
+    Version,
+    Format,
+    Width,
+    Height,
+    Scale(usize),
+    Bias(usize),
+    CountWord,
+    Count,
+    Table,
+    Matrix(usize),
+    Indices,
+    Block(usize),
+    Parameter,
+    Transform(usize),
+    MotionX(usize),
+    MotionY(usize),
+    Rank(usize),
+    Reference(usize),
+    StreamSize(usize),
+    SideSize(usize),
+    Stream(usize),
+    Side(usize),
+}
+
+/// A file taken apart.
+pub struct Dissection<'a> {
+    /// The file.
+    pub file: &'a [u8],
+    /// Its format, if that was read.
+    pub format: Option<Format>,
+    /// Its size, if that was read.
+    pub size: Option<Size>,
+    /// Its parts in file order.
+    pub parts: Vec<FilePart>,
+    /// The map, or why there is none.
+    pub outcome: Result<Ptm, Error>,
+}
+
+impl<'a> Dissection<'a> {
+    /// Takes `file` apart.
+    #[must_use]
+    pub fn of(file: &'a [u8]) -> Dissection<'a> {
+        let (fields, outcome) = examine(file);
+        let name = fields.iter().find(|field| field.clause == FORMAT_NAME);
+        let name = name.map(|field| &file[field.range.clone()]);
+        let format = Format::ALL
+            .into_iter()
+            .find(|format| Some(format.name().as_bytes()) == name);
+        let mut seen = HashMap::new();
+        let parts = fields.iter().filter_map(|field| {
+            let nth = seen.entry(field.clause).or_insert(0);
+            let role = role(field.clause, *nth, &file[field.range.clone()], format)?;
+            *nth += 1;
+            Some(FilePart {
+                role,
+                clause: exact_clause(role, format).unwrap_or(field.clause),
+                range: field.range.clone(),
+                cut_from: None,
+            })
+        });
+        let mut dissection = Dissection {
+            file,
+            format,
+            size: None,
+            parts: parts.collect(),
+            outcome,
+        };
+        dissection.size = dissection.read_size();
+        dissection.show_cut_parts();
+        dissection
+    }
+
+    /// The bytes of the first part of this role.
+    #[must_use]
+    pub fn bytes(&self, role: Role) -> Option<&'a [u8]> {
+        self.part(role).map(|part| &self.file[part.range.clone()])
+    }
+
+    /// The first part of this role.
+    #[must_use]
+    pub fn part(&self, role: Role) -> Option<&FilePart> {
+        self.parts.iter().find(|part| part.role == role)
+    }
+
+    /// The byte where this role begins; 0 where the file has no such part.
+    #[must_use]
+    pub fn start(&self, role: Role) -> usize {
+        self.part(role).map_or(0, |part| part.range.start)
+    }
+
+    /// The planes of a compressed file; 0 in the other formats.
+    #[must_use]
+    pub fn compressed_planes(&self) -> usize {
+        self.format
+            .filter(|format| format.is_compressed())
+            .map_or(0, Format::channels)
+    }
+
+    /// The whole number that stands in this role.
+    #[must_use]
+    pub fn number(&self, role: Role) -> Option<i64> {
+        std::str::from_utf8(self.bytes(role)?).ok()?.parse().ok()
+    }
+
+    /// How the part of this role is written.
+    #[must_use]
+    pub fn text(&self, role: Role) -> Option<String> {
+        Some(String::from_utf8_lossy(self.bytes(role)?).into_owned())
+    }
+
+    /// Where the last part ends.
+    #[must_use]
+    pub fn end(&self) -> usize {
+        self.parts
+            .iter()
+            .map(|part| part.range.end)
+            .max()
+            .unwrap_or(0)
+    }
+
+    /// The white space between the part at `place` and the next one.
+    #[must_use]
+    pub fn gap_after(&self, place: usize) -> &'a [u8] {
+        let from = self.parts[place].range.end;
+        let to = self.parts.get(place + 1).map_or_else(
+            || from + self.line_end(from),
+            |next| next.range.start.max(from),
+        );
+        &self.file[from..to]
+    }
+
+    /// What plane `plane` is of: `a3 of green`.
+    #[must_use]
+    pub fn channel(&self, plane: usize) -> String {
+        channel_name(self.format.map_or(9, Format::channels), plane)
+    }
+
+    /// The bytes of a line end that stands at `from`.
+    fn line_end(&self, from: usize) -> usize {
+        let in_header = !self.parts.iter().any(|part| part.role.is_payload());
+        match &self.file[from..] {
+            [b'\n', ..] if in_header => 1,
+            [b' ', b'\n', ..] if in_header => 2,
+            _ => 0,
+        }
+    }
+
+    fn read_size(&self) -> Option<Size> {
+        let side = |role| {
+            u32::try_from(self.number(role)?)
+                .ok()
+                .filter(|&side| side > 0)
+        };
+        Some(Size {
+            width: side(Role::Width)?,
+            height: side(Role::Height)?,
+        })
+    }
+
+    /// Adds what the header announces and the file ends within.
+    fn show_cut_parts(&mut self) {
+        let Err(error) = &self.outcome else {
+            return;
+        };
+        let &Kind::Short { needs, .. } = error.kind() else {
+            return;
+        };
+        if error.clause() == COMPRESSED_PLANE {
+            return self.show_cut_planes(error.offset());
+        }
+        let blocks = self.parts.iter();
+        let blocks = blocks.filter(|part| matches!(part.role, Role::Block(_)));
+        let role = role(error.clause(), blocks.count(), &[], self.format);
+        self.parts.extend(role.map(|role| FilePart {
+            role,
+            clause: exact_clause(role, self.format).unwrap_or(error.clause()),
+            range: error.offset()..self.file.len(),
+            cut_from: Some(needs),
+        }));
+    }
+
+    /// Adds the planes from byte `at` on, as far as the file goes.
+    fn show_cut_planes(&mut self, mut at: usize) {
+        for plane in 0..self.compressed_planes() {
+            for (role, size, clause) in [
+                (
+                    Role::Stream(plane),
+                    Role::StreamSize(plane),
+                    COMPRESSED_PLANE,
+                ),
+                (Role::Side(plane), Role::SideSize(plane), SIDE_INFORMATION),
+            ] {
+                let size = self
+                    .number(size)
+                    .and_then(|size| usize::try_from(size).ok());
+                let size = size.unwrap_or(0);
+                let end = at.saturating_add(size).min(self.file.len());
+                self.parts.push(FilePart {
+                    role,
+                    clause,
+                    range: at..end,
+                    cut_from: (end - at < size).then_some(size),
+                });
+                at = end;
+            }
+        }
+    }
+}
+
+impl Role {
+    /// Whether it stands after the header's text.
+    #[must_use]
+    pub const fn is_payload(self) -> bool {
+        matches!(
+            self,
+            Role::Table | Role::Indices | Role::Block(_) | Role::Stream(_) | Role::Side(_)
+        )
+    }
+
+    /// The plane it belongs to, in a compressed file.
+    #[must_use]
+    pub const fn plane(self) -> Option<usize> {
+        match self {
+            Role::Transform(plane)
+            | Role::MotionX(plane)
+            | Role::MotionY(plane)
+            | Role::Rank(plane)
+            | Role::Reference(plane)
+            | Role::StreamSize(plane)
+            | Role::SideSize(plane)
+            | Role::Stream(plane)
+            | Role::Side(plane) => Some(plane),
+            _ => None,
+        }
+    }
+
+    /// The list it is an element of; nothing for what stands alone.
+    #[must_use]
+    pub const fn list(self) -> Option<&'static str> {
+        Some(match self {
+            Role::Scale(_) => "scales of a0…a5",
+            Role::Bias(_) => "biases of a0…a5",
+            Role::Matrix(_) => "color matrix",
+            Role::Transform(_) => "transforms",
+            Role::MotionX(_) => "vectors, x",
+            Role::MotionY(_) => "vectors, y",
+            Role::Rank(_) => "order",
+            Role::Reference(_) => "references",
+            Role::StreamSize(_) => "compressed sizes",
+            Role::SideSize(_) => "side sizes",
+            _ => return None,
+        })
+    }
+
+    /// What it is called; planes by their number.
+    #[must_use]
+    pub fn name(self, format: Option<Format>) -> String {
+        match self {
+            Role::Version => "version".to_owned(),
+            Role::Format => "format".to_owned(),
+            Role::Width => "width".to_owned(),
+            Role::Height => "height".to_owned(),
+            Role::Scale(i) => format!("scale of a{i}"),
+            Role::Bias(i) => format!("bias of a{i}"),
+            Role::CountWord => "word at the number of entries".to_owned(),
+            Role::Count => "number of entries".to_owned(),
+            Role::Table => "lookup table".to_owned(),
+            Role::Matrix(i) => format!("matrix element {i}"),
+            Role::Indices => "indices".to_owned(),
+            Role::Block(i) => block_name(format, i).to_owned(),
+            Role::Parameter => "compression parameter".to_owned(),
+            Role::Transform(plane) => format!("transform of plane {plane}"),
+            Role::MotionX(plane) => format!("vector of plane {plane}, x"),
+            Role::MotionY(plane) => format!("vector of plane {plane}, y"),
+            Role::Rank(plane) => format!("rank of plane {plane}"),
+            Role::Reference(plane) => format!("reference of plane {plane}"),
+            Role::StreamSize(plane) => format!("compressed size of plane {plane}"),
+            Role::SideSize(plane) => format!("side information size of plane {plane}"),
+            Role::Stream(plane) => format!("plane {plane}"),
+            Role::Side(plane) => format!("side information of plane {plane}"),
+        }
+    }
+}
+
+fn block_name(format: Option<Format>, block: usize) -> &'static str {
+    match (format, block) {
+        (Some(Format::Rgb), 0) => "red coefficients",
+        (Some(Format::Rgb), 1) => "green coefficients",
+        (Some(Format::Rgb), _) => "blue coefficients",
+        (Some(Format::Lum), _) => "coefficients, Cr and Cb",
+        (Some(Format::Lrgb), 0) => "coefficients",
+        _ => "colors",
+    }
+}
+
+/// Clauses that put the format's name, the streams and the side information into a file.
+const FORMAT_NAME: &str = "2.2/1";
+const COMPRESSED_PLANE: &str = "2.9.8/2";
+const SIDE_INFORMATION: &str = "2.9.8/4";
+
+/// The role of the `nth` field that `clause` puts into the file.
+fn role(clause: &str, nth: usize, bytes: &[u8], format: Option<Format>) -> Option<Role> {
+    let planes = format.map_or(9, Format::channels);
+    Some(match clause {
+        "2.1/1" => Role::Version,
+        FORMAT_NAME => Role::Format,
+        "2.3/1" if nth == 0 => Role::Width,
+        "2.3/1" => Role::Height,
+        "2.4/3" => Role::Scale(nth),
+        "2.4/4" => Role::Bias(nth),
+        "2.5/2" if matches!(bytes, b"nentries" | b"N_LUT_ENTRIES") => Role::CountWord,
+        "2.5/2" => Role::Count,
+        "2.5/3" => Role::Table,
+        "2.6/2" => Role::Matrix(nth),
+        "2.7/1" => Role::Block(nth),
+        "2.8.1/1" => Role::Indices,
+        "2.9.1/1" => Role::Parameter,
+        "2.9.2/1" => Role::Transform(nth),
+        "2.9.3/1" if nth < planes => Role::MotionX(nth),
+        "2.9.3/1" => Role::MotionY(nth - planes),
+        "2.9.4/1" => Role::Rank(nth),
+        "2.9.5/1" => Role::Reference(nth),
+        "2.9.6/1" => Role::StreamSize(nth),
+        "2.9.7/1" => Role::SideSize(nth),
+        COMPRESSED_PLANE => Role::Stream(nth),
+        SIDE_INFORMATION => Role::Side(nth),
+        _ => return None,
+    })
+}
+
+/// The clause of the format at hand, where the decoder cites the one that all formats share.
+fn exact_clause(role: Role, format: Option<Format>) -> Option<&'static str> {
+    Some(match (role, format?) {
+        (Role::Block(_), Format::Rgb) => "2.7.1/2",
+        (Role::Block(_), Format::Lum) => "2.7.2/1",
+        (Role::Block(0), Format::Lrgb) => "2.7.3/1",
+        (Role::Block(_), Format::Lrgb) => "2.7.3/2",
+        (Role::Block(_), Format::PtmLut) => "2.8.1/4",
+        (Role::Indices, Format::PtmCLut) => "2.8.2/1",
+        (Role::Table, Format::PtmLut) => "2.5/4",
+        (Role::Table, Format::PtmCLut) => "2.5/5",
+        _ => return None,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::generate::{Model, Recipe, write};
+
+    #[test]
+    fn every_byte_of_every_format_is_in_a_part_or_between_two() {
+        for format in Format::ALL {
+            let recipe = Recipe::ordinary(format, "4x3".parse().unwrap());
+            let written = write(&recipe, &Model::paint(&recipe));
+            let dissection = Dissection::of(&written.bytes);
+            assert!(dissection.outcome.is_ok(), "{format}");
+            // The writer's map and the reader's agree on the place of every part.
+            let ranges: Vec<_> = dissection
+                .parts
+                .iter()
+                .map(|part| part.range.clone())
+                .collect();
+            let fields: Vec<_> = written
+                .fields
+                .iter()
+                .map(|field| field.range.clone())
+                .collect();
+            assert_eq!(ranges, fields, "{format}");
+            assert_eq!(dissection.end(), written.bytes.len());
+            for place in 0..dissection.parts.len() {
+                assert!(
+                    [&b""[..], b" ", b"\n"].contains(&dissection.gap_after(place)),
+                    "{format}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn planes_that_are_cut_are_shown_as_far_as_they_go() {
+        let recipe = Recipe::ordinary(Format::JpeglsLrgb, "4x3".parse().unwrap());
+        let file = write(&recipe, &Model::paint(&recipe)).bytes;
+        let cut = &file[..file.len() - 5];
+        let dissection = Dissection::of(cut);
+        assert!(dissection.outcome.is_err());
+        assert_eq!(
+            dissection.bytes(Role::Stream(0)),
+            Dissection::of(&file).bytes(Role::Stream(0))
+        );
+        assert_eq!(
+            dissection.part(Role::Stream(8)).unwrap().range.end,
+            cut.len()
+        );
+    }
+}

@@ -1,0 +1,94 @@
+//! A row for each file, for spreadsheets and scripts.
+//!
+//! A cell that a spreadsheet would take for a formula begins with an apostrophe, and no cell has a line feed: names are
+//! [printable](super::names::printable) before they come here.
+
+use super::Lint;
+
+/// The first row; with two columns for each of these readers.
+#[must_use]
+pub fn head<'a>(readers: impl Iterator<Item = &'a str>) -> String {
+    const OF_FILES: &str =
+        "file,status,format,width,height,bytes,errors,warnings,infos,codes,first";
+    let of_readers = readers.flat_map(|reader| [cell(reader), cell(&format!("{reader}: how"))]);
+    let cells: Vec<String> = std::iter::once(OF_FILES.to_owned())
+        .chain(of_readers)
+        .collect();
+    cells.join(",") + "\n"
+}
+
+/// The row of a file, with what so many readers will show.
+#[must_use]
+pub fn row(lint: &Lint, readers: usize) -> String {
+    let number = |number: Option<u64>| number.map(|number| number.to_string()).unwrap_or_default();
+    let mut codes: Vec<&str> = lint.findings.iter().map(|finding| finding.code).collect();
+    codes.dedup();
+    let first = lint
+        .findings
+        .first()
+        .map(|finding| match finding.found.as_str() {
+            "" => finding.says.to_owned(),
+            found => format!("{}: {found}", finding.says),
+        });
+    let cells = [
+        lint.file.clone(),
+        lint.status.name().to_owned(),
+        lint.format.unwrap_or_default().to_owned(),
+        number(lint.width.map(u64::from)),
+        number(lint.height.map(u64::from)),
+        number(lint.bytes),
+        lint.errors.to_string(),
+        lint.warnings.to_string(),
+        lint.infos.to_string(),
+        codes.join(" "),
+        first.or_else(|| lint.reason.clone()).unwrap_or_default(),
+    ];
+    let mut cells = cells.to_vec();
+    for reader in 0..readers {
+        let shown = lint.readers.get(reader);
+        cells.push(shown.map_or(String::new(), |shown| shown.shows.name().to_owned()));
+        cells.push(shown.map_or(String::new(), |shown| shown.how.clone()));
+    }
+    let cells: Vec<String> = cells.iter().map(|text| cell(text)).collect();
+    cells.join(",") + "\n"
+}
+
+/// A cell as RFC 4180 quotes it, and as no spreadsheet computes it.
+fn cell(text: &str) -> String {
+    const FORMULAS: [char; 8] = ['=', '+', '-', '@', '＝', '＋', '－', '＠'];
+    let text = match text.trim_start().starts_with(FORMULAS) {
+        true => format!("'{text}"),
+        false => text.to_owned(),
+    };
+    let text: String = text
+        .chars()
+        .map(|c| if c.is_control() { ' ' } else { c })
+        .collect();
+    let quoted = text.contains([',', ';', '"', '\'']) || text.trim() != text;
+    match quoted {
+        true => format!("\"{}\"", text.replace('"', "\"\"")),
+        false => text,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn cells_are_neither_split_nor_computed() {
+        for (text, expected) in [
+            ("coin.ptm", "coin.ptm"),
+            ("a,b", "\"a,b\""),
+            ("a;b", "\"a;b\""),
+            ("say \"a\"", "\"say \"\"a\"\"\""),
+            ("=1+1", "\"'=1+1\""),
+            (" @SUM(A1)", "\"' @SUM(A1)\""),
+            ("-x.ptm", "\"'-x.ptm\""),
+            ("＝1", "\"'＝1\""),
+            ("a\u{1b}b\nc", "a b c"),
+        ] {
+            assert_eq!(cell(text), expected);
+        }
+    }
+}

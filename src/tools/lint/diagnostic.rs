@@ -1,0 +1,39 @@
+//! One thing that lint says of a file.
+
+use serde::Serialize;
+
+use super::codes::{Code, Severity};
+
+/// One thing said of a file, as it is written to YAML and JSON.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Diagnostic {
+    /// The id of its [`Code`], such as `PTM-E001`.
+    pub code: &'static str,
+    /// How bad it is.
+    pub severity: Severity,
+    /// The byte of the file where it shows.
+    pub offset: usize,
+    /// The clause it is about: the code's own, or the very one that is broken.
+    pub clause: &'static str,
+    /// The code's sentence: the same text for every file.
+    pub says: &'static str,
+    /// What was found in this file.
+    pub found: String,
+    /// What a writer does about it; empty where there is nothing to do.
+    #[serde(skip_serializing_if = "str::is_empty")]
+    pub fix: &'static str,
+}
+
+impl Diagnostic {
+    pub(super) fn new(code: &'static Code, offset: usize, found: impl Into<String>) -> Diagnostic {
+        Diagnostic {
+            code: code.id,
+            severity: code.severity,
+            offset,
+            clause: code.clause,
+            says: code.says,
+            found: found.into(),
+            fix: code.fix,
+        }
+    }
+}

@@ -1,0 +1,85 @@
+//! Names of files as they are printed: whatever a file is called, its name moves no cursor and forges no line.
+
+use std::ffi::OsStr;
+use std::fmt::Write as _;
+
+/// A name without control characters: these, marks that turn the direction of text, line separators, and bytes that are not UTF-8
+/// are written as escapes. A backslash is written twice where it is no separator, so that the name can be told from its escapes.
+#[must_use]
+pub fn printable(name: &OsStr) -> String {
+    let mut out = String::new();
+    for chunk in name.as_encoded_bytes().utf8_chunks() {
+        for character in chunk.valid().chars() {
+            match character {
+                '\\' if !cfg!(windows) => out.push_str("\\\\"),
+                _ if acts(character) => out.extend(character.escape_default()),
+                _ => out.push(character),
+            }
+        }
+        for byte in chunk.invalid() {
+            let _ = write!(out, "\\x{byte:02x}");
+        }
+    }
+    out
+}
+
+/// Whether a terminal or an editor does something at this character instead of showing it.
+fn acts(character: char) -> bool {
+    character.is_control()
+        || matches!(character, '\u{200b}'..='\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{2069}' | '\u{feff}')
+}
+
+/// The name as the path of a URI: every byte that is no unreserved character and no separator, as a percent escape.
+#[must_use]
+pub fn as_uri(name: &OsStr) -> String {
+    let mut out = String::new();
+    let bytes = name.as_encoded_bytes();
+    if bytes.starts_with(b"/") {
+        out.push_str("file://");
+    }
+    for &byte in bytes {
+        match byte {
+            b'A'..=b'Z' | b'a'..=b'z' | b'0'..=b'9' | b'-' | b'.' | b'_' | b'~' | b'/' => {
+                out.push(byte.into());
+            }
+            b'\\' if cfg!(windows) => out.push('/'),
+            _ => {
+                let _ = write!(out, "%{byte:02X}");
+            }
+        }
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_acts_is_escaped() {
+        assert_eq!(
+            printable(OsStr::new("maps/münze 1.ptm")),
+            "maps/münze 1.ptm"
+        );
+        assert_eq!(
+            printable(OsStr::new("a\nb\tc\x1b[31m")),
+            "a\\nb\\tc\\u{1b}[31m"
+        );
+        assert_eq!(
+            printable(OsStr::new("a\u{9b}\u{202e}mtp")),
+            "a\\u{9b}\\u{202e}mtp"
+        );
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn bytes_that_are_no_text_and_backslashes_can_be_told_apart() {
+        use std::os::unix::ffi::OsStrExt;
+        assert_eq!(printable(OsStr::from_bytes(b"a\xffb")), "a\\xffb");
+        assert_eq!(printable(OsStr::new("a\\xffb")), "a\\\\xffb");
+        assert_eq!(
+            as_uri(OsStr::from_bytes(b"/a b/\xff%.ptm")),
+            "file:///a%20b/%FF%25.ptm"
+        );
+    }
+}

@@ -1,0 +1,85 @@
+//! SARIF 2.1.0, the form in which code hosts and editors take results of static analysis. Written piece by piece, so that a
+//! collection of any size is never held: [`head`], a [`results`] for each file, [`tail`].
+
+use std::ffi::OsStr;
+
+use serde_json::{Value, json};
+
+use super::Lint;
+use super::codes::{ALL, Severity};
+use super::names::as_uri;
+
+/// Everything before the first result.
+#[must_use]
+pub fn head() -> String {
+    let rules: Vec<Value> = ALL
+        .iter()
+        .map(|code| {
+            let mut rule = json!({
+                "id": code.id,
+                "shortDescription": { "text": code.says },
+                "defaultConfiguration": { "level": level(code.severity) },
+                "properties": { "clause": code.clause },
+            });
+            if !code.fix.is_empty() {
+                rule["help"] = json!({ "text": code.fix });
+            }
+            rule
+        })
+        .collect();
+    let driver = json!({
+        "name": "ptm-conform",
+        "version": env!("CARGO_PKG_VERSION"),
+        "informationUri": env!("CARGO_PKG_REPOSITORY"),
+        "rules": rules,
+    });
+    format!(
+        "{{\"$schema\": \"https://json.schemastore.org/sarif-2.1.0.json\", \"version\": \"2.1.0\", \"runs\": [{{\"tool\": {{\"driver\": {driver}}}, \"results\": [\n"
+    )
+}
+
+/// The results of a file, each a line that ends without a comma.
+#[must_use]
+pub fn results(path: &OsStr, lint: &Lint) -> Vec<String> {
+    let artifact = json!({ "uri": as_uri(path) });
+    let of_finding = |finding: &super::diagnostic::Diagnostic| {
+        let text = match finding.found.as_str() {
+            "" => finding.says.to_owned(),
+            found => format!("{}: {found}", finding.says),
+        };
+        json!({
+            "ruleId": finding.code,
+            "ruleIndex": ALL.iter().position(|code| code.id == finding.code),
+            "level": level(finding.severity),
+            "message": { "text": text },
+            "locations": [{ "physicalLocation": {
+                "artifactLocation": artifact,
+                "region": { "byteOffset": finding.offset, "byteLength": 0 },
+            }}],
+        })
+    };
+    let unread = lint.reason.iter().map(|why| {
+        json!({
+            "kind": "open",
+            "level": "none",
+            "message": { "text": format!("not judged: {why}") },
+            "locations": [{ "physicalLocation": { "artifactLocation": artifact } }],
+        })
+    });
+    let results = lint.findings.iter().map(of_finding).chain(unread);
+    results.map(|result| result.to_string()).collect()
+}
+
+/// Everything after the last result.
+#[must_use]
+pub fn tail() -> &'static str {
+    "\n], \"columnKind\": \"utf16CodeUnits\"}]}\n"
+}
+
+const fn level(severity: Severity) -> &'static str {
+    match severity {
+        Severity::Error => "error",
+        Severity::Warning => "warning",
+        Severity::Info => "note",
+    }
+}

@@ -1,0 +1,119 @@
+//! What is reported: codes that are left out or asked for alone, other severities, how many findings.
+
+use std::collections::BTreeMap;
+
+use serde::Deserialize;
+
+use super::Lint;
+use super::codes::{Code, Severity};
+
+/// What is reported of a file, as options and configuration files say it.
+#[derive(Clone, Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Settings {
+    /// Codes that are not reported.
+    pub allow: Vec<String>,
+    /// Codes that alone are reported; all if there are none.
+    pub only: Vec<String>,
+    /// Other severities than the codes' own.
+    pub severity: BTreeMap<String, Severity>,
+    /// The most findings that are printed for a file, the worst first. All are counted.
+    pub max: Option<usize>,
+    /// Whether a warning makes the run fail.
+    pub deny_warnings: bool,
+}
+
+impl Settings {
+    /// These settings, and those of `more` besides; where both say something, `more` wins.
+    #[must_use]
+    pub fn and(mut self, more: Settings) -> Settings {
+        self.allow.extend(more.allow);
+        self.only.extend(more.only);
+        self.severity.extend(more.severity);
+        Settings {
+            max: more.max.or(self.max),
+            deny_warnings: self.deny_warnings || more.deny_warnings,
+            ..self
+        }
+    }
+
+    /// Checks that every code is one.
+    ///
+    /// # Errors
+    /// A sentence that names the one that is not.
+    pub fn check(&self) -> Result<(), String> {
+        let codes = self.allow.iter().chain(&self.only);
+        let mut codes = codes.chain(self.severity.keys());
+        match codes.find(|code| Code::named(code).is_none()) {
+            Some(unknown) => Err(format!(
+                "{unknown:?} is no code; `ptm-conform lint --codes` lists them"
+            )),
+            None => Ok(()),
+        }
+    }
+
+    /// Leaves out of `lint` what is not reported, and gives the rest the severity that is asked for.
+    #[must_use]
+    pub fn select(&self, mut lint: Lint) -> Lint {
+        let among = |codes: &[String], code: &str| codes.iter().any(|one| one == code);
+        lint.findings.retain(|finding| {
+            !among(&self.allow, finding.code)
+                && (self.only.is_empty() || among(&self.only, finding.code))
+        });
+        for finding in &mut lint.findings {
+            if let Some(&severity) = self.severity.get(finding.code) {
+                finding.severity = severity;
+            }
+        }
+        lint.sort_and_count();
+        lint
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::kit::yaml::from_yaml;
+
+    const FILE: &[u8] =
+        b"PTM_1.2 \nPTM_FORMAT_LRGB\n1 1\n1 1 1 1 1 0\n0 0 0 0 0 0\n\x01\x02\x03\x04\x05\x06rgb!";
+
+    fn codes(settings: &Settings) -> Vec<&'static str> {
+        let lint = settings.select(Lint::of("x", FILE));
+        lint.findings.iter().map(|finding| finding.code).collect()
+    }
+
+    #[test]
+    fn codes_are_left_out_asked_for_and_weighed() {
+        let all = ["PTM-W101", "PTM-W102", "PTM-W110", "PTM-I201"];
+        assert_eq!(codes(&Settings::default()), all);
+        let settings = |yaml| from_yaml::<Settings>(yaml).expect("it is well-formed");
+        assert_eq!(
+            codes(&settings("allow: [PTM-W102]")),
+            [all[0], all[2], all[3]]
+        );
+        assert_eq!(
+            codes(&settings("only: [PTM-W102, PTM-I201]")),
+            [all[1], all[3]]
+        );
+        let weighed = settings("severity: { PTM-I201: error, PTM-W101: info }");
+        assert_eq!(codes(&weighed), [all[3], all[1], all[2], all[0]]);
+        let lint = weighed.select(Lint::of("x", FILE));
+        assert_eq!((lint.errors, lint.warnings, lint.infos), (1, 2, 1));
+    }
+
+    #[test]
+    fn a_code_that_is_none_and_an_unknown_key_are_errors() {
+        let unknown = Settings {
+            only: vec!["PTM-W999".to_owned()],
+            ..Settings::default()
+        };
+        assert!(unknown.check().unwrap_err().contains("PTM-W999"));
+        assert!(
+            from_yaml::<Settings>("alow: []")
+                .unwrap_err()
+                .contains("alow")
+        );
+        assert!(from_yaml::<Settings>("severity: { PTM-W101: fatal }").is_err());
+    }
+}

@@ -1,0 +1,111 @@
+//! What a file is to somebody who keeps it: sound, damaged, no PTM at all, or none of these for want of a look inside.
+
+use serde::Serialize;
+
+use crate::error::Class;
+use crate::tools::dissection::Dissection;
+
+/// The bytes with which every PTM begins, of whatever version.
+pub const MAGIC: &[u8] = b"PTM_";
+
+/// What a file is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Status {
+    /// A PTM that the reference reads.
+    Sound,
+    /// Something else: it does not begin as a PTM does.
+    NotAPtm,
+    /// It begins as a PTM and breaks a rule of the format.
+    Damaged,
+    /// It was not read, or it is a PTM of another version, or one beyond what the reference supports.
+    NotJudged,
+}
+
+impl Status {
+    /// All, in the order of the totals.
+    pub const ALL: [Status; 4] = [
+        Status::Sound,
+        Status::Damaged,
+        Status::NotAPtm,
+        Status::NotJudged,
+    ];
+
+    /// As it is printed for people.
+    #[must_use]
+    pub const fn words(self) -> &'static str {
+        match self {
+            Status::Sound => "sound",
+            Status::NotAPtm => "not a PTM",
+            Status::Damaged => "damaged",
+            Status::NotJudged => "not judged",
+        }
+    }
+
+    /// As it is printed for programs.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Status::Sound => "sound",
+            Status::NotAPtm => "not-a-ptm",
+            Status::Damaged => "damaged",
+            Status::NotJudged => "not-judged",
+        }
+    }
+
+    /// What the file is that was taken apart.
+    #[must_use]
+    pub fn of(dissection: &Dissection) -> Status {
+        match &dissection.outcome {
+            Ok(_) => Status::Sound,
+            Err(_) if !dissection.file.starts_with(MAGIC) => Status::NotAPtm,
+            Err(_) if is_another_version(dissection.file) => Status::NotJudged,
+            Err(error) if error.class() != Class::Malformed => Status::NotJudged,
+            Err(_) => Status::Damaged,
+        }
+    }
+}
+
+/// Whether the first line names a version of the format that is not 1.2, such as `PTM_1.1`.
+fn is_another_version(file: &[u8]) -> bool {
+    let line = file.strip_prefix(MAGIC).unwrap_or_default();
+    let end = line.iter().position(|byte| matches!(byte, b' ' | b'\n'));
+    let version = &line[..end.unwrap_or(line.len())];
+    let mut numbers = version.split(|&byte| byte == b'.');
+    let is_number = |part: Option<&[u8]>| {
+        part.is_some_and(|part| !part.is_empty() && part.iter().all(u8::is_ascii_digit))
+    };
+    let [major, minor] = [numbers.next(), numbers.next()].map(is_number);
+    end.is_some() && major && minor && numbers.next().is_none() && version != b"1.2"
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[track_caller]
+    fn is(file: &[u8], status: Status) {
+        assert_eq!(Status::of(&Dissection::of(file)), status);
+    }
+
+    #[test]
+    fn the_first_line_separates_other_files_other_versions_and_damage() {
+        is(b"", Status::NotAPtm);
+        is(b"P6\n1 1\n255\n...", Status::NotAPtm);
+        is(b"ptm_1.2\nPTM_FORMAT_LRGB\n", Status::NotAPtm);
+        is(b"PTM_1.1\nPTM_FORMAT_LRGB\n", Status::NotJudged);
+        is(b"PTM_12.10 \n", Status::NotJudged);
+        is(b"PTM_1.1", Status::Damaged);
+        is(b"PTM_1.\n", Status::Damaged);
+        is(b"PTM_1.2.3\n", Status::Damaged);
+        is(b"PTM_1.2\n", Status::Damaged);
+    }
+
+    #[test]
+    fn what_the_reference_reads_is_sound() {
+        is(
+            b"PTM_1.2\nPTM_FORMAT_LRGB\n1\n1\n1 1 1 1 1 1\n0 0 0 0 0 0\n\x01\x02\x03\x04\x05\x06rgb",
+            Status::Sound,
+        );
+    }
+}

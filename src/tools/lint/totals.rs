@@ -1,0 +1,58 @@
+//! What a collection holds: files of each status and format, and how often each code was found.
+
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+
+use super::Lint;
+use super::codes::Code;
+use super::status::Status;
+
+/// Counts over all files of a run.
+#[derive(Clone, Debug, Default)]
+pub struct Totals {
+    /// How many files there are.
+    pub files: usize,
+    statuses: BTreeMap<Status, usize>,
+    formats: BTreeMap<&'static str, usize>,
+    /// Files in which a code was found.
+    codes: BTreeMap<&'static str, usize>,
+}
+
+impl Totals {
+    /// Counts one more file.
+    pub fn add(&mut self, lint: &Lint) {
+        self.files += 1;
+        *self.statuses.entry(lint.status).or_default() += 1;
+        if let Some(format) = lint.format {
+            *self.formats.entry(format).or_default() += 1;
+        }
+        let mut codes: Vec<&str> = lint.findings.iter().map(|finding| finding.code).collect();
+        codes.sort_unstable();
+        codes.dedup();
+        for code in codes {
+            *self.codes.entry(code).or_default() += 1;
+        }
+    }
+
+    /// Files of this status.
+    #[must_use]
+    pub fn of(&self, status: Status) -> usize {
+        self.statuses.get(&status).copied().unwrap_or_default()
+    }
+
+    /// For a terminal: a line for all files, one for each format and one for each code.
+    #[must_use]
+    pub fn to_text(&self) -> String {
+        let statuses = Status::ALL.map(|status| format!("{} {}", self.of(status), status.words()));
+        let mut out = format!("{} files: {}\n", self.files, statuses.join(", "));
+        let width = self.files.to_string().len();
+        for (format, count) in &self.formats {
+            let _ = writeln!(out, "  {count:width$}  {format}");
+        }
+        for (id, count) in &self.codes {
+            let says = Code::named(id).map_or("", |code| code.says);
+            let _ = writeln!(out, "  {count:width$}  {id}  {says}");
+        }
+        out
+    }
+}

@@ -1,0 +1,296 @@
+//! What can be put right in a file without guessing: the file written anew, and a sentence for each change.
+//!
+//! - blanks and line ends of the header that the text does not allow
+//! - compressed sizes that are wrong, where the streams themselves say where they end
+//! - bytes after the last value
+//! - records of side information that a later one of the same texel overrides
+//!
+//! A file that the reference reads holds the same values afterwards. Nothing is repaired where two readings are possible: a
+//! file that was copied in text mode has changed bytes in its payload too, and nobody knows which.
+
+use std::collections::HashSet;
+
+use super::lint::Lint;
+use crate::decode::{decode, examine};
+use crate::ptm::Format;
+
+/// A file, repaired.
+#[derive(Debug)]
+pub struct Repaired {
+    /// The new file.
+    pub bytes: Vec<u8>,
+    /// What was changed, a sentence each.
+    pub changes: Vec<String>,
+}
+
+/// A header as words in lines, and the rest of the file.
+struct Loose<'a> {
+    /// One list a line, as HP's programs write them.
+    lines: Vec<Vec<String>>,
+    /// How lines end: `\n`, `\r\n` or `\r`.
+    line_end: &'static str,
+    payload: &'a [u8],
+    format: Format,
+}
+
+/// Repairs a file.
+///
+/// # Errors
+/// Why not, in a sentence: there is nothing to repair, or nothing that can be repaired without guessing.
+pub fn repair(file: &[u8]) -> Result<Repaired, String> {
+    let before = decode(file);
+    let mut changes = Vec::new();
+    let mut bytes = file.to_vec();
+    if before.is_err() {
+        let loose = Loose::read(file)?;
+        bytes = loose.legal(&mut changes)?;
+    }
+    bytes = without_rest(bytes, &mut changes);
+    bytes = without_overridden_records(bytes, &mut changes)?;
+    if changes.is_empty() {
+        return Err("there is nothing to repair".to_owned());
+    }
+    let unlike = "this is a mistake of this program, and nothing is written";
+    let after =
+        decode(&bytes).map_err(|error| format!("the result is refused: {error}; {unlike}"))?;
+    if before.is_ok_and(|before| before != after) || Lint::of("", &bytes).errors > 0 {
+        return Err(format!("the result is another map; {unlike}"));
+    }
+    Ok(Repaired { bytes, changes })
+}
+
+impl<'a> Loose<'a> {
+    /// Reads a header whatever white space separates its words.
+    fn read(file: &'a [u8]) -> Result<Loose<'a>, String> {
+        let mut words = Words { file, at: 0 };
+        let version = words.next()?;
+        if version != "PTM_1.2" {
+            return Err("it does not begin with PTM_1.2".to_owned());
+        }
+        let line_end = match after_blanks(words.rest()) {
+            [b'\r', b'\n', ..] => "\r\n",
+            [b'\r', ..] => "\r",
+            _ => "\n",
+        };
+        let name = words.next()?;
+        let format: Format = name
+            .strip_prefix("PTM_FORMAT_")
+            .and_then(|name| name.parse().ok())
+            .ok_or_else(|| format!("no format is called {name:?}"))?;
+        let mut lines = vec![vec![version], vec![name]];
+        let mut line = |count: usize| -> Result<(), String> {
+            lines.push((0..count).map(|_| words.next()).collect::<Result<_, _>>()?);
+            Ok(())
+        };
+        line(1)?;
+        line(1)?;
+        line(6)?;
+        line(6)?;
+        match format {
+            Format::PtmLut | Format::PtmCLut => {
+                return Err("the spelling of a lookup table's header is left as it is".to_owned());
+            }
+            Format::Lum => line(16)?,
+            _ if format.is_compressed() => {
+                line(1)?;
+                (0..7).try_for_each(|_| line(format.channels()))?;
+            }
+            _ => {}
+        }
+        let rest = after_blanks(words.rest());
+        let payload = rest.strip_prefix(line_end.as_bytes());
+        Ok(Loose {
+            lines,
+            line_end,
+            payload: payload.ok_or("nothing says where its header ends")?,
+            format,
+        })
+    }
+
+    /// The file by the letter.
+    fn legal(mut self, changes: &mut Vec<String>) -> Result<Vec<u8>, String> {
+        const BLANKS: &str =
+            "the header has its numbers in lines, one space between two, and line feeds alone";
+        let as_lines = self.written();
+        if let Ok(ptm) = decode(&as_lines) {
+            let is_exact = examine(&as_lines)
+                .0
+                .iter()
+                .map(|field| field.range.end)
+                .max()
+                == Some(as_lines.len());
+            if self.line_end != "\n" && !is_exact {
+                return Err(format!(
+                    "its lines do not end in a line feed alone, and its payload is longer than {} texels need: it was copied in text mode, which changed the payload too",
+                    ptm.header.size
+                ));
+            }
+            changes.push(BLANKS.to_owned());
+            return Ok(as_lines);
+        }
+        if !self.format.is_compressed() {
+            return Err("what is wrong with it cannot be put right without guessing; `lint` says what it is".to_owned());
+        }
+        self.measure_streams(changes)?;
+        Ok(self.written())
+    }
+
+    fn written(&self) -> Vec<u8> {
+        let mut bytes = Vec::new();
+        for line in &self.lines {
+            bytes.extend_from_slice(line.join(" ").as_bytes());
+            bytes.push(b'\n');
+        }
+        bytes.extend_from_slice(self.payload);
+        bytes
+    }
+
+    /// Writes the sizes that the streams have. They settle it only if they fill the file, each where the one before it ends.
+    fn measure_streams(&mut self, changes: &mut Vec<String>) -> Result<(), String> {
+        const SIZES: usize = 12;
+        let unsettled = "the streams do not settle what is wrong with it";
+        let mut at = 0_usize;
+        for plane in 0..self.format.channels() {
+            let stream = self.payload.get(at..).ok_or(unsettled)?;
+            let size = stream_length(stream).ok_or(unsettled)?;
+            let text = &mut self.lines[SIZES][plane];
+            if *text != size.to_string() {
+                changes.push(format!(
+                    "the compressed size of plane {plane} is {size}, not {text}"
+                ));
+                *text = size.to_string();
+            }
+            let side: usize = self.lines[SIZES + 1][plane]
+                .parse()
+                .map_err(|_| unsettled)?;
+            at = at
+                .checked_add(size)
+                .and_then(|at| at.checked_add(side))
+                .ok_or(unsettled)?;
+        }
+        match at == self.payload.len() && !changes.is_empty() {
+            true => Ok(()),
+            false => Err(unsettled.to_owned()),
+        }
+    }
+}
+
+/// The words of a header.
+struct Words<'a> {
+    file: &'a [u8],
+    at: usize,
+}
+
+impl<'a> Words<'a> {
+    fn rest(&self) -> &'a [u8] {
+        &self.file[self.at..]
+    }
+
+    /// The next word, after any white space.
+    fn next(&mut self) -> Result<String, String> {
+        const LONGEST: usize = 256;
+        let is_blank = |byte: &u8| matches!(byte, b' ' | b'\t' | b'\r' | b'\n');
+        let blanks = self
+            .rest()
+            .iter()
+            .take_while(|&byte| is_blank(byte))
+            .count();
+        let word: Vec<u8> = self.rest()[blanks..]
+            .iter()
+            .take(LONGEST)
+            .take_while(|byte| byte.is_ascii_graphic())
+            .copied()
+            .collect();
+        self.at += blanks + word.len();
+        match String::from_utf8(word) {
+            Ok(word) if !word.is_empty() => Ok(word),
+            _ => Err(format!("its header ends at byte {}", self.at)),
+        }
+    }
+}
+
+/// Without spaces and tabs at the beginning.
+fn after_blanks(bytes: &[u8]) -> &[u8] {
+    let blanks = bytes.iter().take_while(|byte| matches!(byte, b' ' | b'\t'));
+    &bytes[blanks.count()..]
+}
+
+/// The bytes from SOI to EOI, by the lengths of segments and, in the data, by the next marker (T.81 B.1, T.87 C.1).
+fn stream_length(stream: &[u8]) -> Option<usize> {
+    let mut at = stream.starts_with(&[0xff, 0xd8]).then_some(2)?;
+    loop {
+        let &[0xff, marker] = stream.get(at..at + 2)? else {
+            return None;
+        };
+        at += 2;
+        match marker {
+            0xd9 => return Some(at),
+            0x01 | 0xd0..=0xd7 => {}
+            0xff => at -= 1,
+            _ => {
+                let length = stream.get(at..at + 2)?;
+                at += usize::from(u16::from_be_bytes([length[0], length[1]])).max(2);
+            }
+        }
+        if marker == 0xda {
+            // In the data a byte below 128 follows 0xff, or a restart marker.
+            let ends = |pair: &[u8]| {
+                pair[0] == 0xff && pair[1] >= 0x80 && !(0xd0..=0xd7).contains(&pair[1])
+            };
+            at += stream.get(at..)?.windows(2).position(ends)?;
+        }
+    }
+}
+
+/// The file without what follows its last value.
+fn without_rest(mut bytes: Vec<u8>, changes: &mut Vec<String>) -> Vec<u8> {
+    let (fields, outcome) = examine(&bytes);
+    let end = fields
+        .iter()
+        .map(|field| field.range.end)
+        .max()
+        .unwrap_or(0);
+    if outcome.is_ok() && end < bytes.len() {
+        changes.push(format!(
+            "{} bytes after the last value are left out",
+            bytes.len() - end
+        ));
+        bytes.truncate(end);
+    }
+    bytes
+}
+
+/// The file without records that a later one of the same texel overrides.
+fn without_overridden_records(
+    bytes: Vec<u8>,
+    changes: &mut Vec<String>,
+) -> Result<Vec<u8>, String> {
+    let (fields, outcome) = examine(&bytes);
+    outcome.map_err(|error| error.to_string())?;
+    let of_clause = |clause| fields.iter().filter(move |field| field.clause == clause);
+    let mut edits = Vec::new();
+    for (plane, (size, side)) in of_clause("2.9.7/1").zip(of_clause("2.9.8/4")).enumerate() {
+        let mut seen = HashSet::new();
+        let mut kept: Vec<&[u8]> = bytes[side.range.clone()].chunks(5).collect();
+        let all = kept.len();
+        kept.reverse();
+        kept.retain(|record| seen.insert(record[..4].to_vec()));
+        kept.reverse();
+        if kept.len() < all {
+            let left_out = all - kept.len();
+            changes.push(format!(
+                "plane {plane}: {left_out} records that a later one overrides are left out"
+            ));
+            let kept = kept.concat();
+            edits.push((size.range.clone(), kept.len().to_string().into_bytes()));
+            edits.push((side.range.clone(), kept));
+        }
+    }
+    // From the end, so that what comes before stays where it is.
+    edits.sort_by_key(|(range, _)| std::cmp::Reverse(range.start));
+    let mut bytes = bytes;
+    for (range, with) in edits {
+        bytes.splice(range, with);
+    }
+    Ok(bytes)
+}

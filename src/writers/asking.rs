@@ -1,0 +1,118 @@
+//! Asking a program to write a file.
+
+use crate::protocol::frame::Answer;
+use crate::runner::run::{Decoder, Reply, Request};
+use crate::runner::scratch::Scratch;
+use crate::runner::write::{Attachment, WriteCall};
+use crate::session::run::Run;
+use crate::suite::cases::{Suite, TableSpelling};
+use crate::suite::test_case::TestCase;
+use crate::writers::cases::WriterCase;
+use crate::writers::request::RequestHeader;
+use crate::writers::test_case::{WriteView, WrittenFile};
+
+/// What a template can name of a request, besides `{in}` and `{out}`.
+pub const VALUES: [&str; 10] = [
+    "planes", "format", "width", "height", "scale", "bias", "matrix", "quality", "near", "lp",
+];
+
+/// Asks once for the file of a case of `suite`.
+///
+/// # Panics
+/// If the request is of another suite.
+#[must_use]
+pub fn ask(
+    writer: &Decoder,
+    suite: &Suite<WriterCase>,
+    request: &Request<'_, WriteView>,
+    scratch: &Scratch,
+) -> Reply<WrittenFile> {
+    let case = suite.case(request.name).expect("a case of this suite");
+    let built = case.made(TableSpelling::default());
+    let json = String::from_utf8_lossy(&built.json);
+    let planes = Attachment {
+        name: "planes".to_owned(),
+        file_name: "planes.npy".to_owned(),
+        bytes: built.request.array(),
+    };
+    let call = WriteCall {
+        request: &json,
+        attachments: &[planes],
+        values: &values(&built.request.header),
+        most: request.largest_frame,
+        timeout_factor: request.timeout_factor,
+    };
+    let result = writer.write(&call, scratch);
+    let answer = match result.output {
+        Ok(bytes) => Answer::Decoded(WrittenFile(bytes)),
+        Err(answer) => match answer.decoded() {
+            Err(answer) => answer,
+            Ok(_) => unreachable!("what was decoded is what it wrote"),
+        },
+    };
+    Reply {
+        stderr: result.stderr,
+        exit: result.exit,
+        stdout: result.stdout,
+        ..answer.into()
+    }
+}
+
+/// The values of a header as words of a command line; lists are separated by commas.
+fn values(header: &RequestHeader) -> Vec<(&'static str, String)> {
+    let list = |numbers: &[f64]| {
+        let numbers: Vec<String> = numbers.iter().map(f64::to_string).collect();
+        numbers.join(",")
+    };
+    let bias = header.bias.map(|bias| bias as f64);
+    let number = |number: Option<u8>| number.map(|number| number.to_string());
+    vec![
+        ("format", header.format.clone()),
+        ("width", header.width.to_string()),
+        ("height", header.height.to_string()),
+        ("scale", list(&header.scale)),
+        ("bias", list(&bias)),
+        (
+            "matrix",
+            header
+                .matrix
+                .map(|matrix| list(&matrix))
+                .unwrap_or_default(),
+        ),
+        ("quality", number(header.quality).unwrap_or_default()),
+        ("near", number(header.near).unwrap_or_default()),
+    ]
+}
+
+/// Says of a program that is no writer what a writer should do, and not what a decoder should.
+pub fn reword(run: &mut Run<WriterCase>) {
+    let Some(reason) = &run.not_a_decoder else {
+        return;
+    };
+    let answers = || run.first.iter().map(|first| &first.reply.answer);
+    let only = |wanted: fn(&Answer<WrittenFile>) -> bool| answers().all(wanted);
+    let first = run
+        .first
+        .iter()
+        .find(|first| first.reply.answer.violation().is_some());
+    let says = match first {
+        _ if reason.contains("cannot be") => return,
+        _ if only(|answer| matches!(answer, Answer::Unsupported)) => {
+            "it answers every first request with 69 (unsupported)".to_owned()
+        }
+        None => "it writes none of the first files, and refuses them".to_owned(),
+        Some(first) => {
+            let answer = &first.reply.answer;
+            let what = answer.violation().unwrap_or_default();
+            let stderr = match first.reply.stderr.is_empty() {
+                true => String::new(),
+                false => format!("\nits standard error begins:\n{}", first.reply.stderr),
+            };
+            format!(
+                "it writes none of the first files; the first of its answers: {}: {what}{stderr}",
+                answer.name()
+            )
+        }
+    };
+    run.not_a_decoder = Some(says);
+}

@@ -1,0 +1,169 @@
+//! Cases: one request each and what is expected of its writer.
+
+use std::collections::BTreeMap;
+
+use serde::Deserialize;
+
+use crate::generate::plan::Residuals;
+use crate::generate::recipe::Indices;
+use crate::generate::{Model, Recipe};
+use crate::kit::yaml::records;
+use crate::ptm::Format;
+use crate::suite::cases::{Expect, Suite};
+use crate::suite::recipes::MakeRecord;
+use crate::suite::words::Words;
+use crate::writers::request::{PredictionAdvice, RequestHeader, WriteRequest};
+
+/// The requests that are part of the program.
+const REQUESTS: &str = include_str!("../../spec-cases/writers/requests.yaml");
+
+/// One request and what is expected of its writer.
+#[derive(Clone, Debug)]
+pub struct WriterCase {
+    /// A permanent slug.
+    pub id: String,
+    /// The clauses it is about.
+    pub clauses: Vec<String>,
+    /// Why it is there, in a sentence.
+    pub because: String,
+    /// What is asked: a file with the values, or a refusal.
+    pub expect: Expect,
+    /// Whether it is asked before all others.
+    pub first: bool,
+    /// Whether it is one of the few of the smoke subset.
+    pub smoke: bool,
+    /// What is in the file.
+    recipe: Recipe,
+}
+
+/// A request as it is written: one, or with `for_each` one for every combination of the listed words.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RequestRecord {
+    id: String,
+    clauses: Vec<String>,
+    because: String,
+    #[serde(default)]
+    for_each: BTreeMap<String, Vec<String>>,
+    make: MakeRecord,
+    expect: Asked,
+    #[serde(default)]
+    first: bool,
+    /// Ids of the smoke subset among those of `for_each`; all of them if it is `[all]`.
+    #[serde(default)]
+    smoke: Vec<String>,
+}
+
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(rename_all = "lowercase")]
+enum Asked {
+    Decode,
+    Refuse,
+}
+
+impl Suite<WriterCase> {
+    /// The suite of requests that is part of the program.
+    ///
+    /// # Errors
+    /// A sentence that names the line or the request at fault.
+    pub fn of_requests() -> Result<Suite<WriterCase>, String> {
+        let records = records(REQUESTS).map_err(|error| format!("requests.yaml: {error}"))?;
+        let mut cases: Vec<WriterCase> = Vec::new();
+        for (line, record) in records {
+            let record: RequestRecord = record;
+            for words in Words::combinations(&record.for_each) {
+                let id = words.id(&record.id);
+                let named = |error| format!("requests.yaml: line {line}: {id}: {error}");
+                if cases.iter().any(|case| case.id == id) {
+                    return Err(named("is there twice".to_owned()));
+                }
+                cases.push(record.case(&words).map_err(named)?);
+            }
+        }
+        Ok(Suite { cases })
+    }
+}
+
+impl RequestRecord {
+    fn case(&self, words: &Words) -> Result<WriterCase, String> {
+        let mut recipe = self.make.recipe(words)?;
+        if recipe.format.has_table() {
+            // Every entry is in the planes, as far as there are texels for it.
+            recipe.indices = Indices::These((0..recipe.entries).collect());
+        }
+        recipe.compression.residuals = Residuals::Natural;
+        let id = words.id(&self.id);
+        Ok(WriterCase {
+            smoke: self.first || self.smoke.contains(&id) || self.smoke == ["all"],
+            id,
+            clauses: self.clauses.clone(),
+            because: words.fill(&self.because),
+            expect: match self.expect {
+                Asked::Decode => Expect::Decode,
+                Asked::Refuse => Expect::Refuse,
+            },
+            first: self.first,
+            recipe,
+        })
+    }
+}
+
+impl WriterCase {
+    /// The format that is asked for.
+    #[must_use]
+    pub fn format(&self) -> Format {
+        self.recipe.format
+    }
+
+    /// How many distinct polynomials the planes have, of formats with a table.
+    #[must_use]
+    pub fn entries(&self) -> Option<u32> {
+        self.recipe
+            .format
+            .has_table()
+            .then_some(self.recipe.entries)
+    }
+
+    /// The request, whose planes are called `{planes}`.
+    #[must_use]
+    pub fn request(&self) -> WriteRequest {
+        let recipe = &self.recipe;
+        let format = recipe.format;
+        let plan = &recipe.compression;
+        let predicts = format.is_compressed() && plan.predicts();
+        WriteRequest {
+            header: RequestHeader {
+                format: format.name().to_owned(),
+                width: recipe.size.width,
+                height: recipe.size.height,
+                scale: recipe.scale.values,
+                bias: recipe.bias.values.map(|bias| bias as i64),
+                matrix: (format == Format::Lum).then_some(recipe.matrix.values),
+                quality: format.is_jpeg().then_some(plan.parameter),
+                near: format.is_jpeg_ls().then_some(plan.parameter),
+                prediction: predicts.then(|| PredictionAdvice {
+                    references: plan.references.clone(),
+                    order: plan.order.clone(),
+                    transforms: plan.transforms.clone(),
+                    motion_x: plan.motion_x.clone(),
+                    motion_y: plan.motion_y.clone(),
+                }),
+                planes: "{planes}".to_owned(),
+            },
+            format,
+            samples: self.samples(),
+        }
+    }
+
+    /// What is painted, before any compression.
+    fn samples(&self) -> Vec<u8> {
+        let mut plain = self.recipe.clone();
+        if plain.format.is_compressed() {
+            plain.format = match plain.format.channels() {
+                18 => Format::Rgb,
+                _ => Format::Lrgb,
+            };
+        }
+        Model::paint(&plain).samples
+    }
+}

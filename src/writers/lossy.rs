@@ -1,0 +1,182 @@
+//! What a lossy format may make of the planes that were asked for.
+//!
+//! A coefficient of the cosine transform is off by half its quantization step at most, and the transform keeps the sum of
+//! squares; so the squared errors of a block of 8 × 8 samples add up to at most a quarter of the squared steps, whatever
+//! the encoder. JPEG-LS says it outright: no sample is off by more than NEAR.
+//!
+//! Format notes
+//! - Residuals wrap around, so errors are counted on the circle of 256 values; but a texel that ends on the other side of
+//!   the scale is wrong, and a record of side information must correct it (clause 2.9.8/4).
+//! - A corrected texel has the very value that was asked for.
+
+use std::collections::HashSet;
+
+use crate::codec::jpeg::scaled_steps;
+use crate::ptm::channel_name;
+use crate::tools::dissection::{Dissection, Role};
+use crate::writers::fault::WriterFault;
+use crate::writers::request::WriteRequest;
+
+/// Beyond what quantization loses: an encoder's and a decoder's transform in whole numbers, for each sample.
+const ROUNDING: f64 = 1.0;
+
+/// Holds the planes of a lossy file against those that were asked for.
+///
+/// # Errors
+/// What is wrong, at the first place.
+pub(super) fn compare(
+    request: &WriteRequest,
+    dissection: &Dissection,
+    decoded: &[u8],
+) -> Result<(), WriterFault> {
+    let channels = request.format.channels();
+    (0..channels).try_for_each(|plane| {
+        let side = dissection.bytes(Role::Side(plane)).unwrap_or_default();
+        let lossy = LossyPlane::of(request, plane, decoded, side);
+        lossy.check_ends()?;
+        lossy.check_loss()
+    })
+}
+
+/// Whether samples are those that were asked for, as far as the format's loss allows; without side information.
+pub(super) fn is_within(request: &WriteRequest, decoded: &[u8]) -> bool {
+    if !request.is_lossy() {
+        return decoded == request.samples;
+    }
+    (0..request.format.channels()).all(|plane| {
+        let lossy = LossyPlane::of(request, plane, decoded, &[]);
+        lossy.check_ends().and_then(|()| lossy.check_loss()).is_ok()
+    })
+}
+
+/// The samples of a plane in the stored raster, the bottom row first.
+pub(super) fn stored_plane(request: &WriteRequest, samples: &[u8], plane: usize) -> Vec<u8> {
+    let channels = request.format.channels();
+    let row = request.header.width as usize * channels;
+    let rows = samples.chunks_exact(row).rev();
+    rows.flat_map(|row| row.iter().skip(plane).step_by(channels))
+        .copied()
+        .collect()
+}
+
+/// The positions of records of five bytes (clause 2.9.8/5).
+fn positions(side: &[u8]) -> HashSet<usize> {
+    let records = side.as_chunks::<5>().0.iter();
+    records
+        .map(|&[p3, p2, p1, p0, _]| u32::from_be_bytes([p3, p2, p1, p0]) as usize)
+        .collect()
+}
+
+/// A plane of a lossy file.
+struct LossyPlane<'a> {
+    request: &'a WriteRequest,
+    plane: usize,
+    /// What was asked for, in the stored raster.
+    wanted: Vec<u8>,
+    /// What the reference decodes.
+    found: Vec<u8>,
+    /// Texels that have a record.
+    corrected: HashSet<usize>,
+}
+
+impl<'a> LossyPlane<'a> {
+    fn of(request: &'a WriteRequest, plane: usize, decoded: &[u8], side: &[u8]) -> LossyPlane<'a> {
+        LossyPlane {
+            request,
+            plane,
+            wanted: stored_plane(request, &request.samples, plane),
+            found: stored_plane(request, decoded, plane),
+            corrected: positions(side),
+        }
+    }
+
+    /// No more is lost than the format allows.
+    fn check_loss(&self) -> Result<(), WriterFault> {
+        match self.request.header.quality {
+            Some(quality) => self.check_blocks(quality),
+            None => self.check_near(self.request.header.near.unwrap_or_default()),
+        }
+    }
+
+    /// Corrected texels are right, and no other is on the wrong side of the scale.
+    fn check_ends(&self) -> Result<(), WriterFault> {
+        let pairs = self.wanted.iter().zip(&self.found).enumerate();
+        for (place, (&wanted, &found)) in pairs {
+            if self.corrected.contains(&place) && wanted != found {
+                return Err(self.fault(
+                    "2.9.8/8",
+                    place,
+                    "its record of side information has another value",
+                ));
+            }
+            if wanted.abs_diff(found) > 128 {
+                return Err(self.fault(
+                    "2.9.8/4",
+                    place,
+                    "the loss takes it past the end of the scale, and no record of side information corrects it",
+                ));
+            }
+        }
+        Ok(())
+    }
+
+    /// JPEG-LS: no sample is off by more than `near`.
+    fn check_near(&self, near: u8) -> Result<(), WriterFault> {
+        let mut pairs = self.wanted.iter().zip(&self.found);
+        match pairs.position(|(&wanted, &found)| on_the_circle(wanted, found) > near) {
+            None => Ok(()),
+            Some(place) => Err(self.fault(
+                "2.9.1/1",
+                place,
+                &format!("a loss of at most {near} was asked for"),
+            )),
+        }
+    }
+
+    /// JPEG: no block is off by more than the quantization steps of `quality` allow.
+    fn check_blocks(&self, quality: u8) -> Result<(), WriterFault> {
+        let steps = scaled_steps(quality, false).map(f64::from);
+        let of_steps = steps.iter().map(|step| step * step / 4.0).sum::<f64>();
+        let allowed = (of_steps.sqrt() + 8.0 * ROUNDING).powi(2);
+        let width = self.request.header.width as usize;
+        let columns = width.div_ceil(8);
+        let rows = (self.request.header.height as usize).div_ceil(8);
+        let mut lost = vec![0.0; columns * rows];
+        for (place, (&wanted, &found)) in self.wanted.iter().zip(&self.found).enumerate() {
+            let block = place / width / 8 * columns + place % width / 8;
+            lost[block] += f64::from(on_the_circle(wanted, found)).powi(2);
+        }
+        match lost.iter().position(|&lost| lost > allowed) {
+            None => Ok(()),
+            Some(block) => {
+                let place = block / columns * 8 * width + block % columns * 8;
+                let [lost, allowed] = [lost[block], allowed].map(|sum| (sum / 64.0).sqrt());
+                Err(self.fault(
+                    "2.9.1/1",
+                    place,
+                    &format!(
+                        "its block of 8 × 8 is off by {lost:.1} (root mean square), and quality {quality} allows {allowed:.1}"
+                    ),
+                ))
+            }
+        }
+    }
+
+    /// A fault at a place of the stored raster.
+    fn fault(&self, clause: &str, place: usize, why: &str) -> WriterFault {
+        let width = self.request.header.width as usize;
+        let height = self.request.header.height as usize;
+        let (x, y) = (place % width, height - 1 - place / width);
+        let (wanted, found) = (self.wanted[place], self.found[place]);
+        let name = channel_name(self.request.format.channels(), self.plane);
+        WriterFault::new(
+            clause,
+            format!("texel ({x}, {y}), {name}: expected {wanted}, the file gives {found}: {why}"),
+        )
+    }
+}
+
+/// How far two values are apart on the circle of 256.
+fn on_the_circle(a: u8, b: u8) -> u8 {
+    a.wrapping_sub(b).min(b.wrapping_sub(a))
+}

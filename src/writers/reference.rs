@@ -1,0 +1,74 @@
+//! The reference as a writer: what the generator makes of a request, in the spelling that every known reader accepts.
+
+use crate::generate::plan::{Compression, Residuals};
+use crate::generate::{Model, Recipe, write};
+use crate::ptm::Format;
+use crate::writers::request::WriteRequest;
+
+/// Why a request was not carried out.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum NotWritten {
+    /// No file can hold these values: exit status 65.
+    Impossible(String),
+    /// The reference does not write such a file: exit status 69.
+    Unsupported(String),
+}
+
+/// The file that the reference writes.
+///
+/// # Errors
+/// Why there is none.
+pub fn written(request: &WriteRequest) -> Result<Vec<u8>, NotWritten> {
+    let recipe = recipe(request)?;
+    let model = Model::of(&recipe, &request.samples).map_err(NotWritten::Impossible)?;
+    Ok(write(&recipe, &model).bytes)
+}
+
+/// How the generator is told to write it.
+///
+/// # Errors
+/// Why the reference does not write such a file.
+pub fn recipe(request: &WriteRequest) -> Result<Recipe, NotWritten> {
+    let WriteRequest { header, format, .. } = request;
+    let mut recipe = Recipe::ordinary(*format, request.size());
+    let numbers = "numbers were written";
+    recipe.scale = header.scale.map(decimal).join(" ").parse().expect(numbers);
+    let bias = header.bias.map(|bias| bias.to_string());
+    recipe.bias = bias.join(" ").parse().expect(numbers);
+    if let Some(matrix) = header.matrix {
+        recipe.matrix = matrix.map(decimal).join(" ").parse().expect(numbers);
+    }
+    if format.is_compressed() {
+        recipe.compression = compression(request, *format)?;
+    }
+    recipe.check().map_err(NotWritten::Unsupported)?;
+    Ok(recipe)
+}
+
+fn compression(request: &WriteRequest, format: Format) -> Result<Compression, NotWritten> {
+    let header = &request.header;
+    let mut plan = Compression::ordinary(format);
+    plan.parameter = header.quality.or(header.near).unwrap_or_default();
+    plan.residuals = Residuals::Natural;
+    if let Some(prediction) = &header.prediction {
+        plan.references.clone_from(&prediction.references);
+        plan.order.clone_from(&prediction.order);
+        plan.transforms.clone_from(&prediction.transforms);
+        plan.motion_x.clone_from(&prediction.motion_x);
+        plan.motion_y.clone_from(&prediction.motion_y);
+        let lists = [plan.references.len(), plan.order.len()];
+        if lists.iter().any(|&length| length != format.channels()) {
+            let says = format!("every list of {format} has {} numbers", format.channels());
+            return Err(NotWritten::Impossible(says));
+        }
+    }
+    Ok(plan)
+}
+
+/// A number with all its digits, without an exponent where that is readable.
+fn decimal(number: f64) -> String {
+    match number.abs() {
+        0.0 | 1e-20..1e20 => number.to_string(),
+        _ => format!("{number:e}"),
+    }
+}

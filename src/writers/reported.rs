@@ -1,0 +1,103 @@
+//! What a report says of a writer.
+
+use maud::{Markup, html};
+
+use crate::diagnose::Diagnosis;
+use crate::kit::digest::sha256;
+use crate::misreadings::Misreading;
+use crate::report::document::{FollowedReading, SuiteName};
+use crate::report::reported::Reported;
+use crate::session::asking::Undo;
+use crate::session::contact::Contact;
+use crate::session::observation::{Observation, Response};
+use crate::session::remark::Remark;
+use crate::session::run::Run;
+use crate::suite::cases::{Suite, TableSpelling};
+use crate::suite::clauses::{self, Clause, Ruling};
+use crate::suite::features::Feature;
+use crate::writers::cases::WriterCase;
+use crate::writers::diagnose::diagnose;
+
+/// Bytes of a wrong file that a page shows.
+const SHOWN: usize = 512;
+
+impl Reported for WriterCase {
+    const SUITE: SuiteName = SuiteName::Writers;
+
+    type Place = &'static Misreading;
+
+    fn suite() -> Result<Suite<WriterCase>, String> {
+        Suite::of_requests()
+    }
+
+    fn all_clauses() -> Result<Vec<Clause>, String> {
+        clauses::clauses()
+    }
+
+    fn all_rulings() -> Result<Vec<Ruling>, String> {
+        clauses::rulings()
+    }
+
+    fn digest(suite: &Suite<WriterCase>) -> String {
+        let digests = suite.cases.iter().map(|case| {
+            let request = case.request();
+            sha256(&[request.header.to_json().as_bytes(), &request.samples].concat())
+        });
+        sha256(digests.collect::<String>().as_bytes())
+    }
+
+    fn readings_of_files(_: &Suite<WriterCase>, _: &Run<WriterCase>) -> Vec<FollowedReading> {
+        Vec::new()
+    }
+
+    fn is_listed(_: &str, _: &Feature) -> bool {
+        false
+    }
+
+    fn evidence(&self, _: TableSpelling, observation: &Observation<WriterCase>) -> Markup {
+        let file = match &observation.response {
+            Response::Picture { frame, .. } => frame.as_ref().map(|file| &file.0[..]),
+            _ => None,
+        };
+        html! {
+            p.label { "The request" }
+            pre.bytes tabindex="0" { (self.request().header.to_json()) }
+            @if let Some(file) = file {
+                p.label { "The file, " (file.len()) " bytes" @if file.len() > SHOWN { ", its beginning" } }
+                pre.bytes tabindex="0" { (file[..file.len().min(SHOWN)].escape_ascii().to_string().replace("\\n", "\\n\n")) }
+            }
+            @if !observation.stderr.is_empty() {
+                p.label { "Its standard error" }
+                pre.stderr tabindex="0" { (observation.stderr) }
+            }
+        }
+    }
+
+    fn common_transforms(
+        _: &Suite<WriterCase>,
+        _: &Contact<WriterCase>,
+    ) -> (Vec<Undo<WriterCase>>, Vec<Remark>) {
+        (Vec::new(), Vec::new())
+    }
+
+    fn assume(
+        _: &Suite<WriterCase>,
+        _: &mut Run<WriterCase>,
+        slugs: &[String],
+        _: usize,
+    ) -> Result<(), String> {
+        match slugs {
+            [] => Ok(()),
+            _ => Err("--assume is for decoders".to_owned()),
+        }
+    }
+
+    fn diagnose(
+        suite: &Suite<WriterCase>,
+        run: &Run<WriterCase>,
+        _: &[String],
+        threads: usize,
+    ) -> Vec<Diagnosis<&'static Misreading>> {
+        diagnose(suite, run, threads)
+    }
+}

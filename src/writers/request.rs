@@ -1,0 +1,166 @@
+//! What a writer is asked to write: the values of a header in JSON, and the planes in a NumPy array beside it.
+//!
+//! ```json
+//! {
+//!   "format": "PTM_FORMAT_JPEG_LRGB", "width": 3, "height": 2,
+//!   "scale": [0.5, 0.25, 0.5, 0.25, 0.5, 0.75], "bias": [128, 100, 140, 120, 130, 3],
+//!   "quality": 75,
+//!   "planes": "/scratch/7/planes.npy"
+//! }
+//! ```
+//!
+//! - `matrix`: sixteen numbers in the order of the file, of LUM only.
+//! - `quality`: of JPEG formats, 20 to 100. `near`: of JPEG-LS formats, the largest loss, 0 for none.
+//! - `prediction`: a way to predict planes from each other that a writer may follow: five lists with a number for each
+//!   plane, `references`, `order`, `transforms`, `motion_x`, `motion_y`, with the meanings of 2.9.2 to 2.9.5.
+//! - `planes`: the stored values, height × width × channels, u8, the top row first.
+
+use serde::{Deserialize, Serialize};
+
+use crate::protocol::frame::Samples;
+use crate::protocol::npy;
+use crate::ptm::{Format, Size};
+use crate::tools::export::npy_bytes;
+
+/// What to write.
+#[derive(Clone, Debug, PartialEq)]
+pub struct WriteRequest {
+    /// The values of the header.
+    pub header: RequestHeader,
+    /// The format, as `header` names it.
+    pub format: Format,
+    /// `height * width * channels` stored values, texel after texel, top row first.
+    pub samples: Vec<u8>,
+}
+
+/// All of a request but the planes: what stands in its JSON.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RequestHeader {
+    /// The name of 2.2.
+    pub format: String,
+    /// Texels in a row.
+    pub width: u32,
+    /// Rows.
+    pub height: u32,
+    /// The six scales of 2.4.
+    pub scale: [f64; 6],
+    /// The six biases of 2.4.
+    pub bias: [i64; 6],
+    /// The matrix of 2.6, in the order of the file.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub matrix: Option<[f64; 16]>,
+    /// The quality of JPEG planes (2.9.1).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub quality: Option<u8>,
+    /// The largest loss of JPEG-LS planes (2.9.1).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub near: Option<u8>,
+    /// How planes may be predicted.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub prediction: Option<PredictionAdvice>,
+    /// Where the planes lie.
+    pub planes: String,
+}
+
+/// How planes may be predicted from each other; a number for each plane in every list.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PredictionAdvice {
+    /// The plane that each is predicted from, −1 for none (2.9.5).
+    pub references: Vec<i64>,
+    /// The rank of each (2.9.4).
+    pub order: Vec<i64>,
+    /// What is done to the reference (2.9.2).
+    pub transforms: Vec<u32>,
+    /// Motion along rows, in half texels (2.9.3).
+    pub motion_x: Vec<i32>,
+    /// Motion across rows, in half texels.
+    pub motion_y: Vec<i32>,
+}
+
+impl RequestHeader {
+    /// Reads the JSON of a request.
+    ///
+    /// # Errors
+    /// What is wrong with it, in a sentence.
+    pub fn read(json: &[u8]) -> Result<RequestHeader, String> {
+        serde_json::from_slice(json).map_err(|error| format!("the request: {error}"))
+    }
+
+    /// The JSON, on one line for each key.
+    #[must_use]
+    pub fn to_json(&self) -> String {
+        let text = serde_json::to_string_pretty(self).expect("a request is numbers and names");
+        text + "\n"
+    }
+
+    /// Joins the header with the planes of `array`, a NumPy file.
+    ///
+    /// # Errors
+    /// What of the array or of the header does not fit the format, in a sentence.
+    pub fn with_planes(self, array: &[u8]) -> Result<WriteRequest, String> {
+        let format: Format = self.format.parse()?;
+        let frame = npy::read(array, "raw").map_err(|error| format!("the planes: {error}"))?;
+        let Samples::U8(samples) = frame.samples else {
+            return Err("the planes: their type is not u8".to_owned());
+        };
+        let shape = (frame.height, frame.width, frame.channels);
+        let expected = (self.height, self.width, format.channels() as u32);
+        if shape != expected {
+            return Err(format!(
+                "the planes have shape {shape:?}, and the request needs {expected:?}"
+            ));
+        }
+        WriteRequest {
+            header: self,
+            format,
+            samples,
+        }
+        .checked()
+    }
+}
+
+impl WriteRequest {
+    /// Width and height.
+    #[must_use]
+    pub fn size(&self) -> Size {
+        Size {
+            width: self.header.width,
+            height: self.header.height,
+        }
+    }
+
+    /// The planes as a NumPy file.
+    #[must_use]
+    pub fn array(&self) -> Vec<u8> {
+        npy_bytes(&self.samples, self.size(), self.format.channels())
+    }
+
+    /// The same, if a file of its format has all that it names and nothing else.
+    fn checked(self) -> Result<WriteRequest, String> {
+        let (format, header) = (self.format, &self.header);
+        let needs = [
+            ("matrix", format == Format::Lum, header.matrix.is_some()),
+            ("quality", format.is_jpeg(), header.quality.is_some()),
+            ("near", format.is_jpeg_ls(), header.near.is_some()),
+        ];
+        for (key, needed, given) in needs {
+            match (needed, given) {
+                (true, false) => return Err(format!("{format} needs \"{key}\"")),
+                (false, true) => return Err(format!("{format} has no \"{key}\"")),
+                _ => {}
+            }
+        }
+        if header.width == 0 || header.height == 0 {
+            return Err("a map has at least one texel".to_owned());
+        }
+        if !header.scale.iter().all(|scale| scale.is_finite()) {
+            return Err("a scale is a finite number".to_owned());
+        }
+        if header.prediction.is_some() && !format.is_compressed() {
+            return Err(format!("{format} has no planes that predict each other"));
+        }
+        Ok(self)
+    }
+}

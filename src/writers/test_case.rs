@@ -1,0 +1,212 @@
+//! The suite of requests as a run asks it: a request, answered with a file.
+
+use std::collections::BTreeSet;
+use std::fmt;
+
+use data_encoding::BASE64;
+use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
+
+use crate::decode::decode;
+use crate::ptm::Format;
+use crate::suite::cases::{Expect, TableSpelling};
+use crate::suite::dialect::{Choices, Dialect, Right};
+use crate::suite::features::Feature;
+use crate::suite::test_case::{Comparison, TestCase};
+use crate::writers::cases::WriterCase;
+use crate::writers::fault::WriterFault;
+use crate::writers::judge::judge;
+use crate::writers::request::WriteRequest;
+
+/// The one thing that a writer is asked for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct WriteView;
+
+impl fmt::Display for WriteView {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("write")
+    }
+}
+
+/// The file that a writer wrote.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct WrittenFile(pub Vec<u8>);
+
+impl Serialize for WrittenFile {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(&BASE64.encode(&self.0))
+    }
+}
+
+impl<'de> Deserialize<'de> for WrittenFile {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<WrittenFile, D::Error> {
+        let text = String::deserialize(deserializer)?;
+        let bytes = BASE64.decode(text.as_bytes()).map_err(de::Error::custom)?;
+        Ok(WrittenFile(bytes))
+    }
+}
+
+/// A request and what is sent of it.
+pub struct BuiltRequest {
+    /// The request.
+    pub request: WriteRequest,
+    /// Its JSON, in which the path of the planes is still a name in braces.
+    pub json: Vec<u8>,
+}
+
+impl TestCase for WriterCase {
+    type View = WriteView;
+    type Output = WrittenFile;
+    type Difference = WriterFault;
+    type Feature = Feature;
+    type Built = BuiltRequest;
+    type Decisions = ();
+
+    const VIEWS: &'static [&'static str] = &["write"];
+    const CHOICES: Choices<()> = Choices(&[]);
+    const ACCEPTED: &'static str = "wrote a file where none is legal";
+    const NOT_UNSUPPORTED: &'static str =
+        "answered 69 (unsupported), but writes other files of this kind";
+
+    fn id(&self) -> &str {
+        &self.id
+    }
+
+    fn clauses(&self) -> &[String] {
+        &self.clauses
+    }
+
+    fn because(&self) -> String {
+        self.because.clone()
+    }
+
+    fn ruling(&self) -> Option<&str> {
+        None
+    }
+
+    fn expect(&self) -> Expect {
+        self.expect
+    }
+
+    fn expectation(&self) -> &'static str {
+        match self.expect {
+            Expect::Refuse => "refuse",
+            _ => "write",
+        }
+    }
+
+    fn is_first(&self) -> bool {
+        self.first
+    }
+
+    fn views(&self) -> &[WriteView] {
+        &[WriteView]
+    }
+
+    fn view_name(_: &WriteView) -> &'static str {
+        "write"
+    }
+
+    fn kind(&self) -> Feature {
+        Feature::Format(self.format())
+    }
+
+    fn features(&self, _: &WriteView) -> BTreeSet<Feature> {
+        let mut features = BTreeSet::from([self.kind()]);
+        if self.entries().is_some_and(|entries| entries > 256) {
+            features.insert(Feature::LargeTables);
+        }
+        features
+    }
+
+    /// A refusal proves nothing of a format that the writer does not write.
+    fn twins(cases: &[WriterCase]) -> Vec<Vec<usize>> {
+        let written = |format: Format| {
+            let of_format = cases.iter().enumerate();
+            of_format
+                .filter(|(_, other)| other.format() == format && other.expect == Expect::Decode)
+                .map(|(i, _)| i)
+                .collect()
+        };
+        let twins = |case: &WriterCase| match case.expect {
+            Expect::Refuse => written(case.format()),
+            _ => Vec::new(),
+        };
+        cases.iter().map(twins).collect()
+    }
+
+    fn has_table(&self) -> bool {
+        false
+    }
+
+    fn spelling(&self) -> Option<TableSpelling> {
+        None
+    }
+
+    fn made(&self, _: TableSpelling) -> BuiltRequest {
+        let request = self.request();
+        BuiltRequest {
+            json: request.header.to_json().into_bytes(),
+            request,
+        }
+    }
+
+    fn file(built: &BuiltRequest) -> &[u8] {
+        &built.json
+    }
+
+    /// Twice what lies in the planes, and the largest header.
+    fn largest_answer(&self, built: &BuiltRequest) -> usize {
+        2 * built.request.samples.len() + 65_536
+    }
+
+    fn compare(
+        &self,
+        built: &BuiltRequest,
+        _: &WriteView,
+        file: &WrittenFile,
+    ) -> Comparison<WriterCase> {
+        let difference = match self.expect {
+            Expect::Refuse => Some(WriterFault::new(&self.clauses[0], self.fault())),
+            _ => judge(&built.request, &file.0).err(),
+        };
+        Comparison {
+            right: Right::Anyway(difference.is_none()),
+            difference,
+            another_transform: false,
+        }
+    }
+
+    fn difference_in(&self, _: &WriteView, _: &WrittenFile, _: &Dialect) -> Option<WriterFault> {
+        None
+    }
+
+    /// A file is right or wrong, never near.
+    fn likeness(_: &WriterFault) -> f64 {
+        0.0
+    }
+
+    /// Two files with the same values are the same.
+    fn is_like(one: &WrittenFile, other: &WrittenFile) -> bool {
+        one == other
+            || match (decode(&one.0), decode(&other.0)) {
+                (Ok(one), Ok(other)) => one == other,
+                (Err(_), Err(_)) => true,
+                _ => false,
+            }
+    }
+
+    fn expected_output(&self, _: &WriteView) -> Option<WrittenFile> {
+        None
+    }
+
+    fn expected_in_words(&self) -> Option<String> {
+        (self.expect == Expect::Decode).then(|| "a file".to_owned())
+    }
+
+    fn fault(&self) -> String {
+        match self.entries() {
+            Some(entries) => format!("{entries} distinct polynomials are more than two bytes name"),
+            None => "no legal file has these values".to_owned(),
+        }
+    }
+}

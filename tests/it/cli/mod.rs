@@ -1,0 +1,2 @@
+#[cfg(all(unix, feature = "cli"))]
+mod usage;

@@ -1,0 +1,255 @@
+//! Every picture of witnesses.txt, against what libjpeg and `CharLS` made of it.
+//!
+//! The file holds recipes and digests, nothing else. `scripts/codec_witnesses.py` wrote it: it
+//! painted each picture by its recipe, had it encoded and decoded by the others, and noted what
+//! came out. Here the same recipe is painted again.
+
+#![allow(
+    clippy::manual_midpoint,
+    clippy::manual_is_multiple_of,
+    reason = "the recipes are spelled as the script spells them"
+)]
+
+use ptm_conform::codec::jpeg_ls::PresetParameters;
+use ptm_conform::codec::{Encoded, jpeg, jpeg_ls};
+use sha2::{Digest, Sha256};
+
+/// One line of the file.
+struct Witness {
+    codec: &'static str,
+    kind: &'static str,
+    width: u32,
+    height: u32,
+    parameters: &'static str,
+    seed: u32,
+    stream: &'static str,
+    samples: &'static str,
+}
+
+fn witnesses(codec: &str) -> Vec<Witness> {
+    let lines = include_str!("witnesses.txt")
+        .lines()
+        .filter(|line| !line.starts_with('#'));
+    let witnesses = lines.map(|line| {
+        let words: Vec<&str> = line.split(' ').collect();
+        let [
+            codec,
+            kind,
+            width,
+            height,
+            parameters,
+            seed,
+            stream,
+            samples,
+        ] = words[..]
+        else {
+            panic!("a witness has eight words: {line}")
+        };
+        let number = |word: &str| word.parse().expect(line);
+        let [width, height, seed] = [width, height, seed].map(number);
+        Witness {
+            codec,
+            kind,
+            width,
+            height,
+            parameters,
+            seed,
+            stream,
+            samples,
+        }
+    });
+    witnesses.filter(|witness| witness.codec == codec).collect()
+}
+
+/// A linear congruential generator; each draw is its upper 16 bits.
+struct Draws(u32);
+
+impl Draws {
+    fn next(&mut self) -> u32 {
+        self.0 = self.0.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        self.0 >> 16
+    }
+}
+
+#[expect(clippy::many_single_char_names, reason = "the letters of the formula")]
+fn paint(witness: &Witness) -> Vec<u8> {
+    let &Witness {
+        kind,
+        width,
+        height,
+        seed,
+        ..
+    } = witness;
+    let mut draws = Draws(seed);
+    let (p, q, s) = (draws.next(), draws.next(), draws.next());
+    let mut samples: Vec<u8> = Vec::new();
+    for y in 0..height {
+        for x in 0..width {
+            let r = draws.next();
+            let value = match kind {
+                "noise" => r >> 8,
+                "gradient" => (x * (p % 7) + y * (q % 5) + s) % 256,
+                "smooth" => (x * (p >> 8) / width + y * (q >> 8) / height) / 2 + r % 4,
+                "checker" => (x / (1 + p % 9) + y / (1 + p % 9)) % 2 * 255,
+                "flat" => p >> 8,
+                "residual" => 113 + r % 16 + (r >> 8) % 16,
+                "wrapped" => (r % 16 + 248) % 256,
+                "dots" => (if r % 37 == 0 { r } else { p }) >> 8,
+                "walk" => {
+                    let i = samples.len();
+                    let left = if x > 0 {
+                        u32::from(samples[i - 1])
+                    } else {
+                        128
+                    };
+                    let above = if y > 0 {
+                        u32::from(samples[i - width as usize])
+                    } else {
+                        left
+                    };
+                    ((left + above) / 2 + r % 32).saturating_sub(15).min(255)
+                }
+                _ => panic!("no painter paints {kind}"),
+            };
+            samples.push(u8::try_from(value).expect("a sample"));
+        }
+    }
+    samples
+}
+
+fn digest(data: &[u8]) -> String {
+    Sha256::digest(data)
+        .iter()
+        .fold(String::new(), |text, byte| text + &format!("{byte:02x}"))
+}
+
+fn jpeg_options(parameters: &str) -> jpeg::JpegOptions {
+    let mut options = jpeg::JpegOptions::new(75);
+    for parameter in parameters.split(',') {
+        let number = |text: &str| text.parse().expect(parameters);
+        match parameter.split_once('=') {
+            Some(("restart", blocks)) => {
+                options.restart_interval = blocks.parse().expect(parameters);
+            }
+            Some(("sampling", factors)) => {
+                let (h, v) = factors.split_once('x').expect(parameters);
+                options.sampling = (number(h), number(v));
+            }
+            None if parameter == "optimised" => options.optimized = true,
+            None if parameter == "extended" => options.baseline = false,
+            _ => options.quality = number(parameter.strip_prefix('q').expect(parameters)),
+        }
+    }
+    options
+}
+
+fn jpeg_ls_options(parameters: &str) -> jpeg_ls::JpegLsOptions {
+    let mut options = jpeg_ls::JpegLsOptions {
+        near: 0,
+        presets: None,
+    };
+    for parameter in parameters.split(',') {
+        match parameter.split_once('=') {
+            Some(("near", near)) => options.near = near.parse().expect(parameters),
+            // Samples of fewer bits, with the parameters that follow from that.
+            Some(("bits", bits)) => {
+                let bits: u32 = bits.parse().expect(parameters);
+                options.presets = Some(PresetParameters {
+                    maxval: (1 << bits) - 1,
+                    ..PresetParameters::default()
+                });
+            }
+            Some(("presets", values)) => {
+                let values: Vec<u16> = values
+                    .split(':')
+                    .map(|value| value.parse().expect(parameters))
+                    .collect();
+                let [maxval, t1, t2, t3, reset] = values[..] else {
+                    panic!("{parameters}")
+                };
+                options.presets = Some(PresetParameters {
+                    maxval,
+                    t1,
+                    t2,
+                    t3,
+                    reset,
+                });
+            }
+            _ => panic!("{parameters}"),
+        }
+    }
+    options
+}
+
+/// What stands between the scan header and EOI. The segments are those of our own encoder.
+fn scan_of(stream: &[u8]) -> &[u8] {
+    let mut at = 2;
+    loop {
+        let code = stream[at + 1];
+        at += 2 + usize::from(u16::from_be_bytes([stream[at + 2], stream[at + 3]]));
+        if code == 0xDA {
+            return &stream[at..stream.len() - 2];
+        }
+    }
+}
+
+#[track_caller]
+fn compare(witness: &Witness, digested: &[u8], encoded: &Encoded, decoded: &[u8]) {
+    let &Witness {
+        codec,
+        kind,
+        width,
+        height,
+        parameters,
+        seed,
+        ..
+    } = witness;
+    let recipe = format!("{codec} {kind} {width} {height} {parameters} {seed}");
+    assert_eq!(digest(digested), witness.stream, "the stream of {recipe}");
+    assert_eq!(
+        digest(decoded),
+        witness.samples,
+        "the decoded samples of {recipe}"
+    );
+    assert!(
+        encoded.samples == decoded,
+        "the encoder's own samples of {recipe}"
+    );
+}
+
+#[test]
+fn jpeg_streams_and_samples_equal_those_of_libjpeg() {
+    let witnesses = witnesses("jpeg");
+    assert!(witnesses.len() >= 500);
+    for witness in &witnesses {
+        let options = jpeg_options(witness.parameters);
+        let encoded = jpeg::encode(&paint(witness), witness.width, witness.height, &options);
+        let decoded =
+            jpeg::decode(&encoded.stream, witness.width, witness.height).expect("a picture");
+        compare(witness, &encoded.stream, &encoded, &decoded);
+    }
+}
+
+#[test]
+fn jpeg_ls_scans_and_samples_equal_those_of_charls() {
+    let witnesses = witnesses("jpeg-ls");
+    assert!(witnesses.len() >= 1500);
+    for witness in &witnesses {
+        let options = jpeg_ls_options(witness.parameters);
+        let mut originals = paint(witness);
+        if let Some(PresetParameters { maxval, t1: 0, .. }) = options.presets {
+            for sample in &mut originals {
+                *sample >>= maxval.leading_zeros() - 8;
+            }
+        }
+        let encoded = jpeg_ls::encode(&originals, witness.width, witness.height, &options);
+        let decoded =
+            jpeg_ls::decode(&encoded.stream, witness.width, witness.height).expect("a picture");
+        compare(witness, scan_of(&encoded.stream), &encoded, &decoded);
+        let near = originals
+            .iter()
+            .zip(&decoded)
+            .all(|(&a, &b)| a.abs_diff(b) <= options.near);
+        assert!(near, "{} is left by more than NEAR", witness.parameters);
+    }
+}

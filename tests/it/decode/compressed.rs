@@ -1,0 +1,191 @@
+//! What the cases of 2.9 promise of themselves.
+
+use ptm_conform::generate::plan::{Coding, Residuals};
+use ptm_conform::generate::{self, Model, Recipe, Scene};
+use ptm_conform::protocol::frame::View;
+use ptm_conform::ptm::Format;
+use ptm_conform::suite::cases::{Case, Suite, TableSpelling};
+use ptm_conform::suite::values::Values;
+
+/// The small compressed cases that the generator writes undamaged, and their models.
+fn painted() -> Vec<(Case, Model)> {
+    let suite = Suite::load().unwrap_or_else(|why| panic!("{why}"));
+    let small = |case: &Case| {
+        case.recipe()
+            .is_some_and(|recipe| recipe.size.texels() < 10_000)
+    };
+    let cases = suite
+        .cases
+        .into_iter()
+        .filter(|case| case.compression().is_some() && case.damage().is_none() && small(case));
+    let model = |case: Case| match &case.build(TableSpelling::default()).values {
+        Values::Painted(model) => Some((case, model.clone())),
+        _ => None,
+    };
+    cases.filter_map(model).collect()
+}
+
+#[test]
+fn only_natural_jpeg_planes_have_slack() {
+    for (case, model) in painted() {
+        let recipe = case.recipe().expect("painted");
+        let natural_jpeg =
+            recipe.coding() == Coding::Jpeg && recipe.compression.residuals == Residuals::Natural;
+        assert!(natural_jpeg || model.slack.is_empty(), "{}", case.id);
+    }
+}
+
+#[test]
+fn slack_is_one_for_the_plane_and_one_for_each_on_its_way_and_none_where_corrected() {
+    for (case, model) in painted()
+        .iter()
+        .filter(|(_, model)| !model.slack.is_empty())
+    {
+        let compressed = model.compressed.as_ref().expect("painted");
+        let channels = model.format.channels();
+        let depth = |mut plane: usize| {
+            (0..usize::MAX)
+                .take_while(|_| {
+                    compressed
+                        .plan
+                        .reference(plane)
+                        .map(|reference| plane = reference)
+                        .is_some()
+                })
+                .count()
+        };
+        for plane in 0..channels {
+            let corrected = |texel: usize| {
+                let (width, height) = (model.size.width as usize, model.size.height as usize);
+                let stored = (height - 1 - texel / width) * width + texel % width;
+                compressed.planes[plane]
+                    .records
+                    .iter()
+                    .any(|&(position, _)| position as usize == stored)
+            };
+            for (texel, slack) in model.slack.iter().skip(plane).step_by(channels).enumerate() {
+                let most = if corrected(texel) {
+                    0
+                } else {
+                    1 + depth(plane)
+                };
+                assert!(usize::from(*slack) <= most, "{}: plane {plane}", case.id);
+            }
+        }
+    }
+}
+
+#[test]
+fn overflows_are_corrected_where_cases_say_so() {
+    let cases: Vec<_> = painted()
+        .into_iter()
+        .filter(|(case, _)| case.id.starts_with("overflows-"))
+        .collect();
+    assert!(!cases.is_empty());
+    for (case, model) in cases {
+        let planes = model.compressed.expect("painted").planes;
+        assert!(
+            planes.iter().any(|plane| !plane.records.is_empty()),
+            "{}",
+            case.id
+        );
+    }
+}
+
+#[test]
+fn a_case_shows_no_choice_that_its_lists_do_not_touch() {
+    for (case, _) in painted() {
+        let recipe = case.recipe().expect("painted");
+        let touched = recipe.compression.axes(recipe.coding());
+        assert!(
+            case.axes().iter().all(|axis| touched.contains(axis)),
+            "{}",
+            case.id
+        );
+    }
+}
+
+#[test]
+fn every_open_choice_but_inversion_is_seen_alone_somewhere() {
+    let cases = painted();
+    for axis in [
+        "jpeg-ls-offset",
+        "motion-sign",
+        "motion-vertical",
+        "motion-half",
+        "motion-border",
+        "side-lossless",
+    ] {
+        assert!(
+            cases.iter().any(|(case, _)| case.axes() == [axis]),
+            "{axis}"
+        );
+    }
+    assert!(
+        cases
+            .iter()
+            .any(|(case, _)| case.axes() == ["motion-half", "motion-inversion"])
+    );
+}
+
+#[test]
+fn lossy_planes_near_the_ends_are_asked_raw_only() {
+    for (case, model) in painted() {
+        let near = model
+            .samples
+            .iter()
+            .zip(&model.slack)
+            .any(|(&sample, &slack)| slack > 0 && (sample < slack || 255 - sample < slack));
+        assert!(!near || case.views == [View::Raw], "{}", case.id);
+    }
+}
+
+/// The values that the decoder finds in the file of `recipe`.
+fn decoded(recipe: &Recipe) -> Vec<u8> {
+    let file = generate::write(recipe, &Model::paint(recipe)).bytes;
+    let ptm = ptm_conform::decode(&file).unwrap_or_else(|error| panic!("{error}"));
+    ptm.planes.samples
+}
+
+#[test]
+fn a_scene_is_the_same_in_every_lossless_prediction_structure() {
+    let structures = [
+        "intra",
+        "chain",
+        "star",
+        "deep",
+        "two-trees",
+        "shared-reference",
+        "upward",
+        "rotated",
+        "tablet",
+        "gaps",
+    ];
+    for (plain, compressed) in [
+        (Format::Rgb, Format::JpeglsRgb),
+        (Format::Lrgb, Format::JpeglsLrgb),
+    ] {
+        for (scene, seed) in [(Scene::Noise, 7), (Scene::Ramp, 8), (Scene::Extremes, 9)] {
+            let size = "19x13".parse().expect("a size");
+            let mut recipe = Recipe::ordinary(plain, size);
+            (recipe.scene, recipe.seed) = (scene, seed);
+            let planes = decoded(&recipe);
+            for structure in structures {
+                for transforms in [&[0][..], &[1], &[0, 1, 1, 0, 1], &[3, 2, 0, 1]] {
+                    let mut recipe = Recipe::ordinary(compressed, size);
+                    (recipe.scene, recipe.seed) = (scene, seed);
+                    let plan = &mut recipe.compression;
+                    plan.set_structure(structure.parse().expect("a structure"));
+                    plan.transforms = plan.cycled(transforms, false);
+                    plan.motion_x = plan.cycled(&[1, -4, 3, 0], false);
+                    plan.motion_y = plan.cycled(&[0, 2, -3], false);
+                    assert!(
+                        decoded(&recipe) == planes,
+                        "{} in structure {structure} with transforms {transforms:?}",
+                        compressed.name()
+                    );
+                }
+            }
+        }
+    }
+}

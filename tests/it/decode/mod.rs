@@ -1,0 +1,14 @@
+#[cfg(all(unix, feature = "cli"))]
+mod agreement;
+
+#[cfg(feature = "harness")]
+mod compressed;
+
+mod decoder_alone;
+
+mod errors;
+
+#[cfg(feature = "harness")]
+mod hostile_files;
+
+mod real_file;

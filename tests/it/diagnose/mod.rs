@@ -1,0 +1,5 @@
+#[cfg(feature = "harness")]
+mod causes;
+
+#[cfg(feature = "harness")]
+mod replay;

@@ -1,0 +1,5 @@
+#[cfg(feature = "harness")]
+mod properties;
+
+#[cfg(feature = "harness")]
+mod rare;

@@ -1,0 +1,104 @@
+//! The properties that the fuzz targets drive, driven by proptest; and everything that a target ever found, again.
+
+use proptest::prelude::*;
+use ptm_conform::fuzz::properties;
+
+/// The targets by name, as in `fuzz/fuzz_targets/`.
+const TARGETS: [(&str, fn(&[u8])); 10] = [
+    ("file", properties::file),
+    ("recipe", properties::recipe),
+    ("spelling", properties::spelling),
+    ("re_encoding", properties::re_encoding),
+    ("jpeg_stream", properties::jpeg_stream),
+    ("jpeg_ls_stream", properties::jpeg_ls_stream),
+    ("jpeg_round_trip", second_opinion),
+    ("jpeg_ls_round_trip", properties::jpeg_ls_round_trip),
+    ("frame", properties::frame),
+    ("case_file", properties::case_file),
+];
+
+/// Those that take a second or so a call.
+const SLOW: [(&str, fn(&[u8])); 1] = [("diagnosis", properties::diagnosis)];
+
+/// Our samples of a JPEG stream are those of another decoder, but for its own rounding.
+fn second_opinion(bytes: &[u8]) {
+    let Some((stream, width, height, samples)) = properties::jpeg_round_trip(bytes) else {
+        return;
+    };
+    let mut other = jpeg_decoder::Decoder::new(&stream[..]);
+    let theirs = other.decode().expect("a legal stream");
+    let info = other.info().expect("decoded");
+    assert_eq!(
+        (u32::from(info.width), u32::from(info.height)),
+        (width, height)
+    );
+    assert!(properties::nearly(&samples, &theirs, width));
+}
+
+#[test]
+fn seeds_and_finds_hold() {
+    for (target, property) in TARGETS.into_iter().chain(SLOW) {
+        for kind in ["seeds", "finds"] {
+            let directory = format!("{}/fuzz/{kind}/{target}", env!("CARGO_MANIFEST_DIR"));
+            let Ok(entries) = std::fs::read_dir(&directory) else {
+                assert_eq!(kind, "finds", "{directory} is missing");
+                continue;
+            };
+            for entry in entries {
+                let path = entry.expect("an entry").path();
+                property(&std::fs::read(&path).expect("a file"));
+            }
+        }
+    }
+}
+
+#[test]
+fn every_file_of_the_corpus_is_answered_however_it_is_read() {
+    let corpus = concat!(env!("CARGO_MANIFEST_DIR"), "/corpus");
+    let mut files = 0;
+    let mut directories = vec![std::path::PathBuf::from(corpus)];
+    while let Some(directory) = directories.pop() {
+        for entry in std::fs::read_dir(directory).expect("a directory") {
+            let path = entry.expect("an entry").path();
+            if path.is_dir() {
+                directories.push(path);
+            } else if path.extension().is_some_and(|suffix| suffix == "ptm") {
+                properties::file(&std::fs::read(&path).expect("a file"));
+                files += 1;
+            }
+        }
+    }
+    assert!(files > 1000, "{files}");
+}
+
+#[test]
+fn every_target_calls_its_property() {
+    for (target, _) in TARGETS.into_iter().chain(SLOW) {
+        let path = format!(
+            "{}/fuzz/fuzz_targets/{target}.rs",
+            env!("CARGO_MANIFEST_DIR")
+        );
+        let text = std::fs::read_to_string(&path).expect("a target");
+        assert!(text.contains(&format!("properties::{target}")), "{path}");
+    }
+}
+
+proptest! {
+    #[test]
+    fn all_hold_for_random_bytes(bytes in proptest::collection::vec(any::<u8>(), 0..3000)) {
+        for (_, property) in TARGETS {
+            property(&bytes);
+        }
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(4))]
+
+    #[test]
+    fn a_diagnosis_ends_whatever_is_answered(bytes in proptest::collection::vec(any::<u8>(), 1..80)) {
+        for (_, property) in SLOW {
+            property(&bytes);
+        }
+    }
+}

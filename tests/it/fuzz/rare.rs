@@ -1,0 +1,209 @@
+//! Fuzzing finds rare mistakes, names them, makes them small, and finds nothing where nothing is wrong.
+
+use std::sync::Arc;
+use std::sync::atomic::Ordering;
+
+use arbitrary::Unstructured;
+use proptest::prelude::*;
+use ptm_conform::diagnose::applies;
+use ptm_conform::fuzz::draft::Draft;
+use ptm_conform::fuzz::draws::Draws;
+use ptm_conform::fuzz::{FuzzPlan, FuzzProgress, FuzzResult, fuzz};
+use ptm_conform::misreadings::{self, Misreading};
+use ptm_conform::protocol::capabilities::Capabilities;
+use ptm_conform::protocol::frame::{Answer, Frame, View};
+use ptm_conform::ptm::Format;
+use ptm_conform::runner::run::{Reply, Request};
+use ptm_conform::suite::cases::{Case, Expect, Suite, TableSpelling};
+use ptm_conform::suite::compare::Expected;
+use ptm_conform::suite::values::Values;
+use ptm_conform::{Reading, decode};
+
+fn plan(executions: usize) -> FuzzPlan {
+    FuzzPlan {
+        seed: 1,
+        executions,
+        jobs: 2,
+        views: Vec::new(),
+        declared: Capabilities::default(),
+        formats: Vec::new(),
+        stop: Arc::default(),
+    }
+}
+
+/// Fuzzes a decoder with these mistakes.
+fn fuzzed(slugs: &[&str], executions: usize) -> FuzzResult {
+    let mistakes: Vec<_> = slugs
+        .iter()
+        .map(|slug| misreadings::named(slug).unwrap_or_else(|| panic!("{slug}")))
+        .collect();
+    let suite = Suite::load().expect("the suite loads");
+    fuzz(&suite, &plan(executions), &made(&mistakes), &|_| ())
+}
+
+/// Asks a decoder with these mistakes.
+fn made(mistakes: &[&Misreading]) -> impl Fn(&Request, usize) -> Reply + Sync {
+    |request, _| {
+        Reply::from(misreadings::answer(
+            mistakes,
+            Reading::SPEC,
+            request.file,
+            request.view,
+        ))
+    }
+}
+
+#[test]
+fn nothing_is_found_in_the_reference() {
+    let outcomes = fuzzed(&[], 3000);
+    let names: Vec<String> = outcomes
+        .finds
+        .iter()
+        .map(|find| format!("{} {:?}", find.cause.name(), find.small))
+        .collect();
+    assert_eq!(names, [""; 0]);
+    assert!(outcomes.files > 2000);
+}
+
+#[test]
+fn mistakes_are_named_and_made_small() {
+    for slug in ["width-by-largest-index", "rows-top-down"] {
+        let outcomes = fuzzed(&[slug], 5000);
+        let names: Vec<String> = outcomes
+            .finds
+            .iter()
+            .map(|find| find.cause.name())
+            .collect();
+        assert_eq!(names[0], slug);
+        let small = &outcomes.finds[0].small;
+        assert!(small.width * small.height <= 2, "{small:?}");
+    }
+}
+
+/// A file, the view it is asked in first, and what is right.
+struct Question {
+    file: Vec<u8>,
+    view: View,
+    right: Answer,
+}
+
+impl Question {
+    fn of(case: &Case) -> Question {
+        let file = case.build(TableSpelling::default()).file.clone();
+        let view = case.views[0].clone();
+        let right = misreadings::answer(&[], Reading::SPEC, &file, &view);
+        Question { file, view, right }
+    }
+
+    fn shows(&self, mistake: &Misreading) -> bool {
+        applies(mistake, &self.file)
+            && misreadings::answer(&[mistake], Reading::SPEC, &self.file, &self.view) != self.right
+    }
+}
+
+/// Mistakes that show on fewer than one in two hundred of the drawn files.
+const RARE: [&str; 20] = [
+    "format-by-beginning",
+    "sign-ignored-in-sizes",
+    "sizes-wrap-at-32-bits",
+    "sizes-wrap-at-64-bits",
+    "bias-fraction-cut",
+    "not-a-number-accepted",
+    "infinity-accepted",
+    "overflow-accepted",
+    "version-anywhere",
+    "version-by-number",
+    "format-by-its-end",
+    "format-without-its-beginning",
+    "extra-scales-ignored",
+    "extra-sizes-ignored",
+    "width-at-258",
+    "c-lut-width-at-256",
+    "compressed-size-sign-ignored",
+    "negative-side-size-is-none",
+    "stream-sizes-in-16-bits",
+    "side-position-in-16-bits",
+];
+
+/// Steps that each make its file smaller end at one and a half times the smallest that is known.
+const STAYS_LONG: &str = "side-position-in-16-bits";
+
+/// Each is found, as itself or as the damage that it overlooks, and its file is not much longer than the smallest of the
+/// suite, in the same format, that shows it.
+#[test]
+#[ignore = "takes minutes"]
+fn rare_mistakes_are_found_within_two_hundred_thousand_calls() {
+    const DRAWN: usize = 2000;
+    let suite = Suite::load().expect("the suite loads");
+    let draws = Draws::of(&suite);
+    let last = |draft: &Draft| draft.cases("drawn").ok()?.pop();
+    let drawn: Vec<Question> = (0..DRAWN as u64)
+        .filter_map(|number| Some(Question::of(&last(&draws.file(7, number)?)?)))
+        .collect();
+    let known: Vec<(Format, Question)> = suite
+        .cases
+        .iter()
+        .filter(|case| {
+            matches!(
+                case.expect,
+                Expect::Decode | Expect::Reject | Expect::Refuse
+            )
+        })
+        .filter(|case| case.recipe().is_some())
+        .map(|case| (case.format(), Question::of(case)))
+        .collect();
+    let mut common = Vec::new();
+    for slug in RARE {
+        let mistake = misreadings::named(slug).unwrap_or_else(|| panic!("{slug}"));
+        let count = drawn.iter().filter(|file| file.shows(mistake)).count();
+        let plan = plan(200_000);
+        let outcomes = fuzz(&suite, &plan, &made(&[mistake]), &|news| {
+            if matches!(news, FuzzProgress::Found(_)) {
+                plan.stop.store(true, Ordering::Relaxed);
+            }
+        });
+        let Some(find) = outcomes.finds.first() else {
+            panic!("{slug} is not found");
+        };
+        let small = last(&find.small).expect("it was written");
+        let length = small.build(TableSpelling::default()).file.len();
+        let least = known
+            .iter()
+            .filter(|(format, file)| *format == small.format() && file.shows(mistake))
+            .map(|(_, file)| file.file.len())
+            .min();
+        println!(
+            "{slug}: {count} of {DRAWN}, found as {} after {} calls, {length} bytes; {least:?}",
+            find.cause.name(),
+            outcomes.executions
+        );
+        if count * 200 >= DRAWN {
+            common.push(slug);
+        }
+        let overlooked = find
+            .small
+            .damage
+            .map(|damage| format!("accepts-{}", damage.name));
+        assert_eq!(find.cause.name(), overlooked.unwrap_or(slug.to_owned()));
+        let (times, over) = if slug == STAYS_LONG { (3, 2) } else { (6, 5) };
+        assert!(
+            least.is_none_or(|least| length * over <= least * times),
+            "{slug}"
+        );
+    }
+    assert_eq!(common, [""; 0], "these are not rare");
+}
+
+proptest! {
+    #[test]
+    fn drawn_files_decode_to_what_was_painted(bytes in proptest::collection::vec(any::<u8>(), 2048)) {
+        let draft = Draft::draw(&mut Unstructured::new(&bytes)).expect("enough bytes");
+        prop_assume!(draft.width * draft.height < 5000);
+        let cases = draft.cases("drawn").map_err(TestCaseError::fail)?;
+        let built = cases[0].build(TableSpelling::default());
+        let ptm = decode(&built.file).map_err(|error| TestCaseError::fail(format!("{error}: {}", draft.to_yaml("drawn", ""))))?;
+        prop_assert!(matches!(built.values, Values::Painted(_)));
+        let expected = Expected::of(&built.values, &View::Raw).expect("painted");
+        prop_assert!(expected.compare(&Frame::of(&ptm, &View::Raw)).is_none());
+    }
+}

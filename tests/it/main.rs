@@ -1,0 +1,23 @@
+//! One binary for all integration tests; folders are named as the rooms of `src` that they test.
+
+#[cfg(all(unix, feature = "cli"))]
+mod common;
+
+mod cli;
+mod codec;
+mod decode;
+mod diagnose;
+mod fuzz;
+mod misreadings;
+mod packages;
+mod protocol;
+mod readers;
+mod report;
+mod repository;
+mod runner;
+mod session;
+mod site;
+mod suite;
+mod texture;
+mod tools;
+mod writers;

@@ -1,0 +1,5 @@
+#[cfg(feature = "harness")]
+mod catalog;
+
+#[cfg(all(feature = "harness", unix))]
+mod totality;

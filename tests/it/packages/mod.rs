@@ -1,0 +1,5 @@
+//! The packages for other languages, as their users meet them.
+
+mod node;
+
+mod python;

@@ -1,0 +1,205 @@
+//! The wheel, and the functions of its module.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+use crate::common::{have_python, repository, run};
+
+fn text(output: &Output) -> String {
+    String::from_utf8_lossy(&[output.stdout.clone(), output.stderr.clone()].concat()).into_owned()
+}
+
+fn python(arguments: &[&str]) -> Command {
+    let mut python = Command::new("python3");
+    python
+        .args(arguments)
+        .env("PTM_CONFORM_PROGRAM", env!("CARGO_BIN_EXE_ptm-conform"));
+    python
+}
+
+/// Builds the wheel around a file that stands for the program.
+fn wheel(program: &Path, out: &Path) -> PathBuf {
+    let script = repository("packages/python/build_wheel.py");
+    let output = python(&[&script])
+        .args([program, out])
+        .args(["--platform", "manylinux2014_x86_64.musllinux_1_1_x86_64"])
+        .output()
+        .expect("python3 starts");
+    assert!(output.status.success(), "{}", text(&output));
+    text(&output).trim().into()
+}
+
+#[test]
+fn the_same_program_gives_the_same_wheel_and_its_list_is_right() {
+    if !have_python(&["zipfile"]) {
+        return;
+    }
+    let scratch = tempfile::tempdir().expect("a scratch directory");
+    let program = scratch.path().join("ptm-conform");
+    fs::write(&program, "not a program").expect("a file");
+    let [first, second] = ["a", "b"].map(|name| wheel(&program, &scratch.path().join(name)));
+    let version = env!("CARGO_PKG_VERSION");
+    let name =
+        format!("ptm_conform-{version}-py3-none-manylinux2014_x86_64.musllinux_1_1_x86_64.whl");
+    assert_eq!(first.file_name().expect("a name"), name.as_str());
+    assert_eq!(fs::read(&first).ok(), fs::read(&second).ok());
+    // Every file is listed with its digest, every file of the package is there, and the program can be executed.
+    let check = r#"
+import base64, hashlib, sys, zipfile
+wheel = zipfile.ZipFile(sys.argv[1])
+record = [line.rsplit(",", 2) for line in wheel.read(next(n for n in wheel.namelist() if n.endswith("/RECORD"))).decode().splitlines()]
+assert sorted(name for name, _, _ in record) == sorted(wheel.namelist())
+for name, digest, size in record:
+    if not name.endswith("/RECORD"):
+        data = wheel.read(name)
+        made = base64.urlsafe_b64encode(hashlib.sha256(data).digest()).rstrip(b"=").decode()
+        assert (digest, size) == ("sha256=" + made, str(len(data))), name
+program = next(i for i in wheel.infolist() if i.filename.endswith("/scripts/ptm-conform"))
+assert program.external_attr >> 16 == 0o100755
+assert wheel.read("ptm_conform/__init__.py").count(b"@") == 0
+assert wheel.read("ptm_conform/cases.json").startswith(b'["first-rgb", ')
+"#;
+    let output = python(&["-c", check]).arg(&first).output();
+    let output = output.expect("python3 starts");
+    assert!(output.status.success(), "{}", text(&output));
+}
+
+#[test]
+fn the_module_reads_files_as_the_reference_does() {
+    if !have_python(&["numpy"]) {
+        return;
+    }
+    let file = repository("corpus/lum/hand-lum.ptm");
+    let script = r#"
+import sys
+sys.path.insert(0, sys.argv[1])
+import ptm_conform
+file = open(sys.argv[2], "rb").read()
+raw, coef, lit = ptm_conform.decode(file), ptm_conform.decode(file, "coef"), ptm_conform.decode(file, "rgb:0,0")
+print(raw.shape, raw.dtype, coef.shape, coef.dtype, lit.shape, raw.tobytes().hex())
+print(sorted({finding["code"] for finding in ptm_conform.lint(sys.argv[2])}))
+for damaged in (b"", file[:-1]):
+    try:
+        ptm_conform.decode(damaged)
+        sys.exit("decoded")
+    except ptm_conform.Malformed as what:
+        assert "byte" in str(what) and "/" not in str(what), what
+"#;
+    let output = python(&["-c", script, &repository("packages/python"), &file]).output();
+    let output = output.expect("python3 starts");
+    assert!(output.status.success(), "{}", text(&output));
+    let frame = run(&["reference", "raw", &file]).stdout;
+    let samples = frame.splitn(2, |byte| *byte == b'\n').nth(1);
+    let hex: String = samples
+        .expect("samples")
+        .iter()
+        .map(|byte| format!("{byte:02x}"))
+        .collect();
+    let said = text(&output);
+    assert!(
+        said.contains(" uint8 ") && said.contains(" float32 ") && said.contains(&hex),
+        "{said}"
+    );
+    assert!(said.contains("'PTM-W303'"), "{said}");
+}
+
+#[test]
+fn functions_and_programs_get_the_same_verdicts() {
+    if !have_python(&["numpy", "PIL", "pillow_jpls"]) {
+        return;
+    }
+    let script = repository("packages/python/measure.py");
+    let output = python(&[&script, "--copies", "1", "--options=--smoke", "--no-speed"]).output();
+    let output = output.expect("python3 starts");
+    let said = text(&output);
+    assert!(output.status.success(), "{said}");
+    assert!(
+        said.contains("equal: 0 failures, no cause  the example"),
+        "{said}"
+    );
+    assert!(said.contains("big-endian-index"), "{said}");
+}
+
+#[test]
+fn what_a_function_does_wrong_is_told_apart() {
+    if !have_python(&["numpy"]) {
+        return;
+    }
+    let script = r#"
+import sys
+sys.path.insert(0, sys.argv[1])
+import numpy, ptm_conform
+options = ["--case", "hand-*", "--case", "width-zero-lrgb"]
+def stop(file):
+    raise KeyError("lost")
+for wrong in (lambda file: None, lambda file: numpy.zeros((2, 2)), lambda file: ptm_conform.decode(file).astype(int), stop):
+    report = ptm_conform.check_callable(wrong, options=options)
+    print(report.status, report.data["reason"])
+report = ptm_conform.check_callable(ptm_conform.decode, options=options)
+print(report.passed, sorted({case.outcome for case in report.cases.values()}))
+def interrupted(file):
+    raise KeyboardInterrupt
+try:
+    ptm_conform.check_callable(interrupted)
+    sys.exit("it went on")
+except KeyboardInterrupt:
+    pass
+"#;
+    let output = python(&["-c", script, &repository("packages/python")]).output();
+    let output = output.expect("python3 starts");
+    let said = text(&output);
+    assert!(output.status.success(), "{said}");
+    for part in [
+        "it returned NoneType, not an array",
+        "its array has the shape (2, 2), not (height, width, channels)",
+        "its array is of int64; raw is uint8",
+        "KeyError: 'lost'; if that means a malformed file, pass malformed=KeyError",
+        "True ['pass'",
+    ] {
+        assert!(said.contains(part), "{part}: {said}");
+    }
+}
+
+#[test]
+fn pytest_has_a_test_for_each_case() {
+    if !have_python(&["numpy", "pytest"]) {
+        return;
+    }
+    let scratch = tempfile::tempdir().expect("a scratch directory");
+    let program = Path::new(env!("CARGO_BIN_EXE_ptm-conform"));
+    let stand_in = scratch.path().join("ptm-conform");
+    fs::write(&stand_in, "").expect("a file");
+    let wheel = wheel(&stand_in, scratch.path());
+    let unpacked = scratch.path().join("unpacked");
+    let output = python(&["-m", "zipfile", "-e"])
+        .args([&wheel, &unpacked])
+        .output();
+    assert!(output.expect("python3 starts").status.success());
+    let tests = "import ptm_conform, pytest\n\
+        @pytest.fixture(scope='session')\n\
+        def ptm_decoder():\n    return lambda file: ptm_conform.decode(file)[::-1]\n\
+        def test_ptm(ptm_case):\n    ptm_case.check()\n";
+    fs::write(scratch.path().join("test_ptm.py"), tests).expect("a test");
+    let output = python(&[
+        "-m",
+        "pytest",
+        "-q",
+        "-rA",
+        "-p",
+        "no:cacheprovider",
+        "-k",
+        "hand-rgb-blocks or width-zero-lrgb",
+    ])
+    .env("PYTHONPATH", &unpacked)
+    .env("PTM_CONFORM_PROGRAM", program)
+    .current_dir(scratch.path())
+    .output()
+    .expect("python3 starts");
+    let said = text(&output);
+    assert!(
+        said.contains("FAILED test_ptm.py::test_ptm[hand-rgb-blocks]"),
+        "{said}"
+    );
+    assert!(said.contains("test_ptm[width-zero-lrgb]"), "{said}");
+}

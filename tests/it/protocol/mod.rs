@@ -1,0 +1,2 @@
+#[cfg(feature = "harness")]
+mod frames;

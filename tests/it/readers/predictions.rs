@@ -1,0 +1,315 @@
+//! What is predicted of readers, against what they answered; and the file that a reader shows right, made for it.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::Path;
+
+use ptm_conform::protocol::frame::{Frame, View};
+use ptm_conform::ptm::Format;
+use ptm_conform::readers::{OpenedFile, ReaderProfile, Shown, profiles, profiles_of};
+use ptm_conform::suite::cases::{Case, Expect, Suite, TableSpelling};
+use ptm_conform::suite::compare::Expected;
+use ptm_conform::tools::convert_for::convert_for;
+use ptm_conform::tools::dissection::Dissection;
+use ptm_conform::{decode, misreadings};
+use serde::Deserialize;
+
+fn suite() -> Suite {
+    Suite::load().unwrap_or_else(|why| panic!("{why}"))
+}
+
+fn reader(name: &str) -> &'static ReaderProfile {
+    let found = profiles().iter().find(|profile| profile.name == name);
+    found.unwrap_or_else(|| panic!("no reader is called {name}"))
+}
+
+#[test]
+fn every_reader_has_its_own_name_and_misreadings_of_the_catalog() {
+    let mut names: Vec<&str> = profiles().iter().map(|profile| &*profile.name).collect();
+    assert_eq!(names.len(), 24);
+    names.sort_unstable();
+    names.dedup();
+    assert_eq!(names.len(), 24);
+    let slugs = profiles().iter().flat_map(|profile| &profile.misreadings);
+    for known in slugs {
+        assert!(misreadings::named(&known.slug).is_some(), "{}", known.slug);
+    }
+}
+
+#[test]
+fn a_profile_that_says_what_cannot_be_is_refused() {
+    for (more, why) in [
+        ("reads: [GIF]", "no format is called GIF"),
+        (
+            "reads: [RGB]\n  misreadings: [{ slug: none, evidence: code }]",
+            "no misreading is called none",
+        ),
+        (
+            "reads: [RGB]\n  misreadings: [{ slug: no-128, evidence: code }, { slug: wrap-mod-255, evidence: code }]",
+            "act at one place",
+        ),
+        (
+            "reads: [RGB]\n  limits: [{ limit: none, evidence: code }]",
+            "none",
+        ),
+        ("reads: [RGB]\n  likes: all", "likes"),
+    ] {
+        let yaml = format!("- name: x\n  reader: x/y\n  evidence: code\n  {more}\n");
+        let error = profiles_of(&yaml).expect_err("it is refused");
+        assert!(error.contains(why), "{error}");
+    }
+}
+
+/// A line of `*.answers`.
+#[derive(Deserialize)]
+struct Line {
+    case: String,
+    view: String,
+    answer: Option<serde_json::Value>,
+}
+
+/// What a reader showed of each legal file, by the answers of a run; nothing where the evidence is not at hand.
+fn answered(name: &str, cases: &BTreeMap<&str, &Case>) -> Option<BTreeMap<String, Shown>> {
+    let path = format!("../shared/evidence/runs/{name}.answers");
+    let text = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join(path)).ok()?;
+    let lines = text
+        .lines()
+        .map(|line| serde_json::from_str::<Line>(line).expect("a line of answers"));
+    let mut shown = BTreeMap::new();
+    for line in lines {
+        // An answer that came again is not written again.
+        let (Some(answer), Some(case)) = (line.answer, cases.get(&*line.case)) else {
+            continue;
+        };
+        let view: View = line.view.parse().expect("a view");
+        let of_it = match answer["Decoded"].as_str() {
+            None => Shown::Nothing,
+            Some(hex) if is_right(case, &view, hex) => Shown::Right,
+            Some(_) => Shown::Wrong,
+        };
+        shown.insert(line.case, of_it);
+    }
+    Some(shown)
+}
+
+fn is_right(case: &Case, view: &View, hex: &str) -> bool {
+    let nibbles: Vec<u8> = hex
+        .chars()
+        .map(|digit| digit.to_digit(16).expect("hex") as u8)
+        .collect();
+    let bytes: Vec<u8> = nibbles
+        .chunks(2)
+        .map(|pair| pair[0] << 4 | pair[1])
+        .collect();
+    let built = case.build(TableSpelling::default());
+    let expected = Expected::of(&built.values, view).expect("a legal file has values");
+    Frame::read(&bytes).is_ok_and(|frame| expected.compare(&frame).is_none())
+}
+
+/// What a reader showed by the verdicts of a run: right, or not, or nothing where it says so.
+fn judged(name: &str, cases: &BTreeMap<&str, &Case>) -> Option<BTreeMap<String, Option<Shown>>> {
+    let path = format!("../shared/evidence/runs/{name}.csv");
+    let text = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join(path)).ok()?;
+    let row = |line: &str| {
+        let (case, outcome) = (line.split(',').next()?, line.rsplit(',').next()?);
+        cases.get(case)?;
+        let shown = match outcome {
+            "pass" => Some(Shown::Right),
+            "unsupported" => Some(Shown::Nothing),
+            "fail" => None,
+            _ => return None,
+        };
+        Some((case.to_owned(), shown))
+    };
+    Some(text.lines().skip(1).filter_map(row).collect())
+}
+
+/// Predictions against what was seen.
+#[derive(Default)]
+struct Tally {
+    /// Seen by predicted; of those of which is known only that they were not right, the prediction counts as seen if it says so.
+    pairs: BTreeMap<(Shown, Shown), usize>,
+}
+
+impl Tally {
+    fn add(&mut self, predicted: Shown, seen: Option<Shown>) {
+        let fallback = match predicted {
+            Shown::Right => Shown::Wrong,
+            other => other,
+        };
+        *self
+            .pairs
+            .entry((predicted, seen.unwrap_or(fallback)))
+            .or_default() += 1;
+    }
+
+    fn count(&self, matches: impl Fn(Shown, Shown) -> bool) -> usize {
+        let pairs = self
+            .pairs
+            .iter()
+            .filter(|((predicted, seen), _)| matches(*predicted, *seen));
+        pairs.map(|(_, count)| count).sum()
+    }
+
+    /// Precision and recall of predicting what `is` says.
+    fn scores(&self, is: impl Fn(Shown) -> bool) -> (f64, f64) {
+        let both = self.count(|predicted, seen| is(predicted) && is(seen)) as f64;
+        let of = |all: usize| both / (all.max(1) as f64);
+        (
+            of(self.count(|predicted, _| is(predicted))),
+            of(self.count(|_, seen| is(seen))),
+        )
+    }
+}
+
+#[test]
+fn predictions_are_what_the_readers_answered() {
+    let suite = suite();
+    let legal = suite
+        .cases
+        .iter()
+        .filter(|case| case.expect == Expect::Decode);
+    let cases: BTreeMap<&str, &Case> = legal.map(|case| (&*case.id, case)).collect();
+    let some = |shown: BTreeMap<String, Shown>| {
+        shown
+            .into_iter()
+            .map(|(case, shown)| (case, Some(shown)))
+            .collect()
+    };
+    let mut all = Tally::default();
+    for name in ["cceh", "relight", "ptmconvert", "rtiviewer"] {
+        let seen: Option<BTreeMap<String, Option<Shown>>> = match answered(name, &cases) {
+            Some(answered) => {
+                // What is left out of the answers, because it is long, has a verdict.
+                let mut seen = judged(name, &cases).unwrap_or_default();
+                seen.extend::<BTreeMap<_, _>>(some(answered));
+                Some(seen)
+            }
+            None => judged(name, &cases),
+        };
+        let Some(seen) = seen else {
+            println!("SKIPPED: the measured runs of readers are not there");
+            return;
+        };
+        let mut tally = Tally::default();
+        for (case, seen) in seen {
+            let file = &cases[&*case].build(TableSpelling::default()).file;
+            if file.len() > 4096 {
+                continue;
+            }
+            let predicted = OpenedFile::of(file).predict(reader(name)).shows;
+            tally.add(predicted, seen);
+            all.add(predicted, seen);
+        }
+        // Which of them are right, and which are not, is what is asked of each.
+        let of_each = report(name, &tally);
+        assert!(of_each[3] >= 0.95, "{name}: {:?}", tally.pairs);
+    }
+    let of_all = report("all", &all);
+    assert!(of_all.iter().all(|&score| score >= 0.95), "{:?}", all.pairs);
+}
+
+/// Prints precision and recall of every kind of prediction; the smaller of the two, of each kind.
+fn report(name: &str, tally: &Tally) -> [f64; 4] {
+    let kinds: [(&str, fn(Shown) -> bool); 4] = [
+        ("right", |shown| shown == Shown::Right),
+        ("wrong", |shown| shown == Shown::Wrong),
+        ("nothing", |shown| shown == Shown::Nothing),
+        ("not right", |shown| shown != Shown::Right),
+    ];
+    kinds.map(|(kind, is)| {
+        let (precision, recall) = tally.scores(is);
+        println!("{name}, {kind}: precision {precision:.3}, recall {recall:.3}");
+        precision.min(recall)
+    })
+}
+
+#[test]
+fn what_is_converted_for_a_reader_is_the_same_map_and_right_there() {
+    let suite = suite();
+    let mut asked: BTreeMap<Format, usize> = BTreeMap::new();
+    let (mut converted, mut refused) = (0, 0);
+    for case in suite
+        .cases
+        .iter()
+        .filter(|case| case.expect == Expect::Decode)
+    {
+        let count = asked.entry(case.format()).or_default();
+        let file = &case.build(TableSpelling::default()).file;
+        if *count >= 6 || file.len() > 16_384 {
+            continue;
+        }
+        *count += 1;
+        let dissection = Dissection::of(file);
+        let ptm = dissection.outcome.as_ref().expect("a legal file");
+        for name in ["cceh", "relight", "rtiviewer", "joncooper"] {
+            match convert_for(&dissection, ptm, &[reader(name)]) {
+                Ok((_, made)) => {
+                    let back = decode(&made.bytes).expect("a legal file");
+                    same_picture(ptm, &back, &case.id);
+                    let shown = OpenedFile::of(&made.bytes).predict(reader(name)).shows;
+                    assert_eq!(shown, Shown::Right, "{} for {name}", case.id);
+                    converted += 1;
+                }
+                Err(why) => {
+                    assert!(why.contains(name), "{why}");
+                    refused += 1;
+                }
+            }
+        }
+    }
+    assert_eq!(asked.values().sum::<usize>(), 54);
+    println!("{converted} converted, {refused} refused with a reason");
+    assert!(converted > 90);
+}
+
+/// Final coefficients are equal, or, where one polynomial has become three, the colors of six lights, which decide them.
+#[track_caller]
+fn same_picture(a: &ptm_conform::Ptm, b: &ptm_conform::Ptm, what: &str) {
+    let (a, b) = (a.coefficients(), b.coefficients());
+    if a.shape == b.shape {
+        assert_eq!(a.values, b.values, "{what}");
+    }
+    for (lu, lv) in [
+        (0.0, 0.0),
+        (0.5, 0.0),
+        (0.0, 0.5),
+        (-0.5, 0.25),
+        (0.25, -0.5),
+        (0.625, 0.625),
+    ] {
+        let pictures = [a.evaluate(lu, lv), b.evaluate(lu, lv)];
+        let mut pairs = pictures[0].values.iter().zip(&pictures[1].values);
+        assert!(pairs.all(|(a, b)| (a - b).abs() < 1e-6), "{what}");
+    }
+}
+
+#[test]
+fn a_wrong_picture_is_described_as_one_sees_it() {
+    let suite = suite();
+    let how = |case: &str, profile: &str| {
+        let case = suite
+            .cases
+            .iter()
+            .find(|one| one.id == case)
+            .expect("a case");
+        let yaml = format!(
+            "- name: x\n  reader: x\n  reads: [RGB, LRGB]\n  evidence: code\n  misreadings: [{{ slug: {profile}, evidence: code }}]\n"
+        );
+        let profile = profiles_of(&yaml).expect("a profile").remove(0);
+        OpenedFile::of(&case.build(TableSpelling::default()).file)
+            .predict(&profile)
+            .how
+    };
+    for (misreading, words) in [
+        ("rows-top-down", "upside down"),
+        ("mirrored", "mirrored"),
+        ("rgb-blocks-bgr", "red and blue exchanged"),
+        ("color-over-256", ""),
+    ] {
+        assert_eq!(how("first-rgb", misreading), words, "{misreading}");
+    }
+    assert!(how("first-lrgb", "luminance-over-128").starts_with("too bright"));
+    assert!(how("first-lrgb", "color-divided-twice").starts_with("too dark"));
+    assert!(how("first-lrgb", "v-negated").starts_with("wrong as the light moves"));
+}

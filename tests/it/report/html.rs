@@ -1,0 +1,367 @@
+//! What is made of a report for people and for other programs.
+
+use std::sync::LazyLock;
+
+use crate::common::{have_python, repository, run};
+use data_encoding::BASE64;
+use ptm_conform::Reading;
+use ptm_conform::diagnose::diagnose;
+use ptm_conform::misreadings;
+use ptm_conform::report::Report;
+use ptm_conform::report::badge;
+use ptm_conform::report::github;
+use ptm_conform::report::html;
+use ptm_conform::report::junit;
+use ptm_conform::runner::run::{Reply, Request};
+use ptm_conform::session::plan::RunPlan;
+use ptm_conform::session::run::{Run, check};
+use ptm_conform::suite::cases::Suite;
+use ptm_conform::suite::clauses;
+use ptm_conform::suite::values::Values;
+
+/// What a hostile decoder might print.
+const HOSTILE: &str = "<script>document.title = 'owned'</script>\n<img src=x onerror=alert(1)> & \"quoted\" 'too'\n::error::x\n\u{1b}[31mred";
+
+/// The run of a decoder with one mistake that prints hostile words, over every fourth case, and its report.
+fn mistaken(slug: &str) -> (Suite, Run, Report) {
+    let suite = Suite::load().expect("the suite");
+    let misreading = misreadings::named(slug).expect("a misreading");
+    let mut plan = RunPlan::of(&suite, 2);
+    plan.selected = (0..suite.cases.len()).map(|i| i % 4 == 0).collect();
+    let ask = |request: &Request<'_>, _: usize| Reply {
+        stderr: HOSTILE.to_owned(),
+        ..Reply::from(misreadings::answer(
+            &[misreading],
+            Reading::SPEC,
+            request.file,
+            request.view,
+        ))
+    };
+    let run = check(&suite, &plan, &ask, &|_, _, _, _| ());
+    let diagnoses = diagnose(&suite, &run, &[], 2);
+    let command = ["/somewhere/<b>decoder</b>".to_owned(), slug.to_owned()];
+    let report = Report::of(&suite, &run, &command, Vec::new()).explained_by(&suite, &diagnoses);
+    (suite, run, report)
+}
+
+/// That of one who reads the rows from the top: it fails nearly everything.
+fn upside_down() -> &'static (Suite, Run, Report) {
+    static RUN: LazyLock<(Suite, Run, Report)> = LazyLock::new(|| mistaken("rows-top-down"));
+    &RUN
+}
+
+fn matrix(reports: &[Report]) -> Result<String, String> {
+    html::matrix(reports, &clauses::clauses()?, upside_down().0.cases.len())
+}
+
+fn failures(report: &Report) -> usize {
+    let cases = report.cases.iter();
+    cases.filter(|case| case.outcome == "fail").count()
+}
+
+/// The page lies where the browser's test finds it.
+fn keep(name: &str, text: &str) {
+    std::fs::write(
+        std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join(name),
+        text,
+    )
+    .expect("a file");
+}
+
+#[test]
+fn a_page_of_hundreds_of_failures_is_whole_small_and_asks_for_nothing() {
+    let (suite, run, report) = upside_down();
+    let page = html::page(suite, report, Some(run)).expect("a page");
+    keep("failures.html", &page);
+    let count = failures(report);
+    assert!(count >= 200, "{count}");
+    assert!(page.len() <= 5_000_000, "{}", page.len());
+    for case in &report.cases {
+        assert!(page.contains(&format!(">{}<", case.id)), "{}", case.id);
+    }
+    let cause = &report.diagnoses[0];
+    assert_eq!(cause.name(), "rows-top-down");
+    for words in [&cause.effect, &cause.fix, &cause.clause] {
+        assert!(page.contains(words.as_str()), "{words}");
+    }
+    for address in [
+        "http:",
+        "https:",
+        "//cdn",
+        "@import",
+        "url(",
+        "fetch(",
+        "XMLHttpRequest",
+    ] {
+        assert!(!page.contains(address), "{address}");
+    }
+    let twice = html::page(suite, report, Some(run)).expect("a page");
+    assert!(page == twice);
+}
+
+#[test]
+fn what_a_decoder_says_stays_text() {
+    let (suite, run, report) = mistaken("v-negated");
+    for page in [
+        html::page(&suite, &report, Some(&run)).expect("a page"),
+        html::page(&suite, &report, None).expect("a page"),
+        matrix(&[report.clone(), report.clone()]).expect("a page"),
+    ] {
+        assert_eq!(page.matches("<script").count(), 1, "only the page's own");
+        assert!(!page.contains("<img src=x"));
+        assert!(!page.contains("<b>decoder"));
+        assert!(page.contains("default-src 'none'"));
+    }
+    let page = html::page(&suite, &report, Some(&run)).expect("a page");
+    assert!(page.contains("&lt;script&gt;document.title"));
+}
+
+#[test]
+fn pictures_hold_what_was_painted() {
+    let (suite, run, report) = upside_down();
+    let page = html::page(suite, report, Some(run)).expect("a page");
+    let mut seen = 0;
+    for part in page.split("<details class=\"case\" id=\"case-").skip(1) {
+        let id = part.split('"').next().expect("an id");
+        let case = suite.case(id).expect("a case");
+        let built = case.build(run.table);
+        let Values::Painted(model) = &built.values else {
+            continue;
+        };
+        let raw = part.contains("Asked for <code>raw</code>");
+        if !raw || model.format.channels() == 18 || model.size.width > 48 || model.size.height > 48
+        {
+            continue;
+        }
+        let pictures: Vec<&str> = part.split("data:image/png;base64,").skip(1).collect();
+        let Some(picture) = pictures.first() else {
+            continue;
+        };
+        let bytes = BASE64
+            .decode(picture.split('"').next().expect("an end").as_bytes())
+            .expect("base 64");
+        let mut reader = png::Decoder::new(std::io::Cursor::new(bytes))
+            .read_info()
+            .expect("a PNG");
+        let mut pixels = vec![0; reader.output_buffer_size().expect("a size")];
+        reader.next_frame(&mut pixels).expect("pixels");
+        let (width, height) = (model.size.width as usize, model.size.height as usize);
+        let channels = model.format.channels();
+        let total = channels * (width + 1) - 1;
+        assert_eq!(reader.info().size(), (total as u32, height as u32), "{id}");
+        for (i, &sample) in model.samples.iter().enumerate() {
+            let (texel, channel) = (i / channels, i % channels);
+            let (x, y) = (texel % width, texel / width);
+            let at = 4 * (y * total + channel * (width + 1) + x);
+            assert_eq!(pixels[at..at + 4], [sample, sample, sample, 255], "{id}");
+        }
+        seen += 1;
+    }
+    assert!(seen > 20, "{seen}");
+}
+
+#[test]
+fn five_thousand_cases_fit_on_a_page() {
+    let (suite, run, report) = upside_down();
+    let mut report = report.clone();
+    let cases = report.cases.clone();
+    for (i, case) in cases.iter().cycle().take(5000 - cases.len()).enumerate() {
+        let mut case = case.clone();
+        case.id = format!("{}-again-{i}", case.id);
+        report.cases.push(case);
+    }
+    let page = html::page(suite, &report, Some(run)).expect("a page");
+    keep("many.html", &page);
+    assert_eq!(report.cases.len(), 5000);
+    assert!(failures(&report) > 2000);
+    println!("{} failures, {} bytes", failures(&report), page.len());
+    assert!(page.len() < 10_000_000, "{}", page.len());
+}
+
+#[test]
+fn several_reports_make_a_table_of_decoders_and_clauses() {
+    let reports = [upside_down().2.clone(), mistaken("no-128").2];
+    let page = matrix(&reports).expect("a page");
+    keep("matrix.html", &page);
+    for report in &reports {
+        assert!(page.contains(&report.scores.correctness.to_string()));
+        assert!(page.contains(report.diagnoses[0].name()));
+    }
+    let states = |clause: &str| -> Vec<String> {
+        let row = page.split(&format!("<code>{clause}</code>")).nth(1);
+        let row = row.and_then(|row| row.split("</tr>").next());
+        let cells = row.expect("a row").split("data-state=\"").skip(1);
+        cells
+            .filter_map(|cell| cell.split('"').next().map(str::to_owned))
+            .collect()
+    };
+    let selected = format!(
+        "{} of {}",
+        reports[0].cases.len(),
+        upside_down().0.cases.len()
+    );
+    assert_eq!(page.matches(&selected).count(), 2, "{selected}");
+    assert_eq!(states("2.7.1/3"), ["fail", "pass"]);
+    assert_eq!(states("2.9.5/4"), ["fail", "fail"]);
+}
+
+#[test]
+fn a_crash_is_said_in_words_and_misreads_no_clause() {
+    let (suite, _, report) = upside_down();
+    let mut report = report.clone();
+    report.diagnoses.truncate(1);
+    let cause = &mut report.diagnoses[0];
+    cause.misreading = None;
+    cause.kind = Some("violation".to_owned());
+    cause.example = Some("for example first-rgb: It crashes.".to_owned());
+    let page = html::page(suite, &report, None).expect("a page");
+    assert!(page.contains("<p>For example first-rgb: It crashes.</p>"));
+    assert!(!page.contains("<p class=\"rule\">"));
+    assert!(!page.contains(" data-blamed "));
+    let matrix = matrix(&[report.clone(), report]).expect("a page");
+    assert!(matrix.contains("crashes or hangs on files that need not be read"));
+    assert!(!matrix.contains("violation"));
+    for number in ["(1)", "(2)"] {
+        assert_eq!(
+            matrix
+                .matches(&format!("<span class=\"quiet\">{number}</span>"))
+                .count(),
+            1
+        );
+    }
+}
+
+#[test]
+fn the_badge_says_all_three_scores() {
+    let (_, _, report) = upside_down();
+    let badge = badge::badge(report);
+    keep("badge.svg", &badge);
+    for score in [
+        report.scores.correctness,
+        report.scores.breadth,
+        report.scores.robustness,
+    ] {
+        assert!(badge.contains(&score.to_string()));
+    }
+    assert!(!badge.contains("<b>"));
+}
+
+#[test]
+fn github_sees_text_and_no_commands() {
+    let (suite, _, report) = upside_down();
+    let mut report = report.clone();
+    let annotations = github::annotations(&report);
+    assert!(annotations.lines().count() <= 11);
+    assert!(annotations.starts_with("::error title=PTM 1.2%2C clause "));
+    report.verdict = "not a decoder".to_owned();
+    report.reason =
+        Some("it says:\n::set-env name=PATH::x\r\n  ::stop-commands::y, 100%".to_owned());
+    let annotations = github::annotations(&report);
+    assert!(annotations.starts_with(
+        "::error title=not a decoder::it says:%0A::set-env name=PATH::x%0D%0A  ::stop-commands::y, 100%25\n"
+    ));
+    assert!(
+        annotations
+            .lines()
+            .all(|line| line.starts_with("::error ") || line.starts_with("::notice "))
+    );
+    let text = github::without_commands("fine\n  ::add-mask::x\n##[error]y\nends");
+    assert_eq!(text, "fine\n>   ::add-mask::x\n> ##[error]y\nends");
+    let summary = github::summary(&report, suite.cases.len());
+    keep("summary.md", &summary);
+    assert!(summary.len() < 1 << 20);
+    assert!(!summary.contains("<b>"));
+}
+
+#[test]
+fn junit_is_read_by_a_consumer() {
+    let mut report = upside_down().2.clone();
+    let last = report.cases.len() - 1;
+    report.cases[last].outcome = "not run".to_owned();
+    report.cases[last - 1].outcome = "unsupported".to_owned();
+    let xml = junit::junit(&report).expect("XML");
+    keep("junit.xml", &xml);
+    let with = |outcome: &str| {
+        let cases = report.cases.iter();
+        cases.filter(|case| case.outcome == outcome).count()
+    };
+    let lenient = report
+        .cases
+        .iter()
+        .filter(|case| case.outcome == "pass" && case.expect == "lenient")
+        .count();
+    let skipped = report.cases.len() - with("pass") - with("fail") - with("not run") + lenient;
+    assert!(skipped > lenient && lenient > 0);
+    let script = "import sys, junitparser\n\
+        xml = junitparser.JUnitXml.fromfile(sys.argv[1])\n\
+        suites = list(xml)\n\
+        cases = list(suites[0])\n\
+        kind = lambda k: sum(any(isinstance(r, k) for r in c.result) for c in cases)\n\
+        print(len(suites), len(cases), kind(junitparser.Failure), kind(junitparser.Error), kind(junitparser.Skipped))\n\
+        print(suites[0].tests, suites[0].failures, suites[0].errors, suites[0].skipped)\n";
+    let python = |script: &str| {
+        let path = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join("junit.xml");
+        std::process::Command::new("python3")
+            .args(["-c", script])
+            .arg(path)
+            .output()
+    };
+    if !have_python(&["junitparser"]) {
+        return;
+    }
+    let output = python(script).expect("python3");
+    let counts = format!(
+        "{} {} {} {skipped}",
+        report.cases.len(),
+        with("fail"),
+        with("not run")
+    );
+    assert_eq!(
+        String::from_utf8_lossy(&output.stdout),
+        format!("1 {counts}\n{counts}\n"),
+        "{}",
+        String::from_utf8_lossy(&output.stderr)
+    );
+}
+
+#[test]
+fn the_program_writes_them_all() {
+    let scratch = tempfile::tempdir().expect("a scratch directory");
+    let path = |name: &str| scratch.path().join(name).to_string_lossy().into_owned();
+    let (yaml, page, xml) = (path("report.yaml"), path("report.html"), path("junit.xml"));
+    let output = crate::common::program()
+        .env("GITHUB_STEP_SUMMARY", path("summary.md"))
+        .args(["check", "--case", "hand-*", "--github", "--report", &yaml])
+        .args(["--html", &page, "--junit", &xml])
+        .output()
+        .expect("the program starts");
+    assert_eq!(output.status.code(), Some(0));
+    let read = |name: &str| std::fs::read_to_string(path(name)).expect("a file");
+    assert!(read("report.html").starts_with("<!DOCTYPE html>"));
+    assert!(read("junit.xml").contains("<testsuites"));
+    assert!(read("summary.md").starts_with("## ✅ PTM 1.2"));
+    let published = repository("reports/reference.yaml");
+    for (args, begins) in [
+        (vec!["html", &yaml, "-o"], "<!DOCTYPE html>"),
+        (vec!["html", &yaml, &published, "-o"], "<!DOCTYPE html>"),
+        (vec!["junit", &yaml, "-o"], "<?xml"),
+        (vec!["badge", &published, "-o"], "<svg"),
+        (vec!["markdown", &published, "-o"], "## ✅"),
+    ] {
+        let made = path("made");
+        let args: Vec<&str> = ["report"]
+            .into_iter()
+            .chain(args)
+            .chain([made.as_str()])
+            .collect();
+        let output = run(&args);
+        assert_eq!(output.status.code(), Some(0), "{args:?}");
+        assert!(read("made").starts_with(begins), "{args:?}");
+    }
+    std::fs::write(path("broken.yaml"), "tool: [").expect("a file");
+    for wrong in [path("broken.yaml"), path("missing.yaml")] {
+        let output = run(&["report", "badge", &wrong]);
+        assert_eq!(output.status.code(), Some(2));
+        assert!(String::from_utf8_lossy(&output.stderr).contains(&wrong));
+    }
+}

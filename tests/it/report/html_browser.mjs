@@ -1,0 +1,236 @@
+// Drives a headless Chromium over a page of the report: node html_browser.mjs PAGE MATRIX SCREENSHOTS
+//
+// Speaks WebDriver to chromedriver with nothing but what node has. Ends with status 1 and says what it saw, if anything
+// is not as it should be.
+import assert from "node:assert/strict";
+import { spawn } from "node:child_process";
+import { mkdtempSync, rmSync, writeFileSync } from "node:fs";
+import { tmpdir } from "node:os";
+import { join } from "node:path";
+import { pathToFileURL } from "node:url";
+
+const [page, matrix, screenshots] = process.argv.slice(2);
+const profile = mkdtempSync(join(tmpdir(), "ptm-conform-browser-"));
+const driver = spawn("chromedriver", ["--port=0"], { stdio: ["ignore", "pipe", "ignore"] });
+const listening = new Promise((resolve, reject) => {
+  let said = "";
+  driver.stdout.on("data", (data) => {
+    said += data;
+    const match = /on port ([1-9]\d*)/.exec(said);
+    if (match) { resolve(match[1]); }
+  });
+  driver.on("error", reject);
+  driver.on("exit", () => reject(new Error(`chromedriver ended: ${said}`)));
+  setTimeout(() => reject(new Error(`chromedriver says no port: ${said}`)), 60_000).unref();
+});
+
+let port;
+const call = async (method, path, body) => {
+  const response = await fetch(`http://127.0.0.1:${port}${path}`, { method, body: body && JSON.stringify(body) });
+  const { value } = await response.json();
+  if (!response.ok) { throw new Error(`${path}: ${value.error}: ${value.message}`); }
+  return value;
+};
+
+let session;
+try {
+  port = await listening;
+  const started = await call("POST", "/session", { capabilities: { alwaysMatch: {
+    browserName: "chrome",
+    "goog:chromeOptions": {
+      binary: "/usr/bin/chromium",
+      args: ["--headless", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-background-networking",
+        "--disable-component-update", "--disable-sync", "--hide-scrollbars", "--window-size=1280,1000", `--user-data-dir=${profile}`],
+    },
+    "goog:loggingPrefs": { browser: "ALL", performance: "ALL" },
+  } } });
+  session = `/session/${started.sessionId}`;
+  const run = (script, ...args) => call("POST", `${session}/execute/sync`, { script, args });
+  const cdp = (cmd, params) => call("POST", `${session}/goog/cdp/execute`, { cmd, params });
+  const log = (type) => call("POST", `${session}/se/log`, { type });
+  const open = (file) => call("POST", `${session}/url`, { url: pathToFileURL(file).href });
+  const wait = (ms) => new Promise((resolve) => setTimeout(resolve, ms));
+  const until = async (what, script, ...args) => {
+    for (let i = 0; i < 100; i += 1) { if (await run(script, ...args)) { return; } await wait(50); }
+    assert.fail(`never came: ${what}`);
+  };
+  const shoot = async (name) => writeFileSync(join(screenshots, name), Buffer.from(await call("GET", `${session}/screenshot`), "base64"));
+  const tone = (value) => cdp("Emulation.setEmulatedMedia", { features: [{ name: "prefers-color-scheme", value }] });
+  const keys = (...values) => call("POST", `${session}/actions`, { actions: [{ type: "key", id: "keys",
+    actions: values.flatMap((value) => [{ type: "keyDown", value }, { type: "keyUp", value }]) }] });
+  // Presses at one place and lets go at another, both in parts of the element.
+  const drag = async (css, [x0, y0], [x1, y1]) => {
+    // What was never drawn has no size yet, so that one look is not enough.
+    for (let i = 0; i < 3; i += 1) { await run("document.querySelector(arguments[0]).scrollIntoView({block: 'center', behavior: 'instant'})", css); await wait(100); }
+    const box = await run("const e = document.querySelector(arguments[0]); const b = e.getBoundingClientRect(); return [b.left, b.top, b.width, b.height];", css);
+    const at = (x, y) => ({ type: "pointerMove", duration: 0, origin: "viewport", x: Math.round(box[0] + x * box[2]), y: Math.round(box[1] + y * box[3]) });
+    await call("POST", `${session}/actions`, { actions: [{ type: "pointer", id: "mouse", parameters: { pointerType: "mouse" },
+      actions: [at(x0, y0), { type: "pointerDown", button: 0 }, at(x1, y1), { type: "pointerUp", button: 0 }] }] });
+  };
+  const pixels = (css) => run("return [...document.querySelectorAll(arguments[0])].map((c) => [...c.getContext('2d').getImageData(0, 0, c.width, c.height).data].join());", css);
+  const colors = () => run("const s = getComputedStyle(document.body); return [s.backgroundColor, s.color];");
+  // Contrast of text with what lies behind it, as WCAG 2 counts it.
+  const contrasts = () => run(`
+    const parse = (c) => (c.match(/[\\d.]+/g) || []).map(Number);
+    const light = ([r, g, b]) => [r, g, b].map((v) => v / 255).map((v) => v <= .04045 ? v / 12.92 : ((v + .055) / 1.055) ** 2.4).reduce((sum, v, i) => sum + v * [.2126, .7152, .0722][i], 0);
+    const behind = (e) => { for (; e; e = e.parentElement) { const c = parse(getComputedStyle(e).backgroundColor); if (c.length === 3 || c[3] > .99) return c; } return [255, 255, 255]; };
+    const poor = [];
+    for (const e of document.querySelectorAll("body *")) {
+      if (![...e.childNodes].some((n) => n.nodeType === 3 && n.data.trim()) || !e.checkVisibility() || /^(SCRIPT|STYLE|OPTION|METER)$/.test(e.tagName)) continue;
+      const style = getComputedStyle(e);
+      const [a, b] = [light(parse(style.color)), light(behind(e))];
+      const ratio = (Math.max(a, b) + .05) / (Math.min(a, b) + .05);
+      if (ratio < 4.5) poor.push([e.tagName, e.className, e.textContent.slice(0, 30), ratio.toFixed(2)].join(" "));
+    }
+    return [...new Set(poor)].slice(0, 10);`);
+
+  // 1. Light and dark, by the system and by the button.
+  await open(page);
+  await tone("light");
+  const light = await colors();
+  assert.deepEqual(await contrasts(), [], "light: text too faint");
+  await shoot("report-light.png");
+  await tone("dark");
+  const dark = await colors();
+  assert.notDeepEqual(light, dark, "dark is not light");
+  assert.deepEqual(await contrasts(), [], "dark: text too faint");
+  await shoot("report-dark.png");
+  await run("document.getElementById('theme').click()");
+  assert.deepEqual(await colors(), light, "the button overrules the system");
+  assert.equal(await run("return document.getElementById('theme').getAttribute('aria-pressed')"), "false");
+  await tone("light");
+
+  // 2. Hostile words stay text.
+  assert.match(await call("GET", `${session}/title`), / — PTM 1\.2$/);
+  assert.equal(await run("return document.scripts.length"), 1);
+  assert.ok(await run("return document.querySelector('pre.stderr').textContent.includes('<script>')"));
+  assert.equal(await run("return document.querySelectorAll('img[src=x]').length"), 0);
+
+  // 3. Every picture is one, and says what it is.
+  await run("document.getElementById('open').click()");
+  await until("pictures", "return [...document.images].every((i) => i.complete)");
+  const pictures = await run("return [...document.images].map((i) => [i.naturalWidth, i.alt])");
+  assert.ok(pictures.length > 100, `${pictures.length} pictures`);
+  assert.ok(pictures.every(([width, alt]) => width > 0 && alt));
+  // What a link names comes into view, below the filter, among hundreds of open cases too.
+  await run("[...document.querySelectorAll('article.cause a')].at(-1).click()");
+  await wait(500);
+  const [below, top] = await run("const t = document.getElementById(decodeURIComponent(location.hash.slice(1))); return [document.querySelector('.tools').getBoundingClientRect().bottom, t.getBoundingClientRect().top]");
+  assert.ok(top >= below && top < 500, `filter ends at ${below}, target begins at ${top}`);
+  await run("document.getElementById('close').click()");
+  assert.equal(await run("return document.querySelectorAll('details.case[open]').length"), 0);
+
+  // 4. The light: dragging changes both pictures, and each is the polynomial under that light.
+  const id = await run("const f = document.querySelector('figure.preview[data-channels=\"9\"][data-kind=raw]'); for (let e = f; e; e = e.parentElement) if (e.tagName === 'DETAILS') e.open = true; return f.closest('details.case').id");
+  await until("the preview", "return document.querySelectorAll('#' + arguments[0] + ' canvas').length === 3", id);
+  const before = await pixels(`#${id} canvas`);
+  await drag(`#${id} canvas`, [0.5, 0.5], [0.1, 0.8]);
+  const after = await pixels(`#${id} canvas`);
+  assert.notEqual(before[0], after[0], "expected changes with the light");
+  assert.notEqual(before[1], after[1], "received changes with the light");
+  assert.notEqual(after[0], after[1], "what differs looks different");
+  await shoot("report-preview.png");
+  const [data, u, v] = await run("const f = document.querySelector('#' + arguments[0] + ' figure.preview'); const r = f.querySelectorAll('input'); return [{...f.dataset}, Number(r[0].value), Number(r[1].value)]", id);
+  assert.ok(u < -0.5 && v < -0.3, `u ${u}, v ${v}`);
+  // The slider shows steps; at a step of it the picture is known.
+  await run("const r = document.querySelectorAll('#' + arguments[0] + ' input'); r[0].value = 0.25; r[1].value = -0.5; r[1].dispatchEvent(new Event('input'))", id);
+  const [shown] = await pixels(`#${id} canvas`);
+  const raw = Buffer.from(data.expected, "base64");
+  const [scale, bias] = [data.scale, data.bias].map((text) => text.split(" ").map(Number));
+  const powers = [0.0625, 0.25, -0.125, 0.25, -0.5, 1];
+  const computed = [];
+  for (let at = 0; at < raw.length; at += 9) {
+    const luminance = powers.reduce((sum, power, i) => sum + power * (raw[at + i] - bias[i]) * scale[i], 0);
+    for (const channel of [6, 7, 8]) { computed.push(Math.min(255, Math.max(0, luminance * raw[at + channel] / 255))); }
+    computed.push(255);
+  }
+  shown.split(",").forEach((value, i) => assert.ok(Math.abs(value - computed[i]) <= 1, `sample ${i}: ${value}, computed ${computed[i]}`));
+
+  // 5. By keyboard alone: the sliders, the filter, a case.
+  const kept = await pixels(`#${id} canvas`);
+  await run("document.querySelector('#' + arguments[0] + ' input').focus()", id);
+  await keys("\uE014", "\uE014", "\uE014");
+  assert.notEqual((await pixels(`#${id} canvas`))[0], kept[0], "arrow keys move the light");
+  await keys("/");
+  assert.equal(await run("return document.activeElement.id"), "filter", "a slider takes no slash");
+  await run("document.activeElement.blur(); scrollTo(0, document.body.scrollHeight)");
+  await keys("/");
+  assert.equal(await run("return document.activeElement.id"), "filter");
+  const seen = () => run("const b = document.getElementById('filter').getBoundingClientRect(); return b.top >= 0 && b.bottom <= innerHeight");
+  assert.ok(await seen(), "the filter comes into view");
+  const folds = () => run("return [...document.querySelectorAll('details.more, details.others')].map((f) => f.open)");
+  const folded = await folds();
+  const visible = () => run("return [...document.querySelectorAll('details.case')].filter((c) => !c.hidden).length");
+  const all = await visible();
+  await keys(..."hand-");
+  await until("the filter", "return / of /.test(document.getElementById('found').textContent)");
+  const some = await visible();
+  assert.ok(some > 0 && some < all, `${some} of ${all}`);
+  await shoot("report-filter.png");
+  await keys(..."zzz");
+  await until("nothing", "return /^No case matches/.test(document.getElementById('found').textContent)");
+  assert.ok(await seen(), "the filter stays in view");
+  await keys("\uE00C");
+  assert.equal(await visible(), all);
+  assert.deepEqual(await folds(), folded, "the folds are as they were");
+  await run("const all = [...document.querySelectorAll('details.case:not([open]) > summary')]; const s = all.find(s => s.checkVisibility()); s.focus(); s.scrollIntoView()");
+  await keys("\uE007");
+  assert.ok(await run("return document.activeElement.parentElement.open"), "Enter opens a case");
+  // Tab goes somewhere that is seen.
+  await keys("\uE004");
+  assert.notEqual(await run("return getComputedStyle(document.activeElement).outlineStyle"), "none");
+
+  // 6. A clause filters; its cases are those that name it.
+  const clause = await run("const t = document.querySelector('button.tile[data-state=fail]'); t.focus(); return t.dataset.clause");
+  await keys("\uE007");
+  await until("the clause", "return document.getElementById('filter').value === arguments[0]", clause);
+  const named = await run("return [...document.querySelectorAll('details.case')].filter((c) => !c.hidden).map((c) => c.querySelector('summary .clauses').textContent.split(' '))");
+  assert.ok(named.length > 0 && named.every((clauses) => clauses.includes(clause)), clause);
+  await run("document.getElementById('clauses').scrollIntoView({behavior: 'instant'})");
+  await shoot("report-clauses.png");
+
+  // 7. Every form field and button has a name.
+  const nameless = await run("return [...document.querySelectorAll('button, input, [role=img]')].filter((e) => !(e.textContent.trim() || e.getAttribute('aria-label') || e.labels?.length)).map((e) => e.outerHTML)");
+  assert.deepEqual(nameless, []);
+
+  // 8. Narrow, and on paper.
+  await cdp("Emulation.setDeviceMetricsOverride", { width: 390, height: 844, deviceScaleFactor: 1, mobile: true });
+  await open(page);
+  assert.ok(await run("return document.documentElement.scrollWidth <= innerWidth + 1"), "a narrow page does not scroll sideways");
+  await shoot("report-narrow.png");
+  await cdp("Emulation.clearDeviceMetricsOverride", {});
+  const printed = await call("POST", `${session}/print`, { background: true });
+  writeFileSync(join(screenshots, "report.pdf"), Buffer.from(printed, "base64"));
+  assert.ok(Buffer.from(printed, "base64").subarray(0, 5).equals(Buffer.from("%PDF-")));
+
+  // 9. Many decoders.
+  await open(matrix);
+  assert.equal(await run("return document.querySelectorAll('table.matrix thead tr:first-child th').length"), 4);
+  assert.deepEqual(await contrasts(), [], "matrix: text too faint");
+  await shoot("matrix.png");
+
+  // 10. No error, and no request but for the pages themselves.
+  // Reading canvases back is this test's doing and not the page's.
+  const errors = (await log("browser")).filter((entry) => !/INFO|DEBUG/.test(entry.level) && !entry.message.includes("willReadFrequently"));
+  assert.deepEqual(errors, []);
+  const asked = async () => (await log("performance"))
+    .map((entry) => JSON.parse(entry.message).message)
+    // A browser loads pages of its own as well.
+    .filter((message) => message.method === "Network.requestWillBeSent" && message.params.documentURL.startsWith("file:"))
+    .map((message) => message.params.request.url)
+    .filter((url) => !url.startsWith("data:"));
+  const requests = await asked();
+  const pages = [page, matrix].map((file) => pathToFileURL(file).href);
+  assert.deepEqual(requests.filter((url) => !pages.includes(url.split("#")[0])), []);
+  // A page that asks for something is seen to.
+  const asking = join(profile, "asking.html");
+  writeFileSync(asking, "<!DOCTYPE html><title>asking</title><img src='missing.png'>");
+  await open(asking);
+  assert.deepEqual((await asked()).map((url) => url.split("/").at(-1)), ["asking.html", "missing.png"]);
+  console.log(`${pictures.length} pictures, ${all} cards, ${requests.length} requests, all for the pages themselves`);
+} finally {
+  if (session) { await call("DELETE", session).catch(() => undefined); }
+  driver.removeAllListeners("exit");
+  driver.kill();
+  rmSync(profile, { recursive: true, force: true, maxRetries: 10, retryDelay: 100 });
+}

@@ -1,0 +1,11 @@
+#[cfg(all(unix, feature = "cli"))]
+mod html;
+
+#[cfg(all(unix, feature = "cli"))]
+mod html_browser;
+
+#[cfg(feature = "cli")]
+mod shards;
+
+#[cfg(all(unix, feature = "cli"))]
+mod text;

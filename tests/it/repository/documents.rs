@@ -1,0 +1,137 @@
+//! What the documents say: their counts are the program's, and their links lead to files that the packed crate has.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use ptm_conform::misreadings;
+use ptm_conform::strength::smoke;
+use ptm_conform::suite::cases::Suite;
+use ptm_conform::suite::texture::cases as texture;
+use ptm_conform::tools::profiles::Profile;
+
+fn root() -> PathBuf {
+    PathBuf::from(env!("CARGO_MANIFEST_DIR"))
+}
+
+/// A document with every line break and its indentation as one space.
+fn document(path: &str) -> String {
+    let text = fs::read_to_string(root().join(path)).unwrap_or_else(|why| panic!("{path}: {why}"));
+    text.split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
+/// `2,114`
+fn thousands(number: usize) -> String {
+    match number {
+        0..1000 => number.to_string(),
+        _ => format!("{},{:03}", number / 1000, number % 1000),
+    }
+}
+
+#[test]
+fn counts_in_documents_are_those_of_the_program() {
+    let suite = Suite::load().expect("the suite loads");
+    let (cases, misreadings) = (thousands(suite.cases.len()), misreadings::all().count());
+    let smoke = smoke::ids().expect("the smoke subset").len();
+    let stages = Suite::of_textures().expect("the texture suite").cases.len();
+    let [requirements, rulings] = [
+        texture::clauses().expect("requirements").len(),
+        texture::rulings().expect("rulings").len(),
+    ];
+    let profile = |profile: Profile| {
+        let files = thousands(profile.cases(&suite).len());
+        format!("| `{}` | {files}: ", profile.name())
+    };
+    let claims = [
+        (
+            "README.md",
+            format!("The suite has {cases} cases, and its catalog has {misreadings} *misreadings*"),
+        ),
+        ("README.md", format!("`check --smoke` runs {smoke} cases")),
+        (
+            "docs/diagnosis.md",
+            format!("`check --smoke` runs {smoke} cases"),
+        ),
+        ("docs/files.md", profile(Profile::Minimal)),
+        ("docs/files.md", profile(Profile::Standard)),
+        ("docs/files.md", profile(Profile::Exhaustive)),
+        (
+            "docs/texture.md",
+            format!("its {requirements} requirements, {rulings} rulings"),
+        ),
+        (
+            "docs/texture.md",
+            format!("{stages} cases with their arithmetic"),
+        ),
+        ("CHANGELOG.md", format!("a reference, {stages} cases")),
+    ];
+    for (path, claim) in claims {
+        assert!(
+            document(path).contains(&claim),
+            "{path} should say: {claim}"
+        );
+    }
+}
+
+#[test]
+fn the_failing_run_in_the_readme_adds_up() {
+    let suite = Suite::load().expect("the suite loads");
+    let text = document("README.md");
+    let number_before = |words: &str| -> usize {
+        let (before, _) = text
+            .split_once(words)
+            .unwrap_or_else(|| panic!("no {words:?}"));
+        let number = before.rsplit(' ').next().expect("a word");
+        number.parse().unwrap_or_else(|_| panic!("{number:?}"))
+    };
+    let [passed, failed, inconclusive] =
+        [" pass, ", " fail, ", " inconclusive correctness "].map(number_before);
+    assert_eq!(passed + failed + inconclusive, suite.cases.len());
+    assert!(text.contains(&format!("{failed} of {failed} failures")));
+    assert!(text.contains(&format!("correctness {passed}/{}", passed + failed)));
+}
+
+#[test]
+fn links_lead_to_files_of_the_packed_crate() {
+    let manifest = fs::read_to_string(root().join("Cargo.toml")).expect("Cargo.toml");
+    let include = manifest
+        .lines()
+        .find(|line| line.starts_with("include = "))
+        .expect("what is packed");
+    let packed: Vec<glob::Pattern> = include
+        .split('"')
+        .skip(1)
+        .step_by(2)
+        .map(|pattern| glob::Pattern::new(pattern.trim_start_matches('/')).expect("a pattern"))
+        .collect();
+    let docs = fs::read_dir(root().join("docs")).expect("docs");
+    let docs = docs.map(|entry| Path::new("docs").join(entry.expect("an entry").file_name()));
+    let docs = docs.filter(|path| root().join(path).is_file());
+    let mut links = 0;
+    for path in docs.chain(["README.md".into()]) {
+        let text = fs::read_to_string(root().join(&path)).expect("a document");
+        for link in text
+            .split("](")
+            .skip(1)
+            .filter_map(|rest| rest.split(')').next())
+        {
+            if link.contains("://") || link.starts_with('#') {
+                continue;
+            }
+            let mut target = path.parent().expect("a directory").to_path_buf();
+            for step in link.split('/') {
+                match step {
+                    ".." => _ = target.pop(),
+                    step => target.push(step),
+                }
+            }
+            links += 1;
+            assert!(root().join(&target).is_file(), "{}: {link}", path.display());
+            assert!(
+                packed.iter().any(|pattern| pattern.matches_path(&target)),
+                "{}: {link} is not packed",
+                path.display()
+            );
+        }
+    }
+    assert!(links > 10, "{links} links");
+}

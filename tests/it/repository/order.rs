@@ -1,0 +1,276 @@
+//! The rooms of `src` depend on each other in one direction, and no file circles back to itself through others.
+//!
+//! Every import of every file is read: paths in `use` and in code, inside macros too. What only tests need does not count.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::fs;
+use std::path::Path;
+
+use proc_macro2::{Delimiter, TokenStream, TokenTree};
+
+use super::{files_below, is_for_tests, is_punct, item_length};
+
+/// The rooms, each above all that it may import.
+const ROOMS: [&str; 26] = [
+    "error",
+    "ptm",
+    "parts",
+    "input",
+    "reading",
+    "codec",
+    "evaluate",
+    "decode",
+    "generate",
+    "texture",
+    "kit",
+    "protocol",
+    "suite",
+    "misreadings",
+    "readers",
+    "runner",
+    "session",
+    "diagnose",
+    "strength",
+    "report",
+    "fuzz",
+    "tools",
+    "writers",
+    "site",
+    "cli",
+    "main",
+];
+
+/// A module path below the crate, `["decode", "planes"]`; the file that holds it.
+type Modules = BTreeMap<Vec<String>, String>;
+
+#[test]
+fn rooms_depend_in_one_direction() {
+    let place = |file: &str| {
+        let room = file.split(['/', '.']).next().expect("a first part");
+        let place = ROOMS.iter().position(|&of| of == room);
+        place.unwrap_or_else(|| panic!("{file} is in no room that the order knows"))
+    };
+    let back: Vec<String> = imports()
+        .iter()
+        .filter(|(file, _)| *file != "lib.rs")
+        .flat_map(|(file, to)| to.iter().map(move |to| (file, to)))
+        .filter(|(file, to)| *to == "lib.rs" || place(file) < place(to))
+        .map(|(file, to)| format!("{file} imports {to}"))
+        .collect();
+    assert!(back.is_empty(), "against the order:\n{}", back.join("\n"));
+}
+
+#[test]
+fn no_files_import_each_other_in_a_circle() {
+    let imports = imports();
+    // What is left when files that import nothing left are taken away, again and again, lies on circles or above them.
+    let mut left: BTreeSet<&String> = imports.keys().collect();
+    while let Some(&free) = left
+        .iter()
+        .find(|&&file| imports[file].iter().all(|to| !left.contains(to)))
+    {
+        left.remove(free);
+    }
+    // And what nothing left imports lies above them.
+    while let Some(&above) = left
+        .iter()
+        .find(|&&file| left.iter().all(|&other| !imports[other].contains(file)))
+    {
+        left.remove(above);
+    }
+    let circles: Vec<String> = left
+        .iter()
+        .map(|&file| {
+            let to: Vec<&str> = imports[file]
+                .iter()
+                .filter(|to| left.contains(to))
+                .map(String::as_str)
+                .collect();
+            format!("{file} imports {}", to.join(", "))
+        })
+        .collect();
+    assert!(circles.is_empty(), "on circles:\n{}", circles.join("\n"));
+}
+
+/// A test that reads imports must see them: one of each way to write them.
+#[test]
+fn every_way_to_import_is_seen() {
+    let modules: Modules = ["a", "a/b", "a/c", "d"]
+        .map(|file| {
+            (
+                file.split('/').map(str::to_owned).collect(),
+                file.to_owned(),
+            )
+        })
+        .into();
+    let seen = |code: &str| {
+        let tokens: TokenStream = code.parse().expect("Rust");
+        let file = File {
+            modules: &modules,
+            own: vec!["a".to_owned(), "b".to_owned()],
+        };
+        file.imports(tokens).into_iter().collect::<Vec<_>>()
+    };
+    assert_eq!(seen("use crate::d::X;"), ["d"]);
+    assert_eq!(seen("use super::c;"), ["a/c"]);
+    assert_eq!(seen("use crate::{a::{c::{X, Y}}, d};"), ["a/c", "d"]);
+    assert_eq!(
+        seen("fn f() -> u8 { println!(\"{}\", crate::d::x()); 1 }"),
+        ["d"]
+    );
+    assert_eq!(seen("mod inner { use super::super::c::X; }"), ["a/c"]);
+    assert_eq!(
+        seen("#[cfg(test)] mod tests { use crate::d::X; } use super::c;"),
+        ["a/c"]
+    );
+    assert_eq!(
+        seen("#[cfg(all(unix, test))] use crate::d::X; mod c;"),
+        [""; 0]
+    );
+}
+
+/// Each file of `src` with the files that it imports from.
+fn imports() -> BTreeMap<String, BTreeSet<String>> {
+    let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
+    let modules: Modules = files_below(&source)
+        .into_iter()
+        .filter(|path| path.extension().is_some_and(|extension| extension == "rs"))
+        .map(|path| {
+            let file = path
+                .strip_prefix(&source)
+                .expect("below src")
+                .to_string_lossy()
+                .into_owned();
+            let parts = file.trim_end_matches(".rs").split('/');
+            let own = parts.filter(|&part| part != "mod" && part != "lib");
+            (own.map(str::to_owned).collect(), file)
+        })
+        .collect();
+    let imports = modules.iter().map(|(own, file)| {
+        let text = fs::read_to_string(source.join(file)).expect("a source file");
+        let tokens = text
+            .parse()
+            .unwrap_or_else(|error| panic!("{file}: {error}"));
+        let mut to = File {
+            modules: &modules,
+            own: own.clone(),
+        }
+        .imports(tokens);
+        to.remove(file);
+        (file.clone(), to)
+    });
+    imports.collect()
+}
+
+/// A file, or a module inside one.
+struct File<'a> {
+    modules: &'a Modules,
+    own: Vec<String>,
+}
+
+impl File<'_> {
+    fn imports(&self, tokens: TokenStream) -> BTreeSet<String> {
+        let tokens: Vec<TokenTree> = tokens.into_iter().collect();
+        let mut found = BTreeSet::new();
+        let mut at = 0;
+        while at < tokens.len() {
+            if is_for_tests(&tokens[at..]) {
+                at += 2;
+                at += item_length(&tokens[at..]);
+            } else if let (Some(("mod", name)), Some(TokenTree::Group(body))) =
+                (two_words(&tokens[at..]), tokens.get(at + 2))
+            {
+                let own = [self.own.clone(), vec![name]].concat();
+                found.append(
+                    &mut File {
+                        modules: self.modules,
+                        own,
+                    }
+                    .imports(body.stream()),
+                );
+                at += 3;
+            } else if let Some(start) = self.start_of_path(&tokens, at) {
+                self.follow(start, &tokens[at + 1..], &mut found);
+                at += 1;
+            } else {
+                if let TokenTree::Group(group) = &tokens[at] {
+                    found.append(&mut self.imports(group.stream()));
+                }
+                at += 1;
+            }
+        }
+        found
+    }
+
+    /// The module that a path starts in, if one starts at this token.
+    fn start_of_path(&self, tokens: &[TokenTree], at: usize) -> Option<Vec<String>> {
+        if at > 0 && is_punct(&tokens[at - 1], ':') || !leads_on(&tokens[at + 1..]) {
+            return None;
+        }
+        let TokenTree::Ident(word) = &tokens[at] else {
+            return None;
+        };
+        let child = [self.own.clone(), vec![word.to_string()]].concat();
+        match word.to_string().as_str() {
+            "crate" | "ptm_conform" => Some(Vec::new()),
+            "self" => Some(self.own.clone()),
+            "super" => Some(self.own[..self.own.len() - 1].to_vec()),
+            _ => self.modules.contains_key(&child).then_some(child),
+        }
+    }
+
+    /// Follows a path and all its branches to the files that they name.
+    fn follow(&self, mut module: Vec<String>, tokens: &[TokenTree], found: &mut BTreeSet<String>) {
+        if !leads_on(tokens) {
+            return self.name(&module, found);
+        }
+        match tokens.get(2) {
+            Some(TokenTree::Ident(word)) if word == "super" => {
+                module.pop();
+                self.follow(module, &tokens[3..], found);
+            }
+            Some(TokenTree::Ident(word)) => {
+                module.push(word.to_string());
+                self.follow(module, &tokens[3..], found);
+            }
+            Some(TokenTree::Group(group)) if group.delimiter() == Delimiter::Brace => {
+                let inner: Vec<TokenTree> = group.stream().into_iter().collect();
+                for branch in inner
+                    .split(|token| is_punct(token, ','))
+                    .filter(|branch| !branch.is_empty())
+                {
+                    let mut module = module.clone();
+                    if let TokenTree::Ident(word) = &branch[0]
+                        && word != "self"
+                    {
+                        module.push(word.to_string());
+                    }
+                    self.follow(module, &branch[1..], found);
+                }
+            }
+            _ => self.name(&module, found),
+        }
+    }
+
+    /// The file that holds the longest part of a path that is a module.
+    fn name(&self, path: &[String], found: &mut BTreeSet<String>) {
+        let file = (0..=path.len())
+            .rev()
+            .find_map(|length| self.modules.get(&path[..length]));
+        found.extend(file.cloned());
+    }
+}
+
+/// Whether `::` comes next.
+fn leads_on(tokens: &[TokenTree]) -> bool {
+    matches!(tokens, [a, b, ..] if is_punct(a, ':') && is_punct(b, ':'))
+}
+
+fn two_words(tokens: &[TokenTree]) -> Option<(&'static str, String)> {
+    match tokens {
+        [TokenTree::Ident(word), TokenTree::Ident(name), ..] if word == "mod" => {
+            Some(("mod", name.to_string()))
+        }
+        _ => None,
+    }
+}

@@ -1,0 +1,213 @@
+//! The order of the text, the lengths of functions and the share of comments are facts and not a hope.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::Path;
+
+use proc_macro2::{TokenStream, TokenTree};
+
+use super::{files_below, is_for_tests, item_length};
+
+fn source(path: &str) -> String {
+    fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("src").join(path))
+        .expect("a source file")
+}
+
+/// The sections and names of the modules that a `mod.rs` lists.
+fn sections(path: &str) -> Vec<(String, String)> {
+    let text = source(path);
+    let lines: Vec<&str> = text.lines().collect();
+    let named = lines.windows(2).filter_map(|pair| {
+        let section = pair[0].strip_prefix("/// §")?;
+        let name = pair[1].trim_end_matches(';').rsplit(' ').next()?;
+        Some((section.to_owned(), name.to_owned()))
+    });
+    named.collect()
+}
+
+#[test]
+fn sections_are_listed_in_the_order_of_the_text() {
+    let sections: Vec<String> = sections("decode/mod.rs")
+        .into_iter()
+        .map(|(section, _)| section)
+        .collect();
+    assert!(sections.len() >= 9, "{sections:?}");
+    assert!(sections.is_sorted(), "{sections:?}");
+}
+
+#[test]
+fn the_writer_mirrors_the_reader() {
+    let names =
+        |path| -> Vec<String> { sections(path).into_iter().map(|(_, name)| name).collect() };
+    assert_eq!(names("decode/mod.rs"), names("generate/mod.rs"));
+}
+
+#[test]
+fn no_file_speaks_of_a_machine() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    for directory in ["src", "tests", "spec-cases", "examples", ".github", ".ci"] {
+        for path in files_below(&root.join(directory)) {
+            let Ok(text) = fs::read_to_string(&path) else {
+                continue;
+            };
+            let home = ["/ho", "me/"].concat();
+            let work = ["/wo", "rk/"].concat();
+            assert!(
+                !text.contains(&home) && !text.contains(&work),
+                "{}",
+                path.display()
+            );
+        }
+    }
+}
+
+/// Functions over 80 lines, each because it walks one table of the format or of the command line.
+const LONG: &[&str] = &[];
+
+#[test]
+fn functions_are_short() {
+    let mut lengths: Vec<(usize, String)> = sources()
+        .flat_map(|(file, text)| {
+            functions(&text)
+                .into_iter()
+                .map(move |(name, lines)| (lines, format!("{file}: {name}")))
+        })
+        .collect();
+    lengths.sort_unstable();
+    let most = lengths[lengths.len() * 9 / 10].0;
+    assert!(
+        most <= 30,
+        "a tenth of all functions has more than {most} lines"
+    );
+    let long = |limit: usize| -> Vec<String> {
+        let long = lengths
+            .iter()
+            .filter(|(lines, name)| *lines > limit && !LONG.contains(&name.as_str()));
+        long.map(|(lines, name)| format!("{name}: {lines} lines"))
+            .collect()
+    };
+    assert!(long(80).is_empty(), "{:#?}", long(80));
+    assert!(long(60).len() <= 10, "{:#?}", long(60));
+}
+
+#[test]
+fn no_two_public_types_share_a_name() {
+    let mut places: BTreeMap<String, Vec<String>> = BTreeMap::new();
+    for (file, text) in sources() {
+        for name in public_types(text.parse().expect("Rust")) {
+            places.entry(name).or_default().push(file.clone());
+        }
+    }
+    places.retain(|_, places| places.len() > 1);
+    assert!(places.is_empty(), "{places:#?}");
+}
+
+/// A file that only tests are built with.
+const FOR_TESTS: &str = "decode/by_hand.rs";
+
+#[test]
+fn what_teaches_has_comments() {
+    for room in ["decode/", "codec/"] {
+        let (mut comments, mut code) = (0, 0);
+        for (_, text) in sources().filter(|(file, _)| file.starts_with(room) && file != FOR_TESTS) {
+            let shown = text
+                .split("#[cfg(test)]\nmod tests")
+                .next()
+                .expect("a first part");
+            let lines = shown.lines().map(str::trim).filter(|line| !line.is_empty());
+            let (about, rest): (Vec<&str>, Vec<&str>) =
+                lines.partition(|line| line.starts_with("//"));
+            comments += about.len();
+            code += rest.len();
+        }
+        assert!(
+            comments * 10 >= code * 4,
+            "{room}: {comments} lines of comment to {code} of code"
+        );
+    }
+}
+
+#[test]
+fn few_lints_are_allowed() {
+    let manifest = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("Cargo.toml"));
+    let manifest = manifest.expect("Cargo.toml");
+    let lints = manifest.split("[lints.clippy]").nth(1).expect("lints");
+    let lines: Vec<&str> = lints
+        .lines()
+        .take_while(|line| !line.starts_with('['))
+        .collect();
+    let allowed = lines.iter().filter(|line| line.ends_with("= \"allow\""));
+    assert!(allowed.count() <= 12);
+    let with_reason = lines
+        .windows(2)
+        .filter(|pair| pair[1].ends_with("= \"allow\""))
+        .all(|pair| pair[0].starts_with('#'));
+    assert!(with_reason, "a lint is allowed without a reason");
+}
+
+/// Every file of `src` with its text.
+fn sources() -> impl Iterator<Item = (String, String)> {
+    let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
+    let files = files_below(&source).into_iter();
+    let files = files.filter(|path| path.extension().is_some_and(|extension| extension == "rs"));
+    files.map(move |path| {
+        let name = path
+            .strip_prefix(&source)
+            .expect("below src")
+            .to_string_lossy()
+            .into_owned();
+        (name, fs::read_to_string(&path).expect("a source file"))
+    })
+}
+
+/// The functions of a file, those for tests left out: names and lines from the name to the closing brace.
+fn functions(text: &str) -> Vec<(String, usize)> {
+    let mut found = Vec::new();
+    each_item(text.parse().expect("Rust"), &mut |tokens| {
+        if let [TokenTree::Ident(word), TokenTree::Ident(name), rest @ ..] = tokens
+            && word == "fn"
+        {
+            let end = &rest[item_length(rest) - 1];
+            if let TokenTree::Group(body) = end {
+                let lines = body.span_close().end().line - name.span().start().line + 1;
+                found.push((name.to_string(), lines));
+            }
+        }
+    });
+    found
+}
+
+/// The types that are public without restriction; others stay within their room.
+fn public_types(tokens: TokenStream) -> Vec<String> {
+    let mut found = Vec::new();
+    each_item(tokens, &mut |tokens| {
+        let [TokenTree::Ident(public), rest @ ..] = tokens else {
+            return;
+        };
+        if let [TokenTree::Ident(word), TokenTree::Ident(name), ..] = rest
+            && public == "pub"
+            && ["struct", "enum", "union", "trait", "type"].contains(&word.to_string().as_str())
+        {
+            found.push(name.to_string());
+        }
+    });
+    found
+}
+
+/// Shows the rest of the tokens at each place, in groups too, without what is for tests.
+fn each_item(tokens: TokenStream, look: &mut dyn FnMut(&[TokenTree])) {
+    let tokens: Vec<TokenTree> = tokens.into_iter().collect();
+    let mut at = 0;
+    while at < tokens.len() {
+        if is_for_tests(&tokens[at..]) {
+            at += 2;
+            at += item_length(&tokens[at..]);
+            continue;
+        }
+        look(&tokens[at..]);
+        if let TokenTree::Group(group) = &tokens[at] {
+            each_item(group.stream(), look);
+        }
+        at += 1;
+    }
+}

@@ -1,0 +1,11 @@
+#[cfg(all(unix, feature = "cli"))]
+mod cmd;
+
+#[cfg(all(unix, feature = "cli"))]
+mod serve;
+
+#[cfg(all(unix, feature = "cli"))]
+mod trouble;
+
+#[cfg(all(unix, feature = "cli"))]
+mod zoo;

@@ -1,0 +1,185 @@
+//! What the harness itself cannot do is never a verdict about the decoder: with little space, few open files, few
+//! processes and odd signals, a right decoder passes, or the run ends with status 2 and says what is missing.
+
+use std::fs;
+use std::os::unix::fs::MetadataExt;
+use std::path::Path;
+use std::process::{Command, Output};
+
+use crate::common::{program, zoo};
+
+/// A few small cases.
+const FEW: &str = "--case hand-* --case header-plain-*";
+
+/// `check` of a right decoder, started by a shell after `before`; `with` are words before the program.
+fn check(before: &str, with: &str, options: &str) -> (i32, String) {
+    let root = tempfile::tempdir().expect("a scratch directory");
+    let open = std::os::unix::fs::PermissionsExt::from_mode(0o777);
+    fs::set_permissions(root.path(), open).expect("permissions");
+    let script = format!(
+        "cd '{}'; set -f; {before}; exec {with} \"$0\" check {FEW} --timeout 60 {options} -- \"$1\" right",
+        root.path().display()
+    );
+    let mut command = Command::new("sh");
+    command
+        .args(["-c", &script])
+        .arg(program().get_program())
+        .arg(zoo());
+    told(&command.output().expect("a shell starts"))
+}
+
+fn told(output: &Output) -> (i32, String) {
+    let text = [&output.stdout[..], &output.stderr].concat();
+    (
+        output.status.code().unwrap_or(-1),
+        String::from_utf8_lossy(&text).into_owned(),
+    )
+}
+
+#[track_caller]
+fn passes((status, text): (i32, String)) {
+    assert_eq!(status, 0, "{text}");
+    assert!(text.contains("pass: "), "{text}");
+}
+
+/// A right decoder passes, or the run says what is missing.
+#[track_caller]
+fn passes_or_says((status, text): (i32, String), what: &str) {
+    match status {
+        0 => assert!(text.contains("pass: "), "{text}"),
+        2 => assert!(
+            text.contains(what) && text.contains("no fault of the decoder"),
+            "{text}"
+        ),
+        other => panic!("exit status {other}: {text}"),
+    }
+}
+
+/// Whether a shell command can be run as this user.
+fn can(command: &str) -> bool {
+    let output = Command::new("sh").args(["-c", command]).output();
+    let can = output.is_ok_and(|output| output.status.success());
+    if !can {
+        println!("SKIPPED: {command}: not allowed here");
+    }
+    can
+}
+
+fn is_root() -> bool {
+    fs::metadata("/proc/self").is_ok_and(|this| this.uid() == 0)
+}
+
+#[test]
+fn a_program_that_was_started_with_children_ignored_waits_for_them() {
+    passes(check("trap '' CHLD", "", ""));
+}
+
+#[test]
+fn few_open_files_are_waited_for() {
+    passes(check("ulimit -n 64", "", "--jobs 32"));
+    for limit in [20, 14, 12, 10, 8] {
+        let before = format!("ulimit -n {limit}");
+        passes_or_says(check(&before, "", "--jobs 2"), "open files");
+    }
+}
+
+#[test]
+fn a_limit_on_the_size_of_files_is_told() {
+    // Root may write more all the same.
+    let (status, text) = check("ulimit -f 0", "", "");
+    match status {
+        0 => assert!(is_root(), "{text}"),
+        2 => assert!(text.contains("File too large"), "{text}"),
+        other => panic!("exit status {other}: {text}"),
+    }
+}
+
+#[test]
+fn few_processes_are_told() {
+    const USER: &str = "setpriv --reuid 54321 --regid 54321 --clear-groups";
+    if !is_root() || !can(&format!("{USER} test -x '{}'", zoo())) {
+        return;
+    }
+    for limit in [40, 8, 6, 5, 4, 3] {
+        // The limit is that of the user; root has none.
+        let with = format!("{USER} prlimit --nproc={limit}");
+        passes_or_says(check("umask 0", &with, "--jobs 2"), "processes");
+    }
+}
+
+#[test]
+fn inputs_go_where_there_is_room() {
+    let mount = |places: &str| {
+        format!("for place in {places}; do mount -t tmpfs -o size=16k none $place || exit 9; done")
+    };
+    let unshare = "unshare --mount --map-root-user";
+    if !can(&format!("{unshare} sh -c '{}'", mount("/mnt"))) {
+        return;
+    }
+    let check = |places: &str| {
+        let root = tempfile::tempdir_in(env!("CARGO_TARGET_TMPDIR")).expect("a directory");
+        let script = format!(
+            "{}; cd '{}'; \"$0\" check --case table-of-32768-entries-ptm-lut --timeout 60 -- \"$1\" right",
+            mount(places),
+            root.path().display()
+        );
+        let mut command = Command::new("unshare");
+        command
+            .args(["--mount", "--map-root-user", "sh", "-c", &script])
+            .arg(program().get_program())
+            .arg(zoo())
+            .env_remove("TMPDIR");
+        told(&command.output().expect("unshare starts"))
+    };
+    passes(check("/dev/shm"));
+    if Path::new(env!("CARGO_TARGET_TMPDIR")).starts_with("/tmp") {
+        // The decoder itself would be hidden.
+        return;
+    }
+    let (status, text) = check("/dev/shm /var/tmp /tmp");
+    assert_eq!(status, 2, "{text}");
+    assert!(
+        text.contains("let TMPDIR name a directory with more space"),
+        "{text}"
+    );
+}
+
+/// Orphans of a decoder that have ended are taken leave of while the run goes on.
+#[test]
+fn orphans_that_have_ended_do_not_pile_up() {
+    if !Path::new("/proc/self/stat").exists() {
+        println!("SKIPPED: there is no /proc to look for processes in");
+        return;
+    }
+    let root = tempfile::tempdir().expect("a scratch directory");
+    let mut run = program()
+        .current_dir(root.path())
+        .args(["check", "--smoke", "--jobs", "2", "--timeout", "60", "--"])
+        .args([&zoo(), "leaves-orphans"])
+        .stdout(std::process::Stdio::null())
+        .stderr(std::process::Stdio::null())
+        .spawn()
+        .expect("the program starts");
+    let mut most = 0;
+    let status = loop {
+        if let Some(status) = run.try_wait().expect("it can be asked") {
+            break status;
+        }
+        most = most.max(zombies_of(run.id()));
+        std::thread::sleep(std::time::Duration::from_millis(5));
+    };
+    assert_eq!(status.code(), Some(0));
+    // Five for each call; those of the calls under way are not yet seen.
+    println!("at most {most} orphans at a time had ended");
+    assert!(most <= 40, "{most} at a time");
+}
+
+fn zombies_of(parent: u32) -> usize {
+    let children = fs::read_to_string(format!("/proc/{parent}/task/{parent}/children"));
+    let children = children.unwrap_or_default();
+    let has_ended = |pid: &&str| {
+        let state = fs::read_to_string(format!("/proc/{pid}/stat")).unwrap_or_default();
+        state.contains(") Z ")
+    };
+    children.split_whitespace().filter(has_ended).count()
+}

@@ -1,0 +1,17 @@
+#[cfg(all(unix, feature = "cli"))]
+mod decoders;
+
+#[cfg(all(unix, feature = "cli"))]
+mod examples;
+
+#[cfg(all(unix, feature = "cli"))]
+mod interrupted;
+
+#[cfg(all(unix, feature = "cli"))]
+mod javascript;
+
+#[cfg(all(unix, feature = "cli"))]
+mod outputs;
+
+#[cfg(all(unix, feature = "cli"))]
+mod probe;

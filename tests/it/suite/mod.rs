@@ -1,0 +1,5 @@
+#[cfg(feature = "harness")]
+mod corpus;
+
+#[cfg(feature = "harness")]
+mod schemas;

@@ -1,0 +1,7 @@
+#[cfg(all(unix, feature = "cli"))]
+mod decoders;
+
+mod properties;
+
+#[cfg(feature = "harness")]
+mod suite;

@@ -1,0 +1,518 @@
+//! The texture mapping table: the cases hold, the suite is as strong as the mistakes it catches and tells apart.
+
+use std::collections::{HashMap, HashSet};
+use std::fs;
+use std::path::Path;
+
+use ptm_conform::diagnose::texture::diagnose;
+use ptm_conform::diagnose::{Cause, Diagnosis};
+use ptm_conform::misreadings::texture::{self as misreadings, Change};
+use ptm_conform::protocol::frame::Answer;
+use ptm_conform::runner::run::Request;
+use ptm_conform::session::outcome::Outcome;
+use ptm_conform::session::plan::RunPlan;
+use ptm_conform::session::run::{Run, check};
+use ptm_conform::strength::matrix::texture_matrix;
+use ptm_conform::suite::cases::Suite;
+use ptm_conform::suite::clauses::{ClauseStatus, RulingKind};
+use ptm_conform::suite::test_case::TestCase;
+use ptm_conform::suite::texture::cases::{self, Basis, TextureCase};
+use ptm_conform::suite::texture::choices::CHOICES;
+use ptm_conform::suite::texture::compare::difference;
+use ptm_conform::suite::texture::question::{OPS, Question, Refusal};
+use ptm_conform::suite::texture::test_case::TextureView;
+use ptm_conform::suite::texture::verify::verify;
+use ptm_conform::texture::Rules;
+use serde_json::Value;
+
+/// Pairs that no question tells apart, and why.
+const EQUIVALENT: &[(&str, &str, &str)] = &[];
+
+fn suite() -> Suite<TextureCase> {
+    Suite::of_textures().expect("the suite loads")
+}
+
+fn run(
+    suite: &Suite<TextureCase>,
+    ask: impl Fn(&TextureCase) -> Answer<Value> + Sync,
+) -> Run<TextureCase> {
+    let ask = |request: &Request<'_, TextureView>, _: usize| {
+        ask(suite.case(request.name).expect("its own case is asked")).into()
+    };
+    check(suite, &RunPlan::of(suite, 1), &ask, &|_, _, _, _| ())
+}
+
+fn with(suite: &Suite<TextureCase>, run: &Run<TextureCase>, wanted: Outcome) -> Vec<String> {
+    let with = run.judgement.with(wanted);
+    with.map(|i| suite.cases[i].id.clone()).collect()
+}
+
+fn name(diagnosis: &Diagnosis<Change>) -> &'static str {
+    match &diagnosis.cause {
+        Cause::Misreading { misreading, .. } => misreading.slug,
+        Cause::Described { .. } => "in words",
+    }
+}
+
+#[test]
+fn every_expected_answer_holds_in_the_reference_under_its_reading() {
+    let suite = suite();
+    let mut wrong = Vec::new();
+    for line in suite.cases.iter().flat_map(verify) {
+        if line.holds != Some(true) {
+            wrong.push(format!("{} {:?}: {}", line.id, line.reading, line.says));
+        }
+    }
+    assert!(wrong.is_empty(), "{wrong:#?}");
+}
+
+#[test]
+fn cases_worked_out_before_the_reference_was_written_hold() {
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/evidence/pex-cases.yaml");
+    let Ok(text) = fs::read_to_string(&file) else {
+        println!("SKIPPED: {} is not there", file.display());
+        return;
+    };
+    let cases = cases::cases_of(&text).expect("a file of cases");
+    assert!(cases.len() >= 133);
+    for line in cases.iter().flat_map(verify) {
+        assert_eq!(line.holds, Some(true), "{}: {}", line.id, line.says);
+    }
+    let suite = suite();
+    for case in &cases {
+        let own = suite.case(&case.id);
+        assert_eq!(
+            own.map(|own| &own.expect),
+            Some(&case.expect),
+            "{}",
+            case.id
+        );
+    }
+}
+
+#[test]
+fn every_misreading_is_caught_by_a_case_about_it_and_told_from_every_other() {
+    let suite = suite();
+    let rows = texture_matrix(&suite, 2);
+    println!("{} misreadings, {} cases", rows.len(), suite.cases.len());
+    assert!(rows.len() >= 40);
+    // A requirement is tested if a case about it catches somebody.
+    let caught: HashSet<&str> = rows
+        .iter()
+        .flat_map(|row| &row.killed_by)
+        .flat_map(|&i| suite.cases[i].clauses.iter().map(String::as_str))
+        .collect();
+    let mut weak: Vec<String> = cases::clauses()
+        .expect("the requirements load")
+        .iter()
+        .filter(|clause| {
+            let about = suite
+                .cases
+                .iter()
+                .filter(|case| case.clauses.contains(&clause.id));
+            let mut judged = about.filter(|case| case.basis != Basis::Impl);
+            judged.next().is_some() && !caught.contains(clause.id.as_str())
+        })
+        .map(|clause| format!("no case about {} catches anybody", clause.id))
+        .collect();
+    let mut known: HashMap<&[u64], &str> = HashMap::new();
+    let mut alike = Vec::new();
+    for row in &rows {
+        let clause = row.misreading.clause;
+        let own = row
+            .killed_by
+            .iter()
+            .any(|&i| suite.cases[i].clauses.iter().any(|id| id == clause));
+        if !own {
+            let killers: Vec<&str> = row
+                .killed_by
+                .iter()
+                .map(|&i| suite.cases[i].id.as_str())
+                .collect();
+            weak.push(format!(
+                "{} is caught by no case about {clause}, but by {killers:?}",
+                row.misreading.slug
+            ));
+        }
+        if let Some(other) = known.insert(&row.answers, row.misreading.slug) {
+            alike.push((other, row.misreading.slug));
+        }
+    }
+    assert!(weak.is_empty(), "{weak:#?}");
+    alike.retain(|&(a, b)| !EQUIVALENT.iter().any(|&(c, d, _)| (a, b) == (c, d)));
+    assert!(alike.is_empty(), "these answer every case alike: {alike:?}");
+}
+
+#[test]
+fn every_misreading_is_named_by_the_diagnosis_of_itself() {
+    let suite = suite();
+    let mut unnamed = Vec::new();
+    for misreading in misreadings::all() {
+        let rules = (misreading.at)(Rules::SPEC);
+        let run = run(&suite, |case| case.answer(&rules));
+        let diagnoses = diagnose(&suite, &run);
+        let first = diagnoses.first().map(name);
+        if first != Some(misreading.slug) {
+            unnamed.push((misreading.slug, first));
+        }
+    }
+    assert!(unnamed.is_empty(), "{unnamed:#?}");
+}
+
+#[test]
+fn whoever_keeps_to_one_listed_reading_passes_and_whoever_mixes_fails() {
+    let suite = suite();
+    for (axis, choice) in CHOICES.iter().enumerate() {
+        for (reading, (name, _)) in choice.readings.iter().enumerate() {
+            let mut dialect = CHOICES.reference();
+            dialect.0[axis] = reading;
+            let rules = CHOICES.under(&dialect, Rules::SPEC);
+            let kept = run(&suite, |case| case.answer(&rules));
+            let failed = with(&suite, &kept, Outcome::Fail);
+            assert!(failed.is_empty(), "{}: {name}: {failed:?}", choice.ruling);
+            assert_eq!(kept.judgement.dialect, dialect, "{}: {name}", choice.ruling);
+            let shows = suite.cases.iter().filter(|case| {
+                let other = case.expected(&dialect);
+                case.concerned().contains(&axis)
+                    && difference(&case.expect, &other, case.tolerance()).is_some()
+            });
+            let shows: Vec<&str> = shows.map(|case| case.id.as_str()).collect();
+            assert!(
+                reading == 0 || !shows.is_empty(),
+                "{} is never shown",
+                choice.ruling
+            );
+            if shows.len() > 1 {
+                let mixed = run(&suite, |case| {
+                    let other = case.id == shows[0];
+                    case.answer(if other { &Rules::SPEC } else { &rules })
+                });
+                assert!(
+                    !with(&suite, &mixed, Outcome::Fail).is_empty(),
+                    "{}: {name}",
+                    choice.ruling
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn what_is_left_to_the_implementation_never_fails() {
+    let suite = suite();
+    let run = run(&suite, |case| match case.basis {
+        Basis::Impl => Answer::Decoded(
+            serde_json::json!({ "t": [7, 7, 7], "texel": [7], "depth": 7, "color": [7, 7, 7] }),
+        ),
+        _ => case.answer(&Rules::SPEC),
+    });
+    assert_eq!(run.exit_status(), 0);
+    let open = suite.cases.iter().filter(|case| case.basis == Basis::Impl);
+    assert_eq!(
+        with(&suite, &run, Outcome::ImplementationDefined).len(),
+        open.count()
+    );
+}
+
+#[test]
+fn a_refusal_is_right_only_where_a_question_is_out_of_range_and_the_step_is_known() {
+    let suite = suite();
+    let refusing = |op: &'static str| {
+        move |case: &TextureCase| {
+            if case.op == op {
+                Answer::Rejected
+            } else {
+                case.answer(&Rules::SPEC)
+            }
+        }
+    };
+    let refused = run(&suite, refusing("resolve"));
+    assert_eq!(refused.exit_status(), 1);
+    let inconclusive = with(&suite, &refused, Outcome::Inconclusive);
+    assert!(
+        inconclusive.contains(&"RES-04".to_owned()),
+        "{inconclusive:?}"
+    );
+    assert!(with(&suite, &refused, Outcome::Fail).contains(&"RES-01".to_owned()));
+}
+
+#[test]
+fn unsupported_is_honest_only_of_a_whole_step() {
+    let suite = suite();
+    let unsupported = |given: &TextureCase| {
+        matches!(given.op.as_str(), "interpolate" | "depth")
+            || given.features(&TextureView).contains("PTM maps")
+    };
+    let honest = run(&suite, |case| match unsupported(case) {
+        true => Answer::Unsupported,
+        false => case.answer(&Rules::SPEC),
+    });
+    assert_eq!(honest.exit_status(), 0);
+    let names: Vec<&str> = honest
+        .judgement
+        .unsupported
+        .iter()
+        .map(String::as_str)
+        .collect();
+    assert_eq!(names, ["PTM maps", "depth", "interpolate"]);
+    let picky = run(&suite, |case| match case.id.as_str() {
+        "SMP-08" => Answer::Unsupported,
+        _ => case.answer(&Rules::SPEC),
+    });
+    assert_eq!(with(&suite, &picky, Outcome::Fail), ["SMP-08"]);
+}
+
+#[test]
+fn every_requirement_is_tested_or_says_why_not() {
+    let suite = suite();
+    let rulings = cases::rulings().expect("the rulings load");
+    let clauses = cases::clauses().expect("the requirements load");
+    assert_eq!(clauses.len(), 153);
+    let mut gaps = Vec::new();
+    for clause in &clauses {
+        let id = &clause.id;
+        let has_case = suite.cases.iter().any(|case| case.clauses.contains(id));
+        let has_misreading = misreadings::all().any(|one| one.clause == id);
+        let covered = match clause.status {
+            // A misreading of one requirement often breaks its neighbours; a case about each is what is asked for.
+            ClauseStatus::Tested => has_case,
+            ClauseStatus::Ruled => {
+                let ruling = rulings
+                    .iter()
+                    .find(|ruling| Some(&ruling.id) == clause.ruling.as_ref());
+                has_case && ruling.is_some_and(|ruling| ruling.clauses.contains(id))
+            }
+            ClauseStatus::Informative | ClauseStatus::Untestable => {
+                clause.why.is_some() && !has_case && !has_misreading
+            }
+        };
+        if !covered {
+            gaps.push(id);
+        }
+    }
+    assert!(gaps.is_empty(), "{gaps:?}");
+}
+
+#[test]
+fn every_enumerant_has_a_case() {
+    let suite = suite();
+    let all: Vec<String> = suite
+        .cases
+        .iter()
+        .map(|case| format!("{} {} {}", case.op, case.given, case.expect))
+        .collect();
+    let all = all.join("\n");
+    let enumerants = [
+        "PreLight",
+        "PostLight",
+        "VertexMCCoord",
+        "VertexWCCoord",
+        "VertexMCNormal",
+        "VertexWCNormal",
+        "NURBUV",
+        "FloatData",
+        "ReflectionSphereVRC",
+        "ReflectionSphereWC",
+        "Replace",
+        "Modulate",
+        "BlendEnvColor",
+        "Decal",
+        "DecalBackground",
+        "Red",
+        "Green",
+        "Blue",
+        "Alpha",
+        "SingleBase",
+        "WeightedBase",
+        "SingleInMipmap",
+        "WeightedInMipmap",
+        "SingleBetweenMipmaps",
+        "WeightedBetweenMipmaps",
+        "ClampExplicit",
+        "ClampBorder",
+        "Wrap",
+        "Mirror",
+        "Discontinue",
+        "Color",
+        "None",
+        "Vertex",
+        "Pixel",
+        "InterpDep",
+        "DotProduct",
+        "Normal",
+        "L",
+        "LA",
+        "RGB",
+        "RGBA",
+        "Texture",
+        "Hollow",
+        "Solid",
+        "Pattern",
+        "Hatch",
+        "Empty",
+    ];
+    for name in enumerants {
+        assert!(all.contains(&format!("\"{name}\"")), "{name}");
+    }
+    for op in OPS {
+        assert!(suite.cases.iter().any(|case| case.op == op), "{op}");
+    }
+}
+
+#[test]
+fn every_link_leads_somewhere_and_says_the_same() {
+    let clauses: HashSet<String> = cases::clauses()
+        .expect("the requirements load")
+        .into_iter()
+        .map(|clause| clause.id)
+        .collect();
+    let rulings = cases::rulings().expect("the rulings load");
+    let mut ids = HashSet::new();
+    for case in &suite().cases {
+        assert!(ids.insert(case.id.clone()), "{} is there twice", case.id);
+        assert!(
+            case.clauses.iter().all(|id| clauses.contains(id)),
+            "{}",
+            case.id
+        );
+        let ruling = case.ruling.as_ref().map(|id| {
+            let found = rulings.iter().find(|ruling| ruling.id == *id);
+            found
+                .unwrap_or_else(|| panic!("{}: no ruling {id}", case.id))
+                .kind
+        });
+        let right = match case.basis {
+            Basis::Text => true,
+            Basis::Sibling => ruling == Some(RulingKind::Must),
+            Basis::Inferred => ruling.is_some(),
+            Basis::Reading => ruling == Some(RulingKind::Choice),
+            Basis::Impl => ruling == Some(RulingKind::ImplementationDefined),
+        };
+        assert!(right, "{}: {:?} under {ruling:?}", case.id, case.basis);
+        // A case whose answer depends on a choice says so.
+        let open = !case.concerned().is_empty();
+        assert_eq!(open, case.basis == Basis::Reading, "{}", case.id);
+        assert_eq!(
+            open,
+            !case.also.is_empty() && case.basis != Basis::Impl,
+            "{}",
+            case.id
+        );
+    }
+    for ruling in &rulings {
+        assert!(
+            ruling.clauses.iter().all(|id| clauses.contains(id)),
+            "{}",
+            ruling.id
+        );
+        let choice = CHOICES.iter().find(|choice| choice.ruling == ruling.id);
+        assert_eq!(
+            choice.map_or(0, |choice| choice.readings.len() - 1),
+            ruling.also.len(),
+            "{}",
+            ruling.id
+        );
+    }
+    let mut slugs = HashSet::new();
+    for misreading in misreadings::all() {
+        assert!(
+            slugs.insert(misreading.slug),
+            "{} is there twice",
+            misreading.slug
+        );
+        assert!(clauses.contains(misreading.clause), "{}", misreading.slug);
+    }
+}
+
+#[test]
+fn a_question_that_is_none_is_refused_with_its_place() {
+    let refused = |question: &str, says: &str| {
+        let answer = Question::read(question.as_bytes()).and_then(|q| q.answer(&Rules::SPEC));
+        match answer {
+            Err(Refusal::Malformed(why)) => assert!(why.contains(says), "{question}: {why}"),
+            other => panic!("{question}: {other:?}"),
+        }
+    };
+    refused("", "EOF");
+    refused("[]", "a question has an op");
+    refused(r#"{"op":"orient","given":{"t":[1,2,3]}}"#, "matrix");
+    refused(
+        r#"{"op":"sample","given":{"map":"none such","t":[0,0,0]}}"#,
+        "no map \"none such\"",
+    );
+    refused(
+        r#"{"op":"sample","given":{"map":{"kind":"L","levels":[]},"t":[0,0,0]}}"#,
+        "dimensions",
+    );
+    refused(
+        r#"{"op":"sample","given":{"map":{"kind":"L","levels":[{"size":[2],"texels":[[1]]}]},"t":[0,0,0]}}"#,
+        "has 1 texels",
+    );
+    refused(
+        r#"{"op":"sample","given":{"map":{"kind":"LA","levels":[{"size":[1],"texels":[[1]]}]},"t":[0,0,0]}}"#,
+        "2 components",
+    );
+    refused(
+        r#"{"op":"sample","given":{"map":{"ptm":"50x","light":[0,0]},"t":[0,0,0]}}"#,
+        "hexadecimal",
+    );
+    refused(
+        r#"{"op":"sample","given":{"map":{"ptm":"5054","light":[0,0]},"t":[0,0,0]}}"#,
+        "header string",
+    );
+    refused(
+        r#"{"op":"index","given":{"boundary":"Repeat","size":4,"t":[0]}}"#,
+        "ClampExplicit, ClampBorder, Wrap, Mirror",
+    );
+    refused(
+        r#"{"op":"index","given":{"boundary":"Wrap","size":0,"t":[0]}}"#,
+        "from 1 to 2^31",
+    );
+    refused(
+        r#"{"op":"parameterize","given":{"entry":{},"point":{"vrc":[0,0,0]}}}"#,
+        "a normal",
+    );
+    refused(r#"{"op":"parameterize","given":{"dim":4}}"#, "1, 2 or 3");
+    refused(
+        r#"{"op":"interpolate","given":{"ts":[[0],[1]],"b":[1],"correction":"None"}}"#,
+        "corners",
+    );
+    refused(
+        r#"{"op":"resolve","given":{"index":0}}"#,
+        "index-out-of-range",
+    );
+    refused(
+        r#"{"op":"compose","given":{"texel":["RGB",[1]],"color":[0,0,0]}}"#,
+        "[kind, components]",
+    );
+    let unknown = Question::read(br#"{"op":"paint","given":{}}"#);
+    assert!(
+        matches!(unknown, Err(Refusal::Unsupported(_))),
+        "{unknown:?}"
+    );
+}
+
+#[test]
+fn both_sets_of_names_are_understood() {
+    for (name, short) in [
+        ("PEXTMRCPostLight", "PostLight"),
+        ("PEXTMRenderingControlPostLight", "PostLight"),
+    ] {
+        let control: ptm_conform::texture::RenderingControl = name.parse().expect(name);
+        assert_eq!(control.name(), short);
+    }
+    let explicit: ptm_conform::texture::ClampMethod = "PEXTMBoundaryClampExplicitColor"
+        .parse()
+        .expect("a clamp method");
+    assert_eq!(explicit.name(), "Color");
+    let condition: Result<ptm_conform::texture::Boundary, _> = "PEXTMBCWrap".parse();
+    assert_eq!(
+        condition.map(ptm_conform::texture::Boundary::name),
+        Ok("Wrap")
+    );
+    let notes: Result<ptm_conform::texture::Boundary, _> = "ClampExplicitMethod".parse();
+    assert_eq!(
+        notes.map(ptm_conform::texture::Boundary::name),
+        Ok("ClampExplicit")
+    );
+}

@@ -1,0 +1,83 @@
+//! The tools for files meet files that are damaged anyhow: they may say anything, and they end.
+
+use proptest::prelude::*;
+use ptm_conform::generate::{Model, Recipe, write};
+use ptm_conform::ptm::Format;
+use ptm_conform::suite::cases::{Suite, TableSpelling};
+use ptm_conform::tools::convert::{Target, convert};
+use ptm_conform::tools::dissection::Dissection;
+use ptm_conform::tools::inspect::inspect;
+use ptm_conform::tools::lint::codes::Severity;
+use ptm_conform::tools::lint::lint;
+use ptm_conform::tools::{diff, export, render};
+
+/// Everything that can be asked of a file; and that it says the same as the decoder.
+fn ask_everything(file: &[u8]) {
+    let dissection = Dissection::of(file);
+    let decoded = ptm_conform::decode(file);
+    assert_eq!(dissection.outcome, decoded);
+    let inspection = inspect(file);
+    assert_eq!(inspection.error.is_some(), decoded.is_err());
+    let _ = (
+        inspection.to_text("x", false),
+        inspection.to_text("x", true),
+    );
+    inspection.to_yaml().expect("any file has its YAML");
+    let errors = lint(file)
+        .iter()
+        .any(|observation| observation.severity == Severity::Error);
+    assert_eq!(errors, decoded.is_err());
+    if let Ok(ptm) = decoded {
+        export::exr(&ptm).expect("a small map fits");
+        let _ = render::normals(&ptm);
+        render::sheet(&ptm, 2, 3).expect("a small map fits");
+        for format in Format::ALL {
+            let target = Target {
+                format,
+                quality: None,
+                loss: 0,
+            };
+            if let Ok(converted) = convert(&dissection, &ptm, target) {
+                let back = ptm_conform::decode(&converted.bytes).expect("it was read back");
+                let same_kind = back.planes.shape.channels() == ptm.planes.shape.channels();
+                assert!(
+                    !same_kind || diff::diff((file, &ptm), (&converted.bytes, &back)).same,
+                    "{format}"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn every_small_file_of_the_suite_is_taken() {
+    for case in &Suite::load().expect("the suite loads").cases {
+        let file = &case.build(TableSpelling::default()).file;
+        // A must-refuse file may ask for any memory; lint says so without taking it.
+        if file.len() < 8192 {
+            ask_everything(file);
+        }
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 300, ..ProptestConfig::default() })]
+
+    #[test]
+    fn any_edits_of_a_sound_file_are_taken(
+        format in 0..9_usize,
+        edits in prop::collection::vec((any::<prop::sample::Index>(), any::<u8>(), 0..3_u8), 1..6),
+    ) {
+        let recipe = Recipe::ordinary(Format::ALL[format], "4x3".parse().expect("a size"));
+        let mut file = write(&recipe, &Model::paint(&recipe)).bytes;
+        for (place, byte, edit) in edits {
+            let at = place.index(file.len());
+            match edit {
+                0 => file[at] = byte,
+                1 => file.insert(at, byte),
+                _ => file.truncate(at.max(1)),
+            }
+        }
+        ask_everything(&file);
+    }
+}

@@ -1,0 +1,106 @@
+//! What is repaired is what the file was before it was damaged, and nothing else is repaired.
+
+use std::collections::BTreeMap;
+use std::fs;
+
+use crate::common::{repository, run};
+use ptm_conform::decode;
+use ptm_conform::suite::cases::{Expect, Suite, TableSpelling};
+use ptm_conform::tools::lint::Lint;
+use ptm_conform::tools::repair::repair;
+
+#[test]
+fn a_repaired_file_is_its_twin_and_lints_clean() {
+    let suite = Suite::load().expect("the suite loads");
+    let mut repaired: BTreeMap<&str, usize> = BTreeMap::new();
+    for case in &suite.cases {
+        let file = &case.build(TableSpelling::default()).file;
+        let Ok(result) = repair(file) else {
+            continue;
+        };
+        let lint = Lint::of(&case.id, &result.bytes);
+        let left = |code: &str| lint.findings.iter().any(|finding| finding.code == code);
+        assert!(
+            lint.errors == 0 && !left("PTM-W110") && !left("PTM-W123"),
+            "{lint:?}"
+        );
+        assert!(!result.changes.is_empty(), "{}", case.id);
+        assert!(repair(&result.bytes).is_err(), "{}", case.id);
+        let after = decode(&result.bytes).expect("it lints clean");
+        let twin = case.twin_of.as_deref().filter(|_| decode(file).is_err());
+        let before = match twin.and_then(|twin| suite.cases.iter().find(|one| one.id == twin)) {
+            Some(twin) => decode(&twin.build(TableSpelling::default()).file),
+            None => decode(file),
+        };
+        assert_eq!(Ok(after), before, "{}", case.id);
+        *repaired
+            .entry(case.damage().map_or(&*case.id, |damage| &*damage.name))
+            .or_default() += 1;
+    }
+    println!("{repaired:?}");
+    for name in [
+        "cr-lf",
+        "tabs",
+        "empty-line",
+        "leading-blank",
+        "two-spaces-before-newline",
+        "compressed-size-one-less",
+        "compressed-size-one-more",
+        "newline-behind",
+        "bytes-behind",
+        "record-twice-jpeg-lrgb",
+    ] {
+        assert!(repaired.contains_key(name), "{name} is not repaired");
+    }
+}
+
+#[test]
+fn a_file_copied_in_text_mode_is_not_repaired() {
+    let suite = Suite::load().expect("the suite loads");
+    let mut asked = 0;
+    for case in suite
+        .cases
+        .iter()
+        .filter(|case| case.expect == Expect::Decode)
+    {
+        let file = &case.build(TableSpelling::default()).file;
+        if case.format().is_compressed() || file.len() > 4096 {
+            continue;
+        }
+        let copied: Vec<u8> = file
+            .iter()
+            .flat_map(|&byte| match byte {
+                b'\n' => vec![b'\r', b'\n'],
+                byte => vec![byte],
+            })
+            .collect();
+        if let Ok(result) = repair(&copied) {
+            assert_eq!(decode(&result.bytes), decode(file), "{}", case.id);
+        }
+        asked += 1;
+    }
+    assert!(asked > 500);
+}
+
+#[test]
+fn a_repaired_file_is_a_new_file() {
+    let scratch = tempfile::tempdir().expect("a scratch directory");
+    let path = |name: &str| scratch.path().join(name).to_string_lossy().into_owned();
+    let (old, new) = (path("old.ptm"), path("new.ptm"));
+    let sound = fs::read(repository("corpus/lrgb/first-lrgb.ptm")).expect("a file");
+    let damaged = [&sound[..], b"\0\0"].concat();
+    fs::write(&old, &damaged).expect("a file");
+    let status = |args: &[&str]| {
+        run(&[&["convert", "--repair"], args].concat())
+            .status
+            .code()
+    };
+    assert_eq!(status(&[&old, "-o", &old]), Some(2));
+    assert_eq!(fs::read(&old).expect("a file"), damaged);
+    let output = run(&["convert", "--repair", &old, "-o", &new]);
+    assert_eq!(output.status.code(), Some(0));
+    assert!(String::from_utf8_lossy(&output.stdout).contains("2 bytes after the last value"));
+    assert_eq!(fs::read(&new).expect("a file"), sound);
+    assert_eq!(status(&[&old, "-o", &new]), Some(2));
+    assert_eq!(status(&[&new, "-o", &path("newer.ptm")]), Some(1));
+}

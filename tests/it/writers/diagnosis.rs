@@ -1,0 +1,374 @@
+//! The catalog of misreadings from the other side names the mistake of a writer.
+
+use std::collections::HashMap;
+use std::fs;
+
+use ptm_conform::diagnose::Cause;
+use ptm_conform::misreadings::writing::{self, Miswriting};
+use ptm_conform::protocol::frame::Answer;
+use ptm_conform::runner::run::{Reply, Request};
+use ptm_conform::session::outcome::Outcome;
+use ptm_conform::session::plan::RunPlan;
+use ptm_conform::session::run::check;
+use ptm_conform::suite::cases::{Expect, Suite};
+use ptm_conform::writers::cases::WriterCase;
+use ptm_conform::writers::diagnose::diagnose;
+use ptm_conform::writers::reference::written;
+use ptm_conform::writers::request::WriteRequest;
+use ptm_conform::writers::test_case::{WriteView, WrittenFile};
+use ptm_conform::writers::wrong::miswritten;
+
+use super::examples::check_writer;
+use crate::common::{have, repository};
+
+/// Requests whose files are small, with the reference's files.
+struct Requests {
+    suite: Suite<WriterCase>,
+    all: HashMap<String, (WriteRequest, Vec<u8>)>,
+}
+
+impl Requests {
+    fn small() -> Requests {
+        let mut suite = Suite::of_requests().expect("the requests load");
+        let large = |case: &WriterCase| {
+            let request = case.request();
+            let most = if request.format.is_compressed() {
+                1300
+            } else {
+                3200
+            };
+            request.samples.len() > most || case.expect != Expect::Decode
+        };
+        suite.cases.retain(|case| !large(case));
+        let all = suite.cases.iter().map(|case| {
+            let request = case.request();
+            let right = written(&request).expect("the reference writes it");
+            (case.id.clone(), (request, right))
+        });
+        Requests {
+            all: all.collect(),
+            suite,
+        }
+    }
+
+    /// How many requests a writer with this mistake gets wrong, the first cause, and what is noted as equivalent to it.
+    fn first_cause(&self, mistake: &Miswriting) -> (usize, String, Vec<String>) {
+        let ask = |asked: &Request<'_, WriteView>, _: usize| {
+            let (request, right) = &self.all[asked.name];
+            let file = miswritten(request, mistake.at).unwrap_or_else(|| right.clone());
+            Reply::from(Answer::Decoded(WrittenFile(file)))
+        };
+        let plan = RunPlan::of(&self.suite, 2);
+        let run = check(&self.suite, &plan, &ask, &|_, _, _, _| ());
+        let failing = run.judgement.with(Outcome::Fail).count();
+        match diagnose(&self.suite, &run, 2)
+            .first()
+            .map(|first| &first.cause)
+        {
+            Some(Cause::Misreading {
+                misreading, alike, ..
+            }) => {
+                let alike = alike.iter().map(|other| other.slug.to_owned());
+                (failing, misreading.slug.to_owned(), alike.collect())
+            }
+            Some(Cause::Described { effect, .. }) => (failing, effect.clone(), Vec::new()),
+            None => (failing, String::new(), Vec::new()),
+        }
+    }
+
+    /// How many of these mistakes are caught, are the first cause, and are that or noted as equivalent to it.
+    fn named(&self, mistakes: &[&'static Miswriting]) -> (usize, usize, usize) {
+        let (mut caught, mut first, mut noted) = (0, 0, 0);
+        for mistake in mistakes {
+            let (failing, cause, alike) = self.first_cause(mistake);
+            let slug = mistake.slug.to_owned();
+            caught += usize::from(failing > 0);
+            first += usize::from(cause == slug);
+            noted += usize::from(cause == slug || alike.contains(&slug));
+            if cause != slug {
+                println!("{slug}: {failing} failures, named {cause}, or {alike:?}");
+            }
+        }
+        (caught, first, noted)
+    }
+}
+
+#[test]
+fn there_are_mistakes_of_writers_in_all_sections() {
+    let all: Vec<&Miswriting> = writing::all().collect();
+    assert!(all.len() >= 150, "{} mistakes", all.len());
+    for section in [
+        "2.0", "2.2", "2.3", "2.4", "2.5", "2.6", "2.7", "2.8", "2.9",
+    ] {
+        assert!(
+            all.iter().any(|one| one.clause.starts_with(section)),
+            "{section}"
+        );
+    }
+}
+
+#[test]
+fn a_wrong_writer_is_named_by_its_mistake() {
+    let requests = Requests::small();
+    let slugs = ["big-endian-index", "rows-top-down", "height-before-width"];
+    let some: Vec<_> = slugs
+        .iter()
+        .filter_map(|slug| writing::named(slug))
+        .collect();
+    let (caught, _, noted) = requests.named(&some);
+    assert_eq!((caught, noted), (some.len(), some.len()));
+}
+
+#[test]
+#[ignore = "every mistake of the catalog: takes minutes"]
+fn every_mistake_is_caught_and_named() {
+    let requests = Requests::small();
+    let all: Vec<&'static Miswriting> = writing::all().collect();
+    let (caught, first, noted) = requests.named(&all);
+    println!(
+        "{} mistakes: {caught} caught, {first} named first, {noted} with equivalents",
+        all.len()
+    );
+    assert_eq!(caught, all.len());
+    assert!(noted * 100 >= all.len() * 95, "{noted} of {}", all.len());
+}
+
+/// A copy of the writer in Python with one mistake: what is replaced by what, and what the first cause says.
+type Copy = (&'static str, &'static str, &'static str);
+
+const COPIES: &[Copy] = &[
+    (
+        "b\"\".join(reversed(rows))",
+        "b\"\".join(rows)",
+        "explain rows-top-down",
+    ),
+    ("\"little\")", "\"big\")", "explain big-endian-index"),
+    (
+        "wide = entries > 256",
+        "wide = entries >= 256",
+        "explain width-at-256",
+    ),
+    (
+        "wide = entries > 256",
+        "wide = entries > 255",
+        "explain width-at-256",
+    ),
+    (
+        "wide = entries > 256",
+        "wide = True",
+        "explain width-always-two",
+    ),
+    (
+        "table.setdefault(entry, len(table))",
+        "table.setdefault(entry, len(table)) + 1",
+        "explain index-one-based",
+    ),
+    (
+        "block(texels, 18, 0, 6) + block(texels, 18, 6, 6) + block(texels, 18, 12, 6)",
+        "block(texels, 18, 12, 6) + block(texels, 18, 6, 6) + block(texels, 18, 0, 6)",
+        "explain rgb-blocks-bgr",
+    ),
+    (
+        "block(texels, 18, 0, 6) + block(texels, 18, 6, 6) + block(texels, 18, 12, 6)",
+        "block(texels, 18, 0, 6) + block(texels, 18, 12, 6) + block(texels, 18, 6, 6)",
+        "explain rgb-green-and-blue-exchanged",
+    ),
+    (
+        "block(texels, 18, 0, 6) + block(texels, 18, 6, 6) + block(texels, 18, 12, 6)",
+        "texels",
+        "explain rgb-eighteen-interleaved",
+    ),
+    (
+        "block(texels, 18, 0, 6) + block(texels, 18, 6, 6) + block(texels, 18, 12, 6)",
+        "b\"\".join(block(texels, 18, i, 1) for i in range(18))",
+        "explain rgb-eighteen-planes",
+    ),
+    (
+        "return header(request), block(texels, 9, 0, 6) + block(texels, 9, 6, 3)",
+        "return header(request), texels",
+        "explain lrgb-nine-interleaved",
+    ),
+    (
+        "return header(request), block(texels, 9, 0, 6) + block(texels, 9, 6, 3)",
+        "return header(request), block(texels, 9, 6, 3) + block(texels, 9, 0, 6)",
+        "explain color-block-first",
+    ),
+    (
+        "return header(request), block(texels, 9, 0, 6) + block(texels, 9, 6, 3)",
+        "return header(request), b\"\".join(block(texels, 9, i, 1) for i in range(9))",
+        "explain lrgb-nine-planes",
+    ),
+    (
+        "return header(request), block(texels, 9, 0, 6) + block(texels, 9, 6, 3)",
+        "return header(request), block(texels, 9, 0, 6) + block(texels, 9, 8, 1) + block(texels, 9, 7, 1) + block(texels, 9, 6, 1)",
+        "colors-in-planes",
+    ),
+    (
+        "line(request[\"matrix\"]), texels",
+        "line(request[\"matrix\"]), block(texels, 8, 0, 6) + block(texels, 8, 6, 2)",
+        "explain lum-two-blocks",
+    ),
+    (
+        "line(request[\"matrix\"]), texels",
+        "line(request[\"matrix\"]), b\"\".join(block(texels, 8, i, 1) for i in range(8))",
+        "explain lum-planar",
+    ),
+    (
+        "+ line(request[\"matrix\"]), texels",
+        ", texels",
+        "clause 2.6",
+    ),
+    (
+        "line(request[\"matrix\"]), texels",
+        "line(request[\"matrix\"][4 * (i % 4) + i // 4] for i in range(16)), texels",
+        "clause 2.6",
+    ),
+    (
+        "+ line(request[\"bias\"])",
+        "+ line(min(max(b, 0), 255) for b in request[\"bias\"])",
+        "explain bias-clamped",
+    ),
+    (
+        "+ line(request[\"bias\"])",
+        "+ line(max(b, 0) for b in request[\"bias\"])",
+        "explain bias-not-negative",
+    ),
+    (
+        "+ line(request[\"bias\"])",
+        "+ line(min(b, 255) for b in request[\"bias\"])",
+        "explain bias-at-most-255",
+    ),
+    (
+        "+ line(request[\"bias\"])",
+        "+ line(b % 256 for b in request[\"bias\"])",
+        "explain bias-in-a-byte",
+    ),
+    (
+        "+ line(request[\"bias\"])",
+        "+ line(abs(b) for b in request[\"bias\"])",
+        "explain bias-sign-lost",
+    ),
+    (
+        "+ line(request[\"bias\"])",
+        "+ line(-b for b in request[\"bias\"])",
+        "explain bias-added",
+    ),
+    (
+        "+ line(request[\"bias\"])",
+        "+ line(0 for b in request[\"bias\"])",
+        "explain bias-ignored",
+    ),
+    (
+        "+ line(request[\"bias\"])",
+        "+ line(b / 255 for b in request[\"bias\"])",
+        "clause 2.4",
+    ),
+    (
+        "+ line(request[\"scale\"])",
+        "+ line(round(s, 3) for s in request[\"scale\"])",
+        "explain scale-with-three-decimals",
+    ),
+    (
+        "+ line(request[\"scale\"])",
+        "+ \" \".join(\"%f\" % s for s in request[\"scale\"]) + \"\\n\"",
+        "clause 2.4/3",
+    ),
+    (
+        "+ line(request[\"scale\"])",
+        "+ line(abs(s) for s in request[\"scale\"])",
+        "explain scale-sign-lost",
+    ),
+    (
+        "+ line(request[\"scale\"])",
+        "+ line(1 / s if s else 0 for s in request[\"scale\"])",
+        "explain scale-divides",
+    ),
+    (
+        "+ line(request[\"scale\"])",
+        "+ line(reversed(request[\"scale\"]))",
+        "explain scales-reversed",
+    ),
+    (
+        "\"%d\\n%d\\n\" % (request[\"width\"], request[\"height\"])",
+        "\"%d\\n%d\\n\" % (request[\"height\"], request[\"width\"])",
+        "explain height-before-width",
+    ),
+    ("\"PTM_1.2\\n\"", "\"PTM_1.1\\n\"", "clause 2.1/1"),
+    (
+        "request[\"format\"] + \"\\n\"",
+        "request[\"format\"].lower() + \"\\n\"",
+        "explain format-in-any-case",
+    ),
+    (
+        "text.encode(\"ascii\") + payload",
+        "(text.encode(\"ascii\") + payload).replace(b\"\\n\", b\"\\r\\n\")",
+        "clause 2",
+    ),
+    (
+        "text.encode(\"ascii\") + payload",
+        "text.encode(\"ascii\") + payload.replace(b\"\\n\", b\"\\r\\n\")",
+        "explain text-mode",
+    ),
+    (
+        "text.encode(\"ascii\") + payload",
+        "text.encode(\"ascii\") + b\"\\n\" + payload",
+        "line-",
+    ),
+    (
+        "text.encode(\"ascii\") + payload",
+        "text.encode(\"ascii\") + payload.rstrip(b\"\\0\")",
+        "zero",
+    ),
+    (
+        "payload = b\"\".join(table)",
+        "payload = b\"\".join(bytes(entry[i] for entry in table) for i in range(entry_size))",
+        "explain table-in-planes",
+    ),
+    (
+        "payload += block(texels, 9, 6, 3)",
+        "payload += b\"\".join(block(texels, 9, i, 1) for i in (6, 7, 8))",
+        "explain lut-colors-in-planes",
+    ),
+];
+
+/// Whether the copy exits with 1 and its first cause has the words.
+fn is_named(copy: &Copy) -> bool {
+    let (find, replace, words) = copy;
+    let source =
+        fs::read_to_string(repository("examples/writers/ptm_writer.py")).expect("the writer");
+    assert_eq!(source.matches(find).count(), 1, "{find}");
+    let directory = tempfile::tempdir().expect("a directory");
+    let path = directory.path().join("writer.py");
+    fs::write(&path, source.replace(find, replace)).expect("a file");
+    let (status, text, _) = check_writer(&["--smoke"], &["python3", &path.to_string_lossy()]);
+    let first = text
+        .split("\n\n")
+        .find(|part| part.contains("failures: the writer"))
+        .unwrap_or(&text);
+    let head: Vec<&str> = first.lines().take(4).collect();
+    let named = status == 1 && head.join("\n").contains(words);
+    if !named {
+        println!("{replace}: {status}: expected {words}\n{}", head.join("\n"));
+    }
+    named
+}
+
+#[test]
+fn wrong_copies_of_the_writer_in_python_are_named() {
+    if have("python3") {
+        let clamped = &COPIES[18];
+        assert!(is_named(clamped), "{clamped:?}");
+    }
+}
+
+#[test]
+#[ignore = "forty runs of a writer in Python: takes minutes"]
+fn forty_wrong_copies_of_the_writer_in_python_are_named() {
+    if !have("python3") {
+        return;
+    }
+    assert!(COPIES.len() >= 40, "{}", COPIES.len());
+    let named = COPIES.iter().filter(|copy| is_named(copy)).count();
+    println!("{named} of {} named", COPIES.len());
+    assert!(named >= 38, "{named} of {}", COPIES.len());
+}

@@ -1,0 +1,11 @@
+#[cfg(all(unix, feature = "cli"))]
+mod diagnosis;
+
+#[cfg(all(unix, feature = "cli"))]
+mod examples;
+
+#[cfg(all(unix, feature = "cli"))]
+mod hostile;
+
+#[cfg(all(unix, feature = "cli"))]
+mod judging;
