@@ -465,6 +465,10 @@ fn hoard_by_child() {
 
 fn beside(view: &str, file: &str, deed: impl Fn()) {
     deed();
+    // What is left behind is there for as long as this process is.
+    if std::env::var_os("ZOO_LINGERS").is_some() {
+        sleep_for_ever();
+    }
     answer(view, file, 65, 69);
 }
 

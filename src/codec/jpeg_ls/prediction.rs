@@ -59,14 +59,10 @@ impl Parameters {
     pub fn reconstruct(&self, predicted: i32, error: i32) -> i32 {
         let modulus = self.range * self.step;
         let sample = predicted + error * self.step;
-        let sample = if sample < -self.near {
-            sample + modulus
-        } else if sample > self.maxval + self.near {
-            sample - modulus
-        } else {
-            sample
-        };
-        sample.clamp(0, self.maxval)
+        // Counted and not branched: in noise nobody foresees which it is.
+        let below = i32::from(sample < -self.near);
+        let above = i32::from(sample > self.maxval + self.near);
+        (sample + (below - above) * modulus).clamp(0, self.maxval)
     }
 }
 
