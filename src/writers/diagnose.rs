@@ -2,8 +2,8 @@
 //!
 //! A mistake explains a file if a reader who makes it has the right values of it, or if the file has what such a reader
 //! makes of the right one. It is contradicted by every request that was carried out rightly and that a writer with this
-//! mistake gets wrong. The one that explains most goes first, and then the next for what is left; then pairs of mistakes;
-//! what is then left is put into words.
+//! mistake gets wrong. The one that explains most goes first, those with more contradictions than explanations last, and
+//! then the next for what is left; then pairs of mistakes; what is then left is put into words.
 
 use std::cmp::Reverse;
 use std::collections::BTreeMap;
@@ -17,6 +17,7 @@ use crate::session::observation::Response;
 use crate::session::outcome::Outcome;
 use crate::session::run::Run;
 use crate::suite::cases::Suite;
+use crate::suite::test_case::TestCase;
 use crate::writers::cases::WriterCase;
 use crate::writers::fault::WriterFault;
 use crate::writers::reference::written;
@@ -52,8 +53,8 @@ struct Candidate {
     mistake: &'static Miswriting,
     /// Places of the suite.
     explains: Vec<usize>,
-    /// Right files that it would have got wrong.
-    contradicted: usize,
+    /// Right files that it would have got wrong, by their places.
+    contradicted: Vec<usize>,
 }
 
 /// Why the failures of `run` failed; most telling first.
@@ -136,19 +137,14 @@ fn single(exhibits: &[Exhibit], threads: usize, failing: &mut Vec<usize>) -> Vec
         if !screen.iter().any(|exhibit| exhibit.is_of(mistake.at)) {
             return None;
         }
-        let of_it = exhibits.iter().filter(|exhibit| exhibit.is_of(mistake.at));
-        let explains: Vec<usize> = of_it.map(|exhibit| exhibit.place).collect();
-        if explains.is_empty() {
-            return None;
-        }
-        let contradicting = exhibits
-            .iter()
-            .filter(|exhibit| exhibit.contradicts(mistake.at));
-        let contradicted = contradicting.count();
-        (explains.len() > contradicted).then_some(Candidate {
+        let places = |these: fn(&Exhibit, &Misreading) -> bool| {
+            let these = exhibits.iter().filter(|one| these(one, mistake.at));
+            these.map(|exhibit| exhibit.place).collect()
+        };
+        Some(Candidate {
             mistake,
-            explains,
-            contradicted,
+            explains: places(Exhibit::is_of),
+            contradicted: places(Exhibit::contradicts),
         })
     };
     let found = in_parallel(mistakes.len(), threads, &|_, _| (), &candidate);
@@ -159,8 +155,7 @@ fn single(exhibits: &[Exhibit], threads: usize, failing: &mut Vec<usize>) -> Vec
             candidate.explains.retain(|place| failing.contains(place));
         }
         candidates.retain(|candidate| !candidate.explains.is_empty());
-        let rank = |of: &Candidate| (Reverse(of.explains.len()), of.contradicted);
-        let Some(best) = (0..candidates.len()).min_by_key(|&at| rank(&candidates[at])) else {
+        let Some(best) = (0..candidates.len()).min_by_key(|&at| candidates[at].rank()) else {
             return diagnoses;
         };
         let best = candidates.remove(best);
@@ -173,7 +168,19 @@ fn single(exhibits: &[Exhibit], threads: usize, failing: &mut Vec<usize>) -> Vec
             .map(|other| other.mistake)
             .collect();
         failing.retain(|place| !best.explains.contains(place));
-        diagnoses.push(of_mistakes(best.mistake, alike, Vec::new(), best.explains));
+        diagnoses.push(Diagnosis {
+            certain: best.contradicted.is_empty(),
+            except: best.contradicted,
+            ..of_mistakes(best.mistake, alike, Vec::new(), best.explains)
+        });
+    }
+}
+
+impl Candidate {
+    /// Its place among others: the smallest goes first.
+    fn rank(&self) -> impl Ord + use<> {
+        let (explained, contradicted) = (self.explains.len(), self.contradicted.len());
+        (explained <= contradicted, Reverse(explained), contradicted)
     }
 }
 
@@ -241,9 +248,9 @@ fn of_mistakes(
 }
 
 /// What no mistake of the catalog makes, by the clause that it is about.
-fn described(
-    suite: &Suite<WriterCase>,
-    run: &Run<WriterCase>,
+pub(super) fn described<C: TestCase<Difference = WriterFault>>(
+    suite: &Suite<C>,
+    run: &Run<C>,
     failing: &[usize],
 ) -> Vec<WriterDiagnosis> {
     let mut groups: BTreeMap<&str, Vec<(usize, &WriterFault)>> = BTreeMap::new();
@@ -270,7 +277,7 @@ fn described(
                 clause: clause.to_owned(),
                 effect: effect.to_owned(),
                 fix: fix.to_owned(),
-                example: format!("for example {}: {fault}", suite.cases[place].id),
+                example: format!("for example {}: {fault}", suite.cases[place].id()),
                 alike: Vec::new(),
             };
             Diagnosis {
@@ -287,6 +294,73 @@ fn described(
     diagnoses
 }
 
+/// What a writer does whose files differ in a clause, and what to do about it.
+const OF_CLAUSES: [(&str, (&str, &str)); 9] = [
+    (
+        "1.0/1",
+        (
+            "fits the pictures worse than they can be fitted",
+            "look at the pictures under the light of the example",
+        ),
+    ),
+    (
+        "2.2/1",
+        (
+            "writes another format than it is asked for",
+            "write the format of the request, or exit with 69",
+        ),
+    ),
+    (
+        "2.3/1",
+        (
+            "writes another size than it is asked for",
+            "write the width, then the height",
+        ),
+    ),
+    (
+        "2.4/3",
+        (
+            "writes other scales than it is asked for",
+            "write all digits of the six scales, in the order of the coefficients",
+        ),
+    ),
+    (
+        "2.4/4",
+        (
+            "writes other biases than it is asked for",
+            "write the six biases as they are, whatever their sign and size",
+        ),
+    ),
+    (
+        "2.6/2",
+        (
+            "writes another matrix than it is asked for",
+            "write the sixteen numbers in the order of the request, with all their digits",
+        ),
+    ),
+    (
+        "2.9.1/1",
+        (
+            "loses more than the compression parameter allows, or writes another one",
+            "predict from the planes that a decoder has, and encode with the parameter of the request",
+        ),
+    ),
+    (
+        "2.9.8/4",
+        (
+            "writes no side information where the loss wraps around",
+            "after each plane, write a record for every texel that the loss takes past the end of the scale",
+        ),
+    ),
+    (
+        "2.9.8/8",
+        (
+            "writes wrong values into side information",
+            "write the value that the texel should have",
+        ),
+    ),
+];
+
 /// What a writer does whose files differ in this clause, and what to do about it.
 fn words_of(clause: &str, fault: &WriterFault) -> (&'static str, &'static str) {
     if fault.says.starts_with("the reference refuses") {
@@ -295,70 +369,10 @@ fn words_of(clause: &str, fault: &WriterFault) -> (&'static str, &'static str) {
             "look at the byte that the example names",
         );
     }
-    let table = [
-        (
-            "2.2/1",
-            (
-                "writes another format than it is asked for",
-                "write the format of the request, or exit with 69",
-            ),
-        ),
-        (
-            "2.3/1",
-            (
-                "writes another size than it is asked for",
-                "write the width, then the height",
-            ),
-        ),
-        (
-            "2.4/3",
-            (
-                "writes other scales than it is asked for",
-                "write all digits of the six scales, in the order of the coefficients",
-            ),
-        ),
-        (
-            "2.4/4",
-            (
-                "writes other biases than it is asked for",
-                "write the six biases as they are, whatever their sign and size",
-            ),
-        ),
-        (
-            "2.6/2",
-            (
-                "writes another matrix than it is asked for",
-                "write the sixteen numbers in the order of the request, with all their digits",
-            ),
-        ),
-        (
-            "2.9.1/1",
-            (
-                "loses more than the compression parameter allows, or writes another one",
-                "predict from the planes that a decoder has, and encode with the parameter of the request",
-            ),
-        ),
-        (
-            "2.9.8/4",
-            (
-                "writes no side information where the loss wraps around",
-                "after each plane, write a record for every texel that the loss takes past the end of the scale",
-            ),
-        ),
-        (
-            "2.9.8/8",
-            (
-                "writes wrong values into side information",
-                "write the value that the texel should have",
-            ),
-        ),
-    ];
-    let mut rows = table.into_iter();
-    rows.find(|(of, _)| *of == clause).map_or(
-        (
-            "writes other values than it is asked for",
-            "see where the values of the example lie in the file",
-        ),
-        |(_, words)| words,
-    )
+    let other = (
+        "writes other values than it is asked for",
+        "see where the values of the example lie in the file",
+    );
+    let known = OF_CLAUSES.iter().find(|(of, _)| *of == clause);
+    known.map_or(other, |(_, words)| *words)
 }
