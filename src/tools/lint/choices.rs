@@ -6,13 +6,16 @@ use super::codes;
 use super::diagnostic::Diagnostic;
 use crate::decode::{Stored, open_as};
 use crate::evaluate;
-use crate::ptm::{Format, Limits, Ptm, Shape};
+use crate::ptm::{Format, Limits, Planes, Ptm, Shape, Size};
 use crate::reading::Reading;
 use crate::suite::choices::CHOICES;
 use crate::tools::dissection::{Dissection, Role};
 
 /// Lights under which colors are compared.
 const LIGHTS: [(f64, f64); 3] = [(0.0, 0.0), (0.3125, -0.4375), (-0.625, 0.5)];
+
+/// Texels whose colors are held at a time.
+const PIECE: usize = 4096;
 
 pub(super) fn diagnose(dissection: &Dissection) -> Vec<Diagnostic> {
     let Ok(ptm) = &dissection.outcome else {
@@ -85,30 +88,13 @@ fn tables(dissection: &Dissection, ptm: &Ptm) -> Vec<Diagnostic> {
 
 /// What another reading makes of the file, where that differs.
 fn difference(file: &[u8], ptm: &Ptm, reading: &Reading) -> Option<String> {
-    let limits = Limits::default();
-    let other = match open_as(file, reading, &limits) {
-        Ok(other) => other,
-        Err(error) => return Some(format!("it is malformed: {error}")),
-    };
-    let channels = ptm.planes.shape.channels();
-    let mut texels = ptm.planes.samples.chunks(channels);
-    let differing: Vec<bool> = match ptm.planes.shape {
+    let differing = match ptm.planes.shape {
         // Planes of LUM are alike under all readings; their colors are not.
-        Shape::Lum(_) => colors_differ(
-            &open_as(file, &Reading::SPEC, &limits).ok()?,
-            &other,
-            reading,
-        ),
-        _ => other
-            .pieces()
-            .flat_map(|piece| {
-                let samples = piece.planes.samples;
-                let theirs = samples.chunks(channels);
-                theirs
-                    .map(|theirs| texels.next() != Some(theirs))
-                    .collect::<Vec<_>>()
-            })
-            .collect(),
+        Shape::Lum(_) => colors_differ(ptm, reading),
+        _ => match open_as(file, reading, &Limits::default()) {
+            Ok(other) => planes_differ(ptm, &other),
+            Err(error) => return Some(format!("it is malformed: {error}")),
+        },
     };
     let first = differing.iter().position(|&differs| differs)?;
     let width = ptm.planes.size.width as usize;
@@ -121,23 +107,42 @@ fn difference(file: &[u8], ptm: &Ptm, reading: &Reading) -> Option<String> {
     ))
 }
 
+/// Which texels have other stored values.
+fn planes_differ(ptm: &Ptm, other: &Stored) -> Vec<bool> {
+    let channels = ptm.planes.shape.channels();
+    let mut texels = ptm.planes.samples.chunks(channels);
+    let mut differing = Vec::new();
+    for piece in other.pieces() {
+        let theirs = piece.planes.samples.chunks(channels);
+        differing.extend(theirs.map(|theirs| texels.next() != Some(theirs)));
+    }
+    differing
+}
+
 /// Which texels have another color under some light; piece by piece, because colors take far more room than what they are
 /// made of.
-fn colors_differ(ours: &Stored, theirs: &Stored, reading: &Reading) -> Vec<bool> {
-    let colors = |piece: &Ptm, reading: &Reading, (lu, lv): (f64, f64)| {
-        let finals = evaluate::apply(&piece.header.scale_bias, &piece.planes, reading);
-        evaluate::evaluate(&finals, lu, lv, reading).to_bytes()
-    };
-    let pairs = ours.pieces().zip(theirs.pieces());
-    let differing = pairs.flat_map(|(our_piece, their_piece)| {
-        let mut differing = vec![false; our_piece.planes.size.texels()];
-        for light in LIGHTS {
-            let pictures = [
-                colors(&our_piece, &Reading::SPEC, light),
-                colors(&their_piece, reading, light),
-            ];
-            for (texel, differs) in differing.iter_mut().enumerate() {
-                *differs |= pictures[0][3 * texel..][..3] != pictures[1][3 * texel..][..3];
+fn colors_differ(ptm: &Ptm, reading: &Reading) -> Vec<bool> {
+    let shape = ptm.planes.shape;
+    let pieces = ptm.planes.samples.chunks(PIECE * shape.channels());
+    let differing = pieces.flat_map(|samples| {
+        let size = Size {
+            width: (samples.len() / shape.channels()) as u32,
+            height: 1,
+        };
+        let planes = Planes {
+            size,
+            shape,
+            samples: samples.to_vec(),
+        };
+        // Readings of LUM differ in what they make of coefficients, not in the coefficients.
+        let finals = evaluate::apply(&ptm.header.scale_bias, &planes, &Reading::SPEC);
+        let mut differing = vec![false; size.texels()];
+        for (lu, lv) in LIGHTS {
+            let colors = |reading| evaluate::evaluate(&finals, lu, lv, reading).to_bytes();
+            let (ours, theirs) = (colors(&Reading::SPEC), colors(reading));
+            let pairs = ours.chunks(3).zip(theirs.chunks(3));
+            for (differs, (ours, theirs)) in differing.iter_mut().zip(pairs) {
+                *differs |= ours != theirs;
             }
         }
         differing
