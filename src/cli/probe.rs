@@ -18,12 +18,17 @@ use ptm_conform::session::probe::{Reproduction, probe};
 /// file on standard input, FILE before VIEW) to find out which one it expects. The files behind what is wrong are kept, and
 /// a command shows each observation again.
 ///
-/// Exit status: 0 it is ready for check, 1 something is to be fixed, 2 wrong usage, 3 it is not a decoder yet.
+/// With --writer, it is a writer that is asked for a file of each format, and each file is looked at.
+///
+/// Exit status: 0 it is ready for check, 1 something is to be fixed, 2 wrong usage, 3 it is not a decoder, or writer, yet.
 #[derive(Args)]
 #[command(
-    after_help = "Examples:\n  ptm-conform probe ./my-decoder\n  ptm-conform probe -- python3 decode.py"
+    after_help = "Examples:\n  ptm-conform probe ./my-decoder\n  ptm-conform probe -- python3 decode.py\n  ptm-conform probe --writer ./my-writer"
 )]
 pub struct ProbeArgs {
+    /// The program is a writer, as check-writer calls it.
+    #[arg(long)]
+    writer: bool,
     /// Wall-clock limit of a call.
     #[arg(long, value_name = "SECONDS", default_value_t = 10.0)]
     timeout: f64,
@@ -36,6 +41,9 @@ pub struct ProbeArgs {
 }
 
 pub fn run(args: &ProbeArgs) -> Result<u8, String> {
+    if args.writer {
+        return of_writer(args);
+    }
     processes::prepare();
     let mut decoder = Decoder::new(&args.decoder).map_err(|error| error.to_string())?;
     decoder.timeout = super::arguments::positive_seconds(args.timeout)?;
@@ -49,6 +57,24 @@ pub fn run(args: &ProbeArgs) -> Result<u8, String> {
         0 => format!("ready. Next: ptm-conform check -- {command}\n"),
         1 => "1 thing to fix; then probe again\n".to_owned(),
         faults => format!("{faults} things to fix; then probe again\n"),
+    });
+    Ok(list.exit_status())
+}
+
+/// The checklist of a writer.
+fn of_writer(args: &ProbeArgs) -> Result<u8, String> {
+    processes::prepare_for(super::check_writer::LARGEST_FILE);
+    let program = Decoder::new(&args.decoder).map_err(|error| error.to_string())?;
+    let mut writer = program.as_writer("write");
+    writer.timeout = super::arguments::positive_seconds(args.timeout)?;
+    let guarded = super::guard::Guarded::new()?;
+    let list = ptm_conform::writers::probe::probe(&writer, &guarded.scratch)?;
+    super::guard::untroubled(&writer)?;
+    super::terminal::show(&list.to_text(&|_| None));
+    let command = in_one_line(&args.decoder);
+    super::terminal::show(&match list.faults() {
+        0 => format!("ready. Next: ptm-conform check-writer -- {command}\n"),
+        faults => format!("to fix: {faults}; then probe again\n"),
     });
     Ok(list.exit_status())
 }

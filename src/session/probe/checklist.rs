@@ -91,12 +91,12 @@ pub struct Checklist {
 }
 
 impl Checklist {
-    pub(super) fn good(&mut self, says: impl Into<String>) {
+    pub(crate) fn good(&mut self, says: impl Into<String>) {
         self.add(Mark::Good, says, None, None);
     }
 
     /// Something to fix, what to do about it, and how to see it again.
-    pub(super) fn bad(
+    pub(crate) fn bad(
         &mut self,
         says: impl Into<String>,
         next: impl Into<String>,
@@ -105,7 +105,7 @@ impl Checklist {
         self.add(Mark::Bad, says, Some(next.into()), repeat.into());
     }
 
-    pub(super) fn absent(&mut self, says: impl Into<String>) {
+    pub(crate) fn absent(&mut self, says: impl Into<String>) {
         self.add(Mark::Absent, says, None, None);
     }
 

@@ -72,3 +72,35 @@ fn exit_statuses_are_those_of_check() {
     let refused = run(&["reference", "write", "no-such-request.json"]);
     assert_eq!(refused.status.code(), Some(2));
 }
+
+#[test]
+fn a_probe_walks_a_writer_through_the_contract() {
+    let probed = |writer: &[&str]| {
+        let output = run(&[&["probe", "--writer", "--"], writer].concat());
+        let text = String::from_utf8_lossy(&output.stdout).into_owned();
+        (output.status.code(), text)
+    };
+    let reference = crate::common::program();
+    let reference = reference.get_program().to_string_lossy().into_owned();
+    let (status, text) = probed(&[&reference, "reference"]);
+    assert_eq!(status, Some(0), "{text}");
+    assert!(
+        text.contains("JPEGLS_LRGB: the file has the values"),
+        "{text}"
+    );
+    let (status, text) = probed(&["sh", "-c", "printf 'PTM_1.2\\n'"]);
+    assert_eq!(status, Some(3), "{text}");
+    assert!(text.contains("came on its standard output"), "{text}");
+    let (status, text) = probed(&["sh", "-c", "exit 69"]);
+    assert_eq!(status, Some(3), "{text}");
+    assert!(text.contains("write at least one format"), "{text}");
+    // A writer of the catalog.
+    let swapped =
+        format!("{reference} reference write \"$2\" x && sed '3{{h;d}};4{{G}}' x > \"$3\"");
+    let (status, text) = probed(&["sh", "-c", &swapped, "swapped"]);
+    assert_eq!(status, Some(1), "{text}");
+    assert!(
+        text.contains("such a file comes of a writer that"),
+        "{text}"
+    );
+}

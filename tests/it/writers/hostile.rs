@@ -48,6 +48,15 @@ fn what_is_no_file_is_said_to_be_none() {
     ends_as("mkdir \"$3\"", "its output file is not a regular file");
     ends_as("mkfifo \"$3\"", "its output file is not a regular file");
     ends_as("ln -s /etc/hostname \"$3\"", "its output file is a link");
+    ends_as("ln -s ../../.. \"$3\"", "its output file is a link");
+}
+
+#[test]
+fn a_directory_in_the_place_of_its_own_is_not_followed() {
+    ends_as(
+        "d=$(dirname \"$3\"); cd /; rm -r \"$d\" && ln -s /etc \"$d\"",
+        "its output file is not there",
+    );
 }
 
 #[test]
@@ -69,9 +78,19 @@ fn endless_files_are_cut_off() {
         "head -c 10000000000 /dev/zero > \"$3\"",
         "in its output file",
     );
+    // Ten gigabytes that take no room.
+    ends_as("truncate -s 10G \"$3\" || exit 1", "");
+    ends_as("truncate -s 60M \"$3\"", "in its output file");
 }
 
 #[test]
 fn a_writer_that_never_ends_is_ended() {
     ends_as("sleep 1000", "no end within");
+    ends_as("yes > \"$3\"", "in its output file");
+}
+
+#[test]
+fn a_writer_that_changes_the_planes_is_told_so() {
+    let planes = "p=$(dirname \"$2\")/planes.npy; chmod u+w \"$p\" && echo x >> \"$p\"";
+    ends_as(planes, "tampering");
 }

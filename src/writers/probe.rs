@@ -1,0 +1,114 @@
+//! Walks the author of a writer through the contract: one request of each format, and what is wrong with each file.
+
+use crate::misreadings::writing;
+use crate::protocol::frame::Answer;
+use crate::runner::run::{Decoder, Reply, Request};
+use crate::runner::scratch::Scratch;
+use crate::session::probe::Checklist;
+use crate::suite::cases::{Suite, TableSpelling};
+use crate::suite::test_case::TestCase;
+use crate::writers::asking;
+use crate::writers::cases::WriterCase;
+use crate::writers::judge::judge;
+use crate::writers::reference::written;
+use crate::writers::test_case::{WriteView, WrittenFile};
+use crate::writers::wrong;
+
+/// Takes all steps with `writer`.
+///
+/// # Errors
+/// What is wrong with the requests.
+pub fn probe(writer: &Decoder, scratch: &Scratch) -> Result<Checklist, String> {
+    let suite = Suite::of_requests()?;
+    let mut list = Checklist::default();
+    for case in suite.cases.iter().filter(|case| case.first) {
+        let reply = ask(writer, &suite, case, scratch);
+        let format = case.format().short_name();
+        match &reply.answer {
+            Answer::Decoded(file) => {
+                list.answers = true;
+                look_at(&mut list, case, file);
+            }
+            Answer::Unsupported => list.absent(format!("it does not write {format}: 69")),
+            _ => {
+                let (says, next) = explain(&reply);
+                list.bad(format!("{format}: {says}"), next, None);
+            }
+        }
+        // A program that cannot be started, or never ends, is like that in every format.
+        if matches!(reply.answer, Answer::NotStarted(_) | Answer::Hung(_)) {
+            return Ok(list);
+        }
+    }
+    if !list.answers && list.faults() == 0 {
+        let next = "write at least one format; LRGB is the one that most readers know";
+        list.bad("it answers every request with 69 (unsupported)", next, None);
+    }
+    Ok(list)
+}
+
+fn ask(
+    writer: &Decoder,
+    suite: &Suite<WriterCase>,
+    case: &WriterCase,
+    scratch: &Scratch,
+) -> Reply<WrittenFile> {
+    let built = case.made(TableSpelling::default());
+    let request = Request {
+        name: &case.id,
+        view: &WriteView,
+        file: &built.json,
+        largest_frame: case.largest_answer(&built),
+        timeout_factor: 1,
+        alone: true,
+    };
+    asking::ask(writer, suite, &request, scratch)
+}
+
+/// A file: right, or what is wrong with it and which mistake makes it so.
+fn look_at(list: &mut Checklist, case: &WriterCase, file: &WrittenFile) {
+    let (request, format) = (case.request(), case.format().short_name());
+    let fault = match judge(&request, &file.0) {
+        Ok(()) => return list.good(format!("{format}: the file has the values")),
+        Err(fault) => fault,
+    };
+    let right = written(&request).unwrap_or_default();
+    let mistake = writing::all().find(|one| wrong::explains(&request, &right, &file.0, one.at));
+    let next = match mistake {
+        Some(mistake) => format!(
+            "such a file comes of a writer that {}: {}",
+            mistake.effect, mistake.fix
+        ),
+        None => format!("clause {}: ptm-conform explain {0}", fault.clause),
+    };
+    list.bad(format!("{format}: {fault}"), next, None);
+}
+
+/// An answer that is no file, and what to do about it.
+fn explain(reply: &Reply<WrittenFile>) -> (String, &'static str) {
+    let next = match &reply.answer {
+        Answer::ProtocolError(_) if reply.stdout.starts_with(b"PTM_1.") => {
+            "the file came on its standard output: write it to the path that is the last argument, OUT"
+        }
+        Answer::ProtocolError(_) => {
+            "write the file to the path that is the last argument, OUT; a relative name would be elsewhere"
+        }
+        Answer::Crashed(_) => {
+            "it is called as WRITER write REQUEST OUT; a status other than 0, 65 and 69 counts as a crash: fix what its standard error says"
+        }
+        Answer::Hung(_) => {
+            "let it end when the file is written: no window, no prompt, nothing read from standard input"
+        }
+        Answer::Rejected => "these are ordinary values: fix what its standard error says",
+        Answer::Flooded(_) => "write the file and nothing else",
+        Answer::OutOfMemory(_) => "allocate by the sizes in the request",
+        Answer::Tampered(_) => "open request and planes for reading only",
+        _ => "run it by hand from another directory",
+    };
+    let what = reply.answer.violation().unwrap_or(reply.answer.name());
+    let last = reply.stderr.lines().last();
+    let last = last.map_or(String::new(), |line| {
+        format!("\nits standard error ends: {line}")
+    });
+    (format!("{what}{last}"), next)
+}
