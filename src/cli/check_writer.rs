@@ -19,7 +19,6 @@ use super::renderings::RenderingArgs;
 use super::subject;
 use ptm_conform::ptm::Format;
 use ptm_conform::report::conclude::{causes, verdicts};
-use ptm_conform::report::reported::Reported;
 use ptm_conform::report::shards::{Circumstances, OtherRemarks};
 use ptm_conform::runner::processes;
 use ptm_conform::runner::run::{Decoder, Request};
@@ -28,8 +27,8 @@ use ptm_conform::runner::template::Template;
 use ptm_conform::session::plan::{Repeat, RunPlan};
 use ptm_conform::session::run::{Run, Session};
 use ptm_conform::suite::cases::Suite;
-use ptm_conform::writers::asking::{self, VALUES};
-use ptm_conform::writers::cases::WriterCase;
+use ptm_conform::writers::asking::{self, VALUES, WritingCase};
+use ptm_conform::writers::fitting::pictures::PictureSet;
 use ptm_conform::writers::test_case::WriteView;
 
 /// Have a writer write PTM files from given values, and say which clauses it gets wrong.
@@ -37,7 +36,7 @@ use ptm_conform::writers::test_case::WriteView;
 /// The writer is called as `WRITER [ARG…] write REQUEST OUT` once for each request. REQUEST is a JSON file with format,
 /// width, height, scale, bias and so on, and the path of the planes: a NumPy array, height × width × channels, u8, top row
 /// first. The writer puts a PTM file at OUT and exits with 0; or it exits with 69 if it does not write such files, with 65
-/// if no file can hold the values.
+/// if no file can hold the values. --fitter asks for fits of pictures instead; see docs/writers.md.
 ///
 /// Exit status: 0 the writer passes, 1 it fails, 2 wrong usage, 3 it is not a writer, 4 known failures were fixed and
 /// should be taken off the list, 5 no request was selected.
@@ -67,10 +66,19 @@ pub struct CheckWriterArgs {
     /// Only the smoke subset: few requests of every format.
     #[arg(long)]
     smoke: bool,
+    /// Check a fitter: a program that makes a PTM of pictures under known lights.
+    ///
+    /// It is called as `FITTER [ARG…] fit REQUEST OUT`. REQUEST is a JSON file with format (LRGB or RGB), width, height and
+    /// the path of an .lp file. How far its map is from the pictures is held against the least-squares optimum.
+    #[arg(long)]
+    fitter: bool,
+    /// Have a fitter fit these pictures, too.
+    #[arg(long, value_name = "FILE", requires = "fitter")]
+    lp: Option<PathBuf>,
     /// Check a program that does not speak the protocol, by a line that calls it.
     ///
     /// The line is split as a shell splits it, but no shell runs. {out} is the file to write, which may have a suffix
-    /// ({out}.ptm); {in} is the request in JSON; {planes} is the NumPy array; {format}, {width}, {height}, {scale}, {bias},
+    /// ({out}.ptm); {in} is the request in JSON; {planes} is the NumPy array, {lp} the .lp file of a fitter; {format}, {width}, {height}, {scale}, {bias},
     /// {matrix}, {quality} and {near} are values, lists with commas between their numbers. {{ and }} are braces.
     #[arg(long, value_name = "TEMPLATE", conflicts_with = "writer")]
     cmd: Option<String>,
@@ -87,7 +95,7 @@ pub struct CheckWriterArgs {
 }
 
 /// The largest file that a writer may write: far more than any request needs, and little enough to be written in vain.
-const LARGEST_FILE: u64 = 64 << 20;
+pub const LARGEST_FILE: u64 = 64 << 20;
 
 /// Runs the suite of requests.
 pub fn run(args: &CheckWriterArgs) -> Result<u8, String> {
@@ -97,63 +105,76 @@ pub fn run(args: &CheckWriterArgs) -> Result<u8, String> {
     for path in [args.report.as_path()].into_iter().chain(written) {
         can_be_written(path)?;
     }
-    let suite = Suite::of_requests()?;
-    let selected = args.selected(&suite)?;
+    if args.fitter {
+        let own = args.lp.as_deref().map(PictureSet::read).transpose()?;
+        check(args, &Suite::of_photographs(own.as_ref()), &stop)
+    } else {
+        check(args, &Suite::of_requests()?, &stop)
+    }
+}
+
+/// Asks the writer for what matches of a suite.
+fn check<C: WritingCase>(
+    args: &CheckWriterArgs,
+    suite: &Suite<C>,
+    stop: &Arc<AtomicBool>,
+) -> Result<u8, String> {
+    let selected = args.selected(suite)?;
     if !selected.contains(&true) {
         complain("ptm-conform: no request matches what --case, --format and --smoke ask for");
         return Ok(EXIT_NOTHING_SELECTED);
     }
-    let (writer, words) = args.writer(&stop)?;
+    let (writer, words) = args.writer(C::VERB, stop)?;
     let plan = RunPlan {
         selected,
         repeat: Repeat::Failures,
-        stop: Arc::clone(&stop),
-        ..RunPlan::of(&suite, jobs(args.jobs)?)
+        stop: Arc::clone(stop),
+        ..RunPlan::of(suite, jobs(args.jobs)?)
     };
     let ending = Ending {
         path: &args.report,
         show: args.show,
         renderings: &args.renderings,
         args: &args.known,
-        known: args.known.read(&suite)?,
+        known: args.known.read(suite)?,
     };
     let partial = Partial::new(&args.report)?;
     let guarded = Guarded::new()?;
 
-    let mut run = ask(&suite, &plan, &writer, &guarded.scratch, &partial);
+    let mut run = ask(suite, &plan, &writer, &guarded.scratch, &partial);
     untroubled(&writer)?;
     let circumstances = Circumstances {
         limits: args.limits(),
-        ..Circumstances::of(&suite, &plan, &words, &[])
+        ..Circumstances::of(suite, &plan, &words, &[])
     };
     let others = OtherRemarks::default();
-    let mut report = verdicts(&suite, &mut run, &circumstances, &others, plan.jobs)?;
-    ending.write(&suite, &run, &mut report)?;
+    let mut report = verdicts(suite, &mut run, &circumstances, &others, plan.jobs)?;
+    ending.write(suite, &run, &mut report)?;
     let spinner = spinner("looking for causes");
-    let report = causes(&suite, &run, report, |run| {
-        WriterCase::diagnose(&suite, run, &[], plan.jobs)
+    let report = causes(suite, &run, report, |run| {
+        C::diagnose(suite, run, &[], plan.jobs)
     });
     spinner.finish_and_clear();
-    let status = ending.finish(&suite, &run, report)?;
+    let status = ending.finish(suite, &run, report)?;
     partial.remove();
     Ok(status)
 }
 
 /// First contact, requests, verdicts.
-fn ask(
-    suite: &Suite<WriterCase>,
-    plan: &RunPlan<WriterCase>,
+fn ask<C: WritingCase>(
+    suite: &Suite<C>,
+    plan: &RunPlan<C>,
     writer: &Decoder,
     scratch: &Scratch,
     partial: &Partial,
-) -> Run<WriterCase> {
+) -> Run<C> {
     let ask =
         |request: &Request<'_, WriteView>, _: usize| asking::ask(writer, suite, request, scratch);
     let bar = progress_bar();
     let session = Session::new(suite, plan, &ask);
     let contact = session.first_contact();
     let observations = session.ask_cases(&contact, &|case, observation, done, all| {
-        partial.append(&case.id, "write", observation.response.name());
+        partial.append(case.id(), "write", observation.response.name());
         show_progress(&bar, done, all);
     });
     let mut run = session.verdicts(contact, observations, &|_, _| ());
@@ -166,18 +187,18 @@ fn ask(
 
 impl CheckWriterArgs {
     /// Which requests match; the first ones of the selected formats are asked anyway.
-    fn selected(&self, suite: &Suite<WriterCase>) -> Result<Vec<bool>, String> {
+    fn selected<C: WritingCase>(&self, suite: &Suite<C>) -> Result<Vec<bool>, String> {
         let globs = globs(&self.cases)?;
-        let matches = |case: &WriterCase| {
-            (globs.is_empty() || globs.iter().any(|glob| glob.matches(&case.id)))
+        let matches = |case: &C| {
+            (globs.is_empty() || globs.iter().any(|glob| glob.matches(case.id())))
                 && (self.formats.is_empty() || self.formats.contains(&case.format()))
-                && (!self.smoke || case.smoke)
+                && (!self.smoke || case.is_smoke())
         };
         Ok(suite.cases.iter().map(matches).collect())
     }
 
     /// The writer under its limits, and its command as the report has it.
-    fn writer(&self, stop: &Arc<AtomicBool>) -> Result<(Decoder, Vec<String>), String> {
+    fn writer(&self, verb: &str, stop: &Arc<AtomicBool>) -> Result<(Decoder, Vec<String>), String> {
         let (mut writer, words) = if let Some(text) = &self.cmd {
             let template = Template::parse_for_writer(text, &VALUES);
             let template = template.map_err(|error| format!("--cmd: {error}"))?;
@@ -185,7 +206,7 @@ impl CheckWriterArgs {
             (writer, shlex::split(text).unwrap_or_default())
         } else {
             let (program, words) = subject::program(&self.writer)?;
-            (program.as_writer(), words)
+            (program.as_writer(verb), words)
         };
         writer.timeout = positive_seconds(self.timeout)?;
         writer.memory = self.memory;
@@ -211,7 +232,8 @@ impl CheckWriterArgs {
             "the file: twice the bytes of its planes and 64 KiB; larger ones are not read"
                 .to_owned(),
             format!("files: {} MiB each, no core dumps", LARGEST_FILE >> 20),
-            "input: request and planes are held against their bytes after the call".to_owned(),
+            "input: the request and its files are held against their bytes after the call"
+                .to_owned(),
         ]
     }
 }

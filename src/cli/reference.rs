@@ -6,8 +6,10 @@ use std::path::{Path, PathBuf};
 use ptm_conform::error::Class;
 use ptm_conform::protocol::frame::{EXIT_MALFORMED, EXIT_UNSUPPORTED, Frame, View, write_view};
 use ptm_conform::ptm::Format;
+use ptm_conform::writers::fitting::optimum::optimum;
+use ptm_conform::writers::fitting::pictures::{FORMATS, FitRequest, PictureSet};
 use ptm_conform::writers::reference::{self, NotWritten};
-use ptm_conform::writers::request::RequestHeader;
+use ptm_conform::writers::request::{RequestHeader, WriteRequest};
 
 #[cfg(unix)]
 use super::texture;
@@ -17,16 +19,16 @@ use super::{EXIT_USAGE, files};
 ///
 /// `reference serve` answers lines "SEQ VIEW PATH" on standard input; `reference capabilities` lists its views and formats;
 /// `reference texture FILE` answers a question about texture mapping, in JSON; `reference write REQUEST OUT` writes the file
-/// that a request of check-writer asks for.
+/// that a request of check-writer asks for; `reference fit REQUEST OUT` the one that fits pictures best.
 ///
 /// Exit status: 0, 65 if the file is malformed, 69 if it is not supported.
 #[derive(clap::Args)]
 pub struct Args {
-    /// raw, coef or rgb:LU,LV; or serve, capabilities, texture, or write
+    /// raw, coef or rgb:LU,LV; or serve, capabilities, texture, write, or fit
     view: String,
-    /// A PTM file; for texture, a question in JSON; for write, a request in JSON.
+    /// A PTM file; for texture, a question in JSON; for write and fit, a request in JSON.
     file: Option<PathBuf>,
-    /// The file to write; for write only.
+    /// The file to write; for write and fit only.
     out: Option<PathBuf>,
 }
 
@@ -36,6 +38,10 @@ pub fn run(args: &Args) -> u8 {
         ("write", Some(request)) => match &args.out {
             Some(out) => write(request, out),
             None => usage("write needs a request and the file to write"),
+        },
+        ("fit", Some(request)) => match &args.out {
+            Some(out) => fit(request, out),
+            None => usage("fit needs a request and the file to write"),
         },
         (_, Some(_)) if args.out.is_some() => usage("a view has one file"),
         ("serve", None) => status(serve(io::stdin().lock(), io::stdout().lock())),
@@ -85,28 +91,49 @@ fn one(view: &View, path: &Path) -> u8 {
 
 /// `reference write REQUEST OUT`
 fn write(path: &Path, out: &Path) -> u8 {
-    let refused = |status: i32, says: &str| {
-        super::output::complain(&format!("{}: {says}", path.display()));
-        status as u8
-    };
     let request = files::read(path)
         .and_then(|json| RequestHeader::read(&json))
         .and_then(|header| {
             let planes = files::read(Path::new(&header.planes))?;
             header.with_planes(&planes)
         });
-    let request = match request {
+    match request {
+        Ok(request) => put(path, out, &request),
+        Err(error) => refused(path, EXIT_MALFORMED, &error),
+    }
+}
+
+/// `reference fit REQUEST OUT`
+fn fit(path: &Path, out: &Path) -> u8 {
+    let request = files::read(path).and_then(|json| FitRequest::read(&json));
+    let (format, request) = match request {
         Ok(request) => request,
-        Err(error) => return refused(EXIT_MALFORMED, &error),
+        Err(error) => return refused(path, EXIT_MALFORMED, &error),
     };
-    match reference::written(&request) {
+    if !FORMATS.contains(&format) {
+        return refused(path, EXIT_UNSUPPORTED, "fits are LRGB or RGB");
+    }
+    match PictureSet::read(Path::new(&request.lp)) {
+        Ok(set) => put(path, out, &WriteRequest::of(&optimum(&set, format))),
+        Err(error) => refused(path, EXIT_MALFORMED, &error),
+    }
+}
+
+/// Writes what is asked for, or says why not.
+fn put(path: &Path, out: &Path, request: &WriteRequest) -> u8 {
+    match reference::written(request) {
         Ok(bytes) => match files::write_whole(out, bytes) {
             Ok(()) => 0,
             Err(error) => usage(&error),
         },
-        Err(NotWritten::Impossible(says)) => refused(EXIT_MALFORMED, &says),
-        Err(NotWritten::Unsupported(says)) => refused(EXIT_UNSUPPORTED, &says),
+        Err(NotWritten::Impossible(says)) => refused(path, EXIT_MALFORMED, &says),
+        Err(NotWritten::Unsupported(says)) => refused(path, EXIT_UNSUPPORTED, &says),
     }
+}
+
+fn refused(path: &Path, status: i32, says: &str) -> u8 {
+    super::output::complain(&format!("{}: {says}", path.display()));
+    status as u8
 }
 
 /// Answers request after request until there are no more.

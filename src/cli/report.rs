@@ -18,6 +18,7 @@ use ptm_conform::report::reported::Reported;
 use ptm_conform::suite::cases::{Case, Suite};
 use ptm_conform::suite::texture::cases::TextureCase;
 use ptm_conform::writers::cases::WriterCase;
+use ptm_conform::writers::fitting::cases::FitCase;
 
 /// Read reports that check has written.
 #[derive(Args)]
@@ -131,6 +132,7 @@ pub fn run(args: &ReportArgs) -> Result<u8, String> {
                 SuiteName::Ptm => show_report::<Case>(&report, cases, *show),
                 SuiteName::Texture => show_report::<TextureCase>(&report, cases, *show),
                 SuiteName::Writers => show_report::<WriterCase>(&report, cases, *show),
+                SuiteName::Fitters => show_report::<FitCase>(&report, cases, *show),
             }
         }
         ReportCommand::Merge(args) => {
@@ -147,6 +149,7 @@ pub fn run(args: &ReportArgs) -> Result<u8, String> {
                 SuiteName::Ptm => html_page::<Case>(&reports)?,
                 SuiteName::Texture => html_page::<TextureCase>(&reports)?,
                 SuiteName::Writers => html_page::<WriterCase>(&reports)?,
+                SuiteName::Fitters => html_page::<FitCase>(&reports)?,
             };
             super::files::write_whole(output, &page)?;
             Ok(0)
@@ -159,6 +162,7 @@ pub fn run(args: &ReportArgs) -> Result<u8, String> {
                 SuiteName::Ptm => Suite::load()?.cases.len(),
                 SuiteName::Texture => Suite::of_textures()?.cases.len(),
                 SuiteName::Writers => Suite::of_requests()?.cases.len(),
+                SuiteName::Fitters => Suite::of_photographs(None).cases.len(),
             };
             made.write(&github::summary(&report, all))
         }

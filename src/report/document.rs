@@ -23,6 +23,8 @@ pub enum SuiteName {
     Texture,
     /// Requests to write PTM files.
     Writers,
+    /// Pictures to be fitted.
+    Fitters,
 }
 
 impl SuiteName {
@@ -33,6 +35,7 @@ impl SuiteName {
             SuiteName::Ptm => "PTM 1.2",
             SuiteName::Texture => "PEX texture mapping",
             SuiteName::Writers => "PTM 1.2 writing",
+            SuiteName::Fitters => "PTM 1.2 fitting",
         }
     }
 
@@ -43,6 +46,7 @@ impl SuiteName {
             SuiteName::Ptm => "Conformance with the Polynomial Texture Map format, PTM 1.2",
             SuiteName::Texture => "Conformance with the texture mapping table of PEXlib",
             SuiteName::Writers => "Conformance of the PTM 1.2 files that are written",
+            SuiteName::Fitters => "How well PTM 1.2 files fit the pictures they are made from",
         }
     }
 
@@ -52,6 +56,7 @@ impl SuiteName {
         match self {
             SuiteName::Ptm | SuiteName::Texture => "decoder",
             SuiteName::Writers => "writer",
+            SuiteName::Fitters => "fitter",
         }
     }
 }

@@ -29,7 +29,7 @@ impl Report {
         let verdict = match run.exit_status() {
             0 => "pass",
             1 => "fail",
-            _ if C::SUITE == SuiteName::Writers => "not a writer",
+            _ if matches!(C::SUITE, SuiteName::Writers | SuiteName::Fitters) => "not a writer",
             _ => "not a decoder",
         };
         let words: Vec<String> = command.iter().map(|word| base_name(word)).collect();

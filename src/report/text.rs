@@ -133,6 +133,10 @@ impl<C: TestCase> Page<'_, C> {
                 out,
                 "A writer is called as: WRITER write REQUEST OUT, for example: {command} write request.json out.ptm\nREQUEST is a JSON file, and the PTM goes to OUT; see docs/writers.md."
             ),
+            SuiteName::Fitters => writeln!(
+                out,
+                "A fitter is called as: FITTER fit REQUEST OUT, for example: {command} fit request.json out.ptm\nREQUEST is a JSON file that names an .lp file, and the PTM goes to OUT; see docs/writers.md."
+            ),
             SuiteName::Ptm if command.contains("{in}") => writeln!(
                 out,
                 "A program called by --cmd reads the file {{in}} and writes a picture to {{out}}, or prints it; see docs/check.md."

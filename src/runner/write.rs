@@ -38,10 +38,10 @@ pub struct WriteCall<'a> {
 }
 
 impl Decoder {
-    /// The same program, called as `program args… write REQUEST OUT` unless a template calls it.
+    /// The same program, called as `program args… VERB REQUEST OUT` unless a template calls it.
     #[must_use]
-    pub fn as_writer(&self) -> Decoder {
-        let words = ["write", "{in}", "{out}"].map(OsString::from);
+    pub fn as_writer(&self, verb: &str) -> Decoder {
+        let words = [verb, "{in}", "{out}"].map(OsString::from);
         let command = [self.command(), &words].concat();
         match self.template {
             Some(_) => self.clone(),

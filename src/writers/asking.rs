@@ -1,44 +1,90 @@
 //! Asking a program to write a file.
 
 use crate::protocol::frame::Answer;
+use crate::ptm::Format;
+use crate::report::reported::Reported;
 use crate::runner::run::{Decoder, Reply, Request};
 use crate::runner::scratch::Scratch;
 use crate::runner::write::{Attachment, WriteCall};
 use crate::session::run::Run;
 use crate::suite::cases::{Suite, TableSpelling};
-use crate::suite::test_case::TestCase;
 use crate::writers::cases::WriterCase;
 use crate::writers::request::RequestHeader;
-use crate::writers::test_case::{WriteView, WrittenFile};
+use crate::writers::test_case::{BuiltRequest, WriteView, WrittenFile};
 
 /// What a template can name of a request, besides `{in}` and `{out}`.
 pub const VALUES: [&str; 10] = [
     "planes", "format", "width", "height", "scale", "bias", "matrix", "quality", "near", "lp",
 ];
 
+/// A case that is answered with a file.
+pub trait WritingCase: Reported<View = WriteView, Output = WrittenFile> {
+    /// What the program is told to do.
+    const VERB: &'static str;
+
+    /// The format that is asked for.
+    fn format(&self) -> Format;
+    /// Whether it is of the smoke subset.
+    fn is_smoke(&self) -> bool;
+    /// What the program gets.
+    fn sent(built: &Self::Built) -> Sent;
+}
+
+/// What a program gets.
+pub struct Sent {
+    /// The request, in which paths of attachments are names in braces.
+    pub json: String,
+    /// The files that it names, and those that these name.
+    pub attachments: Vec<Attachment>,
+    /// What a template can name.
+    pub values: Vec<(&'static str, String)>,
+}
+
+impl WritingCase for WriterCase {
+    const VERB: &'static str = "write";
+
+    fn format(&self) -> Format {
+        WriterCase::format(self)
+    }
+
+    fn is_smoke(&self) -> bool {
+        self.smoke
+    }
+
+    fn sent(built: &BuiltRequest) -> Sent {
+        Sent {
+            json: String::from_utf8_lossy(&built.json).into_owned(),
+            attachments: vec![Attachment {
+                name: "planes".to_owned(),
+                file_name: "planes.npy".to_owned(),
+                bytes: built.request.array(),
+            }],
+            values: values(&built.request.header),
+        }
+    }
+}
+
 /// Asks once for the file of a case of `suite`.
 ///
 /// # Panics
 /// If the request is of another suite.
 #[must_use]
-pub fn ask(
+pub fn ask<C: WritingCase>(
     writer: &Decoder,
-    suite: &Suite<WriterCase>,
+    suite: &Suite<C>,
     request: &Request<'_, WriteView>,
     scratch: &Scratch,
 ) -> Reply<WrittenFile> {
     let case = suite.case(request.name).expect("a case of this suite");
-    let built = case.made(TableSpelling::default());
-    let json = String::from_utf8_lossy(&built.json);
-    let planes = Attachment {
-        name: "planes".to_owned(),
-        file_name: "planes.npy".to_owned(),
-        bytes: built.request.array(),
-    };
+    let sent = C::sent(&case.made(TableSpelling::default()));
     let call = WriteCall {
-        request: &json,
-        attachments: &[planes],
-        values: &values(&built.request.header),
+        request: &sent.json,
+        attachments: &sent.attachments,
+        values: &[
+            sent.values,
+            vec![("format", case.format().name().to_owned())],
+        ]
+        .concat(),
         most: request.largest_frame,
         timeout_factor: request.timeout_factor,
     };
@@ -67,7 +113,6 @@ fn values(header: &RequestHeader) -> Vec<(&'static str, String)> {
     let bias = header.bias.map(|bias| bias as f64);
     let number = |number: Option<u8>| number.map(|number| number.to_string());
     vec![
-        ("format", header.format.clone()),
         ("width", header.width.to_string()),
         ("height", header.height.to_string()),
         ("scale", list(&header.scale)),
@@ -85,7 +130,7 @@ fn values(header: &RequestHeader) -> Vec<(&'static str, String)> {
 }
 
 /// Says of a program that is no writer what a writer should do, and not what a decoder should.
-pub fn reword(run: &mut Run<WriterCase>) {
+pub fn reword<C: WritingCase>(run: &mut Run<C>) {
     let Some(reason) = &run.not_a_decoder else {
         return;
     };

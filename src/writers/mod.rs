@@ -39,3 +39,8 @@ pub mod asking;
 
 #[cfg(unix)]
 pub mod diagnose;
+
+#[cfg(unix)]
+pub mod probe;
+
+pub mod fitting;

@@ -19,7 +19,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::protocol::frame::Samples;
 use crate::protocol::npy;
-use crate::ptm::{Format, Size};
+use crate::ptm::{Format, Header, Ptm, Shape, Size};
 use crate::tools::export::npy_bytes;
 
 /// What to write.
@@ -122,6 +122,36 @@ impl RequestHeader {
 }
 
 impl WriteRequest {
+    /// The values of an uncompressed map.
+    #[must_use]
+    pub fn of(ptm: &Ptm) -> WriteRequest {
+        let Header {
+            format,
+            size,
+            scale_bias,
+        } = ptm.header;
+        let matrix = match ptm.planes.shape {
+            Shape::Lum(matrix) => Some(matrix.0),
+            _ => None,
+        };
+        WriteRequest {
+            header: RequestHeader {
+                format: format.name().to_owned(),
+                width: size.width,
+                height: size.height,
+                scale: scale_bias.scale,
+                bias: scale_bias.bias.map(|bias| bias as i64),
+                matrix,
+                quality: None,
+                near: None,
+                prediction: None,
+                planes: String::new(),
+            },
+            format,
+            samples: ptm.planes.samples.clone(),
+        }
+    }
+
     /// Width and height.
     #[must_use]
     pub fn size(&self) -> Size {

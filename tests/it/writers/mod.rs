@@ -5,7 +5,13 @@ mod diagnosis;
 mod examples;
 
 #[cfg(all(unix, feature = "cli"))]
+mod fitting;
+
+#[cfg(all(unix, feature = "cli"))]
 mod hostile;
 
 #[cfg(all(unix, feature = "cli"))]
 mod judging;
+
+#[cfg(all(unix, feature = "cli"))]
+mod own;

@@ -1,0 +1,121 @@
+#!/usr/bin/env python3
+"""A PTM fitter: the least-squares optimum for pictures under known lights, as RGB or LRGB.
+
+    ptm_fitter.py fit REQUEST OUT
+
+REQUEST is a JSON file with format, width, height and the path of an .lp file, OUT the PTM file to write; see
+docs/writers.md. Exit status: 0 written, 69 another format. It needs NumPy; the pictures are PNG files of 8 bits.
+
+    ptm-conform check-writer --fitter -- python3 examples/writers/ptm_fitter.py
+"""
+
+import json
+import os
+import struct
+import sys
+import zlib
+
+import numpy as np
+
+
+def read_png(path):
+    """Height × width × 3 values of a PNG file with 8 bits of red, green and blue."""
+    with open(path, "rb") as file:
+        data = file.read()
+    at, packed = 8, b""
+    while at < len(data):
+        length, kind = struct.unpack(">I4s", data[at:at + 8])
+        chunk = data[at + 8:at + 8 + length]
+        if kind == b"IHDR":
+            width, height, depth, color = struct.unpack(">IIBB", chunk[:10])
+        elif kind == b"IDAT":
+            packed += chunk
+        at += length + 12
+    if (depth, color) != (8, 2):
+        raise ValueError("%s: not a PNG of 8 bits of red, green and blue" % path)
+    rows = np.frombuffer(zlib.decompress(packed), np.uint8).reshape(height, 1 + 3 * width)
+    picture = np.zeros((height + 1, 3 * width + 3), int)
+    for y, row in enumerate(rows, 1):
+        for x, value in enumerate(row[1:], 3):
+            left, up, corner = picture[y, x - 3], picture[y - 1, x], picture[y - 1, x - 3]
+            nearest = min((left, up, corner), key=lambda one: abs(left + up - corner - one))
+            picture[y, x] = (value + (0, left, up, (left + up) // 2, nearest)[row[0]]) % 256
+    return picture[1:, 3:].reshape(height, width, 3)
+
+
+def read_lp(path):
+    """The vectors to the lights, and the pictures: lights × height × width × 3."""
+    with open(path) as file:
+        lines = [line.split() for line in file if line.strip()][1:]
+    folder = os.path.dirname(path)
+    lights = np.array([[float(number) for number in line[-3:]] for line in lines])
+    return lights, np.array([read_png(os.path.join(folder, " ".join(line[:-3]))) for line in lines])
+
+
+def terms(lights):
+    """1.0: u², v², uv, u, v, 1 for each light, whose vector has the length 1."""
+    lights = lights / np.linalg.norm(lights, axis=1, keepdims=True)
+    u, v = lights[:, 0], lights[:, 1]
+    return np.stack([u * u, v * v, u * v, u, v, np.ones_like(u)], axis=1)
+
+
+def fit(design, values):
+    """The coefficients with the smallest sum of squares, and of these the smallest ones."""
+    return np.linalg.lstsq(design, values, rcond=1e-6)[0]
+
+
+def one_color(design, coefficients):
+    """LRGB: of each texel the best luminance, six coefficients, and the best color."""
+    shown = np.einsum("ki,itc->tkc", design, coefficients)
+    color = np.abs(np.linalg.svd(shown, full_matrices=False)[2][:, 0])
+    color = np.round(color / color.max(axis=1, keepdims=True) * 255)
+    along = np.einsum("itc,tc->it", coefficients, color)
+    return along / (color ** 2).sum(axis=1) * 255, color
+
+
+def scale_and_bias(coefficients):
+    """2.4: six scales and biases for the range of each coefficient; a bias is a whole number of steps."""
+    low, high = coefficients.min(axis=1), coefficients.max(axis=1)
+    scale = np.maximum((high - low) / 254, 1e-6)
+    return scale, np.round(-low / scale)
+
+
+def stored(coefficients, scale, bias):
+    """Bytes, texel after texel."""
+    raw = np.round(coefficients / scale[:, None] + bias[:, None])
+    return np.clip(raw, 0, 255).astype(np.uint8).T.tobytes()
+
+
+def write(request):
+    """The PTM file."""
+    lights, pictures = read_lp(request["lp"])
+    # Texels are stored with the bottom row first (2.7).
+    texels = pictures[:, ::-1].reshape(len(pictures), -1)
+    design = terms(lights)
+    coefficients = fit(design, texels.astype(float)).reshape(6, -1, 3)
+    if request["format"] == "PTM_FORMAT_LRGB":
+        luminance, color = one_color(design, coefficients)
+        scale, bias = scale_and_bias(luminance)
+        payload = stored(luminance, scale, bias) + color.astype(np.uint8).tobytes()
+    else:
+        scale, bias = scale_and_bias(coefficients.reshape(6, -1))
+        payload = b"".join(stored(coefficients[:, :, channel], scale, bias) for channel in range(3))
+    header = "PTM_1.2\n%s\n%d\n%d\n%s\n%s\n" % (
+        request["format"], request["width"], request["height"],
+        " ".join("%.9g" % number for number in scale), " ".join("%d" % number for number in bias),
+    )
+    return header.encode("ascii") + payload
+
+
+def main():
+    _, verb, request, out = sys.argv
+    with open(request) as file:
+        request = json.load(file)
+    if verb != "fit" or request["format"] not in ("PTM_FORMAT_RGB", "PTM_FORMAT_LRGB"):
+        sys.exit(69)
+    with open(out, "wb") as file:
+        file.write(write(request))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,93 @@
+//! Least squares for the six coefficients of a polynomial.
+
+/// What u² v² uv u v 1 are under a light, the terms of clause 1.0/1.
+fn terms([u, v]: [f64; 2]) -> [f64; 6] {
+    [u * u, v * v, u * v, u, v, 1.0]
+}
+
+/// Directions whose part in all lights is smaller than this, as a fraction of the largest, are not determined by them.
+const DETERMINED: f64 = 1e-10;
+
+/// The coefficients of the polynomials that fit best are these rows times the values under the lights; where the lights
+/// leave several, of the smallest ones.
+#[derive(Debug)]
+pub(super) struct LeastSquares {
+    /// For each light what its value adds to each coefficient.
+    rows: Vec<[f64; 6]>,
+    /// Whether the lights determine all six coefficients, with room for rounding.
+    pub is_determined: bool,
+}
+
+impl LeastSquares {
+    /// For these lights.
+    pub fn of(lights: &[[f64; 2]]) -> LeastSquares {
+        let design: Vec<[f64; 6]> = lights.iter().map(|&light| terms(light)).collect();
+        let product = |i: usize, j: usize| design.iter().map(|row| row[i] * row[j]).sum();
+        let normal: [[f64; 6]; 6] = std::array::from_fn(|i| std::array::from_fn(|j| product(i, j)));
+        let (values, vectors) = eigen(normal);
+        let largest = values.iter().copied().fold(0.0, f64::max);
+        let kept = |k: &usize| values[*k] > DETERMINED * largest;
+        let row = |light: &[f64; 6]| {
+            let mut row = [0.0; 6];
+            for k in (0..6).filter(kept) {
+                let along: f64 = (0..6).map(|i| vectors[i][k] * light[i]).sum();
+                for (i, value) in row.iter_mut().enumerate() {
+                    *value += vectors[i][k] * along / values[k];
+                }
+            }
+            row
+        };
+        LeastSquares {
+            rows: design.iter().map(row).collect(),
+            is_determined: (0..6).all(|k| values[k] > 1e-6 * largest),
+        }
+    }
+
+    /// The best polynomial through a value for each light.
+    pub fn fit(&self, values: impl Iterator<Item = f64>) -> [f64; 6] {
+        let mut best = [0.0; 6];
+        for (row, value) in self.rows.iter().zip(values) {
+            for (sum, part) in best.iter_mut().zip(row) {
+                *sum += part * value;
+            }
+        }
+        best
+    }
+}
+
+/// Eigenvalues and eigenvectors, in columns, of a symmetric matrix: Jacobi's rotations.
+pub(super) fn eigen<const N: usize>(mut matrix: [[f64; N]; N]) -> ([f64; N], [[f64; N]; N]) {
+    let mut vectors: [[f64; N]; N] =
+        std::array::from_fn(|i| std::array::from_fn(|j| f64::from(u8::from(i == j))));
+    for _ in 0..50 {
+        for p in 0..N {
+            for q in p + 1..N {
+                if matrix[p][q] != 0.0 {
+                    rotate(&mut matrix, &mut vectors, p, q);
+                }
+            }
+        }
+    }
+    (std::array::from_fn(|i| matrix[i][i]), vectors)
+}
+
+/// Turns rows and columns `p` and `q` so that the element between them becomes zero.
+fn rotate<const N: usize>(
+    matrix: &mut [[f64; N]; N],
+    vectors: &mut [[f64; N]; N],
+    p: usize,
+    q: usize,
+) {
+    let theta = (matrix[q][q] - matrix[p][p]) / (2.0 * matrix[p][q]);
+    let tangent = theta.signum() / (theta.abs() + (theta * theta + 1.0).sqrt());
+    let cosine = 1.0 / (tangent * tangent + 1.0).sqrt();
+    let sine = tangent * cosine;
+    let turn = |a: f64, b: f64| (cosine * a - sine * b, sine * a + cosine * b);
+    for row in matrix.iter_mut().chain(vectors) {
+        (row[p], row[q]) = turn(row[p], row[q]);
+    }
+    let (above, below) = matrix.split_at_mut(q);
+    for (a, b) in above[p].iter_mut().zip(&mut below[0]) {
+        (*a, *b) = turn(*a, *b);
+    }
+}

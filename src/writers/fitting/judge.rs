@@ -1,0 +1,84 @@
+//! Whether a map fits its photographs as well as it can.
+//!
+//! Under each light its error, the root of the mean square, is held against that of the least-squares optimum in the bytes
+//! of the same format. Another fit may be better under one light and worse under another, and rounds in its own way, so
+//! there is room.
+
+use crate::error::Error;
+use crate::ptm::{Format, Ptm};
+use crate::tools::lint::codes::Severity;
+use crate::tools::lint::lint;
+use crate::writers::fault::WriterFault;
+use crate::writers::fitting::optimum::optimum;
+use crate::writers::fitting::pictures::PictureSet;
+use crate::writers::fitting::polynomials::Polynomials;
+
+/// A fit may be worse than the best by this factor and this many levels.
+const ROOM: (f64, f64) = (1.25, 1.0);
+
+/// The error that is allowed where the optimum has this one.
+pub(super) fn allowed(best: f64) -> f64 {
+    best * ROOM.0 + ROOM.1
+}
+
+/// Judges the file that was fitted to `set`.
+///
+/// # Errors
+/// What is wrong with it.
+pub fn judge(set: &PictureSet, format: Format, file: &[u8]) -> Result<(), WriterFault> {
+    let ptm = crate::decode::decode(file).map_err(|error: Error| {
+        let says = format!("the reference refuses the file: {error}");
+        WriterFault::new(error.clause(), says)
+    })?;
+    check_header(set, format, &ptm)?;
+    let found = Polynomials::of(&ptm).expect("not LUM");
+    compare(set, format, &found)?;
+    match lint(file).first() {
+        Some(first) if first.severity == Severity::Error => Err(WriterFault::new(
+            first.clause,
+            format!(
+                "lint {} at byte {}: {}",
+                first.code, first.offset, first.says
+            ),
+        )),
+        _ => Ok(()),
+    }
+}
+
+fn check_header(set: &PictureSet, format: Format, ptm: &Ptm) -> Result<(), WriterFault> {
+    let (found, size) = (&ptm.header, set.size);
+    if found.format != format {
+        let says = format!("expected {format}, the file is {}", found.format);
+        return Err(WriterFault::new("2.2/1", says));
+    }
+    if found.size != size {
+        let says = format!("the pictures have {size} pixels, the file {}", found.size);
+        return Err(WriterFault::new("2.3/1", says));
+    }
+    Ok(())
+}
+
+/// Light by light.
+fn compare(set: &PictureSet, format: Format, found: &Polynomials) -> Result<(), WriterFault> {
+    let best = Polynomials::of(&optimum(set, format)).expect("RGB or LRGB");
+    let (errors, best) = (found.errors(set), best.errors(set));
+    let excess = |k: &usize| errors[*k] - allowed(best[*k]);
+    let worst = (0..errors.len()).max_by(|i, j| excess(i).total_cmp(&excess(j)));
+    let Some(worst) = worst.filter(|k| excess(k) > 0.0) else {
+        return Ok(());
+    };
+    let [u, v] = set.photographs[worst].direction();
+    let over = (0..errors.len()).filter(|k| excess(k) > 0.0).count();
+    Err(WriterFault::new(
+        "1.0/1",
+        format!(
+            "under light {u:.3}, {v:.3} ({}) the map is off by {:.2} (root mean square), the least-squares optimum by {:.2}, \
+             and {:.2} is allowed; {over} of {} lights are worse than allowed",
+            set.photographs[worst].name,
+            errors[worst],
+            best[worst],
+            allowed(best[worst]),
+            errors.len()
+        ),
+    ))
+}

@@ -1,0 +1,344 @@
+//! What wrong fitters do, found out by doing the same.
+//!
+//! A mistake with photographs or lights has an optimum of its own: a map that looks like it was fitted with that mistake.
+//! A mistake with the file leaves a map that is right if its numbers are taken in another way. And a map that is near the
+//! optimum as far as its own steps go has steps that are too wide, or ends that are too near.
+
+use crate::decode::decode;
+use crate::ptm::{Format, Ptm, Shape};
+use crate::writers::fitting::algebra::LeastSquares;
+use crate::writers::fitting::judge::allowed;
+use crate::writers::fitting::optimum::{Fitted, directions};
+use crate::writers::fitting::pictures::PictureSet;
+use crate::writers::fitting::polynomials::{Polynomials, root_mean_square};
+
+/// A mistake of fitters.
+pub(super) struct FitMistake {
+    /// The clause that it breaks.
+    pub clause: &'static str,
+    /// What such a fitter does, as a sentence without its subject.
+    pub effect: &'static str,
+    /// What to do instead.
+    pub fix: &'static str,
+    sign: Sign,
+}
+
+/// What shows a mistake.
+enum Sign {
+    /// The map shows what the best fit of these photographs shows.
+    Photographs(fn(&mut PictureSet)),
+    /// It shows what the best fit under these lights shows.
+    Lights(fn([f64; 3]) -> [f64; 2]),
+    /// It is right if its coefficients are these of raw value, scale and bias.
+    Numbers(fn(f64, f64, f64) -> f64),
+    /// It is right if its coefficients stand in this order.
+    Order([usize; 6]),
+    /// Its numbers show it.
+    Map(fn(&Evidence) -> bool),
+}
+
+/// A wrong map and what it should be.
+pub(super) struct Evidence<'a> {
+    set: &'a PictureSet,
+    format: Format,
+    ptm: Ptm,
+    found: Polynomials,
+    best: Fitted,
+}
+
+impl<'a> Evidence<'a> {
+    /// Nothing where the file is no map of these photographs.
+    pub fn of(set: &'a PictureSet, format: Format, file: &[u8]) -> Option<Evidence<'a>> {
+        let ptm = decode(file).ok()?;
+        let is_of_set = ptm.header.format == format && ptm.header.size == set.size;
+        is_of_set.then_some(())?;
+        Some(Evidence {
+            set,
+            format,
+            found: Polynomials::of(&ptm)?,
+            best: Fitted::of(set, &directions(set), format),
+            ptm,
+        })
+    }
+
+    /// Whether a fitter with this mistake makes such a map.
+    pub fn shows(&self, mistake: &FitMistake) -> bool {
+        match &mistake.sign {
+            Sign::Photographs(change) => {
+                let mut changed = self.set.clone();
+                change(&mut changed);
+                let lights = directions(&changed);
+                self.is_like(&Fitted::of(&changed, &lights, self.format))
+            }
+            Sign::Lights(light) => {
+                let lights: Vec<_> = self
+                    .set
+                    .photographs
+                    .iter()
+                    .map(|of| light(of.light))
+                    .collect();
+                self.is_like(&Fitted::of(self.set, &lights, self.format))
+            }
+            Sign::Numbers(value) => self.is_right(&self.ptm, value),
+            Sign::Order(order) => self
+                .is_right(&reordered(&self.ptm, *order), |raw, scale, bias| {
+                    (raw - bias) * scale
+                }),
+            Sign::Map(shows) => shows(self),
+        }
+    }
+
+    /// Whether the map shows about what `other` shows, and is far from the optimum.
+    fn is_like(&self, other: &Fitted) -> bool {
+        let other = other.polynomials();
+        let from_best = self.found.distance(&self.best.polynomials(), self.set);
+        self.found.distance(&other, self.set) < 1.0 + 0.1 * from_best
+    }
+
+    /// Whether the map fits if its coefficients are taken in this way.
+    fn is_right(&self, ptm: &Ptm, value: impl Fn(f64, f64, f64) -> f64) -> bool {
+        let best = self.best.polynomials().errors(self.set);
+        let found = Polynomials::with(ptm, value).map(|found| found.errors(self.set));
+        found.is_some_and(|found| {
+            // An offset in whole numbers rounds more than a bias does.
+            let mut pairs = found.iter().zip(best);
+            pairs.all(|(&found, best)| found <= allowed(best) + 2.0)
+        })
+    }
+
+    /// For coefficient `i` of each texel: the raw value, and the one that it should have had under the file's own scale and
+    /// bias.
+    fn raw_and_wanted(&self, i: usize) -> Vec<(f64, f64)> {
+        let set = &self.ptm.header.scale_bias;
+        let channels = self.ptm.planes.shape.channels();
+        let best = self.best.polynomials();
+        let mut pairs = Vec::new();
+        for (raw, best) in self.ptm.planes.samples.chunks_exact(channels).zip(best.0) {
+            if self.ptm.planes.shape == Shape::Rgb {
+                let channels = (0..3).map(|c| (f64::from(raw[6 * c + i]), best[c][i]));
+                pairs.extend(channels);
+            } else {
+                // Of the brightest color of the file, in which the luminance rounds least.
+                let brightest = (0..3).max_by_key(|&c| raw[6 + c]).unwrap_or_default();
+                let color = f64::from(raw[6 + brightest]).max(1.0);
+                pairs.push((f64::from(raw[i]), best[brightest][i] * 255.0 / color));
+            }
+        }
+        let in_raw = |(raw, best): (f64, f64)| (raw, best / set.scale[i] + set.bias[i]);
+        pairs.into_iter().map(in_raw).collect()
+    }
+}
+
+/// The coefficients of a map in another order; `order[i]` is the place of coefficient `i`.
+fn reordered(ptm: &Ptm, order: [usize; 6]) -> Ptm {
+    let mut other = ptm.clone();
+    let set = &ptm.header.scale_bias;
+    other.header.scale_bias.scale = order.map(|i| set.scale[i]);
+    other.header.scale_bias.bias = order.map(|i| set.bias[i]);
+    let shape = ptm.planes.shape;
+    let polynomials = shape.coefficients() / 6;
+    let texels = other.planes.samples.chunks_exact_mut(shape.channels());
+    for (texel, from) in texels.zip(ptm.planes.texels()) {
+        for i in 0..6 * polynomials {
+            texel[i] = from[i / 6 * 6 + order[i % 6]];
+        }
+    }
+    other
+}
+
+/// Each step is wide, and each value within a step of the right one.
+fn has_wide_steps(evidence: &Evidence) -> bool {
+    let best = evidence.best.scale_bias();
+    let scale = evidence.ptm.header.scale_bias.scale;
+    let is_wide = (0..6).any(|i| scale[i].abs() > 2.0 * best.scale[i]);
+    let is_near = |i: usize| {
+        let pairs = evidence.raw_and_wanted(i);
+        root_mean_square(pairs.into_iter().map(|(raw, wanted)| raw - wanted)) < 0.75
+    };
+    is_wide && (0..6).all(is_near)
+}
+
+/// Values at an end of the bytes should be past it, and all others are about right.
+fn has_cut_ends(evidence: &Evidence) -> bool {
+    let mut cut = 0;
+    let others_are_near = (0..6).all(|i| {
+        let pairs = evidence.raw_and_wanted(i);
+        let is_cut = |&(raw, wanted): &(f64, f64)| {
+            (raw == 0.0 && wanted < -1.0) || (raw == 255.0 && wanted > 256.0)
+        };
+        cut += pairs.iter().filter(|pair| is_cut(pair)).count();
+        let others = pairs.iter().filter(|pair| !is_cut(pair));
+        root_mean_square(others.map(|(raw, wanted)| raw - wanted)) < 1.5
+    });
+    cut > 0 && others_are_near
+}
+
+/// The lights leave coefficients open, and some are out of all proportion.
+fn has_huge_coefficients(evidence: &Evidence) -> bool {
+    let largest = |of: &Polynomials| {
+        let all = of.0.iter().flatten().flatten();
+        all.fold(0.0_f64, |most, a| most.max(a.abs()))
+    };
+    let least_squares = LeastSquares::of(&directions(evidence.set));
+    !least_squares.is_determined
+        && largest(&evidence.found) > 3.0 * largest(&evidence.best.polynomials())
+}
+
+fn each_pixel(set: &mut PictureSet, change: fn(f64) -> f64) {
+    for pixel in set.photographs.iter_mut().flat_map(|of| &mut of.pixels) {
+        *pixel = (change(f64::from(*pixel) / 255.0) * 255.0).round() as u8;
+    }
+}
+
+fn bottom_row_first(set: &mut PictureSet) {
+    let row = 3 * set.size.width as usize;
+    for photograph in &mut set.photographs {
+        let rows: Vec<&[u8]> = photograph.pixels.chunks(row).rev().collect();
+        photograph.pixels = rows.concat();
+    }
+}
+
+fn blue_first(set: &mut PictureSet) {
+    for photograph in &mut set.photographs {
+        for pixel in photograph.pixels.chunks_exact_mut(3) {
+            pixel.swap(0, 2);
+        }
+    }
+}
+
+fn in_order_of_names(set: &mut PictureSet) {
+    let lights: Vec<[f64; 3]> = set.photographs.iter().map(|of| of.light).collect();
+    set.photographs.sort_by(|a, b| a.name.cmp(&b.name));
+    for (photograph, light) in set.photographs.iter_mut().zip(lights) {
+        photograph.light = light;
+    }
+}
+
+/// The direction of a vector of any length.
+fn normalized(light: [f64; 3]) -> [f64; 2] {
+    let length = light.iter().map(|x| x * x).sum::<f64>().sqrt();
+    [light[0] / length, light[1] / length]
+}
+
+/// All that are looked for; where several explain as much, the first is named.
+pub(super) const MISTAKES: [FitMistake; 17] = [
+    FitMistake {
+        clause: "1.0/2",
+        effect: "negates v: its map is lit from below where it was lit from above",
+        fix: "v points up; take it from the .lp file as it is",
+        sign: Sign::Lights(|light| {
+            let [u, v] = normalized(light);
+            [u, -v]
+        }),
+    },
+    FitMistake {
+        clause: "1.0/2",
+        effect: "negates u: its map is lit from the left where it was lit from the right",
+        fix: "u points to the right; take it from the .lp file as it is",
+        sign: Sign::Lights(|light| {
+            let [u, v] = normalized(light);
+            [-u, v]
+        }),
+    },
+    FitMistake {
+        clause: "1.0/2",
+        effect: "exchanges u and v",
+        fix: "u is the first number of a light, v the second",
+        sign: Sign::Lights(|light| {
+            let [u, v] = normalized(light);
+            [v, u]
+        }),
+    },
+    FitMistake {
+        clause: "1.0/2",
+        effect: "takes u and v from vectors that it does not normalize",
+        fix: "divide each vector to a light by its length before u and v are taken from it",
+        sign: Sign::Lights(|[x, y, _]| [x, y]),
+    },
+    FitMistake {
+        clause: "1.0/2",
+        effect: "normalizes u and v without the third number, so that all lights lie in the plane",
+        fix: "divide u and v by the length of the whole vector",
+        sign: Sign::Lights(|[x, y, _]| [x, y].map(|c| c / x.hypot(y).max(1e-12))),
+    },
+    FitMistake {
+        clause: "1.0/2",
+        effect: "takes the pictures in the order of their names, and the lights in that of the .lp file",
+        fix: "take each picture under the name that stands with its light",
+        sign: Sign::Photographs(in_order_of_names),
+    },
+    FitMistake {
+        clause: "2.7.1/3",
+        effect: "stores the top row first",
+        fix: "write the rows of the pictures from the bottom up",
+        sign: Sign::Photographs(bottom_row_first),
+    },
+    FitMistake {
+        clause: "2.7.1/2",
+        effect: "exchanges red and blue",
+        fix: "the order is red, green, blue; some libraries read pictures as blue, green, red",
+        sign: Sign::Photographs(blue_first),
+    },
+    FitMistake {
+        clause: "1.0/1",
+        effect: "fits the pictures with their gamma removed, so that its map is too dark in the middle",
+        fix: "fit the values of the pixels as they are: a reader shows what the polynomials give",
+        sign: Sign::Photographs(|set| each_pixel(set, |x| x.powf(2.2))),
+    },
+    FitMistake {
+        clause: "1.0/1",
+        effect: "fits the pictures with a gamma applied, so that its map is too bright in the middle",
+        fix: "fit the values of the pixels as they are: a reader shows what the polynomials give",
+        sign: Sign::Photographs(|set| each_pixel(set, |x| x.powf(1.0 / 2.2))),
+    },
+    FitMistake {
+        clause: "2.4/8",
+        effect: "writes a bias that is to be added after the scale",
+        fix: "a coefficient is (raw − bias) · scale: a bias is in the units of the raw value, −minimum / scale",
+        sign: Sign::Numbers(|raw, scale, bias| raw * scale + bias),
+    },
+    FitMistake {
+        clause: "2.4/8",
+        effect: "writes a bias that is to be subtracted after the scale",
+        fix: "a coefficient is (raw − bias) · scale: a bias is in the units of the raw value, −minimum / scale",
+        sign: Sign::Numbers(|raw, scale, bias| raw * scale - bias),
+    },
+    FitMistake {
+        clause: "2.4/8",
+        effect: "writes biases with the wrong sign",
+        fix: "a coefficient is (raw − bias) · scale: the bias is subtracted",
+        sign: Sign::Numbers(|raw, scale, bias| (raw + bias) * scale),
+    },
+    FitMistake {
+        clause: "1.0/1",
+        effect: "writes the coefficients in the order 1, u, v, u·v, u², v²",
+        fix: "the order is u², v², u·v, u, v, 1",
+        sign: Sign::Order([4, 5, 3, 1, 2, 0]),
+    },
+    FitMistake {
+        clause: "1.0/1",
+        effect: "writes the coefficients in the reverse order, 1 first and u² last",
+        fix: "the order is u², v², u·v, u, v, 1",
+        sign: Sign::Order([5, 4, 3, 2, 1, 0]),
+    },
+    FitMistake {
+        clause: "2.4/8",
+        effect: "fits without a constraint where the lights do not determine six coefficients: some are large, and the steps of a byte with them",
+        fix: "take the solution with the smallest coefficients, by singular values or with a small ridge",
+        sign: Sign::Map(has_huge_coefficients),
+    },
+    FitMistake {
+        clause: "2.4/1",
+        effect: "cuts coefficients off at 0 or 255: scale and bias do not cover their range",
+        fix: "choose scale and bias of each coefficient for the smallest and the largest value in the map",
+        sign: Sign::Map(has_cut_ends),
+    },
+];
+
+/// Looked for where no other mistake is found.
+pub(super) const COARSE: FitMistake = FitMistake {
+    clause: "2.4/2",
+    effect: "takes scales that are too coarse: a step of a byte is more than the pictures are off",
+    fix: "take as the scale of each coefficient its range in the map, over 255",
+    sign: Sign::Map(has_wide_steps),
+};

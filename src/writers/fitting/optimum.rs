@@ -1,0 +1,145 @@
+//! The map with the smallest sum of squared differences from the photographs, in the bytes that a format has for it.
+//!
+//! Format notes
+//! - RGB: three fits a texel. LRGB: the best color times the best luminance. What a fit of each channel shows, a row for
+//!   each light, is approximated best by its part along the direction of color with the largest square sum.
+//! - A scale and a bias serve the whole map, so each is chosen for the range of its coefficient.
+
+use crate::evaluate::polynomial;
+use crate::ptm::{Format, Header, Planes, Ptm, ScaleBias, Shape};
+use crate::writers::fitting::algebra::{LeastSquares, eigen};
+use crate::writers::fitting::pictures::{Photograph, PictureSet};
+use crate::writers::fitting::polynomials::{Polynomials, colored};
+
+/// The best polynomials before they become bytes.
+#[derive(Clone, Debug)]
+pub(super) struct Fitted {
+    /// Six coefficients each: three polynomials for each texel of RGB, one of LRGB.
+    polynomials: Vec<[f64; 6]>,
+    /// The color of each texel of LRGB.
+    colors: Vec<[u8; 3]>,
+}
+
+/// The best map of `set` in RGB, or in LRGB.
+#[must_use]
+pub fn optimum(set: &PictureSet, format: Format) -> Ptm {
+    Fitted::of(set, &directions(set), format).in_bytes(set, format)
+}
+
+/// `lu` and `lv` of every light.
+pub(super) fn directions(set: &PictureSet) -> Vec<[f64; 2]> {
+    set.photographs.iter().map(Photograph::direction).collect()
+}
+
+impl Fitted {
+    /// The best fit under lights that may be others than those of the set.
+    pub fn of(set: &PictureSet, lights: &[[f64; 2]], format: Format) -> Fitted {
+        let least_squares = LeastSquares::of(lights);
+        let mut fitted = Fitted {
+            polynomials: Vec::new(),
+            colors: Vec::new(),
+        };
+        for texel in 0..set.size.texels() {
+            let channels = [0, 1, 2].map(|channel| {
+                let values = set.photographs.iter();
+                least_squares.fit(values.map(|of| f64::from(of.pixels[3 * texel + channel])))
+            });
+            if format == Format::Rgb {
+                fitted.polynomials.extend(channels);
+                continue;
+            }
+            let (luminance, color) = in_one_color(&channels, lights);
+            fitted.polynomials.push(luminance);
+            fitted.colors.push(color);
+        }
+        fitted
+    }
+
+    /// Three polynomials for each texel.
+    pub fn polynomials(&self) -> Polynomials {
+        if self.colors.is_empty() {
+            return Polynomials(self.polynomials.as_chunks::<3>().0.to_vec());
+        }
+        let texels = self.polynomials.iter().zip(&self.colors);
+        Polynomials(texels.map(|(a, &color)| colored(a, color)).collect())
+    }
+
+    /// Scales and biases for the range of each coefficient.
+    pub fn scale_bias(&self) -> ScaleBias {
+        let mut set = ScaleBias {
+            scale: [0.0; 6],
+            bias: [0.0; 6],
+        };
+        for i in 0..6 {
+            let values = || self.polynomials.iter().map(|a| a[i]);
+            let (low, high) = (
+                values().fold(f64::INFINITY, f64::min),
+                values().fold(f64::NEG_INFINITY, f64::max),
+            );
+            // A bias is a whole number, so the range may lie half a step off; and it should not be a huge one.
+            let scale = ((high - low) / 254.0).max(low.abs() / 1e6).max(1e-6);
+            // What the file has for it.
+            set.scale[i] = format!("{scale:.6e}").parse().expect("a number");
+            set.bias[i] = (-low / set.scale[i]).round();
+        }
+        set
+    }
+
+    /// The same in bytes.
+    pub fn in_bytes(&self, set: &PictureSet, format: Format) -> Ptm {
+        let scale_bias = self.scale_bias();
+        let raw = |a: &[f64; 6]| -> [u8; 6] {
+            std::array::from_fn(|i| (a[i] / scale_bias.scale[i] + scale_bias.bias[i]).round() as u8)
+        };
+        let mut samples = Vec::new();
+        for (at, coefficients) in self.polynomials.iter().enumerate() {
+            samples.extend(raw(coefficients));
+            samples.extend(self.colors.get(at).into_iter().flatten());
+        }
+        Ptm {
+            header: Header {
+                format,
+                size: set.size,
+                scale_bias,
+            },
+            planes: Planes {
+                size: set.size,
+                shape: match format {
+                    Format::Rgb => Shape::Rgb,
+                    _ => Shape::Lrgb,
+                },
+                samples,
+            },
+        }
+    }
+}
+
+/// One polynomial and one color for three polynomials, the best under `lights`.
+fn in_one_color(channels: &[[f64; 6]; 3], lights: &[[f64; 2]]) -> ([f64; 6], [u8; 3]) {
+    let shown = |channel: usize, [u, v]: [f64; 2]| polynomial(&channels[channel], u, v);
+    let product = |i: usize, j: usize| {
+        let products = lights
+            .iter()
+            .map(|&light| shown(i, light) * shown(j, light));
+        products.sum::<f64>()
+    };
+    let (values, vectors) = eigen::<3>(std::array::from_fn(|i| {
+        std::array::from_fn(|j| product(i, j))
+    }));
+    let best = (0..3).max_by(|&i, &j| values[i].total_cmp(&values[j]));
+    let best = best.expect("three of them");
+    let sign = (0..3).map(|i| vectors[i][best]).sum::<f64>().signum();
+    let color = [0, 1, 2].map(|i| (vectors[i][best] * sign).max(0.0));
+    let largest = color.into_iter().fold(0.0, f64::max);
+    // A black texel has any color.
+    if values[best] <= 0.0 || largest == 0.0 {
+        return ([0.0; 6], [255; 3]);
+    }
+    let color = color.map(|c| (c / largest * 255.0).round());
+    let square: f64 = color.iter().map(|c| c * c).sum();
+    let luminance = std::array::from_fn(|k| {
+        let along: f64 = (0..3).map(|i| channels[i][k] * color[i]).sum();
+        along / square * 255.0
+    });
+    (luminance, color.map(|c| c as u8))
+}

@@ -1,0 +1,155 @@
+//! Photographs of one object, and the `.lp` file that lists them with their lights.
+
+use std::fs;
+use std::path::Path;
+
+use serde::{Deserialize, Serialize};
+
+use crate::ptm::{Format, Size};
+use crate::tools::render::Image;
+
+/// Fitters are asked for these.
+pub const FORMATS: [Format; 2] = [Format::Lrgb, Format::Rgb];
+
+/// What a fitter is asked for, in JSON.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FitRequest {
+    /// The name of 2.2: that of RGB or of LRGB.
+    pub format: String,
+    /// Texels in a row, and pixels.
+    pub width: u32,
+    /// Rows.
+    pub height: u32,
+    /// The path of the `.lp` file. Names in it are those of files beside it.
+    pub lp: String,
+}
+
+/// A photograph and its light.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Photograph {
+    /// Its name in the `.lp` file.
+    pub name: String,
+    /// The vector to the light as it is listed, of any length: to the right, up, to the camera.
+    pub light: [f64; 3],
+    /// Red, green and blue of each pixel, top row first.
+    pub pixels: Vec<u8>,
+}
+
+/// Photographs of one object, in the order of their `.lp` file.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PictureSet {
+    /// Of every photograph.
+    pub size: Size,
+    /// One for each light.
+    pub photographs: Vec<Photograph>,
+}
+
+impl FitRequest {
+    /// Reads the JSON of a request.
+    ///
+    /// # Errors
+    /// What is wrong with it, in a sentence.
+    pub fn read(json: &[u8]) -> Result<(Format, FitRequest), String> {
+        let request: FitRequest =
+            serde_json::from_slice(json).map_err(|error| format!("the request: {error}"))?;
+        Ok((request.format.parse()?, request))
+    }
+}
+
+impl Photograph {
+    /// `lu` and `lv`: the light's vector of length 1, seen from above (clause 1.0/2).
+    #[must_use]
+    pub fn direction(&self) -> [f64; 2] {
+        let [x, y, z] = self.light;
+        let length = (x * x + y * y + z * z).sqrt();
+        [x / length, y / length]
+    }
+
+    /// As a PNG file.
+    ///
+    /// # Panics
+    /// Never for photographs of a set.
+    #[must_use]
+    pub fn png(&self, size: Size) -> Vec<u8> {
+        let image = Image {
+            width: size.width as usize,
+            height: size.height as usize,
+            channels: 3,
+            samples: self.pixels.clone(),
+        };
+        image.to_png(&self.name).expect("a small picture")
+    }
+}
+
+impl PictureSet {
+    /// The `.lp` file.
+    #[must_use]
+    pub fn lp(&self) -> String {
+        let line = |of: &Photograph| {
+            let [x, y, z] = of.light;
+            format!("{} {x} {y} {z}\n", of.name)
+        };
+        let lines: String = self.photographs.iter().map(line).collect();
+        format!("{}\n{lines}", self.photographs.len())
+    }
+
+    /// Reads an `.lp` file and the pictures that it lists.
+    ///
+    /// # Errors
+    /// What is wrong with which file or line.
+    pub fn read(path: &Path) -> Result<PictureSet, String> {
+        let at = |error: &dyn std::fmt::Display| format!("{}: {error}", path.display());
+        let text = fs::read_to_string(path).map_err(|error| at(&error))?;
+        let folder = path.parent().unwrap_or(Path::new(""));
+        let mut lines = text.lines().filter(|line| !line.trim().is_empty());
+        let count: usize = lines
+            .next()
+            .and_then(|line| line.trim().parse().ok())
+            .ok_or_else(|| at(&"its first line is not the number of pictures"))?;
+        let mut size = None;
+        let photographs: Vec<Photograph> = lines
+            .map(|line| photograph(line, folder, &mut size))
+            .collect::<Result<_, _>>()
+            .map_err(|error| at(&error))?;
+        match size {
+            Some(size) if photographs.len() == count => Ok(PictureSet { size, photographs }),
+            _ => Err(at(&format!(
+                "it announces {count} pictures and lists {}",
+                photographs.len()
+            ))),
+        }
+    }
+}
+
+/// The photograph of a line: a name, which may have spaces, and three numbers. All are of one size.
+fn photograph(line: &str, folder: &Path, size: &mut Option<Size>) -> Result<Photograph, String> {
+    let wrong = || format!("expected a name and three numbers, found {line:?}");
+    let mut words = line.trim().rsplitn(4, char::is_whitespace);
+    let mut number = || words.next()?.parse().ok().filter(|n: &f64| n.is_finite());
+    let (z, y, x) = (number(), number(), number());
+    let light = [
+        x.ok_or_else(wrong)?,
+        y.ok_or_else(wrong)?,
+        z.ok_or_else(wrong)?,
+    ];
+    if light == [0.0; 3] {
+        return Err(format!("{line:?}: a light has a direction"));
+    }
+    let name = words.next().ok_or_else(wrong)?.trim();
+    let named = |error: &dyn std::fmt::Display| format!("{name}: {error}");
+    let bytes = fs::read(folder.join(name)).map_err(|error| named(&error))?;
+    let picture = image::load_from_memory(&bytes).map_err(|error| named(&error))?;
+    let found = Size {
+        width: picture.width(),
+        height: picture.height(),
+    };
+    if *size.get_or_insert(found) != found {
+        return Err(named(&"it is of another size than the first picture"));
+    }
+    Ok(Photograph {
+        name: name.to_owned(),
+        light,
+        pixels: picture.into_rgb8().into_raw(),
+    })
+}

@@ -1,0 +1,204 @@
+//! Photographs that the generator makes: a map of known coefficients under lights, with what photographs have besides.
+
+use crate::generate::{Model, Recipe};
+use crate::ptm::{Format, Header, Planes, Ptm, ScaleBias, Shape, Size};
+use crate::writers::fitting::pictures::{Photograph, PictureSet};
+use crate::writers::fitting::polynomials::Polynomials;
+
+/// A set of photographs before it is made.
+#[derive(Clone, Copy, Debug)]
+pub struct SetPlan {
+    /// What it is called.
+    pub name: &'static str,
+    /// Why it is there, in a sentence.
+    pub because: &'static str,
+    /// The clause that it is about.
+    pub clause: &'static str,
+    size: (u32, u32),
+    lights: Lights,
+    /// What a5 is multiplied by: the brightness.
+    brightness: f64,
+    /// The largest error of a pixel.
+    noise: u8,
+    /// The length of the vectors in the `.lp` file.
+    lengths: Lengths,
+    /// Whether the names of the pictures are in the order of the `.lp` file.
+    in_order: bool,
+}
+
+/// Where lights are.
+#[derive(Clone, Copy, Debug)]
+enum Lights {
+    /// So many all around.
+    Around(usize),
+    /// So many on the right.
+    OnOneSide(usize),
+}
+
+/// How long the vectors of an `.lp` file are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Lengths {
+    One,
+    Several,
+}
+
+const ORDINARY: SetPlan = SetPlan {
+    name: "ordinary",
+    because: "Twelve lights all around, and photographs that are what a map shows.",
+    clause: "1.0/1",
+    size: (5, 4),
+    lights: Lights::Around(12),
+    brightness: 0.6,
+    noise: 0,
+    lengths: Lengths::One,
+    in_order: true,
+};
+
+/// All sets; the first is the first request.
+pub const SETS: [SetPlan; 9] = [
+    ORDINARY,
+    SetPlan {
+        name: "noise",
+        because: "Noise of up to 8 in every pixel: the best fit is not exact.",
+        noise: 8,
+        size: (7, 6),
+        ..ORDINARY
+    },
+    SetPlan {
+        name: "few-lights",
+        because: "Five lights, too few for six coefficients: many maps fit, and one with small coefficients is wanted.",
+        lights: Lights::Around(5),
+        ..ORDINARY
+    },
+    SetPlan {
+        name: "one-side",
+        because: "All lights are on one side, where coefficients stand in for each other.",
+        lights: Lights::OnOneSide(14),
+        noise: 3,
+        ..ORDINARY
+    },
+    SetPlan {
+        name: "saturated",
+        because: "Many pixels are white, whatever the light.",
+        brightness: 1.3,
+        ..ORDINARY
+    },
+    SetPlan {
+        name: "dark",
+        because: "Many pixels are black, and their color is anybody's guess.",
+        brightness: 0.12,
+        ..ORDINARY
+    },
+    SetPlan {
+        name: "long-vectors",
+        because: "The vectors to the lights are 1.5 to 3 long, as in files that give positions.",
+        clause: "1.0/2",
+        lengths: Lengths::Several,
+        ..ORDINARY
+    },
+    SetPlan {
+        name: "not-in-order-of-names",
+        because: "The .lp file lists the pictures in another order than that of their names.",
+        clause: "1.0/2",
+        in_order: false,
+        ..ORDINARY
+    },
+    SetPlan {
+        name: "many-lights",
+        because: "Sixty lights, and a picture of 17 × 3.",
+        lights: Lights::Around(60),
+        size: (17, 3),
+        noise: 5,
+        ..ORDINARY
+    },
+];
+
+impl SetPlan {
+    /// Makes the photographs, which show one color and one luminance a texel where `format` is LRGB.
+    #[must_use]
+    pub fn made(&self, format: Format) -> PictureSet {
+        let size = Size {
+            width: self.size.0,
+            height: self.size.1,
+        };
+        let map = Polynomials::of(&self.map(size, format)).expect("a map of RGB or LRGB");
+        let count = match self.lights {
+            Lights::Around(count) | Lights::OnOneSide(count) => count,
+        };
+        let photograph = |k: usize| {
+            let light = self.light(k, count);
+            let mut photograph = Photograph {
+                // 7 divides no number of lights, so every name is there once.
+                name: format!(
+                    "light-{:02}.png",
+                    if self.in_order { k } else { 7 * k % count }
+                ),
+                light,
+                pixels: Vec::new(),
+            };
+            let noise = self.noise_of(size, k);
+            let shown = map.shown(photograph.direction()).zip(noise);
+            let pixels = shown.map(|(value, noise)| (value + noise).round() as u8);
+            photograph.pixels = pixels.collect();
+            photograph
+        };
+        PictureSet {
+            size,
+            photographs: (0..count).map(photograph).collect(),
+        }
+    }
+
+    /// The map that is photographed.
+    fn map(&self, size: Size, format: Format) -> Ptm {
+        let scale_bias = ScaleBias {
+            scale: [0.3, 0.2, 0.25, 0.25, 0.3, self.brightness],
+            bias: [128.0, 100.0, 140.0, 120.0, 130.0, -60.0],
+        };
+        let samples = Model::paint(&Recipe::ordinary(format, size)).samples;
+        Ptm {
+            header: Header {
+                format,
+                size,
+                scale_bias,
+            },
+            planes: Planes {
+                size,
+                shape: match format {
+                    Format::Rgb => Shape::Rgb,
+                    _ => Shape::Lrgb,
+                },
+                samples,
+            },
+        }
+    }
+
+    /// The vector to light `k`.
+    fn light(&self, k: usize, count: usize) -> [f64; 3] {
+        // Angles that never meet again, and all heights.
+        const GOLDEN: f64 = 2.399_963;
+        let angle = match self.lights {
+            Lights::Around(_) => GOLDEN * k as f64,
+            Lights::OnOneSide(_) => (GOLDEN * k as f64).sin(),
+        };
+        let z = 0.2 + 0.75 * (k as f64 + 0.5) / count as f64;
+        let away = (1.0 - z * z).sqrt();
+        let length = match self.lengths {
+            Lengths::One => 1.0,
+            Lengths::Several => 1.5 + 0.5 * (k % 4) as f64,
+        };
+        [away * angle.cos(), away * angle.sin(), z].map(|x| (x * length * 1e6).round() / 1e6)
+    }
+
+    /// An error for each value of photograph `k`.
+    fn noise_of(&self, size: Size, k: usize) -> Vec<f64> {
+        let mut recipe = Recipe::ordinary(Format::Lrgb, size);
+        recipe.seed = 1000 + k as u32;
+        let painted = Model::paint(&recipe).samples;
+        let most = f64::from(self.noise);
+        let texels = painted.as_chunks::<9>().0.iter();
+        texels
+            .flat_map(|texel| [texel[0], texel[3], texel[6]])
+            .map(|value| (f64::from(value) / 127.5 - 1.0) * most)
+            .collect()
+    }
+}

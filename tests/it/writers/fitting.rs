@@ -1,0 +1,225 @@
+//! Fitters: the optimum passes, and what wrong ones do is said.
+
+use std::fs;
+use std::path::Path;
+
+use ptm_conform::decode;
+use ptm_conform::ptm::Format;
+use ptm_conform::writers::fitting::judge::judge;
+use ptm_conform::writers::fitting::optimum::optimum;
+use ptm_conform::writers::fitting::pictures::{FORMATS, PictureSet};
+use ptm_conform::writers::fitting::polynomials::Polynomials;
+use ptm_conform::writers::fitting::sets::SETS;
+use ptm_conform::writers::reference::written;
+use ptm_conform::writers::request::WriteRequest;
+
+use super::examples::check_writer;
+use crate::common::{have_python, repository};
+
+/// The `.lp` file of twelve real photographs, and HP's own fit of them beside it; nothing where they are not there.
+fn real() -> Option<String> {
+    let lp = repository("../shared/data/ptmfitter-8x5/reference_8x5.lp");
+    let there = Path::new(&lp).exists();
+    if !there {
+        println!("SKIPPED: {lp} is not there");
+    }
+    there.then_some(lp)
+}
+
+#[test]
+fn the_optimum_is_as_near_as_the_pictures_allow() {
+    for plan in &SETS {
+        for format in FORMATS {
+            let set = plan.made(format);
+            let map = optimum(&set, format);
+            let file = written(&WriteRequest::of(&map)).expect("a file");
+            assert_eq!(judge(&set, format, &file), Ok(()), "{}", plan.name);
+            let errors = Polynomials::of(&map).expect("RGB or LRGB").errors(&set);
+            let largest = errors.into_iter().fold(0.0, f64::max);
+            // Noise, rounding, and what white and black have cut off.
+            let noise = match plan.name {
+                "saturated" => 40.0,
+                _ => 9.0,
+            };
+            assert!(largest < noise, "{} {format}: {largest}", plan.name);
+        }
+    }
+}
+
+#[test]
+fn no_other_map_of_the_same_steps_is_nearer() {
+    let set = SETS[1].made(Format::Rgb);
+    let best = optimum(&set, Format::Rgb);
+    let total = |map: &ptm_conform::ptm::Ptm| -> f64 {
+        let errors = Polynomials::of(map).expect("RGB").errors(&set);
+        errors.iter().map(|error| error * error).sum()
+    };
+    for channel in [3, 5, 9, 17] {
+        for step in [-2_i16, 2] {
+            let mut other = best.clone();
+            for value in other.planes.samples.iter_mut().skip(channel).step_by(18) {
+                *value = (i16::from(*value) + step).clamp(0, 255) as u8;
+            }
+            assert!(
+                total(&other) > total(&best),
+                "channel {channel}, step {step}"
+            );
+        }
+    }
+}
+
+#[test]
+fn a_set_is_read_back_from_its_files() {
+    let set = SETS[7].made(Format::Lrgb);
+    let folder = tempfile::tempdir().expect("a directory");
+    for of in &set.photographs {
+        fs::write(folder.path().join(&of.name), of.png(set.size)).expect("a file");
+    }
+    let lp = folder.path().join("lights.lp");
+    fs::write(&lp, set.lp()).expect("a file");
+    assert_eq!(PictureSet::read(&lp), Ok(set));
+    fs::write(&lp, "2\nlight-00.png 0 0 1\n").expect("a file");
+    let error = PictureSet::read(&lp).expect_err("one is missing");
+    assert!(
+        error.ends_with("it announces 2 pictures and lists 1"),
+        "{error}"
+    );
+}
+
+#[test]
+fn hps_fitter_is_as_good_as_its_pictures_allow() {
+    let Some(lp) = real() else { return };
+    let set = PictureSet::read(Path::new(&lp)).expect("the set");
+    let file = fs::read(Path::new(&lp).with_extension("ptm")).expect("the map");
+    assert_eq!(judge(&set, Format::Lrgb, &file), Ok(()));
+    let mean = |map: &ptm_conform::ptm::Ptm| {
+        let errors = Polynomials::of(map).expect("LRGB").errors(&set);
+        errors.iter().sum::<f64>() / errors.len() as f64
+    };
+    let (hp, best) = (
+        mean(&decode(&file).expect("a map")),
+        mean(&optimum(&set, Format::Lrgb)),
+    );
+    println!("HP {hp:.3}, optimum {best:.3}");
+    assert!(best <= hp, "{best} {hp}");
+}
+
+#[test]
+fn the_reference_and_the_fitter_in_python_pass() {
+    let (status, text, report) = check_writer(&["--fitter"], &[]);
+    assert_eq!(status, 0, "{text}");
+    assert!(report.contains("suite: fitters"), "{report}");
+    if !have_python(&["numpy"]) {
+        return;
+    }
+    let fitter = repository("examples/writers/ptm_fitter.py");
+    let lp = real();
+    let own: Vec<&str> = match &lp {
+        Some(lp) => vec!["--fitter", "--lp", lp],
+        None => vec!["--fitter"],
+    };
+    let (status, text, _) = check_writer(&own, &["python3", &fitter]);
+    assert_eq!(status, 0, "{text}");
+}
+
+/// A copy of the fitter in Python with one mistake: what is replaced by what, and what is said of it.
+type Copy = (&'static str, &'static str, &'static str);
+
+const COPIES: [Copy; 14] = [
+    (
+        "u, v = lights[:, 0], lights[:, 1]",
+        "u, v = lights[:, 0], -lights[:, 1]",
+        "negates v",
+    ),
+    (
+        "u, v = lights[:, 0], lights[:, 1]",
+        "u, v = lights[:, 1], lights[:, 0]",
+        "exchanges u and v",
+    ),
+    (
+        "lights = lights / np.linalg.norm(lights, axis=1, keepdims=True)",
+        "pass",
+        "vectors that it does not normalize",
+    ),
+    ("pictures[:, ::-1]", "pictures", "stores the top row first"),
+    (
+        "texels = pictures[:, ::-1]",
+        "texels = pictures[:, ::-1, :, ::-1]",
+        "exchanges red and blue",
+    ),
+    (
+        "fit(design, texels.astype(float))",
+        "fit(design, (texels / 255) ** 2.2 * 255)",
+        "with their gamma removed",
+    ),
+    (
+        "np.linalg.lstsq(design, values, rcond=1e-6)[0]",
+        // One of the many solutions that there are, where there are many.
+        "np.linalg.lstsq(design, values, rcond=1e-6)[0] + 3000 * np.linalg.svd(design)[2][len(design):].sum(axis=0)[:, None] * np.sin(np.arange(values.shape[1]))",
+        "fits without a constraint",
+    ),
+    (
+        "return scale, np.round(-low / scale)",
+        "return scale, np.zeros(6)",
+        "cuts coefficients off",
+    ),
+    (
+        "np.maximum((high - low) / 254, 1e-6)",
+        "np.full(6, 16.0)",
+        "scales that are too coarse",
+    ),
+    (
+        "raw = np.round(coefficients / scale[:, None] + bias[:, None])",
+        "raw = np.round(coefficients / scale[:, None] + bias[:, None]); bias *= -scale; bias[:] = np.round(bias)",
+        "to be added after the scale",
+    ),
+    (
+        "return scale, np.round(-low / scale)",
+        "return scale, np.round(low / scale)",
+        "cuts coefficients off",
+    ),
+    (
+        "raw = np.round(coefficients / scale[:, None] + bias[:, None])",
+        "raw = np.round(coefficients / scale[:, None] + bias[:, None]); bias *= -1",
+        "biases with the wrong sign",
+    ),
+    (
+        "np.stack([u * u, v * v, u * v, u, v, np.ones_like(u)], axis=1)",
+        "np.stack([np.ones_like(u), u, v, u * v, u * u, v * v], axis=1)",
+        "in the order 1, u, v",
+    ),
+    (
+        "\" \".join(line[:-3]))) for line in lines]",
+        "name)) for name in sorted(\" \".join(line[:-3]) for line in lines)]",
+        "in the order of their names",
+    ),
+];
+
+/// Whether the copy exits with 1 and its first cause has the words.
+fn is_told(copy: &Copy) -> bool {
+    let (find, replace, words) = copy;
+    let source =
+        fs::read_to_string(repository("examples/writers/ptm_fitter.py")).expect("the fitter");
+    assert_eq!(source.matches(find).count(), 1, "{find}");
+    let directory = tempfile::tempdir().expect("a directory");
+    let path = directory.path().join("fitter.py");
+    fs::write(&path, source.replace(find, replace)).expect("a file");
+    let (status, text, _) = check_writer(&["--fitter"], &["python3", &path.to_string_lossy()]);
+    let first = text
+        .split("\n\n")
+        .find(|part| part.contains("failures: the fitter"));
+    let is_told = status == 1 && first.is_some_and(|first| first.contains(words));
+    if !is_told {
+        println!("{replace}: {status}: expected {words}\n{text}");
+    }
+    is_told
+}
+
+#[test]
+fn wrong_fitters_fail_and_hear_why() {
+    if !have_python(&["numpy"]) {
+        return;
+    }
+    let told = COPIES.iter().filter(|copy| is_told(copy)).count();
+    assert_eq!(told, COPIES.len());
+}
