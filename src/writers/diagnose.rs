@@ -219,11 +219,8 @@ fn pairs(exhibits: &[Exhibit], threads: usize, failing: &mut Vec<usize>) -> Vec<
 impl Exhibit {
     /// Whether a reader with these mistakes has the right values of the wrong file.
     fn is_right_under(&self, mistakes: &[&Misreading]) -> bool {
-        let wrong = self
-            .wrong
-            .as_ref()
-            .and_then(|file| SeenFile::of(file, mistakes));
-        wrong.is_some_and(|seen| seen.is_right(&self.request))
+        let wrong = self.wrong.as_ref();
+        wrong.is_some_and(|file| wrong::is_right_under(&self.request, file, mistakes))
     }
 }
 

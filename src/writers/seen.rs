@@ -51,6 +51,14 @@ impl SeenFile {
         })
     }
 
+    /// What a reader without mistakes sees, as far as these mistakes could change it.
+    pub fn plainly(file: &[u8], mistakes: &[&Misreading]) -> Option<SeenFile> {
+        let stages = mistakes.iter().map(|mistake| mistake.at.stage());
+        let stage = stages.max().unwrap_or(Stage::File);
+        let plain = SeenFile::of(file, &[])?;
+        Some(SeenFile { stage, ..plain })
+    }
+
     /// Whether these are the values of `request`: the stored ones, or where a mistake acts later, what is made of them.
     pub fn is_right(&self, request: &WriteRequest) -> bool {
         let right = SeenFile::wanted(request);

@@ -14,6 +14,7 @@ mod table;
 
 mod text;
 
+use crate::decode::fields;
 use crate::misreadings::{Anatomy, At, Misreading, Seen};
 use crate::reading::Reading;
 use crate::writers::reference::written;
@@ -62,17 +63,32 @@ pub(super) fn explains(
     file: &[u8],
     mistake: &Misreading,
 ) -> bool {
-    let seen = SeenFile::of(file, &[mistake]);
-    seen.is_some_and(|seen| seen.is_right(request)) || is_lost(right, file, mistake)
+    is_right_under(request, file, &[mistake]) || is_lost(right, file, mistake)
 }
 
-/// Whether the file has what a reader with this mistake makes of the right one.
+/// Whether a reader with these mistakes has the right values of a file, and one without them has not.
+pub(super) fn is_right_under(
+    request: &WriteRequest,
+    file: &[u8],
+    mistakes: &[&Misreading],
+) -> bool {
+    let is_right = |seen: SeenFile| seen.is_right(request);
+    SeenFile::of(file, mistakes).is_some_and(is_right)
+        && !SeenFile::plainly(file, mistakes).is_some_and(is_right)
+}
+
+/// Whether the file has what a reader with this mistake makes of the right one, and what no other makes of it.
 fn is_lost(right: &[u8], file: &[u8], mistake: &Misreading) -> bool {
+    let is_written = |seen: SeenFile| seen.is_written_as_seen(file);
+    let is_seen = || {
+        SeenFile::of(right, &[mistake]).is_some_and(is_written)
+            && !SeenFile::plainly(right, &[mistake]).is_some_and(is_written)
+    };
     match mistake.at {
         At::Bytes(edit) => match edit(&Anatomy::of(right, &Reading::SPEC)) {
             Seen::File(seen) => {
                 let lost = payload(&seen);
-                lost != payload(right) && lost == payload(file)
+                (lost != payload(right) && lost == payload(file) && has_numbers(file)) || is_seen()
             }
             Seen::Refused => false,
         },
@@ -80,11 +96,16 @@ fn is_lost(right: &[u8], file: &[u8], mistake: &Misreading) -> bool {
         | At::FinalCoefficient(_)
         | At::LumMatrix(_)
         | At::LumTranslation(_)
-        | At::Clamp(_) => {
-            SeenFile::of(right, &[mistake]).is_some_and(|seen| seen.is_written_as_seen(file))
-        }
+        | At::Clamp(_) => is_seen(),
         _ => false,
     }
+}
+
+/// Whether all scales and biases can be read, so that it is the payload that is wrong.
+fn has_numbers(file: &[u8]) -> bool {
+    let (fields, _) = fields(file);
+    let biases = fields.iter().filter(|field| field.clause == "2.4/4");
+    biases.count() == 6
 }
 
 /// What follows the header.

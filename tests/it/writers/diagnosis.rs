@@ -6,6 +6,7 @@ use std::fs;
 use ptm_conform::diagnose::Cause;
 use ptm_conform::misreadings::writing::{self, Miswriting};
 use ptm_conform::protocol::frame::Answer;
+use ptm_conform::ptm::Format;
 use ptm_conform::runner::run::{Reply, Request};
 use ptm_conform::session::outcome::Outcome;
 use ptm_conform::session::plan::RunPlan;
@@ -14,7 +15,7 @@ use ptm_conform::suite::cases::{Expect, Suite};
 use ptm_conform::writers::cases::WriterCase;
 use ptm_conform::writers::diagnose::diagnose;
 use ptm_conform::writers::reference::written;
-use ptm_conform::writers::request::WriteRequest;
+use ptm_conform::writers::request::{RequestHeader, WriteRequest};
 use ptm_conform::writers::test_case::{WriteView, WrittenFile};
 use ptm_conform::writers::wrong::miswritten;
 
@@ -117,6 +118,38 @@ fn a_wrong_writer_is_named_by_its_mistake() {
         .collect();
     let (caught, _, noted) = requests.named(&some);
     assert_eq!((caught, noted), (some.len(), some.len()));
+}
+
+/// A wrong matrix is no wrong scale, and lost digits of scales are no wrong matrix.
+#[test]
+fn a_mistake_that_does_not_show_in_a_file_does_not_explain_it() {
+    let mut requests = Requests::small();
+    requests
+        .suite
+        .cases
+        .retain(|case| case.format() == Format::Lum);
+    let first = |edit: fn(&mut RequestHeader)| {
+        let ask = |asked: &Request<'_, WriteView>, _: usize| {
+            let mut request = requests.all[asked.name].0.clone();
+            edit(&mut request.header);
+            let file = written(&request).expect("a file");
+            Reply::from(Answer::Decoded(WrittenFile(file)))
+        };
+        let plan = RunPlan::of(&requests.suite, 2);
+        let run = check(&requests.suite, &plan, &ask, &|_, _, _, _| ());
+        let causes = diagnose(&requests.suite, &run, 2);
+        match &causes.first().expect("a cause").cause {
+            Cause::Misreading { misreading, .. } => misreading.clause.to_owned(),
+            Cause::Described { clause, .. } => clause.clone(),
+        }
+    };
+    let transposed = first(|header| {
+        let matrix = header.matrix.expect("LUM");
+        header.matrix = Some(std::array::from_fn(|i| matrix[4 * (i % 4) + i / 4]));
+    });
+    assert!(transposed.starts_with("2.6"), "{transposed}");
+    let short = first(|header| header.scale = header.scale.map(|scale| scale + 0.0001));
+    assert!(short.starts_with("2.4"), "{short}");
 }
 
 #[test]
