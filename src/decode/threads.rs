@@ -16,11 +16,14 @@ const WORTH_A_THREAD: usize = 1 << 16;
 
 /// As [`planes::residuals`].
 pub(super) fn residuals(coded: &Coded, reading: &Reading) -> Result<Vec<Vec<u8>>> {
-    let threads = std::thread::available_parallelism().map_or(1, usize::from);
-    if threads == 1 || coded.size.texels() < WORTH_A_THREAD {
+    if coded.size.texels() < WORTH_A_THREAD {
         return planes::residuals(coded, reading);
     }
-    residuals_by(threads, coded, reading)
+    // Some systems read files to find that out, so it is not asked for small planes.
+    match std::thread::available_parallelism().map_or(1, usize::from) {
+        1 => planes::residuals(coded, reading),
+        threads => residuals_by(threads, coded, reading),
+    }
 }
 
 fn residuals_by(threads: usize, coded: &Coded, reading: &Reading) -> Result<Vec<Vec<u8>>> {

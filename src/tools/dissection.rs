@@ -24,7 +24,7 @@ pub struct FilePart {
 }
 
 /// What a part is for; numbers count coefficients, matrix elements, blocks or planes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[allow(missing_docs)] // they are the format's words
 pub enum Role {
     Version,
@@ -63,6 +63,8 @@ pub struct Dissection<'a> {
     pub parts: Vec<FilePart>,
     /// The map, or why there is none.
     pub outcome: Result<Ptm, Error>,
+    /// Where in `parts` the first of each role is.
+    places: HashMap<Role, usize>,
 }
 
 impl<'a> Dissection<'a> {
@@ -93,9 +95,12 @@ impl<'a> Dissection<'a> {
             size: None,
             parts: parts.collect(),
             outcome,
+            places: HashMap::new(),
         };
+        dissection.note_places();
         dissection.size = dissection.read_size();
         dissection.show_cut_parts();
+        dissection.note_places();
         dissection
     }
 
@@ -108,7 +113,7 @@ impl<'a> Dissection<'a> {
     /// The first part of this role.
     #[must_use]
     pub fn part(&self, role: Role) -> Option<&FilePart> {
-        self.parts.iter().find(|part| part.role == role)
+        self.places.get(&role).map(|&place| &self.parts[place])
     }
 
     /// The byte where this role begins; 0 where the file has no such part.
@@ -171,6 +176,12 @@ impl<'a> Dissection<'a> {
             [b'\n', ..] if in_header => 1,
             [b' ', b'\n', ..] if in_header => 2,
             _ => 0,
+        }
+    }
+
+    fn note_places(&mut self) {
+        for (place, part) in self.parts.iter().enumerate() {
+            self.places.entry(part.role).or_insert(place);
         }
     }
 
