@@ -2,7 +2,8 @@
 //! chance.
 
 use super::diagnosis::{Category, Cause, Diagnosis};
-use crate::session::observation::Nondeterminism;
+use crate::protocol::frame::Answer;
+use crate::session::observation::{Nondeterminism, Response};
 use crate::session::outcome::Outcome;
 use crate::session::run::Run;
 use crate::suite::cases::Suite;
@@ -19,6 +20,15 @@ pub(super) fn describe(suite: &Suite, run: &Run) -> Vec<Diagnosis> {
         })
         .collect();
     let (served, chance): (Vec<_>, Vec<_>) = differing.into_iter().partition(|(_, how)| how.served);
+    let is_garbled = |place: usize| {
+        let observation = run.observations[place].as_ref();
+        observation.is_some_and(|seen| {
+            matches!(seen.response, Response::Violation(Answer::ProtocolError(_)))
+        })
+    };
+    let (garbled, served): (Vec<_>, Vec<_>) = served
+        .into_iter()
+        .partition(|&(place, _)| is_garbled(place));
     let diagnosis = |of: Vec<(usize, &Nondeterminism)>, effect: &str, fix: &str| {
         let &(place, how) = of.first()?;
         let case = &suite.cases[place];
@@ -34,6 +44,11 @@ pub(super) fn describe(suite: &Suite, run: &Run) -> Vec<Diagnosis> {
             of.iter().map(|&(place, _)| place).collect(),
         ))
     };
+    let garbling = diagnosis(
+        garbled,
+        "answers in serve mode otherwise than the protocol says",
+        "answer each request with one line and, where that is SEQ ok NBYTES, as many bytes; probe tries it step by step, and docs/check.md has the lines",
+    );
     let serving = diagnosis(
         served,
         "gives other answers in serve mode than one-shot",
@@ -44,7 +59,10 @@ pub(super) fn describe(suite: &Suite, run: &Run) -> Vec<Diagnosis> {
         "answers the same request differently each time",
         "look for memory that is read before it is written, for threads, for clocks and for random numbers",
     );
-    serving.into_iter().chain(by_chance).collect()
+    [garbling, serving, by_chance]
+        .into_iter()
+        .flatten()
+        .collect()
 }
 
 /// Whether most failures are answered differently each time: what their pictures have in common is chance.

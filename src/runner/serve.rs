@@ -3,7 +3,7 @@
 //! ```text
 //! to the decoder    SEQ VIEW PATH
 //! from it           SEQ ok NBYTES, a line feed and a frame of NBYTES bytes, its own line included
-//!                   SEQ reject CODE
+//!                   SEQ reject 65
 //!                   SEQ unsupported FEATURE
 //! ```
 //!

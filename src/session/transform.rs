@@ -95,29 +95,24 @@ fn pictures<'a>(suite: &Suite, contact: &'a Contact, view: &str) -> Vec<Picture<
 }
 
 fn in_common(view: &'static str, pictures: &[Picture]) -> Option<CommonTransform> {
-    let enough = |count: usize| count >= 2 && 4 * count >= 3 * pictures.len();
-    // One picture may be like a mistake by chance; some are the same either way.
-    if pictures
-        .iter()
-        .filter(|picture| !picture.is_right())
-        .count()
-        < 2
-    {
+    let (right, wrong): (Vec<&Picture>, Vec<&Picture>) =
+        pictures.iter().partition(|picture| picture.is_right());
+    // Of the wrong ones it must explain nearly all; one picture may be like a mistake by chance.
+    let enough = |count: usize| count >= 2 && 4 * count >= 3 * wrong.len();
+    if !enough(wrong.len()) {
         return None;
     }
+    // What is right must look the same either way.
     let explained = |undo: &Undo<Case>| {
         let explains =
-            |picture: &&Picture| picture.is_put_right_by(|frame, right| (undo.undo)(frame, right));
-        let is_new = |picture: &Picture| !picture.is_right() || explains(&picture);
-        match pictures.iter().all(is_new) {
-            true => pictures.iter().filter(explains).count(),
-            false => 0,
-        }
+            |picture: &&&Picture| picture.is_put_right_by(|frame, right| (undo.undo)(frame, right));
+        let among_wrong = wrong.iter().filter(explains).count();
+        let is_said = enough(among_wrong) && right.iter().all(|picture| explains(&picture));
+        is_said.then_some(right.len() + among_wrong)
     };
     let (count, says, next, undo) = candidates(view, pictures)
         .into_iter()
-        .map(|(says, next, undo)| (explained(&undo), says, next, undo))
-        .find(|&(count, ..)| enough(count))?;
+        .find_map(|(says, next, undo)| Some((explained(&undo)?, says, next, undo)))?;
     let says = match count == pictures.len() {
         true => format!("{says}, in all first files"),
         false => format!("{says}, in {count} of {} first files", pictures.len()),

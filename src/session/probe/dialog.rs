@@ -183,7 +183,7 @@ impl Dialog {
             _ => {
                 return Some(Served::Wrong((
                     format!("it answers {line:?}"),
-                    "answers are SEQ ok NBYTES, SEQ reject CODE and SEQ unsupported FEATURE",
+                    "answers are SEQ ok NBYTES, SEQ reject 65 and SEQ unsupported FEATURE",
                 )));
             }
         };

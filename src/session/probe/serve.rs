@@ -1,10 +1,10 @@
 //! The steps of a probe in serve mode, which nobody needs and everybody gains from: one process for all files.
 //!
-//! `DECODER serve` reads lines `SEQ VIEW PATH` and answers each with `SEQ ok NBYTES` and a frame, `SEQ reject CODE` or
+//! `DECODER serve` reads lines `SEQ VIEW PATH` and answers each with `SEQ ok NBYTES` and a frame, `SEQ reject 65` or
 //! `SEQ unsupported FEATURE`, at once. What is right here is what one-shot mode answers, be the picture right or wrong.
 
 use crate::protocol::forms;
-use crate::protocol::frame::{Answer, Frame, View};
+use crate::protocol::frame::{Answer, EXIT_MALFORMED, Frame, View};
 
 use super::calls::Calls;
 use super::checklist::{Checklist, ProbeRequest, Reproduction};
@@ -61,7 +61,7 @@ fn steps(
         Served::Wrong(fault) => return Err(Stop::Fault(1, fault)),
     }
     list.good("serve: the first request is answered at once, as in one-shot mode");
-    refused(dialog.ask(2, view, &malformed)).map_err(at(2))?;
+    refused(dialog.ask(2, view, &malformed), calls.decoder.reject_exit).map_err(at(2))?;
     list.good("serve: a malformed file is refused");
     answered_again(&dialog.ask(3, view, &whole), view, right).map_err(at(3))?;
     list.good("serve: what was refused leaves no trace");
@@ -131,10 +131,15 @@ fn judge(answer: &ServedAnswer, view: &View, right: &Frame) -> Result<(), Fault>
     }
 }
 
-fn refused(served: Served) -> Result<(), Fault> {
+fn refused(served: Served, reject_exit: Option<i32>) -> Result<(), Fault> {
     let reject = "the answer is: SEQ reject 65";
+    let is_refusal = |line: &str| {
+        let code = line.trim_end().strip_prefix("2 reject ");
+        let code = code.and_then(|code| code.parse().ok());
+        code.is_some() && (code == Some(EXIT_MALFORMED) || code == reject_exit)
+    };
     Err(match served {
-        Served::Answer(answer) if answer.line.starts_with("2 reject") => return Ok(()),
+        Served::Answer(answer) if is_refusal(&answer.line) => return Ok(()),
         Served::Answer(answer) => (
             format!("a malformed file is answered {:?}", answer.line),
             reject,
