@@ -8,8 +8,14 @@ use crate::ptm::{Ptm, Shape};
 /// The steps from stored values to one value of a picture; nothing for stored values, which are what they are.
 pub(super) fn arithmetic(witness: &Witness, texel: usize, channel: usize) -> Option<String> {
     let ptm = witness.decoded().as_ref().ok()?;
+    steps(ptm, &witness.observation.view, texel, channel)
+}
+
+/// The same of a view of a map.
+#[must_use]
+pub fn steps(ptm: &Ptm, view: &View, texel: usize, channel: usize) -> Option<String> {
     let raw = ptm.planes.texels().nth(texel)?;
-    match &witness.observation.view {
+    match view {
         View::Coef if channel < ptm.planes.shape.coefficients() => {
             Some(final_value(ptm, raw, channel))
         }

@@ -153,7 +153,7 @@ fn of_solved(search: &Search, solved: &Solved, share: &Share) -> Diagnosis {
         example: pictures::example(search, smallest),
     };
     let described = Diagnosis::described(Category::Difference, witnesses, &share.explains, words);
-    let described = match solved.act.clause() {
+    let described = match solved.act.clause(witnesses[smallest].case.format()) {
         Some(clause) => described.about(clause),
         None => described,
     };

@@ -4,7 +4,7 @@ use std::collections::HashSet;
 
 use super::attribution::indispensable;
 use super::failure_mode::FailureMode;
-use super::pictures::widest_slip;
+use super::pictures::{is_near, widest_slip};
 use super::refusals;
 use super::search::{Found, Id, Search, of};
 use super::witness::{Agreement, Witness};
@@ -20,11 +20,11 @@ pub(super) fn drop(search: &Search, found: &mut Found) {
     drop_rare(search, found);
 }
 
-/// One in so many pictures may agree with a mistake by chance, where they are colors or final values.
-const RARE: usize = 40;
+/// One in so many pictures may agree with a mistake by chance.
+const RARE: usize = 3;
 
-/// Takes away mistakes of the catalog that explain a few computed pictures and would change many others otherwise than
-/// the decoder does.
+/// Takes away mistakes of the catalog that explain a few pictures and would change many others otherwise than the decoder
+/// does; where passing files speak against them, those too that explain less than three in four.
 fn drop_rare(search: &Search, found: &mut Found) {
     let set = of(&found.members);
     let failing = failing(search.witnesses);
@@ -34,19 +34,21 @@ fn drop_rare(search: &Search, found: &mut Found) {
         }
         let mut without = set.clone();
         without.retain(|&other| other != id);
-        let (mut explained, mut other, mut stored) = (0, 0, 0);
+        let (mut explained, mut other, mut far) = (0, 0, 0);
         for &w in &failing {
             let is_explained = |set: &[Id]| search.agreement(w, set) == Agreement::Picture;
             if is_explained(&set) && !is_explained(&without) || is_explained(&[id]) {
                 explained += 1;
-                stored += usize::from(search.witnesses[w].observation.view == View::Raw);
             } else if FailureMode::of(&search.witnesses[w]).is_none()
                 && search.made(w, &set) != search.made(w, &without)
             {
                 other += 1;
+                far += usize::from(!is_near(search, w, &set, id));
             }
         }
-        explained == 0 || stored > 0 || explained * RARE > other
+        let is_rare = explained * RARE <= far;
+        let is_denied = || !search.denied(&[id]).is_empty() && !search.denied(&set).is_empty();
+        explained == 0 || !is_rare && (explained > 3 * other || !is_denied())
     });
     found.keep(&keep);
 }

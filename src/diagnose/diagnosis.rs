@@ -19,6 +19,26 @@ pub struct Diagnosis<A: 'static = At> {
     pub certain: bool,
 }
 
+/// What a search for causes brought.
+pub struct Causes<A: 'static = At> {
+    /// Most telling first.
+    pub diagnoses: Vec<Diagnosis<A>>,
+    /// What panicked in the search, a fault of ours: each cost the cause it was after.
+    pub faults: Vec<String>,
+    /// How much work it was: answers of decoders with mistakes that were made.
+    pub answered: usize,
+}
+
+impl<A> From<Vec<Diagnosis<A>>> for Causes<A> {
+    fn from(diagnoses: Vec<Diagnosis<A>>) -> Causes<A> {
+        Causes {
+            diagnoses,
+            faults: Vec::new(),
+            answered: 0,
+        }
+    }
+}
+
 /// What is wrong.
 pub enum Cause<A: 'static = At> {
     /// A mistake of the catalog.

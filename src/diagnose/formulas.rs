@@ -4,6 +4,8 @@
 //! number in them is exchanged for others that a slip may put there, and the picture computed again. Where several numbers
 //! of the polynomial are wrong at once, least squares over the texels say what each coefficient was multiplied by.
 
+use std::f64::consts::FRAC_PI_2;
+
 use crate::protocol::frame::{Frame, Samples, View};
 use crate::ptm::{Planes, Ptm, ScaleBias, Shape};
 use crate::reading::Reading;
@@ -69,6 +71,8 @@ pub(super) struct Numbers {
     matrix: [[f64; 4]; 3],
     /// What the matrix multiplies: for each of its first three columns, which of Y, Cr and Cb, times what, and plus what.
     vector: [(usize, f64, f64); 3],
+    /// The color that luminance and a stored color make.
+    modulate: fn(f64, f64) -> f64,
     /// Of which polynomial, or of which stored color, red, green and blue are made.
     colors: [usize; 3],
 }
@@ -99,6 +103,7 @@ impl Numbers {
             light: light.unwrap_or_default(),
             matrix,
             vector: [0, 1, 2].map(|which| (which, 1.0, 0.0)),
+            modulate: reading.modulate,
             colors: [0, 1, 2],
         }
     }
@@ -127,7 +132,10 @@ impl Numbers {
             slips.extend(self.slips_of_powers(powers));
             match shape {
                 Shape::Rgb => slips.extend(self.slips_of_colors(Formula::Blocks)),
-                Shape::Lrgb => slips.extend(self.slips_of_colors(Formula::Color)),
+                Shape::Lrgb => {
+                    slips.extend(self.slips_of_colors(Formula::Color));
+                    slips.extend(self.slips_of_modulation());
+                }
                 Shape::Lum(_) => {
                     slips.extend(self.slips_of_vector());
                     slips.extend(self.slips_of_matrix());
@@ -183,7 +191,7 @@ impl Numbers {
         let (u, v) = self.light;
         let cut = |x: f64, places: f64| (x * places).trunc() / places;
         let length = u.hypot(v).max(f64::MIN_POSITIVE);
-        let changes: [(&str, fn(f64) -> f64); 10] = [
+        let changes: [(&str, fn(f64) -> f64); 13] = [
             ("|w|", f64::abs),
             ("−w", |w| -w),
             ("0", |_| 0.0),
@@ -194,8 +202,13 @@ impl Numbers {
             ("w², with the sign of w", |w| w * w.abs()),
             ("w, but 0 for w < 0", |w| w.max(0.0)),
             ("1 − w", |w| 1.0 - w),
+            ("sin(w)", f64::sin),
+            ("sin(w · 90°)", |w| (w * FRAC_PI_2).sin()),
+            ("the arc sine of w", f64::asin),
         ];
         let one = |name: &str, of: &str| name.replace('w', of);
+        let height = (1.0 - u * u - v * v).max(0.0).sqrt();
+        let longer = (1.0 + u * u + v * v).sqrt();
         let mut lights: Vec<(String, (f64, f64))> = Vec::new();
         for (name, change) in changes {
             lights.push((format!("u were {}", one(name, "u")), (change(u), v)));
@@ -212,6 +225,14 @@ impl Numbers {
             (
                 "the light (u, v) had length 1".to_owned(),
                 (u / length, v / length),
+            ),
+            (
+                "the light were divided by √(u² + v² + 1)".to_owned(),
+                (u / longer, v / longer),
+            ),
+            (
+                "the light were multiplied by √(1 − u² − v²)".to_owned(),
+                (u * height, v * height),
             ),
             (
                 "u and v were cut off after one decimal".to_owned(),
@@ -273,7 +294,21 @@ impl Numbers {
             }
             slips
         };
-        (0..6).flat_map(of).collect()
+        let mut slips: Vec<Slip> = (0..6).flat_map(of).collect();
+        for (i, j) in (0..36).map(|pair| (pair / 6, pair % 6)) {
+            if i != j {
+                let mut taken = powers;
+                taken[j] += taken[i];
+                taken[i] = 0.0;
+                let says = format!(
+                    "a{j} were multiplied by {} too, in place of a{i}",
+                    POWERS[i]
+                );
+                let wrong = self.changed(|numbers| numbers.powers = Some(taken));
+                slips.push((Formula::Polynomial, says, wrong));
+            }
+        }
+        slips
     }
 
     fn slips_of_colors(&self, formula: Formula) -> Vec<Slip> {
@@ -289,6 +324,27 @@ impl Numbers {
                 )
             })
             .collect()
+    }
+
+    fn slips_of_modulation(&self) -> Vec<Slip> {
+        let products: [(&str, fn(f64, f64) -> f64); 9] = [
+            ("L alone", |l, _| l),
+            ("the stored color alone", |_, c| c),
+            ("L² · RGB / 255²", |l, c| l * l * c / 65025.0),
+            ("L · RGB² / 255²", |l, c| l * c * c / 65025.0),
+            ("L · RGB / 128", |l, c| l * c / 128.0),
+            ("L · RGB / 100", |l, c| l * c / 100.0),
+            ("L + RGB", |l, c| l + c),
+            ("the mean of L and RGB", f64::midpoint),
+            ("L, clamped to 0…255, · RGB / 255", |l, c| {
+                l.clamp(0.0, 255.0) * c / 255.0
+            }),
+        ];
+        let slip = |(says, modulate): (&str, _)| {
+            let wrong = self.changed(|numbers| numbers.modulate = modulate);
+            (Formula::Color, format!("a color were {says}"), wrong)
+        };
+        products.into_iter().map(slip).collect()
     }
 
     fn slips_of_vector(&self) -> Vec<Slip> {
@@ -318,6 +374,19 @@ impl Numbers {
                 format!("the factors of {name} were 1"),
                 wrong,
             ));
+            for (other, of) in values
+                .into_iter()
+                .enumerate()
+                .filter(|&(other, _)| other != column)
+            {
+                let wrong = self.changed(|numbers| {
+                    for row in &mut numbers.matrix {
+                        row[column] = row[other];
+                    }
+                });
+                let says = format!("the factors of {name} were those of {of}");
+                slips.push((Formula::Matrix, says, wrong));
+            }
         }
         slips
     }
@@ -431,7 +500,7 @@ impl Numbers {
                 let luminance = polynomial(&finals[..6]);
                 let colors = self.colors.iter();
                 colors
-                    .map(|&color| (reading.modulate)(luminance, finals[6 + color]))
+                    .map(|&color| (self.modulate)(luminance, finals[6 + color]))
                     .collect()
             }
             Shape::Lum(_) => {

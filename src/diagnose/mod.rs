@@ -8,7 +8,7 @@
 
 mod acceptances;
 mod answers;
-mod arithmetic;
+pub mod arithmetic;
 mod assume;
 mod attribution;
 mod changes;
@@ -20,6 +20,7 @@ mod formats;
 mod formulas;
 mod mistake;
 mod nondeterminism;
+mod numbers;
 mod pair;
 mod pictures;
 mod places;
@@ -45,7 +46,7 @@ mod violation;
 mod witness;
 
 pub use assume::assume;
-pub use diagnosis::{Category, Cause, Diagnosis};
+pub use diagnosis::{Category, Cause, Causes, Diagnosis};
 pub(crate) use stream_cache::stream_once;
 pub(crate) use witness::dialect_reading;
 pub use witness::{alike, applies, composable};
@@ -65,39 +66,52 @@ pub fn diagnose(
     run: &Run,
     assumed: &[&'static Misreading],
     threads: usize,
-) -> Vec<Diagnosis> {
+) -> Causes {
+    diagnose_by(suite, run, assumed, threads, solve::solve)
+}
+
+/// The same, where `solve` is asked for mistakes that the catalog lacks.
+fn diagnose_by(
+    suite: &Suite,
+    run: &Run,
+    assumed: &[&'static Misreading],
+    threads: usize,
+    solve: impl Fn(&mut Search, &search::Set, &[usize]) -> Vec<search::Set>,
+) -> Causes {
     let mut diagnoses = nondeterminism::describe(suite, run);
     diagnoses.extend(promises::describe(suite, run));
     let mut judged = run.judgement.cases.iter().flatten();
     if !judged.any(|judged| judged.outcome == Outcome::Fail) {
-        return diagnoses;
+        return diagnoses.into();
     }
     let witnesses = witnesses(suite, run, dialect_reading(run), threads);
     if !witnesses.iter().any(|witness| witness.failed) {
-        return diagnoses;
+        return diagnoses.into();
     }
     let mut search = Search::new(&witnesses, assumed, threads, &run.stop);
     let mut found = match nondeterminism::prevails(run) {
         true => search::Found::default(),
-        false => search.run(solve::solve),
+        false => search.run(solve),
     };
     if search.is_interrupted() {
-        return diagnoses;
+        return diagnoses.into();
     }
-    coincidences::drop(&search, &mut found);
+    search.guarded(|| coincidences::drop(&search, &mut found));
     let (mut attributed, mut left) = attribution::attribute(&search, &found);
-    let mut causes = formats::describe(&witnesses, &mut left);
-    causes.extend(acceptances::describe(&witnesses, &mut left));
-    let violation = violation::describe(&witnesses, &mut left);
-    let in_streams = streams::describe(&search, &found, &mut left);
-    let refusals = refusals::describe(&witnesses, &mut left);
-    attribution::attribute_in_part(&search, &found, &mut attributed, &mut left);
+    let mut causes = search.guarded(|| formats::describe(&witnesses, &mut left));
+    causes.extend(search.guarded(|| acceptances::describe(&witnesses, &mut left)));
+    let violation = search.guarded(|| violation::describe(&witnesses, &mut left));
+    let in_streams = search.guarded(|| streams::describe(&search, &found, &mut left));
+    let refusals = search.guarded(|| refusals::describe(&witnesses, &mut left));
+    search.guarded(|| {
+        attribution::attribute_in_part(&search, &found, &mut attributed, &mut left);
+    });
     causes.extend(in_streams);
     causes.extend(refusals);
-    causes.extend(refusals::rest(&witnesses, &mut left));
+    causes.extend(search.guarded(|| refusals::rest(&witnesses, &mut left)));
     causes.extend(violation);
     let set = search::of(&found.members);
-    causes.extend(pictures::describe(&search, &set, &left));
+    causes.extend(search.guarded(|| pictures::describe(&search, &set, &left)));
     causes.append(&mut diagnoses);
     let attributed = attributed.into_iter().map(|(_, diagnosis)| diagnosis);
     let mut causes: Vec<Diagnosis> = attributed.chain(causes).collect();
@@ -106,5 +120,45 @@ pub fn diagnose(
         let explained = diagnosis.explains.len() + diagnosis.partly.len();
         std::cmp::Reverse(explained * if diagnosis.certain { 4 } else { 1 })
     });
-    causes
+    Causes {
+        diagnoses: causes,
+        faults: search.faults(),
+        answered: search.answered(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::misreadings;
+    use crate::protocol::frame::{Answer, Samples};
+    use crate::reading::Reading;
+    use crate::runner::run::{Reply, Request};
+    use crate::session::plan::RunPlan;
+    use crate::session::run::check;
+
+    #[test]
+    fn a_fault_in_the_search_is_told_and_costs_only_what_it_was_after() {
+        let mut suite = Suite::load().expect("the suite loads");
+        suite.cases.retain(|case| case.first);
+        let ask = |request: &Request<'_>, _: usize| {
+            let mut answer = misreadings::answer(&[], Reading::SPEC, request.file, request.view);
+            if let Answer::Decoded(frame) = &mut answer
+                && let Samples::U8(samples) = &mut frame.samples
+            {
+                for sample in samples.iter_mut() {
+                    *sample ^= 0x55;
+                }
+            }
+            Reply::from(answer)
+        };
+        let run = check(&suite, &RunPlan::of(&suite, 1), &ask, &|_, _, _, _| ());
+        let causes = diagnose_by(&suite, &run, &[], 1, |_, _, _| panic!("index 3 of 2"));
+        assert_eq!(causes.faults, ["index 3 of 2"]);
+        let explained = causes.diagnoses.iter().map(|one| one.explains.len());
+        assert_eq!(
+            explained.sum::<usize>(),
+            run.judgement.with(Outcome::Fail).count()
+        );
+    }
 }

@@ -4,6 +4,7 @@ use super::arithmetic::arithmetic;
 use super::changes::short;
 use super::diagnosis::{Category, Diagnosis, Words};
 use super::formulas::single_slips;
+use super::numbers::{self, OTHER_BIAS, OTHER_SCALE};
 use super::pair::Pair;
 use super::places::{channels_concerned, root_channels, texels_concerned};
 use super::provenance;
@@ -11,6 +12,7 @@ use super::refusals::WORTH_SAYING;
 use super::relations::relations;
 use super::search::{Id, Search, Set};
 use super::shared::shared;
+use super::solved::{Block, block_clause};
 use super::witness::Witness;
 use crate::protocol::frame::{Answer, Frame, View};
 use crate::ptm::Format;
@@ -25,6 +27,14 @@ const TRANSFORM: f64 = 4.0;
 const FEWEST: usize = 3;
 /// Ways to differ that are told apart; what is beyond, or true of few, is said together.
 const WAYS: usize = 6;
+/// Diagnoses of pictures of which nothing is said but that they are wrong, and where.
+const MOST_GROUPS: usize = 12;
+
+/// What is shown of a file by one reading of an open question, and of the others by another.
+const MIXED: &str =
+    "pictures that are right by another reading of an open question than its other pictures are";
+/// What is shown where bytes are read from another place.
+const ELSEWHERE: &str = "the values that stand";
 
 /// All that is true of how one picture differs, and of where; the most telling first.
 #[derive(Default)]
@@ -52,7 +62,13 @@ pub(super) fn describe(search: &Search, set: &[Id], left: &[usize]) -> Vec<Diagn
             let of: Vec<usize> = open.iter().copied().filter(holds).collect();
             (of.len() * WORTH_SAYING >= open.len()).then_some((what, of))
         });
-        let (what, of) = telling.unwrap_or_else(|| ("wrong values".to_owned(), open.clone()));
+        let (what, of) = telling.unwrap_or_else(|| {
+            let of = match diagnoses.len() {
+                0..MOST_GROUPS => alike_in_place(search, left, &said, &open),
+                _ => open.clone(),
+            };
+            ("wrong values".to_owned(), of)
+        });
         open.retain(|i| !of.contains(i));
         let sides: [fn(&Said) -> &Vec<&'static str>; 2] =
             [|said| &said.channels, |said| &said.texels];
@@ -74,6 +90,23 @@ pub(super) fn describe(search: &Search, set: &[Id], left: &[usize]) -> Vec<Diagn
     diagnoses
 }
 
+/// Of pictures that nothing else is said of, those of the formats that are wrong in the same channels as the first one's:
+/// what is wrong in other channels elsewhere is another mistake.
+fn alike_in_place(search: &Search, left: &[usize], said: &[Said], open: &[usize]) -> Vec<usize> {
+    let format = |i: usize| search.witnesses[left[i]].case.format();
+    let channels = |of: Format| {
+        let pictures: Vec<&Said> = (open.iter().filter(|&&i| format(i) == of))
+            .map(|&i| &said[i])
+            .collect();
+        let is_shared = |claim: &&&str| pictures.iter().all(|said| said.channels.contains(claim));
+        let claims = pictures.first().map(|said| said.channels.iter());
+        claims.into_iter().flatten().find(is_shared).copied()
+    };
+    let first = channels(format(open[0]));
+    let is_alike = |i: &usize| channels(format(*i)) == first;
+    open.iter().copied().filter(is_alike).collect()
+}
+
 /// A way to differ, in words.
 fn difference(search: &Search, of: &[usize], what: &str) -> Diagnosis {
     let witnesses = search.witnesses;
@@ -90,7 +123,14 @@ fn difference(search: &Search, of: &[usize], what: &str) -> Diagnosis {
         example: example(search, smallest(witnesses, of)),
     };
     let diagnosis = Diagnosis::described(Category::Difference, witnesses, of, words);
-    match values_of(witnesses, of) {
+    let format = witnesses[of[0]].case.format();
+    let clause = match what {
+        _ if what.starts_with(OTHER_BIAS) => Some("2.4/4"),
+        _ if what.starts_with(OTHER_SCALE) => Some("2.4/3"),
+        _ if what.starts_with(ELSEWHERE) => block_clause(format, Block::All),
+        _ => values_of(witnesses, of),
+    };
+    match clause {
         Some(clause) => diagnosis.about(clause),
         None => diagnosis,
     }
@@ -154,7 +194,10 @@ pub(super) fn widest_slip(search: &Search, failing: &[usize]) -> usize {
                     ..
                 },
                 Ok(ptm),
-            ) => single_slips(ptm, &witness.observation.view, &witness.reading, received),
+            ) => {
+                let view = &witness.observation.view;
+                single_slips(ptm, view, &witness.reading, received)
+            }
             _ => Vec::new(),
         }
     });
@@ -207,12 +250,14 @@ fn say(search: &Search, set: &[Id], w: usize) -> Said {
         ..Said::default()
     };
     let witness = &search.witnesses[w];
-    let Response::Picture {
-        frame: Some(received),
-        ..
-    } = &witness.observation.response
-    else {
-        return plain("no picture");
+    let received = match &witness.observation.response {
+        Response::Picture {
+            frame: Some(received),
+            ..
+        } => received,
+        // What is right by a reading of its own is not kept.
+        Response::Picture { frame: None, .. } => return plain(MIXED),
+        _ => return plain("no picture"),
     };
     let made = search.made(w, set);
     // The mistakes that were found may refuse what the reference reads.
@@ -231,12 +276,13 @@ fn say(search: &Search, set: &[Id], w: usize) -> Said {
         return plain("values that differ by less than they are rounded");
     }
     let mut what = relations(&pair);
+    what.extend(numbers::used(&pair, witness).map(|used| used.says.to_owned()));
     if let Some(shift) = provenance::shift(witness, &pair) {
         let count = shift.unsigned_abs();
         let way = if shift > 0 { "later" } else { "earlier" };
         let bytes = if count == 1 { "byte" } else { "bytes" };
         what.push(format!(
-            "the values that stand {count} {bytes} {way} in the file: the binary data is read from a wrong place"
+            "{ELSEWHERE} {count} {bytes} {way} in the file: the binary data is read from a wrong place"
         ));
     }
     let (texels, telling) = texels_concerned(&pair, witness);
@@ -362,6 +408,7 @@ pub(super) fn example(search: &Search, w: usize) -> String {
         short(pair.got[i]),
         short(pair.want[i]),
     );
+    says.extend(numbers::used(&pair, witness).map(|used| used.in_words()));
     says.extend(arithmetic(witness, texel, channel).map(|steps| format!(" = {steps}")));
     let origin = match pair.view {
         "rgb" => provenance::texel(witness, x, y),

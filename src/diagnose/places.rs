@@ -217,8 +217,11 @@ pub(super) fn texels_concerned(
             let mut records = coded.planes[i % pair.channels].records.iter();
             records.any(|&(position, _)| position as usize == stored)
         };
-        if wrong.iter().all(is_corrected) {
+        let corrected = wrong.iter().filter(|i| is_corrected(i)).count();
+        if corrected == wrong.len() {
             says.push(", only at texels that side information corrects");
+        } else if corrected * 2 >= wrong.len() {
+            says.push(", only at texels that side information corrects and at others in their stead: records land elsewhere");
         }
     }
     let holding = OF_TEXELS

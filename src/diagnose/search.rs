@@ -6,8 +6,8 @@
 
 use std::any::Any;
 use std::borrow::Cow;
-use std::collections::{BTreeMap, HashSet};
-use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::collections::{BTreeMap, HashMap, HashSet};
+use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Mutex, OnceLock, PoisonError};
 
@@ -16,7 +16,7 @@ use super::mistake::Mistake;
 use super::witness::{Agreement, Witness, is_after_decoding};
 use crate::kit::parallel::in_parallel;
 use crate::misreadings::{self, At, Misreading};
-use crate::protocol::frame::Answer;
+use crate::protocol::frame::{Answer, Frame};
 use crate::session::observation::Response;
 use crate::suite::cases::Expect;
 
@@ -24,8 +24,15 @@ use crate::suite::cases::Expect;
 const MOST: usize = 8;
 /// Failing cases that a mistake is first tried on.
 const SAMPLE: usize = 40;
-/// Mistakes that are tried on every case.
+/// Mistakes that are tried on more cases, and those of them that are tried on every case.
 const FINALISTS: usize = 64;
+const LAST: usize = 12;
+/// Cases that finalists are tried on first, unlike each other.
+const ROUND: usize = 160;
+/// Answers made for each case that was asked, after which no more mistakes are searched; and a quarter of them, where the last
+/// one explains less than one in so many of the failures: the next will explain still less.
+const WORK: usize = 80;
+const LITTLE: i64 = 50;
 /// Samples of the failing cases that a mistake is first tried on, all together.
 const SAMPLES: usize = 1 << 20;
 /// Samples of a map that is large: what passes there, or fails as smaller ones do, need not be tried with every mistake.
@@ -86,12 +93,16 @@ pub(super) struct Search<'a> {
     stop: &'a AtomicBool,
     /// Answers that were made so far; those of large maps count more.
     effort: AtomicUsize,
+    /// The same, each counted once.
+    answered: AtomicUsize,
     /// Cases that the decoder passes, the smallest first.
     passing: Vec<usize>,
     /// What panicked, each once.
-    pub faults: Mutex<Vec<String>>,
+    faults: Mutex<Vec<String>>,
     /// What the failing cases are about.
     clauses: HashSet<&'a str>,
+    /// What sets of several that show are worth on a case.
+    together: Mutex<HashMap<(usize, Set), i64>>,
     /// For each mistake and each case, what the mistake is worth alone, if it changes the answer.
     alone: Vec<Vec<OnceLock<Option<i64>>>>,
 }
@@ -131,6 +142,8 @@ impl<'a> Search<'a> {
             threads,
             stop,
             effort: AtomicUsize::new(0),
+            answered: AtomicUsize::new(0),
+            together: Mutex::new(HashMap::new()),
             faults: Mutex::new(Vec::new()),
             passing,
         }
@@ -146,6 +159,9 @@ impl<'a> Search<'a> {
     /// Takes away what was added last.
     pub fn truncate(&mut self, count: usize) {
         self.mistakes.truncate(count);
+        let mut together = self.together.lock().unwrap_or_else(PoisonError::into_inner);
+        together.retain(|(_, set), _| set.iter().all(|&id| id < count));
+        drop(together);
         self.alone.truncate(count);
     }
 
@@ -166,7 +182,10 @@ impl<'a> Search<'a> {
         while members.len() < MOST && !self.is_interrupted() {
             let set = of(&members);
             let left = self.unexplained(&set);
-            if left.is_empty() {
+            let little = members
+                .last()
+                .is_some_and(|last| last.worth * LITTLE < WORD * left.len() as i64);
+            if left.is_empty() || self.is_spent(little) {
                 break;
             }
             let mut single = self.best_single(&set, &left);
@@ -174,7 +193,11 @@ impl<'a> Search<'a> {
             // What explains nearly all that is left needs no solving.
             let explains_all = |member: &Member| member.worth * 10 >= 9 * WORD * left.len() as i64;
             if !single.as_ref().is_some_and(explains_all) {
-                groups = solve(self, &set, &left);
+                let solved = catch_unwind(AssertUnwindSafe(|| solve(self, &set, &left)));
+                groups = solved.unwrap_or_else(|panic| {
+                    self.note(&*panic);
+                    Vec::new()
+                });
                 single = self.best_single(&set, &left);
             }
             let group = self.group(&set, &groups, &left);
@@ -316,11 +339,31 @@ impl<'a> Search<'a> {
     /// What a decoder with these mistakes answers. One that panics here is a fault of ours, and taken for no mistake.
     fn answer(&self, w: usize, mistakes: &[&Mistake]) -> Cow<'_, Answer> {
         let witness = &self.witnesses[w];
+        self.answered.fetch_add(1, Ordering::Relaxed);
         let answer = catch_unwind(AssertUnwindSafe(|| witness.answer(mistakes)));
         answer.unwrap_or_else(|panic| {
             self.note(&*panic);
             Cow::Borrowed(&witness.right)
         })
+    }
+
+    /// What `work` returns; nothing, and the words are kept, where it panics.
+    pub fn guarded<T: Default>(&self, work: impl FnOnce() -> T) -> T {
+        catch_unwind(AssertUnwindSafe(work)).unwrap_or_else(|panic| {
+            self.note(&*panic);
+            T::default()
+        })
+    }
+
+    /// How many answers were made so far.
+    pub fn answered(&self) -> usize {
+        self.answered.load(Ordering::Relaxed)
+    }
+
+    /// What panicked so far.
+    pub fn faults(&self) -> Vec<String> {
+        let faults = self.faults.lock();
+        faults.unwrap_or_else(PoisonError::into_inner).clone()
     }
 
     /// Keeps the words of a panic.
@@ -329,7 +372,9 @@ impl<'a> Search<'a> {
         let text = text.or_else(|| panic.downcast_ref::<String>().cloned());
         let mut faults = self.faults.lock().unwrap_or_else(PoisonError::into_inner);
         let text = text.unwrap_or_else(|| "a panic without words".to_owned());
-        if faults.len() < FAULTS && !faults.contains(&text) {
+        // What one of several threads said is told once.
+        let is_told = faults.contains(&text) || text == "a scoped thread panicked";
+        if faults.len() < FAULTS && !is_told {
             faults.push(text);
         }
     }
@@ -385,8 +430,22 @@ impl<'a> Search<'a> {
             // What the reference shows is right, and no failure.
             (None, _) => 0,
             (Some(worth), None) if edits < 2 || worth >= WORD => worth,
-            _ => self.value_of(w, &self.answers(w, set)),
+            _ => self.value_together(w, set),
         }
+    }
+
+    /// What mistakes of which several show are worth on one case.
+    fn value_together(&self, w: usize, set: &[Id]) -> i64 {
+        let concerned = set.iter().copied();
+        let concerned = concerned.filter(|&id| self.witnesses[w].concerns(&self.mistakes[id]));
+        let key = (w, concerned.collect::<Set>());
+        let known = || self.together.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(&value) = known().get(&key) {
+            return value;
+        }
+        let value = self.value_of(w, &self.answers(w, set));
+        known().insert(key, value);
+        value
     }
 
     /// What one mistake is worth alone on one case, the assumed ones aside; nothing if it does not show there.
@@ -471,14 +530,27 @@ impl<'a> Search<'a> {
             .collect();
         let is_left = |&w: &usize| tried[w] && self.witnesses[w].failed && now[w] < WORD;
         let left: Vec<usize> = (0..now.len()).filter(is_left).collect();
-        let gains = self.each(finalists, |&id| {
-            let with = plus(set, id);
-            let gain = |&w: &usize| match self.witnesses[w].could_be(&self.mistakes[id]) {
-                true => self.value(w, &with) - now[w],
-                false => 0,
-            };
-            left.iter().map(gain).collect::<Vec<i64>>()
-        });
+        let gains_on = |finalists: &Set, cases: &[usize]| {
+            self.each(finalists, |&id| {
+                let with = plus(set, id);
+                let gain = |&w: &usize| match self.witnesses[w].could_be(&self.mistakes[id]) {
+                    true => self.value(w, &with) - now[w],
+                    false => 0,
+                };
+                cases.iter().map(gain).collect::<Vec<i64>>()
+            })
+        };
+        // Where much is left, part of it tells which mistakes explain most.
+        let mut finalists = finalists.clone();
+        if left.len() > 2 * ROUND && finalists.len() > LAST {
+            let gains = gains_on(&finalists, &self.unlike(&left, ROUND));
+            let mut ranked: Vec<usize> = (0..finalists.len()).collect();
+            ranked.sort_by_key(|&place| -gains[place].iter().sum::<i64>());
+            ranked.truncate(LAST);
+            ranked.sort_unstable();
+            finalists = ranked.iter().map(|&place| finalists[place]).collect();
+        }
+        let gains = gains_on(&finalists, &left);
         let mut ranked: Vec<(i64, usize)> = gains
             .iter()
             .enumerate()
@@ -544,16 +616,7 @@ impl<'a> Search<'a> {
 
     /// Two mistakes that only together explain a picture: of those that change it, every pair, on the smallest files.
     fn two_more(&self, set: &Set, left: &[usize]) -> Option<Vec<Member>> {
-        let mut pictures: Vec<usize> = left
-            .iter()
-            .copied()
-            .filter(|&w| {
-                matches!(
-                    self.witnesses[w].observation.response,
-                    Response::Picture { frame: Some(_), .. }
-                )
-            })
-            .collect();
+        let mut pictures = self.solvable(left);
         pictures.sort_by_key(|&w| self.witnesses[w].built.file.len());
         let spent = || self.effort.load(Ordering::Relaxed);
         let before_all = spent();
@@ -646,8 +709,39 @@ impl<'a> Search<'a> {
         }
     }
 
+    /// Pictures of the right shape that are not large: of others nothing can be solved.
+    pub fn solvable(&self, left: &[usize]) -> Vec<usize> {
+        let has_shape = |w: &usize| match (
+            &self.witnesses[*w].observation.response,
+            &self.witnesses[*w].right,
+        ) {
+            (
+                Response::Picture {
+                    frame: Some(shown), ..
+                },
+                Answer::Decoded(right),
+            ) => {
+                let shape = |frame: &Frame| (frame.view, frame.width, frame.height, frame.channels);
+                shape(shown) == shape(right) && self.samples(*w) <= LARGE
+            }
+            _ => false,
+        };
+        left.iter().copied().filter(has_shape).collect()
+    }
+
+    /// Whether more work was done than a search is worth that last explained but a `little`.
+    fn is_spent(&self, little: bool) -> bool {
+        let most = WORK * self.witnesses.len() / if little { 4 } else { 1 };
+        self.answered.load(Ordering::Relaxed) > most
+    }
+
     /// Failing cases unlike each other, small ones first.
     fn sample(&self, left: &[usize]) -> Vec<usize> {
+        self.unlike(&self.smallest(left, SAMPLES), SAMPLE)
+    }
+
+    /// So many of these cases, unlike each other.
+    fn unlike(&self, cases: &[usize], most: usize) -> Vec<usize> {
         let kind = |w: usize| {
             let witness = &self.witnesses[w];
             (
@@ -655,9 +749,9 @@ impl<'a> Search<'a> {
                 witness.case.clauses.first().cloned(),
             )
         };
-        let mut sample = spread(&self.smallest(left, SAMPLES), kind);
-        sample.truncate(SAMPLE);
-        sample
+        let mut unlike = spread(cases, kind);
+        unlike.truncate(most);
+        unlike
     }
 
     /// As many failing cases as there is time for.
@@ -677,14 +771,14 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// The smallest of these, so that all together they have no more samples than `most`; at least four.
+    /// The smallest of these, so that all together they have no more samples than `most`; at least one.
     pub fn smallest(&self, left: &[usize], most: usize) -> Vec<usize> {
         let mut smallest = left.to_vec();
         smallest.sort_by_key(|&w| (self.samples(w), self.witnesses[w].built.file.len()));
         let mut all = 0;
         let taken = smallest.iter().enumerate().take_while(|&(i, &w)| {
             all += self.samples(w) + self.witnesses[w].built.file.len();
-            i < 4 || all <= most
+            i < 1 || all <= most
         });
         let count = taken.count();
         smallest.truncate(count);
@@ -693,7 +787,13 @@ impl<'a> Search<'a> {
 
     /// `work` of every item, on all threads, in order.
     pub fn each<T: Sync, R: Send>(&self, items: &[T], work: impl Fn(&T) -> R + Sync) -> Vec<R> {
-        in_parallel(items.len(), self.threads, &|_, _| (), &|i| work(&items[i]))
+        in_parallel(items.len(), self.threads, &|_, _| (), &|i| {
+            let done = catch_unwind(AssertUnwindSafe(|| work(&items[i])));
+            done.unwrap_or_else(|panic| {
+                self.note(&*panic);
+                resume_unwind(panic)
+            })
+        })
     }
 }
 

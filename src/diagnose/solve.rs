@@ -15,9 +15,9 @@ use super::shared::shared;
 use super::solve_file::candidates;
 use super::solve_terms;
 use super::solved::{Act, Solved};
+use super::strides::Strides;
 use crate::misreadings::Stage;
-use crate::protocol::frame::View;
-use crate::session::observation::Response;
+use crate::protocol::frame::{Answer, View};
 
 /// Fewer pictures than these tell nothing that could be held against others.
 const FEWEST: usize = 2;
@@ -36,16 +36,7 @@ const SAMPLES: usize = 1 << 18;
 
 /// Adds to the mistakes of `search` those that explain some of `left` beside `set`. Returns those that are made together.
 pub(super) fn solve(search: &mut Search, set: &Set, left: &[usize]) -> Vec<Set> {
-    let pictures: Vec<usize> = left
-        .iter()
-        .copied()
-        .filter(|&w| {
-            matches!(
-                search.witnesses[w].observation.response,
-                Response::Picture { frame: Some(_), .. }
-            )
-        })
-        .collect();
+    let pictures = search.solvable(left);
     if pictures.len() < FEWEST {
         return Vec::new();
     }
@@ -191,7 +182,8 @@ fn add(search: &mut Search, set: &Set, pictures: &[usize], act: Act) {
     let scope = match denied.is_empty() {
         true => Some(Scope::All),
         false => scope_of(search, &of, &denied)
-            .filter(|scope| !(scope.is_of_light() && act.shows_in(&View::Coef))),
+            .filter(|scope| !(scope.is_of_light() && act.shows_in(&View::Coef)))
+            .filter(|scope| matches!(scope, Scope::Formats(_)) || !act.is_of_few_values()),
     };
     let acting = search.each(pictures, |&w| {
         let holds = |scope: &Scope| scope.holds(&search.witnesses[w]);
@@ -203,6 +195,7 @@ fn add(search: &mut Search, set: &Set, pictures: &[usize], act: Act) {
     if let Some(scope) = scope
         && is_shown
         && !(of.len() == 1 && is_doubtful(search, of[0], &act))
+        && !(is_of_strides(&act) && of.iter().all(|&w| is_narrow(search, w)))
     {
         search.add(Mistake::Solved(Solved { act, scope }));
     }
@@ -272,7 +265,12 @@ fn is_shown(search: &Search, of: &[usize], acting: usize, scope: Option<&Scope>)
         (true, false) => FEWEST_NARROW,
         (false, _) => 1,
     };
-    let part = if colors_only { 3 } else { 10 };
+    // Where a mistake is made in some files, it shows in most of these.
+    let part = match (narrow, colors_only) {
+        (true, _) => 2,
+        (false, true) => 3,
+        (false, false) => 10,
+    };
     of.len() >= fewest && of.len() * part >= acting
 }
 
@@ -291,6 +289,29 @@ fn scope_of(search: &Search, explained: &[usize], denied: &[usize]) -> Option<Sc
     }
     let shared = shared(search.witnesses, explained, denied, true)?;
     (shared.of.len() * 4 >= explained.len() * 3).then_some(shared.scope)
+}
+
+/// Whether it is where values stand, other than so many places on.
+fn is_of_strides(act: &Act) -> bool {
+    match act {
+        Act::Block { strides, .. } | Act::Texels { strides, .. } => {
+            let shift = strides.shift;
+            *strides
+                != Strides {
+                    shift,
+                    ..Strides::RIGHT
+                }
+        }
+        _ => false,
+    }
+}
+
+/// Whether a map has so few columns or rows that one order of them is like another.
+fn is_narrow(search: &Search, w: usize) -> bool {
+    match &search.witnesses[w].right {
+        Answer::Decoded(frame) => frame.width < 3 || frame.height < 3,
+        _ => true,
+    }
 }
 
 /// Whether one file alone does not show it: colors are rounded, and tables have many entries.

@@ -2,13 +2,14 @@
 
 use super::changes::{Change, Values};
 use super::formulas::{Numbers, joint_slips, single_slips};
+use super::mistake::Mistake;
 use super::pair::Pair;
 use super::search::{Search, Set};
-use super::solved::{Act, Block, Channels, frame, values};
+use super::solved::{Act, Block, Channels, IndexBlock, frame, values};
 use super::strides::{Extent, Strides};
 use super::terms::Terms;
 use super::witness::{Witness, alike};
-use crate::misreadings::misread;
+use crate::misreadings::{self, Misreading, Stage, misread};
 use crate::protocol::frame::{Answer, Frame, View};
 use crate::ptm::Ptm;
 use crate::reading::Reading;
@@ -16,6 +17,8 @@ use crate::session::observation::Response;
 
 /// Samples of a picture of which pictures are made for each candidate.
 const SMALL: usize = 4096;
+/// Ways to read one block of one picture that are held against others.
+const FITTING: usize = 3;
 /// How far a stored value that is computed back may be from a whole number.
 const WHOLE: f64 = 0.02;
 
@@ -107,8 +110,10 @@ impl Wrong<'_> {
     fn of_stored(&self, stored: &Stored) -> Vec<Vec<Act>> {
         let mut acts: Vec<Act> = self.exchanged(stored).into_iter().collect();
         acts.extend(self.blocks(stored));
+        acts.extend(self.index_blocks(stored));
         acts.extend(self.moved(stored));
         acts.extend(self.indices(stored));
+        acts.extend(self.misread_channels(stored));
         for mask in groups(&stored.wrong) {
             let Some(channels) = Channels::of(&mask) else {
                 continue;
@@ -192,25 +197,57 @@ impl Wrong<'_> {
             };
             let strides = Strides::all(true).into_iter();
             let fitting = strides.filter(|strides| fits(strides, self.extent(c), &got, &value));
-            found.push(fitting.take(2).next().map(|strides| (block, strides)));
+            found.push(Some((block, fitting.take(FITTING).collect::<Vec<_>>())));
         }
-        let first = found.first().copied().flatten().map(|(_, strides)| strides);
-        let all = found.len() > 1
-            && first.is_some()
-            && found
-                .iter()
-                .all(|one| one.map(|(_, strides)| strides) == first);
-        match first.filter(|_| all) {
-            Some(strides) => vec![Act::Block {
+        let is_everywhere = |strides: &&Strides| {
+            let has = |(_, fitting): &(Block, Vec<Strides>)| fitting.contains(strides);
+            found.iter().all(|one| one.as_ref().is_some_and(has))
+        };
+        let first = found.first().and_then(Option::as_ref);
+        let everywhere: Vec<Act> = first
+            .filter(|_| found.len() > 1)
+            .into_iter()
+            .flat_map(|(_, fitting)| fitting.iter().filter(is_everywhere))
+            .map(|&strides| Act::Block {
                 block: Block::All,
                 strides,
-            }],
-            None => found
-                .into_iter()
-                .flatten()
-                .map(|(block, strides)| Act::Block { block, strides })
-                .collect(),
+            })
+            .collect();
+        if !everywhere.is_empty() {
+            return everywhere;
         }
+        let of_block = |(block, fitting): (Block, Vec<Strides>)| {
+            let fitting = fitting.into_iter();
+            fitting.map(move |strides| Act::Block { block, strides })
+        };
+        found.into_iter().flatten().flat_map(of_block).collect()
+    }
+
+    /// Indices that are read with other strides.
+    fn index_blocks(&self, stored: &Stored) -> Vec<Act> {
+        let (witness, count) = (self.witness, self.pair.channels);
+        let Some(indices) = IndexBlock::of(witness) else {
+            return Vec::new();
+        };
+        let texels = || 0..self.pair.width * self.pair.height;
+        let is_it = |entry: &[u8], texel: usize| {
+            let got = &stored.got[texel * count..];
+            entry.iter().zip(got).all(|(a, b)| Some(*a) == *b)
+        };
+        let fits = |strides: &Strides| {
+            let entry = |texel: usize| indices.entry(texel, strides, self.extent(indices.bytes));
+            let read = texels().filter_map(|texel| Some((entry(texel)?, texel)));
+            let compared = read.clone().count();
+            compared >= 4
+                && compared * 2 >= self.pair.width * self.pair.height
+                && read.into_iter().all(|(entry, texel)| is_it(entry, texel))
+        };
+        let strides = Strides::all(true).into_iter().filter(fits);
+        let act = |strides| Act::Block {
+            block: Block::Indices,
+            strides,
+        };
+        strides.take(FITTING).map(act).collect()
     }
 
     /// Texels from other places of the picture, all wrong channels alike, or those of one kind.
@@ -235,7 +272,7 @@ impl Wrong<'_> {
                     fits(strides, self.extent(1), &got, &|place| value(place, k))
                 })
             };
-            let strides = Strides::all(true).into_iter().find(all_fit);
+            let strides = Strides::all(true).into_iter().filter(all_fit).take(FITTING);
             acts.extend(strides.map(|strides| Act::Texels { channels, strides }));
         }
         acts
@@ -269,6 +306,79 @@ impl Wrong<'_> {
             .into_iter()
             .map(Act::Index)
             .collect()
+    }
+
+    /// Mistakes of the catalog that are made in some channels only.
+    fn misread_channels(&self, stored: &Stored) -> Vec<Act> {
+        let right = &self.ptm.planes.samples;
+        let count = self.ptm.planes.shape.channels();
+        if right.len() > SMALL || stored.wrong.len() != count {
+            return Vec::new();
+        }
+        let act = |misreading: &'static Misreading| {
+            let mistake = Mistake::Listed(misreading);
+            let stage = misreading.at.stage();
+            if !matches!(stage, Stage::Decoding | Stage::Planes) || !self.witness.concerns(&mistake)
+            {
+                return None;
+            }
+            let made = self.witness.planes(&[&mistake]).ok()?.planes.samples;
+            if made.len() != right.len() || made == *right {
+                return None;
+            }
+            let agrees = |k: usize, of: &[u8]| {
+                let mut places = (k..of.len()).step_by(count);
+                places.all(|i| stored.got[i] == Some(of[i]))
+            };
+            let fits = |mask: &Vec<bool>| {
+                (0..count).all(|k| agrees(k, if mask[k] { &made } else { right }))
+            };
+            let mask = groups(&stored.wrong).into_iter().find(fits)?;
+            // What is made in every channel needs no more words.
+            let is_all = (0..count).all(|k| mask[k] || agrees(k, &made));
+            let channels = Channels::of(&mask).filter(|_| !is_all)?;
+            Some(Act::Partly {
+                slug: misreading.slug,
+                channels,
+            })
+        };
+        misreadings::all().filter_map(act).collect()
+    }
+
+    /// Mistakes that are made in some colors only.
+    fn misread_colors(&self) -> Vec<Act> {
+        let wrong = self.pair.wrong_channels();
+        if self.pair.want.len() > SMALL || wrong.iter().all(|is| *is) {
+            return Vec::new();
+        }
+        let colors = [wrong[0], wrong[1], wrong[2]];
+        let view = &self.witness.observation.view;
+        let of_color = |misreading: &&'static Misreading| {
+            let concerned = self.witness.concerns(&Mistake::Listed(misreading));
+            misreading.at.stage() == Stage::Color && concerned
+        };
+        let listed = misreadings::all().filter(of_color);
+        let listed = listed.map(|misreading| Act::PartlyShown {
+            slug: misreading.slug,
+            colors,
+        });
+        let numbers = Numbers::of(
+            &self.ptm.planes,
+            &self.ptm.header.scale_bias,
+            view,
+            &self.reading,
+        );
+        let slips = numbers.slips(self.ptm.planes.shape).into_iter();
+        let slips = slips.map(|(formula, says, _)| Act::PartlySlipped {
+            formula,
+            says,
+            colors,
+        });
+        let fits = |act: &Act| {
+            let made = frame(&[act], &self.ptm, view, &self.reading);
+            alike(&made, self.received)
+        };
+        listed.chain(slips).filter(fits).take(8).collect()
     }
 
     /// What may have been done to stored or final values.
@@ -356,6 +466,7 @@ impl Wrong<'_> {
             };
             found.extend(joint.into_iter().map(|group| acts(group).collect()));
         }
+        found.extend(self.misread_colors().into_iter().map(alone));
         if found.is_empty() {
             found.extend(self.exchanged_numbers().into_iter().map(alone));
         }
@@ -409,10 +520,7 @@ impl Wrong<'_> {
         let all = Channels::of(&[true; 18]).into_iter();
         let far: Vec<Strides> = (-18..=18)
             .filter(|&shift| shift != 0)
-            .map(|shift| Strides {
-                shift,
-                ..Strides::RIGHT
-            })
+            .map(|shift| Strides::RIGHT.later(shift))
             .chain(Strides::all(false))
             .collect();
         let texels = all.flat_map(|channels| {
@@ -422,7 +530,8 @@ impl Wrong<'_> {
         let blocks = far.into_iter().flat_map(|strides| {
             let of = Block::of(self.witness.case.format()).iter();
             let single = of.map(|&(block, ..)| block);
-            let blocks = single.chain([Block::All]).collect::<Vec<_>>();
+            let others = [Block::All, Block::Indices];
+            let blocks = single.chain(others).collect::<Vec<_>>();
             blocks
                 .into_iter()
                 .map(move |block| Act::Block { block, strides })
@@ -454,6 +563,13 @@ fn orders() -> Vec<[usize; 6]> {
         for b in a + 1..6 {
             let mut order = right;
             order.swap(a, b);
+            orders.push(order);
+        }
+    }
+    for (a, taken) in (0..36).map(|pair| (pair / 6, pair % 6)) {
+        if a != taken {
+            let mut order = right;
+            order[a] = taken;
             orders.push(order);
         }
     }

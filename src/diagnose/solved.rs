@@ -2,11 +2,13 @@
 
 use super::changes::{Change, Values, short};
 use super::formulas::{Formula, Numbers};
+use super::mistake::Mistake;
 use super::scope::Scope;
 use super::strides::{Extent, Strides};
 use super::terms::Terms;
 use super::witness::Witness;
 use crate::evaluate;
+use crate::misreadings::{self, misread};
 use crate::protocol::frame::{Frame, Samples, View};
 use crate::ptm::{Format, Ptm, Shape, channel_name};
 use crate::reading::Reading;
@@ -42,6 +44,22 @@ pub(super) enum Act {
     Terms(Terms),
     /// One number of a formula is another, in words.
     Slip(Formula, String),
+    /// A mistake of the catalog, by its name, that is made in some channels only.
+    Partly {
+        slug: &'static str,
+        channels: Channels,
+    },
+    /// A mistake of the catalog that is made in some colors only.
+    PartlyShown {
+        slug: &'static str,
+        colors: [bool; 3],
+    },
+    /// One number of a formula is another, in some colors only.
+    PartlySlipped {
+        formula: Formula,
+        says: String,
+        colors: [bool; 3],
+    },
     /// The colors that come out are changed.
     Shown { colors: [bool; 3], change: Change },
 }
@@ -67,6 +85,8 @@ pub(super) enum Block {
     Blue,
     Coefficients,
     Colors,
+    /// Those into a table.
+    Indices,
 }
 
 impl Channels {
@@ -170,6 +190,7 @@ impl Block {
             (Block::Coefficients, Format::Lum) => "coefficients, Cr and Cb",
             (Block::Coefficients, _) => "coefficients",
             (Block::Colors, _) => "colors",
+            (Block::Indices, _) => "indices",
         };
         let mut fields = witness.built.fields.iter();
         fields
@@ -185,6 +206,7 @@ impl Block {
             Block::Blue => "the block of blue",
             Block::Coefficients => "the block of coefficients",
             Block::Colors => "the block of colors",
+            Block::Indices => "the block of indices",
         }
     }
 }
@@ -194,9 +216,26 @@ impl Act {
     pub fn shows_in(&self, view: &View) -> bool {
         match self {
             Act::Final { .. } | Act::Terms(_) | Act::Slip(Formula::Final, _) => *view != View::Raw,
-            Act::Slip(..) | Act::Shown { .. } => matches!(view, View::Rgb(_)),
+            Act::Slip(..)
+            | Act::PartlyShown { .. }
+            | Act::PartlySlipped { .. }
+            | Act::Shown { .. } => matches!(view, View::Rgb(_)),
             _ => true,
         }
+    }
+
+    /// Whether it says of single values what becomes of them: in few files that may be chance.
+    pub const fn is_of_few_values(&self) -> bool {
+        matches!(
+            self,
+            Act::Stored {
+                change: Change::Points(_) | Change::Table(_) | Change::Constant(_),
+                ..
+            } | Act::Final {
+                change: Change::Constant(_),
+                ..
+            }
+        )
     }
 
     /// What it makes of the stored values.
@@ -228,6 +267,7 @@ impl Act {
             Act::Block { block, strides } => read_block(ptm, witness, *block, strides),
             Act::Texels { channels, strides } => move_texels(ptm, channels, strides),
             Act::Index(change) => look_up(ptm, witness, change),
+            Act::Partly { slug, channels } => misread_in(ptm, witness, slug, channels),
             Act::Stored { channels, change } => {
                 for (i, sample) in ptm.planes.samples.iter_mut().enumerate() {
                     if channels.holds(count, i % count) {
@@ -268,6 +308,11 @@ impl Act {
             Act::Coefficients([5, 4, 3, 2, 1, 0]) => {
                 "takes the six coefficients in reverse order, a5 … a0".to_owned()
             }
+            Act::Coefficients(from) if !(0..6).all(|a| from.contains(&a)) => {
+                let taken = (0..6).filter(|&a| from[a] != a);
+                let taken: Vec<String> = taken.map(|a| format!("a{} for a{a}", from[a])).collect();
+                format!("takes {}", taken.join(", "))
+            }
             Act::Coefficients(from) => {
                 let moved: Vec<String> = (0..6)
                     .filter(|&a| from[a] != a)
@@ -276,7 +321,11 @@ impl Act {
                 format!("shows coefficients exchanged ({})", moved.join(", "))
             }
             Act::Block { block, strides } => {
-                let channels = if *block == Block::Colors { 3 } else { 6 };
+                let channels = match block {
+                    Block::Colors => 3,
+                    Block::Indices => 1,
+                    _ => 6,
+                };
                 strides.says(block.name(), channels)
             }
             Act::Texels { channels, strides } => {
@@ -309,15 +358,22 @@ impl Act {
             }
             Act::Terms(terms) => terms.says(),
             Act::Slip(_, says) => format!("computes values as if {says}"),
-            Act::Shown { colors, change } => {
-                let names = ["red", "green", "blue"];
-                let some: Vec<&str> = (0..3).filter(|&k| colors[k]).map(|k| names[k]).collect();
-                let only = match some.len() {
-                    3 => String::new(),
-                    _ => format!(", only in {}", some.join(" and ")),
-                };
-                format!("shows colors wrong: {}{only}", change.says(Values::Colors))
+            Act::Partly { slug, channels } => {
+                let effect = misreadings::named(slug).map_or(*slug, |known| known.effect);
+                format!("{effect}{}", channels.says())
             }
+            Act::PartlyShown { slug, colors } => {
+                let effect = misreadings::named(slug).map_or(*slug, |known| known.effect);
+                format!("{effect}{}", only_in(*colors))
+            }
+            Act::PartlySlipped { says, colors, .. } => {
+                format!("computes values as if {says}{}", only_in(*colors))
+            }
+            Act::Shown { colors, change } => format!(
+                "shows colors wrong: {}{}",
+                change.says(Values::Colors),
+                only_in(*colors)
+            ),
         }
     }
 
@@ -333,20 +389,85 @@ impl Act {
             Act::Index(_) => "index 0 names the first entry of the table; take indices as they are stored",
             Act::Stored { .. } => "stored values are bytes from 0 to 255; take them as they are",
             Act::Final { .. } | Act::Terms(_) => Formula::Final.fix(),
-            Act::Slip(formula, _) => formula.fix(),
+            Act::Slip(formula, _) | Act::PartlySlipped { formula, .. } => formula.fix(),
+            Act::Partly { slug, .. } | Act::PartlyShown { slug, .. } => {
+                misreadings::named(slug).map_or("", |known| known.fix)
+            }
             Act::Shown { .. } => "round and clamp the computed color to 0…255 and show it as it is, without a color space or a curve",
         }
         .to_owned()
     }
 
-    /// The clause that it violates; nothing where that depends on the files.
-    pub fn clause(&self) -> Option<&'static str> {
+    /// The clause that it violates in files of `format`; nothing where that depends on the files.
+    pub fn clause(&self, format: Format) -> Option<&'static str> {
         match self {
-            Act::Slip(formula, _) => Some(formula.clause()),
+            Act::Slip(formula, _) | Act::PartlySlipped { formula, .. } => Some(formula.clause()),
+            Act::Partly { slug, .. } | Act::PartlyShown { slug, .. } => {
+                misreadings::named(slug).map(|known| known.clause)
+            }
             Act::Final { .. } | Act::Terms(_) => Some("2.4/8"),
             Act::Shown { .. } => Some("1.0/1"),
+            Act::Channels(_) | Act::Coefficients(_) => texel_clause(format),
+            Act::Block {
+                block: Block::Indices,
+                ..
+            } => block_clause(format, Block::Indices),
+            Act::Block { strides, .. } if strides.leaves_gaps() => Some("2.7/2"),
+            Act::Block { strides, .. } | Act::Texels { strides, .. } if strides.is_of_rows() => {
+                row_clause(format)
+            }
+            Act::Block { block, .. } => block_clause(format, *block),
+            Act::Index(_) => Some("2.8/1"),
             _ => None,
         }
+    }
+}
+
+/// ", only in red"; nothing for all three.
+fn only_in(colors: [bool; 3]) -> String {
+    let names = ["red", "green", "blue"];
+    let some: Vec<&str> = (0..3).filter(|&k| colors[k]).map(|k| names[k]).collect();
+    match some.len() {
+        3 => String::new(),
+        _ => format!(", only in {}", some.join(" and ")),
+    }
+}
+
+/// The clause of the order of values of one texel.
+const fn texel_clause(format: Format) -> Option<&'static str> {
+    match format {
+        Format::Rgb => Some("2.7.1/1"),
+        Format::Lum => Some("2.7.2/1"),
+        Format::Lrgb => Some("2.7.3/1"),
+        Format::PtmLut => Some("2.5/4"),
+        Format::PtmCLut => Some("2.5/5"),
+        _ => None,
+    }
+}
+
+/// The clause of the order of rows.
+const fn row_clause(format: Format) -> Option<&'static str> {
+    match format {
+        Format::Rgb => Some("2.7.1/3"),
+        Format::Lum => Some("2.7.2/3"),
+        Format::Lrgb => Some("2.7.3/3"),
+        Format::PtmLut => Some("2.8.1/5"),
+        Format::PtmCLut => Some("2.8.2/4"),
+        _ => None,
+    }
+}
+
+/// The clause of where a block stands and what is in it.
+pub(super) const fn block_clause(format: Format, block: Block) -> Option<&'static str> {
+    match (format, block) {
+        (Format::PtmLut, Block::Indices) => Some("2.8.1/1"),
+        (Format::PtmCLut, Block::Indices) => Some("2.8.2/1"),
+        (Format::Rgb, _) => Some("2.7.1/2"),
+        (Format::Lum, _) => Some("2.7.2/1"),
+        (Format::Lrgb, Block::Colors) => Some("2.7.3/2"),
+        (Format::Lrgb, _) => Some("2.7.3/1"),
+        (Format::PtmLut, _) => Some("2.8.1/4"),
+        _ => None,
     }
 }
 
@@ -402,20 +523,73 @@ pub(super) fn values(acts: &[&Act], ptm: &Ptm, view: &View, reading: &Reading) -
             .with(&slips, ptm.planes.shape)
             .values(&ptm.planes, reading)
     };
+    if !matches!(view, View::Rgb(_)) {
+        return values;
+    }
     for act in acts {
-        if let (Act::Shown { colors, change }, View::Rgb(_)) = (act, view) {
-            for texel in values.chunks_exact_mut(3) {
-                for (value, _) in texel.iter_mut().zip(colors).filter(|(_, is)| **is) {
-                    *value = change.apply(*value, Values::Colors);
+        match act {
+            Act::Shown { colors, change } => {
+                for texel in values.chunks_exact_mut(3) {
+                    for (value, _) in texel.iter_mut().zip(colors).filter(|(_, is)| **is) {
+                        *value = change.apply(*value, Values::Colors);
+                    }
                 }
             }
+            Act::PartlyShown { slug, colors } => {
+                if let Some(misreading) = misreadings::named(slug) {
+                    let misread = misread(&[misreading], *reading);
+                    let others = self::values(&[], ptm, view, &misread);
+                    exchange(&mut values, &others, *colors);
+                }
+            }
+            Act::PartlySlipped {
+                formula,
+                says,
+                colors,
+            } => {
+                let slip = Act::Slip(*formula, says.clone());
+                let others = self::values(&[&slip], ptm, view, reading);
+                exchange(&mut values, &others, *colors);
+            }
+            _ => {}
         }
     }
     values
 }
 
+/// Takes some colors from another picture.
+fn exchange(values: &mut [f64], others: &[f64], colors: [bool; 3]) {
+    for (i, (value, other)) in values.iter_mut().zip(others).enumerate() {
+        if colors[i % 3] {
+            *value = *other;
+        }
+    }
+}
+
+/// Takes some channels from what a decoder with this mistake alone finds.
+fn misread_in(ptm: &mut Ptm, witness: &Witness, slug: &str, channels: &Channels) {
+    let Some(misreading) = misreadings::named(slug) else {
+        return;
+    };
+    let count = ptm.planes.shape.channels();
+    match witness.planes(&[&Mistake::Listed(misreading)]) {
+        Ok(other) if other.planes.samples.len() == ptm.planes.samples.len() => {
+            let pairs = ptm.planes.samples.iter_mut().zip(other.planes.samples);
+            for (i, (sample, other)) in pairs.enumerate() {
+                if channels.holds(count, i % count) {
+                    *sample = other;
+                }
+            }
+        }
+        _ => {}
+    }
+}
+
 /// A block read with other strides, from the bytes of the file; what lies outside of it is 0.
 fn read_block(ptm: &mut Ptm, witness: &Witness, block: Block, strides: &Strides) {
+    if block == Block::Indices {
+        return read_indices(ptm, witness, strides);
+    }
     let blocks = Block::of(witness.case.format());
     for &(known, first, c) in blocks
         .iter()
@@ -424,6 +598,67 @@ fn read_block(ptm: &mut Ptm, witness: &Witness, block: Block, strides: &Strides)
         if let Some(start) = known.start(witness) {
             read_bytes(ptm, witness, (start, first, c), strides);
         }
+    }
+}
+
+/// The entries of a table that indices read with other strides name; 0 for those that are not there.
+fn read_indices(ptm: &mut Ptm, witness: &Witness, strides: &Strides) {
+    let Some(indices) = IndexBlock::of(witness) else {
+        return;
+    };
+    let count = ptm.planes.shape.channels();
+    let extent = Extent {
+        w: ptm.planes.size.width as usize,
+        h: ptm.planes.size.height as usize,
+        c: indices.bytes,
+    };
+    for (texel, samples) in ptm.planes.samples.chunks_exact_mut(count).enumerate() {
+        let samples = &mut samples[..indices.size];
+        match indices.entry(texel, strides, extent) {
+            Some(entry) => samples.copy_from_slice(entry),
+            None => samples.fill(0),
+        }
+    }
+}
+
+/// The indices of a file with a table, as bytes.
+pub(super) struct IndexBlock<'a> {
+    file: &'a [u8],
+    start: usize,
+    table: &'a [u8],
+    /// Bytes of an index.
+    pub bytes: usize,
+    /// Values of an entry.
+    pub size: usize,
+}
+
+impl<'a> IndexBlock<'a> {
+    pub fn of(witness: &'a Witness) -> Option<IndexBlock<'a>> {
+        let model = witness.model().filter(|model| model.format.has_table())?;
+        let size = model.entry_size();
+        Some(IndexBlock {
+            file: &witness.built.file,
+            start: Block::Indices.start(witness)?,
+            table: &model.table,
+            bytes: if model.table.len() / size <= 256 {
+                1
+            } else {
+                2
+            },
+            size,
+        })
+    }
+
+    /// What the index of a texel of the picture names; behind the end of the file stand zeros.
+    pub fn entry(&self, texel: usize, strides: &Strides, extent: Extent) -> Option<&'a [u8]> {
+        let (column, row) = (texel % extent.w, extent.h - 1 - texel / extent.w);
+        let byte = |k: usize| {
+            let place = self.start as isize + strides.place(column, row, k, extent);
+            let byte = usize::try_from(place).ok().and_then(|at| self.file.get(at));
+            usize::from(byte.copied().unwrap_or_default())
+        };
+        let index: usize = (0..extent.c).map(|k| byte(k) << (8 * k)).sum();
+        self.table.chunks_exact(self.size).nth(index)
     }
 }
 

@@ -124,7 +124,8 @@ fn shared_by(witnesses: &[Witness], these: &[usize], all: &[usize]) -> String {
     }
 }
 
-/// Where the first plane goes wrong that is not predicted, if one does.
+/// Where the first plane goes wrong that is not predicted, if one does; records that land elsewhere spoil no more than two
+/// texels each.
 fn first_wrong(search: &Search, set: &[Id], w: usize) -> Option<First> {
     let witness = &search.witnesses[w];
     if matches!(witness.observation.view, View::Rgb(_)) {
@@ -144,7 +145,18 @@ fn first_wrong(search: &Search, set: &[Id], w: usize) -> Option<First> {
         .wrong()
         .into_iter()
         .filter(|i| plan.reference(i % pair.channels).is_none());
-    let first = intra.min_by_key(|&i| stored(i))?;
+    let intra: Vec<usize> = intra.collect();
+    let mut wrong = vec![0; pair.channels];
+    for i in &intra {
+        wrong[i % pair.channels] += 1;
+    }
+    let coded = witness.model().and_then(|model| model.compressed.as_ref());
+    let records = |plane: usize| Some(coded?.planes.get(plane)?.records.len());
+    let is_of_stream = |plane: usize| wrong[plane] > 2 * records(plane).unwrap_or_default();
+    let by_stream = intra
+        .into_iter()
+        .filter(|i| is_of_stream(i % pair.channels));
+    let first = by_stream.min_by_key(|&i| stored(i))?;
     let (plane, row, column) = stored(first);
     Some(First {
         plane,

@@ -15,8 +15,8 @@ pub(super) enum Step {
     LongRow,
     /// (w − 1) · c
     ShortRow,
-    /// w · c rounded up to a multiple of 4
-    PaddedRow,
+    /// w · c rounded up to a multiple of this
+    PaddedRow(usize),
     /// h · c
     Column,
     /// w
@@ -37,7 +37,8 @@ pub(super) struct Strides {
     pub x: (Step, bool),
     pub y: (Step, bool),
     pub k: (Step, bool),
-    pub shift: isize,
+    /// So many of these steps too late in the file.
+    pub shift: (isize, Step),
 }
 
 /// Columns, rows and channels of a block.
@@ -56,7 +57,7 @@ impl Step {
             Step::Row => w * c,
             Step::LongRow => (w + 1) * c,
             Step::ShortRow => (w - 1) * c,
-            Step::PaddedRow => (w * c).next_multiple_of(4),
+            Step::PaddedRow(size) => (w * c).next_multiple_of(size),
             Step::Column => h * c,
             Step::RowOfOne => w,
             Step::ColumnOfOne => h,
@@ -79,8 +80,20 @@ const LAYOUTS: &[([Step; 3], &str)] = &[
         "takes rows to be one texel shorter than they are (a stride of width − 1)",
     ),
     (
-        [Step::Texel, Step::PaddedRow, Step::One],
+        [Step::Texel, Step::PaddedRow(4), Step::One],
         "takes rows to be padded to a multiple of four bytes",
+    ),
+    (
+        [Step::Texel, Step::PaddedRow(2), Step::One],
+        "takes rows to be padded to a multiple of two bytes",
+    ),
+    (
+        [Step::Texel, Step::PaddedRow(8), Step::One],
+        "takes rows to be padded to a multiple of eight bytes",
+    ),
+    (
+        [Step::Texel, Step::PaddedRow(16), Step::One],
+        "takes rows to be padded to a multiple of sixteen bytes",
     ),
     (
         [Step::Texel, Step::Column, Step::One],
@@ -119,12 +132,22 @@ const LAYOUTS: &[([Step; 3], &str)] = &[
 /// How far values may be read from the wrong place and still be recognized.
 const FAR: isize = 64;
 
+/// Distances that follow from the size of the picture: a row, as many values as there are columns, or as texels.
+const SHIFTS: [(isize, Step); 6] = [
+    (1, Step::Row),
+    (-1, Step::Row),
+    (1, Step::RowOfOne),
+    (-1, Step::RowOfOne),
+    (1, Step::Plane),
+    (-1, Step::Plane),
+];
+
 impl Strides {
     pub const RIGHT: Strides = Strides {
         x: (Step::Texel, false),
         y: (Step::Row, false),
         k: (Step::One, false),
-        shift: 0,
+        shift: (0, Step::One),
     };
 
     /// The place of a value in its block.
@@ -132,7 +155,7 @@ impl Strides {
         let term = |i: usize, n: usize, (step, back): (Step, bool)| {
             (if back { n - 1 - i } else { i } * step.of(extent)) as isize
         };
-        self.shift
+        self.shift.0 * self.shift.1.of(extent) as isize
             + term(x, extent.w, self.x)
             + term(y, extent.h, self.y)
             + term(k, extent.c, self.k)
@@ -147,25 +170,36 @@ impl Strides {
                     x: (x, back & 1 != 0),
                     y: (y, back & 2 != 0),
                     k: (k, back & 4 != 0),
-                    shift: 0,
+                    shift: (0, Step::One),
                 };
+                if far && one == Strides::RIGHT {
+                    all.extend(SHIFTS.map(|shift| one.moved(shift)));
+                }
                 let far = match (far, one == Strides::RIGHT) {
                     (true, true) => FAR,
                     (true, false) => 18,
                     (false, _) => 0,
                 };
                 for shift in 0..=far {
-                    all.push(Strides { shift, ..one });
-                    all.push(Strides {
-                        shift: -shift,
-                        ..one
-                    });
+                    for shift in [shift, -shift] {
+                        all.push(one.later(shift));
+                    }
                 }
             }
         }
         all.retain(|one| *one != Strides::RIGHT);
         all.dedup();
         all
+    }
+
+    /// The same, so many values later.
+    pub fn later(self, count: isize) -> Strides {
+        self.moved((count, Step::One))
+    }
+
+    /// The same with this shift.
+    pub fn moved(self, shift: (isize, Step)) -> Strides {
+        Strides { shift, ..self }
     }
 
     /// What is wrong with the steps, as sentences without their subject.
@@ -192,11 +226,16 @@ impl Strides {
     /// As a sentence without its subject, of whole texels.
     pub fn says_of_texels(&self) -> String {
         let mut says = self.says_of_steps();
-        let texels = self.shift.unsigned_abs();
-        let sign = if self.shift < 0 { '−' } else { '+' };
-        if texels > 0 {
+        let sign = if self.shift.0 < 0 { '−' } else { '+' };
+        let distance = match self.shift {
+            (0, _) => String::new(),
+            (count, Step::One) => count.unsigned_abs().to_string(),
+            (_, Step::Plane) => "width · height".to_owned(),
+            _ => "width".to_owned(),
+        };
+        if !distance.is_empty() {
             says.push(format!(
-                "shows as texel i what is stored for texel i {sign} {texels}"
+                "shows as texel i what is stored for texel i {sign} {distance}"
             ));
         }
         says.join(", and ")
@@ -205,21 +244,43 @@ impl Strides {
     /// As a sentence without its subject. `values` is what the block holds; a texel of it has `channels`.
     pub fn says(&self, values: &str, channels: usize) -> String {
         let mut says = self.says_of_steps();
-        let count = self.shift.unsigned_abs();
-        let bytes = if count == 1 { "byte" } else { "bytes" };
-        let texels = match count.is_multiple_of(channels) {
-            true => format!(" ({} texels)", count / channels),
-            false => String::new(),
-        };
+        let count = self.shift.0.unsigned_abs();
+        let way = if self.shift.0 < 0 { "early" } else { "late" };
         match self.shift {
-            0 => {}
-            1.. => says.push(format!(
-                "reads every value {count} {bytes} too late{texels}"
+            (0, _) => {}
+            (_, Step::Row) => says.push(format!("reads every value one row too {way}")),
+            (_, Step::RowOfOne) => says.push(format!(
+                "reads every value too {way}, by as many bytes as the picture has columns"
             )),
-            _ => says.push(format!(
-                "reads every value {count} {bytes} too early{texels}"
+            (_, Step::Plane) => says.push(format!(
+                "reads every value too {way}, by as many bytes as the picture has texels"
             )),
+            _ => {
+                let bytes = if count == 1 { "byte" } else { "bytes" };
+                let texels = match count.is_multiple_of(channels) {
+                    true => format!(" ({} texels)", count / channels),
+                    false => String::new(),
+                };
+                says.push(format!(
+                    "reads every value {count} {bytes} too {way}{texels}"
+                ));
+            }
         }
         format!("{}, in {values}", says.join(", and "))
+    }
+
+    /// Whether bytes are skipped between values that stand side by side.
+    pub fn leaves_gaps(&self) -> bool {
+        matches!(self.y.0, Step::PaddedRow(_) | Step::LongRow) || self.x.0 == Step::LongTexel
+    }
+
+    /// Whether it is the order of rows or columns that is wrong, and nothing else.
+    pub fn is_of_rows(&self) -> bool {
+        let order = Strides {
+            x: self.x,
+            y: self.y,
+            ..Strides::RIGHT
+        };
+        *self == order
     }
 }

@@ -371,7 +371,9 @@ pub fn diagnosis(bytes: &[u8]) {
     };
     let run = check(&SUITE, &RunPlan::of(&SUITE, 1), &ask, &|_, _, _, _| ());
     let mut explained = HashSet::new();
-    for diagnosis in diagnose(&SUITE, &run, &[], 1) {
+    let causes = diagnose(&SUITE, &run, &[], 1);
+    assert!(causes.faults.is_empty(), "{:?}", causes.faults);
+    for diagnosis in causes.diagnoses {
         for place in diagnosis.explains.into_iter().chain(diagnosis.partly) {
             assert!(explained.insert(place), "{} twice", SUITE.cases[place].id);
         }

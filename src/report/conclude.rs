@@ -6,7 +6,7 @@ use std::any::Any;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::Ordering;
 
-use crate::diagnose::Diagnosis;
+use crate::diagnose::Causes;
 use crate::report::document::{LikelyCause, Report};
 use crate::report::make::likely_causes;
 use crate::report::reported::Reported;
@@ -76,10 +76,13 @@ pub fn verdicts<C: Reported>(
 pub fn first_causes<C: TestCase, A: 'static>(
     suite: &Suite<C>,
     run: &Run<C>,
-    search: impl FnOnce(&Run<C>) -> Vec<Diagnosis<A>>,
+    search: impl FnOnce(&Run<C>) -> Causes<A>,
 ) -> Vec<LikelyCause> {
     let found = catch_unwind(AssertUnwindSafe(|| search(run)));
-    likely_causes(suite, &found.unwrap_or_default())
+    found.map_or_else(
+        |_| Vec::new(),
+        |causes| likely_causes(suite, &causes.diagnoses),
+    )
 }
 
 /// The same report with the causes that `search` finds. A search that panics, or that the user ends, leaves the verdicts
@@ -89,17 +92,19 @@ pub fn causes<C: TestCase, A: 'static>(
     suite: &Suite<C>,
     run: &Run<C>,
     report: Report,
-    search: impl FnOnce(&Run<C>) -> Vec<Diagnosis<A>>,
+    search: impl FnOnce(&Run<C>) -> Causes<A>,
 ) -> Report {
     let found = catch_unwind(AssertUnwindSafe(|| search(run)));
-    let (diagnoses, fault) = match found {
-        Ok(diagnoses) => (diagnoses, None),
-        Err(panic) => (Vec::new(), Some(in_words(&*panic))),
-    };
-    let mut report = report.explained_by(suite, &diagnoses);
-    if let Some(fault) = fault {
+    let causes = found.unwrap_or_else(|panic| Causes {
+        diagnoses: Vec::new(),
+        faults: vec![in_words(&*panic)],
+        answered: 0,
+    });
+    let mut report = report.explained_by(suite, &causes.diagnoses);
+    if !causes.faults.is_empty() {
         report.remarks.push(Remark::note(format!(
-            "the search for causes failed, a fault of ours and not of the decoder: {fault}; the verdicts stand"
+            "the search for causes failed, a fault of ours and not of the decoder: {}; the verdicts stand",
+            causes.faults.join("; ")
         )));
     }
     if run.stop.load(Ordering::Relaxed) {

@@ -2,10 +2,11 @@
 
 use maud::{Markup, html};
 
-use crate::diagnose::Diagnosis;
+use crate::diagnose::Causes;
 use crate::kit::digest::sha256;
 use crate::misreadings::Misreading;
 use crate::report::document::{FollowedReading, SuiteName};
+use crate::report::html::download;
 use crate::report::reported::Reported;
 use crate::session::asking::Undo;
 use crate::session::contact::Contact;
@@ -65,6 +66,7 @@ impl Reported for WriterCase {
             @if let Some(file) = file {
                 p.label { "The file, " (file.len()) " bytes" @if file.len() > SHOWN { ", its beginning" } }
                 pre.bytes tabindex="0" { (file[..file.len().min(SHOWN)].escape_ascii().to_string().replace("\\n", "\\n\n")) }
+                (download(&format!("{}.ptm", self.id), file))
             }
             @if !observation.stderr.is_empty() {
                 p.label { "Its standard error" }
@@ -97,7 +99,7 @@ impl Reported for WriterCase {
         run: &Run<WriterCase>,
         _: &[String],
         threads: usize,
-    ) -> Vec<Diagnosis<&'static Misreading>> {
-        diagnose(suite, run, threads)
+    ) -> Causes<&'static Misreading> {
+        diagnose(suite, run, threads).into()
     }
 }

@@ -2,7 +2,7 @@
 
 use maud::{Markup, html};
 
-use crate::diagnose::Diagnosis;
+use crate::diagnose::Causes;
 use crate::kit::digest::sha256;
 use crate::misreadings::Misreading;
 use crate::ptm::Format;
@@ -124,7 +124,7 @@ impl Reported for FitCase {
         run: &Run<FitCase>,
         _: &[String],
         _: usize,
-    ) -> Vec<Diagnosis<&'static Misreading>> {
-        diagnose(suite, run)
+    ) -> Causes<&'static Misreading> {
+        diagnose(suite, run).into()
     }
 }

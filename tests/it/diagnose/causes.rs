@@ -11,7 +11,7 @@ use ptm_conform::session::outcome::Outcome;
 use ptm_conform::session::plan::RunPlan;
 use ptm_conform::session::run::{Run, check};
 use ptm_conform::strength::matrix::ask_all;
-use ptm_conform::suite::cases::Suite;
+use ptm_conform::suite::cases::{Case, Suite};
 
 fn suite() -> Suite {
     Suite::load().expect("the suite loads").prepared()
@@ -19,6 +19,13 @@ fn suite() -> Suite {
 
 fn jobs() -> usize {
     std::thread::available_parallelism().map_or(1, usize::from)
+}
+
+/// The causes that are found, without a fault of the search.
+fn causes(suite: &Suite, run: &Run) -> Vec<Diagnosis> {
+    let causes = diagnose(suite, run, &[], jobs());
+    assert!(causes.faults.is_empty(), "{:?}", causes.faults);
+    causes.diagnoses
 }
 
 fn failures(run: &Run) -> Vec<usize> {
@@ -70,7 +77,7 @@ fn run_of(suite: &Suite, wrong: impl Fn(&Request, Answer) -> Answer + Sync) -> R
 /// The diagnosis of such a decoder, in words.
 fn told(suite: &Suite, wrong: impl Fn(&Request, Answer) -> Answer + Sync) -> Vec<String> {
     let run = run_of(suite, wrong);
-    let diagnoses = diagnose(suite, &run, &[], jobs());
+    let diagnoses = causes(suite, &run);
     let mut stand: Vec<usize> = diagnoses
         .iter()
         .flat_map(|diagnosis| diagnosis.explains.iter().chain(&diagnosis.partly))
@@ -98,6 +105,57 @@ fn told(suite: &Suite, wrong: impl Fn(&Request, Answer) -> Answer + Sync) -> Vec
         println!("  {line}");
     }
     told
+}
+
+/// Answers that a search may make for each case, however much fails.
+const WORK: usize = 100;
+
+#[test]
+fn a_search_among_failures_that_share_nothing_ends() {
+    let mut suite = suite();
+    let is_quick = |case: &Case| !case.format().is_compressed();
+    suite.cases.retain(is_quick);
+    let run = run_of(&suite, |_, _| {
+        Answer::Decoded(Frame {
+            view: "raw",
+            width: 1,
+            height: 1,
+            channels: 9,
+            samples: Samples::U8(b"123456789".to_vec()),
+        })
+    });
+    let failing = failures(&run).len();
+    let causes = diagnose(&suite, &run, &[], jobs());
+    println!("{failing} failures, {} answers", causes.answered);
+    assert!(failing > 500);
+    assert!(
+        causes.answered < WORK * suite.cases.len(),
+        "{}",
+        causes.answered
+    );
+}
+
+#[test]
+fn a_mistake_in_one_color_is_named_with_it() {
+    let wraps = misreadings::named("color-wraps").expect("the catalog has it");
+    let told = told(&suite(), |request, answer| {
+        let wrong = misreadings::answer(&[wraps], Reading::SPEC, request.file, request.view);
+        match (answer, wrong) {
+            (Answer::Decoded(mut frame), Answer::Decoded(wrong)) if frame.view == "rgb" => {
+                if let (Samples::U8(right), Samples::U8(wrong)) =
+                    (&mut frame.samples, wrong.samples)
+                {
+                    let blue = right.iter_mut().zip(wrong).skip(2).step_by(3);
+                    blue.for_each(|(right, wrong)| *right = wrong);
+                }
+                Answer::Decoded(frame)
+            }
+            (Answer::Decoded(_), _) => Answer::Unsupported,
+            (other, _) => other,
+        }
+    });
+    let says = "lets colors beyond 0…255 wrap around, only in blue";
+    assert!(told[0].contains(says), "{told:#?}");
 }
 
 #[test]
@@ -252,7 +310,7 @@ fn missed(
     if failing.is_empty() {
         return Err("fails no case");
     }
-    let diagnoses = diagnose(suite, run, &[], jobs());
+    let diagnoses = causes(suite, run);
     let named = named_of(mistakes, &diagnoses) == mistakes.len();
     Ok((!named).then(|| described(mistakes, failing.len(), &diagnoses)))
 }
@@ -415,7 +473,7 @@ fn names_sets(count: usize, size: usize, least: usize, most_false: usize) {
         let (run, _) = ask_all(&suite, &set, &[], jobs(), &right);
         let failing = failures(&run).len();
         assert!(failing > 0, "{set:?} fail no case");
-        let diagnoses = diagnose(&suite, &run, &[], jobs());
+        let diagnoses = causes(&suite, &run);
         let is_whole = named_of(&set, &diagnoses) == size;
         let wrong = false_of(&set, &diagnoses);
         whole += usize::from(is_whole);

@@ -100,7 +100,9 @@ fn causes(reader: &str) -> Option<Vec<(usize, String)>> {
         .filter(|judged| judged.outcome == Outcome::Fail)
         .count();
     assert!(failures > 100, "{reader} fails {failures} cases");
-    let causes = diagnose(&suite, &run, &[], 2).into_iter().map(|diagnosis| {
+    let found = diagnose(&suite, &run, &[], 2);
+    assert!(found.faults.is_empty(), "{:?}", found.faults);
+    let causes = found.diagnoses.into_iter().map(|diagnosis| {
         let words = match diagnosis.cause {
             Cause::Misreading { misreading, .. } => misreading.slug.to_owned(),
             Cause::Described { effect, .. } => effect,
