@@ -35,7 +35,7 @@ use ptm_conform::session::plan::{Repeat, RunPlan};
 use ptm_conform::session::probe::{ProbeStep, wrapper_faults};
 use ptm_conform::session::remark::Remark;
 use ptm_conform::session::run::{Run, Session};
-use ptm_conform::session::{locale, texture_stage};
+use ptm_conform::session::{lit_scene, locale, texture_stage};
 use ptm_conform::strength::smoke;
 use ptm_conform::suite::cases::Suite;
 use ptm_conform::suite::test_case::TestCase;
@@ -90,7 +90,7 @@ fn check_decoder(args: &CheckArgs, stop: &Arc<AtomicBool>) -> Result<u8, String>
 
     let check = Check::new(args, &suite, &plan, circumstances)?;
     let faults = OnceCell::new();
-    let run = check.ask(&ask, &|contact| {
+    let mut run = check.ask(&ask, &|contact| {
         let Some(decoder) = subject.program() else {
             return;
         };
@@ -104,6 +104,9 @@ fn check_decoder(args: &CheckArgs, stop: &Arc<AtomicBool>) -> Result<u8, String>
         let _ = faults.set(found);
     });
     subject.program().map_or(Ok(()), untroubled)?;
+    if args.renderings.has_page() && run.ended_early.is_none() {
+        run.scene = lit_scene::ask(&run.offer, &run.judgement.decoded, &ask);
+    }
     let given_up = servers.as_ref().is_some_and(Servers::have_given_up);
     drop(servers);
     let comma = comma(&suite, &run, &subject, scratch);

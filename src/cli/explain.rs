@@ -7,12 +7,15 @@ use std::fmt::Write as _;
 use clap::Args;
 
 use super::CommandResult;
+use super::links::page_line;
 use super::names::nearest;
 use super::terminal::show;
 #[cfg(unix)]
 use super::{output::jobs, texture};
 use ptm_conform::kit::digest::sha256;
 use ptm_conform::misreadings::{self, Misreading, writing};
+use ptm_conform::report::address;
+use ptm_conform::report::document::SuiteName;
 #[cfg(unix)]
 use ptm_conform::session::outcome::Outcome;
 #[cfg(unix)]
@@ -116,6 +119,7 @@ fn explain(id: &str) -> Result<Option<String>, String> {
     let mut text = String::new();
     if let Some(case) = suite.case(id) {
         explain_case(case, &mut text).map_err(|error| error.to_string())?;
+        text += &page_line(SuiteName::Ptm.case_page(id));
     }
     #[cfg(unix)]
     text.push_str(&explain_request(id)?);
@@ -125,9 +129,13 @@ fn explain(id: &str) -> Result<Option<String>, String> {
     };
     for clause in clauses.iter().filter(below) {
         text += &explain_clause(clause, &suite);
+        if clause.id == id {
+            text += &page_line(SuiteName::Ptm.clause_page(id));
+        }
     }
     for ruling in clauses::rulings()?.iter().filter(|ruling| ruling.id == id) {
         text += &explain_ruling(ruling);
+        text += &page_line(Some(SuiteName::Ptm.ruling_page(id)));
     }
     if let Some(misreading) = misreadings::named(id) {
         let clause = clauses.iter().find(|clause| clause.id == misreading.clause);
@@ -141,9 +149,11 @@ fn explain(id: &str) -> Result<Option<String>, String> {
         }
         #[cfg(unix)]
         text.push_str(&shown_by(misreading, &suite)?);
+        text += &page_line(Some(SuiteName::Ptm.misreading_page(id)));
     }
     if let Some(known) = Code::named(&id.to_uppercase()) {
         text += &explain_code(known, &suite);
+        text += &page_line(Some(address::code(known.id)));
     }
     #[cfg(unix)]
     text.push_str(&texture::explain(id)?);

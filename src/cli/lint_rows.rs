@@ -11,6 +11,7 @@ use ptm_conform::tools::lint::status::Status;
 use ptm_conform::tools::lint::totals::Totals;
 use ptm_conform::tools::lint::{Lint, csv, sarif};
 
+use super::links::linked;
 use super::output;
 
 /// A form of the results.
@@ -126,7 +127,7 @@ fn text(lint: &Lint) -> io::Result<()> {
     };
     let text = lint.to_text(least) + &summary + &lint.shown();
     let mut out = anstream::stdout().lock();
-    out.write_all(text.as_bytes())?;
+    out.write_all(linked(&text).as_bytes())?;
     out.flush()
 }
 

@@ -10,6 +10,8 @@ pub mod output;
 
 mod terminal;
 
+mod links;
+
 mod names;
 
 #[cfg_attr(not(unix), allow(dead_code))]

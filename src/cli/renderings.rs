@@ -42,6 +42,11 @@ impl RenderingArgs {
             .map(PathBuf::as_path)
     }
 
+    /// Whether there is to be a page with pictures.
+    pub fn has_page(&self) -> bool {
+        self.html.is_some()
+    }
+
     /// What may be printed of a decoder's own words: on GitHub, nothing that its runner takes for a command.
     pub fn printable(&self, text: String) -> String {
         if self.github {

@@ -9,6 +9,7 @@ use std::io::IsTerminal;
 use anstyle::{AnsiColor, Style};
 use textwrap::{Options, WordSeparator, WordSplitter};
 
+use super::links::linked;
 use super::output::print;
 
 /// The narrowest page that text is wrapped for.
@@ -45,7 +46,7 @@ const BEGINNINGS: [(&str, Style); 17] = [
 /// Prints text for people.
 pub fn show(text: &str) {
     let width = std::io::stdout().is_terminal().then(width).flatten();
-    print(&page(text, width));
+    print(&linked(&page(text, width)));
 }
 
 /// The columns of the terminal.

@@ -5,8 +5,11 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, Subcommand};
 
+use super::links::page_line;
+
 use ptm_conform::kit::yaml::from_yaml;
 use ptm_conform::misreadings::texture as misreadings;
+use ptm_conform::report::document::SuiteName;
 use ptm_conform::suite::cases::Suite;
 use ptm_conform::suite::clauses::{Clause, Ruling};
 use ptm_conform::suite::texture::cases::{self, TextureCase};
@@ -194,15 +197,23 @@ pub fn answer(file: &Path) -> u8 {
 /// What is known of texture mapping under that id.
 pub fn explain(id: &str) -> Result<String, String> {
     let suite = Suite::of_textures()?;
-    let mut text = suite.case(id).map(explain_case).unwrap_or_default();
+    let mut text = String::new();
+    if let Some(case) = suite.case(id) {
+        text += &explain_case(case);
+        text += &page_line(SuiteName::Texture.case_page(id));
+    }
     for clause in cases::clauses()? {
         let rest = clause.id.strip_prefix(id);
         if rest.is_some_and(|rest| rest.is_empty() || rest.starts_with('-')) {
             text += &explain_clause(&clause, &suite);
         }
+        if clause.id == id {
+            text += &page_line(SuiteName::Texture.clause_page(id));
+        }
     }
     for ruling in cases::rulings()?.iter().filter(|ruling| ruling.id == id) {
         text += &explain_ruling(ruling);
+        text += &page_line(Some(SuiteName::Texture.ruling_page(id)));
     }
     if let Some(misreading) = misreadings::named(id) {
         let _ = writeln!(
@@ -210,6 +221,7 @@ pub fn explain(id: &str) -> Result<String, String> {
             "misreading {} of requirement {}: the decoder {}.\n  Fix: {}.",
             misreading.slug, misreading.clause, misreading.effect, misreading.fix
         );
+        text += &page_line(Some(SuiteName::Texture.misreading_page(id)));
     }
     Ok(text)
 }

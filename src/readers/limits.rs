@@ -148,6 +148,32 @@ impl<'a> Marks<'a> {
 }
 
 impl Limit {
+    /// What such a reader does.
+    #[must_use]
+    pub const fn words(self) -> &'static str {
+        match self {
+            Limit::BlanksOfCompressedRefused => {
+                "refuses a compressed file in which a list ends in a space or has two in a row"
+            }
+            Limit::ListsOnOtherLinesRefused => {
+                "refuses a compressed file whose lists do not have a line each"
+            }
+            Limit::BytesAfterTheEndRefused => "refuses bytes after the last value",
+            Limit::SpaceAfterTwelveNumbersRefused => {
+                "refuses a space after twelve scales and biases on one line"
+            }
+            Limit::SpaceAfterFormatRefused => "refuses a space after the name of the format",
+            Limit::UnderflowRefused => {
+                "refuses a scale that is too small for its floating-point type"
+            }
+            Limit::MotionRefused => "refuses planes with motion vectors",
+            Limit::MotionNotApplied => "does not move planes that have motion vectors",
+            Limit::ColorsLostAfterASpace => {
+                "reads no colors from an LRGB file whose version is followed by a space"
+            }
+        }
+    }
+
     /// What it does to a file; nothing where the file keeps within it.
     pub(super) fn strikes(self, marks: &Marks) -> Option<Struck> {
         let refused = |so: bool, why| so.then_some(Struck::Refused(why));

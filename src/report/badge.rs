@@ -2,35 +2,34 @@
 
 use maud::html;
 
-use crate::report::document::Report;
+use crate::report::document::{Report, SuiteName};
+use crate::session::scores::Fraction;
 
 /// The width of a letter in tenths of a pixel; `textLength` makes it so whatever the font.
-const LETTER: usize = 64;
+const LETTER: usize = 59;
+/// What stands left and right of a text.
+const MARGIN: usize = 4;
 
-/// An SVG picture, 20 pixels high: the verdict, then correctness, breadth and robustness.
+/// An SVG picture, 20 pixels high and at most 140 wide: the verdict and correctness in words, and below them a line for each of
+/// correctness, breadth and robustness, as long as the score. Its title says all of them.
 #[must_use]
 pub fn badge(report: &Report) -> String {
-    let label = report.suite.short();
-    let sign = if report.verdict == "pass" {
-        "✓"
-    } else {
-        "✗"
+    let label = match report.suite {
+        SuiteName::Ptm => "PTM 1.2",
+        SuiteName::Texture => "PEX",
+        SuiteName::Writers => "PTM write",
+        SuiteName::Fitters => "PTM fit",
     };
     let scores = &report.scores;
-    let says = match &report.reason {
-        Some(_) => format!("{sign} {}", report.verdict),
-        None => format!(
-            "{sign} correct {} · breadth {} · robust {}",
-            scores.correctness, scores.breadth, scores.robustness
-        ),
+    let passed = report.verdict == "pass";
+    let says = match (&report.reason, passed) {
+        (Some(_), _) => report.verdict.clone(),
+        (None, true) => format!("✓ {}", scores.correctness),
+        (None, false) => format!("✗ {}", scores.correctness),
     };
-    let color = if report.verdict == "pass" {
-        "#1d6b3f"
-    } else {
-        "#a8281c"
-    };
+    let color = if passed { "#1d6b3f" } else { "#a8281c" };
     let width = |text: &str| text.chars().count() * LETTER / 10;
-    let (left, right) = (width(label) + 12, width(&says) + 12);
+    let (left, right) = (width(label) + 2 * MARGIN, width(&says) + 2 * MARGIN);
     let title = format!(
         "{}: {}; correctness {}, breadth {}, robustness {}",
         report.decoder.command,
@@ -39,6 +38,13 @@ pub fn badge(report: &Report) -> String {
         scores.breadth,
         scores.robustness
     );
+    let third = (right - 2 * MARGIN) as f64 / 3.0;
+    let share = |score: Fraction| score.part as f64 / score.whole.max(1) as f64;
+    let lines = [scores.correctness, scores.breadth, scores.robustness];
+    let lines = lines.into_iter().enumerate().map(|(i, score)| {
+        let from = (left + MARGIN) as f64 + third * i as f64;
+        (from, (third - 2.0) * share(score))
+    });
     let markup = html! {
         svg xmlns="http://www.w3.org/2000/svg" width=(left + right) height="20" role="img" aria-label=(title) {
             title { (title) }
@@ -46,10 +52,14 @@ pub fn badge(report: &Report) -> String {
             g clip-path="url(#round)" {
                 rect width=(left) height="20" fill="#3b4046" {}
                 rect x=(left) width=(right) height="20" fill=(color) {}
+                @for (from, length) in lines {
+                    rect x=(format!("{from:.1}")) y="17" width=(format!("{:.1}", third - 2.0)) height="2" fill="#fff" fill-opacity=".3" {}
+                    rect x=(format!("{from:.1}")) y="17" width=(format!("{length:.1}")) height="2" fill="#fff" {}
+                }
             }
-            g fill="#fff" font-family="Verdana,DejaVu Sans,sans-serif" font-size="11" {
-                text x="6" y="14" textLength=(width(label)) { (label) }
-                text x=(left + 6) y="14" textLength=(width(&says)) { (says) }
+            g fill="#fff" font-family="Verdana,DejaVu Sans,sans-serif" font-size="10" {
+                text x=(MARGIN) y="13" textLength=(width(label)) { (label) }
+                text x=(left + MARGIN) y="13" textLength=(width(&says)) { (says) }
             }
         }
     };

@@ -5,7 +5,8 @@
 
 use std::fmt::Write;
 
-use crate::report::document::{CaseResult, LikelyCause, Report};
+use crate::report::address::published;
+use crate::report::document::{CaseResult, LikelyCause, Report, SuiteName};
 use crate::session::outcome::Outcome;
 
 /// A runner shows ten errors of a step.
@@ -130,7 +131,7 @@ fn write_diagnoses(
         writeln!(out, "### Diagnosis\n")?;
     }
     for cause in &report.diagnoses {
-        write_cause(cause, report.suite.subject(), all, out)?;
+        write_cause(cause, report.suite, all, out)?;
     }
     let unexplained = failures
         .iter()
@@ -143,24 +144,38 @@ fn write_diagnoses(
 
 fn write_cause(
     cause: &LikelyCause,
-    subject: &str,
+    suite: SuiteName,
     all: usize,
     out: &mut String,
 ) -> std::fmt::Result {
+    let subject = suite.subject();
     writeln!(
         out,
         "- **{} of {all} failures:** the {subject} {} (clause {}).  \n  Fix: {}.",
         cause.explains.len(),
         plain(&cause.effect),
-        plain(&cause.clause),
+        linked(&plain(&cause.clause), suite.clause_page(&cause.clause)),
         plain(&cause.fix),
     )?;
     match &cause.misreading {
         Some(slug) => {
             let command = format!("ptm-conform explain {slug}");
-            writeln!(out, "  More: {}", code(&command))
+            let page = Some(suite.misreading_page(slug));
+            writeln!(out, "  More: {}", linked(&code(&command), page))
         }
         None => Ok(()),
+    }
+}
+
+/// Markdown that leads to a page of the site, where it has one. What a report names may hold anything; an address does not.
+fn linked(markdown: &str, page: Option<String>) -> String {
+    let is_plain = |page: &String| {
+        page.chars()
+            .all(|c| c.is_ascii_alphanumeric() || "-./#".contains(c))
+    };
+    match page.filter(is_plain) {
+        Some(page) => format!("[{markdown}]({})", published(&page)),
+        None => markdown.to_owned(),
     }
 }
 

@@ -157,7 +157,7 @@ fn another_transform<C: TestCase>(run: &Run<C>) -> Option<Remark> {
         .filter(|observation| is_another(&observation.response))
         .count();
     (count > 0).then(|| Remark::note(format!(
-        "{count} raw pictures of lossy JPEG planes are within the tolerance and not equal to the reference's: the decoder uses another inverse DCT"
+        "{count} raw pictures of lossy JPEG planes are within the tolerance and not equal to the reference's, as those of a decoder with another inverse DCT"
     )))
 }
 

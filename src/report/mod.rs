@@ -4,6 +4,8 @@
 
 pub mod document;
 
+pub mod address;
+
 mod make;
 
 mod leniency;

@@ -2,7 +2,7 @@
 
 use maud::Markup;
 
-use crate::diagnose::{self, Diagnosis};
+use crate::diagnose::{self, Causes};
 use crate::kit::digest::sha256;
 use crate::kit::parallel::in_parallel;
 use crate::misreadings::texture::Change;
@@ -77,7 +77,7 @@ pub trait Reported: TestCase {
         run: &Run<Self>,
         slugs: &[String],
         jobs: usize,
-    ) -> Vec<Diagnosis<Self::Place>>;
+    ) -> Causes<Self::Place>;
 }
 
 /// The misreadings of these names.
@@ -164,7 +164,7 @@ impl Reported for Case {
         Ok(())
     }
 
-    fn diagnose(suite: &Suite, run: &Run, slugs: &[String], jobs: usize) -> Vec<Diagnosis> {
+    fn diagnose(suite: &Suite, run: &Run, slugs: &[String], jobs: usize) -> Causes {
         // What no catalog knows has been refused before.
         let assumed = named(slugs).unwrap_or_default();
         diagnose::diagnose(suite, run, &assumed, jobs)
@@ -232,7 +232,7 @@ impl Reported for TextureCase {
         run: &Run<TextureCase>,
         _: &[String],
         _: usize,
-    ) -> Vec<Diagnosis<Change>> {
-        diagnose::texture::diagnose(suite, run)
+    ) -> Causes<Change> {
+        diagnose::texture::diagnose(suite, run).into()
     }
 }

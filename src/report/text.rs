@@ -7,7 +7,7 @@ use crate::report::document::{
     CaseResult, DecoderInfo, FollowedReading, LikelyCause, Report, SuiteName,
 };
 use crate::report::leniency::Leniency;
-use crate::report::words::known_words;
+use crate::report::words::{how_it_is_called, known_words};
 use crate::session::outcome::Outcome;
 use crate::session::run::Run;
 use crate::suite::cases::Suite;
@@ -124,28 +124,7 @@ impl<C: TestCase> Page<'_, C> {
         let DecoderInfo { command, .. } = &self.report.decoder;
         let subject = self.report.suite.subject();
         writeln!(out, "{command} is not a {subject}: {reason}")?;
-        match self.report.suite {
-            SuiteName::Texture => writeln!(
-                out,
-                "It is called as: DECODER texture FILE, for example: {command} texture case.json\nFILE is a question in JSON, the answer on standard output a JSON object; see spec-cases/texture/README.md."
-            ),
-            SuiteName::Writers => writeln!(
-                out,
-                "A writer is called as: WRITER write REQUEST OUT, for example: {command} write request.json out.ptm\nREQUEST is a JSON file, and the PTM goes to OUT; see docs/writers.md."
-            ),
-            SuiteName::Fitters => writeln!(
-                out,
-                "A fitter is called as: FITTER fit REQUEST OUT, for example: {command} fit request.json out.ptm\nREQUEST is a JSON file that names an .lp file, and the PTM goes to OUT; see docs/writers.md."
-            ),
-            SuiteName::Ptm if command.contains("{in}") => writeln!(
-                out,
-                "A program called by --cmd reads the file {{in}} and writes a picture to {{out}}, or prints it; see docs/check.md."
-            ),
-            SuiteName::Ptm => writeln!(
-                out,
-                "A decoder is called as: DECODER VIEW FILE, for example: {command} raw x.ptm\nFor raw it prints \"PTM1 raw WIDTH HEIGHT CHANNELS u8\", a line feed and the samples; see the README.\nWhat keeps it from that, step by step: ptm-conform probe DECODER"
-            ),
-        }
+        writeln!(out, "{}", how_it_is_called(self.report.suite, command))
     }
 
     /// A cause, what to do about it, and two of its cases.

@@ -31,6 +31,8 @@ pub mod remark;
 
 mod tally;
 
+pub mod lit_scene;
+
 pub mod texture_stage;
 
 pub mod transform;

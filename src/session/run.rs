@@ -8,6 +8,7 @@ use crate::session::again::ask_again;
 use crate::session::asking::{Ask, Asking, Counting, Undo, side_by_side};
 use crate::session::contact::{Contact, First, first_contact};
 use crate::session::judge::{Judgement, judge};
+use crate::session::lit_scene::LitScene;
 use crate::session::observation::{Observation, Response};
 use crate::session::offer::Offer;
 use crate::session::outcome::Outcome;
@@ -41,6 +42,8 @@ pub struct Run<C: TestCase = Case> {
     pub ended_early: Option<&'static str>,
     /// Why the program is no decoder, if it is none.
     pub not_a_decoder: Option<String>,
+    /// A scene for people to look at, where it was asked for.
+    pub scene: Option<LitScene>,
     /// Set when the user wants the search for causes to end.
     pub stop: Arc<AtomicBool>,
 }
@@ -195,6 +198,7 @@ impl<'a, C: TestCase> Session<'a, C> {
             violation,
             ended_early: None,
             not_a_decoder: None,
+            scene: None,
             stop: Arc::clone(&self.plan.stop),
         }
     }
@@ -252,6 +256,7 @@ impl<'a, C: TestCase> Session<'a, C> {
             violation,
             ended_early,
             not_a_decoder,
+            scene: None,
             stop: Arc::clone(&plan.stop),
         };
         run.explain_what_was_not_run(suite, &plan.withheld_in(suite, table));

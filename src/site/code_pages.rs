@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use maud::{Markup, html};
 
 use super::paper::{Paper, SiteFile};
+use super::readers::makers;
 use crate::misreadings;
 use crate::suite::cases::{Case, TableSpelling};
 use crate::tools::lint::codes::{self, Code, Severity};
@@ -99,7 +100,7 @@ fn example(paper: Paper, code: &Code, cases: &[&Case]) -> Markup {
 /// What our runs and the catalog say of public readers.
 fn affected(paper: Paper, code: &Code, cases: &[&Case]) -> Markup {
     let seen = misreadings::all()
-        .filter(|misreading| misreading.clause == code.clause && !misreading.seen.is_empty());
+        .filter(|misreading| misreading.clause == code.clause && !makers(misreading).is_empty());
     let seen: Vec<_> = seen.collect();
     let tally = |outcomes: &BTreeMap<String, String>| {
         let mut tally: BTreeMap<String, usize> = BTreeMap::new();

@@ -14,11 +14,14 @@ macro_rules! document {
 /// The documents: where they lie in the repository, the name of their page, their text.
 const DOCUMENTS: &[(&str, &str, &str)] = &[
     document!("README.md", "index"),
+    document!("docs/install.md", "install"),
     document!("docs/check.md", "check"),
     document!("docs/report.md", "report"),
     document!("docs/diagnosis.md", "diagnosis"),
     document!("docs/fuzz.md", "fuzz"),
     document!("docs/files.md", "files"),
+    document!("docs/writers.md", "writers"),
+    document!("docs/archives.md", "archives"),
     document!("docs/scale.md", "scale"),
     document!("docs/texture.md", "texture"),
     document!("docs/site.md", "site"),
@@ -27,6 +30,13 @@ const DOCUMENTS: &[(&str, &str, &str)] = &[
     document!("CONTRIBUTING.md", "contributing"),
     document!("CHANGELOG.md", "changelog"),
 ];
+
+/// The picture of the README: where it lies in the repository, its name beside the pages, its bytes.
+const PICTURE: (&str, &str, &[u8]) = (
+    "docs/mistakes.png",
+    "mistakes.png",
+    include_bytes!("../../docs/mistakes.png"),
+);
 
 /// A page for each document.
 pub(super) fn pages(paper: Paper) -> Vec<SiteFile> {
@@ -38,7 +48,11 @@ pub(super) fn pages(paper: Paper) -> Vec<SiteFile> {
         };
         paper.page(&format!("docs/{name}.html"), "Program", &title, &body)
     };
-    DOCUMENTS.iter().map(page).collect()
+    let picture = SiteFile {
+        path: format!("docs/{}", PICTURE.1),
+        bytes: PICTURE.2.to_vec(),
+    };
+    DOCUMENTS.iter().map(page).chain([picture]).collect()
 }
 
 /// The name of a document in the list.
@@ -76,6 +90,17 @@ fn rendered(file: &str, text: &str) -> (String, Markup) {
                     events.push(Event::End(TagEnd::Link));
                 }
             }
+            Event::Start(Tag::Image {
+                link_type,
+                title: says,
+                id,
+                ..
+            }) => events.push(Event::Start(Tag::Image {
+                dest_url: CowStr::from(PICTURE.1),
+                link_type,
+                title: says,
+                id,
+            })),
             Event::Start(Tag::Heading { level, .. }) => heading = Some((level, String::new())),
             Event::End(TagEnd::Heading(_)) => {
                 if let Some((level, text)) = heading.take() {

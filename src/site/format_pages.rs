@@ -10,6 +10,7 @@ use super::formula::formula;
 use super::misreading_pages;
 use super::overview;
 use super::paper::{Paper, SiteFile};
+use super::readers::makers;
 use super::ruling_pages;
 use crate::misreadings::{self, Misreading};
 use crate::suite::clauses::{Clause, Ruling};
@@ -247,16 +248,16 @@ fn ruled<'a>(paper: Paper<'a>, clause: &Clause, told: &mut BTreeSet<&'a str>) ->
 fn mistaken(paper: Paper, mistakes: &[&Misreading]) -> Markup {
     let mut mistakes = mistakes.to_vec();
     // Those that somebody was seen to make first.
-    mistakes.sort_by_key(|misreading| misreading.seen.is_empty());
+    mistakes.sort_by_key(|misreading| makers(misreading).is_empty());
     let (first, others) = mistakes.split_at(PICTURED.min(mistakes.len()));
     html! {
         @if !first.is_empty() {
-            details.mistakes open[first.iter().any(|misreading| !misreading.seen.is_empty())] {
+            details.mistakes open[first.iter().any(|misreading| !makers(misreading).is_empty())] {
                 summary { "What goes wrong: " (mistakes.len()) @if mistakes.len() == 1 { " misreading" } @else { " misreadings" } }
                 @for misreading in first {
                     article.mistake {
                         p { (paper.link(misreading.slug)) ": the decoder " (misreading.effect) ". " b { "Fix: " } (misreading.fix) "." }
-                        @if !misreading.seen.is_empty() { p.seen { "Seen in " (misreading_pages::sightings(paper, misreading)) "." } }
+                        @if !makers(misreading).is_empty() { p.seen { "Seen in " (misreading_pages::sightings(paper, misreading)) "." } }
                         (misreading_pages::pair(paper, misreading))
                     }
                 }

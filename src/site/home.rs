@@ -5,9 +5,8 @@ use maud::html;
 use super::overview;
 use super::paper::{Paper, SiteFile};
 use super::pictures;
-use crate::evaluate::Coefficients;
 use crate::misreadings;
-use crate::ptm::{Shape, Size};
+use crate::session::lit_scene::ball;
 
 /// The lights of the little pictures at the top.
 const LIGHTS: [(f64, f64); 4] = [(-0.7, 0.3), (0.0, 0.7), (0.5, 0.5), (0.7, -0.3)];
@@ -67,7 +66,7 @@ pub(super) fn page(paper: Paper) -> SiteFile {
 
 /// One map under some lights.
 fn lit() -> maud::Markup {
-    let map = hemisphere();
+    let map = ball(96);
     html! {
         div.lights aria-label="One map under four lights" role="group" {
             @for (lu, lv) in LIGHTS {
@@ -77,44 +76,5 @@ fn lit() -> maud::Markup {
                 }
             }
         }
-    }
-}
-
-/// A striped ball whose luminance is that of a matte surface: the normal times the light.
-fn hemisphere() -> Coefficients {
-    const SIDE: u32 = 96;
-    let texel = |i: u32| {
-        let place = |at: u32| (f64::from(at) + 0.5) / f64::from(SIDE) * 2.2 - 1.1;
-        let (x, y) = (place(i % SIDE), -place(i / SIDE));
-        let above = 1.0 - x * x - y * y;
-        if above < 0.0 {
-            return [0.0, 0.0, 0.0, 0.0, 0.0, 40.0, 90.0, 96.0, 104.0];
-        }
-        let z = above.sqrt();
-        let [red, green, blue] = if ((x * 5.0).floor() as i32 + (y * 5.0).floor() as i32) % 2 == 0 {
-            [235.0, 150.0, 90.0]
-        } else {
-            [120.0, 165.0, 210.0]
-        };
-        // The height of the light is √(1 − u² − v²), which is nearly 1 − (u² + v²) / 2.
-        [
-            -115.0 * z,
-            -115.0 * z,
-            0.0,
-            230.0 * x,
-            230.0 * y,
-            25.0 + 230.0 * z,
-            red,
-            green,
-            blue,
-        ]
-    };
-    Coefficients {
-        size: Size {
-            width: SIDE,
-            height: SIDE,
-        },
-        shape: Shape::Lrgb,
-        values: (0..SIDE * SIDE).flat_map(texel).collect(),
     }
 }

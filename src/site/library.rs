@@ -4,9 +4,12 @@ use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 use super::annotated::{Annotated, CHAPTERS, FILES};
 use super::example::execute_all;
-use super::readers::{ReaderRun, reader_runs, slug};
+use super::readers::{ReaderRun, reader_runs};
 use super::witness::{Witness, witnesses};
 use crate::misreadings;
+use crate::readers::profiles;
+use crate::report::address;
+use crate::report::document::SuiteName;
 use crate::suite::cases::{Case, Suite};
 use crate::suite::clauses::{self, Clause, Ruling};
 use crate::suite::texture::cases::{self as texture, TextureCase};
@@ -62,65 +65,47 @@ impl Library {
 
     fn all_places(&self) -> HashMap<String, String> {
         let mut places = HashMap::new();
-        let mut put = |id: &str, place: String| {
-            places.insert(id.to_owned(), place);
+        let mut put = |id: &str, place: Option<String>| {
+            places.extend(place.map(|place| (id.to_owned(), place)));
         };
+        let (ptm, texture) = (SuiteName::Ptm, SuiteName::Texture);
         for case in &self.suite.cases {
-            put(&case.id, format!("cases/{}.html", case.id));
+            put(&case.id, ptm.case_page(&case.id));
         }
         for misreading in misreadings::all() {
-            put(
-                misreading.slug,
-                format!("misreadings/{}.html", misreading.slug),
-            );
-        }
-        for ruling in &self.rulings {
-            put(&ruling.id, format!("rulings/{}.html", ruling.id));
+            put(misreading.slug, Some(ptm.misreading_page(misreading.slug)));
         }
         for code in codes::ALL {
-            put(code.id, format!("codes/{}.html", code.id));
+            put(code.id, Some(address::code(code.id)));
         }
         for reader in self.readers() {
-            put(reader, format!("readers/{}.html", slug(reader)));
-        }
-        for clause in &self.clauses {
-            let section = self
-                .annotated
-                .chapter_of(&clause.id)
-                .map(|chapter| &chapter.section);
-            if let Some(section) = section {
-                put(
-                    &clause.id,
-                    format!("format/{section}.html#c-{}", clause.id.replace('/', "-")),
-                );
-            }
+            put(reader, Some(address::reader(reader)));
         }
         for chapter in &self.annotated.chapters {
-            put(&chapter.section, format!("format/{}.html", chapter.section));
+            put(&chapter.section, Some(address::chapter(&chapter.section)));
         }
-        self.texture_places(&mut put);
-        places
-    }
-
-    fn texture_places(&self, put: &mut impl FnMut(&str, String)) {
-        for requirement in &self.requirements {
-            put(
-                &requirement.id,
-                format!("texture/index.html#{}", requirement.id),
-            );
-        }
-        for ruling in &self.texture_rulings {
-            put(&ruling.id, format!("texture/rulings.html#{}", ruling.id));
+        let texts = [
+            (ptm, &self.clauses, &self.rulings),
+            (texture, &self.requirements, &self.texture_rulings),
+        ];
+        for (suite, clauses, rulings) in texts {
+            for clause in clauses {
+                put(&clause.id, suite.clause_page(&clause.id));
+            }
+            for ruling in rulings {
+                put(&ruling.id, Some(suite.ruling_page(&ruling.id)));
+            }
         }
         for case in &self.textures.cases {
-            put(&case.id, format!("texture/cases.html#{}", case.id));
+            put(&case.id, texture.case_page(&case.id));
         }
         for misreading in misreadings::texture::all() {
             put(
                 misreading.slug,
-                format!("texture/misreadings.html#{}", misreading.slug),
+                Some(texture.misreading_page(misreading.slug)),
             );
         }
+        places
     }
 
     /// The page of an id, from the root of the site.
@@ -128,11 +113,12 @@ impl Library {
         self.places.get(id).map(String::as_str)
     }
 
-    /// Every public reader that is known by a run or a sighting.
+    /// Every public reader that is known by a run, a profile or a sighting.
     pub(super) fn readers(&self) -> BTreeSet<&str> {
         let seen = misreadings::all().flat_map(|misreading| &misreading.seen);
         let seen = seen.map(|sighting| sighting.reader.as_str());
         seen.chain(self.runs.iter().map(|run| run.reader.as_str()))
+            .chain(profiles().iter().map(|profile| profile.reader.as_str()))
             .collect()
     }
 

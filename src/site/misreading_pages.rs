@@ -4,7 +4,7 @@ use maud::{Markup, html};
 
 use super::paper::{Paper, SiteFile};
 use super::pictures;
-use super::readers::slug;
+use super::readers::makers;
 use super::witness::Witness;
 use crate::decode::decode;
 use crate::misreadings::{self, Misreading};
@@ -39,7 +39,7 @@ fn list(paper: Paper) -> SiteFile {
             section.filtered aria-label={ "Section " (section) } {
                 h2 { "Section " (paper.link_as(section, &html! { (section) })) }
                 ul.plain { @for misreading in of { li {
-                    (paper.link(misreading.slug)) @if !misreading.seen.is_empty() { span.seen title="seen in a public reader" { " ●" } }
+                    (paper.link(misreading.slug)) @if !makers(misreading).is_empty() { span.seen title="seen in a public reader" { " ●" } }
                     " " span.quiet { (misreading.clause) } " " (misreading.effect)
                 } } }
             }
@@ -73,7 +73,7 @@ fn page(paper: Paper, misreading: &Misreading) -> SiteFile {
         p.lead { "The decoder " (misreading.effect) "." }
         p.fix { b { "Fix: " } (paper.prose(misreading.fix)) "." }
         p { b { "Clause " (paper.link_as(misreading.clause, &html! { (misreading.clause) })) } @if let Some(rule) = rule { ": " (rule.rule) } }
-        @if !misreading.seen.is_empty() { p { b { "Seen in " } (sightings(paper, misreading)) "." } }
+        @if !makers(misreading).is_empty() { p { b { "Seen in " } (sightings(paper, misreading)) "." } }
         h2 { "The smallest file that shows it" }
         @match witness {
             Some(witness) => (shown(paper, misreading, witness)),
@@ -102,10 +102,10 @@ fn shown(paper: Paper, misreading: &Misreading, witness: &Witness) -> Markup {
 /// Public readers that make the mistake.
 pub(super) fn sightings(paper: Paper, misreading: &Misreading) -> Markup {
     html! {
-        @for (i, sighting) in misreading.seen.iter().enumerate() {
+        @for (i, (reader, version)) in makers(misreading).into_iter().enumerate() {
             @if i > 0 { ", " }
-            a href={ (paper.root) "readers/" (slug(&sighting.reader)) ".html" } { (sighting.reader) }
-            @if let Some(version) = &sighting.version { " " span.quiet { (version) } }
+            (paper.link_as(reader, &html! { (reader) }))
+            @if let Some(version) = version { " " span.quiet { (version) } }
         }
     }
 }

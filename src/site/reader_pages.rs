@@ -5,8 +5,10 @@ use std::collections::BTreeMap;
 use maud::{Markup, html};
 
 use super::paper::{Paper, SiteFile};
-use super::readers::{ReaderRun, ReaderTally, slug};
+use super::readers::{ReaderRun, ReaderTally};
 use crate::misreadings::{self, Misreading};
+use crate::readers::{Evidence, ReaderProfile, profiles};
+use crate::report::address;
 use crate::suite::clauses::Clause;
 
 /// Cases of an outcome that are listed before the rest is folded away.
@@ -45,28 +47,41 @@ pub(super) fn pages(paper: Paper) -> Vec<SiteFile> {
     pages
 }
 
+/// Its mistakes: those of its profile in the order in which they act, then what else was seen in it.
 fn mistakes(reader: &str) -> Vec<&'static Misreading> {
-    let makes = |misreading: &&Misreading| {
-        misreading
-            .seen
-            .iter()
-            .any(|sighting| sighting.reader == reader)
+    let known = profile(reader).map_or(&[][..], |profile| &profile.misreadings);
+    let mut mistakes: Vec<&Misreading> = known
+        .iter()
+        .filter_map(|known| misreadings::named(&known.slug))
+        .collect();
+    let seen = |misreading: &&Misreading| {
+        let mut seen = misreading.seen.iter();
+        seen.any(|sighting| sighting.reader == reader)
     };
-    misreadings::all().filter(makes).collect()
+    let profiled: Vec<&str> = mistakes.iter().map(|mistake| mistake.slug).collect();
+    let others = misreadings::all().filter(seen);
+    mistakes.extend(others.filter(|other| !profiled.contains(&other.slug)));
+    mistakes
+}
+
+/// What `lint --for` predicts by.
+fn profile(reader: &str) -> Option<&'static ReaderProfile> {
+    profiles().iter().find(|profile| profile.reader == reader)
 }
 
 fn list(paper: Paper) -> SiteFile {
     let body = html! {
         h1 { "Readers" }
-        p.lead { "Public programs that read PTM files: those on which this suite was run, and those in whose source a mistake was seen. "
+        p.lead { "Public programs that read PTM files: those on which this suite was run, and those whose source was read. "
             a href="../scoreboard.html" { "The scoreboard" } " compares the runs clause by clause." }
         div.scroll tabindex="0" { table.list {
-            thead { tr { th scope="col" { "reader" } th scope="col" { "run" } th scope="col" { "mistakes seen" } } }
+            thead { tr { th scope="col" { "reader" } th scope="col" { "run" } th scope="col" { "formats" } th scope="col" { "mistakes known" } } }
             tbody { @for reader in paper.library.readers() {
                 @let run = paper.library.runs.iter().find(|run| run.reader == reader);
                 tr {
                     td { (paper.link_as(reader, &html! { (reader) })) }
                     td { @if let Some(run) = run { (run.version) ", " (run.version_date) } @else { "–" } }
+                    td { @if let Some(profile) = profile(reader) { (profile.reads.join(", ")) } @else { "–" } }
                     td { (mistakes(reader).len()) }
                 }
             } }
@@ -82,19 +97,34 @@ fn page(paper: Paper, reader: &str, run: Option<usize>) -> SiteFile {
         h1 { (reader) }
         @if let Some(place) = run { (of_run(paper, &paper.library.runs[place], &paper.library.outcomes[place])) }
         @else { p { "The suite was not run on this reader. What is listed here was seen in its source." } }
+        @if let Some(profile) = profile(reader) { (profiled(profile)) }
         @if !mistakes.is_empty() {
-            h2 { "Mistakes that were seen in it" }
+            h2 { "Its mistakes" }
             ul { @for misreading in mistakes {
                 li { (paper.link(misreading.slug)) ", clause " (paper.link_as(misreading.clause, &html! { (misreading.clause) })) ": it " (misreading.effect) "." }
             } }
         }
     };
-    paper.page(
-        &format!("readers/{}.html", slug(reader)),
-        "Readers",
-        reader,
-        &body,
-    )
+    paper.page(&address::reader(reader), "Readers", reader, &body)
+}
+
+/// What it reads and what it does not take, and how that is known.
+fn profiled(profile: &ReaderProfile) -> Markup {
+    let known = |evidence| match evidence {
+        Evidence::Run => "it was run on the cases",
+        Evidence::Code => "its source was read",
+    };
+    html! {
+        h2 { "What it reads" }
+        dl.facts {
+            @if let Some(version) = &profile.version { dt { "Version looked at" } dd { (version) } }
+            dt { "Formats" } dd { (profile.reads.join(", ")) " (" (known(profile.evidence)) ")" }
+            @if !profile.limits.is_empty() {
+                dt { "Besides" } dd { ul.plain { @for known_limit in &profile.limits { li { "It " (known_limit.limit.words()) " (" (known(known_limit.evidence)) ")." } } } }
+            }
+            dt { "Predict" } dd { code { "ptm-conform lint --for " (profile.name) " FILE" } " says what it will make of a file." }
+        }
+    }
 }
 
 fn of_run(paper: Paper, run: &ReaderRun, outcomes: &BTreeMap<String, String>) -> Markup {

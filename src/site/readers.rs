@@ -5,6 +5,8 @@ use std::collections::BTreeMap;
 use serde::Deserialize;
 
 use crate::kit::yaml::from_yaml;
+use crate::misreadings::Misreading;
+use crate::readers::{ReaderProfile, profiles};
 use crate::session::outcome::Outcome;
 
 /// One run of the suite against a public reader.
@@ -113,20 +115,17 @@ impl ReaderRun {
         });
         pairs.collect()
     }
-
-    /// The name of its page.
-    #[must_use]
-    pub fn slug(&self) -> String {
-        slug(&self.reader)
-    }
 }
 
-/// The name of a reader's page.
-pub(super) fn slug(reader: &str) -> String {
-    let words = reader.to_lowercase();
-    let words: Vec<&str> = words
-        .split(|c: char| !c.is_ascii_alphanumeric())
-        .filter(|word| !word.is_empty())
-        .collect();
-    words.join("-")
+/// Public readers that make a mistake, with the version that was looked at: by their profiles, and where it was seen.
+pub(super) fn makers(misreading: &Misreading) -> BTreeMap<&str, Option<&str>> {
+    let seen = misreading.seen.iter();
+    let seen = seen.map(|sighting| (sighting.reader.as_str(), sighting.version.as_deref()));
+    let makes = |profile: &&ReaderProfile| {
+        let mut known = profile.misreadings.iter();
+        known.any(|known| known.slug == misreading.slug)
+    };
+    let profiled = profiles().iter().filter(makes);
+    let profiled = profiled.map(|profile| (profile.reader.as_str(), profile.version.as_deref()));
+    seen.chain(profiled).collect()
 }

@@ -4,7 +4,8 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use maud::{Markup, html};
 
-use crate::report::document::{Report, section_of};
+use crate::report::document::{Report, SuiteName, section_of};
+use crate::report::html::shell::linked;
 use crate::session::outcome::Outcome;
 use crate::suite::clauses::{Clause, ClauseStatus};
 
@@ -103,13 +104,13 @@ pub(super) fn section(report: &Report, clauses: &[Clause]) -> Markup {
                     }
                 }
             }
-            (in_words(clauses, &tallies))
+            (in_words(report.suite, clauses, &tallies))
         }
     }
 }
 
 /// A table of the clauses with their rules.
-fn in_words(clauses: &[Clause], tallies: &BTreeMap<&str, ClauseTally>) -> Markup {
+fn in_words(suite: SuiteName, clauses: &[Clause], tallies: &BTreeMap<&str, ClauseTally>) -> Markup {
     html! {
         details.others {
             summary { "The clauses in words" }
@@ -120,7 +121,7 @@ fn in_words(clauses: &[Clause], tallies: &BTreeMap<&str, ClauseTally>) -> Markup
                         @let of = tally(tallies, clause);
                         @let (state, mark) = of.state();
                         tr {
-                            td { code { (clause.id) } }
+                            td { (linked(suite.clause_page(&clause.id), &html! { code { (clause.id) } })) }
                             td data-state=(state) { (mark) " " (result(state, clause.status)) }
                             td.number { (of.passed) } td.number { (of.failed) } td.number { (of.open) }
                             td { (clause.rule) }

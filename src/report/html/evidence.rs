@@ -1,8 +1,10 @@
 //! What there is to see of a failing case: the texel, the pictures, the bytes, the preview.
 
+use data_encoding::BASE64;
 use maud::{Markup, html};
 
 use crate::decode::decode;
+use crate::diagnose::arithmetic;
 use crate::protocol::frame::{Frame, Samples, View};
 use crate::ptm::{Shape, Size, channel_name};
 use crate::report::html::origin::{self, Origin};
@@ -43,6 +45,22 @@ pub(in crate::report) fn of_case(
         }
         (shown)
         @if !observation.stderr.is_empty() { (standard_error(&observation.stderr)) }
+        (download(&format!("{}.ptm", case.id), &built.file))
+    }
+}
+
+/// The largest file that a page holds.
+const DOWNLOAD: usize = 4 << 10;
+
+/// A file to take along; where it is large, how many bytes it has.
+pub(crate) fn download(name: &str, file: &[u8]) -> Markup {
+    html! {
+        p.download {
+            @if file.len() <= DOWNLOAD {
+                a download=(name) href={ "data:application/octet-stream;base64," (BASE64.encode(file)) } { "Download " (name) }
+                ", " (file.len()) " bytes"
+            } @else { (name) " has " (file.len()) " bytes: too large for this page." }
+        }
     }
 }
 
@@ -64,6 +82,7 @@ pub(in crate::report) fn of_question(
             p.note { "The text leaves open how this is read, and more than one answer is right; the reference's is shown." }
         }
         @if !observation.stderr.is_empty() { (standard_error(&observation.stderr)) }
+        (download(&format!("{}.json", case.id), case.question().to_string().as_bytes()))
     }
 }
 
@@ -117,9 +136,34 @@ fn of_picture(
                 } }
             }
         } }
+        (arithmetic(&built.file, view, expected, (*x, *y, channel), &name))
         @if let Some(figure) = pictures::figure(expected, frame, (*x, *y, channel)) { (figure) }
         (origins(&name, &built.file, &of_sample(case, built, view, expected.size, (*x, *y), channel)))
         @if let Some(figure) = preview::figure(built, frame) { (figure) }
+    }
+}
+
+/// How the text computes the expected value, with the numbers of the file.
+fn arithmetic(
+    file: &[u8],
+    view: &View,
+    expected: &Expected,
+    (x, y, channel): (usize, usize, usize),
+    name: &str,
+) -> Markup {
+    let texel = y * expected.size.width as usize + x;
+    let exact = expected.value(texel * expected.channels + channel);
+    let ptm = decode(file).ok();
+    let steps = ptm.and_then(|ptm| arithmetic::steps(&ptm, view, texel, channel));
+    let ends = match view {
+        View::Rgb(_) => "; limited to 0…255 that is ",
+        _ => " = ",
+    };
+    html! {
+        @if let Some(steps) = steps {
+            p.label { "The arithmetic" }
+            p.arithmetic { code { (name) " = " (steps) (ends) (number(exact)) } }
+        }
     }
 }
 

@@ -4,7 +4,7 @@ use maud::{Markup, html};
 
 use crate::report::document::{LikelyCause, Report};
 use crate::report::html::clause_map::{ClauseTally, by_section};
-use crate::report::html::shell::{verdict_mark, whole};
+use crate::report::html::shell::{linked, verdict_mark, whole};
 use crate::suite::clauses::Clause;
 
 /// A table with a column for each of `reports`, all on one suite of `all` cases, and a row for each of its `clauses` that a
@@ -41,10 +41,10 @@ pub fn matrix(reports: &[Report], clauses: &[Clause], all: usize) -> Result<Stri
                 span.tile data-state="open" { "?" } " nothing judged: unsupported, inconclusive or not run "
                 span.tile data-state="none" { "·" } " no case about it was selected"
             }
-            div.scroll tabindex="0" {
+            div.scroll.tall tabindex="0" {
                 table.matrix {
-                    thead {
-                        tr { th scope="col" { "decoder" } @for i in 0..reports.len() { th scope="col" { (name(reports, i)) } } }
+                    thead { tr { th scope="col" { "decoder" } @for i in 0..reports.len() { th scope="col" { (name(reports, i)) } } } }
+                    tbody {
                         (row("verdict", reports, |report| html! { span.verdict data-verdict=(report.verdict) { (verdict_mark(&report.verdict)) " " (report.verdict) } }))
                         (row("cases", reports, |report| html! { (report.cases.len()) @if report.cases.len() < all { " of " (all) } }))
                         (row("correctness", reports, |report| html! { (report.scores.correctness) }))
@@ -58,7 +58,7 @@ pub fn matrix(reports: &[Report], clauses: &[Clause], all: usize) -> Result<Stri
                             @for clause in clauses {
                                 @if tallies.iter().any(|tallies| tallies.contains_key(clause.id.as_str())) {
                                     tr {
-                                        th scope="row" { code { (clause.id) } " " span.rule { (clause.rule) } }
+                                        th scope="row" { (linked(suite.clause_page(&clause.id), &html! { code { (clause.id) } })) " " span.rule { (clause.rule) } }
                                         @for tallies in &tallies { (cell(tallies.get(clause.id.as_str()).copied().unwrap_or_default())) }
                                     }
                                 }

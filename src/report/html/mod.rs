@@ -5,11 +5,19 @@
 
 mod page;
 
+mod diagnosis;
+
+mod cases;
+
 mod clause_map;
 
 pub(super) mod evidence;
 
 mod pictures;
+
+mod compare;
+
+mod scene;
 
 mod origin;
 
@@ -19,6 +27,7 @@ mod matrix;
 
 mod shell;
 
+pub(crate) use evidence::download;
 pub use matrix::matrix;
-pub use page::{EVIDENCE, page};
+pub use page::page;
 pub use shell::STYLE;

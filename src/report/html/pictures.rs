@@ -1,13 +1,14 @@
-//! Planes side by side: expected, received, and how far they are apart.
+//! Planes side by side: expected, received, and how far they differ.
 //!
-//! - raw and rgb show a sample as the gray it is; coef shows each plane from its least to its greatest value.
-//! - Apart means: raw, the way around the circle of 256 values; rgb, the plain difference; coef, the difference as a part of
-//!   what the plane spans. What is near enough to pass is left blank.
+//! - raw shows a sample as the gray it is, coef each plane from its least to its greatest value, and rgb the colors.
+//! - The difference is: raw, the way around the circle of 256 values; rgb, the plain difference; coef, a part of what the plane
+//!   spans. What is near enough to pass is left blank.
 
-use maud::{Markup, PreEscaped, html};
+use maud::{Markup, html};
 
 use crate::protocol::frame::{Frame, Samples};
 use crate::ptm::channel_name;
+use crate::report::html::compare::{Compared, png};
 use crate::suite::compare::Expected;
 
 /// The largest part of a plane that is shown, in texels a side.
@@ -39,6 +40,9 @@ pub(super) fn figure(
 ) -> Option<Markup> {
     let channels = expected.channels;
     let pair = Pair::new(expected, frame, (spot.0, spot.1))?;
+    if frame.view == "rgb" && channels == 3 {
+        return Some(pair.colored(spot));
+    }
     let groups = match channels {
         18 => [0..6, 6..12, 12..18].to_vec(),
         _ => std::iter::once(0..channels).collect(),
@@ -57,12 +61,9 @@ pub(super) fn figure(
             @for group in shown {
                 (pair.table(group, &wrong, texels, spot))
             }
+            (scale_of(frame.view))
             figcaption {
-                @if pair.window.width * pair.window.height < texels {
-                    "Response: columns " (pair.window.x) "–" (pair.window.x + pair.window.width - 1)
-                    " and rows " (pair.window.y) "–" (pair.window.y + pair.window.height - 1)
-                    " of " (expected.size) ". "
-                }
+                (pair.part())
                 @if !equal.is_empty() { "Every plane of " (equal.join(" and ")) " is as it should be. " }
                 "The frame marks texel (" (spot.0) ", " (spot.1) "), the first that differs."
             }
@@ -104,6 +105,62 @@ impl<'a> Pair<'a> {
                 .collect();
         }
         Some(pair)
+    }
+
+    /// The pictures in color.
+    fn colored(&self, (x, y, _): (usize, usize, usize)) -> Markup {
+        let Window { width, height, .. } = self.window;
+        let texels = self.expected.size.texels();
+        let places = (0..width * height).map(|i| (i % width, i / width));
+        let color = |x: usize, y: usize, row: &str| {
+            [0, 1, 2].map(|channel| self.texel(row, x, y, channel)[0])
+        };
+        let picture =
+            |row: &str| -> Vec<u8> { places.clone().flat_map(|(x, y)| color(x, y, row)).collect() };
+        let worst = |x: usize, y: usize| {
+            let apart = (0..3).map(|channel| self.apart(self.place(x, y, channel), channel));
+            heat(apart.fold(0.0, f64::max))
+        };
+        let pictures = Compared {
+            width,
+            height,
+            expected: &picture(EXPECTED),
+            received: &picture(RECEIVED),
+            difference: Some(
+                &places
+                    .clone()
+                    .flat_map(|(x, y)| worst(x, y))
+                    .collect::<Vec<u8>>(),
+            ),
+        };
+        html! {
+            figure.colors {
+                (pictures.markup(RECEIVED))
+                (scale_of("rgb"))
+                figcaption {
+                    (self.part())
+                    @for (channel, name) in ["red", "green", "blue"].into_iter().enumerate() {
+                        @if channel > 0 { ", " } (name) " differs in " (self.wrong(channel))
+                    }
+                    " of " (texels) " texels; the first is (" (x) ", " (y) ")."
+                }
+            }
+        }
+    }
+
+    /// Which part of the picture is shown, where it is not all of it.
+    fn part(&self) -> Markup {
+        let Window {
+            x,
+            y,
+            width,
+            height,
+        } = self.window;
+        html! {
+            @if width * height < self.expected.size.texels() {
+                "Columns " (x) "–" (x + width - 1) " and rows " (y) "–" (y + height - 1) " of " (self.expected.size) ". "
+            }
+        }
     }
 
     fn received(&self, i: usize) -> f64 {
@@ -212,14 +269,14 @@ impl<'a> Pair<'a> {
                     }
                 } }
                 tbody {
-                    @for row in [EXPECTED, RECEIVED, APART] {
+                    @for row in [EXPECTED, RECEIVED, DIFFERENCE] {
                         @let pixels = self.strip(row, group.clone());
                         tr {
                             th scope="row" { (row) }
                             td colspan=(group.len()) { span.strip {
                                 img width=(total * scale) height=(height * scale)
                                     alt={ (row) ", " (first) " to " (last) }
-                                    src={ "data:image/png;base64," (PreEscaped(png(total, height, &pixels))) };
+                                    src=(png(total, height, &pixels));
                                 @if group.contains(&channel) {
                                     @let column = (channel - group.start) * (width + 1) + x - self.window.x;
                                     i.spot style={
@@ -254,7 +311,17 @@ impl<'a> Pair<'a> {
 
 const EXPECTED: &str = "expected";
 const RECEIVED: &str = "received";
-const APART: &str = "apart";
+const DIFFERENCE: &str = "difference";
+
+/// What the colors of a difference mean.
+fn scale_of(view: &str) -> Markup {
+    let (least, most) = match view {
+        "raw" => ("1", "128, around the circle of 256 values"),
+        "rgb" => ("1", "255"),
+        _ => ("a little", "all that the plane spans"),
+    };
+    html! { p.heat { "difference " (least) " " i {} " " (most) "; blank: near enough" } }
+}
 
 /// Nothing for 0; then from amber over red to violet, which a page of either tone shows.
 fn heat(apart: f64) -> [u8; 4] {
@@ -273,19 +340,4 @@ fn heat(apart: f64) -> [u8; 4] {
     };
     let mix = |i: usize| (from[i] + (to[i] - from[i]) * part) as u8;
     [mix(0), mix(1), mix(2), 255]
-}
-
-/// A picture as PNG in base 64.
-fn png(width: usize, height: usize, rgba: &[u8]) -> String {
-    let mut bytes = Vec::new();
-    let mut encoder = png::Encoder::new(&mut bytes, width as u32, height as u32);
-    encoder.set_color(png::ColorType::Rgba);
-    encoder.set_depth(png::BitDepth::Eight);
-    encoder.set_compression(png::Compression::High);
-    let mut writer = encoder.write_header().expect("a picture has a width");
-    writer
-        .write_image_data(rgba)
-        .expect("there are four bytes for each pixel");
-    drop(writer);
-    data_encoding::BASE64.encode(&bytes)
 }

@@ -18,7 +18,8 @@
   show();
 }
 
-// The filter: every word must occur; a clause or section also matches what lies below it.
+// The filter: every word must occur; a clause or section also matches what lies below it, and is:fail an outcome. It stands
+// in the address, and all counts follow it.
 {
   const input = document.getElementById("filter");
   if (input) {
@@ -27,17 +28,25 @@
     const cards = [...document.querySelectorAll("details.case")];
     const rows = [...document.querySelectorAll("details.others table.list tbody tr")].filter((row) => row.querySelector("td:first-child code") && row.cells.length === 5);
     const all = [
-      ...cards.map((element) => ({ element, text: element.textContent.toLowerCase(), clauses: element.querySelector("summary .clauses").textContent.split(" ") })),
-      ...rows.map((element) => ({ element, text: element.textContent.toLowerCase(), clauses: element.cells[3].textContent.split(" ") })),
+      ...cards.map((element) => ({ element, text: element.textContent.toLowerCase(), clauses: element.querySelector("summary .clauses").textContent.split(" "), outcome: "fail" })),
+      ...rows.map((element) => ({ element, text: element.textContent.toLowerCase(), clauses: element.cells[3].textContent.split(" "), outcome: element.closest("details.others").dataset.outcome })),
     ];
     const folds = [...document.querySelectorAll("details.more, details.others")]
       .map((fold) => ({ fold, inside: all.map((entry) => entry.element).filter((element) => fold.contains(element)) }))
       .filter(({ inside }) => inside.length);
     const groups = [...document.querySelectorAll("section.group")];
     const clause = /^\d+(\.\d+)+(\/\d+)?$/;
-    const has = (entry, word) => clause.test(word)
+    const has = (entry, word) => word.startsWith("is:") ? entry.outcome === word.slice(3) : clause.test(word)
       ? entry.clauses.some((id) => id === word || id.startsWith(word + "/") || id.startsWith(word + "."))
       : entry.text.includes(word);
+    const chips = [...document.querySelectorAll("button[data-filter]")];
+    // Whatever counts cases, with the cases that it counts.
+    const counts = [...document.querySelectorAll(".count")].map((count) => {
+      const chip = count.closest("button[data-filter]");
+      const around = count.closest("details.more, details.others, section.group");
+      const counted = all.filter((entry) => chip ? has(entry, chip.dataset.filter) : around?.contains(entry.element));
+      return { count, counted };
+    }).filter(({ counted }) => counted.length);
     const inView = () => { const { top, bottom } = input.getBoundingClientRect(); return top >= 0 && bottom <= innerHeight; };
     // Which folds were open before the filter opened and closed them.
     let before;
@@ -59,6 +68,13 @@
         folds.forEach(({ fold }, i) => { fold.open = before[i]; });
         before = undefined;
       }
+      for (const { count, counted } of counts) {
+        const shown = counted.filter(({ element }) => !element.hidden).length;
+        count.textContent = shown === counted.length ? `${shown}` : `${shown} of ${counted.length}`;
+      }
+      for (const chip of chips) { chip.setAttribute("aria-pressed", String(words.includes(chip.dataset.filter))); }
+      const address = words.length ? `#filter=${encodeURIComponent(words.join(" "))}` : location.hash.startsWith("#filter=") ? "#" : location.hash;
+      if (address !== location.hash) { history.replaceState(null, "", address || "#"); }
       for (const group of groups) { group.hidden = !group.querySelector("details.case:not([hidden])"); }
       found.textContent = !words.length ? `${all.length} cases` : count ? `${count} of ${all.length} cases` : "No case matches. Esc clears the filter.";
       // What is found begins below the filter.
@@ -78,6 +94,21 @@
     for (const tile of document.querySelectorAll("button.tile")) {
       tile.addEventListener("click", () => { input.value = tile.dataset.clause; apply(); heading.scrollIntoView(); input.focus({ preventScroll: true }); });
     }
+    for (const chip of chips) {
+      chip.addEventListener("click", () => {
+        const others = input.value.split(/\s+/).filter((word) => word && !word.startsWith("is:"));
+        const pressed = chip.getAttribute("aria-pressed") === "true";
+        input.value = [...others, ...(pressed ? [] : [chip.dataset.filter])].join(" ");
+        apply();
+      });
+    }
+    // What the address asks for.
+    const asked = () => {
+      const [, words] = /^#filter=(.*)$/.exec(location.hash) ?? [];
+      try { if (words !== undefined) { input.value = decodeURIComponent(words); apply(); } } catch { /* no filter */ }
+    };
+    addEventListener("hashchange", asked);
+    asked();
     const openAll = (open) => { for (const card of cards) { if (!card.hidden) { card.open = open; } } };
     document.getElementById("open").addEventListener("click", () => { for (const fold of document.querySelectorAll("details.more")) { fold.open = true; } openAll(true); });
     document.getElementById("close").addEventListener("click", () => openAll(false));
@@ -87,6 +118,7 @@
 // A link to a case opens it and what it lies in, and no filter hides it.
 {
   const reveal = () => {
+    if (location.hash.startsWith("#filter=")) { return; }
     const target = location.hash.length > 1 && document.getElementById(decodeURIComponent(location.hash.slice(1)));
     if (!target) { return; }
     if (target.closest("[hidden]")) {
@@ -158,7 +190,11 @@
       screens.append(box);
       return canvas;
     };
-    const [left, right, apart] = [screen("expected"), screen("received"), screen("apart")];
+    const [left, right, apart] = [screen("expected"), screen("received"), screen("difference")];
+    const ball = make("div");
+    ball.className = "ball";
+    ball.title = "the light";
+    screens.append(ball);
     const lights = make("div");
     lights.className = "lights";
     const slider = (name, value) => {
@@ -188,7 +224,9 @@
         pictures[2].data.set(far > 1 ? [...heat(far / 255), 255] : [0, 0, 0, 0], texel * 4);
       }
       [left, right, apart].forEach((canvas, i) => canvas.getContext("2d").putImageData(pictures[i], 0, 0));
-      says.textContent = `u ${lu.toFixed(2)}  v ${lv.toFixed(2)}  apart ≤ ${Math.round(worst)}`;
+      ball.style.setProperty("--u", lu);
+      ball.style.setProperty("--v", lv);
+      says.textContent = `u ${lu.toFixed(2)}  v ${lv.toFixed(2)}  difference ≤ ${Math.round(worst)}`;
     };
 
     const drag = (event) => {
@@ -200,14 +238,14 @@
       [u.value, v.value] = [lu, lv];
       light(lu, lv);
     };
-    for (const canvas of [left, right, apart]) {
+    for (const canvas of [left, right, apart, ball]) {
       canvas.addEventListener("pointerdown", (event) => { canvas.setPointerCapture(event.pointerId); drag(event); });
       canvas.addEventListener("pointermove", (event) => { if (event.buttons) { drag(event); } });
     }
     light(Number(u.value), Number(v.value));
   };
 
-  // Only what is looked at is drawn.
+  // Only what is looked at is drawn; on paper that is all.
   const begin = (card) => {
     const figure = card.open && card.querySelector("figure.preview:not([data-lit])");
     if (figure) { figure.dataset.lit = ""; start(figure); }
@@ -216,4 +254,49 @@
     card.addEventListener("toggle", () => begin(card));
     begin(card);
   }
+  let closed = [];
+  addEventListener("beforeprint", () => {
+    closed = [...document.querySelectorAll("details:not([open])")];
+    for (const fold of closed) { fold.open = true; }
+    document.querySelectorAll("details.case").forEach(begin);
+  });
+  addEventListener("afterprint", () => { for (const fold of closed) { fold.open = false; } });
+}
+
+// Expected and received in one place, with a border to move between them.
+for (const pictures of document.querySelectorAll(".compare")) {
+  const [expected, received] = ["expected", "received"].map((role) => pictures.querySelector(`[data-role=${role}] img`));
+  const box = Object.assign(document.createElement("div"), { className: "picture" });
+  const slide = Object.assign(document.createElement("div"), { className: "slide" });
+  slide.append(expected.cloneNode(), received.cloneNode());
+  const label = Object.assign(document.createElement("label"), { textContent: "expected | received" });
+  const input = Object.assign(document.createElement("input"), { type: "range", min: 0, max: 100, value: 50 });
+  const move = (at) => { input.value = at; slide.style.setProperty("--at", `${input.value}%`); };
+  input.addEventListener("input", () => move(input.value));
+  const drag = (event) => {
+    const { left, width } = slide.getBoundingClientRect();
+    move((event.clientX - left) / width * 100);
+  };
+  slide.addEventListener("pointerdown", (event) => { event.preventDefault(); slide.setPointerCapture(event.pointerId); drag(event); });
+  slide.addEventListener("pointermove", (event) => { if (event.buttons) { drag(event); } });
+  label.append(input);
+  label.style.width = `${expected.width + 2}px`;
+  box.append(slide, label);
+  pictures.prepend(box);
+}
+
+// Commands are copied by a button, where the browser lets a page do so; else they are selected.
+for (const command of document.querySelectorAll("pre.command")) {
+  const button = Object.assign(document.createElement("button"), { type: "button", className: "copy", textContent: "Copy" });
+  button.addEventListener("click", async () => {
+    try {
+      await navigator.clipboard.writeText(command.textContent);
+      button.textContent = "Copied";
+    } catch {
+      getSelection().selectAllChildren(command);
+      button.textContent = "Selected";
+    }
+    setTimeout(() => { button.textContent = "Copy"; }, 2000);
+  });
+  command.previousElementSibling.append(button);
 }

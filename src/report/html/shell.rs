@@ -4,6 +4,8 @@ use data_encoding::BASE64;
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 use sha2::{Digest, Sha256};
 
+use crate::report::address::published;
+
 /// The style of reports and of the site.
 pub const STYLE: &str = include_str!("style.css");
 const SCRIPT: &str = include_str!("report.js");
@@ -21,6 +23,8 @@ pub(super) fn whole(title: &str, body: &Markup) -> String {
                 meta charset="utf-8";
                 meta http-equiv="Content-Security-Policy" content=(policy);
                 meta name="viewport" content="width=device-width, initial-scale=1";
+                // Whoever follows a link does not tell where the report lies.
+                meta name="referrer" content="no-referrer";
                 meta name="color-scheme" content="light dark";
                 meta name="generator" content=(concat!("ptm-conform ", env!("CARGO_PKG_VERSION")));
                 title { (title) }
@@ -36,6 +40,14 @@ pub(super) fn whole(title: &str, body: &Markup) -> String {
         }
     };
     markup.into_string()
+}
+
+/// A link to a page of the site where it is published; the bare words where it has none. What a report names may be anything.
+pub(super) fn linked(page: Option<String>, words: &Markup) -> Markup {
+    match page {
+        Some(page) => html! { a href=(published(&page)) { (words) } },
+        None => words.clone(),
+    }
 }
 
 /// A sign for an outcome, so that no color is needed to tell.

@@ -7,17 +7,23 @@ use data_encoding::BASE64;
 use ptm_conform::Reading;
 use ptm_conform::diagnose::diagnose;
 use ptm_conform::misreadings;
+use ptm_conform::protocol::frame::{Answer, Samples};
 use ptm_conform::report::Report;
+use ptm_conform::report::address::SITE;
 use ptm_conform::report::badge;
+use ptm_conform::report::document::SuiteName;
 use ptm_conform::report::github;
 use ptm_conform::report::html;
 use ptm_conform::report::junit;
 use ptm_conform::runner::run::{Reply, Request};
+use ptm_conform::session::lit_scene;
 use ptm_conform::session::plan::RunPlan;
 use ptm_conform::session::run::{Run, check};
 use ptm_conform::suite::cases::Suite;
 use ptm_conform::suite::clauses;
+use ptm_conform::suite::texture::test_case::TextureView;
 use ptm_conform::suite::values::Values;
+use ptm_conform::texture::Rules;
 
 /// What a hostile decoder might print.
 const HOSTILE: &str = "<script>document.title = 'owned'</script>\n<img src=x onerror=alert(1)> & \"quoted\" 'too'\n::error::x\n\u{1b}[31mred";
@@ -38,7 +44,7 @@ fn mistaken(slug: &str) -> (Suite, Run, Report) {
         ))
     };
     let run = check(&suite, &plan, &ask, &|_, _, _, _| ());
-    let diagnoses = diagnose(&suite, &run, &[], 2);
+    let diagnoses = diagnose(&suite, &run, &[], 2).diagnoses;
     let command = ["/somewhere/<b>decoder</b>".to_owned(), slug.to_owned()];
     let report = Report::of(&suite, &run, &command, Vec::new()).explained_by(&suite, &diagnoses);
     (suite, run, report)
@@ -84,9 +90,12 @@ fn a_page_of_hundreds_of_failures_is_whole_small_and_asks_for_nothing() {
     for words in [&cause.effect, &cause.fix, &cause.clause] {
         assert!(page.contains(words.as_str()), "{words}");
     }
+    // Links lead to the site, and nothing else names another place.
+    let links = page.matches("href=\"https://").count();
+    assert!(links > 1000 && page.matches("https:").count() == links);
+    assert_eq!(page.matches(&format!("href=\"{SITE}")).count(), links);
     for address in [
         "http:",
-        "https:",
         "//cdn",
         "@import",
         "url(",
@@ -232,18 +241,145 @@ fn a_crash_is_said_in_words_and_misreads_no_clause() {
 }
 
 #[test]
-fn the_badge_says_all_three_scores() {
+fn the_badge_says_all_three_scores_in_140_pixels() {
     let (_, _, report) = upside_down();
-    let badge = badge::badge(report);
-    keep("badge.svg", &badge);
-    for score in [
-        report.scores.correctness,
-        report.scores.breadth,
-        report.scores.robustness,
+    let mut report = report.clone();
+    keep("badge.svg", &badge::badge(&report));
+    for (suite, not) in [
+        (SuiteName::Ptm, "not a decoder"),
+        (SuiteName::Texture, "not a decoder"),
+        (SuiteName::Writers, "not a writer"),
     ] {
-        assert!(badge.contains(&score.to_string()));
+        report.suite = suite;
+        for verdict in ["pass", "fail", not] {
+            report.verdict = verdict.to_owned();
+            report.reason = (verdict == not).then(|| "it does not start".to_owned());
+            let badge = badge::badge(&report);
+            for score in [
+                report.scores.correctness,
+                report.scores.breadth,
+                report.scores.robustness,
+            ] {
+                assert!(badge.contains(&score.to_string()));
+            }
+            assert!(!badge.contains("<b>"));
+            let width = badge.split("width=\"").nth(1).expect("a width");
+            let width: u32 = width
+                .split('"')
+                .next()
+                .expect("an end")
+                .parse()
+                .expect("pixels");
+            assert!((60..=140).contains(&width), "{suite:?} {verdict}: {width}");
+        }
     }
-    assert!(!badge.contains("<b>"));
+}
+
+/// Every failing case has a command that runs it alone, and its file where that is small.
+#[test]
+fn a_failing_case_can_be_taken_along_and_run_again() {
+    let (suite, run, report) = upside_down();
+    let page = html::page(suite, report, Some(run)).expect("a page");
+    let mut files = 0;
+    for part in page.split("<details class=\"case\" id=\"case-").skip(1) {
+        let id = part.split('"').next().expect("an id");
+        // The decoder's name is hostile to shells too.
+        let command = format!("ptm-conform check --case {id} -- 'b&gt;' rows-top-down");
+        assert!(part.contains(&command), "{id}");
+        let data = "href=\"data:application/octet-stream;base64,";
+        let Some(file) = part.split(data).nth(1) else {
+            continue;
+        };
+        let file = file.split('"').next().expect("an end");
+        let built = suite.case(id).expect("a case").build(run.table);
+        assert!(
+            BASE64.decode(file.as_bytes()) == Ok(built.file.clone()),
+            "{id}"
+        );
+        files += 1;
+    }
+    assert!(files > 100, "{files}");
+}
+
+/// A decoder that answers in colors alone: pictures, arithmetic and the scene.
+#[test]
+fn colors_are_shown_with_their_arithmetic() {
+    let suite = Suite::load().expect("the suite");
+    let swap = |request: &Request<'_>, _: usize| {
+        let Answer::Decoded(mut frame) =
+            misreadings::answer(&[], Reading::SPEC, request.file, request.view)
+        else {
+            return Reply::from(Answer::Rejected);
+        };
+        if frame.view != "rgb" {
+            return Reply::from(Answer::Unsupported);
+        }
+        if let Samples::U8(bytes) = &mut frame.samples {
+            for texel in bytes.chunks_exact_mut(3) {
+                texel[0] /= 2;
+            }
+        }
+        Reply::from(Answer::Decoded(frame))
+    };
+    let mut plan = RunPlan::of(&suite, 2);
+    plan.selected = (0..suite.cases.len()).map(|i| i % 16 == 0).collect();
+    let mut run = check(&suite, &plan, &swap, &|_, _, _, _| ());
+    run.scene = lit_scene::ask(&run.offer, &run.judgement.decoded, &swap);
+    let report = Report::of(&suite, &run, &["viewer".to_owned()], Vec::new());
+    let page = html::page(&suite, &report, Some(&run)).expect("a page");
+    keep("colors.html", &page);
+    assert!(page.contains("<figure class=\"scene\">") && page.contains("The scene is for the eye"));
+    assert!(page.matches("<figure class=\"colors\">").count() > 20);
+    assert!(page.contains("a0·u² + a1·v² + a2·u·v + a3·u + a4·v + a5 = "));
+    assert!(page.contains("red differs in "));
+}
+
+#[test]
+fn what_is_no_decoder_is_told_what_to_do_next() {
+    let (suite, _, report) = upside_down();
+    let mut report = report.clone();
+    report.verdict = "not a decoder".to_owned();
+    report.reason = Some("no first file was <b>decoded</b>".to_owned());
+    report.cases.clear();
+    report.diagnoses.clear();
+    let page = html::page(suite, &report, None).expect("a page");
+    keep("no-decoder.html", &page);
+    for words in [
+        "What to do next",
+        "ptm-conform probe DECODER",
+        "PTM1 raw WIDTH",
+        "the-decoder-protocol",
+    ] {
+        assert!(page.contains(words), "{words}");
+    }
+    for words in ["id=\"filter\"", "All judged cases passed", "<b>decoded"] {
+        assert!(!page.contains(words), "{words}");
+    }
+}
+
+/// The same page of the other suite: its questions, its places on the site, its command.
+#[test]
+fn questions_of_the_texture_stage_are_shown_alike() {
+    let suite = Suite::of_textures().expect("the texture suite");
+    let plan = RunPlan::of(&suite, 2);
+    let mistake = misreadings::texture::all().next().expect("a misreading");
+    let ask = |request: &Request<'_, TextureView>, _: usize| {
+        let case = suite.case(request.name).expect("a case");
+        Reply::from(case.answer(&(mistake.at)(Rules::SPEC)))
+    };
+    let run = check(&suite, &plan, &ask, &|_, _, _, _| ());
+    let report = Report::of(&suite, &run, &["stage".to_owned()], Vec::new());
+    let page = html::page(&suite, &report, Some(&run)).expect("a page");
+    keep("texture.html", &page);
+    let failing = failures(&report);
+    assert!(failing > 0);
+    assert_eq!(
+        page.matches("ptm-conform check --suite texture --case ")
+            .count(),
+        failing
+    );
+    assert!(page.matches(".json\" href=\"data:").count() > 0);
+    assert!(page.contains(&format!("{SITE}texture/cases.html#")));
 }
 
 #[test]

@@ -113,7 +113,7 @@ try {
   assert.ok(pictures.length > 100, `${pictures.length} pictures`);
   assert.ok(pictures.every(([width, alt]) => width > 0 && alt));
   // What a link names comes into view, below the filter, among hundreds of open cases too.
-  await run("[...document.querySelectorAll('article.cause a')].at(-1).click()");
+  await run("[...document.querySelectorAll('article.cause a')].filter((a) => a.getAttribute('href').startsWith('#')).at(-1).click()");
   await wait(500);
   const [below, top] = await run("const t = document.getElementById(decodeURIComponent(location.hash.slice(1))); return [document.querySelector('.tools').getBoundingClientRect().bottom, t.getBoundingClientRect().top]");
   assert.ok(top >= below && top < 500, `filter ends at ${below}, target begins at ${top}`);
@@ -189,6 +189,35 @@ try {
   await run("document.getElementById('clauses').scrollIntoView({behavior: 'instant'})");
   await shoot("report-clauses.png");
 
+  // The filter stands in the address, all counts follow it, and the address sets it.
+  assert.equal(await run("return decodeURIComponent(location.hash)"), `#filter=${clause}`);
+  const counted = () => run("return [...document.querySelectorAll('button.chip .count')].map((c) => c.textContent)");
+  assert.ok((await counted()).some((count) => / of /.test(count)), "counts follow");
+  const groups = await run("return [...document.querySelectorAll('section.group:not([hidden])')].map((g) => [g.querySelector('h3 .count').textContent.split(' ')[0], String(g.querySelectorAll('details.case:not([hidden])').length)])");
+  assert.ok(groups.length > 0 && groups.every(([says, shown]) => says === shown), JSON.stringify(groups));
+  await run("document.querySelector('button.chip[data-outcome=pass]').click()");
+  assert.equal(await run("return document.getElementById('filter').value"), `${clause} is:pass`);
+  assert.equal(await visible(), 0, "a case that passes is no card");
+  await open(page);
+  await run("location.hash = '#filter=is%3Afail'");
+  await until("the filter of the address", "return document.getElementById('filter').value === 'is:fail'");
+  assert.equal(await visible(), all);
+  assert.equal(await run("return document.querySelector('button.chip[data-outcome=fail]').getAttribute('aria-pressed')"), "true");
+
+  // The border between expected and received moves; a command is copied or selected.
+  await open(page);
+  const border = () => run("return document.querySelector('.scene .slide').style.getPropertyValue('--at')");
+  await drag(".scene .slide", [0.5, 0.5], [0.2, 0.5]);
+  const moved = Number.parseFloat(await border());
+  assert.ok(moved > 15 && moved < 25, `the border stands at ${moved}`);
+  assert.match(await run("return document.querySelector('.scene figcaption').textContent"), /^It is |^This decoder /);
+  await run("document.querySelector('details.case button.copy').click()");
+  await until("copied", "return /^Copied|^Selected/.test(document.querySelector('details.case button.copy').textContent)");
+  assert.match(await run("return document.querySelector('details.case pre.command').textContent"), /^ptm-conform check --case \S+ -- decoder/);
+  const download = await run("const a = document.querySelector('details.case a[download]'); return [a.download, a.href.slice(0, 5)]");
+  assert.match(download[0], /\.ptm$/);
+  assert.equal(download[1], "data:");
+
   // 7. Every form field and button has a name.
   const nameless = await run("return [...document.querySelectorAll('button, input, [role=img]')].filter((e) => !(e.textContent.trim() || e.getAttribute('aria-label') || e.labels?.length)).map((e) => e.outerHTML)");
   assert.deepEqual(nameless, []);
@@ -199,15 +228,22 @@ try {
   assert.ok(await run("return document.documentElement.scrollWidth <= innerWidth + 1"), "a narrow page does not scroll sideways");
   await shoot("report-narrow.png");
   await cdp("Emulation.clearDeviceMetricsOverride", {});
+  await run("window.folded = 0; addEventListener('beforeprint', () => { window.folded = document.querySelectorAll('details:not([open])').length; })");
   const printed = await call("POST", `${session}/print`, { background: true });
   writeFileSync(join(screenshots, "report.pdf"), Buffer.from(printed, "base64"));
   assert.ok(Buffer.from(printed, "base64").subarray(0, 5).equals(Buffer.from("%PDF-")));
+
+  assert.equal(await run("return window.folded"), 0, "on paper everything is open");
+  assert.ok(await run("return document.querySelectorAll('details:not([open])').length > 0"), "and closed again");
 
   // 9. Many decoders.
   await open(matrix);
   assert.equal(await run("return document.querySelectorAll('table.matrix thead tr:first-child th').length"), 4);
   assert.deepEqual(await contrasts(), [], "matrix: text too faint");
   await shoot("matrix.png");
+  await run("const s = document.querySelector('.scroll.tall'); s.scrollTop = s.scrollHeight");
+  const [head, area] = await run("return ['table.matrix thead th', '.scroll.tall'].map((css) => document.querySelector(css).getBoundingClientRect().top)");
+  assert.ok(Math.abs(head - area) < 2, `the head stands at ${head}, its table begins at ${area}`);
 
   // 10. No error, and no request but for the pages themselves.
   // Reading canvases back is this test's doing and not the page's.

@@ -9,3 +9,6 @@ mod shards;
 
 #[cfg(all(unix, feature = "cli"))]
 mod text;
+
+#[cfg(all(unix, feature = "cli"))]
+mod readme_picture;

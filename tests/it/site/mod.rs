@@ -6,3 +6,11 @@ mod annotated;
 mod browser;
 
 mod pages;
+
+use std::sync::LazyLock;
+
+use ptm_conform::site::{SiteFile, build};
+
+/// The site, which is built once for all tests.
+static SITE: LazyLock<Vec<SiteFile>> =
+    LazyLock::new(|| build(None, None, 2).expect("the site is built"));

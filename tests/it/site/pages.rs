@@ -1,14 +1,19 @@
 //! The pages: links lead somewhere, nothing is fetched, the bytes are the same each time and not too many.
 
 use std::collections::{HashMap, HashSet};
-use std::sync::LazyLock;
 
+use ptm_conform::misreadings;
+use ptm_conform::readers::profiles;
+use ptm_conform::report::address;
+use ptm_conform::report::document::SuiteName;
+use ptm_conform::site::SiteFile;
 use ptm_conform::site::readers::reader_runs;
-use ptm_conform::site::{SiteFile, build};
 use ptm_conform::suite::cases::Suite;
+use ptm_conform::suite::clauses;
+use ptm_conform::suite::texture::cases as texture;
+use ptm_conform::tools::lint::codes;
 
-static SITE: LazyLock<Vec<SiteFile>> =
-    LazyLock::new(|| build(None, None, 2).expect("the site is built"));
+use super::SITE;
 
 fn is_page(file: &SiteFile) -> bool {
     file.path.rsplit('.').next() == Some("html")
@@ -97,19 +102,59 @@ fn nothing_is_fetched_from_anywhere() {
     }
 }
 
+/// By the program, in a process of its own and on one thread.
+#[cfg(feature = "cli")]
 #[test]
 fn the_same_bytes_are_made_each_time_and_not_too_many() {
-    let again = build(None, None, 1).expect("the site is built");
-    let bytes: usize = again.iter().map(|file| file.bytes.len()).sum();
+    let again = tempfile::tempdir().expect("a scratch directory");
+    let made = crate::common::program()
+        .args(["site", "--jobs", "1", "--out"])
+        .arg(again.path())
+        .status();
+    assert!(made.expect("the program starts").success());
+    let bytes: usize = SITE.iter().map(|file| file.bytes.len()).sum();
     assert!(bytes <= 40_000_000, "{bytes} bytes");
-    assert_eq!(again.len(), SITE.len());
-    for (one, other) in SITE.iter().zip(&again) {
-        assert!(
-            one.path == other.path && one.bytes == other.bytes,
-            "{}",
-            one.path
-        );
+    for file in SITE.iter() {
+        let other = std::fs::read(again.path().join(&file.path)).expect("the same files");
+        assert!(file.bytes == other, "{}", file.path);
     }
+}
+
+/// Whoever names a page outside the site names one that is there: every id of every catalog.
+#[test]
+fn every_address_leads_to_a_page() {
+    let mut addresses: Vec<String> = Vec::new();
+    let (ptm, stage) = (SuiteName::Ptm, SuiteName::Texture);
+    let suite = Suite::load().expect("the suite loads");
+    let stages = Suite::of_textures().expect("the texture suite loads");
+    let cases = suite.cases.iter().map(|case| ptm.case_page(&case.id));
+    let cases = cases.chain(stages.cases.iter().map(|case| stage.case_page(&case.id)));
+    addresses.extend(cases.map(|page| page.expect("a case has a page")));
+    for (of, clauses, rulings) in [
+        (ptm, clauses::clauses(), clauses::rulings()),
+        (stage, texture::clauses(), texture::rulings()),
+    ] {
+        let clauses = clauses.expect("the clauses").into_iter();
+        addresses.extend(clauses.map(|clause| of.clause_page(&clause.id).expect("a place")));
+        let rulings = rulings.expect("the rulings").into_iter();
+        addresses.extend(rulings.map(|ruling| of.ruling_page(&ruling.id)));
+    }
+    let slugs = misreadings::all().map(|of| ptm.misreading_page(of.slug));
+    let slugs = slugs.chain(misreadings::texture::all().map(|of| stage.misreading_page(of.slug)));
+    addresses.extend(slugs);
+    addresses.extend(codes::ALL.iter().map(|code| address::code(code.id)));
+    addresses.extend(profiles().iter().map(|of| address::reader(&of.reader)));
+    addresses.extend([ptm, stage, SuiteName::Writers].map(|of| of.protocol_page().to_owned()));
+    let pages: HashMap<&str, &SiteFile> =
+        SITE.iter().map(|file| (file.path.as_str(), file)).collect();
+    for address in &addresses {
+        let (path, anchor) = address.split_once('#').unwrap_or((address, ""));
+        let page = pages.get(path).unwrap_or_else(|| panic!("{address}"));
+        let page = std::str::from_utf8(&page.bytes).expect("UTF-8");
+        let id = format!(" id=\"{anchor}\"");
+        assert!(anchor.is_empty() || page.contains(&id), "{address}");
+    }
+    assert!(addresses.len() > 3000, "{}", addresses.len());
 }
 
 #[test]

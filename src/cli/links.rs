@@ -1,0 +1,136 @@
+//! Pages of the site: named in a line, or as hyperlinks (OSC 8) where the terminal has them.
+
+use std::collections::HashMap;
+use std::fmt::Write as _;
+use std::io::IsTerminal;
+use std::sync::LazyLock;
+
+use ptm_conform::misreadings;
+use ptm_conform::report::address::{self, published};
+use ptm_conform::report::document::SuiteName;
+use ptm_conform::suite::cases::Suite;
+use ptm_conform::suite::clauses;
+use ptm_conform::suite::texture::cases as texture;
+use ptm_conform::tools::lint::codes;
+
+/// A line with the page about something.
+pub fn page_line(page: Option<String>) -> String {
+    page.map_or_else(String::new, |page| {
+        format!("  page: {}\n", published(&page))
+    })
+}
+
+/// The text with links, if standard output is a terminal that is known to have them; never in a pipe or a file.
+pub fn linked(text: &str) -> String {
+    let wanted = std::io::stdout().is_terminal()
+        && anstream::AutoStream::choice(&std::io::stdout()) != anstream::ColorChoice::Never
+        && supports_hyperlinks::supports_hyperlinks();
+    match wanted {
+        true => with_links(text, &|word| PAGES.get(word).map(|page| published(page))),
+        false => text.to_owned(),
+    }
+}
+
+/// Pages of what can be told from an ordinary word: cases, clauses, misreadings and codes.
+static PAGES: LazyLock<HashMap<String, String>> = LazyLock::new(|| {
+    let (ptm, stage) = (SuiteName::Ptm, SuiteName::Texture);
+    let mut pages = HashMap::new();
+    let mut put = |id: &str, page: Option<String>| {
+        let page = page.filter(|_| id.contains(['-', '/']));
+        pages.extend(page.map(|page| (id.to_owned(), page)));
+    };
+    let suites = (Suite::load(), Suite::of_textures());
+    // What is wrong with a file of the suite is said elsewhere.
+    for case in suites.0.iter().flat_map(|suite| &suite.cases) {
+        put(&case.id, ptm.case_page(&case.id));
+    }
+    for case in suites.1.iter().flat_map(|suite| &suite.cases) {
+        put(&case.id, stage.case_page(&case.id));
+    }
+    for clause in clauses::clauses().into_iter().flatten() {
+        put(&clause.id, ptm.clause_page(&clause.id));
+    }
+    for clause in texture::clauses().into_iter().flatten() {
+        put(&clause.id, stage.clause_page(&clause.id));
+    }
+    for misreading in misreadings::all() {
+        put(misreading.slug, Some(ptm.misreading_page(misreading.slug)));
+    }
+    for code in codes::ALL {
+        put(code.id, Some(address::code(code.id)));
+    }
+    pages
+});
+
+/// The text with a link on every word that has an address, and on addresses themselves. Escape sequences stay as they are.
+fn with_links(text: &str, address: &dyn Fn(&str) -> Option<String>) -> String {
+    let is_part = |c: char| c.is_ascii_alphanumeric() || matches!(c, '-' | '/' | '.' | ':' | '#');
+    let mut out = String::new();
+    let mut rest = text;
+    while let Some(first) = rest.chars().next() {
+        let length = match first {
+            '\x1b' => rest
+                .find(|c: char| c.is_ascii_alphabetic())
+                .map(|end| end + 1),
+            _ if is_part(first) => rest.find(|c: char| !is_part(c)),
+            _ => Some(first.len_utf8()),
+        };
+        let (word, after) = rest.split_at(length.unwrap_or(rest.len()));
+        let name = word.trim_end_matches(['.', ':', '/']);
+        let target = match name.starts_with(address::SITE) {
+            true => Some(name.to_owned()),
+            false => address(name),
+        };
+        match target {
+            Some(target) if first != '\x1b' => {
+                let _ = write!(out, "\x1b]8;;{target}\x1b\\{name}\x1b]8;;\x1b\\");
+                out += &word[name.len()..];
+            }
+            _ => out += word,
+        }
+        rest = after;
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn words_that_have_a_page_are_links_and_nothing_else_changes() {
+        let page = |word: &str| PAGES.get(word).map(|page| published(page));
+        let text = "\x1b[1mclause 2.4/8:\x1b[0m x. More: ptm-conform explain rows-top-down\n  FAIL hand-rgb-blocks  (2.7.1/2, 2.4/99) rows";
+        let linked = with_links(text, &page);
+        assert_eq!(linked.matches("\x1b]8;;https://").count(), 4, "{linked:?}");
+        for (name, place) in [
+            ("2.4/8", "format/2.4.html#c-2.4-8"),
+            ("rows-top-down", "misreadings/rows-top-down.html"),
+            ("hand-rgb-blocks", "cases/hand-rgb-blocks.html"),
+            ("2.7.1/2", "format/2.7.html#c-2.7.1-2"),
+        ] {
+            let link = format!("\x1b]8;;{}{place}\x1b\\{name}\x1b]8;;\x1b\\", address::SITE);
+            assert!(linked.contains(&link), "{name}: {linked:?}");
+        }
+        assert_eq!(
+            anstream::adapter::strip_str(&linked).to_string(),
+            anstream::adapter::strip_str(text).to_string()
+        );
+    }
+
+    #[test]
+    fn the_address_of_a_page_is_a_link_to_it() {
+        let line = page_line(SuiteName::Ptm.clause_page("2.9.8/2"));
+        assert_eq!(
+            line,
+            format!("  page: {}format/2.9.8.html#c-2.9.8-2\n", address::SITE)
+        );
+        let linked = with_links(&line, &|_| None);
+        assert_eq!(linked.matches("2.9.8.html").count(), 2, "{linked:?}");
+    }
+
+    #[test]
+    fn off_a_terminal_nothing_is_a_link() {
+        assert_eq!(linked("clause 2.4/8"), "clause 2.4/8");
+    }
+}

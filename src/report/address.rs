@@ -1,0 +1,108 @@
+//! Where the page of each thing lies: the one place that knows.
+//!
+//! Addresses are paths from the root of the site, which is [`SITE`] where it is published. That each leads to a page is
+//! tested on the site itself.
+
+use crate::report::document::SuiteName;
+
+/// The root of the site where it is published.
+pub const SITE: &str = env!("CARGO_PKG_HOMEPAGE");
+
+/// The sections that have a page of their own; a clause stands on the page of the longest one that it begins with.
+const CHAPTERS: [&str; 12] = [
+    "1.0", "2.0", "2.1", "2.2", "2.3", "2.4", "2.5", "2.6", "2.7", "2.8", "2.9", "2.9.8",
+];
+
+/// The address of a page where the site is published.
+#[must_use]
+pub fn published(page: &str) -> String {
+    format!("{SITE}{page}")
+}
+
+/// The page of a section.
+#[must_use]
+pub fn chapter(section: &str) -> String {
+    format!("format/{section}.html")
+}
+
+/// The page of a code of `lint`.
+#[must_use]
+pub fn code(id: &str) -> String {
+    format!("codes/{id}.html")
+}
+
+/// The page of a public reader.
+#[must_use]
+pub fn reader(name: &str) -> String {
+    format!("readers/{}.html", reader_slug(name))
+}
+
+/// A reader's name as a file name.
+fn reader_slug(name: &str) -> String {
+    let words = name.to_lowercase();
+    let words: Vec<&str> = words
+        .split(|c: char| !c.is_ascii_alphanumeric())
+        .filter(|word| !word.is_empty())
+        .collect();
+    words.join("-")
+}
+
+impl SuiteName {
+    /// The page of a case; a request to a writer has none.
+    #[must_use]
+    pub fn case_page(self, id: &str) -> Option<String> {
+        match self {
+            SuiteName::Ptm => Some(format!("cases/{id}.html")),
+            SuiteName::Texture => Some(format!("texture/cases.html#{id}")),
+            SuiteName::Writers | SuiteName::Fitters => None,
+        }
+    }
+
+    /// The place of a clause.
+    #[must_use]
+    pub fn clause_page(self, id: &str) -> Option<String> {
+        if self == SuiteName::Texture {
+            return Some(format!("texture/index.html#{id}"));
+        }
+        let (section, _) = id.split_once('/')?;
+        let holds = |chapter: &&&str| {
+            let rest = section.strip_prefix(**chapter);
+            rest.is_some_and(|rest| rest.is_empty() || rest.starts_with('.'))
+        };
+        let holding = CHAPTERS.iter().filter(holds);
+        let holding = holding.max_by_key(|chapter| chapter.len())?;
+        Some(format!("{}#c-{}", chapter(holding), id.replace('/', "-")))
+    }
+
+    /// The page of a ruling.
+    #[must_use]
+    pub fn ruling_page(self, id: &str) -> String {
+        match self {
+            SuiteName::Ptm | SuiteName::Writers | SuiteName::Fitters => {
+                format!("rulings/{id}.html")
+            }
+            SuiteName::Texture => format!("texture/rulings.html#{id}"),
+        }
+    }
+
+    /// The page of a misreading.
+    #[must_use]
+    pub fn misreading_page(self, slug: &str) -> String {
+        match self {
+            SuiteName::Ptm | SuiteName::Writers | SuiteName::Fitters => {
+                format!("misreadings/{slug}.html")
+            }
+            SuiteName::Texture => format!("texture/misreadings.html#{slug}"),
+        }
+    }
+
+    /// What a first reading of the protocol begins with.
+    #[must_use]
+    pub fn protocol_page(self) -> &'static str {
+        match self {
+            SuiteName::Ptm => "docs/index.html#the-decoder-protocol-ptm-cp-1",
+            SuiteName::Texture => "docs/spec-cases-texture.html",
+            SuiteName::Writers | SuiteName::Fitters => "docs/writers.html",
+        }
+    }
+}

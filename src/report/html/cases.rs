@@ -1,0 +1,230 @@
+//! Failing cases, cause by cause, each with what there is to see of it.
+
+use std::collections::HashMap;
+
+use maud::{Markup, html};
+
+use crate::report::document::{CaseResult, LikelyCause, Report, SuiteName};
+use crate::report::html::evidence::standard_error;
+use crate::report::html::shell::{linked, mark};
+use crate::report::reported::Reported;
+use crate::session::outcome::Outcome;
+use crate::session::run::Run;
+use crate::suite::cases::Suite;
+
+/// Bytes of markup that the evidence of all failing cases may take together: pictures, files, excerpts, previews and standard
+/// error. What does not fit is left out, and the page says so.
+pub const EVIDENCE: usize = 3_500_000;
+
+/// Cases of a group that are there without being asked for.
+const SHOWN: usize = 12;
+
+/// Failing cases under the cause that explains them, the unexplained ones last.
+pub(super) struct Group<'a> {
+    /// What was asked: of a decoder, or of a writer.
+    pub suite: SuiteName,
+    pub cause: Option<&'a LikelyCause>,
+    pub cases: Vec<&'a CaseResult>,
+}
+
+impl Group<'_> {
+    fn heading(&self) -> String {
+        self.cause.map_or_else(
+            || "Unexplained failures".to_owned(),
+            |cause| format!("The {} {}", self.suite.subject(), cause.effect),
+        )
+    }
+
+    /// Where its cases stand on the page.
+    pub(super) fn anchor(&self) -> String {
+        self.cause.map_or_else(
+            || "cases-unexplained".to_owned(),
+            // Two causes of one kind may misread different clauses.
+            |cause| format!("cases-{}-{}", cause.name(), cause.clause.replace('/', "-")),
+        )
+    }
+}
+
+/// The failing cases of a report.
+pub(super) fn groups(report: &Report) -> Vec<Group<'_>> {
+    let place = |case: &CaseResult| {
+        let cause = report.cause_of(case);
+        let mut causes = report.diagnoses.iter();
+        let place = cause.and_then(|cause| causes.position(|other| other == cause));
+        place.unwrap_or(report.diagnoses.len())
+    };
+    let causes = report.diagnoses.iter().map(Some).chain([None]);
+    let mut groups: Vec<Group> = causes
+        .map(|cause| Group {
+            suite: report.suite,
+            cause,
+            cases: Vec::new(),
+        })
+        .collect();
+    for case in report.cases.iter().filter(|case| failed(case)) {
+        groups[place(case)].cases.push(case);
+    }
+    groups.retain(|group| !group.cases.is_empty());
+    groups
+}
+
+pub(super) fn failed(case: &CaseResult) -> bool {
+    case.outcome == Outcome::Fail.name()
+}
+
+/// What there is to see of each failing case, as far as the allowance goes: the first of every group, then the second.
+pub(super) fn evidence<'a, C: Reported>(
+    suite: &Suite<C>,
+    run: Option<&Run<C>>,
+    groups: &[Group<'a>],
+) -> HashMap<&'a str, Markup> {
+    let Some(run) = run else {
+        return HashMap::new();
+    };
+    let places: HashMap<&str, usize> = suite
+        .cases
+        .iter()
+        .enumerate()
+        .map(|(i, case)| (case.id(), i))
+        .collect();
+    let longest = groups.iter().map(|group| group.cases.len()).max();
+    let in_turn = (0..longest.unwrap_or_default())
+        .flat_map(|rank| groups.iter().filter_map(move |group| group.cases.get(rank)));
+    let mut left = EVIDENCE;
+    let mut evidence = HashMap::new();
+    for case in in_turn {
+        let shown = places.get(case.id.as_str()).and_then(|&i| {
+            let observation = run.observations[i].as_ref()?;
+            Some(suite.cases[i].evidence(run.table, observation))
+        });
+        let Some(shown) = shown else { continue };
+        let Some(rest) = left.checked_sub(shown.0.len()) else {
+            break;
+        };
+        left = rest;
+        evidence.insert(case.id.as_str(), shown);
+    }
+    evidence
+}
+
+/// The section of failing cases, and the filter over all cases.
+pub(super) fn failures<C: Reported>(
+    suite: &Suite<C>,
+    report: &Report,
+    groups: &[Group],
+    pictures: bool,
+    evidence: &HashMap<&str, Markup>,
+) -> Markup {
+    let card = |case: &CaseResult, open: bool| {
+        card(suite, report, case, evidence.get(case.id.as_str()), open)
+    };
+    let failures = groups.iter().map(|group| group.cases.len()).sum::<usize>();
+    html! {
+        section aria-labelledby="cases" {
+            h2 #cases { "Cases" }
+            form.tools role="search" {
+                label for="filter" { "Filter" }
+                input #filter type="search" placeholder="an id, a clause such as 2.4/8, a word" autocomplete="off" spellcheck="false";
+                span #found role="status" aria-live="polite" { (report.cases.len()) " cases" }
+                button #open type="button" { "Open all" }
+                button #close type="button" { "Close all" }
+            }
+            @if failures > 0 && !pictures {
+                p.note { "Made from a report in YAML, which holds no pictures; “ptm-conform check --html” makes a page that does." }
+            } @else if evidence.len() < failures {
+                p.note {
+                    "Pictures and bytes are shown for " (evidence.len()) " of " (failures)
+                    " failures, the first of each cause before the second: a page holds " (EVIDENCE / 1000) " kB of them."
+                }
+            }
+            @for (i, group) in groups.iter().enumerate() {
+                section.group id=(group.anchor()) aria-label=(group.heading()) {
+                    h3 { (group.heading()) " " span.count { (group.cases.len()) } }
+                    @let (first, more) = group.cases.split_at(SHOWN.min(group.cases.len()));
+                    @for (j, case) in first.iter().enumerate() {
+                        (card(case, i == 0 && j == 0))
+                    }
+                    @if !more.is_empty() {
+                        details.more {
+                            summary { span.count { (more.len()) } " more" }
+                            @for case in more { (card(case, false)) }
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// A failing case.
+fn card<C: Reported>(
+    suite: &Suite<C>,
+    report: &Report,
+    case: &CaseResult,
+    evidence: Option<&Markup>,
+    open: bool,
+) -> Markup {
+    let says = case.says.as_deref().unwrap_or_default();
+    // Of a difference the end says how much of the picture it is; the evidence shows the texel.
+    let short = says.rsplit("; ").next().unwrap_or_default();
+    let long = match (evidence, says.split_once("texel (")) {
+        (Some(_), Some((before, _))) => format!("{before}{short}"),
+        _ => says.to_owned(),
+    };
+    html! {
+        details.case id={ "case-" (case.id) } open[open] {
+            summary {
+                span.mark aria-label="fail" { (mark("fail")) }
+                code { (case.id) }
+                span.clauses { (case.clauses.join(" ")) }
+                span.says { @if report.is_known(case) { span.chip { "known" } " " } (short) }
+            }
+            div.body {
+                @if let Some(known) = suite.case(&case.id) { p.because { (known.because()) } }
+                p.clauses { "Clauses " (clauses(report.suite, &case.clauses)) }
+                p {
+                    "Asked for " code { (case.view.as_deref().unwrap_or("nothing")) } ", expected: " (case.expect) ". Result: "
+                    (long) "."
+                }
+                @match evidence {
+                    Some(evidence) => (evidence),
+                    None => @if let Some(stderr) = &case.stderr { (standard_error(stderr)) },
+                }
+                p.label { "Run it again" }
+                pre.command tabindex="0" { (again(report, &case.id)) }
+                p.quiet {
+                    code { "ptm-conform explain " (case.id) }
+                    @if suite.case(&case.id).is_some() && report.suite.case_page(&case.id).is_some() { " · " (linked(report.suite.case_page(&case.id), &html! { "its page" })) }
+                }
+            }
+        }
+    }
+}
+
+/// Clauses with links to what the site says of them.
+fn clauses(suite: SuiteName, ids: &[String]) -> Markup {
+    html! {
+        @for (i, id) in ids.iter().enumerate() { @if i > 0 { ", " } (linked(suite.clause_page(id), &html! { (id) })) }
+    }
+}
+
+/// The command that asks for this case alone, with the decoder's words as a shell takes them.
+fn again(report: &Report, id: &str) -> String {
+    let command = &report.decoder.command;
+    let quoted = |word: &str| shlex::try_quote(word).map_or_else(|_| "''".to_owned(), Into::into);
+    let words = command.split(' ').map(quoted).collect::<Vec<_>>().join(" ");
+    let case = quoted(id);
+    match report.suite {
+        SuiteName::Ptm if command.contains("{in}") => {
+            format!("ptm-conform check --case {case} --cmd {}", quoted(command))
+        }
+        SuiteName::Ptm => format!("ptm-conform check --case {case} -- {words}"),
+        SuiteName::Texture => {
+            format!("ptm-conform check --suite texture --case {case} -- {words}")
+        }
+        SuiteName::Writers => format!("ptm-conform check-writer --case {case} -- {words}"),
+        SuiteName::Fitters => {
+            format!("ptm-conform check-writer --fitter --case {case} -- {words}")
+        }
+    }
+}

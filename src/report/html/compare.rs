@@ -1,0 +1,62 @@
+//! Colored pictures beside each other: expected, received, and how far they differ. The page's script adds a picture with a
+//! border to move: expected to its left, received to its right.
+
+use data_encoding::BASE64;
+use maud::{Markup, html};
+
+/// The longest side on the page, in CSS pixels.
+const SHOWN: usize = 208;
+
+/// Two pictures of one size, three bytes a texel.
+pub(super) struct Compared<'a> {
+    pub width: usize,
+    pub height: usize,
+    pub expected: &'a [u8],
+    pub received: &'a [u8],
+    /// How far each texel differs, four bytes a texel.
+    pub difference: Option<&'a [u8]>,
+}
+
+impl Compared<'_> {
+    /// The pictures; `subject` is what the received one is called.
+    pub(super) fn markup(&self, subject: &str) -> Markup {
+        let opaque = |rgb: &[u8]| -> Vec<u8> {
+            let texels = rgb.chunks_exact(3);
+            texels
+                .flat_map(|rgb| [rgb[0], rgb[1], rgb[2], 255])
+                .collect()
+        };
+        html! {
+            div.compare {
+                (self.picture("expected", "expected", &opaque(self.expected)))
+                (self.picture("received", subject, &opaque(self.received)))
+                @if let Some(difference) = self.difference { (self.picture("difference", "difference", difference)) }
+            }
+        }
+    }
+
+    fn picture(&self, role: &str, name: &str, rgba: &[u8]) -> Markup {
+        let scale = (SHOWN / self.width.max(self.height)).max(1);
+        html! {
+            div.picture data-role=(role) {
+                img width=(self.width * scale) height=(self.height * scale) alt=(name) src=(png(self.width, self.height, rgba));
+                span { (name) }
+            }
+        }
+    }
+}
+
+/// A picture of four bytes a texel as an address.
+pub(super) fn png(width: usize, height: usize, rgba: &[u8]) -> String {
+    let mut bytes = Vec::new();
+    let mut encoder = png::Encoder::new(&mut bytes, width as u32, height as u32);
+    encoder.set_color(png::ColorType::Rgba);
+    encoder.set_depth(png::BitDepth::Eight);
+    encoder.set_compression(png::Compression::High);
+    let mut writer = encoder.write_header().expect("a picture has a width");
+    writer
+        .write_image_data(rgba)
+        .expect("there are four bytes for each pixel");
+    drop(writer);
+    format!("data:image/png;base64,{}", BASE64.encode(&bytes))
+}

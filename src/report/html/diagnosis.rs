@@ -1,0 +1,89 @@
+//! What is wrong, in words: the causes with what to do about them; and of what is no decoder, what to do next.
+
+use maud::{Markup, html};
+
+use crate::report::address::published;
+use crate::report::document::{LikelyCause, Report};
+use crate::report::html::cases::{Group, failed};
+use crate::report::html::shell::linked;
+use crate::report::words::{how_it_is_called, known_words};
+use crate::suite::clauses::Clause;
+
+/// The causes, most telling first.
+pub(super) fn diagnosis(report: &Report, groups: &[Group], clauses: &[Clause]) -> Markup {
+    let failures = report.cases.iter().filter(|case| failed(case)).count();
+    html! {
+        section #main tabindex="-1" aria-labelledby="diagnosis" {
+            h2 #diagnosis { "Diagnosis" }
+            @if failures == 0 {
+                p.lead {
+                    @if report.verdict == "pass" { "All judged cases passed." }
+                    @else { "No case failed, but the run does not count as passed: see the cases below." }
+                }
+            }
+            @for group in groups {
+                @match group.cause {
+                    Some(cause) => (diagnosed(cause, group, failures, clauses)),
+                    None => article.cause.unexplained {
+                        p.share { b { (group.cases.len()) } " of " (failures) " failures" }
+                        div {
+                            h3 { "Unexplained failures" }
+                            p { a href={ "#" (group.anchor()) } { "See them" } ", in the order of the text." }
+                        }
+                    },
+                }
+            }
+        }
+    }
+}
+
+fn diagnosed(cause: &LikelyCause, group: &Group, failures: usize, clauses: &[Clause]) -> Markup {
+    let rule = clauses.iter().find(|clause| clause.id == cause.clause);
+    let subject = group.suite.subject();
+    html! {
+        article.cause {
+            p.share { b { (cause.explains.len()) } " of " (failures) " failures" }
+            div {
+                h3 { "The " (subject) " " (cause.effect) "." }
+                p.fix { b { "Fix: " } (cause.fix) "." }
+                @if cause.blames_its_clause() {
+                    p.rule {
+                        b { "Clause " (linked(group.suite.clause_page(&cause.clause), &html! { (cause.clause) })) } @if let Some(rule) = rule { ": " (rule.rule) }
+                    }
+                }
+                @for (slug, other) in known_words(group.suite, &cause.or).take(3) {
+                    p { "Or, which fails the same cases: it " (other.effect) " (clause " (other.clause) "; " (linked(Some(group.suite.misreading_page(slug)), &html! { code { (slug) } })) ")." }
+                }
+                @for (slug, other) in known_words(group.suite, &cause.with) {
+                    p { "In some of them also: it " (other.effect) " (" code { (slug) } ")." }
+                }
+                @if !cause.partly.is_empty() {
+                    p { (cause.partly.len()) " more in part: it goes wrong there too, but not in just this way." }
+                }
+                @if let Some(passing) = cause.except.first() {
+                    p { "But not everywhere: " (cause.except.len()) " cases pass that such a " (subject) " would fail, for example " code { (passing) } "." }
+                }
+                @if let Some(shows) = &cause.shows { p { "All that shows of it: the " (subject) " " (shows) ". Other causes would show alike." } }
+                @if let Some(example) = &cause.example { p { "For example " (example.strip_prefix("for example ").unwrap_or(example).trim_end_matches('.')) "." } }
+                p.quiet {
+                    a href={ "#" (group.anchor()) } { "See the cases" }
+                    @if let Some(slug) = &cause.misreading { " · " (linked(Some(group.suite.misreading_page(slug)), &html! { "About this mistake" })) " · " code { "ptm-conform explain " (slug) } }
+                }
+            }
+        }
+    }
+}
+
+/// What to do about a program that is no decoder.
+pub(super) fn next_steps(report: &Report) -> Markup {
+    let called = how_it_is_called(report.suite, &report.decoder.command);
+    html! {
+        section #main tabindex="-1" aria-labelledby="next" {
+            h2 #next { "What to do next" }
+            p.lead { "No case was judged: first the program has to speak the protocol." }
+            ol.steps { @for line in called.lines() { li { (line) } } }
+            p { a href=(published(report.suite.protocol_page())) { "The protocol" } " says what a call looks like and what each exit status means. "
+                "The directory " code { "examples/decoders" } " holds a wrapper to begin with." }
+        }
+    }
+}

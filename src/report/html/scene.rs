@@ -1,0 +1,140 @@
+//! The scene at the top: a lit ball as the decoder shows it, and what is wrong with it at a glance.
+
+use maud::{Markup, html};
+
+use crate::report::html::compare::Compared;
+use crate::session::lit_scene::{LIGHT, LitScene, SIDE, ball};
+
+/// Two pictures are the same to the eye if their samples differ by less than this on average.
+const ALIKE: f64 = 3.0;
+
+/// The scene beside the right one.
+pub(super) fn figure(scene: &LitScene) -> Markup {
+    let side = SIDE as usize;
+    let pictures = Compared {
+        width: side,
+        height: side,
+        expected: &scene.right,
+        received: &scene.received,
+        difference: None,
+    };
+    html! {
+        figure.scene {
+            (pictures.markup("this decoder"))
+            figcaption {
+                b { (in_words(&scene.right, &scene.received)) } " A ball lit from the upper left, in " (scene.format.short_name())
+                ", asked for " code { (scene.view) } ". The scene is for the eye and is not judged."
+            }
+        }
+    }
+}
+
+/// A change of a picture: what it is called, and where each texel and channel comes from.
+type Change = (
+    &'static str,
+    fn(usize, usize, usize) -> (usize, usize, usize),
+);
+
+const LAST: usize = SIDE as usize - 1;
+const CHANGES: &[Change] = &[
+    ("It is upside down.", |x, y, c| (x, LAST - y, c)),
+    ("It is mirrored.", |x, y, c| (LAST - x, y, c)),
+    ("It is turned by 180°.", |x, y, c| (LAST - x, LAST - y, c)),
+    ("Rows and columns are exchanged.", |x, y, c| (y, x, c)),
+    ("Red and blue are exchanged.", |x, y, c| (x, y, 2 - c)),
+    ("Red and green are exchanged.", |x, y, c| {
+        (x, y, [1, 0, 2][c])
+    }),
+    ("Green and blue are exchanged.", |x, y, c| {
+        (x, y, [0, 2, 1][c])
+    }),
+    (
+        "It is upside down, and red and blue are exchanged.",
+        |x, y, c| (x, LAST - y, 2 - c),
+    ),
+];
+
+/// How far samples differ on average.
+fn mean_difference(one: &[u8], other: &[u8]) -> f64 {
+    let pairs = one.iter().zip(other);
+    let sum: u32 = pairs.map(|(a, b)| u32::from(a.abs_diff(*b))).sum();
+    f64::from(sum) / one.len() as f64
+}
+
+/// What is wrong with the picture, as one sees it.
+fn in_words(right: &[u8], received: &[u8]) -> &'static str {
+    let side = SIDE as usize;
+    let at = |(x, y, c): (usize, usize, usize)| 3 * (y * side + x) + c;
+    let differs = |from: fn(usize, usize, usize) -> (usize, usize, usize)| {
+        let places = (0..right.len()).map(|i| (i / 3 % side, i / 3 / side, i % 3));
+        let changed: Vec<u8> = places.map(|(x, y, c)| right[at(from(x, y, c))]).collect();
+        mean_difference(&changed, received)
+    };
+    if right == received {
+        return "This decoder shows it right.";
+    }
+    if differs(|x, y, c| (x, y, c)) < ALIKE {
+        return "This decoder shows it almost right.";
+    }
+    if let Some((says, _)) = CHANGES.iter().find(|(_, from)| differs(*from) < ALIKE) {
+        return says;
+    }
+    let lights = [
+        ("It is lit from below: v points down.", 1.0, -1.0),
+        ("It is lit from the right: u points to the left.", -1.0, 1.0),
+        (
+            "It is lit from the lower right: u and v point the other way.",
+            -1.0,
+            -1.0,
+        ),
+    ];
+    let lit = |u: f64, v: f64| ball(SIDE).evaluate(u * LIGHT.0, v * LIGHT.1).to_bytes();
+    if let Some((says, ..)) = lights
+        .iter()
+        .find(|(_, u, v)| mean_difference(&lit(*u, *v), received) < ALIKE)
+    {
+        return says;
+    }
+    let mean = |picture: &[u8]| picture.iter().map(|&byte| f64::from(byte)).sum::<f64>();
+    match mean(received) / mean(right) {
+        ..0.85 => "It is too dark, or darker where it is wrong.",
+        1.15.. => "It is too bright, or brighter where it is wrong.",
+        _ => "It is wrong.",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_one_sees_is_said() {
+        let right = ball(SIDE).evaluate(-0.5, 0.5).to_bytes();
+        let rows: Vec<u8> = right
+            .chunks(3 * SIDE as usize)
+            .rev()
+            .flatten()
+            .copied()
+            .collect();
+        let swapped: Vec<u8> = right
+            .chunks(3)
+            .flat_map(|rgb| [rgb[2], rgb[1], rgb[0]])
+            .collect();
+        let dark: Vec<u8> = right.iter().map(|byte| byte / 2).collect();
+        let bright: Vec<u8> = right.iter().map(|byte| byte.saturating_mul(2)).collect();
+        for (picture, says) in [
+            (&right, "right."),
+            (&rows, "upside down."),
+            (&swapped, "Red and blue"),
+            (
+                &ball(SIDE).evaluate(-0.5, -0.5).to_bytes(),
+                "lit from below",
+            ),
+            (&dark, "too dark"),
+            (&bright, "too bright"),
+        ] {
+            let said = in_words(&right, picture);
+            assert!(said.contains(says), "{says}: {said}");
+        }
+    }
+}

@@ -1,0 +1,225 @@
+//! A map that anybody recognizes, as the decoder shows it: a striped ball, lit from the upper left, with a red corner at the
+//! top left and others elsewhere. It is asked for a page that people look at, and never judged.
+
+use std::collections::BTreeSet;
+
+use crate::decode::decode;
+use crate::evaluate::Coefficients;
+use crate::generate::{Model, Recipe, write};
+use crate::protocol::frame::{Answer, Frame, Samples, View};
+use crate::ptm::{Format, Ptm, Shape, Size};
+use crate::runner::run::Request;
+use crate::session::asking::Ask;
+use crate::session::offer::Offer;
+use crate::suite::features::Feature;
+
+/// Columns and rows.
+pub const SIDE: u32 = 64;
+/// The light, from the upper left.
+pub const LIGHT: (f64, f64) = (-0.5, 0.5);
+/// The formats that can hold it, the plainest first.
+const FORMATS: [Format; 6] = [
+    Format::Lrgb,
+    Format::Rgb,
+    Format::JpegLrgb,
+    Format::JpeglsLrgb,
+    Format::JpegRgb,
+    Format::JpeglsRgb,
+];
+
+/// The scene under its light: red, green and blue of every texel, the top row first.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct LitScene {
+    /// The format of the file that was asked.
+    pub format: Format,
+    /// The view it was asked in.
+    pub view: &'static str,
+    /// As it is.
+    pub right: Vec<u8>,
+    /// As the decoder shows it.
+    pub received: Vec<u8>,
+}
+
+/// Asks for the scene in a format and a view that the decoder has; nothing where it has none, or where no picture comes.
+#[must_use]
+pub fn ask(offer: &Offer, decoded: &BTreeSet<Feature>, ask: &Ask) -> Option<LitScene> {
+    let reads = |format: &&Format| decoded.contains(&Feature::Format(**format));
+    let format = *FORMATS.iter().find(reads)?;
+    let mut views = ["rgb", "coef", "raw"].into_iter();
+    let view = views.find(|view| offer.views.contains(view))?;
+    let file = file(format);
+    let request = Request {
+        name: "lit-scene",
+        view: &asked(view),
+        file: &file,
+        largest_frame: (SIDE * SIDE) as usize * 18 * 4,
+        timeout_factor: 1,
+        alone: false,
+    };
+    let Answer::Decoded(frame) = ask(&request, 0).answer else {
+        return None;
+    };
+    Some(LitScene {
+        format,
+        view,
+        right: lit(&decode(&file).ok()?.coefficients()),
+        received: picture(&file, &frame)?,
+    })
+}
+
+/// The view of the request.
+fn asked(view: &str) -> View {
+    let text = match view {
+        "rgb" => format!("rgb:{},{}", LIGHT.0, LIGHT.1),
+        view => view.to_owned(),
+    };
+    text.parse().expect("a view")
+}
+
+fn lit(coefficients: &Coefficients) -> Vec<u8> {
+    coefficients.evaluate(LIGHT.0, LIGHT.1).to_bytes()
+}
+
+/// What a frame of the scene's `file` looks like under the light; nothing where it has another shape.
+#[must_use]
+pub fn picture(file: &[u8], frame: &Frame) -> Option<Vec<u8>> {
+    let Ptm { header, mut planes } = decode(file).ok()?;
+    let channels = match frame.view {
+        "rgb" => 3,
+        _ => planes.shape.channels(),
+    };
+    if (frame.width, frame.height, frame.channels as usize) != (SIDE, SIDE, channels) {
+        return None;
+    }
+    match &frame.samples {
+        Samples::U8(bytes) if frame.view == "rgb" => Some(bytes.clone()),
+        Samples::U8(bytes) => {
+            planes.samples.clone_from(bytes);
+            Some(lit(&Ptm { header, planes }.coefficients()))
+        }
+        Samples::F32(values) => Some(lit(&Coefficients {
+            size: planes.size,
+            shape: planes.shape,
+            values: values.iter().map(|&value| f64::from(value)).collect(),
+        })),
+    }
+}
+
+/// The scene as a file.
+///
+/// # Panics
+/// If the format is one of a table, or LUM.
+#[must_use]
+pub fn file(format: Format) -> Vec<u8> {
+    let map = ball(SIDE);
+    let mut recipe = Recipe::ordinary(format, map.size);
+    (recipe.scale, recipe.bias) = (
+        "2 2 2 2 2 2".parse().expect("numbers"),
+        "128 128 128 128 128 128".parse().expect("numbers"),
+    );
+    let stored = |coefficient: f64| (coefficient / 2.0 + 128.0).round() as u8;
+    let texels = map.values.chunks_exact(9).flat_map(|texel| {
+        let (polynomial, color) = texel.split_first_chunk::<6>().expect("nine values");
+        let by_channel = |color: &f64| polynomial.map(|a| stored(a * color / 255.0));
+        if format.channels() == 18 {
+            return color.iter().flat_map(by_channel).collect::<Vec<u8>>();
+        }
+        let color = color.iter().map(|&color| color as u8);
+        polynomial.map(stored).into_iter().chain(color).collect()
+    });
+    let samples: Vec<u8> = texels.collect();
+    let model = Model::of(&recipe, &samples).expect("no table is needed");
+    write(&recipe, &model).bytes
+}
+
+/// A striped ball whose luminance is that of a matte surface, the normal times the light; and four corners.
+#[must_use]
+pub fn ball(side: u32) -> Coefficients {
+    let place = |at: u32| (f64::from(at) + 0.5) / f64::from(side) * 2.2 - 1.1;
+    let texels = (0..side * side).flat_map(|i| texel(place(i % side), -place(i / side)));
+    Coefficients {
+        size: Size {
+            width: side,
+            height: side,
+        },
+        shape: Shape::Lrgb,
+        values: texels.collect(),
+    }
+}
+
+fn texel(x: f64, y: f64) -> [f64; 9] {
+    let above = 1.0 - x * x - y * y;
+    if above < 0.0 {
+        let (luminance, [red, green, blue]) = match x.abs() + y.abs() > 1.65 {
+            false => (40.0, [90.0, 96.0, 104.0]),
+            true if x < 0.0 && y > 0.0 => (230.0, [235.0, 40.0, 40.0]),
+            true if y > 0.0 => (230.0, [60.0, 190.0, 80.0]),
+            true if x > 0.0 => (230.0, [60.0, 100.0, 235.0]),
+            true => (230.0, [240.0, 240.0, 240.0]),
+        };
+        return [0.0, 0.0, 0.0, 0.0, 0.0, luminance, red, green, blue];
+    }
+    let z = above.sqrt();
+    let is_even = ((x * 5.0).floor() as i32 + (y * 5.0).floor() as i32) % 2 == 0;
+    let [red, green, blue] = match is_even {
+        true => [235.0, 150.0, 90.0],
+        false => [120.0, 165.0, 210.0],
+    };
+    // The height of the light is √(1 − u² − v²), which is nearly 1 − (u² + v²) / 2.
+    let (curve, height) = (-115.0 * z, 22.0 + 230.0 * z);
+    let (across, up) = (230.0 * x, 230.0 * y);
+    [curve, curve, 0.0, across, up, height, red, green, blue]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Reading;
+    use crate::misreadings::answer;
+    use crate::runner::run::Reply;
+
+    #[test]
+    fn every_format_and_view_shows_the_same_scene() {
+        let wanted = lit(&ball(SIDE));
+        for format in FORMATS {
+            for view in ["raw", "coef", "rgb"] {
+                let offer = Offer {
+                    views: vec![view],
+                    ..Offer::default()
+                };
+                let decoded = BTreeSet::from([Feature::Format(format)]);
+                let reference = |request: &Request<'_>, _: usize| {
+                    Reply::from(answer(&[], Reading::SPEC, request.file, request.view))
+                };
+                let scene = ask(&offer, &decoded, &reference).expect("a scene");
+                assert_eq!((scene.format, scene.view), (format, view));
+                assert_eq!(scene.right, scene.received);
+                let pairs = wanted.iter().zip(&scene.right);
+                let far: u32 = pairs.map(|(a, b)| u32::from(a.abs_diff(*b))).sum();
+                assert!(far / (3 * SIDE * SIDE) < 6, "{format}: {far}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_refusal_and_another_shape_are_no_scene() {
+        let offer = Offer {
+            views: vec!["raw"],
+            ..Offer::default()
+        };
+        let decoded = BTreeSet::from([Feature::Format(Format::Lrgb)]);
+        let refusing = |_: &Request<'_>, _: usize| Reply::from(Answer::Rejected);
+        assert_eq!(ask(&offer, &decoded, &refusing), None);
+        let small = |_: &Request<'_>, _: usize| {
+            Reply::from(Answer::Decoded(Frame {
+                view: "raw",
+                width: 1,
+                height: 1,
+                channels: 9,
+                samples: Samples::U8(vec![0; 9]),
+            }))
+        };
+        assert_eq!(ask(&offer, &decoded, &small), None);
+        assert_eq!(ask(&offer, &BTreeSet::new(), &refusing), None);
+    }
+}
