@@ -5,11 +5,9 @@ use std::borrow::Cow;
 use super::mistake::Mistake;
 use super::solved::{self, Act};
 use super::witness::{Witness, applies};
-use crate::decode::decode_as;
-use crate::error::Class;
-use crate::misreadings::{self, Anatomy, At, Misreading, Seen, Stage};
+use crate::misreadings::{self, Misreading, Stage};
 use crate::protocol::frame::{Answer, View};
-use crate::ptm::{Limits, Ptm};
+use crate::ptm::Ptm;
 use crate::session::observation::Response;
 
 impl Witness<'_> {
@@ -50,27 +48,7 @@ impl Witness<'_> {
 
     /// The stored values that a decoder with these mistakes finds; what it answers where it finds none.
     pub fn planes(&self, mistakes: &[&Mistake]) -> Result<Ptm, Answer> {
-        let listed = self.listed(mistakes);
-        let reading = misreadings::misread(&listed, self.reading);
-        let mut file = Cow::Borrowed(&self.built.file[..]);
-        for misreading in &listed {
-            if let At::Bytes(edit) = misreading.at {
-                match edit(&Anatomy::of(&file, &reading)) {
-                    Seen::Refused => return Err(Answer::Rejected),
-                    Seen::File(bytes) => file = Cow::Owned(bytes),
-                }
-            }
-        }
-        let mut ptm = match decode_as(&file, &reading, &Limits::default()) {
-            Ok(ptm) => ptm,
-            Err(error) if error.class() == Class::Malformed => return Err(Answer::Rejected),
-            Err(_) => return Err(Answer::Unsupported),
-        };
-        for misreading in &listed {
-            if let At::Planes(edit) = misreading.at {
-                edit(&mut ptm);
-            }
-        }
+        let mut ptm = self.misread(&self.listed(mistakes))?;
         for act in self.acts(mistakes) {
             act.apply(&mut ptm, self);
         }

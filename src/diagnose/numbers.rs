@@ -23,7 +23,7 @@ pub(super) struct Used {
 }
 
 impl Used {
-    /// ", as if the bias of a3 were −21 and not −214".
+    /// ", as if the bias of a3 were -21 and not -214".
     pub fn in_words(&self) -> String {
         let name = if self.says == OTHER_BIAS {
             "bias"
@@ -106,7 +106,7 @@ mod tests {
         assert_eq!((used.says, used.value), (OTHER_BIAS, -21.0));
         assert_eq!(
             used.in_words(),
-            ", as if the bias of a3 were −21 and not −214"
+            ", as if the bias of a3 were -21 and not -214"
         );
         let used = solved(&values(0.25, -214.0), 0, &numbers).expect("a scale");
         assert_eq!((used.says, used.value), (OTHER_SCALE, 0.25));

@@ -24,15 +24,13 @@ use crate::suite::cases::Expect;
 const MOST: usize = 8;
 /// Failing cases that a mistake is first tried on.
 const SAMPLE: usize = 40;
-/// Mistakes that are tried on more cases, and those of them that are tried on every case.
+/// Mistakes that are tried on every case.
 const FINALISTS: usize = 64;
-const LAST: usize = 12;
-/// Cases that finalists are tried on first, unlike each other.
-const ROUND: usize = 160;
-/// Answers made for each case that was asked, after which no more mistakes are searched; and a quarter of them, where the last
-/// one explains less than one in so many of the failures: the next will explain still less.
-const WORK: usize = 80;
-const LITTLE: i64 = 50;
+/// Answers made for each case that was asked, after which no more mistakes are searched; and fewer, where the last one
+/// explains less than one in so many of the failures: the next will explain still less.
+const WORK: usize = 400;
+const LEAST_WORK: usize = 20;
+const LITTLE: i64 = 200;
 /// Samples of the failing cases that a mistake is first tried on, all together.
 const SAMPLES: usize = 1 << 20;
 /// Samples of a map that is large: what passes there, or fails as smaller ones do, need not be tried with every mistake.
@@ -530,27 +528,14 @@ impl<'a> Search<'a> {
             .collect();
         let is_left = |&w: &usize| tried[w] && self.witnesses[w].failed && now[w] < WORD;
         let left: Vec<usize> = (0..now.len()).filter(is_left).collect();
-        let gains_on = |finalists: &Set, cases: &[usize]| {
-            self.each(finalists, |&id| {
-                let with = plus(set, id);
-                let gain = |&w: &usize| match self.witnesses[w].could_be(&self.mistakes[id]) {
-                    true => self.value(w, &with) - now[w],
-                    false => 0,
-                };
-                cases.iter().map(gain).collect::<Vec<i64>>()
-            })
-        };
-        // Where much is left, part of it tells which mistakes explain most.
-        let mut finalists = finalists.clone();
-        if left.len() > 2 * ROUND && finalists.len() > LAST {
-            let gains = gains_on(&finalists, &self.unlike(&left, ROUND));
-            let mut ranked: Vec<usize> = (0..finalists.len()).collect();
-            ranked.sort_by_key(|&place| -gains[place].iter().sum::<i64>());
-            ranked.truncate(LAST);
-            ranked.sort_unstable();
-            finalists = ranked.iter().map(|&place| finalists[place]).collect();
-        }
-        let gains = gains_on(&finalists, &left);
+        let gains = self.each(finalists, |&id| {
+            let with = plus(set, id);
+            let gain = |&w: &usize| match self.witnesses[w].could_be(&self.mistakes[id]) {
+                true => self.value(w, &with) - now[w],
+                false => 0,
+            };
+            left.iter().map(gain).collect::<Vec<i64>>()
+        });
         let mut ranked: Vec<(i64, usize)> = gains
             .iter()
             .enumerate()
@@ -731,8 +716,8 @@ impl<'a> Search<'a> {
 
     /// Whether more work was done than a search is worth that last explained but a `little`.
     fn is_spent(&self, little: bool) -> bool {
-        let most = WORK * self.witnesses.len() / if little { 4 } else { 1 };
-        self.answered.load(Ordering::Relaxed) > most
+        let most = if little { LEAST_WORK } else { WORK };
+        self.answered.load(Ordering::Relaxed) > most * self.witnesses.len()
     }
 
     /// Failing cases unlike each other, small ones first.

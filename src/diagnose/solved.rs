@@ -2,7 +2,6 @@
 
 use super::changes::{Change, Values, short};
 use super::formulas::{Formula, Numbers};
-use super::mistake::Mistake;
 use super::scope::Scope;
 use super::strides::{Extent, Strides};
 use super::terms::Terms;
@@ -358,14 +357,8 @@ impl Act {
             }
             Act::Terms(terms) => terms.says(),
             Act::Slip(_, says) => format!("computes values as if {says}"),
-            Act::Partly { slug, channels } => {
-                let effect = misreadings::named(slug).map_or(*slug, |known| known.effect);
-                format!("{effect}{}", channels.says())
-            }
-            Act::PartlyShown { slug, colors } => {
-                let effect = misreadings::named(slug).map_or(*slug, |known| known.effect);
-                format!("{effect}{}", only_in(*colors))
-            }
+            Act::Partly { slug, channels } => format!("{}{}", effect(slug), channels.says()),
+            Act::PartlyShown { slug, colors } => format!("{}{}", effect(slug), only_in(*colors)),
             Act::PartlySlipped { says, colors, .. } => {
                 format!("computes values as if {says}{}", only_in(*colors))
             }
@@ -431,6 +424,11 @@ fn only_in(colors: [bool; 3]) -> String {
         3 => String::new(),
         _ => format!(", only in {}", some.join(" and ")),
     }
+}
+
+/// What a mistake of the catalog does.
+fn effect(slug: &'static str) -> &'static str {
+    misreadings::named(slug).map_or(slug, |known| known.effect)
 }
 
 /// The clause of the order of values of one texel.
@@ -572,7 +570,7 @@ fn misread_in(ptm: &mut Ptm, witness: &Witness, slug: &str, channels: &Channels)
         return;
     };
     let count = ptm.planes.shape.channels();
-    match witness.planes(&[&Mistake::Listed(misreading)]) {
+    match witness.misread(&[misreading]) {
         Ok(other) if other.planes.samples.len() == ptm.planes.samples.len() => {
             let pairs = ptm.planes.samples.iter_mut().zip(other.planes.samples);
             for (i, (sample, other)) in pairs.enumerate() {

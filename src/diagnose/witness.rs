@@ -6,6 +6,7 @@ use std::sync::{Arc, OnceLock};
 use super::stream_cache::stream_once;
 use super::trait_list::Traits;
 use crate::decode::{decode_as, examine_as};
+use crate::error::Class;
 use crate::generate::Model;
 use crate::kit::parallel::in_parallel;
 use crate::misreadings::{self, Anatomy, At, Misreading, Seen, Stage};
@@ -101,6 +102,31 @@ pub(super) fn breaks_its_promise(run: &Run, case: &Case, observation: &Observati
 }
 
 impl Witness<'_> {
+    /// The stored values that a decoder with these mistakes of the catalog finds; what it answers where it finds none.
+    pub fn misread(&self, listed: &[&'static Misreading]) -> Result<Ptm, Answer> {
+        let reading = misreadings::misread(listed, self.reading);
+        let mut file = Cow::Borrowed(&self.built.file[..]);
+        for misreading in listed {
+            if let At::Bytes(edit) = misreading.at {
+                match edit(&Anatomy::of(&file, &reading)) {
+                    Seen::Refused => return Err(Answer::Rejected),
+                    Seen::File(bytes) => file = Cow::Owned(bytes),
+                }
+            }
+        }
+        let mut ptm = match decode_as(&file, &reading, &Limits::default()) {
+            Ok(ptm) => ptm,
+            Err(error) if error.class() == Class::Malformed => return Err(Answer::Rejected),
+            Err(_) => return Err(Answer::Unsupported),
+        };
+        for misreading in listed {
+            if let At::Planes(edit) = misreading.at {
+                edit(&mut ptm);
+            }
+        }
+        Ok(ptm)
+    }
+
     /// What a decoder with these mistakes of the catalog answers.
     pub fn answer_of_listed(&self, mistakes: &[&Misreading]) -> Cow<'_, Answer> {
         // Taken apart once; and most edits leave most files as they are.

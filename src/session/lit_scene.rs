@@ -17,13 +17,11 @@ use crate::suite::features::Feature;
 pub const SIDE: u32 = 64;
 /// The light, from the upper left.
 pub const LIGHT: (f64, f64) = (-0.5, 0.5);
-/// The formats that can hold it, the plainest first.
-const FORMATS: [Format; 6] = [
+/// The formats that hold it without a loss, the plainest first.
+const FORMATS: [Format; 4] = [
     Format::Lrgb,
     Format::Rgb,
-    Format::JpegLrgb,
     Format::JpeglsLrgb,
-    Format::JpegRgb,
     Format::JpeglsRgb,
 ];
 
