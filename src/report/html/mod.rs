@@ -27,6 +27,7 @@ mod matrix;
 
 mod shell;
 
+#[cfg(feature = "cli")]
 pub(crate) use evidence::download;
 pub use matrix::matrix;
 pub use page::page;

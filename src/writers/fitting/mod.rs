@@ -7,7 +7,7 @@
 //! REQUEST names the format and an `.lp` file: the number of pictures, and for each its name and the direction of its light.
 //! A fitter is held against the least-squares [`optimum`] of the same pictures, light by light, never against bytes
 //! ([`judge`]). Where it loses is told by repeating its mistake: whose optimum under a mistake looks the same, makes it
-//! ([`mistakes`]).
+//! (`mistakes`).
 
 pub mod pictures;
 
