@@ -295,12 +295,7 @@ fn scope_of(search: &Search, explained: &[usize], denied: &[usize]) -> Option<Sc
 fn is_of_strides(act: &Act) -> bool {
     match act {
         Act::Block { strides, .. } | Act::Texels { strides, .. } => {
-            let shift = strides.shift;
-            *strides
-                != Strides {
-                    shift,
-                    ..Strides::RIGHT
-                }
+            *strides != Strides::RIGHT.moved(strides.shift)
         }
         _ => false,
     }

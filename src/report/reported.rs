@@ -50,27 +50,38 @@ pub trait Reported: TestCase {
     /// A digest of all that is asked and expected, in order.
     fn digest(suite: &Suite<Self>) -> String;
     /// Readings of open questions that change no answer but the file that is sent.
-    fn readings_of_files(suite: &Suite<Self>, run: &Run<Self>) -> Vec<FollowedReading>;
+    #[must_use]
+    fn readings_of_files(_: &Suite<Self>, _: &Run<Self>) -> Vec<FollowedReading> {
+        Vec::new()
+    }
     /// Whether a view that is lacking of a kind is a feature of its own, which is listed anyway.
-    fn is_listed(view: &str, kind: &Self::Feature) -> bool;
+    #[must_use]
+    fn is_listed(_: &str, _: &Self::Feature) -> bool {
+        false
+    }
     /// What there is to see of a failure.
     fn evidence(&self, table: TableSpelling, observation: &Observation<Self>) -> Markup;
 
     /// What all first files have in common that is wrong: how it is undone, and what is to be said of it.
-    fn common_transforms(
-        suite: &Suite<Self>,
-        contact: &Contact<Self>,
-    ) -> (Vec<Undo<Self>>, Vec<Remark>);
+    #[must_use]
+    fn common_transforms(_: &Suite<Self>, _: &Contact<Self>) -> (Vec<Undo<Self>>, Vec<Remark>) {
+        (Vec::new(), Vec::new())
+    }
     /// Takes mistakes as given: failures that they explain are no failures any more.
     ///
     /// # Errors
     /// A sentence with the first name that is none of a misreading.
     fn assume(
-        suite: &Suite<Self>,
-        run: &mut Run<Self>,
+        _: &Suite<Self>,
+        _: &mut Run<Self>,
         slugs: &[String],
-        jobs: usize,
-    ) -> Result<(), String>;
+        _: usize,
+    ) -> Result<(), String> {
+        match slugs {
+            [] => Ok(()),
+            _ => Err("--assume is for decoders".to_owned()),
+        }
+    }
     /// Why the failures failed, beside the mistakes that are taken as given; most telling first.
     fn diagnose(
         suite: &Suite<Self>,
@@ -196,23 +207,8 @@ impl Reported for TextureCase {
         sha256(all.as_bytes())
     }
 
-    fn readings_of_files(_: &Suite<TextureCase>, _: &Run<TextureCase>) -> Vec<FollowedReading> {
-        Vec::new()
-    }
-
-    fn is_listed(_: &str, _: &String) -> bool {
-        false
-    }
-
     fn evidence(&self, _: TableSpelling, observation: &Observation<TextureCase>) -> Markup {
         evidence::of_question(self, observation)
-    }
-
-    fn common_transforms(
-        _: &Suite<TextureCase>,
-        _: &Contact<TextureCase>,
-    ) -> (Vec<Undo<TextureCase>>, Vec<Remark>) {
-        (Vec::new(), Vec::new())
     }
 
     fn assume(

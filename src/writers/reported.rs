@@ -5,17 +5,13 @@ use maud::{Markup, html};
 use crate::diagnose::Causes;
 use crate::kit::digest::sha256;
 use crate::misreadings::Misreading;
-use crate::report::document::{FollowedReading, SuiteName};
+use crate::report::document::SuiteName;
 use crate::report::html::download;
 use crate::report::reported::Reported;
-use crate::session::asking::Undo;
-use crate::session::contact::Contact;
 use crate::session::observation::{Observation, Response};
-use crate::session::remark::Remark;
 use crate::session::run::Run;
 use crate::suite::cases::{Suite, TableSpelling};
 use crate::suite::clauses::{self, Clause, Ruling};
-use crate::suite::features::Feature;
 use crate::writers::cases::WriterCase;
 use crate::writers::diagnose::diagnose;
 
@@ -47,14 +43,6 @@ impl Reported for WriterCase {
         sha256(digests.collect::<String>().as_bytes())
     }
 
-    fn readings_of_files(_: &Suite<WriterCase>, _: &Run<WriterCase>) -> Vec<FollowedReading> {
-        Vec::new()
-    }
-
-    fn is_listed(_: &str, _: &Feature) -> bool {
-        false
-    }
-
     fn evidence(&self, _: TableSpelling, observation: &Observation<WriterCase>) -> Markup {
         let file = match &observation.response {
             Response::Picture { frame, .. } => frame.as_ref().map(|file| &file.0[..]),
@@ -72,25 +60,6 @@ impl Reported for WriterCase {
                 p.label { "Its standard error" }
                 pre.stderr tabindex="0" { (observation.stderr) }
             }
-        }
-    }
-
-    fn common_transforms(
-        _: &Suite<WriterCase>,
-        _: &Contact<WriterCase>,
-    ) -> (Vec<Undo<WriterCase>>, Vec<Remark>) {
-        (Vec::new(), Vec::new())
-    }
-
-    fn assume(
-        _: &Suite<WriterCase>,
-        _: &mut Run<WriterCase>,
-        slugs: &[String],
-        _: usize,
-    ) -> Result<(), String> {
-        match slugs {
-            [] => Ok(()),
-            _ => Err("--assume is for decoders".to_owned()),
         }
     }
 

@@ -6,17 +6,13 @@ use crate::diagnose::Causes;
 use crate::kit::digest::sha256;
 use crate::misreadings::Misreading;
 use crate::ptm::Format;
-use crate::report::document::{FollowedReading, SuiteName};
+use crate::report::document::SuiteName;
 use crate::report::reported::Reported;
 use crate::runner::write::Attachment;
-use crate::session::asking::Undo;
-use crate::session::contact::Contact;
 use crate::session::observation::Observation;
-use crate::session::remark::Remark;
 use crate::session::run::Run;
 use crate::suite::cases::{Suite, TableSpelling};
 use crate::suite::clauses::{self, Clause, Ruling};
-use crate::suite::features::Feature;
 use crate::writers::asking::{Sent, WritingCase};
 use crate::writers::fitting::cases::{BuiltFit, FitCase, diagnose};
 
@@ -81,14 +77,6 @@ impl Reported for FitCase {
         sha256(digests.collect::<String>().as_bytes())
     }
 
-    fn readings_of_files(_: &Suite<FitCase>, _: &Run<FitCase>) -> Vec<FollowedReading> {
-        Vec::new()
-    }
-
-    fn is_listed(_: &str, _: &Feature) -> bool {
-        false
-    }
-
     fn evidence(&self, _: TableSpelling, observation: &Observation<FitCase>) -> Markup {
         html! {
             p.label { "The lights and pictures" }
@@ -97,25 +85,6 @@ impl Reported for FitCase {
                 p.label { "Its standard error" }
                 pre.stderr tabindex="0" { (observation.stderr) }
             }
-        }
-    }
-
-    fn common_transforms(
-        _: &Suite<FitCase>,
-        _: &Contact<FitCase>,
-    ) -> (Vec<Undo<FitCase>>, Vec<Remark>) {
-        (Vec::new(), Vec::new())
-    }
-
-    fn assume(
-        _: &Suite<FitCase>,
-        _: &mut Run<FitCase>,
-        slugs: &[String],
-        _: usize,
-    ) -> Result<(), String> {
-        match slugs {
-            [] => Ok(()),
-            _ => Err("--assume is for decoders".to_owned()),
         }
     }
 
