@@ -18,8 +18,9 @@ use ptm_conform::tools::lint::status::MAGIC;
 const CHUNK: usize = 4096;
 /// The longest line of a list.
 const LONGEST_PATH: u64 = 1 << 16;
-/// Bytes that surely hold the first lines of a PTM.
+/// Bytes that surely hold the first lines of a PTM, and how many lines these are: version, format, width and height.
 const FIRST_LINES: usize = 256;
+const LINES: usize = 4;
 /// Bytes that are read of every file.
 const HEAD: u64 = 4096;
 
@@ -222,7 +223,7 @@ pub struct Candidate {
 pub fn open(path: &Path, limit: u64) -> io::Result<Opened> {
     let mut file = File::open(path)?;
     let length = file.metadata()?.len();
-    let mut beginning = Vec::new();
+    let mut beginning = Vec::with_capacity(HEAD as usize);
     file.by_ref().take(HEAD).read_to_end(&mut beginning)?;
     if !beginning.starts_with(MAGIC) {
         // What is no regular file has no length before its end.
@@ -238,7 +239,8 @@ pub fn open(path: &Path, limit: u64) -> io::Result<Opened> {
         .take(FIRST_LINES)
         .any(|word| word == b"JPEG")
     {
-        true => length.saturating_add(planes(&beginning)),
+        // What their streams hold, and the texels that are made of them.
+        true => length.saturating_add(planes(&beginning).saturating_mul(2)),
         false => length.saturating_mul(2),
     };
     Ok(Opened::Candidate(Candidate {
@@ -253,6 +255,10 @@ impl Candidate {
     /// Reads the rest; nothing if it is longer than the limit after all.
     pub fn read(self) -> io::Result<Option<Vec<u8>>> {
         let mut bytes = self.beginning;
+        // Its end came before that of the beginning.
+        if (bytes.len() as u64) < HEAD {
+            return Ok((bytes.len() as u64 <= self.limit).then_some(bytes));
+        }
         let rest = (self.limit.saturating_add(1)).saturating_sub(bytes.len() as u64);
         self.file.take(rest).read_to_end(&mut bytes)?;
         Ok((bytes.len() as u64 <= self.limit).then_some(bytes))
@@ -261,7 +267,10 @@ impl Candidate {
 
 /// Bytes of the planes that the header announces.
 fn planes(beginning: &[u8]) -> u64 {
-    let head = Dissection::of(&beginning[..beginning.len().min(FIRST_LINES)]);
+    let head = &beginning[..beginning.len().min(FIRST_LINES)];
+    let mut line_ends = (1..).zip(head).filter(|&(_, &byte)| byte == b'\n');
+    let end = line_ends.nth(LINES - 1).map_or(head.len(), |(end, _)| end);
+    let head = Dissection::of(&head[..end]);
     let texels = head.size.map_or(0, |size| size.texels() as u64);
     texels.saturating_mul(head.format.map_or(0, Format::channels) as u64)
 }

@@ -39,9 +39,69 @@ use super::planes::residuals;
 use super::threads::residuals;
 use crate::error::{Error, Kind, Result};
 use crate::input::Input;
-use crate::parts::{Extent, Number, Plan, RawLists, Step};
+use crate::parts::{Coded, Extent, Number, Plan, RawLists, Step};
 use crate::ptm::{Format, Header, Limits};
 use crate::reading::Reading;
+
+/// A compressed file whose streams are decoded, and nothing more: its planes are still to be predicted and corrected.
+pub(crate) struct Streams<'a> {
+    pub(super) header: Header,
+    pub(super) plan: Plan,
+    /// Where in the file `payload` starts.
+    pub(super) at: usize,
+    /// All streams and their side information.
+    pub(super) payload: &'a [u8],
+    /// What each stream holds, in the order in which the planes are decoded.
+    pub(super) residuals: Vec<Vec<u8>>,
+}
+
+impl<'a> Streams<'a> {
+    /// From the parameter to the last stream.
+    #[expect(
+        clippy::trivially_copy_pass_by_ref,
+        reason = "limits and headers are passed by reference whatever their size"
+    )]
+    pub(super) fn read(
+        header: &Header,
+        input: &mut Input<'a>,
+        reading: &Reading,
+        limits: &Limits,
+    ) -> Result<Streams<'a>> {
+        let lists = read_lists(header.format, input)?; //                       §2.9.1 – 2.9.7
+        let plan = (reading.plan)(&lists)?; //                                  what they say to do
+        let at = input.at();
+        let mut streams = Streams {
+            header: *header,
+            payload: planes::take(header, &plan, input, limits)?, //            §2.9.8: the bytes of all planes,
+            plan,
+            at,
+            residuals: Vec::new(),
+        };
+        streams.residuals = residuals(&streams.coded(), reading)?; //           what their streams hold
+        Ok(streams)
+    }
+
+    /// As the decisions of a reading see it.
+    fn coded(&self) -> Coded<'_> {
+        Coded {
+            format: self.header.format,
+            size: self.header.size,
+            plan: &self.plan,
+            at: self.at,
+            payload: self.payload,
+        }
+    }
+
+    /// The planes: `residuals`, which are those of the streams, predicted and corrected.
+    pub(super) fn channels(
+        &self,
+        residuals: Vec<Vec<u8>>,
+        reading: &Reading,
+    ) -> Result<Vec<Channels<'static>>> {
+        let planes = (reading.reconstruct)(&self.coded(), residuals, reading)?;
+        Ok(planes::channels(planes))
+    }
+}
 
 #[expect(
     clippy::trivially_copy_pass_by_ref,
@@ -53,12 +113,10 @@ pub(super) fn read(
     reading: &Reading,
     limits: &Limits,
 ) -> Result<Vec<Channels<'static>>> {
-    let lists = read_lists(header.format, input)?; //                    §2.9.1 – 2.9.7
-    let plan = (reading.plan)(&lists)?; //                               what they say to do
-    let coded = planes::take(header, &plan, input, limits)?; //          §2.9.8: the bytes of all planes,
-    let residuals = residuals(&coded, reading)?; //                      what their streams hold,
-    let planes = (reading.reconstruct)(&coded, residuals, reading)?; //  the planes, predicted and corrected
-    Ok(planes::channels(planes))
+    let mut streams = Streams::read(header, input, reading, limits)?;
+    // Each becomes its plane in its place, so there is one copy of them.
+    let residuals = std::mem::take(&mut streams.residuals);
+    streams.channels(residuals, reading)
 }
 
 /// The parameter and the seven lists in the order of the file (clause 2.9/1).

@@ -44,6 +44,10 @@ pub(crate) mod predict;
 /// §2.9.8 Compressed Coefficient Planes
 pub(crate) mod planes;
 
+/// The streams of 2.9.8 once, and their planes under several readings
+#[cfg(feature = "tools")]
+mod again;
+
 /// The streams of 2.9.8 on all threads
 #[cfg(feature = "parallel")]
 mod threads;
@@ -66,6 +70,9 @@ mod spec;
 /// Compressed files made by hand, for tests.
 #[cfg(all(test, feature = "generate"))]
 pub(crate) mod by_hand;
+
+#[cfg(feature = "tools")]
+pub(crate) use compressed::Streams;
 
 pub use stored::Stored;
 
@@ -151,6 +158,28 @@ pub fn examine_as(file: &[u8], reading: &Reading) -> (Vec<Field>, Result<Ptm>) {
         })
     });
     (input.into_fields(), outcome)
+}
+
+/// The fields of `file`, what [`decode`] makes of it, and its streams, decoded, if it is a compressed file that
+/// has them all.
+#[cfg(feature = "tools")]
+pub(crate) fn examine_streams(file: &[u8]) -> (Vec<Field>, Result<Ptm>, Option<Streams<'_>>) {
+    const SPEC: &Reading = &Reading::SPEC;
+    let (mut input, limits) = (Input::new(file), Limits::default());
+    let mut kept = None;
+    let outcome = read_header(&mut input).and_then(|header| {
+        let stored = match header.format.is_compressed() {
+            true => kept
+                .insert(Streams::read(&header, &mut input, SPEC, &limits)?)
+                .stored(SPEC)?,
+            false => read_values(&header, &mut input, SPEC, &limits)?,
+        };
+        Ok(Ptm {
+            planes: stored.planes(&limits)?,
+            header,
+        })
+    });
+    (input.into_fields(), outcome, kept)
 }
 
 /// 2.1–2.4.

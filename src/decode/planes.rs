@@ -40,13 +40,12 @@ use crate::reading::Reading;
     clippy::trivially_copy_pass_by_ref,
     reason = "limits and headers are passed by reference whatever their size"
 )]
-pub(super) fn take<'a, 'file: 'a>(
+pub(super) fn take<'a>(
     header: &Header,
-    plan: &'a Plan,
-    input: &mut Input<'file>,
+    plan: &Plan,
+    input: &mut Input<'a>,
     limits: &Limits,
-) -> Result<Coded<'a>> {
-    let at = input.at();
+) -> Result<&'a [u8]> {
     let parts = plan.extents.iter().flat_map(|extent| {
         let stream = ("2.9.8/2", "a compressed plane", extent.stream.clone());
         let side = ("2.9.8/4", "side information", extent.side.clone());
@@ -59,13 +58,7 @@ pub(super) fn take<'a, 'file: 'a>(
     // Every plane is held, for those that may be predicted from it and until the texels are made of them.
     let planes = header.size.texels().saturating_mul(plan.steps.len());
     limits.check(planes, input.at())?;
-    Ok(Coded {
-        format: header.format,
-        size: header.size,
-        plan,
-        at,
-        payload,
-    })
+    Ok(payload)
 }
 
 /// What the streams hold, in the order in which the planes are decoded (clause 2.9.8/3).

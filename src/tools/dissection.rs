@@ -3,12 +3,11 @@
 //! A field gets a [`Role`]: which of the numbers of its list it is, and whose. Where the file is damaged, the dissection ends
 //! at the damage; a payload that is cut short is shown as far as it goes, because the header says where its parts lie.
 
-use std::collections::HashMap;
 use std::ops::Range;
 
-use crate::decode::examine;
+use crate::decode::{Streams, examine, examine_streams};
 use crate::error::{Error, Kind};
-use crate::ptm::{Format, Ptm, Size, channel_name};
+use crate::ptm::{Field, Format, Ptm, Size, channel_name};
 
 /// A part of a file and what it is for.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -24,7 +23,7 @@ pub struct FilePart {
 }
 
 /// What a part is for; numbers count coefficients, matrix elements, blocks or planes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 #[allow(missing_docs)] // they are the format's words
 pub enum Role {
     Version,
@@ -63,8 +62,8 @@ pub struct Dissection<'a> {
     pub parts: Vec<FilePart>,
     /// The map, or why there is none.
     pub outcome: Result<Ptm, Error>,
-    /// Where in `parts` the first of each role is.
-    places: HashMap<Role, usize>,
+    /// Every role, in order, and where in `parts` the first of it is.
+    places: Vec<(Role, usize)>,
 }
 
 impl<'a> Dissection<'a> {
@@ -72,14 +71,30 @@ impl<'a> Dissection<'a> {
     #[must_use]
     pub fn of(file: &'a [u8]) -> Dissection<'a> {
         let (fields, outcome) = examine(file);
+        Dissection::new(file, &fields, outcome)
+    }
+
+    /// Takes `file` apart, and has its streams besides, decoded, where it is a compressed file that has them.
+    pub(crate) fn with_streams(file: &'a [u8]) -> (Dissection<'a>, Option<Streams<'a>>) {
+        let (fields, outcome, streams) = examine_streams(file);
+        (Dissection::new(file, &fields, outcome), streams)
+    }
+
+    fn new(file: &'a [u8], fields: &[Field], outcome: Result<Ptm, Error>) -> Dissection<'a> {
         let name = fields.iter().find(|field| field.clause == FORMAT_NAME);
         let name = name.map(|field| &file[field.range.clone()]);
         let format = Format::ALL
             .into_iter()
             .find(|format| Some(format.name().as_bytes()) == name);
-        let mut seen = HashMap::new();
+        // A handful of clauses, of which the last is mostly the next.
+        let mut seen: Vec<(&str, usize)> = Vec::new();
         let parts = fields.iter().filter_map(|field| {
-            let nth = seen.entry(field.clause).or_insert(0);
+            let known = seen.iter().rposition(|(clause, _)| *clause == field.clause);
+            let known = known.unwrap_or_else(|| {
+                seen.push((field.clause, 0));
+                seen.len() - 1
+            });
+            let nth = &mut seen[known].1;
             let role = role(field.clause, *nth, &file[field.range.clone()], format)?;
             *nth += 1;
             Some(FilePart {
@@ -95,12 +110,14 @@ impl<'a> Dissection<'a> {
             size: None,
             parts: parts.collect(),
             outcome,
-            places: HashMap::new(),
+            places: Vec::new(),
         };
         dissection.note_places();
         dissection.size = dissection.read_size();
-        dissection.show_cut_parts();
-        dissection.note_places();
+        if dissection.outcome.is_err() {
+            dissection.show_cut_parts();
+            dissection.note_places();
+        }
         dissection
     }
 
@@ -113,7 +130,8 @@ impl<'a> Dissection<'a> {
     /// The first part of this role.
     #[must_use]
     pub fn part(&self, role: Role) -> Option<&FilePart> {
-        self.places.get(&role).map(|&place| &self.parts[place])
+        let known = self.places.binary_search_by_key(&role, |&(role, _)| role);
+        known.ok().map(|known| &self.parts[self.places[known].1])
     }
 
     /// The byte where this role begins; 0 where the file has no such part.
@@ -180,9 +198,10 @@ impl<'a> Dissection<'a> {
     }
 
     fn note_places(&mut self) {
-        for (place, part) in self.parts.iter().enumerate() {
-            self.places.entry(part.role).or_insert(place);
-        }
+        let parts = self.parts.iter().enumerate();
+        self.places = parts.map(|(place, part)| (part.role, place)).collect();
+        self.places.sort_unstable();
+        self.places.dedup_by_key(|&mut (role, _)| role);
     }
 
     fn read_size(&self) -> Option<Size> {

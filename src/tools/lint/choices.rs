@@ -2,13 +2,14 @@
 //!
 //! Each other reading is tried, and what differs is reported; nothing is guessed from what the file looks like.
 
-use super::codes;
+use super::codes::{self, Code};
 use super::diagnostic::Diagnostic;
-use crate::decode::{Stored, open_as};
+use crate::decode::{Stored, Streams, open_as};
 use crate::evaluate;
 use crate::ptm::{Format, Limits, Planes, Ptm, Shape, Size};
 use crate::reading::Reading;
 use crate::suite::choices::CHOICES;
+use crate::suite::dialect::Choice;
 use crate::tools::dissection::{Dissection, Role};
 
 /// Lights under which colors are compared.
@@ -17,37 +18,70 @@ const LIGHTS: [(f64, f64); 3] = [(0.0, 0.0), (0.3125, -0.4375), (-0.625, 0.5)];
 /// Texels whose colors are held at a time.
 const PIECE: usize = 4096;
 
-pub(super) fn diagnose(dissection: &Dissection) -> Vec<Diagnostic> {
+pub(super) fn diagnose(dissection: &Dissection, streams: Option<&Streams>) -> Vec<Diagnostic> {
     let Ok(ptm) = &dissection.outcome else {
         return Vec::new();
     };
+    // Planes of LUM are alike under all readings; their colors are not.
+    if let Shape::Lum(_) = ptm.planes.shape {
+        return colors(dissection, ptm);
+    }
     let mut diagnostics = tables(dissection, ptm);
-    for choice in CHOICES.iter() {
-        let code = codes::RULINGS.iter().find(|(of, _)| *of == choice.ruling);
-        let (Some((_, code)), Some(place)) = (code, subject(dissection, choice.ruling)) else {
-            continue;
-        };
+    for (choice, code, at) in open_choices(dissection) {
         let differing = choice.readings[1..].iter().find_map(|(words, change)| {
-            let difference = difference(dissection.file, ptm, &change(Reading::SPEC))?;
+            let difference = difference(dissection, ptm, streams, &change(Reading::SPEC))?;
             Some(format!("for a reader for whom {words}, {difference}"))
         });
-        let at = dissection.start(place);
         diagnostics.extend(differing.map(|found| Diagnostic::new(code, at, found)));
     }
     diagnostics
 }
 
+/// The choices whose subject the file has, each with its code and where the subject stands.
+fn open_choices(
+    dissection: &Dissection,
+) -> impl Iterator<Item = (&'static Choice<Reading>, &'static Code, usize)> {
+    CHOICES.0.iter().filter_map(|choice| {
+        let (_, code) = codes::RULINGS.iter().find(|(of, _)| *of == choice.ruling)?;
+        let place = subject(dissection, choice.ruling)?;
+        Some((choice, *code, dissection.start(place)))
+    })
+}
+
+/// The choices of a LUM file.
+fn colors(dissection: &Dissection, ptm: &Ptm) -> Vec<Diagnostic> {
+    let choices: Vec<_> = open_choices(dissection).collect();
+    // Each has one other reading.
+    let others: Vec<_> = choices
+        .iter()
+        .map(|(choice, ..)| choice.readings[1])
+        .collect();
+    let readings: Vec<Reading> = others
+        .iter()
+        .map(|(_, change)| change(Reading::SPEC))
+        .collect();
+    let differing = colors_differ(ptm, &readings);
+    let found = (choices.iter().zip(others).zip(differing)).filter_map(|(known, differing)| {
+        let ((_, code, at), (words, _)) = known;
+        let difference = in_words(ptm, &differing)?;
+        let found = format!("for a reader for whom {words}, {difference}");
+        Some(Diagnostic::new(code, *at, found))
+    });
+    found.collect()
+}
+
 /// Where the numbers stand that the ruling is about; nothing in a file that lacks its subject, which all readings read alike.
 fn subject(dissection: &Dissection, ruling: &str) -> Option<Role> {
     let any = |role: fn(usize) -> Role, is: fn(i64) -> bool| {
-        (0..18).any(|plane| dissection.number(role(plane)).is_some_and(is))
+        (0..dissection.compressed_planes())
+            .any(|plane| dissection.number(role(plane)).is_some_and(is))
     };
     let is_lum = dissection.part(Role::Matrix(0)).is_some();
     let is_jpeg_ls = matches!(
         dissection.format,
         Some(Format::JpeglsRgb | Format::JpeglsLrgb)
     );
-    let moves = any(Role::Transform, |transform| transform & 2 != 0);
+    let moves = || any(Role::Transform, |transform| transform & 2 != 0);
     let (place, is_there) = match ruling {
         "lum-vector" | "lum-major" => (Role::Matrix(0), is_lum),
         "lum-range" => (Role::Matrix(12), is_lum),
@@ -59,8 +93,8 @@ fn subject(dissection: &Dissection, ruling: &str) -> Option<Role> {
             Role::SideSize(0),
             is_jpeg_ls && any(Role::SideSize, |size| size > 0),
         ),
-        "motion-inversion" => (Role::Transform(0), moves),
-        _ => (Role::MotionX(0), moves),
+        "motion-inversion" => (Role::Transform(0), moves()),
+        _ => (Role::MotionX(0), moves()),
     };
     is_there.then_some(place)
 }
@@ -78,7 +112,7 @@ fn tables(dissection: &Dissection, ptm: &Ptm) -> Vec<Diagnostic> {
     let at = dissection.start(Role::Count);
     let mut diagnostics = vec![Diagnostic::new(&codes::CHOICE_LUT_COUNT, at, spelled)];
     let with_newline = Reading::SPEC.with_newline_after_table();
-    if let Some(difference) = difference(dissection.file, ptm, &with_newline) {
+    if let Some(difference) = difference(dissection, ptm, None, &with_newline) {
         let at = dissection.start(Role::Indices);
         let found = format!("for a reader that expects a line feed, {difference}");
         diagnostics.push(Diagnostic::new(&codes::CHOICE_LUT_NEWLINE, at, found));
@@ -87,15 +121,24 @@ fn tables(dissection: &Dissection, ptm: &Ptm) -> Vec<Diagnostic> {
 }
 
 /// What another reading makes of the file, where that differs.
-fn difference(file: &[u8], ptm: &Ptm, reading: &Reading) -> Option<String> {
-    let differing = match ptm.planes.shape {
-        // Planes of LUM are alike under all readings; their colors are not.
-        Shape::Lum(_) => colors_differ(ptm, reading),
-        _ => match open_as(file, reading, &Limits::default()) {
-            Ok(other) => planes_differ(ptm, &other),
-            Err(error) => return Some(format!("it is malformed: {error}")),
-        },
+fn difference(
+    dissection: &Dissection,
+    ptm: &Ptm,
+    streams: Option<&Streams>,
+    reading: &Reading,
+) -> Option<String> {
+    let other = match streams {
+        Some(streams) => streams.stored(reading),
+        None => open_as(dissection.file, reading, &Limits::default()),
     };
+    match other {
+        Ok(other) => in_words(ptm, &planes_differ(ptm, &other)),
+        Err(error) => Some(format!("it is malformed: {error}")),
+    }
+}
+
+/// How many texels differ, and where the first is; nothing where none does.
+fn in_words(ptm: &Ptm, differing: &[bool]) -> Option<String> {
     let first = differing.iter().position(|&differs| differs)?;
     let width = ptm.planes.size.width as usize;
     Some(format!(
@@ -119,12 +162,12 @@ fn planes_differ(ptm: &Ptm, other: &Stored) -> Vec<bool> {
     differing
 }
 
-/// Which texels have another color under some light; piece by piece, because colors take far more room than what they are
-/// made of.
-fn colors_differ(ptm: &Ptm, reading: &Reading) -> Vec<bool> {
+/// Which texels have another color under some light, for each reading; piece by piece, because colors take far more room than
+/// what they are made of.
+fn colors_differ(ptm: &Ptm, readings: &[Reading]) -> Vec<Vec<bool>> {
     let shape = ptm.planes.shape;
-    let pieces = ptm.planes.samples.chunks(PIECE * shape.channels());
-    let differing = pieces.flat_map(|samples| {
+    let mut all = vec![Vec::new(); readings.len()];
+    for samples in ptm.planes.samples.chunks(PIECE * shape.channels()) {
         let size = Size {
             width: (samples.len() / shape.channels()) as u32,
             height: 1,
@@ -136,16 +179,21 @@ fn colors_differ(ptm: &Ptm, reading: &Reading) -> Vec<bool> {
         };
         // Readings of LUM differ in what they make of coefficients, not in the coefficients.
         let finals = evaluate::apply(&ptm.header.scale_bias, &planes, &Reading::SPEC);
-        let mut differing = vec![false; size.texels()];
+        for differing in &mut all {
+            differing.resize(differing.len() + size.texels(), false);
+        }
         for (lu, lv) in LIGHTS {
             let colors = |reading| evaluate::evaluate(&finals, lu, lv, reading).to_bytes();
-            let (ours, theirs) = (colors(&Reading::SPEC), colors(reading));
-            let pairs = ours.chunks(3).zip(theirs.chunks(3));
-            for (differs, (ours, theirs)) in differing.iter_mut().zip(pairs) {
-                *differs |= ours != theirs;
+            let ours = colors(&Reading::SPEC);
+            for (differing, reading) in all.iter_mut().zip(readings) {
+                let theirs = colors(reading);
+                let pairs = ours.chunks(3).zip(theirs.chunks(3));
+                let from = differing.len() - size.texels();
+                for (differs, (ours, theirs)) in differing[from..].iter_mut().zip(pairs) {
+                    *differs |= ours != theirs;
+                }
             }
         }
-        differing
-    });
-    differing.collect()
+    }
+    all
 }

@@ -56,6 +56,11 @@ pub fn row(lint: &Lint, readers: usize) -> String {
 /// A cell as RFC 4180 quotes it, and as no spreadsheet computes it.
 fn cell(text: &str) -> String {
     const FORMULAS: [char; 8] = ['=', '+', '-', '@', '＝', '＋', '－', '＠'];
+    // As most are.
+    let plain = |byte: u8| byte.is_ascii_alphanumeric() || b"/._:-".contains(&byte);
+    if text.bytes().all(plain) && !text.starts_with('-') {
+        return text.to_owned();
+    }
     let text = match text.trim_start().starts_with(FORMULAS) {
         true => format!("'{text}"),
         false => text.to_owned(),

@@ -19,35 +19,36 @@ pub(super) fn diagnose(dissection: &Dissection) -> Vec<Diagnostic> {
 
 /// What is odd about the white space after a part of the header.
 fn gap(dissection: &Dissection, part: &FilePart, gap: &[u8]) -> Vec<Diagnostic> {
-    let name = part.role.name(dissection.format);
-    let after = format!("after the {name}");
+    // Words for what is odd, and mostly nothing is.
+    let after = || format!("after the {}", part.role.name(dissection.format));
     let mut odd: Vec<(&'static Code, String)> = Vec::new();
     if gap == b" \n" {
         let code = match part.role {
             Role::Version | Role::Format => &codes::SPACE_AFTER_NAME,
             _ => &codes::SPACE_BEFORE_NEWLINE,
         };
-        odd.push((code, after.clone()));
+        odd.push((code, after()));
     }
     if gap.len() > 1 && gap.iter().all(|&byte| byte == b' ') {
-        odd.push((&codes::WIDE_GAP, format!("{} spaces {after}", gap.len())));
+        odd.push((
+            &codes::WIDE_GAP,
+            format!("{} spaces {}", gap.len(), after()),
+        ));
     }
     let ends = gap.contains(&b'\n');
     let one_line = !ends && !gap.is_empty();
-    let ending = if one_line {
-        "no line ends"
-    } else {
-        "a line ends"
+    let ending = || match one_line {
+        true => format!("no line ends {}", after()),
+        false => format!("a line ends {}", after()),
     };
-    let ending = format!("{ending} {after}");
     let last = |plane| plane + 1 == dissection.compressed_planes();
     match part.role {
         Role::Width if one_line => odd.push((&codes::SIZE_ON_ONE_LINE, String::new())),
         Role::Scale(5) if one_line => odd.push((&codes::SCALE_BIAS_ON_ONE_LINE, String::new())),
-        Role::Matrix(0..15) if ends => odd.push((&codes::MATRIX_LAYOUT, ending)),
-        Role::Parameter if one_line => odd.push((&codes::LIST_LAYOUT, ending)),
+        Role::Matrix(0..15) if ends => odd.push((&codes::MATRIX_LAYOUT, ending())),
+        Role::Parameter if one_line => odd.push((&codes::LIST_LAYOUT, ending())),
         role if role.list().is_some() && role.plane().map(last) == Some(one_line) => {
-            odd.push((&codes::LIST_LAYOUT, ending));
+            odd.push((&codes::LIST_LAYOUT, ending()));
         }
         _ => {}
     }

@@ -87,13 +87,13 @@ impl Lint {
     /// What is said of a file, with its name.
     #[must_use]
     pub fn of(name: &str, file: &[u8]) -> Lint {
-        let dissection = Dissection::of(file);
+        let (dissection, streams) = Dissection::with_streams(file);
         let findings = [
             errors::diagnose(&dissection),
             header::diagnose(&dissection),
             values::diagnose(&dissection),
-            planes::diagnose(&dissection),
-            choices::diagnose(&dissection),
+            planes::diagnose(&dissection, streams.as_ref()),
+            choices::diagnose(&dissection, streams.as_ref()),
         ]
         .concat();
         let mut lint = Lint {

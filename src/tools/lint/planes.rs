@@ -3,6 +3,7 @@
 use super::codes::{self, Code};
 use super::diagnostic::Diagnostic;
 use crate::codec::{self, jpeg, jpeg_ls};
+use crate::decode::Streams;
 use crate::decode::planes::records;
 use crate::error::Kind;
 use crate::ptm::{Format, Size};
@@ -10,7 +11,7 @@ use crate::tools::dissection::{Dissection, FilePart, Role};
 use crate::tools::segments::{Segment, SegmentKind, frame, near, segments};
 
 /// What is odd about lists and streams.
-pub(super) fn diagnose(dissection: &Dissection) -> Vec<Diagnostic> {
+pub(super) fn diagnose(dissection: &Dissection, streams: Option<&Streams>) -> Vec<Diagnostic> {
     let count = dissection.compressed_planes();
     let (Some(format), true) = (
         dissection.format,
@@ -28,7 +29,9 @@ pub(super) fn diagnose(dissection: &Dissection) -> Vec<Diagnostic> {
         diagnostics.extend(stream(dissection, plane));
         diagnostics.extend(twice(dissection, plane));
     }
-    diagnostics.extend(other_transforms(dissection, format));
+    if let Some(streams) = streams.filter(|_| is_jpeg(format)) {
+        diagnostics.extend(other_transforms(dissection, streams));
+    }
     first_of_each(diagnostics)
 }
 
@@ -256,37 +259,30 @@ fn twice(dissection: &Dissection, plane: usize) -> Option<Diagnostic> {
 ///
 /// An inverse DCT may be off by one in every plane on the way, except in blocks of one value, which all decode alike;
 /// and a corrected texel is certain.
-fn other_transforms(dissection: &Dissection, format: Format) -> Vec<Diagnostic> {
-    let (Ok(ptm), Some(size), true) = (&dissection.outcome, dissection.size, is_jpeg(format))
-    else {
+fn other_transforms(dissection: &Dissection, streams: &Streams) -> Vec<Diagnostic> {
+    let (Ok(ptm), Some(size)) = (&dissection.outcome, dissection.size) else {
         return Vec::new();
     };
-    let number = |role| dissection.number(role).unwrap_or_default();
-    let mut order: Vec<usize> = (0..format.channels()).collect();
-    if order
-        .iter()
-        .all(|&plane| number(Role::Reference(plane)) < 0)
-    {
+    let channels = ptm.planes.shape.channels();
+    let reference = |plane| usize::try_from(dissection.number(Role::Reference(plane))?).ok();
+    if (0..channels).all(|plane| reference(plane).is_none()) {
         return Vec::new();
     }
-    order.sort_by_key(|&plane| number(Role::Rank(plane)));
-    let mut slack = vec![0u8; format.channels()];
+    let mut slack = vec![0u8; channels];
     let mut diagnostics = Vec::new();
-    for plane in order {
-        let Some(part) = dissection.part(Role::Stream(plane)) else {
-            continue;
-        };
-        let exact = decode(format, &dissection.file[part.range.clone()], size)
-            .is_ok_and(|samples| in_blocks_of_one_value(&samples, size.width as usize));
-        let reference = usize::try_from(number(Role::Reference(plane))).ok();
+    for (plane, residuals) in streams.residuals() {
+        let (reference, exact) = (
+            reference(plane),
+            in_blocks_of_one_value(residuals, size.width as usize),
+        );
         slack[plane] = u8::from(!exact) + reference.map_or(0, |reference| slack[reference]);
         if reference.is_some() && slack[plane] > 0 {
             let samples = ptm.planes.samples.iter().skip(plane);
-            let samples = samples.step_by(format.channels()).copied();
+            let samples = samples.step_by(channels).copied();
             let side = dissection.bytes(Role::Side(plane)).unwrap_or_default();
             let found = near_an_end(samples, slack[plane], side, size);
             let found = found.map(|texels| format!("plane {plane}: {texels}"));
-            let at = part.range.start;
+            let at = dissection.start(Role::Stream(plane));
             diagnostics
                 .extend(found.map(|found| Diagnostic::new(&codes::OTHER_TRANSFORM, at, found)));
         }

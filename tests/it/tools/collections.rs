@@ -5,9 +5,9 @@ use std::fs::{self, File};
 use std::io::Write;
 use std::os::unix::ffi::OsStrExt;
 use std::os::unix::fs::symlink;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use serde_json::Value;
 
@@ -82,6 +82,78 @@ fn ten_thousand_files_are_ten_thousand_rows_in_the_memory_of_a_thousand() {
     });
     println!("most memory: {few} KiB for 1,000 files, {many} KiB for 10,000");
     assert!(many < few + 8 * 1024, "{few} KiB, then {many} KiB");
+}
+
+/// Copies of the files of the corpus, one after the other.
+fn copies_of_the_corpus(directory: &Path, files: usize) -> Vec<PathBuf> {
+    let mut originals: Vec<PathBuf> = fs::read_dir(repository("corpus"))
+        .expect("the corpus")
+        .map(|entry| entry.expect("an entry").path())
+        .filter(|path| path.is_dir())
+        .flat_map(|folder| fs::read_dir(folder).expect("a folder"))
+        .map(|entry| entry.expect("an entry").path())
+        .filter(|path| path.extension().is_some_and(|suffix| suffix == "ptm"))
+        .collect();
+    originals.sort();
+    let copy = |(number, original): (usize, &PathBuf)| {
+        let path = directory.join(format!("{number:05}.ptm"));
+        fs::copy(original, &path).expect("a copy");
+        path
+    };
+    originals
+        .iter()
+        .cycle()
+        .take(files)
+        .enumerate()
+        .map(copy)
+        .collect()
+}
+
+/// Seconds that a command needs, the least of five.
+fn seconds(command: impl Fn() -> Command) -> f64 {
+    let once = || {
+        let begin = Instant::now();
+        let output = command().output().expect("it starts");
+        assert!(!output.stdout.is_empty());
+        begin.elapsed().as_secs_f64()
+    };
+    (0..5).map(|_| once()).fold(f64::INFINITY, f64::min)
+}
+
+#[test]
+#[ignore = "measures time, on a machine that does nothing else"]
+fn a_file_takes_at_most_twice_the_time_of_decoding_it() {
+    const FILES: usize = 10_000;
+    let scratch = tempfile::tempdir().expect("a scratch directory");
+    let folder = scratch.path().join("files");
+    fs::create_dir(&folder).expect("a folder");
+    let requests: String = copies_of_the_corpus(&folder, FILES)
+        .iter()
+        .enumerate()
+        .map(|(number, path)| format!("{number} raw {}\n", path.display()))
+        .collect();
+    let list = scratch.path().join("requests");
+    fs::write(&list, requests).expect("a list");
+    let decoding = seconds(|| {
+        let mut command = program();
+        let requests = File::open(&list).expect("the list");
+        command.args(["reference", "serve"]).stdin(requests);
+        command
+    });
+    let linting = seconds(|| {
+        let mut command = program();
+        command.args(["lint", "-rq", "--format", "csv", "--jobs", "1"]);
+        command.arg(&folder);
+        command
+    });
+    let each = |seconds: f64| seconds * 1e6 / FILES as f64;
+    println!(
+        "{:.1} µs to decode a file, {:.1} µs to lint it: {:.2} times as long",
+        each(decoding),
+        each(linting),
+        linting / decoding
+    );
+    assert!(linting < 2.0 * decoding);
 }
 
 #[test]
