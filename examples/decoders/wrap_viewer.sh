@@ -4,7 +4,7 @@
 #     wrap_viewer.sh VIEW FILE          as any decoder is called: rgb:LU,LV is answered, other views are not offered
 #
 # As it stands the viewer is called as `$VIEWER LU LV FILE PICTURE`; write the call of yours into show() below. PICTURE is
-# a PNG or a PPM (P6); its bytes are the answer, because frames in these forms are understood as they are.
+# a PNG, PNM, TIFF, BMP, WebP or JPEG; its bytes are the answer, because frames in these forms are understood as they are.
 #
 #     VIEWER=./my-viewer ptm-conform check examples/decoders/wrap_viewer.sh
 #

@@ -81,7 +81,8 @@ pub struct CheckArgs {
     ///
     /// The line is split as a shell splits it, but no shell runs. {in} is the PTM file; {out} the file to write, which may
     /// have a suffix ({out}.png), without it the answer is read from standard output; {lu} and {lv} are the light; {view}
-    /// is raw, coef or rgb:LU,LV. {{ and }} are braces. The answer is a PNG or PPM picture, a NumPy array or a PTM1 frame.
+    /// is raw, coef or rgb:LU,LV. {{ and }} are braces. The answer is a picture (PNG, PNM, TIFF, BMP, WebP or JPEG), a NumPy
+    /// array or a PTM1 frame.
     /// Asked in rgb alone unless {view} is there or --view names one view. Unless --reject-exit tells a refusal from
     /// a breakdown, files that must or may be refused are not judged.
     #[arg(long, value_name = "TEMPLATE", conflicts_with_all = ["decoder", "serve"])]
@@ -89,7 +90,7 @@ pub struct CheckArgs {
     /// Judge answers that were made elsewhere: by hand in a viewer, in a browser, on another system.
     ///
     /// DIR is a directory that `generate --requests` has written, to whose outputs/ the answers have come: for each
-    /// case a file named after it, PNG, PPM, NumPy array or PTM1 frame, or its line in rejected.txt or unsupported.txt. What
+    /// case a file named after it, picture, NumPy array or PTM1 frame, or its line in rejected.txt or unsupported.txt. What
     /// has no answer is not judged.
     #[arg(long, value_name = "DIR", conflicts_with_all = ["decoder", "cmd", "serve", "reject_exit", "views", "files", "shard"])]
     pub outputs: Option<PathBuf>,

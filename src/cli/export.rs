@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use image::ImageFormat;
 
 use super::{CommandResult, files, output};
 use ptm_conform::tools::dissection::Dissection;
@@ -76,9 +77,7 @@ pub fn run(args: &ExportArgs) -> CommandResult {
         (ExportEncoding::Exr, _) => export::exr(ptm)?,
         (ExportEncoding::Npy, true) => export::npy_final(ptm),
         (ExportEncoding::Npy, false) => export::npy_stored(ptm),
-        (ExportEncoding::Png, _) => {
-            export::stacked(ptm).to_png(&format!("{}: {what}", ptm.header.format))?
-        }
+        (ExportEncoding::Png, _) => export::stacked(ptm).to_file(ImageFormat::Png)?,
     };
     files::write_whole(&args.output, bytes)?;
     output::note(&format!(

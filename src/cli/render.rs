@@ -1,17 +1,19 @@
 //! `ptm-conform render`
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
+use image::ImageFormat;
 
 use super::{CommandResult, files, output};
 use ptm_conform::tools::dissection::Dissection;
 use ptm_conform::tools::render::{lit, normals, sheet};
 
-/// Show a map as a PNG: under one light, under many, or its normals.
+/// Show a map as a picture: under one light, under many, or its normals.
 ///
 /// A light is LU,LV, its direction projected into the picture plane: LU to the right, LV up, 0,0 is the zenith. Colors are
-/// those of the reference, rounded to the nearest byte.
+/// those of the reference, rounded to the nearest byte. The name of the picture says which form it has: .png, .ppm, .tiff, .bmp,
+/// .webp (lossless) or .jpg (quality 95, all colors).
 ///
 /// Exit status: 0, 65 if the file is malformed, 69 if it is not supported, 2 usage error.
 #[derive(Args)]
@@ -36,7 +38,7 @@ pub struct RenderArgs {
     /// Show every texel as a square of N x N pixels.
     #[arg(long, value_name = "N", default_value_t = 1, conflicts_with = "sheet", value_parser = clap::value_parser!(u16).range(1..))]
     zoom: u16,
-    /// Where to write the PNG.
+    /// Where to write the picture.
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
 }
@@ -45,16 +47,7 @@ pub struct RenderArgs {
 const SMALL: usize = 32;
 
 pub fn run(args: &RenderArgs) -> CommandResult {
-    if !args
-        .output
-        .extension()
-        .is_some_and(|extension| extension.eq_ignore_ascii_case("png"))
-    {
-        return Err(format!(
-            "{}: pictures are written as PNG; name the file .png",
-            args.output.display()
-        ));
-    }
+    let format = format_of(&args.output)?;
     let file = files::read(&args.file)?;
     let dissection = Dissection::of(&file);
     let ptm = match files::map(&args.file, &dissection) {
@@ -74,10 +67,7 @@ pub fn run(args: &RenderArgs) -> CommandResult {
         1 => image,
         zoom => image.enlarged(zoom.into())?,
     };
-    files::write_whole(
-        &args.output,
-        image.to_png(&format!("{}: {what}", ptm.header.format))?,
-    )?;
+    files::write_whole(&args.output, image.to_file(format)?)?;
     output::note(&format!(
         "{}: {what}, {} x {} pixels{}\n",
         args.output.display(),
@@ -90,6 +80,17 @@ pub fn run(args: &RenderArgs) -> CommandResult {
         }
     ));
     Ok(0)
+}
+
+/// The form of a picture, by its name.
+fn format_of(path: &Path) -> Result<ImageFormat, String> {
+    let format = ImageFormat::from_path(path).ok();
+    format.filter(ImageFormat::writing_enabled).ok_or_else(|| {
+        format!(
+            "{}: expected a name that ends in .png, .ppm, .tiff, .bmp, .webp or .jpg",
+            path.display()
+        )
+    })
 }
 
 /// A direction within the hemisphere.

@@ -320,7 +320,7 @@ fn run_render(args: &RenderArgs) -> Result<u8, String> {
         channels: 3,
         samples: drawn.rgb,
     };
-    let bytes = image.to_png("a texture, mapped as the PEXlib table tells")?;
+    let bytes = image.to_file(image::ImageFormat::Png)?;
     write_whole(&args.output, bytes)?;
     Ok(0)
 }

@@ -472,6 +472,7 @@ impl Numbers {
             height: planes.size.height,
             channels,
             samples,
+            lossy: false,
         }
     }
 

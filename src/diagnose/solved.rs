@@ -492,6 +492,7 @@ pub(super) fn frame(acts: &[&Act], ptm: &Ptm, view: &View, reading: &Reading) ->
         height: ptm.planes.size.height,
         channels,
         samples,
+        lossy: false,
     }
 }
 

@@ -67,6 +67,7 @@ fn frame(expected: &Expected) -> Frame {
         height: expected.size.height,
         channels: expected.channels as u32,
         samples,
+        lossy: false,
     }
 }
 

@@ -1,10 +1,10 @@
-//! One answer, in whatever form it comes: a PTM1 frame, a PPM, a PNG or a NumPy array, distinguished by its first bytes.
+//! One answer, in whatever form it comes: a PTM1 frame, a picture or a NumPy array, distinguished by its first bytes.
 //!
 //! Programs that nobody will change write pictures; those become frames of the view `rgb`. An array says nothing of its
 //! view, so it is one of the view that was asked for. Whatever the form, there is exactly one of it, whole, with nothing
 //! after it.
 
-use super::{npy, picture, ppm};
+use super::{npy, picture};
 use crate::protocol::frame::{Frame, View};
 
 /// Reads the one answer that `bytes` are, to a request for `view`. Nothing above `most` bytes is unpacked.
@@ -12,15 +12,13 @@ use crate::protocol::frame::{Frame, View};
 /// # Errors
 /// A sentence that says what keeps `bytes` from being one.
 pub fn read(bytes: &[u8], view: &View, most: usize) -> Result<Frame, String> {
-    if bytes.starts_with(b"\x89PNG") {
-        picture::read(bytes, most).map_err(|error| format!("a PNG: {error}"))
-    } else if bytes.starts_with(b"\x93NUMPY") {
+    if bytes.starts_with(b"\x93NUMPY") {
         npy::read(bytes, view.name()).map_err(|error| format!("a NumPy array: {error}"))
-    } else if ppm::is_netpbm(bytes) {
-        ppm::read(bytes).map_err(|error| format!("a Netpbm file: {error}"))
+    } else if let Some(picture) = picture::read(bytes, most) {
+        picture
     } else if let Some(form) = known_but_not_read(bytes) {
         Err(format!(
-            "{form}; a picture is a PNG or a PPM (P6), or a PTM1 line and samples"
+            "{form}; a picture is a PNG, PNM, TIFF, BMP, WebP or JPEG, or a PTM1 line and samples"
         ))
     } else {
         Frame::read(bytes)
@@ -29,12 +27,8 @@ pub fn read(bytes: &[u8], view: &View, most: usize) -> Result<Frame, String> {
 
 /// Forms that are known by their first bytes and are no answers.
 fn known_but_not_read(bytes: &[u8]) -> Option<&'static str> {
-    let forms: [(&[u8], &str); 6] = [
-        (b"\xff\xd8\xff", "a JPEG picture, which has lost samples"),
-        (b"BM", "a BMP picture"),
+    let forms: [(&[u8], &str); 2] = [
         (b"GIF8", "a GIF picture"),
-        (b"II*\0", "a TIFF picture"),
-        (b"MM\0*", "a TIFF picture"),
         (b"PTM_1.", "the PTM file itself"),
     ];
     forms

@@ -112,6 +112,8 @@ pub struct Frame {
     pub channels: u32,
     /// `height * width * channels` of them.
     pub samples: Samples,
+    /// Whether they were compressed with loss on the way here, as in a JPEG picture.
+    pub lossy: bool,
 }
 
 /// The samples of a frame, texel after texel, top row first.
@@ -203,6 +205,7 @@ impl Frame {
             height: ptm.planes.size.height,
             channels,
             samples,
+            lossy: false,
         }
     }
 
@@ -328,6 +331,7 @@ impl Frame {
             height,
             channels,
             samples,
+            lossy: false,
         })
     }
 
@@ -445,13 +449,18 @@ impl Answer {
     }
 }
 
+/// Before the text of a lossy frame.
+const LOSSY: &str = "lossy ";
+
 /// A frame as text: its bytes in hexadecimal.
 impl Serialize for Frame {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let mut bytes = Vec::new();
         self.write(&mut bytes)
             .expect("writing to memory does not fail");
-        let text: String = bytes.iter().map(|byte| format!("{byte:02x}")).collect();
+        let mark = if self.lossy { LOSSY } else { "" };
+        let digits = bytes.iter().map(|byte| format!("{byte:02x}"));
+        let text: String = std::iter::once(mark.to_owned()).chain(digits).collect();
         serializer.serialize_str(&text)
     }
 }
@@ -459,7 +468,9 @@ impl Serialize for Frame {
 impl<'de> Deserialize<'de> for Frame {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Frame, D::Error> {
         let text = String::deserialize(deserializer)?;
-        let (pairs, rest) = text.as_bytes().as_chunks::<2>();
+        let lossy = text.starts_with(LOSSY);
+        let digits = text.trim_start_matches(LOSSY);
+        let (pairs, rest) = digits.as_bytes().as_chunks::<2>();
         let byte = |pair: &[u8; 2]| {
             let digits = std::str::from_utf8(pair).ok()?;
             u8::from_str_radix(digits, 16).ok()
@@ -467,6 +478,7 @@ impl<'de> Deserialize<'de> for Frame {
         let bytes: Option<Vec<u8>> = pairs.iter().map(byte).collect();
         let bytes = bytes.filter(|_| rest.is_empty());
         let bytes = bytes.ok_or_else(|| D::Error::custom("a frame is no row of hex digits"))?;
-        Frame::read(&bytes).map_err(D::Error::custom)
+        let frame = Frame::read(&bytes).map_err(D::Error::custom)?;
+        Ok(Frame { lossy, ..frame })
     }
 }

@@ -8,6 +8,4 @@ pub mod npy;
 
 pub mod picture;
 
-pub mod ppm;
-
 pub mod forms;

@@ -59,6 +59,7 @@ pub(crate) fn read(bytes: &[u8], view: &'static str) -> Result<Frame, String> {
         height,
         channels,
         samples,
+        lossy: false,
     })
 }
 

@@ -1,96 +1,210 @@
-//! Portable network graphics: grey, palette or color of at most 8 bits, taken as the bytes that they are.
+//! Pictures: PNG, Netpbm, TIFF, BMP, WebP and JPEG, gray or color of 8 bits, taken as the samples that they are.
 //!
-//! There is no color management: gamma, profiles and chromaticities are ignored, because the samples are what the
-//! decoder computed. Grey stands for three equal channels. Alpha is left out where it hides nothing.
+//! The `image` crate reads them. There is no color management: gamma, profiles and chromaticities are ignored, because the
+//! samples are what the decoder computed. Gray stands for three equal channels. Alpha is left out where it hides nothing.
+//!
+//! A JPEG has lost some of what the decoder computed, so its frame is marked as lossy. It is read only if it is fine: with
+//! small quantization steps and all of its colors, no sample of it is far from what was saved; a coarser one says as little of
+//! a single texel as a lossy WebP does.
 
 use std::io::Cursor;
+use std::panic::catch_unwind;
 
-use png::{BitDepth, ColorType, Decoder, DecodingError, Limits, Transformations};
+use image::codecs::pnm::{PnmDecoder, PnmSubtype};
+use image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader, Limits};
 
 use crate::protocol::frame::{Frame, Samples};
 
-/// Reads a whole file; no more than `most` bytes are unpacked.
-pub(crate) fn read(bytes: &[u8], most: usize) -> Result<Frame, String> {
-    let mut decoder = Decoder::new_with_limits(Cursor::new(bytes), Limits { bytes: most });
-    decoder.set_transformations(Transformations::EXPAND);
-    decoder.set_ignore_text_chunk(true);
-    decoder.set_ignore_iccp_chunk(true);
-    let mut reader = decoder.read_info().map_err(say)?;
-    let (width, height) = reader.info().size();
-    if reader.info().bit_depth == BitDepth::Sixteen {
-        return Err("it has 16 bits a sample, not 8".to_owned());
+/// The largest quantization step of a JPEG that is read: that of libjpeg's quality 95.
+const LARGEST_STEP: u16 = 12;
+/// What a reader may need besides the samples, in bytes: its tables, and profiles that come with the picture.
+const WORK: usize = 64 << 20;
+
+/// The forms that are read.
+const FORMS: [(ImageFormat, &str); 6] = [
+    (ImageFormat::Png, "a PNG"),
+    (ImageFormat::Pnm, "a Netpbm file"),
+    (ImageFormat::Tiff, "a TIFF"),
+    (ImageFormat::Bmp, "a BMP"),
+    (ImageFormat::WebP, "a WebP"),
+    (ImageFormat::Jpeg, "a JPEG"),
+];
+
+/// Reads the picture that `bytes` are, if they begin as one does; no more than `most` bytes of samples are unpacked.
+pub(crate) fn read(bytes: &[u8], most: usize) -> Option<Result<Frame, String>> {
+    let found = image::guess_format(bytes).ok()?;
+    let (format, name) = FORMS.into_iter().find(|(format, _)| *format == found)?;
+    // Whatever a program under test wrote, the run goes on.
+    let read = catch_unwind(|| read_as(format, bytes, most));
+    let read = read.unwrap_or_else(|_| Err("its reader does not cope with it".to_owned()));
+    Some(read.map_err(|error| format!("{name}: {error}")))
+}
+
+fn read_as(format: ImageFormat, bytes: &[u8], most: usize) -> Result<Frame, String> {
+    let say = |error: image::ImageError| error.to_string();
+    let mut cursor = Cursor::new(bytes);
+    let mut reader = ImageReader::with_format(&mut cursor, format);
+    let mut limits = Limits::no_limits();
+    limits.max_alloc = Some(most.saturating_add(WORK) as u64);
+    reader.limits(limits);
+    let decoder = reader.into_decoder().map_err(say)?;
+    let (width, height) = decoder.dimensions();
+    // Before there is room for a single texel.
+    if decoder.total_bytes() > most as u64 {
+        return Err(format!(
+            "{width} x {height} texels are more than the file can have"
+        ));
     }
-    if reader.info().is_animated() {
-        return Err("it is animated; an answer is one picture".to_owned());
+    let color = decoder.color_type();
+    if color.bytes_per_pixel() != color.channel_count() {
+        let bits = 8 * color.bytes_per_pixel() / color.channel_count();
+        return Err(format!("it has {bits} bits a sample, not 8"));
     }
-    let size = reader
-        .output_buffer_size()
-        .filter(|&size| size <= most)
-        .ok_or_else(|| format!("{width} x {height} texels are more than the file can have"))?;
-    let mut samples = vec![0; size];
-    let info = reader.next_frame(&mut samples).map_err(say)?;
-    samples.truncate(info.buffer_size());
-    let color = info.color_type;
-    reader.finish().map_err(say)?;
-    nothing_after(bytes)?;
+    match format {
+        ImageFormat::Pnm => full_range(bytes)?,
+        ImageFormat::Jpeg => fine(bytes)?,
+        ImageFormat::WebP if is_lossy_webp(bytes) => {
+            return Err(
+                "it is lossy, with a color for four texels; write a lossless one".to_owned(),
+            );
+        }
+        _ => {}
+    }
+    let picture = DynamicImage::from_decoder(decoder).map_err(say)?;
+    whole(format, bytes, cursor.position() as usize)?;
+    if color.has_alpha() {
+        opaque(&picture)?;
+    }
     Ok(Frame {
         view: "rgb",
         width,
         height,
         channels: 3,
-        samples: Samples::U8(color_of(&samples, color, width as usize)?),
+        samples: Samples::U8(picture.into_rgb8().into_raw()),
+        lossy: format == ImageFormat::Jpeg,
     })
 }
 
-fn say(error: DecodingError) -> String {
-    match error {
-        DecodingError::LimitsExceeded => "it is larger than the file can be".to_owned(),
-        error => error.to_string(),
+/// Samples of Netpbm files are read as they are, so the largest is that of a byte.
+fn full_range(bytes: &[u8]) -> Result<(), String> {
+    let decoder = PnmDecoder::new(bytes).map_err(|error| error.to_string())?;
+    let header = decoder.header();
+    match (header.subtype(), header.maximal_sample()) {
+        (PnmSubtype::Bitmap(_), _) | (_, 255) => Ok(()),
+        (_, largest) => Err(format!("its largest value is {largest}, not 255")),
     }
 }
 
-/// Red, green and blue of each texel.
-fn color_of(samples: &[u8], color: ColorType, width: usize) -> Result<Vec<u8>, String> {
-    match color {
-        ColorType::Rgb => Ok(samples.to_vec()),
-        ColorType::Grayscale => Ok(samples.iter().flat_map(|&grey| [grey; 3]).collect()),
-        ColorType::Rgba => opaque::<4>(samples, width),
-        ColorType::GrayscaleAlpha => opaque::<2>(samples, width),
-        ColorType::Indexed => unreachable!("palettes are expanded"),
+/// Whether a WebP has a lossy picture, right after the header or in a chunk of its own.
+fn is_lossy_webp(bytes: &[u8]) -> bool {
+    let mut rest = bytes.get(12..).unwrap_or_default();
+    while let [a, b, c, d, s0, s1, s2, s3, chunk @ ..] = rest {
+        if &[*a, *b, *c, *d] == b"VP8 " {
+            return true;
+        }
+        let size = u32::from_le_bytes([*s0, *s1, *s2, *s3]) as usize;
+        rest = chunk
+            .get(size.saturating_add(size % 2)..)
+            .unwrap_or_default();
     }
+    false
 }
 
-/// The texels without their alpha, the last of `N` samples, which must be 255.
-fn opaque<const N: usize>(samples: &[u8], width: usize) -> Result<Vec<u8>, String> {
-    let texels = samples.as_chunks::<N>().0;
-    if let Some(at) = texels.iter().position(|texel| texel[N - 1] != 255) {
-        return Err(format!(
-            "texel ({}, {}) is not opaque, its alpha is {}; a lit PTM hides nothing",
-            at % width,
-            at / width,
-            texels[at][N - 1]
-        ));
-    }
-    let color = |texel: &[u8; N]| match N {
-        2 => [texel[0]; 3],
-        _ => [texel[0], texel[1], texel[2]],
-    };
-    Ok(texels.iter().flat_map(color).collect())
-}
-
-/// The chunk `IEND` is the end of the file.
-fn nothing_after(bytes: &[u8]) -> Result<(), String> {
-    let mut rest = &bytes[8..];
-    while let [a, b, c, d, chunk @ ..] = rest {
-        let length = u32::from_be_bytes([*a, *b, *c, *d]) as usize;
-        let is_last = chunk.starts_with(b"IEND");
-        rest = chunk.get(length + 8..).unwrap_or_default();
-        if is_last {
-            return match rest.len() {
-                0 => Ok(()),
-                more => Err(format!("{more} bytes follow its end")),
-            };
+/// A JPEG that has kept its colors, and whose samples are near to what was saved.
+fn fine(bytes: &[u8]) -> Result<(), String> {
+    let advice = "write quality 95 or more without subsampling, or another form";
+    for (code, content) in segments(bytes) {
+        match (code, content) {
+            (0xdb, tables) if largest_step(tables) > LARGEST_STEP => {
+                let step = largest_step(tables);
+                return Err(format!("it is too coarse, with steps of {step}; {advice}"));
+            }
+            (0xc4 | 0xc8 | 0xcc, _) => {}
+            // The sampling factors of each component stand beside its name.
+            (0xc0..=0xcf, [_, _, _, _, _, _, components @ ..]) => {
+                let mut factors = components.chunks(3).map(|component| component.get(1));
+                let first = factors.next();
+                if factors.any(|other| Some(other) != first) {
+                    return Err(format!("it has one color for several texels; {advice}"));
+                }
+            }
+            _ => {}
         }
     }
-    Err("it has no end".to_owned())
+    Ok(())
+}
+
+/// The marker segments of a JPEG before its first scan: code and content (T.81 B.1.1.4).
+fn segments(bytes: &[u8]) -> impl Iterator<Item = (u8, &[u8])> {
+    let mut rest = bytes.get(2..).unwrap_or_default();
+    std::iter::from_fn(move || {
+        while rest.starts_with(&[0xff, 0xff]) {
+            rest = &rest[1..];
+        }
+        let [0xff, code, high, low, ..] = *rest else {
+            return None;
+        };
+        let end = 2 + usize::from(u16::from_be_bytes([high, low]));
+        let content = rest.get(4..end).filter(|_| code != 0xda)?;
+        rest = &rest[end..];
+        Some((code, content))
+    })
+}
+
+/// The largest step of the quantization tables of a segment (T.81 B.2.4.1).
+fn largest_step(mut tables: &[u8]) -> u16 {
+    let mut largest = 0;
+    while let [kind, rest @ ..] = tables {
+        let length = if kind >> 4 == 0 { 64 } else { 128 };
+        let (table, more) = rest.split_at(length.min(rest.len()));
+        let steps = table.chunks(length / 64);
+        let step = |bytes: &[u8]| {
+            bytes
+                .iter()
+                .fold(0, |step, &byte| step << 8 | u16::from(byte))
+        };
+        largest = steps.map(step).max().unwrap_or(0).max(largest);
+        tables = more;
+    }
+    largest
+}
+
+/// The one picture is all there is; `end` is where its samples ended. Containers that say themselves how long they are are
+/// checked by their readers.
+fn whole(format: ImageFormat, bytes: &[u8], end: usize) -> Result<(), String> {
+    const IEND: &[u8] = b"\0\0\0\0IEND\xae\x42\x60\x82";
+    let end = match format {
+        ImageFormat::Png => {
+            let last = bytes.windows(IEND.len()).position(|bytes| bytes == IEND);
+            last.ok_or("it has no end")? + IEND.len()
+        }
+        // Nothing but white space may follow numbers that are written out.
+        ImageFormat::Pnm
+            if matches!(bytes[1], b'1'..=b'3') && bytes[end..].trim_ascii().is_empty() =>
+        {
+            bytes.len()
+        }
+        ImageFormat::Pnm => end,
+        ImageFormat::Jpeg if !bytes.ends_with(b"\xff\xd9") => {
+            return Err("it does not end with the marker FFD9".to_owned());
+        }
+        _ => bytes.len(),
+    };
+    match bytes.len() - end {
+        0 => Ok(()),
+        more => Err(format!("{more} bytes follow its end")),
+    }
+}
+
+/// Alpha must be 255 throughout.
+fn opaque(picture: &DynamicImage) -> Result<(), String> {
+    let picture = picture.to_rgba8();
+    let mut texels = picture.enumerate_pixels();
+    match texels.find(|(_, _, texel)| texel.0[3] != 255) {
+        None => Ok(()),
+        Some((x, y, texel)) => Err(format!(
+            "texel ({x}, {y}) is not opaque, its alpha is {}; a lit PTM hides nothing",
+            texel.0[3]
+        )),
+    }
 }

@@ -14,8 +14,9 @@ use crate::session::outcome::{Judged, Outcome};
 use crate::session::remark::Remark;
 use crate::session::run::Run;
 use crate::suite::cases::Suite;
+use crate::suite::compare::LOSSY;
 use crate::suite::dialect::Right;
-use crate::suite::test_case::TestCase;
+use crate::suite::test_case::{Allowance, TestCase};
 
 impl Report {
     /// The report of `run`, without causes. `command` is shown without directories.
@@ -58,7 +59,7 @@ impl Report {
             verdict: verdict.to_owned(),
             reason: run.not_a_decoder.clone(),
             scores: run.scores(suite),
-            remarks: remarks.chain(another_transform(run)).collect(),
+            remarks: remarks.chain(allowances(run)).collect(),
             dialect: dialect(suite, run),
             lenient: leniency(suite, run),
             baseline: None,
@@ -141,24 +142,24 @@ fn unsupported<C: Reported>(run: &Run<C>) -> Vec<String> {
     features.chain(views).collect()
 }
 
-/// Ruling `jpeg-samples`: pictures of lossy JPEG that are right and not the reference's.
-fn another_transform<C: TestCase>(run: &Run<C>) -> Option<Remark> {
-    let is_another = |response: &Response<C>| {
-        matches!(
-            response,
-            Response::Picture {
-                another_transform: true,
-                ..
-            }
-        )
+/// Pictures for which more room was made than for rounding.
+fn allowances<C: TestCase>(run: &Run<C>) -> impl Iterator<Item = Remark> {
+    let count = |of: Allowance| {
+        let observed = run.observations.iter().flatten();
+        let responses = observed.map(|observation| &observation.response);
+        responses
+            .filter(|response| matches!(response, Response::Picture { allowance, .. } if *allowance == of))
+            .count()
     };
-    let observed = run.observations.iter().flatten();
-    let count = observed
-        .filter(|observation| is_another(&observation.response))
-        .count();
-    (count > 0).then(|| Remark::note(format!(
-        "{count} raw pictures of lossy JPEG planes are within the tolerance and not equal to the reference's, as those of a decoder with another inverse DCT"
-    )))
+    let others = count(Allowance::AnotherTransform);
+    let lossy = count(Allowance::Lossy);
+    let others = (others > 0).then(|| format!(
+        "{others} raw pictures of lossy JPEG planes are within the tolerance and not equal to the reference's, as those of a decoder with another inverse DCT"
+    ));
+    let lossy = (lossy > 0).then(|| format!(
+        "{lossy} answers are JPEG pictures, which are lossy: a sample may be {LOSSY} farther from its color than in other pictures, so small mistakes pass unseen"
+    ));
+    [others, lossy].into_iter().flatten().map(Remark::note)
 }
 
 /// Diagnoses as a report has them.

@@ -28,7 +28,7 @@ use crate::session::remark::Remark;
 use crate::session::run::Run;
 use crate::suite::cases::Suite;
 use crate::suite::dialect::Right;
-use crate::suite::test_case::TestCase;
+use crate::suite::test_case::{Allowance, TestCase};
 
 /// One of so many parts of the suite: `3/8`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -298,7 +298,7 @@ impl<C: TestCase> Keeper<C> {
             Response::Picture {
                 right: Right::Anyway(true),
                 difference: None,
-                another_transform: false,
+                allowance: Allowance::None,
                 ..
             }
         );

@@ -134,13 +134,13 @@ fn picture<C: TestCase>(comparison: Comparison<C>, output: &C::Output) -> Respon
     let Comparison {
         right,
         difference,
-        another_transform,
+        allowance,
     } = comparison;
     let differs = right != Right::Anyway(true) && difference.is_some();
     Response::Picture {
         right,
         difference,
-        another_transform,
+        allowance,
         frame: differs.then(|| output.clone()),
     }
 }

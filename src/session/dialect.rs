@@ -101,6 +101,7 @@ mod tests {
     use crate::protocol::frame::View;
     use crate::suite::cases::Case;
     use crate::suite::choices::CHOICES;
+    use crate::suite::test_case::Allowance;
 
     /// A picture that is right in the combinations of `rulings` that `right` names, by its readings on them.
     #[expect(
@@ -119,7 +120,7 @@ mod tests {
             response: Response::Picture {
                 right,
                 difference: None,
-                another_transform: false,
+                allowance: Allowance::None,
                 frame: None,
             },
             weak: false,

@@ -215,6 +215,7 @@ mod tests {
                 height: 1,
                 channels: 9,
                 samples: Samples::U8(vec![0; 9]),
+                lossy: false,
             }))
         };
         assert_eq!(ask(&offer, &decoded, &small), None);

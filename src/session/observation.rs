@@ -3,7 +3,7 @@
 use crate::protocol::frame::Answer;
 use crate::suite::cases::{Case, Expect};
 use crate::suite::dialect::Right;
-use crate::suite::test_case::TestCase;
+use crate::suite::test_case::{Allowance, TestCase};
 
 /// What one request showed.
 #[derive(Clone, Debug)]
@@ -54,8 +54,8 @@ pub enum Response<C: TestCase = Case> {
         right: Right,
         /// How it differs from the reference's, if it does and there is one.
         difference: Option<C::Difference>,
-        /// Whether it is right only because inverse DCTs may differ (ruling `jpeg-samples`).
-        another_transform: bool,
+        /// What room was made for it.
+        allowance: Allowance,
         /// The picture itself where it differs.
         frame: Option<C::Output>,
     },

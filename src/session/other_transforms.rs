@@ -19,6 +19,7 @@ use crate::session::outcome::Outcome;
 use crate::session::plan::RunPlan;
 use crate::session::run::check;
 use crate::suite::cases::{Expect, Suite, TableSpelling};
+use crate::suite::test_case::Allowance;
 
 type Samples = crate::error::Result<Vec<u8>>;
 
@@ -81,7 +82,7 @@ fn passes(reading: Reading, counts: &Counts) {
         matches!(
             response,
             Response::Picture {
-                another_transform: true,
+                allowance: Allowance::AnotherTransform,
                 ..
             }
         )

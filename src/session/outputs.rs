@@ -69,8 +69,8 @@ A view is
   rgb:LU,LV  the picture under the light from LU (to the right) and LV (up), each from -1 to 1, in the size of the file
   raw        the stored bytes of all channels, texel after texel, top row first
   coef       the final values of all channels, the same way
-An answer is a PNG or a PPM (P6) of 8 bits for rgb, without color management; a NumPy array of (height, width, channels), u1
-for raw and rgb, <f4 for coef; or a frame of the decoder protocol. Its suffix does not matter.
+An answer is a PNG, PNM, TIFF, BMP or lossless WebP of 8 bits for rgb, without color management, or a JPEG of quality 95 or more
+without subsampling; a NumPy array of (height, width, channels), u1 for raw and rgb, <f4 for coef; or a frame of the decoder protocol. Its suffix does not matter.
 
 What is refused as malformed: list its case in outputs/rejected.txt. What is sound but not read, such as a whole format:
 list it in outputs/unsupported.txt. One case a line; * and ? are wild cards: *-lum. An empty file outputs/CASE.reject or

@@ -1,6 +1,7 @@
 //! Maps as pictures that stand in a page: small PNGs, shown large with hard edges.
 
 use data_encoding::BASE64;
+use image::ImageFormat;
 use maud::{Markup, html};
 
 use crate::evaluate::Coefficients;
@@ -105,7 +106,7 @@ fn thinned(image: Image) -> Image {
 fn picture(image: &Image, says: &str) -> Markup {
     let scale = (SHOWN / image.width.max(image.height)).max(1);
     let png = image
-        .to_png("ptm-conform")
+        .to_file(ImageFormat::Png)
         .expect("a thinned picture is small");
     html! {
         img.texels width=(image.width * scale) height=(image.height * scale) alt=(says)

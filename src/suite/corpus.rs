@@ -157,5 +157,6 @@ pub(crate) fn picture(expected: &Expected, view: &View) -> Frame {
         height: expected.size.height,
         channels: expected.channels as u32,
         samples,
+        lossy: false,
     }
 }

@@ -11,7 +11,7 @@ use crate::suite::compare::{Difference, Expected};
 use crate::suite::corpus;
 use crate::suite::dialect::{Choices, Dialect, Right};
 use crate::suite::features::Feature;
-use crate::suite::test_case::{Comparison, TestCase};
+use crate::suite::test_case::{Allowance, Comparison, TestCase};
 use crate::suite::values::Values;
 
 impl TestCase for Case {
@@ -114,8 +114,13 @@ impl TestCase for Case {
     fn compare(&self, built: &Arc<Built>, view: &View, frame: &Frame) -> Comparison<Case> {
         let expected = Expected::of(&built.values, view);
         let difference = (expected.as_ref()).and_then(|expected| expected.compare(frame));
-        let another_transform =
+        let another =
             (expected.as_ref()).is_some_and(|expected| expected.is_another_transform(frame));
+        let allowance = match (frame.lossy, another) {
+            (true, _) => Allowance::Lossy,
+            (false, true) => Allowance::AnotherTransform,
+            (false, false) => Allowance::None,
+        };
         let axes = concerned(self, view);
         let right = match expected {
             Some(expected) if !axes.is_empty() => {
@@ -135,7 +140,7 @@ impl TestCase for Case {
         Comparison {
             right,
             difference,
-            another_transform,
+            allowance,
         }
     }
 

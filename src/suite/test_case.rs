@@ -107,8 +107,19 @@ pub struct Comparison<C: TestCase> {
     pub right: Right,
     /// How it differs from the reference's, if it does and there is one.
     pub difference: Option<C::Difference>,
-    /// Whether it is right only because inverse DCTs may differ (ruling `jpeg-samples`).
-    pub another_transform: bool,
+    /// What room was made for it.
+    pub allowance: Allowance,
+}
+
+/// Why an output may be right without being the expected one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Allowance {
+    /// There is no more room than for rounding.
+    None,
+    /// It is right only because inverse DCTs may differ (ruling `jpeg-samples`).
+    AnotherTransform,
+    /// It came as a lossy picture.
+    Lossy,
 }
 
 impl<C: TestCase> Suite<C> {

@@ -9,6 +9,7 @@ use std::io;
 use std::path::Path;
 use std::str::FromStr;
 
+use image::ImageFormat;
 use serde::Serialize;
 
 use crate::kit::digest::sha256;
@@ -302,7 +303,7 @@ fn encoded(
     profile: Profile,
 ) -> Result<Vec<(&'static str, Vec<u8>)>, String> {
     let (size, channels) = (expected.size, expected.channels);
-    let png = |image: Image| Ok::<_, String>(("png", image.to_png(description)?));
+    let png = |image: Image| Ok::<_, String>(("png", image.to_file(ImageFormat::Png)?));
     Ok(match &expected.values {
         ExpectedValues::Raw(values) => {
             let npy = ("npy", npy_bytes(values, size, channels));

@@ -1,5 +1,11 @@
 //! A map as a picture: lit from somewhere, from everywhere, or as the normals that its polynomials hint at.
 
+use std::io::Cursor;
+
+use image::codecs::jpeg::JpegEncoder;
+use image::codecs::pnm::{PnmEncoder, PnmSubtype, SampleEncoding};
+use image::{ExtendedColorType, ImageEncoder, ImageFormat, write_buffer_with_format};
+
 use crate::evaluate::Coefficients;
 use crate::ptm::{Ptm, Shape};
 
@@ -16,6 +22,8 @@ pub struct Image {
     pub samples: Vec<u8>,
 }
 
+/// The encoder keeps every color, and at this quality its steps are fine.
+const JPEG_QUALITY: u8 = 95;
 /// Between the pictures of a contact sheet.
 const MARGIN: usize = 4;
 /// Gray, between black and white pictures.
@@ -172,30 +180,35 @@ fn brightest_angle(brightness: &impl Fn(f64) -> f64) -> f64 {
 }
 
 impl Image {
-    /// As PNG, with a description.
+    /// As a file of that format; as JPEG in the quality in which `check` takes it for an answer.
     ///
     /// # Errors
     /// A picture that is too large for the format.
-    pub fn to_png(&self, description: &str) -> Result<Vec<u8>, String> {
-        let side = |length: usize| {
-            u32::try_from(length).map_err(|_| "the picture is too large for PNG".to_owned())
+    pub fn to_file(&self, format: ImageFormat) -> Result<Vec<u8>, String> {
+        let side = |length: usize| u32::try_from(length).map_err(|_| "the picture is too large");
+        let (width, height) = (side(self.width)?, side(self.height)?);
+        let color = match self.channels {
+            1 => ExtendedColorType::L8,
+            _ => ExtendedColorType::Rgb8,
         };
-        let mut bytes = Vec::new();
-        let mut encoder = png::Encoder::new(&mut bytes, side(self.width)?, side(self.height)?);
-        encoder.set_color(if self.channels == 1 {
-            png::ColorType::Grayscale
-        } else {
-            png::ColorType::Rgb
-        });
-        encoder.set_depth(png::BitDepth::Eight);
-        let told = |error: png::EncodingError| error.to_string();
-        encoder
-            .add_text_chunk("Description".to_owned(), description.to_owned())
-            .map_err(told)?;
-        let mut writer = encoder.write_header().map_err(told)?;
-        writer.write_image_data(&self.samples).map_err(told)?;
-        writer.finish().map_err(told)?;
-        Ok(bytes)
+        let mut out = Cursor::new(Vec::new());
+        let written =
+            match format {
+                // By itself it would write the newer kind P7, which few programs read.
+                ImageFormat::Pnm => PnmEncoder::new(&mut out)
+                    .with_subtype(match self.channels {
+                        1 => PnmSubtype::Graymap(SampleEncoding::Binary),
+                        _ => PnmSubtype::Pixmap(SampleEncoding::Binary),
+                    })
+                    .write_image(&self.samples, width, height, color),
+                ImageFormat::Jpeg => JpegEncoder::new_with_quality(&mut out, JPEG_QUALITY)
+                    .write_image(&self.samples, width, height, color),
+                _ => {
+                    write_buffer_with_format(&mut out, &self.samples, width, height, color, format)
+                }
+            };
+        written.map_err(|error| error.to_string())?;
+        Ok(out.into_inner())
     }
 
     /// Every pixel as a square of `factor` × `factor`.
@@ -337,6 +350,29 @@ mod tests {
             [1, 1, 2, 2, 1, 1, 2, 2, 3, 3, 4, 4, 3, 3, 4, 4]
         );
         assert!(image.enlarged(usize::MAX).is_err());
+    }
+
+    #[test]
+    fn a_picture_becomes_a_file_of_every_form() {
+        let image = Image {
+            width: 1,
+            height: 1,
+            channels: 3,
+            samples: vec![7, 7, 7],
+        };
+        let file = |format| image.to_file(format).expect("a small picture");
+        assert_eq!(file(ImageFormat::Pnm), b"P6\n1 1\n255\n\x07\x07\x07");
+        for format in [
+            ImageFormat::Png,
+            ImageFormat::Tiff,
+            ImageFormat::Bmp,
+            ImageFormat::WebP,
+            ImageFormat::Jpeg,
+        ] {
+            let read = image::load_from_memory_with_format(&file(format), format);
+            let read = read.expect("a picture").into_rgb8();
+            assert_eq!(read.into_raw(), [7, 7, 7], "{format:?}");
+        }
     }
 
     #[test]

@@ -11,7 +11,7 @@ use crate::ptm::Format;
 use crate::suite::cases::{Expect, TableSpelling};
 use crate::suite::dialect::{Choices, Dialect, Right};
 use crate::suite::features::Feature;
-use crate::suite::test_case::{Comparison, TestCase};
+use crate::suite::test_case::{Allowance, Comparison, TestCase};
 use crate::writers::cases::WriterCase;
 use crate::writers::fault::WriterFault;
 use crate::writers::judge::judge;
@@ -172,7 +172,7 @@ impl TestCase for WriterCase {
         Comparison {
             right: Right::Anyway(difference.is_none()),
             difference,
-            another_transform: false,
+            allowance: Allowance::None,
         }
     }
 

@@ -2,6 +2,8 @@
 //! border to move: expected to its left, received to its right.
 
 use data_encoding::BASE64;
+use image::codecs::png::{CompressionType, FilterType, PngEncoder};
+use image::{ExtendedColorType, ImageEncoder};
 use maud::{Markup, html};
 
 /// The longest side on the page, in CSS pixels.
@@ -49,14 +51,8 @@ impl Compared<'_> {
 /// A picture of four bytes a texel as an address.
 pub(super) fn png(width: usize, height: usize, rgba: &[u8]) -> String {
     let mut bytes = Vec::new();
-    let mut encoder = png::Encoder::new(&mut bytes, width as u32, height as u32);
-    encoder.set_color(png::ColorType::Rgba);
-    encoder.set_depth(png::BitDepth::Eight);
-    encoder.set_compression(png::Compression::High);
-    let mut writer = encoder.write_header().expect("a picture has a width");
-    writer
-        .write_image_data(rgba)
+    PngEncoder::new_with_quality(&mut bytes, CompressionType::Best, FilterType::Adaptive)
+        .write_image(rgba, width as u32, height as u32, ExtendedColorType::Rgba8)
         .expect("there are four bytes for each pixel");
-    drop(writer);
     format!("data:image/png;base64,{}", BASE64.encode(&bytes))
 }

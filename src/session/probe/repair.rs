@@ -161,6 +161,7 @@ fn is_right(values: &[f64], expected: &Expected) -> bool {
         height: expected.size.height,
         channels: expected.channels as u32,
         samples,
+        lossy: false,
     };
     expected.compare(&frame).is_none()
 }

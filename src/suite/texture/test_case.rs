@@ -7,7 +7,7 @@ use serde_json::Value;
 
 use crate::suite::cases::{Expect, TableSpelling};
 use crate::suite::dialect::{Choices, Dialect, Right};
-use crate::suite::test_case::{Comparison, TestCase};
+use crate::suite::test_case::{Allowance, Comparison, TestCase};
 use crate::suite::texture::cases::{Basis, TextureCase};
 use crate::suite::texture::choices::CHOICES;
 use crate::suite::texture::compare::difference;
@@ -158,7 +158,7 @@ impl TestCase for TextureCase {
         Comparison {
             right,
             difference,
-            another_transform: false,
+            allowance: Allowance::None,
         }
     }
 

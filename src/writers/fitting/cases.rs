@@ -12,7 +12,7 @@ use crate::session::run::Run;
 use crate::suite::cases::{Expect, Suite, TableSpelling};
 use crate::suite::dialect::{Choices, Dialect, Right};
 use crate::suite::features::Feature;
-use crate::suite::test_case::{Comparison, TestCase};
+use crate::suite::test_case::{Allowance, Comparison, TestCase};
 use crate::writers::diagnose::described;
 use crate::writers::fault::WriterFault;
 use crate::writers::fitting::judge::judge;
@@ -185,7 +185,7 @@ impl TestCase for FitCase {
         Comparison {
             right: Right::Anyway(difference.is_none()),
             difference,
-            another_transform: false,
+            allowance: Allowance::None,
         }
     }
 

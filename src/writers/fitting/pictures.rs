@@ -3,6 +3,7 @@
 use std::fs;
 use std::path::Path;
 
+use image::ImageFormat;
 use serde::{Deserialize, Serialize};
 
 use crate::ptm::{Format, Size};
@@ -78,7 +79,7 @@ impl Photograph {
             channels: 3,
             samples: self.pixels.clone(),
         };
-        image.to_png(&self.name).expect("a small picture")
+        image.to_file(ImageFormat::Png).expect("a small picture")
     }
 }
 

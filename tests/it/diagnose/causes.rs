@@ -122,6 +122,7 @@ fn a_search_among_failures_that_share_nothing_ends() {
             height: 1,
             channels: 9,
             samples: Samples::U8(b"123456789".to_vec()),
+            lossy: false,
         })
     });
     let failing = failures(&run).len();

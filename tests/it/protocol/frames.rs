@@ -1,7 +1,14 @@
 //! Answers in other forms than a PTM1 frame, sound and hostile.
 
+use std::io::Cursor;
+
+use crate::common::repository;
+use image::codecs::jpeg::JpegEncoder;
+use image::{ExtendedColorType, ImageEncoder, ImageFormat, write_buffer_with_format};
 use ptm_conform::protocol::forms::read;
 use ptm_conform::protocol::frame::{Frame, Samples, View};
+use ptm_conform::suite::cases::{Suite, TableSpelling};
+use ptm_conform::suite::compare::{Expected, ExpectedValues, LOSSY};
 
 const MOST: usize = 1 << 20;
 
@@ -17,6 +24,7 @@ fn frame(view: &'static str, size: (u32, u32, u32), samples: Samples) -> Frame {
         height,
         channels,
         samples,
+        lossy: false,
     }
 }
 
@@ -59,35 +67,243 @@ fn npy(version: u8, header: &str, data: &[u8]) -> Vec<u8> {
 }
 
 #[test]
-fn a_pixmap_is_a_picture() {
-    let expected = frame("rgb", (2, 1, 3), Samples::U8(b"\n12 56".to_vec()));
+fn a_netpbm_file_is_a_picture() {
+    let color = frame("rgb", (2, 1, 3), Samples::U8(b"\n12 56".to_vec()));
     for header in [
         "P6\n2 1\n255\n",
         "P6 2 1 255 ",
-        "P6#by hand\n 2\t1\r\n# more\n255\n",
+        "P6 #by hand\n 2\t1\n# more\n255\n",
     ] {
         let bytes = [header.as_bytes(), b"\n12 56"].concat();
-        assert_eq!(
-            read(&bytes, &rgb(), MOST),
-            Ok(expected.clone()),
-            "{header:?}"
+        assert_eq!(read(&bytes, &rgb(), MOST), Ok(color.clone()), "{header:?}");
+    }
+    let gray = frame("rgb", (2, 1, 3), Samples::U8(vec![0, 0, 0, 255, 255, 255]));
+    for file in [
+        &b"P1\n2 1\n1 0\n"[..],
+        b"P2\n2 1\n255\n0 255\n",
+        b"P3\n2 1\n255\n0 0 0 255 255 255\n",
+        b"P4\n2 1\n\x80",
+        b"P5\n2 1\n255\n\x00\xff",
+    ] {
+        assert_eq!(read(file, &rgb(), MOST), Ok(gray.clone()), "{file:?}");
+    }
+}
+
+#[test]
+fn netpbm_files_that_are_none() {
+    for (file, says) in [
+        (&b"P6\n2 1\n255\n12345"[..], ""),
+        (b"P6\n2 1\n255\n1234567", "1 bytes follow its end"),
+        (b"P6\n4294967295 4294967295\n255\n1", ""),
+        (b"P6\n60000 60000\n255\n1", "than the file can have"),
+        (b"P6\n99999999999 1\n255\n1", ""),
+        (b"P6\n2 1\n65535\n123456123456", "16 bits a sample"),
+        (b"P6\n2 1\n15\n123456", "its largest value is 15, not 255"),
+        (b"P6\n2 1 255", ""),
+        (b"P6 # no end", ""),
+        (b"P3\n1 1\n255\n1 2\n", ""),
+        (b"P3\n1 1\n255\n1 2 3\n4\n", "follow its end"),
+    ] {
+        refuses(file, "a Netpbm file: ");
+        refuses(file, says);
+    }
+}
+
+/// Two columns and two rows, with alpha where there are four samples a texel.
+fn small(color: ExtendedColorType, format: ImageFormat) -> Vec<u8> {
+    let samples: Vec<u8> = match color {
+        ExtendedColorType::L8 => vec![7, 80, 160, 250],
+        ExtendedColorType::Rgb8 => (1..13).map(|i| i * 20).collect(),
+        _ => (1..17)
+            .map(|i| if i % 4 == 0 { 255 } else { i * 15 })
+            .collect(),
+    };
+    let mut bytes = Cursor::new(Vec::new());
+    write_buffer_with_format(&mut bytes, &samples, 2, 2, color, format).expect("a small picture");
+    bytes.into_inner()
+}
+
+const LOSSLESS: [(ImageFormat, &str); 5] = [
+    (ImageFormat::Png, "a PNG"),
+    (ImageFormat::Pnm, "a Netpbm file"),
+    (ImageFormat::Tiff, "a TIFF"),
+    (ImageFormat::Bmp, "a BMP"),
+    (ImageFormat::WebP, "a WebP"),
+];
+
+#[test]
+fn every_lossless_form_has_the_samples_that_were_saved() {
+    let gray = [7, 80, 160, 250].iter().flat_map(|&gray| [gray; 3]);
+    let gray: Vec<u8> = gray.collect();
+    let color: Vec<u8> = (1..13).map(|i| i * 20).collect();
+    let alpha: Vec<u8> = (1..17).filter(|i| i % 4 != 0).map(|i| i * 15).collect();
+    for (format, name) in LOSSLESS {
+        for (kind, samples) in [
+            (ExtendedColorType::L8, &gray),
+            (ExtendedColorType::Rgb8, &color),
+            (ExtendedColorType::Rgba8, &alpha),
+        ] {
+            let expected = frame("rgb", (2, 2, 3), Samples::U8(samples.clone()));
+            let found = read(&small(kind, format), &rgb(), MOST);
+            assert_eq!(found, Ok(expected), "{name}, {kind:?}");
+        }
+    }
+}
+
+/// The same file with other bytes where `before` stands first.
+fn patched(mut file: Vec<u8>, before: &[u8], offset: usize, bytes: &[u8]) -> Vec<u8> {
+    let at = file
+        .windows(before.len())
+        .position(|window| window == before);
+    let at = at.expect("it is there") + offset;
+    file[at..at + bytes.len()].copy_from_slice(bytes);
+    file
+}
+
+/// A few bytes that announce far more texels than they have.
+fn huge() -> Vec<(&'static str, Vec<u8>)> {
+    let color = ExtendedColorType::Rgb8;
+    let mut png = Vec::new();
+    let writer = png::Encoder::new(&mut png, 60_000, 60_000).write_header();
+    let begun = writer.and_then(|mut writer| writer.write_chunk(png::chunk::IDAT, &[0x78]));
+    begun.expect("it is written");
+    let tiff = small(color, ImageFormat::Tiff);
+    let tiff = patched(
+        tiff,
+        &[0, 1, 4, 0, 1, 0, 0, 0, 2],
+        8,
+        &60_000_u32.to_le_bytes(),
+    );
+    let tiff = patched(
+        tiff,
+        &[1, 1, 4, 0, 1, 0, 0, 0, 2],
+        8,
+        &60_000_u32.to_le_bytes(),
+    );
+    let side = 60_000_u32.to_le_bytes();
+    let bmp = patched(
+        small(color, ImageFormat::Bmp),
+        b"BM",
+        18,
+        &[side, side].concat(),
+    );
+    // Fourteen bits for each side, one less than it is.
+    let webp = patched(
+        small(color, ImageFormat::WebP),
+        b"VP8L",
+        9,
+        &[0xfe, 0xbf, 0xff, 0x0f],
+    );
+    let jpeg = patched(
+        small(color, ImageFormat::Jpeg),
+        &[0xff, 0xc0],
+        5,
+        &[0xff; 4],
+    );
+    vec![
+        ("a PNG", png),
+        ("a Netpbm file", b"P5 60000 60000 255 1".to_vec()),
+        ("a TIFF", tiff),
+        ("a BMP", bmp),
+        ("a WebP", webp),
+        ("a JPEG", jpeg),
+    ]
+}
+
+#[test]
+fn a_small_file_that_announces_a_huge_picture_is_refused_before_there_is_room_for_it() {
+    for (name, file) in huge() {
+        let error = read(&file, &rgb(), MOST).expect_err("no answer");
+        assert!(error.starts_with(name), "{error}");
+        assert!(
+            error.contains("texels are more than the file can have"),
+            "{error}"
         );
     }
 }
 
 #[test]
-fn pixmaps_that_are_none() {
-    refuses(b"P6\n2 1\n255\n12345", "need 6 bytes, 5 follow");
-    refuses(b"P6\n2 1\n255\n1234567", "need 6 bytes, 7 follow");
-    refuses(b"P6\n4294967295 4294967295\n255\n1", "bytes, 1 follow");
-    refuses(b"P6\n99999999999 1\n255\n1", "width is no number");
-    refuses(b"P6\n-1 1\n255\n1", "width is no number");
-    refuses(b"P6\n2 1\n65535\n123456", "65535, not 255");
-    refuses(b"P6\n2 1 255", "ends with its header");
-    refuses(b"P6\n2 1 255x123456", "no white space");
-    refuses(b"P6 # no end", "width is no number");
-    refuses(b"P3\n1 1\n255\n1 2 3\n", "P6");
-    refuses(b"P5\n1 1\n255\n1", "P6");
+fn a_picture_that_is_cut_or_torn_is_refused_or_read_without_a_panic() {
+    let mut forms = LOSSLESS.to_vec();
+    forms.push((ImageFormat::Jpeg, "a JPEG"));
+    for (format, name) in forms {
+        let sound = small(ExtendedColorType::Rgb8, format);
+        let half = &sound[..sound.len() / 2];
+        refuses(half, name);
+        for at in 0..sound.len() {
+            let mut torn = sound.clone();
+            torn[at] ^= 0x55;
+            let _ = read(&torn, &rgb(), MOST);
+            let _ = read(&sound[..at], &rgb(), MOST);
+        }
+    }
+}
+
+/// A JPEG of those colors, in this quality.
+fn jpeg(samples: &[u8], size: (u32, u32), quality: u8) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    JpegEncoder::new_with_quality(&mut bytes, quality)
+        .write_image(samples, size.0, size.1, ExtendedColorType::Rgb8)
+        .expect("a small picture");
+    bytes
+}
+
+#[test]
+fn a_jpeg_is_lossy_and_fine_enough_or_refused() {
+    let samples: Vec<u8> = (0..192).collect();
+    let frame = read(&jpeg(&samples, (8, 8), 95), &rgb(), MOST).expect("a picture");
+    assert!(frame.lossy && (frame.width, frame.height, frame.channels) == (8, 8, 3));
+    // As text and back it is the same.
+    let text = serde_json::to_string(&frame).expect("text");
+    assert_eq!(
+        serde_json::from_str::<Frame>(&text).expect("a frame"),
+        frame
+    );
+    refuses(&jpeg(&samples, (8, 8), 90), "too coarse");
+    let fine = jpeg(&samples, (8, 8), 95);
+    let of_four = patched(fine.clone(), &[0xff, 0xc0], 11, &[0x22]);
+    refuses(&of_four, "one color for several texels");
+    refuses(&fine[..fine.len() - 2], "does not end");
+}
+
+#[test]
+fn every_right_picture_of_the_suite_saved_as_a_fine_jpeg_is_right() {
+    let suite = Suite::load().expect("the suite loads");
+    let (mut pictures, mut most) = (0, 0.0_f64);
+    for case in &suite.cases {
+        let Some(view) = case.views.iter().find(|view| view.name() == "rgb") else {
+            continue;
+        };
+        let built = case.build(TableSpelling::default());
+        let Some(expected) = Expected::of(&built.values, view) else {
+            continue;
+        };
+        let ExpectedValues::Rgb(values) = &expected.values else {
+            continue;
+        };
+        let samples: Vec<u8> = values.iter().map(|value| value.round() as u8).collect();
+        let size = (expected.size.width, expected.size.height);
+        if size.0.max(size.1) > 65_535 {
+            continue;
+        }
+        let file = jpeg(&samples, size, 95);
+        let frame = read(&file, view, samples.len().max(MOST)).expect("a picture");
+        assert_eq!(expected.compare(&frame), None, "{}", case.id);
+        let Samples::U8(found) = &frame.samples else {
+            unreachable!("a picture has bytes")
+        };
+        let losses = values.iter().zip(found);
+        most = losses.fold(most, |most, (value, &found)| {
+            most.max((value - f64::from(found)).abs())
+        });
+        pictures += 1;
+    }
+    println!(
+        "{pictures} pictures; the farthest sample is {most:.1} from its color, the room is {LOSSY}"
+    );
+    assert!(pictures > 1000);
+    let told = std::fs::read_to_string(repository("docs/check.md")).expect("a page");
+    assert!(told.contains(&format!("{LOSSY} farther from its color")));
 }
 
 #[test]
@@ -138,7 +354,7 @@ fn pngs_that_are_none() {
         &vec![0; 4_000_000],
     );
     assert!(large.len() < 50_000);
-    refuses(&large, "than the file can");
+    refuses(&large, "than the file can have");
     let mut torn = sound;
     let stream = torn.windows(4).position(|name| name == b"IDAT");
     torn[stream.expect("a stream") + 8] ^= 1;
@@ -229,8 +445,12 @@ fn arrays_that_are_none() {
 
 #[test]
 fn other_files_are_named() {
-    refuses(b"\xff\xd8\xff\xe0JFIF", "a JPEG picture");
-    refuses(b"BM1234", "a BMP picture");
+    refuses(
+        b"GIF89a",
+        "a GIF picture; a picture is a PNG, PNM, TIFF, BMP, WebP or JPEG",
+    );
+    refuses(b"\xff\xd8\xff\xe0JFIF", "a JPEG: ");
+    refuses(b"BM1234", "a BMP: ");
     refuses(b"PTM_1.2\n", "the PTM file itself");
     refuses(b"", "standard output is empty");
     refuses(b"hello", "begins with \"hello\"");

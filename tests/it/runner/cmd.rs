@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use crate::common::{Checked, program};
+use crate::common::{Checked, measured, program};
 
 /// A viewer: `viewer LU LV IN OUT`, which writes a pixmap, or to standard output if OUT is `-`.
 fn viewer(scratch: &Path, malformed: u8) -> String {
@@ -85,6 +85,47 @@ fn a_viewer_that_writes_pictures_passes() {
 }
 
 #[test]
+fn pictures_of_every_form_are_answers_and_those_of_jpeg_are_marked() {
+    let own = format!("'{}' render {{in}}", env!("CARGO_BIN_EXE_ptm-conform"));
+    for suffix in ["png", "ppm", "tiff", "bmp", "webp", "jpg"] {
+        let right = format!("{own} --light={{lu}},{{lv}} -o {{out}}.{suffix}");
+        let checked = check(&right, &["--reject-exit", "65"]);
+        assert_eq!(checked.status, 0, "{suffix}: {}", checked.text);
+        let marked = checked
+            .text
+            .contains("answers are JPEG pictures, which are lossy");
+        assert_eq!(marked, suffix == "jpg", "{suffix}: {}", checked.text);
+        // Lit from elsewhere.
+        let wrong = format!("{own} --light={{lv}},{{lu}} -o {{out}}.{suffix}");
+        let checked = check(&wrong, &["--reject-exit", "65"]);
+        assert_eq!(checked.status, 1, "{suffix}: {}", checked.text);
+    }
+}
+
+#[test]
+fn a_huge_picture_takes_no_memory() {
+    let scratch = tempfile::tempdir().expect("a scratch directory");
+    let liar = script(
+        scratch.path(),
+        "liar",
+        "#!/bin/sh\nprintf 'P6 30000 30000 255 x' > \"$2\"\n",
+    );
+    let template = format!("{liar} {{lu}},{{lv}},{{in}} {{out}}");
+    let mut command = program();
+    command.args(["check", "--case", "hand-*", "--cmd", &template, "--report"]);
+    let report = scratch.path().join("report.yaml");
+    command.arg(&report);
+    let (checked, memory) = measured(command, &report);
+    assert!(
+        checked.text.contains("30000 x 30000 texels are more"),
+        "{}",
+        checked.text
+    );
+    println!("{memory} KiB");
+    assert!(memory < 512 << 10, "{memory} KiB");
+}
+
+#[test]
 fn refusals_through_a_named_status_are_weak() {
     let scratch = tempfile::tempdir().expect("a scratch directory");
     let viewer = viewer(scratch.path(), 3);
@@ -147,10 +188,7 @@ fn outputs_that_are_no_files_are_not_followed() {
             "w=$(pwd) && cd / && mv \"$w\" \"$w.old\" && ln -s /etc \"$w\" && : ",
             "its output file is not there",
         ),
-        (
-            "printf 'P6 1 1 255 x' > \"$2\"",
-            "a Netpbm file: 1 x 1 texels need 3 bytes",
-        ),
+        ("printf 'P6 1 1 255 x' > \"$2\"", "a Netpbm file: "),
     ] {
         let script = script(scratch.path(), "deed", &format!("#!/bin/sh\n{deed}\n"));
         let checked = check(&format!("{script} {{lu}},{{lv}},{{in}} {{out}}"), &[]);

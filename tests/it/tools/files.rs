@@ -587,7 +587,7 @@ fn differences_are_told_exactly() {
 fn wrong_usage_is_2_and_says_what_to_try() {
     let file = repository("corpus/lrgb/first-lrgb.ptm");
     for (args, words) in [
-        (&["render", &file, "-o", "x.jpg"][..], "name the file .png"),
+        (&["render", &file, "-o", "x.gif"][..], ".webp or .jpg"),
         (
             &["render", &file, "--light", "0.9,0.9", "-o", "x.png"],
             "below the horizon",
