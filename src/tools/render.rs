@@ -361,7 +361,7 @@ mod tests {
             samples: vec![7, 7, 7],
         };
         let file = |format| image.to_file(format).expect("a small picture");
-        assert_eq!(file(ImageFormat::Pnm), b"P6\n1 1\n255\n\x07\x07\x07");
+        assert_eq!(file(ImageFormat::Pnm), b"P6\n1 1 255\n\x07\x07\x07");
         for format in [
             ImageFormat::Png,
             ImageFormat::Tiff,
