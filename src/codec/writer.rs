@@ -1,7 +1,7 @@
 //! T.81 B.1.1 (T.87 C.1): markers, marker segments and entropy-coded bits, written
 //!
 //! The mirror of `markers`, `headers` and `bits`, for both encoders. Where those allow several
-//! spellings (fill bytes, names of components, numbers of tables), this has one: none, 1 and 0.
+//! spellings (fill bytes, names of components, numbers of tables), this has one: none, 1 and, of tables, what the encoder says.
 //!
 //! Worked example: eight ones and 1010 0001, and then the end, in both standards.
 //!
@@ -48,18 +48,20 @@ impl Writer {
         self.stream.extend([0xFF, code]);
     }
 
-    /// B.2.2: 8 bits, height before width, one component of name 1, quantization table 0.
-    pub fn frame_header(&mut self, code: u8, width: u32, height: u32, factors: (u8, u8)) {
+    /// B.2.2: 8 bits, height before width, one component of name 1 with its sampling factors and the number of its
+    /// quantization table.
+    pub fn frame_header(&mut self, code: u8, width: u32, height: u32, component: [u8; 2]) {
         let mut content = vec![8];
         content.extend((height as u16).to_be_bytes());
         content.extend((width as u16).to_be_bytes());
-        content.extend([1, 1, factors.0 << 4 | factors.1, 0]);
+        content.extend([1, 1]);
+        content.extend(component);
         self.segment(code, &content);
     }
 
-    /// B.2.3: the one component, tables 0, and the parameters of the scan.
-    pub fn scan_header(&mut self, [first, second, third]: [u8; 3]) {
-        self.segment(SOS, &[1, 1, 0, first, second, third]);
+    /// B.2.3: the one component, its tables, and the parameters of the scan.
+    pub fn scan_header(&mut self, tables: u8, [first, second, third]: [u8; 3]) {
+        self.segment(SOS, &[1, 1, tables, first, second, third]);
     }
 
     /// Ends with EOI.

@@ -244,6 +244,16 @@ fn jpeg_options(u: &mut Unstructured) -> Result<(u32, u32, jpeg::JpegOptions)> {
         optimized: u.arbitrary()?,
         restart_interval: u.int_in_range(0..=5)?,
         sampling: (u.int_in_range(1..=4)?, u.int_in_range(1..=4)?),
+        step: u.ratio(1, 4)?.then_some(u.int_in_range(1..=2000)?),
+        table_numbers: match u.arbitrary()? {
+            true => Some([
+                u.int_in_range(0..=3)?,
+                u.int_in_range(0..=1)?,
+                u.int_in_range(0..=1)?,
+            ]),
+            false => None,
+        },
+        tables_together: u.arbitrary()?,
     };
     Ok((u.int_in_range(1..=40)?, u.int_in_range(1..=40)?, options))
 }

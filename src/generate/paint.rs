@@ -30,7 +30,17 @@ pub(super) fn sample(recipe: &Recipe, texel: usize, channel: usize) -> u8 {
         Scene::Diagonals => hash(recipe.seed, (x + y) % 4, channel) as u8,
         Scene::Columns => two(recipe.seed, x, channel),
         Scene::Rows => two(recipe.seed, y, channel),
+        Scene::Edges if x % 8 < 4 => [200, 40][channel % 2],
+        Scene::Edges if channel % 4 < 2 => 120 + drift(recipe.seed, y),
+        Scene::Edges => 120 - drift(recipe.seed, y),
+        Scene::Dots if x % 5 != 3 || y % 2 == 0 => 100,
+        Scene::Dots => 99 + u8::from(noise.is_multiple_of(4) == channel.is_multiple_of(2)) * 2,
     }
+}
+
+/// How far a value has come that changes in two of three rows.
+fn drift(seed: u32, y: usize) -> u8 {
+    (2 * (y + seed as usize) / 3 % 60) as u8
 }
 
 /// One of two bytes of different parity, in turn.

@@ -44,6 +44,10 @@ pub struct Compression {
 
 /// Choices that JPEG and JPEG-LS leave to a writer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[expect(
+    clippy::struct_excessive_bools,
+    reason = "each is a choice that a writer may take"
+)]
 pub struct Stream {
     /// JPEG: blocks between restart markers; 0 for none.
     pub restart_interval: u16,
@@ -53,6 +57,12 @@ pub struct Stream {
     pub baseline: bool,
     /// JPEG: the two sampling factors of the one component.
     pub sampling: (u8, u8),
+    /// JPEG: one divisor for all coefficients instead of those of the quality.
+    pub step: Option<u16>,
+    /// JPEG: the numbers of the quantization, the DC and the AC table, beside tables that nothing uses.
+    pub table_numbers: Option<[u8; 3]>,
+    /// JPEG: all quantization tables in one segment, and all Huffman tables.
+    pub tables_together: bool,
     /// JPEG: a JFIF segment, which no standard of 2.9.8 asks for.
     pub jfif: bool,
     /// JPEG-LS: preset parameters.
@@ -66,6 +76,9 @@ impl Stream {
         optimized: false,
         baseline: true,
         sampling: (1, 1),
+        step: None,
+        table_numbers: None,
+        tables_together: false,
         jfif: true,
         presets: None,
     };
@@ -476,6 +489,13 @@ impl Compression {
         match coding {
             Coding::Jpeg if !(1..=100).contains(&self.parameter) => {
                 Err("a quality is 1 to 100".to_owned())
+            }
+            Coding::Jpeg if self.stream.step == Some(0) => Err("no divisor is 0".to_owned()),
+            Coding::Jpeg
+                if (self.stream.table_numbers)
+                    .is_some_and(|[q, dc, ac]| q > 3 || dc > 1 || ac > 1) =>
+            {
+                Err("tables have numbers of at most 3, 1 and 1".to_owned())
             }
             // A mean of 255 and 0 is far from both 0 and 255, so that another inverse DCT could be far off.
             Coding::Jpeg if self.residuals == Residuals::Natural && self.moves() => {

@@ -256,14 +256,10 @@ fn exact_step(recipe: &Recipe) -> u32 {
     } else {
         200 - 2 * quality
     };
-    let divisor = ((16 * percent + 50) / 100).clamp(
-        1,
-        if recipe.compression.stream.baseline {
-            255
-        } else {
-            32767
-        },
-    );
+    let stream = &recipe.compression.stream;
+    let largest = if stream.baseline { 255 } else { 32767 };
+    let of_quality = ((16 * percent + 50) / 100).clamp(1, largest);
+    let divisor = stream.step.map_or(of_quality, u32::from);
     divisor >> divisor.trailing_zeros().min(3)
 }
 
@@ -294,6 +290,9 @@ fn run_codec(recipe: &Recipe, plane: usize, residual: &[u8]) -> Encoded {
                 optimized: stream.optimized,
                 restart_interval: stream.restart_interval,
                 sampling: stream.sampling,
+                step: stream.step,
+                table_numbers: stream.table_numbers,
+                tables_together: stream.tables_together,
             };
             let mut encoded = jpeg::encode(residual, width, height, &options);
             if !stream.jfif {

@@ -29,12 +29,16 @@ pub enum Scene {
     Columns,
     /// Two values in turn, row by row; their sum is odd.
     Rows,
+    /// Bands of four columns: one value, and one that grows or shrinks by one in two of three rows.
+    Edges,
+    /// One value, and lone texels that are one more or one less.
+    Dots,
 }
 
 impl FromStr for Scene {
     type Err = String;
 
-    /// `noise`, `extremes`, `ramp`, `stripes`, `flat-200`, `unlit`, `luminance-is-cr`, `soft`, `framed-128`, `diagonals`, `columns`, `rows`.
+    /// `noise`, `extremes`, `ramp`, `stripes`, `flat-200`, `unlit`, `luminance-is-cr`, `soft`, `framed-128`, `diagonals`, `columns`, `rows`, `edges`, `dots`.
     fn from_str(name: &str) -> Result<Scene, String> {
         Ok(match name {
             "noise" => Scene::Noise,
@@ -47,6 +51,8 @@ impl FromStr for Scene {
             "diagonals" => Scene::Diagonals,
             "columns" => Scene::Columns,
             "rows" => Scene::Rows,
+            "edges" => Scene::Edges,
+            "dots" => Scene::Dots,
             _ => {
                 let value = |prefix| {
                     name.strip_prefix(prefix)

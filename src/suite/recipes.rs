@@ -49,6 +49,9 @@ struct CompressionRecord {
     optimised_tables: Option<String>,
     baseline: Option<String>,
     sampling: Option<String>,
+    step: Option<String>,
+    table_numbers: Option<String>,
+    tables_together: Option<String>,
     jfif: Option<String>,
     presets: Option<String>,
     /// Whether only the streams of every second plane are so.
@@ -192,6 +195,15 @@ impl CompressionRecord {
             let (across, down) = factors.ok_or("sampling factors are written 2x1")?;
             stream.sampling = (number("sampling", across)?, number("sampling", down)?);
         }
+        if let Some(step) = &self.step {
+            stream.step = Some(number("step", &words.fill(step))?);
+        }
+        if let Some(numbers) = words.numbers("table_numbers", self.table_numbers.as_ref())? {
+            let numbers = numbers.try_into();
+            stream.table_numbers = Some(numbers.map_err(|_| "table_numbers are three")?);
+        }
+        let together = &mut stream.tables_together;
+        words.flag("tables_together", together, self.tables_together.as_ref())?;
         if let Some(presets) = words.numbers::<u16>("presets", self.presets.as_ref())? {
             let [maxval, t1, t2, t3, reset] = presets[..] else {
                 return Err("presets are MAXVAL T1 T2 T3 RESET".to_owned());

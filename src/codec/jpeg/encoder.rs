@@ -11,8 +11,11 @@
 //! - The samples that come back beside the stream are those of `inverse_dct`: whoever predicts the
 //!   next plane from this one must know what the decoder will have.
 //! - libjpeg writes each Huffman table in a segment of its own, and the restart interval after them.
+//! - Tables that nothing uses are legal. Where there are any, they say 1 for every quantization step and
+//!   have one code, the bit 0 for the symbol 0.
 
-use super::huffman_tables::{optimal_tables, typical_tables, write_tables};
+use super::huffman_table::HuffmanTable;
+use super::huffman_tables::{optimal_tables, typical_tables};
 use super::quantization::{quantize_image, scaled_steps};
 use super::symbols::{symbols_of, write_symbols};
 use super::zigzag::ZIGZAG;
@@ -34,6 +37,15 @@ pub struct JpegOptions {
     /// Horizontal and vertical sampling factor of the component, 1 … 4. They change nothing but
     /// their byte.
     pub sampling: (u8, u8),
+    /// One quantization step for all coefficients instead of those of the quality; over 255 it needs
+    /// what qualities below 24 need.
+    pub step: Option<u16>,
+    /// The numbers of the quantization, the DC and the AC table, at most 3, 1 and 1. Tables from 0 to
+    /// 1 or the number are all defined then, those that have other numbers for nothing. Without, all
+    /// numbers are 0.
+    pub table_numbers: Option<[u8; 3]>,
+    /// All quantization tables stand in one segment, and so do all Huffman tables.
+    pub tables_together: bool,
 }
 
 impl JpegOptions {
@@ -47,6 +59,9 @@ impl JpegOptions {
             optimized: false,
             restart_interval: 0,
             sampling: (1, 1),
+            step: None,
+            table_numbers: None,
+            tables_together: false,
         }
     }
 }
@@ -64,7 +79,13 @@ pub fn encode(samples: &[u8], width: u32, height: u32, options: &JpegOptions) ->
     assert!((1..=100).contains(&quality), "quality {quality}");
     let legal = (1..=4).contains(&h) && (1..=4).contains(&v);
     assert!(legal, "sampling factors {h} x {v}");
-    let steps = scaled_steps(quality, options.baseline);
+    let [quantization, dc, ac] = options.table_numbers.unwrap_or_default();
+    let numbered = quantization < 4 && dc < 2 && ac < 2;
+    assert!(numbered, "tables {quantization}, {dc} and {ac}");
+    let steps = match options.step {
+        Some(step) => [step; 64],
+        None => scaled_steps(quality, options.baseline),
+    };
     let image = quantize_image(samples, width as usize, height as usize, &steps);
     let symbols = symbols_of(&image.blocks, usize::from(options.restart_interval));
     let tables = match options.optimized {
@@ -74,14 +95,14 @@ pub fn encode(samples: &[u8], width: u32, height: u32, options: &JpegOptions) ->
 
     let mut stream = Writer::new();
     write_jfif(&mut stream);
-    write_quantization(&mut stream, &steps);
+    write_quantization(&mut stream, &steps, options);
     let sof = if wide(&steps) { 0xC1 } else { 0xC0 };
-    stream.frame_header(sof, width, height, options.sampling);
-    write_tables(&mut stream, &tables);
+    stream.frame_header(sof, width, height, [h << 4 | v, quantization]);
+    write_huffman(&mut stream, &tables, options);
     if options.restart_interval > 0 {
         stream.segment(DRI, &options.restart_interval.to_be_bytes());
     }
-    stream.scan_header([0, 63, 0]); // the whole spectrum (Table B.3)
+    stream.scan_header(dc << 4 | ac, [0, 63, 0]); // the whole spectrum (Table B.3)
     write_symbols(&mut stream, &symbols, &tables);
     Encoded {
         stream: stream.finish(),
@@ -99,16 +120,100 @@ fn wide(steps: &[u16; 64]) -> bool {
     steps.iter().any(|&step| step > 255)
 }
 
-/// B.2.4.1: precision and number 0, then the steps in zigzag order.
-fn write_quantization(stream: &mut Writer, steps: &[u16; 64]) {
+/// B.2.4.1: precision and number, then the steps in zigzag order.
+fn write_quantization(stream: &mut Writer, steps: &[u16; 64], options: &JpegOptions) {
     let wide = wide(steps);
-    let mut content = vec![u8::from(wide) << 4];
-    for i in ZIGZAG {
-        let [high, low] = steps[usize::from(i)].to_be_bytes();
-        if wide {
-            content.push(high);
+    let table = |number: u8, is_used: bool| {
+        let mut content = vec![u8::from(wide) << 4 | number];
+        for i in ZIGZAG {
+            let step = if is_used { steps[usize::from(i)] } else { 1 };
+            let bytes = step.to_be_bytes();
+            content.extend(&bytes[usize::from(!wide)..]);
         }
-        content.push(low);
+        content
+    };
+    let tables = numbered(options, 0).map(|(number, is_used)| table(number, is_used));
+    write_tables(stream, 0xDB, &tables.collect::<Vec<_>>(), options);
+}
+
+/// B.2.4.2: class and number, the numbers of codes, the symbols; DC tables first.
+fn write_huffman(stream: &mut Writer, tables: &[HuffmanTable; 2], options: &JpegOptions) {
+    let mut contents = Vec::new();
+    for (class, used) in (0..).zip(tables) {
+        let mut unused = HuffmanTable {
+            counts: [0; 16],
+            symbols: vec![0],
+        };
+        unused.counts[0] = 1;
+        for (number, is_used) in numbered(options, 1 + usize::from(class)) {
+            let table = if is_used { used } else { &unused };
+            contents.push([&[class << 4 | number], &table.counts[..], &table.symbols].concat());
+        }
     }
-    stream.segment(0xDB, &content);
+    write_tables(stream, 0xC4, &contents, options);
+}
+
+/// The numbers of the tables of one kind, and whether each is the one that is used.
+fn numbered(options: &JpegOptions, kind: usize) -> impl Iterator<Item = (u8, bool)> {
+    let used = options.table_numbers.map(|numbers| numbers[kind]);
+    let last = used.map_or(0, |used| used.max(1));
+    (0..=last).map(move |number| (number, number == used.unwrap_or(0)))
+}
+
+/// Tables of one kind, in a segment each or in one.
+fn write_tables(stream: &mut Writer, code: u8, tables: &[Vec<u8>], options: &JpegOptions) {
+    let all = [tables.concat()];
+    let contents = if options.tables_together {
+        &all
+    } else {
+        tables
+    };
+    for content in contents {
+        stream.segment(code, content);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::decoder::decode;
+    use super::{JpegOptions, encode};
+
+    #[test]
+    fn tables_may_have_any_number_and_stand_beside_others_that_nothing_uses() {
+        let samples: Vec<u8> = (0..=255).collect();
+        let plain = encode(&samples, 16, 16, &JpegOptions::new(75));
+        for numbers in [[0, 0, 0], [3, 0, 1], [1, 1, 0], [2, 1, 1]] {
+            for tables_together in [false, true] {
+                let options = JpegOptions {
+                    table_numbers: Some(numbers),
+                    tables_together,
+                    ..JpegOptions::new(75)
+                };
+                let encoded = encode(&samples, 16, 16, &options);
+                assert_eq!(encoded.samples, plain.samples);
+                assert_eq!(decode(&encoded.stream, 16, 16), Ok(plain.samples.clone()));
+                assert_ne!(encoded.stream, plain.stream);
+            }
+        }
+    }
+
+    #[test]
+    fn one_step_serves_all_coefficients() {
+        let samples: Vec<u8> = (0..64).map(|i| (i % 2) * 255).collect();
+        let with = |step| {
+            let options = JpegOptions {
+                step: Some(step),
+                ..JpegOptions::new(75)
+            };
+            encode(&samples, 8, 8, &options)
+        };
+        let [fine, coarse] = [with(1), with(1400)];
+        assert_eq!(
+            (fine.stream[24], coarse.stream[24]),
+            (0x00, 0x10),
+            "bits of a step"
+        );
+        assert_eq!(fine.samples, samples);
+        assert_eq!(decode(&coarse.stream, 8, 8), Ok(coarse.samples));
+    }
 }

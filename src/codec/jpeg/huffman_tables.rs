@@ -22,7 +22,6 @@
 //!   (Figure K.3), which is no longer optimal and what every encoder does.
 
 use super::huffman_table::HuffmanTable;
-use crate::codec::writer::Writer;
 
 /// The classes of tables and of the symbols they are for (B.2.4.2).
 pub(super) const DC: usize = 0;
@@ -75,14 +74,6 @@ pub(super) fn optimal_tables(symbols: &[Symbol]) -> [HuffmanTable; 2] {
         }
     }
     occurrences.map(|occurrences| optimal_table(&occurrences))
-}
-
-/// B.2.4.2: class and number 0, the numbers of codes, the symbols.
-pub(super) fn write_tables(stream: &mut Writer, tables: &[HuffmanTable; 2]) {
-    for (class, table) in (0..).zip(tables) {
-        let segment = [&[class << 4], &table.counts[..], &table.symbols].concat();
-        stream.segment(0xC4, &segment);
-    }
 }
 
 /// Stands for no symbol: it takes the code of all ones, which Annex C assigns to none.

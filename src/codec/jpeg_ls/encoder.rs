@@ -30,11 +30,11 @@ pub fn encode(samples: &[u8], width: u32, height: u32, options: &JpegLsOptions) 
     }
 
     let mut stream = Writer::new();
-    stream.frame_header(0xF7, width, height, (1, 1));
+    stream.frame_header(0xF7, width, height, [0x11, 0]);
     if let Some(presets) = options.presets {
         write_presets(&mut stream, presets);
     }
-    stream.scan_header([options.near, 0, 0]); // not interleaved, no point transform (C.2.3)
+    stream.scan_header(0, [options.near, 0, 0]); // not interleaved, no point transform (C.2.3)
     let samples = encode_scan(&mut stream, &parameters, samples, width);
     let stream = stream.finish();
     Encoded { stream, samples }
