@@ -35,15 +35,25 @@ const SOF1: u8 = 0xC1;
 pub fn decode(stream: &[u8], width: u32, height: u32) -> Result<Vec<u8>> {
     let mut stream = Cursor::open(stream)?;
     let mut tables = Tables::default();
-    expect(&mut stream, &mut tables, &[SOF0, SOF1], "a frame header")?;
-    let frame = FrameHeader::read(&mut stream, width, height, &[12])?;
-    expect(&mut stream, &mut tables, &[SOS], "the scan header")?;
-    let scan = ScanHeader::read(&mut stream, &frame)?;
-    let scan_tables = tables_of_scan(&tables, &frame, &scan)?;
+    let scan_tables = read_headers(&mut stream, &mut tables, width, height)?;
     // The fast way; `Bits<0>` in place of `BitBuffer<0>` is the plain one.
     let samples = decode_scan::<BitBuffer<0>>(&mut stream, &scan_tables, width, height)?;
     expect(&mut stream, &mut tables, &[EOI], "the end of the image")?;
     Ok(samples)
+}
+
+/// All that stands before the entropy-coded data.
+pub(super) fn read_headers(
+    stream: &mut Cursor,
+    tables: &mut Tables,
+    width: u32,
+    height: u32,
+) -> Result<ScanTables> {
+    expect(stream, tables, &[SOF0, SOF1], "a frame header")?;
+    let frame = FrameHeader::read(stream, width, height, &[12])?;
+    expect(stream, tables, &[SOS], "the scan header")?;
+    let scan = ScanHeader::read(stream, &frame)?;
+    tables_of_scan(tables, &frame, &scan)
 }
 
 /// Reads tables up to one of these markers.

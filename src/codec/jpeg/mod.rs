@@ -68,7 +68,15 @@ mod symbols;
 #[cfg(feature = "generate")]
 mod huffman_tables;
 
+// Reading, for whoever looks for a mistake.
+
+#[cfg(feature = "harness")]
+mod trace;
+
 pub use decoder::decode;
+
+#[cfg(feature = "harness")]
+pub(crate) use trace::{BlockTrace, trace};
 
 #[cfg(feature = "generate")]
 pub use encoder::{JpegOptions, encode};

@@ -45,14 +45,9 @@ pub(super) fn decode_scan<'a, B: ReadSymbols<'a>>(
     height: u32,
 ) -> Result<Vec<u8>> {
     let columns = width.div_ceil(8) as usize;
-    let blocks = columns * height.div_ceil(8) as usize;
+    let (blocks, interval) = intervals(tables, width, height);
     // No code is shorter than a bit, and a block is at least a DC code and an end of block.
     let mut samples = room_for_samples(stream, width, height, 2 * blocks as u64)?;
-    let interval = match tables.restart_interval {
-        0 => blocks,
-        interval => usize::from(interval),
-    };
-
     let (dc, ac) = (B::Table::from(&tables.dc), B::Table::from(&tables.ac));
     let mut bits = B::new(stream.stream, stream.at);
     let mut previous_dc = 0;
@@ -72,9 +67,18 @@ pub(super) fn decode_scan<'a, B: ReadSymbols<'a>>(
     Ok(samples)
 }
 
+/// How many blocks a scan has, and how many of them an interval.
+pub(super) fn intervals(tables: &ScanTables, width: u32, height: u32) -> (usize, usize) {
+    let blocks = width.div_ceil(8) as usize * height.div_ceil(8) as usize;
+    match tables.restart_interval {
+        0 => (blocks, blocks),
+        interval => (blocks, usize::from(interval)),
+    }
+}
+
 /// E.2.4: the interval ends, and its marker has the number of the interval. Returns where the next
 /// one begins.
-fn read_restart<'a>(bits: &impl ReadSymbols<'a>, number: u8) -> Result<usize> {
+pub(super) fn read_restart<'a>(bits: &impl ReadSymbols<'a>, number: u8) -> Result<usize> {
     let bits = bits.plain();
     let mut stream = Cursor::new(bits.stream, bits.finish()?);
     let marker = stream.marker()?;

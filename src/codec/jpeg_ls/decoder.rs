@@ -32,16 +32,25 @@ const LSE: u8 = 0xF8;
 /// point transforms, oversize images and restart intervals.
 pub fn decode(stream: &[u8], width: u32, height: u32) -> Result<Vec<u8>> {
     let mut stream = Cursor::open(stream)?;
-    let mut presets = StoredPresets::default();
-    expect(&mut stream, &mut presets, SOF55, "a JPEG-LS frame header")?;
-    let frame = FrameHeader::read(&mut stream, width, height, &OTHER_PRECISIONS)?;
-    expect(&mut stream, &mut presets, SOS, "the scan header")?;
-    let scan = ScanHeader::read(&mut stream, &frame)?;
-    let parameters = parameters_of_scan(&presets, &scan)?;
+    let (parameters, mut presets) = read_headers(&mut stream, width, height)?;
     // The fast way; `Bits<7>` in place of `BitBuffer<7>` is the plain one.
     let samples = decode_scan::<BitBuffer<7>>(&mut stream, &parameters, width, height)?;
     expect(&mut stream, &mut presets, EOI, "the end of the image")?;
     Ok(samples)
+}
+
+/// All that stands before the entropy-coded data.
+pub(super) fn read_headers(
+    stream: &mut Cursor,
+    width: u32,
+    height: u32,
+) -> Result<(Parameters, StoredPresets)> {
+    let mut presets = StoredPresets::default();
+    expect(stream, &mut presets, SOF55, "a JPEG-LS frame header")?;
+    let frame = FrameHeader::read(stream, width, height, &OTHER_PRECISIONS)?;
+    expect(stream, &mut presets, SOS, "the scan header")?;
+    let scan = ScanHeader::read(stream, &frame)?;
+    Ok((parameters_of_scan(&presets, &scan)?, presets))
 }
 
 /// Bits of a sample that the standard allows and we do not implement.
@@ -83,7 +92,7 @@ fn unexpected(marker: Marker, expected: &str) -> StreamError {
 
 /// The preset coding parameters as they are at one place of the stream.
 #[derive(Default)]
-struct StoredPresets {
+pub(super) struct StoredPresets {
     parameters: PresetParameters,
     /// Where they stand.
     at: usize,

@@ -52,7 +52,15 @@ mod encoder;
 #[cfg(feature = "generate")]
 mod encode_scan;
 
+// Reading, for whoever looks for a mistake.
+
+#[cfg(feature = "harness")]
+mod trace;
+
 pub use decoder::decode;
+
+#[cfg(feature = "harness")]
+pub(crate) use trace::{Mode, SampleTrace, ScanTrace, trace};
 
 #[cfg(feature = "generate")]
 pub use encoder::{JpegLsOptions, encode};
