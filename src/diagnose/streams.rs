@@ -1,96 +1,197 @@
 //! Streams of planes that come out wrong: a mistake in the decoder's own JPEG or JPEG-LS.
 //!
 //! Such a mistake loses its place in some streams and not in others, and ends in a refusal here and in nonsense there. It
-//! shows in planes that are not predicted, which nothing but their stream makes.
+//! shows in planes that are not predicted, which nothing but their stream makes. What it is tells the first place of each
+//! plane that comes out wrong.
 
 use super::diagnosis::{Category, Diagnosis, Words};
 use super::failure_mode::FailureMode;
 use super::pictures;
 use super::refusals::{self, example};
 use super::search::{Found, Id, Search, of};
-use super::traits::{TRAITS, traits};
-use super::witness::Witness;
-use crate::protocol::frame::View;
-use crate::ptm::Format;
+use super::separate::separate;
+use super::stream_evidence::{CODECS, Codec, First, evidence, firsts};
+use super::witness::{Agreement, Witness};
 use crate::suite::cases::Expect;
 
-/// What the planes of some formats are streams of, and its standard.
-const CODECS: [(&str, &str, [Format; 2]); 2] = [
-    ("JPEG", "T.81", [Format::JpegRgb, Format::JpegLrgb]),
-    ("JPEG-LS", "T.87", [Format::JpeglsRgb, Format::JpeglsLrgb]),
-];
+/// Wrong pictures, or first wrong blocks, that tell something.
+const FEWEST: usize = 3;
 
-/// The first sample of a plane that comes out wrong, in the order of the stream.
-struct First {
-    plane: usize,
-    row: usize,
-    column: usize,
-    want: f64,
-    got: f64,
+/// Whether a file must be read and has streams of the codec.
+fn is_legal(witness: &Witness, codec: &Codec) -> bool {
+    codec.formats.contains(&witness.case.format()) && witness.case.expect == Expect::Decode
+}
+
+/// Takes away mistakes of the catalog that only refusals of one codec's files speak for, where that codec goes wrong in a
+/// way that none of the mistakes explains: a stream in which a decoder has lost its place ends in a refusal, too.
+pub(super) fn drop(search: &Search, found: &mut Found) {
+    let set = of(&found.members);
+    for codec in &CODECS {
+        let legal = (0..search.witnesses.len()).filter(|&w| is_legal(&search.witnesses[w], codec));
+        let (refused, shown): (Vec<usize>, Vec<usize>) =
+            legal.partition(|&w| FailureMode::of(&search.witnesses[w]).is_some());
+        let is_open = |w: &usize| {
+            search.witnesses[*w].failed
+                && search.agreement(*w, &set) != Agreement::Picture
+                && !firsts(search, &set, codec, *w).is_empty()
+        };
+        let open: Vec<usize> = shown.iter().copied().filter(is_open).collect();
+        if open.len() < FEWEST {
+            continue;
+        }
+        let keep = search.each(&set, |&id| {
+            let explained = |w: &usize| {
+                let agreement = search.agreement(*w, &[id]);
+                search.witnesses[*w].failed
+                    && !matches!(agreement, Agreement::None | Agreement::Against)
+            };
+            let all = (0..search.witnesses.len()).filter(explained);
+            let all: Vec<usize> = all.collect();
+            let is_denied = || {
+                let against = |w: &usize| search.agreement(*w, &[id]) == Agreement::Against;
+                let others = refused.iter().filter(|w| !all.contains(w)).count();
+                open.iter().any(against) || others >= FEWEST
+            };
+            all.is_empty() || !all.iter().all(|w| refused.contains(w)) || !is_denied()
+        });
+        found.keep(&keep);
+        if keep.contains(&false) {
+            return drop(search, found);
+        }
+    }
 }
 
 /// One diagnosis for each codec that goes wrong. Its failures are taken out of `left`.
 pub(super) fn describe(search: &Search, found: &Found, left: &mut Vec<usize>) -> Vec<Diagnosis> {
-    let witnesses = search.witnesses;
     let set = of(&found.members);
-    let mut diagnoses = Vec::new();
-    for (codec, standard, formats) in CODECS {
-        let is_legal = |w: &usize| {
-            let case = witnesses[*w].case;
-            formats.contains(&case.format()) && case.expect == Expect::Decode
-        };
-        let is_near = |w: usize| {
-            let near = |&member: &Id| pictures::is_near(search, w, &set, member);
-            FailureMode::of(&witnesses[w]).is_none() && set.iter().any(near)
-        };
-        let open: Vec<usize> = left
+    CODECS
+        .iter()
+        .filter_map(|codec| describe_codec(search, &set, codec, left))
+        .collect()
+}
+
+fn describe_codec(
+    search: &Search,
+    set: &[Id],
+    codec: &Codec,
+    left: &mut Vec<usize>,
+) -> Option<Diagnosis> {
+    let witnesses = search.witnesses;
+    let is_near = |w: usize| {
+        let near = |&member: &Id| pictures::is_near(search, w, set, member);
+        FailureMode::of(&witnesses[w]).is_none() && set.iter().any(near)
+    };
+    let of_codec = |w: &usize| codec.formats.contains(&witnesses[*w].case.format()) && !is_near(*w);
+    let (open, others): (Vec<usize>, Vec<usize>) = left
+        .iter()
+        .copied()
+        .filter(of_codec)
+        .partition(|&w| is_legal(&witnesses[w], codec));
+    let (refused, wrong): (Vec<usize>, Vec<usize>) = open
+        .iter()
+        .partition(|&&w| FailureMode::of(&witnesses[w]).is_some());
+    let firsts: Vec<(usize, First)> = wrong
+        .iter()
+        .map(|&w| (w, firsts(search, set, codec, w)))
+        .flat_map(|(w, firsts)| firsts.into_iter().map(move |first| (w, first)))
+        .collect();
+    // What only goes wrong where planes are predicted has another cause, and so has what other formats share.
+    let mut in_streams: Vec<usize> = firsts.iter().map(|&(w, _)| w).collect();
+    in_streams.dedup();
+    let is_of_streams = in_streams.len() * 2 > wrong.len() || refused.len() > 3 * wrong.len();
+    let elsewhere = left.iter().filter(|&&w| {
+        let case = witnesses[w].case;
+        case.expect == Expect::Decode && !codec.formats.contains(&case.format())
+    });
+    let one_trait = !refused.is_empty()
+        && refusals::widest(witnesses, &refused)
             .iter()
-            .copied()
-            .filter(|w| is_legal(w) && !is_near(*w))
-            .collect();
-        let (refused, wrong): (Vec<usize>, Vec<usize>) = open
-            .iter()
-            .partition(|&&w| FailureMode::of(&witnesses[w]).is_some());
-        let firsts: Vec<(usize, First)> = wrong
-            .iter()
-            .filter_map(|&w| Some((w, first_wrong(search, &set, w)?)))
-            .collect();
-        // What only goes wrong where planes are predicted has another cause, and so has what other formats share.
-        let in_streams = firsts.len() * 2 > wrong.len() || refused.len() > 3 * wrong.len();
-        let elsewhere = left.iter().filter(|&&w| {
-            let case = witnesses[w].case;
-            case.expect == Expect::Decode && !formats.contains(&case.format())
-        });
-        let one_trait = !refused.is_empty()
-            && refusals::widest(witnesses, &refused)
-                .iter()
-                .any(|of| of.len() == refused.len());
-        if !in_streams || elsewhere.count() * 4 > open.len() || one_trait {
-            continue;
-        }
-        let all: Vec<usize> = (0..witnesses.len()).filter(is_legal).collect();
-        let effect = format!(
-            "goes wrong in {codec} streams: of {} such files {} come out wrong and {} not at all{}",
-            all.len(),
+            .any(|of| of.len() == refused.len());
+    if !is_of_streams || elsewhere.count() * 4 > open.len() || one_trait {
+        return None;
+    }
+    let legal = (0..witnesses.len()).filter(|&w| is_legal(&witnesses[w], codec));
+    let legal: Vec<usize> = legal.collect();
+    let evidence = evidence(search, set, codec, &legal);
+    let says = (codec.says)();
+    let separation = separate(&evidence, says.len());
+    let shared = separation.map(|found| found.says(codec.places, says[found.feature]));
+    let manner = Manner::of(&firsts);
+    let words = Words {
+        effect: format!(
+            "goes wrong in {} streams: of {} such files {} come out wrong and {} not at all{}{}",
+            codec.name,
+            legal.len(),
             wrong.len(),
             refused.len(),
-            shared_by(witnesses, &open, &all),
+            shared.unwrap_or_default(),
+            manner.says(),
+        ),
+        fix: manner.fix(codec),
+        example: example_of(witnesses, &firsts, &refused),
+    };
+    left.retain(|w| !open.contains(w) && !others.contains(w));
+    let category = match wrong.is_empty() {
+        true => Category::Refusal,
+        false => Category::Difference,
+    };
+    let mut diagnosis = Diagnosis::described(category, witnesses, &open, words).about("2.9.8/3");
+    diagnosis
+        .partly
+        .extend(others.iter().map(|&w| witnesses[w].place));
+    Some(diagnosis)
+}
+
+/// How blocks of JPEG come out wrong.
+enum Manner {
+    /// All samples of the first wrong block are off by one amount, also where they differ.
+    ByOneAmount,
+    /// Blocks after it are right.
+    BlockByBlock,
+    Unknown,
+}
+
+impl Manner {
+    fn of(firsts: &[(usize, First)]) -> Manner {
+        let nearly_all = |count: usize, all: usize| all >= FEWEST && count * 20 >= all * 19;
+        let count =
+            |holds: fn(&First) -> bool| firsts.iter().filter(|(_, first)| holds(first)).count();
+        let uniform = count(|first| first.is_uniform == Some(true));
+        if nearly_all(uniform, count(|first| first.is_uniform.is_some())) {
+            return Manner::ByOneAmount;
+        }
+        let (right, all) = (
+            count(|first| first.recovers == Some(true)),
+            count(|first| first.recovers.is_some()),
         );
-        left.retain(|w| !open.contains(w));
-        let words = Words {
-            effect,
-            fix: format!(
+        match nearly_all(right, all) {
+            true => Manner::BlockByBlock,
+            false => Manner::Unknown,
+        }
+    }
+
+    fn says(&self) -> &'static str {
+        match self {
+            Manner::ByOneAmount => "; all samples of such a block are off by one amount",
+            Manner::BlockByBlock => "; most that follow are right again",
+            Manner::Unknown => "",
+        }
+    }
+
+    fn fix(&self, codec: &Codec) -> String {
+        let standard = codec.standard;
+        match self {
+            Manner::ByOneAmount => format!(
+                "compare the DC coefficient of the first block that is wrong with {standard}: its difference, its prediction, its step"
+            ),
+            Manner::BlockByBlock => format!(
+                "the codes are read in step: compare order and step of the coefficients, inverse DCT and limits of the first block that is wrong with {standard}"
+            ),
+            Manner::Unknown => format!(
                 "compare the decoder of these streams with {standard}, from the first sample that is wrong"
             ),
-            example: example_of(witnesses, &firsts, &refused),
-        };
-        let category = match wrong.is_empty() {
-            true => Category::Refusal,
-            false => Category::Difference,
-        };
-        diagnoses.push(Diagnosis::described(category, witnesses, &open, words).about("2.9.8/3"));
+        }
     }
-    diagnoses
 }
 
 /// The first wrong sample of the smallest file, or the smallest file that was refused.
@@ -107,62 +208,82 @@ fn example_of(witnesses: &[Witness], firsts: &[(usize, First)], refused: &[usize
     }
 }
 
-/// What all these files have, and few others of `all`.
-fn shared_by(witnesses: &[Witness], these: &[usize], all: &[usize]) -> String {
-    let has = |w: &usize, one: usize| traits(&witnesses[*w]).has[one];
-    let others = || all.iter().filter(|&&w| !witnesses[w].failed);
-    let rarest = (0..TRAITS.len())
-        .filter(|&one| !TRAITS[one].is_view && these.iter().all(|w| has(w, one)))
-        .map(|one| (one, others().filter(|w| has(w, one)).count()))
-        .min_by_key(|&(_, count)| count);
-    match rarest {
-        Some((one, count)) if these.len() > 2 && count * 2 < others().count() => {
-            let says = &TRAITS[one].says;
-            format!(", all of them {says}; of those that it reads {count} are so")
-        }
-        _ => String::new(),
-    }
-}
+#[cfg(test)]
+mod tests {
+    use std::sync::atomic::AtomicBool;
 
-/// Where the first plane goes wrong that is not predicted, if one does; records that land elsewhere spoil no more than two
-/// texels each.
-fn first_wrong(search: &Search, set: &[Id], w: usize) -> Option<First> {
-    let witness = &search.witnesses[w];
-    if matches!(witness.observation.view, View::Rgb(_)) {
-        return None;
+    use super::*;
+    use crate::decode::planes;
+    use crate::diagnose::diagnosis::Cause;
+    use crate::diagnose::witness::witnesses;
+    use crate::error::Result;
+    use crate::misreadings;
+    use crate::parts::PlaneStream;
+    use crate::reading::Reading;
+    use crate::runner::run::Request;
+    use crate::session::plan::RunPlan;
+    use crate::session::run::check;
+    use crate::suite::cases::Suite;
+
+    /// What is said of a decoder that makes these samples of a stream.
+    #[track_caller]
+    fn effects(stream: fn(&PlaneStream) -> Result<Vec<u8>>) -> Vec<String> {
+        let mut suite = Suite::load().expect("the suite loads");
+        suite.cases.retain(|case| {
+            let is_sized = case.id.starts_with("planes-in-size");
+            case.first || is_sized || case.clauses == ["2.9.8/3"] && case.damage().is_none()
+        });
+        let reading = Reading {
+            stream,
+            ..Reading::SPEC
+        };
+        let ask = |request: &Request<'_>, _: usize| {
+            misreadings::answer(&[], reading, request.file, request.view).into()
+        };
+        let run = check(&suite, &RunPlan::of(&suite, 2), &ask, &|_, _, _, _| ());
+        let witnesses = witnesses(&suite, &run, Reading::SPEC, 2);
+        let stop = AtomicBool::new(false);
+        let search = Search::new(&witnesses, &[], 2, &stop);
+        let failed = (0..witnesses.len()).filter(|&w| witnesses[w].failed);
+        let diagnoses = describe(&search, &Found::default(), &mut failed.collect());
+        let effects = diagnoses
+            .into_iter()
+            .map(|diagnosis| match diagnosis.cause {
+                Cause::Described { effect, .. } => effect,
+                Cause::Misreading { .. } => unreachable!("these are words"),
+            });
+        effects.collect()
     }
-    let pair = pictures::pair_of(search, set, w)?;
-    let plan = witness.case.compression()?;
-    let stored = |i: usize| {
-        let (texel, plane) = (i / pair.channels, i % pair.channels);
-        (
-            plane,
-            pair.height - 1 - texel / pair.width,
-            texel % pair.width,
-        )
-    };
-    let intra = pair
-        .wrong()
-        .into_iter()
-        .filter(|i| plan.reference(i % pair.channels).is_none());
-    let intra: Vec<usize> = intra.collect();
-    let mut wrong = vec![0; pair.channels];
-    for i in &intra {
-        wrong[i % pair.channels] += 1;
+
+    /// The samples, with those changed that are at these columns and rows.
+    fn changed(stream: &PlaneStream, at: impl Fn(usize, usize) -> bool) -> Result<Vec<u8>> {
+        let mut samples = planes::stream(stream)?;
+        let width = stream.size.width as usize;
+        for (i, sample) in samples.iter_mut().enumerate() {
+            *sample ^= if at(i % width, i / width) { 0x55 } else { 0 };
+        }
+        Ok(samples)
     }
-    let coded = witness.model().and_then(|model| model.compressed.as_ref());
-    let records = |plane: usize| Some(coded?.planes.get(plane)?.records.len());
-    let is_of_stream = |plane: usize| wrong[plane] > 2 * records(plane).unwrap_or_default();
-    let by_stream = intra
-        .into_iter()
-        .filter(|i| is_of_stream(i % pair.channels));
-    let first = by_stream.min_by_key(|&i| stored(i))?;
-    let (plane, row, column) = stored(first);
-    Some(First {
-        plane,
-        row,
-        column,
-        want: pair.want[first],
-        got: pair.got[first],
-    })
+
+    #[test]
+    fn wrong_blocks_are_told_by_their_place_in_the_plane() {
+        let effects = effects(|stream| {
+            let width = stream.size.width as usize;
+            changed(stream, |x, _| {
+                stream.format.is_jpeg() && width.is_multiple_of(8) && x + 8 >= width
+            })
+        });
+        assert_eq!(effects.len(), 1, "{effects:?}");
+        let words = "first at blocks at the end of a row, of planes whose width is a multiple of 8";
+        assert!(effects[0].contains(words), "{effects:?}");
+    }
+
+    #[test]
+    fn wrong_samples_are_told_by_their_place_in_the_plane() {
+        let effects =
+            effects(|stream| changed(stream, |x, y| stream.format.is_jpeg_ls() && x == 0 && y > 0));
+        assert_eq!(effects.len(), 1, "{effects:?}");
+        let words = "first at samples in the first column of a row that is not the first";
+        assert!(effects[0].contains(words), "{effects:?}");
+    }
 }

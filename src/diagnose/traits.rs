@@ -162,6 +162,14 @@ impl<'a> Facts<'a> {
         })
     }
 
+    /// The restart markers of a plane, where it has any.
+    fn markers(&self) -> Option<u32> {
+        let interval = u32::from(self.plan?.stream.restart_interval);
+        let (width, height) = self.size()?;
+        let blocks = width.div_ceil(8) * height.div_ceil(8);
+        (interval > 0 && self.recipe?.coding() == Coding::Jpeg).then(|| (blocks - 1) / interval)
+    }
+
     fn records(&self) -> Option<usize> {
         let planes = self.planes?.iter();
         Some(planes.map(|plane| plane.records.len()).sum())
@@ -511,6 +519,21 @@ const OF_COMPRESSION: &[Pair] = &[
         f.planned(|plan| plan.stream.restart_interval > 0)
     }),
     (
+        "with more than eight restart markers in one plane (RST0 follows RST7)",
+        "",
+        |f| f.markers().is_some_and(|markers| markers > 8),
+    ),
+    (
+        "with several tables in one segment of their JPEG streams",
+        "",
+        |f| f.planned(|plan| plan.stream.tables_together),
+    ),
+    (
+        "with tables in their JPEG streams that nothing uses",
+        "",
+        |f| f.planned(|plan| plan.stream.table_numbers.is_some()),
+    ),
+    (
         "with Huffman tables of their own in their JPEG streams",
         "",
         |f| f.planned(|plan| plan.stream.optimized),
@@ -653,11 +676,7 @@ pub(super) const QUANTITIES: &[Quantity] = &[
         Some(f64::from(plan.parameter))
     }),
     quantity(["with", "restart markers in one plane"], |f| {
-        let interval = u32::from(f.plan?.stream.restart_interval);
-        let (width, height) = f.size()?;
-        let blocks = width.div_ceil(8) * height.div_ceil(8);
-        (interval > 0 && f.recipe?.coding() == Coding::Jpeg)
-            .then(|| f64::from((blocks - 1) / interval))
+        f.markers().map(f64::from)
     }),
 ];
 
