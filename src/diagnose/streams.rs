@@ -110,26 +110,7 @@ fn describe_codec(
     if !is_of_streams || elsewhere.count() * 4 > open.len() || one_trait {
         return None;
     }
-    let legal = (0..witnesses.len()).filter(|&w| is_legal(&witnesses[w], codec));
-    let legal: Vec<usize> = legal.collect();
-    let evidence = evidence(search, set, codec, &legal);
-    let says = (codec.says)();
-    let separation = separate(&evidence, says.len());
-    let shared = separation.map(|found| found.says(codec.places, says[found.feature]));
-    let manner = Manner::of(&firsts);
-    let words = Words {
-        effect: format!(
-            "goes wrong in {} streams: of {} such files {} come out wrong and {} not at all{}{}",
-            codec.name,
-            legal.len(),
-            wrong.len(),
-            refused.len(),
-            shared.unwrap_or_default(),
-            manner.says(),
-        ),
-        fix: manner.fix(codec),
-        example: example_of(witnesses, &firsts, &refused),
-    };
+    let words = words(search, set, codec, [&wrong, &refused], &firsts);
     left.retain(|w| !open.contains(w) && !others.contains(w));
     let category = match wrong.is_empty() {
         true => Category::Refusal,
@@ -140,6 +121,37 @@ fn describe_codec(
         .partly
         .extend(others.iter().map(|&w| witnesses[w].place));
     Some(diagnosis)
+}
+
+/// What is said of files that come out wrong, and of files that do not come out at all.
+fn words(
+    search: &Search,
+    set: &[Id],
+    codec: &Codec,
+    [wrong, refused]: [&[usize]; 2],
+    firsts: &[(usize, First)],
+) -> Words {
+    let witnesses = search.witnesses;
+    let legal = (0..witnesses.len()).filter(|&w| is_legal(&witnesses[w], codec));
+    let legal: Vec<usize> = legal.collect();
+    let evidence = evidence(search, set, codec, &legal);
+    let says = (codec.says)();
+    let separation = separate(&evidence, says.len());
+    let shared = separation.map(|found| found.says(codec.places, says[found.feature]));
+    let manner = Manner::of(firsts);
+    Words {
+        effect: format!(
+            "goes wrong in {} streams: of {} such files {} come out wrong and {} not at all{}{}",
+            codec.name,
+            legal.len(),
+            wrong.len(),
+            refused.len(),
+            shared.unwrap_or_default(),
+            manner.says(),
+        ),
+        fix: manner.fix(codec),
+        example: example_of(witnesses, firsts, refused),
+    }
 }
 
 /// How blocks of JPEG come out wrong.
