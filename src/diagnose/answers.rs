@@ -50,7 +50,7 @@ impl Witness<'_> {
     pub fn planes(&self, mistakes: &[&Mistake]) -> Result<Ptm, Answer> {
         let mut ptm = self.misread(&self.listed(mistakes))?;
         for act in self.acts(mistakes) {
-            act.apply(&mut ptm, self);
+            act.apply(&mut ptm, self)?;
         }
         Ok(ptm)
     }
@@ -80,7 +80,9 @@ impl Witness<'_> {
         let refused = !matches!(self.observation.response, Response::Picture { .. });
         let may_refuse = || {
             let listed = mistake.listed();
+            let solved = mistake.solved();
             listed.is_some_and(|misreading| misreading.at.may_refuse())
+                || solved.is_some_and(|solved| solved.act.may_refuse())
         };
         self.concerns(mistake) && (!refused || may_refuse())
     }

@@ -129,13 +129,16 @@ fn of_narrow(
     let witnesses = search.witnesses;
     let words = Words {
         effect: format!("{}, but only in files {}", misreading.effect, scope.says()),
-        fix: misreading.fix.to_owned(),
+        fix: format!(
+            "{}. More of it: ptm-conform explain {}",
+            misreading.fix, misreading.slug
+        ),
         example: pictures::example(search, pictures::smallest(witnesses, &share.explains)),
     };
     let described = Diagnosis::described(Category::Difference, witnesses, &share.explains, words);
     Diagnosis {
         certain: true,
-        ..described.about(misreading.clause).like(vec![misreading])
+        ..described.about(misreading.clause)
     }
 }
 

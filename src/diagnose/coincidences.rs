@@ -18,6 +18,33 @@ pub(super) fn drop(search: &Search, found: &mut Found) {
     drop_acceptances(search, found);
     drop_colors(search, found);
     drop_rare(search, found);
+    drop_strays(search, found);
+}
+
+/// Fewer than one in so many failures, about other clauses, may agree with a mistake of the catalog by chance.
+const STRAYS: usize = 12;
+
+/// Takes away mistakes of the catalog that explain a few failures, none of which is about the clause that is misread.
+fn drop_strays(search: &Search, found: &mut Found) {
+    let set = of(&found.members);
+    let failing = failing(search.witnesses);
+    let keep = search.each(&set, |&id| {
+        let Some(misreading) = search.mistakes[id].listed() else {
+            return true;
+        };
+        let explained = failing.iter().map(|&w| (w, search.agreement(w, &[id])));
+        let explained = explained
+            .filter(|(_, agreement)| !matches!(agreement, Agreement::None | Agreement::Against));
+        let explained: Vec<usize> = explained.map(|(w, _)| w).collect();
+        let is_about = |w: &usize| {
+            let mut clauses = search.witnesses[*w].case.clauses.iter();
+            clauses.any(|clause| clause == misreading.clause)
+        };
+        explained.is_empty()
+            || explained.len() * STRAYS >= failing.len()
+            || explained.iter().any(is_about)
+    });
+    found.keep(&keep);
 }
 
 /// One in so many pictures may agree with a mistake by chance.

@@ -26,6 +26,8 @@ pub(super) enum Formula {
     Blocks,
     /// 2.7.3
     Color,
+    /// 2.7.3
+    Limits,
 }
 
 impl Formula {
@@ -37,6 +39,7 @@ impl Formula {
             Formula::Matrix => "2.6/4",
             Formula::Blocks => "2.7.1/2",
             Formula::Color => "2.7.3/4",
+            Formula::Limits => "2.7.3/5",
         }
     }
 
@@ -51,6 +54,7 @@ impl Formula {
             Formula::Matrix => "each color is its row of the matrix times (Y, Cr, Cb, 1)",
             Formula::Blocks => "red, green and blue have a polynomial each, in this order",
             Formula::Color => "color = L · RGB / 255, of each its own",
+            Formula::Limits => "limit colors to 0…255, at the very end and nowhere else",
         }
     }
 }

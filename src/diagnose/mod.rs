@@ -16,12 +16,15 @@ mod coincidences;
 mod credit;
 mod diagnosis;
 mod failure_mode;
+mod final_rules;
 mod formats;
 mod formulas;
 mod jpeg_blocks;
 mod jpeg_ls_samples;
+mod indices;
 mod mistake;
 mod nondeterminism;
+mod number_readers;
 mod numbers;
 mod pair;
 mod pictures;
@@ -46,6 +49,7 @@ mod terms;
 pub mod texture;
 mod trait_list;
 mod traits;
+mod variants;
 mod violation;
 mod witness;
 
@@ -141,6 +145,28 @@ mod tests {
     use crate::runner::run::{Reply, Request};
     use crate::session::plan::RunPlan;
     use crate::session::run::check;
+    use crate::suite::cases::Case;
+
+    /// What is said first of a decoder that reads so, of the cases that are kept.
+    pub fn first_cause(reading: Reading, keep: fn(&Case) -> bool) -> String {
+        let mut suite = Suite::load().expect("the suite loads").prepared();
+        suite.cases.retain(keep);
+        let ask = |request: &Request<'_>, _: usize| {
+            Reply::from(misreadings::answer(
+                &[],
+                reading,
+                request.file,
+                request.view,
+            ))
+        };
+        let run = check(&suite, &RunPlan::of(&suite, 2), &ask, &|_, _, _, _| ());
+        let causes = diagnose(&suite, &run, &[], 2).diagnoses;
+        match causes.first().map(|first| &first.cause) {
+            Some(Cause::Misreading { misreading, .. }) => misreading.effect.to_owned(),
+            Some(Cause::Described { effect, .. }) => effect.clone(),
+            None => String::new(),
+        }
+    }
 
     #[test]
     fn a_fault_in_the_search_is_told_and_costs_only_what_it_was_after() {

@@ -273,9 +273,14 @@ fn say(search: &Search, set: &[Id], w: usize) -> Said {
         pair.want = witness.exact(wanted).unwrap_or(pair.want);
     }
     if pair.wrong().is_empty() {
-        return plain("values that differ by less than they are rounded");
+        return plain("values that are off by little more than rounding allows");
     }
-    let mut what = relations(&pair);
+    // How it differs is said of the reference's own picture, whatever mistakes were found.
+    let own = match &witness.right {
+        Answer::Decoded(right) if right != wanted => Pair::of(right, received),
+        _ => None,
+    };
+    let mut what = relations(own.as_ref().unwrap_or(&pair));
     what.extend(numbers::used(&pair, witness).map(|used| used.says.to_owned()));
     if let Some(shift) = provenance::shift(witness, &pair) {
         let count = shift.unsigned_abs();

@@ -11,22 +11,15 @@ const RELATIONS: &[Relation] = &[
         "values that are no numbers (NaN or infinite)",
         |_, pairs| pairs.iter().all(|(_, got)| !got.is_finite()),
     ),
-    (
-        "colors that are a unit or two too large, as of another divisor or of rounding twice",
-        |pair, pairs| {
-            pair.view == "rgb" && by_two(pairs) && pairs.iter().all(|(want, got)| got > want)
-        },
-    ),
-    (
-        "colors that are a unit or two too small, as of another divisor or of fractions cut off",
-        |pair, pairs| {
-            pair.view == "rgb" && by_two(pairs) && pairs.iter().all(|(want, got)| got < want)
-        },
-    ),
-    (
-        "values that are off by two at most, as of another rounding",
-        |_, pairs| by_two(pairs),
-    ),
+    ("colors that are a unit or two too large", |pair, pairs| {
+        pair.view == "rgb" && by_two(pairs) && pairs.iter().all(|(want, got)| got > want)
+    }),
+    ("colors that are a unit or two too small", |pair, pairs| {
+        pair.view == "rgb" && by_two(pairs) && pairs.iter().all(|(want, got)| got < want)
+    }),
+    ("values that are off by two at most", |_, pairs| {
+        by_two(pairs)
+    }),
     ("gray: one value for red, green and blue", |pair, pairs| {
         let is_gray = |rgb: &[f64]| rgb[0] == rgb[1] && rgb[1] == rgb[2];
         pair.view == "rgb" && pairs.len() > 2 && pair.got.chunks_exact(3).all(is_gray)

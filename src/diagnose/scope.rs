@@ -43,14 +43,23 @@ impl Scope {
 
     /// Whether it is the light that was asked for: what is done before the polynomial does not depend on it.
     pub fn is_of_light(&self) -> bool {
-        let is_light = |one: usize| TRAITS[one].says.starts_with("under a light");
+        self.is_of(|says| says.starts_with("under a light"))
+    }
+
+    /// Whether it is bytes of the binary data: what is computed does not depend on them.
+    pub fn is_of_bytes(&self) -> bool {
+        self.is_of(|says| {
+            says.contains("first byte after the header") || says.contains("binary data")
+        })
+    }
+
+    fn is_of(&self, what: fn(&str) -> bool) -> bool {
+        let is = |one: usize| what(&TRAITS[one].says);
         match self {
             Scope::All | Scope::Formats(_) => false,
-            Scope::Trait(one) => is_light(*one),
-            Scope::Both(a, b) => is_light(*a) || is_light(*b),
-            Scope::Beyond { quantity, .. } => {
-                QUANTITIES[*quantity].words[0].starts_with("under a light")
-            }
+            Scope::Trait(one) => is(*one),
+            Scope::Both(a, b) => is(*a) || is(*b),
+            Scope::Beyond { quantity, .. } => what(QUANTITIES[*quantity].words[0]),
         }
     }
 

@@ -8,7 +8,10 @@ use std::cmp::Reverse;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use super::changes::{Change, merged};
+use super::final_rules::FinalRule;
+use super::indices::{Index, IndexBlock, Join};
 use super::mistake::Mistake;
+use super::number_readers::NumberReader;
 use super::scope::Scope;
 use super::search::{Id, Search, Set, WORD, spread};
 use super::shared::shared;
@@ -16,6 +19,7 @@ use super::solve_file::candidates;
 use super::solve_terms;
 use super::solved::{Act, Solved};
 use super::strides::Strides;
+use super::variants::VARIANTS;
 use crate::misreadings::Stage;
 use crate::protocol::frame::{Answer, View};
 
@@ -36,6 +40,7 @@ const SAMPLES: usize = 1 << 18;
 
 /// Adds to the mistakes of `search` those that explain some of `left` beside `set`. Returns those that are made together.
 pub(super) fn solve(search: &mut Search, set: &Set, left: &[usize]) -> Vec<Set> {
+    joined_bytes(search, set, left);
     let pictures = search.solvable(left);
     if pictures.len() < FEWEST {
         return Vec::new();
@@ -68,6 +73,7 @@ pub(super) fn solve(search: &mut Search, set: &Set, left: &[usize]) -> Vec<Set> 
     for act in best {
         add(search, set, &pictures, act);
     }
+    computed(search, set, &pictures);
     narrow(search, set, &sample, &pictures);
     let mut groups: Vec<Set> = Vec::new();
     for group in together.into_iter().take(FINALISTS) {
@@ -77,6 +83,52 @@ pub(super) fn solve(search: &mut Search, set: &Set, left: &[usize]) -> Vec<Set> 
         }
     }
     groups
+}
+
+/// Adds wrong ways to join the two bytes of an index. Most of them lead out of the table, and no picture is shown.
+fn joined_bytes(search: &mut Search, set: &Set, left: &[usize]) {
+    let is_wide = |w: &usize| {
+        let block = IndexBlock::of(&search.witnesses[*w]);
+        block.is_some_and(|block| block.bytes == 2)
+    };
+    let wide: Vec<usize> = left.iter().copied().filter(is_wide).collect();
+    let joins = Join::all().map(|join| Act::Index(Index::Joined(join)));
+    try_all(search, set, &wide, joins);
+}
+
+/// Adds wrong ways to read numbers and to compute, where values are computed.
+fn computed(search: &mut Search, set: &Set, pictures: &[usize]) {
+    let of = |view: fn(&View) -> bool| -> Vec<usize> {
+        let is_of = |w: &usize| view(&search.witnesses[*w].observation.view);
+        pictures.iter().copied().filter(is_of).collect()
+    };
+    let finals = of(|view| *view != View::Raw);
+    let colors = of(|view| matches!(view, View::Rgb(_)));
+    let rules = FinalRule::all().map(Act::Rule);
+    try_all(
+        search,
+        set,
+        &finals,
+        NumberReader::all().map(Act::Numbers).chain(rules),
+    );
+    try_all(search, set, &colors, (0..VARIANTS.len()).map(Act::Variant));
+}
+
+/// Adds those of `acts` that explain most of the files `of`.
+fn try_all(search: &mut Search, set: &Set, of: &[usize], acts: impl Iterator<Item = Act>) {
+    if of.len() < FEWEST_NARROW {
+        return;
+    }
+    let kind = |w: usize| search.witnesses[w].case.clauses.first().cloned();
+    let mut sample = spread(&search.smallest(of, SAMPLES), kind);
+    sample.truncate(FILES);
+    let new = acts.filter(|act| !is_known(search, act)).collect();
+    let known = search.mistakes.len();
+    let best = finalists(search, set, &sample, new);
+    search.truncate(known);
+    for act in best {
+        add(search, set, of, act);
+    }
 }
 
 /// Each once; tables that do not contradict each other as one.
@@ -183,6 +235,7 @@ fn add(search: &mut Search, set: &Set, pictures: &[usize], act: Act) {
         true => Some(Scope::All),
         false => scope_of(search, &of, &denied)
             .filter(|scope| !(scope.is_of_light() && act.shows_in(&View::Coef)))
+            .filter(|scope| !(scope.is_of_bytes() && !act.shows_in(&View::Raw)))
             .filter(|scope| matches!(scope, Scope::Formats(_)) || !act.is_of_few_values()),
     };
     let acting = search.each(pictures, |&w| {
@@ -245,7 +298,9 @@ fn scope_of_listed(search: &Search, set: &Set, id: Id, pictures: &[usize]) -> Op
         scope.holds(&search.witnesses[**w]) && search.made(**w, &with) != search.made(**w, set)
     };
     let acting = pictures.iter().filter(acts).count();
-    let is_of_files = misreading.at.stage() == Stage::Color || !scope.is_of_light();
+    let stage = misreading.at.stage();
+    let is_of_files = (stage == Stage::Color || !scope.is_of_light())
+        && (stage < Stage::Coefficients || !scope.is_of_bytes());
     let is_made = is_of_files
         && explained.len() > FEWEST
         && explained.len() * 4 >= pictures.len()

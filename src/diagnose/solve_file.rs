@@ -2,10 +2,11 @@
 
 use super::changes::{Change, Values};
 use super::formulas::{Numbers, joint_slips, single_slips};
+use super::indices::{Index, IndexBlock};
 use super::mistake::Mistake;
 use super::pair::Pair;
 use super::search::{Search, Set};
-use super::solved::{Act, Block, Channels, IndexBlock, frame, values};
+use super::solved::{Act, Block, Channels, frame, values};
 use super::strides::{Extent, Strides};
 use super::terms::Terms;
 use super::witness::{Witness, alike};
@@ -304,7 +305,7 @@ impl Wrong<'_> {
         }
         Change::fitting(&pairs, Values::Reals)
             .into_iter()
-            .map(Act::Index)
+            .map(|change| Act::Index(Index::Changed(change)))
             .collect()
     }
 
@@ -539,8 +540,8 @@ impl Wrong<'_> {
         let orders = orders().into_iter().map(Act::Coefficients);
         let fits = |act: &Act| {
             let mut ptm = self.ptm.clone();
-            act.apply(&mut ptm, self.witness);
-            ptm.planes.samples != self.ptm.planes.samples
+            act.apply(&mut ptm, self.witness).is_ok()
+                && ptm.planes.samples != self.ptm.planes.samples
                 && alike(
                     &frame(&[act], &ptm, &self.witness.observation.view, &self.reading),
                     self.received,

@@ -1,14 +1,18 @@
 //! A mistake that no catalog lists, solved from the answers: what is done, where, and in which files.
 
-use super::changes::{Change, Values, short};
+use super::changes::{Change, Values};
+use super::final_rules::FinalRule;
 use super::formulas::{Formula, Numbers};
+use super::indices::{Index, look_up, read_indices};
+use super::number_readers::NumberReader;
 use super::scope::Scope;
 use super::strides::{Extent, Strides};
 use super::terms::Terms;
+use super::variants::VARIANTS;
 use super::witness::Witness;
 use crate::evaluate;
 use crate::misreadings::{self, misread};
-use crate::protocol::frame::{Frame, Samples, View};
+use crate::protocol::frame::{Answer, Frame, Samples, View};
 use crate::ptm::{Format, Ptm, Shape, channel_name};
 use crate::reading::Reading;
 
@@ -33,14 +37,20 @@ pub(super) enum Act {
         channels: Channels,
         strides: Strides,
     },
-    /// Indices into the table are changed.
-    Index(Change),
+    /// Other indices into the table are looked up.
+    Index(Index),
     /// Stored values are changed.
     Stored { channels: Channels, change: Change },
     /// Final values are changed.
     Final { channels: Channels, change: Change },
+    /// Numbers of the header are read otherwise.
+    Numbers(NumberReader),
     /// Other scales and biases are used.
     Terms(Terms),
+    /// Final values are computed otherwise.
+    Rule(FinalRule),
+    /// A formula is another, by its place among the variants.
+    Variant(usize),
     /// One number of a formula is another, in words.
     Slip(Formula, String),
     /// A mistake of the catalog, by its name, that is made in some channels only.
@@ -123,6 +133,11 @@ impl Channels {
             _ if channel < 6 => self.coefficients[channel],
             _ => self.colors[channel - 6],
         }
+    }
+
+    /// Whether no coefficient is among them.
+    fn is_of_colors(&self) -> bool {
+        self.coefficients == [false; 6]
     }
 
     /// ", only in a3"; nothing for all.
@@ -214,8 +229,13 @@ impl Act {
     /// Whether it shows in this view.
     pub fn shows_in(&self, view: &View) -> bool {
         match self {
-            Act::Final { .. } | Act::Terms(_) | Act::Slip(Formula::Final, _) => *view != View::Raw,
+            Act::Final { .. }
+            | Act::Numbers(_)
+            | Act::Terms(_)
+            | Act::Rule(_)
+            | Act::Slip(Formula::Final, _) => *view != View::Raw,
             Act::Slip(..)
+            | Act::Variant(_)
             | Act::PartlyShown { .. }
             | Act::PartlySlipped { .. }
             | Act::Shown { .. } => matches!(view, View::Rgb(_)),
@@ -237,8 +257,8 @@ impl Act {
         )
     }
 
-    /// What it makes of the stored values.
-    pub fn apply(&self, ptm: &mut Ptm, witness: &Witness) {
+    /// What it makes of the stored values; the answer where it finds none.
+    pub fn apply(&self, ptm: &mut Ptm, witness: &Witness) -> Result<(), Answer> {
         let shape = ptm.planes.shape;
         let count = shape.channels();
         match self {
@@ -263,9 +283,14 @@ impl Act {
                     }
                 }
             }
+            Act::Block {
+                block: Block::Indices,
+                strides,
+            } => read_indices(ptm, witness, strides)?,
             Act::Block { block, strides } => read_block(ptm, witness, *block, strides),
             Act::Texels { channels, strides } => move_texels(ptm, channels, strides),
-            Act::Index(change) => look_up(ptm, witness, change),
+            Act::Index(index) => look_up(ptm, witness, index)?,
+            Act::Numbers(reader) => reader.apply(ptm, witness),
             Act::Partly { slug, channels } => misread_in(ptm, witness, slug, channels),
             Act::Stored { channels, change } => {
                 for (i, sample) in ptm.planes.samples.iter_mut().enumerate() {
@@ -276,6 +301,19 @@ impl Act {
             }
             _ => {}
         }
+        Ok(())
+    }
+
+    /// Whether it may find nothing to show.
+    pub const fn may_refuse(&self) -> bool {
+        matches!(
+            self,
+            Act::Index(_)
+                | Act::Block {
+                    block: Block::Indices,
+                    ..
+                }
+        )
     }
 
     /// What it makes of the final values.
@@ -330,17 +368,7 @@ impl Act {
             Act::Texels { channels, strides } => {
                 format!("{}{}", strides.says_of_texels(), channels.says())
             }
-            Act::Index(Change::Offset(offset)) => format!(
-                "looks up the entry of index {} {} in the table where index i is stored",
-                if *offset < 0.0 { "i −" } else { "i +" },
-                short(offset.abs())
-            ),
-            Act::Index(change) => {
-                format!(
-                    "looks up indices wrongly: it takes {}",
-                    change.says(Values::Reals)
-                )
-            }
+            Act::Index(index) => index.says(),
             Act::Stored { channels, change } => {
                 format!(
                     "shows stored values wrong: {}{}",
@@ -355,7 +383,10 @@ impl Act {
                     channels.says()
                 )
             }
+            Act::Numbers(reader) => reader.says(),
             Act::Terms(terms) => terms.says(),
+            Act::Rule(rule) => rule.says(),
+            Act::Variant(variant) => VARIANTS[*variant].says.to_owned(),
             Act::Slip(_, says) => format!("computes values as if {says}"),
             Act::Partly { slug, channels } => format!("{}{}", effect(slug), channels.says()),
             Act::PartlyShown { slug, colors } => format!("{}{}", effect(slug), only_in(*colors)),
@@ -379,9 +410,16 @@ impl Act {
             Act::Block { .. } | Act::Texels { .. } => {
                 "compute the place of a value as row · width · channels + column · channels + channel, rows from the bottom of the picture"
             }
-            Act::Index(_) => "index 0 names the first entry of the table; take indices as they are stored",
+            Act::Index(index) => index.fix(),
             Act::Stored { .. } => "stored values are bytes from 0 to 255; take them as they are",
-            Act::Final { .. } | Act::Terms(_) => Formula::Final.fix(),
+            Act::Final { channels, .. } if channels.is_of_colors() => {
+                "take colors, Cr and Cb as they are stored: they have neither scale nor bias"
+            }
+            Act::Final { .. } | Act::Terms(_) | Act::Rule(_) => Formula::Final.fix(),
+            Act::Variant(variant) => VARIANTS[*variant].formula.fix(),
+            Act::Numbers(_) => {
+                "read numbers as decimal numbers: a sign, digits, a point and digits, an exponent; a library function does"
+            }
             Act::Slip(formula, _) | Act::PartlySlipped { formula, .. } => formula.fix(),
             Act::Partly { slug, .. } | Act::PartlyShown { slug, .. } => {
                 misreadings::named(slug).map_or("", |known| known.fix)
@@ -398,7 +436,10 @@ impl Act {
             Act::Partly { slug, .. } | Act::PartlyShown { slug, .. } => {
                 misreadings::named(slug).map(|known| known.clause)
             }
-            Act::Final { .. } | Act::Terms(_) => Some("2.4/8"),
+            Act::Final { channels, .. } if channels.is_of_colors() => Some("2.4/9"),
+            Act::Final { .. } | Act::Terms(_) | Act::Rule(_) => Some("2.4/8"),
+            Act::Variant(variant) => Some(VARIANTS[*variant].formula.clause()),
+            Act::Numbers(reader) => Some(reader.clause()),
             Act::Shown { .. } => Some("1.0/1"),
             Act::Channels(_) | Act::Coefficients(_) => texel_clause(format),
             Act::Block {
@@ -410,7 +451,7 @@ impl Act {
                 row_clause(format)
             }
             Act::Block { block, .. } => block_clause(format, *block),
-            Act::Index(_) => Some("2.8/1"),
+            Act::Index(index) => Some(index.clause()),
             _ => None,
         }
     }
@@ -498,6 +539,10 @@ pub(super) fn frame(acts: &[&Act], ptm: &Ptm, view: &View, reading: &Reading) ->
 
 /// The final values, or the colors before they are rounded.
 pub(super) fn values(acts: &[&Act], ptm: &Ptm, view: &View, reading: &Reading) -> Vec<f64> {
+    let reading = &acts.iter().fold(*reading, |reading, act| match act {
+        Act::Variant(variant) => VARIANTS[*variant].at.change(reading),
+        _ => reading,
+    });
     let slips: Vec<&str> = acts
         .iter()
         .filter_map(|act| match act {
@@ -508,8 +553,14 @@ pub(super) fn values(acts: &[&Act], ptm: &Ptm, view: &View, reading: &Reading) -
     let mut values = if slips.is_empty() {
         let mut finals = evaluate::apply(&ptm.header.scale_bias, &ptm.planes, reading);
         for act in acts {
-            if let Act::Terms(terms) = act {
-                terms.apply(&mut finals.values, &ptm.planes, &ptm.header.scale_bias);
+            match act {
+                Act::Terms(terms) => {
+                    terms.apply(&mut finals.values, &ptm.planes, &ptm.header.scale_bias);
+                }
+                Act::Rule(rule) => {
+                    rule.apply(&mut finals.values, &ptm.planes, &ptm.header.scale_bias);
+                }
+                _ => {}
             }
             act.change_finals(&mut finals.values, ptm.planes.shape);
         }
@@ -586,9 +637,6 @@ fn misread_in(ptm: &mut Ptm, witness: &Witness, slug: &str, channels: &Channels)
 
 /// A block read with other strides, from the bytes of the file; what lies outside of it is 0.
 fn read_block(ptm: &mut Ptm, witness: &Witness, block: Block, strides: &Strides) {
-    if block == Block::Indices {
-        return read_indices(ptm, witness, strides);
-    }
     let blocks = Block::of(witness.case.format());
     for &(known, first, c) in blocks
         .iter()
@@ -597,67 +645,6 @@ fn read_block(ptm: &mut Ptm, witness: &Witness, block: Block, strides: &Strides)
         if let Some(start) = known.start(witness) {
             read_bytes(ptm, witness, (start, first, c), strides);
         }
-    }
-}
-
-/// The entries of a table that indices read with other strides name; 0 for those that are not there.
-fn read_indices(ptm: &mut Ptm, witness: &Witness, strides: &Strides) {
-    let Some(indices) = IndexBlock::of(witness) else {
-        return;
-    };
-    let count = ptm.planes.shape.channels();
-    let extent = Extent {
-        w: ptm.planes.size.width as usize,
-        h: ptm.planes.size.height as usize,
-        c: indices.bytes,
-    };
-    for (texel, samples) in ptm.planes.samples.chunks_exact_mut(count).enumerate() {
-        let samples = &mut samples[..indices.size];
-        match indices.entry(texel, strides, extent) {
-            Some(entry) => samples.copy_from_slice(entry),
-            None => samples.fill(0),
-        }
-    }
-}
-
-/// The indices of a file with a table, as bytes.
-pub(super) struct IndexBlock<'a> {
-    file: &'a [u8],
-    start: usize,
-    table: &'a [u8],
-    /// Bytes of an index.
-    pub bytes: usize,
-    /// Values of an entry.
-    pub size: usize,
-}
-
-impl<'a> IndexBlock<'a> {
-    pub fn of(witness: &'a Witness) -> Option<IndexBlock<'a>> {
-        let model = witness.model().filter(|model| model.format.has_table())?;
-        let size = model.entry_size();
-        Some(IndexBlock {
-            file: &witness.built.file,
-            start: Block::Indices.start(witness)?,
-            table: &model.table,
-            bytes: if model.table.len() / size <= 256 {
-                1
-            } else {
-                2
-            },
-            size,
-        })
-    }
-
-    /// What the index of a texel of the picture names; behind the end of the file stand zeros.
-    pub fn entry(&self, texel: usize, strides: &Strides, extent: Extent) -> Option<&'a [u8]> {
-        let (column, row) = (texel % extent.w, extent.h - 1 - texel / extent.w);
-        let byte = |k: usize| {
-            let place = self.start as isize + strides.place(column, row, k, extent);
-            let byte = usize::try_from(place).ok().and_then(|at| self.file.get(at));
-            usize::from(byte.copied().unwrap_or_default())
-        };
-        let index: usize = (0..extent.c).map(|k| byte(k) << (8 * k)).sum();
-        self.table.chunks_exact(self.size).nth(index)
     }
 }
 
@@ -707,25 +694,6 @@ fn move_texels(ptm: &mut Ptm, channels: &Channels, strides: &Strides) {
                     right[((h - 1 - stored / w) * w + stored % w) * count + k]
                 });
             }
-        }
-    }
-}
-
-/// The table looked up with other indices; what lies outside of it is 0.
-fn look_up(ptm: &mut Ptm, witness: &Witness, change: &Change) {
-    let Some(model) = witness.model().filter(|model| model.format.has_table()) else {
-        return;
-    };
-    let size = model.entry_size();
-    for (texel, &index) in ptm.planes.samples.chunks_exact_mut(9).zip(&model.indices) {
-        let index = change.apply(f64::from(index), Values::Reals);
-        let entry = (index >= 0.0)
-            .then(|| model.table.get(index as usize * size..))
-            .flatten()
-            .and_then(|rest| rest.get(..size));
-        match entry {
-            Some(entry) => texel[..size].copy_from_slice(entry),
-            None => texel[..size].fill(0),
         }
     }
 }

@@ -58,7 +58,9 @@ impl Report {
     }
 }
 
-/// Likely causes that are told while a run goes on.
+/// Failures of one cause, of which it is told while a run goes on.
+const ENOUGH: usize = 3;
+/// Likely causes that are told then.
 const FIRST_CAUSES: usize = 5;
 
 /// What the first cases of a run show, for a terminal; nothing where none of them failed.
@@ -72,7 +74,9 @@ pub fn first_causes_to_text<C: TestCase>(run: &Run<C>, causes: &[LikelyCause]) -
     let mut text = format!(
         "Of the first {judged} cases {failed} failed. Likely causes; the whole run confirms or corrects them:"
     );
-    for cause in causes.iter().take(FIRST_CAUSES) {
+    let (told, few): (Vec<&LikelyCause>, Vec<&LikelyCause>) =
+        (causes.iter()).partition(|cause| cause.explains.len() >= ENOUGH);
+    for cause in told.iter().take(FIRST_CAUSES) {
         let clause = match cause.blames_its_clause() {
             true => format!(" (clause {})", cause.clause),
             false => String::new(),
@@ -85,8 +89,15 @@ pub fn first_causes_to_text<C: TestCase>(run: &Run<C>, causes: &[LikelyCause]) -
             cause.fix
         );
     }
-    if causes.len() > FIRST_CAUSES {
-        let _ = write!(text, "\n  … and {} more", causes.len() - FIRST_CAUSES);
+    if told.len() > FIRST_CAUSES {
+        let _ = write!(text, "\n  … and {} more", told.len() - FIRST_CAUSES);
+    }
+    let few: usize = few.iter().map(|cause| cause.explains.len()).sum();
+    if few > 0 {
+        let _ = write!(
+            text,
+            "\n  {few} of {failed} failures: too few of a kind to tell their cause yet"
+        );
     }
     if causes.is_empty() {
         text += "\n  none yet";

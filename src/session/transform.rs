@@ -7,6 +7,7 @@
 use std::sync::Arc;
 
 use crate::protocol::frame::{Answer, Frame, Samples};
+use crate::ptm::Format;
 use crate::session::asking::Undo;
 use crate::session::contact::Contact;
 use crate::session::curve::{Curve, factor};
@@ -28,6 +29,7 @@ pub struct CommonTransform {
 
 /// A first file: what is expected, and what came.
 struct Picture<'a> {
+    format: Format,
     expected: Expected,
     frame: &'a Frame,
     /// What the reference shows.
@@ -86,6 +88,7 @@ fn pictures<'a>(suite: &Suite, contact: &'a Contact, view: &str) -> Vec<Picture<
         let case = &suite.cases[first.case];
         let built = case.build(contact.table);
         Some(Picture {
+            format: case.format(),
             expected: Expected::of(&built.values, &first.view)?,
             frame,
             right: case.expected_output(&first.view),
@@ -106,9 +109,16 @@ fn in_common(view: &'static str, pictures: &[Picture]) -> Option<CommonTransform
     let explained = |undo: &Undo<Case>| {
         let explains =
             |picture: &&&Picture| picture.is_put_right_by(|frame, right| (undo.undo)(frame, right));
-        let among_wrong = wrong.iter().filter(explains).count();
-        let is_said = enough(among_wrong) && right.iter().all(|picture| explains(&picture));
-        is_said.then_some(right.len() + among_wrong)
+        let (explained, open): (Vec<&Picture>, Vec<&Picture>) = wrong
+            .iter()
+            .copied()
+            .partition(|picture| explains(&picture));
+        // Of a format it explains all sizes or none: what small pictures undergo, larger ones do too.
+        let is_whole = |picture: &&Picture| open.iter().all(|other| other.format != picture.format);
+        let is_said = enough(explained.len())
+            && explained.iter().all(is_whole)
+            && right.iter().all(|picture| explains(&picture));
+        is_said.then_some(right.len() + explained.len())
     };
     let (count, says, next, undo) = candidates(view, pictures)
         .into_iter()

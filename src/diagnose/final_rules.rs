@@ -1,0 +1,157 @@
+//! Final coefficients that are computed otherwise than (raw − bias) · scale, everywhere or under a condition.
+
+use crate::ptm::{Planes, ScaleBias};
+
+/// A stored value, its scale and its bias.
+#[derive(Clone, Copy)]
+struct Numbers {
+    raw: f64,
+    scale: f64,
+    bias: f64,
+}
+
+impl Numbers {
+    fn right(self) -> f64 {
+        (self.raw - self.bias) * self.scale
+    }
+}
+
+/// What is computed instead, in words and as a function.
+type Rule = (&'static str, fn(Numbers) -> f64);
+
+/// Of which coefficients, in words and as a predicate.
+type Condition = (&'static str, fn(Numbers) -> bool);
+
+const RULES: &[Rule] = &[
+    ("raw · scale − bias", |n| n.raw * n.scale - n.bias),
+    ("raw · scale + bias", |n| n.raw * n.scale + n.bias),
+    ("(raw + bias) · scale", |n| (n.raw + n.bias) * n.scale),
+    ("(bias − raw) · scale", |n| (n.bias - n.raw) * n.scale),
+    ("raw · scale, without the bias", |n| n.raw * n.scale),
+    ("raw − bias, without the scale", |n| n.raw - n.bias),
+    ("the raw value, without scale and bias", |n| n.raw),
+    ("(raw − bias) / scale", |n| (n.raw - n.bias) / n.scale),
+    ("0", |_| 0.0),
+    ("the scale", |n| n.scale),
+    ("the bias", |n| n.bias),
+    ("|raw − bias| · scale", |n| {
+        (n.raw - n.bias).abs() * n.scale
+    }),
+    ("|(raw − bias) · scale|", |n| n.right().abs()),
+    ("(raw − bias) · scale with the opposite sign", |n| {
+        -n.right()
+    }),
+    ("(raw − |bias|) · scale", |n| {
+        (n.raw - n.bias.abs()) * n.scale
+    }),
+    ("(raw − bias) · |scale|", |n| {
+        (n.raw - n.bias) * n.scale.abs()
+    }),
+    ("(raw − bias + 256) · scale", |n| {
+        (n.raw - n.bias + 256.0) * n.scale
+    }),
+    ("(raw − bias mod 256) · scale", |n| {
+        (n.raw - n.bias.rem_euclid(256.0)) * n.scale
+    }),
+    ("(raw − bias) mod 256 · scale", |n| {
+        (n.raw - n.bias).rem_euclid(256.0) * n.scale
+    }),
+    ("(raw − 255) · scale", |n| (n.raw - 255.0) * n.scale),
+    ("(raw − 128) · scale", |n| (n.raw - 128.0) * n.scale),
+    ("(raw − bias − 1) · scale", |n| {
+        (n.raw - n.bias - 1.0) * n.scale
+    }),
+    ("(raw − bias + 1) · scale", |n| {
+        (n.raw - n.bias + 1.0) * n.scale
+    }),
+    ("(raw − bias) · scale cut to a whole number", |n| {
+        n.right().trunc()
+    }),
+    ("(raw − bias) · scale rounded to a whole number", |n| {
+        n.right().round()
+    }),
+    ("(raw − bias) · scale rounded down", |n| {
+        n.right().floor()
+    }),
+    ("(raw − bias) · scale, but 0 at the least", |n| {
+        n.right().max(0.0)
+    }),
+    ("(raw − bias) · scale, but 255 at the most", |n| {
+        n.right().min(255.0)
+    }),
+    ("(raw − bias) · scale, but 1 less", |n| n.right() - 1.0),
+    ("(raw − bias) with the scale cut to a whole number", |n| {
+        (n.raw - n.bias) * n.scale.trunc()
+    }),
+    ("(raw − bias) with the scale rounded up", |n| {
+        (n.raw - n.bias) * n.scale.ceil()
+    }),
+    ("half of (raw − bias) · scale", |n| n.right() / 2.0),
+    ("twice (raw − bias) · scale", |n| n.right() * 2.0),
+    ("(raw − bias) · scale²", |n| n.right() * n.scale),
+    ("(raw / 2 − bias) · scale", |n| {
+        (n.raw / 2.0 - n.bias) * n.scale
+    }),
+];
+
+const CONDITIONS: &[Condition] = &[
+    ("", |_| true),
+    ("whose bias is negative", |n| n.bias < 0.0),
+    ("whose bias is over 127", |n| n.bias > 127.0),
+    ("whose bias is over 255", |n| n.bias > 255.0),
+    ("whose bias is 0", |n| n.bias == 0.0),
+    ("whose bias is not 0", |n| n.bias != 0.0),
+    ("whose raw value is less than the bias", |n| n.raw < n.bias),
+    ("whose raw value is more than the bias", |n| n.raw > n.bias),
+    ("whose raw value is 0", |n| n.raw == 0.0),
+    ("whose raw value is 255", |n| n.raw == 255.0),
+    ("whose raw value is over 127", |n| n.raw > 127.0),
+    ("whose scale is negative", |n| n.scale < 0.0),
+    ("whose scale is less than 1", |n| n.scale < 1.0),
+    ("whose scale is between −1 and 1", |n| n.scale.abs() < 1.0),
+    ("whose scale is over 1", |n| n.scale > 1.0),
+    ("whose scale is 1", |n| n.scale == 1.0),
+    ("whose final value is negative", |n| n.right() < 0.0),
+    ("whose final value is over 255", |n| n.right() > 255.0),
+];
+
+/// One rule under one condition.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct FinalRule {
+    rule: usize,
+    condition: usize,
+}
+
+impl FinalRule {
+    /// All of them.
+    pub fn all() -> impl Iterator<Item = FinalRule> {
+        (0..CONDITIONS.len())
+            .flat_map(|condition| (0..RULES.len()).map(move |rule| FinalRule { rule, condition }))
+    }
+
+    /// The final values with this rule, where it applies.
+    pub fn apply(self, values: &mut [f64], planes: &Planes, set: &ScaleBias) {
+        let (channels, coefficients) = (planes.shape.channels(), planes.shape.coefficients());
+        let (rule, applies) = (RULES[self.rule].1, CONDITIONS[self.condition].1);
+        for (i, (value, &raw)) in values.iter_mut().zip(&planes.samples).enumerate() {
+            let channel = i % channels;
+            let numbers = Numbers {
+                raw: f64::from(raw),
+                scale: set.scale[channel % 6],
+                bias: set.bias[channel % 6],
+            };
+            if channel < coefficients && applies(numbers) {
+                *value = rule(numbers);
+            }
+        }
+    }
+
+    /// As a sentence without its subject.
+    pub fn says(self) -> String {
+        let rule = RULES[self.rule].0;
+        match CONDITIONS[self.condition].0 {
+            "" => format!("computes as final value {rule}"),
+            condition => format!("computes as final value {rule}, for coefficients {condition}"),
+        }
+    }
+}

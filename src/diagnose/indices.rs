@@ -1,0 +1,275 @@
+//! Wrong entries of a table: where a decoder looks for an index, and what it makes of it.
+
+use super::changes::{Change, Values, short};
+use super::solved::Block;
+use super::strides::{Extent, Strides};
+use super::witness::Witness;
+use crate::protocol::frame::Answer;
+use crate::ptm::Ptm;
+use crate::session::observation::Response;
+
+/// What is made of an index.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Index {
+    /// Something of the right one.
+    Changed(Change),
+    /// Something of its two bytes.
+    Joined(Join),
+}
+
+/// How two bytes may be joined to one index; low + high · 256 is right.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Join {
+    /// low + high · factor
+    Sum(i64),
+    /// low | high << bits
+    Or(u32),
+    /// low · factor + high
+    Swapped(i64),
+    /// (low + high) · 256: in most languages `+` binds more tightly than `<<`.
+    SumShifted,
+    /// The same in 16 bits.
+    SumShiftedIn16Bits,
+    /// Only so many of the 16 bits.
+    Bits(u32),
+    /// The high byte alone.
+    High,
+    /// low ^ high
+    Xor,
+    /// low · high
+    Product,
+}
+
+impl Join {
+    /// All that are tried.
+    pub fn all() -> impl Iterator<Item = Join> {
+        let shifts = || (0..16).filter(|&bits| bits != 8);
+        let sums = shifts().map(|bits| Join::Sum(1 << bits));
+        let factors = [10, 100, 127, 255, 257, 1000].into_iter();
+        let others = [
+            Join::SumShifted,
+            Join::SumShiftedIn16Bits,
+            Join::High,
+            Join::Xor,
+            Join::Product,
+        ];
+        sums.chain(shifts().map(Join::Or))
+            .chain([9, 10, 11, 13, 14, 15].map(Join::Bits))
+            .chain(factors.clone().map(Join::Sum))
+            .chain(factors.map(Join::Swapped))
+            .chain(others)
+    }
+
+    fn of(self, low: i64, high: i64) -> i64 {
+        match self {
+            Join::Sum(factor) => low + high * factor,
+            Join::Or(bits) => low | high << bits,
+            Join::Swapped(factor) => low * factor + high,
+            Join::SumShifted => (low + high) << 8,
+            Join::SumShiftedIn16Bits => (low + high) << 8 & 0xffff,
+            Join::Bits(count) => (low + high * 256) & ((1 << count) - 1),
+            Join::High => high,
+            Join::Xor => low ^ high,
+            Join::Product => low * high,
+        }
+    }
+
+    fn says(self) -> String {
+        match self {
+            Join::Sum(factor) => format!("low + high · {factor}"),
+            Join::Or(bits) => format!("low | high << {bits}"),
+            Join::Swapped(factor) => format!("low · {factor} + high"),
+            Join::SumShifted => {
+                "(low + high) · 256, as `low + high << 8` is read where + binds more tightly than <<"
+                    .to_owned()
+            }
+            Join::SumShiftedIn16Bits => "(low + high) · 256 in 16 bits, as `low + high << 8` is read where + binds more tightly than <<".to_owned(),
+            Join::Bits(count) => format!("its lowest {count} bits alone"),
+            Join::High => "the high byte alone".to_owned(),
+            Join::Xor => "low ^ high".to_owned(),
+            Join::Product => "low · high".to_owned(),
+        }
+    }
+}
+
+impl Index {
+    fn of(&self, right: u32) -> i64 {
+        match self {
+            Index::Changed(change) => change.apply(f64::from(right), Values::Reals) as i64,
+            Index::Joined(join) => join.of(i64::from(right & 0xff), i64::from(right >> 8)),
+        }
+    }
+
+    /// As a sentence without its subject.
+    pub fn says(&self) -> String {
+        match self {
+            Index::Changed(Change::Offset(offset)) => format!(
+                "looks up the entry of index {} {} in the table where index i is stored",
+                if *offset < 0.0 { "i −" } else { "i +" },
+                short(offset.abs())
+            ),
+            Index::Changed(change) => format!(
+                "looks up indices wrongly: it takes {}",
+                change.says(Values::Reals)
+            ),
+            Index::Joined(join) => format!(
+                "joins the two bytes of an index wrongly: {} instead of low + high · 256",
+                join.says()
+            ),
+        }
+    }
+
+    pub const fn fix(&self) -> &'static str {
+        match self {
+            Index::Changed(_) => {
+                "index 0 names the first entry of the table; take indices as they are stored"
+            }
+            Index::Joined(_) => {
+                "an index of two bytes is low + high · 256, both from 0 to 255, the low byte first in the file"
+            }
+        }
+    }
+
+    pub const fn clause(&self) -> &'static str {
+        match self {
+            Index::Changed(_) => "2.8/1",
+            Index::Joined(_) => "2.8.1/3",
+        }
+    }
+}
+
+/// The indices of a file with a table, as bytes.
+pub(super) struct IndexBlock<'a> {
+    file: &'a [u8],
+    start: usize,
+    table: &'a [u8],
+    /// Bytes of an index.
+    pub bytes: usize,
+    /// Values of an entry.
+    size: usize,
+}
+
+impl<'a> IndexBlock<'a> {
+    pub fn of(witness: &'a Witness) -> Option<IndexBlock<'a>> {
+        let model = witness.model().filter(|model| model.format.has_table())?;
+        let size = model.entry_size();
+        Some(IndexBlock {
+            file: &witness.built.file,
+            start: Block::Indices.start(witness)?,
+            table: &model.table,
+            bytes: if model.table.len() / size <= 256 {
+                1
+            } else {
+                2
+            },
+            size,
+        })
+    }
+
+    /// What the index of a texel of the picture names; behind the end of the file stand zeros.
+    pub fn entry(&self, texel: usize, strides: &Strides, extent: Extent) -> Option<&'a [u8]> {
+        let (column, row) = (texel % extent.w, extent.h - 1 - texel / extent.w);
+        let byte = |k: usize| {
+            let place = self.start as isize + strides.place(column, row, k, extent);
+            let byte = usize::try_from(place).ok().and_then(|at| self.file.get(at));
+            usize::from(byte.copied().unwrap_or_default())
+        };
+        let index: usize = (0..extent.c).map(|k| byte(k) << (8 * k)).sum();
+        self.table.chunks_exact(self.size).nth(index)
+    }
+}
+
+/// Entries of the indices that are read with other strides.
+pub(super) fn read_indices(
+    ptm: &mut Ptm,
+    witness: &Witness,
+    strides: &Strides,
+) -> Result<(), Answer> {
+    let Some(indices) = IndexBlock::of(witness) else {
+        return Ok(());
+    };
+    let extent = Extent {
+        w: ptm.planes.size.width as usize,
+        h: ptm.planes.size.height as usize,
+        c: indices.bytes,
+    };
+    fill(ptm, witness, indices.size, |texel| {
+        indices.entry(texel, strides, extent)
+    })
+}
+
+/// Entries of other indices than those that are stored.
+pub(super) fn look_up(ptm: &mut Ptm, witness: &Witness, index: &Index) -> Result<(), Answer> {
+    let Some(model) = witness.model().filter(|model| model.format.has_table()) else {
+        return Ok(());
+    };
+    let size = model.entry_size();
+    let is_wide = model.table.len() / size > 256;
+    if matches!(index, Index::Joined(_)) && !is_wide {
+        return Ok(());
+    }
+    fill(ptm, witness, size, |texel| {
+        let index = usize::try_from(index.of(*model.indices.get(texel)?)).ok()?;
+        model.table.chunks_exact(size).nth(index)
+    })
+}
+
+/// Of every texel its entry. Where the table has none, the file is refused, or 0 is shown, as this decoder did.
+fn fill<'a>(
+    ptm: &mut Ptm,
+    witness: &Witness,
+    size: usize,
+    entry: impl Fn(usize) -> Option<&'a [u8]>,
+) -> Result<(), Answer> {
+    let is_shown = matches!(witness.observation.response, Response::Picture { .. });
+    let count = ptm.planes.shape.channels();
+    for (texel, samples) in ptm.planes.samples.chunks_exact_mut(count).enumerate() {
+        match entry(texel) {
+            Some(entry) => samples[..size].copy_from_slice(entry),
+            None if is_shown => samples[..size].fill(0),
+            None => return Err(Answer::Rejected),
+        }
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::first_cause;
+    use crate::reading::Reading;
+
+    fn joined(stored: &[u8], join: fn(i64, i64) -> i64) -> usize {
+        match *stored {
+            [low, high] => join(low.into(), high.into()) as usize,
+            _ => stored[0].into(),
+        }
+    }
+
+    #[test]
+    fn bytes_that_are_joined_wrongly_are_told_by_the_expression() {
+        let wrong: [(fn(&[u8]) -> usize, &str); 3] = [
+            (
+                |bytes| joined(bytes, |low, high| (low + high) << 8),
+                "(low + high) · 256",
+            ),
+            (
+                |bytes| joined(bytes, |low, high| low | high << 7),
+                "low | high << 7",
+            ),
+            (
+                |bytes| joined(bytes, |low, high| low + high * 255),
+                "low + high · 255",
+            ),
+        ];
+        for (index, says) in wrong {
+            let told = first_cause(
+                Reading {
+                    index,
+                    ..Reading::SPEC
+                },
+                |case| case.format().has_table(),
+            );
+            assert!(told.contains(says), "{says}: {told}");
+        }
+    }
+}
