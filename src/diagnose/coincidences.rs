@@ -128,8 +128,9 @@ fn drop_refusals(search: &Search, found: &mut Found) {
 /// Different faults that one missing check may share by chance with a mistake of the catalog.
 const FEW_FAULTS: usize = 2;
 
-/// Takes away mistakes that explain nothing but a few faults of malformed files which are accepted, where other failures that none explains
-/// are about the same clause: what is wrong there is more than that.
+/// Takes away mistakes that explain nothing but malformed files which are accepted, where passing cases speak against them;
+/// and those of a few faults, where other failures that none explains are about the same clause: what is wrong there is more
+/// than that.
 fn drop_acceptances(search: &Search, found: &mut Found) {
     let witnesses = search.witnesses;
     let set = of(&found.members);
@@ -163,7 +164,8 @@ fn drop_acceptances(search: &Search, found: &mut Found) {
         let faults: HashSet<_> = (of.iter())
             .filter_map(|&w| Some(&witnesses[w].case.damage()?.effect))
             .collect();
-        !accepts_only || faults.len() > FEW_FAULTS || !open.iter().any(is_open)
+        let is_denied = || !search.denied(&[id]).is_empty();
+        !accepts_only || !is_denied() && (faults.len() > FEW_FAULTS || !open.iter().any(is_open))
     });
     found.keep(&keep);
 }

@@ -115,43 +115,143 @@ const CONDITIONS: &[Condition] = &[
     ("whose final value is over 255", |n| n.right() > 255.0),
 ];
 
-/// One rule under one condition.
+/// What raw value and bias are made to.
+const SUMS: &[(&str, fn(f64, f64) -> f64)] = &[
+    ("raw − bias", |raw, bias| raw - bias),
+    ("raw + bias", |raw, bias| raw + bias),
+    ("bias − raw", |raw, bias| bias - raw),
+];
+
+/// What becomes of that.
+const LIMITS: &[(&str, fn(f64) -> f64)] = &[
+    ("", |sum| sum),
+    (", but 0 at the least,", |sum| sum.max(0.0)),
+    (", but 255 at the most,", |sum| sum.min(255.0)),
+    (", limited to 0…255,", |sum| sum.clamp(0.0, 255.0)),
+    (" without its sign", f64::abs),
+];
+
+/// The coefficient whose scale or bias is taken.
+const SOURCES: &[(&str, fn(usize) -> usize)] = &[
+    ("", |k| k),
+    (" of the next coefficient", |k| (k + 1) % 6),
+    (" of the coefficient before", |k| (k + 5) % 6),
+    (" of a0", |_| 0),
+    (" of a5", |_| 5),
+    (" of coefficient 5 − i", |k| 5 - k),
+];
+
+/// What is done with the scale.
+const FACTORS: &[(&str, fn(f64, f64) -> f64)] = &[
+    (" · the scale", |sum, scale| sum * scale),
+    (" / the scale", |sum, scale| sum / scale),
+    (" · the absolute scale", |sum, scale| sum * scale.abs()),
+    (" + the scale", |sum, scale| sum + scale),
+];
+
+/// Another way to a final value.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct FinalRule {
-    rule: usize,
-    condition: usize,
+pub(super) enum FinalRule {
+    /// One rule under one condition.
+    Under { rule: usize, condition: usize },
+    /// Several slips in one expression: each a place in its list.
+    Combined {
+        sum: usize,
+        limit: usize,
+        bias: usize,
+        factor: usize,
+        scale: usize,
+    },
 }
 
 impl FinalRule {
     /// All of them.
     pub fn all() -> impl Iterator<Item = FinalRule> {
-        (0..CONDITIONS.len())
-            .flat_map(|condition| (0..RULES.len()).map(move |rule| FinalRule { rule, condition }))
+        let under = (0..CONDITIONS.len()).flat_map(|condition| {
+            (0..RULES.len()).map(move |rule| FinalRule::Under { rule, condition })
+        });
+        let lengths = [
+            SUMS.len(),
+            LIMITS.len(),
+            SOURCES.len(),
+            FACTORS.len(),
+            SOURCES.len(),
+        ];
+        let combined = (1..lengths.iter().product()).map(move |mut place: usize| {
+            let [sum, limit, bias, factor, scale] = lengths.map(|length| {
+                let digit = place % length;
+                place /= length;
+                digit
+            });
+            FinalRule::Combined {
+                sum,
+                limit,
+                bias,
+                factor,
+                scale,
+            }
+        });
+        under.chain(combined)
+    }
+
+    /// The final value of a coefficient of a polynomial; nothing where it is the right one.
+    fn of(self, raw: f64, k: usize, set: &ScaleBias) -> Option<f64> {
+        match self {
+            FinalRule::Under { rule, condition } => {
+                let numbers = Numbers {
+                    raw,
+                    scale: set.scale[k],
+                    bias: set.bias[k],
+                };
+                CONDITIONS[condition].1(numbers).then(|| RULES[rule].1(numbers))
+            }
+            FinalRule::Combined {
+                sum,
+                limit,
+                bias,
+                factor,
+                scale,
+            } => {
+                let sum = SUMS[sum].1(raw, set.bias[SOURCES[bias].1(k)]);
+                let scale = set.scale[SOURCES[scale].1(k)];
+                Some(FACTORS[factor].1(LIMITS[limit].1(sum), scale))
+            }
+        }
     }
 
     /// The final values with this rule, where it applies.
     pub fn apply(self, values: &mut [f64], planes: &Planes, set: &ScaleBias) {
         let (channels, coefficients) = (planes.shape.channels(), planes.shape.coefficients());
-        let (rule, applies) = (RULES[self.rule].1, CONDITIONS[self.condition].1);
         for (i, (value, &raw)) in values.iter_mut().zip(&planes.samples).enumerate() {
             let channel = i % channels;
-            let numbers = Numbers {
-                raw: f64::from(raw),
-                scale: set.scale[channel % 6],
-                bias: set.bias[channel % 6],
-            };
-            if channel < coefficients && applies(numbers) {
-                *value = rule(numbers);
+            if channel < coefficients
+                && let Some(other) = self.of(f64::from(raw), channel % 6, set)
+            {
+                *value = other;
             }
         }
     }
 
     /// As a sentence without its subject.
     pub fn says(self) -> String {
-        let rule = RULES[self.rule].0;
-        match CONDITIONS[self.condition].0 {
-            "" => format!("computes as final value {rule}"),
-            condition => format!("computes as final value {rule}, for coefficients {condition}"),
+        match self {
+            FinalRule::Under { rule, condition } => {
+                let of = match CONDITIONS[condition].0 {
+                    "" => String::new(),
+                    condition => format!(", for coefficients {condition}"),
+                };
+                format!("computes as final value {}{of}", RULES[rule].0)
+            }
+            FinalRule::Combined {
+                sum,
+                limit,
+                bias,
+                factor,
+                scale,
+            } => format!(
+                "computes as final value i ({}{}){}{}{}",
+                SUMS[sum].0, SOURCES[bias].0, LIMITS[limit].0, FACTORS[factor].0, SOURCES[scale].0
+            ),
         }
     }
 }

@@ -15,7 +15,40 @@ pub(super) enum Index {
     Changed(Change),
     /// Something of its two bytes.
     Joined(Join),
+    /// One of [`RULES`], by its place.
+    Rule(usize),
 }
+
+/// What is looked up instead of index i of n entries, in words and as a function.
+const RULES: &[(&str, fn(i64, i64) -> i64)] = &[
+    ("the entry before it", |i, _| i - 1),
+    ("the entry before it, and for index 0 the first", |i, _| {
+        (i - 1).max(0)
+    }),
+    ("the entry before it, and for index 0 the last", |i, n| {
+        (i + n - 1) % n
+    }),
+    ("the entry behind it", |i, _| i + 1),
+    (
+        "the entry behind it, and for the last index the last",
+        |i, n| (i + 1).min(n - 1),
+    ),
+    (
+        "the entry behind it, and for the last index the first",
+        |i, n| (i + 1) % n,
+    ),
+    ("entries from the end of the table", |i, n| n - 1 - i),
+    ("the index modulo the number of entries less 1", |i, n| {
+        i % (n - 1).max(1)
+    }),
+    ("the index modulo 255", |i, _| i % 255),
+    ("the index modulo 256", |i, _| i % 256),
+    ("the index modulo 128", |i, _| i % 128),
+    ("half the index", |i, _| i / 2),
+    ("twice the index", |i, _| i * 2),
+    ("the index with its lowest bit changed", |i, _| i ^ 1),
+    ("the first entry, whatever the index", |_, _| 0),
+];
 
 /// How two bytes may be joined to one index; low + high · 256 is right.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -93,8 +126,16 @@ impl Join {
 }
 
 impl Index {
-    fn of(&self, right: u32) -> i64 {
+    /// All that are tried on tables, whether their entries can be told or not.
+    pub fn all() -> impl Iterator<Item = Index> {
+        (0..RULES.len())
+            .map(Index::Rule)
+            .chain(Join::all().map(Index::Joined))
+    }
+
+    fn of(&self, right: u32, entries: usize) -> i64 {
         match self {
+            Index::Rule(rule) => RULES[*rule].1(right.into(), entries as i64),
             Index::Changed(change) => change.apply(f64::from(right), Values::Reals) as i64,
             Index::Joined(join) => join.of(i64::from(right & 0xff), i64::from(right >> 8)),
         }
@@ -112,6 +153,7 @@ impl Index {
                 "looks up indices wrongly: it takes {}",
                 change.says(Values::Reals)
             ),
+            Index::Rule(rule) => format!("looks up {} in the table", RULES[*rule].0),
             Index::Joined(join) => format!(
                 "joins the two bytes of an index wrongly: {} instead of low + high · 256",
                 join.says()
@@ -121,7 +163,7 @@ impl Index {
 
     pub const fn fix(&self) -> &'static str {
         match self {
-            Index::Changed(_) => {
+            Index::Changed(_) | Index::Rule(_) => {
                 "index 0 names the first entry of the table; take indices as they are stored"
             }
             Index::Joined(_) => {
@@ -132,7 +174,7 @@ impl Index {
 
     pub const fn clause(&self) -> &'static str {
         match self {
-            Index::Changed(_) => "2.8/1",
+            Index::Changed(_) | Index::Rule(_) => "2.8/1",
             Index::Joined(_) => "2.8.1/3",
         }
     }
@@ -204,12 +246,12 @@ pub(super) fn look_up(ptm: &mut Ptm, witness: &Witness, index: &Index) -> Result
         return Ok(());
     };
     let size = model.entry_size();
-    let is_wide = model.table.len() / size > 256;
-    if matches!(index, Index::Joined(_)) && !is_wide {
+    let entries = model.table.len() / size;
+    if matches!(index, Index::Joined(_)) && entries <= 256 {
         return Ok(());
     }
     fill(ptm, witness, size, |texel| {
-        let index = usize::try_from(index.of(*model.indices.get(texel)?)).ok()?;
+        let index = usize::try_from(index.of(*model.indices.get(texel)?, entries)).ok()?;
         model.table.chunks_exact(size).nth(index)
     })
 }

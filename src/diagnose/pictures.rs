@@ -9,7 +9,7 @@ use super::pair::Pair;
 use super::places::{channels_concerned, root_channels, texels_concerned};
 use super::provenance;
 use super::refusals::WORTH_SAYING;
-use super::relations::relations;
+use super::relations::{self, relations};
 use super::search::{Id, Search, Set};
 use super::shared::shared;
 use super::solved::{Block, block_clause};
@@ -414,6 +414,11 @@ pub(super) fn example(search: &Search, w: usize) -> String {
         short(pair.want[i]),
     );
     says.extend(numbers::used(&pair, witness).map(|used| used.in_words()));
+    let elsewhere = relations::in_words(&pair);
+    if elsewhere.is_some() {
+        says.extend(elsewhere);
+        return says;
+    }
     says.extend(arithmetic(witness, texel, channel).map(|steps| format!(" = {steps}")));
     let origin = match pair.view {
         "rgb" => provenance::texel(witness, x, y),

@@ -3,6 +3,11 @@
 use super::changes::{Change, Values};
 use super::pair::Pair;
 
+/// Rows or columns of which is told which one they show.
+const LINES: usize = 8;
+/// In pictures of more of them it is not asked.
+const MOST_LINES: usize = 64;
+
 type Relation = (&'static str, fn(&Pair, &[(f64, f64)]) -> bool);
 
 /// What may be true of wrong samples: of the picture, and of each expected value and the received one.
@@ -24,6 +29,12 @@ const RELATIONS: &[Relation] = &[
         let is_gray = |rgb: &[f64]| rgb[0] == rgb[1] && rgb[1] == rgb[2];
         pair.view == "rgb" && pairs.len() > 2 && pair.got.chunks_exact(3).all(is_gray)
     }),
+    ("right rows in wrong places", |pair, pairs| {
+        pair.height > 2 && pairs.len() > 2 && elsewhere(pair, pair.height, row).is_some()
+    }),
+    ("right columns in wrong places", |pair, pairs| {
+        pair.width > 2 && pairs.len() > 2 && elsewhere(pair, pair.width, column).is_some()
+    }),
     ("the right values in wrong places", |pair, pairs| {
         let sorted = |values: &[f64]| {
             let mut values: Vec<u64> = values.iter().map(|value| value.to_bits()).collect();
@@ -33,6 +44,64 @@ const RELATIONS: &[Relation] = &[
         pairs.len() > 2 && sorted(&pair.want) == sorted(&pair.got)
     }),
 ];
+
+/// The samples of a row or of a column.
+type Line = fn(pair: &Pair, values: &[f64], place: usize) -> Vec<f64>;
+
+fn row(pair: &Pair, values: &[f64], y: usize) -> Vec<f64> {
+    let length = pair.width * pair.channels;
+    values[y * length..(y + 1) * length].to_vec()
+}
+
+fn column(pair: &Pair, values: &[f64], x: usize) -> Vec<f64> {
+    let texels = values
+        .chunks_exact(pair.channels)
+        .skip(x)
+        .step_by(pair.width);
+    texels.flatten().copied().collect()
+}
+
+/// Which of the right lines stands in the place of each, if all that are shown are right ones.
+fn elsewhere(pair: &Pair, count: usize, line: Line) -> Option<Vec<usize>> {
+    if count > MOST_LINES {
+        return None;
+    }
+    // Colors are rounded.
+    let slack = if pair.view == "rgb" { 1.5 } else { 0.0 };
+    let is_near = |a: &[f64], b: &[f64]| a.iter().zip(b).all(|(a, b)| (a - b).abs() <= slack);
+    let right: Vec<Vec<f64>> = (0..count)
+        .map(|place| line(pair, &pair.want, place))
+        .collect();
+    let source = |place: usize| {
+        let shown = line(pair, &pair.got, place);
+        right.iter().position(|right| is_near(right, &shown))
+    };
+    (0..count).map(source).collect()
+}
+
+/// ": rows 0, 1, 2 show rows 2, 1, 0, counted from the top"; nothing where no line is another.
+pub(super) fn in_words(pair: &Pair) -> Option<String> {
+    let lines: [(&str, usize, Line); 2] =
+        [("rows", pair.height, row), ("columns", pair.width, column)];
+    let (name, sources) = lines.into_iter().find_map(|(name, count, line)| {
+        let sources = elsewhere(pair, count, line).filter(|_| count > 2)?;
+        Some((name, sources))
+    })?;
+    let few = |places: &mut dyn Iterator<Item = usize>| {
+        let places: Vec<String> = places.take(LINES).map(|place| place.to_string()).collect();
+        places.join(", ")
+    };
+    let from = if name == "rows" {
+        "the top"
+    } else {
+        "the left"
+    };
+    Some(format!(
+        "; {name} {} show {name} {}, counted from {from}",
+        few(&mut (0..sources.len())),
+        few(&mut sources.iter().copied()),
+    ))
+}
 
 fn by_two(pairs: &[(f64, f64)]) -> bool {
     pairs.iter().all(|(want, got)| (got - want).abs() <= 2.0)

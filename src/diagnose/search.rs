@@ -189,7 +189,10 @@ impl<'a> Search<'a> {
             let mut single = self.best_single(&set, &left);
             let mut groups = Vec::new();
             // What explains nearly all that is left needs no solving.
-            let explains_all = |member: &Member| member.worth * 10 >= 9 * WORD * left.len() as i64;
+            let explains_all = |member: &Member| {
+                member.worth * 10 >= 9 * WORD * left.len() as i64
+                    && self.denied(&[&set[..], &[member.id]].concat()).is_empty()
+            };
             if !single.as_ref().is_some_and(explains_all) {
                 let solved = catch_unwind(AssertUnwindSafe(|| solve(self, &set, &left)));
                 groups = solved.unwrap_or_else(|panic| {

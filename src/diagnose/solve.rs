@@ -9,7 +9,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use super::changes::{Change, merged};
 use super::final_rules::FinalRule;
-use super::indices::{Index, IndexBlock, Join};
+use super::indices::Index;
 use super::mistake::Mistake;
 use super::number_readers::NumberReader;
 use super::scope::Scope;
@@ -33,6 +33,10 @@ const FILES: usize = 40;
 /// Candidates that are held against some failing files, and against all.
 const MOST: usize = 240;
 const FINALISTS: usize = 20;
+/// The same of many candidates: first a few files.
+const FIRST_FILES: usize = 8;
+const FIRST_FINALISTS: usize = 100;
+const FEW_FINALISTS: usize = 6;
 /// Mistakes of the catalog of which is solved where they are made.
 const NARROW: usize = 12;
 /// Samples of all these files together.
@@ -40,7 +44,7 @@ const SAMPLES: usize = 1 << 18;
 
 /// Adds to the mistakes of `search` those that explain some of `left` beside `set`. Returns those that are made together.
 pub(super) fn solve(search: &mut Search, set: &Set, left: &[usize]) -> Vec<Set> {
-    joined_bytes(search, set, left);
+    looked_up(search, set, left);
     let pictures = search.solvable(left);
     if pictures.len() < FEWEST {
         return Vec::new();
@@ -68,7 +72,7 @@ pub(super) fn solve(search: &mut Search, set: &Set, left: &[usize]) -> Vec<Set> 
     let new = alone.into_iter().filter(|act| !is_known(search, act));
     let of_terms = of_terms.into_iter().filter(|act| !is_known(search, act));
     let new: Vec<Act> = new.take(MOST).chain(of_terms).collect();
-    let best = finalists(search, set, &sample, new);
+    let best = finalists(search, set, &sample, new, (FINALISTS, 1));
     search.truncate(known);
     for act in best {
         add(search, set, &pictures, act);
@@ -85,15 +89,11 @@ pub(super) fn solve(search: &mut Search, set: &Set, left: &[usize]) -> Vec<Set> 
     groups
 }
 
-/// Adds wrong ways to join the two bytes of an index. Most of them lead out of the table, and no picture is shown.
-fn joined_bytes(search: &mut Search, set: &Set, left: &[usize]) {
-    let is_wide = |w: &usize| {
-        let block = IndexBlock::of(&search.witnesses[*w]);
-        block.is_some_and(|block| block.bytes == 2)
-    };
-    let wide: Vec<usize> = left.iter().copied().filter(is_wide).collect();
-    let joins = Join::all().map(|join| Act::Index(Index::Joined(join)));
-    try_all(search, set, &wide, joins);
+/// Adds wrong ways to look up an index. Most of them lead out of the table, and no picture is shown.
+fn looked_up(search: &mut Search, set: &Set, left: &[usize]) {
+    let has_table = |w: &usize| search.witnesses[*w].case.format().has_table();
+    let tables: Vec<usize> = left.iter().copied().filter(has_table).collect();
+    try_all(search, set, &tables, Index::all().map(Act::Index));
 }
 
 /// Adds wrong ways to read numbers and to compute, where values are computed.
@@ -122,9 +122,13 @@ fn try_all(search: &mut Search, set: &Set, of: &[usize], acts: impl Iterator<Ite
     let kind = |w: usize| search.witnesses[w].case.clauses.first().cloned();
     let mut sample = spread(&search.smallest(of, SAMPLES), kind);
     sample.truncate(FILES);
-    let new = acts.filter(|act| !is_known(search, act)).collect();
+    let new: Vec<Act> = acts.filter(|act| !is_known(search, act)).collect();
     let known = search.mistakes.len();
-    let best = finalists(search, set, &sample, new);
+    // Most of many are out on a few files.
+    let first = &sample[..sample.len().min(FIRST_FILES)];
+    let new = finalists(search, set, first, new, (FIRST_FINALISTS, 1));
+    search.truncate(known);
+    let best = finalists(search, set, &sample, new, (FEW_FINALISTS, 2 * WORD));
     search.truncate(known);
     for act in best {
         add(search, set, of, act);
@@ -181,8 +185,14 @@ fn id_of(search: &mut Search, act: Act) -> Id {
     }
 }
 
-/// Those of `acts` that are worth most on the sample.
-fn finalists(search: &mut Search, set: &Set, sample: &[usize], acts: Vec<Act>) -> Vec<Act> {
+/// Those of `acts` that are worth most on the sample: so many of them, and none that is worth less.
+fn finalists(
+    search: &mut Search,
+    set: &Set,
+    sample: &[usize],
+    acts: Vec<Act>,
+    (most, least): (usize, i64),
+) -> Vec<Act> {
     let first = search.mistakes.len();
     let count = acts.len();
     for act in acts {
@@ -200,10 +210,10 @@ fn finalists(search: &mut Search, set: &Set, sample: &[usize], acts: Vec<Act>) -
     let mut ranked: Vec<(i64, Id)> = gains
         .into_iter()
         .zip(ids)
-        .filter(|&(gain, _)| gain > 0)
+        .filter(|&(gain, _)| gain >= least)
         .collect();
     ranked.sort_by_key(|&(gain, id)| (-gain, id));
-    ranked.truncate(FINALISTS);
+    ranked.truncate(most);
     let act = |(_, id): (i64, Id)| {
         search.mistakes[id]
             .solved()

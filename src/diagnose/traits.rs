@@ -431,6 +431,18 @@ fn entries(facts: &Facts) -> Option<f64> {
 }
 
 const OF_LIGHT: &[Row] = &[
+    ("under a light whose u is negative", |f| {
+        f.light().is_some_and(|(u, _)| u < 0.0)
+    }),
+    ("under a light whose v is negative", |f| {
+        f.light().is_some_and(|(_, v)| v < 0.0)
+    }),
+    ("under a light whose u is positive", |f| {
+        f.light().is_some_and(|(u, _)| u > 0.0)
+    }),
+    ("under a light whose v is positive", |f| {
+        f.light().is_some_and(|(_, v)| v > 0.0)
+    }),
     ("under a light from the left", |f| {
         f.light().is_some_and(|(u, v)| u < 0.0 && v >= 0.0)
     }),

@@ -367,7 +367,11 @@ pub(super) static VARIANTS: &[Variant] = &[
         if value > 255.0 { 0.0 } else { value.max(0.0) }
     }),
     limits("shows 255 for colors below 0", |value| {
-        if value < 0.0 { 255.0 } else { value.min(255.0) }
+        if value < -0.5 {
+            255.0
+        } else {
+            value.min(255.0)
+        }
     }),
     limits("limits colors to 254", |value| value.clamp(0.0, 254.0)),
     limits("limits colors to 1 and above", |value| {

@@ -106,6 +106,10 @@ mod tests {
             "line 1: case a: ",
         );
         rejects(
+            "  expect: decode\n  bytes: [{ is: version, text: \"PTM_1.2\\n\" }]\n  values: { size: 1x1, raw: [1 2 3 4 5 6 7 8 9] }\n  views: [coef]\n",
+            "line 1: case a: its values lack the view coef",
+        );
+        rejects(
             "  expect: reject\n  twin_of: b\n  damage: width-zero\n",
             "line 1: case a: its twin b does not stand before it",
         );

@@ -170,6 +170,12 @@ impl CaseRecord {
         if let Source::Recipe { recipe, .. } = source {
             check_views(recipe, &views)?;
         }
+        if let (Source::Hand { .. }, Some(values)) = (source, &self.values) {
+            let known = values.views()?;
+            if let Some(unknown) = views.iter().find(|view| !known.contains(view)) {
+                return Err(format!("its values lack the view {unknown}"));
+            }
+        }
         Ok(views)
     }
 }
