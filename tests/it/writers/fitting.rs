@@ -7,7 +7,7 @@ use ptm_conform::decode;
 use ptm_conform::ptm::Format;
 use ptm_conform::writers::fitting::judge::judge;
 use ptm_conform::writers::fitting::optimum::optimum;
-use ptm_conform::writers::fitting::pictures::{FORMATS, PictureSet};
+use ptm_conform::writers::fitting::pictures::{FORMATS, FitRequest, PictureSet};
 use ptm_conform::writers::fitting::polynomials::Polynomials;
 use ptm_conform::writers::fitting::sets::SETS;
 use ptm_conform::writers::reference::written;
@@ -84,6 +84,31 @@ fn a_set_is_read_back_from_its_files() {
         error.ends_with("it announces 2 pictures and lists 1"),
         "{error}"
     );
+}
+
+#[test]
+fn a_request_is_what_its_schema_says_and_is_read_back() {
+    let schema = include_str!("../../../spec-cases/schema/fit-request.schema.json");
+    let schema: serde_json::Value = serde_json::from_str(schema).expect("JSON");
+    let validator = jsonschema::validator_for(&schema).expect("a schema");
+    for format in FORMATS {
+        let size = SETS[0].made(format).size;
+        let request = FitRequest {
+            format: format.name().to_owned(),
+            width: size.width,
+            height: size.height,
+            lp: "lights.lp".to_owned(),
+        };
+        let mut json = serde_json::to_value(&request).expect("JSON");
+        assert!(validator.is_valid(&json), "{json}");
+        assert_eq!(
+            FitRequest::read(json.to_string().as_bytes()),
+            Ok((format, request))
+        );
+        json["scale"] = 1.into();
+        assert!(!validator.is_valid(&json), "{json}");
+        assert!(FitRequest::read(json.to_string().as_bytes()).is_err());
+    }
 }
 
 #[test]
