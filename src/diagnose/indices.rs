@@ -1,7 +1,7 @@
 //! Wrong entries of a table: where a decoder looks for an index, and what it makes of it.
 
+use super::blocks::Block;
 use super::changes::{Change, Values, short};
-use super::solved::Block;
 use super::strides::{Extent, Strides};
 use super::witness::Witness;
 use crate::protocol::frame::Answer;

@@ -11,6 +11,7 @@ mod answers;
 pub mod arithmetic;
 mod assume;
 mod attribution;
+mod blocks;
 mod changes;
 mod coincidences;
 mod credit;

@@ -1,6 +1,7 @@
 //! Wrong pictures of unknown cause: how they differ, and where.
 
 use super::arithmetic::arithmetic;
+use super::blocks::{Block, block_clause};
 use super::changes::short;
 use super::diagnosis::{Category, Diagnosis, Words};
 use super::formulas::single_slips;
@@ -12,7 +13,6 @@ use super::refusals::WORTH_SAYING;
 use super::relations::{self, relations};
 use super::search::{Id, Search, Set};
 use super::shared::shared;
-use super::solved::{Block, block_clause};
 use super::witness::Witness;
 use crate::protocol::frame::{Answer, Frame, View};
 use crate::ptm::Format;

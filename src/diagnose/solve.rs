@@ -20,6 +20,7 @@ use super::solve_terms;
 use super::solved::{Act, Solved};
 use super::strides::Strides;
 use super::variants::VARIANTS;
+use super::witness::Agreement;
 use crate::misreadings::Stage;
 use crate::protocol::frame::{Answer, View};
 
@@ -253,10 +254,15 @@ fn add(search: &mut Search, set: &Set, pictures: &[usize], act: Act) {
         scope.as_ref().is_some_and(holds) && search.made(w, &with) != search.made(w, set)
     });
     let acting = acting.into_iter().filter(|acts| *acts).count();
+    let is_picture = |&w: &usize| search.agreement(w, &with) == Agreement::Picture;
+    let seen = of.iter().any(is_picture);
     search.truncate(id);
     let is_shown = is_shown(search, &of, acting, scope.as_ref());
+    // Many things end in a refusal: one picture at least has to be just so.
+    let is_seen = seen || !act.may_refuse();
     if let Some(scope) = scope
         && is_shown
+        && is_seen
         && !(of.len() == 1 && is_doubtful(search, of[0], &act))
         && !(is_of_strides(&act) && of.iter().all(|&w| is_narrow(search, w)))
     {

@@ -1,12 +1,13 @@
 //! What may have been done, read off one wrong picture.
 
+use super::blocks::Block;
 use super::changes::{Change, Values};
 use super::formulas::{Numbers, joint_slips, single_slips};
 use super::indices::{Index, IndexBlock};
 use super::mistake::Mistake;
 use super::pair::Pair;
 use super::search::{Search, Set};
-use super::solved::{Act, Block, Channels, frame, values};
+use super::solved::{Act, Channels, frame, values};
 use super::strides::{Extent, Strides};
 use super::terms::Terms;
 use super::witness::{Witness, alike};
