@@ -106,7 +106,7 @@ mod tests {
             "line 1: case a: ",
         );
         rejects(
-            "  expect: decode\n  bytes: [{ is: version, text: \"PTM_1.2\\n\" }]\n  values: { size: 1x1, raw: [1 2 3 4 5 6 7 8 9] }\n  views: [coef]\n",
+            "  expect: decode\n  bytes: [{ is: format, text: \"PTM_FORMAT_LRGB\\n\" }]\n  values: { size: 1x1, raw: [1 2 3 4 5 6 7 8 9] }\n  views: [coef]\n",
             "line 1: case a: its values lack the view coef",
         );
         rejects(
