@@ -246,7 +246,7 @@ fn add(search: &mut Search, set: &Set, pictures: &[usize], act: Act) {
         true => Some(Scope::All),
         false => scope_of(search, &of, &denied)
             .filter(|scope| !(scope.is_of_light() && act.shows_in(&View::Coef)))
-            .filter(|scope| !(scope.is_of_bytes() && !act.shows_in(&View::Raw)))
+            .filter(|scope| !scope.is_of_bytes() || act.shows_in(&View::Raw))
             .filter(|scope| matches!(scope, Scope::Formats(_)) || !act.is_of_few_values()),
     };
     let acting = search.each(pictures, |&w| {

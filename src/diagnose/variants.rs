@@ -222,7 +222,7 @@ pub(super) static VARIANTS: &[Variant] = &[
         (2.0 * u - 1.0, 2.0 * v - 1.0)
     }),
     light("takes u and v from −1…1 to 0…1", |u, v| {
-        ((u + 1.0) / 2.0, (v + 1.0) / 2.0)
+        (f64::midpoint(u, 1.0), f64::midpoint(v, 1.0))
     }),
     light("takes u and v for azimuth and elevation", |u, v| {
         (u.cos() * v.cos(), u.sin() * v.cos())
@@ -263,7 +263,7 @@ pub(super) static VARIANTS: &[Variant] = &[
         l + c - 128.0
     }),
     product("takes the mean of luminance and color", |l, c| {
-        (l + c) / 2.0
+        f64::midpoint(l, c)
     }),
     product("takes the smaller of luminance and color", f64::min),
     product(
