@@ -39,7 +39,7 @@ def read_png(path):
         for x, value in enumerate(row[1:], 3):
             left, up, corner = picture[y, x - 3], picture[y - 1, x], picture[y - 1, x - 3]
             nearest = min((left, up, corner), key=lambda one: abs(left + up - corner - one))
-            picture[y, x] = (value + (0, left, up, (left + up) // 2, nearest)[row[0]]) % 256
+            picture[y, x] = (int(value) + (0, left, up, (left + up) // 2, nearest)[row[0]]) % 256
     return picture[1:, 3:].reshape(height, width, 3)
 
 

@@ -115,7 +115,13 @@ fn in_common(view: &'static str, pictures: &[Picture]) -> Option<CommonTransform
             .partition(|picture| explains(&picture));
         // Of a format it explains all sizes or none: what small pictures undergo, larger ones do too.
         let is_whole = |picture: &&Picture| open.iter().all(|other| other.format != picture.format);
+        // What one format of several undergoes is a mistake about that format.
+        let is_common = || {
+            let of_another = |picture: &&Picture| picture.format != explained[0].format;
+            right.is_empty() || explained.iter().any(of_another)
+        };
         let is_said = enough(explained.len())
+            && is_common()
             && explained.iter().all(is_whole)
             && right.iter().all(|picture| explains(&picture));
         is_said.then_some(right.len() + explained.len())
