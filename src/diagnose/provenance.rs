@@ -12,7 +12,8 @@ const FAR: isize = 64;
 /// The bytes of one stored value, in words: nothing for files that were put together by hand or damaged.
 pub(super) fn sample(witness: &Witness, x: usize, y: usize, channel: usize) -> Option<String> {
     let model = witness.model()?;
-    let stored = (model.size.height as usize - 1 - y) * model.size.width as usize + x;
+    let row = (model.size.height as usize).checked_sub(y + 1)?;
+    let stored = row * model.size.width as usize + x;
     if let Some(compressed) = &model.compressed {
         let mut says = plane(witness, channel)?;
         if let Some(reference) = compressed.plan.reference(channel) {
@@ -91,7 +92,8 @@ pub(super) fn shift(witness: &Witness, pair: &Pair) -> Option<isize> {
 fn byte(witness: &Witness, x: usize, y: usize, channel: usize) -> Option<(&'static str, usize)> {
     let model = witness.model()?;
     let (width, height) = (model.size.width as usize, model.size.height as usize);
-    let stored = (height - 1 - y) * width + x;
+    // The picture that was shown may be higher than the map.
+    let stored = height.checked_sub(y + 1)? * width + x;
     let entry = || Some(*model.indices.get(y * width + x)? as usize);
     let (name, per_texel, place, texel) = match model.format {
         Format::Rgb => (
