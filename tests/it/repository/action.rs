@@ -64,6 +64,25 @@ fn every_input_that_a_step_uses_is_one() {
     }
 }
 
+/// A tag can be moved to other code; a digest cannot.
+#[test]
+fn workflows_name_the_actions_of_others_by_digest() {
+    let workflows = fs::read_dir(repository(".github/workflows")).expect("a directory");
+    let workflows = workflows.map(|entry| entry.expect("an entry").path());
+    for path in workflows.chain([repository("action.yml").into()]) {
+        let text = fs::read_to_string(&path).expect("a workflow");
+        for used in text.lines().filter_map(|line| line.split_once("uses: ")) {
+            let action = used.1.split(' ').next().unwrap_or_default();
+            let digest = action.split_once('@').map_or("", |(_, digest)| digest);
+            let fixed = digest.len() == 40 && digest.bytes().all(|byte| byte.is_ascii_hexdigit());
+            assert!(
+                fixed || action.starts_with("docker://"),
+                "{path:?}: {action}"
+            );
+        }
+    }
+}
+
 #[test]
 fn the_action_passes_on_what_the_check_says() {
     if !have("bash") {
