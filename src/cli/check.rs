@@ -20,7 +20,6 @@ use super::terminal::show;
 use super::{EXIT_NOTHING_SELECTED, own_files};
 use ptm_conform::protocol::capabilities::Capabilities;
 use ptm_conform::report::conclude::{causes, first_causes, undo_common_transforms, verdicts};
-use ptm_conform::report::document::SuiteName;
 use ptm_conform::report::reported::{Reported, named};
 use ptm_conform::report::shards::{Circumstances, End, Keeper, OtherRemarks, Shard, beside};
 use ptm_conform::report::text::first_causes_to_text;
@@ -38,6 +37,7 @@ use ptm_conform::session::run::{Run, Session};
 use ptm_conform::session::{lit_scene, locale, texture_stage};
 use ptm_conform::strength::smoke;
 use ptm_conform::suite::cases::Suite;
+use ptm_conform::suite::name::SuiteName;
 use ptm_conform::suite::test_case::TestCase;
 use ptm_conform::suite::texture::cases::TextureCase;
 

@@ -14,14 +14,14 @@ use super::terminal::show;
 use super::{output::jobs, texture};
 use ptm_conform::kit::digest::sha256;
 use ptm_conform::misreadings::{self, Misreading, writing};
-use ptm_conform::report::address;
-use ptm_conform::report::document::SuiteName;
 #[cfg(unix)]
 use ptm_conform::session::outcome::Outcome;
 #[cfg(unix)]
 use ptm_conform::strength::matrix::ask_all;
+use ptm_conform::suite::address;
 use ptm_conform::suite::cases::{self, Case, Suite};
 use ptm_conform::suite::clauses::{self, Clause, Ruling};
+use ptm_conform::suite::name::SuiteName;
 #[cfg(unix)]
 use ptm_conform::suite::test_case::TestCase;
 use ptm_conform::tools::lint::codes::{self, Code};

@@ -6,10 +6,10 @@ use std::io::IsTerminal;
 use std::sync::LazyLock;
 
 use ptm_conform::misreadings;
-use ptm_conform::report::address::{self, published};
-use ptm_conform::report::document::SuiteName;
+use ptm_conform::suite::address::{self, published};
 use ptm_conform::suite::cases::Suite;
 use ptm_conform::suite::clauses;
+use ptm_conform::suite::name::SuiteName;
 use ptm_conform::suite::texture::cases as texture;
 use ptm_conform::tools::lint::codes;
 

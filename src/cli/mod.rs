@@ -25,6 +25,8 @@ pub mod guard;
 
 #[cfg(unix)]
 mod partial;
+
+#[cfg(unix)]
 mod progress;
 
 #[cfg(unix)]

@@ -2,6 +2,7 @@
 
 use std::io::Write;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
+#[cfg(unix)]
 use std::time::Duration;
 
 use clap::{Args, ValueEnum};

@@ -9,9 +9,9 @@ use super::links::page_line;
 
 use ptm_conform::kit::yaml::from_yaml;
 use ptm_conform::misreadings::texture as misreadings;
-use ptm_conform::report::document::SuiteName;
 use ptm_conform::suite::cases::Suite;
 use ptm_conform::suite::clauses::{Clause, Ruling};
+use ptm_conform::suite::name::SuiteName;
 use ptm_conform::suite::texture::cases::{self, TextureCase};
 use ptm_conform::suite::texture::question::{EntryGiven, Question};
 use ptm_conform::suite::texture::verify::verify;

@@ -68,10 +68,12 @@ mod answer;
 
 pub use anatomy::{Anatomy, Seen};
 pub use answer::answer;
+#[cfg(any(unix, feature = "cli"))]
+pub(crate) use answer::misread;
 #[cfg(feature = "tools")]
 pub(crate) use answer::read;
 #[cfg(unix)]
-pub(crate) use answer::{misread, show};
+pub(crate) use answer::show;
 pub use at::{At, Stage};
 pub use catalog::{all, named};
 pub use misreading::{Misreading, Sighting, Symptom};

@@ -2,8 +2,9 @@
 
 use maud::html;
 
-use crate::report::document::{Report, SuiteName};
+use crate::report::document::Report;
 use crate::session::scores::Fraction;
+use crate::suite::name::SuiteName;
 
 /// The width of a letter in tenths of a pixel; `textLength` makes it so whatever the font.
 const LETTER: usize = 59;

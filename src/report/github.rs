@@ -5,9 +5,10 @@
 
 use std::fmt::Write;
 
-use crate::report::address::published;
-use crate::report::document::{CaseResult, LikelyCause, Report, SuiteName};
+use crate::report::document::{CaseResult, LikelyCause, Report};
 use crate::session::outcome::Outcome;
+use crate::suite::address::published;
+use crate::suite::name::SuiteName;
 
 /// A runner shows ten errors of a step.
 const ANNOTATIONS: usize = 10;

@@ -5,7 +5,7 @@ use std::path::Path;
 use crate::diagnose::{Cause, Diagnosis};
 use crate::misreadings::Misreading;
 use crate::report::document::{
-    CaseResult, DecoderInfo, FollowedReading, LikelyCause, Report, SCHEMA, SuiteName, Tool,
+    CaseResult, DecoderInfo, FollowedReading, LikelyCause, Report, SCHEMA, Tool,
 };
 use crate::report::leniency::{leniency, passing};
 use crate::report::reported::Reported;
@@ -16,6 +16,7 @@ use crate::session::run::Run;
 use crate::suite::cases::Suite;
 use crate::suite::compare::LOSSY;
 use crate::suite::dialect::Right;
+use crate::suite::name::SuiteName;
 use crate::suite::test_case::{Allowance, TestCase};
 
 impl Report {

@@ -4,8 +4,6 @@
 
 pub mod document;
 
-pub mod address;
-
 mod make;
 
 mod leniency;

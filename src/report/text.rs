@@ -3,14 +3,13 @@
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
-use crate::report::document::{
-    CaseResult, DecoderInfo, FollowedReading, LikelyCause, Report, SuiteName,
-};
+use crate::report::document::{CaseResult, DecoderInfo, FollowedReading, LikelyCause, Report};
 use crate::report::leniency::Leniency;
 use crate::report::words::{how_it_is_called, known_words};
 use crate::session::outcome::Outcome;
 use crate::session::run::Run;
 use crate::suite::cases::Suite;
+use crate::suite::name::SuiteName;
 use crate::suite::test_case::TestCase;
 
 /// Failures that are named under a cause of the catalog, and under one that is described.

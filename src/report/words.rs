@@ -1,7 +1,7 @@
 //! What the catalogs say of a misreading that a report names.
 
 use crate::misreadings::{self, texture, writing};
-use crate::report::document::SuiteName;
+use crate::suite::name::SuiteName;
 
 /// A misreading in words, whichever suite it is of.
 pub(super) struct Words {

@@ -8,10 +8,10 @@ use super::readers::{ReaderRun, reader_runs};
 use super::witness::{Witness, witnesses};
 use crate::misreadings;
 use crate::readers::profiles;
-use crate::report::address;
-use crate::report::document::SuiteName;
+use crate::suite::address;
 use crate::suite::cases::{Case, Suite};
 use crate::suite::clauses::{self, Clause, Ruling};
+use crate::suite::name::SuiteName;
 use crate::suite::texture::cases::{self as texture, TextureCase};
 use crate::tools::lint::codes;
 

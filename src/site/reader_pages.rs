@@ -8,7 +8,7 @@ use super::paper::{Paper, SiteFile};
 use super::readers::{ReaderRun, ReaderTally};
 use crate::misreadings::{self, Misreading};
 use crate::readers::{Evidence, ReaderProfile, profiles};
-use crate::report::address;
+use crate::suite::address;
 use crate::suite::clauses::Clause;
 
 /// Cases of an outcome that are listed before the rest is folded away.

@@ -3,7 +3,7 @@
 //! Addresses are paths from the root of the site, which is [`SITE`] where it is published. That each leads to a page is
 //! tested on the site itself.
 
-use crate::report::document::SuiteName;
+use crate::suite::name::SuiteName;
 
 /// The root of the site where it is published.
 pub const SITE: &str = env!("CARGO_PKG_HOMEPAGE");

@@ -1,5 +1,7 @@
 //! What is asked: cases, the pictures expected of them, and the open questions that have several right answers.
 
+pub mod address;
+
 pub mod cases;
 
 pub mod clauses;
@@ -17,6 +19,8 @@ pub mod dialect;
 pub mod features;
 
 mod load;
+
+pub mod name;
 
 mod ptm;
 

@@ -5,13 +5,13 @@ use maud::{Markup, html};
 use crate::diagnose::Causes;
 use crate::kit::digest::sha256;
 use crate::misreadings::Misreading;
-use crate::report::document::SuiteName;
 use crate::report::html::download;
 use crate::report::reported::Reported;
 use crate::session::observation::{Observation, Response};
 use crate::session::run::Run;
 use crate::suite::cases::{Suite, TableSpelling};
 use crate::suite::clauses::{self, Clause, Ruling};
+use crate::suite::name::SuiteName;
 use crate::writers::cases::WriterCase;
 use crate::writers::diagnose::diagnose;
 

@@ -70,12 +70,12 @@ mod huffman_tables;
 
 // Reading, for whoever looks for a mistake.
 
-#[cfg(feature = "harness")]
+#[cfg(all(feature = "harness", unix))]
 mod trace;
 
 pub use decoder::decode;
 
-#[cfg(feature = "harness")]
+#[cfg(all(feature = "harness", unix))]
 pub(crate) use trace::{BlockTrace, trace};
 
 #[cfg(feature = "generate")]

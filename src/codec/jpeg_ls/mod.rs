@@ -54,12 +54,12 @@ mod encode_scan;
 
 // Reading, for whoever looks for a mistake.
 
-#[cfg(feature = "harness")]
+#[cfg(all(feature = "harness", unix))]
 mod trace;
 
 pub use decoder::decode;
 
-#[cfg(feature = "harness")]
+#[cfg(all(feature = "harness", unix))]
 pub(crate) use trace::{Mode, SampleTrace, ScanTrace, trace};
 
 #[cfg(feature = "generate")]

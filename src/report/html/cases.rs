@@ -4,13 +4,14 @@ use std::collections::HashMap;
 
 use maud::{Markup, html};
 
-use crate::report::document::{CaseResult, LikelyCause, Report, SuiteName};
+use crate::report::document::{CaseResult, LikelyCause, Report};
 use crate::report::html::evidence::standard_error;
 use crate::report::html::shell::{linked, mark};
 use crate::report::reported::Reported;
 use crate::session::outcome::Outcome;
 use crate::session::run::Run;
 use crate::suite::cases::Suite;
+use crate::suite::name::SuiteName;
 
 /// Bytes of markup that the evidence of all failing cases may take together: pictures, files, excerpts, previews and standard
 /// error. What does not fit is left out, and the page says so.

@@ -4,10 +4,11 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use maud::{Markup, html};
 
-use crate::report::document::{Report, SuiteName, section_of};
+use crate::report::document::{Report, section_of};
 use crate::report::html::shell::linked;
 use crate::session::outcome::Outcome;
 use crate::suite::clauses::{Clause, ClauseStatus};
+use crate::suite::name::SuiteName;
 
 /// What a run showed of a clause.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -2,11 +2,11 @@
 
 use maud::{Markup, html};
 
-use crate::report::address::published;
 use crate::report::document::{LikelyCause, Report};
 use crate::report::html::cases::{Group, failed};
 use crate::report::html::shell::linked;
 use crate::report::words::{how_it_is_called, known_words};
+use crate::suite::address::published;
 use crate::suite::clauses::Clause;
 
 /// The causes, most telling first.

@@ -2,8 +2,7 @@
 
 use maud::{Markup, html};
 
-use crate::report::address::SITE;
-use crate::report::document::{CaseResult, Report, SuiteName};
+use crate::report::document::{CaseResult, Report};
 use crate::report::html::cases::{evidence, failures, groups};
 use crate::report::html::diagnosis::{diagnosis, next_steps};
 use crate::report::html::shell::{linked, mark, verdict_mark, whole};
@@ -13,7 +12,9 @@ use crate::session::lit_scene::LitScene;
 use crate::session::outcome::Outcome;
 use crate::session::run::Run;
 use crate::session::scores::Fraction;
+use crate::suite::address::SITE;
 use crate::suite::cases::Suite;
+use crate::suite::name::SuiteName;
 
 /// The page of a report; with the pictures of `run`, where the run is at hand.
 ///

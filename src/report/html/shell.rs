@@ -4,7 +4,7 @@ use data_encoding::BASE64;
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 use sha2::{Digest, Sha256};
 
-use crate::report::address::published;
+use crate::suite::address::published;
 
 /// The style of reports and of the site.
 pub const STYLE: &str = include_str!("style.css");

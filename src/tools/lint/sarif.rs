@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 use super::Lint;
 use super::codes::{ALL, Severity};
 use super::names::as_uri;
-use crate::report::address::{self, published};
+use crate::suite::address::{self, published};
 
 /// Everything before the first result.
 #[must_use]

@@ -6,13 +6,13 @@ use crate::diagnose::Causes;
 use crate::kit::digest::sha256;
 use crate::misreadings::Misreading;
 use crate::ptm::Format;
-use crate::report::document::SuiteName;
 use crate::report::reported::Reported;
 use crate::runner::write::Attachment;
 use crate::session::observation::Observation;
 use crate::session::run::Run;
 use crate::suite::cases::{Suite, TableSpelling};
 use crate::suite::clauses::{self, Clause, Ruling};
+use crate::suite::name::SuiteName;
 use crate::writers::asking::{Sent, WritingCase};
 use crate::writers::fitting::cases::{BuiltFit, FitCase, diagnose};
 

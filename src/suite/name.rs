@@ -1,0 +1,51 @@
+//! Which suite is asked.
+
+use serde::{Deserialize, Serialize};
+
+/// What decoders are asked.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum SuiteName {
+    /// PTM files.
+    Ptm,
+    /// Questions about a texture stage.
+    Texture,
+    /// Requests to write PTM files.
+    Writers,
+    /// Pictures to be fitted.
+    Fitters,
+}
+
+impl SuiteName {
+    /// What is conformed to, in a few words.
+    #[must_use]
+    pub const fn short(self) -> &'static str {
+        match self {
+            SuiteName::Ptm => "PTM 1.2",
+            SuiteName::Texture => "PEX texture mapping",
+            SuiteName::Writers => "PTM 1.2 writing",
+            SuiteName::Fitters => "PTM 1.2 fitting",
+        }
+    }
+
+    /// What is conformed to.
+    #[must_use]
+    pub const fn title(self) -> &'static str {
+        match self {
+            SuiteName::Ptm => "Conformance with the Polynomial Texture Map format, PTM 1.2",
+            SuiteName::Texture => "Conformance with the texture mapping table of PEXlib",
+            SuiteName::Writers => "Conformance of the PTM 1.2 files that are written",
+            SuiteName::Fitters => "How well PTM 1.2 files fit the pictures they are made from",
+        }
+    }
+
+    /// Who is under test.
+    #[must_use]
+    pub const fn subject(self) -> &'static str {
+        match self {
+            SuiteName::Ptm | SuiteName::Texture => "decoder",
+            SuiteName::Writers => "writer",
+            SuiteName::Fitters => "fitter",
+        }
+    }
+}
