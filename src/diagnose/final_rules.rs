@@ -249,9 +249,50 @@ impl FinalRule {
                 factor,
                 scale,
             } => format!(
-                "computes as final value i ({}{}){}{}{}",
+                "computes as final value i ({}{}{}){}{}",
                 SUMS[sum].0, SOURCES[bias].0, LIMITS[limit].0, FACTORS[factor].0, SOURCES[scale].0
             ),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::first_cause;
+    use crate::evaluate::final_coefficient;
+    use crate::ptm::ScaleBias;
+    use crate::reading::Reading;
+
+    type Final = fn(u8, usize, &ScaleBias) -> f64;
+
+    #[test]
+    fn a_rule_is_told_with_its_condition_and_several_slips_as_one_expression() {
+        let wrong: [(Final, &str); 2] = [
+            (
+                |raw, channel, set: &ScaleBias| match (
+                    set.scale[channel % 6],
+                    set.bias[channel % 6],
+                ) {
+                    (scale, bias) if bias < 0.0 => f64::from(raw) * scale - bias,
+                    _ => final_coefficient(raw, channel, set),
+                },
+                "raw · scale − bias, for coefficients whose bias is negative",
+            ),
+            (
+                |raw, channel, set: &ScaleBias| {
+                    let sum = f64::from(raw) + set.bias[channel % 6];
+                    sum.max(0.0) * set.scale[(channel + 1) % 6]
+                },
+                "(raw + bias, but 0 at the least,) · the scale of the next coefficient",
+            ),
+        ];
+        for (final_coefficient, says) in wrong {
+            let reading = Reading {
+                final_coefficient,
+                ..Reading::SPEC
+            };
+            let told = first_cause(reading, |case| !case.format().is_compressed());
+            assert!(told.contains(says), "{says}: {told}");
         }
     }
 }

@@ -44,6 +44,10 @@ impl<'a> Written<'a> {
         if self.negative { -value } else { value }
     }
 
+    fn value(&self) -> f64 {
+        self.with(self.whole(), self.fraction())
+    }
+
     /// With so many digits of the fraction.
     fn digits(&self, most: usize) -> f64 {
         let kept = &self.fraction[..self.fraction.len().min(most)];
@@ -69,7 +73,7 @@ const READERS: &[Reader] = &[
     (
         "loses the sign of numbers between −1 and 0 (0.5 for −0.5)",
         |n| {
-            let value = n.with(n.whole(), n.fraction());
+            let value = n.value();
             if n.whole() == 0.0 { value.abs() } else { value }
         },
     ),
@@ -134,53 +138,38 @@ const READERS: &[Reader] = &[
         )
     }),
     ("loses the sign of an exponent", |n| {
-        n.with(n.whole(), n.fraction()) * 10f64.powi(n.exponent.abs() - n.exponent)
+        n.value() * 10f64.powi(n.exponent.abs() - n.exponent)
     }),
     ("turns the sign of an exponent round", |n| {
-        n.with(n.whole(), n.fraction()) * 10f64.powi(-2 * n.exponent)
+        n.value() * 10f64.powi(-2 * n.exponent)
     }),
     ("keeps one digit of an exponent", |n| {
         let kept = n.exponent / 10f64.powi(n.exponent.abs().max(1).ilog10() as i32) as i32;
-        n.with(n.whole(), n.fraction()) * 10f64.powi(kept - n.exponent)
+        n.value() * 10f64.powi(kept - n.exponent)
     }),
     ("takes an exponent for a power of two", |n| {
-        n.with(n.whole(), n.fraction()) * 0.2f64.powi(n.exponent)
+        n.value() * 0.2f64.powi(n.exponent)
     }),
     ("ignores the exponent", |n| {
-        n.with(n.whole(), n.fraction()) * 10f64.powi(-n.exponent)
+        n.value() * 10f64.powi(-n.exponent)
     }),
     ("takes the exponent one too large", |n| {
-        n.with(n.whole(), n.fraction()) * 10.0 * f64::from(u8::from(n.exponent != 0))
-            + if n.exponent == 0 {
-                n.with(n.whole(), n.fraction())
-            } else {
-                0.0
-            }
+        n.value() * if n.exponent == 0 { 1.0 } else { 10.0 }
     }),
     ("reads numbers without a whole part (.5) as 0", |n| {
-        if n.whole.is_empty() {
-            0.0
-        } else {
-            n.with(n.whole(), n.fraction())
-        }
+        if n.whole.is_empty() { 0.0 } else { n.value() }
     }),
     ("reads numbers with a plus sign as 0", |n| {
         if n.text.starts_with('+') {
             0.0
         } else {
-            n.with(n.whole(), n.fraction())
+            n.value()
         }
     }),
     ("reads negative numbers as 0", |n| {
-        if n.negative {
-            0.0
-        } else {
-            n.with(n.whole(), n.fraction())
-        }
+        if n.negative { 0.0 } else { n.value() }
     }),
-    ("loses the minus sign of a number", |n| {
-        n.with(n.whole(), n.fraction()).abs()
-    }),
+    ("loses the minus sign of a number", |n| n.value().abs()),
 ];
 
 /// The lists of numbers in a header: their clauses and their names.
@@ -240,5 +229,28 @@ impl NumberReader {
 
     pub fn clause(self) -> &'static str {
         LISTS[self.list.unwrap_or_default()].0
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{READERS, Written};
+
+    #[test]
+    fn each_reader_makes_of_its_example_what_it_says() {
+        let read = |says: &str, text: &str| {
+            let reader = READERS.iter().find(|(known, _)| known.starts_with(says));
+            reader.expect("a reader").1(&Written::of(text))
+        };
+        assert_eq!(read("loses the sign of numbers between", "-0.5"), 0.5);
+        assert_eq!(read("loses the sign of numbers between", "-1.5"), -1.5);
+        assert_eq!(read("adds the fraction of negative", "-1.5"), -0.5);
+        assert_eq!(read("loses zeros behind", "0.05"), 0.5);
+        assert_eq!(read("keeps the whole part", "1.5"), 1.0);
+        assert_eq!(read("keeps six characters", "1.234567"), 1.2345);
+        assert_eq!(read("reads numbers with leading zeros", "010"), 8.0);
+        assert_eq!(read("loses the sign of an exponent", "1e-2"), 100.0);
+        assert_eq!(read("takes the exponent one too large", "1e2"), 1000.0);
+        assert_eq!(read("takes the exponent one too large", "12"), 12.0);
     }
 }

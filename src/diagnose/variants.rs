@@ -399,3 +399,22 @@ pub(super) static VARIANTS: &[Variant] = &[
         value.abs().min(255.0)
     }),
 ];
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::first_cause;
+    use crate::reading::Reading;
+
+    #[test]
+    fn a_limit_in_the_middle_of_a_formula_is_told() {
+        let reading = Reading {
+            polynomial: |a, u, v| {
+                let linear = a[3] * u + a[4] * v + a[5].clamp(0.0, 255.0);
+                a[0] * u * u + a[1] * v * v + a[2] * u * v + linear
+            },
+            ..Reading::SPEC
+        };
+        let told = first_cause(reading, |case| !case.format().is_compressed());
+        assert!(told.contains("limits a5 to 0…255"), "{told}");
+    }
+}
