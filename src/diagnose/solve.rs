@@ -247,6 +247,8 @@ fn add(search: &mut Search, set: &Set, pictures: &[usize], act: Act) {
         false => scope_of(search, &of, &denied)
             .filter(|scope| !(scope.is_of_light() && act.shows_in(&View::Coef)))
             .filter(|scope| !scope.is_of_bytes() || act.shows_in(&View::Raw))
+            // A header is read alike whatever follows it.
+            .filter(|_| !matches!(act, Act::Numbers(_)))
             .filter(|scope| matches!(scope, Scope::Formats(_)) || !act.is_of_few_values()),
     };
     let acting = search.each(pictures, |&w| {
