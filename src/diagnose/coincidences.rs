@@ -8,7 +8,7 @@ use super::pictures::{is_near, widest_slip};
 use super::refusals;
 use super::search::{Found, Id, Search, of};
 use super::witness::{Agreement, Witness};
-use crate::misreadings::Symptom;
+use crate::misreadings::{Misreading, Symptom};
 use crate::protocol::frame::View;
 use crate::suite::cases::Expect;
 
@@ -32,17 +32,11 @@ fn drop_strays(search: &Search, found: &mut Found) {
         let Some(misreading) = search.mistakes[id].listed() else {
             return true;
         };
-        let explained = failing.iter().map(|&w| (w, search.agreement(w, &[id])));
-        let explained = explained
-            .filter(|(_, agreement)| !matches!(agreement, Agreement::None | Agreement::Against));
-        let explained: Vec<usize> = explained.map(|(w, _)| w).collect();
-        let is_about = |w: &usize| {
-            let mut clauses = search.witnesses[*w].case.clauses.iter();
-            clauses.any(|clause| clause == misreading.clause)
-        };
+        let mut explained = failing.clone();
+        explained.retain(|&w| search.agreement(w, &[id]).explains());
         explained.is_empty()
             || explained.len() * STRAYS >= failing.len()
-            || explained.iter().any(is_about)
+            || (explained.iter()).any(|&w| is_about(&search.witnesses[w], misreading))
     });
     found.keep(&keep);
 }
@@ -90,7 +84,7 @@ fn drop_refusals(search: &Search, found: &mut Found) {
     let explained = search.each(&set, |&id| {
         let agreements = failing.iter().map(|&w| (w, search.agreement(w, &[id])));
         agreements
-            .filter(|(_, agreement)| !matches!(agreement, Agreement::None | Agreement::Against))
+            .filter(|(_, agreement)| agreement.explains())
             .collect::<Vec<(usize, Agreement)>>()
     });
     let by = |member: usize, w: usize| explained[member].iter().any(|&(other, _)| other == w);
@@ -137,12 +131,7 @@ fn drop_acceptances(search: &Search, found: &mut Found) {
     let failed: Vec<usize> = (0..witnesses.len())
         .filter(|&w| witnesses[w].failed)
         .collect();
-    let explains = |w: usize, set: &[Id]| {
-        !matches!(
-            search.agreement(w, set),
-            Agreement::None | Agreement::Against
-        )
-    };
+    let explains = |w: usize, set: &[Id]| search.agreement(w, set).explains();
     let open = search.each(&failed, |&w| !explains(w, &set));
     let open: Vec<usize> = (failed.iter().zip(open))
         .filter_map(|(&w, open)| open.then_some(w))
@@ -150,10 +139,6 @@ fn drop_acceptances(search: &Search, found: &mut Found) {
     let keep = search.each(&set, |&id| {
         let Some(misreading) = search.mistakes[id].listed() else {
             return true;
-        };
-        let is_open = |w: &usize| {
-            let mut clauses = witnesses[*w].case.clauses.iter();
-            clauses.any(|clause| clause == misreading.clause)
         };
         let of = failed.iter().copied().filter(|&w| explains(w, &[id]));
         let of: Vec<usize> = of.collect();
@@ -165,7 +150,8 @@ fn drop_acceptances(search: &Search, found: &mut Found) {
             .filter_map(|&w| Some(&witnesses[w].case.damage()?.effect))
             .collect();
         let is_denied = || !search.denied(&[id]).is_empty();
-        !accepts_only || !is_denied() && (faults.len() > FEW_FAULTS || !open.iter().any(is_open))
+        let is_clause_open = || (open.iter()).any(|&w| is_about(&witnesses[w], misreading));
+        !accepts_only || !is_denied() && (faults.len() > FEW_FAULTS || !is_clause_open())
     });
     found.keep(&keep);
 }
@@ -198,6 +184,12 @@ fn drop_colors(search: &Search, found: &mut Found) {
         })
         .collect();
     found.keep(&keep);
+}
+
+/// Whether a case is about the clause that is misread.
+fn is_about(witness: &Witness, misreading: &Misreading) -> bool {
+    let mut clauses = witness.case.clauses.iter();
+    clauses.any(|clause| clause == misreading.clause)
 }
 
 /// Legal files that are not shown as they should be.

@@ -154,14 +154,9 @@ const FACTORS: &[(&str, fn(f64, f64) -> f64)] = &[
 pub(super) enum FinalRule {
     /// One rule under one condition.
     Under { rule: usize, condition: usize },
-    /// Several slips in one expression: each a place in its list.
-    Combined {
-        sum: usize,
-        limit: usize,
-        bias: usize,
-        factor: usize,
-        scale: usize,
-    },
+    /// Several slips in one expression: places in [`SUMS`], [`LIMITS`], [`SOURCES`] of the bias, [`FACTORS`], and
+    /// [`SOURCES`] of the scale.
+    Combined([usize; 5]),
 }
 
 impl FinalRule {
@@ -178,18 +173,11 @@ impl FinalRule {
             SOURCES.len(),
         ];
         let combined = (1..lengths.iter().product()).map(move |mut place: usize| {
-            let [sum, limit, bias, factor, scale] = lengths.map(|length| {
+            FinalRule::Combined(lengths.map(|length| {
                 let digit = place % length;
                 place /= length;
                 digit
-            });
-            FinalRule::Combined {
-                sum,
-                limit,
-                bias,
-                factor,
-                scale,
-            }
+            }))
         });
         under.chain(combined)
     }
@@ -205,13 +193,7 @@ impl FinalRule {
                 };
                 CONDITIONS[condition].1(numbers).then(|| RULES[rule].1(numbers))
             }
-            FinalRule::Combined {
-                sum,
-                limit,
-                bias,
-                factor,
-                scale,
-            } => {
+            FinalRule::Combined([sum, limit, bias, factor, scale]) => {
                 let sum = SUMS[sum].1(raw, set.bias[SOURCES[bias].1(k)]);
                 let scale = set.scale[SOURCES[scale].1(k)];
                 Some(FACTORS[factor].1(LIMITS[limit].1(sum), scale))
@@ -242,13 +224,7 @@ impl FinalRule {
                 };
                 format!("computes as final value {}{of}", RULES[rule].0)
             }
-            FinalRule::Combined {
-                sum,
-                limit,
-                bias,
-                factor,
-                scale,
-            } => format!(
+            FinalRule::Combined([sum, limit, bias, factor, scale]) => format!(
                 "computes as final value i ({}{}{}){}{}",
                 SUMS[sum].0, SOURCES[bias].0, LIMITS[limit].0, FACTORS[factor].0, SOURCES[scale].0
             ),

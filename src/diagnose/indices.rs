@@ -21,14 +21,12 @@ pub(super) enum Index {
 
 /// What is looked up instead of index i of n entries, in words and as a function.
 const RULES: &[(&str, fn(i64, i64) -> i64)] = &[
-    ("the entry before it", |i, _| i - 1),
     ("the entry before it, and for index 0 the first", |i, _| {
         (i - 1).max(0)
     }),
     ("the entry before it, and for index 0 the last", |i, n| {
         (i + n - 1) % n
     }),
-    ("the entry behind it", |i, _| i + 1),
     (
         "the entry behind it, and for the last index the last",
         |i, n| (i + 1).min(n - 1),
@@ -128,8 +126,9 @@ impl Join {
 impl Index {
     /// All that are tried on tables, whether their entries can be told or not.
     pub fn all() -> impl Iterator<Item = Index> {
-        (0..RULES.len())
-            .map(Index::Rule)
+        let neighbors = [-1.0, 1.0].map(|offset| Index::Changed(Change::Offset(offset)));
+        (neighbors.into_iter())
+            .chain((0..RULES.len()).map(Index::Rule))
             .chain(Join::all().map(Index::Joined))
     }
 
@@ -184,6 +183,8 @@ impl Index {
 pub(super) struct IndexBlock<'a> {
     file: &'a [u8],
     start: usize,
+    /// Those that were stored, by texel of the picture.
+    stored: &'a [u32],
     table: &'a [u8],
     /// Bytes of an index.
     pub bytes: usize,
@@ -198,6 +199,7 @@ impl<'a> IndexBlock<'a> {
         Some(IndexBlock {
             file: &witness.built.file,
             start: Block::Indices.start(witness)?,
+            stored: &model.indices,
             table: &model.table,
             bytes: if model.table.len() / size <= 256 {
                 1
@@ -217,6 +219,10 @@ impl<'a> IndexBlock<'a> {
             usize::from(byte.copied().unwrap_or_default())
         };
         let index: usize = (0..extent.c).map(|k| byte(k) << (8 * k)).sum();
+        self.look_up(index)
+    }
+
+    fn look_up(&self, index: usize) -> Option<&'a [u8]> {
         self.table.chunks_exact(self.size).nth(index)
     }
 }
@@ -242,17 +248,16 @@ pub(super) fn read_indices(
 
 /// Entries of other indices than those that are stored.
 pub(super) fn look_up(ptm: &mut Ptm, witness: &Witness, index: &Index) -> Result<(), Answer> {
-    let Some(model) = witness.model().filter(|model| model.format.has_table()) else {
+    let Some(indices) = IndexBlock::of(witness) else {
         return Ok(());
     };
-    let size = model.entry_size();
-    let entries = model.table.len() / size;
-    if matches!(index, Index::Joined(_)) && entries <= 256 {
+    if matches!(index, Index::Joined(_)) && indices.bytes == 1 {
         return Ok(());
     }
-    fill(ptm, witness, size, |texel| {
-        let index = usize::try_from(index.of(*model.indices.get(texel)?, entries)).ok()?;
-        model.table.chunks_exact(size).nth(index)
+    let entries = indices.table.len() / indices.size;
+    fill(ptm, witness, indices.size, |texel| {
+        let index = index.of(*indices.stored.get(texel)?, entries);
+        indices.look_up(usize::try_from(index).ok()?)
     })
 }
 

@@ -4,6 +4,7 @@ use std::fmt::Write;
 
 use super::pair::Pair;
 use super::witness::Witness;
+use crate::generate::Model;
 use crate::ptm::Format;
 
 /// How far a payload may have been read from the wrong place and still be recognised, in bytes.
@@ -12,8 +13,7 @@ const FAR: isize = 64;
 /// The bytes of one stored value, in words: nothing for files that were put together by hand or damaged.
 pub(super) fn sample(witness: &Witness, x: usize, y: usize, channel: usize) -> Option<String> {
     let model = witness.model()?;
-    let row = (model.size.height as usize).checked_sub(y + 1)?;
-    let stored = row * model.size.width as usize + x;
+    let stored = stored_texel(model, x, y)?;
     if let Some(compressed) = &model.compressed {
         let mut says = plane(witness, channel)?;
         if let Some(reference) = compressed.plan.reference(channel) {
@@ -91,10 +91,8 @@ pub(super) fn shift(witness: &Witness, pair: &Pair) -> Option<isize> {
 /// The place in the file of one value of a file without compressed planes.
 fn byte(witness: &Witness, x: usize, y: usize, channel: usize) -> Option<(&'static str, usize)> {
     let model = witness.model()?;
-    let (width, height) = (model.size.width as usize, model.size.height as usize);
-    // The picture that was shown may be higher than the map.
-    let stored = height.checked_sub(y + 1)? * width + x;
-    let entry = || Some(*model.indices.get(y * width + x)? as usize);
+    let stored = stored_texel(model, x, y)?;
+    let entry = || Some(*model.indices.get(y * model.size.width as usize + x)? as usize);
     let (name, per_texel, place, texel) = match model.format {
         Format::Rgb => (
             [
@@ -116,6 +114,12 @@ fn byte(witness: &Witness, x: usize, y: usize, channel: usize) -> Option<(&'stat
     };
     let field = field(witness, name, 0)?;
     Some((name, field.start + texel * per_texel + place))
+}
+
+/// Which of the stored texels, bottom row first, stands there in a picture; it may be higher than the map.
+fn stored_texel(model: &Model, x: usize, y: usize) -> Option<usize> {
+    let row = (model.size.height as usize).checked_sub(y + 1)?;
+    Some(row * model.size.width as usize + x)
 }
 
 /// The stream of a plane.

@@ -5,8 +5,8 @@ use super::pair::Pair;
 
 /// Rows or columns of which is told which one they show.
 const LINES: usize = 8;
-/// In pictures of more of them it is not asked.
-const MOST_LINES: usize = 64;
+/// In pictures of more or fewer of them it is not asked.
+const COUNTS: std::ops::RangeInclusive<usize> = 3..=64;
 
 type Relation = (&'static str, fn(&Pair, &[(f64, f64)]) -> bool);
 
@@ -30,10 +30,10 @@ const RELATIONS: &[Relation] = &[
         pair.view == "rgb" && pairs.len() > 2 && pair.got.chunks_exact(3).all(is_gray)
     }),
     ("right rows in wrong places", |pair, pairs| {
-        pair.height > 2 && pairs.len() > 2 && elsewhere(pair, pair.height, row).is_some()
+        pairs.len() > 2 && elsewhere(pair, pair.height, row).is_some()
     }),
     ("right columns in wrong places", |pair, pairs| {
-        pair.width > 2 && pairs.len() > 2 && elsewhere(pair, pair.width, column).is_some()
+        pairs.len() > 2 && elsewhere(pair, pair.width, column).is_some()
     }),
     ("the right values in wrong places", |pair, pairs| {
         let sorted = |values: &[f64]| {
@@ -63,7 +63,7 @@ fn column(pair: &Pair, values: &[f64], x: usize) -> Vec<f64> {
 
 /// Which of the right lines stands in the place of each, if all that are shown are right ones.
 fn elsewhere(pair: &Pair, count: usize, line: Line) -> Option<Vec<usize>> {
-    if count > MOST_LINES {
+    if !COUNTS.contains(&count) {
         return None;
     }
     // Colors are rounded.
@@ -83,10 +83,9 @@ fn elsewhere(pair: &Pair, count: usize, line: Line) -> Option<Vec<usize>> {
 pub(super) fn in_words(pair: &Pair) -> Option<String> {
     let lines: [(&str, usize, Line); 2] =
         [("rows", pair.height, row), ("columns", pair.width, column)];
-    let (name, sources) = lines.into_iter().find_map(|(name, count, line)| {
-        let sources = elsewhere(pair, count, line).filter(|_| count > 2)?;
-        Some((name, sources))
-    })?;
+    let (name, sources) = lines
+        .into_iter()
+        .find_map(|(name, count, line)| Some((name, elsewhere(pair, count, line)?)))?;
     let few = |places: &mut dyn Iterator<Item = usize>| {
         let places: Vec<String> = places.take(LINES).map(|place| place.to_string()).collect();
         places.join(", ")

@@ -31,8 +31,15 @@ pub(super) struct Feature<P: 'static> {
 }
 
 impl Features {
-    /// The features of a place.
-    pub fn of<P>(place: &P, all: &[Feature<P>]) -> Features {
+    /// The features of each place.
+    pub fn of_all<P>(places: &[P], all: &[Feature<P>]) -> Vec<Features> {
+        places
+            .iter()
+            .map(|place| Features::of(place, all))
+            .collect()
+    }
+
+    fn of<P>(place: &P, all: &[Feature<P>]) -> Features {
         debug_assert!(all.len() <= ROOM, "{} features", all.len());
         let mut features = Features::default();
         for (i, feature) in all.iter().enumerate().take(ROOM) {

@@ -8,7 +8,7 @@ use super::jpeg_ls_samples::{self, samples};
 use super::pair::Pair;
 use super::pictures;
 use super::search::{Id, Search};
-use super::separate::{Evidence, Features};
+use super::separate::{Evidence, Feature, Features};
 use super::witness::Witness;
 use crate::generate::plan::Stream;
 use crate::protocol::frame::View;
@@ -40,16 +40,9 @@ pub(super) const CODECS: [Codec; 2] = [
         places: "blocks",
         side: 8,
         features: |bytes, size, stream| {
-            let blocks = blocks(bytes, size, stream);
-            let features = |block| Features::of(block, &jpeg_blocks::FEATURES);
-            blocks.iter().map(features).collect()
+            Features::of_all(&blocks(bytes, size, stream), &jpeg_blocks::FEATURES)
         },
-        says: || {
-            jpeg_blocks::FEATURES
-                .iter()
-                .map(|one| &one.says[..])
-                .collect()
-        },
+        says: || words(&jpeg_blocks::FEATURES),
     },
     Codec {
         name: "JPEG-LS",
@@ -58,18 +51,15 @@ pub(super) const CODECS: [Codec; 2] = [
         places: "samples",
         side: 1,
         features: |bytes, size, stream| {
-            let samples = samples(bytes, size, stream);
-            let features = |sample| Features::of(sample, &jpeg_ls_samples::FEATURES);
-            samples.iter().map(features).collect()
+            Features::of_all(&samples(bytes, size, stream), &jpeg_ls_samples::FEATURES)
         },
-        says: || {
-            jpeg_ls_samples::FEATURES
-                .iter()
-                .map(|one| &one.says[..])
-                .collect()
-        },
+        says: || words(&jpeg_ls_samples::FEATURES),
     },
 ];
+
+fn words<P>(features: &'static [Feature<P>]) -> Vec<&'static str> {
+    features.iter().map(|one| &one.says[..]).collect()
+}
 
 /// The first sample of a plane that comes out wrong, in the order of the stream.
 pub(super) struct First {

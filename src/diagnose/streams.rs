@@ -40,11 +40,8 @@ pub(super) fn drop(search: &Search, found: &mut Found) {
             continue;
         }
         let keep = search.each(&set, |&id| {
-            let explained = |w: &usize| {
-                let agreement = search.agreement(*w, &[id]);
-                search.witnesses[*w].failed
-                    && !matches!(agreement, Agreement::None | Agreement::Against)
-            };
+            let explained =
+                |w: &usize| search.witnesses[*w].failed && search.agreement(*w, &[id]).explains();
             let all = (0..search.witnesses.len()).filter(explained);
             let all: Vec<usize> = all.collect();
             let is_denied = || {

@@ -6,7 +6,6 @@ use std::sync::{Arc, OnceLock};
 use super::stream_cache::stream_once;
 use super::trait_list::Traits;
 use crate::decode::{decode_as, examine_as};
-use crate::error::Class;
 use crate::generate::Model;
 use crate::kit::parallel::in_parallel;
 use crate::misreadings::{self, Anatomy, At, Misreading, Seen, Stage};
@@ -57,6 +56,16 @@ pub(super) enum Agreement {
     Against,
 }
 
+impl Agreement {
+    /// Whether mistakes that agree so explain the answer.
+    pub fn explains(self) -> bool {
+        matches!(
+            self,
+            Agreement::Picture | Agreement::Word | Agreement::Crash
+        )
+    }
+}
+
 /// Every case that was asked and judged, and answered in one way.
 pub(super) fn witnesses<'a>(
     suite: &'a Suite,
@@ -104,31 +113,14 @@ pub(super) fn breaks_its_promise(run: &Run, case: &Case, observation: &Observati
 impl Witness<'_> {
     /// The stored values that a decoder with these mistakes of the catalog finds; what it answers where it finds none.
     pub fn misread(&self, listed: &[&'static Misreading]) -> Result<Ptm, Answer> {
-        let reading = misreadings::misread(listed, self.reading);
         // What is misread after decoding is decoded once.
-        if listed.iter().all(|one| one.at.stage() > Stage::Planes)
-            && let Ok(ptm) = self.decoded()
-        {
-            return Ok(ptm.clone());
-        }
-        let mut file = Cow::Borrowed(&self.built.file[..]);
-        for misreading in listed {
-            if let At::Bytes(edit) = misreading.at {
-                match edit(&Anatomy::of(&file, &reading)) {
-                    Seen::Refused => return Err(Answer::Rejected),
-                    Seen::File(bytes) => file = Cow::Owned(bytes),
-                }
-            }
-        }
-        let mut ptm = match decode_as(&file, &reading, &Limits::default()) {
-            Ok(ptm) => ptm,
-            Err(error) if error.class() == Class::Malformed => return Err(Answer::Rejected),
-            Err(_) => return Err(Answer::Unsupported),
+        let ptm = match listed.iter().all(|one| is_after_decoding(one)) {
+            true => self.decoded().clone().map_err(Some),
+            false => misreadings::read(listed, self.reading, &self.built.file).map(|(ptm, _)| ptm),
         };
-        for misreading in listed {
-            if let At::Planes(edit) = misreading.at {
-                edit(&mut ptm);
-            }
+        let mut ptm = ptm.map_err(misreadings::refused)?;
+        for edit in misreadings::edits_of_planes(listed) {
+            edit(&mut ptm);
         }
         Ok(ptm)
     }

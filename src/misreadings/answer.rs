@@ -16,8 +16,15 @@ use crate::reading::Reading;
 pub fn answer(misreadings: &[&Misreading], reading: Reading, file: &[u8], view: &View) -> Answer {
     match read(misreadings, reading, file) {
         Ok((ptm, reading)) => show(misreadings, &reading, &ptm, view),
-        Err(Some(error)) if error.class() != Class::Malformed => Answer::Unsupported,
-        Err(_) => Answer::Rejected,
+        Err(why) => refused(why),
+    }
+}
+
+/// What is answered to a file that is not read; without a reason it is a mistake that refuses it.
+pub(crate) fn refused(why: Option<Error>) -> Answer {
+    match why {
+        Some(error) if error.class() != Class::Malformed => Answer::Unsupported,
+        _ => Answer::Rejected,
     }
 }
 
@@ -57,10 +64,18 @@ pub(crate) fn show(
     view: &View,
 ) -> Answer {
     let mut ptm = Cow::Borrowed(ptm);
-    for misreading in misreadings {
-        if let At::Planes(edit) = misreading.at {
-            edit(ptm.to_mut());
-        }
+    for edit in edits_of_planes(misreadings) {
+        edit(ptm.to_mut());
     }
     Answer::Decoded(Frame::under(&ptm, view, reading))
+}
+
+/// What these mistakes do to finished planes.
+pub(crate) fn edits_of_planes(misreadings: &[&Misreading]) -> impl Iterator<Item = fn(&mut Ptm)> {
+    misreadings
+        .iter()
+        .filter_map(|misreading| match misreading.at {
+            At::Planes(edit) => Some(edit),
+            _ => None,
+        })
 }

@@ -70,10 +70,10 @@ pub use anatomy::{Anatomy, Seen};
 pub use answer::answer;
 #[cfg(any(unix, feature = "cli"))]
 pub(crate) use answer::misread;
-#[cfg(feature = "tools")]
+#[cfg(any(unix, feature = "tools"))]
 pub(crate) use answer::read;
 #[cfg(unix)]
-pub(crate) use answer::show;
+pub(crate) use answer::{edits_of_planes, refused, show};
 pub use at::{At, Stage};
 pub use catalog::{all, named};
 pub use misreading::{Misreading, Sighting, Symptom};
