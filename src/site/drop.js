@@ -25,13 +25,15 @@
     const at = wasm.reserve(file.length);
     new Uint8Array(wasm.memory.buffer, at, file.length).set(file);
     wasm.open();
-    const report = new Uint8Array(wasm.memory.buffer, wasm.report(), wasm.report_length());
+    const [start, length] = [wasm.report(), wasm.report_length()];
+    const report = new Uint8Array(wasm.memory.buffer, start, length);
     return JSON.parse(new TextDecoder().decode(report));
   };
 
   const relit = (u, v, target) => {
-    const length = map.width * map.height * 4;
-    target.data.set(new Uint8ClampedArray(wasm.memory.buffer, wasm.relight(u, v), length));
+    // The memory may grow, and its buffer be another one, while the picture is made: so the buffer is asked for afterwards.
+    const at = wasm.relight(u, v);
+    target.data.set(new Uint8ClampedArray(wasm.memory.buffer, at, map.width * map.height * 4));
     return target;
   };
 

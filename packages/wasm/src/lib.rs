@@ -113,25 +113,44 @@ pub fn light_into(ptm: &Ptm, lu: f64, lv: f64, picture: &mut Vec<u8>) {
             [a * lu * lu, a * lv * lv, a * lu * lv, a * lu, a * lv, a][i]
         })
     });
-    let sum = |a: &[u8]| {
+    let sum = |a: [u8; 6]| {
         let term = |i: usize| terms[i][usize::from(a[i])];
         term(0) + term(1) + term(2) + term(3) + term(4) + term(5)
     };
-    let byte = |value: f64| value.clamp(0.0, 255.0).round() as u8;
-    let texels = ptm.planes.samples.chunks_exact(ptm.planes.shape.channels());
-    picture.resize(texels.len() * 4, 255);
-    for (texel, pixel) in texels.zip(picture.chunks_exact_mut(4)) {
-        let color = match ptm.planes.shape {
-            Shape::Rgb => [sum(&texel[..6]), sum(&texel[6..12]), sum(&texel[12..])],
-            Shape::Lrgb => {
-                let luminance = sum(&texel[..6]);
-                [6, 7, 8].map(|c| luminance * f64::from(texel[c]) / 255.0)
-            }
-            Shape::Lum(m) => {
-                let (y, cr, cb) = (sum(&texel[..6]), f64::from(texel[6]), f64::from(texel[7]));
-                [0, 1, 2].map(|r| m.0[r] * y + m.0[4 + r] * cr + m.0[8 + r] * cb + m.0[12 + r])
-            }
-        };
-        pixel[..3].copy_from_slice(&color.map(byte));
+    let samples = &ptm.planes.samples;
+    match ptm.planes.shape {
+        Shape::Rgb => paint(samples, picture, |texel: &[u8; 18]| {
+            [0, 6, 12].map(|c| sum(std::array::from_fn(|i| texel[c + i])))
+        }),
+        Shape::Lrgb => paint(samples, picture, |&[a0, a1, a2, a3, a4, a5, r, g, b]| {
+            let luminance = sum([a0, a1, a2, a3, a4, a5]);
+            [r, g, b].map(|color| luminance * f64::from(color) / 255.0)
+        }),
+        Shape::Lum(m) => paint(samples, picture, |&[a0, a1, a2, a3, a4, a5, cr, cb]| {
+            let y = sum([a0, a1, a2, a3, a4, a5]);
+            let (cr, cb) = (f64::from(cr), f64::from(cb));
+            [0, 1, 2].map(|r| m.0[r] * y + m.0[4 + r] * cr + m.0[8 + r] * cb + m.0[12 + r])
+        }),
     }
+}
+
+/// The color of every texel of `N` channels, as bytes.
+fn paint<const N: usize>(
+    samples: &[u8],
+    picture: &mut Vec<u8>,
+    color: impl Fn(&[u8; N]) -> [f64; 3],
+) {
+    let (texels, _) = samples.as_chunks::<N>();
+    picture.resize(texels.len() * 4, 255);
+    for (texel, pixel) in texels.iter().zip(picture.as_chunks_mut::<4>().0) {
+        let [r, g, b] = color(texel).map(byte);
+        *pixel = [r, g, b, 255];
+    }
+}
+
+/// Clamped and rounded half up. WebAssembly has no instruction for `round`; this is the same to the bit.
+fn byte(value: f64) -> u8 {
+    let value = value.clamp(0.0, 255.0);
+    let whole = value as u8;
+    whole + u8::from(value - f64::from(whole) >= 0.5)
 }
