@@ -44,7 +44,7 @@ pub enum Kind {
         /// The part of the file.
         what: &'static str,
         /// Bytes it takes; 2⁶⁴ − 1 where that cannot be counted.
-        needs: usize,
+        needs: u64,
         /// Bytes from here to the end of the file.
         remain: usize,
     },
@@ -58,7 +58,7 @@ pub enum Kind {
     /// The planes would take more memory than allowed.
     TooLarge {
         /// Bytes needed; 2⁶⁴ − 1 where that cannot be counted.
-        needs: usize,
+        needs: u64,
         /// Bytes allowed.
         limit: usize,
     },
@@ -202,9 +202,9 @@ impl fmt::Display for Error {
 
 impl fmt::Display for Kind {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        // A number of bytes that does not fit a usize is not printed as if it did.
-        let bytes = |n: usize| {
-            if n == usize::MAX {
+        // A number of bytes that does not fit a u64 is not printed as if it did.
+        let bytes = |n: u64| {
+            if n == u64::MAX {
                 "more bytes than can be counted".to_owned()
             } else {
                 format!("{n} bytes")

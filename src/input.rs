@@ -131,27 +131,16 @@ impl<'a> Input<'a> {
         &mut self,
         clause: &'static str,
         name: &'static str,
-        count: usize,
+        count: u64,
     ) -> Result<&'a [u8]> {
-        let rest = self.rest();
-        if count > rest.len() {
-            return Err(Error::new(
-                clause,
-                self.at,
-                Kind::Short {
-                    what: name,
-                    needs: count,
-                    remain: rest.len(),
-                },
-            ));
-        }
+        let rest = self.announced(clause, name, count)?;
         self.fields.push(Field {
             clause,
             name,
-            range: self.at..self.at + count,
+            range: self.at..self.at + rest.len(),
         });
-        self.at += count;
-        Ok(&rest[..count])
+        self.at += rest.len();
+        Ok(rest)
     }
 
     /// The next `count` bytes of the payload, and what some of them are: ranges that count from here.
@@ -159,29 +148,35 @@ impl<'a> Input<'a> {
         &mut self,
         clause: &'static str,
         name: &'static str,
-        count: usize,
+        count: u64,
         parts: impl Iterator<Item = (&'static str, &'static str, Range<usize>)>,
     ) -> Result<&'a [u8]> {
-        let rest = self.rest();
-        if count > rest.len() {
-            return Err(Error::new(
-                clause,
-                self.at,
-                Kind::Short {
-                    what: name,
-                    needs: count,
-                    remain: rest.len(),
-                },
-            ));
-        }
+        let rest = self.announced(clause, name, count)?;
         let from = self.at;
         self.fields.extend(parts.map(|(clause, name, range)| Field {
             clause,
             name,
             range: from + range.start..from + range.end,
         }));
-        self.at += count;
-        Ok(&rest[..count])
+        self.at += rest.len();
+        Ok(rest)
+    }
+
+    /// The next `count` bytes, if the file has so many. A file may announce more than this machine can count in memory.
+    fn announced(&self, clause: &'static str, what: &'static str, needs: u64) -> Result<&'a [u8]> {
+        let rest = self.rest();
+        let remain = rest.len();
+        let there = usize::try_from(needs)
+            .ok()
+            .and_then(|count| rest.get(..count));
+        there.ok_or_else(|| {
+            let kind = Kind::Short {
+                what,
+                needs,
+                remain,
+            };
+            Error::new(clause, self.at, kind)
+        })
     }
 
     /// The error that something else than `what` stands here.

@@ -142,6 +142,11 @@ impl Size {
     pub fn texels(self) -> usize {
         (self.width as usize).saturating_mul(self.height as usize)
     }
+
+    /// How many bytes `each` for every texel are, counted alike on every machine; 2⁶⁴ − 1 where they are more.
+    pub(crate) fn bytes(self, each: usize) -> u64 {
+        (u64::from(self.width) * u64::from(self.height)).saturating_mul(each as u64)
+    }
 }
 
 impl fmt::Display for Size {
@@ -284,8 +289,8 @@ impl Limits {
         clippy::trivially_copy_pass_by_ref,
         reason = "limits and headers are passed by reference whatever their size"
     )]
-    pub(crate) fn check(&self, needs: usize, at: usize) -> error::Result<()> {
-        if needs > self.memory {
+    pub(crate) fn check(&self, needs: u64, at: usize) -> error::Result<()> {
+        if needs > self.memory as u64 {
             let limit = self.memory;
             return Err(Error::new("2.3/3", at, Kind::TooLarge { needs, limit }));
         }

@@ -16,7 +16,7 @@ use crate::ptm::{ColorMatrix, Format, Header, Planes, ScaleBias, Size};
 
 pub(crate) type Finals = fn(&ScaleBias, &Planes, &Reading) -> Vec<f64>;
 pub(crate) type ReadIndices =
-    for<'a> fn(&LookupTable, texels: usize, &mut Input<'a>) -> Result<IndexBlock<'a>>;
+    for<'a> fn(&LookupTable, Size, &mut Input<'a>) -> Result<IndexBlock<'a>>;
 pub(crate) type Predictor = for<'a> fn(reference: &'a [u8], &Step, Size, &Reading) -> Cow<'a, [u8]>;
 pub(crate) type Reconstruct = fn(&Coded, residuals: Vec<Vec<u8>>, &Reading) -> Result<Vec<Vec<u8>>>;
 pub(crate) type SideInformation = for<'a> fn(&Coded<'a>, plane: usize) -> &'a [u8];

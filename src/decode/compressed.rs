@@ -72,7 +72,7 @@ impl<'a> Streams<'a> {
         let at = input.at();
         let mut streams = Streams {
             header: *header,
-            payload: planes::take(header, &plan, input, limits)?, //            §2.9.8: the bytes of all planes,
+            payload: planes::take(header, &plan, announced(&lists), input, limits)?, // §2.9.8: the bytes of all planes,
             plan,
             at,
             residuals: Vec::new(),
@@ -229,6 +229,13 @@ fn reference(lists: &RawLists, plane: usize) -> Result<Option<usize>> {
     Ok(Some(reference))
 }
 
+/// The bytes of all planes and their side information, which a file may say to be more than this machine can count.
+fn announced(lists: &RawLists) -> u64 {
+    let sizes = lists.sizes.iter().chain(&lists.side_sizes);
+    let sizes = sizes.filter_map(|number| u64::try_from(number.value).ok());
+    sizes.fold(0, u64::saturating_add)
+}
+
 /// Where the planes lie: in plane order, each stream directly followed by its side information (clauses 2.9.8/1, 2.9.8/4).
 fn extents(lists: &RawLists) -> Result<Vec<Extent>> {
     // A sum that cannot be counted stays at the largest number; no file is that long.
@@ -244,9 +251,9 @@ fn extents(lists: &RawLists) -> Result<Vec<Extent>> {
                 },
             )
         };
-        let size = usize::try_from(number.value).map_err(wrong)?;
+        let size = u64::try_from(number.value).map_err(wrong)?;
         let start = end;
-        end = usize::saturating_add(start, size);
+        end = usize::saturating_add(start, usize::try_from(size).unwrap_or(usize::MAX));
         Ok(start..end)
     };
     let one = |(size, side): (&Number, &Number)| {

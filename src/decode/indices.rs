@@ -20,7 +20,7 @@ use super::texels;
 use crate::error::{Error, Kind, Result};
 use crate::input::Input;
 use crate::parts::{Block, IndexBlock, LookupTable};
-use crate::ptm::Header;
+use crate::ptm::{Header, Size};
 use crate::reading::Reading;
 
 pub(super) fn read<'a>(
@@ -31,7 +31,7 @@ pub(super) fn read<'a>(
 ) -> Result<Vec<Channels<'a>>> {
     // For errors, which name the index that is out of range and not the first one.
     let start = input.at();
-    let indices = (reading.indices)(&table, header.size.texels(), input)?;
+    let indices = (reading.indices)(&table, header.size, input)?;
     let colors = texels::read(header, input, reading)?;
     check(&indices, &table, start, reading)?;
     let looked_up = Channels {
@@ -62,19 +62,15 @@ fn check(indices: &IndexBlock, table: &LookupTable, start: usize, reading: &Read
 /// One byte for an index of a table of at most 256 entries (clauses 2.8.1/2, 2.8.2/2), else two (clauses 2.8.1/3, 2.8.2/3).
 pub(crate) fn one_or_two_bytes<'a>(
     table: &LookupTable,
-    texels: usize,
+    size: Size,
     input: &mut Input<'a>,
 ) -> Result<IndexBlock<'a>> {
-    take(if table.entries <= 256 { 1 } else { 2 }, texels, input)
+    take(if table.entries <= 256 { 1 } else { 2 }, size, input)
 }
 
 /// Indices of `width` bytes for so many texels.
-pub(crate) fn take<'a>(
-    width: usize,
-    texels: usize,
-    input: &mut Input<'a>,
-) -> Result<IndexBlock<'a>> {
-    let bytes = input.take("2.8.1/1", "the indices", texels.saturating_mul(width))?;
+pub(crate) fn take<'a>(width: usize, size: Size, input: &mut Input<'a>) -> Result<IndexBlock<'a>> {
+    let bytes = input.take("2.8.1/1", "the indices", size.bytes(width))?;
     Ok(IndexBlock { bytes, width })
 }
 

@@ -34,7 +34,7 @@ pub(super) fn read<'a>(
     let bytes = input.take(
         "2.5/3",
         "the table's entries",
-        entries.saturating_mul(entry_size),
+        entries as u64 * entry_size as u64,
     )?;
     // lut-newline
     (reading.after_table)(input)?;

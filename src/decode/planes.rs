@@ -36,6 +36,7 @@ use crate::ptm::{Header, Limits};
 use crate::reading::Reading;
 
 /// The payload of a compressed file, if it is there (clause 2.9.8/2, ruling `payload-end`) and its planes are not too large.
+/// `announced` are its bytes where the plan could not count so far.
 #[expect(
     clippy::trivially_copy_pass_by_ref,
     reason = "limits and headers are passed by reference whatever their size"
@@ -43,6 +44,7 @@ use crate::reading::Reading;
 pub(super) fn take<'a>(
     header: &Header,
     plan: &Plan,
+    announced: u64,
     input: &mut Input<'a>,
     limits: &Limits,
 ) -> Result<&'a [u8]> {
@@ -52,11 +54,14 @@ pub(super) fn take<'a>(
         [stream, side]
     });
     let ends = parts.clone().map(|(_, _, range)| range.end);
-    let end = ends.max().unwrap_or_default();
+    let end = match ends.max().unwrap_or_default() {
+        usize::MAX => announced,
+        end => end as u64,
+    };
     let what = "the compressed planes and their side information";
     let payload = input.take_parts("2.9.8/2", what, end, parts)?;
     // Every plane is held, for those that may be predicted from it and until the texels are made of them.
-    let planes = header.size.texels().saturating_mul(plan.steps.len());
+    let planes = header.size.bytes(plan.steps.len());
     limits.check(planes, input.at())?;
     Ok(payload)
 }

@@ -46,11 +46,11 @@ impl Stored<'_> {
     pub fn planes(&self, limits: &Limits) -> Result<Planes> {
         let Size { width, height } = self.header.size;
         let channels = self.shape.channels();
-        let planes = self.header.size.texels().saturating_mul(channels);
         // What the parts hold besides the file, the planes of a compressed one, is there at the same time.
-        let held = self.parts.iter().map(Channels::held).sum();
-        limits.check(planes.saturating_add(held), self.at)?;
-        let mut samples = vec![0; planes];
+        let held: usize = self.parts.iter().map(Channels::held).sum();
+        let needs = self.header.size.bytes(channels);
+        limits.check(needs.saturating_add(held as u64), self.at)?;
+        let mut samples = vec![0; self.header.size.texels() * channels];
         let rows = samples.chunks_exact_mut(width as usize * channels);
         for (row, texels) in (0..height).zip(rows) {
             self.read(row, 0..width, texels);

@@ -57,8 +57,7 @@ pub(super) fn read<'a>(
     reading: &Reading,
 ) -> Result<Vec<Channels<'a>>> {
     let one = |&block: &Block| {
-        // A product that cannot be counted stays at the largest number; no file is that long.
-        let bytes = header.size.texels().saturating_mul(block.channels);
+        let bytes = header.size.bytes(block.channels);
         let bytes = input.take("2.7/1", "the texels", bytes)?;
         Ok(Channels {
             block,

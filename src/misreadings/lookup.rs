@@ -158,68 +158,68 @@ pub(super) const ACTS: &[(&str, At)] = &[
     ),
     (
         "width-at-256",
-        At::Indices(|table, texels, input| {
-            take(if table.entries < 256 { 1 } else { 2 }, texels, input)
+        At::Indices(|table, size, input| {
+            take(if table.entries < 256 { 1 } else { 2 }, size, input)
         }),
     ),
     (
         "width-at-255",
-        At::Indices(|table, texels, input| {
-            take(if table.entries < 255 { 1 } else { 2 }, texels, input)
+        At::Indices(|table, size, input| {
+            take(if table.entries < 255 { 1 } else { 2 }, size, input)
         }),
     ),
     (
         "width-at-258",
-        At::Indices(|table, texels, input| {
-            take(if table.entries <= 257 { 1 } else { 2 }, texels, input)
+        At::Indices(|table, size, input| {
+            take(if table.entries <= 257 { 1 } else { 2 }, size, input)
         }),
     ),
     (
         "width-at-128",
-        At::Indices(|table, texels, input| {
-            take(if table.entries <= 128 { 1 } else { 2 }, texels, input)
+        At::Indices(|table, size, input| {
+            take(if table.entries <= 128 { 1 } else { 2 }, size, input)
         }),
     ),
     (
         "width-by-largest-index",
-        At::Indices(|table, texels, input| {
-            let mut pairs = input.rest().chunks_exact(2).take(texels);
+        At::Indices(|table, size, input| {
+            let mut pairs = input.rest().chunks_exact(2).take(size.texels());
             let wide = table.entries > 256 && pairs.any(|pair| pair[1] != 0);
-            take(if wide { 2 } else { 1 }, texels, input)
+            take(if wide { 2 } else { 1 }, size, input)
         }),
     ),
     (
         "width-always-one",
-        At::Indices(|_, texels, input| take(1, texels, input)),
+        At::Indices(|_, size, input| take(1, size, input)),
     ),
     (
         "width-always-two",
-        At::Indices(|_, texels, input| take(2, texels, input)),
+        At::Indices(|_, size, input| take(2, size, input)),
     ),
     (
         "width-four-at-65536",
-        At::Indices(|table, texels, input| {
+        At::Indices(|table, size, input| {
             let width = match table.entries {
                 0..=256 => 1,
                 257..65_536 => 2,
                 _ => 4,
             };
-            take(width, texels, input)
+            take(width, size, input)
         }),
     ),
     (
         "c-lut-width-at-256",
-        At::Indices(|table, texels, input| {
+        At::Indices(|table, size, input| {
             // An entry of PTM_C_LUT has nine bytes, one of PTM_LUT six.
             let narrow = if table.entry_size == 9 { 255 } else { 256 };
-            take(if table.entries <= narrow { 1 } else { 2 }, texels, input)
+            take(if table.entries <= narrow { 1 } else { 2 }, size, input)
         }),
     ),
     (
         "c-lut-width-always-one",
-        At::Indices(|table, texels, input| {
+        At::Indices(|table, size, input| {
             let narrow = table.entries <= 256 || table.entry_size == 9;
-            take(if narrow { 1 } else { 2 }, texels, input)
+            take(if narrow { 1 } else { 2 }, size, input)
         }),
     ),
     (

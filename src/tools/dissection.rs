@@ -19,7 +19,7 @@ pub struct FilePart {
     /// Its bytes.
     pub range: Range<usize>,
     /// How many bytes it should have, where the file ends before.
-    pub cut_from: Option<usize>,
+    pub cut_from: Option<u64>,
 }
 
 /// What a part is for; numbers count coefficients, matrix elements, blocks or planes.
@@ -249,16 +249,15 @@ impl<'a> Dissection<'a> {
                 ),
                 (Role::Side(plane), Role::SideSize(plane), SIDE_INFORMATION),
             ] {
-                let size = self
-                    .number(size)
-                    .and_then(|size| usize::try_from(size).ok());
+                let size = self.number(size).and_then(|size| u64::try_from(size).ok());
                 let size = size.unwrap_or(0);
-                let end = at.saturating_add(size).min(self.file.len());
+                let there = (self.file.len() - at) as u64;
+                let end = at + size.min(there) as usize;
                 self.parts.push(FilePart {
                     role,
                     clause,
                     range: at..end,
-                    cut_from: (end - at < size).then_some(size),
+                    cut_from: (there < size).then_some(size),
                 });
                 at = end;
             }
