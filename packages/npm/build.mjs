@@ -84,7 +84,7 @@ if (option === "--platform") {
       "./cases.json": "./cases.json",
     },
     bin: { "ptm-conform": "bin.mjs" },
-    files: ["*.mjs", "*.d.ts", "cases.json", "reference.wasm", "LICENSE-*", "!test.mjs"],
+    files: ["*.mjs", "*.d.ts", "cases.json", "reference.wasm", "LICENSE-*", "!corpus.mjs", "!test.mjs"],
     engines: { node: ">=18" },
     keywords: ["ptm", "rti", "conformance", "texture", "decoder"],
     optionalDependencies: Object.fromEntries(platforms.map((platform) => [`@ptm-conform/${platform}`, version])),

@@ -189,6 +189,15 @@ pub fn have(program: &str) -> bool {
     there || skipped(&format!("{program} is not there"))
 }
 
+/// Whether the compiler has the libraries of a target.
+pub fn have_target(target: &str) -> bool {
+    let libraries = Command::new("rustc")
+        .args(["--print", "target-libdir", "--target", target])
+        .output();
+    libraries.is_ok_and(|output| Path::new(String::from_utf8_lossy(&output.stdout).trim()).exists())
+        || skipped(&format!("rustc has no {target}"))
+}
+
 /// Whether python3 has these packages; says SKIPPED if not.
 pub fn have_python(packages: &[&str]) -> bool {
     let imports = packages.join(", ");

@@ -4,9 +4,6 @@
 
 import { Malformed, Unsupported } from "./index.mjs";
 
-/** Codes of lint for files that are not malformed, and more than the reference does: memory, kinds of stream. */
-const NOT_READ = ["PTM-E012", "PTM-E083"];
-
 /** Starts the reference: `module` is the bytes of reference.wasm, or a WebAssembly.Module. */
 export async function load(module) {
   const compiled = module instanceof WebAssembly.Module ? module : await WebAssembly.compile(module);
@@ -21,11 +18,9 @@ export async function load(module) {
     return JSON.parse(new TextDecoder().decode(new Uint8Array(wasm.memory.buffer, wasm.report(), wasm.report_length())));
   };
   const map = (file) => {
-    const { map, lint } = open(file);
+    const { map, refused } = open(file);
     if (map) return map;
-    const error = lint.find(({ severity }) => severity === "error");
-    const Refusal = NOT_READ.includes(error?.code) ? Unsupported : Malformed;
-    throw new Refusal(error ? `${error.code} (${error.clause}): ${error.found ?? error.says}` : "not read");
+    throw new (refused.kind === "malformed" ? Malformed : Unsupported)(refused.says);
   };
   const bytes = (pointer, length) => new Uint8Array(wasm.memory.buffer, pointer, length).slice();
 

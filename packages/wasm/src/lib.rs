@@ -7,6 +7,7 @@
 use std::cell::RefCell;
 
 use ptm_conform::Ptm;
+use ptm_conform::error::{Class, Error};
 use ptm_conform::kit::digest::sha256;
 use ptm_conform::ptm::Shape;
 use ptm_conform::tools::inspect::inspect;
@@ -47,15 +48,20 @@ pub extern "C" fn reserve(length: usize) -> *mut u8 {
 pub extern "C" fn open() -> u32 {
     with(|opened| {
         let decoded = ptm_conform::decode(&opened.file);
-        opened.report = report_on(&opened.file, decoded.as_ref().ok());
+        opened.report = report_on(&opened.file, decoded.as_ref());
         opened.map = decoded.ok();
         u32::from(opened.map.is_some())
     })
 }
 
-/// Fields and findings as the program prints them, and the size and the planes' digest of a map.
-pub fn report_on(file: &[u8], map: Option<&Ptm>) -> String {
-    let map = map.map(|ptm| {
+/// Fields and findings as the program prints them, and the size and the planes' digest of a map, or why there is none.
+pub fn report_on(file: &[u8], decoded: Result<&Ptm, &Error>) -> String {
+    let refused = decoded.err().map(|error| {
+        let malformed = error.class() == Class::Malformed;
+        let word = if malformed { "malformed" } else { "unsupported" };
+        json!({ "kind": word, "says": error.to_string() })
+    });
+    let map = decoded.ok().map(|ptm| {
         json!({
             "format": ptm.header.format.name(),
             "width": ptm.header.size.width,
@@ -66,7 +72,7 @@ pub fn report_on(file: &[u8], map: Option<&Ptm>) -> String {
             "planes": sha256(&ptm.planes.samples),
         })
     });
-    json!({ "inspect": inspect(file), "lint": lint(file), "map": map }).to_string()
+    json!({ "inspect": inspect(file), "lint": lint(file), "map": map, "refused": refused }).to_string()
 }
 
 /// The report.

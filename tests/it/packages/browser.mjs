@@ -1,0 +1,45 @@
+// Holds the package's decode against the program in a browser: node browser.mjs PACKAGE PROGRAM
+//
+// Every file of the suite is decoded in a headless Chromium; size and samples, or the kind of refusal, are those of the program.
+
+import assert from "node:assert/strict";
+import { readFileSync } from "node:fs";
+import { createServer } from "node:http";
+import { extname, join, resolve } from "node:path";
+import { pathToFileURL } from "node:url";
+
+import { browser } from "../webdriver.mjs";
+
+const [directory, program] = process.argv.slice(2);
+const { answerOf, corpus } = await import(pathToFileURL(resolve(directory, "corpus.mjs")));
+const whole = await corpus(program);
+const TYPES = { ".mjs": "text/javascript", ".wasm": "application/wasm" };
+const server = createServer(({ url }, response) => {
+  const type = TYPES[extname(url)];
+  if (type) response.setHeader("content-type", type).end(readFileSync(join(directory, url)));
+  else response.setHeader("content-type", "text/html").end(url === "/" ? "" : whole[Number(url.slice(1))]?.file);
+}).listen(0, "127.0.0.1");
+await new Promise((listening) => server.on("listening", listening));
+const script = `
+  const [count, done] = arguments;
+  (async () => {
+    const { load } = await import("/reference.mjs");
+    const reference = await load(await (await fetch("/reference.wasm")).arrayBuffer());
+    const answers = [];
+    for (let i = 0; i < count; i++) {
+      const file = new Uint8Array(await (await fetch("/" + i)).arrayBuffer());
+      answers.push(await (${answerOf})(reference.decode, file));
+    }
+    return answers;
+  })().then(done, (error) => done(String(error)));`;
+const { call, run, close } = await browser();
+try {
+  await call("POST", "/timeouts", { script: 600_000 });
+  await call("POST", "/url", { url: `http://127.0.0.1:${server.address().port}/` });
+  const answers = await call("POST", "/execute/async", { script, args: [whole.length] });
+  whole.forEach(({ id, answer }, i) => assert.equal(answers[i], answer, id));
+  console.log(`${whole.length} files in ${await run("return navigator.userAgent")}: as the program reads them`);
+} finally {
+  await close();
+  server.close();
+}
