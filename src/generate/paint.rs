@@ -9,9 +9,13 @@ use super::scene::Scene;
     reason = "a table reads better with a line for each of its rows"
 )]
 pub(super) fn sample(recipe: &Recipe, texel: usize, channel: usize) -> u8 {
+    let noise = hash(recipe.seed, texel, channel) as u8;
+    if recipe.scene == Scene::Noise {
+        // Most of all samples; no place is divided out for them.
+        return noise;
+    }
     let (width, height) = (recipe.size.width as usize, recipe.size.height as usize);
     let (x, y) = (texel % width, texel / width);
-    let noise = hash(recipe.seed, texel, channel) as u8;
     match recipe.scene {
         Scene::Noise => noise,
         Scene::Extremes => noise % 2 * 255,

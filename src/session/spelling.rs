@@ -43,7 +43,8 @@ pub(super) fn likely_spelling<C: TestCase>(
         .iter()
         .filter(|case| case.expect() == Expect::Decode && case.has_table())
         .collect();
-    probes.sort_by_key(|case| C::file(&case.made(TableSpelling::default())).len());
+    // Each file is made once.
+    probes.sort_by_cached_key(|case| C::file(&case.made(TableSpelling::default())).len());
     probes.truncate(PROBES);
     let mut scores: Vec<(f64, TableSpelling)> = Vec::new();
     for table in TableSpelling::all() {
