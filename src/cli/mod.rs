@@ -10,6 +10,8 @@ pub mod output;
 
 mod terminal;
 
+mod wrapping;
+
 mod links;
 
 mod names;

@@ -9,6 +9,7 @@ use clap::{Args, ValueEnum};
 use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
 
+use super::wrapping::{columns, folded};
 use ptm_conform::kit::yaml::to_yaml;
 
 /// When to use color.
@@ -76,9 +77,12 @@ pub fn print(text: &str) {
     let _ = anstream::stdout().write_all(text.as_bytes());
 }
 
-/// Prints to standard error what is wrong; a reader that has gone away is no error.
+/// Prints to standard error what is wrong, as wide as the terminal; a reader that has gone away is no error.
 pub fn complain(text: &str) {
-    let _ = writeln!(std::io::stderr(), "{text}");
+    let width = columns(terminal_size::terminal_size_of(std::io::stderr()));
+    let lines = text.lines().flat_map(|line| folded(line, width));
+    let lines: String = lines.map(|line| format!("{line}\n")).collect();
+    let _ = std::io::stderr().write_all(lines.as_bytes());
 }
 
 /// Prints a note, unless only results are wanted.

@@ -4,16 +4,12 @@
 //! for line; `NO_COLOR` and `--color` are obeyed by [`print`](super::output::print).
 
 use std::fmt::Write;
-use std::io::IsTerminal;
 
 use anstyle::{AnsiColor, Style};
-use textwrap::{Options, WordSeparator, WordSplitter};
 
 use super::links::linked;
 use super::output::print;
-
-/// The narrowest page that text is wrapped for.
-const NARROWEST: usize = 40;
+use super::wrapping::{columns, folded};
 
 const HEADING: Style = Style::new().bold();
 const BAD: Style = AnsiColor::Red.on_default().bold();
@@ -45,14 +41,8 @@ const BEGINNINGS: [(&str, Style); 17] = [
 
 /// Prints text for people.
 pub fn show(text: &str) {
-    let width = std::io::stdout().is_terminal().then(width).flatten();
+    let width = columns(terminal_size::terminal_size_of(std::io::stdout()));
     print(&linked(&page(text, width)));
-}
-
-/// The columns of the terminal.
-fn width() -> Option<usize> {
-    let (width, _) = terminal_size::terminal_size_of(std::io::stdout())?;
-    Some(usize::from(width.0).max(NARROWEST))
 }
 
 /// The text in color; lines longer than `width` go on below, further in.
@@ -60,14 +50,7 @@ fn page(text: &str, width: Option<usize>) -> String {
     let mut page = String::new();
     for line in text.lines() {
         let indent = line.len() - line.trim_start_matches(' ').len();
-        // A command is copied as a whole.
-        let width = width.filter(|_| !line[indent..].starts_with("$ "));
-        let hanging = " ".repeat(indent + 2);
-        let lines = match width {
-            Some(width) => textwrap::wrap(line, options(width, &hanging)),
-            None => vec![line.into()],
-        };
-        for (i, line) in lines.iter().enumerate() {
+        for (i, line) in folded(line, width).iter().enumerate() {
             let marked = if i == 0 { beginning(line) } else { None };
             let _ = match marked {
                 Some((end, style)) => writeln!(
@@ -82,14 +65,6 @@ fn page(text: &str, width: Option<usize>) -> String {
         }
     }
     page
-}
-
-fn options(width: usize, hanging: &str) -> Options<'_> {
-    Options::new(width)
-        .subsequent_indent(hanging)
-        .word_separator(WordSeparator::AsciiSpace)
-        .word_splitter(WordSplitter::NoHyphenation)
-        .break_words(false)
 }
 
 /// Where the first word of a line ends, and how it is shown, if it is one that says what the line is.
