@@ -161,10 +161,13 @@ impl MapDifference {
         for plane in &self.planes {
             let _ = writeln!(
                 out,
-                "plane {} ({}): {} texels differ, by {} at most; the first is column {}, row {} from the top, {} and {}",
+                "plane {} ({}): {}, by {} at most; the first is column {}, row {} from the top, {} and {}",
                 plane.plane,
                 plane.channel,
-                plane.texels,
+                match plane.texels {
+                    1 => "1 texel differs".to_owned(),
+                    texels => format!("{texels} texels differ"),
+                },
                 plane.largest,
                 plane.first.x,
                 plane.first.y,

@@ -141,10 +141,11 @@ fn difference(
 fn in_words(ptm: &Ptm, differing: &[bool]) -> Option<String> {
     let first = differing.iter().position(|&differs| differs)?;
     let width = ptm.planes.size.width as usize;
+    let count = differing.iter().filter(|&&differs| differs).count();
     Some(format!(
-        "{} of {} texels differ, the first at column {}, row {} from the top",
-        differing.iter().filter(|&&differs| differs).count(),
+        "{count} of {} texels {}, the first at column {}, row {} from the top",
         differing.len(),
+        if count == 1 { "differs" } else { "differ" },
         first % width,
         first / width
     ))
