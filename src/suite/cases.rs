@@ -3,7 +3,7 @@
 //! A case is kept as its recipe; its bytes and values are made when they are needed, so that a large suite costs no memory.
 
 use std::collections::{BTreeSet, HashMap};
-use std::sync::{Arc, Mutex};
+use std::sync::{Arc, Mutex, OnceLock};
 
 use super::compare::Expected;
 use super::features::Feature;
@@ -11,6 +11,7 @@ use super::values::{HandValues, Piece, Values};
 use crate::generate::plan::Compression;
 use crate::generate::spelling::Count;
 use crate::generate::{Damage, Model, Recipe, write};
+use crate::kit::digest::sha256;
 use crate::protocol::frame::View;
 use crate::ptm::{Field, Format};
 
@@ -72,6 +73,8 @@ pub struct Case {
     pub(super) source: Source,
     /// The file in the ordinary spelling, where it is precomputed.
     pub(super) prepared: Option<Arc<Built>>,
+    /// The digest of that file, once it has been made.
+    pub(super) digest: OnceLock<String>,
 }
 
 #[derive(Clone, Debug)]
@@ -222,8 +225,25 @@ impl Case {
     pub fn build(&self, table: TableSpelling) -> Arc<Built> {
         match &self.prepared {
             Some(built) if table == TableSpelling::default() => Arc::clone(built),
-            _ => Arc::new(self.make(table)),
+            _ => {
+                let built = self.make(table);
+                if table == TableSpelling::default() {
+                    self.digest.get_or_init(|| sha256(&built.file));
+                }
+                Arc::new(built)
+            }
         }
+    }
+
+    /// The digest of the file in the ordinary spelling.
+    ///
+    /// # Panics
+    /// Never for a case that [`Suite::load`] returned.
+    #[must_use]
+    pub fn digest(&self) -> String {
+        // Who has asked for the file has made it, and need not make it again.
+        let known = self.digest.get().cloned();
+        known.unwrap_or_else(|| sha256(&self.build(TableSpelling::default()).file))
     }
 
     fn make(&self, table: TableSpelling) -> Built {

@@ -1,6 +1,7 @@
 //! Cases as they are written.
 
 use std::collections::BTreeMap;
+use std::sync::OnceLock;
 
 use serde::Deserialize;
 
@@ -95,6 +96,7 @@ impl CaseRecord {
             twin_of,
             source,
             prepared: None,
+            digest: OnceLock::new(),
         })
     }
 
