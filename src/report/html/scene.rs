@@ -3,7 +3,7 @@
 use maud::{Markup, html};
 
 use crate::report::html::compare::Compared;
-use crate::session::lit_scene::{LIGHT, LitScene, SIDE, ball};
+use crate::session::lit_scene::{LIGHT, LitScene, SIDE};
 
 /// Two pictures are the same to the eye if their samples differ by less than this on average.
 const ALIKE: f64 = 3.0;
@@ -22,7 +22,7 @@ pub(super) fn figure(scene: &LitScene) -> Markup {
         figure.scene {
             (pictures.markup("this decoder"))
             figcaption {
-                b { (in_words(&scene.right, &scene.received)) } " A ball lit from the upper left, in " (scene.format.short_name())
+                b { (in_words(scene)) } " A ball lit from the upper left, in " (scene.format.short_name())
                 ", asked for " code { (scene.view) } ". The scene is for the eye and is not judged."
             }
         }
@@ -62,7 +62,8 @@ fn mean_difference(one: &[u8], other: &[u8]) -> f64 {
 }
 
 /// What is wrong with the picture, as one sees it.
-fn in_words(right: &[u8], received: &[u8]) -> &'static str {
+fn in_words(scene: &LitScene) -> &'static str {
+    let (right, received) = (&scene.right, &scene.received);
     let side = SIDE as usize;
     let at = |(x, y, c): (usize, usize, usize)| 3 * (y * side + x) + c;
     let differs = |from: fn(usize, usize, usize) -> (usize, usize, usize)| {
@@ -88,7 +89,7 @@ fn in_words(right: &[u8], received: &[u8]) -> &'static str {
             -1.0,
         ),
     ];
-    let lit = |u: f64, v: f64| ball(SIDE).evaluate(u * LIGHT.0, v * LIGHT.1).to_bytes();
+    let lit = |u: f64, v: f64| scene.lit(u * LIGHT.0, v * LIGHT.1);
     if let Some((says, ..)) = lights
         .iter()
         .find(|(_, u, v)| mean_difference(&lit(*u, *v), received) < ALIKE)
@@ -106,35 +107,49 @@ fn in_words(right: &[u8], received: &[u8]) -> &'static str {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::ptm::Format;
 
     #[test]
     fn what_one_sees_is_said() {
-        let right = ball(SIDE).evaluate(-0.5, 0.5).to_bytes();
-        let rows: Vec<u8> = right
-            .chunks(3 * SIDE as usize)
-            .rev()
-            .flatten()
-            .copied()
-            .collect();
-        let swapped: Vec<u8> = right
-            .chunks(3)
-            .flat_map(|rgb| [rgb[2], rgb[1], rgb[0]])
-            .collect();
-        let dark: Vec<u8> = right.iter().map(|byte| byte / 2).collect();
-        let bright: Vec<u8> = right.iter().map(|byte| byte.saturating_mul(2)).collect();
-        for (picture, says) in [
-            (&right, "right."),
-            (&rows, "upside down."),
-            (&swapped, "Red and blue"),
-            (
-                &ball(SIDE).evaluate(-0.5, -0.5).to_bytes(),
-                "lit from below",
-            ),
-            (&dark, "too dark"),
-            (&bright, "too bright"),
-        ] {
-            let said = in_words(&right, picture);
-            assert!(said.contains(says), "{says}: {said}");
+        for format in [Format::Lrgb, Format::Lum, Format::PtmCLut, Format::JpegRgb] {
+            let scene = |change: fn(&LitScene) -> Vec<u8>| {
+                let mut scene = LitScene {
+                    format,
+                    view: "rgb",
+                    right: Vec::new(),
+                    received: Vec::new(),
+                };
+                scene.right = scene.lit(LIGHT.0, LIGHT.1);
+                scene.received = change(&scene);
+                scene
+            };
+            let rows = |scene: &LitScene| {
+                let rows = scene.right.chunks(3 * SIDE as usize).rev();
+                rows.flatten().copied().collect()
+            };
+            let swapped = |scene: &LitScene| {
+                let texels = scene.right.chunks(3);
+                texels.flat_map(|rgb| [rgb[2], rgb[1], rgb[0]]).collect()
+            };
+            for (scene, says) in [
+                (scene(|scene| scene.right.clone()), "right."),
+                (scene(rows), "upside down."),
+                (scene(swapped), "Red and blue"),
+                (
+                    scene(|scene| scene.lit(LIGHT.0, -LIGHT.1)),
+                    "lit from below",
+                ),
+            ] {
+                let said = in_words(&scene);
+                assert!(said.contains(says), "{format}: {says}: {said}");
+            }
+            for (factor, says) in [(0.5, "too dark"), (2.0, "too bright")] {
+                let mut scene = scene(|scene| scene.right.clone());
+                let times = |byte: &mut u8| *byte = (f64::from(*byte) * factor) as u8;
+                scene.received.iter_mut().for_each(times);
+                let said = in_words(&scene);
+                assert!(said.contains(says), "{format}: {says}: {said}");
+            }
         }
     }
 }
