@@ -5,6 +5,7 @@ use std::collections::BTreeSet;
 
 use crate::decode::decode;
 use crate::evaluate::Coefficients;
+use crate::generate::plan::Residuals;
 use crate::generate::spelling::Count;
 use crate::generate::{Model, Recipe, write};
 use crate::protocol::frame::{Answer, Frame, Samples, View};
@@ -49,7 +50,7 @@ impl LitScene {
     /// The scene as it is under another light.
     #[must_use]
     pub fn lit(&self, lu: f64, lv: f64) -> Vec<u8> {
-        let ptm = decode(&file(self.format, Count::default())).expect("the scene is a legal file");
+        let ptm = decode(&file(self.format)).expect("the scene is a legal file");
         ptm.coefficients().evaluate(lu, lv).to_bytes()
     }
 }
@@ -68,7 +69,7 @@ pub fn ask(offer: &Offer, decoded: &BTreeSet<Feature>, ask: &Ask) -> Option<LitS
         &Count::ALL[..1]
     };
     spellings.iter().find_map(|&count| {
-        let file = file(format, count);
+        let file = spelled(format, count);
         let request = Request {
             name: "lit-scene",
             view: &asked(view),
@@ -132,7 +133,12 @@ pub fn picture(file: &[u8], frame: &Frame) -> Option<Vec<u8>> {
 /// # Panics
 /// Never: it has no more distinct texels than a table may have.
 #[must_use]
-pub fn file(format: Format, count: Count) -> Vec<u8> {
+pub fn file(format: Format) -> Vec<u8> {
+    spelled(format, Count::default())
+}
+
+/// The scene as a file whose table, if it has one, has its count in this spelling.
+fn spelled(format: Format, count: Count) -> Vec<u8> {
     let map = ball(SIDE);
     let mut recipe = Recipe::ordinary(format, map.size);
     (recipe.scale, recipe.bias) = (
@@ -140,6 +146,10 @@ pub fn file(format: Format, count: Count) -> Vec<u8> {
         "128 128 128 128 128 128".parse().expect("numbers"),
     );
     recipe.spelling.count = count;
+    recipe.compression.residuals = Residuals::Natural;
+    if matches!(format, Format::JpegRgb | Format::JpegLrgb) {
+        recipe.compression.parameter = 95;
+    }
     recipe.matrix = "1 1 1 0 1 0 0 0 0 0 1 0 0 0 0 1".parse().expect("numbers");
     let stored = |coefficient: f64| (coefficient / 2.0 + 128.0).round() as u8;
     let texels = map.values.chunks_exact(9).flat_map(|texel| {

@@ -18,7 +18,7 @@ pub(super) fn diagnosis(report: &Report, groups: &[Group], clauses: &[Clause]) -
             @if failures == 0 {
                 p.lead {
                     @if report.verdict == "pass" { "All judged cases passed." }
-                    @else { "No case failed, but the run does not count as passed: see the cases below." }
+                    @else { "No case failed, but the run does not count as passed: its head and the cases below say why." }
                 }
             }
             @for group in groups {
