@@ -119,6 +119,12 @@ impl Error {
         }
     }
 
+    /// The same, where another clause is broken than the one that says what stands there.
+    pub(crate) const fn about(mut self, clause: &'static str) -> Error {
+        self.clause = clause;
+        self
+    }
+
     /// The clause that is broken, as numbered in `spec-cases/clauses.yaml`: `2.5/2`.
     #[must_use]
     pub const fn clause(&self) -> &'static str {

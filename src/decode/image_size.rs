@@ -10,6 +10,8 @@
 //! Format notes
 //! - HP's own programs write two lines; the text's first form is one line. Both are read.
 //! - A size without texels is refused (ruling `dimensions`).
+//! - What is no number in digits breaks clause 2.3/1; a number below 1 or beyond 32 bits breaks clause 2.3/3.
+//! - No file needs a number beyond 32 bits; a reader that lets one wrap around takes 4294967297 for 1.
 //! - Both numbers may be as large as 2³² − 1, and their product larger than any memory. No room is made for texels here:
 //!   what they need is first compared with what is left of the file, then with the limits the caller set.
 
@@ -27,9 +29,14 @@ pub(super) fn read(input: &mut Input) -> Result<Size> {
 }
 
 fn positive(input: &mut Input, name: &'static str) -> Result<u32> {
-    let refused = input.wrong("2.3/3", name);
-    match input.integer("2.3/1", name)? {
-        0 => Err(refused),
-        value => Ok(value),
+    let too_small = input.wrong("2.3/3", name);
+    let too_large = input.wrong("2.3/3", "a number of at most 4294967295");
+    let digits = input.rest().iter().take_while(|byte| byte.is_ascii_digit());
+    let end = input.at() + digits.count();
+    match input.integer("2.3/1", name) {
+        Ok(0) => Err(too_small),
+        // A token of digits alone was read to its end, and no `u32` holds it; an empty token begins at its end.
+        Err(error) if input.at() == end && error.offset() < end => Err(too_large),
+        read => read,
     }
 }

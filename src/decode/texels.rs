@@ -58,7 +58,8 @@ pub(super) fn read<'a>(
 ) -> Result<Vec<Channels<'a>>> {
     let one = |&block: &Block| {
         let bytes = header.size.bytes(block.channels);
-        let bytes = input.take("2.7/1", "the texels", bytes)?;
+        let bytes = input.take("2.7/1", "the texels", bytes);
+        let bytes = bytes.map_err(|error| error.about("2.7/3"))?;
         Ok(Channels {
             block,
             values: Values::Bytes(Cow::Borrowed(bytes)),

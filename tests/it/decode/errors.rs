@@ -81,7 +81,7 @@ fn the_size_is_checked() {
     );
     rejects(
         file("4294967296\n"),
-        "image size (§2.3), byte 23: expected a width of at least 1, found \"4294967296\"",
+        "image size (§2.3), byte 23: expected a number of at most 4294967295, found \"4294967296\"",
     );
 }
 

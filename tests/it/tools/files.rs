@@ -135,7 +135,7 @@ fn inspection_is_yaml_and_json_of_one_content() {
     }
     let damaged = repository("corpus/lrgb/half-payload-lrgb.ptm");
     let value = printed(&["inspect", &damaged], "inspect.schema.json");
-    assert_eq!(value["error"]["clause"], "2.7/1");
+    assert_eq!(value["error"]["clause"], "2.7/3");
     assert_eq!(run(&["inspect", &damaged]).status.code(), Some(65));
 }
 
