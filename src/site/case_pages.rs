@@ -45,7 +45,8 @@ fn list(paper: Paper) -> SiteFile {
     let body = html! {
         h1 { "Cases" }
         p.lead { (cases.len()) " files, each with one thing in it that a reader can get wrong." }
-        (meanings())
+        (meanings(&[Expect::Decode, Expect::Reject, Expect::Refuse, Expect::Lenient, Expect::Spelling]))
+        p { "What each exit status means: " (paper.protocol()) "." }
         (filter("cases"))
         div.scroll tabindex="0" { table.list.cases.filtered {
             thead { tr { th scope="col" { "case" } th scope="col" { "expected" } th scope="col" { "clauses" } th scope="col" { "format" } } }
@@ -57,10 +58,11 @@ fn list(paper: Paper) -> SiteFile {
     paper.page("cases/index.html", "Cases", "Cases", &body)
 }
 
-fn meanings() -> Markup {
+/// What is expected of files of these kinds.
+pub(super) fn meanings(kinds: &[Expect]) -> Markup {
     html! {
         dl.kinds {
-            @for expect in [Expect::Decode, Expect::Reject, Expect::Refuse, Expect::Lenient, Expect::Spelling] {
+            @for &expect in kinds {
                 dt { span.chip { (expect.name()) } } dd { (means(expect)) }
             }
         }
@@ -73,9 +75,11 @@ fn means(expect: Expect) -> &'static str {
         Expect::Reject => {
             "The file breaks a rule: exit status 65, and nothing else. Its twin, one edit away, must be decoded."
         }
-        Expect::Refuse => "Exit status 65 or 69: it is larger than any machine.",
+        Expect::Refuse => {
+            "Refuse it: exit status 65, or 69 if the program takes it for a kind that it does not read."
+        }
         Expect::Lenient => {
-            "Outside the specification: refusing it and the picture of the reference are both right; another picture, a crash and a hang are wrong."
+            "Outside the specification: refusing it (65 or 69) is right, and so is the expected picture; another picture, a crash and a hang are wrong."
         }
         Expect::Spelling => {
             "One of several spellings of a table's count, of which a decoder knows at least one."

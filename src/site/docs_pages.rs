@@ -41,12 +41,12 @@ const PICTURE: (&str, &str, &[u8]) = (
 /// A page for each document.
 pub(super) fn pages(paper: Paper) -> Vec<SiteFile> {
     let page = |(file, name, text): &(&str, &str, &str)| {
-        let (title, markup) = rendered(file, text);
+        let (headings, markup) = rendered(file, text);
         let body = html! {
             nav.within aria-label="Documents" { @for (other, page, _) in DOCUMENTS { a href={ (page) ".html" } aria-current=[(page == name).then_some("page")] { (short(other)) } " " } }
             div.document { (markup) }
         };
-        paper.page(&format!("docs/{name}.html"), "Program", &title, &body)
+        paper.page(&format!("docs/{name}.html"), "Program", &headings[0], &body)
     };
     let picture = SiteFile {
         path: format!("docs/{}", PICTURE.1),
@@ -55,14 +55,25 @@ pub(super) fn pages(paper: Paper) -> Vec<SiteFile> {
     DOCUMENTS.iter().map(page).chain([picture]).collect()
 }
 
+/// The headings of all documents: each with its place from the root of the site, and the name of its document.
+pub(super) fn headings() -> impl Iterator<Item = (String, String, &'static str)> {
+    DOCUMENTS.iter().flat_map(|(file, name, text)| {
+        let (headings, _) = rendered(file, text);
+        headings.into_iter().map(move |heading| {
+            let place = format!("docs/{name}.html#{}", anchor(&heading));
+            (heading, place, short(file))
+        })
+    })
+}
+
 /// The name of a document in the list.
 fn short(file: &str) -> &str {
     file.trim_end_matches(".md").trim_start_matches("docs/")
 }
 
-/// The title of a document, and its markup with links that lead to pages of the site.
-fn rendered(file: &str, text: &str) -> (String, Markup) {
-    let mut title = file.to_owned();
+/// The headings of a document, its title first, and its markup with links that lead to pages of the site.
+fn rendered(file: &str, text: &str) -> (Vec<String>, Markup) {
+    let mut headings = Vec::new();
     let mut heading: Option<(HeadingLevel, String)> = None;
     let mut inside_link = Vec::new();
     let mut events = Vec::new();
@@ -104,10 +115,8 @@ fn rendered(file: &str, text: &str) -> (String, Markup) {
             Event::Start(Tag::Heading { level, .. }) => heading = Some((level, String::new())),
             Event::End(TagEnd::Heading(_)) => {
                 if let Some((level, text)) = heading.take() {
-                    if level == HeadingLevel::H1 {
-                        title.clone_from(&text);
-                    }
                     events.push(Event::Html(CowStr::from(set_heading(level, &text))));
+                    headings.push(text);
                 }
             }
             // Nothing but text stands in headings.
@@ -130,7 +139,7 @@ fn rendered(file: &str, text: &str) -> (String, Markup) {
         .replace("</table>", "</table></div>")
         .replace("<pre>", "<pre tabindex=\"0\">")
         .replace("<th></th>", "<td></td>");
-    (title, PreEscaped(markup))
+    (headings, PreEscaped(markup))
 }
 
 /// A heading with the anchor that links to it use.

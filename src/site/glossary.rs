@@ -5,7 +5,7 @@ use maud::html;
 use super::paper::{Paper, SiteFile};
 
 /// Each word and what it means, in the order of the alphabet.
-const WORDS: &[(&str, &str)] = &[
+pub(super) const WORDS: &[(&str, &str)] = &[
     (
         "bias",
         "What is subtracted from a stored coefficient (2.4/8). One of six integers.",
@@ -48,7 +48,7 @@ const WORDS: &[(&str, &str)] = &[
     ("inversion", "v becomes 255 − v (2.9.2/3)."),
     (
         "lenient",
-        "A ruling about files outside the specification: refusing and decoding as the reference does are both right.",
+        "A ruling about files outside the specification: refusing one is right, and so is decoding it as the ruling says.",
     ),
     (
         "lu, lv",
@@ -138,12 +138,17 @@ const WORDS: &[(&str, &str)] = &[
     ),
 ];
 
+/// Where a word stands on its page.
+pub(super) fn anchor(word: &str) -> String {
+    format!("w-{}", word.replace([' ', ','], "-"))
+}
+
 /// The glossary.
 pub(super) fn page(paper: Paper) -> SiteFile {
     let body = html! {
         h1 { "Glossary" }
         dl.glossary {
-            @for (word, means) in WORDS { dt id={ "w-" (word.replace([' ', ','], "-")) } { (word) } dd { (paper.prose(means)) } }
+            @for (word, means) in WORDS { dt id=(anchor(word)) { (word) } dd { (paper.prose(means)) } }
         }
     };
     paper.page("glossary.html", "Glossary", "Glossary", &body)

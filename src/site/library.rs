@@ -15,6 +15,9 @@ use crate::suite::name::SuiteName;
 use crate::suite::texture::cases::{self as texture, TextureCase};
 use crate::tools::lint::codes;
 
+/// The id of the protocol between the suite and a decoder.
+pub(super) const PROTOCOL: &str = "PTM-CP 1";
+
 /// What the pages are made of.
 pub(super) struct Library {
     pub suite: Suite,
@@ -69,6 +72,7 @@ impl Library {
             places.extend(place.map(|place| (id.to_owned(), place)));
         };
         let (ptm, texture) = (SuiteName::Ptm, SuiteName::Texture);
+        put(PROTOCOL, Some(ptm.protocol_page().to_owned()));
         for case in &self.suite.cases {
             put(&case.id, ptm.case_page(&case.id));
         }

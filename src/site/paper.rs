@@ -2,7 +2,7 @@
 
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
-use super::library::Library;
+use super::library::{Library, PROTOCOL};
 
 /// A file of the site.
 pub struct SiteFile {
@@ -57,6 +57,11 @@ impl<'a> Paper<'a> {
             Some(place) => html! { a href={ (self.root) (place) } { (text) } },
             None => text.clone(),
         }
+    }
+
+    /// A link to what a decoder is asked and may answer.
+    pub(super) fn protocol(&self) -> Markup {
+        self.link_as(PROTOCOL, &html! { "the decoder protocol" })
     }
 
     /// Links with commas between them.

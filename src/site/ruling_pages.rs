@@ -2,8 +2,9 @@
 
 use maud::{Markup, html};
 
+use super::case_pages::meanings;
 use super::paper::{Paper, SiteFile};
-use crate::suite::cases::Case;
+use crate::suite::cases::{Case, Expect};
 use crate::suite::clauses::{Ruling, RulingKind};
 
 /// The pages of all rulings, and their list.
@@ -42,7 +43,7 @@ fn means(kind: RulingKind) -> &'static str {
             "Nothing settles it. Each listed reading is right, if a decoder keeps to one of them throughout."
         }
         RulingKind::Lenient => {
-            "The file is outside the specification. Refusing it and decoding it as the reference does are both right; another picture is wrong."
+            "The files are outside the specification. Refusing one is right, and so is the picture that the reading gives it, if it gives one; another picture is wrong."
         }
         RulingKind::ImplementationDefined => "Any answer is right; it is reported.",
     }
@@ -63,6 +64,12 @@ fn page(paper: Paper, ruling: &Ruling) -> SiteFile {
         case.ruling.as_ref() == Some(&ruling.id) || case.axes().contains(&ruling.id.as_str())
     };
     let cases: Vec<&Case> = paper.library.suite.cases.iter().filter(shows).collect();
+    let mut kinds: Vec<Expect> = Vec::new();
+    for case in &cases {
+        if !kinds.contains(&case.expect) {
+            kinds.push(case.expect);
+        }
+    }
     let body = html! {
         p.kicker { a href="index.html" { "Rulings" } }
         h1 { code { (ruling.id) } " " span.chip { (ruling.kind.name()) } }
@@ -72,7 +79,8 @@ fn page(paper: Paper, ruling: &Ruling) -> SiteFile {
         ul { @for clause in &ruling.clauses { li { (paper.link(clause)) " " @if let Some(clause) = paper.library.clause(clause) { (clause.rule) } } } }
         @if !cases.is_empty() {
             h2 { "Cases that show it" }
-            ul.columns { @for case in cases { li { (paper.link(&case.id)) } } }
+            (meanings(&kinds))
+            ul.columns { @for case in cases { li { (paper.link(&case.id)) " " span.quiet { (case.expect.name()) } } } }
         }
     };
     paper.page(

@@ -2,7 +2,9 @@
 
 use serde_json::json;
 
-use super::library::Library;
+use super::docs_pages;
+use super::glossary;
+use super::library::{Library, PROTOCOL};
 use super::paper::SiteFile;
 use crate::misreadings;
 use crate::tools::lint::codes;
@@ -15,6 +17,11 @@ pub(super) fn index(library: &Library) -> SiteFile {
             entries.push(json!([id, kind, place, words]));
         }
     };
+    put(
+        PROTOCOL,
+        "protocol",
+        "what a decoder is asked, and what exit status 0, 65, 69 and others count as",
+    );
     for chapter in &library.annotated.chapters {
         put(&chapter.section, "section", &chapter.title);
     }
@@ -47,6 +54,13 @@ pub(super) fn index(library: &Library) -> SiteFile {
     }
     for case in &library.textures.cases {
         put(&case.id, "texture case", &case.because);
+    }
+    for (heading, place, document) in docs_pages::headings() {
+        entries.push(json!([heading, "document", place, document]));
+    }
+    for (word, means) in glossary::WORDS {
+        let place = format!("glossary.html#{}", glossary::anchor(word));
+        entries.push(json!([word, "word", place, means]));
     }
     let script = format!(
         "window.searchIndex = {};\n",

@@ -158,6 +158,49 @@ fn every_address_leads_to_a_page() {
 }
 
 #[test]
+fn the_search_finds_documents_words_and_the_protocol() {
+    let file = SITE.iter().find(|file| file.path == "search-index.js");
+    let script = std::str::from_utf8(&file.expect("the index").bytes).expect("UTF-8");
+    let entries = script.strip_prefix("window.searchIndex = ");
+    let entries = entries.and_then(|entries| entries.trim_end().strip_suffix(';'));
+    let entries: Vec<[String; 4]> =
+        serde_json::from_str(entries.expect("a list")).expect("the list is read");
+    for expected in [
+        ["Serve mode and capabilities", "document"],
+        ["stored order", "word"],
+        ["PTM-CP 1", "protocol"],
+    ] {
+        assert!(
+            entries.iter().any(|[id, kind, ..]| [id, kind] == expected),
+            "{expected:?}"
+        );
+    }
+    for [id, _, place, _] in &entries {
+        let (path, anchor) = place.split_once('#').unwrap_or((place, ""));
+        let page = SITE.iter().find(|file| file.path == path);
+        let page = page.unwrap_or_else(|| panic!("{id}: {place}"));
+        let page = std::str::from_utf8(&page.bytes).expect("UTF-8");
+        let is_there = page.contains(&format!(" id=\"{anchor}\""));
+        assert!(anchor.is_empty() || is_there, "{id}: {place}");
+    }
+}
+
+#[test]
+fn a_ruling_tells_each_of_its_cases_with_its_own_verdict() {
+    let page = SITE.iter().find(|file| file.path == "rulings/version.html");
+    let page = std::str::from_utf8(&page.expect("a page").bytes).expect("UTF-8");
+    for (case, verdict) in [
+        ("version-1-1-rgb", "refuse"),
+        ("version-1-1-interleaves", "lenient"),
+    ] {
+        let line = page
+            .split("<li>")
+            .find(|line| line.contains(&format!(">{case}<")));
+        assert!(line.expect("the case").contains(verdict), "{case}");
+    }
+}
+
+#[test]
 fn runs_of_readers_name_cases_of_the_suite_each_once() {
     let suite = Suite::load().expect("the suite loads");
     let runs = reader_runs().expect("the runs are read");
