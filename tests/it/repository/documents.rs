@@ -118,7 +118,8 @@ fn links_lead_to_files_of_the_packed_crate() {
                 continue;
             }
             let mut target = path.parent().expect("a directory").to_path_buf();
-            for step in link.split('/') {
+            let (file, _) = link.split_once('#').unwrap_or((link, ""));
+            for step in file.split('/') {
                 match step {
                     ".." => _ = target.pop(),
                     step => target.push(step),

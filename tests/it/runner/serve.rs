@@ -5,6 +5,9 @@ use std::io::Write;
 use std::path::Path;
 use std::process::Stdio;
 
+use ptm_conform::protocol::capabilities::Capabilities;
+use ptm_conform::ptm::Format;
+
 use crate::common::{Checked, check_with, have, make_executable, program, repository, zoo};
 
 const FEW: &[&str] = &[
@@ -20,6 +23,34 @@ const FEW: &[&str] = &[
 
 fn reference() -> Vec<&'static str> {
     vec![env!("CARGO_BIN_EXE_ptm-conform"), "reference"]
+}
+
+/// The examples of the page on serve mode are what is read and written.
+#[test]
+fn capabilities_and_answers_are_as_the_page_shows_them() {
+    let page = fs::read_to_string(repository("docs/check.md")).expect("the page");
+    let lines = page.lines().skip_while(|line| *line != "    protocol: 1");
+    let lines = lines.take_while(|line| !line.is_empty());
+    let yaml: String = lines.map(|line| format!("{}\n", line.trim())).collect();
+    let said = Capabilities::read(yaml.as_bytes()).expect("it counts");
+    assert_eq!(said.formats.as_deref(), Some(&Format::ALL[..]));
+    assert_eq!(said.views, Some(vec!["raw", "coef", "rgb"]));
+    assert!(said.serves && said.remarks.is_empty(), "{said:?}");
+
+    let mut serving = program()
+        .args(["reference", "serve"])
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .spawn()
+        .expect("the reference starts");
+    let file = repository("corpus/lrgb/first-lrgb.ptm");
+    let mut requests = serving.stdin.take().expect("its input");
+    writeln!(requests, "1 raw {file}").expect("a request");
+    drop(requests);
+    let answer = serving.wait_with_output().expect("an end").stdout;
+    let head = b"1 ok 72\nPTM1 raw 3 2 9 u8\n";
+    assert!(answer.starts_with(head) && answer.len() == head.len() + 54);
+    assert!(page.contains("< 1 ok 72\n    < PTM1 raw 3 2 9 u8 "));
 }
 
 #[test]
