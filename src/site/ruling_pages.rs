@@ -73,7 +73,7 @@ fn page(paper: Paper, ruling: &Ruling) -> SiteFile {
     let body = html! {
         p.kicker { a href="index.html" { "Rulings" } }
         h1 { code { (ruling.id) } " " span.chip { (ruling.kind.name()) } }
-        p { (means(ruling.kind)) }
+        p { (means(ruling.kind)) @if ruling.kind != RulingKind::Lenient && kinds.contains(&Expect::Lenient) { " Its cases marked lenient are outside the specification all the same, and may be refused." } }
         (words(paper, ruling))
         h2 { "Clauses" }
         ul { @for clause in &ruling.clauses { li { (paper.link(clause)) " " @if let Some(clause) = paper.library.clause(clause) { (clause.rule) } } } }

@@ -187,8 +187,14 @@ fn the_search_finds_documents_words_and_the_protocol() {
 
 #[test]
 fn a_ruling_tells_each_of_its_cases_with_its_own_verdict() {
-    let page = SITE.iter().find(|file| file.path == "rulings/version.html");
-    let page = std::str::from_utf8(&page.expect("a page").bytes).expect("UTF-8");
+    let ruling = |path| {
+        let page = SITE.iter().find(|file| file.path == path);
+        std::str::from_utf8(&page.expect("a page").bytes).expect("UTF-8")
+    };
+    let says = "Its cases marked lenient";
+    assert!(ruling("rulings/numbers.html").contains(says));
+    assert!(!ruling("rulings/dimensions.html").contains(says));
+    let page = ruling("rulings/version.html");
     for (case, verdict) in [
         ("version-1-1-rgb", "refuse"),
         ("version-1-1-interleaves", "lenient"),
