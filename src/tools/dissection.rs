@@ -370,7 +370,8 @@ fn role(clause: &str, nth: usize, bytes: &[u8], format: Option<Format>) -> Optio
         "2.5/2" => Role::Count,
         "2.5/3" => Role::Table,
         "2.6/2" => Role::Matrix(nth),
-        "2.7/1" => Role::Block(nth),
+        // Bytes that are there, and bytes that are missing.
+        "2.7/1" | "2.7/3" => Role::Block(nth),
         "2.8.1/1" => Role::Indices,
         "2.9.1/1" => Role::Parameter,
         "2.9.2/1" => Role::Transform(nth),
@@ -432,6 +433,18 @@ mod tests {
                     "{format}"
                 );
             }
+        }
+    }
+
+    #[test]
+    fn blocks_that_are_cut_are_shown_as_far_as_they_go() {
+        for format in [Format::Rgb, Format::Lum, Format::Lrgb, Format::PtmLut] {
+            let recipe = Recipe::ordinary(format, "4x3".parse().unwrap());
+            let file = write(&recipe, &Model::paint(&recipe)).bytes;
+            let cut = Dissection::of(&file[..file.len() - 5]);
+            let last = cut.parts.last().unwrap();
+            assert!(matches!(last.role, Role::Block(_)), "{format}");
+            assert_eq!(last.cut_from, Some(last.range.len() as u64 + 5), "{format}");
         }
     }
 
