@@ -1,5 +1,6 @@
 //! Final coefficients that are computed otherwise than (raw − bias) · scale, everywhere or under a condition.
 
+use super::grid::{self, Places};
 use crate::ptm::{Planes, ScaleBias};
 
 /// A stored value, its scale and its bias.
@@ -156,7 +157,7 @@ pub(super) enum FinalRule {
     Under { rule: usize, condition: usize },
     /// Several slips in one expression: places in [`SUMS`], [`LIMITS`], [`SOURCES`] of the bias, [`FACTORS`], and
     /// [`SOURCES`] of the scale.
-    Combined([usize; 5]),
+    Combined(Places<5>),
 }
 
 impl FinalRule {
@@ -172,13 +173,7 @@ impl FinalRule {
             FACTORS.len(),
             SOURCES.len(),
         ];
-        let combined = (1..lengths.iter().product()).map(move |mut place: usize| {
-            FinalRule::Combined(lengths.map(|length| {
-                let digit = place % length;
-                place /= length;
-                digit
-            }))
-        });
+        let combined = grid::all(lengths).map(FinalRule::Combined);
         under.chain(combined)
     }
 

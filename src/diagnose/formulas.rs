@@ -611,7 +611,7 @@ pub(super) fn joint_slips(
 
 /// What each raw coefficient was multiplied by, and how far that may be off: least squares over the samples that are
 /// not clamped. Six weights and a constant.
-fn weights(ptm: &Ptm, bytes: &[u8]) -> Option<([f64; 7], [f64; 7])> {
+pub(super) fn weights(ptm: &Ptm, bytes: &[u8]) -> Option<([f64; 7], [f64; 7])> {
     let mut normal = [[0.0; 8]; 7];
     let mut count = 0;
     for (texel, raw) in ptm.planes.texels().enumerate() {

@@ -1,7 +1,10 @@
 //! Wrong entries of a table: where a decoder looks for an index, and what it makes of it.
 
+use std::sync::LazyLock;
+
 use super::blocks::Block;
 use super::changes::{Change, Values, short};
+use super::grid::{self, Places};
 use super::strides::{Extent, Strides};
 use super::witness::Witness;
 use crate::protocol::frame::Answer;
@@ -13,8 +16,8 @@ use crate::session::observation::Response;
 pub(super) enum Index {
     /// Something of the right one.
     Changed(Change),
-    /// Something of its two bytes.
-    Joined(Join),
+    /// Something of its two bytes: a place in [`JOINS`], one in [`OFFSETS`] and one in [`LIMITS`].
+    Joined(Places<3>),
     /// One of [`RULES`], by its place.
     Rule(usize),
 }
@@ -71,12 +74,35 @@ pub(super) enum Join {
     Product,
 }
 
+/// The right one, and all others that are tried.
+static JOINS: LazyLock<Vec<Join>> = LazyLock::new(|| {
+    std::iter::once(Join::Sum(256))
+        .chain(Join::wrong())
+        .collect()
+});
+
+/// What is added to the index that the bytes make.
+const OFFSETS: &[(&str, i64)] = &[("", 0), (", less 1", -1), (", plus 1", 1)];
+
+/// What becomes of it in a table of n entries, in words and as a function.
+const LIMITS: &[(&str, fn(i64, i64) -> i64)] = &[
+    ("", |i, _| i),
+    (", modulo the number of entries", |i, n| {
+        i.rem_euclid(n.max(1))
+    }),
+    (", at most the last entry", |i, n| i.min(n - 1)),
+    (", at least 0", |i, _| i.max(0)),
+    (", its lowest eight bits", |i, _| i & 255),
+    (", its lowest nine bits", |i, _| i & 511),
+    (", its lowest ten bits", |i, _| i & 1023),
+    (", its lowest twelve bits", |i, _| i & 4095),
+];
+
 impl Join {
-    /// All that are tried.
-    pub fn all() -> impl Iterator<Item = Join> {
+    fn wrong() -> impl Iterator<Item = Join> {
         let shifts = || (0..16).filter(|&bits| bits != 8);
         let sums = shifts().map(|bits| Join::Sum(1 << bits));
-        let factors = [10, 100, 127, 255, 257, 1000].into_iter();
+        let factors = [10, 100, 127, 255, 256, 257, 1000].into_iter();
         let others = [
             Join::SumShifted,
             Join::SumShiftedIn16Bits,
@@ -86,7 +112,12 @@ impl Join {
         ];
         sums.chain(shifts().map(Join::Or))
             .chain([9, 10, 11, 13, 14, 15].map(Join::Bits))
-            .chain(factors.clone().map(Join::Sum))
+            .chain(
+                factors
+                    .clone()
+                    .filter(|&factor| factor != 256)
+                    .map(Join::Sum),
+            )
             .chain(factors.map(Join::Swapped))
             .chain(others)
     }
@@ -129,14 +160,18 @@ impl Index {
         let neighbors = [-1.0, 1.0].map(|offset| Index::Changed(Change::Offset(offset)));
         (neighbors.into_iter())
             .chain((0..RULES.len()).map(Index::Rule))
-            .chain(Join::all().map(Index::Joined))
+            .chain(grid::all([JOINS.len(), OFFSETS.len(), LIMITS.len()]).map(Index::Joined))
     }
 
     fn of(&self, right: u32, entries: usize) -> i64 {
         match self {
             Index::Rule(rule) => RULES[*rule].1(right.into(), entries as i64),
             Index::Changed(change) => change.apply(f64::from(right), Values::Reals) as i64,
-            Index::Joined(join) => join.of(i64::from(right & 0xff), i64::from(right >> 8)),
+            Index::Joined([join, offset, limit]) => {
+                let (low, high) = (i64::from(right & 0xff), i64::from(right >> 8));
+                let joined = JOINS[*join].of(low, high) + OFFSETS[*offset].1;
+                LIMITS[*limit].1(joined, entries as i64)
+            }
         }
     }
 
@@ -153,9 +188,11 @@ impl Index {
                 change.says(Values::Reals)
             ),
             Index::Rule(rule) => format!("looks up {} in the table", RULES[*rule].0),
-            Index::Joined(join) => format!(
-                "joins the two bytes of an index wrongly: {} instead of low + high · 256",
-                join.says()
+            Index::Joined([join, offset, limit]) => format!(
+                "joins the two bytes of an index wrongly: {}{}{} instead of low + high · 256",
+                JOINS[*join].says(),
+                OFFSETS[*offset].0,
+                LIMITS[*limit].0
             ),
         }
     }
@@ -294,7 +331,11 @@ mod tests {
 
     #[test]
     fn bytes_that_are_joined_wrongly_are_told_by_the_expression() {
-        let wrong: [(fn(&[u8]) -> usize, &str); 3] = [
+        let wrong: [(fn(&[u8]) -> usize, &str); 4] = [
+            (
+                |bytes| joined(bytes, |low, high| ((high | low << 8) - 1) & 511),
+                "low · 256 + high, less 1, its lowest nine bits",
+            ),
             (
                 |bytes| joined(bytes, |low, high| (low + high) << 8),
                 "(low + high) · 256",

@@ -8,6 +8,7 @@ use std::cmp::Reverse;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use super::changes::{Change, merged};
+use super::color_rules::ColorRule;
 use super::final_rules::FinalRule;
 use super::indices::Index;
 use super::mistake::Mistake;
@@ -16,6 +17,7 @@ use super::scope::Scope;
 use super::search::{Id, Search, Set, WORD, spread};
 use super::shared::shared;
 use super::solve_file::candidates;
+use super::solve_powers;
 use super::solve_terms;
 use super::solved::{Act, Solved};
 use super::strides::Strides;
@@ -69,7 +71,8 @@ pub(super) fn solve(search: &mut Search, set: &Set, left: &[usize]) -> Vec<Set> 
         .partition(|group| group.len() == 1);
     let known = search.mistakes.len();
     let alone = distinct(alone.into_iter().flatten().collect());
-    let of_terms = solve_terms::candidates(search, set, &pictures);
+    let mut of_terms = solve_terms::candidates(search, set, &pictures);
+    of_terms.extend(solve_powers::candidate(search, set, &pictures));
     let new = alone.into_iter().filter(|act| !is_known(search, act));
     let of_terms = of_terms.into_iter().filter(|act| !is_known(search, act));
     let new: Vec<Act> = new.take(MOST).chain(of_terms).collect();
@@ -112,7 +115,9 @@ fn computed(search: &mut Search, set: &Set, pictures: &[usize]) {
         &finals,
         NumberReader::all().map(Act::Numbers).chain(rules),
     );
-    try_all(search, set, &colors, (0..VARIANTS.len()).map(Act::Variant));
+    let variants = (0..VARIANTS.len()).map(Act::Variant);
+    let rules = ColorRule::all().map(Act::Color);
+    try_all(search, set, &colors, variants.chain(rules));
 }
 
 /// Adds those of `acts` that explain most of the files `of`.

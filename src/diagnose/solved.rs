@@ -2,18 +2,20 @@
 
 use super::blocks::{Block, block_clause, row_clause, texel_clause};
 use super::changes::{Change, Values};
+use super::color_rules::ColorRule;
 use super::final_rules::FinalRule;
 use super::formulas::{Formula, Numbers};
 use super::indices::{Index, look_up, read_indices};
 use super::number_readers::NumberReader;
 use super::scope::Scope;
+use super::solve_powers::Powers;
 use super::strides::{Extent, Strides};
 use super::terms::Terms;
 use super::variants::VARIANTS;
 use super::witness::Witness;
-use crate::evaluate;
+use crate::evaluate::{self, Coefficients};
 use crate::misreadings::{self, misread};
-use crate::protocol::frame::{Answer, Frame, Samples, View};
+use crate::protocol::frame::{Answer, Frame, Light, Samples, View};
 use crate::ptm::{Format, Ptm, Shape, channel_name};
 use crate::reading::Reading;
 
@@ -50,6 +52,10 @@ pub(super) enum Act {
     Terms(Terms),
     /// Final values are computed otherwise.
     Rule(FinalRule),
+    /// The polynomial is another.
+    Powers(Powers),
+    /// Colors are computed otherwise.
+    Color(ColorRule),
     /// A formula is another, by its place among the variants.
     Variant(usize),
     /// One number of a formula is another, in words.
@@ -175,6 +181,8 @@ impl Act {
             | Act::Rule(_)
             | Act::Slip(Formula::Final, _) => *view != View::Raw,
             Act::Slip(..)
+            | Act::Powers(_)
+            | Act::Color(_)
             | Act::Variant(_)
             | Act::PartlyShown { .. }
             | Act::PartlySlipped { .. }
@@ -326,6 +334,8 @@ impl Act {
             Act::Numbers(reader) => reader.says(),
             Act::Terms(terms) => terms.says(),
             Act::Rule(rule) => rule.says(),
+            Act::Powers(powers) => powers.says(),
+            Act::Color(rule) => rule.says(),
             Act::Variant(variant) => VARIANTS[*variant].says.to_owned(),
             Act::Slip(_, says) => format!("computes values as if {says}"),
             Act::Partly { slug, channels } => format!("{}{}", effect(slug), channels.says()),
@@ -356,6 +366,8 @@ impl Act {
                 "take colors, Cr and Cb as they are stored: they have neither scale nor bias"
             }
             Act::Final { .. } | Act::Terms(_) | Act::Rule(_) => Formula::Final.fix(),
+            Act::Powers(_) => Formula::Polynomial.fix(),
+            Act::Color(rule) => rule.formula().fix(),
             Act::Variant(variant) => VARIANTS[*variant].formula.fix(),
             Act::Numbers(_) => {
                 "read numbers as decimal numbers: a sign, digits, a point and digits, an exponent; a library function does"
@@ -378,6 +390,8 @@ impl Act {
             }
             Act::Final { channels, .. } if channels.is_of_colors() => Some("2.4/9"),
             Act::Final { .. } | Act::Terms(_) | Act::Rule(_) => Some("2.4/8"),
+            Act::Powers(_) => Some(Formula::Polynomial.clause()),
+            Act::Color(rule) => Some(rule.formula().clause()),
             Act::Variant(variant) => Some(VARIANTS[*variant].formula.clause()),
             Act::Numbers(reader) => Some(reader.clause()),
             Act::Shown { .. } => Some("1.0/1"),
@@ -467,7 +481,7 @@ pub(super) fn values(acts: &[&Act], ptm: &Ptm, view: &View, reading: &Reading) -
             act.change_finals(&mut finals.values, ptm.planes.shape);
         }
         match view {
-            View::Rgb(light) => evaluate::evaluate(&finals, light.lu, light.lv, reading).values,
+            View::Rgb(light) => colors(acts, finals, light, reading),
             _ => finals.values,
         }
     } else {
@@ -507,6 +521,25 @@ pub(super) fn values(acts: &[&Act], ptm: &Ptm, view: &View, reading: &Reading) -
         }
     }
     values
+}
+
+/// The colors that final values have under a light, not rounded.
+fn colors(acts: &[&Act], mut finals: Coefficients, light: &Light, reading: &Reading) -> Vec<f64> {
+    let mut rule = None;
+    for act in acts {
+        match act {
+            Act::Powers(powers) => {
+                let light = (reading.light)(light.lu, light.lv);
+                powers.apply(&mut finals.values, finals.shape, light);
+            }
+            Act::Color(one) => rule = Some(one),
+            _ => {}
+        }
+    }
+    match rule {
+        Some(rule) => rule.colors(&finals, light, reading),
+        None => evaluate::evaluate(&finals, light.lu, light.lv, reading).values,
+    }
 }
 
 /// Takes some colors from another picture.
