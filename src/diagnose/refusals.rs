@@ -4,6 +4,7 @@ use super::diagnosis::{Category, Diagnosis, Words};
 use super::failure_mode::FailureMode;
 use super::shared::shared;
 use super::witness::Witness;
+use crate::kit::last_words::last_words;
 use crate::misreadings::Misreading;
 use crate::ptm::Format;
 use crate::session::observation::Response;
@@ -240,12 +241,9 @@ pub(super) fn example(witnesses: &[Witness], of: &[usize]) -> String {
         .min_by_key(|witness| witness.built.file.len())
         .expect("a diagnosis explains at least one case");
     let stderr = &smallest.observation.stderr;
-    let words = match stderr.lines().last() {
-        Some(line) if !line.is_empty() => format!("; its standard error ends: {line}"),
-        _ => String::new(),
-    };
-    format!(
-        "for example {}: {}{words}",
-        smallest.case.id, smallest.case.because
-    )
+    let because = smallest.case.because.trim_end_matches('.');
+    let words = last_words(stderr).map_or(String::new(), |line| {
+        format!("; its standard error ends: {line}")
+    });
+    format!("for example {}: {because}{words}", smallest.case.id)
 }

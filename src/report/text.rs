@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
+use crate::kit::last_words::last_words;
 use crate::report::document::{CaseResult, DecoderInfo, FollowedReading, LikelyCause, Report};
 use crate::report::leniency::Leniency;
 use crate::report::words::{how_it_is_called, known_words};
@@ -212,7 +213,7 @@ impl<C: TestCase> Page<'_, C> {
             }
         }
         let stderr = case.stderr.as_ref();
-        match stderr.and_then(|stderr| stderr.lines().last()) {
+        match stderr.and_then(|stderr| last_words(stderr)) {
             Some(line) => writeln!(out, "    its standard error ends: {line}"),
             None => Ok(()),
         }

@@ -1,5 +1,6 @@
 //! Walks the author of a writer through the contract: one request of each format, and what is wrong with each file.
 
+use crate::kit::last_words::last_words;
 use crate::misreadings::writing;
 use crate::protocol::frame::Answer;
 use crate::runner::run::{Decoder, Reply, Request};
@@ -106,8 +107,7 @@ fn explain(reply: &Reply<WrittenFile>) -> (String, &'static str) {
         _ => "run it by hand from another directory",
     };
     let what = reply.answer.violation().unwrap_or(reply.answer.name());
-    let last = reply.stderr.lines().last();
-    let last = last.map_or(String::new(), |line| {
+    let last = last_words(&reply.stderr).map_or(String::new(), |line| {
         format!("\nits standard error ends: {line}")
     });
     (format!("{what}{last}"), next)

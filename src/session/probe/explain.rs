@@ -1,5 +1,6 @@
 //! What an answer that is no frame means, and what to do about it.
 
+use crate::kit::last_words::last_words;
 use crate::protocol::frame::Answer;
 use crate::runner::run::Reply;
 
@@ -12,16 +13,15 @@ pub(super) fn briefly(answer: &Answer) -> String {
 }
 
 /// The last line of its standard error, as a line of its own.
-fn last_words(reply: &Reply) -> String {
-    let last = reply.stderr.lines().last();
-    last.map_or(String::new(), |line| {
+fn its_last_words(reply: &Reply) -> String {
+    last_words(&reply.stderr).map_or(String::new(), |line| {
         format!("\nits standard error ends: {line}")
     })
 }
 
 /// An answer that is no frame, and what to do about it.
 pub(super) fn explain(reply: &Reply) -> (String, String) {
-    let stderr = last_words(reply);
+    let stderr = its_last_words(reply);
     let next = match &reply.answer {
         Answer::ProtocolError(_) => return protocol_error(reply),
         Answer::Crashed(_) => match reply.exit {
@@ -93,7 +93,7 @@ fn protocol_error(reply: &Reply) -> (String, String) {
 
 /// What it means that a malformed file was not refused.
 pub(super) fn not_refused(reply: &Reply) -> (String, String) {
-    let stderr = last_words(reply);
+    let stderr = its_last_words(reply);
     match (&reply.answer, reply.exit) {
         (Answer::Decoded(_), _) => (
             "it prints a frame all the same".to_owned(),

@@ -1,0 +1,32 @@
+//! What a program that crashed said last.
+
+/// What interpreters add after it: where it happened, which version they are, what else could be tried.
+const AFTERWORDS: [&str; 4] = ["at ", "Node.js v", "note: ", "}"];
+
+/// The last line of a standard error that says what happened; nothing if it has none.
+pub(crate) fn last_words(stderr: &str) -> Option<&str> {
+    let lines = stderr.lines().rev().map(str::trim_end);
+    let mut said = lines.clone().filter(|line| !line.is_empty());
+    let is_afterword = |line: &&str| {
+        let line = line.trim_start();
+        AFTERWORDS.iter().any(|word| line.starts_with(word))
+    };
+    said.find(|line| !is_afterword(line))
+        .or_else(|| lines.clone().find(|line| !line.is_empty()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::last_words;
+
+    #[test]
+    fn an_error_is_quoted_and_not_what_an_interpreter_adds() {
+        let node = "dec.js:3\n  f();\n  ^\n\nTypeError: f is not a function\n    at main (dec.js:3:5)\n\nNode.js v20.20.2\n";
+        assert_eq!(last_words(node), Some("TypeError: f is not a function"));
+        let python =
+            "Traceback (most recent call last):\n  File \"d.py\", line 1\nValueError: bad\n";
+        assert_eq!(last_words(python), Some("ValueError: bad"));
+        assert_eq!(last_words("\n"), None);
+        assert_eq!(last_words("note: this is all"), Some("note: this is all"));
+    }
+}
