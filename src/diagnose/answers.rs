@@ -4,10 +4,12 @@ use std::borrow::Cow;
 
 use super::mistake::Mistake;
 use super::solved::{self, Act};
+use super::stream_slips::StreamSlip;
 use super::witness::{Witness, applies};
 use crate::misreadings::{self, Misreading, Stage};
 use crate::protocol::frame::{Answer, View};
 use crate::ptm::Ptm;
+use crate::reading::Reading;
 use crate::session::observation::Response;
 
 impl Witness<'_> {
@@ -18,14 +20,29 @@ impl Witness<'_> {
         if acts.is_empty() {
             return self.answer_of_listed(&listed);
         }
-        match self.planes(mistakes) {
+        let answer = match self.planes(mistakes) {
             Ok(ptm) => {
                 let reading = misreadings::misread(&listed, self.reading);
                 let view = &self.observation.view;
-                Cow::Owned(Answer::Decoded(solved::frame(&acts, &ptm, view, &reading)))
+                Answer::Decoded(solved::frame(&acts, &ptm, view, &reading))
             }
-            Err(answer) => Cow::Owned(answer),
+            Err(answer) => answer,
+        };
+        match slip_of(&acts) {
+            Some(slip) if slip.acts_on(self) => self.out_of_step(slip, answer),
+            _ => Cow::Owned(answer),
         }
+    }
+
+    /// A decoder that is out of step with a stream shows nonsense of some kind or gives up.
+    fn out_of_step(&self, slip: StreamSlip, made: Answer) -> Cow<'_, Answer> {
+        Cow::Owned(match &self.observation.response {
+            Response::Picture {
+                frame: Some(shown), ..
+            } if self.failed && slip.is_shown(self, shown) => Answer::Decoded(shown.clone()),
+            Response::Picture { .. } => made,
+            _ => Answer::Rejected,
+        })
     }
 
     /// What of these mistakes the catalog lists and is made in this file.
@@ -48,8 +65,16 @@ impl Witness<'_> {
 
     /// The stored values that a decoder with these mistakes finds; what it answers where it finds none.
     pub fn planes(&self, mistakes: &[&Mistake]) -> Result<Ptm, Answer> {
-        let mut ptm = self.misread(&self.listed(mistakes))?;
-        for act in self.acts(mistakes) {
+        let acts = self.acts(mistakes);
+        let reading = match slip_of(&acts) {
+            Some(slip) if slip.acts_on(self) => Reading {
+                stream: slip.stream(),
+                ..self.reading
+            },
+            _ => self.reading,
+        };
+        let mut ptm = self.misread(&self.listed(mistakes), reading)?;
+        for act in acts {
             act.apply(&mut ptm, self)?;
         }
         Ok(ptm)
@@ -62,7 +87,10 @@ impl Witness<'_> {
             Mistake::Narrow(_, scope) if !scope.holds(self) => return false,
             Mistake::Listed(misreading) | Mistake::Narrow(misreading, _) => misreading,
             Mistake::Solved(solved) => {
-                return solved.act.shows_in(view) && solved.scope.holds(self);
+                let is_of = |slip: StreamSlip| slip.is_of(self.case.format());
+                return solved.act.shows_in(view)
+                    && solved.scope.holds(self)
+                    && slip_of(&[&solved.act]).is_none_or(is_of);
             }
         };
         let last = match view {
@@ -86,4 +114,12 @@ impl Witness<'_> {
         };
         self.concerns(mistake) && (!refused || may_refuse())
     }
+}
+
+/// The slip in the decoder of streams, if there is one among these.
+fn slip_of(acts: &[&Act]) -> Option<StreamSlip> {
+    acts.iter().find_map(|act| match act {
+        Act::Stream(slip) => Some(*slip),
+        _ => None,
+    })
 }

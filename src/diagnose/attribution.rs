@@ -1,15 +1,17 @@
 //! What each of the mistakes found explains.
 
 use super::diagnosis::{Category, Cause, Diagnosis, Words};
+use super::formats::formats_of;
 use super::mistake::Mistake;
 use super::pictures;
 use super::refusals::{self, WholeFormats};
 use super::scope::Scope;
 use super::search::{Found, Id, Member, Search, Set, of};
-use super::solved::Solved;
-use super::witness::Agreement;
+use super::solved::{Act, Solved};
 use crate::misreadings::{Misreading, Symptom};
-use crate::ptm::Format;
+
+/// Formats that are named beside a mistake.
+const FORMATS: usize = 4;
 
 /// What a mistake explains by itself or as the last of several, and the others.
 #[derive(Clone, Default)]
@@ -147,7 +149,8 @@ fn of_solved(search: &Search, solved: &Solved, share: &Share) -> Diagnosis {
     let witnesses = search.witnesses;
     let smallest = pictures::smallest(witnesses, &share.explains);
     let scope = match solved.scope.says() {
-        says if says.is_empty() => formats_of(search, &share.explains),
+        _ if matches!(solved.act, Act::Stream(_)) => String::new(),
+        says if says.is_empty() => formats_of(search.witnesses, &share.explains, FORMATS),
         says => format!(", in every file {says}"),
     };
     let words = Words {
@@ -166,28 +169,9 @@ fn of_solved(search: &Search, solved: &Solved, share: &Share) -> Diagnosis {
     }
 }
 
-/// ", in files of RGB", where a mistake that is made everywhere shows in some formats only.
-fn formats_of(search: &Search, of: &[usize]) -> String {
-    let shown = |format: &Format| {
-        let mut of = of.iter();
-        of.any(|&w| search.witnesses[w].case.format() == *format)
-    };
-    let formats: Vec<Format> = Format::ALL.into_iter().filter(shown).collect();
-    let names: Vec<&str> = formats.iter().map(|format| format.short_name()).collect();
-    match names.len() {
-        1..=4 => format!(", in files of {}", names.join(", ")),
-        _ => String::new(),
-    }
-}
-
 /// Which of `set` explain a failure: one alone, or those that cannot be missed; none if all together do not.
 fn needed(search: &Search, w: usize, set: &[Id]) -> Vec<usize> {
-    let explained = |set: &[Id]| {
-        matches!(
-            search.agreement(w, set),
-            Agreement::Picture | Agreement::Word | Agreement::Crash
-        )
-    };
+    let explained = |set: &[Id]| search.agreement(w, set).explains();
     if let Some(alone) = (0..set.len()).find(|&member| explained(&[set[member]])) {
         return vec![alone];
     }

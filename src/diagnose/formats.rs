@@ -58,3 +58,17 @@ const fn clause(format: Format) -> &'static str {
         _ => "2.9/1",
     }
 }
+
+/// ", in files of RGB", where a mistake that is made everywhere shows in at most so many formats.
+pub(super) fn formats_of(witnesses: &[Witness], of: &[usize], most: usize) -> String {
+    let shown = |format: &Format| {
+        let mut of = of.iter();
+        of.any(|&w| witnesses[w].case.format() == *format)
+    };
+    let formats: Vec<Format> = Format::ALL.into_iter().filter(shown).collect();
+    let names: Vec<&str> = formats.iter().map(|format| format.short_name()).collect();
+    match (1..=most).contains(&names.len()) {
+        true => format!(", in files of {}", names.join(", ")),
+        false => String::new(),
+    }
+}

@@ -1,9 +1,10 @@
 //! Wrong pictures of unknown cause: how they differ, and where.
 
 use super::arithmetic::arithmetic;
-use super::blocks::{Block, block_clause};
+use super::blocks::{Block, block_clause, texel_clause};
 use super::changes::short;
 use super::diagnosis::{Category, Diagnosis, Words};
+use super::formats::formats_of;
 use super::formulas::single_slips;
 use super::numbers::{self, OTHER_BIAS, OTHER_SCALE};
 use super::pair::Pair;
@@ -27,6 +28,8 @@ const TRANSFORM: f64 = 4.0;
 const FEWEST: usize = 3;
 /// Ways to differ that are told apart; what is beyond, or true of few, is said together.
 const WAYS: usize = 6;
+/// Formats that are named where wrong pictures share nothing else.
+const FORMATS: usize = 2;
 /// Diagnoses of pictures of which nothing is said but that they are wrong, and where.
 const MOST_GROUPS: usize = 12;
 
@@ -110,7 +113,12 @@ fn alike_in_place(search: &Search, left: &[usize], said: &[Said], open: &[usize]
 /// A way to differ, in words.
 fn difference(search: &Search, of: &[usize], what: &str) -> Diagnosis {
     let witnesses = search.witnesses;
-    let fix = match witnesses[of[0]].observation.view {
+    let smallest = smallest(witnesses, of);
+    let is_compressed = witnesses[smallest].case.format().is_compressed();
+    let fix = match witnesses[smallest].observation.view {
+        View::Raw if is_compressed => {
+            "follow this sample by hand: the stream of its plane, the plane that it is predicted from, and only then side information"
+        }
         View::Raw => "compare these bytes of the example with what is read there",
         View::Coef => "follow scale and bias of this value by hand",
         View::Rgb(_) => {
@@ -118,9 +126,9 @@ fn difference(search: &Search, of: &[usize], what: &str) -> Diagnosis {
         }
     };
     let words = Words {
-        effect: format!("shows {what}{}; the cause is unknown", files(witnesses, of)),
+        effect: format!("shows {what}{}; the cause is unknown", files(search, of)),
         fix: fix.to_owned(),
-        example: example(search, smallest(witnesses, of)),
+        example: example(search, smallest),
     };
     let diagnosis = Diagnosis::described(Category::Difference, witnesses, of, words);
     let format = witnesses[of[0]].case.format();
@@ -128,7 +136,7 @@ fn difference(search: &Search, of: &[usize], what: &str) -> Diagnosis {
         _ if what.starts_with(OTHER_BIAS) => Some("2.4/4"),
         _ if what.starts_with(OTHER_SCALE) => Some("2.4/3"),
         _ if what.starts_with(ELSEWHERE) => block_clause(format, Block::All),
-        _ => values_of(witnesses, of),
+        _ => stored_values_of(search, of).or_else(|| values_of(witnesses, of)),
     };
     match clause {
         Some(clause) => diagnosis.about(clause),
@@ -137,7 +145,8 @@ fn difference(search: &Search, of: &[usize], what: &str) -> Diagnosis {
 }
 
 /// What these files share, and none that is shown right has.
-fn files(witnesses: &[Witness], of: &[usize]) -> String {
+fn files(search: &Search, of: &[usize]) -> String {
+    let witnesses = search.witnesses;
     let is_right = |w: &usize| {
         let witness = &witnesses[*w];
         !witness.failed
@@ -158,7 +167,27 @@ fn files(witnesses: &[Witness], of: &[usize]) -> String {
             shared.of.len(),
             of.len()
         ),
-        _ => String::new(),
+        _ => formats_of(witnesses, of, FORMATS),
+    }
+}
+
+/// Where stored values of a file without streams are wrong, the clause that places them.
+fn stored_values_of(search: &Search, of: &[usize]) -> Option<&'static str> {
+    let raw = of.iter().find(|&&w| {
+        let witness = &search.witnesses[w];
+        witness.observation.view == View::Raw && !witness.case.format().is_compressed()
+    })?;
+    let format = search.witnesses[*raw].case.format();
+    let pair = pair_of(search, &[], *raw)?;
+    let is_of_colors = pair.wrong().iter().all(|i| i % pair.channels >= 6);
+    let block = if is_of_colors {
+        Block::Colors
+    } else {
+        Block::All
+    };
+    match (format, is_of_colors) {
+        (Format::PtmLut, false) => texel_clause(format),
+        _ => block_clause(format, block).or(texel_clause(format)),
     }
 }
 
@@ -221,6 +250,10 @@ pub(super) fn is_near(search: &Search, w: usize, set: &[Id], member: Id) -> bool
     };
     if with == without {
         return false;
+    }
+    let solved = search.mistakes[member].solved();
+    if solved.is_some_and(|solved| solved.act.is_of_streams(witness.case.format())) {
+        return true;
     }
     match &witness.observation.response {
         Response::Picture {

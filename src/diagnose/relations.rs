@@ -1,6 +1,6 @@
 //! How the wrong samples of a picture differ from what they should be: all that is true of every one of them.
 
-use super::changes::{Change, Values};
+use super::changes::{Change, Values, short};
 use super::pair::Pair;
 
 /// Rows or columns of which is told which one they show.
@@ -102,6 +102,13 @@ pub(super) fn in_words(pair: &Pair) -> Option<String> {
     ))
 }
 
+/// "other values where 0 belongs", if one value is expected wherever a wrong one stands.
+fn one_expected(pairs: &[(f64, f64)]) -> Option<String> {
+    let (first, _) = pairs.first()?;
+    let is_first = |(want, _): &(f64, f64)| want == first;
+    (pairs.iter().all(is_first)).then(|| format!("other values where {} belongs", short(*first)))
+}
+
 fn by_two(pairs: &[(f64, f64)]) -> bool {
     pairs.iter().all(|(want, got)| (got - want).abs() <= 2.0)
 }
@@ -120,5 +127,6 @@ pub(super) fn relations(pair: &Pair) -> Vec<String> {
     let mut says: Vec<String> = named.map(|change| change.says(values)).collect();
     let holding = RELATIONS.iter().filter(|(_, holds)| holds(pair, &pairs));
     says.extend(holding.map(|(words, _)| (*words).to_owned()));
+    says.extend(one_expected(&pairs));
     says
 }

@@ -91,6 +91,8 @@ pub(super) struct Search<'a> {
     stop: &'a AtomicBool,
     /// Answers that were made so far; those of large maps count more.
     effort: AtomicUsize,
+    /// How often slips in the decoders of streams were looked for.
+    pub looked_for_slips: usize,
     /// The same, each counted once.
     answered: AtomicUsize,
     /// Cases that the decoder passes, the smallest first.
@@ -140,6 +142,7 @@ impl<'a> Search<'a> {
             threads,
             stop,
             effort: AtomicUsize::new(0),
+            looked_for_slips: 0,
             answered: AtomicUsize::new(0),
             together: Mutex::new(HashMap::new()),
             faults: Mutex::new(Vec::new()),

@@ -9,9 +9,12 @@ use std::collections::HashMap;
 /// Room for features: each is a bit. So many are of the place itself, and as many of the place or the one before it.
 const WORDS: usize = 5;
 const ROOM: usize = 64 * WORDS;
-/// For one refused file that lacks the feature there must be so many that have it. Of wrong places it need only be most: what
-/// goes wrong may show later.
+/// For one refused file that lacks the feature there must be so many that have it, and for one wrong place so many: what goes
+/// wrong may show later.
 const NEARLY_ALL: usize = 20;
+const MOST: usize = 4;
+/// For one wrong place that has it there may be so many right ones; more would be no rule.
+const OFTEN: usize = 4;
 /// So much rarer has a feature to be in refused files to be said before one that divides as well.
 const RARER: usize = 2;
 /// A feature is said where one in so many suites would have such a one by chance.
@@ -145,8 +148,10 @@ impl Separation {
             |[with, without]: [usize; 2]| (with as f64 + 0.5) / ((with + without) as f64 + 1.0);
         let chance = share(self.right).powi(self.wrong[0] as i32)
             * share(self.read).powi(self.refused[0] as i32);
-        self.wrong[0] + self.refused[0] >= FEWEST
-            && self.wrong[1] <= self.wrong[0]
+        let is_of_places = self.wrong[0] >= FEWEST && self.wrong[0] * OFTEN >= self.right[0];
+        let is_of_files = self.refused[0] >= FEWEST && self.read[0] <= self.refused[0] / 2;
+        (is_of_places || is_of_files)
+            && self.wrong[1] * MOST <= self.wrong[0]
             && self.refused[1] * NEARLY_ALL <= self.refused[0]
             && chance * count as f64 * CHANCE < 1.0
     }

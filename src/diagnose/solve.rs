@@ -9,6 +9,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use super::changes::{Change, merged};
 use super::color_rules::ColorRule;
+use super::failure_mode::FailureMode;
 use super::final_rules::FinalRule;
 use super::indices::Index;
 use super::mistake::Mistake;
@@ -20,11 +21,15 @@ use super::solve_file::candidates;
 use super::solve_powers;
 use super::solve_terms;
 use super::solved::{Act, Solved};
+use super::stream_evidence::CODECS;
+use super::stream_slips::StreamSlip;
 use super::strides::Strides;
+use super::table_layouts::TableLayout;
 use super::variants::VARIANTS;
 use super::witness::Agreement;
 use crate::misreadings::Stage;
 use crate::protocol::frame::{Answer, View};
+use crate::suite::cases::Expect;
 
 /// Fewer pictures than these tell nothing that could be held against others.
 const FEWEST: usize = 2;
@@ -42,12 +47,20 @@ const FIRST_FINALISTS: usize = 100;
 const FEW_FINALISTS: usize = 6;
 /// Mistakes of the catalog of which is solved where they are made.
 const NARROW: usize = 12;
+/// Files of a codec that every slip in its decoder is tried on, and those that are tried on more; and the slips that are
+/// held against all files.
+const FIRST_STREAMS: usize = 4;
+const STREAMS: usize = 12;
+const FEW_SLIPS: usize = 3;
+/// More slips in decoders of streams than these are not looked for.
+const SLIPS: usize = 2;
 /// Samples of all these files together.
 const SAMPLES: usize = 1 << 18;
 
 /// Adds to the mistakes of `search` those that explain some of `left` beside `set`. Returns those that are made together.
 pub(super) fn solve(search: &mut Search, set: &Set, left: &[usize]) -> Vec<Set> {
     looked_up(search, set, left);
+    slipped(search, set, left);
     let pictures = search.solvable(left);
     if pictures.len() < FEWEST {
         return Vec::new();
@@ -97,7 +110,45 @@ pub(super) fn solve(search: &mut Search, set: &Set, left: &[usize]) -> Vec<Set> 
 fn looked_up(search: &mut Search, set: &Set, left: &[usize]) {
     let has_table = |w: &usize| search.witnesses[*w].case.format().has_table();
     let tables: Vec<usize> = left.iter().copied().filter(has_table).collect();
-    try_all(search, set, &tables, Index::all().map(Act::Index));
+    let layouts = TableLayout::all().map(Act::Table);
+    try_all(
+        search,
+        set,
+        &tables,
+        layouts.chain(Index::all().map(Act::Index)),
+    );
+}
+
+/// Adds slips in the decoders of streams. One picture at least has to be just so: many things end in a refusal.
+fn slipped(search: &mut Search, set: &Set, left: &[usize]) {
+    search.looked_for_slips += 1;
+    if search.looked_for_slips > SLIPS {
+        return;
+    }
+    let is_legal = |w: &usize| search.witnesses[*w].case.expect == Expect::Decode;
+    for formats in CODECS.map(|codec| codec.formats) {
+        let is_of = |w: &usize| formats.contains(&search.witnesses[*w].case.format());
+        let of: Vec<usize> = (left.iter().copied())
+            .filter(|w| is_of(w) && is_legal(w))
+            .collect();
+        let mut pictures = search.smallest(&search.solvable(&of), SAMPLES);
+        pictures.truncate(STREAMS);
+        let slips = StreamSlip::all().filter(|slip| slip.is_of(formats[0]));
+        let new: Vec<Act> = slips
+            .map(Act::Stream)
+            .filter(|act| !is_known(search, act))
+            .collect();
+        let known = search.mistakes.len();
+        // A slip shows in the smallest of them too.
+        let first = &pictures[..pictures.len().min(FIRST_STREAMS)];
+        let first = finalists(search, set, first, new, (FIRST_FINALISTS, WORD + 1));
+        search.truncate(known);
+        let best = finalists(search, set, &pictures, first, (FEW_SLIPS, WORD + 1));
+        search.truncate(known);
+        for act in best {
+            add(search, set, &of, act);
+        }
+    }
 }
 
 /// Adds wrong ways to read numbers and to compute, where values are computed.
@@ -253,7 +304,7 @@ fn add(search: &mut Search, set: &Set, pictures: &[usize], act: Act) {
             .filter(|scope| !(scope.is_of_light() && act.shows_in(&View::Coef)))
             .filter(|scope| !scope.is_of_bytes() || act.shows_in(&View::Raw))
             // A header is read alike whatever follows it.
-            .filter(|_| !matches!(act, Act::Numbers(_)))
+            .filter(|_| !matches!(act, Act::Numbers(_) | Act::Stream(_)))
             .filter(|scope| matches!(scope, Scope::Formats(_)) || !act.is_of_few_values()),
     };
     let acting = search.each(pictures, |&w| {
@@ -262,7 +313,19 @@ fn add(search: &mut Search, set: &Set, pictures: &[usize], act: Act) {
     });
     let acting = acting.into_iter().filter(|acts| *acts).count();
     let is_picture = |&w: &usize| search.agreement(w, &with) == Agreement::Picture;
-    let seen = of.iter().any(is_picture);
+    let seen = match act {
+        // Of the pictures of stored values that a slip changes, most are what it makes of them.
+        Act::Stream(slip) => {
+            let stored = pictures.iter().copied().filter(|&w| {
+                let witness = &search.witnesses[w];
+                let is_shown = FailureMode::of(witness).is_none();
+                is_shown && witness.observation.view == View::Raw && slip.acts_on(witness)
+            });
+            let (same, other): (Vec<usize>, Vec<usize>) = stored.partition(is_picture);
+            same.len() > other.len()
+        }
+        _ => of.iter().any(is_picture),
+    };
     search.truncate(id);
     let is_shown = is_shown(search, &of, acting, scope.as_ref());
     // Many things end in a refusal: one picture at least has to be just so.

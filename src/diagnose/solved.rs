@@ -7,9 +7,11 @@ use super::final_rules::FinalRule;
 use super::formulas::{Formula, Numbers};
 use super::indices::{Index, look_up, read_indices};
 use super::number_readers::NumberReader;
+use super::powers::Powers;
 use super::scope::Scope;
-use super::solve_powers::Powers;
+use super::stream_slips::StreamSlip;
 use super::strides::{Extent, Strides};
+use super::table_layouts::TableLayout;
 use super::terms::Terms;
 use super::variants::VARIANTS;
 use super::witness::Witness;
@@ -42,10 +44,14 @@ pub(super) enum Act {
     },
     /// Other indices into the table are looked up.
     Index(Index),
+    /// Tables are read otherwise.
+    Table(TableLayout),
     /// Stored values are changed.
     Stored { channels: Channels, change: Change },
     /// Final values are changed.
     Final { channels: Channels, change: Change },
+    /// Streams are decoded with a slip.
+    Stream(StreamSlip),
     /// Numbers of the header are read otherwise.
     Numbers(NumberReader),
     /// Other scales and biases are used.
@@ -191,6 +197,11 @@ impl Act {
         }
     }
 
+    /// Whether it is a slip in the decoder of the streams of these files.
+    pub fn is_of_streams(&self, format: Format) -> bool {
+        matches!(self, Act::Stream(slip) if slip.is_of(format))
+    }
+
     /// Whether it says of single values what becomes of them: in few files that may be chance.
     pub const fn is_of_few_values(&self) -> bool {
         matches!(
@@ -238,6 +249,7 @@ impl Act {
             Act::Block { block, strides } => read_block(ptm, witness, *block, strides),
             Act::Texels { channels, strides } => move_texels(ptm, channels, strides),
             Act::Index(index) => look_up(ptm, witness, index)?,
+            Act::Table(layout) => layout.apply(ptm, witness),
             Act::Numbers(reader) => reader.apply(ptm, witness),
             Act::Partly { slug, channels } => misread_in(ptm, witness, slug, channels),
             Act::Stored { channels, change } => {
@@ -257,6 +269,7 @@ impl Act {
         matches!(
             self,
             Act::Index(_)
+                | Act::Stream(_)
                 | Act::Block {
                     block: Block::Indices,
                     ..
@@ -317,6 +330,7 @@ impl Act {
                 format!("{}{}", strides.says_of_texels(), channels.says())
             }
             Act::Index(index) => index.says(),
+            Act::Table(layout) => layout.says().to_owned(),
             Act::Stored { channels, change } => {
                 format!(
                     "shows stored values wrong: {}{}",
@@ -331,6 +345,7 @@ impl Act {
                     channels.says()
                 )
             }
+            Act::Stream(slip) => slip.says(),
             Act::Numbers(reader) => reader.says(),
             Act::Terms(terms) => terms.says(),
             Act::Rule(rule) => rule.says(),
@@ -361,6 +376,7 @@ impl Act {
                 "compute the place of a value as row · width · channels + column · channels + channel, rows from the bottom of the picture"
             }
             Act::Index(index) => index.fix(),
+            Act::Table(layout) => layout.fix(),
             Act::Stored { .. } => "stored values are bytes from 0 to 255; take them as they are",
             Act::Final { channels, .. } if channels.is_of_colors() => {
                 "take colors, Cr and Cb as they are stored: they have neither scale nor bias"
@@ -369,6 +385,7 @@ impl Act {
             Act::Powers(_) => Formula::Polynomial.fix(),
             Act::Color(rule) => rule.formula().fix(),
             Act::Variant(variant) => VARIANTS[*variant].formula.fix(),
+            Act::Stream(slip) => slip.fix(),
             Act::Numbers(_) => {
                 "read numbers as decimal numbers: a sign, digits, a point and digits, an exponent; a library function does"
             }
@@ -393,6 +410,7 @@ impl Act {
             Act::Powers(_) => Some(Formula::Polynomial.clause()),
             Act::Color(rule) => Some(rule.formula().clause()),
             Act::Variant(variant) => Some(VARIANTS[*variant].formula.clause()),
+            Act::Stream(_) => Some("2.9.8/3"),
             Act::Numbers(reader) => Some(reader.clause()),
             Act::Shown { .. } => Some("1.0/1"),
             Act::Channels(_) | Act::Coefficients(_) => texel_clause(format),
@@ -406,6 +424,7 @@ impl Act {
             }
             Act::Block { block, .. } => block_clause(format, *block),
             Act::Index(index) => Some(index.clause()),
+            Act::Table(layout) => Some(layout.clause(format)),
             _ => None,
         }
     }
@@ -557,7 +576,7 @@ fn misread_in(ptm: &mut Ptm, witness: &Witness, slug: &str, channels: &Channels)
         return;
     };
     let count = ptm.planes.shape.channels();
-    match witness.misread(&[misreading]) {
+    match witness.misread(&[misreading], witness.reading) {
         Ok(other) if other.planes.samples.len() == ptm.planes.samples.len() => {
             let pairs = ptm.planes.samples.iter_mut().zip(other.planes.samples);
             for (i, (sample, other)) in pairs.enumerate() {

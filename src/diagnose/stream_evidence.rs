@@ -129,7 +129,7 @@ fn of_file(search: &Search, set: &[Id], codec: &Codec, w: usize) -> Evidence {
         let columns = size.0.div_ceil(codec.side);
         let first = first.map(|first| first.row / codec.side * columns + first.column / codec.side);
         let is_known =
-            !is_refused && is_of_stream(witness, plane) && !(witness.failed && is_rgb(witness));
+            !is_refused && witness.is_of_stream(plane) && !(witness.failed && is_rgb(witness));
         for &one in features.iter().take(first.unwrap_or(features.len())) {
             if is_known {
                 *evidence.right.entry(one).or_default() += 1;
@@ -153,14 +153,6 @@ fn is_rgb(witness: &Witness) -> bool {
     matches!(witness.observation.view, View::Rgb(_))
 }
 
-/// Whether nothing but its stream makes a plane.
-fn is_of_stream(witness: &Witness, plane: usize) -> bool {
-    let coded = witness.model().and_then(|model| model.compressed.as_ref());
-    coded.is_some_and(|coded| {
-        coded.plan.reference(plane).is_none() && coded.planes[plane].records.is_empty()
-    })
-}
-
 /// Where each such plane first comes out wrong, of a picture that was received.
 pub(super) fn firsts(search: &Search, set: &[Id], codec: &Codec, w: usize) -> Vec<First> {
     let witness = &search.witnesses[w];
@@ -170,7 +162,7 @@ pub(super) fn firsts(search: &Search, set: &[Id], codec: &Codec, w: usize) -> Ve
     let Some(pair) = pictures::pair_of(search, set, w) else {
         return Vec::new();
     };
-    let of_stream = (0..pair.channels).filter(|&plane| is_of_stream(witness, plane));
+    let of_stream = (0..pair.channels).filter(|&plane| witness.is_of_stream(plane));
     let slack = witness.model().map_or(&[][..], |model| &model.slack);
     of_stream
         .filter_map(|plane| first_of_plane(&pair, slack, codec, plane))

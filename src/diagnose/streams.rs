@@ -6,11 +6,13 @@
 
 use super::diagnosis::{Category, Diagnosis, Words};
 use super::failure_mode::FailureMode;
+use super::mistake::Mistake;
 use super::pictures;
 use super::refusals::{self, example};
 use super::search::{Found, Id, Search, of};
 use super::separate::separate;
 use super::stream_evidence::{CODECS, Codec, First, evidence, firsts};
+use super::stream_slips::StreamSlip;
 use super::witness::{Agreement, Witness};
 use crate::suite::cases::Expect;
 
@@ -25,17 +27,21 @@ fn is_legal(witness: &Witness, codec: &Codec) -> bool {
 /// Takes away mistakes of the catalog that only refusals of one codec's files speak for, where that codec goes wrong in a
 /// way that none of the mistakes explains: a stream in which a decoder has lost its place ends in a refusal, too.
 pub(super) fn drop(search: &Search, found: &mut Found) {
-    let set = of(&found.members);
     for codec in &CODECS {
+        let set = of(&found.members);
         let legal = (0..search.witnesses.len()).filter(|&w| is_legal(&search.witnesses[w], codec));
+        let legal: Vec<usize> = legal.collect();
         let (refused, shown): (Vec<usize>, Vec<usize>) =
-            legal.partition(|&w| FailureMode::of(&search.witnesses[w]).is_some());
+            (legal.iter()).partition(|&&w| FailureMode::of(&search.witnesses[w]).is_some());
         let is_open = |w: &usize| {
             search.witnesses[*w].failed
                 && search.agreement(*w, &set) != Agreement::Picture
                 && !firsts(search, &set, codec, *w).is_empty()
         };
         let open: Vec<usize> = shown.iter().copied().filter(is_open).collect();
+        if shown.iter().all(|&w| !search.witnesses[w].failed) && refused.len() >= FEWEST {
+            drop_parts(search, found, codec, &refused, &legal);
+        }
         if open.len() < FEWEST {
             continue;
         }
@@ -65,6 +71,31 @@ pub(super) fn describe(search: &Search, found: &Found, left: &mut Vec<usize>) ->
         .iter()
         .filter_map(|codec| describe_codec(search, &set, codec, left))
         .collect()
+}
+
+/// What else goes wrong in the streams of a codec in whose decoder a slip is known: decoders that are out of step go on in
+/// their own ways.
+pub(super) fn attribute_to_slips(
+    search: &Search,
+    diagnoses: &mut [(Id, Diagnosis)],
+    left: &mut Vec<usize>,
+) {
+    for (id, diagnosis) in diagnoses {
+        let Some(solved) = search.mistakes.get(*id).and_then(Mistake::solved) else {
+            continue;
+        };
+        let is_of = |w: &usize| {
+            let case = search.witnesses[*w].case;
+            case.expect == Expect::Decode && solved.act.is_of_streams(case.format())
+        };
+        if left.iter().filter(|w| is_of(w)).count() > diagnosis.explains.len() {
+            continue;
+        }
+        let of = left.extract_if(.., |w| is_of(w));
+        diagnosis
+            .partly
+            .extend(of.map(|w| search.witnesses[w].place));
+    }
 }
 
 fn describe_codec(
@@ -133,8 +164,21 @@ fn words(
     let legal: Vec<usize> = legal.collect();
     let evidence = evidence(search, set, codec, &legal);
     let says = (codec.says)();
-    let separation = separate(&evidence, says.len());
-    let shared = separation.map(|found| found.says(codec.places, says[found.feature]));
+    let slips = match wrong.is_empty() {
+        true => slips(search, codec, refused, &legal),
+        false => Vec::new(),
+    };
+    let shared = match &slips[..] {
+        [] => separate(&evidence, says.len())
+            .map(|found| found.says(codec.places, says[found.feature])),
+        slips => {
+            let effects: Vec<&str> = slips.iter().map(|slip| slip.effect()).collect();
+            let effects = effects.join(", or ");
+            Some(format!(
+                ", just those in which it matters that a decoder {effects}"
+            ))
+        }
+    };
     let manner = Manner::of(firsts);
     Words {
         effect: format!(
@@ -148,6 +192,50 @@ fn words(
         ),
         fix: manner.fix(codec),
         example: example_of(witnesses, firsts, refused),
+    }
+}
+
+/// Slips that may be said beside each other.
+const SLIPS: usize = 3;
+
+/// Where nothing is shown: the slips that go wrong in just the files that are refused. None of them is certain.
+fn slips(search: &Search, codec: &Codec, refused: &[usize], legal: &[usize]) -> Vec<StreamSlip> {
+    let mut all: Vec<StreamSlip> = StreamSlip::all().collect();
+    all.retain(|slip| slip.is_of(codec.formats[0]));
+    let acts = |slip: &StreamSlip, w: &usize| slip.acts_on(&search.witnesses[*w]);
+    let fits = search.each(&all, |slip| {
+        let mut read = legal.iter().filter(|w| !refused.contains(w));
+        refused.iter().all(|w| acts(slip, w)) && !read.any(|w| acts(slip, w))
+    });
+    let fitting = all.into_iter().zip(fits).filter(|(_, fits)| *fits);
+    let mut fitting: Vec<StreamSlip> = fitting.map(|(slip, _)| slip).collect();
+    if fitting.len() > SLIPS {
+        fitting.clear();
+    }
+    fitting
+}
+
+/// Takes away mistakes of the catalog that explain the refused files of a codec in parts, where one slip in the decoder of
+/// its streams would fail just these.
+fn drop_parts(
+    search: &Search,
+    found: &mut Found,
+    codec: &Codec,
+    refused: &[usize],
+    legal: &[usize],
+) {
+    let set = of(&found.members);
+    let explains = |id: Id, w: usize| search.agreement(w, &[id]).explains();
+    let explained: Vec<Vec<usize>> = search.each(&set, |&id| {
+        let of = (0..search.witnesses.len()).filter(|&w| search.witnesses[w].failed);
+        of.filter(|&w| explains(id, w)).collect()
+    });
+    let is_part = |of: &Vec<usize>| {
+        !of.is_empty() && of.len() < refused.len() && of.iter().all(|w| refused.contains(w))
+    };
+    if explained.iter().any(is_part) && !slips(search, codec, refused, legal).is_empty() {
+        let keep: Vec<bool> = explained.iter().map(|of| !is_part(of)).collect();
+        found.keep(&keep);
     }
 }
 

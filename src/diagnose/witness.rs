@@ -1,7 +1,8 @@
 //! What a decoder with some mistakes would answer, held against what the decoder under test did answer.
 
 use std::borrow::Cow;
-use std::sync::{Arc, OnceLock};
+use std::collections::HashMap;
+use std::sync::{Arc, Mutex, OnceLock};
 
 use super::stream_cache::stream_once;
 use super::trait_list::Traits;
@@ -39,6 +40,8 @@ pub(super) struct Witness<'a> {
     pub traits: OnceLock<Traits>,
     /// What the reference finds in the file.
     decoded: OnceLock<crate::error::Result<Ptm>>,
+    /// Slips in the decoders of streams that were tried, by what they do, and whether they act on the file.
+    pub slips: Mutex<HashMap<&'static str, bool>>,
 }
 
 /// How well an answer agrees with what was shown.
@@ -98,6 +101,7 @@ pub(super) fn witnesses<'a>(
             fields: OnceLock::new(),
             traits: OnceLock::new(),
             decoded: OnceLock::new(),
+            slips: Mutex::default(),
         })
     };
     let all = in_parallel(suite.cases.len(), threads, &|_, _| (), &witness);
@@ -111,12 +115,14 @@ pub(super) fn breaks_its_promise(run: &Run, case: &Case, observation: &Observati
 }
 
 impl Witness<'_> {
-    /// The stored values that a decoder with these mistakes of the catalog finds; what it answers where it finds none.
-    pub fn misread(&self, listed: &[&'static Misreading]) -> Result<Ptm, Answer> {
+    /// The stored values that a decoder with these mistakes of the catalog finds that otherwise reads so; what it answers
+    /// where it finds none.
+    pub fn misread(&self, listed: &[&'static Misreading], reading: Reading) -> Result<Ptm, Answer> {
         // What is misread after decoding is decoded once.
-        let ptm = match listed.iter().all(|one| is_after_decoding(one)) {
+        let is_own = std::ptr::fn_addr_eq(reading.stream, self.reading.stream);
+        let ptm = match is_own && listed.iter().all(|one| is_after_decoding(one)) {
             true => self.decoded().clone().map_err(Some),
-            false => misreadings::read(listed, self.reading, &self.built.file).map(|(ptm, _)| ptm),
+            false => misreadings::read(listed, reading, &self.built.file).map(|(ptm, _)| ptm),
         };
         let mut ptm = ptm.map_err(misreadings::refused)?;
         for edit in misreadings::edits_of_planes(listed) {
@@ -187,6 +193,14 @@ impl Witness<'_> {
             Values::Painted(model) => Some(model),
             _ => None,
         }
+    }
+
+    /// Whether nothing but its stream makes a plane.
+    pub fn is_of_stream(&self, plane: usize) -> bool {
+        let coded = self.model().and_then(|model| model.compressed.as_ref());
+        coded.is_some_and(|coded| {
+            coded.plan.reference(plane).is_none() && coded.planes[plane].records.is_empty()
+        })
     }
 
     /// Where the decoder failed: how well `answer` is what it did.

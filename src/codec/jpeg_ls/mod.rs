@@ -60,6 +60,8 @@ mod trace;
 pub use decoder::decode;
 
 #[cfg(all(feature = "harness", unix))]
+pub(crate) use decoder::stored_scan;
+#[cfg(all(feature = "harness", unix))]
 pub(crate) use trace::{Mode, SampleTrace, ScanTrace, trace};
 
 #[cfg(feature = "generate")]
