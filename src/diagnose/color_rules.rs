@@ -147,6 +147,10 @@ const TRANSLATIONS: &[Translation] = &[
         |row, t, _| row[0] * t[0] + row[1] * t[1] + row[2] * t[2],
     ),
     (
+        ", with the translation of each color added to Y, Cr and Cb before",
+        |row, _, _| (row[0] + row[1] + row[2]) * row[3],
+    ),
+    (
         ", with the translation subtracted from Y, Cr and Cb before",
         |row, t, _| -(row[0] * t[0] + row[1] * t[1] + row[2] * t[2]),
     ),

@@ -193,7 +193,7 @@ pub(super) fn rest(witnesses: &[Witness], left: &mut Vec<usize>) -> Vec<Diagnosi
                 "{mode} {count} legal files; too few others are read to tell what sets these apart, so the cause is unknown"
             ),
             count => format!(
-                "{mode} {count} legal files{}, which share nothing by which they could be told from the files it reads; the cause is unknown",
+                "{mode} {count} legal files{}, which nothing that is looked at here tells from the files it reads; the cause is unknown",
                 of_formats(witnesses, &of)
             ),
         };
