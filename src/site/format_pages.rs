@@ -124,7 +124,7 @@ fn clause<'a>(
         section.clause id=(anchor) aria-labelledby={ (anchor) "-h" } {
             h2 id={ (anchor) "-h" } { a.id href={ "#" (anchor) } { (id) } " " (known.rule) }
             p { (paper.prose(&annotated.text)) }
-            @for line in &annotated.formula { div.formula { (formula(line)) } }
+            @for line in &annotated.formula { div.formula tabindex="0" { (formula(line)) } }
             @for (i, (example, executed)) in annotated.examples.iter().zip(&executed).enumerate() {
                 (worked(paper, example, executed, i + 1, annotated.examples.len()))
             }
