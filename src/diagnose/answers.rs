@@ -28,10 +28,15 @@ impl Witness<'_> {
             }
             Err(answer) => answer,
         };
-        match slip_of(&acts) {
-            Some(slip) if slip.acts_on(self) => self.out_of_step(slip, answer),
-            _ => Cow::Owned(answer),
+        match self.acting_slip(&acts) {
+            Some(slip) => self.out_of_step(slip, answer),
+            None => Cow::Owned(answer),
         }
+    }
+
+    /// The slip in the decoder of streams among these, if it changes a stream of this file.
+    fn acting_slip(&self, acts: &[&Act]) -> Option<StreamSlip> {
+        slip_of(acts).filter(|slip| slip.acts_on(self))
     }
 
     /// A decoder that is out of step with a stream shows nonsense of some kind or gives up.
@@ -66,12 +71,10 @@ impl Witness<'_> {
     /// The stored values that a decoder with these mistakes finds; what it answers where it finds none.
     pub fn planes(&self, mistakes: &[&Mistake]) -> Result<Ptm, Answer> {
         let acts = self.acts(mistakes);
-        let reading = match slip_of(&acts) {
-            Some(slip) if slip.acts_on(self) => Reading {
-                stream: slip.stream(),
-                ..self.reading
-            },
-            _ => self.reading,
+        let stream = self.acting_slip(&acts).map(StreamSlip::stream);
+        let reading = Reading {
+            stream: stream.unwrap_or(self.reading.stream),
+            ..self.reading
         };
         let mut ptm = self.misread(&self.listed(mistakes), reading)?;
         for act in acts {

@@ -2,6 +2,7 @@
 
 use super::formulas::Formula;
 use super::grid::{self, Places};
+use super::variants::signed_byte;
 use crate::evaluate::{Coefficients, evaluate};
 use crate::protocol::frame::Light;
 use crate::ptm::{ColorMatrix, Shape};
@@ -190,10 +191,6 @@ const MATRICES: &[Rows] = &[
         },
     ),
 ];
-
-fn signed_byte(value: f64) -> f64 {
-    if value > 127.0 { value - 256.0 } else { value }
-}
 
 /// Another way to a color: what stands in each part of an expression.
 #[derive(Clone, Copy, Debug, PartialEq)]

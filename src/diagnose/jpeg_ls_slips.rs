@@ -5,8 +5,7 @@
 //! is; every decision in it is a field of [`Rules`], right by default.
 
 use super::slips::{Partial, Slip, slips};
-use super::stream_cache::stream_once;
-use crate::codec::jpeg_ls::stored_scan;
+use crate::codec::jpeg_ls::{self, J, Neighbors, default_thresholds, stored_scan};
 use crate::error::Result;
 use crate::parts::PlaneStream;
 
@@ -154,35 +153,13 @@ impl Rules {
     }
 }
 
-/// J by `RUNindex`.
-const J: [u32; 32] = [
-    0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3, 4, 4, 5, 5, 6, 6, 7, 7, 8, 9, 10, 11, 12, 13,
-    14, 15,
-];
-
 fn bits_for(values: i32) -> u32 {
     (values.max(2) - 1).ilog2() + 1
 }
 
 /// Defaults of T1, T2 and T3 in place of zeros.
 fn thresholds(stored: [i32; 3], maxval: i32, near: i32) -> [i32; 3] {
-    let wanted = if maxval >= 128 {
-        [3 + 3 * near, 7 + 5 * near, 21 + 7 * near]
-    } else {
-        let divisor = 256 / (maxval + 1);
-        [
-            (3 / divisor + 3 * near).max(2),
-            (7 / divisor + 5 * near).max(3),
-            (21 / divisor + 7 * near).max(4),
-        ]
-    };
-    let mut least = near + 1;
-    let defaults = wanted.map(|threshold| {
-        if (least..=maxval).contains(&threshold) {
-            least = threshold;
-        }
-        least
-    });
+    let defaults = default_thresholds(maxval, near);
     [0, 1, 2].map(|i| {
         if stored[i] == 0 {
             defaults[i]
@@ -203,14 +180,8 @@ fn number([q1, q2, q3]: [i32; 3]) -> (i32, i32) {
     (number.abs(), if number < 0 { -1 } else { 1 })
 }
 
-fn predict([a, b, c, _]: [i32; 4]) -> i32 {
-    if c >= a.max(b) {
-        a.min(b)
-    } else if c <= a.min(b) {
-        a.max(b)
-    } else {
-        a + b - c
-    }
+fn predict([a, b, c, d]: [i32; 4]) -> i32 {
+    jpeg_ls::predict(Neighbors { a, b, c, d })
 }
 
 fn golomb(a: i32, n: i32) -> u32 {
@@ -534,11 +505,7 @@ impl Decoder<'_> {
 fn slipped(stream: &PlaneStream, slip: fn(&mut Rules)) -> Result<Partial> {
     let mut rules = RIGHT;
     slip(&mut rules);
-    match decode(stream, &rules) {
-        Some(partial) => Ok(partial),
-        // What cannot be read at all has its error from the reference.
-        None => Ok(Partial::whole(stream_once(stream)?)),
-    }
+    Partial::or_right(decode(stream, &rules), stream)
 }
 
 macro_rules! wrong_entries {

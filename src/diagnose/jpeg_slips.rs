@@ -4,7 +4,6 @@
 //! decision a field of [`Rules`], right by default. Slips in reading the codes themselves are not among them.
 
 use super::slips::{Partial, Slip, slips};
-use super::stream_cache::stream_once;
 use crate::codec::jpeg::{self, BlockTrace};
 use crate::error::Result;
 use crate::parts::PlaneStream;
@@ -47,12 +46,7 @@ struct Rules {
 
 /// Figure A.6: the place of each coefficient in its block.
 fn zigzag(k: usize) -> usize {
-    const ZIGZAG: [u8; 64] = [
-        0, 1, 8, 16, 9, 2, 3, 10, 17, 24, 32, 25, 18, 11, 4, 5, 12, 19, 26, 33, 40, 48, 41, 34, 27,
-        20, 13, 6, 7, 14, 21, 28, 35, 42, 49, 56, 57, 50, 43, 36, 29, 22, 15, 23, 30, 37, 44, 51,
-        58, 59, 52, 45, 38, 31, 39, 46, 53, 60, 61, 54, 47, 55, 62, 63,
-    ];
-    usize::from(ZIGZAG[k])
+    usize::from(jpeg::ZIGZAG[k])
 }
 
 /// The cosine of basis function `u` at `x`, with its norm.
@@ -170,11 +164,7 @@ fn decode(stream: &PlaneStream, rules: &Rules) -> Option<Partial> {
 fn slipped(stream: &PlaneStream, slip: fn(&mut Rules)) -> Result<Partial> {
     let mut rules = RIGHT;
     slip(&mut rules);
-    match decode(stream, &rules) {
-        Some(partial) => Ok(partial),
-        // What cannot be read at all has its error from the reference.
-        None => Ok(Partial::whole(stream_once(stream)?)),
-    }
+    Partial::or_right(decode(stream, &rules), stream)
 }
 
 /// Two coefficients of the zigzag order exchanged.

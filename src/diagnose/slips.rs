@@ -1,5 +1,6 @@
 //! Decoders of streams that go wrong in one place.
 
+use super::stream_cache::stream_once;
 use crate::error::Result;
 use crate::parts::PlaneStream;
 
@@ -37,6 +38,14 @@ impl Partial {
         Partial {
             known: samples.len(),
             samples,
+        }
+    }
+
+    /// What a decoder made of a stream; what cannot be read at all is as the reference reads it, or its error.
+    pub fn or_right(made: Option<Partial>, stream: &PlaneStream) -> Result<Partial> {
+        match made {
+            Some(partial) => Ok(partial),
+            None => Ok(Partial::whole(stream_once(stream)?)),
         }
     }
 

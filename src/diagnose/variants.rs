@@ -89,7 +89,8 @@ fn columns(ColorMatrix(m): &ColorMatrix, starts: [usize; 4]) -> [[f64; 4]; 3] {
     [0, 1, 2].map(|row| starts.map(|start| m[(start + row) % 16]))
 }
 
-fn signed_byte(value: f64) -> f64 {
+/// A byte read as a signed one.
+pub(super) fn signed_byte(value: f64) -> f64 {
     if value > 127.0 { value - 256.0 } else { value }
 }
 

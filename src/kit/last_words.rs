@@ -6,13 +6,14 @@ const AFTERWORDS: [&str; 4] = ["at ", "Node.js v", "note: ", "}"];
 /// The last line of a standard error that says what happened; nothing if it has none.
 pub(crate) fn last_words(stderr: &str) -> Option<&str> {
     let lines = stderr.lines().rev().map(str::trim_end);
-    let mut said = lines.clone().filter(|line| !line.is_empty());
+    let mut said = lines.filter(|line| !line.is_empty());
     let is_afterword = |line: &&str| {
         let line = line.trim_start();
         AFTERWORDS.iter().any(|word| line.starts_with(word))
     };
-    said.find(|line| !is_afterword(line))
-        .or_else(|| lines.clone().find(|line| !line.is_empty()))
+    said.clone()
+        .find(|line| !is_afterword(line))
+        .or(said.next())
 }
 
 #[cfg(test)]

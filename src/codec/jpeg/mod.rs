@@ -77,6 +77,8 @@ pub use decoder::decode;
 
 #[cfg(all(feature = "harness", unix))]
 pub(crate) use trace::{BlockTrace, trace};
+#[cfg(all(feature = "harness", unix))]
+pub(crate) use zigzag::ZIGZAG;
 
 #[cfg(feature = "generate")]
 pub use encoder::{JpegOptions, encode};

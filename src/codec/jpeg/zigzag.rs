@@ -12,7 +12,7 @@
 //! ```
 
 /// Where the k-th coefficient of the stream stands in its block, in row order from the top left.
-pub(super) const ZIGZAG: [u8; 64] = [
+pub(crate) const ZIGZAG: [u8; 64] = [
     0, 1, 8, 16, 9, 2, 3, 10, //
     17, 24, 32, 25, 18, 11, 4, 5, //
     12, 19, 26, 33, 40, 48, 41, 34, //

@@ -62,6 +62,14 @@ pub use decoder::decode;
 #[cfg(all(feature = "harness", unix))]
 pub(crate) use decoder::stored_scan;
 #[cfg(all(feature = "harness", unix))]
+pub(crate) use parameters::default_thresholds;
+#[cfg(all(feature = "harness", unix))]
+pub(crate) use prediction::predict;
+#[cfg(all(feature = "harness", unix))]
+pub(crate) use run_mode::J;
+#[cfg(all(feature = "harness", unix))]
+pub(crate) use template::Neighbors;
+#[cfg(all(feature = "harness", unix))]
 pub(crate) use trace::{Mode, SampleTrace, ScanTrace, trace};
 
 #[cfg(feature = "generate")]

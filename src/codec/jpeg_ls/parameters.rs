@@ -132,7 +132,7 @@ fn thresholds(
 /// C.2.4.1.1.1: 3, 7, 21 for 8 bits without loss, and from there in proportion to MAXVAL and NEAR.
 ///
 /// What would be larger than MAXVAL, or smaller than the one before, is replaced by that one.
-fn default_thresholds(maxval: i32, near: i32) -> [i32; 3] {
+pub(crate) fn default_thresholds(maxval: i32, near: i32) -> [i32; 3] {
     let wanted = if maxval >= 128 {
         // MAXVAL is at most 255 here, so that the factor of the standard is always 1.
         [3 + 3 * near, 7 + 5 * near, 21 + 7 * near]

@@ -18,7 +18,7 @@ use super::template::Neighbors;
 
 /// A.4.1.
 #[inline]
-pub(super) fn predict(neighbors: Neighbors) -> i32 {
+pub(crate) fn predict(neighbors: Neighbors) -> i32 {
     let Neighbors { a, b, c, .. } = neighbors;
     if c >= a.max(b) {
         a.min(b)

@@ -22,7 +22,7 @@ use super::contexts::{golomb_parameter, initial_a};
 use super::parameters::Parameters;
 
 /// J of the standard, by `RUNindex`: a 1 in the stream means 2^J samples (A.2.1).
-const J: [u32; 32] = [
+pub(crate) const J: [u32; 32] = [
     0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3, 4, 4, 5, 5, 6, 6, 7, 7, 8, 9, 10, 11, 12, 13,
     14, 15,
 ];

@@ -29,7 +29,7 @@ pub(super) struct Lines {
 
 /// The four neighbors of a sample.
 #[derive(Clone, Copy)]
-pub(super) struct Neighbors {
+pub(crate) struct Neighbors {
     pub a: i32,
     pub b: i32,
     pub c: i32,

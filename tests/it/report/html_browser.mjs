@@ -1,62 +1,29 @@
 // Drives a headless Chromium over a page of the report: node html_browser.mjs PAGE MATRIX SCREENSHOTS
 //
-// Speaks WebDriver to chromedriver with nothing but what node has. Ends with status 1 and says what it saw, if anything
+// Ends with status 1 and says what it saw, if anything
 // is not as it should be.
 import assert from "node:assert/strict";
-import { spawn } from "node:child_process";
-import { mkdtempSync, rmSync, writeFileSync } from "node:fs";
-import { tmpdir } from "node:os";
-import { join } from "node:path";
+import { writeFileSync } from "node:fs";
+import { dirname, join } from "node:path";
 import { pathToFileURL } from "node:url";
 
+import { browser } from "../webdriver.mjs";
+
 const [page, matrix, screenshots] = process.argv.slice(2);
-const profile = mkdtempSync(join(tmpdir(), "ptm-conform-browser-"));
-const driver = spawn("chromedriver", ["--port=0"], { stdio: ["ignore", "pipe", "ignore"] });
-const listening = new Promise((resolve, reject) => {
-  let said = "";
-  driver.stdout.on("data", (data) => {
-    said += data;
-    const match = /on port ([1-9]\d*)/.exec(said);
-    if (match) { resolve(match[1]); }
-  });
-  driver.on("error", reject);
-  driver.on("exit", () => reject(new Error(`chromedriver ended: ${said}`)));
-  setTimeout(() => reject(new Error(`chromedriver says no port: ${said}`)), 60_000).unref();
-});
 
-let port;
-const call = async (method, path, body) => {
-  const response = await fetch(`http://127.0.0.1:${port}${path}`, { method, body: body && JSON.stringify(body) });
-  const { value } = await response.json();
-  if (!response.ok) { throw new Error(`${path}: ${value.error}: ${value.message}`); }
-  return value;
-};
-
-let session;
+const { call, run, close } = await browser();
 try {
-  port = await listening;
-  const started = await call("POST", "/session", { capabilities: { alwaysMatch: {
-    browserName: "chrome",
-    "goog:chromeOptions": {
-      binary: "/usr/bin/chromium",
-      args: ["--headless", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-background-networking",
-        "--disable-component-update", "--disable-sync", "--hide-scrollbars", "--window-size=1280,1000", `--user-data-dir=${profile}`],
-    },
-    "goog:loggingPrefs": { browser: "ALL", performance: "ALL" },
-  } } });
-  session = `/session/${started.sessionId}`;
-  const run = (script, ...args) => call("POST", `${session}/execute/sync`, { script, args });
-  const cdp = (cmd, params) => call("POST", `${session}/goog/cdp/execute`, { cmd, params });
-  const log = (type) => call("POST", `${session}/se/log`, { type });
-  const open = (file) => call("POST", `${session}/url`, { url: pathToFileURL(file).href });
+  const cdp = (cmd, params) => call("POST", "/goog/cdp/execute", { cmd, params });
+  const log = (type) => call("POST", "/se/log", { type });
+  const open = (file) => call("POST", "/url", { url: pathToFileURL(file).href });
   const wait = (ms) => new Promise((resolve) => setTimeout(resolve, ms));
   const until = async (what, script, ...args) => {
     for (let i = 0; i < 100; i += 1) { if (await run(script, ...args)) { return; } await wait(50); }
     assert.fail(`never came: ${what}`);
   };
-  const shoot = async (name) => writeFileSync(join(screenshots, name), Buffer.from(await call("GET", `${session}/screenshot`), "base64"));
+  const shoot = async (name) => writeFileSync(join(screenshots, name), Buffer.from(await call("GET", "/screenshot"), "base64"));
   const tone = (value) => cdp("Emulation.setEmulatedMedia", { features: [{ name: "prefers-color-scheme", value }] });
-  const keys = (...values) => call("POST", `${session}/actions`, { actions: [{ type: "key", id: "keys",
+  const keys = (...values) => call("POST", "/actions", { actions: [{ type: "key", id: "keys",
     actions: values.flatMap((value) => [{ type: "keyDown", value }, { type: "keyUp", value }]) }] });
   // Presses at one place and lets go at another, both in parts of the element.
   const drag = async (css, [x0, y0], [x1, y1]) => {
@@ -64,7 +31,7 @@ try {
     for (let i = 0; i < 3; i += 1) { await run("document.querySelector(arguments[0]).scrollIntoView({block: 'center', behavior: 'instant'})", css); await wait(100); }
     const box = await run("const e = document.querySelector(arguments[0]); const b = e.getBoundingClientRect(); return [b.left, b.top, b.width, b.height];", css);
     const at = (x, y) => ({ type: "pointerMove", duration: 0, origin: "viewport", x: Math.round(box[0] + x * box[2]), y: Math.round(box[1] + y * box[3]) });
-    await call("POST", `${session}/actions`, { actions: [{ type: "pointer", id: "mouse", parameters: { pointerType: "mouse" },
+    await call("POST", "/actions", { actions: [{ type: "pointer", id: "mouse", parameters: { pointerType: "mouse" },
       actions: [at(x0, y0), { type: "pointerDown", button: 0 }, at(x1, y1), { type: "pointerUp", button: 0 }] }] });
   };
   const pixels = (css) => run("return [...document.querySelectorAll(arguments[0])].map((c) => [...c.getContext('2d').getImageData(0, 0, c.width, c.height).data].join());", css);
@@ -101,7 +68,7 @@ try {
   await tone("light");
 
   // 2. Hostile words stay text.
-  assert.match(await call("GET", `${session}/title`), / — PTM 1\.2$/);
+  assert.match(await call("GET", "/title"), / — PTM 1\.2$/);
   assert.equal(await run("return document.scripts.length"), 1);
   assert.ok(await run("return document.querySelector('pre.stderr').textContent.includes('<script>')"));
   assert.equal(await run("return document.querySelectorAll('img[src=x]').length"), 0);
@@ -256,14 +223,11 @@ try {
   const pages = [page, matrix].map((file) => pathToFileURL(file).href);
   assert.deepEqual(requests.filter((url) => !pages.includes(url.split("#")[0])), []);
   // A page that asks for something is seen to.
-  const asking = join(profile, "asking.html");
+  const asking = join(dirname(page), "asking.html");
   writeFileSync(asking, "<!DOCTYPE html><title>asking</title><img src='missing.png'>");
   await open(asking);
   assert.deepEqual((await asked()).map((url) => url.split("/").at(-1)), ["asking.html", "missing.png"]);
   console.log(`${pictures.length} pictures, ${all} cards, ${requests.length} requests, all for the pages themselves`);
 } finally {
-  if (session) { await call("DELETE", session).catch(() => undefined); }
-  driver.removeAllListeners("exit");
-  driver.kill();
-  rmSync(profile, { recursive: true, force: true, maxRetries: 10, retryDelay: 100 });
+  await close();
 }

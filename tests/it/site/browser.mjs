@@ -1,28 +1,15 @@
 // Drives a headless Chromium over pages of the site: node browser.mjs SITE SCREENSHOTS [AXE]
 //
-// Speaks WebDriver to chromedriver with nothing but what node has. AXE is the file axe.min.js of axe-core, if it is at
+// AXE is the file axe.min.js of axe-core, if it is at
 // hand: then every page is also checked with it, light and dark. Ends with status 1 and says what it saw, if anything is not as it should be.
 import assert from "node:assert/strict";
-import { spawn } from "node:child_process";
-import { existsSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
-import { tmpdir } from "node:os";
+import { existsSync, readFileSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
 import { pathToFileURL } from "node:url";
 
+import { browser } from "../webdriver.mjs";
+
 const [site, screenshots, axe] = process.argv.slice(2);
-const profile = mkdtempSync(join(tmpdir(), "ptm-conform-browser-"));
-const driver = spawn("chromedriver", ["--port=0"], { stdio: ["ignore", "pipe", "ignore"] });
-const listening = new Promise((resolve, reject) => {
-  let said = "";
-  driver.stdout.on("data", (data) => {
-    said += data;
-    const match = /on port ([1-9]\d*)/.exec(said);
-    if (match) { resolve(match[1]); }
-  });
-  driver.on("error", reject);
-  driver.on("exit", () => reject(new Error(`chromedriver ended: ${said}`)));
-  setTimeout(() => reject(new Error(`chromedriver says no port: ${said}`)), 60_000).unref();
-});
 
 // One page of every kind.
 const PAGES = ["index.html", "format/index.html", "format/2.4.html", "format/2.9.8.html", "cases/index.html", "cases/hand-rgb-blocks.html",
@@ -30,31 +17,11 @@ const PAGES = ["index.html", "format/index.html", "format/2.4.html", "format/2.9
   "scoreboard.html", "texture/index.html", "texture/cases.html", "glossary.html", "docs/index.html", "docs/check.html", "drop.html"].filter((page) => existsSync(join(site, page)));
 const WIDTHS = [390, 820, 1280];
 
-let port;
-const call = async (method, path, body) => {
-  const response = await fetch(`http://127.0.0.1:${port}${path}`, { method, body: body && JSON.stringify(body) });
-  const { value } = await response.json();
-  if (!response.ok) { throw new Error(`${path}: ${value.error}: ${value.message}`); }
-  return value;
-};
-
-let session;
+const { call, run, close } = await browser();
 try {
-  port = await listening;
-  const started = await call("POST", "/session", { capabilities: { alwaysMatch: {
-    browserName: "chrome",
-    "goog:chromeOptions": {
-      binary: "/usr/bin/chromium",
-      args: ["--headless", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-background-networking",
-        "--disable-component-update", "--disable-sync", "--hide-scrollbars", "--window-size=1280,1000", `--user-data-dir=${profile}`],
-    },
-    "goog:loggingPrefs": { browser: "ALL", performance: "ALL" },
-  } } });
-  session = `/session/${started.sessionId}`;
-  const run = (script, ...args) => call("POST", `${session}/execute/sync`, { script, args });
-  const cdp = (cmd, params) => call("POST", `${session}/goog/cdp/execute`, { cmd, params });
-  const log = (type) => call("POST", `${session}/se/log`, { type });
-  const open = (page) => call("POST", `${session}/url`, { url: pathToFileURL(join(site, page)).href });
+  const cdp = (cmd, params) => call("POST", "/goog/cdp/execute", { cmd, params });
+  const log = (type) => call("POST", "/se/log", { type });
+  const open = (page) => call("POST", "/url", { url: pathToFileURL(join(site, page)).href });
   const tone = (value) => cdp("Emulation.setEmulatedMedia", { features: [{ name: "prefers-color-scheme", value }] });
   const until = async (what, script) => {
     for (let i = 0; i < 100; i += 1) { if (await run(script)) { return; } await new Promise((resolve) => setTimeout(resolve, 50)); }
@@ -69,7 +36,7 @@ try {
       assert.equal(await run("return [...document.images].filter((i) => !i.alt).length"), 0, `${page}: a picture says nothing`);
       if (axe) {
         await run(readFileSync(axe, "utf8"));
-        const found = await call("POST", `${session}/execute/async`, { script: "const done = arguments[0]; axe.run().then((r) => done(r.violations.map((v) => [v.id, v.nodes.length, v.nodes[0].html.slice(0, 160), v.nodes[0].any[0]?.message ?? ''])));", args: [] });
+        const found = await call("POST", "/execute/async", { script: "const done = arguments[0]; axe.run().then((r) => done(r.violations.map((v) => [v.id, v.nodes.length, v.nodes[0].html.slice(0, 160), v.nodes[0].any[0]?.message ?? ''])));", args: [] });
         assert.deepEqual(found, [], `${page}, ${scheme}: axe`);
       }
     }
@@ -79,7 +46,7 @@ try {
       await cdp("Emulation.setDeviceMetricsOverride", { width, height: 1000, deviceScaleFactor: 1, mobile: false });
       const over = await run("return document.documentElement.scrollWidth - innerWidth");
       if (screenshots && axe) {
-        writeFileSync(join(screenshots, `${page.replaceAll("/", "-")}-${width}.png`), Buffer.from(await call("GET", `${session}/screenshot`), "base64"));
+        writeFileSync(join(screenshots, `${page.replaceAll("/", "-")}-${width}.png`), Buffer.from(await call("GET", "/screenshot"), "base64"));
       }
       assert.ok(over <= 0, `${page} at ${width}: ${over} pixels too wide`);
     }
@@ -111,7 +78,5 @@ try {
   console.log(String(error.stack ?? error));
   process.exitCode = 1;
 } finally {
-  if (session) { await call("DELETE", session).catch(() => {}); }
-  driver.kill();
-  rmSync(profile, { recursive: true, force: true });
+  await close();
 }
