@@ -31,7 +31,7 @@ pub struct CoverageArgs {
 pub fn run(args: &CoverageArgs) -> Result<u8, String> {
     let suite = Suite::load()?.prepared();
     let bar = progress_bar();
-    let rows = matrix(&suite, &[], jobs(args.jobs)?, &|done, all| {
+    let rows = matrix(&suite, jobs(args.jobs)?, &|done, all| {
         show_progress(&bar, done, all);
     });
     bar.finish_and_clear();

@@ -31,16 +31,10 @@ pub struct MatrixRow<A: 'static = At> {
 /// Answers, by case and view.
 pub type Known<C> = HashMap<String, Answer<<C as TestCase>::Output>>;
 
-/// Runs the suite of PTM files against every misreading, asked in `views` only, or in all if there are none. `progress` is
-/// told how many of how many are done.
+/// Runs the suite of PTM files against every misreading. `progress` is told how many of how many are done.
 #[must_use]
-pub fn matrix(
-    suite: &Suite,
-    views: &[&'static str],
-    jobs: usize,
-    progress: &dyn Fn(usize, usize),
-) -> Vec<MatrixRow> {
-    let (_, right) = ask_all(suite, &[], views, jobs, &HashMap::new());
+pub fn matrix(suite: &Suite, jobs: usize, progress: &dyn Fn(usize, usize)) -> Vec<MatrixRow> {
+    let (_, right) = ask_all(suite, &[], &[], jobs, &HashMap::new());
     let digest = |frame: &Frame, hasher: &mut DefaultHasher| {
         (frame.width, frame.height, frame.channels).hash(hasher);
         match &frame.samples {
@@ -50,7 +44,7 @@ pub fn matrix(
     };
     let all = misreadings::all().count();
     let rows = misreadings::all().enumerate().map(|(i, misreading)| {
-        let (run, answers) = ask_all(suite, &[misreading], views, jobs, &right);
+        let (run, answers) = ask_all(suite, &[misreading], &[], jobs, &right);
         progress(i + 1, all);
         row(suite, misreading, &run, &answers, digest)
     });
@@ -101,8 +95,8 @@ fn row<C: TestCase, A: 'static>(
     }
 }
 
-/// A run of a decoder with these mistakes, and its answers. A file on which none of them can act is answered as in
-/// `right`, where that is known.
+/// A run of a decoder with these mistakes, asked in `views` only, or in all if there are none; and its answers. A file on
+/// which none of them can act is answered as in `right`, where that is known.
 #[must_use]
 pub fn ask_all(
     suite: &Suite,

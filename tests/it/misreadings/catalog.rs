@@ -3,7 +3,8 @@
 use std::collections::{HashMap, HashSet};
 
 use ptm_conform::misreadings;
-use ptm_conform::strength::matrix::{MatrixRow, matrix};
+use ptm_conform::session::outcome::Outcome;
+use ptm_conform::strength::matrix::{MatrixRow, ask_all, matrix};
 use ptm_conform::suite::cases::{Case, Suite};
 use ptm_conform::suite::clauses::{self, ClauseStatus, RulingKind};
 
@@ -71,7 +72,7 @@ fn is_small(case: &Case) -> bool {
 #[test]
 fn every_misreading_is_caught_by_two_cases_and_told_from_every_other() {
     let suite = suite();
-    let rows = matrix(&suite, &[], jobs(), &|_, _| ());
+    let rows = matrix(&suite, jobs(), &|_, _| ());
     println!("{} misreadings, {} cases", rows.len(), suite.cases.len());
     assert!(rows.len() >= 60);
     let weak: Vec<String> = rows
@@ -88,6 +89,20 @@ fn every_misreading_is_caught_by_two_cases_and_told_from_every_other() {
     }
     alike.retain(|&(a, b)| !EQUIVALENT.iter().any(|&(c, d, _)| (a, b) == (c, d)));
     assert!(alike.is_empty(), "these answer every case alike: {alike:?}");
+    let hidden = rows.iter().filter(|row| !is_seen_in_colors(&suite, row));
+    let hidden: HashSet<&str> = hidden.map(|row| row.misreading.slug).collect();
+    let known: HashSet<&str> = HIDDEN_IN_COLORS.iter().map(|&(slug, _)| slug).collect();
+    assert_eq!(hidden, known, "not seen in colors");
+}
+
+/// Whether a decoder that shows colors only is caught too, by a case that catches it where stored values are shown.
+fn is_seen_in_colors(suite: &Suite, row: &MatrixRow) -> bool {
+    row.killed_by.chunks(20).any(|some| {
+        let cases = some.iter().map(|&i| suite.cases[i].clone()).collect();
+        let some = Suite { cases };
+        let (run, _) = ask_all(&some, &[row.misreading], &["rgb"], jobs(), &HashMap::new());
+        run.judgement.with(Outcome::Fail).next().is_some()
+    })
 }
 
 /// Why a mistake is not caught well enough.
@@ -114,17 +129,6 @@ fn weakness(suite: &Suite, row: &MatrixRow) -> Option<String> {
         )),
         _ => None,
     }
-}
-
-#[test]
-fn a_decoder_that_shows_colors_only_is_caught_too() {
-    let mut hidden: Vec<&str> = matrix(&suite(), &["rgb"], jobs(), &|_, _| ())
-        .iter()
-        .filter(|row| row.killed_by.is_empty())
-        .map(|row| row.misreading.slug)
-        .collect();
-    hidden.retain(|slug| !HIDDEN_IN_COLORS.iter().any(|(known, _)| known == slug));
-    assert!(hidden.is_empty(), "{hidden:?} are not seen in colors");
 }
 
 #[test]

@@ -23,6 +23,7 @@ fn build(package: &Path) {
         Command::new("cargo")
             .args(["build", "--quiet", "--release", "--locked"])
             .args(["--target", TARGET, "--target-dir", directory])
+            .env("RUSTFLAGS", "-D warnings")
             .arg("--manifest-path")
             .arg(repository("packages/wasm/Cargo.toml")),
     );

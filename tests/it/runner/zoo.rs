@@ -598,17 +598,29 @@ fn shown(faulty: &Faulty) -> Result<u64, String> {
     })
 }
 
-/// All are shown before any failure is told.
+/// All are shown before any failure is told, a few at a time: most of them wait.
 #[track_caller]
 fn show_all(all: &[Faulty]) {
-    let wrong: Vec<String> = all
-        .iter()
-        .filter_map(|faulty| {
-            let most = |memory| memory > MOST_MEMORY;
-            let held = |memory| format!("{}: the harness held {memory} KiB", faulty.kind);
-            shown(faulty).map_or_else(Some, |memory| most(memory).then(|| held(memory)))
-        })
-        .collect();
+    const AT_A_TIME: usize = 3;
+    let next = AtomicUsize::new(0);
+    let wrong = Mutex::new(Vec::new());
+    let shower = || {
+        while let Some(faulty) = all.get(next.fetch_add(1, Ordering::Relaxed)) {
+            let kind = faulty.kind;
+            let problem = match shown(faulty) {
+                Ok(memory) if memory <= MOST_MEMORY => continue,
+                Ok(memory) => format!("{kind}: the harness held {memory} KiB"),
+                Err(problem) => problem,
+            };
+            wrong.lock().expect("no panic is kept").push(problem);
+        }
+    };
+    std::thread::scope(|scope| {
+        for _ in 0..AT_A_TIME {
+            scope.spawn(shower);
+        }
+    });
+    let wrong = wrong.into_inner().expect("no panic is kept");
     assert!(wrong.is_empty(), "{}", wrong.join("\n\n"));
 }
 
