@@ -24,6 +24,8 @@ pub(super) struct Block {
     is_stuffed: bool,
     size: (usize, usize),
     stream: Stream,
+    /// Whether the frame begins with SOF1: the extended sequential process.
+    is_extended: bool,
 }
 
 /// All features of blocks, the plainer ones first.
@@ -35,6 +37,7 @@ pub(super) fn blocks(bytes: &[u8], (width, height): (usize, usize), stream: Stre
         return Vec::new();
     };
     let columns = width.div_ceil(8);
+    let is_extended = is_extended(bytes);
     let traced = traced.into_iter().enumerate();
     let block = |(i, trace): (usize, BlockTrace)| {
         let mut coefficients = [0; 64];
@@ -54,9 +57,24 @@ pub(super) fn blocks(bytes: &[u8], (width, height): (usize, usize), stream: Stre
             coefficients,
             trace,
             stream,
+            is_extended,
         }
     };
     traced.map(block).collect()
+}
+
+/// Whether the frame header of a stream is SOF1 (B.2.2); SOF0 is the other one that there may be.
+fn is_extended(bytes: &[u8]) -> bool {
+    let mut at = 2;
+    while let [0xff, marker, high, low] =
+        bytes[at.min(bytes.len())..][..4.min(bytes.len() - at.min(bytes.len()))]
+    {
+        match marker {
+            0xc0 | 0xc1 => return marker == 0xc1,
+            _ => at += 2 + usize::from(u16::from_be_bytes([high, low])),
+        }
+    }
+    false
 }
 
 /// Where the coefficients stand in their block, by their place in the stream: along the antidiagonals, up and down in turn.
@@ -125,6 +143,50 @@ fn bits(number: i32) -> u32 {
 }
 
 type Row = (&'static str, fn(&Block) -> bool);
+
+/// What is so of whole streams.
+const STREAM_ROWS: &[Row] = &[
+    ("of streams with a frame of SOF1", |b| b.is_extended),
+    (
+        "of streams with a frame of SOF1 and more than one row of blocks",
+        |b| b.is_extended && b.size.1 > 8,
+    ),
+    (
+        "of streams with a frame of SOF1 and more than one block in a row",
+        |b| b.is_extended && b.size.0 > 8,
+    ),
+    ("of streams with restart markers", |b| {
+        b.stream.restart_interval > 0
+    }),
+    ("of streams with 16-bit quantization tables", |b| {
+        b.stream.step.is_some_and(|step| step > 255) || !b.stream.baseline
+    }),
+    (
+        "of streams with Huffman tables other than those of Annex K",
+        |b| b.stream.optimized,
+    ),
+    ("of streams with sampling factors other than 1x1", |b| {
+        b.stream.sampling != (1, 1)
+    }),
+    ("of streams without JFIF", |b| !b.stream.jfif),
+    ("of streams with several tables in one segment", |b| {
+        b.stream.tables_together
+    }),
+    ("of streams with tables that nothing uses", |b| {
+        b.stream.table_numbers.is_some()
+    }),
+    (
+        "of streams whose quantization table has another number than 0",
+        |b| b.stream.table_numbers.is_some_and(|[q, _, _]| q > 0),
+    ),
+    (
+        "of streams whose Huffman tables for DC and AC have different numbers",
+        |b| b.stream.table_numbers.is_some_and(|[_, dc, ac]| dc != ac),
+    ),
+];
+
+/// How many of [`FEATURES`], the first ones, are of whole streams.
+pub(super) const OF_STREAMS: usize = STREAM_ROWS.len();
 
 const ROWS: &[Row] = &[
     ("that have AC coefficients", |b| {
@@ -232,34 +294,6 @@ const ROWS: &[Row] = &[
     }),
     ("right after a restart marker", |b| b.trace.is_restarted),
     ("after a restart marker", |b| b.trace.markers > 0),
-    ("of streams with restart markers", |b| {
-        b.stream.restart_interval > 0
-    }),
-    ("of streams with 16-bit quantization tables", |b| {
-        b.stream.step.is_some_and(|step| step > 255) || !b.stream.baseline
-    }),
-    (
-        "of streams with Huffman tables other than those of Annex K",
-        |b| b.stream.optimized,
-    ),
-    ("of streams with sampling factors other than 1x1", |b| {
-        b.stream.sampling != (1, 1)
-    }),
-    ("of streams without JFIF", |b| !b.stream.jfif),
-    ("of streams with several tables in one segment", |b| {
-        b.stream.tables_together
-    }),
-    ("of streams with tables that nothing uses", |b| {
-        b.stream.table_numbers.is_some()
-    }),
-    (
-        "of streams whose quantization table has another number than 0",
-        |b| b.stream.table_numbers.is_some_and(|[q, _, _]| q > 0),
-    ),
-    (
-        "of streams whose Huffman tables for DC and AC have different numbers",
-        |b| b.stream.table_numbers.is_some_and(|[_, dc, ac]| dc != ac),
-    ),
 ];
 
 /// A feature for each number from `from` to `to`, which stands for {} in the words.
@@ -276,7 +310,8 @@ fn counted(
 }
 
 fn all_features() -> Vec<Feature<Block>> {
-    let rows = ROWS.iter().map(|&(says, holds)| Feature {
+    let rows = STREAM_ROWS.iter().chain(ROWS);
+    let rows = rows.map(|&(says, holds)| Feature {
         says: says.to_owned(),
         holds: Box::new(holds) as Box<dyn Fn(&Block) -> bool + Send + Sync>,
     });

@@ -3,6 +3,7 @@
 use std::sync::LazyLock;
 
 use super::separate::Feature;
+use crate::codec::jpeg_ls::PresetParameters;
 use crate::codec::jpeg_ls::{Mode, SampleTrace, ScanTrace, trace};
 use crate::generate::plan::Stream;
 
@@ -11,7 +12,7 @@ pub(super) struct Sample {
     trace: SampleTrace,
     scan: ScanTrace,
     width: usize,
-    has_presets: bool,
+    presets: Option<PresetParameters>,
 }
 
 /// All features of samples, the plainer ones first.
@@ -26,12 +27,12 @@ pub(super) fn samples(
     let Ok((traced, scan)) = trace(bytes, width as u32, height as u32) else {
         return Vec::new();
     };
-    let has_presets = stream.presets.is_some();
+    let presets = stream.presets;
     let sample = |trace| Sample {
         trace,
         scan,
         width,
-        has_presets,
+        presets,
     };
     traced.into_iter().map(sample).collect()
 }
@@ -68,8 +69,35 @@ impl Sample {
 
 type Row = (&'static str, fn(&Sample) -> bool);
 
-const ROWS: &[Row] = &[
+/// What is so of whole streams.
+const STREAM_ROWS: &[Row] = &[
     ("of streams with a loss (NEAR over 0)", |s| s.scan.near > 0),
+    ("of streams with presets (LSE)", |s| s.presets.is_some()),
+    ("of streams with a RESET other than 64", |s| {
+        s.scan.reset != 64
+    }),
+    (
+        "of streams with presets (LSE) in which some of T1, T2 and T3 are 0, for the default, and others are not",
+        |s| {
+            s.presets.is_some_and(|p| {
+                let zeros = [p.t1, p.t2, p.t3].map(|t| t == 0);
+                zeros.contains(&true) && zeros.contains(&false)
+            })
+        },
+    ),
+    ("of streams with presets (LSE) whose MAXVAL is not 0", |s| {
+        s.presets.is_some_and(|p| p.maxval != 0)
+    }),
+    (
+        "of streams with presets (LSE) whose T1, T2 or T3 is not 0",
+        |s| s.presets.is_some_and(|p| [p.t1, p.t2, p.t3] != [0; 3]),
+    ),
+];
+
+/// How many of [`FEATURES`], the first ones, are of whole streams.
+pub(super) const OF_STREAMS: usize = STREAM_ROWS.len();
+
+const ROWS: &[Row] = &[
     ("in regular mode", |s| s.is_in(Mode::Regular)),
     ("in a run or at its end", Sample::is_of_run),
     ("in a run", |s| s.is_in(Mode::Run)),
@@ -145,6 +173,9 @@ const ROWS: &[Row] = &[
     }),
     ("in the first row", |s| s.trace.row == 0),
     ("in a row that is not the first", |s| s.trace.row > 0),
+    ("in the last column of the third row or a later one", |s| {
+        s.trace.column + 1 == s.width && s.trace.row > 1
+    }),
     ("in the last column", |s| s.trace.column + 1 == s.width),
     ("in the last column of a row that is not the first", |s| {
         s.trace.column + 1 == s.width && s.trace.row > 0
@@ -192,10 +223,6 @@ const ROWS: &[Row] = &[
         "in regular mode whose negative errors have the shorter code (k = 0, 2B ≤ −N)",
         |s| s.is_in(Mode::Regular) && s.trace.is_negative_first,
     ),
-    ("of streams with presets (LSE)", |s| s.has_presets),
-    ("of streams with a RESET other than 64", |s| {
-        s.scan.reset != 64
-    }),
     ("whose c is not between a and b", |s| {
         let [a, b, c, _] = s.trace.neighbors;
         s.is_in(Mode::Regular) && !(a.min(b)..=a.max(b)).contains(&c)
@@ -207,7 +234,8 @@ const ROWS: &[Row] = &[
 ];
 
 fn all_features() -> Vec<Feature<Sample>> {
-    let rows = ROWS.iter().map(|&(says, holds)| Feature {
+    let rows = STREAM_ROWS.iter().chain(ROWS);
+    let rows = rows.map(|&(says, holds)| Feature {
         says: says.to_owned(),
         holds: Box::new(holds) as Box<dyn Fn(&Sample) -> bool + Send + Sync>,
     });

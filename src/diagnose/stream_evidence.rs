@@ -24,9 +24,11 @@ pub(super) struct Codec {
     pub formats: [Format; 2],
     /// What comes out right or wrong as a whole, and how many samples it is wide and high.
     pub places: &'static str,
-    side: usize,
+    pub side: usize,
     /// The features of all places of a stream.
     features: fn(&[u8], (usize, usize), Stream) -> Vec<Features>,
+    /// How many of them, the first ones, are of whole streams.
+    pub of_streams: usize,
     /// What each feature says.
     pub says: fn() -> Vec<&'static str>,
 }
@@ -42,6 +44,7 @@ pub(super) const CODECS: [Codec; 2] = [
         features: |bytes, size, stream| {
             Features::of_all(&blocks(bytes, size, stream), &jpeg_blocks::FEATURES)
         },
+        of_streams: jpeg_blocks::OF_STREAMS,
         says: || words(&jpeg_blocks::FEATURES),
     },
     Codec {
@@ -53,6 +56,7 @@ pub(super) const CODECS: [Codec; 2] = [
         features: |bytes, size, stream| {
             Features::of_all(&samples(bytes, size, stream), &jpeg_ls_samples::FEATURES)
         },
+        of_streams: jpeg_ls_samples::OF_STREAMS,
         says: || words(&jpeg_ls_samples::FEATURES),
     },
 ];

@@ -58,6 +58,11 @@ impl StreamSlip {
         }
     }
 
+    /// Whether a decoder with it may find no picture: those of JPEG read all codes as they should.
+    pub const fn may_refuse(self) -> bool {
+        matches!(self, StreamSlip::JpegLs(_))
+    }
+
     /// By how much samples may differ that inverse transforms make.
     fn slack(self) -> f64 {
         match self {
