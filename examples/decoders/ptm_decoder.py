@@ -376,30 +376,30 @@ def decode_jpeg(stream, width, height):
         from PIL import Image
     except ImportError:
         raise Unsupported("JPEG: Pillow is not installed")
-    return decode_stream(Image, "JPEG", stream, width, height)
+    return decode_stream(lambda file: Image.open(file, formats=["JPEG"]), stream, width, height)
 
 
 def decode_jpeg_ls(stream, width, height):
     try:
-        from PIL import Image
-        import pillow_jpls                          # gives Pillow the format
+        import pillow_jpls
     except ImportError:
         raise Unsupported("JPEG-LS: pillow-jpls is not installed")
     if b"\xff\xd9" not in stream:                   # [plane-damage] CharLS looks long for the end of a cut stream.
         raise Malformed("JPEG-LS stream without an end")
-    return decode_stream(Image, pillow_jpls.JplsImageFile.format, stream, width, height)
+    # Image.open knows JPEG-LS only by a frame header right at the beginning.
+    return decode_stream(pillow_jpls.JplsImageFile, stream, width, height)
 
 
-def decode_stream(Image, codec, stream, width, height):
+def decode_stream(opened, stream, width, height):
     """The samples of one component of 8 bits, as many as the map has texels [plane-stream]."""
     try:
-        image = Image.open(io.BytesIO(stream), formats=[codec])
+        image = opened(io.BytesIO(stream))
         found = image.mode, image.size
         samples = image.tobytes() if found == ("L", (width, height)) else b""
     except Exception as what:                       # [plane-damage] Codecs raise anything.
-        raise Malformed("%s stream: %s" % (codec, what))
+        raise Malformed("stream: %s" % what)
     if len(samples) != width * height:
-        raise Malformed("%s stream of %r, not %r" % (codec, found, ("L", (width, height))))
+        raise Malformed("stream of %r, not %r" % (found, ("L", (width, height))))
     return samples
 
 

@@ -248,8 +248,8 @@ fn jpeg_options(u: &mut Unstructured) -> Result<(u32, u32, jpeg::JpegOptions)> {
         table_numbers: match u.arbitrary()? {
             true => Some([
                 u.int_in_range(0..=3)?,
-                u.int_in_range(0..=1)?,
-                u.int_in_range(0..=1)?,
+                u.int_in_range(0..=3)?,
+                u.int_in_range(0..=3)?,
             ]),
             false => None,
         },

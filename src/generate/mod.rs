@@ -38,6 +38,9 @@ mod predict;
 /// §2.9.8 Compressed Coefficient Planes
 pub mod planes;
 
+/// The headers of a stream, in another order and with another name of the component.
+mod headers;
+
 /// What to write: format, size, scene, numbers, spelling.
 pub mod recipe;
 

@@ -67,6 +67,10 @@ pub struct Stream {
     pub jfif: bool,
     /// JPEG-LS: preset parameters.
     pub presets: Option<PresetParameters>,
+    /// The name of the component.
+    pub component: u8,
+    /// The frame header stands before the quantization tables of JPEG, and behind the preset parameters of JPEG-LS.
+    pub frame_moved: bool,
 }
 
 impl Stream {
@@ -81,6 +85,8 @@ impl Stream {
         tables_together: false,
         jfif: true,
         presets: None,
+        component: 1,
+        frame_moved: false,
     };
 }
 
@@ -493,9 +499,9 @@ impl Compression {
             Coding::Jpeg if self.stream.step == Some(0) => Err("no divisor is 0".to_owned()),
             Coding::Jpeg
                 if (self.stream.table_numbers)
-                    .is_some_and(|[q, dc, ac]| q > 3 || dc > 1 || ac > 1) =>
+                    .is_some_and(|numbers| numbers.iter().any(|&number| number > 3)) =>
             {
-                Err("tables have numbers of at most 3, 1 and 1".to_owned())
+                Err("tables have numbers of at most 3".to_owned())
             }
             // A mean of 255 and 0 is far from both 0 and 255, so that another inverse DCT could be far off.
             Coding::Jpeg if self.residuals == Residuals::Natural && self.moves() => {

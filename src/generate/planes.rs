@@ -12,6 +12,7 @@
 
 use std::collections::HashSet;
 
+use super::headers::with_headers;
 use super::paint::hash;
 use super::plan::{Coding, Compression, Residuals, Stream, Texels};
 use super::predict::predictor;
@@ -282,7 +283,7 @@ fn run_codec(recipe: &Recipe, plane: usize, residual: &[u8]) -> Encoded {
         true => Stream::PLAIN,
         false => plan.stream,
     };
-    match recipe.coding() {
+    let encoded = match recipe.coding() {
         Coding::Jpeg => {
             let options = jpeg::JpegOptions {
                 quality: plan.parameter,
@@ -294,12 +295,7 @@ fn run_codec(recipe: &Recipe, plane: usize, residual: &[u8]) -> Encoded {
                 table_numbers: stream.table_numbers,
                 tables_together: stream.tables_together,
             };
-            let mut encoded = jpeg::encode(residual, width, height, &options);
-            if !stream.jfif {
-                // APP0 stands first: two bytes of SOI, then its marker and 16 bytes.
-                encoded.stream.drain(2..20);
-            }
-            encoded
+            jpeg::encode(residual, width, height, &options)
         }
         Coding::JpegLs => jpeg_ls::encode(
             residual,
@@ -310,6 +306,10 @@ fn run_codec(recipe: &Recipe, plane: usize, residual: &[u8]) -> Encoded {
                 presets: stream.presets,
             },
         ),
+    };
+    Encoded {
+        stream: with_headers(&encoded.stream, &stream),
+        ..encoded
     }
 }
 

@@ -33,12 +33,14 @@ pub enum Scene {
     Edges,
     /// One value, and lone texels that are one more or one less.
     Dots,
+    /// 0, but the top row begins with lone texels of another value in each channel.
+    Breaks,
 }
 
 impl FromStr for Scene {
     type Err = String;
 
-    /// `noise`, `extremes`, `ramp`, `stripes`, `flat-200`, `unlit`, `luminance-is-cr`, `soft`, `framed-128`, `diagonals`, `columns`, `rows`, `edges`, `dots`.
+    /// `noise`, `extremes`, `ramp`, `stripes`, `flat-200`, `unlit`, `luminance-is-cr`, `soft`, `framed-128`, `diagonals`, `columns`, `rows`, `edges`, `dots`, `breaks`.
     fn from_str(name: &str) -> Result<Scene, String> {
         Ok(match name {
             "noise" => Scene::Noise,
@@ -53,6 +55,7 @@ impl FromStr for Scene {
             "rows" => Scene::Rows,
             "edges" => Scene::Edges,
             "dots" => Scene::Dots,
+            "breaks" => Scene::Breaks,
             _ => {
                 let value = |prefix| {
                     name.strip_prefix(prefix)

@@ -54,6 +54,8 @@ struct CompressionRecord {
     tables_together: Option<String>,
     jfif: Option<String>,
     presets: Option<String>,
+    component: Option<String>,
+    frame_moved: Option<String>,
     /// Whether only the streams of every second plane are so.
     alternates: Option<String>,
 }
@@ -204,6 +206,10 @@ impl CompressionRecord {
         }
         let together = &mut stream.tables_together;
         words.flag("tables_together", together, self.tables_together.as_ref())?;
+        let component = &mut stream.component;
+        words.number("component", component, self.component.as_ref())?;
+        let moved = &mut stream.frame_moved;
+        words.flag("frame_moved", moved, self.frame_moved.as_ref())?;
         if let Some(presets) = words.numbers::<u16>("presets", self.presets.as_ref())? {
             let [maxval, t1, t2, t3, reset] = presets[..] else {
                 return Err("presets are MAXVAL T1 T2 T3 RESET".to_owned());

@@ -40,9 +40,9 @@ pub struct JpegOptions {
     /// One quantization step for all coefficients instead of those of the quality; over 255 it needs
     /// what qualities below 24 need.
     pub step: Option<u16>,
-    /// The numbers of the quantization, the DC and the AC table, at most 3, 1 and 1. Tables from 0 to
-    /// 1 or the number are all defined then, those that have other numbers for nothing. Without, all
-    /// numbers are 0.
+    /// The numbers of the quantization, the DC and the AC table, at most 3; Huffman tables over 1 need
+    /// an extended frame. Tables from 0 to 1 or the number are all defined then, those that have other
+    /// numbers for nothing. Without, all numbers are 0.
     pub table_numbers: Option<[u8; 3]>,
     /// All quantization tables stand in one segment, and so do all Huffman tables.
     pub tables_together: bool,
@@ -80,7 +80,7 @@ pub fn encode(samples: &[u8], width: u32, height: u32, options: &JpegOptions) ->
     let legal = (1..=4).contains(&h) && (1..=4).contains(&v);
     assert!(legal, "sampling factors {h} x {v}");
     let [quantization, dc, ac] = options.table_numbers.unwrap_or_default();
-    let numbered = quantization < 4 && dc < 2 && ac < 2;
+    let numbered = quantization < 4 && dc < 4 && ac < 4;
     assert!(numbered, "tables {quantization}, {dc} and {ac}");
     let steps = match options.step {
         Some(step) => [step; 64],
@@ -96,7 +96,8 @@ pub fn encode(samples: &[u8], width: u32, height: u32, options: &JpegOptions) ->
     let mut stream = Writer::new();
     write_jfif(&mut stream);
     write_quantization(&mut stream, &steps, options);
-    let sof = if wide(&steps) { 0xC1 } else { 0xC0 };
+    let extended = wide(&steps) || dc > 1 || ac > 1; // Table B.5
+    let sof = if extended { 0xC1 } else { 0xC0 };
     stream.frame_header(sof, width, height, [h << 4 | v, quantization]);
     write_huffman(&mut stream, &tables, options);
     if options.restart_interval > 0 {
@@ -182,7 +183,7 @@ mod tests {
     fn tables_may_have_any_number_and_stand_beside_others_that_nothing_uses() {
         let samples: Vec<u8> = (0..=255).collect();
         let plain = encode(&samples, 16, 16, &JpegOptions::new(75));
-        for numbers in [[0, 0, 0], [3, 0, 1], [1, 1, 0], [2, 1, 1]] {
+        for numbers in [[0, 0, 0], [3, 0, 1], [1, 1, 0], [2, 3, 2]] {
             for tables_together in [false, true] {
                 let options = JpegOptions {
                     table_numbers: Some(numbers),

@@ -1,0 +1,94 @@
+//! The headers of a stream, in another order and with another name of the component.
+
+use super::plan::Stream;
+
+// Markers, and places within a segment, counted from its marker.
+const JFIF: u8 = 0xe0;
+const SCAN: u8 = 0xda;
+const COMPONENT_OF_FRAME: usize = 10;
+const COMPONENT_OF_SCAN: usize = 5;
+
+/// The same stream with the headers that `style` asks for.
+pub(super) fn with_headers(stream: &[u8], style: &Stream) -> Vec<u8> {
+    let (mut segments, data) = segments(stream);
+    if !style.jfif {
+        segments.retain(|segment| segment[1] != JFIF);
+    }
+    let is_frame = |segment: &Vec<u8>| matches!(segment[1], 0xc0 | 0xc1 | 0xf7);
+    if let Some(frame) = segments.iter().position(is_frame) {
+        segments[frame][COMPONENT_OF_FRAME] = style.component;
+        // DQT of JPEG, LSE of JPEG-LS.
+        let tables = (segments.iter()).position(|segment| matches!(segment[1], 0xdb | 0xf8));
+        if let Some(tables) = tables.filter(|_| style.frame_moved) {
+            let header = segments.remove(frame);
+            segments.insert(tables, header);
+        }
+    }
+    if let Some(scan) = segments.last_mut() {
+        scan[COMPONENT_OF_SCAN] = style.component;
+    }
+    [&stream[..2], &segments.concat(), data].concat()
+}
+
+/// The segments up to the scan header, each with its marker, and what follows them.
+fn segments(stream: &[u8]) -> (Vec<Vec<u8>>, &[u8]) {
+    let (mut segments, mut rest) = (Vec::new(), &stream[2..]);
+    loop {
+        let length = 2 + usize::from(u16::from_be_bytes([rest[2], rest[3]]));
+        let (segment, behind) = rest.split_at(length);
+        segments.push(segment.to_vec());
+        rest = behind;
+        if segment[1] == SCAN {
+            return (segments, rest);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::codec::jpeg::{self, JpegOptions};
+    use crate::codec::jpeg_ls::{self, JpegLsOptions, PresetParameters};
+
+    /// The markers of the segments up to the scan header.
+    fn markers(stream: &[u8]) -> Vec<u8> {
+        segments(stream)
+            .0
+            .iter()
+            .map(|segment| segment[1])
+            .collect()
+    }
+
+    const MOVED: Stream = Stream {
+        jfif: false,
+        frame_moved: true,
+        component: 0,
+        ..Stream::PLAIN
+    };
+
+    #[test]
+    fn plain_headers_stay_as_they_are() {
+        let stream = jpeg::encode(&[100; 6], 3, 2, &JpegOptions::new(75)).stream;
+        assert_eq!(with_headers(&stream, &Stream::PLAIN), stream);
+    }
+
+    #[test]
+    fn a_frame_may_stand_before_tables_and_the_component_have_any_number() {
+        let encoded = jpeg::encode(&[100; 6], 3, 2, &JpegOptions::new(75));
+        let moved = with_headers(&encoded.stream, &MOVED);
+        assert_eq!(markers(&moved), [0xc0, 0xdb, 0xc4, 0xc4, 0xda]);
+        assert_eq!(jpeg::decode(&moved, 3, 2), Ok(encoded.samples));
+    }
+
+    #[test]
+    fn presets_may_stand_before_the_frame() {
+        let options = JpegLsOptions {
+            near: 0,
+            presets: Some(PresetParameters::default()),
+        };
+        let encoded = jpeg_ls::encode(&[100; 6], 3, 2, &options);
+        let moved = with_headers(&encoded.stream, &MOVED);
+        assert_eq!(markers(&moved), [0xf8, 0xf7, 0xda]);
+        assert_eq!(jpeg_ls::decode(&moved, 3, 2), Ok(encoded.samples));
+    }
+}
