@@ -82,7 +82,7 @@ impl<'a> Streams<'a> {
     }
 
     /// As the decisions of a reading see it.
-    fn coded(&self) -> Coded<'_> {
+    pub(crate) fn coded(&self) -> Coded<'_> {
         Coded {
             format: self.header.format,
             size: self.header.size,

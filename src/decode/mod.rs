@@ -45,7 +45,7 @@ pub(crate) mod predict;
 pub(crate) mod planes;
 
 /// The streams of 2.9.8 once, and their planes under several readings
-#[cfg(feature = "tools")]
+#[cfg(feature = "harness")]
 mod again;
 
 /// The streams of 2.9.8 on all threads
@@ -71,7 +71,7 @@ mod spec;
 #[cfg(all(test, feature = "generate"))]
 pub(crate) mod by_hand;
 
-#[cfg(feature = "tools")]
+#[cfg(feature = "harness")]
 pub(crate) use compressed::Streams;
 
 pub use stored::Stored;
@@ -180,6 +180,16 @@ pub(crate) fn examine_streams(file: &[u8]) -> (Vec<Field>, Result<Ptm>, Option<S
         })
     });
     (input.into_fields(), outcome, kept)
+}
+
+/// The streams of a compressed file, decoded under another reading; nothing of a file that is none or is refused.
+#[cfg(feature = "harness")]
+pub(crate) fn streams_as<'a>(file: &'a [u8], reading: &Reading) -> Option<Streams<'a>> {
+    let mut input = Input::new(file);
+    let header = read_header(&mut input).ok()?;
+    let is_compressed = header.format.is_compressed();
+    let read = || Streams::read(&header, &mut input, reading, &Limits::default()).ok();
+    is_compressed.then(read).flatten()
 }
 
 /// 2.1–2.4.

@@ -3,6 +3,7 @@
 use std::borrow::Cow;
 
 use super::mistake::Mistake;
+use super::plane_slips::{self, PlaneSlip};
 use super::solved::{self, Act};
 use super::stream_slips::StreamSlip;
 use super::witness::{Witness, applies};
@@ -76,7 +77,18 @@ impl Witness<'_> {
             stream: stream.unwrap_or(self.reading.stream),
             ..self.reading
         };
-        let mut ptm = self.misread(&self.listed(mistakes), reading)?;
+        let listed = self.listed(mistakes);
+        let mut ptm = self.misread(&listed, reading)?;
+        let slips: Vec<&PlaneSlip> = (acts.iter())
+            .filter_map(|act| match act {
+                Act::Planes(slip) => Some(slip),
+                _ => None,
+            })
+            .collect();
+        if !slips.is_empty() {
+            let reading = misreadings::misread(&listed, reading);
+            plane_slips::apply(&slips, &mut ptm, self, &reading);
+        }
         for act in acts {
             act.apply(&mut ptm, self)?;
         }
@@ -91,7 +103,9 @@ impl Witness<'_> {
             Mistake::Listed(misreading) | Mistake::Narrow(misreading, _) => misreading,
             Mistake::Solved(solved) => {
                 let is_of = |slip: StreamSlip| slip.is_of(self.case.format());
+                let is_compressed = self.case.format().is_compressed();
                 return solved.act.shows_in(view)
+                    && (is_compressed || !matches!(solved.act, Act::Planes(_)))
                     && solved.scope.holds(self)
                     && slip_of(&[&solved.act]).is_none_or(is_of);
             }

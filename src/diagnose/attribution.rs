@@ -149,7 +149,7 @@ fn of_solved(search: &Search, solved: &Solved, share: &Share) -> Diagnosis {
     let witnesses = search.witnesses;
     let smallest = pictures::smallest(witnesses, &share.explains);
     let scope = match solved.scope.says() {
-        _ if matches!(solved.act, Act::Stream(_)) => String::new(),
+        _ if matches!(solved.act, Act::Stream(_) | Act::Planes(_)) => String::new(),
         says if says.is_empty() => formats_of(search.witnesses, &share.explains, FORMATS),
         says => format!(", in every file {says}"),
     };

@@ -96,7 +96,7 @@ pub(super) struct Search<'a> {
     /// The same, each counted once.
     answered: AtomicUsize,
     /// Cases that the decoder passes, the smallest first.
-    passing: Vec<usize>,
+    pub passing: Vec<usize>,
     /// What panicked, each once.
     faults: Mutex<Vec<String>>,
     /// What the failing cases are about.
@@ -753,7 +753,7 @@ impl<'a> Search<'a> {
     }
 
     /// How many samples the right answer has.
-    fn samples(&self, w: usize) -> usize {
+    pub fn samples(&self, w: usize) -> usize {
         match &self.witnesses[w].right {
             Answer::Decoded(frame) => {
                 frame.width as usize * frame.height as usize * frame.channels as usize

@@ -18,6 +18,7 @@ use super::scope::Scope;
 use super::search::{Id, Search, Set, WORD, spread};
 use super::shared::shared;
 use super::solve_file::candidates;
+use super::solve_planes;
 use super::solve_powers;
 use super::solve_terms;
 use super::solved::{Act, Solved};
@@ -94,10 +95,14 @@ pub(super) fn solve(search: &mut Search, set: &Set, left: &[usize]) -> Vec<Set> 
     for act in best {
         add(search, set, &pictures, act);
     }
+    let rebuilt = rebuilt(search, set, &pictures);
     computed(search, set, &pictures);
     narrow(search, set, &sample, &pictures);
     let mut groups: Vec<Set> = Vec::new();
-    for group in together.into_iter().take(FINALISTS) {
+    for group in rebuilt
+        .into_iter()
+        .chain(together.into_iter().take(FINALISTS))
+    {
         let ids: Set = group.into_iter().map(|act| id_of(search, act)).collect();
         if !groups.contains(&ids) {
             groups.push(ids);
@@ -149,6 +154,19 @@ fn slipped(search: &mut Search, set: &Set, left: &[usize]) {
             add(search, set, &of, act);
         }
     }
+}
+
+/// Adds slips in how planes are rebuilt. Returns those that are made together.
+fn rebuilt(search: &mut Search, set: &Set, pictures: &[usize]) -> Option<Vec<Act>> {
+    let slips = solve_planes::candidates(search, set, pictures);
+    let acts: Vec<Act> = slips.into_iter().map(Act::Planes).collect();
+    let new: Vec<Act> = (acts.iter().cloned())
+        .filter(|act| !is_known(search, act))
+        .collect();
+    for act in new {
+        add(search, set, pictures, act);
+    }
+    (acts.len() > 1).then_some(acts)
 }
 
 /// Adds wrong ways to read numbers and to compute, where values are computed.
@@ -304,7 +322,7 @@ fn add(search: &mut Search, set: &Set, pictures: &[usize], act: Act) {
             .filter(|scope| !(scope.is_of_light() && act.shows_in(&View::Coef)))
             .filter(|scope| !scope.is_of_bytes() || act.shows_in(&View::Raw))
             // A header is read alike whatever follows it.
-            .filter(|_| !matches!(act, Act::Numbers(_) | Act::Stream(_)))
+            .filter(|_| !matches!(act, Act::Numbers(_) | Act::Stream(_) | Act::Planes(_)))
             .filter(|scope| matches!(scope, Scope::Formats(_)) || !act.is_of_few_values()),
     };
     let acting = search.each(pictures, |&w| {

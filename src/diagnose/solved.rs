@@ -7,6 +7,7 @@ use super::final_rules::FinalRule;
 use super::formulas::{Formula, Numbers};
 use super::indices::{Index, look_up, read_indices};
 use super::number_readers::NumberReader;
+use super::plane_slips::PlaneSlip;
 use super::powers::Powers;
 use super::scope::Scope;
 use super::stream_slips::StreamSlip;
@@ -52,6 +53,8 @@ pub(super) enum Act {
     Final { channels: Channels, change: Change },
     /// Streams are decoded with a slip.
     Stream(StreamSlip),
+    /// Planes are rebuilt with a slip.
+    Planes(PlaneSlip),
     /// Numbers of the header are read otherwise.
     Numbers(NumberReader),
     /// Other scales and biases are used.
@@ -346,6 +349,7 @@ impl Act {
                 )
             }
             Act::Stream(slip) => slip.says(),
+            Act::Planes(slip) => slip.says(),
             Act::Numbers(reader) => reader.says(),
             Act::Terms(terms) => terms.says(),
             Act::Rule(rule) => rule.says(),
@@ -386,6 +390,7 @@ impl Act {
             Act::Color(rule) => rule.formula().fix(),
             Act::Variant(variant) => VARIANTS[*variant].formula.fix(),
             Act::Stream(slip) => slip.fix(),
+            Act::Planes(slip) => slip.slip.fix(),
             Act::Numbers(_) => {
                 "read numbers as decimal numbers: a sign, digits, a point and digits, an exponent; a library function does"
             }
@@ -411,6 +416,7 @@ impl Act {
             Act::Color(rule) => Some(rule.formula().clause()),
             Act::Variant(variant) => Some(VARIANTS[*variant].formula.clause()),
             Act::Stream(_) => Some("2.9.8/3"),
+            Act::Planes(slip) => Some(slip.slip.clause()),
             Act::Numbers(reader) => Some(reader.clause()),
             Act::Shown { .. } => Some("1.0/1"),
             Act::Channels(_) | Act::Coefficients(_) => texel_clause(format),

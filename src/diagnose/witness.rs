@@ -40,6 +40,8 @@ pub(super) struct Witness<'a> {
     pub traits: OnceLock<Traits>,
     /// What the reference finds in the file.
     decoded: OnceLock<crate::error::Result<Ptm>>,
+    /// The ranks of its planes, where it is compressed.
+    ranks: OnceLock<Vec<i64>>,
     /// Slips in the decoders of streams that were tried, by what they do, and whether they act on the file.
     pub slips: Mutex<HashMap<&'static str, bool>>,
 }
@@ -101,6 +103,7 @@ pub(super) fn witnesses<'a>(
             fields: OnceLock::new(),
             traits: OnceLock::new(),
             decoded: OnceLock::new(),
+            ranks: OnceLock::new(),
             slips: Mutex::default(),
         })
     };
@@ -176,6 +179,23 @@ impl Witness<'_> {
     pub fn decoded(&self) -> &crate::error::Result<Ptm> {
         self.decoded
             .get_or_init(|| decode_as(&self.built.file, &self.reading, &Limits::default()))
+    }
+
+    /// The ranks of its planes, where it is compressed.
+    pub fn ranks(&self) -> &[i64] {
+        self.ranks.get_or_init(|| {
+            let ranks = self
+                .fields()
+                .iter()
+                .filter(|field| field.clause == "2.9.4/1");
+            let number = |field: &Field| {
+                let text = std::str::from_utf8(&self.built.file[field.range.clone()]);
+                text.ok()
+                    .and_then(|text| text.parse().ok())
+                    .unwrap_or_default()
+            };
+            ranks.map(number).collect()
+        })
     }
 
     /// Where the first byte stands that is not header text.
