@@ -77,6 +77,8 @@ const fn is_negative_odd(part: i64) -> bool {
     part < 0 && is_odd(part)
 }
 
+pub(super) const LAST: &str = "that are the last one of the file";
+
 /// What may hold of planes, the widest first.
 #[rustfmt::skip]
 pub(super) const PLANES: &[PlaneTrait] = &[
@@ -119,7 +121,7 @@ pub(super) const PLANES: &[PlaneTrait] = &[
     PlaneTrait { says: "predicted from a plane that is not predicted itself", holds: |c, i| reference(c, i).is_some_and(|j| reference(c, j).is_none()) },
     PlaneTrait { says: "predicted from a plane that is predicted itself", holds: |c, i| reference(c, i).is_some_and(|j| reference(c, j).is_some()) },
     PlaneTrait { says: "predicted from a plane with side information", holds: |c, i| reference(c, i).is_some_and(|j| !c.planes[j].records.is_empty()) },
-    PlaneTrait { says: "that are the last one", holds: |c, i| i + 1 == c.planes.len() },
+    PlaneTrait { says: LAST, holds: |c, i| i + 1 == c.planes.len() },
     PlaneTrait { says: "of stored colors", holds: |c, i| c.planes.len() == 9 && i > 5 },
     PlaneTrait { says: "of coefficients", holds: |c, i| c.planes.len() == 18 || i < 6 },
     PlaneTrait { says: "of green and of blue in files of eighteen planes", holds: |c, i| c.planes.len() == 18 && i > 5 },
@@ -127,6 +129,7 @@ pub(super) const PLANES: &[PlaneTrait] = &[
     PlaneTrait { says: "that are JPEG-LS streams", holds: |c, _| c.is_jpeg_ls },
     PlaneTrait { says: "that are JPEG-LS streams, in files of a parameter over 0", holds: |c, _| c.is_jpeg_ls && c.parameter > 0 },
     PlaneTrait { says: "that are JPEG-LS streams, in files of parameter 0", holds: |c, _| c.is_jpeg_ls && c.parameter == 0 },
+    PlaneTrait { says: "of maps that are not square", holds: |c, _| c.size.width != c.size.height },
     PlaneTrait { says: "of files with nine planes", holds: |c, _| c.planes.len() == 9 },
     PlaneTrait { says: "of files with eighteen planes", holds: |c, _| c.planes.len() == 18 },
 ];
@@ -142,6 +145,8 @@ pub(super) const SAMPLES: &[SampleTrait] = &[
     SampleTrait { says: "the residual is 0", holds: |s| s.residual == 0 },
     SampleTrait { says: "the residual is 255", holds: |s| s.residual == 255 },
     SampleTrait { says: "the residual is 128", holds: |s| s.residual == 128 },
+    SampleTrait { says: "the reference is over 127", holds: |s| s.reference.is_some_and(|r| r > 127) },
+    SampleTrait { says: "the reference is below 128", holds: |s| s.reference.is_some_and(|r| r < 128) },
     SampleTrait { says: "a record stands", holds: |s| s.record.is_some() },
     SampleTrait { says: "a record has the value 255", holds: |s| s.record.is_some_and(|(value, _)| value == 255) },
     SampleTrait { says: "a record has the value 0", holds: |s| s.record.is_some_and(|(value, _)| value == 0) },

@@ -46,6 +46,8 @@ pub(super) enum Slip {
         below: bool,
         above: bool,
     },
+    /// Sums below 0 lose their sign.
+    Absolute,
     /// The residual less 128 is at least −127.
     ResidualLimited,
     /// v is inverted to this number less v.
@@ -53,6 +55,14 @@ pub(super) enum Slip {
     /// v is inverted to the largest sample less v.
     InvertedFromLargest,
     NotInverted,
+    /// Samples of this value stay as they are.
+    NotInvertedOf(u8),
+    /// Whether a reference is inverted, or moved, is taken from its own entry.
+    ByReference {
+        inverted: bool,
+    },
+    /// Predicted from the plane with the number before.
+    FromPlaneBefore,
     /// What an intra coded plane holds is inverted where its transform says so.
     IntraInverted,
     NotMoved,
@@ -97,6 +107,8 @@ pub(super) enum Vector {
     Within(i64),
     /// x, y or both of the plane so many places before.
     Earlier(usize, [bool; 2]),
+    /// x, y or both of the plane as far from the last one.
+    FromEnd([bool; 2]),
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -142,8 +154,8 @@ pub(super) enum Reach {
 pub(super) enum Order {
     AsText,
     SignedByte,
-    /// So many passes of a bubble sort are missing.
-    Unsorted(usize),
+    /// So many passes of a bubble sort are missing, and each ends so many places too early.
+    Unsorted(usize, usize),
     /// Of planes of one rank only the last is decoded, or the first.
     LastOfRank,
     FirstOfRank,
@@ -167,6 +179,11 @@ pub(super) enum Records {
     /// The same, if it is a single one.
     SingleOfPlaneBefore,
     ByColumns,
+    /// The same; what is beyond the last texel is the last.
+    ByColumnsWithin,
+    /// P1 counts 255 times.
+    HighByte255,
+    LaterFrom255,
     RowsFromTop,
     OneLater,
     OneEarlier,
@@ -174,10 +191,17 @@ pub(super) enum Records {
 
 /// All decisions; what is left open is as the reading has it.
 #[derive(Clone, Copy, Default)]
+#[expect(
+    clippy::struct_excessive_bools,
+    reason = "each is a decision of its own"
+)]
 struct Rules {
     sum: Option<Slip>,
     inverse: Option<Slip>,
     is_intra_inverted: bool,
+    is_inverted_by_reference: bool,
+    is_moved_by_reference: bool,
+    is_from_plane_before: bool,
     is_still: bool,
     vector: Option<Vector>,
     split: Option<(Whole, Half)>,
@@ -203,10 +227,17 @@ impl Rules {
             Slip::Sum { .. }
             | Slip::Limited { .. }
             | Slip::Modulo255 { .. }
+            | Slip::Absolute
             | Slip::ResidualLimited => self.sum = Some(slip),
-            Slip::InvertedFrom(_) | Slip::InvertedFromLargest | Slip::NotInverted => {
+            Slip::InvertedFrom(_)
+            | Slip::InvertedFromLargest
+            | Slip::NotInvertedOf(_)
+            | Slip::NotInverted => {
                 self.inverse = Some(slip);
             }
+            Slip::ByReference { inverted: true } => self.is_inverted_by_reference = true,
+            Slip::ByReference { inverted: false } => self.is_moved_by_reference = true,
+            Slip::FromPlaneBefore => self.is_from_plane_before = true,
             Slip::IntraInverted => self.is_intra_inverted = true,
             Slip::NotMoved => self.is_still = true,
             Slip::Vector(vector) => self.vector = Some(vector),
@@ -288,6 +319,10 @@ impl Coding {
         };
         match step.reference {
             Some(reference) => {
+                let reference = match i.checked_sub(1) {
+                    Some(before) if rules.is_from_plane_before => before,
+                    _ => reference,
+                };
                 let is_there = place(reference).is_some_and(|other| other < own);
                 let blank = || vec![0; plane.len()];
                 let predictor = match is_there {
@@ -297,7 +332,7 @@ impl Coding {
                 self.add(&mut plane, &predictor, &rules, reading);
             }
             None if rules.is_intra_inverted && step.inverted => {
-                plane.iter_mut().for_each(|sample| *sample = 255 - *sample);
+                (reading.invert)(&mut plane);
             }
             None => {}
         }
@@ -317,10 +352,10 @@ impl Coding {
             None => sequence.clone_from(&self.sequence),
             Some(Order::AsText) => sequence.sort_by_key(|i| rank(i).to_string()),
             Some(Order::SignedByte) => sequence.sort_by_key(|i| rank(i) as i8),
-            Some(Order::Unsorted(missing)) => {
+            Some(Order::Unsorted(missing, early)) => {
                 let passes = sequence.len().saturating_sub(1 + missing);
                 for pass in 0..passes {
-                    for k in 0..sequence.len() - pass - 1 {
+                    for k in 0..(sequence.len() - pass - 1).saturating_sub(early) {
                         if rank(&sequence[k]) > rank(&sequence[k + 1]) {
                             sequence.swap(k, k + 1);
                         }
@@ -353,6 +388,15 @@ impl Coding {
     /// The same with other rules.
     fn predictor(&self, i: usize, reference: &[u8], rules: &Rules, reading: &Reading) -> Vec<u8> {
         let mut step = self.planes[i].step;
+        if let Some(reference) = step.reference {
+            let theirs = &self.planes[reference].step;
+            if rules.is_inverted_by_reference {
+                step.inverted = theirs.inverted;
+            }
+            if rules.is_moved_by_reference {
+                step.moved = theirs.moved;
+            }
+        }
         step.moved &= !rules.is_still;
         if rules.inverse.is_none() && !rules.moves_otherwise() {
             return (reading.predictor)(reference, &step, self.size, reading).into_owned();
@@ -363,6 +407,10 @@ impl Coding {
         };
         let turned = |plane: &[u8]| match rules.inverse.filter(|_| step.inverted) {
             Some(Slip::NotInverted) => plane.to_vec(),
+            Some(Slip::NotInvertedOf(kept)) => {
+                let one = |&v: &u8| if v == kept { v } else { 255 - v };
+                plane.iter().map(one).collect()
+            }
             Some(Slip::InvertedFrom(top)) => plane.iter().map(|&v| top.wrapping_sub(v)).collect(),
             Some(_) => {
                 let top = plane.iter().copied().max().unwrap_or_default();
@@ -399,12 +447,12 @@ impl Coding {
                 (left, second),
                 (right, second),
             ];
-            let [a, b, c, d] = corners.map(|(x, y)| taps.at(plane, x, y, reading));
+            let four = corners.map(|(x, y)| taps.at(plane, x, y, reading));
             match (half_x, half_y, rules.means) {
-                (true, false, [Some(how), ..]) => (MEANS[how].of)(&[a, b]),
-                (false, true, [_, Some(how), _]) => (MEANS[how].of)(&[a, c]),
-                (true, true, [.., Some(how)]) => (MEANS[how].of)(&[a, b, c, d]),
-                _ => (reading.motion_half)([a, b, c, d]),
+                (true, false, [Some(how), ..]) => (MEANS[how].of)(&four[..2]),
+                (false, true, [_, Some(how), _]) => (MEANS[how].of)(&[four[0], four[2]]),
+                (true, true, [.., Some(how)]) => (MEANS[how].of)(&four),
+                _ => (reading.motion_half)(four),
             }
         };
         (0..height)
@@ -434,6 +482,7 @@ impl Coding {
                 Some(Vector::Earlier(places, axes)) if axes[axis] && i >= places => {
                     of(i - places)[axis]
                 }
+                Some(Vector::FromEnd(axes)) if axes[axis] => of(self.planes.len() - 1 - i)[axis],
                 _ => *part,
             };
         }
@@ -481,6 +530,7 @@ impl Coding {
                 Slip::Limited { above: true, .. } if sum > 255 => 255,
                 Slip::Modulo255 { below: true, .. } if sum < 0 => (sum + 255) as u8,
                 Slip::Modulo255 { above: true, .. } if sum > 255 => (sum - 255) as u8,
+                Slip::Absolute => sum.unsigned_abs() as u8,
                 Slip::ResidualLimited if *value == 0 => (sum + 1) as u8,
                 _ => sum as u8,
             };
@@ -494,6 +544,11 @@ impl Coding {
         for (position, value) in self.records(i, slip) {
             let at = position as usize;
             let at = match slip {
+                Some(Records::ByColumnsWithin) => {
+                    (at % height * width + at / height).min(texels - 1)
+                }
+                Some(Records::HighByte255) => at - (at >> 8 & 255),
+                Some(Records::LaterFrom255) if at > 254 => at + 1,
                 Some(Records::ByColumns) => at % height * width + at / height,
                 Some(Records::RowsFromTop) if at < texels => {
                     (height - 1 - at / width) * width + at % width
@@ -578,7 +633,7 @@ impl Taps<'_> {
         let whole = match whole {
             Whole::Floor => v[axis].div_euclid(2),
             Whole::TowardZero => v[axis] / 2,
-            Whole::AwayFromZero => (v[axis] + v[axis] % 2) / 2,
+            Whole::AwayFromZero => v[axis] / 2 + v[axis] % 2,
             Whole::Exchanged => v[1 - axis].div_euclid(2),
             Whole::ExchangedTowardZero => v[1 - axis] / 2,
         };
@@ -606,31 +661,26 @@ impl Taps<'_> {
     /// The sample there.
     fn at(&self, plane: &[u8], x: i64, y: i64, reading: &Reading) -> u8 {
         let mut place = [x, y];
-        for axis in 0..2 {
+        for (axis, at) in place.iter_mut().enumerate() {
             let length = self.length(axis);
-            let far = if place[axis] < 0 {
-                -place[axis]
-            } else {
-                place[axis] - length + 1
-            };
-            let side = 2 * axis + usize::from(place[axis] >= 0);
+            let far = (-*at).max(*at - length + 1);
+            let side = 2 * axis + usize::from(*at >= 0);
             let Some((how, reach)) = self.rules.borders[side].filter(|_| far > 0) else {
                 continue;
             };
             if reach == Reach::Near && far > 1 || reach == Reach::Far && far < 2 {
                 continue;
             }
-            let at = place[axis];
-            let is_before = at < 0;
-            place[axis] = match how {
+            let is_before = *at < 0;
+            *at = match how {
                 Border::Value(value) => return value,
                 Border::Wrapped => at.rem_euclid(length),
                 Border::OneBefore if is_before => 1.min(length - 1),
                 Border::OneBefore => (length - 2).max(0),
-                Border::Mirrored if is_before => (-1 - at).min(length - 1),
-                Border::Mirrored => (2 * length - 1 - at).max(0),
-                Border::Reflected if is_before => (-at).min(length - 1),
-                Border::Reflected => (2 * length - 2 - at).max(0),
+                Border::Mirrored if is_before => (-1 - *at).min(length - 1),
+                Border::Mirrored => (2 * length - 1 - *at).max(0),
+                Border::Reflected if is_before => (-*at).min(length - 1),
+                Border::Reflected => (2 * length - 2 - *at).max(0),
                 Border::OtherEnd if is_before => length - 1,
                 Border::OtherEnd => 0,
                 Border::NextRow => {
@@ -638,7 +688,7 @@ impl Taps<'_> {
                     let flat = usize::try_from(row * self.length(0) + x).ok();
                     match flat.and_then(|flat| plane.get(flat)) {
                         Some(&sample) => return sample,
-                        None => at,
+                        None => *at,
                     }
                 }
             };

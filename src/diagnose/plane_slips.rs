@@ -1,7 +1,7 @@
 //! Slips in how planes are rebuilt, each with the planes and samples in which it is made.
 
 use super::plane_means::MEANS;
-use super::plane_places::{Place, SAMPLES};
+use super::plane_places::{LAST, PLANES, Place, PlaneIs, SAMPLES};
 use super::plane_rules::{Border, Coding, Half, Order, Reach, Records, Slip, Vector, Whole};
 use super::witness::Witness;
 use crate::ptm::Ptm;
@@ -50,7 +50,8 @@ impl Coding {
             if let Some(reference) = self.planes[i].step.reference
                 && slips.iter().any(overwrites)
             {
-                planes[reference] = planes[i].clone();
+                let plane = planes[i].clone();
+                planes[reference] = plane;
             }
         }
         planes
@@ -93,14 +94,24 @@ const AXES: [[bool; 2]; 3] = [[true, true], [true, false], [false, true]];
 impl Slip {
     /// All that are tried, the plainest first; sums are solved.
     pub fn all() -> Vec<Slip> {
-        let mut all = vec![Slip::NotInverted, Slip::NotMoved, Slip::IntraInverted];
+        let mut all = vec![
+            Slip::NotInverted,
+            Slip::NotMoved,
+            Slip::IntraInverted,
+            Slip::FromPlaneBefore,
+        ];
+        all.extend([true, false].map(|inverted| Slip::ByReference { inverted }));
         all.extend([0, 254, 1, 128, 127].map(Slip::InvertedFrom));
-        all.push(Slip::InvertedFromLargest);
+        all.extend([
+            Slip::NotInvertedOf(0),
+            Slip::NotInvertedOf(255),
+            Slip::InvertedFromLargest,
+        ]);
         for (below, above) in [(true, true), (true, false), (false, true)] {
             all.push(Slip::Limited { below, above });
             all.push(Slip::Modulo255 { below, above });
         }
-        all.push(Slip::ResidualLimited);
+        all.extend([Slip::Absolute, Slip::ResidualLimited]);
         all.extend(Vector::all().map(Slip::Vector));
         all.extend(splits());
         all.extend(means());
@@ -115,7 +126,9 @@ impl Slip {
             Order::LastOfRank,
             Order::FirstOfRank,
         ];
-        let unsorted = (1..=3).map(Order::Unsorted);
+        let unsorted =
+            (0..=3).flat_map(|missing| [0, 1].map(|early| Order::Unsorted(missing, early)));
+        let unsorted = unsorted.filter(|order| *order != Order::Unsorted(0, 0));
         all.extend(orders.into_iter().chain(unsorted).map(Slip::Order));
         all.extend(Records::all().into_iter().map(Slip::Records));
         all
@@ -129,11 +142,15 @@ impl Slip {
             Slip::Sum { .. }
             | Slip::Limited { .. }
             | Slip::Modulo255 { .. }
+            | Slip::Absolute
             | Slip::ResidualLimited
+            | Slip::ByReference { .. }
+            | Slip::FromPlaneBefore
             | Slip::Overwrites => is_predicted,
-            Slip::InvertedFrom(_) | Slip::InvertedFromLargest | Slip::NotInverted => {
-                is_predicted && step.inverted
-            }
+            Slip::InvertedFrom(_)
+            | Slip::InvertedFromLargest
+            | Slip::NotInvertedOf(_)
+            | Slip::NotInverted => is_predicted && step.inverted,
             Slip::IntraInverted => !is_predicted && step.inverted,
             Slip::Order(_) => true,
             Slip::Records(Records::OfPlaneBefore | Records::SingleOfPlaneBefore) => {
@@ -152,41 +169,17 @@ impl Slip {
                 predictor,
                 plus,
             } => says_sum(residual, predictor, plus),
-            Slip::Limited { below, above } => {
-                let limits = match (below, above) {
-                    (true, true) => "0…255",
-                    (true, false) => "0 or more",
-                    _ => "255 or less",
-                };
-                format!("limits residual + predictor − 128 to {limits}, which is meant modulo 256")
-            }
-            Slip::Modulo255 { below, above } => match (below, above) {
-                (true, true) => "adds 255 to a plane's values below 0 and subtracts it from those above 255, where 256 belongs",
-                (true, false) => "adds 255 to a plane's values below 0, where 256 belongs",
-                _ => "subtracts 255 from a plane's values above 255, where 256 belongs",
-            }
-            .to_owned(),
-            Slip::ResidualLimited => {
-                "takes a residual of 0, which is −128, for −127".to_owned()
-            }
-            Slip::InvertedFrom(0) => "inverts v to 256 − v in a byte, where 255 − v belongs".to_owned(),
-            Slip::InvertedFrom(top) => {
-                format!("inverts v to {top} − v in a byte, where 255 − v belongs")
-            }
-            Slip::InvertedFromLargest => {
-                "inverts v to the largest sample of the plane less v, where 255 − v belongs".to_owned()
-            }
-            Slip::NotInverted => "does not invert references".to_owned(),
-            Slip::IntraInverted => {
-                "inverts intra coded planes whose transform says so".to_owned()
-            }
-            Slip::NotMoved => "does not displace references".to_owned(),
             Slip::Vector(vector) => vector.says(),
             Slip::Split(whole, half) => says_split(whole, half),
             Slip::Mean { how, of } => {
-                let kinds = ["two columns", "two rows", "four samples"];
-                let some: Vec<&str> = (0..3).filter(|&k| of[k]).map(|k| kinds[k]).collect();
-                format!("{}, for means of {}", MEANS[how].says, some.join(" and of "))
+                let which = match of {
+                    [true, true, true] => "two samples and of four",
+                    [true, true, false] => "two samples",
+                    [true, ..] => "two columns",
+                    [_, true, _] => "two rows",
+                    _ => "four samples",
+                };
+                format!("{} in means of {which}", MEANS[how].says)
             }
             Slip::Border { how, sides, reach } => says_border(how, sides, reach),
             Slip::FirstWithin { but_one, axes } => format!(
@@ -196,15 +189,66 @@ impl Slip {
             ),
             Slip::WithinOther { axes } => match axes {
                 [true, true] => "keeps columns within the height and rows within the width",
-                [true, false] => "keeps columns within the height of a plane, where its width belongs",
+                [true, false] => {
+                    "keeps columns within the height of a plane, where its width belongs"
+                }
                 _ => "keeps rows within the width of a plane, where its height belongs",
             }
             .to_owned(),
             Slip::Order(order) => order.says(),
             Slip::Records(records) => records.says(),
-            Slip::Overwrites => {
-                "shows a predicted plane in place of the plane that it is predicted from".to_owned()
+            Slip::InvertedFrom(0) => {
+                "inverts v to 256 − v in a byte, where 255 − v belongs".to_owned()
             }
+            Slip::InvertedFrom(top) => {
+                format!("inverts v to {top} − v in a byte, where 255 − v belongs")
+            }
+            Slip::NotInvertedOf(kept) => {
+                format!("inverts {kept} to {kept}, where {} belongs", 255 - kept)
+            }
+            _ => self.says_plain().to_owned(),
+        }
+    }
+
+    /// The same of those that have no numbers.
+    const fn says_plain(self) -> &'static str {
+        match self {
+            Slip::Limited { below, above } => match (below, above) {
+                (true, true) => {
+                    "limits residual + predictor − 128 to 0…255, which is meant modulo 256"
+                }
+                (true, false) => {
+                    "limits residual + predictor − 128 to 0 or more, which is meant modulo 256"
+                }
+                _ => "limits residual + predictor − 128 to 255 or less, which is meant modulo 256",
+            },
+            Slip::Modulo255 { below, above } => match (below, above) {
+                (true, true) => {
+                    "adds 255 to a plane's values below 0 and subtracts it from those above 255, where 256 belongs"
+                }
+                (true, false) => "adds 255 to a plane's values below 0, where 256 belongs",
+                _ => "subtracts 255 from a plane's values above 255, where 256 belongs",
+            },
+            Slip::Absolute => {
+                "takes residual + predictor − 128 without its sign where it is below 0"
+            }
+            Slip::ResidualLimited => "takes a residual of 0, which is −128, for −127",
+            Slip::InvertedFromLargest => {
+                "inverts v to the largest sample of the plane less v, where 255 − v belongs"
+            }
+            Slip::NotInverted => "does not invert references",
+            Slip::IntraInverted => "inverts intra coded planes whose transform says so",
+            Slip::ByReference { inverted: true } => {
+                "inverts a reference where the transform of the reference says so"
+            }
+            Slip::ByReference { inverted: false } => {
+                "displaces a reference where the transform of the reference says so"
+            }
+            Slip::FromPlaneBefore => "predicts planes from the plane with the number before",
+            Slip::Overwrites => {
+                "shows a predicted plane in place of the plane that it is predicted from"
+            }
+            _ => "does not displace references",
         }
     }
 
@@ -214,9 +258,17 @@ impl Slip {
             Slip::Sum { .. }
             | Slip::Limited { .. }
             | Slip::Modulo255 { .. }
+            | Slip::Absolute
             | Slip::ResidualLimited => "plane = (residual + predictor − 128) modulo 256",
-            Slip::InvertedFrom(_) | Slip::InvertedFromLargest | Slip::NotInverted => {
+            Slip::InvertedFrom(_)
+            | Slip::InvertedFromLargest
+            | Slip::NotInvertedOf(_)
+            | Slip::NotInverted => {
                 "where the plane's own transform has bit 1, its predictor is 255 − the reference, everywhere"
+            }
+            Slip::ByReference { .. } => "use the transform of the predicted plane",
+            Slip::FromPlaneBefore => {
+                "the number at place i of the reference list is the plane that plane i is predicted from"
             }
             Slip::IntraInverted => "leave intra coded planes as their streams hold them",
             Slip::NotMoved => {
@@ -250,19 +302,31 @@ impl Slip {
             Slip::Sum { .. }
             | Slip::Limited { .. }
             | Slip::Modulo255 { .. }
+            | Slip::Absolute
             | Slip::ResidualLimited
             | Slip::Overwrites => "2.9.5/4",
-            Slip::InvertedFrom(_) | Slip::InvertedFromLargest | Slip::NotInverted => "2.9.2/3",
+            Slip::InvertedFrom(_)
+            | Slip::InvertedFromLargest
+            | Slip::NotInvertedOf(_)
+            | Slip::NotInverted => "2.9.2/3",
+            Slip::ByReference { .. } => "2.9.2/1",
+            Slip::FromPlaneBefore => "2.9.5/1",
             Slip::IntraInverted => "2.9.5/2",
             Slip::NotMoved => "2.9.2/4",
-            Slip::Vector(Vector::Exchanged | Vector::Earlier(..)) => "2.9.3/1",
+            Slip::Vector(Vector::Exchanged | Vector::Earlier(..) | Vector::FromEnd(_)) => "2.9.3/1",
             Slip::Vector(_) | Slip::Split(..) => "2.9.3/2",
             Slip::Mean { .. } => "2.9.3/5",
             Slip::Border { .. } | Slip::FirstWithin { .. } | Slip::WithinOther { .. } => "2.9.3/6",
             Slip::Order(_) => "2.9.4/2",
             Slip::Records(Records::Bytes(_)) => "2.9.8/5",
             Slip::Records(
-                Records::ByColumns | Records::RowsFromTop | Records::OneLater | Records::OneEarlier,
+                Records::ByColumns
+                | Records::ByColumnsWithin
+                | Records::HighByte255
+                | Records::LaterFrom255
+                | Records::RowsFromTop
+                | Records::OneLater
+                | Records::OneEarlier,
             ) => "2.9.8/6",
             Slip::Records(Records::Plus(_) | Records::Added | Records::FirstValue) => "2.9.8/8",
             Slip::Records(_) => "2.9.8/4",
@@ -271,6 +335,24 @@ impl Slip {
 }
 
 impl PlaneSlip {
+    /// Slips that show in other planes than in the one in which they are made, wherever that may be.
+    pub fn of_other_planes() -> impl Iterator<Item = PlaneSlip> {
+        let listed = (0..PLANES.len()).map(PlaneIs::Listed);
+        let last = PLANES
+            .iter()
+            .position(|one| one.says == LAST)
+            .map(PlaneIs::Listed);
+        let pairs = (listed.clone()).filter_map(move |one| last.map(|last| vec![last, one]));
+        let places = std::iter::once(Vec::new()).chain(listed.map(|one| vec![one]));
+        places.chain(pairs).map(|planes| PlaneSlip {
+            slip: Slip::Overwrites,
+            place: Place {
+                planes,
+                sample: None,
+            },
+        })
+    }
+
     /// What is done and where, as a sentence without its subject.
     pub fn says(&self) -> String {
         format!("{}{}", self.slip.says(), self.place.says())
@@ -285,21 +367,22 @@ fn place(axes: [bool; 2]) -> usize {
 }
 
 fn says_sum(residual: i8, predictor: i8, plus: u8) -> String {
-    let mut terms = String::new();
+    let mut terms: Vec<String> = Vec::new();
     for (many, name) in [(residual, "residual"), (predictor, "predictor")] {
-        terms += &match (many, terms.is_empty()) {
-            (0, _) => String::new(),
-            (1, true) => name.to_owned(),
-            (1, false) => format!(" + {name}"),
-            (_, true) => format!("−{name}"),
-            _ => format!(" − {name}"),
-        };
+        match (many, terms.is_empty()) {
+            (0, _) => {}
+            (1, true) => terms.push(name.to_owned()),
+            (1, false) => terms.push(format!(" + {name}")),
+            (_, true) => terms.push(format!("−{name}")),
+            _ => terms.push(format!(" − {name}")),
+        }
     }
-    terms += &match plus {
-        0 => String::new(),
-        1..128 => format!(" + {plus}"),
-        _ => format!(" − {}", 256 - u32::from(plus)),
-    };
+    match plus {
+        0 => {}
+        1..128 => terms.push(format!(" + {plus}")),
+        _ => terms.push(format!(" − {}", 256 - u32::from(plus))),
+    }
+    let terms = terms.concat();
     let what =
         format!("computes a plane as {terms} modulo 256, where residual + predictor − 128 belongs");
     match (residual, predictor, plus) {
@@ -316,9 +399,11 @@ impl Vector {
         let without = [[true, false], [false, true]].map(Vector::Without);
         let earlier = [1, 2, 3, 6, 9].into_iter();
         let earlier = earlier.flat_map(|k| AXES.map(|axes| Vector::Earlier(k, axes)));
+        let from_end = AXES.into_iter().map(Vector::FromEnd);
         let within = [8, 16, 32, 64, 128].map(Vector::Within);
         let bits = (3..=31).map(Vector::Bits);
-        (plain.into_iter().chain(some).chain(without)).chain(earlier.chain(within).chain(bits))
+        (plain.into_iter().chain(some).chain(without).chain(from_end))
+            .chain(earlier.chain(within).chain(bits))
     }
 
     fn says(self) -> String {
@@ -333,6 +418,10 @@ impl Vector {
             Vector::Doubled => "takes whole texels for half texels".to_owned(),
             Vector::Bits(bits) => format!("keeps x and y of a vector in {bits} bits"),
             Vector::Within(most) => format!("limits x and y of a vector to −{most} … {}", most - 1),
+            Vector::FromEnd(axes) => format!(
+                "moves each plane by {} of the vector as far from the end of the list",
+                parts(axes)
+            ),
             Vector::Earlier(1, axes) => {
                 format!("takes {} of the vector of the plane before", parts(axes))
             }
@@ -488,10 +577,7 @@ impl Order {
         match self {
             Order::AsText => "sorts ranks as text (10 before 2): planes are predicted from planes that are not decoded yet, and hold 0".to_owned(),
             Order::SignedByte => "keeps ranks in a signed byte".to_owned(),
-            Order::Unsorted(missing) => format!(
-                "does not sort ranks to the end, as a bubble sort with {missing} {} too few: planes are predicted from planes that are not decoded yet, and hold 0",
-                if missing == 1 { "pass" } else { "passes" }
-            ),
+            Order::Unsorted(..) => "does not sort ranks to the end: planes are predicted from planes that are not decoded yet, and hold 0".to_owned(),
             Order::LastOfRank => "decodes one plane of each rank, the last, and shows 0 for the others".to_owned(),
             Order::FirstOfRank => "decodes one plane of each rank, the first, and shows 0 for the others".to_owned(),
         }
@@ -510,6 +596,9 @@ impl Records {
             Records::OfPlaneBefore,
             Records::SingleOfPlaneBefore,
             Records::ByColumns,
+            Records::ByColumnsWithin,
+            Records::HighByte255,
+            Records::LaterFrom255,
             Records::RowsFromTop,
             Records::OneLater,
             Records::OneEarlier,
@@ -555,6 +644,9 @@ impl Records {
                 "corrects a plane without records with the record of a plane before, where that has a single one".to_owned()
             }
             Records::ByColumns => "counts the positions of records down the columns".to_owned(),
+            Records::ByColumnsWithin => "counts the positions of records down the columns, and takes the last texel for those beyond it".to_owned(),
+            Records::HighByte255 => "counts P1 of a position 255 times, where 256 belongs".to_owned(),
+            Records::LaterFrom255 => "counts the positions of records one too high, from 255 on".to_owned(),
             Records::RowsFromTop => "counts the positions of records from the other end of the rows".to_owned(),
             Records::OneLater => "counts the positions of records one too high".to_owned(),
             Records::OneEarlier => "counts the positions of records one too low".to_owned(),

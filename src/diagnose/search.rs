@@ -195,6 +195,7 @@ impl<'a> Search<'a> {
             let explains_all = |member: &Member| {
                 member.worth * 10 >= 9 * WORD * left.len() as i64
                     && self.denied(&[&set[..], &[member.id]].concat()).is_empty()
+                    && !self.is_denied_by_large(member.id)
             };
             if !single.as_ref().is_some_and(explains_all) {
                 let solved = catch_unwind(AssertUnwindSafe(|| solve(self, &set, &left)));
@@ -287,6 +288,14 @@ impl<'a> Search<'a> {
         let contradicted = self.each(&passing, |&w| self.contradicted(w, set));
         let pairs = passing.into_iter().zip(contradicted);
         pairs.filter_map(|(w, is)| is.then_some(w)).collect()
+    }
+
+    /// Whether large files that the decoder passes deny a mistake in side information, whose high bytes only these use.
+    fn is_denied_by_large(&self, id: Id) -> bool {
+        let listed = self.mistakes[id].listed();
+        let is_of_records = listed.is_some_and(|one| one.clause.starts_with("2.9.8/"));
+        let large = |&&w: &&usize| self.samples(w) > SMALL;
+        is_of_records && (self.passing.iter().filter(large)).any(|&w| self.contradicted(w, &[id]))
     }
 
     /// Of the small files that the decoder passes, those that a set would fail.

@@ -14,6 +14,7 @@ use super::final_rules::FinalRule;
 use super::indices::Index;
 use super::mistake::Mistake;
 use super::number_readers::NumberReader;
+use super::plane_slips::PlaneSlip;
 use super::scope::Scope;
 use super::search::{Id, Search, Set, WORD, spread};
 use super::shared::shared;
@@ -160,11 +161,18 @@ fn slipped(search: &mut Search, set: &Set, left: &[usize]) {
 fn rebuilt(search: &mut Search, set: &Set, pictures: &[usize]) -> Option<Vec<Act>> {
     let slips = solve_planes::candidates(search, set, pictures);
     let acts: Vec<Act> = slips.into_iter().map(Act::Planes).collect();
-    let new: Vec<Act> = (acts.iter().cloned())
+    let new: Vec<Act> = (acts.iter())
         .filter(|act| !is_known(search, act))
+        .cloned()
         .collect();
     for act in new {
         add(search, set, pictures, act);
+    }
+    if acts.is_empty() {
+        let is_compressed = |w: &usize| search.witnesses[*w].case.format().is_compressed();
+        let of: Vec<usize> = pictures.iter().copied().filter(is_compressed).collect();
+        let others = PlaneSlip::of_other_planes().map(Act::Planes);
+        try_all(search, set, &of, others);
     }
     (acts.len() > 1).then_some(acts)
 }

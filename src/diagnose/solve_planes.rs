@@ -19,7 +19,7 @@ use crate::reading::Reading;
 use crate::session::observation::Response;
 
 /// Samples of all failing files that are looked at, and of a passing one; and how many files.
-const SAMPLES_OF_ALL: usize = 1 << 16;
+const SAMPLES_OF_ALL: usize = 1 << 17;
 const SAMPLES_OF_PASSING: usize = 1 << 12;
 const FAILING: usize = 60;
 const PASSING: usize = 160;
@@ -27,8 +27,9 @@ const PASSING: usize = 160;
 const ROUNDS: usize = 4;
 /// Slips that are held against passing files too.
 const FINALISTS: usize = 24;
-/// Fewer planes tell of no place.
+/// Fewer planes tell of no slip, and fewer files of no place.
 const FEWEST: usize = 2;
+const FEWEST_FILES: usize = 4;
 /// So many ways to divide planes must there be, for a place that divides them so to be no coincidence; and for two places.
 const DIVISIONS: f64 = 100.0;
 const DIVISIONS_OF_BOTH: f64 = 10_000.0;
@@ -55,7 +56,10 @@ pub(super) fn candidates(search: &Search, set: &Set, pictures: &[usize]) -> Vec<
     let mut slips: Vec<PlaneSlip> = mistakes.into_iter().filter_map(slip_of).cloned().collect();
     let known = slips.len();
     let of = |all: Vec<usize>, most: usize| -> Vec<Shown> {
-        let kind = |w: usize| search.witnesses[w].case.clauses.first().cloned();
+        let kind = |w: usize| {
+            let case = search.witnesses[w].case;
+            (case.clauses.first().cloned(), case.format())
+        };
         let mut all = spread(&all, kind);
         all.truncate(most);
         let shown = search.each(&all, |&w| shown(&search.witnesses[w], &listed));
@@ -296,7 +300,8 @@ fn place(of: &[(&Shown, &Trace)]) -> Option<Place> {
         return Some(Place::default());
     }
     let divisions = divisions(hits.len(), misses.len());
-    if divisions < DIVISIONS {
+    let files: BTreeSet<usize> = hits.iter().map(|(_, trace)| trace.file).collect();
+    if divisions < DIVISIONS || files.len() < FEWEST_FILES {
         return None;
     }
     let holds =
@@ -408,5 +413,166 @@ impl Samplings {
     fn divides(&self, one: usize, counts: impl Fn(usize) -> bool) -> bool {
         let mut misses = self.misses.iter();
         !misses.any(|(item, sample)| counts(*item) && (SAMPLES[one].holds)(sample))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::first_cause;
+    use crate::Reading;
+    use crate::decode::{compressed, planes, predict};
+    use crate::error::Result;
+    use crate::parts::{Plan, RawLists, Step};
+    use crate::ptm::Size;
+    use crate::suite::cases::{Case, Expect, TableSpelling};
+
+    /// The lists as they are, but for what is changed of each step.
+    fn stepping(lists: &RawLists, change: fn(usize, &mut Step)) -> Result<Plan> {
+        let mut plan = compressed::plan(lists)?;
+        for (i, step) in plan.steps.iter_mut().enumerate() {
+            change(i, step);
+        }
+        Ok(plan)
+    }
+
+    fn minus(residuals: &mut [u8], predictor: &[u8]) {
+        for (value, predicted) in residuals.iter_mut().zip(predictor) {
+            *value = value.wrapping_sub(*predicted).wrapping_sub(127);
+        }
+    }
+
+    /// Beyond the last stored row stands the row before the last.
+    fn row_before_the_last(plane: &[u8], size: Size, x: i64, y: i64) -> u8 {
+        let height = i64::from(size.height);
+        let y = if y >= height { (height - 2).max(0) } else { y };
+        predict::border_edge(plane, size, x, y)
+    }
+
+    #[test]
+    fn a_slip_in_rebuilding_planes_is_told_with_the_planes_in_which_it_is_made() {
+        const SPEC: Reading = Reading::SPEC;
+        let decoders: &[(Reading, &str)] = &[
+            (
+                Reading {
+                    predict: minus,
+                    predict_jpeg_ls: minus,
+                    ..SPEC
+                },
+                "computes a plane as residual − predictor − 127 modulo 256",
+            ),
+            (
+                Reading {
+                    plan: |lists| stepping(lists, |_, step| step.moved &= step.motion.0 != 0),
+                    ..SPEC
+                },
+                "does not displace references, only in planes with a vector whose x is 0",
+            ),
+            (
+                Reading {
+                    plan: |lists| stepping(lists, |i, step| step.moved &= i < 6),
+                    ..SPEC
+                },
+                "does not displace references, only in planes with number 6 or a higher one",
+            ),
+            (
+                Reading {
+                    plan: |lists| {
+                        stepping(lists, |_, step| {
+                            let whole = !step.inverted && !step.moved;
+                            step.reference = step.reference.filter(|_| !whole);
+                        })
+                    },
+                    ..SPEC
+                },
+                "does not predict: shows what the streams hold, only in planes of transform 0",
+            ),
+            (
+                Reading {
+                    plan: |lists| {
+                        let mut plan = compressed::plan(lists)?;
+                        plan.sequence.sort_unstable();
+                        plan.sequence
+                            .sort_by_key(|&i| lists.order[i].value.to_string());
+                        Ok(plan)
+                    },
+                    ..SPEC
+                },
+                "sorts ranks as text (10 before 2)",
+            ),
+            (
+                Reading {
+                    motion_border: row_before_the_last,
+                    ..SPEC
+                },
+                "takes the sample one before the edge beyond the last stored row",
+            ),
+            (
+                Reading {
+                    motion_half: |samples| {
+                        let sum: u32 = samples.into_iter().map(u32::from).sum();
+                        (f64::from(sum) / 4.0).round_ties_even() as u8
+                    },
+                    ..SPEC
+                },
+                "rounds at a half to the even number",
+            ),
+            (
+                Reading {
+                    invert: |plane| {
+                        for value in plane.iter_mut().filter(|value| **value > 0) {
+                            *value = 255 - *value;
+                        }
+                    },
+                    ..SPEC
+                },
+                "inverts 0 to 0, where 255 belongs",
+            ),
+            (
+                Reading {
+                    records: |block, at, texels| {
+                        let mut records = planes::records(block, at, texels)?;
+                        if records.len() > 1 {
+                            records.pop();
+                        }
+                        Ok(records)
+                    },
+                    ..SPEC
+                },
+                "loses the last record of a plane that has two or more",
+            ),
+            (
+                Reading {
+                    correct: |plane, records| {
+                        for &(position, value) in records {
+                            plane[position as usize] = value.min(254);
+                        }
+                    },
+                    ..SPEC
+                },
+                "puts V − 1 where a record says V, only where a record has the value 255",
+            ),
+            (
+                Reading {
+                    records: |block, at, texels| {
+                        let records = planes::records(block, at, texels)?;
+                        let first = records.first().map_or(0, |&(_, value)| value);
+                        Ok(records
+                            .into_iter()
+                            .map(|(position, _)| (position, first))
+                            .collect())
+                    },
+                    ..SPEC
+                },
+                "takes the value of a plane's first record for all of them",
+            ),
+        ];
+        let keep = |case: &Case| {
+            let is_small = case.build(TableSpelling::default()).file.len() < 20_000;
+            case.format().is_compressed() && case.expect == Expect::Decode && is_small
+        };
+        for (reading, says) in decoders {
+            let told = first_cause(*reading, keep);
+            assert!(told.contains(says), "{says}: {told}");
+        }
     }
 }
