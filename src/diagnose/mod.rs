@@ -36,6 +36,7 @@ mod pictures;
 mod places;
 mod plane_means;
 mod plane_places;
+mod plane_rest;
 mod plane_rules;
 mod plane_slips;
 mod powers;
@@ -136,6 +137,7 @@ fn diagnose_by(
     causes.extend(search.guarded(|| refusals::rest(&witnesses, &mut left)));
     causes.extend(violation);
     let set = search::of(&found.members);
+    causes.extend(search.guarded(|| plane_rest::describe(&search, &set, &mut left)));
     causes.extend(search.guarded(|| pictures::describe(&search, &set, &left)));
     causes.append(&mut diagnoses);
     let attributed = attributed.into_iter().map(|(_, diagnosis)| diagnosis);

@@ -35,52 +35,29 @@ const DIVISIONS: f64 = 100.0;
 const DIVISIONS_OF_BOTH: f64 = 10_000.0;
 
 /// The planes of a file as they were shown, bottom row first.
-struct Shown {
-    coding: Coding,
-    planes: Vec<Vec<u8>>,
-    reading: Reading,
+pub(super) struct Shown {
+    pub coding: Coding,
+    pub planes: Vec<Vec<u8>>,
+    pub reading: Reading,
 }
 
 /// A plane in which a slip would show: samples that are as it makes them, and samples that are not.
-struct Trace {
-    file: usize,
-    plane: usize,
-    hits: Vec<usize>,
-    misses: Vec<usize>,
+pub(super) struct Trace {
+    pub file: usize,
+    pub plane: usize,
+    pub hits: Vec<usize>,
+    pub misses: Vec<usize>,
 }
 
 /// The slips beside `set` that planes of these files show, made together.
 pub(super) fn candidates(search: &Search, set: &Set, pictures: &[usize]) -> Vec<PlaneSlip> {
-    let mistakes = search.mistakes_of(set);
-    let listed: Vec<&Misreading> = mistakes.iter().filter_map(|one| one.listed()).collect();
-    let mut slips: Vec<PlaneSlip> = mistakes.into_iter().filter_map(slip_of).cloned().collect();
+    let mut slips = slips_of(search, set);
     let known = slips.len();
-    let of = |all: Vec<usize>, most: usize| -> Vec<Shown> {
-        let kind = |w: usize| {
-            let case = search.witnesses[w].case;
-            (case.clauses.first().cloned(), case.format())
-        };
-        let mut all = spread(&all, kind);
-        all.truncate(most);
-        let shown = search.each(&all, |&w| shown(&search.witnesses[w], &listed));
-        shown.into_iter().flatten().collect()
-    };
-    let is_of = |w: &usize| {
-        let witness = &search.witnesses[*w];
-        witness.case.format().is_compressed() && witness.observation.view == View::Raw
-    };
-    let failing: Vec<usize> = pictures.iter().copied().filter(is_of).collect();
-    let failing = of(search.smallest(&failing, SAMPLES_OF_ALL), FAILING);
+    let (_, failing) = of_files(search, set, &unlike(search, pictures, FAILING));
     if failing.is_empty() {
         return Vec::new();
     }
-    let passing = search.passing.iter().copied().filter(is_of);
-    let passing = of(
-        passing
-            .filter(|&w| search.samples(w) <= SAMPLES_OF_PASSING)
-            .collect(),
-        PASSING,
-    );
+    let (_, passing) = of_files(search, set, &passing_files(search));
     for _ in 0..ROUNDS {
         match next(search, &failing, &passing, &slips) {
             Some(slip) => slips.push(slip),
@@ -90,6 +67,12 @@ pub(super) fn candidates(search: &Search, set: &Set, pictures: &[usize]) -> Vec<
     slips.split_off(known)
 }
 
+/// The slips in rebuilding planes among the mistakes of a set.
+pub(super) fn slips_of(search: &Search, set: &Set) -> Vec<PlaneSlip> {
+    let mistakes = search.mistakes_of(set);
+    mistakes.into_iter().filter_map(slip_of).cloned().collect()
+}
+
 fn slip_of(mistake: &Mistake) -> Option<&PlaneSlip> {
     match &mistake.solved()?.act {
         Act::Planes(slip) => Some(slip),
@@ -97,8 +80,45 @@ fn slip_of(mistake: &Mistake) -> Option<&PlaneSlip> {
     }
 }
 
+/// Compressed files of which stored values were asked, of every format and about every clause; the smallest of them.
+fn unlike(search: &Search, of: &[usize], most: usize) -> Vec<usize> {
+    let is_of = |w: &usize| {
+        let witness = &search.witnesses[*w];
+        witness.case.format().is_compressed() && witness.observation.view == View::Raw
+    };
+    let of: Vec<usize> = of.iter().copied().filter(is_of).collect();
+    let kind = |w: usize| {
+        let case = search.witnesses[w].case;
+        (case.clauses.first().cloned(), case.format())
+    };
+    let mut of = spread(&search.smallest(&of, SAMPLES_OF_ALL), kind);
+    of.truncate(most);
+    of
+}
+
+/// Such files that the decoder passes.
+pub(super) fn passing_files(search: &Search) -> Vec<usize> {
+    let passing = search.passing.iter().copied();
+    let small: Vec<usize> = passing
+        .filter(|&w| search.samples(w) <= SAMPLES_OF_PASSING)
+        .collect();
+    unlike(search, &small, PASSING)
+}
+
+/// The planes of those of these files of which stored values were shown, and which files these are.
+pub(super) fn of_files(search: &Search, set: &Set, of: &[usize]) -> (Vec<usize>, Vec<Shown>) {
+    let mistakes = search.mistakes_of(set);
+    let listed: Vec<&Misreading> = mistakes.iter().filter_map(|one| one.listed()).collect();
+    let all = search.each(of, |&w| shown(&search.witnesses[w], &listed));
+    let pairs = of.iter().copied().zip(all);
+    pairs.filter_map(|(w, shown)| Some((w, shown?))).unzip()
+}
+
 /// The planes that were shown of a file.
 fn shown(witness: &Witness, listed: &[&Misreading]) -> Option<Shown> {
+    if !witness.case.format().is_compressed() || witness.observation.view != View::Raw {
+        return None;
+    }
     let frame = match (&witness.observation.response, &witness.right) {
         (
             Response::Picture {
@@ -195,7 +215,7 @@ fn next(
 
 impl Shown {
     /// Every plane, made again of the references that were shown.
-    fn all(&self, slips: &[&PlaneSlip]) -> Vec<Vec<u8>> {
+    pub fn all(&self, slips: &[&PlaneSlip]) -> Vec<Vec<u8>> {
         let planes = 0..self.planes.len();
         let one = |i| {
             self.coding
@@ -284,10 +304,6 @@ fn sums(files: &[Shown], now: &[Vec<Vec<u8>>]) -> Vec<Slip> {
 
 /// The smallest place that has all samples that show a slip, and none that denies it.
 fn place(of: &[(&Shown, &Trace)]) -> Option<Place> {
-    let of: Vec<&(&Shown, &Trace)> = of
-        .iter()
-        .filter(|(_, trace)| !trace.hits.is_empty() || !trace.misses.is_empty())
-        .collect();
     let hits: Vec<_> = of
         .iter()
         .filter(|(_, trace)| !trace.hits.is_empty())
@@ -355,8 +371,8 @@ fn divisions(hits: usize, misses: usize) -> f64 {
 
 /// Bounds of numbers of planes and of vectors beyond which the slip is seen.
 fn bounds<'a>(
-    hits: &[&&(&'a Shown, &'a Trace)],
-    misses: &[&&(&'a Shown, &'a Trace)],
+    hits: &[&(&'a Shown, &'a Trace)],
+    misses: &[&(&'a Shown, &'a Trace)],
 ) -> Vec<PlaneIs> {
     let vector = |(file, trace): &(&Shown, &Trace)| {
         let (x, y) = file.coding.planes[trace.plane].step.motion;
@@ -383,7 +399,7 @@ struct Samplings {
 }
 
 impl Samplings {
-    fn of(hits: &[&&(&Shown, &Trace)], misses: &[&&(&Shown, &Trace)]) -> Samplings {
+    fn of(hits: &[&(&Shown, &Trace)], misses: &[&(&Shown, &Trace)]) -> Samplings {
         let samples = |(file, trace): &(&Shown, &Trace), of: &[usize]| -> Vec<Sample> {
             let predictor = file
                 .coding
@@ -426,6 +442,8 @@ mod tests {
     use crate::ptm::Size;
     use crate::suite::cases::{Case, Expect, TableSpelling};
 
+    const SPEC: Reading = Reading::SPEC;
+
     /// The lists as they are, but for what is changed of each step.
     fn stepping(lists: &RawLists, change: fn(usize, &mut Step)) -> Result<Plan> {
         let mut plan = compressed::plan(lists)?;
@@ -433,6 +451,10 @@ mod tests {
             change(i, step);
         }
         Ok(plan)
+    }
+
+    fn by_steps(plan: fn(&RawLists) -> Result<Plan>) -> Reading {
+        Reading { plan, ..SPEC }
     }
 
     fn minus(residuals: &mut [u8], predictor: &[u8]) {
@@ -448,10 +470,66 @@ mod tests {
         predict::border_edge(plane, size, x, y)
     }
 
+    /// Small files with planes that a decoder must read.
+    fn keep(case: &Case) -> bool {
+        let is_legal = case.format().is_compressed() && case.expect == Expect::Decode;
+        is_legal && case.build(TableSpelling::default()).file.len() < 20_000
+    }
+
+    /// Whether that is said first of such decoders.
+    #[track_caller]
+    fn tells(decoders: &[(Reading, &str)]) {
+        for (reading, says) in decoders {
+            let told = first_cause(*reading, keep);
+            assert!(told.contains(says), "{says}: {told}");
+        }
+    }
+
     #[test]
-    fn a_slip_in_rebuilding_planes_is_told_with_the_planes_in_which_it_is_made() {
-        const SPEC: Reading = Reading::SPEC;
-        let decoders: &[(Reading, &str)] = &[
+    fn a_slip_in_planes_is_told_with_the_planes_in_which_it_is_made() {
+        tells(&[
+            (
+                by_steps(|lists| stepping(lists, |_, step| step.moved &= step.motion.0 != 0)),
+                "does not displace references, only in planes with a vector whose x is 0",
+            ),
+            (
+                by_steps(|lists| stepping(lists, |i, step| step.moved &= i < 6)),
+                "does not displace references, only in planes with number 6 or a higher one",
+            ),
+            (
+                by_steps(|lists| {
+                    stepping(lists, |_, step| {
+                        let is_plain = !step.inverted && !step.moved;
+                        step.reference = step.reference.filter(|_| !is_plain);
+                    })
+                }),
+                "does not predict: shows what the streams hold, only in planes of transform 0",
+            ),
+            (
+                by_steps(|lists| {
+                    let mut plan = compressed::plan(lists)?;
+                    plan.sequence.sort_unstable();
+                    plan.sequence
+                        .sort_by_key(|&i| lists.order[i].value.to_string());
+                    Ok(plan)
+                }),
+                "sorts ranks as text (10 before 2)",
+            ),
+        ]);
+    }
+
+    #[test]
+    fn a_slip_in_sums_and_means_is_told() {
+        let half = |samples: [u8; 4]| {
+            let sum: u32 = samples.into_iter().map(u32::from).sum();
+            (f64::from(sum) / 4.0).round_ties_even() as u8
+        };
+        let invert = |plane: &mut [u8]| {
+            for value in plane.iter_mut().filter(|value| **value > 0) {
+                *value = 255 - *value;
+            }
+        };
+        tells(&[
             (
                 Reading {
                     predict: minus,
@@ -462,45 +540,6 @@ mod tests {
             ),
             (
                 Reading {
-                    plan: |lists| stepping(lists, |_, step| step.moved &= step.motion.0 != 0),
-                    ..SPEC
-                },
-                "does not displace references, only in planes with a vector whose x is 0",
-            ),
-            (
-                Reading {
-                    plan: |lists| stepping(lists, |i, step| step.moved &= i < 6),
-                    ..SPEC
-                },
-                "does not displace references, only in planes with number 6 or a higher one",
-            ),
-            (
-                Reading {
-                    plan: |lists| {
-                        stepping(lists, |_, step| {
-                            let whole = !step.inverted && !step.moved;
-                            step.reference = step.reference.filter(|_| !whole);
-                        })
-                    },
-                    ..SPEC
-                },
-                "does not predict: shows what the streams hold, only in planes of transform 0",
-            ),
-            (
-                Reading {
-                    plan: |lists| {
-                        let mut plan = compressed::plan(lists)?;
-                        plan.sequence.sort_unstable();
-                        plan.sequence
-                            .sort_by_key(|&i| lists.order[i].value.to_string());
-                        Ok(plan)
-                    },
-                    ..SPEC
-                },
-                "sorts ranks as text (10 before 2)",
-            ),
-            (
-                Reading {
                     motion_border: row_before_the_last,
                     ..SPEC
                 },
@@ -508,25 +547,21 @@ mod tests {
             ),
             (
                 Reading {
-                    motion_half: |samples| {
-                        let sum: u32 = samples.into_iter().map(u32::from).sum();
-                        (f64::from(sum) / 4.0).round_ties_even() as u8
-                    },
+                    motion_half: half,
                     ..SPEC
                 },
-                "rounds at a half to the even number",
+                "rounds at a half to the even number in means of two samples and of four",
             ),
             (
-                Reading {
-                    invert: |plane| {
-                        for value in plane.iter_mut().filter(|value| **value > 0) {
-                            *value = 255 - *value;
-                        }
-                    },
-                    ..SPEC
-                },
+                Reading { invert, ..SPEC },
                 "inverts 0 to 0, where 255 belongs",
             ),
+        ]);
+    }
+
+    #[test]
+    fn a_slip_in_side_information_is_told() {
+        tells(&[
             (
                 Reading {
                     records: |block, at, texels| {
@@ -553,26 +588,15 @@ mod tests {
             ),
             (
                 Reading {
-                    records: |block, at, texels| {
-                        let records = planes::records(block, at, texels)?;
-                        let first = records.first().map_or(0, |&(_, value)| value);
-                        Ok(records
-                            .into_iter()
-                            .map(|(position, _)| (position, first))
-                            .collect())
+                    correct: |plane, records| {
+                        for &(position, _) in records {
+                            plane[position as usize] = records[0].1;
+                        }
                     },
                     ..SPEC
                 },
                 "takes the value of a plane's first record for all of them",
             ),
-        ];
-        let keep = |case: &Case| {
-            let is_small = case.build(TableSpelling::default()).file.len() < 20_000;
-            case.format().is_compressed() && case.expect == Expect::Decode && is_small
-        };
-        for (reading, says) in decoders {
-            let told = first_cause(*reading, keep);
-            assert!(told.contains(says), "{says}: {told}");
-        }
+        ]);
     }
 }
