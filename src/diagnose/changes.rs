@@ -262,11 +262,15 @@ fn of_bytes(pairs: &[(f64, f64)], wrong: &[(f64, f64)]) -> Vec<Change> {
     let mut changes = vec![
         Change::Constant(first.1),
         Change::Offset(offset),
-        Change::Xor(byte(first.0) ^ byte(first.1)),
         Change::Inverted,
         Change::ReversedBits,
         Change::SwappedNibbles,
     ];
+    let mask = byte(first.0) ^ byte(first.1);
+    // All eight bits changed are the same as inverted.
+    if mask != 0xff {
+        changes.push(Change::Xor(mask));
+    }
     if lost != 0 {
         changes.push(Change::And(!lost));
     }
@@ -336,6 +340,10 @@ fn of_colors(pairs: &[(f64, f64)], wrong: &[(f64, f64)]) -> Vec<Change> {
         Change::And(0x7f),
     ];
     changes.extend(POWERS.map(Change::Power));
+    // What is limited to 0 or 255 may have been anything.
+    if wrong.iter().all(|pair| pair.1 <= 0.0 || pair.1 >= 255.0) {
+        changes.retain(|change| matches!(change, Change::Constant(_)));
+    }
     // From the two right values that are farthest from each other, where nothing is clamped.
     let free = || {
         let inside = |pair: &&(f64, f64)| pair.1 > 0.0 && pair.1 < 255.0;
@@ -420,6 +428,20 @@ fn srgb_decoded(x: f64) -> f64 {
         x / 12.92
     } else {
         ((x + 0.055) / 1.055).powf(2.4)
+    }
+}
+
+/// Two numbers that differ, with so many digits that it shows: at most four decimals where that is enough.
+pub(super) fn apart(a: f64, b: f64) -> [String; 2] {
+    let short = [a, b].map(short);
+    if short[0] != short[1] || a == b {
+        return short;
+    }
+    let exact = [a as f32, b as f32].map(|value| value.to_string());
+    if exact[0] == exact[1] {
+        [a, b].map(|value| value.to_string())
+    } else {
+        exact
     }
 }
 

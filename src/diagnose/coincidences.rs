@@ -24,7 +24,8 @@ pub(super) fn drop(search: &Search, found: &mut Found) {
 /// Fewer than one in so many failures, about other clauses, may agree with a mistake of the catalog by chance.
 const STRAYS: usize = 12;
 
-/// Takes away mistakes of the catalog that explain a few failures, none of which is about the clause that is misread.
+/// Takes away mistakes of the catalog that explain a few failures, none of which is about the clause that is misread, or
+/// that would change more than twice as many: where much is wrong, a few come out as of another mistake.
 fn drop_strays(search: &Search, found: &mut Found) {
     let set = of(&found.members);
     let failing = failing(search.witnesses);
@@ -32,11 +33,20 @@ fn drop_strays(search: &Search, found: &mut Found) {
         let Some(misreading) = search.mistakes[id].listed() else {
             return true;
         };
-        let mut explained = failing.clone();
-        explained.retain(|&w| search.agreement(w, &[id]).explains());
-        explained.is_empty()
-            || explained.len() * STRAYS >= failing.len()
-            || (explained.iter()).any(|&w| is_about(&search.witnesses[w], misreading))
+        let mut without = set.clone();
+        without.retain(|&other| other != id);
+        let is_explained = |&w: &usize| {
+            let explains = |set: &[Id]| search.agreement(w, set).explains();
+            explains(&[id]) || explains(&set) && !explains(&without)
+        };
+        let explained: Vec<usize> = failing.iter().copied().filter(is_explained).collect();
+        if explained.is_empty() || explained.len() * STRAYS >= failing.len() {
+            return true;
+        }
+        let acting =
+            (failing.iter()).filter(|&&w| search.made(w, &set) != search.made(w, &without));
+        let is_about = (explained.iter()).any(|&w| is_about(&search.witnesses[w], misreading));
+        is_about && explained.len() * 2 >= acting.count()
     });
     found.keep(&keep);
 }

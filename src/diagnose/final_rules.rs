@@ -102,6 +102,12 @@ const CONDITIONS: &[Condition] = &[
     ("whose bias is over 255", |n| n.bias > 255.0),
     ("whose bias is 0", |n| n.bias == 0.0),
     ("whose bias is not 0", |n| n.bias != 0.0),
+    ("whose bias is from 0 to 255", |n| {
+        (0.0..=255.0).contains(&n.bias)
+    }),
+    ("whose bias is less than −128 or over 127", |n| {
+        !(-128.0..=127.0).contains(&n.bias)
+    }),
     ("whose raw value is less than the bias", |n| n.raw < n.bias),
     ("whose raw value is more than the bias", |n| n.raw > n.bias),
     ("whose raw value is 0", |n| n.raw == 0.0),
@@ -158,6 +164,8 @@ pub(super) enum FinalRule {
     /// Several slips in one expression: places in [`SUMS`], [`LIMITS`], [`SOURCES`] of the bias, [`FACTORS`], and
     /// [`SOURCES`] of the scale.
     Combined(Places<5>),
+    /// The same, scaled before the bias is taken: places in [`SUMS`], and in [`SOURCES`] of the bias and of the scale.
+    ScaledFirst(Places<3>),
 }
 
 impl FinalRule {
@@ -174,7 +182,9 @@ impl FinalRule {
             SOURCES.len(),
         ];
         let combined = grid::all(lengths).map(FinalRule::Combined);
-        under.chain(combined)
+        let scaled_first = [SUMS.len(), SOURCES.len(), SOURCES.len()];
+        let scaled_first = grid::all(scaled_first).map(FinalRule::ScaledFirst);
+        under.chain(combined).chain(scaled_first)
     }
 
     /// The final value of a coefficient of a polynomial; nothing where it is the right one.
@@ -192,6 +202,10 @@ impl FinalRule {
                 let sum = SUMS[sum].1(raw, set.bias[SOURCES[bias].1(k)]);
                 let scale = set.scale[SOURCES[scale].1(k)];
                 Some(FACTORS[factor].1(LIMITS[limit].1(sum), scale))
+            }
+            FinalRule::ScaledFirst([sum, bias, scale]) => {
+                let scaled = raw * set.scale[SOURCES[scale].1(k)];
+                Some(SUMS[sum].1(scaled, set.bias[SOURCES[bias].1(k)]))
             }
         }
     }
@@ -223,6 +237,12 @@ impl FinalRule {
                 "computes as final value i ({}{}{}){}{}",
                 SUMS[sum].0, SOURCES[bias].0, LIMITS[limit].0, FACTORS[factor].0, SOURCES[scale].0
             ),
+            FinalRule::ScaledFirst([sum, bias, scale]) => {
+                let scaled = format!("raw · scale{}", SOURCES[scale].0);
+                let bias = format!("bias{}", SOURCES[bias].0);
+                let sum = SUMS[sum].0.replace("bias", &bias).replace("raw", &scaled);
+                format!("computes as final value i {sum}")
+            }
         }
     }
 }
@@ -238,7 +258,7 @@ mod tests {
 
     #[test]
     fn a_rule_is_told_with_its_condition_and_several_slips_as_one_expression() {
-        let wrong: [(Final, &str); 2] = [
+        let wrong: [(Final, &str); 3] = [
             (
                 |raw, channel, set: &ScaleBias| match (
                     set.scale[channel % 6],
@@ -255,6 +275,13 @@ mod tests {
                     sum.max(0.0) * set.scale[(channel + 1) % 6]
                 },
                 "(raw + bias, but 0 at the least,) · the scale of the next coefficient",
+            ),
+            (
+                |raw, channel, set: &ScaleBias| {
+                    let scaled = f64::from(raw) * set.scale[channel % 6];
+                    scaled - set.bias[(channel + 1) % 6]
+                },
+                "final value i raw · scale − bias of the next coefficient",
             ),
         ];
         for (final_coefficient, says) in wrong {

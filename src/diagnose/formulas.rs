@@ -79,6 +79,8 @@ pub(super) struct Numbers {
     modulate: fn(f64, f64) -> f64,
     /// Of which polynomial, or of which stored color, red, green and blue are made.
     colors: [usize; 3],
+    /// The coefficient that every polynomial takes from one of the three, and from which.
+    borrowed: Option<(usize, usize)>,
 }
 
 const COLORS: [&str; 3] = ["red", "green", "blue"];
@@ -109,6 +111,7 @@ impl Numbers {
             vector: [0, 1, 2].map(|which| (which, 1.0, 0.0)),
             modulate: reading.modulate,
             colors: [0, 1, 2],
+            borrowed: None,
         }
     }
 
@@ -135,7 +138,10 @@ impl Numbers {
             slips.extend(self.slips_of_light());
             slips.extend(self.slips_of_powers(powers));
             match shape {
-                Shape::Rgb => slips.extend(self.slips_of_colors(Formula::Blocks)),
+                Shape::Rgb => {
+                    slips.extend(self.slips_of_colors(Formula::Blocks));
+                    slips.extend(self.slips_of_blocks());
+                }
                 Shape::Lrgb => {
                     slips.extend(self.slips_of_colors(Formula::Color));
                     slips.extend(self.slips_of_modulation());
@@ -193,8 +199,6 @@ impl Numbers {
 
     fn slips_of_light(&self) -> Vec<Slip> {
         let (u, v) = self.light;
-        let cut = |x: f64, places: f64| (x * places).trunc() / places;
-        let length = u.hypot(v).max(f64::MIN_POSITIVE);
         let changes: [(&str, fn(f64) -> f64); 13] = [
             ("|w|", f64::abs),
             ("−w", |w| -w),
@@ -211,8 +215,6 @@ impl Numbers {
             ("the arc sine of w", f64::asin),
         ];
         let one = |name: &str, of: &str| name.replace('w', of);
-        let height = (1.0 - u * u - v * v).max(0.0).sqrt();
-        let longer = (1.0 + u * u + v * v).sqrt();
         let mut lights: Vec<(String, (f64, f64))> = Vec::new();
         for (name, change) in changes {
             lights.push((format!("u were {}", one(name, "u")), (change(u), v)));
@@ -222,31 +224,7 @@ impl Numbers {
                 (change(u), change(v)),
             ));
         }
-        lights.extend([
-            ("u were v and v were u".to_owned(), (v, u)),
-            ("u were v".to_owned(), (v, v)),
-            ("v were u".to_owned(), (u, u)),
-            (
-                "the light (u, v) had length 1".to_owned(),
-                (u / length, v / length),
-            ),
-            (
-                "the light were divided by √(u² + v² + 1)".to_owned(),
-                (u / longer, v / longer),
-            ),
-            (
-                "the light were multiplied by √(1 − u² − v²)".to_owned(),
-                (u * height, v * height),
-            ),
-            (
-                "u and v were cut off after one decimal".to_owned(),
-                (cut(u, 10.0), cut(v, 10.0)),
-            ),
-            (
-                "u and v were cut off after two decimals".to_owned(),
-                (cut(u, 100.0), cut(v, 100.0)),
-            ),
-        ]);
+        lights.extend(lights_together(u, v));
         let slip = |(says, (u, v)): (String, (f64, f64))| {
             let power = |i: usize| {
                 let mut unit = [0.0; 6];
@@ -269,6 +247,8 @@ impl Numbers {
             ("u − v", u - v),
             ("|u|", u.abs()),
             ("|v|", v.abs()),
+            ("|u·v|", (u * v).abs()),
+            ("2·|u·v|", 2.0 * (u * v).abs()),
             ("u² + v²", u * u + v * v),
             ("u³", u * u * u),
             ("v³", v * v * v),
@@ -313,6 +293,16 @@ impl Numbers {
             }
         }
         slips
+    }
+
+    fn slips_of_blocks(&self) -> Vec<Slip> {
+        let all = (0..18).map(|channel| (channel % 6, channel / 6));
+        all.map(|(i, color)| {
+            let says = format!("a{i} of every color were a{i} of {}", COLORS[color]);
+            let wrong = self.changed(|numbers| numbers.borrowed = Some((i, color)));
+            (Formula::Blocks, says, wrong)
+        })
+        .collect()
     }
 
     fn slips_of_colors(&self, formula: Formula) -> Vec<Slip> {
@@ -497,9 +487,14 @@ impl Numbers {
             |a: &[f64]| -> f64 { a.iter().zip(powers).map(|(a, power)| a * power).sum() };
         let color: Vec<f64> = match shape {
             Shape::Rgb => {
-                let block = |color: usize| &finals[6 * color..6 * color + 6];
-                let colors = self.colors.iter();
-                colors.map(|&color| polynomial(block(color))).collect()
+                let block = |&color: &usize| {
+                    let mut block = finals[6 * color..6 * color + 6].to_vec();
+                    if let Some((i, other)) = self.borrowed {
+                        block[i] = finals[6 * other + i];
+                    }
+                    polynomial(&block)
+                };
+                self.colors.iter().map(block).collect()
             }
             Shape::Lrgb => {
                 let luminance = polynomial(&finals[..6]);
@@ -521,6 +516,46 @@ impl Numbers {
         };
         color.into_iter().map(reading.clamp).collect()
     }
+}
+
+/// Lights in whose place u and v are changed together, in words and as numbers.
+fn lights_together(u: f64, v: f64) -> Vec<(String, (f64, f64))> {
+    let cut = |x: f64, parts: f64| (x * parts).trunc() / parts;
+    let rounded = |x: f64, parts: f64| (x * parts).round() / parts;
+    let length = u.hypot(v).max(f64::MIN_POSITIVE);
+    let height = (1.0 - u * u - v * v).max(0.0).sqrt();
+    let longer = (1.0 + u * u + v * v).sqrt();
+    let mut lights = vec![
+        ("u were v and v were u".to_owned(), (v, u)),
+        ("u were v".to_owned(), (v, v)),
+        ("v were u".to_owned(), (u, u)),
+        (
+            "the light (u, v) had length 1".to_owned(),
+            (u / length, v / length),
+        ),
+        (
+            "the light were divided by √(u² + v² + 1)".to_owned(),
+            (u / longer, v / longer),
+        ),
+        (
+            "the light were multiplied by √(1 − u² − v²)".to_owned(),
+            (u * height, v * height),
+        ),
+    ];
+    for (decimals, parts) in [("one decimal", 10.0), ("two decimals", 100.0)] {
+        let says = |how: &str| format!("u and v were {how} {decimals}");
+        lights.push((says("cut off after"), (cut(u, parts), cut(v, parts))));
+        lights.push((says("rounded to"), (rounded(u, parts), rounded(v, parts))));
+    }
+    for parts in [16, 32, 64, 127, 128, 255, 256] {
+        let says = |how: &str| format!("u and v were {how} multiples of 1/{parts}");
+        let parts = f64::from(parts);
+        lights.push((says("cut to"), (cut(u, parts), cut(v, parts))));
+        lights.push((says("rounded to"), (rounded(u, parts), rounded(v, parts))));
+        let floored = |x: f64| (x * parts).floor() / parts;
+        lights.push((says("rounded down to"), (floored(u), floored(v))));
+    }
+    lights
 }
 
 /// Single slips that make the picture that was received.

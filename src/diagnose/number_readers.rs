@@ -1,7 +1,11 @@
 //! Numbers of the header read otherwise than as decimal numbers: what parsers of one's own make of them.
 
+use super::changes::apart;
+use super::numbers::Used;
 use super::witness::Witness;
-use crate::ptm::{Ptm, Shape};
+use crate::protocol::frame::Light;
+use crate::ptm::{Ptm, ScaleBias, Shape};
+use crate::suite::compare::is_close;
 
 /// A number as it is written: sign, whole part, fraction and exponent.
 struct Written<'a> {
@@ -48,6 +52,21 @@ impl<'a> Written<'a> {
         self.with(self.whole(), self.fraction())
     }
 
+    /// To the nearest so manieth part.
+    fn rounded(&self, part: f64) -> f64 {
+        (self.value() * part).round() / part
+    }
+
+    /// To so many parts of one, towards zero.
+    fn cut(&self, part: f64) -> f64 {
+        (self.value() * part).trunc() / part
+    }
+
+    /// To so many parts of one, never more than it is.
+    fn floored(&self, part: f64) -> f64 {
+        (self.value() * part).floor() / part
+    }
+
     /// With so many digits of the fraction.
     fn digits(&self, most: usize) -> f64 {
         let kept = &self.fraction[..self.fraction.len().min(most)];
@@ -66,6 +85,15 @@ impl<'a> Written<'a> {
     }
 }
 
+/// The nearest number of eleven significant bits.
+fn half(value: f64) -> f64 {
+    if value == 0.0 {
+        return 0.0;
+    }
+    let unit = 2f64.powi(value.abs().log2().floor() as i32 - 10);
+    (value / unit).round_ties_even() * unit
+}
+
 /// What is made of a number, in words and as a function.
 type Reader = (&'static str, fn(&Written) -> f64);
 
@@ -82,6 +110,13 @@ const READERS: &[Reader] = &[
         |n| {
             let sign = if n.negative { -1.0 } else { 1.0 };
             (sign * n.whole() + n.fraction()) * 10f64.powi(n.exponent)
+        },
+    ),
+    (
+        "adds the fraction of negative numbers without an exponent (−0.5 for −1.5, and 0.5 for −0.5)",
+        |n| match n.negative && n.exponent == 0 {
+            true => n.fraction() - n.whole(),
+            false => n.value(),
         },
     ),
     ("loses zeros behind the decimal point (0.5 for 0.05)", |n| {
@@ -107,6 +142,29 @@ const READERS: &[Reader] = &[
     }),
     ("keeps one digit behind the decimal point", |n| n.digits(1)),
     ("keeps two digits behind the decimal point", |n| n.digits(2)),
+    ("rounds numbers to one decimal", |n| n.rounded(10.0)),
+    ("rounds numbers to two decimals", |n| n.rounded(100.0)),
+    ("rounds numbers to three decimals", |n| n.rounded(1000.0)),
+    ("rounds numbers to four decimals", |n| n.rounded(10_000.0)),
+    ("cuts numbers to multiples of 1/16", |n| n.cut(16.0)),
+    ("cuts numbers to multiples of 1/64", |n| n.cut(64.0)),
+    ("cuts numbers to multiples of 1/256", |n| n.cut(256.0)),
+    ("cuts numbers to multiples of 1/1024", |n| n.cut(1024.0)),
+    ("cuts numbers to multiples of 1/4096", |n| n.cut(4096.0)),
+    ("cuts numbers to multiples of 1/65536", |n| n.cut(65536.0)),
+    ("rounds numbers down to multiples of 1/256", |n| {
+        n.floored(256.0)
+    }),
+    ("rounds numbers down to multiples of 1/1024", |n| {
+        n.floored(1024.0)
+    }),
+    ("rounds numbers down to multiples of 1/65536", |n| {
+        n.floored(65536.0)
+    }),
+    (
+        "keeps numbers in half precision, eleven significant bits",
+        |n| half(n.value()),
+    ),
     ("keeps three digits behind the decimal point", |n| {
         n.digits(3)
     }),
@@ -153,6 +211,18 @@ const READERS: &[Reader] = &[
     ("ignores the exponent", |n| {
         n.value() * 10f64.powi(-n.exponent)
     }),
+    (
+        "ignores the exponent of a number without a point (5 for 5e-1)",
+        |n| {
+            let has_point = n.text.contains('.');
+            n.value()
+                * if has_point {
+                    1.0
+                } else {
+                    10f64.powi(-n.exponent)
+                }
+        },
+    ),
     ("takes the exponent one too large", |n| {
         n.value() * if n.exponent == 0 { 1.0 } else { 10.0 }
     }),
@@ -170,6 +240,19 @@ const READERS: &[Reader] = &[
         if n.negative { 0.0 } else { n.value() }
     }),
     ("loses the minus sign of a number", |n| n.value().abs()),
+    ("keeps numbers in a byte (236 for −20)", |n| {
+        n.value().trunc().rem_euclid(256.0)
+    }),
+    ("keeps whole numbers in a byte (236 for −20)", |n| {
+        let value = n.value();
+        if n.fraction.is_empty() && value.fract() == 0.0 {
+            value.rem_euclid(256.0)
+        } else {
+            value
+        }
+    }),
+    ("takes −1 for numbers below it", |n| n.value().max(-1.0)),
+    ("takes 1 for numbers above it", |n| n.value().min(1.0)),
 ];
 
 /// The lists of numbers in a header: their clauses and their names.
@@ -179,33 +262,59 @@ const LISTS: [(&str, &str); 3] = [
     ("2.6/2", "elements of the matrix"),
 ];
 
-/// Numbers of one list, or of all, read otherwise.
+/// Which numbers are read so.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Of {
+    /// All of the header.
+    Header,
+    /// A list of the header, by its place in [`LISTS`].
+    List(usize),
+    /// u and v of the light that was asked for.
+    Light,
+    HeaderAndLight,
+}
+
+/// Numbers read otherwise.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct NumberReader {
     reader: usize,
-    /// Of which list; of all without it.
-    list: Option<usize>,
+    of: Of,
 }
 
 impl NumberReader {
     /// All of them.
     pub fn all() -> impl Iterator<Item = NumberReader> {
-        let lists = [None, Some(0), Some(1), Some(2)].into_iter();
-        lists.flat_map(|list| (0..READERS.len()).map(move |reader| NumberReader { reader, list }))
+        let lists = (0..LISTS.len()).map(Of::List);
+        let of = [Of::Header, Of::Light, Of::HeaderAndLight];
+        of.into_iter()
+            .chain(lists)
+            .flat_map(|of| (0..READERS.len()).map(move |reader| NumberReader { reader, of }))
+    }
+
+    /// Whether numbers of the header are among those.
+    pub fn is_of_header(self) -> bool {
+        self.of != Of::Light
+    }
+
+    /// The light that such a reader finds in a request.
+    pub fn light(self, light: &Light) -> (f64, f64) {
+        let read = |text: &str| READERS[self.reader].1(&Written::of(text));
+        match (self.of, light.texts()) {
+            (Of::Light | Of::HeaderAndLight, [u, v]) => (read(u), read(v)),
+            _ => (light.lu, light.lv),
+        }
     }
 
     /// The header with the numbers that such a reader finds in it.
     pub fn apply(self, ptm: &mut Ptm, witness: &Witness) {
-        let file = &witness.built.file;
-        let lists = (0..LISTS.len()).filter(|&list| self.list.is_none_or(|only| only == list));
+        let lists = (0..LISTS.len()).filter(|&list| match self.of {
+            Of::Header | Of::HeaderAndLight => true,
+            Of::List(only) => only == list,
+            Of::Light => false,
+        });
         for list in lists {
-            let of = witness
-                .fields()
-                .iter()
-                .filter(|field| field.clause == LISTS[list].0);
-            let texts =
-                of.filter_map(|field| std::str::from_utf8(file.get(field.range.clone())?).ok());
-            let values = texts.map(|text| READERS[self.reader].1(&Written::of(text)));
+            let values =
+                texts(witness, list).map(|text| READERS[self.reader].1(&Written::of(text)));
             let numbers: &mut [f64] = match (list, &mut ptm.planes.shape) {
                 (0, _) => &mut ptm.header.scale_bias.scale,
                 (1, _) => &mut ptm.header.scale_bias.bias,
@@ -221,15 +330,97 @@ impl NumberReader {
     /// As a sentence without its subject.
     pub fn says(self) -> String {
         let says = READERS[self.reader].0;
-        match self.list {
-            Some(list) => format!("{says}, in {}", LISTS[list].1),
-            None => says.to_owned(),
+        match self.of {
+            Of::Header => says.to_owned(),
+            Of::List(list) => format!("{says}, in {}", LISTS[list].1),
+            Of::Light => format!("{says}, in the light that was asked for"),
+            Of::HeaderAndLight => {
+                format!("{says}, in the header and in the light that was asked for")
+            }
         }
     }
 
     pub fn clause(self) -> &'static str {
-        LISTS[self.list.unwrap_or_default()].0
+        match self.of {
+            Of::Header | Of::HeaderAndLight => LISTS[0].0,
+            Of::List(list) => LISTS[list].0,
+            Of::Light => "1.0/2",
+        }
     }
+}
+
+/// Texts of numbers, and which other numbers are read in their places.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct OtherNumbers(Vec<(usize, String, f64)>);
+
+/// How many of them are listed.
+const LISTED: usize = 4;
+
+impl OtherNumbers {
+    /// What was used for scales and biases of these files: nothing where a text stood for different numbers.
+    pub fn of<'w>(used: impl Iterator<Item = (&'w Witness<'w>, Used)>) -> Option<OtherNumbers> {
+        let mut all = Vec::new();
+        for (witness, used) in used {
+            let list = usize::from(used.is_bias());
+            let text = texts(witness, list).nth(used.coefficient)?;
+            let same = |(of, known, _): &&(usize, String, f64)| *of == list && *known == text;
+            match all.iter().find(same) {
+                Some((_, _, known)) if !is_close(*known, used.value, 0.0) => return None,
+                Some(_) => {}
+                None => all.push((list, text.to_owned(), used.value)),
+            }
+        }
+        (!all.is_empty()).then_some(OtherNumbers(all))
+    }
+
+    /// The header with these numbers.
+    pub fn apply(&self, ptm: &mut Ptm, witness: &Witness) {
+        let ScaleBias { scale, bias } = &mut ptm.header.scale_bias;
+        for (list, numbers) in [scale, bias].into_iter().enumerate() {
+            for (number, text) in numbers.iter_mut().zip(texts(witness, list)) {
+                let same = |(of, known, _): &&(usize, String, f64)| *of == list && known == text;
+                if let Some((_, _, other)) = self.0.iter().find(same) {
+                    *number = *other;
+                }
+            }
+        }
+    }
+
+    /// As a sentence without its subject.
+    pub fn says(&self) -> String {
+        let lists = [0, 1].map(|list| {
+            let of = self.0.iter().filter(|(of, ..)| *of == list);
+            let some = of.map(|(_, text, value)| {
+                let right = text.parse().unwrap_or_default();
+                format!("{} for {text}", apart(*value, right)[0])
+            });
+            let some: Vec<String> = some.take(LISTED).collect();
+            (!some.is_empty()).then(|| {
+                format!(
+                    "other {} than the header's: {}",
+                    LISTS[list].1,
+                    some.join(", ")
+                )
+            })
+        });
+        let lists: Vec<String> = lists.into_iter().flatten().collect();
+        format!("uses {}", lists.join("; and "))
+    }
+
+    pub fn clause(&self) -> &'static str {
+        let first = self.0.iter().map(|(list, ..)| *list).min();
+        LISTS[first.unwrap_or_default()].0
+    }
+}
+
+/// The texts of a list of numbers in a header.
+fn texts<'w>(witness: &'w Witness, list: usize) -> impl Iterator<Item = &'w str> {
+    let file = &witness.built.file;
+    let of = witness
+        .fields()
+        .iter()
+        .filter(move |field| field.clause == LISTS[list].0);
+    of.filter_map(|field| std::str::from_utf8(file.get(field.range.clone())?).ok())
 }
 
 #[cfg(test)]
@@ -252,5 +443,19 @@ mod tests {
         assert_eq!(read("loses the sign of an exponent", "1e-2"), 100.0);
         assert_eq!(read("takes the exponent one too large", "1e2"), 1000.0);
         assert_eq!(read("takes the exponent one too large", "12"), 12.0);
+        assert_eq!(read("rounds numbers to two", "0.015625"), 0.02);
+        assert_eq!(
+            read("cuts numbers to multiples of 1/256", "-0.1"),
+            -25.0 / 256.0
+        );
+        assert_eq!(read("keeps numbers in half", "0.1"), 0.099_975_585_937_5);
+        assert_eq!(
+            read("ignores the exponent of a number without", "5e-1"),
+            5.0
+        );
+        assert_eq!(
+            read("ignores the exponent of a number without", "5.0e-1"),
+            0.5
+        );
     }
 }

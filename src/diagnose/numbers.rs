@@ -1,10 +1,10 @@
 //! Final values that are right for other numbers than those of the header: the scale or the bias that a decoder used,
 //! solved from its picture.
 
-use super::changes::short;
+use super::changes::apart;
 use super::pair::Pair;
 use super::witness::Witness;
-use crate::ptm::ScaleBias;
+use crate::ptm::{Ptm, ScaleBias};
 use crate::suite::compare::is_close;
 
 /// What may be said of several files: of which number it is.
@@ -13,16 +13,21 @@ pub(super) const OTHER_BIAS: &str = "final values as of another bias than the he
 pub(super) const OTHER_SCALE: &str = "final values as of another scale than the header's";
 
 /// A number of the header, as it was used.
-#[derive(Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub(super) struct Used {
     /// [`OTHER_BIAS`] or [`OTHER_SCALE`].
     pub says: &'static str,
-    coefficient: usize,
-    value: f64,
+    /// Of which of a0 … a5.
+    pub coefficient: usize,
+    pub value: f64,
     right: f64,
 }
 
 impl Used {
+    pub fn is_bias(&self) -> bool {
+        self.says == OTHER_BIAS
+    }
+
     /// ", as if the bias of a3 were -21 and not -214".
     pub fn in_words(&self) -> String {
         let name = if self.says == OTHER_BIAS {
@@ -30,25 +35,44 @@ impl Used {
         } else {
             "scale"
         };
+        let [used, right] = apart(self.value, self.right);
         format!(
-            ", as if the {name} of a{} were {} and not {}",
-            self.coefficient,
-            short(self.value),
-            short(self.right)
+            ", as if the {name} of a{} were {used} and not {right}",
+            self.coefficient
         )
     }
 }
 
-/// The number with which all wrong values of one coefficient come out, if it is one number.
+/// The number with which all wrong values of one coefficient come out, if it is one number: that of the first wrong one.
 pub(super) fn used(pair: &Pair, witness: &Witness) -> Option<Used> {
     let ptm = witness.decoded().as_ref().ok()?;
+    let wrong = wrong_coefficients(pair, ptm)?;
+    of_coefficient(pair, ptm, wrong.iter().position(|is| *is)?)
+}
+
+/// The same of each of a0 … a5 that is wrong.
+pub(super) fn all_used(pair: &Pair, witness: &Witness) -> Option<Vec<Used>> {
+    let ptm = witness.decoded().as_ref().ok()?;
+    let wrong = wrong_coefficients(pair, ptm)?;
+    let wrong = (0..6).filter(|&coefficient| wrong[coefficient]);
+    wrong
+        .map(|coefficient| of_coefficient(pair, ptm, coefficient))
+        .collect()
+}
+
+/// Which of a0 … a5 are wrong, where nothing else is.
+fn wrong_coefficients(pair: &Pair, ptm: &Ptm) -> Option<[bool; 6]> {
     let coefficients = ptm.planes.shape.coefficients();
     let wrong = pair.wrong_channels();
     let is_final = pair.view == "coef" && ptm.planes.samples.len() == pair.got.len();
     if !is_final || wrong[coefficients..].contains(&true) {
         return None;
     }
-    let coefficient = wrong.iter().position(|is| *is)? % 6;
+    Some([0, 1, 2, 3, 4, 5].map(|a| wrong[a..coefficients].iter().step_by(6).any(|is| *is)))
+}
+
+fn of_coefficient(pair: &Pair, ptm: &Ptm, coefficient: usize) -> Option<Used> {
+    let coefficients = ptm.planes.shape.coefficients();
     let of: Vec<(f64, f64)> = (0..pair.got.len())
         .filter(|i| i % pair.channels < coefficients && i % pair.channels % 6 == coefficient)
         .map(|i| (f64::from(ptm.planes.samples[i]), pair.got[i]))

@@ -1,17 +1,18 @@
 //! Wrong pictures of unknown cause: how they differ, and where.
 
 use super::arithmetic::arithmetic;
-use super::blocks::{Block, block_clause, texel_clause};
-use super::changes::short;
+use super::blocks::{Block, block_clause, row_clause, texel_clause};
+use super::changes::apart;
 use super::diagnosis::{Category, Diagnosis, Words};
 use super::formats::formats_of;
 use super::formulas::single_slips;
 use super::numbers::{self, OTHER_BIAS, OTHER_SCALE};
 use super::pair::Pair;
-use super::places::{channels_concerned, root_channels, texels_concerned};
+use super::places::{Claim, channels_concerned, root_channels, texels_concerned};
 use super::provenance;
 use super::refusals::WORTH_SAYING;
-use super::relations::{self, relations};
+use super::relations::{self, ROWS, relations};
+use super::scope::Scope;
 use super::search::{Id, Search, Set};
 use super::shared::shared;
 use super::witness::Witness;
@@ -39,14 +40,15 @@ const MIXED: &str =
 /// What is shown where bytes are read from another place.
 const ELSEWHERE: &str = "the values that stand";
 
+/// Where wrong values are is said if one in so many suites would have them there by chance.
+const CHANCE: f64 = 500.0;
+
 /// All that is true of how one picture differs, and of where; the most telling first.
 #[derive(Default)]
 struct Said {
     what: Vec<String>,
-    channels: Vec<&'static str>,
-    texels: Vec<&'static str>,
-    /// Those of `texels` that are not true of every texel of so small a picture.
-    telling: Vec<&'static str>,
+    channels: Vec<Claim>,
+    texels: Vec<Claim>,
 }
 
 /// The wrong pictures in `left`, alike ones together. `set` are the mistakes that have been found.
@@ -73,16 +75,13 @@ pub(super) fn describe(search: &Search, set: &[Id], left: &[usize]) -> Vec<Diagn
             ("wrong values".to_owned(), of)
         });
         open.retain(|i| !of.contains(i));
-        let sides: [fn(&Said) -> &Vec<&'static str>; 2] =
-            [|said| &said.channels, |said| &said.texels];
+        let sides: [fn(&Said) -> &[Claim]; 2] = [|said| &said.channels, |said| &said.texels];
+        let of_these: Vec<&Said> = of.iter().map(|&i| &said[i]).collect();
         let place = sides.map(|side| {
-            let first = side(&said[of[0]]).iter();
-            let is_shared = |claim: &&&str| of.iter().all(|&i| side(&said[i]).contains(claim));
-            first.filter(is_shared).copied().collect::<Vec<_>>()
+            let mut claims = shared_claims(&of_these, side).into_iter();
+            let telling = claims.find(|claim| claim.chance + CHANCE.ln() < 0.0);
+            telling.map_or("", |claim| claim.says)
         });
-        let tells = |claim: &&&str| of.iter().any(|&i| said[i].telling.contains(claim));
-        let place = [place[0].first(), place[1].iter().find(tells)]
-            .map(|claim| claim.copied().unwrap_or_default());
         let of: Vec<usize> = of.iter().map(|&i| left[i]).collect();
         diagnoses.push(difference(
             search,
@@ -93,21 +92,46 @@ pub(super) fn describe(search: &Search, set: &[Id], left: &[usize]) -> Vec<Diagn
     diagnoses
 }
 
+/// What is true of all these pictures, and how likely that is by chance.
+fn shared_claims(of: &[&Said], side: fn(&Said) -> &[Claim]) -> Vec<Claim> {
+    let first = of.first().map_or(&[][..], |said| side(said));
+    let everywhere = |claim: &Claim| {
+        let same = |said: &&Said| {
+            side(said)
+                .iter()
+                .find(|other| other.says == claim.says)
+                .copied()
+        };
+        let chances = of.iter().map(|said| Some(same(said)?.chance));
+        let chance = chances.sum::<Option<f64>>()?;
+        Some(Claim { chance, ..*claim })
+    };
+    first.iter().filter_map(everywhere).collect()
+}
+
 /// Of pictures that nothing else is said of, those of the formats that are wrong in the same channels as the first one's:
 /// what is wrong in other channels elsewhere is another mistake.
 fn alike_in_place(search: &Search, left: &[usize], said: &[Said], open: &[usize]) -> Vec<usize> {
     let format = |i: usize| search.witnesses[left[i]].case.format();
     let channels = |of: Format| {
-        let pictures: Vec<&Said> = (open.iter().filter(|&&i| format(i) == of))
-            .map(|&i| &said[i])
-            .collect();
-        let is_shared = |claim: &&&str| pictures.iter().all(|said| said.channels.contains(claim));
-        let claims = pictures.first().map(|said| said.channels.iter());
-        claims.into_iter().flatten().find(is_shared).copied()
+        let pictures = open.iter().filter(|&&i| format(i) == of);
+        let pictures: Vec<&Said> = pictures.map(|&i| &said[i]).collect();
+        let claims = shared_claims(&pictures, |said| &said.channels);
+        claims.first().map(|claim| claim.says)
     };
     let first = channels(format(open[0]));
     let is_alike = |i: &usize| channels(format(*i)) == first;
     open.iter().copied().filter(is_alike).collect()
+}
+
+const BYTES: &str = "compare the bytes that the example names with what is read there";
+
+/// Whether nothing but stored colors, or Cr and Cb, are wrong in a picture of stored or final values.
+fn is_of_colors(search: &Search, w: usize) -> bool {
+    pair_of(search, &[], w).is_some_and(|pair| {
+        let is_color = |i: &usize| matches!(pair.channels, 8 | 9) && i % pair.channels >= 6;
+        pair.wrong().iter().all(is_color)
+    })
 }
 
 /// A way to differ, in words.
@@ -119,7 +143,8 @@ fn difference(search: &Search, of: &[usize], what: &str) -> Diagnosis {
         View::Raw if is_compressed => {
             "follow this sample by hand: the stream of its plane, the plane that it is predicted from, and only then side information"
         }
-        View::Raw => "compare these bytes of the example with what is read there",
+        View::Raw => BYTES,
+        View::Coef if is_of_colors(search, smallest) => BYTES,
         View::Coef => "follow scale and bias of this value by hand",
         View::Rgb(_) => {
             "follow this texel by hand: scale and bias, the polynomial, the color, and only then rounding and clamping"
@@ -136,6 +161,7 @@ fn difference(search: &Search, of: &[usize], what: &str) -> Diagnosis {
         _ if what.starts_with(OTHER_BIAS) => Some("2.4/4"),
         _ if what.starts_with(OTHER_SCALE) => Some("2.4/3"),
         _ if what.starts_with(ELSEWHERE) => block_clause(format, Block::All),
+        _ if what.starts_with(ROWS) => row_clause(format),
         _ => stored_values_of(search, of).or_else(|| values_of(witnesses, of)),
     };
     match clause {
@@ -157,7 +183,9 @@ fn files(search: &Search, of: &[usize]) -> String {
     if of.len() < FEWEST {
         return String::new();
     }
-    match shared(witnesses, of, &right, false) {
+    // Two things together, where what is wrong has a place of its own, are of the suite and not of the decoder.
+    let shared = shared(witnesses, of, &right, false);
+    match shared.filter(|shared| !matches!(shared.scope, Scope::Both(..))) {
         Some(shared) if shared.of.len() == of.len() => {
             format!(", in every file {}", shared.says())
         }
@@ -178,8 +206,7 @@ fn stored_values_of(search: &Search, of: &[usize]) -> Option<&'static str> {
         witness.observation.view == View::Raw && !witness.case.format().is_compressed()
     })?;
     let format = search.witnesses[*raw].case.format();
-    let pair = pair_of(search, &[], *raw)?;
-    let is_of_colors = pair.wrong().iter().all(|i| i % pair.channels >= 6);
+    let is_of_colors = is_of_colors(search, *raw);
     let block = if is_of_colors {
         Block::Colors
     } else {
@@ -323,12 +350,10 @@ fn say(search: &Search, set: &[Id], w: usize) -> Said {
             "{ELSEWHERE} {count} {bytes} {way} in the file: the binary data is read from a wrong place"
         ));
     }
-    let (texels, telling) = texels_concerned(&pair, witness);
     Said {
         what,
         channels: channels_concerned(&pair, witness),
-        texels,
-        telling,
+        texels: texels_concerned(&pair, witness),
     }
 }
 
@@ -440,11 +465,10 @@ pub(super) fn example(search: &Search, w: usize) -> String {
     };
     let (texel, channel) = (i / pair.channels, i % pair.channels);
     let (x, y) = (texel % pair.width, texel / pair.width);
+    let [got, want] = apart(pair.got[i], pair.want[i]);
     let mut says = format!(
-        "for example {id}, texel ({x}, {y}), {}: received {}, expected {}",
+        "for example {id}, texel ({x}, {y}), {}: received {got}, expected {want}",
         pair.name(channel),
-        short(pair.got[i]),
-        short(pair.want[i]),
     );
     says.extend(numbers::used(&pair, witness).map(|used| used.in_words()));
     let elsewhere = relations::in_words(&pair);

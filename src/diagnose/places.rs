@@ -4,6 +4,23 @@ use super::pair::Pair;
 use super::witness::Witness;
 use crate::generate::planes::Compressed;
 
+/// Where all wrong samples of a picture are.
+#[derive(Clone, Copy)]
+pub(super) struct Claim {
+    /// Completes "shows wrong values": ", only in red".
+    pub says: &'static str,
+    /// The logarithm of the chance that so many channels or texels, drawn blindly, are all there.
+    pub chance: f64,
+}
+
+impl Claim {
+    /// `wrong` ones are all among the `there` of `all` that it is true of.
+    fn of(says: &'static str, wrong: usize, there: usize, all: usize) -> Claim {
+        let chance = wrong as f64 * (there as f64 / all as f64).ln();
+        Claim { says, chance }
+    }
+}
+
 /// Words, and of which planes they are true.
 type OfPlanes = (&'static str, fn(&Compressed, usize) -> bool);
 
@@ -79,11 +96,21 @@ const OF_CHANNELS: &[OfChannels] = &[
         count == 18 && k / 6 == 2
     }),
     (", only in coefficients", |count, k| {
-        count > 3 && (count == 18 || k < 6)
+        // Where there is nothing else, this says nothing.
+        matches!(count, 8 | 9) && k < 6
     }),
     (", only in red", |count, k| of_color(count, k) == Some(0)),
     (", only in green", |count, k| of_color(count, k) == Some(1)),
     (", only in blue", |count, k| of_color(count, k) == Some(2)),
+    (", only in red and green", |count, k| {
+        matches!(of_color(count, k), Some(0 | 1))
+    }),
+    (", only in red and blue", |count, k| {
+        matches!(of_color(count, k), Some(0 | 2))
+    }),
+    (", only in green and blue", |count, k| {
+        matches!(of_color(count, k), Some(1 | 2))
+    }),
     (", only in Cr", |count, k| count == 8 && k == 6),
     (", only in Cb", |count, k| count == 8 && k == 7),
     (", only in colors", |count, k| {
@@ -131,6 +158,10 @@ const OF_TEXELS: &[OfTexels] = &[
     (", only beyond the first 8x8 block", |(x, y), _| {
         x >= 8 || y >= 8
     }),
+    (
+        ", only from the 65,537th stored texel on",
+        |(x, y), (w, h)| (h - 1 - y) * w + x >= 65_536,
+    ),
     (", only from the 257th stored texel on", |(x, y), (w, h)| {
         (h - 1 - y) * w + x >= 256
     }),
@@ -182,58 +213,79 @@ fn coded<'w>(pair: &Pair, witness: &'w Witness) -> Option<&'w Compressed> {
     (pair.view != "rgb" && compressed.planes.len() == pair.channels).then_some(compressed)
 }
 
-/// What is true of the wrong channels; the most telling first.
-pub(super) fn channels_concerned(pair: &Pair, witness: &Witness) -> Vec<&'static str> {
+/// What is true of the wrong channels; the narrowest first.
+pub(super) fn channels_concerned(pair: &Pair, witness: &Witness) -> Vec<Claim> {
     let wrong = root_channels(pair, witness);
-    let all = |holds: &dyn Fn(usize) -> bool| (0..pair.channels).all(|k| !wrong[k] || holds(k));
+    let count = wrong.iter().filter(|is| **is).count();
+    let claim = |says: &'static str, holds: &dyn Fn(usize) -> bool| {
+        let there: Vec<usize> = (0..pair.channels).filter(|&k| holds(k)).collect();
+        let is_there = (0..pair.channels).all(|k| !wrong[k] || there.contains(&k));
+        is_there.then(|| Claim::of(says, count, there.len(), pair.channels))
+    };
     let coded = coded(pair, witness);
     let planes = OF_PLANES
         .iter()
-        .filter(|(_, holds)| coded.is_some_and(|coded| all(&|k| holds(coded, k))))
-        .map(|(says, _)| *says);
+        .filter_map(|(says, holds)| coded.and_then(|coded| claim(says, &|k| holds(coded, k))));
     let channels = OF_CHANNELS
         .iter()
-        .filter(|(_, holds)| all(&|k| holds(pair.channels, k)))
-        .map(|(says, _)| *says);
+        .filter_map(|(says, holds)| claim(says, &|k| holds(pair.channels, k)));
     planes.chain(channels).collect()
 }
 
-/// What is true of the wrong texels, the most telling first; and what of that is not true of every texel.
-pub(super) fn texels_concerned(
-    pair: &Pair,
-    witness: &Witness,
-) -> (Vec<&'static str>, Vec<&'static str>) {
+/// What is true of the wrong texels, the narrowest first.
+pub(super) fn texels_concerned(pair: &Pair, witness: &Witness) -> Vec<Claim> {
     let size = (pair.width, pair.height);
     let roots = root_channels(pair, witness);
     let mut wrong = pair.wrong();
     wrong.retain(|i| roots[i % pair.channels]);
-    let place = |i: &usize| (i / pair.channels % size.0, i / pair.channels / size.0);
-    let mut says = Vec::new();
+    let place = |texel: usize| (texel % size.0, texel / size.0);
+    let mut claims = Vec::new();
     if let Some(coded) = coded(pair, witness) {
         // Positions count in the stored raster, from the bottom row.
         let is_corrected = |i: &usize| {
-            let (x, y) = place(i);
+            let (x, y) = place(i / pair.channels);
             let stored = (size.1 - 1 - y) * size.0 + x;
             let mut records = coded.planes[i % pair.channels].records.iter();
             records.any(|&(position, _)| position as usize == stored)
         };
         let corrected = wrong.iter().filter(|i| is_corrected(i)).count();
-        if corrected == wrong.len() {
-            says.push(", only at texels that side information corrects");
-        } else if corrected * 2 >= wrong.len() {
-            says.push(", only at texels that side information corrects and at others in their stead: records land elsewhere");
-        }
+        let says = match corrected {
+            _ if corrected == wrong.len() => ", only at texels that side information corrects",
+            _ if corrected * 2 >= wrong.len() => {
+                ", only at texels that side information corrects and at others in their stead: records land elsewhere"
+            }
+            _ => "",
+        };
+        // A file corrects few of its samples.
+        let chance = f64::NEG_INFINITY;
+        claims.extend((!says.is_empty()).then_some(Claim { says, chance }));
     }
-    let holding = OF_TEXELS
-        .iter()
-        .filter(|(_, holds)| wrong.iter().all(|i| holds(place(i), size)));
-    let mut telling = says.clone();
-    let texels = || (0..size.0 * size.1).map(|i| (i % size.0, i / size.0));
-    for (claim, holds) in holding {
-        says.push(claim);
-        if !texels().all(|texel| holds(texel, size)) {
-            telling.push(claim);
-        }
+    let mut texels: Vec<usize> = wrong.iter().map(|i| i / pair.channels).collect();
+    texels.dedup();
+    claims.extend(OF_TEXELS.iter().filter_map(|(says, holds)| {
+        let is_there = texels.iter().all(|&texel| holds(place(texel), size));
+        let there = || (0..size.0 * size.1).filter(|&texel| holds(place(texel), size));
+        is_there.then(|| Claim::of(says, texels.len(), there().count(), size.0 * size.1))
+    }));
+    claims
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Claim;
+
+    #[test]
+    fn few_wrong_texels_are_nowhere_in_particular() {
+        // One texel of a picture of 17 by 9 that happens to be in the bottom row, and a row that is wrong as a whole.
+        let one = Claim::of(", only in the bottom row", 1, 17, 153);
+        let row = Claim::of(", only in the bottom row", 17, 17, 153);
+        assert!(
+            one.chance > -3.0 && row.chance < -30.0,
+            "{} {}",
+            one.chance,
+            row.chance
+        );
+        // What is true of every texel says nothing, however many are wrong.
+        assert_eq!(Claim::of(", only in the left column", 9, 9, 9).chance, 0.0);
     }
-    (says, telling)
 }

@@ -30,7 +30,11 @@ pub(super) fn describe(witnesses: &[Witness], left: &mut Vec<usize>) -> Vec<Diag
             open.retain(|w| !shared.of.contains(w));
             left.retain(|w| !shared.of.contains(w));
             let effect = format!("{mode} every file {}", shared.says());
-            diagnoses.push(refusal(witnesses, &shared.of, &mode, effect));
+            let refusal = refusal(witnesses, &shared.of, &mode, effect);
+            diagnoses.push(match shared.scope.clause() {
+                Some(clause) => refusal.about(clause),
+                None => refusal,
+            });
         }
     }
     diagnoses

@@ -8,6 +8,8 @@ const LINES: usize = 8;
 /// In pictures of more or fewer of them it is not asked.
 const COUNTS: std::ops::RangeInclusive<usize> = 3..=64;
 
+pub(super) const ROWS: &str = "right rows in wrong places";
+
 type Relation = (&'static str, fn(&Pair, &[(f64, f64)]) -> bool);
 
 /// What may be true of wrong samples: of the picture, and of each expected value and the received one.
@@ -25,15 +27,19 @@ const RELATIONS: &[Relation] = &[
     ("values that are off by two at most", |_, pairs| {
         by_two(pairs)
     }),
-    ("gray: one value for red, green and blue", |pair, pairs| {
+    ("gray: one value for red, green and blue", |pair, _| {
         let is_gray = |rgb: &[f64]| rgb[0] == rgb[1] && rgb[1] == rgb[2];
-        pair.view == "rgb" && pairs.len() > 2 && pair.got.chunks_exact(3).all(is_gray)
+        // What is limited to 0 or 255 is gray anyhow, and so is what should be.
+        let texels = pair.want.chunks_exact(3).zip(pair.got.chunks_exact(3));
+        let telling = texels.filter(|(want, got)| !is_gray(want) && !is_limit(got[0]));
+        pair.view == "rgb" && telling.count() > 1 && pair.got.chunks_exact(3).all(is_gray)
     }),
-    ("right rows in wrong places", |pair, pairs| {
-        pairs.len() > 2 && elsewhere(pair, pair.height, row).is_some()
+    (ROWS, |pair, pairs| {
+        pairs.len() > 2 && elsewhere(pair, pair.height, row).is_some_and(|rows| moves(&rows))
     }),
     ("right columns in wrong places", |pair, pairs| {
-        pairs.len() > 2 && elsewhere(pair, pair.width, column).is_some()
+        pairs.len() > 2
+            && elsewhere(pair, pair.width, column).is_some_and(|columns| moves(&columns))
     }),
     ("the right values in wrong places", |pair, pairs| {
         let sorted = |values: &[f64]| {
@@ -79,13 +85,19 @@ fn elsewhere(pair: &Pair, count: usize, line: Line) -> Option<Vec<usize>> {
     (0..count).map(source).collect()
 }
 
+/// Whether some line stands in another's place.
+fn moves(sources: &[usize]) -> bool {
+    (sources.iter().enumerate()).any(|(place, &source)| place != source)
+}
+
 /// ": rows 0, 1, 2 show rows 2, 1, 0, counted from the top"; nothing where no line is another.
 pub(super) fn in_words(pair: &Pair) -> Option<String> {
     let lines: [(&str, usize, Line); 2] =
         [("rows", pair.height, row), ("columns", pair.width, column)];
     let (name, sources) = lines
         .into_iter()
-        .find_map(|(name, count, line)| Some((name, elsewhere(pair, count, line)?)))?;
+        .find_map(|(name, count, line)| Some((name, elsewhere(pair, count, line)?)))
+        .filter(|(_, sources)| moves(sources))?;
     let few = |places: &mut dyn Iterator<Item = usize>| {
         let places: Vec<String> = places.take(LINES).map(|place| place.to_string()).collect();
         places.join(", ")
@@ -109,6 +121,11 @@ fn one_expected(pairs: &[(f64, f64)]) -> Option<String> {
     (pairs.iter().all(is_first)).then(|| format!("other values where {} belongs", short(*first)))
 }
 
+/// Whether a color may be one beyond the limits.
+fn is_limit(color: f64) -> bool {
+    color <= 0.0 || color >= 255.0
+}
+
 fn by_two(pairs: &[(f64, f64)]) -> bool {
     pairs.iter().all(|(want, got)| (got - want).abs() <= 2.0)
 }
@@ -129,4 +146,36 @@ pub(super) fn relations(pair: &Pair) -> Vec<String> {
     says.extend(holding.map(|(words, _)| (*words).to_owned()));
     says.extend(one_expected(&pairs));
     says
+}
+
+#[cfg(test)]
+mod tests {
+    use super::relations;
+    use crate::diagnose::pair::Pair;
+
+    fn colors(want: &[[f64; 3]], got: &[[f64; 3]]) -> Vec<String> {
+        relations(&Pair {
+            width: want.len(),
+            height: 1,
+            channels: 3,
+            want: want.concat(),
+            got: got.concat(),
+            view: "rgb",
+        })
+    }
+
+    #[test]
+    fn colors_at_a_limit_are_neither_gray_nor_inverted() {
+        let want = [[250.0, 0.0, 9.0], [10.0, 255.0, 255.0], [255.0, 3.0, 255.0]];
+        let limits = [[0.0; 3], [255.0; 3], [0.0; 3]];
+        let says = colors(&want, &limits);
+        assert!(
+            !says
+                .iter()
+                .any(|says| says.contains("gray") || says.contains("inverted")),
+            "{says:?}"
+        );
+        let says = colors(&want, &[[80.0; 3], [170.0; 3], [90.0; 3]]);
+        assert!(says.iter().any(|says| says.contains("gray")), "{says:?}");
+    }
 }

@@ -53,6 +53,38 @@ impl Scope {
         })
     }
 
+    /// Whether it is numbers of the header: what is stored does not depend on them.
+    pub fn is_of_numbers(&self) -> bool {
+        let words = [
+            "scale",
+            "bias",
+            "number in the header",
+            "number of the matrix",
+        ];
+        let is_of = |one: &usize| {
+            let says = &TRAITS[*one].says;
+            !says.starts_with("whose scales and biases stand")
+                && words.iter().any(|word| says.contains(word))
+        };
+        match self {
+            Scope::All | Scope::Formats(_) => false,
+            Scope::Trait(one) => is_of(one),
+            Scope::Both(a, b) => is_of(a) || is_of(b),
+            Scope::Beyond { quantity, .. } => {
+                let after = QUANTITIES[*quantity].words[1];
+                words.iter().any(|word| after.contains(word))
+            }
+        }
+    }
+
+    /// The clause of the number that files have so much of; nothing for other things they share.
+    pub fn clause(&self) -> Option<&'static str> {
+        match self {
+            Scope::Beyond { quantity, .. } => Some(QUANTITIES[*quantity].clause),
+            _ => None,
+        }
+    }
+
     fn is_of(&self, what: fn(&str) -> bool) -> bool {
         let is = |one: usize| what(&TRAITS[one].says);
         match self {

@@ -6,7 +6,7 @@ use super::witness::Witness;
 
 /// A trait of fewer files is none.
 const FEWEST: usize = 2;
-/// Two traits together are said of no fewer files, and only of all of them: among so many pairs some fit by chance.
+/// Two traits together are said of no fewer files: among so many pairs some fit by chance.
 const FEWEST_OF_BOTH: usize = 8;
 /// A trait is said where one in so many suites would have such a trait by chance.
 const CHANCE: f64 = 50.0;
@@ -64,7 +64,7 @@ pub(super) fn shared(
     if count * 4 >= these.len() * 3 {
         return single;
     }
-    groups.both(count).or(single)
+    groups.both().or(single)
 }
 
 /// The one of most files; among equals the first.
@@ -105,31 +105,31 @@ impl Groups<'_> {
             .collect()
     }
 
-    /// Two traits that none of the others has both of, of more files than `known`.
-    fn both(&self, known: usize) -> Option<Shared> {
-        let mut best: Option<Shared> = None;
-        for (i, (a, has_a)) in self.having.iter().enumerate() {
-            for (b, has_b) in &self.having[i + 1..] {
-                let count = has_a.iter().zip(has_b).filter(|(a, b)| **a && **b).count();
-                let most = best.as_ref().map_or(known, |best| best.of.len());
-                let enough = count >= FEWEST_OF_BOTH && count == self.these.len();
-                if count <= most || !enough || !self.is_telling(count / 2) {
-                    continue;
-                }
-                let has_both = |&w: &usize| {
-                    let has = &traits(&self.witnesses[w]).has;
-                    has[*a] && has[*b]
-                };
-                if !self.others.iter().any(has_both) {
-                    let has = has_a.iter().zip(has_b).map(|(a, b)| *a && *b);
-                    best = Some(Shared {
-                        scope: Scope::Both(*a, *b),
-                        of: self.select(has),
-                    });
-                }
-            }
+    /// Two traits that all of these files have and none of the others has both of; nothing where several pairs would do.
+    fn both(&self) -> Option<Shared> {
+        if self.these.len() < FEWEST_OF_BOTH || !self.is_telling(self.these.len() / 2) {
+            return None;
         }
-        best
+        let all = self.having.iter().filter(|(_, has)| !has.contains(&false));
+        let all: Vec<usize> = all.map(|(one, _)| *one).collect();
+        let others: Vec<&[bool]> = self
+            .others
+            .iter()
+            .map(|&w| &traits(&self.witnesses[w]).has[..])
+            .collect();
+        let is_pair = |&(a, b): &(usize, usize)| !others.iter().any(|has| has[a] && has[b]);
+        let pairs = all
+            .iter()
+            .enumerate()
+            .flat_map(|(i, &a)| all[i + 1..].iter().map(move |&b| (a, b)));
+        let mut pairs = pairs.filter(is_pair);
+        match (pairs.next(), pairs.next()) {
+            (Some((a, b)), None) => Some(Shared {
+                scope: Scope::Both(a, b),
+                of: self.these.to_vec(),
+            }),
+            _ => None,
+        }
     }
 
     /// Quantities over which, or under which, there is none of the others.
@@ -153,7 +153,9 @@ impl Groups<'_> {
                     .collect();
                 let values = of.iter().map(|&(_, x)| x);
                 let nearest = values.min_by(|a, b| (a - edge).abs().total_cmp(&(b - edge).abs()));
-                let Some(nearest) = nearest.filter(|_| self.is_telling(of.len())) else {
+                // A size goes with much else: what only some of these share is another thing.
+                let is_telling = self.is_telling(of.len()) && of.len() * 3 >= self.these.len() * 2;
+                let Some(nearest) = nearest.filter(|_| is_telling) else {
                     continue;
                 };
                 found.push(Shared {

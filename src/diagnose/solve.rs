@@ -328,9 +328,20 @@ fn add(search: &mut Search, set: &Set, pictures: &[usize], act: Act) {
         true => Some(Scope::All),
         false => scope_of(search, &of, &denied)
             .filter(|scope| !(scope.is_of_light() && act.shows_in(&View::Coef)))
-            .filter(|scope| !scope.is_of_bytes() || act.shows_in(&View::Raw))
+            .filter(
+                |scope| match (act.shows_in(&View::Raw), act.shows_in(&View::Coef)) {
+                    (true, _) => !scope.is_of_numbers(),
+                    (_, true) => !scope.is_of_bytes(),
+                    _ => !scope.is_of_bytes() && !scope.is_of_numbers(),
+                },
+            )
             // A header is read alike whatever follows it.
-            .filter(|_| !matches!(act, Act::Numbers(_) | Act::Stream(_) | Act::Planes(_)))
+            .filter(|_| {
+                !matches!(
+                    act,
+                    Act::Numbers(_) | Act::OtherNumbers(_) | Act::Stream(_) | Act::Planes(_)
+                )
+            })
             .filter(|scope| matches!(scope, Scope::Formats(_)) || !act.is_of_few_values()),
     };
     let acting = search.each(pictures, |&w| {
@@ -356,9 +367,14 @@ fn add(search: &mut Search, set: &Set, pictures: &[usize], act: Act) {
     let is_shown = is_shown(search, &of, acting, scope.as_ref());
     // Many things end in a refusal: one picture at least has to be just so.
     let is_seen = seen || !act.may_refuse();
+    // Some pictures under some lights agree with something by chance.
+    let is_color = |&w: &usize| matches!(search.witnesses[w].observation.view, View::Rgb(_));
+    let is_of_some = !matches!(scope, None | Some(Scope::All | Scope::Formats(_)));
+    let is_chance = is_of_some && of.iter().all(is_color) && of.len() * 3 < pictures.len();
     if let Some(scope) = scope
         && is_shown
         && is_seen
+        && !is_chance
         && !(of.len() == 1 && is_doubtful(search, of[0], &act))
         && !(is_of_strides(&act) && of.iter().all(|&w| is_narrow(search, w)))
     {
@@ -434,8 +450,7 @@ fn is_shown(search: &Search, of: &[usize], acting: usize, scope: Option<&Scope>)
     };
     // Where a mistake is made in some files, it shows in most of these.
     let part = match (narrow, colors_only) {
-        (true, _) => 2,
-        (false, true) => 3,
+        (true, _) | (false, true) => 2,
         (false, false) => 10,
     };
     of.len() >= fewest && of.len() * part >= acting

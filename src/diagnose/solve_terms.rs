@@ -3,7 +3,10 @@
 //! Of each coefficient, every scale and bias that a slip may put there is tried on every texel. What fits one file by
 //! chance does not fit the next: only what fits all files that are asked is left.
 
+use super::number_readers::OtherNumbers;
+use super::numbers::{Used, all_used};
 use super::pair::Pair;
+use super::pictures::pair_of;
 use super::search::{Search, Set};
 use super::solved::Act;
 use super::terms::{Source, Terms, all_terms, final_value};
@@ -37,6 +40,7 @@ pub(super) fn candidates(search: &Search, set: &Set, pictures: &[usize]) -> Vec<
     let (rgb, others): (Vec<&Fitting>, Vec<&Fitting>) = fitting.iter().partition(is_rgb);
     let tries = [common(&alike, 6), common(&rgb, 18), common(&others, 6)];
     let mut acts: Vec<Act> = Vec::new();
+    acts.extend(other_numbers(search, set, &finals));
     for places in tries.into_iter().flatten() {
         let act = Act::Terms(Terms(
             places.into_iter().map(|place| terms[place]).collect(),
@@ -46,6 +50,26 @@ pub(super) fn candidates(search: &Search, set: &Set, pictures: &[usize]) -> Vec<
         }
     }
     acts
+}
+
+/// Texts that stand for other numbers in every file that is wrong.
+fn other_numbers(search: &Search, set: &Set, finals: &[usize]) -> Option<Act> {
+    let used = search.each(finals, |&w| {
+        let pair = pair_of(search, set, w)?;
+        all_used(&pair, &search.witnesses[w])
+    });
+    let files = finals
+        .iter()
+        .zip(used)
+        .filter_map(|(&w, used)| Some((w, used?)));
+    let files: Vec<(usize, Vec<Used>)> = files.collect();
+    if files.len() < FEWEST {
+        return None;
+    }
+    let used = files
+        .into_iter()
+        .flat_map(|(w, used)| used.into_iter().map(move |used| (w, used)));
+    OtherNumbers::of(used.map(|(w, used)| (&search.witnesses[w], used))).map(Act::OtherNumbers)
 }
 
 /// The first terms that fit all files; nothing if there are none, or if these are the right ones.

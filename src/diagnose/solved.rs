@@ -6,7 +6,7 @@ use super::color_rules::ColorRule;
 use super::final_rules::FinalRule;
 use super::formulas::{Formula, Numbers};
 use super::indices::{Index, look_up, read_indices};
-use super::number_readers::NumberReader;
+use super::number_readers::{NumberReader, OtherNumbers};
 use super::plane_slips::PlaneSlip;
 use super::powers::Powers;
 use super::scope::Scope;
@@ -57,6 +57,8 @@ pub(super) enum Act {
     Planes(PlaneSlip),
     /// Numbers of the header are read otherwise.
     Numbers(NumberReader),
+    /// Some texts of scales and biases stand for other numbers.
+    OtherNumbers(OtherNumbers),
     /// Other scales and biases are used.
     Terms(Terms),
     /// Final values are computed otherwise.
@@ -184,8 +186,10 @@ impl Act {
     /// Whether it shows in this view.
     pub fn shows_in(&self, view: &View) -> bool {
         match self {
+            Act::Numbers(reader) if !reader.is_of_header() => matches!(view, View::Rgb(_)),
             Act::Final { .. }
             | Act::Numbers(_)
+            | Act::OtherNumbers(_)
             | Act::Terms(_)
             | Act::Rule(_)
             | Act::Slip(Formula::Final, _) => *view != View::Raw,
@@ -254,6 +258,7 @@ impl Act {
             Act::Index(index) => look_up(ptm, witness, index)?,
             Act::Table(layout) => layout.apply(ptm, witness),
             Act::Numbers(reader) => reader.apply(ptm, witness),
+            Act::OtherNumbers(numbers) => numbers.apply(ptm, witness),
             Act::Partly { slug, channels } => misread_in(ptm, witness, slug, channels),
             Act::Stored { channels, change } => {
                 for (i, sample) in ptm.planes.samples.iter_mut().enumerate() {
@@ -351,6 +356,7 @@ impl Act {
             Act::Stream(slip) => slip.says(),
             Act::Planes(slip) => slip.says(),
             Act::Numbers(reader) => reader.says(),
+            Act::OtherNumbers(numbers) => numbers.says(),
             Act::Terms(terms) => terms.says(),
             Act::Rule(rule) => rule.says(),
             Act::Powers(powers) => powers.says(),
@@ -376,6 +382,11 @@ impl Act {
             Act::Channels(_) | Act::Coefficients(_) => {
                 "follow one texel of the example from its bytes to its channels; the first byte is the first channel"
             }
+            Act::Block { strides, .. } | Act::Texels { strides, .. }
+                if *strides == Strides::RIGHT.moved(strides.shift) =>
+            {
+                "begin right behind what stands before: the line feed of the last header line, or the last value of the block before"
+            }
             Act::Block { .. } | Act::Texels { .. } => {
                 "compute the place of a value as row · width · channels + column · channels + channel, rows from the bottom of the picture"
             }
@@ -391,7 +402,7 @@ impl Act {
             Act::Variant(variant) => VARIANTS[*variant].formula.fix(),
             Act::Stream(slip) => slip.fix(),
             Act::Planes(slip) => slip.slip.fix(),
-            Act::Numbers(_) => {
+            Act::Numbers(_) | Act::OtherNumbers(_) => {
                 "read numbers as decimal numbers: a sign, digits, a point and digits, an exponent; a library function does"
             }
             Act::Slip(formula, _) | Act::PartlySlipped { formula, .. } => formula.fix(),
@@ -418,6 +429,7 @@ impl Act {
             Act::Stream(_) => Some("2.9.8/3"),
             Act::Planes(slip) => Some(slip.slip.clause()),
             Act::Numbers(reader) => Some(reader.clause()),
+            Act::OtherNumbers(numbers) => Some(numbers.clause()),
             Act::Shown { .. } => Some("1.0/1"),
             Act::Channels(_) | Act::Coefficients(_) => texel_clause(format),
             Act::Block {
@@ -551,19 +563,21 @@ pub(super) fn values(acts: &[&Act], ptm: &Ptm, view: &View, reading: &Reading) -
 /// The colors that final values have under a light, not rounded.
 fn colors(acts: &[&Act], mut finals: Coefficients, light: &Light, reading: &Reading) -> Vec<f64> {
     let mut rule = None;
+    let mut place = (light.lu, light.lv);
     for act in acts {
         match act {
             Act::Powers(powers) => {
                 let light = (reading.light)(light.lu, light.lv);
                 powers.apply(&mut finals.values, finals.shape, light);
             }
+            Act::Numbers(reader) => place = reader.light(light),
             Act::Color(one) => rule = Some(one),
             _ => {}
         }
     }
     match rule {
         Some(rule) => rule.colors(&finals, light, reading),
-        None => evaluate::evaluate(&finals, light.lu, light.lv, reading).values,
+        None => evaluate::evaluate(&finals, place.0, place.1, reading).values,
     }
 }
 

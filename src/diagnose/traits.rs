@@ -21,7 +21,9 @@ struct Facts<'a> {
     recipe: Option<&'a Recipe>,
     plan: Option<&'a Compression>,
     planes: Option<&'a [StoredPlane]>,
-    /// Everything after the header.
+    /// The bytes of the header.
+    header: usize,
+    /// Everything after it.
     data: &'a [u8],
     longest_line: usize,
     /// The texts of scales, biases and matrix elements.
@@ -42,6 +44,8 @@ pub(super) struct Trait {
 
 /// A number that files have.
 pub(super) struct Quantity {
+    /// The clause that it is a number of.
+    pub clause: &'static str,
     /// Completes "files …" after a number and "or more": "with 17 or more columns".
     pub words: [&'static str; 2],
     value: fn(&Facts) -> Option<f64>,
@@ -87,6 +91,7 @@ impl<'a> Facts<'a> {
             recipe: witness.case.recipe(),
             plan: witness.case.compression(),
             planes: compressed.map(|compressed| &compressed.planes[..]),
+            header: header.len(),
             data,
             longest_line: lines.max().unwrap_or_default(),
             numbers: [texts("2.4/3"), texts("2.4/4"), texts("2.6/2")],
@@ -437,6 +442,18 @@ const OF_LIGHT: &[Row] = &[
     ("under a light whose v is negative", |f| {
         f.light().is_some_and(|(_, v)| v < 0.0)
     }),
+    ("under a light whose u and v are equal", |f| {
+        f.light().is_some_and(|(u, v)| u == v)
+    }),
+    ("under a light whose u is zero", |f| {
+        f.light().is_some_and(|(u, _)| u == 0.0)
+    }),
+    ("under a light whose v is zero", |f| {
+        f.light().is_some_and(|(_, v)| v == 0.0)
+    }),
+    ("under a light whose u and v have opposite signs", |f| {
+        f.light().is_some_and(|(u, v)| u * v < 0.0)
+    }),
     ("under a light whose u is positive", |f| {
         f.light().is_some_and(|(u, _)| u > 0.0)
     }),
@@ -637,61 +654,127 @@ fn all_traits() -> Vec<Trait> {
 
 /// All quantities.
 pub(super) const QUANTITIES: &[Quantity] = &[
-    quantity(["with", "texels"], |f| {
+    quantity("2.3/1", ["with", "texels"], |f| {
         let (width, height) = f.size()?;
         Some(f64::from(width) * f64::from(height))
     }),
-    quantity(["with", "columns"], |f| Some(f64::from(f.size()?.0))),
-    quantity(["with", "rows"], |f| Some(f64::from(f.size()?.1))),
-    quantity(["with", "bytes in one line of the header"], |f| {
+    quantity("2.3/1", ["with", "columns"], |f| {
+        Some(f64::from(f.size()?.0))
+    }),
+    quantity("2.3/1", ["with", "rows"], |f| Some(f64::from(f.size()?.1))),
+    quantity("2.3/1", ["with", "columns or rows"], |f| {
+        let (width, height) = f.size()?;
+        Some(f64::from(width.max(height)))
+    }),
+    quantity("2.0/1", ["with", "bytes in one line of the header"], |f| {
         Some(f.longest_line as f64)
     }),
-    quantity(["with", "characters in one scale"], |f| f.longest(0)),
-    quantity(["with", "characters in one bias"], |f| f.longest(1)),
-    quantity(["with", "characters in one number of the matrix"], |f| {
-        f.longest(2)
+    quantity("2.0/1", ["with", "bytes of header"], |f| {
+        Some(f.header as f64)
     }),
-    quantity(["with", "as their largest scale"], |f| f.largest(0)),
-    quantity(["with", "as their largest bias"], |f| f.largest(1)),
-    quantity(["with", "entries"], entries),
-    quantity(["with", "as their largest index"], |f| {
+    quantity("2.4/3", ["with", "characters in one scale"], |f| {
+        f.longest(0)
+    }),
+    quantity("2.4/4", ["with", "characters in one bias"], |f| {
+        f.longest(1)
+    }),
+    quantity(
+        "2.6/2",
+        ["with", "characters in one number of the matrix"],
+        |f| f.longest(2),
+    ),
+    quantity("2.4/3", ["with", "as their largest scale"], |f| {
+        f.largest(0)
+    }),
+    quantity("2.4/4", ["with", "as their largest bias"], |f| f.largest(1)),
+    quantity("2.5/2", ["with", "entries"], entries),
+    quantity("2.8.1/3", ["with", "as their largest index"], |f| {
         f.largest_index.map(f64::from)
     }),
-    quantity(["under a light", "from the middle"], |f| {
+    quantity("1.0/2", ["under a light", "from the middle"], |f| {
         f.light().map(|(u, v)| u.hypot(v))
     }),
-    quantity(["with", "half texels of motion"], |f| {
+    quantity("2.9.3/1", ["with", "half texels of motion"], |f| {
         let farthest = f.vectors().iter().map(|(x, y)| x.abs().max(y.abs())).max();
         farthest.map(f64::from)
     }),
-    quantity(["with", "planes in one chain of predictions"], |f| {
-        let plan = f.plan?;
-        let planes = plan.order.len();
-        let chain = |plane| {
-            let from = std::iter::successors(Some(plane), |&plane| plan.reference(plane));
-            from.take(planes).count()
-        };
-        (0..planes).map(chain).max().map(|deepest| deepest as f64)
-    }),
-    quantity(["with", "as their largest rank"], |f| {
+    quantity(
+        "2.9.5/4",
+        ["with", "planes in one chain of predictions"],
+        |f| {
+            let plan = f.plan?;
+            let planes = plan.order.len();
+            let chain = |plane| {
+                let from = std::iter::successors(Some(plane), |&plane| plan.reference(plane));
+                from.take(planes).count()
+            };
+            (0..planes).map(chain).max().map(|deepest| deepest as f64)
+        },
+    ),
+    quantity("2.9.4/3", ["with", "as their largest rank"], |f| {
         f.plan?.order.iter().max().map(|&rank| rank as f64)
     }),
-    quantity(["with", "records of side information"], |f| {
+    quantity("2.9.8/4", ["with", "records of side information"], |f| {
         f.records().map(|count| count as f64)
     }),
-    quantity(["with", "as their JPEG quality"], |f| {
+    quantity(
+        "2.9.8/4",
+        ["with", "records of side information in one plane"],
+        |f| {
+            let planes = f.planes?.iter();
+            planes
+                .map(|plane| plane.records.len())
+                .max()
+                .map(|most| most as f64)
+        },
+    ),
+    quantity(
+        "2.9.8/5",
+        ["with", "as their largest position of side information"],
+        |f| {
+            let records = f.planes?.iter().flat_map(|plane| &plane.records);
+            records
+                .map(|&(position, _)| f64::from(position))
+                .max_by(f64::total_cmp)
+        },
+    ),
+    quantity(
+        "2.9.6/1",
+        ["with", "as the largest compressed size of a plane"],
+        |f| {
+            let sizes = f.planes?.iter().map(|plane| plane.stream.len());
+            sizes.max().map(|largest| largest as f64)
+        },
+    ),
+    quantity(
+        "2.9.6/1",
+        ["with", "bytes in all compressed planes together"],
+        |f| {
+            let sizes = f.planes?.iter().map(|plane| plane.stream.len());
+            Some(sizes.sum::<usize>() as f64)
+        },
+    ),
+    quantity("2.9.8/3", ["with", "as their JPEG quality"], |f| {
         let plan = f.plan.filter(|_| f.is_lossy())?;
         Some(f64::from(plan.parameter))
     }),
-    quantity(["with", "as their largest loss"], |f| {
+    quantity("2.9.8/3", ["with", "as their largest loss"], |f| {
         let plan = f.plan.filter(|_| !f.is_lossy())?;
         Some(f64::from(plan.parameter))
     }),
-    quantity(["with", "restart markers in one plane"], |f| {
+    quantity("2.9.8/3", ["with", "restart markers in one plane"], |f| {
         f.markers().map(f64::from)
     }),
 ];
 
-const fn quantity(words: [&'static str; 2], value: fn(&Facts) -> Option<f64>) -> Quantity {
-    Quantity { words, value }
+const fn quantity(
+    clause: &'static str,
+    words: [&'static str; 2],
+    value: fn(&Facts) -> Option<f64>,
+) -> Quantity {
+    Quantity {
+        clause,
+        words,
+        value,
+    }
 }

@@ -117,6 +117,9 @@ pub(super) fn breaks_its_promise(run: &Run, case: &Case, observation: &Observati
         .is_broken_by(case, observation, &run.judgement.unsupported)
 }
 
+/// So many colors that are all off by one in one direction are no matter of rounding.
+const FEWEST_OFF: usize = 6;
+
 impl Witness<'_> {
     /// The stored values that a decoder with these mistakes of the catalog finds that otherwise reads so; what it answers
     /// where it finds none.
@@ -233,7 +236,10 @@ impl Witness<'_> {
                     frame: Some(shown), ..
                 },
                 Answer::Decoded(made),
-            ) if alike(shown, made) && (!self.is_right(made) || self.is_nearer(made, shown)) => {
+            ) if alike(shown, made)
+                && (!self.is_right(made) || self.is_nearer(made, shown))
+                && self.is_more_than_tolerance(made, shown) =>
+            {
                 Agreement::Picture
             }
             // Of a file that must be refused no picture is kept: to accept it is the mistake.
@@ -267,6 +273,37 @@ impl Witness<'_> {
             ExpectedValues::Rgb(values) => Some(values),
             _ => None,
         }
+    }
+
+    /// Whether two pictures that are alike are so by more than the tolerance of a color: among the colors that are wrong,
+    /// those at a limit are the same, and the others are not all off by one in one direction.
+    fn is_more_than_tolerance(&self, made: &Frame, shown: &Frame) -> bool {
+        let Answer::Decoded(right) = &self.right else {
+            return true;
+        };
+        let (Samples::U8(right), Samples::U8(made), Samples::U8(shown)) =
+            (&right.samples, &made.samples, &shown.samples)
+        else {
+            return true;
+        };
+        if right.len() != shown.len() {
+            return true;
+        }
+        let all = right.iter().zip(made.iter().zip(shown));
+        let wrong = all.filter(|(right, (_, shown))| right.abs_diff(**shown) > 1);
+        let is_limit = |shown: u8| shown <= 1 || shown >= 254;
+        let (limits, others): (Vec<_>, Vec<_>) = wrong
+            .map(|(_, (&made, &shown))| (made, shown))
+            .partition(|&(_, shown)| is_limit(shown));
+        let same = limits.iter().filter(|(made, shown)| made == shown).count();
+        let all_off = |off: i16| {
+            let mut offs = others
+                .iter()
+                .map(|&(made, shown)| i16::from(shown) - i16::from(made));
+            others.len() >= FEWEST_OFF && offs.all(|by| by == off)
+        };
+        let is_at_limits = others.is_empty() && same * 10 < limits.len() * 9;
+        !is_at_limits && !all_off(1) && !all_off(-1)
     }
 
     /// Whether `made` is clearly nearer to what was shown than the reference's picture is.

@@ -44,6 +44,15 @@ pub struct Light {
     text: String,
 }
 
+impl Light {
+    /// u and v as they were written.
+    #[must_use]
+    pub fn texts(&self) -> [&str; 2] {
+        let (u, v) = self.text.split_once(',').unwrap_or((&self.text, ""));
+        [u, v]
+    }
+}
+
 impl View {
     /// A light that shows every coefficient.
     pub const ORDINARY_LIGHT: &'static str = "rgb:0.3125,-0.4375";

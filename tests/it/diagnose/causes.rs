@@ -222,6 +222,30 @@ fn what_the_catalogue_does_not_know_is_put_into_words() {
             &["1 more"],
         ),
         (
+            "a bias of −1 counts as none",
+            |request, answer| match (answer, request.view) {
+                (Answer::Decoded(frame), view) if frame.view != "raw" => {
+                    with_samples(frame, |ptm| {
+                        let mut ptm = ptm.clone();
+                        for bias in &mut ptm.header.scale_bias.bias {
+                            *bias = if *bias == -1.0 { 0.0 } else { *bias };
+                        }
+                        let values = ptm.coefficients();
+                        match view {
+                            View::Rgb(light) => {
+                                Samples::U8(values.evaluate(light.lu, light.lv).to_bytes())
+                            }
+                            _ => Samples::F32(
+                                values.values.iter().map(|&value| value as f32).collect(),
+                            ),
+                        }
+                    })(request.file)
+                }
+                (other, _) => other,
+            },
+            &["uses other biases than the header's: 0 for -1"],
+        ),
+        (
             "a4 is not scaled, in a decoder of final values",
             |request, answer| match answer {
                 Answer::Decoded(frame) if frame.view == "coef" => with_samples(frame, |ptm| {
