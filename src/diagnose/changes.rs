@@ -431,20 +431,6 @@ fn srgb_decoded(x: f64) -> f64 {
     }
 }
 
-/// Two numbers that differ, with so many digits that it shows: at most four decimals where that is enough.
-pub(super) fn apart(a: f64, b: f64) -> [String; 2] {
-    let short = [a, b].map(short);
-    if short[0] != short[1] || a == b {
-        return short;
-    }
-    let exact = [a as f32, b as f32].map(|value| value.to_string());
-    if exact[0] == exact[1] {
-        [a, b].map(|value| value.to_string())
-    } else {
-        exact
-    }
-}
-
 /// A number with at most four decimals.
 pub(super) fn short(value: f64) -> String {
     let text = format!("{value:.4}");

@@ -1,11 +1,10 @@
 //! Numbers of the header read otherwise than as decimal numbers: what parsers of one's own make of them.
 
-use super::changes::apart;
 use super::numbers::Used;
 use super::witness::Witness;
 use crate::protocol::frame::Light;
 use crate::ptm::{Ptm, ScaleBias, Shape};
-use crate::suite::compare::is_close;
+use crate::suite::compare::{apart, is_close};
 
 /// A number as it is written: sign, whole part, fraction and exponent.
 struct Written<'a> {
@@ -392,7 +391,7 @@ impl OtherNumbers {
             let of = self.0.iter().filter(|(of, ..)| *of == list);
             let some = of.map(|(_, text, value)| {
                 let right = text.parse().unwrap_or_default();
-                format!("{} for {text}", apart(*value, right)[0])
+                format!("{} for {text}", apart(*value, right, 4)[0])
             });
             let some: Vec<String> = some.take(LISTED).collect();
             (!some.is_empty()).then(|| {

@@ -1,11 +1,10 @@
 //! Final values that are right for other numbers than those of the header: the scale or the bias that a decoder used,
 //! solved from its picture.
 
-use super::changes::apart;
 use super::pair::Pair;
 use super::witness::Witness;
 use crate::ptm::{Ptm, ScaleBias};
-use crate::suite::compare::is_close;
+use crate::suite::compare::{apart, is_close};
 
 /// What may be said of several files: of which number it is.
 pub(super) const OTHER_BIAS: &str = "final values as of another bias than the header's";
@@ -35,7 +34,7 @@ impl Used {
         } else {
             "scale"
         };
-        let [used, right] = apart(self.value, self.right);
+        let [used, right] = apart(self.value, self.right, 4);
         format!(
             ", as if the {name} of a{} were {used} and not {right}",
             self.coefficient

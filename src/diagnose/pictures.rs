@@ -2,7 +2,6 @@
 
 use super::arithmetic::arithmetic;
 use super::blocks::{Block, block_clause, row_clause, texel_clause};
-use super::changes::apart;
 use super::diagnosis::{Category, Diagnosis, Words};
 use super::formats::formats_of;
 use super::formulas::single_slips;
@@ -20,7 +19,7 @@ use crate::protocol::frame::{Answer, Frame, View};
 use crate::ptm::Format;
 use crate::session::observation::Response;
 use crate::suite::cases::Expect;
-use crate::suite::compare::{Expected, ExpectedValues};
+use crate::suite::compare::{Expected, ExpectedValues, apart};
 use crate::suite::dialect::Right;
 
 /// What inverse transforms of lossy planes may make of one stream, and of a plane that is predicted from another.
@@ -442,9 +441,10 @@ pub(super) fn pair_of(search: &Search, set: &[Id], w: usize) -> Option<Pair> {
     }
 }
 
-/// The smallest of these files.
+/// The smallest of these files; where stored or final values are shown, of these: there is less to follow.
 pub(super) fn smallest(witnesses: &[Witness], of: &[usize]) -> usize {
-    let size = |w: &usize| witnesses[*w].built.file.len();
+    let is_color = |w: usize| matches!(witnesses[w].observation.view, View::Rgb(_));
+    let size = |w: &usize| (is_color(*w), witnesses[*w].built.file.len());
     let smallest = of.iter().copied().min_by_key(size);
     smallest.expect("a diagnosis explains at least one case")
 }
@@ -465,7 +465,7 @@ pub(super) fn example(search: &Search, w: usize) -> String {
     };
     let (texel, channel) = (i / pair.channels, i % pair.channels);
     let (x, y) = (texel % pair.width, texel / pair.width);
-    let [got, want] = apart(pair.got[i], pair.want[i]);
+    let [got, want] = apart(pair.got[i], pair.want[i], 4);
     let mut says = format!(
         "for example {id}, texel ({x}, {y}), {}: received {got}, expected {want}",
         pair.name(channel),

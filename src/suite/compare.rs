@@ -346,7 +346,12 @@ impl fmt::Display for Difference {
                 wrong,
                 samples,
             } => {
-                let (expected, received) = (list(expected), list(received));
+                let pairs = expected.iter().zip(received);
+                let pairs = pairs.map(|(expected, received)| apart(*expected, *received, 3));
+                let (expected, received): (Vec<_>, Vec<_>) = pairs
+                    .map(|[expected, received]| (expected, received))
+                    .unzip();
+                let (expected, received) = (expected.join(" "), received.join(" "));
                 write!(
                     f,
                     "texel ({x}, {y}), first in {channel}: expected {expected}, received {received}; "
@@ -357,17 +362,21 @@ impl fmt::Display for Difference {
     }
 }
 
-/// Numbers with at most three decimals, parted by spaces.
-fn list(values: &[f64]) -> String {
-    let number = |value: &f64| {
-        let text = format!("{value:.3}");
-        if text.contains('.') {
-            text.trim_end_matches('0').trim_end_matches('.').to_owned()
-        } else {
-            text
-        }
+/// Two numbers with at most so many decimals; with more where they would look the same and are not.
+pub(crate) fn apart(a: f64, b: f64, decimals: usize) -> [String; 2] {
+    let number = |value: f64| {
+        let text = format!("{value:.decimals$}");
+        let text = match text.contains('.') {
+            true => text.trim_end_matches('0').trim_end_matches('.'),
+            false => &text,
+        };
+        if text == "-0" { "0" } else { text }.to_owned()
     };
-    values.iter().map(number).collect::<Vec<_>>().join(" ")
+    let short = [number(a), number(b)];
+    match short[0] == short[1] && !is_close(a, b, 0.0) {
+        true => [a, b].map(|value| (value as f32).to_string()),
+        false => short,
+    }
 }
 
 #[cfg(test)]
@@ -386,6 +395,13 @@ mod tests {
             slack: Vec::new(),
         };
         assert_eq!(one.is_near(0, received), near, "{received} for {expected}");
+    }
+
+    #[test]
+    fn numbers_that_differ_look_different() {
+        assert_eq!(apart(0.5, -0.0, 3), ["0.5", "0"]);
+        assert_eq!(apart(0.1, 0.100_000_001, 3), ["0.1", "0.1"]);
+        assert_eq!(apart(0.038_086, 0.038_114, 3), ["0.038086", "0.038114"]);
     }
 
     #[test]
