@@ -5,7 +5,7 @@ use std::borrow::Cow;
 use super::mistake::Mistake;
 use super::plane_slips::{self, PlaneSlip};
 use super::solved::{self, Act};
-use super::stream_slips::StreamSlip;
+use super::stream_slips::{StreamSlip, is_shown};
 use super::witness::{Witness, applies};
 use crate::misreadings::{self, Misreading, Stage};
 use crate::protocol::frame::{Answer, View};
@@ -29,25 +29,27 @@ impl Witness<'_> {
             }
             Err(answer) => answer,
         };
-        match self.acting_slip(&acts) {
-            Some(slip) => self.out_of_step(slip, answer),
-            None => Cow::Owned(answer),
+        let acting = self.acting_slips(&acts);
+        match acting.is_empty() {
+            true => Cow::Owned(answer),
+            false => self.out_of_step(&acting, answer),
         }
     }
 
-    /// The slip in the decoder of streams among these, if it changes a stream of this file.
-    fn acting_slip(&self, acts: &[&Act]) -> Option<StreamSlip> {
-        slip_of(acts).filter(|slip| slip.acts_on(self))
+    /// The slips in the decoder of streams among these that change a stream of this file.
+    fn acting_slips(&self, acts: &[&Act]) -> Vec<StreamSlip> {
+        slips_of(acts).filter(|slip| slip.acts_on(self)).collect()
     }
 
     /// A decoder that is out of step with a stream shows nonsense of some kind or gives up.
-    fn out_of_step(&self, slip: StreamSlip, made: Answer) -> Cow<'_, Answer> {
+    fn out_of_step(&self, slips: &[StreamSlip], made: Answer) -> Cow<'_, Answer> {
         Cow::Owned(match &self.observation.response {
             Response::Picture {
                 frame: Some(shown), ..
-            } if self.failed && slip.is_shown(self, shown) => Answer::Decoded(shown.clone()),
+            } if self.failed && is_shown(slips, self) => Answer::Decoded(shown.clone()),
             Response::Picture { .. } => made,
-            _ => Answer::Rejected,
+            _ if slips.iter().any(|slip| slip.may_refuse()) => Answer::Rejected,
+            _ => made,
         })
     }
 
@@ -72,7 +74,8 @@ impl Witness<'_> {
     /// The stored values that a decoder with these mistakes finds; what it answers where it finds none.
     pub fn planes(&self, mistakes: &[&Mistake]) -> Result<Ptm, Answer> {
         let acts = self.acts(mistakes);
-        let stream = self.acting_slip(&acts).map(StreamSlip::stream);
+        // Of several the first: what all of them show is held against streams, not pictures.
+        let stream = self.acting_slips(&acts).first().map(|slip| slip.stream());
         let reading = Reading {
             stream: stream.unwrap_or(self.reading.stream),
             ..self.reading
@@ -107,7 +110,7 @@ impl Witness<'_> {
                 return solved.act.shows_in(view)
                     && (is_compressed || !matches!(solved.act, Act::Planes(_)))
                     && solved.scope.holds(self)
-                    && slip_of(&[&solved.act]).is_none_or(is_of);
+                    && slips_of(&[&solved.act]).all(is_of);
             }
         };
         let last = match view {
@@ -133,9 +136,9 @@ impl Witness<'_> {
     }
 }
 
-/// The slip in the decoder of streams, if there is one among these.
-fn slip_of(acts: &[&Act]) -> Option<StreamSlip> {
-    acts.iter().find_map(|act| match act {
+/// The slips in the decoder of streams among these.
+fn slips_of<'a>(acts: &'a [&'a Act]) -> impl Iterator<Item = StreamSlip> + 'a {
+    acts.iter().filter_map(|act| match act {
         Act::Stream(slip) => Some(*slip),
         _ => None,
     })

@@ -94,7 +94,7 @@ fn diagnosis(search: &Search, member: &Member, share: &Share) -> Diagnosis {
     let misreading = match &search.mistakes[member.id] {
         Mistake::Listed(misreading) => misreading,
         Mistake::Narrow(misreading, scope) => return of_narrow(search, misreading, scope, share),
-        Mistake::Solved(solved) => return of_solved(search, solved, share),
+        Mistake::Solved(solved) => return of_solved(search, solved, &member.alike, share),
     };
     let alike = listed(&member.alike);
     if misreading.shows == Symptom::Values
@@ -145,7 +145,7 @@ fn of_narrow(
 }
 
 /// A mistake that was solved, in words.
-fn of_solved(search: &Search, solved: &Solved, share: &Share) -> Diagnosis {
+fn of_solved(search: &Search, solved: &Solved, alike: &[Id], share: &Share) -> Diagnosis {
     let witnesses = search.witnesses;
     let smallest = pictures::smallest(witnesses, &share.explains);
     let scope = match solved.scope.says() {
@@ -154,7 +154,11 @@ fn of_solved(search: &Search, solved: &Solved, share: &Share) -> Diagnosis {
         says => format!(", in every file {says}"),
     };
     let words = Words {
-        effect: format!("{}{scope}", solved.act.says()),
+        effect: format!(
+            "{}{}{scope}",
+            solved.act.says(),
+            or_slips(search, solved, alike)
+        ),
         fix: solved.act.fix(),
         example: pictures::example(search, smallest),
     };
@@ -167,6 +171,21 @@ fn of_solved(search: &Search, solved: &Solved, share: &Share) -> Diagnosis {
         certain: true,
         ..described
     }
+}
+
+/// ", or …": other slips in the decoder of streams that show the same.
+fn or_slips(search: &Search, solved: &Solved, alike: &[Id]) -> String {
+    let slip = |id: &Id| match search.mistakes[*id].solved()?.act {
+        Act::Stream(slip) => Some(slip),
+        _ => None,
+    };
+    let all = alike
+        .iter()
+        .filter(|_| matches!(solved.act, Act::Stream(_)));
+    let others = all
+        .filter_map(slip)
+        .map(|slip| format!(", or {}", slip.effect()));
+    others.collect()
 }
 
 /// Which of `set` explain a failure: one alone, or those that cannot be missed; none if all together do not.

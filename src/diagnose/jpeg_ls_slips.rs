@@ -4,8 +4,10 @@
 //! made, and what comes out is compared with what the decoder under test shows. The decoder here is the plainest one there
 //! is; every decision in it is a field of [`Rules`], right by default.
 
-use super::slips::{Partial, Slip, slips};
-use crate::codec::jpeg_ls::{self, J, Neighbors, default_thresholds, stored_scan};
+use super::slips::{IsShown, Partial, Slip, slips};
+use crate::codec::jpeg_ls::{
+    self, J, Neighbors, PresetParameters, default_thresholds, stored_scan,
+};
 use crate::error::Result;
 use crate::parts::PlaneStream;
 
@@ -69,7 +71,7 @@ struct Context {
 }
 
 /// Every decision of the decoder.
-struct Rules {
+pub(super) struct Rules {
     /// Thresholds as they are stored, 0 for defaults; MAXVAL and NEAR.
     thresholds: fn([i32; 3], i32, i32) -> [i32; 3],
     reset: fn(i32) -> i32,
@@ -77,6 +79,14 @@ struct Rules {
     qbpp: fn(i32) -> u32,
     /// LIMIT of MAXVAL and qbpp.
     limit: fn(i32, u32) -> u32,
+    /// By how much LIMIT is off.
+    limit_off: i32,
+    /// The presets that count: of those of the stream before and its own.
+    keep_presets: fn(PresetParameters, PresetParameters) -> PresetParameters,
+    /// Whether contexts, those of runs, and `RUNindex` are kept from the stream before.
+    keeps: (bool, bool, bool),
+    /// Whether any of these is so.
+    pub(super) is_keeping: bool,
     /// Whether the byte behind 0xFF at this place of the data carries seven bits.
     is_stuffed: fn(usize) -> bool,
     neighbors: fn(&Plane, usize, usize) -> [i32; 4],
@@ -112,14 +122,19 @@ struct Rules {
     store_b: fn(i32) -> i32,
     /// B, C and N.
     correction: fn(i32, i32, i32) -> (i32, i32),
+    /// The limits of C besides.
+    c_limits: (i32, i32),
     reconstruct: fn(&Scan, i32, i32) -> i32,
     j: fn(usize) -> u32,
-    /// An entry of J that is another, and by how much.
-    typo: (usize, i32),
+    /// An entry of J that is another, by how much, and whether it is for whole pieces of a run and for the rest of a run.
+    typo: (usize, i32, bool, bool),
     /// `RUNindex` at the start of a row.
     start_row: fn(usize) -> usize,
-    /// Whether a run that the row cuts short counts.
-    is_partial_counted: bool,
+    /// What a run that the row cuts short, and one that fills the row, add to `RUNindex`.
+    partial_counts: isize,
+    full_counts: isize,
+    /// Whether b at the end of a run is that of its beginning.
+    is_early_b: bool,
     shorten: fn(usize) -> usize,
     /// Whether `RUNindex` goes down before the interruption is read.
     is_shortened_first: bool,
@@ -145,11 +160,20 @@ struct Rules {
 impl Rules {
     /// The bits of the rest of a run.
     fn j(&self, index: usize) -> u32 {
-        let j = (self.j)(index);
-        match self.typo {
-            (typo, by) if typo == index => j.saturating_add_signed(by),
-            _ => j,
-        }
+        let (place, by, _, is_of_rest) = self.typo;
+        let by = if is_of_rest && place == index { by } else { 0 };
+        (self.j)(index).saturating_add_signed(by)
+    }
+
+    /// The samples of a whole piece of a run.
+    fn piece(&self, index: usize) -> usize {
+        let (place, by, is_of_pieces, _) = self.typo;
+        let by = if is_of_pieces && place == index {
+            by
+        } else {
+            0
+        };
+        1 << (self.j)(index).saturating_add_signed(by)
     }
 }
 
@@ -214,7 +238,7 @@ fn reconstruct(scan: &Scan, predicted: i32, error: i32) -> i32 {
     wrapped(scan, predicted, error).clamp(0, scan.maxval)
 }
 
-const RIGHT: Rules = Rules {
+pub(super) const RIGHT: Rules = Rules {
     thresholds,
     reset: |stored| if stored == 0 { 64 } else { stored },
     range: |maxval, near| (maxval + 2 * near) / (2 * near + 1) + 1,
@@ -223,6 +247,10 @@ const RIGHT: Rules = Rules {
         let bits = bits_for(maxval + 1).max(2);
         2 * (bits + bits.max(8))
     },
+    limit_off: 0,
+    keep_presets: |_, own| own,
+    keeps: (false, false, false),
+    is_keeping: false,
     is_stuffed: |_| true,
     neighbors: Plane::neighbors,
     region,
@@ -247,11 +275,14 @@ const RIGHT: Rules = Rules {
     store_a: |a| a,
     store_b: |b| b,
     correction,
+    c_limits: (i32::MIN, i32::MAX),
     reconstruct,
     j: |index| J[index],
-    typo: (0, 0),
+    typo: (0, 0, true, true),
     start_row: |index| index,
-    is_partial_counted: false,
+    partial_counts: 0,
+    full_counts: 1,
+    is_early_b: false,
     shorten: |index| index.saturating_sub(1),
     is_shortened_first: false,
     is_alike: |difference, near| difference.abs() <= near,
@@ -303,7 +334,8 @@ impl Bits<'_> {
         let mut zeros = 0;
         while self.bit()? == 0 {
             zeros += 1;
-            if zeros > longest {
+            // Some take one zero too many for an escape too, some give up.
+            if zeros > longest + qbpp + 1 {
                 return None;
             }
         }
@@ -327,34 +359,70 @@ struct Decoder<'a> {
     run_index: usize,
 }
 
-/// The samples of a stream, as a decoder with these rules finds them until it loses its way.
-fn decode(stream: &PlaneStream, rules: &Rules) -> Option<Partial> {
-    let (width, height) = (stream.size.width, stream.size.height);
-    let (presets, near, at) = stored_scan(stream.bytes, width, height).ok()?;
-    let maxval = if presets.maxval == 0 {
-        255
-    } else {
-        i32::from(presets.maxval)
+/// What is stored of a scan: its presets, NEAR, and where its data begin.
+pub(super) type Stored = (PresetParameters, i32, usize);
+
+/// What is stored of the scan of a stream.
+pub(super) fn stored(stream: &PlaneStream) -> Option<Stored> {
+    stored_scan(stream.bytes, stream.size.width, stream.size.height).ok()
+}
+
+impl Scan {
+    fn of(presets: &PresetParameters, near: i32, rules: &Rules) -> Scan {
+        let maxval = if presets.maxval == 0 {
+            255
+        } else {
+            i32::from(presets.maxval)
+        };
+        let stored = [presets.t1, presets.t2, presets.t3].map(i32::from);
+        let range = (rules.range)(maxval, near);
+        let qbpp = (rules.qbpp)(range);
+        Scan {
+            maxval,
+            near,
+            step: 2 * near + 1,
+            thresholds: (rules.thresholds)(stored, maxval, near),
+            reset: (rules.reset)(presets.reset.into()),
+            range,
+            qbpp,
+            limit: (rules.limit)(maxval, qbpp).saturating_add_signed(rules.limit_off),
+        }
+    }
+}
+
+/// What a decoder may keep from one stream to the next: presets, and the state of the scan.
+pub(super) struct Kept {
+    presets: PresetParameters,
+    contexts: Vec<Context>,
+    run_contexts: [Context; 2],
+    run_index: usize,
+}
+
+/// The samples of a stream, as a decoder with these rules finds them until it loses its way, or until one is not as it was
+/// shown. `kept` is of the stream before.
+pub(super) fn decode(
+    stream: &PlaneStream,
+    &(presets, near, at): &Stored,
+    rules: &Rules,
+    kept: &mut Option<Kept>,
+    is_shown: IsShown,
+) -> Partial {
+    let before = kept.take();
+    let presets = match &before {
+        Some(before) => (rules.keep_presets)(before.presets, presets),
+        None => presets,
     };
-    let stored = [presets.t1, presets.t2, presets.t3].map(i32::from);
-    let range = (rules.range)(maxval, near);
-    let qbpp = (rules.qbpp)(range);
-    let scan = Scan {
-        maxval,
-        near,
-        step: 2 * near + 1,
-        thresholds: (rules.thresholds)(stored, maxval, near),
-        reset: (rules.reset)(presets.reset.into()),
-        range,
-        qbpp,
-        limit: (rules.limit)(maxval, qbpp),
-    };
+    let scan = Scan::of(&presets, near, rules);
     let fresh = Context {
-        a: (rules.initial_a)(range),
+        a: (rules.initial_a)(scan.range),
         b: 0,
         c: 0,
         n: 1,
     };
+    let (is_kept, is_run_kept, is_index_kept) = rules.keeps;
+    let kept_contexts = before.as_ref().filter(|_| is_kept);
+    let kept_runs = before.as_ref().filter(|_| is_run_kept);
+    let kept_index = before.as_ref().filter(|_| is_index_kept);
     let mut decoder = Decoder {
         rules,
         scan,
@@ -365,19 +433,50 @@ fn decode(stream: &PlaneStream, rules: &Rules) -> Option<Partial> {
             is_stuffed: rules.is_stuffed,
         },
         plane: Plane {
-            width: width as usize,
-            samples: Vec::new(),
+            width: stream.size.width as usize,
+            samples: Vec::with_capacity(stream.size.texels()),
         },
-        contexts: vec![fresh; 1024],
-        run_contexts: [fresh; 2],
-        run_index: 0,
+        contexts: kept_contexts.map_or_else(|| vec![fresh; 730], |kept| kept.contexts.clone()),
+        run_contexts: kept_runs.map_or([fresh; 2], |kept| kept.run_contexts),
+        run_index: kept_index.map_or(0, |kept| kept.run_index),
     };
-    let _ = (0..height as usize).try_for_each(|row| decoder.row(row));
-    let samples = decoder.plane.samples.iter().map(|&sample| sample as u8);
-    Some(Partial::of(samples.collect(), stream))
+    let partial = decoder.all(stream, is_shown);
+    *kept = Some(Kept {
+        presets,
+        contexts: decoder.contexts,
+        run_contexts: decoder.run_contexts,
+        run_index: decoder.run_index,
+    });
+    partial
 }
 
+/// Bytes that may stand after the last one of the data: a marker, and padding.
+const AFTER: usize = 3;
+
 impl Decoder<'_> {
+    fn all(&mut self, stream: &PlaneStream, is_shown: IsShown) -> Partial {
+        let mut is_other = false;
+        for row in 0..stream.size.height as usize {
+            let is_whole = self.row(row).is_some();
+            let start = row * self.plane.width;
+            let new = self.plane.samples.iter().enumerate().skip(start);
+            is_other = { new }.any(|(place, &sample)| !is_shown(place, sample as u8));
+            if is_other || !is_whole {
+                break;
+            }
+        }
+        let samples = self.plane.samples.iter().map(|&sample| sample as u8);
+        let mut samples: Vec<u8> = samples.collect();
+        let known = samples.len();
+        samples.resize(stream.size.texels(), 0);
+        Partial {
+            is_other,
+            may_refuse: known < samples.len() || self.bits.data.len() > self.bits.at + AFTER,
+            samples,
+            known,
+        }
+    }
+
     fn row(&mut self, row: usize) -> Option<()> {
         let end = (row + 1) * self.plane.width;
         self.run_index = (self.rules.start_row)(self.run_index);
@@ -394,8 +493,14 @@ impl Decoder<'_> {
                 if run == left {
                     break;
                 }
+                let early_b = neighbors[1];
                 neighbors = (self.rules.neighbors)(&self.plane, row, column + run);
-                self.interruption(neighbors[0], neighbors[1])?
+                let b = if self.rules.is_early_b {
+                    early_b
+                } else {
+                    neighbors[1]
+                };
+                self.interruption(neighbors[0], b)?
             } else {
                 self.regular(neighbors, regions)?
             };
@@ -432,21 +537,28 @@ impl Decoder<'_> {
         }
         context.n += 1;
         (context.b, context.c) = (rules.correction)(context.b, context.c, context.n);
+        context.c = context.c.clamp(rules.c_limits.0, rules.c_limits.1);
         Some((rules.reconstruct)(scan, predicted, sign * error))
     }
 
     fn run(&mut self, left: usize) -> Option<usize> {
         let mut run = 0;
         while self.bits.bit()? == 1 {
-            let piece = 1 << self.rules.j(self.run_index);
+            let piece = self.rules.piece(self.run_index);
             if run + piece > left {
-                if self.rules.is_partial_counted {
-                    self.run_index = (self.run_index + 1).min(31);
-                }
+                let index = self
+                    .run_index
+                    .saturating_add_signed(self.rules.partial_counts);
+                self.run_index = index.min(31);
                 return Some(left);
             }
             run += piece;
-            self.run_index = (self.run_index + 1).min(31);
+            let adds = if run == left {
+                self.rules.full_counts
+            } else {
+                1
+            };
+            self.run_index = self.run_index.saturating_add_signed(adds).min(31);
             if run == left {
                 return Some(left);
             }
@@ -501,24 +613,85 @@ impl Decoder<'_> {
     }
 }
 
-/// A stream of JPEG-LS with this slip.
-fn slipped(stream: &PlaneStream, slip: fn(&mut Rules)) -> Result<Partial> {
+/// A stream of JPEG-LS with this slip, and 0 for what is not known.
+fn slipped(stream: &PlaneStream, slip: fn(&mut Rules)) -> Result<Vec<u8>> {
     let mut rules = RIGHT;
     slip(&mut rules);
-    Partial::or_right(decode(stream, &rules), stream)
+    let partial = match stored(stream) {
+        Some(stored) => decode(stream, &stored, &rules, &mut None, &|_, _| true),
+        None => Partial::right(stream)?,
+    };
+    Ok(partial.samples)
 }
 
 macro_rules! wrong_entries {
     ($($index:literal)*) => {
-        slips! {$(
-            concat!("has a J[", $index, "] that is one too large"), |r| r.typo = ($index, 1);
-            concat!("has a J[", $index, "] that is one too small"), |r| r.typo = ($index, -1);
+        slips! {in "the table J of runs (T.87 A.7.1.1)": $(
+            concat!("has a J[", $index, "] that is one too large"), |r| r.typo = ($index, 1, true, true);
+            concat!("has a J[", $index, "] that is one too small"), |r| r.typo = ($index, -1, true, true);
+            concat!("takes twice 2^J for a whole piece of a run at RUNindex ", $index), |r| r.typo = ($index, 1, true, false);
+            concat!("takes half of 2^J for a whole piece of a run at RUNindex ", $index), |r| r.typo = ($index, -1, true, false);
+            concat!("reads one bit too many for the rest of a run at RUNindex ", $index), |r| r.typo = ($index, 1, false, true);
+            concat!("reads one bit too few for the rest of a run at RUNindex ", $index), |r| r.typo = ($index, -1, false, true);
         )*}
     };
 }
 
 /// One wrong entry in the table J.
-pub(super) static WRONG_ENTRIES: &[Slip] = wrong_entries!(4 5 6 7 8 9 10 11 12 13 14 15 16 17 18);
+static WRONG_ENTRIES: &[Slip<Rules>] = wrong_entries!(4 5 6 7 8 9 10 11 12 13 14 15 16 17);
+
+macro_rules! c_limits {
+    ($($least:literal $most:literal)*) => {
+        slips! {in "the limits of C, −128 … 127 (T.87 A.6.2)": $(
+            concat!("limits C to ", $least, "…", $most), |r| r.c_limits = ($least, $most);
+        )*}
+    };
+}
+
+/// Other limits of C.
+static C_LIMITS: &[Slip<Rules>] = c_limits!(-7 7 -8 7 -15 15 -16 15 -31 31 -32 31 -63 63 -64 63 -127 127 -128 126 -100 100 -32 32 -64 64 -16 16);
+
+macro_rules! factors {
+    ($name:literal $place:literal $right:literal: $($factor:literal)*) => {
+        slips! {in "the default thresholds (T.87 C.2.4.1.1)": $(
+            concat!("computes the default ", $name, " with ", $factor, "·NEAR where ", $right, "·NEAR belongs"),
+            |r| r.thresholds = |s, m, n| with_default(s, m, n, $place, $factor - $right);
+        )*}
+    };
+}
+
+/// The thresholds, one of them with another factor of NEAR where it is a default.
+fn with_default(stored: [i32; 3], maxval: i32, near: i32, i: usize, more: i32) -> [i32; 3] {
+    let mut all = thresholds(stored, maxval, near);
+    if stored[i] == 0 {
+        let least = if i == 0 { near + 1 } else { all[i - 1] };
+        let wanted = all[i] + more * near;
+        all[i] = if wanted > maxval || wanted < least {
+            least
+        } else {
+            wanted
+        };
+    }
+    all
+}
+
+/// Other factors of NEAR.
+const FACTORS: [&[Slip<Rules>]; 3] = [
+    factors!("T1" 0 3: 0 1 2 4 5 6 7),
+    factors!("T2" 1 5: 0 1 2 3 4 6 7 8),
+    factors!("T3" 2 7: 0 1 2 3 4 5 6 8 9),
+];
+
+macro_rules! limits {
+    ($($off:literal $words:literal)*) => {
+        slips! {in "LIMIT, 2·(bpp + max(8, bpp)) (T.87 A.2.1)": $(
+            concat!("takes a LIMIT that is ", $words), |r| r.limit_off = $off;
+        )*}
+    };
+}
+
+/// Other numbers for LIMIT.
+static LIMITS: &[Slip<Rules>] = limits!(-8 "8 too small" -4 "4 too small" -2 "2 too small" -1 "1 too small" 1 "1 too large" 2 "2 too large" 4 "4 too large" 8 "8 too large");
 
 /// The neighborhood with another a in the first column.
 fn with_a(plane: &Plane, row: usize, column: usize, a: i32) -> [i32; 4] {
@@ -538,13 +711,27 @@ fn with_d(plane: &Plane, row: usize, column: usize, d: i32) -> [i32; 4] {
     [a, b, c, if column + 1 == plane.width { d } else { right }]
 }
 
-pub(super) static SLIPS: &[Slip] = slips! {
-    // The template
+/// All lists.
+pub(super) static LISTS: &[&[Slip<Rules>]] = &[
+    SLIPS,
+    FACTORS[0],
+    FACTORS[1],
+    FACTORS[2],
+    LIMITS,
+    C_LIMITS,
+    WRONG_ENTRIES,
+];
+
+static SLIPS: &[Slip<Rules>] = slips! {
+    in "the template (T.87 A.2.1, A.3.1)":
     "takes 0 for a (Ra) in the first column, where the sample above belongs", |r| r.neighbors = |p, y, x| with_a(p, y, x, 0);
     "takes the last sample of the row above for a (Ra) in the first column, where the first one belongs", |r| r.neighbors = |p, y, x| with_a(p, y, x, p.above(y, p.width as isize - 1));
     "takes c for a (Ra) in the first column, where the sample above belongs", |r| r.neighbors = |p, y, x| with_a(p, y, x, p.neighbors(y, 0)[2]);
     "takes the second sample of the row above for a (Ra) in the first column", |r| r.neighbors = |p, y, x| with_a(p, y, x, p.above(y, 1));
     "takes 0 for c (Rc) in the first column, where a of the row above belongs", |r| r.neighbors = |p, y, x| with_c(p, y, x, 0);
+    "takes 0 for d (Rd) in the last column from the third row on, where b belongs", |r| r.neighbors = |p, y, x| if y > 1 { with_d(p, y, x, 0) } else { p.neighbors(y, x) };
+    "takes the last sample two rows above for d (Rd) in the last column, where b belongs", |r| r.neighbors = |p, y, x| with_d(p, y, x, if y > 1 { p.above(y - 1, p.width as isize - 1) } else { 0 });
+    "takes 0 for a (Ra) in the first column from the third row on, where the sample above belongs", |r| r.neighbors = |p, y, x| if y > 1 { with_a(p, y, x, 0) } else { p.neighbors(y, x) };
     "takes the sample above for c (Rc) in the first column, where a of the row above belongs", |r| r.neighbors = |p, y, x| with_c(p, y, x, p.above(y, 0));
     "takes the last sample of the row two above for c (Rc) in the first column", |r| r.neighbors = |p, y, x| with_c(p, y, x, p.above(y, -1));
     "takes 0 for d (Rd) in the last column, where b belongs", |r| r.neighbors = |p, y, x| with_d(p, y, x, 0);
@@ -555,7 +742,7 @@ pub(super) static SLIPS: &[Slip] = slips! {
     "takes b for d (Rd) everywhere", |r| r.neighbors = |p, y, x| { let [a, b, c, _] = p.neighbors(y, x); [a, b, c, b] };
     "takes 128 for the row above the first, where 0 belongs", |r| r.neighbors = |p, y, x| { let [a, b, c, d] = p.neighbors(y, x); if y == 0 { [if x == 0 { 128 } else { a }, 128, 128, 128] } else { [a, b, c, d] } };
     "takes a for b, c and d in the first row, where 0 belongs", |r| r.neighbors = |p, y, x| { let all = p.neighbors(y, x); if y == 0 { [all[0]; 4] } else { all } };
-    // Gradients and contexts
+    in "gradients and contexts (T.87 A.3)":
     "computes the gradient d − b as d − a", |r| r.gradients = |[a, b, c, d]| [d - a, b - c, c - a];
     "computes the gradient b − c as b − a", |r| r.gradients = |[a, b, c, d]| [d - b, b - a, c - a];
     "computes the gradient c − a as b − a", |r| r.gradients = |[a, b, c, d]| [d - b, b - c, b - a];
@@ -582,15 +769,20 @@ pub(super) static SLIPS: &[Slip] = slips! {
     "does not mirror the neighborhood where only the last gradient is other than 0 and negative", |r| r.context = |q| if q[0] == 0 && q[1] == 0 && q[2] < 0 { (364 - q[2], 1) } else { number(q) };
     "does not turn the sign where only the last gradient is other than 0 and negative", |r| r.context = |q| { let (place, sign) = number(q); (place, if q[0] == 0 && q[1] == 0 { 1 } else { sign }) };
     "does not mirror the neighborhood where the first gradient is 0 and the second negative", |r| r.context = |q| if q[0] == 0 && q[1] < 0 { (400 + 9 * -q[1] + q[2] + 4, 1) } else { number(q) };
-    // Thresholds and other parameters
+    in "thresholds and other parameters (T.87 A.2.1, C.2.4.1.1)":
     "ignores the thresholds of an LSE segment", |r| r.thresholds = |_, maxval, near| thresholds([0; 3], maxval, near);
     "computes the default thresholds as if NEAR were 0", |r| r.thresholds = |stored, maxval, _| thresholds(stored, maxval, 0);
-    "computes the default T1 with 2·NEAR where 3·NEAR belongs", |r| r.thresholds = |stored, maxval, near| { let t = thresholds(stored, maxval, near); [if stored[0] == 0 { t[0] - near } else { t[0] }, t[1], t[2]] };
-    "computes the default T2 with 4·NEAR where 5·NEAR belongs", |r| r.thresholds = |stored, maxval, near| { let t = thresholds(stored, maxval, near); [t[0], if stored[1] == 0 { t[1] - near } else { t[1] }, t[2]] };
-    "computes the default T3 with 6·NEAR where 7·NEAR belongs", |r| r.thresholds = |stored, maxval, near| { let t = thresholds(stored, maxval, near); [t[0], t[1], if stored[2] == 0 { t[2] - near } else { t[2] }] };
     "computes all default thresholds with 3·NEAR", |r| r.thresholds = |stored, maxval, near| { let t = thresholds([0; 3], maxval, near); let own = [t[0], t[1] - 2 * near, t[2] - 4 * near]; [0, 1, 2].map(|i| if stored[i] == 0 { own[i] } else { stored[i] }) };
     "uses a RESET of 64, whatever an LSE segment says", |r| r.reset = |_| 64;
     "computes RANGE as MAXVAL / (2·NEAR + 1) + 1, without 2·NEAR above the line", |r| r.range = |maxval, near| maxval / (2 * near + 1) + 1;
+    "computes RANGE one too small where NEAR is over 0: (MAXVAL + 2·NEAR) / (2·NEAR + 1), without + 1", |r| r.range = |maxval, near| (maxval + 2 * near) / (2 * near + 1) + i32::from(near == 0);
+    "computes RANGE as MAXVAL / (2·NEAR + 1) where (MAXVAL + 2·NEAR) / (2·NEAR + 1) + 1 belongs, if NEAR is over 0", |r| r.range = |maxval, near| maxval / (2 * near + 1) + i32::from(near == 0);
+    "computes RANGE one too large where NEAR is over 0", |r| r.range = |maxval, near| (maxval + 2 * near) / (2 * near + 1) + 1 + i32::from(near > 0);
+    "computes RANGE with NEAR above the line, where 2·NEAR belongs", |r| r.range = |maxval, near| (maxval + near) / (2 * near + 1) + 1;
+    "uses stored thresholds only where none of the three is 0", |r| r.thresholds = |stored, maxval, near| thresholds(if stored.contains(&0) { [0; 3] } else { stored }, maxval, near);
+    "takes thresholds of 0 in an LSE segment for 0, where the default belongs", |r| r.thresholds = |stored, maxval, near| if stored == [0; 3] { thresholds(stored, maxval, near) } else { stored };
+    "uses only the stored T1, and computes T2 and T3", |r| r.thresholds = |stored, maxval, near| thresholds([stored[0], 0, 0], maxval, near);
+    "uses default thresholds, whatever an LSE segment says", |r| r.thresholds = |_, maxval, near| thresholds([0; 3], maxval, near);
     "takes 256 for RANGE, whatever NEAR is", |r| r.range = |_, _| 256;
     "takes 255 for RANGE", |r| r.range = |maxval, near| (maxval + 2 * near) / (2 * near + 1);
     "takes 8 for qbpp, whatever RANGE is", |r| r.qbpp = |_| 8;
@@ -598,7 +790,7 @@ pub(super) static SLIPS: &[Slip] = slips! {
     "takes 24 for LIMIT", |r| r.limit = |_, _| 24;
     "takes 23 for LIMIT", |r| r.limit = |_, _| 23;
     "takes 16 for LIMIT", |r| r.limit = |_, _| 16;
-    // Prediction
+    in "the prediction (T.87 A.4)":
     "exchanges min(a, b) and max(a, b) in the prediction", |r| r.predict = |[a, b, c, _]| if c >= a.max(b) { a.max(b) } else if c <= a.min(b) { a.min(b) } else { a + b - c };
     "predicts a + b − c without looking for an edge", |r| r.predict = |[a, b, c, _]| a + b - c;
     "predicts a", |r| r.predict = |[a, ..]| a;
@@ -613,7 +805,7 @@ pub(super) static SLIPS: &[Slip] = slips! {
     "does not limit the corrected prediction", |r| r.limit_prediction = |predicted, _| predicted;
     "does not limit the corrected prediction to MAXVAL", |r| r.limit_prediction = |predicted, _| predicted.max(0);
     "does not limit the corrected prediction to 0", |r| r.limit_prediction = |predicted, maxval| predicted.min(maxval);
-    // Codes
+    in "the codes (T.87 A.5)":
     "starts with A = 2", |r| r.initial_a = |_| 2;
     "starts with A = 4, whatever RANGE is", |r| r.initial_a = |_| 4;
     "starts with A = (RANGE + 32) / 64, but not 2 at the least", |r| r.initial_a = |range| (range + 32) / 64;
@@ -642,7 +834,7 @@ pub(super) static SLIPS: &[Slip] = slips! {
     "takes −(m / 2) for the error of an odd number m where −(m + 1) / 2 belongs", |r| r.error = |m| if m & 1 == 1 { -(m >> 1) } else { m >> 1 };
     "reads escaped numbers of 8 bits, whatever qbpp is", |r| r.escape_bits = |_| 8;
     "computes LIMIT of qbpp, where the bits of a sample belong", |r| r.limit = |_, qbpp| 2 * (qbpp + qbpp.max(8));
-    // What contexts learn
+    in "what contexts learn (T.87 A.6)":
     "keeps A in one byte", |r| r.store_a = |a| a & 0xff;
     "keeps A in a signed byte", |r| r.store_a = |a| i32::from(a as i8);
     "keeps B in a signed byte", |r| r.store_b = |b| i32::from(b as i8);
@@ -667,7 +859,7 @@ pub(super) static SLIPS: &[Slip] = slips! {
     "limits B to −N where 1 − N belongs", |r| r.correction = |b, c, n| if b <= -n { ((b + n).max(-n), (c - 1).max(-128)) } else { correction(b, c, n) };
     "never changes C", |r| r.correction = |b, c, n| (correction(b, c, n).0, c);
     "compares B with N before N is counted up", |r| r.correction = |b, c, n| { let (b, c) = correction(b, c, n - 1); (b, c) };
-    // Samples
+    in "the reconstruction of samples (T.87 A.4.4, A.4.5)":
     "does not take samples modulo RANGE", |r| r.reconstruct = |s, p, e| (p + e * s.step).clamp(0, s.maxval);
     "does not limit samples to 0 … MAXVAL, which matters where NEAR is over 0", |r| r.reconstruct = wrapped;
     "takes samples modulo RANGE beyond 0 … MAXVAL, without NEAR", |r| r.reconstruct = |s, p, e| { let (m, x) = (s.range * s.step, p + e * s.step); let x = if x < 0 { x + m } else if x > s.maxval { x - m } else { x }; x.clamp(0, s.maxval) };
@@ -678,9 +870,23 @@ pub(super) static SLIPS: &[Slip] = slips! {
     "takes samples modulo RANGE only where they are too small", |r| r.reconstruct = |s, p, e| if p + e * s.step > s.maxval + s.near { s.maxval } else { reconstruct(s, p, e) };
     "takes samples modulo RANGE from 0 downward, where −NEAR belongs", |r| r.reconstruct = |s, p, e| { let (m, x) = (s.range * s.step, p + e * s.step); if x < 0 { (x + m).clamp(0, s.maxval) } else { reconstruct(s, p, e) } };
     "takes samples modulo RANGE from MAXVAL upward, where MAXVAL + NEAR belongs", |r| r.reconstruct = |s, p, e| { let (m, x) = (s.range * s.step, p + e * s.step); if x > s.maxval { (x - m).clamp(0, s.maxval) } else { reconstruct(s, p, e) } };
-    // Runs
+    in "runs (T.87 A.7)":
+    "has a J[18] that is one too large", |r| r.typo = (18, 1, true, true);
+    "has a J[18] that is one too small", |r| r.typo = (18, -1, true, true);
     "starts each row with RUNindex 0", |r| r.start_row = |_| 0;
-    "counts up RUNindex for a run that the end of the row cuts short", |r| r.is_partial_counted = true;
+    "counts RUNindex down at the end of a row that a run fills", |r| { r.partial_counts = -1; };
+    "counts RUNindex down after each run, also where the row ends", |r| { r.partial_counts = -1; r.full_counts = 0; };
+    "does not count up RUNindex for a piece of a run that ends with the row", |r| r.full_counts = 0;
+    "takes b of the beginning of a run for b at its end", |r| r.is_early_b = true;
+    "keeps RUNindex of the stream before", |r| { r.keeps.2 = true; r.is_keeping = true; };
+    "keeps the contexts of runs of the stream before", |r| { r.keeps.1 = true; r.is_keeping = true; };
+    "keeps the contexts of the stream before", |r| { r.keeps.0 = true; r.is_keeping = true; };
+    "keeps all contexts and RUNindex of the stream before", |r| { r.keeps = (true, true, true); r.is_keeping = true; };
+    "keeps all contexts of the stream before", |r| { r.keeps = (true, true, false); r.is_keeping = true; };
+    "keeps thresholds and RESET of the stream before, where there is no LSE segment", |r| { r.keep_presets = |before, own| if own == PresetParameters::default() { before } else { own }; r.is_keeping = true; };
+    "keeps the thresholds of the stream before where its own are 0", |r| { r.keep_presets = |before, own| PresetParameters { t1: if own.t1 == 0 { before.t1 } else { own.t1 }, t2: if own.t2 == 0 { before.t2 } else { own.t2 }, t3: if own.t3 == 0 { before.t3 } else { own.t3 }, ..own }; r.is_keeping = true; };
+    "keeps thresholds of the stream before", |r| { r.keep_presets = |before, own| if [own.t1, own.t2, own.t3] == [0; 3] { PresetParameters { t1: before.t1, t2: before.t2, t3: before.t3, ..own } } else { own }; r.is_keeping = true; };
+    "counts up RUNindex for a run that the end of the row cuts short", |r| r.partial_counts = 1;
     "does not count RUNindex down after a run is interrupted", |r| r.shorten = |index| index;
     "sets RUNindex to 0 after a run is interrupted", |r| r.shorten = |_| 0;
     "counts RUNindex down before the end of the run is read", |r| r.is_shortened_first = true;
@@ -708,6 +914,7 @@ pub(super) static SLIPS: &[Slip] = slips! {
     "favors positive errors at the end of a run wherever k is 0", |r| r.is_positive_favored = |k, _, _, _| k == 0;
     "never favors positive errors at the end of a run", |r| r.is_positive_favored = |_, _, _, _| false;
     "favors positive errors at the end of a run by 2Nn ≤ N where < belongs", |r| r.is_positive_favored = |k, _, negative, n| k == 0 && 2 * negative <= n;
+    "favors positive errors at the end of a run also where NEAR or k is over 0", |r| r.is_positive_favored = |_, _, negative, n| 2 * negative <= n;
     "favors positive errors at the end of a run by Nn < N where 2Nn belongs", |r| r.is_positive_favored = |k, _, negative, n| k == 0 && negative < n;
     "does not add RItype to the number of an error at the end of a run", |r| r.doubled = |number, _| number;
     "adds 1 to the number of an error at the end of a run for both types", |r| r.doubled = |number, _| number + 1;
@@ -718,7 +925,7 @@ pub(super) static SLIPS: &[Slip] = slips! {
     "adds the magnitude of the error to A at the end of a run, where (number + 1 − RItype) / 2 belongs", |r| r.run_growth = |_, _, error| error.abs();
     "adds number / 2 to A at the end of a run", |r| r.run_growth = |number, _, _| number >> 1;
     "does not halve Nn", |r| r.halve_negative = |negative| negative;
-    // Bits
+    in "the bits of the data (T.87 9.1)":
     "takes the byte behind 0xFF whole, with its stuffed bit", |r| r.is_stuffed = |_| false;
     "drops the stuffed bit behind 0xFF only at odd places", |r| r.is_stuffed = |at| at % 2 == 1;
     "drops the stuffed bit behind 0xFF only at even places", |r| r.is_stuffed = |at| at % 2 == 0;
@@ -728,15 +935,16 @@ pub(super) static SLIPS: &[Slip] = slips! {
 #[cfg(test)]
 mod tests {
     use super::super::slips::tests::each_stream;
-    use super::{RIGHT, decode};
+    use super::{RIGHT, decode, stored};
     use crate::decode::planes;
     use crate::ptm::Format;
 
     #[test]
     fn without_a_slip_streams_are_read_as_the_reference_reads_them() {
         each_stream(Format::is_jpeg_ls, |stream| {
-            let read = decode(stream, &RIGHT).expect("a stream");
-            assert_eq!(read.known, read.samples.len());
+            let stored = stored(stream).expect("a stream");
+            let read = decode(stream, &stored, &RIGHT, &mut None, &|_, _| true);
+            assert!(read.known == read.samples.len() && !read.may_refuse);
             let right = planes::stream(stream).expect("a legal stream");
             assert_eq!(read.samples, right);
         });

@@ -4,56 +4,57 @@ use super::stream_cache::stream_once;
 use crate::error::Result;
 use crate::parts::PlaneStream;
 
-/// A decoder of streams with a slip.
-pub(super) struct Slip {
+/// A slip in a decoder whose decisions are these rules.
+pub(super) struct Slip<R: 'static> {
+    /// What it is about, with the clause of the standard.
+    pub about: &'static str,
+    /// What to do about it.
+    pub fix: &'static str,
     /// What it does, as a sentence without its subject.
     pub says: &'static str,
-    /// What it makes of a stream.
-    pub partial: fn(&PlaneStream) -> Result<Partial>,
-    /// The same, with 0 for what is not known.
+    /// How it changes the rules.
+    pub change: fn(&mut R),
+    /// What it makes of a stream, with 0 for what is not known.
     pub stream: fn(&PlaneStream) -> Result<Vec<u8>>,
 }
 
-/// Slips, each as what it does and how it changes the rules of a decoder.
+/// Slips, under what they are about, each as what it does and how it changes the rules of a decoder.
 macro_rules! slips {
-    ($($says:expr, |$rules:ident| $change:expr;)*) => {
-        &[$(Slip {
+    ($(in $about:literal: $($says:expr, |$rules:ident| $change:expr;)*)*) => {
+        &[$($(Slip {
+            about: $about,
+            fix: concat!("compare with the standard: ", $about),
             says: $says,
-            partial: |stream| slipped(stream, |$rules| $change),
-            stream: |stream| Ok(slipped(stream, |$rules| $change)?.samples),
-        }),*]
+            change: |$rules| $change,
+            stream: |stream| slipped(stream, |$rules| $change),
+        },)*)*]
     };
 }
 pub(super) use slips;
+
+/// Whether a sample, at its place in the stream, is as it was shown.
+pub(super) type IsShown<'s> = &'s dyn Fn(usize, u8) -> bool;
 
 /// The samples of a stream, and how many of them were found before a decoder lost its way.
 pub(super) struct Partial {
     pub samples: Vec<u8>,
     pub known: usize,
+    /// Whether one was found that is not as it was shown; those after it are not known.
+    pub is_other: bool,
+    /// Whether the decoder lost its way, or came to another end than that of the data.
+    pub may_refuse: bool,
 }
 
 impl Partial {
-    /// Samples that go on to the end.
-    pub fn whole(samples: Vec<u8>) -> Partial {
-        Partial {
+    /// As the reference reads a stream that cannot be followed here.
+    pub fn right(stream: &PlaneStream) -> Result<Partial> {
+        let samples = stream_once(stream)?;
+        Ok(Partial {
             known: samples.len(),
             samples,
-        }
-    }
-
-    /// What a decoder made of a stream; what cannot be read at all is as the reference reads it, or its error.
-    pub fn or_right(made: Option<Partial>, stream: &PlaneStream) -> Result<Partial> {
-        match made {
-            Some(partial) => Ok(partial),
-            None => Ok(Partial::whole(stream_once(stream)?)),
-        }
-    }
-
-    /// The samples that were found of a stream.
-    pub fn of(mut samples: Vec<u8>, stream: &PlaneStream) -> Partial {
-        let known = samples.len();
-        samples.resize(stream.size.texels(), 0);
-        Partial { samples, known }
+            is_other: false,
+            may_refuse: false,
+        })
     }
 }
 

@@ -9,7 +9,6 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use super::changes::{Change, merged};
 use super::color_rules::ColorRule;
-use super::failure_mode::FailureMode;
 use super::final_rules::FinalRule;
 use super::indices::Index;
 use super::mistake::Mistake;
@@ -24,6 +23,7 @@ use super::solve_powers;
 use super::solve_terms;
 use super::solved::{Act, Solved};
 use super::stream_evidence::CODECS;
+use super::stream_fits::fitting;
 use super::stream_slips::StreamSlip;
 use super::strides::Strides;
 use super::table_layouts::TableLayout;
@@ -31,6 +31,7 @@ use super::variants::VARIANTS;
 use super::witness::Agreement;
 use crate::misreadings::Stage;
 use crate::protocol::frame::{Answer, View};
+use crate::ptm::Format;
 use crate::suite::cases::Expect;
 
 /// Fewer pictures than these tell nothing that could be held against others.
@@ -49,23 +50,23 @@ const FIRST_FINALISTS: usize = 100;
 const FEW_FINALISTS: usize = 6;
 /// Mistakes of the catalog of which is solved where they are made.
 const NARROW: usize = 12;
-/// Files of a codec that every slip in its decoder is tried on, and those that are tried on more; and the slips that are
-/// held against all files.
+/// Files of a codec under a light that every slip in its decoder is tried on, and those that are tried on more; and the slips
+/// that are held against all files.
 const FIRST_STREAMS: usize = 4;
 const STREAMS: usize = 12;
 const FEW_SLIPS: usize = 3;
-/// More slips in decoders of streams than these are not looked for.
-const SLIPS: usize = 2;
+/// So often slips in decoders of streams are looked for.
+const SLIPS: usize = 3;
 /// Samples of all these files together.
 const SAMPLES: usize = 1 << 18;
 
 /// Adds to the mistakes of `search` those that explain some of `left` beside `set`. Returns those that are made together.
 pub(super) fn solve(search: &mut Search, set: &Set, left: &[usize]) -> Vec<Set> {
     looked_up(search, set, left);
-    slipped(search, set, left);
+    let slipped = slipped(search, set, left);
     let pictures = search.solvable(left);
-    if pictures.len() < FEWEST {
-        return Vec::new();
+    if pictures.len() < FEWEST || !slipped.is_empty() {
+        return slipped;
     }
     let kind = |w: usize| {
         let witness = &search.witnesses[w];
@@ -125,35 +126,61 @@ fn looked_up(search: &mut Search, set: &Set, left: &[usize]) {
     );
 }
 
-/// Adds slips in the decoders of streams. One picture at least has to be just so: many things end in a refusal.
-fn slipped(search: &mut Search, set: &Set, left: &[usize]) {
+/// Adds slips in the decoders of streams; returns those that are made together.
+fn slipped(search: &mut Search, set: &Set, left: &[usize]) -> Vec<Set> {
     search.looked_for_slips += 1;
     if search.looked_for_slips > SLIPS {
-        return;
+        return Vec::new();
     }
-    let is_legal = |w: &usize| search.witnesses[*w].case.expect == Expect::Decode;
+    let known = search.mistakes_of(set);
+    let before = known.iter().filter_map(|one| match one.solved()?.act {
+        Act::Stream(slip) => Some(slip),
+        _ => None,
+    });
+    let before: Vec<StreamSlip> = before.collect();
+    let mut together = Vec::new();
     for formats in CODECS.map(|codec| codec.formats) {
         let is_of = |w: &usize| formats.contains(&search.witnesses[*w].case.format());
+        let is_legal = |w: &usize| search.witnesses[*w].case.expect == Expect::Decode;
         let of: Vec<usize> = (left.iter().copied())
             .filter(|w| is_of(w) && is_legal(w))
             .collect();
-        let mut pictures = search.smallest(&search.solvable(&of), SAMPLES);
-        pictures.truncate(STREAMS);
-        let slips = StreamSlip::all().filter(|slip| slip.is_of(formats[0]));
-        let new: Vec<Act> = slips
-            .map(Act::Stream)
-            .filter(|act| !is_known(search, act))
+        let before: Vec<StreamSlip> = (before.iter().copied())
+            .filter(|slip| slip.is_of(formats[0]))
             .collect();
-        let known = search.mistakes.len();
-        // A slip shows in the smallest of them too.
-        let first = &pictures[..pictures.len().min(FIRST_STREAMS)];
-        let first = finalists(search, set, first, new, (FIRST_FINALISTS, WORD + 1));
-        search.truncate(known);
-        let best = finalists(search, set, &pictures, first, (FEW_SLIPS, WORD + 1));
-        search.truncate(known);
-        for act in best {
-            add(search, set, &of, act);
+        let is_color = |w: &usize| matches!(search.witnesses[*w].observation.view, View::Rgb(_));
+        if of.iter().all(is_color) {
+            slipped_colors(search, set, &of, formats[0]);
         }
+        for slips in fitting(search, formats, &before, &of) {
+            match slips[..] {
+                [slip] if is_known(search, &Act::Stream(slip)) => {}
+                [slip] => add(search, set, &of, Act::Stream(slip)),
+                _ => {
+                    let acts = slips.into_iter().map(Act::Stream);
+                    together.push(acts.map(|act| id_of(search, act)).collect());
+                }
+            }
+        }
+    }
+    together
+}
+
+/// The same where colors are shown, which tell less: every slip is tried on the smallest files, and the best on more.
+fn slipped_colors(search: &mut Search, set: &Set, of: &[usize], format: Format) {
+    let mut pictures = search.smallest(&search.solvable(of), SAMPLES);
+    pictures.truncate(STREAMS);
+    let slips = StreamSlip::all().filter(|slip| slip.is_of(format));
+    let new = slips.map(Act::Stream).filter(|act| !is_known(search, act));
+    let new: Vec<Act> = new.collect();
+    let known = search.mistakes.len();
+    let first = &pictures[..pictures.len().min(FIRST_STREAMS)];
+    let first = finalists(search, set, first, new, (FIRST_FINALISTS, WORD + 1));
+    search.truncate(known);
+    let best = finalists(search, set, &pictures, first, (FEW_SLIPS, WORD + 1));
+    search.truncate(known);
+    for act in best {
+        add(search, set, of, act);
     }
 }
 
@@ -351,16 +378,8 @@ fn add(search: &mut Search, set: &Set, pictures: &[usize], act: Act) {
     let acting = acting.into_iter().filter(|acts| *acts).count();
     let is_picture = |&w: &usize| search.agreement(w, &with) == Agreement::Picture;
     let seen = match act {
-        // Of the pictures of stored values that a slip changes, most are what it makes of them.
-        Act::Stream(slip) => {
-            let stored = pictures.iter().copied().filter(|&w| {
-                let witness = &search.witnesses[w];
-                let is_shown = FailureMode::of(witness).is_none();
-                is_shown && witness.observation.view == View::Raw && slip.acts_on(witness)
-            });
-            let (same, other): (Vec<usize>, Vec<usize>) = stored.partition(is_picture);
-            same.len() > other.len()
-        }
+        // It was held against all pictures before.
+        Act::Stream(_) => true,
         _ => of.iter().any(is_picture),
     };
     search.truncate(id);

@@ -1,22 +1,15 @@
-//! Decoders of streams with one slip each.
+//! Decoders of streams with one slip each, or with several.
 
-use std::sync::PoisonError;
+use std::sync::{LazyLock, PoisonError};
 
+use super::file_streams::{FileStreams, Fit};
 use super::jpeg_ls_slips;
 use super::jpeg_slips;
 use super::slips::Slip;
-use super::stream_cache::stream_once;
 use super::witness::Witness;
 use crate::error::Result;
-use crate::evaluate::final_coefficient;
-use crate::generate::planes::StoredPlane;
 use crate::parts::PlaneStream;
-use crate::protocol::frame::{Frame, Samples};
 use crate::ptm::Format;
-use crate::suite::compare::is_close;
-
-/// Fewer wrong samples may agree by chance.
-const FEWEST: usize = 4;
 
 /// A slip in the decoder of streams: of which codec, and its place in the list.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -25,29 +18,37 @@ pub(super) enum StreamSlip {
     JpegLs(usize),
 }
 
+/// All lists of slips in decoders of JPEG-LS.
+static JPEG_LS: LazyLock<Vec<&Slip<jpeg_ls_slips::Rules>>> =
+    LazyLock::new(|| jpeg_ls_slips::LISTS.iter().copied().flatten().collect());
+
 impl StreamSlip {
     /// All that are tried.
     pub fn all() -> impl Iterator<Item = StreamSlip> {
         let jpeg = (0..jpeg_slips::SLIPS.len()).map(StreamSlip::Jpeg);
-        let jpeg_ls = jpeg_ls_slips::SLIPS.len() + jpeg_ls_slips::WRONG_ENTRIES.len();
-        jpeg.chain((0..jpeg_ls).map(StreamSlip::JpegLs))
+        jpeg.chain((0..JPEG_LS.len()).map(StreamSlip::JpegLs))
     }
 
-    fn slip(self) -> &'static Slip {
-        match self {
-            StreamSlip::Jpeg(place) => &jpeg_slips::SLIPS[place],
-            StreamSlip::JpegLs(place) => {
-                let mut all = jpeg_ls_slips::SLIPS
-                    .iter()
-                    .chain(jpeg_ls_slips::WRONG_ENTRIES);
-                all.nth(place).expect("a place in both lists")
-            }
+    /// What it makes of the decoder of JPEG; nothing where it is of the other codec.
+    pub fn change_jpeg(self, rules: &mut jpeg_slips::Rules) {
+        if let StreamSlip::Jpeg(place) = self {
+            (jpeg_slips::SLIPS[place].change)(rules);
+        }
+    }
+
+    /// The same of JPEG-LS.
+    pub fn change_jpeg_ls(self, rules: &mut jpeg_ls_slips::Rules) {
+        if let StreamSlip::JpegLs(place) = self {
+            (JPEG_LS[place].change)(rules);
         }
     }
 
     /// How streams are read with it.
     pub fn stream(self) -> fn(&PlaneStream) -> Result<Vec<u8>> {
-        self.slip().stream
+        match self {
+            StreamSlip::Jpeg(place) => jpeg_slips::SLIPS[place].stream,
+            StreamSlip::JpegLs(place) => JPEG_LS[place].stream,
+        }
     }
 
     /// Which streams it is about.
@@ -63,17 +64,20 @@ impl StreamSlip {
         matches!(self, StreamSlip::JpegLs(_))
     }
 
-    /// By how much samples may differ that inverse transforms make.
-    fn slack(self) -> f64 {
+    /// What it does.
+    pub fn effect(self) -> &'static str {
         match self {
-            StreamSlip::Jpeg(_) => 1.0,
-            StreamSlip::JpegLs(_) => 0.0,
+            StreamSlip::Jpeg(place) => jpeg_slips::SLIPS[place].says,
+            StreamSlip::JpegLs(place) => JPEG_LS[place].says,
         }
     }
 
-    /// What it does.
-    pub fn effect(self) -> &'static str {
-        self.slip().says
+    /// What it is about, with the clause of the standard.
+    pub fn about(self) -> &'static str {
+        match self {
+            StreamSlip::Jpeg(place) => jpeg_slips::SLIPS[place].about,
+            StreamSlip::JpegLs(place) => JPEG_LS[place].about,
+        }
     }
 
     /// As a sentence without its subject.
@@ -82,14 +86,14 @@ impl StreamSlip {
             StreamSlip::Jpeg(_) => "JPEG",
             StreamSlip::JpegLs(_) => "JPEG-LS",
         };
-        format!("{}, in its decoder of {codec}", self.slip().says)
+        format!("{}, in its decoder of {codec}", self.effect())
     }
 
     /// What to do about it.
-    pub const fn fix(self) -> &'static str {
+    pub fn fix(self) -> &'static str {
         match self {
-            StreamSlip::Jpeg(_) => "do there as T.81 says",
-            StreamSlip::JpegLs(_) => "do there as T.87 says",
+            StreamSlip::Jpeg(place) => jpeg_slips::SLIPS[place].fix,
+            StreamSlip::JpegLs(place) => JPEG_LS[place].fix,
         }
     }
 
@@ -102,80 +106,17 @@ impl StreamSlip {
         if let Some(&acts) = known().get(self.effect()) {
             return acts;
         }
-        let acts = self.changes_streams(witness);
+        let acts = FileStreams::of(witness).is_some_and(|streams| streams.are_changed_by(&[self]));
         known().insert(self.effect(), acts);
         acts
     }
-
-    fn changes_streams(self, witness: &Witness) -> bool {
-        streams_of(witness).iter().any(|stream| {
-            let (right, made) = (stream_once(stream), (self.slip().stream)(stream));
-            let (Ok(right), Ok(made)) = (right, made) else {
-                return false;
-            };
-            let mut pairs = right.iter().zip(made);
-            pairs.any(|(right, made)| f64::from(right.abs_diff(made)) > self.slack())
-        })
-    }
-
-    /// Whether the stored or final values that were received are what a decoder with this slip finds, as far as it does not
-    /// lose its way. Only planes are asked that nothing but their stream makes; some wrong samples must be among them.
-    pub fn is_shown(self, witness: &Witness, shown: &Frame) -> bool {
-        let streams = streams_of(witness);
-        let Ok(ptm) = witness.decoded() else {
-            return false;
-        };
-        let (size, channels) = (ptm.planes.size, shown.channels as usize);
-        let (w, h) = (size.width as usize, size.height as usize);
-        if witness.observation.view.name() == "rgb" || streams.len() != channels {
-            return false;
-        }
-        let mut wrong = 0;
-        let roots = (0..channels).filter(|&plane| witness.is_of_stream(plane));
-        let is_as_shown = roots.into_iter().all(|plane| {
-            let Ok(partial) = (self.slip().partial)(&streams[plane]) else {
-                return false;
-            };
-            let final_value = |sample: u8| match channels {
-                8 | 9 if plane > 5 => f64::from(sample),
-                _ => final_coefficient(sample, plane, &ptm.header.scale_bias),
-            };
-            (0..w * h).all(|stored| {
-                // The stream has the bottom row first.
-                let i = ((h - 1 - stored / w) * w + stored % w) * channels + plane;
-                let (sample, right) = (partial.samples[stored], ptm.planes.samples[i]);
-                let off = f64::from(sample.abs_diff(right));
-                wrong += usize::from(stored < partial.known && off > self.slack());
-                stored >= partial.known
-                    || match &shown.samples {
-                        Samples::U8(shown) => {
-                            (f64::from(shown[i]) - f64::from(sample)).abs() <= self.slack()
-                        }
-                        Samples::F32(shown) => {
-                            let step = (final_value(1) - final_value(0)).abs() * self.slack();
-                            is_close(final_value(sample), f64::from(shown[i]), step)
-                        }
-                    }
-            })
-        });
-        is_as_shown && wrong >= FEWEST
-    }
 }
 
-/// The streams of a file's planes, where they are known.
-fn streams_of<'w>(witness: &'w Witness) -> Vec<PlaneStream<'w>> {
-    let Some(model) = witness.model() else {
-        return Vec::new();
-    };
-    let planes = model.compressed.iter().flat_map(|coded| &coded.planes);
-    let stream = |(plane, stored): (usize, &'w StoredPlane)| PlaneStream {
-        format: model.format,
-        plane,
-        at: 0,
-        bytes: &stored.stream,
-        size: model.size,
-    };
-    planes.enumerate().map(stream).collect()
+/// Whether what was received is what a decoder with these slips finds, as far as it does not lose its way. Only planes are
+/// compared that nothing but their stream makes; where these are right, the slips change the stream of another.
+pub(super) fn is_shown(slips: &[StreamSlip], witness: &Witness) -> bool {
+    FileStreams::of(witness)
+        .is_some_and(|streams| matches!(streams.fit(slips), Fit::Same(_) | Fit::Unmoved))
 }
 
 #[cfg(test)]
@@ -190,13 +131,15 @@ mod tests {
 
     #[test]
     fn every_slip_shows_in_some_stream_of_the_suite() {
-        let mut hidden: HashSet<&str> = StreamSlip::all().map(|slip| slip.slip().says).collect();
+        let mut hidden: HashSet<&str> = StreamSlip::all().map(StreamSlip::effect).collect();
+        // What is kept from one stream to the next shows in no stream by itself.
+        hidden.retain(|says| !says.contains("of the stream before"));
         each_stream(Format::is_compressed, |stream| {
             let right = planes::stream(stream).expect("a legal stream");
             hidden.retain(|says| {
-                let mut slips = StreamSlip::all().map(StreamSlip::slip);
-                let slip = slips.find(|slip| slip.says == *says).expect("a slip");
-                (slip.stream)(stream).expect("a legal stream") == right
+                let mut slips = StreamSlip::all();
+                let slip = slips.find(|slip| slip.effect() == *says).expect("a slip");
+                (slip.stream())(stream).expect("a legal stream") == right
             });
         });
         assert_eq!(hidden, HashSet::new());
@@ -210,7 +153,7 @@ mod tests {
             "leaves the coefficients of the block before, where it reads none",
         ] {
             let mut slips = StreamSlip::all();
-            let slip = slips.find(|slip| slip.slip().says == says).expect("a slip");
+            let slip = slips.find(|slip| slip.effect() == says).expect("a slip");
             let reading = Reading {
                 stream: slip.stream(),
                 ..Reading::SPEC

@@ -6,11 +6,14 @@
 
 use super::diagnosis::{Category, Diagnosis, Words};
 use super::failure_mode::FailureMode;
+use super::file_streams::{FileStreams, Fit};
+use super::inverse_dcts::{ShownBlock, largest_error, wrong_number};
 use super::mistake::Mistake;
 use super::pictures;
 use super::refusals::{self, example};
 use super::search::{Found, Id, Search, of};
 use super::separate::{Evidence, Separation, separate};
+use super::solved::Act;
 use super::stream_evidence::{CODECS, Codec, First, evidence, firsts};
 use super::stream_slips::StreamSlip;
 use super::witness::{Agreement, Witness};
@@ -80,6 +83,15 @@ pub(super) fn attribute_to_slips(
     diagnoses: &mut [(Id, Diagnosis)],
     left: &mut Vec<usize>,
 ) {
+    let solved = diagnoses
+        .iter()
+        .filter_map(|(id, _)| search.mistakes.get(*id)?.solved());
+    let all: Vec<StreamSlip> = solved
+        .filter_map(|solved| match solved.act {
+            Act::Stream(slip) => Some(slip),
+            _ => None,
+        })
+        .collect();
     for (id, diagnosis) in diagnoses {
         let Some(solved) = search.mistakes.get(*id).and_then(Mistake::solved) else {
             continue;
@@ -91,7 +103,12 @@ pub(super) fn attribute_to_slips(
         if left.iter().filter(|w| is_of(w)).count() > diagnosis.explains.len() {
             continue;
         }
-        let of = left.extract_if(.., |w| is_of(w));
+        // What the slip would show otherwise has another cause.
+        let slips: Vec<StreamSlip> = all.clone();
+        let of = left.extract_if(.., |w| {
+            let fit = || FileStreams::of(&search.witnesses[*w]).map(|file| file.fit(&slips));
+            is_of(w) && !matches!(fit(), Some(Fit::Other | Fit::Picture))
+        });
         diagnosis
             .partly
             .extend(of.map(|w| search.witnesses[w].place));
@@ -172,18 +189,24 @@ fn words(
         true => slips(search, codec, refused, &legal),
         false => Vec::new(),
     };
-    let shared = match &slips[..] {
-        [] => shared_place(&evidence, codec, says.len())
+    let shared = match what_matters(&slips) {
+        None => shared_place(&evidence, codec, says.len())
             .map(|found| found.says(codec.places, says[found.feature])),
-        slips => {
-            let effects: Vec<&str> = slips.iter().map(|slip| slip.effect()).collect();
-            let effects = effects.join(", or ");
-            Some(format!(
-                ", just those in which it matters that a decoder {effects}"
-            ))
-        }
+        slips => slips,
     };
-    let manner = Manner::of(firsts);
+    let mut manner = Manner::of(firsts);
+    let mut shared = shared.unwrap_or_default();
+    if codec.side == 8 && !wrong.is_empty() && refused.is_empty() {
+        let files = wrong.iter().filter_map(|&w| FileStreams::of(&witnesses[w]));
+        let blocks: Vec<ShownBlock> = files.flat_map(|file| file.shown_blocks()).collect();
+        let largest = largest_error(&blocks);
+        if let Some(number) = wrong_number(&blocks) {
+            (manner, shared) = (Manner::Number, format!(", all of them just {number}"));
+        } else if largest < SMALL && matches!(manner, Manner::BlockByBlock) {
+            manner = Manner::SmallErrors;
+            shared = format!(", with errors of {largest:.0} at most");
+        }
+    }
     Words {
         effect: format!(
             "goes wrong in {} streams: of {} such files {} come out wrong and {} {}{}{}",
@@ -192,7 +215,7 @@ fn words(
             wrong.len(),
             refused.len(),
             outcome(witnesses, refused),
-            shared.unwrap_or_default(),
+            shared,
             manner.says(),
         ),
         fix: manner.fix(codec),
@@ -229,6 +252,9 @@ fn shared_place(evidence: &Evidence, codec: &Codec, features: usize) -> Option<S
 const OFTEN: usize = 2;
 const NEARLY_ALL: usize = 10;
 
+/// Errors that no wrong code or coefficient would leave so small.
+const SMALL: f64 = 32.0;
+
 /// Slips that may be said beside each other.
 const SLIPS: usize = 3;
 
@@ -236,17 +262,36 @@ const SLIPS: usize = 3;
 fn slips(search: &Search, codec: &Codec, refused: &[usize], legal: &[usize]) -> Vec<StreamSlip> {
     let mut all: Vec<StreamSlip> = StreamSlip::all().collect();
     all.retain(|slip| slip.is_of(codec.formats[0]) && slip.may_refuse());
-    let acts = |slip: &StreamSlip, w: &usize| slip.acts_on(&search.witnesses[*w]);
+    let file = |w: &usize| FileStreams::of(&search.witnesses[*w]);
+    let of_refused: Vec<FileStreams> = refused.iter().filter_map(file).collect();
+    let read = legal.iter().filter(|w| !refused.contains(w));
+    let of_read: Vec<FileStreams> = read.filter_map(file).collect();
     let fits = search.each(&all, |slip| {
-        let mut read = legal.iter().filter(|w| !refused.contains(w));
-        refused.iter().all(|w| acts(slip, w)) && !read.any(|w| acts(slip, w))
+        let mut refused = of_refused.iter();
+        let mut read = of_read.iter();
+        refused.all(|file| file.fit(&[*slip]) == Fit::Refused)
+            && !read.any(|file| file.fit(&[*slip]) == Fit::Other)
     });
     let fitting = all.into_iter().zip(fits).filter(|(_, fits)| *fits);
-    let mut fitting: Vec<StreamSlip> = fitting.map(|(slip, _)| slip).collect();
-    if fitting.len() > SLIPS {
-        fitting.clear();
+    fitting.map(|(slip, _)| slip).collect()
+}
+
+/// What slips are about that fit: none of them is certain, and what they have in common nearly is.
+fn what_matters(slips: &[StreamSlip]) -> Option<String> {
+    let about = slips.first()?.about();
+    let is_one = slips.iter().all(|slip| slip.about() == about);
+    let effects: Vec<&str> = slips.iter().map(|slip| slip.effect()).collect();
+    match slips.len() {
+        0..=SLIPS => Some(format!(
+            ", just those in which it matters that a decoder {}; or another mistake in {about}",
+            effects.join(", or ")
+        )),
+        _ if is_one => Some(format!(
+            ", just those in which mistakes in {about} show; for example that a decoder {}",
+            effects[0]
+        )),
+        _ => None,
     }
-    fitting
 }
 
 /// Takes away mistakes of the catalog that explain the refused files of a codec in parts, where one slip in the decoder of
@@ -267,7 +312,8 @@ fn drop_parts(
     let is_part = |of: &Vec<usize>| {
         !of.is_empty() && of.len() < refused.len() && of.iter().all(|w| refused.contains(w))
     };
-    if explained.iter().any(is_part) && !slips(search, codec, refused, legal).is_empty() {
+    let is_said = || what_matters(&slips(search, codec, refused, legal)).is_some();
+    if explained.iter().any(is_part) && is_said() {
         let keep: Vec<bool> = explained.iter().map(|of| !is_part(of)).collect();
         found.keep(&keep);
     }
@@ -279,6 +325,10 @@ enum Manner {
     ByOneAmount,
     /// Blocks after it are right.
     BlockByBlock,
+    /// The same, and no sample is far off.
+    SmallErrors,
+    /// All blocks are as one wrong number of the inverse DCT makes them.
+    Number,
     Unknown,
 }
 
@@ -304,8 +354,8 @@ impl Manner {
     fn says(&self) -> &'static str {
         match self {
             Manner::ByOneAmount => "; all samples of such a block are off by one amount",
-            Manner::BlockByBlock => "; most that follow are right again",
-            Manner::Unknown => "",
+            Manner::BlockByBlock | Manner::SmallErrors => "; most that follow are right again",
+            Manner::Number | Manner::Unknown => "",
         }
     }
 
@@ -317,6 +367,12 @@ impl Manner {
             ),
             Manner::BlockByBlock => format!(
                 "the codes are read in step: compare order and step of the coefficients, inverse DCT and limits of the first block that is wrong with {standard}"
+            ),
+            Manner::SmallErrors => format!(
+                "the codes are read in step: compare the constants, the rounding and the limits of the inverse DCT with {standard}"
+            ),
+            Manner::Number => format!(
+                "compare this number of the inverse DCT with {standard} A.3.3, or with the source that it was taken from"
             ),
             Manner::Unknown => format!(
                 "compare the decoder of these streams with {standard}, from the first sample that is wrong"
