@@ -2,10 +2,11 @@
 
 use std::borrow::Cow;
 
+use super::file_streams::{acts_on, is_shown};
 use super::mistake::Mistake;
 use super::plane_slips::{self, PlaneSlip};
 use super::solved::{self, Act};
-use super::stream_slips::{StreamSlip, is_shown};
+use super::stream_slips::StreamSlip;
 use super::witness::{Witness, applies};
 use crate::misreadings::{self, Misreading, Stage};
 use crate::protocol::frame::{Answer, View};
@@ -38,7 +39,7 @@ impl Witness<'_> {
 
     /// The slips in the decoder of streams among these that change a stream of this file.
     fn acting_slips(&self, acts: &[&Act]) -> Vec<StreamSlip> {
-        slips_of(acts).filter(|slip| slip.acts_on(self)).collect()
+        slips_of(acts).filter(|&slip| acts_on(slip, self)).collect()
     }
 
     /// A decoder that is out of step with a stream shows nonsense of some kind or gives up.

@@ -4,7 +4,7 @@
 //! against the samples of each plane that nothing but its stream makes, up to the first that is another, and against files
 //! that the decoder reads right.
 
-use std::sync::OnceLock;
+use std::sync::{OnceLock, PoisonError};
 
 use super::failure_mode::FailureMode;
 use super::inverse_dcts::ShownBlock;
@@ -315,6 +315,27 @@ impl<'w> FileStreams<'w> {
             }
         })
     }
+}
+
+/// Whether streams of this file come out wrong with a slip, by more than inverse transforms may differ.
+pub(super) fn acts_on(slip: StreamSlip, witness: &Witness) -> bool {
+    if !slip.is_of(witness.case.format()) {
+        return false;
+    }
+    let known = || witness.slips.lock().unwrap_or_else(PoisonError::into_inner);
+    if let Some(&acts) = known().get(slip.effect()) {
+        return acts;
+    }
+    let acts = FileStreams::of(witness).is_some_and(|streams| streams.are_changed_by(&[slip]));
+    known().insert(slip.effect(), acts);
+    acts
+}
+
+/// Whether what was received is what a decoder with these slips finds, as far as it does not lose its way. Only planes are
+/// compared that nothing but their stream makes; where these are right, the slips change the stream of another.
+pub(super) fn is_shown(slips: &[StreamSlip], witness: &Witness) -> bool {
+    FileStreams::of(witness)
+        .is_some_and(|streams| matches!(streams.fit(slips), Fit::Same(_) | Fit::Unmoved))
 }
 
 /// Whether a decoder with these slips keeps something from one stream to the next.

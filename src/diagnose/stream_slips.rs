@@ -1,12 +1,10 @@
 //! Decoders of streams with one slip each, or with several.
 
-use std::sync::{LazyLock, PoisonError};
+use std::sync::LazyLock;
 
-use super::file_streams::{FileStreams, Fit};
 use super::jpeg_ls_slips;
 use super::jpeg_slips;
 use super::slips::Slip;
-use super::witness::Witness;
 use crate::error::Result;
 use crate::parts::PlaneStream;
 use crate::ptm::Format;
@@ -96,27 +94,6 @@ impl StreamSlip {
             StreamSlip::JpegLs(place) => JPEG_LS[place].fix,
         }
     }
-
-    /// Whether streams of this file come out wrong with it, by more than inverse transforms may differ.
-    pub fn acts_on(self, witness: &Witness) -> bool {
-        if !self.is_of(witness.case.format()) {
-            return false;
-        }
-        let known = || witness.slips.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(&acts) = known().get(self.effect()) {
-            return acts;
-        }
-        let acts = FileStreams::of(witness).is_some_and(|streams| streams.are_changed_by(&[self]));
-        known().insert(self.effect(), acts);
-        acts
-    }
-}
-
-/// Whether what was received is what a decoder with these slips finds, as far as it does not lose its way. Only planes are
-/// compared that nothing but their stream makes; where these are right, the slips change the stream of another.
-pub(super) fn is_shown(slips: &[StreamSlip], witness: &Witness) -> bool {
-    FileStreams::of(witness)
-        .is_some_and(|streams| matches!(streams.fit(slips), Fit::Same(_) | Fit::Unmoved))
 }
 
 #[cfg(test)]
