@@ -40,7 +40,13 @@ enum Fails {
 /// A few small cases of every kind, so that programs that hang take seconds.
 const FEW: &[&str] = &[
     "--case",
-    "hand-*",
+    "hand-[fjpr]*",
+    "--case",
+    "hand-lrgb*",
+    "--case",
+    "hand-lum",
+    "--case",
+    "hand-lum-in-color",
     "--case",
     "version-1-3-lrgb",
     "--case",
