@@ -186,7 +186,7 @@ pub(crate) fn examine_streams(file: &[u8]) -> (Vec<Field>, Result<Ptm>, Option<S
 ///
 /// Who makes planes of them in another way than the reference starts here: what a stream holds, and what the lists say to do
 /// with it, is the same to all.
-#[cfg(feature = "harness")]
+#[cfg(all(feature = "harness", unix))]
 pub(crate) fn streams_as<'a>(file: &'a [u8], reading: &Reading) -> Option<Streams<'a>> {
     let mut input = Input::new(file);
     let header = read_header(&mut input).ok()?;
