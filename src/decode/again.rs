@@ -17,12 +17,6 @@ use crate::ptm::{Format, Shape};
 use crate::reading::Reading;
 
 impl Streams<'_> {
-    /// What the stream of each plane holds, in the order in which they are decoded.
-    pub(crate) fn residuals(&self) -> impl Iterator<Item = (usize, &[u8])> {
-        let residuals = self.residuals.iter().map(Vec::as_slice);
-        self.plan.sequence.iter().copied().zip(residuals)
-    }
-
     /// The map under a reading that differs only in what it makes of the streams.
     pub(crate) fn stored<'r>(&self, reading: &'r Reading) -> Result<Stored<'r>> {
         let parts = self.channels(self.residuals.clone(), reading)?;

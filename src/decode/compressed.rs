@@ -92,6 +92,13 @@ impl<'a> Streams<'a> {
         }
     }
 
+    /// What the stream of each plane holds, in the order in which they are decoded.
+    #[cfg(feature = "harness")]
+    pub(crate) fn residuals(&self) -> impl Iterator<Item = (usize, &[u8])> {
+        let residuals = self.residuals.iter().map(Vec::as_slice);
+        self.plan.sequence.iter().copied().zip(residuals)
+    }
+
     /// The planes: `residuals`, which are those of the streams, predicted and corrected.
     pub(super) fn channels(
         &self,

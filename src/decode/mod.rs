@@ -45,7 +45,7 @@ pub(crate) mod predict;
 pub(crate) mod planes;
 
 /// The streams of 2.9.8 once, and their planes under several readings
-#[cfg(feature = "harness")]
+#[cfg(feature = "tools")]
 mod again;
 
 /// The streams of 2.9.8 on all threads
