@@ -2,6 +2,8 @@
 
 use super::diagnosis::{Category, Diagnosis, Words};
 use super::witness::Witness;
+use crate::misreadings::Misreading;
+use crate::protocol::frame::Answer;
 use crate::session::observation::Response;
 use crate::suite::cases::Expect;
 
@@ -38,6 +40,19 @@ pub(super) fn describe(witnesses: &[Witness], left: &mut Vec<usize>) -> Vec<Diag
         Diagnosis::described(Category::Acceptance, witnesses, &of, words).about(clause)
     };
     clauses.into_iter().map(diagnosis).collect()
+}
+
+/// All that can be observed of a mistake that explains nothing but malformed files which are accepted: no picture of them is
+/// right, so that of what is made of them nothing is known.
+pub(super) fn all_that_shows(
+    witnesses: &[Witness],
+    of: &[usize],
+    misreading: &Misreading,
+) -> Option<String> {
+    let is_accepted = |w: &usize| witnesses[*w].right == Answer::Rejected;
+    let says_more = !misreading.effect.starts_with("accepts");
+    (says_more && of.iter().all(is_accepted))
+        .then(|| format!("accepts malformed files ({})", faults(witnesses, of)))
 }
 
 /// The clause that a malformed file breaks.

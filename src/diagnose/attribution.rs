@@ -1,5 +1,6 @@
 //! What each of the mistakes found explains.
 
+use super::acceptances;
 use super::diagnosis::{Category, Cause, Diagnosis, Words};
 use super::formats::formats_of;
 use super::mistake::Mistake;
@@ -111,7 +112,8 @@ fn diagnosis(search: &Search, member: &Member, share: &Share) -> Diagnosis {
     };
     Diagnosis {
         except: except.iter().map(|&w| witnesses[w].place).collect(),
-        shows: refusals::other_end(witnesses, &share.explains),
+        shows: refusals::other_end(witnesses, &share.explains)
+            .or_else(|| acceptances::all_that_shows(witnesses, &share.explains, misreading)),
         certain: true,
         ..Diagnosis::of(cause, places(search, &share.explains))
     }

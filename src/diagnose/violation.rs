@@ -1,4 +1,4 @@
-//! Files that must or may be refused, and that ended in a crash, a hang or a malformed frame instead.
+//! Files that must or may be refused, and that ended in a crash, a hang, a malformed frame or "unsupported" instead.
 
 use super::diagnosis::{Category, Diagnosis, Words};
 use super::failure_mode::FailureMode;
@@ -14,7 +14,8 @@ const NAMED: usize = 5;
 pub(super) fn describe(witnesses: &[Witness], left: &mut Vec<usize>) -> Vec<Diagnosis> {
     let refusable = |w: usize| witnesses[w].case.expect != Expect::Decode;
     let violates = |w: &usize| {
-        refusable(*w) && matches!(witnesses[*w].observation.response, Response::Violation(_))
+        let response = &witnesses[*w].observation.response;
+        refusable(*w) && matches!(response, Response::Violation(_) | Response::Unsupported)
     };
     let of: Vec<usize> = left.iter().copied().filter(violates).collect();
     left.retain(|w| !of.contains(w));
@@ -66,6 +67,10 @@ fn fix(mode: &FailureMode, may_be_read: bool) -> String {
         true => "end with a picture or with exit status 65",
         false => "end with exit status 65",
     };
+    if *mode == FailureMode::Unsupported {
+        return "answer 65 to a malformed file of a kind that the decoder reads; 69 says that it reads no such files"
+            .to_owned();
+    }
     let status = match mode {
         FailureMode::Crashes(how) => how.strip_prefix("exit status "),
         _ => None,

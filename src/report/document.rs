@@ -118,7 +118,7 @@ pub struct LikelyCause {
     pub with: Vec<String>,
     /// The failing cases it reproduces exactly.
     pub explains: Vec<String>,
-    /// The failing cases in which it goes wrong too, but not in just this way.
+    /// The failing cases in which it goes wrong too, which may not be all that is wrong there.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub partly: Vec<String>,
     /// Cases that pass although a decoder with this mistake would fail them.

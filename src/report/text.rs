@@ -326,7 +326,7 @@ fn write_details(cause: &LikelyCause, suite: SuiteName, out: &mut String) -> std
     if !cause.partly.is_empty() {
         writeln!(
             out,
-            "  {} more in part: it goes wrong there too, but not in just this way",
+            "  {} more in part: this goes wrong there too, and may not be all",
             cause.partly.len()
         )?;
     }

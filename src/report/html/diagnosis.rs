@@ -58,7 +58,7 @@ fn diagnosed(cause: &LikelyCause, group: &Group, failures: usize, clauses: &[Cla
                     p { "In some of them also: it " (other.effect) " (" code { (slug) } ")." }
                 }
                 @if !cause.partly.is_empty() {
-                    p { (cause.partly.len()) " more in part: it goes wrong there too, but not in just this way." }
+                    p { (cause.partly.len()) " more in part: this goes wrong there too, and may not be all." }
                 }
                 @if let Some(passing) = cause.except.first() {
                     p { "But not everywhere: " (cause.except.len()) " cases pass that such a " (subject) " would fail, for example " code { (passing) } "." }
