@@ -79,6 +79,13 @@ impl Witness<'_> {
         let stream = self.acting_slips(&acts).first().map(|slip| slip.stream());
         let reading = Reading {
             stream: stream.unwrap_or(self.reading.stream),
+            // Where a file was accepted whose index is out of range, another entry than its own was looked up.
+            entry: match self.accepts_what_is_refused()
+                && acts.iter().any(|act| act.is_of_indices())
+            {
+                true => |index, entries| (entries > 0).then(|| index.min(entries - 1)),
+                false => self.reading.entry,
+            },
             ..self.reading
         };
         let listed = self.listed(mistakes);
@@ -97,6 +104,11 @@ impl Witness<'_> {
             act.apply(&mut ptm, self)?;
         }
         Ok(ptm)
+    }
+
+    /// Whether the decoder shows a picture of a file that must be refused.
+    fn accepts_what_is_refused(&self) -> bool {
+        self.failed && self.right == Answer::Rejected
     }
 
     /// Whether a mistake could show in the answer at all.

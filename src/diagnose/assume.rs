@@ -3,7 +3,7 @@
 //! A failure that is what a decoder with these mistakes shows is no news; every other answer is held against what such
 //! a decoder should have shown.
 
-use super::witness::{Agreement, Witness, dialect_reading, witnesses};
+use super::witness::{Agreement, Witness, witnesses};
 use crate::misreadings::{self, Misreading};
 use crate::protocol::frame::Answer;
 use crate::reading::Reading;
@@ -19,9 +19,8 @@ pub fn assume(suite: &Suite, run: &mut Run, assumed: &[&'static Misreading], thr
     if assumed.is_empty() {
         return;
     }
-    let reading = dialect_reading(run);
     let mut said: Vec<(usize, Outcome, String)> = Vec::new();
-    for witness in witnesses(suite, run, reading, threads) {
+    for witness in witnesses(suite, run, None, threads) {
         if !witness.failed {
             continue;
         }

@@ -1,5 +1,7 @@
 //! The runs of stored values in a file, and the clauses that place them.
 
+use std::ops::Range;
+
 use super::witness::Witness;
 use crate::ptm::Format;
 
@@ -15,6 +17,22 @@ pub(super) enum Block {
     Colors,
     /// Those into a table.
     Indices,
+    /// The entries of a table.
+    Table,
+    /// Each of them, as if a row of one were followed by the same row of the next.
+    Alternating,
+}
+
+/// Where some channels of every texel are looked for in the file.
+#[derive(Clone, Copy)]
+pub(super) struct Part {
+    /// The byte of the first of them, of the first texel.
+    pub start: usize,
+    /// The first of the channels, and their number.
+    pub first: usize,
+    pub channels: usize,
+    /// Bytes from a row to the next.
+    pub row: usize,
 }
 
 impl Block {
@@ -33,22 +51,50 @@ impl Block {
         }
     }
 
-    /// Where it begins in the file.
-    pub fn start(self, witness: &Witness) -> Option<usize> {
-        let name = match (self, witness.case.format()) {
-            (Block::All, _) => return None,
-            (Block::Red, _) => "red coefficients",
-            (Block::Green, _) => "green coefficients",
-            (Block::Blue, _) => "blue coefficients",
-            (Block::Coefficients, Format::Lum) => "coefficients, Cr and Cb",
-            (Block::Coefficients, _) => "coefficients",
-            (Block::Colors, _) => "colors",
-            (Block::Indices, _) => "indices",
+    /// Its bytes in a file, which may be put together by hand.
+    pub fn range(self, witness: &Witness) -> Option<Range<usize>> {
+        let (what, place) = match self {
+            Block::All | Block::Alternating => return None,
+            Block::Table => ("the table's entries", 0),
+            Block::Indices => ("the indices", 0),
+            Block::Colors if witness.case.format() == Format::PtmLut => ("the texels", 0),
+            Block::Red | Block::Coefficients => ("the texels", 0),
+            Block::Green | Block::Colors => ("the texels", 1),
+            Block::Blue => ("the texels", 2),
         };
-        let mut fields = witness.built.fields.iter();
-        fields
-            .find(|field| field.name == name)
-            .map(|field| field.range.start)
+        let mut fields = witness.fields().iter().filter(|field| field.name == what);
+        fields.nth(place).map(|field| field.range.clone())
+    }
+
+    /// Where its channels are looked for in a file with rows of so many texels.
+    pub fn parts(self, witness: &Witness, width: usize) -> Vec<Part> {
+        let blocks = Block::of(witness.case.format());
+        if self == Block::Alternating {
+            let first = blocks.first().and_then(|(block, ..)| block.range(witness));
+            let mut start = first.map_or(usize::MAX, |range| range.start);
+            let row = blocks.iter().map(|(.., channels)| channels * width).sum();
+            let part = |&(_, first, channels): &(Block, usize, usize)| {
+                let part = Part {
+                    start,
+                    first,
+                    channels,
+                    row,
+                };
+                start = start.saturating_add(channels * width);
+                part
+            };
+            return blocks.iter().map(part).collect();
+        }
+        let of = (blocks.iter()).filter(|(block, ..)| self == Block::All || *block == self);
+        let part = |&(block, first, channels): &(Block, usize, usize)| {
+            Some(Part {
+                start: block.range(witness)?.start,
+                first,
+                channels,
+                row: channels * width,
+            })
+        };
+        of.filter_map(part).collect()
     }
 
     pub const fn name(self) -> &'static str {
@@ -60,6 +106,8 @@ impl Block {
             Block::Coefficients => "the block of coefficients",
             Block::Colors => "the block of colors",
             Block::Indices => "the block of indices",
+            Block::Table => "the table",
+            Block::Alternating => "blocks of which a row is followed by the same row of the next",
         }
     }
 }

@@ -1,6 +1,6 @@
 //! What may be done to a single value: each of these is a function of the right value alone.
 
-use crate::suite::compare::is_close;
+use crate::suite::compare::{self, is_close};
 
 /// What is done to each value.
 #[derive(Clone, Debug, PartialEq)]
@@ -433,11 +433,5 @@ fn srgb_decoded(x: f64) -> f64 {
 
 /// A number with at most four decimals.
 pub(super) fn short(value: f64) -> String {
-    let text = format!("{value:.4}");
-    let text = text.trim_end_matches('0').trim_end_matches('.');
-    if text == "-0" {
-        "0".to_owned()
-    } else {
-        text.to_owned()
-    }
+    compare::short(value, 4)
 }

@@ -6,7 +6,8 @@ use super::attribution::indispensable;
 use super::failure_mode::FailureMode;
 use super::pictures::{is_near, widest_slip};
 use super::refusals;
-use super::search::{Found, Id, Search, of};
+use super::search::{Found, Id, Search, of, without};
+use super::solved::Act;
 use super::witness::{Agreement, Witness};
 use crate::misreadings::{Misreading, Symptom};
 use crate::protocol::frame::View;
@@ -24,17 +25,19 @@ pub(super) fn drop(search: &Search, found: &mut Found) {
 /// Fewer than one in so many failures, about other clauses, may agree with a mistake of the catalog by chance.
 const STRAYS: usize = 12;
 
-/// Takes away mistakes of the catalog that explain a few failures, none of which is about the clause that is misread, or
-/// that would change more than twice as many: where much is wrong, a few come out as of another mistake.
+/// Takes away mistakes of the catalog that explain a few failures, none of which is about the clause that is misread, and
+/// such mistakes and slips in rebuilding planes as would change more than twice as many: where much is wrong, a few come out
+/// as of another mistake.
 fn drop_strays(search: &Search, found: &mut Found) {
     let set = of(&found.members);
     let failing = failing(search.witnesses);
     let keep = search.each(&set, |&id| {
-        let Some(misreading) = search.mistakes[id].listed() else {
+        let misreading = search.mistakes[id].listed();
+        let solved = search.mistakes[id].solved();
+        if !solved.is_none_or(|solved| matches!(solved.act, Act::Planes(_))) {
             return true;
-        };
-        let mut without = set.clone();
-        without.retain(|&other| other != id);
+        }
+        let without = without(&set, id);
         let is_explained = |&w: &usize| {
             let explains = |set: &[Id]| search.agreement(w, set).explains();
             explains(&[id]) || explains(&set) && !explains(&without)
@@ -45,7 +48,9 @@ fn drop_strays(search: &Search, found: &mut Found) {
         }
         let acting =
             (failing.iter()).filter(|&&w| search.made(w, &set) != search.made(w, &without));
-        let is_about = (explained.iter()).any(|&w| is_about(&search.witnesses[w], misreading));
+        let is_about = misreading.is_none_or(|misreading| {
+            (explained.iter()).any(|&w| is_about(&search.witnesses[w], misreading))
+        });
         is_about && explained.len() * 2 >= acting.count()
     });
     found.keep(&keep);
@@ -63,8 +68,7 @@ fn drop_rare(search: &Search, found: &mut Found) {
         if search.mistakes[id].listed().is_none() {
             return true;
         }
-        let mut without = set.clone();
-        without.retain(|&other| other != id);
+        let without = without(&set, id);
         let (mut explained, mut other, mut far) = (0, 0, 0);
         for &w in &failing {
             let is_explained = |set: &[Id]| search.agreement(w, set) == Agreement::Picture;

@@ -120,6 +120,15 @@ const CONDITIONS: &[Condition] = &[
     ("whose scale is 1", |n| n.scale == 1.0),
     ("whose final value is negative", |n| n.right() < 0.0),
     ("whose final value is over 255", |n| n.right() > 255.0),
+    ("whose final value is between −1 and 0", |n| {
+        n.right() > -1.0 && n.right() < 0.0
+    }),
+    ("whose final value is between −1 and 1", |n| {
+        n.right().abs() < 1.0
+    }),
+    ("whose final value is between −0.001 and 0.001", |n| {
+        n.right().abs() < 0.001
+    }),
 ];
 
 /// What raw value and bias are made to.

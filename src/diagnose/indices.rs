@@ -8,7 +8,7 @@ use super::grid::{self, Places};
 use super::strides::{Extent, Strides};
 use super::witness::Witness;
 use crate::protocol::frame::Answer;
-use crate::ptm::Ptm;
+use crate::ptm::{Format, Ptm, Size};
 use crate::session::observation::Response;
 
 /// What is made of an index.
@@ -216,51 +216,66 @@ impl Index {
     }
 }
 
-/// The indices of a file with a table, as bytes.
+/// The indices of a file and the table that they name entries of, as bytes.
 pub(super) struct IndexBlock<'a> {
     file: &'a [u8],
     start: usize,
-    /// Those that were stored, by texel of the picture.
-    stored: &'a [u32],
+    /// Entries, one after another.
     table: &'a [u8],
     /// Bytes of an index.
     pub bytes: usize,
     /// Values of an entry.
-    size: usize,
+    pub size: usize,
 }
 
 impl<'a> IndexBlock<'a> {
+    /// Those of a file that the reference reads, but for indices that are out of range.
     pub fn of(witness: &'a Witness) -> Option<IndexBlock<'a>> {
-        let model = witness.model().filter(|model| model.format.has_table())?;
-        let size = model.entry_size();
+        let format = witness.case.format();
+        let size = if format == Format::PtmCLut { 9 } else { 6 };
+        let table = Block::Table.range(witness)?;
         Some(IndexBlock {
             file: &witness.built.file,
-            start: Block::Indices.start(witness)?,
-            stored: &model.indices,
-            table: &model.table,
-            bytes: if model.table.len() / size <= 256 {
-                1
-            } else {
-                2
-            },
+            start: Block::Indices.range(witness)?.start,
+            bytes: if table.len() / size <= 256 { 1 } else { 2 },
+            table: &witness.built.file[table],
             size,
         })
     }
 
-    /// What the index of a texel of the picture names; behind the end of the file stand zeros.
+    /// The entries of the table.
+    pub fn entries(&self) -> impl ExactSizeIterator<Item = &'a [u8]> + use<'a> {
+        self.table.chunks_exact(self.size)
+    }
+
+    /// The index of a texel of the picture.
+    pub fn stored(&self, texel: usize, extent: Extent) -> usize {
+        self.read(texel, &Strides::RIGHT, extent)
+    }
+
+    /// What the index of a texel of the picture names, if it is read with these strides.
     pub fn entry(&self, texel: usize, strides: &Strides, extent: Extent) -> Option<&'a [u8]> {
+        self.look_up(self.read(texel, strides, extent))
+    }
+
+    /// An index; behind the end of the file stand zeros.
+    fn read(&self, texel: usize, strides: &Strides, extent: Extent) -> usize {
         let (column, row) = (texel % extent.w, extent.h - 1 - texel / extent.w);
         let byte = |k: usize| {
             let place = self.start as isize + strides.place(column, row, k, extent);
             let byte = usize::try_from(place).ok().and_then(|at| self.file.get(at));
             usize::from(byte.copied().unwrap_or_default())
         };
-        let index: usize = (0..extent.c).map(|k| byte(k) << (8 * k)).sum();
-        self.look_up(index)
+        (0..extent.c).map(|k| byte(k) << (8 * k)).sum()
     }
 
     fn look_up(&self, index: usize) -> Option<&'a [u8]> {
-        self.table.chunks_exact(self.size).nth(index)
+        self.entries().nth(index)
+    }
+
+    pub fn extent(&self, ptm: &Ptm) -> Extent {
+        let Size { width, height } = ptm.planes.size;
+        Extent::of(width as usize, height as usize, self.bytes)
     }
 }
 
@@ -273,11 +288,7 @@ pub(super) fn read_indices(
     let Some(indices) = IndexBlock::of(witness) else {
         return Ok(());
     };
-    let extent = Extent {
-        w: ptm.planes.size.width as usize,
-        h: ptm.planes.size.height as usize,
-        c: indices.bytes,
-    };
+    let extent = indices.extent(ptm);
     fill(ptm, witness, indices.size, |texel| {
         indices.entry(texel, strides, extent)
     })
@@ -291,9 +302,9 @@ pub(super) fn look_up(ptm: &mut Ptm, witness: &Witness, index: &Index) -> Result
     if matches!(index, Index::Joined(_)) && indices.bytes == 1 {
         return Ok(());
     }
-    let entries = indices.table.len() / indices.size;
+    let (extent, entries) = (indices.extent(ptm), indices.entries().len());
     fill(ptm, witness, indices.size, |texel| {
-        let index = index.of(*indices.stored.get(texel)?, entries);
+        let index = index.of(indices.stored(texel, extent) as u32, entries);
         indices.look_up(usize::try_from(index).ok()?)
     })
 }

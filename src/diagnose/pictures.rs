@@ -12,8 +12,8 @@ use super::provenance;
 use super::refusals::WORTH_SAYING;
 use super::relations::{self, ROWS, relations};
 use super::scope::Scope;
-use super::search::{Id, Search, Set};
-use super::shared::shared;
+use super::search::{Id, Search, without};
+use super::shared::{Shared, shared};
 use super::witness::Witness;
 use crate::protocol::frame::{Answer, Frame, View};
 use crate::ptm::Format;
@@ -76,17 +76,24 @@ pub(super) fn describe(search: &Search, set: &[Id], left: &[usize]) -> Vec<Diagn
         open.retain(|i| !of.contains(i));
         let sides: [fn(&Said) -> &[Claim]; 2] = [|said| &said.channels, |said| &said.texels];
         let of_these: Vec<&Said> = of.iter().map(|&i| &said[i]).collect();
-        let place = sides.map(|side| {
-            let mut claims = shared_claims(&of_these, side).into_iter();
-            let telling = claims.find(|claim| claim.chance + CHANCE.ln() < 0.0);
-            telling.map_or("", |claim| claim.says)
-        });
+        // Neighbors are wrong together: in few pictures they may be at one place by chance.
+        let places = sides.iter().take(if of.len() > FEWEST { 2 } else { 1 });
+        let place: Vec<&str> = places
+            .filter_map(|side| {
+                let mut claims = shared_claims(&of_these, *side).into_iter();
+                let telling = claims.find(|claim| claim.chance + CHANCE.ln() < 0.0);
+                telling.map(|claim| claim.says)
+            })
+            .collect();
         let of: Vec<usize> = of.iter().map(|&i| left[i]).collect();
-        diagnoses.push(difference(
-            search,
-            &of,
-            &format!("{what}{}", place.concat()),
-        ));
+        let others: Vec<usize> = left.iter().copied().filter(|w| !of.contains(w)).collect();
+        let is_changed = |&w: &usize| *search.made(w, set) != search.witnesses[w].right;
+        let besides = match of.iter().any(is_changed) {
+            true => ", besides what the causes above change",
+            false => "",
+        };
+        let what = format!("{what}{}{besides}", place.concat());
+        diagnoses.push(difference(search, &of, &others, &what));
     }
     diagnoses
 }
@@ -134,7 +141,7 @@ fn is_of_colors(search: &Search, w: usize) -> bool {
 }
 
 /// A way to differ, in words.
-fn difference(search: &Search, of: &[usize], what: &str) -> Diagnosis {
+fn difference(search: &Search, of: &[usize], others: &[usize], what: &str) -> Diagnosis {
     let witnesses = search.witnesses;
     let smallest = smallest(witnesses, of);
     let is_compressed = witnesses[smallest].case.format().is_compressed();
@@ -150,13 +157,17 @@ fn difference(search: &Search, of: &[usize], what: &str) -> Diagnosis {
         }
     };
     let words = Words {
-        effect: format!("shows {what}{}; the cause is unknown", files(search, of)),
+        effect: format!(
+            "shows {what}{}; the cause is unknown",
+            files(search, of, others)
+        ),
         fix: fix.to_owned(),
         example: example(search, smallest),
     };
     let diagnosis = Diagnosis::described(Category::Difference, witnesses, of, words);
     let format = witnesses[of[0]].case.format();
     let clause = match what {
+        _ if is_of_another_size(&witnesses[smallest]) => Some("2.3/1"),
         _ if what.starts_with(OTHER_BIAS) => Some("2.4/4"),
         _ if what.starts_with(OTHER_SCALE) => Some("2.4/3"),
         _ if what.starts_with(ELSEWHERE) => block_clause(format, Block::All),
@@ -169,8 +180,23 @@ fn difference(search: &Search, of: &[usize], what: &str) -> Diagnosis {
     }
 }
 
-/// What these files share, and none that is shown right has.
-fn files(search: &Search, of: &[usize]) -> String {
+/// Whether the picture that is shown is not as wide and high as the map.
+fn is_of_another_size(witness: &Witness) -> bool {
+    let size = |frame: &Frame| (frame.width, frame.height);
+    match (&witness.observation.response, &witness.right) {
+        (
+            Response::Picture {
+                frame: Some(shown), ..
+            },
+            Answer::Decoded(right),
+        ) => size(shown) != size(right),
+        _ => false,
+    }
+}
+
+/// What these files share, and none that is shown right has. `others` are wrong too, otherwise: what is so from a number on is
+/// not wrong below it.
+fn files(search: &Search, of: &[usize], others: &[usize]) -> String {
     let witnesses = search.witnesses;
     let is_right = |w: &usize| {
         let witness = &witnesses[*w];
@@ -184,7 +210,16 @@ fn files(search: &Search, of: &[usize]) -> String {
     }
     // Two things together, where what is wrong has a place of its own, are of the suite and not of the decoder.
     let shared = shared(witnesses, of, &right, false);
-    match shared.filter(|shared| !matches!(shared.scope, Scope::Both(..))) {
+    let is_said = |shared: &Shared| match shared.scope {
+        Scope::Both(..) => false,
+        Scope::Beyond { .. } => others.iter().all(|&w| {
+            let format = witnesses[w].case.format();
+            shared.scope.holds(&witnesses[w])
+                || of.iter().all(|&one| witnesses[one].case.format() != format)
+        }),
+        _ => true,
+    };
+    match shared.filter(is_said) {
         Some(shared) if shared.of.len() == of.len() => {
             format!(", in every file {}", shared.says())
         }
@@ -265,12 +300,7 @@ pub(super) fn widest_slip(search: &Search, failing: &[usize]) -> usize {
 /// Whether the decoder goes wrong in `w` much as one with the mistake `member` does.
 pub(super) fn is_near(search: &Search, w: usize, set: &[Id], member: Id) -> bool {
     let witness = &search.witnesses[w];
-    let without: Set = set
-        .iter()
-        .copied()
-        .filter(|&other| other != member)
-        .collect();
-    let (with, without) = (search.made(w, set), search.made(w, &without));
+    let (with, without) = (search.made(w, set), search.made(w, &without(set, member)));
     let (Answer::Decoded(with), Answer::Decoded(without)) = (&*with, &*without) else {
         return false;
     };
@@ -409,10 +439,11 @@ const LENGTHS: &[(&str, fn(u32) -> u32)] = &[
 /// A picture of another size, in words.
 fn of_size(wanted: (u32, u32), shown: (u32, u32)) -> String {
     let length = |name: &str, wanted: u32, shown: u32| {
-        let known = LENGTHS.iter().find(|(_, of)| of(wanted) == shown);
-        match known {
-            Some((says, _)) => format!("a picture whose {name} is {says}"),
-            None => format!("a picture of another {name}"),
+        let mut known = LENGTHS.iter().filter(|(_, of)| of(wanted) == shown);
+        // Of a single number that may be several things nobody knows which it is.
+        match (known.next(), known.next()) {
+            (Some((says, _)), None) => format!("a picture whose {name} is {says}"),
+            _ => format!("a picture of another {name}"),
         }
     };
     match (wanted.0 == shown.0, wanted.1 == shown.1) {
@@ -443,7 +474,7 @@ pub(super) fn pair_of(search: &Search, set: &[Id], w: usize) -> Option<Pair> {
 
 /// The smallest of these files; where stored or final values are shown, of these: there is less to follow.
 pub(super) fn smallest(witnesses: &[Witness], of: &[usize]) -> usize {
-    let is_color = |w: usize| matches!(witnesses[w].observation.view, View::Rgb(_));
+    let is_color = |w: usize| witnesses[w].is_in_colors();
     let size = |w: &usize| (is_color(*w), witnesses[*w].built.file.len());
     let smallest = of.iter().copied().min_by_key(size);
     smallest.expect("a diagnosis explains at least one case")

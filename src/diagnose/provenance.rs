@@ -2,60 +2,63 @@
 
 use std::fmt::Write;
 
+use super::blocks::Block;
+use super::indices::IndexBlock;
 use super::pair::Pair;
+use super::strides::Extent;
 use super::witness::Witness;
-use crate::generate::Model;
-use crate::ptm::Format;
+use crate::ptm::{Format, Size};
 
 /// How far a payload may have been read from the wrong place and still be recognised, in bytes.
 const FAR: isize = 64;
 
-/// The bytes of one stored value, in words: nothing for files that were put together by hand or damaged.
+/// The bytes of one stored value, in words: nothing for planes of files that were put together by hand or damaged.
 pub(super) fn sample(witness: &Witness, x: usize, y: usize, channel: usize) -> Option<String> {
-    let model = witness.model()?;
-    let stored = stored_texel(model, x, y)?;
-    if let Some(compressed) = &model.compressed {
-        let mut says = plane(witness, channel)?;
-        if let Some(reference) = compressed.plan.reference(channel) {
-            let _ = write!(says, ", predicted from plane {reference}");
-        }
-        let records = &compressed.planes[channel].records;
-        if let Some(at) = records
-            .iter()
-            .rposition(|&(position, _)| position as usize == stored)
-        {
-            let side = field(witness, "side information", channel)?;
-            let from = side.start + 5 * at;
-            let _ = write!(
-                says,
-                ", and is corrected by the record at bytes {from}–{}",
-                from + 4
-            );
-        }
-        return Some(says);
+    if witness.case.format().is_compressed() {
+        return sample_of_plane(witness, x, y, channel);
     }
-    let (name, at) = byte(witness, x, y, channel)?;
-    let via = if model.format.has_table() && !name.starts_with("colors") {
-        let index = model.indices[y * model.size.width as usize + x];
-        format!(" (entry {index} of the table, by the index of that texel)")
-    } else {
-        String::new()
+    let (block, at) = byte(witness, x, y, channel)?;
+    let via = match index(witness, x, y).filter(|_| block == Block::Table) {
+        Some(index) => format!(" (entry {index} of the table, by the index of that texel)"),
+        None => String::new(),
     };
-    Some(format!("byte {at} (0x{at:x}), {name}{via}"))
+    Some(format!("byte {at} (0x{at:x}), {}{via}", block.name()))
+}
+
+fn sample_of_plane(witness: &Witness, x: usize, y: usize, channel: usize) -> Option<String> {
+    let model = witness.model()?;
+    let stored = stored_texel(model.size, x, y)?;
+    let compressed = model.compressed.as_ref()?;
+    let mut says = plane(witness, channel)?;
+    if let Some(reference) = compressed.plan.reference(channel) {
+        let _ = write!(says, ", predicted from plane {reference}");
+    }
+    let records = &compressed.planes[channel].records;
+    let corrects = |&(position, _): &(u32, u8)| position as usize == stored;
+    if let Some(at) = records.iter().rposition(corrects) {
+        let from = field(witness, "side information", channel)?.start + 5 * at;
+        let to = from + 4;
+        let _ = write!(
+            says,
+            ", and is corrected by the record at bytes {from}–{to}"
+        );
+    }
+    Some(says)
 }
 
 /// The bytes of a texel's color under a light.
 pub(super) fn texel(witness: &Witness, x: usize, y: usize) -> Option<String> {
-    let (name, at) = byte(witness, x, y, 0)?;
+    let (block, at) = byte(witness, x, y, 0)?;
     Some(format!(
-        "all stored values of that texel, the first at byte {at} (0x{at:x}), {name}"
+        "all stored values of that texel, the first at byte {at} (0x{at:x}), {}",
+        block.name()
     ))
 }
 
 /// By how many bytes every value was read from the wrong place, if one number says it.
 pub(super) fn shift(witness: &Witness, pair: &Pair) -> Option<isize> {
-    let model = witness.model()?;
-    if pair.channels != model.format.channels() || model.format.has_table() {
+    let format = witness.case.format();
+    if pair.channels != format.channels() || format.has_table() {
         return None;
     }
     let file = &witness.built.file;
@@ -88,38 +91,41 @@ pub(super) fn shift(witness: &Witness, pair: &Pair) -> Option<isize> {
         .find(|&shift| reads(shift))
 }
 
-/// The place in the file of one value of a file without compressed planes.
-fn byte(witness: &Witness, x: usize, y: usize, channel: usize) -> Option<(&'static str, usize)> {
-    let model = witness.model()?;
-    let stored = stored_texel(model, x, y)?;
-    let entry = || Some(*model.indices.get(y * model.size.width as usize + x)? as usize);
-    let (name, per_texel, place, texel) = match model.format {
-        Format::Rgb => (
-            [
-                "red coefficients",
-                "green coefficients",
-                "blue coefficients",
-            ][channel / 6],
-            6,
-            channel % 6,
-            stored,
-        ),
-        Format::Lum => ("coefficients, Cr and Cb", 8, channel, stored),
-        Format::Lrgb if channel < 6 => ("coefficients", 6, channel, stored),
-        Format::Lrgb => ("colors", 3, channel - 6, stored),
-        Format::PtmLut if channel >= 6 => ("colors", 3, channel - 6, stored),
-        Format::PtmLut => ("table", 6, channel, entry()?),
-        Format::PtmCLut => ("table", 9, channel, entry()?),
+/// The place in the file of one value of a file without compressed planes, and where it stands.
+fn byte(witness: &Witness, x: usize, y: usize, channel: usize) -> Option<(Block, usize)> {
+    let size = witness.decoded().as_ref().ok()?.planes.size;
+    let stored = stored_texel(size, x, y)?;
+    let entry = || index(witness, x, y);
+    let (block, per_texel, place, texel) = match witness.case.format() {
+        Format::Rgb => {
+            let block = [Block::Red, Block::Green, Block::Blue][channel / 6];
+            (block, 6, channel % 6, stored)
+        }
+        Format::Lum => (Block::Coefficients, 8, channel, stored),
+        Format::Lrgb if channel < 6 => (Block::Coefficients, 6, channel, stored),
+        Format::Lrgb => (Block::Colors, 3, channel - 6, stored),
+        Format::PtmLut if channel >= 6 => (Block::Colors, 3, channel - 6, stored),
+        Format::PtmLut => (Block::Table, 6, channel, entry()?),
+        Format::PtmCLut => (Block::Table, 9, channel, entry()?),
         _ => return None,
     };
-    let field = field(witness, name, 0)?;
-    Some((name, field.start + texel * per_texel + place))
+    let start = block.range(witness)?.start;
+    Some((block, start + texel * per_texel + place))
+}
+
+/// The index of a texel into the table.
+fn index(witness: &Witness, x: usize, y: usize) -> Option<usize> {
+    let size = witness.decoded().as_ref().ok()?.planes.size;
+    let indices = IndexBlock::of(witness)?;
+    let (width, height) = (size.width as usize, size.height as usize);
+    let extent = Extent::of(width, height, indices.bytes);
+    (x < width && y < height).then(|| indices.stored(y * width + x, extent))
 }
 
 /// Which of the stored texels, bottom row first, stands there in a picture; it may be higher than the map.
-fn stored_texel(model: &Model, x: usize, y: usize) -> Option<usize> {
-    let row = (model.size.height as usize).checked_sub(y + 1)?;
-    Some(row * model.size.width as usize + x)
+fn stored_texel(size: Size, x: usize, y: usize) -> Option<usize> {
+    let row = (size.height as usize).checked_sub(y + 1)?;
+    Some(row * size.width as usize + x)
 }
 
 /// The stream of a plane.

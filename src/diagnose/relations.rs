@@ -8,6 +8,9 @@ const LINES: usize = 8;
 /// In pictures of more or fewer of them it is not asked.
 const COUNTS: std::ops::RangeInclusive<usize> = 3..=64;
 
+/// How far the nearest whole number may be, and a little more.
+const NEAREST: f64 = 0.52;
+
 pub(super) const ROWS: &str = "right rows in wrong places";
 
 type Relation = (&'static str, fn(&Pair, &[(f64, f64)]) -> bool);
@@ -23,6 +26,9 @@ const RELATIONS: &[Relation] = &[
     }),
     ("colors that are a unit or two too small", |pair, pairs| {
         pair.view == "rgb" && by_two(pairs) && pairs.iter().all(|(want, got)| got < want)
+    }),
+    ("values that are off by less than one", |_, pairs| {
+        pairs.iter().all(|(want, got)| (want - got).abs() < 1.0)
     }),
     ("values that are off by two at most", |_, pairs| {
         by_two(pairs)
@@ -140,7 +146,16 @@ pub(super) fn relations(pair: &Pair) -> Vec<String> {
         _ => Values::Colors,
     };
     let changes = Change::fitting(&pairs, values).into_iter();
-    let named = changes.filter(|change| !matches!(change, Change::Table(_) | Change::Points(_)));
+    // Colors are whole numbers: by an offset they are off to the nearest one.
+    let is_exact = |change: &Change| {
+        let mut pairs = pairs.iter();
+        values != Values::Colors
+            || !matches!(change, Change::Offset(_) | Change::OffsetClamped(_))
+            || pairs.all(|&(want, got)| (change.apply(want, values) - got).abs() <= NEAREST)
+    };
+    let named = changes
+        .filter(|change| !matches!(change, Change::Table(_) | Change::Points(_)))
+        .filter(is_exact);
     let mut says: Vec<String> = named.map(|change| change.says(values)).collect();
     let holding = RELATIONS.iter().filter(|(_, holds)| holds(pair, &pairs));
     says.extend(holding.map(|(words, _)| (*words).to_owned()));

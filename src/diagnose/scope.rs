@@ -77,10 +77,11 @@ impl Scope {
         }
     }
 
-    /// The clause of the number that files have so much of; nothing for other things they share.
+    /// The clause of the number that files have so much of, or that is spelled so; nothing for other things they share.
     pub fn clause(&self) -> Option<&'static str> {
         match self {
             Scope::Beyond { quantity, .. } => Some(QUANTITIES[*quantity].clause),
+            Scope::Trait(one) => TRAITS[*one].clause,
             _ => None,
         }
     }

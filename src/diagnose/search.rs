@@ -41,6 +41,8 @@ const SMALL: usize = 1 << 13;
 const MAP: usize = 512;
 /// Mistakes that agree by chance, after which the search ends: more of them say nothing.
 const CHANCES: usize = 2;
+/// Nearly all are all but one in so many.
+const NEARLY_ALL: usize = 20;
 /// Faults of ours that are kept.
 const FAULTS: usize = 8;
 /// Answers made in search of two mistakes that hide each other.
@@ -193,8 +195,9 @@ impl<'a> Search<'a> {
             let mut groups = Vec::new();
             // What explains nearly all that is left needs no solving.
             let explains_all = |member: &Member| {
-                member.worth * 10 >= 9 * WORD * left.len() as i64
-                    && self.denied(&[&set[..], &[member.id]].concat()).is_empty()
+                let unexplained = self.unexplained(&plus(&set, member.id));
+                unexplained.len() * NEARLY_ALL <= left.len()
+                    && self.denied(&plus(&set, member.id)).is_empty()
                     && !self.is_denied_by_large(member.id)
             };
             if !single.as_ref().is_some_and(explains_all) {
@@ -223,6 +226,15 @@ impl<'a> Search<'a> {
         }
         self.drop_needless(&mut members);
         Found { members }
+    }
+
+    /// How many failures the best mistake of the catalog leaves unexplained, if these are few and nothing denies it.
+    pub fn left_by_one(&self) -> Option<usize> {
+        let left = self.unexplained(&Set::new());
+        let set = vec![self.best_single(&Set::new(), &left)?.id];
+        let unexplained = self.unexplained(&set).len();
+        (unexplained * NEARLY_ALL <= left.len() && self.denied(&set).is_empty())
+            .then_some(unexplained)
     }
 
     /// The one mistake that is worth most beside `set`.
@@ -809,6 +821,12 @@ fn worth(agreement: Agreement) -> i64 {
 
 pub(super) fn of(members: &[Member]) -> Set {
     members.iter().map(|member| member.id).collect()
+}
+
+/// The other members of a set.
+pub(super) fn without(set: &[Id], member: Id) -> Set {
+    let others = set.iter().copied().filter(|&other| other != member);
+    others.collect()
 }
 
 fn plus(set: &[Id], id: Id) -> Set {

@@ -117,6 +117,12 @@ impl Groups<'_> {
             .iter()
             .map(|&w| &traits(&self.witnesses[w]).has[..])
             .collect();
+        // Traits that tell the same of all these files are one.
+        let is_first = |&k: &usize| {
+            let same = |j: &usize| others.iter().all(|has| has[all[*j]] == has[all[k]]);
+            !(0..k).any(|j| same(&j))
+        };
+        let all: Vec<usize> = (0..all.len()).filter(is_first).map(|k| all[k]).collect();
         let is_pair = |&(a, b): &(usize, usize)| !others.iter().any(|has| has[a] && has[b]);
         let pairs = all
             .iter()
@@ -136,8 +142,8 @@ impl Groups<'_> {
     fn thresholds(&self) -> Vec<Shared> {
         let mut found = Vec::new();
         for place in 0..QUANTITIES.len() {
-            let of = |w: usize| traits(&self.witnesses[w]).quantities[place];
-            let theirs: Vec<f64> = self.others.iter().filter_map(|&w| of(w)).collect();
+            let quantity = |w: usize| traits(&self.witnesses[w]).quantities[place];
+            let theirs: Vec<f64> = self.others.iter().filter_map(|&w| quantity(w)).collect();
             let (least, most) = theirs
                 .iter()
                 .fold((f64::MAX, f64::MIN), |(a, b), &x| (a.min(x), b.max(x)));
@@ -148,13 +154,14 @@ impl Groups<'_> {
                 let beyond = |x: f64| if more { x > edge } else { x < edge };
                 let these = self.these.iter().copied();
                 let of: Vec<(usize, f64)> = these
-                    .filter_map(|w| Some((w, of(w)?)))
+                    .filter_map(|w| Some((w, quantity(w)?)))
                     .filter(|&(_, x)| beyond(x))
                     .collect();
                 let values = of.iter().map(|&(_, x)| x);
                 let nearest = values.min_by(|a, b| (a - edge).abs().total_cmp(&(b - edge).abs()));
                 // A size goes with much else: what only some of these share is another thing.
-                let is_telling = self.is_telling(of.len()) && of.len() * 3 >= self.these.len() * 2;
+                let sized = self.these.iter().filter_map(|&w| quantity(w)).count();
+                let is_telling = self.is_telling(of.len()) && of.len() == sized;
                 let Some(nearest) = nearest.filter(|_| is_telling) else {
                     continue;
                 };

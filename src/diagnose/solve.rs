@@ -148,7 +148,7 @@ fn slipped(search: &mut Search, set: &Set, left: &[usize]) -> Vec<Set> {
         let before: Vec<StreamSlip> = (before.iter().copied())
             .filter(|slip| slip.is_of(formats[0]))
             .collect();
-        let is_color = |w: &usize| matches!(search.witnesses[*w].observation.view, View::Rgb(_));
+        let is_color = |w: &usize| search.witnesses[*w].is_in_colors();
         if of.iter().all(is_color) {
             slipped_colors(search, set, &of, formats[0]);
         }
@@ -353,23 +353,7 @@ fn add(search: &mut Search, set: &Set, pictures: &[usize], act: Act) {
     let denied = search.denied(&with);
     let scope = match denied.is_empty() {
         true => Some(Scope::All),
-        false => scope_of(search, &of, &denied)
-            .filter(|scope| !(scope.is_of_light() && act.shows_in(&View::Coef)))
-            .filter(
-                |scope| match (act.shows_in(&View::Raw), act.shows_in(&View::Coef)) {
-                    (true, _) => !scope.is_of_numbers(),
-                    (_, true) => !scope.is_of_bytes(),
-                    _ => !scope.is_of_bytes() && !scope.is_of_numbers(),
-                },
-            )
-            // A header is read alike whatever follows it.
-            .filter(|_| {
-                !matches!(
-                    act,
-                    Act::Numbers(_) | Act::OtherNumbers(_) | Act::Stream(_) | Act::Planes(_)
-                )
-            })
-            .filter(|scope| matches!(scope, Scope::Formats(_)) || !act.is_of_few_values()),
+        false => scope_of(search, &of, &denied).filter(|scope| may_depend(&act, scope)),
     };
     let acting = search.each(pictures, |&w| {
         let holds = |scope: &Scope| scope.holds(&search.witnesses[w]);
@@ -387,7 +371,7 @@ fn add(search: &mut Search, set: &Set, pictures: &[usize], act: Act) {
     // Many things end in a refusal: one picture at least has to be just so.
     let is_seen = seen || !act.may_refuse();
     // Some pictures under some lights agree with something by chance.
-    let is_color = |&w: &usize| matches!(search.witnesses[w].observation.view, View::Rgb(_));
+    let is_color = |&w: &usize| search.witnesses[w].is_in_colors();
     let is_of_some = !matches!(scope, None | Some(Scope::All | Scope::Formats(_)));
     let is_chance = is_of_some && of.iter().all(is_color) && of.len() * 3 < pictures.len();
     if let Some(scope) = scope
@@ -399,6 +383,25 @@ fn add(search: &mut Search, set: &Set, pictures: &[usize], act: Act) {
     {
         search.add(Mistake::Solved(Solved { act, scope }));
     }
+}
+
+/// Whether it may depend on what these files share that something is done in them.
+fn may_depend(act: &Act, scope: &Scope) -> bool {
+    let of_view = match (act.shows_in(&View::Raw), act.shows_in(&View::Coef)) {
+        (true, _) => !scope.is_of_numbers(),
+        (_, true) => !scope.is_of_bytes(),
+        _ => !scope.is_of_bytes() && !scope.is_of_numbers(),
+    };
+    // A header is read alike whatever follows it, and so are streams.
+    let is_read_alike = matches!(
+        act,
+        Act::Numbers(_) | Act::OtherNumbers(_) | Act::Stream(_) | Act::Planes(_)
+    );
+    // Of a value alone nothing depends on how much of something else a file has.
+    let of_amount = !matches!(scope, Scope::Beyond { .. }) || !act.is_of_values();
+    let of_values = matches!(scope, Scope::Formats(_)) || !act.is_of_few_values();
+    let of_light = !(scope.is_of_light() && act.shows_in(&View::Coef));
+    of_view && of_light && of_amount && of_values && !is_read_alike
 }
 
 /// Adds mistakes of the catalog that passing cases deny, in the files in which they are made, if these can be told.
@@ -429,6 +432,12 @@ fn narrow(search: &mut Search, set: &Set, sample: &[usize], pictures: &[usize]) 
     }
 }
 
+/// Whether what is made in such files only is rather another mistake than one of the catalog: where two things come together,
+/// or from a number on.
+fn is_of_other_mistakes(scope: &Scope) -> bool {
+    matches!(scope, Scope::Both(..) | Scope::Beyond { .. })
+}
+
 /// In which files a mistake of the catalog is made that passing cases deny.
 fn scope_of_listed(search: &Search, set: &Set, id: Id, pictures: &[usize]) -> Option<Scope> {
     let with = [&set[..], &[id]].concat();
@@ -439,7 +448,7 @@ fn scope_of_listed(search: &Search, set: &Set, id: Id, pictures: &[usize]) -> Op
     let explains = |w: &usize| search.value(*w, &with) >= WORD && search.value(*w, set) < WORD;
     let explained: Vec<usize> = pictures.iter().copied().filter(explains).collect();
     let scope =
-        scope_of(search, &explained, &denied).filter(|scope| !matches!(scope, Scope::Both(..)))?;
+        scope_of(search, &explained, &denied).filter(|scope| !is_of_other_mistakes(scope))?;
     let misreading = search.mistakes[id].listed()?;
     let acts = |w: &&usize| {
         scope.holds(&search.witnesses[**w]) && search.made(**w, &with) != search.made(**w, set)
@@ -459,7 +468,7 @@ fn scope_of_listed(search: &Search, set: &Set, id: Id, pictures: &[usize]) -> Op
 /// Whether the pictures `of` are enough of those on which a mistake with this scope acts. Colors are rounded, and agree by
 /// chance with many a mistake.
 fn is_shown(search: &Search, of: &[usize], acting: usize, scope: Option<&Scope>) -> bool {
-    let is_color = |w: &usize| matches!(search.witnesses[*w].observation.view, View::Rgb(_));
+    let is_color = |w: &usize| search.witnesses[*w].is_in_colors();
     let colors_only = of.iter().all(is_color);
     let narrow = !matches!(scope, Some(Scope::All | Scope::Formats(_)));
     let fewest = match (narrow, colors_only) {
@@ -521,5 +530,5 @@ fn is_doubtful(search: &Search, w: usize, act: &Act) -> bool {
         }
         _ => false,
     };
-    is_free || matches!(search.witnesses[w].observation.view, View::Rgb(_))
+    is_free || search.witnesses[w].is_in_colors()
 }

@@ -115,7 +115,7 @@ fn fitting(search: &Search, set: &Set, w: usize, terms: &[(Source, Source)]) -> 
             places().all(|i| {
                 let value =
                     final_value(planes.samples[i], channel % 6, term, &ptm.header.scale_bias);
-                is_close(value, pair.got[i], 0.0)
+                is_close(value, pair.got[i], 0.0) || f64::from(value as f32) == pair.got[i]
             })
         };
         terms.iter().map(fits).collect()

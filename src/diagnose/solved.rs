@@ -1,6 +1,6 @@
 //! A mistake that no catalog lists, solved from the answers: what is done, where, and in which files.
 
-use super::blocks::{Block, block_clause, row_clause, texel_clause};
+use super::blocks::{Block, Part, block_clause, row_clause, texel_clause};
 use super::changes::{Change, Values};
 use super::color_rules::ColorRule;
 use super::final_rules::FinalRule;
@@ -209,6 +209,26 @@ impl Act {
         matches!(self, Act::Stream(slip) if slip.is_of(format))
     }
 
+    /// Whether other entries of a table are looked up.
+    pub const fn is_of_indices(&self) -> bool {
+        matches!(
+            self,
+            Act::Index(_)
+                | Act::Block {
+                    block: Block::Indices,
+                    ..
+                }
+        )
+    }
+
+    /// Whether values are computed or changed, wherever they stand.
+    pub const fn is_of_values(&self) -> bool {
+        !matches!(
+            self,
+            Act::Block { .. } | Act::Texels { .. } | Act::Index(_) | Act::Table(_) | Act::Powers(_)
+        )
+    }
+
     /// Whether it says of single values what becomes of them: in few files that may be chance.
     pub const fn is_of_few_values(&self) -> bool {
         matches!(
@@ -274,15 +294,7 @@ impl Act {
 
     /// Whether it may find nothing to show.
     pub const fn may_refuse(&self) -> bool {
-        matches!(
-            self,
-            Act::Index(_)
-                | Act::Stream(_)
-                | Act::Block {
-                    block: Block::Indices,
-                    ..
-                }
-        )
+        self.is_of_indices() || matches!(self, Act::Stream(_))
     }
 
     /// What it makes of the final values.
@@ -326,6 +338,10 @@ impl Act {
                     .collect();
                 format!("shows coefficients exchanged ({})", moved.join(", "))
             }
+            Act::Block {
+                block: Block::Alternating,
+                ..
+            } => "takes the rows of the blocks in turns: a row of the first block, then the same row of the next".to_owned(),
             Act::Block { block, strides } => {
                 let channels = match block {
                     Block::Colors => 3,
@@ -611,38 +627,32 @@ fn misread_in(ptm: &mut Ptm, witness: &Witness, slug: &str, channels: &Channels)
 
 /// A block read with other strides, from the bytes of the file; what lies outside of it is 0.
 fn read_block(ptm: &mut Ptm, witness: &Witness, block: Block, strides: &Strides) {
-    let blocks = Block::of(witness.case.format());
-    for &(known, first, c) in blocks
-        .iter()
-        .filter(|(known, ..)| block == Block::All || *known == block)
-    {
-        if let Some(start) = known.start(witness) {
-            read_bytes(ptm, witness, (start, first, c), strides);
-        }
+    let (width, height) = (
+        ptm.planes.size.width as usize,
+        ptm.planes.size.height as usize,
+    );
+    for part in block.parts(witness, width) {
+        let extent = Extent {
+            row: part.row,
+            ..Extent::of(width, height, part.channels)
+        };
+        read_part(ptm, &witness.built.file, &part, extent, strides);
     }
 }
 
-/// The same of one block, which begins at byte `start` and holds `c` channels from the `first` on.
-fn read_bytes(
-    ptm: &mut Ptm,
-    witness: &Witness,
-    (start, first, c): (usize, usize, usize),
-    strides: &Strides,
-) {
+/// The same of some channels.
+fn read_part(ptm: &mut Ptm, file: &[u8], part: &Part, extent: Extent, strides: &Strides) {
     let count = ptm.planes.shape.channels();
-    let extent = Extent {
-        w: ptm.planes.size.width as usize,
-        h: ptm.planes.size.height as usize,
-        c,
-    };
-    if ptm.planes.samples.len() != extent.w * extent.h * count || first + c > count {
+    if ptm.planes.samples.len() != extent.w * extent.h * count || part.first + extent.c > count {
         return;
     }
-    let file = &witness.built.file;
     for (texel, samples) in ptm.planes.samples.chunks_exact_mut(count).enumerate() {
         let (column, row) = (texel % extent.w, extent.h - 1 - texel / extent.w);
-        for (k, sample) in samples[first..first + c].iter_mut().enumerate() {
-            let place = start as isize + strides.place(column, row, k, extent);
+        for (k, sample) in samples[part.first..part.first + extent.c]
+            .iter_mut()
+            .enumerate()
+        {
+            let place = part.start as isize + strides.place(column, row, k, extent);
             let byte = usize::try_from(place).ok().and_then(|at| file.get(at));
             *sample = byte.copied().unwrap_or_default();
         }
@@ -652,11 +662,11 @@ fn read_bytes(
 /// Texels from other places; what lies outside of the picture is 0.
 fn move_texels(ptm: &mut Ptm, channels: &Channels, strides: &Strides) {
     let count = ptm.planes.shape.channels();
-    let extent = Extent {
-        w: ptm.planes.size.width as usize,
-        h: ptm.planes.size.height as usize,
-        c: 1,
-    };
+    let extent = Extent::of(
+        ptm.planes.size.width as usize,
+        ptm.planes.size.height as usize,
+        1,
+    );
     let right = ptm.planes.samples.clone();
     let (w, h) = (extent.w, extent.h);
     for (texel, samples) in ptm.planes.samples.chunks_exact_mut(count).enumerate() {

@@ -17,6 +17,7 @@ use super::solved::Act;
 use super::stream_evidence::{CODECS, Codec, First, evidence, firsts};
 use super::stream_slips::StreamSlip;
 use super::witness::{Agreement, Witness};
+use crate::protocol::frame::View;
 use crate::suite::cases::Expect;
 
 /// Wrong pictures, or first wrong blocks, that tell something.
@@ -45,9 +46,11 @@ pub(super) fn drop(search: &Search, found: &mut Found) {
         if shown.iter().all(|&w| !search.witnesses[w].failed) && refused.len() >= FEWEST {
             drop_parts(search, found, codec, &refused, &legal);
         }
+        drop_where_all_fails(search, found, &legal, &refused);
         if open.len() < FEWEST {
             continue;
         }
+        let set = of(&found.members);
         let keep = search.each(&set, |&id| {
             let explained =
                 |w: &usize| search.witnesses[*w].failed && search.agreement(*w, &[id]).explains();
@@ -65,6 +68,23 @@ pub(super) fn drop(search: &Search, found: &mut Found) {
             return drop(search, found);
         }
     }
+}
+
+/// Takes away mistakes that only refuse files of a codec, where most of its other files are not read right either: nothing
+/// tells the files that such a mistake refuses from those.
+fn drop_where_all_fails(search: &Search, found: &mut Found, legal: &[usize], refused: &[usize]) {
+    let set = of(&found.members);
+    let keep = search.each(&set, |&id| {
+        let explains = |&w: &usize| search.agreement(w, &[id]).explains();
+        let failed = (0..search.witnesses.len()).filter(|&w| search.witnesses[w].failed);
+        let of: Vec<usize> = failed.filter(explains).collect();
+        let others = legal.iter().filter(|w| !of.contains(w));
+        let (wrong, right): (Vec<usize>, Vec<usize>) =
+            others.partition(|&&w| search.witnesses[w].failed);
+        let refuses_only = of.iter().all(|w| refused.contains(w));
+        of.is_empty() || !refuses_only || wrong.len() <= right.len()
+    });
+    found.keep(&keep);
 }
 
 /// One diagnosis for each codec that goes wrong. Its failures are taken out of `left`.
@@ -185,8 +205,8 @@ fn words(
     let legal: Vec<usize> = legal.collect();
     let evidence = evidence(search, set, codec, &legal);
     let says = (codec.says)();
-    let slips = match wrong.is_empty() {
-        true => slips(search, codec, refused, &legal),
+    let slips = match wrong.len() < FEWEST {
+        true => slips(search, codec, [wrong, refused], &legal),
         false => Vec::new(),
     };
     let shared = match what_matters(&slips) {
@@ -197,10 +217,14 @@ fn words(
     let mut manner = Manner::of(firsts);
     let mut shared = shared.unwrap_or_default();
     if codec.side == 8 && !wrong.is_empty() && refused.is_empty() {
-        let files = wrong.iter().filter_map(|&w| FileStreams::of(&witnesses[w]));
-        let blocks: Vec<ShownBlock> = files.flat_map(|file| file.shown_blocks()).collect();
+        let blocks = |of: &[usize]| -> Vec<ShownBlock> {
+            let files = of.iter().filter_map(|&w| FileStreams::of(&witnesses[w]));
+            files.flat_map(|file| file.shown_blocks()).collect()
+        };
+        let passing = legal.iter().copied().filter(|&w| !witnesses[w].failed);
+        let (blocks, right) = (blocks(wrong), blocks(&passing.collect::<Vec<_>>()));
         let largest = largest_error(&blocks);
-        if let Some(number) = wrong_number(&blocks) {
+        if let Some(number) = wrong_number(&blocks, &right) {
             (manner, shared) = (Manner::Number, format!(", all of them just {number}"));
         } else if largest < SMALL && matches!(manner, Manner::BlockByBlock) {
             manner = Manner::SmallErrors;
@@ -258,18 +282,29 @@ const SMALL: f64 = 32.0;
 /// Slips that may be said beside each other.
 const SLIPS: usize = 3;
 
-/// Where nothing is shown: the slips that go wrong in just the files that are refused. None of them is certain.
-fn slips(search: &Search, codec: &Codec, refused: &[usize], legal: &[usize]) -> Vec<StreamSlip> {
+/// Where next to nothing is shown: the slips that go wrong in just the files that are refused, and show what is shown. None
+/// of them is certain.
+fn slips(
+    search: &Search,
+    codec: &Codec,
+    [wrong, refused]: [&[usize]; 2],
+    legal: &[usize],
+) -> Vec<StreamSlip> {
     let mut all: Vec<StreamSlip> = StreamSlip::all().collect();
     all.retain(|slip| slip.is_of(codec.formats[0]) && slip.may_refuse());
     let file = |w: &usize| FileStreams::of(&search.witnesses[*w]);
     let of_refused: Vec<FileStreams> = refused.iter().filter_map(file).collect();
-    let read = legal.iter().filter(|w| !refused.contains(w));
+    let of_wrong: Vec<FileStreams> = wrong.iter().filter_map(file).collect();
+    let read = legal
+        .iter()
+        .filter(|w| !refused.contains(w) && !wrong.contains(w));
     let of_read: Vec<FileStreams> = read.filter_map(file).collect();
     let fits = search.each(&all, |slip| {
         let mut refused = of_refused.iter();
         let mut read = of_read.iter();
         refused.all(|file| file.fit(&[*slip]) == Fit::Refused)
+            && (of_wrong.iter())
+                .all(|file| matches!(file.fit(&[*slip]), Fit::Same(_) | Fit::Unknown))
             && !read.any(|file| file.fit(&[*slip]) == Fit::Other)
     });
     let fitting = all.into_iter().zip(fits).filter(|(_, fits)| *fits);
@@ -312,7 +347,7 @@ fn drop_parts(
     let is_part = |of: &Vec<usize>| {
         !of.is_empty() && of.len() < refused.len() && of.iter().all(|w| refused.contains(w))
     };
-    let is_said = || what_matters(&slips(search, codec, refused, legal)).is_some();
+    let is_said = || what_matters(&slips(search, codec, [&[], refused], legal)).is_some();
     if explained.iter().any(is_part) && is_said() {
         let keep: Vec<bool> = explained.iter().map(|of| !is_part(of)).collect();
         found.keep(&keep);
@@ -383,9 +418,13 @@ impl Manner {
 
 /// The first wrong sample of the smallest file, or the smallest file that was refused.
 fn example_of(witnesses: &[Witness], firsts: &[(usize, First)], refused: &[usize]) -> String {
-    let smallest = firsts
-        .iter()
-        .min_by_key(|(w, _)| witnesses[*w].built.file.len());
+    let smallest = firsts.iter().min_by_key(|(w, _)| {
+        let witness = &witnesses[*w];
+        (
+            witness.observation.view != View::Raw,
+            witness.built.file.len(),
+        )
+    });
     match smallest {
         Some((w, first)) => format!(
             "for example {}, plane {}: received {}, expected {} in column {} of row {} of its stream, the first that is wrong, both counted from 0",
@@ -428,7 +467,7 @@ mod tests {
             misreadings::answer(&[], reading, request.file, request.view).into()
         };
         let run = check(&suite, &RunPlan::of(&suite, 2), &ask, &|_, _, _, _| ());
-        let witnesses = witnesses(&suite, &run, Reading::SPEC, 2);
+        let witnesses = witnesses(&suite, &run, None, 2);
         let stop = AtomicBool::new(false);
         let search = Search::new(&witnesses, &[], 2, &stop);
         let failed = (0..witnesses.len()).filter(|&w| witnesses[w].failed);

@@ -47,17 +47,27 @@ pub(super) struct Extent {
     pub w: usize,
     pub h: usize,
     pub c: usize,
+    /// Values from a row to the next.
+    pub row: usize,
+}
+
+impl Extent {
+    /// One row after another.
+    pub const fn of(w: usize, h: usize, c: usize) -> Extent {
+        let row = w * c;
+        Extent { w, h, c, row }
+    }
 }
 
 impl Step {
-    fn of(self, Extent { w, h, c }: Extent) -> usize {
+    fn of(self, Extent { w, h, c, row }: Extent) -> usize {
         match self {
             Step::One => 1,
             Step::Texel => c,
-            Step::Row => w * c,
-            Step::LongRow => (w + 1) * c,
-            Step::ShortRow => (w - 1) * c,
-            Step::PaddedRow(size) => (w * c).next_multiple_of(size),
+            Step::Row => row,
+            Step::LongRow => row + c,
+            Step::ShortRow => row - c,
+            Step::PaddedRow(size) => row.next_multiple_of(size),
             Step::Column => h * c,
             Step::RowOfOne => w,
             Step::ColumnOfOne => h,

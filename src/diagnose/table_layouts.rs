@@ -1,6 +1,7 @@
 //! Tables whose values a decoder looks for in other places than they stand.
 
 use super::blocks::Block;
+use super::indices::IndexBlock;
 use super::witness::Witness;
 use crate::ptm::{Format, Ptm};
 
@@ -69,31 +70,27 @@ impl TableLayout {
 
     /// The values of every texel, from the bytes of the file; behind its end stand zeros.
     pub fn apply(self, ptm: &mut Ptm, witness: &Witness) {
-        let Some(model) = witness.model().filter(|model| model.format.has_table()) else {
+        let (Some(indices), Some(table)) = (IndexBlock::of(witness), Block::Table.range(witness))
+        else {
             return;
         };
-        let size = model.entry_size();
-        let entries = model.table.len() / size;
+        let colors = Block::Colors.range(witness).map(|range| range.start);
+        let (extent, entries, size) = (indices.extent(ptm), indices.entries().len(), indices.size);
         let file = &witness.built.file;
-        let mut fields = witness.built.fields.iter();
-        let table = fields.find(|field| field.name == "table");
-        let (Some(table), colors) = (table, Block::Colors.start(witness)) else {
-            return;
-        };
         let count = ptm.planes.shape.channels();
-        let texels = ptm.planes.samples.chunks_exact_mut(count);
-        for (texel, &index) in texels.zip(&model.indices) {
-            let i = index as usize;
+        let texels = ptm.planes.samples.chunks_exact_mut(count).enumerate();
+        for (texel, samples) in texels {
+            let i = indices.stored(texel, extent);
             let byte = |at: usize| file.get(at).copied().unwrap_or_default();
             match (self, colors) {
                 (TableLayout::Entries(layout), _) => {
-                    for (k, value) in texel[..size].iter_mut().enumerate() {
+                    for (k, value) in samples[..size].iter_mut().enumerate() {
                         let at = LAYOUTS[layout].1([i, k, entries, size]);
-                        *value = byte(table.range.start + at);
+                        *value = byte(table.start + at);
                     }
                 }
-                (TableLayout::ColorsByIndex, Some(colors)) if model.format == Format::PtmLut => {
-                    for (k, value) in texel[6..].iter_mut().enumerate() {
+                (TableLayout::ColorsByIndex, Some(colors)) if size == 6 => {
+                    for (k, value) in samples[6..].iter_mut().enumerate() {
                         *value = byte(colors + 3 * i + k);
                     }
                 }

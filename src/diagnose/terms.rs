@@ -24,10 +24,10 @@ pub(super) enum Source {
 const OF_SCALES: &[Source] = &[
     Source::Own,
     Source::Fixed(1.0),
+    Source::Absolute,
     Source::Times(-1.0),
     Source::Inverse,
     Source::Square,
-    Source::Absolute,
     Source::Whole,
     Source::Fixed(0.0),
     Source::Times(2.0),
@@ -55,6 +55,7 @@ const OF_SCALES: &[Source] = &[
 const OF_BIASES: &[Source] = &[
     Source::Own,
     Source::Fixed(0.0),
+    Source::Absolute,
     Source::Times(-1.0),
     Source::Times(2.0),
     Source::Times(0.5),
@@ -62,7 +63,6 @@ const OF_BIASES: &[Source] = &[
     Source::Plus(-1.0),
     Source::Plus(128.0),
     Source::Plus(-128.0),
-    Source::Absolute,
     Source::Byte,
     Source::OverScale,
     Source::Fixed(128.0),

@@ -39,6 +39,8 @@ pub(super) struct Trait {
     pub says: String,
     /// Whether it is the view that was asked for, which is no property of the file.
     pub is_view: bool,
+    /// The clause of what is spelled so, where it is one number of the header.
+    pub clause: Option<&'static str>,
     holds: Box<dyn Fn(&Facts) -> bool + Send + Sync>,
 }
 
@@ -321,7 +323,11 @@ const OF_BYTES: &[Row] = &[
 ];
 
 /// The lists of numbers in a header.
-const LISTS: [&str; 3] = ["a scale", "a bias", "a number of the matrix"];
+const LISTS: [(&str, &str); 3] = [
+    ("a scale", "2.4/3"),
+    ("a bias", "2.4/4"),
+    ("a number of the matrix", "2.6/2"),
+];
 
 /// What can be said of a number, of each list.
 const OF_NUMBERS: &[(&str, fn(&str) -> bool)] = &[
@@ -348,9 +354,9 @@ const OF_NUMBERS: &[(&str, fn(&str) -> bool)] = &[
             && !text.contains("e-")
             && !text.contains("E-")
     }),
-    ("that has a sign", |text| text.starts_with(['+', '-'])),
-    ("that has a plus sign", |text| text.starts_with('+')),
     ("that has a minus sign", |text| text.starts_with('-')),
+    ("that has a plus sign", |text| text.starts_with('+')),
+    ("that has a sign", |text| text.starts_with(['+', '-'])),
     ("that begins with its decimal point", |text| {
         text.trim_start_matches(['+', '-']).starts_with('.')
     }),
@@ -595,12 +601,14 @@ fn all_traits() -> Vec<Trait> {
     let row = |&(says, holds): &Row| Trait {
         says: says.to_owned(),
         is_view: false,
+        clause: None,
         holds: Box::new(holds),
     };
     let both = |&(says, opposite, holds): &Pair| {
         let not = (!opposite.is_empty()).then(|| Trait {
             says: opposite.to_owned(),
             is_view: false,
+            clause: None,
             holds: Box::new(move |facts| facts.size.is_some() && !holds(facts)),
         });
         [Some(row(&(says, holds))), not].into_iter().flatten()
@@ -608,6 +616,7 @@ fn all_traits() -> Vec<Trait> {
     let of_format = |format: Format| Trait {
         says: format!("of format {}", format.short_name()),
         is_view: false,
+        clause: None,
         holds: Box::new(move |facts| facts.format == format),
     };
     // Where only one format of a kind is read, it is named.
@@ -621,26 +630,30 @@ fn all_traits() -> Vec<Trait> {
             line.name()
         ),
         is_view: false,
+        clause: None,
         holds: Box::new(move |facts| {
             facts.spelled(|recipe| recipe.spelling.space_before_newline.contains(&line))
         }),
     }));
     all.extend(OF_BYTES.iter().map(row));
-    for (list, what) in LISTS.into_iter().enumerate() {
+    for (list, (what, clause)) in LISTS.into_iter().enumerate() {
         all.extend(OF_NUMBERS.iter().map(|&(says, holds)| Trait {
             says: format!("with {what} {says}"),
             is_view: false,
+            clause: Some(clause),
             holds: Box::new(move |facts| facts.numbers[list].iter().any(|text| holds(text))),
         }));
     }
     all.extend(OF_NUMBERS.iter().map(|&(says, holds)| Trait {
         says: format!("with a number in the header {says}"),
         is_view: false,
+        clause: None,
         holds: Box::new(move |facts| facts.numbers.iter().flatten().any(|text| holds(text))),
     }));
     all.extend(OF_NUMBERS.iter().map(|&(says, holds)| Trait {
         says: format!("with a scale or a bias {says}"),
         is_view: false,
+        clause: None,
         holds: Box::new(move |facts| facts.numbers[..2].iter().flatten().any(|text| holds(text))),
     }));
     all.extend(OF_SIZE.iter().map(row));

@@ -10,7 +10,7 @@ use crate::decode::{decode_as, examine_as};
 use crate::generate::Model;
 use crate::kit::parallel::in_parallel;
 use crate::misreadings::{self, Anatomy, At, Misreading, Seen, Stage};
-use crate::protocol::frame::{Answer, Frame, Samples};
+use crate::protocol::frame::{Answer, Frame, Samples, View};
 use crate::ptm::{Field, Limits, Ptm};
 use crate::reading::Reading;
 use crate::session::observation::{Observation, Response};
@@ -31,10 +31,12 @@ pub(super) struct Witness<'a> {
     pub observation: &'a Observation,
     pub built: Arc<Built>,
     pub failed: bool,
-    /// How the decoder reads the open questions.
+    /// How the decoder reads the open questions, mistakes aside.
     pub reading: Reading,
-    /// What the reference answers, reading the open questions so.
+    /// What the reference answers in the dialect in which the decoder was judged.
     pub right: Answer,
+    /// What it answers in `reading`, where that is another.
+    unmistaken: Option<Answer>,
     /// What the bytes of the file are, as far as they can be read.
     fields: OnceLock<Vec<Field>>,
     pub traits: OnceLock<Traits>,
@@ -71,13 +73,15 @@ impl Agreement {
     }
 }
 
-/// Every case that was asked and judged, and answered in one way.
+/// Every case that was asked and judged, and answered in one way. Mistakes are made in `reading`, or in the dialect that the
+/// decoder seems to read.
 pub(super) fn witnesses<'a>(
     suite: &'a Suite,
     run: &'a Run,
-    reading: Reading,
+    reading: Option<Reading>,
     threads: usize,
 ) -> Vec<Witness<'a>> {
+    let dialect = dialect_reading(run);
     let witness = |place: usize| {
         let case = &suite.cases[place];
         let outcome = run.judgement.cases[place].as_ref()?.outcome;
@@ -91,15 +95,17 @@ pub(super) fn witnesses<'a>(
             return None;
         }
         let built = case.build(run.table);
-        let right = misreadings::answer(&[], reading, &built.file, &observation.view);
+        let answer = |reading| misreadings::answer(&[], reading, &built.file, &observation.view);
+        let (right, unmistaken) = (answer(dialect), reading.map(answer));
         Some(Witness {
             place,
             case,
             observation,
             built,
             failed: outcome == Outcome::Fail,
-            reading,
+            reading: reading.unwrap_or(dialect),
             right,
+            unmistaken,
             fields: OnceLock::new(),
             traits: OnceLock::new(),
             decoded: OnceLock::new(),
@@ -125,7 +131,8 @@ impl Witness<'_> {
     /// where it finds none.
     pub fn misread(&self, listed: &[&'static Misreading], reading: Reading) -> Result<Ptm, Answer> {
         // What is misread after decoding is decoded once.
-        let is_own = std::ptr::fn_addr_eq(reading.stream, self.reading.stream);
+        let is_own = std::ptr::fn_addr_eq(reading.stream, self.reading.stream)
+            && std::ptr::fn_addr_eq(reading.entry, self.reading.entry);
         let ptm = match is_own && listed.iter().all(|one| is_after_decoding(one)) {
             true => self.decoded().clone().map_err(Some),
             false => misreadings::read(listed, reading, &self.built.file).map(|(ptm, _)| ptm),
@@ -141,7 +148,7 @@ impl Witness<'_> {
     pub fn answer_of_listed(&self, mistakes: &[&Misreading]) -> Cow<'_, Answer> {
         // Taken apart once; and most edits leave most files as they are.
         let [first, rest @ ..] = mistakes else {
-            return Cow::Borrowed(&self.right);
+            return Cow::Borrowed(self.unmistaken());
         };
         if mistakes.iter().all(|mistake| is_after_decoding(mistake)) {
             return match self.decoded() {
@@ -150,7 +157,7 @@ impl Witness<'_> {
                     let view = &self.observation.view;
                     Cow::Owned(misreadings::show(mistakes, &reading, ptm, view))
                 }
-                Err(_) => Cow::Borrowed(&self.right),
+                Err(_) => Cow::Borrowed(self.unmistaken()),
             };
         }
         let At::Bytes(edit) = first.at else {
@@ -167,7 +174,12 @@ impl Witness<'_> {
         }
     }
 
-    /// The same to other bytes.
+    /// What a decoder without a mistake answers that otherwise reads so.
+    fn unmistaken(&self) -> &Answer {
+        self.unmistaken.as_ref().unwrap_or(&self.right)
+    }
+
+    /// What a decoder with these mistakes answers to other bytes.
     fn answer_to(&self, mistakes: &[&Misreading], file: &[u8]) -> Answer {
         misreadings::answer(mistakes, self.reading, file, &self.observation.view)
     }
@@ -176,6 +188,11 @@ impl Witness<'_> {
     pub fn fields(&self) -> &[Field] {
         self.fields
             .get_or_init(|| examine_as(&self.built.file, &self.reading).0)
+    }
+
+    /// Whether colors were asked for.
+    pub fn is_in_colors(&self) -> bool {
+        matches!(self.observation.view, View::Rgb(_))
     }
 
     /// What the reference finds in the file.
@@ -371,6 +388,18 @@ impl Witness<'_> {
 /// Mistakes that find the right values in the file.
 pub(super) fn is_after_decoding(misreading: &Misreading) -> bool {
     misreading.at.stage() >= Stage::Planes
+}
+
+/// How the reference reads the open questions, where this decoder seems to read some otherwise.
+pub(super) fn reference_reading(run: &Run) -> Option<Reading> {
+    let judgement = &run.judgement;
+    let mut followed = judgement.dialect.0.iter().zip(&judgement.settled);
+    let is_other =
+        run.table.newline || followed.any(|(&reading, &settled)| settled && reading != 0);
+    is_other.then_some(Reading {
+        stream: stream_once,
+        ..Reading::SPEC
+    })
 }
 
 /// How the decoder reads the open questions.

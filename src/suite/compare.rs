@@ -362,17 +362,19 @@ impl fmt::Display for Difference {
     }
 }
 
+/// A number with at most so many decimals.
+pub(crate) fn short(value: f64, decimals: usize) -> String {
+    let text = format!("{value:.decimals$}");
+    let text = match text.contains('.') {
+        true => text.trim_end_matches('0').trim_end_matches('.'),
+        false => &text,
+    };
+    if text == "-0" { "0" } else { text }.to_owned()
+}
+
 /// Two numbers with at most so many decimals; with more where they would look the same and are not.
 pub(crate) fn apart(a: f64, b: f64, decimals: usize) -> [String; 2] {
-    let number = |value: f64| {
-        let text = format!("{value:.decimals$}");
-        let text = match text.contains('.') {
-            true => text.trim_end_matches('0').trim_end_matches('.'),
-            false => &text,
-        };
-        if text == "-0" { "0" } else { text }.to_owned()
-    };
-    let short = [number(a), number(b)];
+    let short = [a, b].map(|value| short(value, decimals));
     match short[0] == short[1] && !is_close(a, b, 0.0) {
         true => [a, b].map(|value| (value as f32).to_string()),
         false => short,
