@@ -76,6 +76,8 @@ pub(super) struct FileStreams<'w> {
     streams: Vec<PlaneStream<'w>>,
     parts: Vec<OnceLock<Option<Parts>>>,
     right: Vec<Vec<u8>>,
+    /// The samples of each plane that side information corrects: what a stream has there is not seen.
+    records: Vec<&'w [(u32, u8)]>,
     outcome: Outcome,
     /// By how much samples may differ that inverse transforms make.
     slack: u8,
@@ -109,6 +111,7 @@ impl<'w> FileStreams<'w> {
             right: right?,
             slack: u8::from(model.format.is_jpeg()),
             outcome,
+            records: planes.iter().map(|stored| &stored.records[..]).collect(),
             streams,
         })
     }
@@ -127,6 +130,11 @@ impl<'w> FileStreams<'w> {
         self.is_near(sample, self.right[plane][place])
     }
 
+    fn is_corrected(&self, plane: usize, place: usize) -> bool {
+        let mut records = self.records[plane].iter();
+        records.any(|&(position, _)| position as usize == place)
+    }
+
     fn is_shown(&self, shown: &Shown, place: usize, sample: u8) -> bool {
         match shown {
             Shown::Bytes(bytes) => self.is_near(sample, bytes[place]),
@@ -137,16 +145,19 @@ impl<'w> FileStreams<'w> {
         }
     }
 
-    /// The blocks of JPEG streams whose samples are shown as bytes.
+    /// The blocks of JPEG streams whose samples are shown as bytes, or are right.
     pub fn shown_blocks(&self) -> Vec<ShownBlock> {
-        let Outcome::Shown(shown) = &self.outcome else {
-            return Vec::new();
-        };
         let mut blocks = Vec::new();
-        for (plane, shown) in shown.iter().enumerate() {
-            let (Some(Shown::Bytes(bytes)), Some(Parts::Jpeg((traced, steps)))) =
-                (shown, self.parts(plane))
-            else {
+        for plane in 0..self.streams.len() {
+            let bytes = match &self.outcome {
+                Outcome::Right => &self.right[plane],
+                Outcome::Shown(shown) => match &shown[plane] {
+                    Some(Shown::Bytes(bytes)) => bytes,
+                    _ => continue,
+                },
+                _ => continue,
+            };
+            let Some(Parts::Jpeg((traced, steps))) = self.parts(plane) else {
                 continue;
             };
             let size = self.streams[plane].size;
@@ -189,8 +200,19 @@ impl<'w> FileStreams<'w> {
     fn any_made(&self, slips: &[StreamSlip], is_so: impl Fn(&Partial) -> bool) -> bool {
         let mut kept = Kept::default();
         (0..self.streams.len()).any(|plane| {
-            let is_right: IsShown = &|place, sample| self.is_right(plane, place, sample);
+            let is_right: IsShown = &|place, sample| {
+                self.is_right(plane, place, sample) || self.is_corrected(plane, place)
+            };
             let made = self.made(slips, plane, &mut kept, is_right);
+            made.is_some_and(|made| is_so(&made))
+        })
+    }
+
+    /// Whether this is so of any stream, as these slips make it to its end.
+    fn any_followed(&self, slips: &[StreamSlip], is_so: impl Fn(&Partial) -> bool) -> bool {
+        let mut kept = Kept::default();
+        (0..self.streams.len()).any(|plane| {
+            let made = self.made(slips, plane, &mut kept, &|_, _| true);
             made.is_some_and(|made| is_so(&made))
         })
     }
@@ -202,18 +224,8 @@ impl<'w> FileStreams<'w> {
             Outcome::Right => Fit::Unmoved,
             Outcome::Colors => Fit::Unknown,
             Outcome::Shown(shown) => self.fit_of_picture(slips, shown),
-            Outcome::Refused => {
-                let mut kept = Kept::default();
-                let may_refuse = (0..self.streams.len()).any(|plane| {
-                    let made = self.made(slips, plane, &mut kept, &|_, _| true);
-                    made.is_some_and(|made| made.may_refuse)
-                });
-                if may_refuse {
-                    Fit::Refused
-                } else {
-                    Fit::Picture
-                }
-            }
+            Outcome::Refused if self.any_followed(slips, |made| made.may_refuse) => Fit::Refused,
+            Outcome::Refused => Fit::Picture,
         }
     }
 
@@ -332,10 +344,15 @@ pub(super) fn acts_on(slip: StreamSlip, witness: &Witness) -> bool {
 }
 
 /// Whether what was received is what a decoder with these slips finds, as far as it does not lose its way. Only planes are
-/// compared that nothing but their stream makes; where these are right, the slips change the stream of another.
+/// compared that nothing but their stream makes; where these are right, the slips change the stream of another. Colors of a
+/// decoder that loses its way may be any.
 pub(super) fn is_shown(slips: &[StreamSlip], witness: &Witness) -> bool {
-    FileStreams::of(witness)
-        .is_some_and(|streams| matches!(streams.fit(slips), Fit::Same(_) | Fit::Unmoved))
+    let is_lost = |made: &Partial| made.known < made.samples.len();
+    FileStreams::of(witness).is_some_and(|streams| match streams.fit(slips) {
+        Fit::Same(_) | Fit::Unmoved => true,
+        Fit::Unknown => streams.any_followed(slips, is_lost),
+        _ => false,
+    })
 }
 
 /// Whether a decoder with these slips keeps something from one stream to the next.

@@ -144,6 +144,8 @@ fn transform(matrix: &Matrix, coefficients: &[i32; 64]) -> [f64; 64] {
 
 /// By how much a sample may be off: it is rounded, and so are the values between two passes.
 const ROUNDING: f64 = 1.5;
+/// By how much more it may be off in a picture that is right.
+const TOLERANCE: f64 = 2.0;
 /// Blocks from which a number is solved, and fewer that tell nothing.
 const SOLVED_FROM: usize = 120;
 const FEWEST: usize = 8;
@@ -172,8 +174,9 @@ pub(super) fn largest_error(blocks: &[ShownBlock]) -> f64 {
         .fold(0.0, f64::max)
 }
 
-/// The one number of the inverse DCT with which these blocks are as they were shown, in words.
-pub(super) fn wrong_number(blocks: &[ShownBlock]) -> Option<String> {
+/// The one number of the inverse DCT with which these blocks are as they were shown, in words. `right_ones` are blocks that are
+/// shown right, but for what inverse transforms may differ.
+pub(super) fn wrong_number(blocks: &[ShownBlock], right_ones: &[ShownBlock]) -> Option<String> {
     let right = fast(&CONSTANTS);
     let mut wrong: Vec<&ShownBlock> = (blocks.iter())
         .filter(|block| farthest(&right, block) > ROUNDING)
@@ -187,8 +190,9 @@ pub(super) fn wrong_number(blocks: &[ShownBlock]) -> Option<String> {
         let number = solve(one, &wrong)?;
         let matrix = one.matrix(number);
         let is_so = |block: &&ShownBlock| farthest(&matrix, block) <= ROUNDING;
-        (wrong.iter().all(is_so) && blocks.iter().all(|block| is_so(&block)))
-            .then(|| one.says(number))
+        let is_right = |block: &ShownBlock| farthest(&matrix, block) <= ROUNDING + TOLERANCE;
+        let is_it = wrong.iter().all(is_so) && blocks.iter().all(|block| is_so(&block));
+        (is_it && right_ones.iter().all(is_right)).then(|| one.says(number))
     })
 }
 
@@ -257,12 +261,12 @@ mod tests {
             (Number::Factor(2, 3), -0.9, "coefficient 3 in sample 2"),
             (Number::Basis(4), 0.5, "coefficient 4 of eight"),
         ] {
-            let told = wrong_number(&blocks(&number.matrix(wrong)));
+            let told = wrong_number(&blocks(&number.matrix(wrong)), &[]);
             assert!(
                 told.as_ref().is_some_and(|told| told.contains(words)),
                 "{number:?}: {told:?}"
             );
         }
-        assert_eq!(wrong_number(&blocks(&fast(&CONSTANTS))), None);
+        assert_eq!(wrong_number(&blocks(&fast(&CONSTANTS)), &[]), None);
     }
 }

@@ -113,7 +113,9 @@ pub(super) struct Rules {
     /// Whether negative errors come first, of k, NEAR, B and N.
     is_negative_first: fn(u32, i32, i32, i32) -> bool,
     error: fn(i32) -> i32,
+    /// Whether counters are halved, of N and RESET, in regular mode and in run mode.
     is_full: fn(i32, i32) -> bool,
+    is_run_full: fn(i32, i32) -> bool,
     learn_b: fn(i32, i32) -> i32,
     halve_b: fn(i32) -> i32,
     halve_a: fn(i32) -> i32,
@@ -142,6 +144,8 @@ pub(super) struct Rules {
     is_alike: fn(i32, i32) -> bool,
     /// The prediction of an interruption: whether alike, a and b.
     interrupted: fn(bool, i32, i32) -> i32,
+    /// The sample at the end of a run.
+    reconstruct_interrupted: fn(&Scan, i32, i32) -> i32,
     run_sign: fn(bool, i32, i32) -> i32,
     /// The sum that k is computed of: A, N and `RItype`.
     run_sum: fn(i32, i32, i32) -> i32,
@@ -194,9 +198,19 @@ fn thresholds(stored: [i32; 3], maxval: i32, near: i32) -> [i32; 3] {
 }
 
 fn region(scan: &Scan, gradient: i32) -> i32 {
-    let reached = |threshold: i32| i32::from(gradient.abs() >= threshold);
+    // In the order of A.3.3, which matters where wrong thresholds are not over NEAR.
     let [t1, t2, t3] = scan.thresholds;
-    (reached(scan.near + 1) + reached(t1) + reached(t2) + reached(t3)) * gradient.signum()
+    let bounds = [
+        (-t3, -4),
+        (-t2, -3),
+        (-t1, -2),
+        (-scan.near - 1, -1),
+        (scan.near, 0),
+    ];
+    let lower = bounds.into_iter().find(|&(bound, _)| gradient <= bound);
+    let upper = [(t1, 1), (t2, 2), (t3, 3)].into_iter();
+    let upper = || upper.clone().find(|&(bound, _)| gradient < bound);
+    lower.or_else(upper).map_or(4, |(_, region)| region)
 }
 
 fn number([q1, q2, q3]: [i32; 3]) -> (i32, i32) {
@@ -269,6 +283,7 @@ pub(super) const RIGHT: Rules = Rules {
     is_negative_first: |k, near, b, n| k == 0 && near == 0 && 2 * b <= -n,
     error: |mapped| (mapped >> 1) ^ -(mapped & 1),
     is_full: |n, reset| n == reset,
+    is_run_full: |n, reset| n == reset,
     learn_b: |error, step| error * step,
     halve_b: |b| b >> 1,
     halve_a: |a| a >> 1,
@@ -287,6 +302,7 @@ pub(super) const RIGHT: Rules = Rules {
     is_shortened_first: false,
     is_alike: |difference, near| difference.abs() <= near,
     interrupted: |alike, a, b| if alike { a } else { b },
+    reconstruct_interrupted: reconstruct,
     run_sign: |alike, a, b| if !alike && a > b { -1 } else { 1 },
     run_sum: |a, n, kind| a + kind * (n >> 1),
     run_limit: |limit, j| limit.saturating_sub(j + 1),
@@ -596,7 +612,7 @@ impl Decoder<'_> {
         let sign = (rules.run_sign)(alike, a, b);
         context.b += i32::from((rules.is_negative)(error, sign * error));
         context.a = (rules.store_a)(context.a + (rules.run_growth)(number, kind, error));
-        if (rules.is_full)(context.n, scan.reset) {
+        if (rules.is_run_full)(context.n, scan.reset) {
             context.a = (rules.halve_a)(context.a);
             context.b = (rules.halve_negative)(context.b);
             context.n >>= 1;
@@ -605,7 +621,7 @@ impl Decoder<'_> {
         if !rules.is_shortened_first {
             self.run_index = (rules.shorten)(self.run_index);
         }
-        Some((rules.reconstruct)(
+        Some((rules.reconstruct_interrupted)(
             scan,
             (rules.interrupted)(alike, a, b),
             sign * error,
@@ -649,7 +665,7 @@ macro_rules! c_limits {
 }
 
 /// Other limits of C.
-static C_LIMITS: &[Slip<Rules>] = c_limits!(-7 7 -8 7 -15 15 -16 15 -31 31 -32 31 -63 63 -64 63 -127 127 -128 126 -100 100 -32 32 -64 64 -16 16);
+static C_LIMITS: &[Slip<Rules>] = c_limits!(-4 127 -128 4 -4 4 -8 127 -128 8 -16 127 -128 16 -32 127 -128 32 -64 127 -128 64 -128 0 0 127 -7 7 -8 7 -15 15 -16 15 -31 31 -32 31 -63 63 -64 63 -127 127 -128 126 -100 100 -32 32 -64 64 -16 16);
 
 macro_rules! factors {
     ($name:literal $place:literal $right:literal: $($factor:literal)*) => {
@@ -682,6 +698,25 @@ const FACTORS: [&[Slip<Rules>]; 3] = [
     factors!("T3" 2 7: 0 1 2 3 4 5 6 8 9),
 ];
 
+macro_rules! bases {
+    ($name:literal $place:literal: $($off:literal $words:literal)*) => {
+        slips! {in "the default thresholds (T.87 C.2.4.1.1)": $(
+            concat!("takes a default ", $name, " that is ", $words), |r| r.thresholds = |s, m, n| {
+                let mut all = thresholds(s, m, n);
+                if s[$place] == 0 { all[$place] += $off }
+                all
+            };
+        )*}
+    };
+}
+
+/// Defaults that are off by one number.
+const BASES: [&[Slip<Rules>]; 3] = [
+    bases!("T1" 0: -2 "2 too small" -1 "1 too small" 1 "1 too large" 2 "2 too large"),
+    bases!("T2" 1: -2 "2 too small" -1 "1 too small" 1 "1 too large" 2 "2 too large"),
+    bases!("T3" 2: -2 "2 too small" -1 "1 too small" 1 "1 too large" 2 "2 too large"),
+];
+
 macro_rules! limits {
     ($($off:literal $words:literal)*) => {
         slips! {in "LIMIT, 2·(bpp + max(8, bpp)) (T.87 A.2.1)": $(
@@ -692,6 +727,12 @@ macro_rules! limits {
 
 /// Other numbers for LIMIT.
 static LIMITS: &[Slip<Rules>] = limits!(-8 "8 too small" -4 "4 too small" -2 "2 too small" -1 "1 too small" 1 "1 too large" 2 "2 too large" 4 "4 too large" 8 "8 too large");
+
+/// Other samples in regular mode and at the end of runs.
+fn both(rules: &mut Rules, reconstruct: fn(&Scan, i32, i32) -> i32) {
+    rules.reconstruct = reconstruct;
+    rules.reconstruct_interrupted = reconstruct;
+}
 
 /// The neighborhood with another a in the first column.
 fn with_a(plane: &Plane, row: usize, column: usize, a: i32) -> [i32; 4] {
@@ -717,6 +758,9 @@ pub(super) static LISTS: &[&[Slip<Rules>]] = &[
     FACTORS[0],
     FACTORS[1],
     FACTORS[2],
+    BASES[0],
+    BASES[1],
+    BASES[2],
     LIMITS,
     C_LIMITS,
     WRONG_ENTRIES,
@@ -809,6 +853,14 @@ static SLIPS: &[Slip<Rules>] = slips! {
     "starts with A = 2", |r| r.initial_a = |_| 2;
     "starts with A = 4, whatever RANGE is", |r| r.initial_a = |_| 4;
     "starts with A = (RANGE + 32) / 64, but not 2 at the least", |r| r.initial_a = |range| (range + 32) / 64;
+    "starts with A = (RANGE + 64) / 64, and 2 at the least", |r| r.initial_a = |range| ((range + 64) / 64).max(2);
+    "starts with A = (RANGE + 32) / 32, and 2 at the least", |r| r.initial_a = |range| ((range + 32) / 32).max(2);
+    "starts with A = (RANGE + 32) / 128, and 2 at the least", |r| r.initial_a = |range| ((range + 32) / 128).max(2);
+    "starts with A = RANGE / 64, and 3 at the least", |r| r.initial_a = |range| (range / 64).max(3);
+    "starts with A = 3, whatever RANGE is", |r| r.initial_a = |_| 3;
+    "starts with A = 5, whatever RANGE is", |r| r.initial_a = |_| 5;
+    "starts with A = 6, whatever RANGE is", |r| r.initial_a = |_| 6;
+    "starts with A = 8, whatever RANGE is", |r| r.initial_a = |_| 8;
     "starts with A = 0", |r| r.initial_a = |_| 0;
     "starts with A = 1", |r| r.initial_a = |_| 1;
     "computes k by N · 2^k > A where ≥ belongs", |r| r.golomb = |a, n| golomb(a + 1, n);
@@ -838,9 +890,15 @@ static SLIPS: &[Slip<Rules>] = slips! {
     "keeps A in one byte", |r| r.store_a = |a| a & 0xff;
     "keeps A in a signed byte", |r| r.store_a = |a| i32::from(a as i8);
     "keeps B in a signed byte", |r| r.store_b = |b| i32::from(b as i8);
-    "halves the counters of a context at N > RESET where N = RESET belongs", |r| r.is_full = |n, reset| n > reset;
-    "halves the counters of a context one sample too early", |r| r.is_full = |n, reset| n + 1 >= reset;
-    "never halves the counters of a context", |r| r.is_full = |_, _| false;
+    "halves the counters of a context at N > RESET where N = RESET belongs", |r| { r.is_full = |n, reset| n > reset; r.is_run_full = r.is_full; };
+    "halves the counters of a context at N > RESET where N = RESET belongs, in regular mode alone", |r| r.is_full = |n, reset| n > reset;
+    "halves the counters of a context of runs at N > RESET where N = RESET belongs", |r| r.is_run_full = |n, reset| n > reset;
+    "halves the counters of a context one sample too early", |r| { r.is_full = |n, reset| n + 1 >= reset; r.is_run_full = r.is_full; };
+    "halves the counters of a context one sample too early, in regular mode alone", |r| r.is_full = |n, reset| n + 1 >= reset;
+    "halves the counters of a context of runs one sample too early", |r| r.is_run_full = |n, reset| n + 1 >= reset;
+    "never halves the counters of a context", |r| { r.is_full = |_, _| false; r.is_run_full = r.is_full; };
+    "never halves the counters of a context, in regular mode alone", |r| r.is_full = |_, _| false;
+    "never halves the counters of a context of runs", |r| r.is_run_full = |_, _| false;
     "halves B toward 0 where it is rounded down", |r| r.halve_b = |b| b / 2;
     "does not halve B", |r| r.halve_b = |b| b;
     "does not halve A", |r| r.halve_a = |a| a;
@@ -860,16 +918,21 @@ static SLIPS: &[Slip<Rules>] = slips! {
     "never changes C", |r| r.correction = |b, c, n| (correction(b, c, n).0, c);
     "compares B with N before N is counted up", |r| r.correction = |b, c, n| { let (b, c) = correction(b, c, n - 1); (b, c) };
     in "the reconstruction of samples (T.87 A.4.4, A.4.5)":
-    "does not take samples modulo RANGE", |r| r.reconstruct = |s, p, e| (p + e * s.step).clamp(0, s.maxval);
-    "does not limit samples to 0 … MAXVAL, which matters where NEAR is over 0", |r| r.reconstruct = wrapped;
-    "takes samples modulo RANGE beyond 0 … MAXVAL, without NEAR", |r| r.reconstruct = |s, p, e| { let (m, x) = (s.range * s.step, p + e * s.step); let x = if x < 0 { x + m } else if x > s.maxval { x - m } else { x }; x.clamp(0, s.maxval) };
-    "takes samples modulo RANGE without the factor 2·NEAR + 1", |r| r.reconstruct = |s, p, e| { let x = p + e * s.step; let x = if x < -s.near { x + s.range } else if x > s.maxval + s.near { x - s.range } else { x }; x.clamp(0, s.maxval) };
-    "takes samples modulo 256", |r| r.reconstruct = |s, p, e| (p + e * s.step) & 0xff;
-    "does not multiply errors by 2·NEAR + 1", |r| r.reconstruct = |s, p, e| { let x = p + e; if x < 0 { x + s.range } else if x > s.maxval { x - s.range } else { x } };
-    "takes samples modulo RANGE only where they are too large", |r| r.reconstruct = |s, p, e| wrapped(s, p, e).min(if p + e * s.step < -s.near { p + e * s.step } else { i32::MAX }).clamp(0, s.maxval);
-    "takes samples modulo RANGE only where they are too small", |r| r.reconstruct = |s, p, e| if p + e * s.step > s.maxval + s.near { s.maxval } else { reconstruct(s, p, e) };
-    "takes samples modulo RANGE from 0 downward, where −NEAR belongs", |r| r.reconstruct = |s, p, e| { let (m, x) = (s.range * s.step, p + e * s.step); if x < 0 { (x + m).clamp(0, s.maxval) } else { reconstruct(s, p, e) } };
-    "takes samples modulo RANGE from MAXVAL upward, where MAXVAL + NEAR belongs", |r| r.reconstruct = |s, p, e| { let (m, x) = (s.range * s.step, p + e * s.step); if x > s.maxval { (x - m).clamp(0, s.maxval) } else { reconstruct(s, p, e) } };
+    "does not take samples modulo RANGE", |r| both(r, |s, p, e| (p + e * s.step).clamp(0, s.maxval));
+    "does not limit samples to 0 … MAXVAL, which matters where NEAR is over 0", |r| both(r, wrapped);
+    "takes samples modulo RANGE beyond 0 … MAXVAL, without NEAR", |r| both(r, |s, p, e| { let (m, x) = (s.range * s.step, p + e * s.step); let x = if x < 0 { x + m } else if x > s.maxval { x - m } else { x }; x.clamp(0, s.maxval) });
+    "takes samples modulo RANGE without the factor 2·NEAR + 1", |r| both(r, |s, p, e| { let x = p + e * s.step; let x = if x < -s.near { x + s.range } else if x > s.maxval + s.near { x - s.range } else { x }; x.clamp(0, s.maxval) });
+    "takes samples modulo 256", |r| both(r, |s, p, e| (p + e * s.step) & 0xff);
+    "does not multiply errors by 2·NEAR + 1", |r| both(r, |s, p, e| { let x = p + e; if x < 0 { x + s.range } else if x > s.maxval { x - s.range } else { x } });
+    "does not multiply errors by 2·NEAR + 1, but RANGE", |r| both(r, |s, p, e| { let (m, x) = (s.range * s.step, p + e); let x = if x < -s.near { x + m } else if x > s.maxval + s.near { x - m } else { x }; x.clamp(0, s.maxval) });
+    "takes samples modulo RANGE only where they are too large", |r| both(r, |s, p, e| wrapped(s, p, e).min(if p + e * s.step < -s.near { p + e * s.step } else { i32::MAX }).clamp(0, s.maxval));
+    "takes samples modulo RANGE only where they are too small", |r| both(r, |s, p, e| if p + e * s.step > s.maxval + s.near { s.maxval } else { reconstruct(s, p, e) });
+    "takes samples modulo RANGE from 0 downward, where −NEAR belongs", |r| both(r, |s, p, e| { let (m, x) = (s.range * s.step, p + e * s.step); if x < 0 { (x + m).clamp(0, s.maxval) } else { reconstruct(s, p, e) } });
+    "takes samples modulo RANGE from MAXVAL upward, where MAXVAL + NEAR belongs", |r| both(r, |s, p, e| { let (m, x) = (s.range * s.step, p + e * s.step); if x > s.maxval { (x - m).clamp(0, s.maxval) } else { reconstruct(s, p, e) } });
+    "does not multiply the error at the end of a run by 2·NEAR + 1", |r| r.reconstruct_interrupted = |s, p, e| { let (m, x) = (s.range * s.step, p + e); let x = if x < -s.near { x + m } else if x > s.maxval + s.near { x - m } else { x }; x.clamp(0, s.maxval) };
+    "does not multiply errors by 2·NEAR + 1 but at the end of a run", |r| r.reconstruct = |s, p, e| { let (m, x) = (s.range * s.step, p + e); let x = if x < -s.near { x + m } else if x > s.maxval + s.near { x - m } else { x }; x.clamp(0, s.maxval) };
+    "does not take the sample at the end of a run modulo RANGE", |r| r.reconstruct_interrupted = |s, p, e| (p + e * s.step).clamp(0, s.maxval);
+    "takes samples modulo RANGE at the end of a run alone", |r| r.reconstruct = |s, p, e| (p + e * s.step).clamp(0, s.maxval);
     in "runs (T.87 A.7)":
     "has a J[18] that is one too large", |r| r.typo = (18, 1, true, true);
     "has a J[18] that is one too small", |r| r.typo = (18, -1, true, true);

@@ -271,6 +271,7 @@ pub(super) static SLIPS: &[Slip<Rules>] = slips! {
     "takes numbers of EXTEND for negative that begin with a 1 and nothing but zeros (≤ for <)", |r| r.extend = |v, s| if s > 0 && v == 1 << (s - 1) { v + 1 - (1 << s) } else { v };
     "extends negative numbers by −2^size, where 1 − 2^size belongs", |r| r.extend = |v, s| if v < 0 { v - 1 } else { v }.max(-(1 << s));
     "extends negative numbers by 2 − 2^size, where 1 − 2^size belongs", |r| r.extend = |v, _| if v < 0 { v + 1 } else { v };
+    "takes 0 for −1, a number of one bit", |r| r.extend = |v, s| if s == 1 && v < 0 { 0 } else { v };
     "takes all numbers for positive (no EXTEND)", |r| r.extend = |v, s| if v < 0 { v + (1 << s) - 1 } else { v };
     "extends negative numbers of 8 bits and more by −2^size, where 1 − 2^size belongs", |r| r.extend = |v, s| if v < 0 && s >= 8 { v - 1 } else { v };
     "extends negative numbers of 8 bits and more by 2 − 2^size, where 1 − 2^size belongs", |r| r.extend = |v, s| if v < 0 && s >= 8 { v + 1 } else { v };

@@ -30,6 +30,8 @@ pub(super) struct CodedPlane {
 /// One decision that is taken otherwise.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Slip {
+    /// Every sample that a stream holds is so much more, within 0…255.
+    Shifted(i8),
     /// So many times the residual and the predictor, and a number, modulo 256.
     Sum {
         residual: i8,
@@ -46,6 +48,8 @@ pub(super) enum Slip {
         below: bool,
         above: bool,
     },
+    /// Sums are taken modulo 255.
+    Remainder255,
     /// Sums below 0 lose their sign.
     Absolute,
     /// The residual less 128 is at least −127.
@@ -63,6 +67,8 @@ pub(super) enum Slip {
     },
     /// Predicted from the plane with the number before.
     FromPlaneBefore,
+    /// Predicted from the plane so many numbers on, where there is one.
+    FromNeighbor(i8),
     /// What an intra coded plane holds is inverted where its transform says so.
     IntraInverted,
     NotMoved,
@@ -99,6 +105,8 @@ pub(super) enum Slip {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Vector {
     Exchanged,
+    /// x or y, by its place, for both.
+    Copied(usize),
     Negated([bool; 2]),
     Without([bool; 2]),
     Absolute,
@@ -196,12 +204,14 @@ pub(super) enum Records {
     reason = "each is a decision of its own"
 )]
 struct Rules {
+    shift: i8,
     sum: Option<Slip>,
     inverse: Option<Slip>,
     is_intra_inverted: bool,
     is_inverted_by_reference: bool,
     is_moved_by_reference: bool,
     is_from_plane_before: bool,
+    from_neighbor: i8,
     is_still: bool,
     vector: Option<Vector>,
     split: Option<(Whole, Half)>,
@@ -224,9 +234,11 @@ impl Rules {
 
     fn set(&mut self, slip: Slip) {
         match slip {
+            Slip::Shifted(by) => self.shift = by,
             Slip::Sum { .. }
             | Slip::Limited { .. }
             | Slip::Modulo255 { .. }
+            | Slip::Remainder255
             | Slip::Absolute
             | Slip::ResidualLimited => self.sum = Some(slip),
             Slip::InvertedFrom(_)
@@ -238,6 +250,7 @@ impl Rules {
             Slip::ByReference { inverted: true } => self.is_inverted_by_reference = true,
             Slip::ByReference { inverted: false } => self.is_moved_by_reference = true,
             Slip::FromPlaneBefore => self.is_from_plane_before = true,
+            Slip::FromNeighbor(by) => self.from_neighbor = by,
             Slip::IntraInverted => self.is_intra_inverted = true,
             Slip::NotMoved => self.is_still = true,
             Slip::Vector(vector) => self.vector = Some(vector),
@@ -312,6 +325,13 @@ impl Coding {
     ) -> Vec<u8> {
         let rules = Rules::of(slips);
         let (step, mut plane) = (&self.planes[i].step, self.planes[i].residuals.clone());
+        // Whether a sample at a limit was beyond it before, nobody knows.
+        for sample in plane
+            .iter_mut()
+            .filter(|sample| !matches!(**sample, 0 | 255))
+        {
+            *sample = sample.saturating_add_signed(rules.shift);
+        }
         let sequence = self.sequence(slips);
         let place = |i: usize| sequence.iter().position(|&other| other == i);
         let Some(own) = place(i) else {
@@ -319,9 +339,11 @@ impl Coding {
         };
         match step.reference {
             Some(reference) => {
+                let neighbor = reference.checked_add_signed(rules.from_neighbor.into());
+                let neighbor = neighbor.filter(|&other| other < self.planes.len());
                 let reference = match i.checked_sub(1) {
                     Some(before) if rules.is_from_plane_before => before,
-                    _ => reference,
+                    _ => neighbor.unwrap_or(reference),
                 };
                 let is_there = place(reference).is_some_and(|other| other < own);
                 let blank = || vec![0; plane.len()];
@@ -473,6 +495,7 @@ impl Coding {
             *part = (*part).clamp(-(1 << 40), 1 << 40);
             *part = match rules.vector {
                 Some(Vector::Exchanged) => of(i)[1 - axis],
+                Some(Vector::Copied(which)) => of(i)[which],
                 Some(Vector::Negated(axes)) if axes[axis] => -*part,
                 Some(Vector::Without(axes)) if axes[axis] => 0,
                 Some(Vector::Absolute) => part.abs(),
@@ -528,6 +551,7 @@ impl Coding {
                     .wrapping_add(plus),
                 Slip::Limited { below: true, .. } if sum < 0 => 0,
                 Slip::Limited { above: true, .. } if sum > 255 => 255,
+                Slip::Remainder255 => sum.rem_euclid(255) as u8,
                 Slip::Modulo255 { below: true, .. } if sum < 0 => (sum + 255) as u8,
                 Slip::Modulo255 { above: true, .. } if sum > 255 => (sum - 255) as u8,
                 Slip::Absolute => sum.unsigned_abs() as u8,

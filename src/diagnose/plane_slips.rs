@@ -99,6 +99,8 @@ impl Slip {
             Slip::NotMoved,
             Slip::IntraInverted,
             Slip::FromPlaneBefore,
+            Slip::FromNeighbor(-1),
+            Slip::FromNeighbor(1),
         ];
         all.extend([true, false].map(|inverted| Slip::ByReference { inverted }));
         all.extend([0, 254, 1, 128, 127].map(Slip::InvertedFrom));
@@ -111,7 +113,8 @@ impl Slip {
             all.push(Slip::Limited { below, above });
             all.push(Slip::Modulo255 { below, above });
         }
-        all.extend([Slip::Absolute, Slip::ResidualLimited]);
+        all.extend([Slip::Remainder255, Slip::Absolute, Slip::ResidualLimited]);
+        all.extend([-1, 1, -2, 2].map(Slip::Shifted));
         all.extend(Vector::all().map(Slip::Vector));
         all.extend(splits());
         all.extend(means());
@@ -142,17 +145,19 @@ impl Slip {
             Slip::Sum { .. }
             | Slip::Limited { .. }
             | Slip::Modulo255 { .. }
+            | Slip::Remainder255
             | Slip::Absolute
             | Slip::ResidualLimited
             | Slip::ByReference { .. }
             | Slip::FromPlaneBefore
+            | Slip::FromNeighbor(_)
             | Slip::Overwrites => is_predicted,
             Slip::InvertedFrom(_)
             | Slip::InvertedFromLargest
             | Slip::NotInvertedOf(_)
             | Slip::NotInverted => is_predicted && step.inverted,
             Slip::IntraInverted => !is_predicted && step.inverted,
-            Slip::Order(_) => true,
+            Slip::Order(_) | Slip::Shifted(_) => true,
             Slip::Records(Records::OfPlaneBefore | Records::SingleOfPlaneBefore) => {
                 plane.records.is_empty()
             }
@@ -169,6 +174,12 @@ impl Slip {
                 predictor,
                 plus,
             } => says_sum(residual, predictor, plus),
+            Slip::Shifted(by) => format!(
+                "decodes every sample of its streams {} too {}, as a level shift of {} would where 128 belongs",
+                by.unsigned_abs(),
+                if by < 0 { "small" } else { "large" },
+                128 + i16::from(by)
+            ),
             Slip::Vector(vector) => vector.says(),
             Slip::Split(whole, half) => says_split(whole, half),
             Slip::Mean { how, of } => {
@@ -229,6 +240,9 @@ impl Slip {
                 (true, false) => "adds 255 to a plane's values below 0, where 256 belongs",
                 _ => "subtracts 255 from a plane's values above 255, where 256 belongs",
             },
+            Slip::Remainder255 => {
+                "takes residual + predictor − 128 modulo 255 (255 becomes 0), which is meant modulo 256"
+            }
             Slip::Absolute => {
                 "takes residual + predictor − 128 without its sign where it is below 0"
             }
@@ -245,6 +259,10 @@ impl Slip {
                 "displaces a reference where the transform of the reference says so"
             }
             Slip::FromPlaneBefore => "predicts planes from the plane with the number before",
+            Slip::FromNeighbor(by) if by < 0 => {
+                "predicts planes from the plane before their reference, as if planes were counted from 1"
+            }
+            Slip::FromNeighbor(_) => "predicts planes from the plane behind their reference",
             Slip::Overwrites => {
                 "shows a predicted plane in place of the plane that it is predicted from"
             }
@@ -255,9 +273,13 @@ impl Slip {
     /// What to do about it.
     pub const fn fix(self) -> &'static str {
         match self {
+            Slip::Shifted(_) => {
+                "add 128 to the samples of an inverse DCT, round to the nearest, and limit them to 0…255 (T.81 A.3.1)"
+            }
             Slip::Sum { .. }
             | Slip::Limited { .. }
             | Slip::Modulo255 { .. }
+            | Slip::Remainder255
             | Slip::Absolute
             | Slip::ResidualLimited => "plane = (residual + predictor − 128) modulo 256",
             Slip::InvertedFrom(_)
@@ -267,8 +289,8 @@ impl Slip {
                 "where the plane's own transform has bit 1, its predictor is 255 − the reference, everywhere"
             }
             Slip::ByReference { .. } => "use the transform of the predicted plane",
-            Slip::FromPlaneBefore => {
-                "the number at place i of the reference list is the plane that plane i is predicted from"
+            Slip::FromPlaneBefore | Slip::FromNeighbor(_) => {
+                "planes are counted from 0: the number at place i of the reference list is the plane that plane i is predicted from"
             }
             Slip::IntraInverted => "leave intra coded planes as their streams hold them",
             Slip::NotMoved => {
@@ -299,9 +321,11 @@ impl Slip {
     /// The clause that it violates.
     pub const fn clause(self) -> &'static str {
         match self {
+            Slip::Shifted(_) => "2.9.8/3",
             Slip::Sum { .. }
             | Slip::Limited { .. }
             | Slip::Modulo255 { .. }
+            | Slip::Remainder255
             | Slip::Absolute
             | Slip::ResidualLimited
             | Slip::Overwrites => "2.9.5/4",
@@ -310,10 +334,12 @@ impl Slip {
             | Slip::NotInvertedOf(_)
             | Slip::NotInverted => "2.9.2/3",
             Slip::ByReference { .. } => "2.9.2/1",
-            Slip::FromPlaneBefore => "2.9.5/1",
+            Slip::FromPlaneBefore | Slip::FromNeighbor(_) => "2.9.5/1",
             Slip::IntraInverted => "2.9.5/2",
             Slip::NotMoved => "2.9.2/4",
-            Slip::Vector(Vector::Exchanged | Vector::Earlier(..) | Vector::FromEnd(_)) => "2.9.3/1",
+            Slip::Vector(
+                Vector::Exchanged | Vector::Copied(_) | Vector::Earlier(..) | Vector::FromEnd(_),
+            ) => "2.9.3/1",
             Slip::Vector(_) | Slip::Split(..) => "2.9.3/2",
             Slip::Mean { .. } => "2.9.3/5",
             Slip::Border { .. } | Slip::FirstWithin { .. } | Slip::WithinOther { .. } => "2.9.3/6",
@@ -400,9 +426,11 @@ impl Vector {
         let earlier = [1, 2, 3, 6, 9].into_iter();
         let earlier = earlier.flat_map(|k| AXES.map(|axes| Vector::Earlier(k, axes)));
         let from_end = AXES.into_iter().map(Vector::FromEnd);
+        let copied = [0, 1].map(Vector::Copied);
         let within = [8, 16, 32, 64, 128].map(Vector::Within);
         let bits = (3..=31).map(Vector::Bits);
         (plain.into_iter().chain(some).chain(without).chain(from_end))
+            .chain(copied)
             .chain(earlier.chain(within).chain(bits))
     }
 
@@ -414,6 +442,8 @@ impl Vector {
                 format!("takes {} of a vector with the other sign", parts(axes))
             }
             Vector::Without(axes) => format!("leaves out {} of a vector", parts(axes)),
+            Vector::Copied(0) => "takes x of a vector for y too".to_owned(),
+            Vector::Copied(_) => "takes y of a vector for x too".to_owned(),
             Vector::Absolute => "loses the sign of vectors".to_owned(),
             Vector::Doubled => "takes whole texels for half texels".to_owned(),
             Vector::Bits(bits) => format!("keeps x and y of a vector in {bits} bits"),
@@ -529,6 +559,7 @@ fn borders() -> Vec<Slip> {
         Border::Value(0),
         Border::Value(255),
         Border::Value(128),
+        Border::Value(127),
     ];
     let mut all = Vec::new();
     for reach in [Reach::Any, Reach::Near, Reach::Far] {

@@ -21,7 +21,7 @@ use crate::session::observation::Response;
 /// Samples of all failing files that are looked at, and of a passing one; and how many files.
 const SAMPLES_OF_ALL: usize = 1 << 17;
 const SAMPLES_OF_PASSING: usize = 1 << 12;
-const FAILING: usize = 60;
+const FAILING: usize = 120;
 const PASSING: usize = 160;
 /// Slips that are found one after another.
 const ROUNDS: usize = 4;
@@ -99,8 +99,9 @@ fn unlike(search: &Search, of: &[usize], most: usize) -> Vec<usize> {
 /// Such files that the decoder passes.
 pub(super) fn passing_files(search: &Search) -> Vec<usize> {
     let passing = search.passing.iter().copied();
+    // Of files that are refused nothing is shown.
     let small: Vec<usize> = passing
-        .filter(|&w| search.samples(w) <= SAMPLES_OF_PASSING)
+        .filter(|&w| (1..=SAMPLES_OF_PASSING).contains(&search.samples(w)))
         .collect();
     unlike(search, &small, PASSING)
 }
@@ -194,7 +195,12 @@ fn next(
     let placed = search.each(&ranked, |&(count, slip)| {
         let mut all = traces(failing, &now_failing, &made, slip);
         let own = all.len();
-        all.extend(traces(passing, &now_passing, &made, slip));
+        // What inverse transforms may differ in a picture that is right denies no shift.
+        let may_differ = |trace: &Trace| {
+            matches!(slip, Slip::Shifted(_)) && !passing[trace.file].coding.is_jpeg_ls
+        };
+        let of_passing = traces(passing, &now_passing, &made, slip).into_iter();
+        all.extend(of_passing.filter(|trace| !may_differ(trace)));
         let file = |place: usize, trace: &Trace| match place < own {
             true => &failing[trace.file],
             false => &passing[trace.file],

@@ -149,17 +149,19 @@ fn best(
         true => Vec::new(),
         false => files(search, formats, &passing),
     };
-    let mut best = Vec::new();
-    for (_, set) in counted {
-        let denies = search.each(&right, |file| file.fit(set) == Fit::Other);
-        if !denies.contains(&true) {
-            best.push(set.clone());
-        }
-        if best.len() == SINGLES {
+    let mut best: Vec<(Count, Vec<StreamSlip>)> = Vec::new();
+    for (count, set) in counted {
+        // What makes fewer of the wrong samples is not the same.
+        let is_less = |(first, _): &(Count, _)| *first != count;
+        if best.len() == SINGLES || best.first().is_some_and(is_less) {
             break;
         }
+        let denies = search.each(&right, |file| file.fit(set) == Fit::Other);
+        if !denies.contains(&true) {
+            best.push((count, set.clone()));
+        }
     }
-    best
+    best.into_iter().map(|(_, set)| set).collect()
 }
 
 /// How many pictures are just as these slips make them; nothing where too many are not.
