@@ -8,6 +8,8 @@ use super::witness::Witness;
 const FEWEST: usize = 2;
 /// Two traits together are said of no fewer files: among so many pairs some fit by chance.
 const FEWEST_OF_BOTH: usize = 8;
+/// Pairs of traits among which the widest is looked for.
+const MOST_PAIRS: usize = 64;
 /// A trait is said where one in so many suites would have such a trait by chance.
 const CHANCE: f64 = 50.0;
 
@@ -105,7 +107,8 @@ impl Groups<'_> {
             .collect()
     }
 
-    /// Two traits that all of these files have and none of the others has both of; nothing where several pairs would do.
+    /// Two traits that all of these files have and none of the others has both of; nothing where several pairs would do of which
+    /// none follows from another.
     fn both(&self) -> Option<Shared> {
         if self.these.len() < FEWEST_OF_BOTH || !self.is_telling(self.these.len() / 2) {
             return None;
@@ -128,9 +131,16 @@ impl Groups<'_> {
             .iter()
             .enumerate()
             .flat_map(|(i, &a)| all[i + 1..].iter().map(move |&b| (a, b)));
-        let mut pairs = pairs.filter(is_pair);
-        match (pairs.next(), pairs.next()) {
-            (Some((a, b)), None) => Some(Shared {
+        let pairs: Vec<(usize, usize)> = pairs.filter(is_pair).take(MOST_PAIRS).collect();
+        // A pair that follows from a wider one says no more than that.
+        let implies = |a: usize, b: usize| others.iter().all(|has| !has[a] || has[b]);
+        let is_wider = |&(a, b): &(usize, usize), &(c, d): &(usize, usize)| {
+            (a, b) != (c, d) && (implies(a, c) && implies(b, d) || implies(a, d) && implies(b, c))
+        };
+        let mut widest =
+            (pairs.iter()).filter(|one| !pairs.iter().any(|other| is_wider(one, other)));
+        match (widest.next(), widest.next()) {
+            (Some(&(a, b)), None) if pairs.len() < MOST_PAIRS => Some(Shared {
                 scope: Scope::Both(a, b),
                 of: self.these.to_vec(),
             }),
