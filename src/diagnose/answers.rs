@@ -8,11 +8,14 @@ use super::plane_slips::{self, PlaneSlip};
 use super::solved::{self, Act};
 use super::stream_slips::StreamSlip;
 use super::witness::{Witness, applies};
-use crate::misreadings::{self, Misreading, Stage};
+use crate::misreadings::{self, At, Misreading, Stage};
 use crate::protocol::frame::{Answer, View};
 use crate::ptm::Ptm;
 use crate::reading::Reading;
 use crate::session::observation::Response;
+
+/// The clauses of the position of a record.
+const POSITIONS: [&str; 2] = ["2.9.8/5", "2.9.8/6"];
 
 impl Witness<'_> {
     /// What a decoder with these mistakes answers.
@@ -109,6 +112,40 @@ impl Witness<'_> {
     /// Whether the decoder shows a picture of a file that must be refused.
     fn accepts_what_is_refused(&self) -> bool {
         self.failed && self.right == Answer::Rejected
+    }
+
+    /// Whether a file was refused in which a record stands beyond the plane, as these mistakes read its position. The catalog
+    /// ignores such records; many decoders do not.
+    pub fn refuses_positions(&self, mistakes: &[&Mistake]) -> bool {
+        let mut readers = mistakes.iter().filter_map(|mistake| {
+            let listed = mistake.listed()?;
+            match listed.at {
+                At::Records(read) if POSITIONS.contains(&listed.clause) => Some(read),
+                _ => None,
+            }
+        });
+        if !matches!(self.observation.response, Response::Rejected) {
+            return false;
+        }
+        let Some(model) = self.model() else {
+            let clauses = &self.case.clauses;
+            return readers.next().is_some()
+                && clauses
+                    .iter()
+                    .any(|clause| POSITIONS.contains(&&clause[..]));
+        };
+        let bytes =
+            |&(position, value): &(u32, u8)| position.to_be_bytes().into_iter().chain([value]);
+        let planes = model.compressed.iter().flat_map(|coded| &coded.planes);
+        let blocks = planes.map(|plane| plane.records.iter().flat_map(bytes).collect());
+        let blocks: Vec<Vec<u8>> = blocks.collect();
+        readers.any(|read| {
+            let is_fewer = |block: &Vec<u8>| {
+                let records = read(block, 0, model.size.texels());
+                records.is_ok_and(|records| records.len() * 5 < block.len())
+            };
+            blocks.iter().any(is_fewer)
+        })
     }
 
     /// Whether a mistake could show in the answer at all.

@@ -365,7 +365,12 @@ impl<'a> Search<'a> {
     fn answer(&self, w: usize, mistakes: &[&Mistake]) -> Cow<'_, Answer> {
         let witness = &self.witnesses[w];
         self.answered.fetch_add(1, Ordering::Relaxed);
-        let answer = catch_unwind(AssertUnwindSafe(|| witness.answer(mistakes)));
+        let answer = catch_unwind(AssertUnwindSafe(|| {
+            match witness.refuses_positions(mistakes) {
+                true => Cow::Owned(Answer::Rejected),
+                false => witness.answer(mistakes),
+            }
+        }));
         answer.unwrap_or_else(|panic| {
             self.note(&*panic);
             Cow::Borrowed(&witness.right)
