@@ -21,7 +21,9 @@ pub(super) fn apply(slips: &[&PlaneSlip], ptm: &mut Ptm, witness: &Witness, read
     };
     let (right, made) = (coding.rebuilt(&[], reading), coding.rebuilt(slips, reading));
     let (width, channels) = (coding.size.width as usize, coding.planes.len());
-    if ptm.planes.samples.len() != coding.size.texels() * channels {
+    // Other mistakes may read another size.
+    let is_of_size = [ptm.header.size, ptm.planes.size] == [coding.size; 2];
+    if !is_of_size || ptm.planes.samples.len() != coding.size.texels() * channels {
         return;
     }
     for y in 0..coding.size.height as usize {
