@@ -273,8 +273,7 @@ impl<'a> IndexBlock<'a> {
         self.entries().nth(index)
     }
 
-    pub fn extent(&self, ptm: &Ptm) -> Extent {
-        let Size { width, height } = ptm.planes.size;
+    pub fn extent(&self, Size { width, height }: Size) -> Extent {
         Extent::of(width as usize, height as usize, self.bytes)
     }
 }
@@ -288,7 +287,7 @@ pub(super) fn read_indices(
     let Some(indices) = IndexBlock::of(witness) else {
         return Ok(());
     };
-    let extent = indices.extent(ptm);
+    let extent = indices.extent(ptm.planes.size);
     fill(ptm, witness, indices.size, |texel| {
         indices.entry(texel, strides, extent)
     })
@@ -302,7 +301,7 @@ pub(super) fn look_up(ptm: &mut Ptm, witness: &Witness, index: &Index) -> Result
     if matches!(index, Index::Joined(_)) && indices.bytes == 1 {
         return Ok(());
     }
-    let (extent, entries) = (indices.extent(ptm), indices.entries().len());
+    let (extent, entries) = (indices.extent(ptm.planes.size), indices.entries().len());
     fill(ptm, witness, indices.size, |texel| {
         let index = index.of(indices.stored(texel, extent) as u32, entries);
         indices.look_up(usize::try_from(index).ok()?)

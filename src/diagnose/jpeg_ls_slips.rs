@@ -238,7 +238,11 @@ fn correction(b: i32, c: i32, n: i32) -> (i32, i32) {
 
 /// A sample modulo RANGE, not limited.
 fn wrapped(scan: &Scan, predicted: i32, error: i32) -> i32 {
-    let (modulus, sample) = (scan.range * scan.step, predicted + error * scan.step);
+    within(scan, scan.range * scan.step, predicted + error * scan.step)
+}
+
+/// A sample that is brought back by `modulus` where it is beyond 0 … MAXVAL by more than NEAR.
+fn within(scan: &Scan, modulus: i32, sample: i32) -> i32 {
     if sample < -scan.near {
         sample + modulus
     } else if sample > scan.maxval + scan.near {
@@ -728,6 +732,11 @@ macro_rules! limits {
 /// Other numbers for LIMIT.
 static LIMITS: &[Slip<Rules>] = limits!(-8 "8 too small" -4 "4 too small" -2 "2 too small" -1 "1 too small" 1 "1 too large" 2 "2 too large" 4 "4 too large" 8 "8 too large");
 
+/// The same, where the error is not multiplied by 2·NEAR + 1.
+fn unscaled(scan: &Scan, predicted: i32, error: i32) -> i32 {
+    within(scan, scan.range * scan.step, predicted + error).clamp(0, scan.maxval)
+}
+
 /// Other samples in regular mode and at the end of runs.
 fn both(rules: &mut Rules, reconstruct: fn(&Scan, i32, i32) -> i32) {
     rules.reconstruct = reconstruct;
@@ -924,13 +933,13 @@ static SLIPS: &[Slip<Rules>] = slips! {
     "takes samples modulo RANGE without the factor 2·NEAR + 1", |r| both(r, |s, p, e| { let x = p + e * s.step; let x = if x < -s.near { x + s.range } else if x > s.maxval + s.near { x - s.range } else { x }; x.clamp(0, s.maxval) });
     "takes samples modulo 256", |r| both(r, |s, p, e| (p + e * s.step) & 0xff);
     "does not multiply errors by 2·NEAR + 1", |r| both(r, |s, p, e| { let x = p + e; if x < 0 { x + s.range } else if x > s.maxval { x - s.range } else { x } });
-    "does not multiply errors by 2·NEAR + 1, but RANGE", |r| both(r, |s, p, e| { let (m, x) = (s.range * s.step, p + e); let x = if x < -s.near { x + m } else if x > s.maxval + s.near { x - m } else { x }; x.clamp(0, s.maxval) });
+    "does not multiply errors by 2·NEAR + 1, but RANGE", |r| both(r, unscaled);
     "takes samples modulo RANGE only where they are too large", |r| both(r, |s, p, e| wrapped(s, p, e).min(if p + e * s.step < -s.near { p + e * s.step } else { i32::MAX }).clamp(0, s.maxval));
     "takes samples modulo RANGE only where they are too small", |r| both(r, |s, p, e| if p + e * s.step > s.maxval + s.near { s.maxval } else { reconstruct(s, p, e) });
     "takes samples modulo RANGE from 0 downward, where −NEAR belongs", |r| both(r, |s, p, e| { let (m, x) = (s.range * s.step, p + e * s.step); if x < 0 { (x + m).clamp(0, s.maxval) } else { reconstruct(s, p, e) } });
     "takes samples modulo RANGE from MAXVAL upward, where MAXVAL + NEAR belongs", |r| both(r, |s, p, e| { let (m, x) = (s.range * s.step, p + e * s.step); if x > s.maxval { (x - m).clamp(0, s.maxval) } else { reconstruct(s, p, e) } });
-    "does not multiply the error at the end of a run by 2·NEAR + 1", |r| r.reconstruct_interrupted = |s, p, e| { let (m, x) = (s.range * s.step, p + e); let x = if x < -s.near { x + m } else if x > s.maxval + s.near { x - m } else { x }; x.clamp(0, s.maxval) };
-    "does not multiply errors by 2·NEAR + 1 but at the end of a run", |r| r.reconstruct = |s, p, e| { let (m, x) = (s.range * s.step, p + e); let x = if x < -s.near { x + m } else if x > s.maxval + s.near { x - m } else { x }; x.clamp(0, s.maxval) };
+    "does not multiply the error at the end of a run by 2·NEAR + 1", |r| r.reconstruct_interrupted = unscaled;
+    "does not multiply errors by 2·NEAR + 1 but at the end of a run", |r| r.reconstruct = unscaled;
     "does not take the sample at the end of a run modulo RANGE", |r| r.reconstruct_interrupted = |s, p, e| (p + e * s.step).clamp(0, s.maxval);
     "takes samples modulo RANGE at the end of a run alone", |r| r.reconstruct = |s, p, e| (p + e * s.step).clamp(0, s.maxval);
     in "runs (T.87 A.7)":

@@ -5,7 +5,6 @@ use std::fmt::Write;
 use super::blocks::Block;
 use super::indices::IndexBlock;
 use super::pair::Pair;
-use super::strides::Extent;
 use super::witness::Witness;
 use crate::ptm::{Format, Size};
 
@@ -117,9 +116,8 @@ fn byte(witness: &Witness, x: usize, y: usize, channel: usize) -> Option<(Block,
 fn index(witness: &Witness, x: usize, y: usize) -> Option<usize> {
     let size = witness.decoded().as_ref().ok()?.planes.size;
     let indices = IndexBlock::of(witness)?;
-    let (width, height) = (size.width as usize, size.height as usize);
-    let extent = Extent::of(width, height, indices.bytes);
-    (x < width && y < height).then(|| indices.stored(y * width + x, extent))
+    let extent = indices.extent(size);
+    (x < extent.w && y < extent.h).then(|| indices.stored(y * extent.w + x, extent))
 }
 
 /// Which of the stored texels, bottom row first, stands there in a picture; it may be higher than the map.

@@ -75,7 +75,11 @@ impl TableLayout {
             return;
         };
         let colors = Block::Colors.range(witness).map(|range| range.start);
-        let (extent, entries, size) = (indices.extent(ptm), indices.entries().len(), indices.size);
+        let (extent, entries, size) = (
+            indices.extent(ptm.planes.size),
+            indices.entries().len(),
+            indices.size,
+        );
         let file = &witness.built.file;
         let count = ptm.planes.shape.channels();
         let texels = ptm.planes.samples.chunks_exact_mut(count).enumerate();
