@@ -2,11 +2,11 @@
 
 use std::borrow::Cow;
 
-use super::file_streams::{acts_on, is_shown};
+use super::codecs::file_streams::{acts_on, is_shown};
+use super::codecs::stream_slips::StreamSlip;
 use super::mistake::Mistake;
-use super::plane_slips::{self, PlaneSlip};
+use super::planes::slips::{self, PlaneSlip};
 use super::solved::{self, Act};
-use super::stream_slips::StreamSlip;
 use super::witness::{Witness, applies};
 use crate::misreadings::{self, At, Misreading, Stage};
 use crate::protocol::frame::{Answer, View};
@@ -101,7 +101,7 @@ impl Witness<'_> {
             .collect();
         if !slips.is_empty() {
             let reading = misreadings::misread(&listed, reading);
-            plane_slips::apply(&slips, &mut ptm, self, &reading);
+            slips::apply(&slips, &mut ptm, self, &reading);
         }
         for act in acts {
             act.apply(&mut ptm, self)?;

@@ -1,14 +1,14 @@
 //! What each of the mistakes found explains.
 
-use super::acceptances;
 use super::diagnosis::{Category, Cause, Diagnosis, Words};
-use super::formats::formats_of;
+use super::files::scope::Scope;
 use super::mistake::Mistake;
-use super::pictures;
-use super::refusals::{self, WholeFormats};
-use super::scope::Scope;
 use super::search::{Found, Id, Member, Search, Set, of};
 use super::solved::{Act, Solved};
+use super::words::acceptances;
+use super::words::formats::formats_of;
+use super::words::pictures;
+use super::words::refusals::{self, WholeFormats};
 use crate::misreadings::{Misreading, Symptom};
 
 /// Formats that are named beside a mistake.

@@ -4,11 +4,11 @@ use std::collections::HashSet;
 
 use super::attribution::indispensable;
 use super::failure_mode::FailureMode;
-use super::pictures::{is_near, widest_slip};
-use super::refusals;
 use super::search::{Found, Id, Search, of, without};
 use super::solved::Act;
 use super::witness::{Agreement, Witness};
+use super::words::pictures::{is_near, widest_slip};
+use super::words::refusals;
 use crate::misreadings::{Misreading, Symptom};
 use crate::protocol::frame::View;
 use crate::suite::cases::Expect;

@@ -1,6 +1,6 @@
 //! A mistake that a decoder may make: one of the catalog, everywhere or in some files, or one solved from its answers.
 
-use super::scope::Scope;
+use super::files::scope::Scope;
 use super::solved::Solved;
 use crate::misreadings::Misreading;
 

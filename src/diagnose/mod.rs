@@ -5,76 +5,37 @@
 //! misreading explains is solved from the pictures: right values in wrong places, values that are a function of the right
 //! ones, wrong numbers in a formula. What is then left is put into words: refusals by what the refused files share,
 //! acceptances by the damage, pictures by how they differ and where; and what is unknown is said to be.
+//!
+//! [`witness`] holds a case against what a decoder with some mistakes would answer, [`search`] finds the mistakes, [`solve`]
+//! those that no list has: in [`values`], in the [`layout`] of a file, in [`planes`], in the [`codecs`]. [`files`] tells in
+//! which files; [`attribution`] what each explains; [`words`] what is left.
 
-mod acceptances;
 mod answers;
-pub mod arithmetic;
 mod assume;
 mod attribution;
-mod blocks;
-mod changes;
+mod codecs;
 mod coincidences;
-mod color_rules;
 mod credit;
 mod diagnosis;
 mod failure_mode;
-mod file_streams;
-mod final_rules;
-mod formats;
-mod formulas;
-mod grid;
-mod indices;
-mod inverse_dcts;
-mod jpeg_blocks;
-mod jpeg_ls_samples;
-mod jpeg_ls_slips;
-mod jpeg_slips;
+mod files;
+mod layout;
 mod mistake;
-mod nondeterminism;
-mod number_readers;
-mod numbers;
 mod pair;
-mod pictures;
-mod places;
-mod plane_means;
-mod plane_places;
-mod plane_rest;
-mod plane_rules;
-mod plane_slips;
-mod powers;
-mod promises;
-mod provenance;
-mod refusals;
-mod relations;
-mod scope;
+mod planes;
 mod search;
-mod separate;
-mod shared;
-mod slips;
 mod solve;
 mod solve_file;
-mod solve_planes;
-mod solve_powers;
-mod solve_terms;
 mod solved;
-mod stream_cache;
-mod stream_evidence;
-mod stream_fits;
-mod stream_slips;
-mod streams;
-mod strides;
-mod table_layouts;
-mod terms;
 pub mod texture;
-mod trait_list;
-mod traits;
-mod variants;
-mod violation;
+mod values;
 mod witness;
+mod words;
 
 pub use assume::assume;
+pub(crate) use codecs::cache::stream_once;
 pub use diagnosis::{Category, Cause, Causes, Diagnosis};
-pub(crate) use stream_cache::stream_once;
+pub use values::arithmetic;
 pub(crate) use witness::dialect_reading;
 pub use witness::{alike, applies, composable};
 
@@ -126,8 +87,8 @@ fn diagnose_by(
     threads: usize,
     solve: impl Fn(&mut Search, &search::Set, &[usize]) -> Vec<search::Set>,
 ) -> Causes {
-    let mut diagnoses = nondeterminism::describe(suite, run);
-    diagnoses.extend(promises::describe(suite, run));
+    let mut diagnoses = words::nondeterminism::describe(suite, run);
+    diagnoses.extend(words::promises::describe(suite, run));
     let mut judged = run.judgement.cases.iter().flatten();
     if !judged.any(|judged| judged.outcome == Outcome::Fail) {
         return diagnoses.into();
@@ -137,7 +98,7 @@ fn diagnose_by(
         return diagnoses.into();
     }
     let mut search = Search::new(&witnesses, assumed, threads, &run.stop);
-    let mut found = match nondeterminism::prevails(run) {
+    let mut found = match words::nondeterminism::prevails(run) {
         true => search::Found::default(),
         false => search.run(solve),
     };
@@ -145,24 +106,24 @@ fn diagnose_by(
         return diagnoses.into();
     }
     search.guarded(|| coincidences::drop(&search, &mut found));
-    search.guarded(|| streams::drop(&search, &mut found));
+    search.guarded(|| codecs::streams::drop(&search, &mut found));
     let (mut attributed, mut left) = attribution::attribute(&search, &found);
-    search.guarded(|| streams::attribute_to_slips(&search, &mut attributed, &mut left));
-    let mut causes = search.guarded(|| formats::describe(&witnesses, &mut left));
-    causes.extend(search.guarded(|| acceptances::describe(&witnesses, &mut left)));
-    let violation = search.guarded(|| violation::describe(&witnesses, &mut left));
-    let in_streams = search.guarded(|| streams::describe(&search, &found, &mut left));
-    let refusals = search.guarded(|| refusals::describe(&witnesses, &mut left));
+    search.guarded(|| codecs::streams::attribute_to_slips(&search, &mut attributed, &mut left));
+    let mut causes = search.guarded(|| words::formats::describe(&witnesses, &mut left));
+    causes.extend(search.guarded(|| words::acceptances::describe(&witnesses, &mut left)));
+    let violation = search.guarded(|| words::violation::describe(&witnesses, &mut left));
+    let in_streams = search.guarded(|| codecs::streams::describe(&search, &found, &mut left));
+    let refusals = search.guarded(|| words::refusals::describe(&witnesses, &mut left));
     search.guarded(|| {
         attribution::attribute_in_part(&search, &found, &mut attributed, &mut left);
     });
     causes.extend(in_streams);
     causes.extend(refusals);
-    causes.extend(search.guarded(|| refusals::rest(&witnesses, &mut left)));
+    causes.extend(search.guarded(|| words::refusals::rest(&witnesses, &mut left)));
     causes.extend(violation);
     let set = search::of(&found.members);
-    causes.extend(search.guarded(|| plane_rest::describe(&search, &set, &mut left)));
-    causes.extend(search.guarded(|| pictures::describe(&search, &set, &left)));
+    causes.extend(search.guarded(|| planes::rest::describe(&search, &set, &mut left)));
+    causes.extend(search.guarded(|| words::pictures::describe(&search, &set, &left)));
     causes.append(&mut diagnoses);
     let attributed = attributed.into_iter().map(|(_, diagnosis)| diagnosis);
     let mut causes: Vec<Diagnosis> = attributed.chain(causes).collect();

@@ -7,27 +7,27 @@
 use std::cmp::Reverse;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-use super::changes::{Change, merged};
-use super::color_rules::ColorRule;
-use super::final_rules::FinalRule;
-use super::indices::Index;
+use super::codecs::evidence::CODECS;
+use super::codecs::fits::fitting;
+use super::codecs::stream_slips::StreamSlip;
+use super::files::scope::Scope;
+use super::files::shared::shared;
+use super::layout::indices::Index;
+use super::layout::strides::Strides;
+use super::layout::table_layouts::TableLayout;
 use super::mistake::Mistake;
-use super::number_readers::NumberReader;
-use super::plane_slips::PlaneSlip;
-use super::scope::Scope;
+use super::planes;
+use super::planes::slips::PlaneSlip;
 use super::search::{Id, Search, Set, WORD, spread};
-use super::shared::shared;
 use super::solve_file::candidates;
-use super::solve_planes;
-use super::solve_powers;
-use super::solve_terms;
 use super::solved::{Act, Solved};
-use super::stream_evidence::CODECS;
-use super::stream_fits::fitting;
-use super::stream_slips::StreamSlip;
-use super::strides::Strides;
-use super::table_layouts::TableLayout;
-use super::variants::VARIANTS;
+use super::values::changes::{Change, merged};
+use super::values::color_rules::ColorRule;
+use super::values::final_rules::FinalRule;
+use super::values::number_readers::NumberReader;
+use super::values::solve_powers;
+use super::values::solve_terms;
+use super::values::variants::VARIANTS;
 use super::witness::Agreement;
 use crate::misreadings::Stage;
 use crate::protocol::frame::{Answer, View};
@@ -186,7 +186,7 @@ fn slipped_colors(search: &mut Search, set: &Set, of: &[usize], format: Format) 
 
 /// Adds slips in how planes are rebuilt. Returns those that are made together.
 fn rebuilt(search: &mut Search, set: &Set, pictures: &[usize]) -> Option<Vec<Act>> {
-    let slips = solve_planes::candidates(search, set, pictures);
+    let slips = planes::solve::candidates(search, set, pictures);
     let acts: Vec<Act> = slips.into_iter().map(Act::Planes).collect();
     let new: Vec<Act> = (acts.iter())
         .filter(|act| !is_known(search, act))

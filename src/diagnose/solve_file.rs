@@ -1,15 +1,15 @@
 //! What may have been done, read off one wrong picture.
 
-use super::blocks::Block;
-use super::changes::{Change, Values};
-use super::formulas::{Numbers, joint_slips, single_slips};
-use super::indices::{Index, IndexBlock};
+use super::layout::blocks::Block;
+use super::layout::indices::{Index, IndexBlock};
+use super::layout::strides::{Extent, Strides};
 use super::mistake::Mistake;
 use super::pair::Pair;
 use super::search::{Search, Set};
 use super::solved::{Act, Channels, frame, values};
-use super::strides::{Extent, Strides};
-use super::terms::Terms;
+use super::values::changes::{Change, Values};
+use super::values::formulas::{Numbers, joint_slips, single_slips};
+use super::values::terms::Terms;
 use super::witness::{Witness, alike};
 use crate::misreadings::{self, Misreading, Stage, misread};
 use crate::protocol::frame::{Answer, Frame, View};

@@ -1,20 +1,20 @@
 //! A mistake that no catalog lists, solved from the answers: what is done, where, and in which files.
 
-use super::blocks::{Block, Part, block_clause, row_clause, texel_clause};
-use super::changes::{Change, Values};
-use super::color_rules::ColorRule;
-use super::final_rules::FinalRule;
-use super::formulas::{Formula, Numbers};
-use super::indices::{Index, look_up, read_indices};
-use super::number_readers::{NumberReader, OtherNumbers};
-use super::plane_slips::PlaneSlip;
-use super::powers::Powers;
-use super::scope::Scope;
-use super::stream_slips::StreamSlip;
-use super::strides::{Extent, Strides};
-use super::table_layouts::TableLayout;
-use super::terms::Terms;
-use super::variants::VARIANTS;
+use super::codecs::stream_slips::StreamSlip;
+use super::files::scope::Scope;
+use super::layout::blocks::{Block, Part, block_clause, row_clause, texel_clause};
+use super::layout::indices::{Index, look_up, read_indices};
+use super::layout::strides::{Extent, Strides};
+use super::layout::table_layouts::TableLayout;
+use super::planes::slips::PlaneSlip;
+use super::values::changes::{Change, Values};
+use super::values::color_rules::ColorRule;
+use super::values::final_rules::FinalRule;
+use super::values::formulas::{Formula, Numbers};
+use super::values::number_readers::{NumberReader, OtherNumbers};
+use super::values::powers::Powers;
+use super::values::terms::Terms;
+use super::values::variants::VARIANTS;
 use super::witness::Witness;
 use crate::evaluate::{self, Coefficients};
 use crate::misreadings::{self, misread};

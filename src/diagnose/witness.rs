@@ -4,8 +4,8 @@ use std::borrow::Cow;
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, OnceLock};
 
-use super::stream_cache::stream_once;
-use super::trait_list::Traits;
+use super::codecs::cache::stream_once;
+use super::files::trait_list::Traits;
 use crate::decode::{decode_as, examine_as};
 use crate::generate::Model;
 use crate::kit::parallel::in_parallel;

@@ -1,0 +1,134 @@
+//! Tables whose values a decoder looks for in other places than they stand.
+
+use super::blocks::Block;
+use super::indices::IndexBlock;
+use crate::diagnose::witness::Witness;
+use crate::ptm::{Format, Ptm};
+
+/// The byte of value k of entry i, in a table of n entries of c values.
+type Layout = (&'static str, fn([usize; 4]) -> usize);
+
+const LAYOUTS: &[Layout] = &[
+    (
+        "takes a table to have all first values, then all second ones, and so on",
+        |[i, k, n, _]| k * n + i,
+    ),
+    (
+        "takes a table of PTM_C_LUT to have all polynomials, then all colors",
+        |[i, k, n, c]| match k {
+            0..6 => 6 * i + k,
+            _ => 6 * n + (c - 6) * i + k - 6,
+        },
+    ),
+    (
+        "takes a table of PTM_C_LUT to have all colors, then all polynomials",
+        |[i, k, n, c]| match k {
+            0..6 => (c - 6) * n + 6 * i + k,
+            _ => (c - 6) * i + k - 6,
+        },
+    ),
+    (
+        "takes the entries of a table to be six bytes apart",
+        |[i, k, ..]| 6 * i + k,
+    ),
+    (
+        "takes the entries of a table to be nine bytes apart",
+        |[i, k, ..]| 9 * i + k,
+    ),
+    (
+        "takes the entries of a table to be one byte longer than they are",
+        |[i, k, _, c]| (c + 1) * i + k,
+    ),
+    (
+        "takes the entries of a table to be one byte shorter than they are",
+        |[i, k, _, c]| (c - 1) * i + k,
+    ),
+    ("reads a table from one byte too late on", |[i, k, _, c]| {
+        c * i + k + 1
+    }),
+    (
+        "takes the values of an entry in reverse order",
+        |[i, k, _, c]| c * i + c - 1 - k,
+    ),
+];
+
+/// Another place of what a texel has from a table or beside it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(in crate::diagnose) enum TableLayout {
+    /// One of [`LAYOUTS`], by its place.
+    Entries(usize),
+    /// The colors of `PTM_LUT` are taken for those of entries, not of texels.
+    ColorsByIndex,
+}
+
+impl TableLayout {
+    /// All that are tried.
+    pub fn all() -> impl Iterator<Item = TableLayout> {
+        let entries = (0..LAYOUTS.len()).map(TableLayout::Entries);
+        entries.chain([TableLayout::ColorsByIndex])
+    }
+
+    /// The values of every texel, from the bytes of the file; behind its end stand zeros.
+    pub fn apply(self, ptm: &mut Ptm, witness: &Witness) {
+        let (Some(indices), Some(table)) = (IndexBlock::of(witness), Block::Table.range(witness))
+        else {
+            return;
+        };
+        let colors = Block::Colors.range(witness).map(|range| range.start);
+        let (extent, entries, size) = (
+            indices.extent(ptm.planes.size),
+            indices.entries().len(),
+            indices.size,
+        );
+        let file = &witness.built.file;
+        let count = ptm.planes.shape.channels();
+        let texels = ptm.planes.samples.chunks_exact_mut(count).enumerate();
+        for (texel, samples) in texels {
+            let i = indices.stored(texel, extent);
+            let byte = |at: usize| file.get(at).copied().unwrap_or_default();
+            match (self, colors) {
+                (TableLayout::Entries(layout), _) => {
+                    for (k, value) in samples[..size].iter_mut().enumerate() {
+                        let at = LAYOUTS[layout].1([i, k, entries, size]);
+                        *value = byte(table.start + at);
+                    }
+                }
+                (TableLayout::ColorsByIndex, Some(colors)) if size == 6 => {
+                    for (k, value) in samples[6..].iter_mut().enumerate() {
+                        *value = byte(colors + 3 * i + k);
+                    }
+                }
+                _ => {}
+            }
+        }
+    }
+
+    /// As a sentence without its subject.
+    pub fn says(self) -> &'static str {
+        match self {
+            TableLayout::Entries(layout) => LAYOUTS[layout].0,
+            TableLayout::ColorsByIndex => {
+                "takes the color of a texel of PTM_LUT from the place of its index among the colors"
+            }
+        }
+    }
+
+    pub const fn fix(self) -> &'static str {
+        match self {
+            TableLayout::Entries(_) => {
+                "entry i of PTM_LUT is the six bytes from 6 · i on, of PTM_C_LUT the nine bytes from 9 · i on"
+            }
+            TableLayout::ColorsByIndex => {
+                "the colors of PTM_LUT are those of texels, in their own order, and have nothing to do with the table"
+            }
+        }
+    }
+
+    pub const fn clause(self, format: Format) -> &'static str {
+        match (self, format) {
+            (TableLayout::ColorsByIndex, _) => "2.8.1/4",
+            (_, Format::PtmLut) => "2.5/4",
+            _ => "2.5/5",
+        }
+    }
+}

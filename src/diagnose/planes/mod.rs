@@ -1,0 +1,8 @@
+//! How planes are rebuilt from their streams (§2.9.2 – 2.9.5, 2.9.8): each decision taken otherwise, and where.
+
+mod means;
+mod places;
+pub(super) mod rest;
+mod rules;
+pub(super) mod slips;
+pub(super) mod solve;

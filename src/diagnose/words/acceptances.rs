@@ -1,0 +1,88 @@
+//! Malformed files that were accepted: the edit that made them malformed is what the decoder does not check.
+
+use crate::diagnose::diagnosis::{Category, Diagnosis, Words};
+use crate::diagnose::witness::Witness;
+use crate::misreadings::Misreading;
+use crate::protocol::frame::Answer;
+use crate::session::observation::Response;
+use crate::suite::cases::Expect;
+
+/// Faults that are named one by one.
+const NAMED: usize = 6;
+
+/// Acceptances, clause by clause. They are taken out of `left`.
+pub(in crate::diagnose) fn describe(
+    witnesses: &[Witness],
+    left: &mut Vec<usize>,
+) -> Vec<Diagnosis> {
+    let accepted = |&w: &usize| {
+        let witness = &witnesses[w];
+        matches!(witness.case.expect, Expect::Reject | Expect::Refuse)
+            && matches!(witness.observation.response, Response::Picture { .. })
+    };
+    let mut clauses: Vec<(&str, Vec<usize>)> = Vec::new();
+    for w in left.iter().copied().filter(accepted) {
+        let clause = clause(&witnesses[w]);
+        match clauses.iter_mut().find(|(known, _)| *known == clause) {
+            Some((_, of)) => of.push(w),
+            None => clauses.push((clause, vec![w])),
+        }
+    }
+    left.retain(|w| !accepted(w));
+    clauses.sort_by_key(|(_, of)| std::cmp::Reverse(of.len()));
+    let diagnosis = |(clause, of): (&str, Vec<usize>)| {
+        let first = &witnesses[of[0]];
+        let twin = first.case.twin_of.as_ref().map_or(String::new(), |twin| {
+            format!(", which is the legal {twin} with this one fault")
+        });
+        let words = Words {
+            effect: format!("accepts malformed files: {}", faults(witnesses, &of)),
+            fix: "refuse such files with exit status 65".to_owned(),
+            example: format!("for example {}{twin}", first.case.id),
+        };
+        Diagnosis::described(Category::Acceptance, witnesses, &of, words).about(clause)
+    };
+    clauses.into_iter().map(diagnosis).collect()
+}
+
+/// All that can be observed of a mistake that explains nothing but malformed files which are accepted: no picture of them is
+/// right, so that of what is made of them nothing is known.
+pub(in crate::diagnose) fn all_that_shows(
+    witnesses: &[Witness],
+    of: &[usize],
+    misreading: &Misreading,
+) -> Option<String> {
+    let is_accepted = |w: &usize| witnesses[*w].right == Answer::Rejected;
+    let says_more = !misreading.effect.starts_with("accepts");
+    (says_more && of.iter().all(is_accepted))
+        .then(|| format!("accepts malformed files ({})", faults(witnesses, of)))
+}
+
+/// The clause that a malformed file breaks.
+fn clause<'w>(witness: &'w Witness<'_>) -> &'w str {
+    let of_case = || witness.case.clauses.first().map_or("", String::as_str);
+    (witness.case.damage()).map_or_else(of_case, |damage| &damage.clause)
+}
+
+/// What is wrong with these files, each fault once.
+fn faults(witnesses: &[Witness], of: &[usize]) -> String {
+    let mut faults: Vec<String> = Vec::new();
+    for fault in of.iter().map(|&w| fault(&witnesses[w])) {
+        if !faults.contains(&fault) {
+            faults.push(fault);
+        }
+    }
+    let more = faults.len().saturating_sub(NAMED);
+    faults.truncate(NAMED);
+    match more {
+        0 => faults.join("; "),
+        _ => format!("{}; and {more} other faults", faults.join("; ")),
+    }
+}
+
+fn fault(witness: &Witness) -> String {
+    witness.case.damage().map_or_else(
+        || witness.case.because.clone(),
+        |damage| damage.effect.clone(),
+    )
+}

@@ -1,0 +1,81 @@
+//! Requests that were answered in two ways: they tell of no misreading, only of state that is carried over or left to
+//! chance.
+
+use crate::diagnose::diagnosis::{Category, Cause, Diagnosis};
+use crate::protocol::frame::Answer;
+use crate::session::observation::{Nondeterminism, Response};
+use crate::session::outcome::Outcome;
+use crate::session::run::Run;
+use crate::suite::cases::Suite;
+
+/// The cases whose answers differ, those of serve mode apart from those that differ each time.
+pub(in crate::diagnose) fn describe(suite: &Suite, run: &Run) -> Vec<Diagnosis> {
+    let differing: Vec<(usize, &Nondeterminism)> = run
+        .observations
+        .iter()
+        .enumerate()
+        .filter(|&(place, _)| run.judgement.cases[place].is_some())
+        .filter_map(|(place, observation)| {
+            Some((place, observation.as_ref()?.nondeterminism.as_ref()?))
+        })
+        .collect();
+    let (served, chance): (Vec<_>, Vec<_>) = differing.into_iter().partition(|(_, how)| how.served);
+    let is_garbled = |place: usize| {
+        let observation = run.observations[place].as_ref();
+        observation.is_some_and(|seen| {
+            matches!(seen.response, Response::Violation(Answer::ProtocolError(_)))
+        })
+    };
+    let (garbled, served): (Vec<_>, Vec<_>) = served
+        .into_iter()
+        .partition(|&(place, _)| is_garbled(place));
+    let diagnosis = |of: Vec<(usize, &Nondeterminism)>, effect: &str, fix: &str| {
+        let &(place, how) = of.first()?;
+        let case = &suite.cases[place];
+        Some(Diagnosis::of(
+            Cause::Described {
+                category: Category::Nondeterminism,
+                clause: case.clauses.first().cloned().unwrap_or_default(),
+                effect: effect.to_owned(),
+                fix: fix.to_owned(),
+                example: format!("for example {}: {}", case.id, how.says),
+                alike: Vec::new(),
+            },
+            of.iter().map(|&(place, _)| place).collect(),
+        ))
+    };
+    let garbling = diagnosis(
+        garbled,
+        "answers in serve mode otherwise than the protocol says",
+        "answer each request with one line and, where that is SEQ ok NBYTES, as many bytes; probe tries it step by step, and docs/check.md has the lines",
+    );
+    let serving = diagnosis(
+        served,
+        "gives other answers in serve mode than one-shot",
+        "begin every request as if it were the first, and answer each once; check --one-shot asks every file of a process of its own",
+    );
+    let by_chance = diagnosis(
+        chance,
+        "answers the same request differently each time",
+        "look for memory that is read before it is written, for threads, for clocks and for random numbers",
+    );
+    [garbling, serving, by_chance]
+        .into_iter()
+        .flatten()
+        .collect()
+}
+
+/// Whether most failures are answered differently each time: what their pictures have in common is chance.
+pub(in crate::diagnose) fn prevails(run: &Run) -> bool {
+    let failed = |place: &usize| {
+        let judged = run.judgement.cases[*place].as_ref();
+        judged.is_some_and(|judged| judged.outcome == Outcome::Fail)
+    };
+    let differs = |place: &usize| {
+        let observation = run.observations[*place].as_ref();
+        let how = observation.and_then(|observation| observation.nondeterminism.as_ref());
+        how.is_some_and(|how| !how.served)
+    };
+    let failed: Vec<usize> = (0..run.observations.len()).filter(failed).collect();
+    failed.iter().filter(|place| differs(place)).count() * 3 > failed.len()
+}
