@@ -177,6 +177,9 @@ impl File<'_> {
             if is_for_tests(&tokens[at..]) {
                 at += 2;
                 at += item_length(&tokens[at..]);
+            } else if is_visibility(&tokens[at..]) {
+                // Who may use an item is no import.
+                at += 2;
             } else if let (Some(("mod", name)), Some(TokenTree::Group(body))) =
                 (two_words(&tokens[at..]), tokens.get(at + 2))
             {
@@ -273,4 +276,13 @@ fn two_words(tokens: &[TokenTree]) -> Option<(&'static str, String)> {
         }
         _ => None,
     }
+}
+
+/// Whether `pub(in …)`, `pub(super)` or `pub(crate)` stands here.
+fn is_visibility(tokens: &[TokenTree]) -> bool {
+    matches!(
+        tokens,
+        [TokenTree::Ident(word), TokenTree::Group(group), ..]
+            if word == "pub" && group.delimiter() == Delimiter::Parenthesis
+    )
 }
