@@ -114,7 +114,7 @@ impl<C: TestCase> Evidence<'_, C> {
         if offer.is_broken_by(case, observation, self.unsupported) {
             let kind = case.kind();
             fail(format!(
-                "its capabilities declare {kind}, and it answers 69 (unsupported) to all such files"
+                "its capabilities declare {kind}, and it answers 69 (unsupported) and decodes no such file"
             ))
         } else if is_always_unsupported(case, observation)
             && offer.lacks(&observation.view, &case.kind())
@@ -279,13 +279,15 @@ fn is_right<C: TestCase>(observation: &Observation<C>, dialect: &Dialect) -> boo
     }
 }
 
-/// Features that every must-accept file needing them was answered 69, and those that were decoded.
+/// Features of which no must-accept file was decoded and most were answered 69, and those of which some file was decoded. What
+/// else a decoder gets wrong, a header perhaps, refuses some files before it sees what they need.
 fn features<C: TestCase>(
     suite: &Suite<C>,
     observations: &[Option<Observation<C>>],
     offer: &Offer<C>,
 ) -> (BTreeSet<C::Feature>, BTreeSet<C::Feature>) {
-    let mut all_unsupported: BTreeMap<C::Feature, bool> = BTreeMap::new();
+    // Of each, how many files there are and how many were answered 69.
+    let mut asked: BTreeMap<C::Feature, (usize, usize)> = BTreeMap::new();
     let mut decoded = BTreeSet::new();
     for (case, observation) in suite.cases.iter().zip(observations) {
         let (Some(observation), Expect::Decode | Expect::ImplementationDefined) =
@@ -300,15 +302,16 @@ fn features<C: TestCase>(
             {
                 continue;
             }
-            all_unsupported
-                .entry(feature.clone())
-                .and_modify(|all| *all &= unsupported)
-                .or_insert(unsupported);
+            let (all, answered) = asked.entry(feature.clone()).or_default();
+            *all += 1;
+            *answered += usize::from(unsupported);
             if matches!(observation.response, Response::Picture { .. }) {
                 decoded.insert(feature);
             }
         }
     }
-    all_unsupported.retain(|_, all| *all);
-    (all_unsupported.into_keys().collect(), decoded)
+    asked.retain(|feature, (all, unsupported)| {
+        *unsupported * 2 > *all && !decoded.contains(feature)
+    });
+    (asked.into_keys().collect(), decoded)
 }
