@@ -48,6 +48,11 @@ pub(super) fn attribute(search: &Search, found: &Found) -> (Vec<(Id, Diagnosis)>
         .into_iter()
         .filter_map(|whole| of_whole(search, &whole, &found.members, &mut shares, &mut left))
         .collect();
+    for (member, share) in found.members.iter().zip(&mut shares) {
+        if is_denied_guess(search, member, share) {
+            left.append(&mut share.explains);
+        }
+    }
     let members = found.members.iter().zip(shares);
     let others = members
         .filter(|(_, share)| !share.explains.is_empty())
@@ -77,13 +82,30 @@ fn of_whole(
     for (member, share) in members.iter().zip(shares) {
         if share.explains.iter().any(is_of) {
             let ids = std::iter::once(&member.id).chain(&member.alike);
-            alike.extend(ids.filter_map(|&id| search.mistakes[id].listed()));
+            // Others may fail some of these files alone.
+            let explains = |&&id: &&Id| {
+                let agrees = |&w: &usize| search.agreement(w, &[id]).explains();
+                whole.of.iter().all(agrees)
+            };
+            alike.extend(
+                ids.filter(explains)
+                    .filter_map(|&id| search.mistakes[id].listed()),
+            );
         }
         share.explains.retain(|w| !is_of(w));
     }
     left.retain(|w| !is_of(w));
     // No mistake has this place: nothing else stands under it in part.
     Some((Id::MAX, whole.describe(search.witnesses, alike)))
+}
+
+/// Whether malformed files alone speak for a mistake of the catalog, and others against it.
+fn is_denied_guess(search: &Search, member: &Member, share: &Share) -> bool {
+    let listed = search.mistakes[member.id].listed();
+    let shows = listed.and_then(|misreading| {
+        acceptances::all_that_shows(search.witnesses, &share.explains, misreading)
+    });
+    shows.is_some() && !search.contradictions(&[member.id]).is_empty()
 }
 
 fn diagnosis(search: &Search, member: &Member, share: &Share) -> Diagnosis {
@@ -112,7 +134,7 @@ fn diagnosis(search: &Search, member: &Member, share: &Share) -> Diagnosis {
     };
     Diagnosis {
         except: except.iter().map(|&w| witnesses[w].place).collect(),
-        shows: refusals::other_end(witnesses, &share.explains)
+        shows: refusals::no_picture(witnesses, &share.explains, misreading)
             .or_else(|| acceptances::all_that_shows(witnesses, &share.explains, misreading)),
         certain: true,
         ..Diagnosis::of(cause, places(search, &share.explains))

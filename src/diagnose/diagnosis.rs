@@ -13,7 +13,7 @@ pub struct Diagnosis<A: 'static = At> {
     pub partly: Vec<usize>,
     /// Passing cases that a decoder with this mistake would fail: the mistake is made, but not everywhere.
     pub except: Vec<usize>,
-    /// All that can be observed of it, as a sentence without its subject, where other causes would look alike.
+    /// All that can be observed of it, as a sentence without its subject, where the mistake is but one that would look so.
     pub shows: Option<String>,
     /// Whether a decoder with this mistake was held against every case, and gives the answers that were received.
     pub certain: bool,

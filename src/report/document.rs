@@ -108,6 +108,9 @@ pub struct LikelyCause {
     pub clause: String,
     /// What the decoder does.
     pub effect: String,
+    /// What it may do, the misreading itself, where the effect is all that shows and other causes would show alike.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub perhaps: Option<String>,
     /// What to do about it.
     pub fix: String,
     /// Other misreadings that explain the same cases.
@@ -124,9 +127,6 @@ pub struct LikelyCause {
     /// Cases that pass although a decoder with this mistake would fail them.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub except: Vec<String>,
-    /// All that shows of it, where other causes would show alike.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub shows: Option<String>,
     /// One failure down to the bytes of the file, where the cause is not of the catalogue.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub example: Option<String>,

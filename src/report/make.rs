@@ -185,7 +185,8 @@ fn cause<C: TestCase, A: 'static>(suite: &Suite<C>, diagnosis: &Diagnosis<A>) ->
         } => LikelyCause {
             misreading: Some(misreading.slug.to_owned()),
             clause: misreading.clause.to_owned(),
-            effect: misreading.effect.to_owned(),
+            effect: (diagnosis.shows.clone()).unwrap_or_else(|| misreading.effect.to_owned()),
+            perhaps: (diagnosis.shows.as_ref()).map(|_| misreading.effect.to_owned()),
             fix: misreading.fix.to_owned(),
             or: slugs(alike),
             with: slugs(with),
@@ -212,7 +213,6 @@ fn cause<C: TestCase, A: 'static>(suite: &Suite<C>, diagnosis: &Diagnosis<A>) ->
         explains: ids(&diagnosis.explains),
         partly: ids(&diagnosis.partly),
         except: ids(&diagnosis.except),
-        shows: diagnosis.shows.clone(),
         ..cause
     }
 }

@@ -313,6 +313,12 @@ fn write_list(out: &mut String, name: &str, items: &[String]) -> std::fmt::Resul
 /// What else is known of a cause, a line each.
 fn write_details(cause: &LikelyCause, suite: SuiteName, out: &mut String) -> std::fmt::Result {
     let subject = suite.subject();
+    if let Some(perhaps) = &cause.perhaps {
+        writeln!(
+            out,
+            "  That is all that shows. Perhaps it {perhaps}; other causes would show alike"
+        )?;
+    }
     for (slug, words) in known_words(suite, &cause.or).take(3) {
         writeln!(
             out,
@@ -335,12 +341,6 @@ fn write_details(cause: &LikelyCause, suite: SuiteName, out: &mut String) -> std
             out,
             "  But not everywhere: {} cases pass that such a {subject} would fail, for example {passing}",
             cause.except.len()
-        )?;
-    }
-    if let Some(shows) = &cause.shows {
-        writeln!(
-            out,
-            "  All that shows of it: the {subject} {shows}. Other causes would show alike"
         )?;
     }
     match &cause.example {

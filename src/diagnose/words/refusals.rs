@@ -5,7 +5,7 @@ use crate::diagnose::failure_mode::FailureMode;
 use crate::diagnose::files::shared::shared;
 use crate::diagnose::witness::Witness;
 use crate::kit::last_words::last_words;
-use crate::misreadings::Misreading;
+use crate::misreadings::{Misreading, Symptom};
 use crate::ptm::Format;
 use crate::session::observation::Response;
 use crate::suite::cases::Expect;
@@ -108,6 +108,9 @@ pub(in crate::diagnose) fn of_whole_formats(witnesses: &[Witness], of: &[usize])
     Some(format!("{mode} every file of {}", names.join(", ")))
 }
 
+/// One picture among so many answers may agree with a mistake by chance where the others are refusals.
+pub(in crate::diagnose) const FEW_PICTURES: usize = 12;
+
 /// Formats of which every legal file fails in one and the same way, without a picture.
 pub(in crate::diagnose) struct WholeFormats {
     mode: FailureMode,
@@ -185,11 +188,34 @@ pub(in crate::diagnose) fn of_effect(
     refusal(witnesses, of, &mode, effect)
 }
 
-/// How these files end where a mistake refuses them and this decoder does not refuse.
-pub(in crate::diagnose) fn other_end(witnesses: &[Witness], of: &[usize]) -> Option<String> {
-    let mode = one_mode(witnesses, of)?;
-    let is_other = !matches!(mode, FailureMode::Refuses | FailureMode::Unsupported);
-    is_other.then(|| format!("{mode} these files"))
+/// How those of these files end that are legal, where hardly a picture is shown and nothing else speaks for a mistake;
+/// nothing where such refusals are the mistake.
+pub(in crate::diagnose) fn no_picture(
+    witnesses: &[Witness],
+    of: &[usize],
+    misreading: &Misreading,
+) -> Option<String> {
+    let is_legal = |w: &usize| witnesses[*w].case.expect == Expect::Decode;
+    let of: Vec<usize> = of.iter().copied().filter(is_legal).collect();
+    let is_refusal =
+        |mode: &FailureMode| matches!(mode, FailureMode::Refuses | FailureMode::Unsupported);
+    let modes = FailureMode::among(witnesses, &of);
+    let shown = of
+        .iter()
+        .filter(|&&w| FailureMode::of(&witnesses[w]).is_none());
+    let is_the_mistake = misreading.shows == Symptom::Refusals && modes.iter().all(is_refusal);
+    if of.is_empty() || shown.count() * FEW_PICTURES > of.len() || is_the_mistake {
+        return None;
+    }
+    let files = |mode: &FailureMode| match mode.select(witnesses, &of)[..] {
+        [only] => format!("{mode} a legal file, {}", witnesses[only].case.id),
+        ref all => format!(
+            "{mode} {} legal files, for example {}",
+            all.len(),
+            witnesses[all[0]].case.id
+        ),
+    };
+    Some(modes.iter().map(files).collect::<Vec<_>>().join(", and "))
 }
 
 /// What no trait explains.

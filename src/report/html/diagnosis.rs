@@ -51,6 +51,7 @@ fn diagnosed(cause: &LikelyCause, group: &Group, failures: usize, clauses: &[Cla
                         b { "Clause " (linked(group.suite.clause_page(&cause.clause), &html! { (cause.clause) })) } @if let Some(rule) = rule { ": " (rule.rule) }
                     }
                 }
+                @if let Some(perhaps) = &cause.perhaps { p { "That is all that shows. Perhaps it " (perhaps) "; other causes would show alike." } }
                 @for (slug, other) in known_words(group.suite, &cause.or).take(3) {
                     p { "Or, which fails the same cases: it " (other.effect) " (clause " (other.clause) "; " (linked(Some(group.suite.misreading_page(slug)), &html! { code { (slug) } })) ")." }
                 }
@@ -63,7 +64,6 @@ fn diagnosed(cause: &LikelyCause, group: &Group, failures: usize, clauses: &[Cla
                 @if let Some(passing) = cause.except.first() {
                     p { "But not everywhere: " (cause.except.len()) " cases pass that such a " (subject) " would fail, for example " code { (passing) } "." }
                 }
-                @if let Some(shows) = &cause.shows { p { "All that shows of it: the " (subject) " " (shows) ". Other causes would show alike." } }
                 @if let Some(example) = &cause.example { p { "For example " (example.strip_prefix("for example ").unwrap_or(example).trim_end_matches('.')) "." } }
                 p.quiet {
                     a href={ "#" (group.anchor()) } { "See the cases" }
