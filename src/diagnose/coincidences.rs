@@ -9,7 +9,7 @@ use super::solved::Act;
 use super::witness::{Agreement, Witness};
 use super::words::pictures::{is_near, widest_slip};
 use super::words::refusals;
-use crate::misreadings::{Misreading, Symptom};
+use crate::misreadings::{Misreading, Stage, Symptom};
 use crate::protocol::frame::View;
 use crate::suite::cases::Expect;
 
@@ -56,7 +56,7 @@ fn drop_strays(search: &Search, found: &mut Found) {
     found.keep(&keep);
 }
 
-/// One in so many pictures may agree with a mistake by chance.
+/// One in so many pictures may agree with a mistake by chance; of colors, which are rounded, two in so many.
 const RARE: usize = 3;
 
 /// Takes away mistakes of the catalog that explain a few pictures and would change many others otherwise than the decoder
@@ -65,7 +65,9 @@ fn drop_rare(search: &Search, found: &mut Found) {
     let set = of(&found.members);
     let failing = failing(search.witnesses);
     let keep = search.each(&set, |&id| {
-        if search.mistakes[id].listed().is_none() {
+        let solved = search.mistakes[id].solved();
+        let is_index = solved.is_some_and(|solved| solved.act.is_of_indices());
+        if search.mistakes[id].listed().is_none() && !is_index {
             return true;
         }
         let without = without(&set, id);
@@ -81,11 +83,20 @@ fn drop_rare(search: &Search, found: &mut Found) {
                 far += usize::from(!is_near(search, w, &set, id));
             }
         }
-        let is_rare = explained * RARE <= far;
+        let is_of_colors = search.mistakes[id].listed().is_some_and(is_of_colors);
+        let is_rare = explained * RARE <= far * if is_of_colors { 2 } else { 1 };
         let is_denied = || !search.denied(&[id]).is_empty() && !search.denied(&set).is_empty();
+        if is_index {
+            return explained > 2 * other;
+        }
         explained == 0 || !is_rare && (explained > 3 * other || !is_denied())
     });
     found.keep(&keep);
+}
+
+/// Whether colors alone show it.
+fn is_of_colors(misreading: &Misreading) -> bool {
+    misreading.at.stage() == Stage::Color
 }
 
 /// Takes away mistakes that only refuse, where one thing that the refused files share says more, or where passing cases
@@ -105,9 +116,10 @@ fn drop_refusals(search: &Search, found: &mut Found) {
     let places: Vec<usize> = (0..set.len()).collect();
     let keep = search.each(&places, |&member| {
         let of_member = &explained[member];
-        let refuses = of_member
-            .iter()
-            .all(|(_, agreement)| matches!(agreement, Agreement::Word | Agreement::Crash));
+        // A few pictures among many refusals may agree by chance.
+        let pictures = (of_member.iter())
+            .filter(|(_, agreement)| !matches!(agreement, Agreement::Word | Agreement::Crash));
+        let refuses = pictures.count() * refusals::FEW_PICTURES <= of_member.len();
         let less = |wide: &Vec<usize>| {
             let covered = of_member.iter().filter(|(w, _)| wide.contains(w)).count();
             wide.len() > of_member.len() && covered * 10 >= of_member.len() * 9

@@ -44,7 +44,7 @@ use crate::session::outcome::Outcome;
 use crate::session::run::Run;
 use crate::suite::cases::Suite;
 use search::Search;
-use witness::{Witness, reference_reading, witnesses};
+use witness::{reference_reading, witnesses};
 
 /// Why the failures of `run` failed; most telling first. `assumed` are mistakes that the user knows of. Where the user
 /// ends the search, most failures have no cause.
@@ -56,27 +56,6 @@ pub fn diagnose(
     threads: usize,
 ) -> Causes {
     diagnose_by(suite, run, assumed, threads, solve::solve)
-}
-
-/// What was asked and answered. One mistake may look like another reading of an open question: where one of the catalog explains
-/// all beside the reference's reading, and none does beside what the decoder seems to read, it is made in that.
-fn told<'a>(
-    suite: &'a Suite,
-    run: &'a Run,
-    assumed: &'a [&'static Misreading],
-    threads: usize,
-) -> Vec<Witness<'a>> {
-    let by_dialect = witnesses(suite, run, None, threads);
-    let Some(reading) = reference_reading(run) else {
-        return by_dialect;
-    };
-    let by_reference = witnesses(suite, run, Some(reading), threads);
-    let left = |of: &[Witness]| Search::new(of, assumed, threads, &run.stop).left_by_one();
-    let (left, known) = (left(&by_reference), left(&by_dialect));
-    match left.is_some_and(|left| known.is_none_or(|known| left < known)) {
-        true => by_reference,
-        false => by_dialect,
-    }
 }
 
 /// The same as [`diagnose`], where `solve` is asked for mistakes that the catalog lacks.
@@ -93,40 +72,37 @@ fn diagnose_by(
     if !judged.any(|judged| judged.outcome == Outcome::Fail) {
         return diagnoses.into();
     }
-    let witnesses = told(suite, run, assumed, threads);
-    if !witnesses.iter().any(|witness| witness.failed) {
+    let by_dialect = witnesses(suite, run, None, threads);
+    if !by_dialect.iter().any(|witness| witness.failed) {
         return diagnoses.into();
     }
-    let mut search = Search::new(&witnesses, assumed, threads, &run.stop);
-    let mut found = match words::nondeterminism::prevails(run) {
-        true => search::Found::default(),
-        false => search.run(solve),
+    let searched = |witnesses| {
+        let mut search = Search::new(witnesses, assumed, threads, &run.stop);
+        let found = match words::nondeterminism::prevails(run) {
+            true => search::Found::default(),
+            false => search.run(&solve),
+        };
+        (search, found)
     };
+    let (mut search, mut found) = searched(&by_dialect);
+    // A mistake may look like another reading of an open question: then it tells more beside the reference's own.
+    let is_plain = found.members.is_empty() || search.cost(&found) <= search::FACT;
+    let by_reference = reference_reading(run)
+        .filter(|_| !is_plain)
+        .map(|reading| witnesses(suite, run, Some(reading), threads));
+    if let Some(by_reference) = &by_reference {
+        let (other, beside) = searched(by_reference);
+        if other.cost(&beside) < search.cost(&found) + search::FACT {
+            (search, found) = (other, beside);
+        }
+    }
     if search.is_interrupted() {
         return diagnoses.into();
     }
     search.guarded(|| coincidences::drop(&search, &mut found));
     search.guarded(|| codecs::streams::drop(&search, &mut found));
-    let (mut attributed, mut left) = attribution::attribute(&search, &found);
-    search.guarded(|| codecs::streams::attribute_to_slips(&search, &mut attributed, &mut left));
-    let mut causes = search.guarded(|| words::formats::describe(&witnesses, &mut left));
-    causes.extend(search.guarded(|| words::acceptances::describe(&witnesses, &mut left)));
-    let violation = search.guarded(|| words::violation::describe(&witnesses, &mut left));
-    let in_streams = search.guarded(|| codecs::streams::describe(&search, &found, &mut left));
-    let refusals = search.guarded(|| words::refusals::describe(&witnesses, &mut left));
-    search.guarded(|| {
-        attribution::attribute_in_part(&search, &found, &mut attributed, &mut left);
-    });
-    causes.extend(in_streams);
-    causes.extend(refusals);
-    causes.extend(search.guarded(|| words::refusals::rest(&witnesses, &mut left)));
-    causes.extend(violation);
-    let set = search::of(&found.members);
-    causes.extend(search.guarded(|| planes::rest::describe(&search, &set, &mut left)));
-    causes.extend(search.guarded(|| words::pictures::describe(&search, &set, &left)));
+    let mut causes = told(&search, &found);
     causes.append(&mut diagnoses);
-    let attributed = attributed.into_iter().map(|(_, diagnosis)| diagnosis);
-    let mut causes: Vec<Diagnosis> = attributed.chain(causes).collect();
     // What explains most comes first; what is known for certain counts more than what is put into words.
     causes.sort_by_key(|diagnosis| {
         let explained = diagnosis.explains.len() + diagnosis.partly.len();
@@ -137,6 +113,35 @@ fn diagnose_by(
         faults: search.faults(),
         answered: search.answered(),
     }
+}
+
+/// What each mistake that was found explains, and what is left, in words.
+fn told(search: &Search, found: &search::Found) -> Vec<Diagnosis> {
+    let witnesses = search.witnesses;
+    let (mut attributed, mut left) = attribution::attribute(search, found);
+    search.guarded(|| codecs::streams::attribute_to_slips(search, &mut attributed, &mut left));
+    let mut causes = search.guarded(|| words::formats::describe(witnesses, &mut left));
+    causes.extend(search.guarded(|| words::acceptances::describe(witnesses, &mut left)));
+    let violation = search.guarded(|| words::violation::describe(witnesses, &mut left));
+    let in_streams = search.guarded(|| codecs::streams::describe(search, found, &mut left));
+    let refusals = search.guarded(|| words::refusals::describe(witnesses, &mut left));
+    search.guarded(|| {
+        attribution::attribute_in_part(search, found, &mut attributed, &mut left);
+    });
+    causes.extend(in_streams);
+    causes.extend(refusals);
+    causes.extend(search.guarded(|| words::refusals::rest(witnesses, &mut left)));
+    causes.extend(violation);
+    // Where nothing is explained there is no cause above that others could stand beside.
+    let is_cause = |(id, _): &(search::Id, Diagnosis)| *id < search.mistakes.len();
+    let set = match attributed.iter().any(is_cause) {
+        true => search::of(&found.members),
+        false => search::Set::new(),
+    };
+    causes.extend(search.guarded(|| planes::rest::describe(search, &set, &mut left)));
+    causes.extend(search.guarded(|| words::pictures::describe(search, &set, &left)));
+    let attributed = attributed.into_iter().map(|(_, diagnosis)| diagnosis);
+    attributed.chain(causes).collect()
 }
 
 #[cfg(test)]

@@ -30,6 +30,8 @@ const FINALISTS: usize = 64;
 /// explains less than one in so many of the failures: the next will explain still less.
 const WORK: usize = 400;
 const LEAST_WORK: usize = 20;
+/// The same, after which no mistake is looked for that explains more than one that was found.
+const WIDER: usize = 60;
 const LITTLE: i64 = 200;
 /// Samples of the failing cases that a mistake is first tried on, all together.
 const SAMPLES: usize = 1 << 20;
@@ -43,6 +45,8 @@ const MAP: usize = 512;
 const CHANCES: usize = 2;
 /// Nearly all are all but one in so many.
 const NEARLY_ALL: usize = 20;
+/// So many failures must a mistake, or another reading, explain to be believed rather than that these are of other causes.
+pub(super) const FACT: usize = 4;
 /// Faults of ours that are kept.
 const FAULTS: usize = 8;
 /// Answers made in search of two mistakes that hide each other.
@@ -225,16 +229,51 @@ impl<'a> Search<'a> {
             }
         }
         self.drop_needless(&mut members);
+        for place in 0..members.len() {
+            if let Some(wider) = self.wider(&members, place, &solve) {
+                members[place] = wider;
+            }
+        }
         Found { members }
     }
 
-    /// How many failures the best mistake of the catalog leaves unexplained, if these are few and nothing denies it.
-    pub fn left_by_one(&self) -> Option<usize> {
-        let left = self.unexplained(&Set::new());
-        let set = vec![self.best_single(&Set::new(), &left)?.id];
-        let unexplained = self.unexplained(&set).len();
-        (unexplained * NEARLY_ALL <= left.len() && self.denied(&set).is_empty())
-            .then_some(unexplained)
+    /// A mistake that explains all that one of the catalog does beside the other members, and some of what is left too: what
+    /// was made is that, and looks like the one of the catalog in some files.
+    fn wider(
+        &mut self,
+        members: &[Member],
+        place: usize,
+        solve: &impl Fn(&mut Search, &Set, &[usize]) -> Vec<Set>,
+    ) -> Option<Member> {
+        let member = members[place].id;
+        let left = self.unexplained(&of(members));
+        let spent = self.answered.load(Ordering::Relaxed);
+        if left.is_empty() || self.is_interrupted() || spent > WIDER * self.witnesses.len() {
+            return None;
+        }
+        let others = without(&of(members), member);
+        let format = |w: &usize| self.witnesses[*w].case.format();
+        let (mut akin, mine): (Vec<usize>, Vec<usize>) =
+            (self.unexplained(&others).into_iter()).partition(|w| left.contains(w));
+        akin.retain(|w| mine.iter().any(|other| format(other) == format(w)));
+        if akin.is_empty() {
+            return None;
+        }
+        let all = [mine, akin].concat();
+        let solved = catch_unwind(AssertUnwindSafe(|| solve(self, &others, &all)));
+        if let Err(panic) = solved {
+            self.note(&*panic);
+        }
+        let wider = self.best_single(&others, &all)?;
+        let with = plus(&others, wider.id);
+        let still = self.unexplained(&with);
+        let is_wider = still.len() < left.len() && still.iter().all(|w| left.contains(w));
+        (is_wider && self.denied(&with).len() <= self.denied(&of(members)).len()).then_some(wider)
+    }
+
+    /// What mistakes cost that are to be believed: themselves, and what they leave unexplained.
+    pub fn cost(&self, found: &Found) -> usize {
+        self.unexplained(&of(&found.members)).len() + FACT * found.members.len()
     }
 
     /// The one mistake that is worth most beside `set`.
