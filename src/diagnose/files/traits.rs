@@ -1,6 +1,6 @@
 //! What can be said of a file, so that files which a decoder treats alike can be described.
 //!
-//! Tables of words and predicates. How many bytes a file has is no trait: size goes with everything else.
+//! Tables of words and predicates. How many bytes a file has is a trait at the sizes of buffers alone: size goes with everything else.
 
 use std::sync::LazyLock;
 
@@ -657,6 +657,7 @@ fn all_traits() -> Vec<Trait> {
         holds: Box::new(move |facts| facts.numbers[..2].iter().flatten().any(|text| holds(text))),
     }));
     all.extend(OF_SIZE.iter().map(row));
+    all.extend(of_lengths());
     all.extend(OF_COMPRESSION.iter().flat_map(both));
     all.extend(VIEWS.iter().map(|view| Trait {
         is_view: true,
@@ -664,6 +665,40 @@ fn all_traits() -> Vec<Trait> {
     }));
     all
 }
+
+/// Files that are longer than buffers or counters are.
+fn of_lengths() -> impl Iterator<Item = Trait> {
+    let buffers = BUFFERS.map(|size| Trait {
+        says: format!("of more than {size} bytes"),
+        is_view: false,
+        clause: None,
+        holds: Box::new(move |facts| facts.header + facts.data.len() > size),
+    });
+    let counts = COUNTS.map(|count| Trait {
+        says: format!("of more than {count} texels"),
+        is_view: false,
+        clause: Some("2.3/1"),
+        holds: Box::new(move |facts| {
+            let size = facts.size();
+            size.is_some_and(|(width, height)| u64::from(width) * u64::from(height) > count)
+        }),
+    });
+    buffers.into_iter().chain(counts)
+}
+
+/// Sizes of buffers, in bytes, and of counters of texels.
+const BUFFERS: [usize; 8] = [
+    1 << 11,
+    1 << 12,
+    1 << 13,
+    1 << 14,
+    1 << 15,
+    1 << 16,
+    1 << 17,
+    1 << 20,
+];
+/// Where several tell the same files apart the largest says least.
+const COUNTS: [u64; 5] = [65_536, 65_535, 256, 255, 127];
 
 /// All quantities.
 pub(super) const QUANTITIES: &[Quantity] = &[
