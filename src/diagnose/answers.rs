@@ -101,6 +101,9 @@ impl Witness<'_> {
             .collect();
         if !slips.is_empty() {
             let reading = misreadings::misread(&listed, reading);
+            if slips::lack_a_reference(&slips, self, &reading) {
+                return Err(Answer::Rejected);
+            }
             slips::apply(&slips, &mut ptm, self, &reading);
         }
         for act in acts {

@@ -46,7 +46,7 @@ const MOST: usize = 240;
 const FINALISTS: usize = 20;
 /// The same of many candidates: first a few files.
 const FIRST_FILES: usize = 8;
-const FIRST_FINALISTS: usize = 100;
+const FIRST_FINALISTS: usize = 200;
 const FEW_FINALISTS: usize = 6;
 /// Mistakes of the catalog of which is solved where they are made.
 const NARROW: usize = 12;
@@ -373,7 +373,7 @@ fn add(search: &mut Search, set: &Set, pictures: &[usize], act: Act) {
     // Some pictures under some lights agree with something by chance.
     let is_color = |&w: &usize| search.witnesses[w].is_in_colors();
     let is_of_some = !matches!(scope, None | Some(Scope::All | Scope::Formats(_)));
-    let is_chance = is_of_some && of.iter().all(is_color) && of.len() * 3 < pictures.len();
+    let is_chance = is_of_some && of.iter().all(is_color) && of.len() * 2 < pictures.len();
     if let Some(scope) = scope
         && is_shown
         && is_seen
@@ -477,11 +477,12 @@ fn is_shown(search: &Search, of: &[usize], acting: usize, scope: Option<&Scope>)
         (false, _) => 1,
     };
     // Where a mistake is made in some files, it shows in most of these.
-    let part = match (narrow, colors_only) {
-        (true, _) | (false, true) => 2,
-        (false, false) => 10,
+    let (most, part) = match (narrow, colors_only) {
+        (_, true) => (2, 3),
+        (true, false) => (1, 2),
+        (false, false) => (1, 10),
     };
-    of.len() >= fewest && of.len() * part >= acting
+    of.len() >= fewest && of.len() * part >= acting * most
 }
 
 /// What the explained files share, and none of those that deny the mistake has.
@@ -492,9 +493,14 @@ fn scope_of(search: &Search, explained: &[usize], denied: &[usize]) -> Option<Sc
             .iter()
             .any(|w| denied.iter().any(|d| format(d) == format(w)))
     {
-        let mut formats: Vec<_> = explained.iter().map(format).collect();
-        formats.sort_unstable();
-        formats.dedup();
+        // A format that neither shows it nor denies it is as those are whose values mean the same.
+        let shown: Vec<Format> = explained.iter().map(format).collect();
+        let others: Vec<Format> = denied.iter().map(format).collect();
+        let is_like =
+            |of: &[Format], one: Format| of.iter().any(|other| other.channels() == one.channels());
+        let mut formats = Format::ALL.to_vec();
+        formats
+            .retain(|&one| shown.contains(&one) || is_like(&shown, one) && !is_like(&others, one));
         return Some(Scope::Formats(formats));
     }
     let shared = shared(search.witnesses, explained, denied, true)?;

@@ -6,6 +6,7 @@ use super::layout::blocks::{Block, Part, block_clause, row_clause, texel_clause}
 use super::layout::indices::{Index, look_up, read_indices};
 use super::layout::strides::{Extent, Strides};
 use super::layout::table_layouts::TableLayout;
+use super::planes::rules::Slip;
 use super::planes::slips::PlaneSlip;
 use super::values::changes::{Change, Values};
 use super::values::color_rules::ColorRule;
@@ -290,6 +291,17 @@ impl Act {
             _ => {}
         }
         Ok(())
+    }
+
+    /// By how much it shifts the samples of all streams, if that is what it does.
+    pub const fn level_shift(&self) -> Option<i8> {
+        match self {
+            Act::Planes(PlaneSlip {
+                slip: Slip::Shifted(by),
+                ..
+            }) => Some(*by),
+            _ => None,
+        }
     }
 
     /// Whether it may find nothing to show.

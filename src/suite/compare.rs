@@ -362,8 +362,11 @@ impl fmt::Display for Difference {
     }
 }
 
-/// A number with at most so many decimals.
+/// A number with at most so many decimals; one that they would lose with an exponent.
 pub(crate) fn short(value: f64, decimals: usize) -> String {
+    if value != 0.0 && value.abs() * 10_f64.powi(decimals as i32) < 0.5 {
+        return format!("{:e}", value as f32);
+    }
     let text = format!("{value:.decimals$}");
     let text = match text.contains('.') {
         true => text.trim_end_matches('0').trim_end_matches('.'),

@@ -834,6 +834,9 @@ static SLIPS: &[Slip<Rules>] = slips! {
     "computes RANGE with NEAR above the line, where 2·NEAR belongs", |r| r.range = |maxval, near| (maxval + near) / (2 * near + 1) + 1;
     "uses stored thresholds only where none of the three is 0", |r| r.thresholds = |stored, maxval, near| thresholds(if stored.contains(&0) { [0; 3] } else { stored }, maxval, near);
     "takes thresholds of 0 in an LSE segment for 0, where the default belongs", |r| r.thresholds = |stored, maxval, near| if stored == [0; 3] { thresholds(stored, maxval, near) } else { stored };
+    "reads T3 of an LSE segment before T2", |r| r.thresholds = |[a, b, c], maxval, near| thresholds([a, c, b], maxval, near);
+    "reads T2 of an LSE segment before T1", |r| r.thresholds = |[a, b, c], maxval, near| thresholds([b, a, c], maxval, near);
+    "reads T1, T2 and T3 of an LSE segment in reverse order", |r| r.thresholds = |[a, b, c], maxval, near| thresholds([c, b, a], maxval, near);
     "uses only the stored T1, and computes T2 and T3", |r| r.thresholds = |stored, maxval, near| thresholds([stored[0], 0, 0], maxval, near);
     "uses default thresholds, whatever an LSE segment says", |r| r.thresholds = |_, maxval, near| thresholds([0; 3], maxval, near);
     "takes 256 for RANGE, whatever NEAR is", |r| r.range = |_, _| 256;
@@ -859,6 +862,9 @@ static SLIPS: &[Slip<Rules>] = slips! {
     "does not limit the corrected prediction to MAXVAL", |r| r.limit_prediction = |predicted, _| predicted.max(0);
     "does not limit the corrected prediction to 0", |r| r.limit_prediction = |predicted, maxval| predicted.min(maxval);
     in "the codes (T.87 A.5)":
+    "starts with A one larger than max(2, (RANGE + 32) / 64)", |r| r.initial_a = |range| ((range + 32) / 64).max(2) + 1;
+    "starts with A one smaller than max(2, (RANGE + 32) / 64)", |r| r.initial_a = |range| ((range + 32) / 64).max(2) - 1;
+    "starts with A twice max(2, (RANGE + 32) / 64)", |r| r.initial_a = |range| ((range + 32) / 64).max(2) * 2;
     "starts with A = 2", |r| r.initial_a = |_| 2;
     "starts with A = 4, whatever RANGE is", |r| r.initial_a = |_| 4;
     "starts with A = (RANGE + 32) / 64, but not 2 at the least", |r| r.initial_a = |range| (range + 32) / 64;

@@ -20,6 +20,8 @@ pub(in crate::diagnose) enum Index {
     Joined(Places<3>),
     /// One of [`RULES`], by its place.
     Rule(usize),
+    /// The number of texels, not of entries, decides whether it has one byte or two.
+    WidthByTexels,
 }
 
 /// What is looked up instead of index i of n entries, in words and as a function.
@@ -159,12 +161,14 @@ impl Index {
     pub fn all() -> impl Iterator<Item = Index> {
         let neighbors = [-1.0, 1.0].map(|offset| Index::Changed(Change::Offset(offset)));
         (neighbors.into_iter())
+            .chain([Index::WidthByTexels])
             .chain((0..RULES.len()).map(Index::Rule))
             .chain(grid::all([JOINS.len(), OFFSETS.len(), LIMITS.len()]).map(Index::Joined))
     }
 
     fn of(&self, right: u32, entries: usize) -> i64 {
         match self {
+            Index::WidthByTexels => right.into(),
             Index::Rule(rule) => RULES[*rule].1(right.into(), entries as i64),
             Index::Changed(change) => change.apply(f64::from(right), Values::Reals) as i64,
             Index::Joined([join, offset, limit]) => {
@@ -188,6 +192,7 @@ impl Index {
                 change.says(Values::Reals)
             ),
             Index::Rule(rule) => format!("looks up {} in the table", RULES[*rule].0),
+            Index::WidthByTexels => "uses one byte for an index in maps of up to 256 texels and two bytes in larger ones".to_owned(),
             Index::Joined([join, offset, limit]) => format!(
                 "joins the two bytes of an index wrongly: {}{}{} instead of low + high · 256",
                 JOINS[*join].says(),
@@ -202,6 +207,9 @@ impl Index {
             Index::Changed(_) | Index::Rule(_) => {
                 "index 0 names the first entry of the table; take indices as they are stored"
             }
+            Index::WidthByTexels => {
+                "use one byte for up to 256 entries and two bytes for more; the number of entries decides"
+            }
             Index::Joined(_) => {
                 "an index of two bytes is low + high · 256, both from 0 to 255, the low byte first in the file"
             }
@@ -211,7 +219,7 @@ impl Index {
     pub const fn clause(&self) -> &'static str {
         match self {
             Index::Changed(_) | Index::Rule(_) => "2.8/1",
-            Index::Joined(_) => "2.8.1/3",
+            Index::Joined(_) | Index::WidthByTexels => "2.8.1/3",
         }
     }
 }
@@ -302,6 +310,9 @@ pub(in crate::diagnose) fn look_up(
     let Some(indices) = IndexBlock::of(witness) else {
         return Ok(());
     };
+    if *index == Index::WidthByTexels {
+        return read_by_texels(ptm, witness, indices);
+    }
     if matches!(index, Index::Joined(_)) && indices.bytes == 1 {
         return Ok(());
     }
@@ -310,6 +321,28 @@ pub(in crate::diagnose) fn look_up(
         let index = index.of(indices.stored(texel, extent) as u32, entries);
         indices.look_up(usize::try_from(index).ok()?)
     })
+}
+
+/// Indices whose width follows from the number of texels, and the colors behind them, which stand elsewhere then.
+fn read_by_texels(ptm: &mut Ptm, witness: &Witness, mut indices: IndexBlock) -> Result<(), Answer> {
+    let size = ptm.planes.size;
+    indices.bytes = if size.texels() <= 256 { 1 } else { 2 };
+    let colors = indices.start + size.texels() * indices.bytes;
+    let of_colors = ptm.planes.shape.channels() - indices.size;
+    if indices.file.len() < colors + size.texels() * of_colors {
+        return Err(Answer::Rejected);
+    }
+    let extent = indices.extent(size);
+    fill(ptm, witness, indices.size, |texel| {
+        indices.look_up(indices.stored(texel, extent))
+    })?;
+    let count = ptm.planes.shape.channels();
+    for (texel, samples) in ptm.planes.samples.chunks_exact_mut(count).enumerate() {
+        let stored = (extent.h - 1 - texel / extent.w) * extent.w + texel % extent.w;
+        let at = colors + stored * of_colors;
+        samples[indices.size..].copy_from_slice(&indices.file[at..at + of_colors]);
+    }
+    Ok(())
 }
 
 /// Of every texel its entry. Where the table has none, the file is refused, or 0 is shown, as this decoder did.

@@ -39,6 +39,15 @@ pub(in crate::diagnose) struct Strides {
     pub k: (Step, bool),
     /// So many of these steps too late in the file.
     pub shift: (isize, Step),
+    /// Every second row, as they are stored, is read from its end: those of odd numbers, or of even ones.
+    pub snake: Option<Parity>,
+}
+
+/// Of the number of a row, from 0.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(in crate::diagnose) enum Parity {
+    Even,
+    Odd,
 }
 
 /// Columns, rows and channels of a block.
@@ -158,6 +167,7 @@ impl Strides {
         y: (Step::Row, false),
         k: (Step::One, false),
         shift: (0, Step::One),
+        snake: None,
     };
 
     /// The place of a value in its block.
@@ -165,8 +175,13 @@ impl Strides {
         let term = |i: usize, n: usize, (step, back): (Step, bool)| {
             (if back { n - 1 - i } else { i } * step.of(extent)) as isize
         };
+        let is_turned = match self.snake {
+            None => false,
+            Some(Parity::Even) => y.is_multiple_of(2),
+            Some(Parity::Odd) => !y.is_multiple_of(2),
+        };
         self.shift.0 * self.shift.1.of(extent) as isize
-            + term(x, extent.w, self.x)
+            + term(x, extent.w, (self.x.0, self.x.1 ^ is_turned))
             + term(y, extent.h, self.y)
             + term(k, extent.c, self.k)
     }
@@ -180,7 +195,7 @@ impl Strides {
                     x: (x, back & 1 != 0),
                     y: (y, back & 2 != 0),
                     k: (k, back & 4 != 0),
-                    shift: (0, Step::One),
+                    ..Strides::RIGHT
                 };
                 if far && one == Strides::RIGHT {
                     all.extend(SHIFTS.map(|shift| one.moved(shift)));
@@ -197,6 +212,10 @@ impl Strides {
                 }
             }
         }
+        all.extend([Parity::Odd, Parity::Even].map(|parity| Strides {
+            snake: Some(parity),
+            ..Strides::RIGHT
+        }));
         all.retain(|one| *one != Strides::RIGHT);
         all.dedup();
         all
@@ -226,6 +245,17 @@ impl Strides {
             (true, false) => says.push("mirrors rows, left for right".to_owned()),
             (false, true) => says.push("reads rows from the top down".to_owned()),
             (false, false) => {}
+        }
+        match self.snake {
+            None => {}
+            Some(Parity::Odd) => says.push(
+                "reads the second stored row and every second one after it from right to left"
+                    .to_owned(),
+            ),
+            Some(Parity::Even) => says.push(
+                "reads the first stored row and every second one after it from right to left"
+                    .to_owned(),
+            ),
         }
         if self.k.1 {
             says.push("takes the channels of a texel in reverse order, the last first".to_owned());
@@ -289,6 +319,7 @@ impl Strides {
         let order = Strides {
             x: self.x,
             y: self.y,
+            snake: self.snake,
             ..Strides::RIGHT
         };
         *self == order

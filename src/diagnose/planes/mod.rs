@@ -3,6 +3,6 @@
 mod means;
 mod places;
 pub(super) mod rest;
-mod rules;
+pub(super) mod rules;
 pub(super) mod slips;
 pub(super) mod solve;

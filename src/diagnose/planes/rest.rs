@@ -25,7 +25,7 @@ pub(in crate::diagnose) fn describe(
     let slips = slips_of(search, set);
     let slips: Vec<&PlaneSlip> = slips.iter().collect();
     let (of, failing) = of_files(search, set, &search.solvable(left));
-    let (_, passing) = of_files(search, set, &passing_files(search));
+    let (_, passing) = of_files(search, set, &passing_files(search, left));
     let wrong = traces(search, &failing, &slips);
     let right = traces(search, &passing, &slips);
     let is_open = |trace: &&Trace| !trace.hits.is_empty();

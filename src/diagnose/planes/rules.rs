@@ -65,10 +65,10 @@ pub(in crate::diagnose) enum Slip {
     ByReference {
         inverted: bool,
     },
-    /// Predicted from the plane with the number before.
-    FromPlaneBefore,
-    /// Predicted from the plane so many numbers on, where there is one.
-    FromNeighbor(i8),
+    /// Predicted from the plane with the number before; what is not decoded yet is so.
+    FromPlaneBefore(Undecoded),
+    /// Predicted from the plane so many numbers on, where there is one; what is not decoded yet is so.
+    FromNeighbor(i8, Undecoded),
     /// What an intra coded plane holds is inverted where its transform says so.
     IntraInverted,
     NotMoved,
@@ -100,6 +100,15 @@ pub(in crate::diagnose) enum Slip {
     Records(Records),
     /// What was corrected stands in the place of the reference as well.
     Overwrites,
+}
+
+/// What stands in the place of a plane that is not decoded yet.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(in crate::diagnose) enum Undecoded {
+    #[default]
+    Zeros,
+    /// What its stream holds.
+    Stream,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -212,6 +221,7 @@ struct Rules {
     is_moved_by_reference: bool,
     is_from_plane_before: bool,
     from_neighbor: i8,
+    undecoded: Undecoded,
     is_still: bool,
     vector: Option<Vector>,
     split: Option<(Whole, Half)>,
@@ -249,8 +259,12 @@ impl Rules {
             }
             Slip::ByReference { inverted: true } => self.is_inverted_by_reference = true,
             Slip::ByReference { inverted: false } => self.is_moved_by_reference = true,
-            Slip::FromPlaneBefore => self.is_from_plane_before = true,
-            Slip::FromNeighbor(by) => self.from_neighbor = by,
+            Slip::FromPlaneBefore(undecoded) => {
+                (self.is_from_plane_before, self.undecoded) = (true, undecoded);
+            }
+            Slip::FromNeighbor(by, undecoded) => {
+                (self.from_neighbor, self.undecoded) = (by, undecoded);
+            }
             Slip::IntraInverted => self.is_intra_inverted = true,
             Slip::NotMoved => self.is_still = true,
             Slip::Vector(vector) => self.vector = Some(vector),
@@ -297,6 +311,10 @@ impl Coding {
         for (plane, samples) in streams.residuals() {
             residuals[plane] = samples.to_vec();
         }
+        // Other mistakes may lose streams.
+        if (residuals.iter()).any(|plane| plane.len() != coded.size.texels()) {
+            return None;
+        }
         let planes = residuals.into_iter().enumerate().map(|(i, residuals)| {
             let side = (reading.side_information)(&coded, i);
             CodedPlane {
@@ -339,14 +357,12 @@ impl Coding {
         };
         match step.reference {
             Some(reference) => {
-                let neighbor = reference.checked_add_signed(rules.from_neighbor.into());
-                let neighbor = neighbor.filter(|&other| other < self.planes.len());
-                let reference = match i.checked_sub(1) {
-                    Some(before) if rules.is_from_plane_before => before,
-                    _ => neighbor.unwrap_or(reference),
-                };
+                let reference = self.reference(i, reference, &rules);
                 let is_there = place(reference).is_some_and(|other| other < own);
-                let blank = || vec![0; plane.len()];
+                let blank = || match rules.undecoded {
+                    Undecoded::Zeros => vec![0; plane.len()],
+                    Undecoded::Stream => self.planes[reference].residuals.clone(),
+                };
                 let predictor = match is_there {
                     true => self.predictor(i, &planes[reference], &rules, reading),
                     false => self.predictor(i, &blank(), &rules, reading),
@@ -360,6 +376,30 @@ impl Coding {
         }
         self.correct(i, &mut plane, rules.records);
         plane
+    }
+
+    /// The plane that plane `i` is predicted from, where its entry says `listed`.
+    fn reference(&self, i: usize, listed: usize, rules: &Rules) -> usize {
+        let neighbor = listed.checked_add_signed(rules.from_neighbor.into());
+        let neighbor = neighbor.filter(|&other| other < self.planes.len());
+        match i.checked_sub(1) {
+            Some(before) if rules.is_from_plane_before => before,
+            _ => neighbor.unwrap_or(listed),
+        }
+    }
+
+    /// Whether a plane is predicted from one that is not decoded yet.
+    pub fn lacks_a_reference(&self, slips: &[Slip]) -> bool {
+        let rules = Rules::of(slips);
+        let sequence = self.sequence(slips);
+        let is_early = |(place, &i): (usize, &usize)| {
+            let listed = self.planes[i].step.reference;
+            listed.is_some_and(|listed| {
+                let reference = self.reference(i, listed, &rules);
+                !sequence[..place].contains(&reference)
+            })
+        };
+        sequence.iter().enumerate().any(is_early)
     }
 
     /// The planes in the order in which they are decoded with these slips.

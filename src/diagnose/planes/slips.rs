@@ -2,10 +2,11 @@
 
 use super::means::MEANS;
 use super::places::{LAST, PLANES, Place, PlaneIs, SAMPLES};
-use super::rules::{Border, Coding, Half, Order, Reach, Records, Slip, Vector, Whole};
+use super::rules::{Border, Coding, Half, Order, Reach, Records, Slip, Undecoded, Vector, Whole};
 use crate::diagnose::witness::Witness;
 use crate::ptm::Ptm;
 use crate::reading::Reading;
+use crate::session::observation::Response;
 
 /// A slip and where it is made.
 #[derive(Clone, Debug, PartialEq)]
@@ -42,6 +43,23 @@ pub(in crate::diagnose) fn apply(
             }
         }
     }
+}
+
+/// Whether no picture is shown of a file in which these slips predict a plane from one that is not decoded yet: some decoders
+/// refuse that.
+pub(in crate::diagnose) fn lack_a_reference(
+    slips: &[&PlaneSlip],
+    witness: &Witness,
+    reading: &Reading,
+) -> bool {
+    let is_other =
+        |one: &&&PlaneSlip| matches!(one.slip, Slip::FromPlaneBefore(_) | Slip::FromNeighbor(..));
+    let others: Vec<Slip> = slips.iter().filter(is_other).map(|one| one.slip).collect();
+    let is_shown = matches!(witness.observation.response, Response::Picture { .. });
+    let coding = || Coding::of(&witness.built.file, witness.ranks(), reading);
+    !others.is_empty()
+        && !is_shown
+        && coding().is_some_and(|coding| coding.lacks_a_reference(&others))
 }
 
 impl Coding {
@@ -101,14 +119,11 @@ const AXES: [[bool; 2]; 3] = [[true, true], [true, false], [false, true]];
 impl Slip {
     /// All that are tried, the plainest first; sums are solved.
     pub fn all() -> Vec<Slip> {
-        let mut all = vec![
-            Slip::NotInverted,
-            Slip::NotMoved,
-            Slip::IntraInverted,
-            Slip::FromPlaneBefore,
-            Slip::FromNeighbor(-1),
-            Slip::FromNeighbor(1),
-        ];
+        let mut all = vec![Slip::NotInverted, Slip::NotMoved, Slip::IntraInverted];
+        for undecoded in [Undecoded::Zeros, Undecoded::Stream] {
+            all.push(Slip::FromPlaneBefore(undecoded));
+            all.extend([-1, 1].map(|by| Slip::FromNeighbor(by, undecoded)));
+        }
         all.extend([true, false].map(|inverted| Slip::ByReference { inverted }));
         all.extend([0, 254, 1, 128, 127].map(Slip::InvertedFrom));
         all.extend([
@@ -156,8 +171,8 @@ impl Slip {
             | Slip::Absolute
             | Slip::ResidualLimited
             | Slip::ByReference { .. }
-            | Slip::FromPlaneBefore
-            | Slip::FromNeighbor(_)
+            | Slip::FromPlaneBefore(_)
+            | Slip::FromNeighbor(..)
             | Slip::Overwrites => is_predicted,
             Slip::InvertedFrom(_)
             | Slip::InvertedFromLargest
@@ -265,11 +280,11 @@ impl Slip {
             Slip::ByReference { inverted: false } => {
                 "displaces a reference where the transform of the reference says so"
             }
-            Slip::FromPlaneBefore => "predicts planes from the plane with the number before",
-            Slip::FromNeighbor(by) if by < 0 => {
+            Slip::FromPlaneBefore(_) => "predicts planes from the plane with the number before",
+            Slip::FromNeighbor(by, _) if by < 0 => {
                 "predicts planes from the plane before their reference, as if planes were counted from 1"
             }
-            Slip::FromNeighbor(_) => "predicts planes from the plane behind their reference",
+            Slip::FromNeighbor(..) => "predicts planes from the plane behind their reference",
             Slip::Overwrites => {
                 "shows a predicted plane in place of the plane that it is predicted from"
             }
@@ -296,7 +311,7 @@ impl Slip {
                 "where the plane's own transform has bit 1, its predictor is 255 − the reference, everywhere"
             }
             Slip::ByReference { .. } => "use the transform of the predicted plane",
-            Slip::FromPlaneBefore | Slip::FromNeighbor(_) => {
+            Slip::FromPlaneBefore(_) | Slip::FromNeighbor(..) => {
                 "planes are counted from 0: the number at place i of the reference list is the plane that plane i is predicted from"
             }
             Slip::IntraInverted => "leave intra coded planes as their streams hold them",
@@ -341,7 +356,7 @@ impl Slip {
             | Slip::NotInvertedOf(_)
             | Slip::NotInverted => "2.9.2/3",
             Slip::ByReference { .. } => "2.9.2/1",
-            Slip::FromPlaneBefore | Slip::FromNeighbor(_) => "2.9.5/1",
+            Slip::FromPlaneBefore(_) | Slip::FromNeighbor(..) => "2.9.5/1",
             Slip::IntraInverted => "2.9.5/2",
             Slip::NotMoved => "2.9.2/4",
             Slip::Vector(
@@ -435,7 +450,8 @@ impl Vector {
         let from_end = AXES.into_iter().map(Vector::FromEnd);
         let copied = [0, 1].map(Vector::Copied);
         let within = [8, 16, 32, 64, 128].map(Vector::Within);
-        let bits = (3..=31).map(Vector::Bits);
+        // Many explain the same: the widest first.
+        let bits = (3..=31).rev().map(Vector::Bits);
         (plain.into_iter().chain(some).chain(without).chain(from_end))
             .chain(copied)
             .chain(earlier.chain(within).chain(bits))

@@ -22,7 +22,7 @@ use crate::session::observation::Response;
 const SAMPLES_OF_ALL: usize = 1 << 17;
 const SAMPLES_OF_PASSING: usize = 1 << 12;
 const FAILING: usize = 120;
-const PASSING: usize = 160;
+const PASSING: usize = 240;
 /// Slips that are found one after another.
 const ROUNDS: usize = 4;
 /// Slips that are held against passing files too.
@@ -61,7 +61,7 @@ pub(in crate::diagnose) fn candidates(
     if failing.is_empty() {
         return Vec::new();
     }
-    let (_, passing) = of_files(search, set, &passing_files(search));
+    let (_, passing) = of_files(search, set, &passing_files(search, pictures));
     for _ in 0..ROUNDS {
         match next(search, &failing, &passing, &slips) {
             Some(slip) => slips.push(slip),
@@ -100,14 +100,22 @@ fn unlike(search: &Search, of: &[usize], most: usize) -> Vec<usize> {
     of
 }
 
-/// Such files that the decoder passes.
-pub(in crate::diagnose) fn passing_files(search: &Search) -> Vec<usize> {
+/// Such files that the decoder passes; half of them about what the failing ones are about.
+pub(in crate::diagnose) fn passing_files(search: &Search, failing: &[usize]) -> Vec<usize> {
+    let clause = |w: usize| search.witnesses[w].case.clauses.first();
+    let clauses: BTreeSet<&String> = failing.iter().filter_map(|&w| clause(w)).collect();
     let passing = search.passing.iter().copied();
     // Of files that are refused nothing is shown.
     let small: Vec<usize> = passing
         .filter(|&w| (1..=SAMPLES_OF_PASSING).contains(&search.samples(w)))
         .collect();
-    unlike(search, &small, PASSING)
+    let is_akin = |&w: &usize| clause(w).is_some_and(|clause| clauses.contains(clause));
+    let akin: Vec<usize> = small.iter().copied().filter(is_akin).collect();
+    let mut files = unlike(search, &akin, PASSING / 2);
+    let others = unlike(search, &small, PASSING);
+    files.extend(others.into_iter().filter(|w| !akin.contains(w)));
+    files.truncate(PASSING);
+    files
 }
 
 /// The planes of those of these files of which stored values were shown, and which files these are.
@@ -518,6 +526,16 @@ mod tests {
                     })
                 }),
                 "does not predict: shows what the streams hold, only in planes of transform 0",
+            ),
+            // The catalog's 16 bits explain a part of what 12 bits do.
+            (
+                by_steps(|lists| {
+                    stepping(lists, |_, step| {
+                        let bits_12 = |part: i64| part << 52 >> 52;
+                        step.motion = (bits_12(step.motion.0), bits_12(step.motion.1));
+                    })
+                }),
+                "keeps x and y of a vector in 12 bits",
             ),
             (
                 by_steps(|lists| {

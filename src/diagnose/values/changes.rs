@@ -336,6 +336,8 @@ fn of_colors(pairs: &[(f64, f64)], wrong: &[(f64, f64)]) -> Vec<Change> {
         Change::SrgbDecoded,
         Change::AtMost(most),
         Change::AtLeast(least),
+        Change::And(0xfc),
+        Change::And(0xf8),
         Change::And(0xf0),
         Change::And(0x7f),
     ];
@@ -355,14 +357,7 @@ fn of_colors(pairs: &[(f64, f64)], wrong: &[(f64, f64)]) -> Vec<Change> {
         && high.0 - low.0 > 64.0
     {
         let factor = (high.1 - low.1) / (high.0 - low.0);
-        for known in [
-            2.0,
-            0.5,
-            255.0 / 256.0,
-            256.0 / 255.0,
-            100.0 / 255.0,
-            1.0 / 255.0,
-        ] {
+        for known in color_factors() {
             if (factor - known).abs() < 0.02 {
                 changes.push(Change::Factor(known));
             }
@@ -371,6 +366,20 @@ fn of_colors(pairs: &[(f64, f64)], wrong: &[(f64, f64)]) -> Vec<Change> {
         changes.push(Change::OffsetClamped(offset));
     }
     changes
+}
+
+/// What one of two numbers for the largest color, or for their count, is times another.
+fn color_factors() -> impl Iterator<Item = f64> {
+    let numbers = [
+        255.0, 256.0, 250.0, 254.0, 240.0, 200.0, 128.0, 127.0, 100.0,
+    ];
+    let pairs = numbers
+        .into_iter()
+        .flat_map(move |a| numbers.map(|b| a / b));
+    let plain = [2.0, 0.5, 1.0 / 255.0];
+    plain
+        .into_iter()
+        .chain(pairs.filter(|&factor| factor != 1.0))
 }
 
 /// A few right values that become others, where all the rest is right.

@@ -289,7 +289,8 @@ impl ColorRule {
             ColorRule::Byte([factor, sign, rounding, top]) => format!(
                 "shows a color as {}{}{}{}",
                 FACTORS[factor].0, SIGNS[sign].0, ROUNDINGS[rounding].0, TOPS[top].0
-            ),
+            )
+            .replace(",,", ","),
         }
     }
 

@@ -71,6 +71,18 @@ const RULES: &[Rule] = &[
     ("(raw − bias) · scale rounded to a whole number", |n| {
         n.right().round()
     }),
+    (
+        "(raw − bias) · scale rounded to a whole number, halves up",
+        |n| (n.right() + 0.5).floor(),
+    ),
+    (
+        "(raw − bias) · scale rounded to a whole number, halves to the even one",
+        |n| n.right().round_ties_even(),
+    ),
+    (
+        "(raw − bias) · scale plus 0.5, cut to a whole number",
+        |n| (n.right() + 0.5).trunc(),
+    ),
     ("(raw − bias) · scale rounded down", |n| {
         n.right().floor()
     }),

@@ -518,6 +518,9 @@ impl Numbers {
     }
 }
 
+/// Limits of u and v, and of the length of a light, that decoders have.
+const LIMITS: [f64; 9] = [0.25, 0.5, 0.6, 0.7, 0.75, 0.8, 0.9, 0.95, 0.99];
+
 /// Lights in whose place u and v are changed together, in words and as numbers.
 fn lights_together(u: f64, v: f64) -> Vec<(String, (f64, f64))> {
     let cut = |x: f64, parts: f64| (x * parts).trunc() / parts;
@@ -547,13 +550,62 @@ fn lights_together(u: f64, v: f64) -> Vec<(String, (f64, f64))> {
         lights.push((says("cut off after"), (cut(u, parts), cut(v, parts))));
         lights.push((says("rounded to"), (rounded(u, parts), rounded(v, parts))));
     }
-    for parts in [16, 32, 64, 127, 128, 255, 256] {
-        let says = |how: &str| format!("u and v were {how} multiples of 1/{parts}");
+    lights.extend(stepped_lights(u, v));
+    lights.extend(limited_lights(u, v));
+    lights
+}
+
+/// Lights of which u, v or both are made multiples of a step.
+fn stepped_lights(u: f64, v: f64) -> Vec<(String, (f64, f64))> {
+    let mut lights = Vec::new();
+    for parts in [8, 16, 20, 32, 64, 127, 128, 255, 256] {
+        let says = |how: &str| format!("{how} multiples of 1/{parts}");
         let parts = f64::from(parts);
-        lights.push((says("cut to"), (cut(u, parts), cut(v, parts))));
-        lights.push((says("rounded to"), (rounded(u, parts), rounded(v, parts))));
+        let cut = |x: f64| (x * parts).trunc() / parts;
+        let rounded = |x: f64| (x * parts).round() / parts;
         let floored = |x: f64| (x * parts).floor() / parts;
-        lights.push((says("rounded down to"), (floored(u), floored(v))));
+        let ways: [(&str, (f64, f64)); 3] = [
+            ("cut to", (cut(u), cut(v))),
+            ("rounded to", (rounded(u), rounded(v))),
+            ("rounded down to", (floored(u), floored(v))),
+        ];
+        for (how, (cut_u, cut_v)) in ways {
+            lights.push((format!("u and v were {}", says(how)), (cut_u, cut_v)));
+            lights.push((format!("u were {}", says(how)), (cut_u, v)));
+            lights.push((format!("v were {}", says(how)), (u, cut_v)));
+        }
+    }
+    lights
+}
+
+/// Lights that are kept within limits.
+fn limited_lights(u: f64, v: f64) -> Vec<(String, (f64, f64))> {
+    let length = u.hypot(v).max(f64::MIN_POSITIVE);
+    let mut lights = Vec::new();
+    for most in LIMITS {
+        let within = |x: f64| x.clamp(-most, most);
+        let shorter = (most / length).min(1.0);
+        let whole = (most / length).floor().min(1.0);
+        lights.extend([
+            (
+                format!("u and v were limited to ±{most}"),
+                (within(u), within(v)),
+            ),
+            (format!("u were limited to ±{most}"), (within(u), v)),
+            (format!("v were limited to ±{most}"), (u, within(v))),
+            (format!("u were {most} at the most"), (u.min(most), v)),
+            (format!("v were {most} at the most"), (u, v.min(most))),
+            (format!("u were −{most} at the least"), (u.max(-most), v)),
+            (format!("v were −{most} at the least"), (u, v.max(-most))),
+            (
+                format!("a light (u, v) longer than {most} were brought to that length"),
+                (u * shorter, v * shorter),
+            ),
+            (
+                format!("a light (u, v) longer than {most} were (0, 0)"),
+                (u * whole, v * whole),
+            ),
+        ]);
     }
     lights
 }

@@ -98,7 +98,72 @@ fn signed_16_bits(value: f64) -> f64 {
     f64::from(value as i64 as i16)
 }
 
+/// The sum of the six terms, and what is added to it.
+fn sum_and(a: &[f64], u: f64, v: f64, more: f64) -> f64 {
+    terms(a, u, v).iter().sum::<f64>() + more
+}
+
+/// The sum of the six terms, of other coefficients.
+fn sum_of(a: &[f64], u: f64, v: f64, other: fn(f64) -> f64) -> f64 {
+    let others: Vec<f64> = a.iter().map(|&a| other(a)).collect();
+    terms(&others, u, v).iter().sum()
+}
+
 pub(in crate::diagnose) static VARIANTS: &[Variant] = &[
+    polynomial("adds 1 to the sum of the six terms", |a, u, v| {
+        sum_and(a, u, v, 1.0)
+    }),
+    polynomial("adds 2 to the sum of the six terms", |a, u, v| {
+        sum_and(a, u, v, 2.0)
+    }),
+    polynomial("subtracts 1 from the sum of the six terms", |a, u, v| {
+        sum_and(a, u, v, -1.0)
+    }),
+    polynomial("subtracts 2 from the sum of the six terms", |a, u, v| {
+        sum_and(a, u, v, -2.0)
+    }),
+    polynomial("adds 128 to the sum of the six terms", |a, u, v| {
+        sum_and(a, u, v, 128.0)
+    }),
+    polynomial("subtracts 128 from the sum of the six terms", |a, u, v| {
+        sum_and(a, u, v, -128.0)
+    }),
+    polynomial("halves negative coefficients", |a, u, v| {
+        sum_of(a, u, v, |a| if a < 0.0 { a / 2.0 } else { a })
+    }),
+    polynomial("doubles negative coefficients", |a, u, v| {
+        sum_of(a, u, v, |a| if a < 0.0 { a * 2.0 } else { a })
+    }),
+    polynomial("takes 0 for negative coefficients", |a, u, v| {
+        sum_of(a, u, v, |a| a.max(0.0))
+    }),
+    polynomial("takes coefficients without their sign", |a, u, v| {
+        sum_of(a, u, v, f64::abs)
+    }),
+    polynomial("cuts coefficients to whole numbers", |a, u, v| {
+        sum_of(a, u, v, f64::trunc)
+    }),
+    polynomial("rounds coefficients to whole numbers", |a, u, v| {
+        sum_of(a, u, v, f64::round)
+    }),
+    limits("shows 0 for colors below 16", |c| {
+        if c < 16.0 { 0.0 } else { c.min(255.0) }
+    }),
+    limits("shows 0 for colors below 10", |c| {
+        if c < 10.0 { 0.0 } else { c.min(255.0) }
+    }),
+    limits("shows 0 for colors below 5", |c| {
+        if c < 5.0 { 0.0 } else { c.min(255.0) }
+    }),
+    limits("shows 255 for colors above 240", |c| {
+        if c > 240.0 { 255.0 } else { c.max(0.0) }
+    }),
+    limits("shows 255 for colors above 250", |c| {
+        if c > 250.0 { 255.0 } else { c.max(0.0) }
+    }),
+    limits("shows 255 for colors above 235", |c| {
+        if c > 235.0 { 255.0 } else { c.max(0.0) }
+    }),
     polynomial(
         "limits the sum of the three quadratic terms to 0 and above before the others are added",
         |a, u, v| {
@@ -403,6 +468,7 @@ pub(in crate::diagnose) static VARIANTS: &[Variant] = &[
 
 #[cfg(test)]
 mod tests {
+    use super::sum_and;
     use crate::diagnose::tests::first_cause;
     use crate::reading::Reading;
 
@@ -417,5 +483,24 @@ mod tests {
         };
         let told = first_cause(reading, |case| !case.format().is_compressed());
         assert!(told.contains("limits a5 to 0…255"), "{told}");
+    }
+
+    #[test]
+    fn a_light_within_limits_and_a_sum_with_a_constant_are_told() {
+        let limited = Reading {
+            light: |u, v| (u.clamp(-0.7, 0.7), v.clamp(-0.7, 0.7)),
+            ..Reading::SPEC
+        };
+        let more = Reading {
+            polynomial: |a, u, v| sum_and(a, u, v, 2.0),
+            ..Reading::SPEC
+        };
+        for (reading, says) in [
+            (limited, "u and v were limited to ±0.7"),
+            (more, "adds 2 to the sum of the six terms"),
+        ] {
+            let told = first_cause(reading, |case| !case.format().is_compressed());
+            assert!(told.contains(says), "{says}: {told}");
+        }
     }
 }

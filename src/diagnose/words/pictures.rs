@@ -15,7 +15,7 @@ use crate::diagnose::values::formulas::single_slips;
 use crate::diagnose::values::numbers::{self, OTHER_BIAS, OTHER_SCALE};
 use crate::diagnose::values::relations::{self, ROWS, relations};
 use crate::diagnose::witness::Witness;
-use crate::protocol::frame::{Answer, Frame, View};
+use crate::protocol::frame::{Answer, Frame, Samples, View};
 use crate::ptm::Format;
 use crate::session::observation::Response;
 use crate::suite::cases::Expect;
@@ -93,7 +93,7 @@ pub(in crate::diagnose) fn describe(search: &Search, set: &[Id], left: &[usize])
             false => "",
         };
         let what = format!("{what}{}{besides}", place.concat());
-        diagnoses.push(difference(search, &of, &others, &what));
+        diagnoses.push(difference(search, set, &of, &others, &what));
     }
     diagnoses
 }
@@ -141,7 +141,13 @@ fn is_of_colors(search: &Search, w: usize) -> bool {
 }
 
 /// A way to differ, in words.
-fn difference(search: &Search, of: &[usize], others: &[usize], what: &str) -> Diagnosis {
+fn difference(
+    search: &Search,
+    set: &[Id],
+    of: &[usize],
+    others: &[usize],
+    what: &str,
+) -> Diagnosis {
     let witnesses = search.witnesses;
     let smallest = smallest(witnesses, of);
     let is_compressed = witnesses[smallest].case.format().is_compressed();
@@ -162,7 +168,7 @@ fn difference(search: &Search, of: &[usize], others: &[usize], what: &str) -> Di
             files(search, of, others)
         ),
         fix: fix.to_owned(),
-        example: example(search, smallest),
+        example: example_beside(search, set, smallest),
     };
     let diagnosis = Diagnosis::described(Category::Difference, witnesses, of, words);
     let format = witnesses[of[0]].case.format();
@@ -297,6 +303,19 @@ pub(in crate::diagnose) fn widest_slip(search: &Search, failing: &[usize]) -> us
     })
 }
 
+/// Whether all wrong samples are off, modulo 256, by no more than so many shifts of their stream and of its references.
+fn wrong_by_shifts(right: &Frame, shown: &Frame, shift: i8) -> bool {
+    let (Samples::U8(right), Samples::U8(shown)) = (&right.samples, &shown.samples) else {
+        return false;
+    };
+    let most = shift.unsigned_abs().saturating_mul(8);
+    right.len() == shown.len()
+        && right.iter().zip(shown).all(|(right, shown)| {
+            let off = shown.wrapping_sub(*right);
+            off.min(off.wrapping_neg()) <= most
+        })
+}
+
 /// Whether the decoder goes wrong in `w` much as one with the mistake `member` does.
 pub(in crate::diagnose) fn is_near(search: &Search, w: usize, set: &[Id], member: Id) -> bool {
     let witness = &search.witnesses[w];
@@ -318,6 +337,11 @@ pub(in crate::diagnose) fn is_near(search: &Search, w: usize, set: &[Id], member
             let lossy = matches!(witness.case.format(), Format::JpegRgb | Format::JpegLrgb);
             let slack = if lossy { TRANSFORM } else { 0.0 };
             let wrong = |made: &Frame| Some(Pair::of(made, shown)?.wrong_by_more_than(slack));
+            // Samples at a limit may have been beyond it before they were shifted.
+            let shift = solved.and_then(|solved| solved.act.level_shift());
+            if let Some(shift) = shift.filter(|_| lossy && witness.observation.view == View::Raw) {
+                return wrong_by_shifts(without, shown, shift);
+            }
             matches!((wrong(with), wrong(without)), (Some(with), Some(without)) if with * 2 < without)
         }
         // One decoder shows nonsense where another gives up; but only a mistake about few files says so much.
@@ -482,13 +506,19 @@ pub(in crate::diagnose) fn smallest(witnesses: &[Witness], of: &[usize]) -> usiz
 
 /// The first wrong value of a file: the reference's own, the one received, the bytes and the arithmetic.
 pub(in crate::diagnose) fn example(search: &Search, w: usize) -> String {
+    example_beside(search, &[], w)
+}
+
+/// The same, where these mistakes do not explain the sample.
+fn example_beside(search: &Search, set: &[Id], w: usize) -> String {
     let witness = &search.witnesses[w];
     let id = &witness.case.id;
     let first = pair_of(search, &Vec::new(), w).and_then(|mut pair| {
         if let Some(exact) = expected(witness, &pair) {
             pair.want = exact;
         }
-        let first = first_wrong(&pair, witness)?;
+        let open = pair_of(search, set, w).map(|beside| beside.wrong());
+        let first = first_wrong(&pair, witness, &open.unwrap_or_default())?;
         Some((pair, first))
     });
     let Some((pair, i)) = first else {
@@ -517,8 +547,12 @@ pub(in crate::diagnose) fn example(search: &Search, w: usize) -> String {
 }
 
 /// The first wrong sample; in compressed planes the first that is stored, of the first plane in which it begins.
-fn first_wrong(pair: &Pair, witness: &Witness) -> Option<usize> {
-    let wrong = pair.wrong();
+fn first_wrong(pair: &Pair, witness: &Witness, open: &[usize]) -> Option<usize> {
+    let mut wrong = pair.wrong();
+    let is_open = |i: &usize| open.binary_search(i).is_ok();
+    if wrong.iter().any(is_open) {
+        wrong.retain(is_open);
+    }
     if !witness.case.format().is_compressed() || pair.view == "rgb" {
         return wrong.first().copied();
     }

@@ -6,12 +6,13 @@ use ptm_conform::Reading;
 use ptm_conform::diagnose::{Cause, Diagnosis, composable, diagnose};
 use ptm_conform::misreadings::{self, Misreading};
 use ptm_conform::protocol::frame::{Answer, Frame, Samples, View};
+use ptm_conform::ptm::Format;
 use ptm_conform::runner::run::{Reply, Request};
 use ptm_conform::session::outcome::Outcome;
 use ptm_conform::session::plan::RunPlan;
 use ptm_conform::session::run::{Run, check};
 use ptm_conform::strength::matrix::ask_all;
-use ptm_conform::suite::cases::{Case, Suite};
+use ptm_conform::suite::cases::{Case, Expect, Suite};
 
 fn suite() -> Suite {
     Suite::load().expect("the suite loads").prepared()
@@ -157,6 +158,76 @@ fn a_mistake_in_one_color_is_named_with_it() {
     });
     let says = "lets colors beyond 0…255 wrap around, only in blue";
     assert!(told[0].contains(says), "{told:#?}");
+}
+
+/// Every second stored row from right to left.
+fn snaking(frame: &Frame) -> Frame {
+    let mut turned = frame.clone();
+    if let Samples::U8(samples) = &mut turned.samples {
+        let (width, channels) = (frame.width as usize, frame.channels as usize);
+        let rows = samples.chunks_exact_mut(width * channels).rev();
+        for row in rows.skip(1).step_by(2) {
+            let texels: Vec<u8> = row.rchunks_exact(channels).flatten().copied().collect();
+            row.copy_from_slice(&texels);
+        }
+    }
+    turned
+}
+
+#[test]
+fn rows_that_turn_are_told() {
+    let mut suite = suite();
+    suite.cases.retain(|case| case.format() == Format::Lrgb);
+    let told = told(&suite, |_, answer| match answer {
+        Answer::Decoded(frame) if frame.view == "raw" => Answer::Decoded(snaking(&frame)),
+        Answer::Decoded(_) => Answer::Unsupported,
+        other => other,
+    });
+    let says = "reads the second stored row and every second one after it from right to left";
+    assert!(told[0].contains(says), "{told:#?}");
+}
+
+/// A decoder without a format refuses some of its files before it sees their format, as any other.
+#[test]
+fn a_format_of_which_no_file_is_decoded_is_unsupported_though_some_are_refused() {
+    let mut suite = suite();
+    let is_legal = |case: &Case| case.expect == Expect::Decode;
+    suite
+        .cases
+        .retain(|case| is_legal(case) && case.format() == Format::Lum);
+    suite.cases.extend(
+        self::suite()
+            .cases
+            .into_iter()
+            .filter(|case| case.first && case.format() == Format::Rgb),
+    );
+    let is_refused = |file: &[u8]| file.len().is_multiple_of(16);
+    let is_lum = |file: &[u8]| file.windows(14).any(|word| word == b"PTM_FORMAT_LUM");
+    let run = run_of(&suite, |request, answer| match answer {
+        Answer::Decoded(_) if is_lum(request.file) => match is_refused(request.file) {
+            true => Answer::Rejected,
+            false => Answer::Unsupported,
+        },
+        other => other,
+    });
+    let outcomes = run.judgement.cases.iter().flatten();
+    let (mut refused, mut unsupported) = (0, 0);
+    for judged in outcomes {
+        match judged.outcome {
+            Outcome::Fail => refused += 1,
+            Outcome::Unsupported => unsupported += 1,
+            _ => {}
+        }
+    }
+    assert!(
+        refused > 0 && unsupported > 3 * refused,
+        "{refused} {unsupported}"
+    );
+    let lum = suite
+        .cases
+        .iter()
+        .filter(|case| case.format() == Format::Lum);
+    assert_eq!(refused + unsupported, lum.count());
 }
 
 #[test]
