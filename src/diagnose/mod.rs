@@ -6,9 +6,9 @@
 //! ones, wrong numbers in a formula. What is then left is put into words: refusals by what the refused files share,
 //! acceptances by the damage, pictures by how they differ and where; and what is unknown is said to be.
 //!
-//! [`witness`] holds a case against what a decoder with some mistakes would answer, [`search`] finds the mistakes, [`solve`]
-//! those that no list has: in [`values`], in the [`layout`] of a file, in [`planes`], in the [`codecs`]. [`files`] tells in
-//! which files; [`attribution`] what each explains; [`words`] what is left.
+//! `witness` holds a case against what a decoder with some mistakes would answer, `search` finds the mistakes, `solve`
+//! those that no list has: in `values`, in the `layout` of a file, in `planes`, in the `codecs`. `files` tells in
+//! which files; `attribution` what each explains; `words` what is left.
 
 mod answers;
 mod assume;
