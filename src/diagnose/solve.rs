@@ -478,7 +478,7 @@ fn is_shown(search: &Search, of: &[usize], acting: usize, scope: Option<&Scope>)
     };
     // Where a mistake is made in some files, it shows in most of these.
     let (most, part) = match (narrow, colors_only) {
-        (_, true) => (2, 3),
+        (_, true) => (4, 7),
         (true, false) => (1, 2),
         (false, false) => (1, 10),
     };

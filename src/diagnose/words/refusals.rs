@@ -203,7 +203,14 @@ pub(in crate::diagnose) fn no_picture(
     let shown = of
         .iter()
         .filter(|&&w| FailureMode::of(&witnesses[w]).is_none());
-    let is_the_mistake = misreading.shows == Symptom::Refusals && modes.iter().all(is_refusal);
+    // Which few of many files are refused tells what is done, which whole formats are does not.
+    let is_of_formats = |w: &usize| {
+        let mut formats = of.iter().map(|&w| witnesses[w].case.format());
+        is_legal(w) && formats.any(|format| format == witnesses[*w].case.format())
+    };
+    let all = (0..witnesses.len()).filter(is_of_formats).count();
+    let is_the_mistake = modes.iter().all(is_refusal)
+        && (misreading.shows == Symptom::Refusals || of.len() * 2 < all);
     if of.is_empty() || shown.count() * FEW_PICTURES > of.len() || is_the_mistake {
         return None;
     }
