@@ -205,11 +205,7 @@ impl<'a> Search<'a> {
                     && !self.is_denied_by_large(member.id)
             };
             if !single.as_ref().is_some_and(explains_all) {
-                let solved = catch_unwind(AssertUnwindSafe(|| solve(self, &set, &left)));
-                groups = solved.unwrap_or_else(|panic| {
-                    self.note(&*panic);
-                    Vec::new()
-                });
+                groups = self.solved(&solve, &set, &left);
                 single = self.best_single(&set, &left);
             }
             let group = self.group(&set, &groups, &left);
@@ -237,8 +233,22 @@ impl<'a> Search<'a> {
         Found { members }
     }
 
-    /// A mistake that explains all that one of the catalog does beside the other members, and some of what is left too: what
-    /// was made is that, and looks like the one of the catalog in some files.
+    /// What `solve` adds that explains some of `left` beside `set`: those that are made together. A fault in it is noted.
+    fn solved(
+        &mut self,
+        solve: &impl Fn(&mut Search, &Set, &[usize]) -> Vec<Set>,
+        set: &Set,
+        left: &[usize],
+    ) -> Vec<Set> {
+        let solved = catch_unwind(AssertUnwindSafe(|| solve(self, set, left)));
+        solved.unwrap_or_else(|panic| {
+            self.note(&*panic);
+            Vec::new()
+        })
+    }
+
+    /// A mistake that explains all that one member does beside the others, and some of what is left too: what was made is that,
+    /// and looks like the member in some files.
     fn wider(
         &mut self,
         members: &[Member],
@@ -260,10 +270,7 @@ impl<'a> Search<'a> {
             return None;
         }
         let all = [mine, akin].concat();
-        let solved = catch_unwind(AssertUnwindSafe(|| solve(self, &others, &all)));
-        if let Err(panic) = solved {
-            self.note(&*panic);
-        }
+        self.solved(solve, &others, &all);
         let wider = self.best_single(&others, &all)?;
         let with = plus(&others, wider.id);
         let still = self.unexplained(&with);
