@@ -32,35 +32,8 @@ pub(in crate::diagnose) struct CodedPlane {
 pub(in crate::diagnose) enum Slip {
     /// Every sample that a stream holds is so much more, within 0…255.
     Shifted(i8),
-    /// So many times the residual and the predictor, and a number, modulo 256.
-    Sum {
-        residual: i8,
-        predictor: i8,
-        plus: u8,
-    },
-    /// Sums below 0, and above 255, are limited.
-    Limited {
-        below: bool,
-        above: bool,
-    },
-    /// 255 is added below 0, or subtracted above 255, where 256 belongs.
-    Modulo255 {
-        below: bool,
-        above: bool,
-    },
-    /// Sums are taken modulo 255.
-    Remainder255,
-    /// Sums below 0 lose their sign.
-    Absolute,
-    /// The residual less 128 is at least −127.
-    ResidualLimited,
-    /// v is inverted to this number less v.
-    InvertedFrom(u8),
-    /// v is inverted to the largest sample less v.
-    InvertedFromLargest,
-    NotInverted,
-    /// Samples of this value stay as they are.
-    NotInvertedOf(u8),
+    Sum(Sum),
+    Inverse(Inverse),
     /// Whether a reference is inverted, or moved, is taken from its own entry.
     ByReference {
         inverted: bool,
@@ -100,6 +73,40 @@ pub(in crate::diagnose) enum Slip {
     Records(Records),
     /// What was corrected stands in the place of the reference as well.
     Overwrites,
+}
+
+/// What becomes of residual and predictor.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(in crate::diagnose) enum Sum {
+    /// So many times each, and a number, modulo 256.
+    Terms {
+        residual: i8,
+        predictor: i8,
+        plus: u8,
+    },
+    /// Sums below 0, and above 255, are limited.
+    Limited { below: bool, above: bool },
+    /// 255 is added below 0, or subtracted above 255, where 256 belongs.
+    Modulo255 { below: bool, above: bool },
+    /// Sums are taken modulo 255.
+    Remainder255,
+    /// Sums below 0 lose their sign.
+    Absolute,
+    /// The residual less 128 is at least −127.
+    ResidualLimited,
+}
+
+/// What becomes of v where it is inverted.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(in crate::diagnose) enum Inverse {
+    /// This number less v.
+    From(u8),
+    /// The largest sample less v.
+    FromLargest,
+    /// v
+    None,
+    /// Samples of this value stay as they are.
+    NoneOf(u8),
 }
 
 /// What stands in the place of a plane that is not decoded yet.
@@ -214,8 +221,8 @@ pub(in crate::diagnose) enum Records {
 )]
 struct Rules {
     shift: i8,
-    sum: Option<Slip>,
-    inverse: Option<Slip>,
+    sum: Option<Sum>,
+    inverse: Option<Inverse>,
     is_intra_inverted: bool,
     is_inverted_by_reference: bool,
     is_moved_by_reference: bool,
@@ -245,18 +252,8 @@ impl Rules {
     fn set(&mut self, slip: Slip) {
         match slip {
             Slip::Shifted(by) => self.shift = by,
-            Slip::Sum { .. }
-            | Slip::Limited { .. }
-            | Slip::Modulo255 { .. }
-            | Slip::Remainder255
-            | Slip::Absolute
-            | Slip::ResidualLimited => self.sum = Some(slip),
-            Slip::InvertedFrom(_)
-            | Slip::InvertedFromLargest
-            | Slip::NotInvertedOf(_)
-            | Slip::NotInverted => {
-                self.inverse = Some(slip);
-            }
+            Slip::Sum(sum) => self.sum = Some(sum),
+            Slip::Inverse(inverse) => self.inverse = Some(inverse),
             Slip::ByReference { inverted: true } => self.is_inverted_by_reference = true,
             Slip::ByReference { inverted: false } => self.is_moved_by_reference = true,
             Slip::FromPlaneBefore(undecoded) => {
@@ -468,13 +465,13 @@ impl Coding {
             ..step
         };
         let turned = |plane: &[u8]| match rules.inverse.filter(|_| step.inverted) {
-            Some(Slip::NotInverted) => plane.to_vec(),
-            Some(Slip::NotInvertedOf(kept)) => {
+            Some(Inverse::None) => plane.to_vec(),
+            Some(Inverse::NoneOf(kept)) => {
                 let one = |&v: &u8| if v == kept { v } else { 255 - v };
                 plane.iter().map(one).collect()
             }
-            Some(Slip::InvertedFrom(top)) => plane.iter().map(|&v| top.wrapping_sub(v)).collect(),
-            Some(_) => {
+            Some(Inverse::From(top)) => plane.iter().map(|&v| top.wrapping_sub(v)).collect(),
+            Some(Inverse::FromLargest) => {
                 let top = plane.iter().copied().max().unwrap_or_default();
                 plane.iter().map(|&v| top - v).collect()
             }
@@ -582,20 +579,20 @@ impl Coding {
             let sum = i32::from(*value) + i32::from(predicted) - 128;
             let times = |many: i8, of: u8| (many as u8).wrapping_mul(of);
             *value = match slip {
-                Slip::Sum {
+                Sum::Terms {
                     residual,
                     predictor,
                     plus,
                 } => times(residual, *value)
                     .wrapping_add(times(predictor, predicted))
                     .wrapping_add(plus),
-                Slip::Limited { below: true, .. } if sum < 0 => 0,
-                Slip::Limited { above: true, .. } if sum > 255 => 255,
-                Slip::Remainder255 => sum.rem_euclid(255) as u8,
-                Slip::Modulo255 { below: true, .. } if sum < 0 => (sum + 255) as u8,
-                Slip::Modulo255 { above: true, .. } if sum > 255 => (sum - 255) as u8,
-                Slip::Absolute => sum.unsigned_abs() as u8,
-                Slip::ResidualLimited if *value == 0 => (sum + 1) as u8,
+                Sum::Limited { below: true, .. } if sum < 0 => 0,
+                Sum::Limited { above: true, .. } if sum > 255 => 255,
+                Sum::Remainder255 => sum.rem_euclid(255) as u8,
+                Sum::Modulo255 { below: true, .. } if sum < 0 => (sum + 255) as u8,
+                Sum::Modulo255 { above: true, .. } if sum > 255 => (sum - 255) as u8,
+                Sum::Absolute => sum.unsigned_abs() as u8,
+                Sum::ResidualLimited if *value == 0 => (sum + 1) as u8,
                 _ => sum as u8,
             };
         }

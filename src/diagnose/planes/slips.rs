@@ -2,7 +2,9 @@
 
 use super::means::MEANS;
 use super::places::{LAST, PLANES, Place, PlaneIs, SAMPLES};
-use super::rules::{Border, Coding, Half, Order, Reach, Records, Slip, Undecoded, Vector, Whole};
+use super::rules::{
+    Border, Coding, Half, Inverse, Order, Reach, Records, Slip, Sum, Undecoded, Vector, Whole,
+};
 use crate::diagnose::witness::Witness;
 use crate::ptm::Ptm;
 use crate::reading::Reading;
@@ -119,23 +121,32 @@ const AXES: [[bool; 2]; 3] = [[true, true], [true, false], [false, true]];
 impl Slip {
     /// All that are tried, the plainest first; sums are solved.
     pub fn all() -> Vec<Slip> {
-        let mut all = vec![Slip::NotInverted, Slip::NotMoved, Slip::IntraInverted];
+        let mut all = vec![
+            Slip::Inverse(Inverse::None),
+            Slip::NotMoved,
+            Slip::IntraInverted,
+        ];
         for undecoded in [Undecoded::Zeros, Undecoded::Stream] {
             all.push(Slip::FromPlaneBefore(undecoded));
             all.extend([-1, 1].map(|by| Slip::FromNeighbor(by, undecoded)));
         }
         all.extend([true, false].map(|inverted| Slip::ByReference { inverted }));
-        all.extend([0, 254, 1, 128, 127].map(Slip::InvertedFrom));
-        all.extend([
-            Slip::NotInvertedOf(0),
-            Slip::NotInvertedOf(255),
-            Slip::InvertedFromLargest,
-        ]);
+        all.extend([0, 254, 1, 128, 127].map(|top| Slip::Inverse(Inverse::From(top))));
+        let others = [
+            Inverse::NoneOf(0),
+            Inverse::NoneOf(255),
+            Inverse::FromLargest,
+        ];
+        all.extend(others.map(Slip::Inverse));
         for (below, above) in [(true, true), (true, false), (false, true)] {
-            all.push(Slip::Limited { below, above });
-            all.push(Slip::Modulo255 { below, above });
+            let sums = [
+                Sum::Limited { below, above },
+                Sum::Modulo255 { below, above },
+            ];
+            all.extend(sums.map(Slip::Sum));
         }
-        all.extend([Slip::Remainder255, Slip::Absolute, Slip::ResidualLimited]);
+        let sums = [Sum::Remainder255, Sum::Absolute, Sum::ResidualLimited];
+        all.extend(sums.map(Slip::Sum));
         all.extend([-1, 1, -2, 2].map(Slip::Shifted));
         all.extend(Vector::all().map(Slip::Vector));
         all.extend(splits());
@@ -164,20 +175,12 @@ impl Slip {
         let plane = &coding.planes[i];
         let (step, is_predicted) = (&plane.step, plane.step.reference.is_some());
         match self {
-            Slip::Sum { .. }
-            | Slip::Limited { .. }
-            | Slip::Modulo255 { .. }
-            | Slip::Remainder255
-            | Slip::Absolute
-            | Slip::ResidualLimited
+            Slip::Sum(_)
             | Slip::ByReference { .. }
             | Slip::FromPlaneBefore(_)
             | Slip::FromNeighbor(..)
             | Slip::Overwrites => is_predicted,
-            Slip::InvertedFrom(_)
-            | Slip::InvertedFromLargest
-            | Slip::NotInvertedOf(_)
-            | Slip::NotInverted => is_predicted && step.inverted,
+            Slip::Inverse(_) => is_predicted && step.inverted,
             Slip::IntraInverted => !is_predicted && step.inverted,
             Slip::Order(_) | Slip::Shifted(_) => true,
             Slip::Records(Records::OfPlaneBefore | Records::SingleOfPlaneBefore) => {
@@ -191,11 +194,8 @@ impl Slip {
     /// What is done, as a sentence without its subject.
     pub fn says(self) -> String {
         match self {
-            Slip::Sum {
-                residual,
-                predictor,
-                plus,
-            } => says_sum(residual, predictor, plus),
+            Slip::Sum(sum) => sum.says(),
+            Slip::Inverse(inverse) => inverse.says(),
             Slip::Shifted(by) => format!(
                 "decodes every sample of its streams {} too {}, as a level shift of {} would where 128 belongs",
                 by.unsigned_abs(),
@@ -230,15 +230,6 @@ impl Slip {
             .to_owned(),
             Slip::Order(order) => order.says(),
             Slip::Records(records) => records.says(),
-            Slip::InvertedFrom(0) => {
-                "inverts v to 256 − v in a byte, where 255 − v belongs".to_owned()
-            }
-            Slip::InvertedFrom(top) => {
-                format!("inverts v to {top} − v in a byte, where 255 − v belongs")
-            }
-            Slip::NotInvertedOf(kept) => {
-                format!("inverts {kept} to {kept}, where {} belongs", 255 - kept)
-            }
             _ => self.says_plain().to_owned(),
         }
     }
@@ -246,33 +237,6 @@ impl Slip {
     /// The same of those that have no numbers.
     const fn says_plain(self) -> &'static str {
         match self {
-            Slip::Limited { below, above } => match (below, above) {
-                (true, true) => {
-                    "limits residual + predictor − 128 to 0…255, which is meant modulo 256"
-                }
-                (true, false) => {
-                    "limits residual + predictor − 128 to 0 or more, which is meant modulo 256"
-                }
-                _ => "limits residual + predictor − 128 to 255 or less, which is meant modulo 256",
-            },
-            Slip::Modulo255 { below, above } => match (below, above) {
-                (true, true) => {
-                    "adds 255 to a plane's values below 0 and subtracts it from those above 255, where 256 belongs"
-                }
-                (true, false) => "adds 255 to a plane's values below 0, where 256 belongs",
-                _ => "subtracts 255 from a plane's values above 255, where 256 belongs",
-            },
-            Slip::Remainder255 => {
-                "takes residual + predictor − 128 modulo 255 (255 becomes 0), which is meant modulo 256"
-            }
-            Slip::Absolute => {
-                "takes residual + predictor − 128 without its sign where it is below 0"
-            }
-            Slip::ResidualLimited => "takes a residual of 0, which is −128, for −127",
-            Slip::InvertedFromLargest => {
-                "inverts v to the largest sample of the plane less v, where 255 − v belongs"
-            }
-            Slip::NotInverted => "does not invert references",
             Slip::IntraInverted => "inverts intra coded planes whose transform says so",
             Slip::ByReference { inverted: true } => {
                 "inverts a reference where the transform of the reference says so"
@@ -298,16 +262,8 @@ impl Slip {
             Slip::Shifted(_) => {
                 "add 128 to the samples of an inverse DCT, round to the nearest, and limit them to 0…255 (T.81 A.3.1)"
             }
-            Slip::Sum { .. }
-            | Slip::Limited { .. }
-            | Slip::Modulo255 { .. }
-            | Slip::Remainder255
-            | Slip::Absolute
-            | Slip::ResidualLimited => "plane = (residual + predictor − 128) modulo 256",
-            Slip::InvertedFrom(_)
-            | Slip::InvertedFromLargest
-            | Slip::NotInvertedOf(_)
-            | Slip::NotInverted => {
+            Slip::Sum(_) => "plane = (residual + predictor − 128) modulo 256",
+            Slip::Inverse(_) => {
                 "where the plane's own transform has bit 1, its predictor is 255 − the reference, everywhere"
             }
             Slip::ByReference { .. } => "use the transform of the predicted plane",
@@ -344,17 +300,8 @@ impl Slip {
     pub const fn clause(self) -> &'static str {
         match self {
             Slip::Shifted(_) => "2.9.8/3",
-            Slip::Sum { .. }
-            | Slip::Limited { .. }
-            | Slip::Modulo255 { .. }
-            | Slip::Remainder255
-            | Slip::Absolute
-            | Slip::ResidualLimited
-            | Slip::Overwrites => "2.9.5/4",
-            Slip::InvertedFrom(_)
-            | Slip::InvertedFromLargest
-            | Slip::NotInvertedOf(_)
-            | Slip::NotInverted => "2.9.2/3",
+            Slip::Sum(_) | Slip::Overwrites => "2.9.5/4",
+            Slip::Inverse(_) => "2.9.2/3",
             Slip::ByReference { .. } => "2.9.2/1",
             Slip::FromPlaneBefore(_) | Slip::FromNeighbor(..) => "2.9.5/1",
             Slip::IntraInverted => "2.9.5/2",
@@ -414,7 +361,7 @@ fn place(axes: [bool; 2]) -> usize {
         .unwrap_or_default()
 }
 
-fn says_sum(residual: i8, predictor: i8, plus: u8) -> String {
+fn says_terms(residual: i8, predictor: i8, plus: u8) -> String {
     let mut terms: Vec<String> = Vec::new();
     for (many, name) in [(residual, "residual"), (predictor, "predictor")] {
         match (many, terms.is_empty()) {
@@ -437,6 +384,61 @@ fn says_sum(residual: i8, predictor: i8, plus: u8) -> String {
         (1, 0, 0) => "does not predict: shows what the streams hold".to_owned(),
         (0, 1, 0) => "shows the predictor, without residual − 128".to_owned(),
         _ => what,
+    }
+}
+
+impl Sum {
+    fn says(self) -> String {
+        let says = match self {
+            Sum::Terms {
+                residual,
+                predictor,
+                plus,
+            } => return says_terms(residual, predictor, plus),
+            Sum::Limited { below, above } => match (below, above) {
+                (true, true) => {
+                    "limits residual + predictor − 128 to 0…255, which is meant modulo 256"
+                }
+                (true, false) => {
+                    "limits residual + predictor − 128 to 0 or more, which is meant modulo 256"
+                }
+                _ => "limits residual + predictor − 128 to 255 or less, which is meant modulo 256",
+            },
+            Sum::Modulo255 { below, above } => match (below, above) {
+                (true, true) => {
+                    "adds 255 to a plane's values below 0 and subtracts it from those above 255, where 256 belongs"
+                }
+                (true, false) => "adds 255 to a plane's values below 0, where 256 belongs",
+                _ => "subtracts 255 from a plane's values above 255, where 256 belongs",
+            },
+            Sum::Remainder255 => {
+                "takes residual + predictor − 128 modulo 255 (255 becomes 0), which is meant modulo 256"
+            }
+            Sum::Absolute => {
+                "takes residual + predictor − 128 without its sign where it is below 0"
+            }
+            Sum::ResidualLimited => "takes a residual of 0, which is −128, for −127",
+        };
+        says.to_owned()
+    }
+}
+
+impl Inverse {
+    fn says(self) -> String {
+        match self {
+            Inverse::From(0) => "inverts v to 256 − v in a byte, where 255 − v belongs".to_owned(),
+            Inverse::From(top) => {
+                format!("inverts v to {top} − v in a byte, where 255 − v belongs")
+            }
+            Inverse::NoneOf(kept) => {
+                format!("inverts {kept} to {kept}, where {} belongs", 255 - kept)
+            }
+            Inverse::FromLargest => {
+                "inverts v to the largest sample of the plane less v, where 255 − v belongs"
+                    .to_owned()
+            }
+            Inverse::None => "does not invert references".to_owned(),
+        }
     }
 }
 

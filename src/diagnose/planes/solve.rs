@@ -7,7 +7,7 @@
 use std::collections::BTreeSet;
 
 use super::places::{PLANES, Place, PlaneIs, SAMPLES, Sample};
-use super::rules::{Coding, Slip};
+use super::rules::{Coding, Slip, Sum};
 use super::slips::PlaneSlip;
 use crate::diagnose::mistake::Mistake;
 use crate::diagnose::search::{Search, Set, spread};
@@ -300,10 +300,12 @@ fn sums(files: &[Shown], now: &[Vec<Vec<u8>>]) -> Vec<Slip> {
                         shown.wrapping_sub(times(many, p))
                     })
                     .collect();
-                let slip = rest.first().map(|&plus| Slip::Sum {
-                    residual,
-                    predictor: many,
-                    plus,
+                let slip = rest.first().map(|&plus| {
+                    Slip::Sum(Sum::Terms {
+                        residual,
+                        predictor: many,
+                        plus,
+                    })
                 });
                 let is_it = rest.len() == 1 && (residual, many) != (0, 0);
                 found.extend(slip.filter(|slip| is_it && !found.contains(slip)));
@@ -311,16 +313,16 @@ fn sums(files: &[Shown], now: &[Vec<Vec<u8>>]) -> Vec<Slip> {
         }
     }
     // Where residuals are all one number, any sum of them fits.
-    found.push(Slip::Sum {
+    found.push(Slip::Sum(Sum::Terms {
         residual: 1,
         predictor: 0,
         plus: 0,
-    });
-    found.push(Slip::Sum {
+    }));
+    found.push(Slip::Sum(Sum::Terms {
         residual: 0,
         predictor: 1,
         plus: 0,
-    });
+    }));
     found
 }
 
