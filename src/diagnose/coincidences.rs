@@ -150,7 +150,7 @@ const FEW_FAULTS: usize = 2;
 
 /// Takes away mistakes that explain nothing but malformed files which are accepted, where passing cases speak against them;
 /// and those of a few faults, where other failures that none explains are about the same clause: what is wrong there is more
-/// than that.
+/// than that. Likewise other rules for indices, where legal files of the same formats are not explained.
 fn drop_acceptances(search: &Search, found: &mut Found) {
     let witnesses = search.witnesses;
     let set = of(&found.members);
@@ -163,14 +163,21 @@ fn drop_acceptances(search: &Search, found: &mut Found) {
         .filter_map(|(&w, open)| open.then_some(w))
         .collect();
     let keep = search.each(&set, |&id| {
-        let Some(misreading) = search.mistakes[id].listed() else {
+        let mistake = &search.mistakes[id];
+        let is_index = (mistake.solved()).is_some_and(|solved| solved.act.is_of_indices());
+        if mistake.listed().is_none() && !is_index {
             return true;
-        };
+        }
         let of = failed.iter().copied().filter(|&w| explains(w, &[id]));
         let of: Vec<usize> = of.collect();
-        let accepts_only = of
-            .iter()
-            .all(|&w| witnesses[w].case.expect != Expect::Decode);
+        let is_legal = |w: usize| witnesses[w].case.expect == Expect::Decode;
+        let accepts_only = !of.iter().any(|&w| is_legal(w));
+        let Some(misreading) = mistake.listed() else {
+            let format = |w: usize| witnesses[w].case.format();
+            let is_akin = |&&open: &&usize| of.iter().any(|&w| format(w) == format(open));
+            let is_open = open.iter().filter(is_akin).any(|&w| is_legal(w));
+            return !accepts_only || !is_open;
+        };
         // What is said of many different faults is more than that.
         let faults: HashSet<_> = (of.iter())
             .filter_map(|&w| Some(&witnesses[w].case.damage()?.effect))

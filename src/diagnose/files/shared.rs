@@ -6,6 +6,8 @@ use crate::diagnose::witness::Witness;
 
 /// A trait of fewer files is none.
 const FEWEST: usize = 2;
+/// Files of one size must be so many to bound those of others.
+const FEWEST_BESIDE: usize = 3;
 /// Two traits together are said of no fewer files: among so many pairs some fit by chance.
 const FEWEST_OF_BOTH: usize = 8;
 /// Pairs of traits among which the widest is looked for.
@@ -157,7 +159,8 @@ impl Groups<'_> {
             let (least, most) = theirs
                 .iter()
                 .fold((f64::MAX, f64::MIN), |(a, b), &x| (a.min(x), b.max(x)));
-            if theirs.is_empty() {
+            // One number alone that is read may be another matter.
+            if theirs.is_empty() || least == most && theirs.len() < FEWEST_BESIDE {
                 continue;
             }
             for (more, edge) in [(true, most), (false, least)] {

@@ -47,6 +47,27 @@ const RULES: &[(&str, fn(i64, i64) -> i64)] = &[
     ("the index modulo 255", |i, _| i % 255),
     ("the index modulo 256", |i, _| i % 256),
     ("the index modulo 128", |i, _| i % 128),
+    (
+        "the first entry for indices over 127 of one byte, taken for negative,",
+        |i, n| if n <= 256 && i > 127 { 0 } else { i },
+    ),
+    (
+        "no entry, and shows 0, for indices over 127 of one byte, taken for negative,",
+        |i, n| if n <= 256 && i > 127 { -1 } else { i },
+    ),
+    (
+        "no entry, and shows 0, for index 255 of one byte",
+        |i, n| if n <= 256 && i == 255 { -1 } else { i },
+    ),
+    ("the entry before the last for the last index", |i, n| {
+        if i == n - 1 { (i - 1).max(0) } else { i }
+    }),
+    ("the first entry for the last index", |i, n| {
+        if i == n - 1 { 0 } else { i }
+    }),
+    ("the second entry for index 0, and the first for index 1,", |i, n| {
+        if i < 2 && n > 1 { 1 - i } else { i }
+    }),
     ("half the index", |i, _| i / 2),
     ("twice the index", |i, _| i * 2),
     ("the index with its lowest bit changed", |i, _| i ^ 1),

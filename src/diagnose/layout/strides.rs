@@ -39,15 +39,81 @@ pub(in crate::diagnose) struct Strides {
     pub k: (Step, bool),
     /// So many of these steps too late in the file.
     pub shift: (isize, Step),
-    /// Every second row, as they are stored, is read from its end: those of odd numbers, or of even ones.
-    pub snake: Option<Parity>,
+    /// What is taken for column and row before.
+    pub slip: PlaceSlip,
 }
 
-/// Of the number of a row, from 0.
+/// A texel taken for another, columns from the left and rows as they are stored, from the bottom.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(in crate::diagnose) enum Parity {
-    Even,
-    Odd,
+pub(in crate::diagnose) enum PlaceSlip {
+    None,
+    /// Every second row is read from its end: those of odd numbers, or of even ones.
+    TurnedOdd,
+    TurnedEven,
+    /// The column before the last for the last.
+    LastColumn,
+    FirstColumn,
+    /// The row below the top one for it.
+    TopRow,
+    BottomRow,
+    /// Rows or columns in eight bits.
+    RowByte,
+    ColumnByte,
+    /// The number of the texel in sixteen bits.
+    TexelWord,
+}
+
+impl PlaceSlip {
+    const ALL: [PlaceSlip; 9] = [
+        PlaceSlip::TurnedOdd,
+        PlaceSlip::TurnedEven,
+        PlaceSlip::LastColumn,
+        PlaceSlip::FirstColumn,
+        PlaceSlip::TopRow,
+        PlaceSlip::BottomRow,
+        PlaceSlip::RowByte,
+        PlaceSlip::ColumnByte,
+        PlaceSlip::TexelWord,
+    ];
+
+    /// The column and the row that are read for these.
+    fn of(self, x: usize, y: usize, Extent { w, h, .. }: Extent) -> (usize, usize) {
+        match self {
+            PlaceSlip::TurnedOdd if y % 2 == 1 => (w - 1 - x, y),
+            PlaceSlip::TurnedEven if y.is_multiple_of(2) => (w - 1 - x, y),
+            PlaceSlip::LastColumn if x == w - 1 => (x.saturating_sub(1), y),
+            PlaceSlip::FirstColumn if x == 0 => (1.min(w - 1), y),
+            PlaceSlip::TopRow if y == h - 1 => (x, y.saturating_sub(1)),
+            PlaceSlip::BottomRow if y == 0 => (x, 1.min(h - 1)),
+            PlaceSlip::RowByte => (x, y & 0xff),
+            PlaceSlip::ColumnByte => (x & 0xff, y),
+            PlaceSlip::TexelWord => {
+                let texel = (y * w + x) & 0xffff;
+                (texel % w, texel / w)
+            }
+            _ => (x, y),
+        }
+    }
+
+    /// As a sentence without its subject.
+    const fn says(self) -> &'static str {
+        match self {
+            PlaceSlip::None => "",
+            PlaceSlip::TurnedOdd => {
+                "reads the second stored row and every second one after it from right to left"
+            }
+            PlaceSlip::TurnedEven => {
+                "reads the first stored row and every second one after it from right to left"
+            }
+            PlaceSlip::LastColumn => "shows the column before the last as the last",
+            PlaceSlip::FirstColumn => "shows the second column as the first",
+            PlaceSlip::TopRow => "shows the row below the top one as the top one",
+            PlaceSlip::BottomRow => "shows the row above the bottom one as the bottom one",
+            PlaceSlip::RowByte => "counts rows in eight bits: row 256 is row 0 again",
+            PlaceSlip::ColumnByte => "counts columns in eight bits: column 256 is column 0 again",
+            PlaceSlip::TexelWord => "counts texels in sixteen bits: texel 65536 is texel 0 again",
+        }
+    }
 }
 
 /// Columns, rows and channels of a block.
@@ -135,6 +201,10 @@ const LAYOUTS: &[([Step; 3], &str)] = &[
         "takes the channels to stand one after the other, each as a whole plane, column after column",
     ),
     (
+        [Step::One, Step::RowOfOne, Step::One],
+        "goes on by one byte from texel to texel, whatever a texel has",
+    ),
+    (
         [Step::LongTexel, Step::Row, Step::One],
         "takes texels to be one byte longer than they are",
     ),
@@ -167,7 +237,7 @@ impl Strides {
         y: (Step::Row, false),
         k: (Step::One, false),
         shift: (0, Step::One),
-        snake: None,
+        slip: PlaceSlip::None,
     };
 
     /// The place of a value in its block.
@@ -175,13 +245,9 @@ impl Strides {
         let term = |i: usize, n: usize, (step, back): (Step, bool)| {
             (if back { n - 1 - i } else { i } * step.of(extent)) as isize
         };
-        let is_turned = match self.snake {
-            None => false,
-            Some(Parity::Even) => y.is_multiple_of(2),
-            Some(Parity::Odd) => !y.is_multiple_of(2),
-        };
+        let (x, y) = self.slip.of(x, y, extent);
         self.shift.0 * self.shift.1.of(extent) as isize
-            + term(x, extent.w, (self.x.0, self.x.1 ^ is_turned))
+            + term(x, extent.w, self.x)
             + term(y, extent.h, self.y)
             + term(k, extent.c, self.k)
     }
@@ -212,8 +278,8 @@ impl Strides {
                 }
             }
         }
-        all.extend([Parity::Odd, Parity::Even].map(|parity| Strides {
-            snake: Some(parity),
+        all.extend(PlaceSlip::ALL.map(|slip| Strides {
+            slip,
             ..Strides::RIGHT
         }));
         all.retain(|one| *one != Strides::RIGHT);
@@ -246,16 +312,8 @@ impl Strides {
             (false, true) => says.push("reads rows from the top down".to_owned()),
             (false, false) => {}
         }
-        match self.snake {
-            None => {}
-            Some(Parity::Odd) => says.push(
-                "reads the second stored row and every second one after it from right to left"
-                    .to_owned(),
-            ),
-            Some(Parity::Even) => says.push(
-                "reads the first stored row and every second one after it from right to left"
-                    .to_owned(),
-            ),
+        if self.slip != PlaceSlip::None {
+            says.push(self.slip.says().to_owned());
         }
         if self.k.1 {
             says.push("takes the channels of a texel in reverse order, the last first".to_owned());
@@ -319,7 +377,7 @@ impl Strides {
         let order = Strides {
             x: self.x,
             y: self.y,
-            snake: self.snake,
+            slip: self.slip,
             ..Strides::RIGHT
         };
         *self == order

@@ -24,12 +24,16 @@ pub(in crate::diagnose) enum Change {
     SwappedNibbles,
     AtMost(f64),
     AtLeast(f64),
+    /// Never below the first and never above the second.
+    Within(f64, f64),
     /// 255 less the value.
     Inverted,
     Absolute,
     Truncated,
     Floored,
     Rounded,
+    /// To eleven significant bits.
+    HalfPrecision,
     /// Bytes over 127 count from −128.
     Signed,
     /// Modulo 256.
@@ -46,6 +50,9 @@ pub(in crate::diagnose) enum Change {
 
 /// Powers that picture libraries apply.
 const POWERS: [f64; 8] = [2.2, 1.0 / 2.2, 1.8, 1.0 / 1.8, 2.4, 1.0 / 2.4, 2.0, 0.5];
+
+/// One value that becomes another so often, and never stays, is changed by itself.
+const OFTEN: usize = 8;
 
 /// How values of a view are compared and computed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -89,11 +96,13 @@ impl Change {
             Change::SwappedNibbles => bits(&|value| value.rotate_left(4)),
             Change::AtMost(most) => value.min(*most),
             Change::AtLeast(least) => value.max(*least),
+            Change::Within(least, most) => value.max(*least).min(*most),
             Change::Inverted => 255.0 - value,
             Change::Absolute => value.abs(),
             Change::Truncated => value.trunc(),
             Change::Floored => value.floor(),
             Change::Rounded => value.round(),
+            Change::HalfPrecision => half(value),
             Change::Signed if value > 127.0 => value - 256.0,
             Change::Signed => value,
             Change::Wrapped => value.rem_euclid(256.0),
@@ -134,7 +143,11 @@ impl Change {
         let Some(&first) = wrong.first() else {
             return Vec::new();
         };
-        if wrong.len() < 3 || wrong.iter().all(|pair| pair.0 == first.0) {
+        let is_one = wrong.iter().all(|pair| pair.0 == first.0);
+        if is_one && of == Values::Bytes && wrong.len() >= OFTEN {
+            return points(pairs).into_iter().collect();
+        }
+        if wrong.len() < 3 || is_one {
             return Vec::new();
         }
         let mut changes = match of {
@@ -186,11 +199,17 @@ impl Change {
             Change::AtLeast(least) => {
                 format!("values of at least {}: smaller ones are raised", short(*least))
             }
+            Change::Within(least, most) => format!(
+                "values from {} to {}: those beyond are taken to these limits",
+                short(*least),
+                short(*most)
+            ),
             Change::Inverted => "values inverted (255 less the right ones)".to_owned(),
             Change::Absolute => "values without their sign".to_owned(),
             Change::Truncated => "values whose fractions are cut off (towards zero)".to_owned(),
             Change::Floored => "values rounded down to whole numbers".to_owned(),
             Change::Rounded => "values rounded to whole numbers".to_owned(),
+            Change::HalfPrecision => "values in half precision, eleven significant bits and at most 65504".to_owned(),
             Change::Signed => "bytes over 127 as negative numbers, 256 less than they should be".to_owned(),
             Change::Wrapped => "values modulo 256".to_owned(),
             Change::Power(power) => format!(
@@ -313,6 +332,8 @@ fn of_reals(pairs: &[(f64, f64)], wrong: &[(f64, f64)]) -> Vec<Change> {
         Change::Wrapped,
         Change::AtMost(most),
         Change::AtLeast(least),
+        Change::Within(least, most),
+        Change::HalfPrecision,
         Change::Inverted,
     ];
     if first.0 != 0.0 && first.1 != 0.0 {
@@ -437,6 +458,20 @@ fn srgb_decoded(x: f64) -> f64 {
         x / 12.92
     } else {
         ((x + 0.055) / 1.055).powf(2.4)
+    }
+}
+
+/// The nearest number of half precision: eleven significant bits, steps of 2⁻²⁴ at the least, and infinity over 65504.
+pub(in crate::diagnose) fn half(value: f64) -> f64 {
+    if value == 0.0 {
+        return 0.0;
+    }
+    let exponent = value.abs().log2().floor().max(-14.0);
+    let unit = exponent.exp2() / 1024.0;
+    let nearest = (value / unit).round_ties_even() * unit;
+    match nearest.abs() > 65504.0 {
+        true => f64::INFINITY.copysign(value),
+        false => nearest,
     }
 }
 

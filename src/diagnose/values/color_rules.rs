@@ -201,6 +201,19 @@ pub(in crate::diagnose) enum ColorRule {
     Matrix(Places<5>),
     /// [`FACTORS`], [`SIGNS`], [`ROUNDINGS`] and [`TOPS`]: the byte of a color.
     Byte(Places<4>),
+    /// What is left of a color goes into the next.
+    Carried(Carried),
+}
+
+/// Where what is left of one color goes into the next.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(in crate::diagnose) enum Carried {
+    /// The sum of a polynomial goes on in that of the next color.
+    Polynomials,
+    /// The sum of a row of the matrix goes on in the next row.
+    Rows,
+    /// Red stands in the place of Y, and green in that of Cr, when the next row is multiplied.
+    Vector,
 }
 
 impl ColorRule {
@@ -223,6 +236,7 @@ impl ColorRule {
         (grid::all(products).map(ColorRule::Product))
             .chain(grid::all(matrices).map(ColorRule::Matrix))
             .chain(grid::all(bytes).map(ColorRule::Byte))
+            .chain([Carried::Polynomials, Carried::Rows, Carried::Vector].map(ColorRule::Carried))
     }
 
     /// The colors of all texels under a light, not rounded unless that is part of the rule.
@@ -264,6 +278,24 @@ impl ColorRule {
                     .map(|color| byte(color).clamp(0.0, 255.0))
                     .collect()
             }
+            (ColorRule::Carried(Carried::Polynomials), Shape::Rgb)
+            | (ColorRule::Carried(Carried::Rows), Shape::Lum(_)) => {
+                let unlimited = Reading {
+                    clamp: |value| value,
+                    ..*reading
+                };
+                let mut colors = evaluate(finals, light.lu, light.lv, &unlimited).values;
+                for color in colors.chunks_exact_mut(3) {
+                    color[1] += color[0];
+                    color[2] += color[1];
+                }
+                colors.into_iter().map(reading.clamp).collect()
+            }
+            (ColorRule::Carried(Carried::Vector), Shape::Lum(matrix)) => {
+                let rows = (reading.lum_matrix)(&matrix);
+                let color = |texel: &[f64]| in_place(rows, luminance(texel), [texel[6], texel[7]], reading);
+                texels().flat_map(color).map(reading.clamp).collect()
+            }
             _ => evaluate(finals, light.lu, light.lv, reading).values,
         }
     }
@@ -291,6 +323,12 @@ impl ColorRule {
                 FACTORS[factor].0, SIGNS[sign].0, ROUNDINGS[rounding].0, TOPS[top].0
             )
             .replace(",,", ","),
+            ColorRule::Carried(carried) => match carried {
+                Carried::Polynomials => "adds the polynomial of a color to that of the color before: green is red + green, blue is red + green + blue",
+                Carried::Rows => "adds the row of the matrix of a color to that of the color before: green is red + green, blue is red + green + blue",
+                Carried::Vector => "multiplies by the matrix in place: for green, red stands in the place of Y, and for blue, green in that of Cr",
+            }
+            .to_owned(),
         }
     }
 
@@ -300,6 +338,8 @@ impl ColorRule {
             ColorRule::Product(_) => Formula::Color,
             ColorRule::Matrix(_) => Formula::Matrix,
             ColorRule::Byte(_) => Formula::Limits,
+            ColorRule::Carried(Carried::Polynomials) => Formula::Polynomial,
+            ColorRule::Carried(Carried::Rows | Carried::Vector) => Formula::Matrix,
         }
     }
 }
@@ -325,6 +365,21 @@ fn multiplied(
         let row = [m0, m1, m2, (reading.lum_translation)(t)];
         m0 * p + m1 * q + m2 * r + TRANSLATIONS[translation].1(row, translations, y)
     })
+}
+
+/// The matrix times (Y, Cr, Cb, 1), each color written over the value that it was made of.
+fn in_place(
+    rows: [[f64; 4]; 3],
+    luminance: f64,
+    [cr, cb]: [f64; 2],
+    reading: &Reading,
+) -> [f64; 3] {
+    let mut values = (reading.lum_vector)(luminance, cr, cb);
+    for (i, [m0, m1, m2, t]) in rows.into_iter().enumerate() {
+        let [p, q, r] = values;
+        values[i] = m0 * p + m1 * q + m2 * r + (reading.lum_translation)(t);
+    }
+    values
 }
 
 #[cfg(test)]

@@ -521,6 +521,20 @@ impl Numbers {
 /// Limits of u and v, and of the length of a light, that decoders have.
 const LIMITS: [f64; 9] = [0.25, 0.5, 0.6, 0.7, 0.75, 0.8, 0.9, 0.95, 0.99];
 
+/// What decoders take where no light is given, and then for a light of 0 too.
+const DEFAULTS: [(f64, f64); 10] = [
+    (0.5, 0.5),
+    (0.5, 0.0),
+    (0.0, 0.5),
+    (1.0, 0.0),
+    (0.0, 1.0),
+    (1.0, 1.0),
+    (0.7, 0.7),
+    (-0.5, 0.5),
+    (0.3, 0.3),
+    (0.1, 0.1),
+];
+
 /// Lights in whose place u and v are changed together, in words and as numbers.
 fn lights_together(u: f64, v: f64) -> Vec<(String, (f64, f64))> {
     let cut = |x: f64, parts: f64| (x * parts).trunc() / parts;
@@ -545,13 +559,29 @@ fn lights_together(u: f64, v: f64) -> Vec<(String, (f64, f64))> {
             (u * height, v * height),
         ),
     ];
-    for (decimals, parts) in [("one decimal", 10.0), ("two decimals", 100.0)] {
+    for factor in [2.0, 1.5] {
+        let more = |x: f64| (x * factor).clamp(-1.0, 1.0);
+        let says = |which: &str| format!("{which} {factor} times what they are, limited to ±1");
+        lights.push((says("u and v were"), (more(u), more(v))));
+        let says = |which: &str| format!("{which} were {factor} times what it is, limited to ±1");
+        lights.push((says("u"), (more(u), v)));
+        lights.push((says("v"), (u, more(v))));
+    }
+    for (decimals, parts) in [
+        ("one decimal", 10.0),
+        ("two decimals", 100.0),
+        ("three decimals", 1000.0),
+    ] {
         let says = |how: &str| format!("u and v were {how} {decimals}");
         lights.push((says("cut off after"), (cut(u, parts), cut(v, parts))));
         lights.push((says("rounded to"), (rounded(u, parts), rounded(v, parts))));
     }
     lights.extend(stepped_lights(u, v));
     lights.extend(limited_lights(u, v));
+    lights.extend(DEFAULTS.map(|(a, b)| {
+        let light = if (u, v) == (0.0, 0.0) { (a, b) } else { (u, v) };
+        (format!("the light (0, 0) were ({a}, {b})"), light)
+    }));
     lights
 }
 

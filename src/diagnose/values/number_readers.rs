@@ -1,5 +1,6 @@
 //! Numbers of the header read otherwise than as decimal numbers: what parsers of one's own make of them.
 
+use super::changes::half;
 use super::numbers::Used;
 use crate::diagnose::witness::Witness;
 use crate::protocol::frame::Light;
@@ -82,15 +83,6 @@ impl<'a> Written<'a> {
             .parse()
             .unwrap_or_default()
     }
-}
-
-/// The nearest number of eleven significant bits.
-fn half(value: f64) -> f64 {
-    if value == 0.0 {
-        return 0.0;
-    }
-    let unit = 2f64.powi(value.abs().log2().floor() as i32 - 10);
-    (value / unit).round_ties_even() * unit
 }
 
 /// What is made of a number, in words and as a function.
@@ -352,6 +344,8 @@ impl NumberReader {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(in crate::diagnose) struct OtherNumbers(Vec<(usize, String, f64)>);
 
+/// Decimals of another number: those of numbers cut off would be shown cut off twice.
+const DIGITS: usize = 8;
 /// How many of them are listed.
 const LISTED: usize = 4;
 
@@ -391,7 +385,7 @@ impl OtherNumbers {
             let of = self.0.iter().filter(|(of, ..)| *of == list);
             let some = of.map(|(_, text, value)| {
                 let right = text.parse().unwrap_or_default();
-                format!("{} for {text}", apart(*value, right, 4)[0])
+                format!("{} for {text}", apart(*value, right, DIGITS)[0])
             });
             let some: Vec<String> = some.take(LISTED).collect();
             (!some.is_empty()).then(|| {

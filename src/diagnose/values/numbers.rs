@@ -32,7 +32,7 @@ impl Used {
     /// ", as if the bias of a3 were -21 and not -214".
     pub fn in_words(&self) -> String {
         let name = if self.is_bias() { "bias" } else { "scale" };
-        let [used, right] = apart(self.value, self.right, 4);
+        let [used, right] = apart(self.value, self.right, 8);
         format!(
             ", as if the {name} of a{} were {used} and not {right}",
             self.coefficient

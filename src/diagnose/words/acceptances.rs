@@ -1,14 +1,12 @@
 //! Malformed files that were accepted: the edit that made them malformed is what the decoder does not check.
 
+use super::first_of;
 use crate::diagnose::diagnosis::{Category, Diagnosis, Words};
 use crate::diagnose::witness::Witness;
 use crate::misreadings::Misreading;
 use crate::protocol::frame::Answer;
 use crate::session::observation::Response;
 use crate::suite::cases::Expect;
-
-/// Faults that are named one by one.
-const NAMED: usize = 6;
 
 /// Acceptances, clause by clause. They are taken out of `left`.
 pub(in crate::diagnose) fn describe(
@@ -72,12 +70,8 @@ fn faults(witnesses: &[Witness], of: &[usize]) -> String {
             faults.push(fault);
         }
     }
-    let more = faults.len().saturating_sub(NAMED);
-    faults.truncate(NAMED);
-    match more {
-        0 => faults.join("; "),
-        _ => format!("{}; and {more} other faults", faults.join("; ")),
-    }
+    let faults: Vec<&str> = faults.iter().map(String::as_str).collect();
+    first_of(&faults, "fault")
 }
 
 fn fault(witness: &Witness) -> String {

@@ -8,3 +8,17 @@ mod places;
 pub(super) mod promises;
 pub(super) mod refusals;
 pub(super) mod violation;
+
+/// Different faults or kinds that are named, at most.
+const NAMED: usize = 6;
+
+/// The first of these, and how many more there are: "a; b; and one other fault".
+fn first_of(all: &[&str], noun: &str) -> String {
+    let (named, more) = all.split_at(all.len().min(NAMED));
+    let named = named.join("; ");
+    match more.len() {
+        0 => named,
+        1 => format!("{named}; and one other {noun}"),
+        more => format!("{named}; and {more} other {noun}s"),
+    }
+}

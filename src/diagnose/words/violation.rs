@@ -1,14 +1,12 @@
 //! Files that must or may be refused, and that ended in a crash, a hang, a malformed frame or "unsupported" instead.
 
 use super::refusals::example;
+use super::{NAMED, first_of};
 use crate::diagnose::diagnosis::{Category, Diagnosis, Words};
 use crate::diagnose::failure_mode::FailureMode;
 use crate::diagnose::witness::Witness;
 use crate::session::observation::Response;
 use crate::suite::cases::Expect;
-
-/// Damages that are named one by one.
-const NAMED: usize = 5;
 
 /// Violations on files that need not be read, mode by mode. They are taken out of `left`.
 pub(in crate::diagnose) fn describe(
@@ -58,10 +56,9 @@ fn files(witnesses: &[Witness], these: &[usize], refuses: bool) -> String {
     }
     let others = if refuses { "; others it refuses" } else { "" };
     format!(
-        "{} files that must or may be refused ({}; and {} other kinds){others}",
+        "{} files that must or may be refused ({}){others}",
         these.len(),
-        damages[..NAMED].join("; "),
-        damages.len() - NAMED
+        first_of(&damages, "kind")
     )
 }
 
