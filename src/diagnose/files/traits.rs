@@ -430,9 +430,9 @@ const OF_SIZE: &[Row] = &[
     ("with a table of more than 256 entries", |f| {
         entries(f).is_some_and(|entries| entries > 256.0)
     }),
-    ("whose largest index names the last entry of its table", |f| {
+    ("with the index of the last of several entries", |f| {
         let last = entries(f).map(|entries| entries - 1.0);
-        f.largest_index.is_some() && f.largest_index.map(f64::from) == last
+        last.is_some_and(|last| last > 0.0) && f.largest_index.map(f64::from) == last
     }),
     ("with a table of at most 256 entries", |f| {
         entries(f).is_some_and(|entries| entries <= 256.0)

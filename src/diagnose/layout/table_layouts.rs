@@ -5,7 +5,7 @@ use super::indices::IndexBlock;
 use crate::diagnose::witness::Witness;
 use crate::ptm::{Format, Ptm};
 
-/// The byte of value k of entry i, in a table of n entries of c values.
+/// The byte of value k of entry i, in a table of n entries of c values; one before the table wraps around.
 type Layout = (&'static str, fn([usize; 4]) -> usize);
 
 const LAYOUTS: &[Layout] = &[
@@ -46,6 +46,13 @@ const LAYOUTS: &[Layout] = &[
     ("reads a table from one byte too late on", |[i, k, _, c]| {
         c * i + k + 1
     }),
+    ("reads a table from one byte too early on", |[i, k, _, c]| {
+        (c * i + k).wrapping_sub(1)
+    }),
+    (
+        "takes the polynomials of the entries of PTM_C_LUT to be six bytes apart, and their colors nine",
+        |[i, k, ..]| if k < 6 { 6 * i + k } else { 9 * i + k },
+    ),
     (
         "takes the values of an entry in reverse order",
         |[i, k, _, c]| c * i + c - 1 - k,
@@ -90,7 +97,7 @@ impl TableLayout {
                 (TableLayout::Entries(layout), _) => {
                     for (k, value) in samples[..size].iter_mut().enumerate() {
                         let at = LAYOUTS[layout].1([i, k, entries, size]);
-                        *value = byte(table.start + at);
+                        *value = byte(table.start.wrapping_add(at));
                     }
                 }
                 (TableLayout::ColorsByIndex, Some(colors)) if size == 6 => {

@@ -52,7 +52,7 @@ pub(in crate::diagnose) enum Change {
 const POWERS: [f64; 8] = [2.2, 1.0 / 2.2, 1.8, 1.0 / 1.8, 2.4, 1.0 / 2.4, 2.0, 0.5];
 
 /// One value that becomes another so often, and never stays, is changed by itself.
-const OFTEN: usize = 8;
+const OFTEN: usize = 2;
 
 /// How values of a view are compared and computed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

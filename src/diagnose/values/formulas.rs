@@ -560,10 +560,10 @@ fn lights_together(u: f64, v: f64) -> Vec<(String, (f64, f64))> {
         ),
     ];
     for factor in [2.0, 1.5] {
-        let more = |x: f64| (x * factor).clamp(-1.0, 1.0);
-        let says = |which: &str| format!("{which} {factor} times what they are, limited to ±1");
+        let more = |x: f64| (x * factor).min(1.0);
+        let says = |which: &str| format!("{which} {factor} times what they are, 1 at the most");
         lights.push((says("u and v were"), (more(u), more(v))));
-        let says = |which: &str| format!("{which} were {factor} times what it is, limited to ±1");
+        let says = |which: &str| format!("{which} were {factor} times what it is, 1 at the most");
         lights.push((says("u"), (more(u), v)));
         lights.push((says("v"), (u, more(v))));
     }

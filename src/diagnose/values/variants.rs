@@ -300,8 +300,8 @@ pub(in crate::diagnose) static VARIANTS: &[Variant] = &[
         f64::from((l.trunc() * c) as i64 as u16) / 255.0
     }),
     product(
-        "multiplies luminance, 0 at the least, by color in 16 bits",
-        |l, c| f64::from((l.trunc().max(0.0) * c) as i64 as u16) / 255.0,
+        "multiplies luminance, 0 at the least, by color in 16 bits, and drops the fraction of the quotient",
+        |l, c| f64::from((l.trunc().max(0.0) * c) as i64 as u16 / 255),
     ),
     product(
         "cuts color / 255 to a whole number before it multiplies",
