@@ -62,7 +62,7 @@ pub use decoder::decode;
 #[cfg(all(feature = "harness", unix))]
 pub(crate) use decoder::stored_scan;
 #[cfg(all(feature = "harness", unix))]
-pub(crate) use parameters::default_thresholds;
+pub(crate) use parameters::{default_thresholds, limited_thresholds, wanted_thresholds};
 #[cfg(all(feature = "harness", unix))]
 pub(crate) use prediction::predict;
 #[cfg(all(feature = "harness", unix))]

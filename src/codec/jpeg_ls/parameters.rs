@@ -133,7 +133,12 @@ fn thresholds(
 ///
 /// What would be larger than MAXVAL, or smaller than the one before, is replaced by that one.
 pub(crate) fn default_thresholds(maxval: i32, near: i32) -> [i32; 3] {
-    let wanted = if maxval >= 128 {
+    limited_thresholds(wanted_thresholds(maxval, near), maxval, near)
+}
+
+/// The same before they are limited.
+pub(crate) fn wanted_thresholds(maxval: i32, near: i32) -> [i32; 3] {
+    if maxval >= 128 {
         // MAXVAL is at most 255 here, so that the factor of the standard is always 1.
         [3 + 3 * near, 7 + 5 * near, 21 + 7 * near]
     } else {
@@ -143,7 +148,11 @@ pub(crate) fn default_thresholds(maxval: i32, near: i32) -> [i32; 3] {
             (7 / divisor + 5 * near).max(3),
             (21 / divisor + 7 * near).max(4),
         ]
-    };
+    }
+}
+
+/// Thresholds that are neither less than the one before, the first one than NEAR + 1, nor more than MAXVAL.
+pub(crate) fn limited_thresholds(wanted: [i32; 3], maxval: i32, near: i32) -> [i32; 3] {
     let mut least = near + 1;
     wanted.map(|threshold| {
         if (least..=maxval).contains(&threshold) {

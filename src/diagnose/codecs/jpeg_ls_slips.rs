@@ -6,7 +6,8 @@
 
 use super::slips::{IsShown, Partial, Slip, slips};
 use crate::codec::jpeg_ls::{
-    self, J, Neighbors, PresetParameters, default_thresholds, stored_scan,
+    self, J, Neighbors, PresetParameters, default_thresholds, limited_thresholds, stored_scan,
+    wanted_thresholds,
 };
 use crate::error::Result;
 use crate::parts::PlaneStream;
@@ -70,6 +71,14 @@ struct Context {
     n: i32,
 }
 
+impl Context {
+    fn halve(&mut self, rules: &Rules) {
+        self.a = (rules.halve_a)(self.a);
+        self.b = (rules.halve_b)(self.b);
+        self.n >>= 1;
+    }
+}
+
 /// Every decision of the decoder.
 pub(in crate::diagnose) struct Rules {
     /// Thresholds as they are stored, 0 for defaults; MAXVAL and NEAR.
@@ -94,7 +103,8 @@ pub(in crate::diagnose) struct Rules {
     region: fn(&Scan, i32) -> i32,
     /// d − b, b − c and c − a.
     gradients: fn([i32; 4]) -> [i32; 3],
-    is_run: fn([i32; 3], [i32; 3]) -> bool,
+    /// Of regions and gradients.
+    is_run: fn(&Scan, [i32; 3], [i32; 3]) -> bool,
     /// The number of a context, and the sign.
     context: fn([i32; 3]) -> (i32, i32),
     predict: fn([i32; 4]) -> i32,
@@ -103,6 +113,7 @@ pub(in crate::diagnose) struct Rules {
     limit_prediction: fn(i32, i32) -> i32,
     initial_a: fn(i32) -> i32,
     golomb: fn(i32, i32) -> u32,
+    run_golomb: fn(i32, i32) -> u32,
     /// What becomes of k in regular mode.
     regular_k: fn(u32) -> u32,
     /// Zeros of the longest code, of LIMIT and qbpp.
@@ -116,6 +127,8 @@ pub(in crate::diagnose) struct Rules {
     /// Whether counters are halved, of N and RESET, in regular mode and in run mode.
     is_full: fn(i32, i32) -> bool,
     is_run_full: fn(i32, i32) -> bool,
+    /// Whether counters are halved before the error is added to them.
+    is_halved_first: bool,
     learn_b: fn(i32, i32) -> i32,
     halve_b: fn(i32) -> i32,
     halve_a: fn(i32) -> i32,
@@ -149,6 +162,8 @@ pub(in crate::diagnose) struct Rules {
     run_sign: fn(bool, i32, i32) -> i32,
     /// The sum that k is computed of: A, N and `RItype`.
     run_sum: fn(i32, i32, i32) -> i32,
+    /// Whether A of RItype 0 is taken for that of RItype 1 too.
+    is_run_a_shared: bool,
     run_limit: fn(u32, u32) -> u32,
     /// Of k, NEAR, Nn and N: whether positive errors are favored.
     is_positive_favored: fn(u32, i32, i32, i32) -> bool,
@@ -273,13 +288,14 @@ pub(in crate::diagnose) const RIGHT: Rules = Rules {
     neighbors: Plane::neighbors,
     region,
     gradients: |[a, b, c, d]| [d - b, b - c, c - a],
-    is_run: |regions, _| regions == [0; 3],
+    is_run: |_, regions, _| regions == [0; 3],
     context: number,
     predict,
     correct: |predicted, sign, c| predicted + sign * c,
     limit_prediction: |predicted, maxval| predicted.clamp(0, maxval),
     initial_a: |range| ((range + 32) / 64).max(2),
     golomb,
+    run_golomb: golomb,
     regular_k: |k| k,
     longest: |limit, qbpp| limit.saturating_sub(qbpp + 1),
     escape_bits: |qbpp| qbpp,
@@ -288,6 +304,7 @@ pub(in crate::diagnose) const RIGHT: Rules = Rules {
     error: |mapped| (mapped >> 1) ^ -(mapped & 1),
     is_full: |n, reset| n == reset,
     is_run_full: |n, reset| n == reset,
+    is_halved_first: false,
     learn_b: |error, step| error * step,
     halve_b: |b| b >> 1,
     halve_a: |a| a >> 1,
@@ -309,6 +326,7 @@ pub(in crate::diagnose) const RIGHT: Rules = Rules {
     reconstruct_interrupted: reconstruct,
     run_sign: |alike, a, b| if !alike && a > b { -1 } else { 1 },
     run_sum: |a, n, kind| a + kind * (n >> 1),
+    is_run_a_shared: false,
     run_limit: |limit, j| limit.saturating_sub(j + 1),
     is_positive_favored: |k, _, negative, n| k == 0 && 2 * negative < n,
     doubled: |number, kind| number + kind,
@@ -505,7 +523,7 @@ impl Decoder<'_> {
             let mut neighbors = (self.rules.neighbors)(&self.plane, row, column);
             let gradients = (self.rules.gradients)(neighbors);
             let regions = gradients.map(|gradient| (self.rules.region)(&self.scan, gradient));
-            let sample = if (self.rules.is_run)(regions, gradients) {
+            let sample = if (self.rules.is_run)(&self.scan, regions, gradients) {
                 let left = end - self.plane.samples.len();
                 let run = self.run(left)?;
                 let run_of = std::iter::repeat_n(neighbors[0], run);
@@ -548,12 +566,14 @@ impl Decoder<'_> {
         if error.abs() > 1 << 9 {
             return None;
         }
+        let is_full = (rules.is_full)(context.n, scan.reset);
+        if rules.is_halved_first && is_full {
+            context.halve(rules);
+        }
         context.b = (rules.store_b)(context.b + (rules.learn_b)(error, scan.step));
         context.a = (rules.store_a)(context.a + error.abs());
-        if (rules.is_full)(context.n, scan.reset) {
-            context.a = (rules.halve_a)(context.a);
-            context.b = (rules.halve_b)(context.b);
-            context.n >>= 1;
+        if !rules.is_halved_first && is_full {
+            context.halve(rules);
         }
         context.n += 1;
         (context.b, context.c) = (rules.correction)(context.b, context.c, context.n);
@@ -594,8 +614,10 @@ impl Decoder<'_> {
         }
         let alike = (rules.is_alike)(a - b, scan.near);
         let kind = i32::from(alike);
+        let shared = self.run_contexts[0].a;
         let context = &mut self.run_contexts[kind as usize];
-        let k = (rules.golomb)((rules.run_sum)(context.a, context.n, kind), context.n);
+        let sum = if rules.is_run_a_shared { shared } else { context.a };
+        let k = (rules.run_golomb)((rules.run_sum)(sum, context.n, kind), context.n);
         let limit = (rules.run_limit)(scan.limit, rules.j(self.run_index));
         let longest = (rules.longest)(limit, scan.qbpp);
         let number = self
@@ -669,31 +691,48 @@ macro_rules! c_limits {
 }
 
 /// Other limits of C.
-static C_LIMITS: &[Slip<Rules>] = c_limits!(-4 127 -128 4 -4 4 -8 127 -128 8 -16 127 -128 16 -32 127 -128 32 -64 127 -128 64 -128 0 0 127 -7 7 -8 7 -15 15 -16 15 -31 31 -32 31 -63 63 -64 63 -127 127 -128 126 -100 100 -32 32 -64 64 -16 16);
+static C_LIMITS: &[Slip<Rules>] = c_limits!(-10 127 -128 10 -10 10 -20 127 -128 20 -50 127 -128 50 -100 127 -128 100 -4 127 -128 4 -4 4 -8 127 -128 8 -16 127 -128 16 -32 127 -128 32 -64 127 -128 64 -128 0 0 127 -7 7 -8 7 -15 15 -16 15 -31 31 -32 31 -63 63 -64 63 -127 127 -128 126 -100 100 -32 32 -64 64 -16 16);
 
 macro_rules! factors {
     ($name:literal $place:literal $right:literal: $($factor:literal)*) => {
         slips! {in "the default thresholds (T.87 C.2.4.1.1)": $(
             concat!("computes the default ", $name, " with ", $factor, "·NEAR where ", $right, "·NEAR belongs"),
-            |r| r.thresholds = |s, m, n| with_default(s, m, n, $place, $factor - $right);
+            |r| r.thresholds = |s, m, n| defaults(s, m, n, |wanted| wanted[$place] += ($factor - $right) * n);
         )*}
     };
 }
 
-/// The thresholds, one of them with another factor of NEAR where it is a default.
-fn with_default(stored: [i32; 3], maxval: i32, near: i32, i: usize, more: i32) -> [i32; 3] {
-    let mut all = thresholds(stored, maxval, near);
-    if stored[i] == 0 {
-        let least = if i == 0 { near + 1 } else { all[i - 1] };
-        let wanted = all[i] + more * near;
-        all[i] = if wanted > maxval || wanted < least {
-            least
-        } else {
-            wanted
-        };
-    }
-    all
+/// The thresholds with other defaults, which are still kept within their limits.
+fn defaults(stored: [i32; 3], maxval: i32, near: i32, change: impl Fn(&mut [i32; 3])) -> [i32; 3] {
+    let mut wanted = wanted_thresholds(maxval, near);
+    change(&mut wanted);
+    let defaults = limited_thresholds(wanted, maxval, near);
+    [0, 1, 2].map(|i| if stored[i] == 0 { defaults[i] } else { stored[i] })
 }
+
+/// The thresholds with these defaults in the place of their own.
+fn with_defaults(stored: [i32; 3], maxval: i32, near: i32, own: [Option<i32>; 3]) -> [i32; 3] {
+    let defaults = default_thresholds(maxval, near);
+    [0, 1, 2].map(|i| match stored[i] {
+        0 => own[i].unwrap_or(defaults[i]),
+        stored => stored,
+    })
+}
+
+macro_rules! constants {
+    ($($name:literal $place:literal: $($number:literal)*;)*) => {
+        slips! {in "the default thresholds (T.87 C.2.4.1.1)": $($(
+            concat!("takes ", $number, " for the default ", $name, ", whatever NEAR is"), |r| r.thresholds = |s, m, n| {
+                let mut own = [None; 3];
+                own[$place] = Some($number);
+                with_defaults(s, m, n, own)
+            };
+        )*)*}
+    };
+}
+
+/// Defaults that are one number.
+static CONSTANTS: &[Slip<Rules>] = constants!("T1" 0: 2 3 4; "T2" 1: 6 7 8; "T3" 2: 20 21 22;);
 
 /// Other factors of NEAR.
 const FACTORS: [&[Slip<Rules>]; 3] = [
@@ -770,6 +809,7 @@ pub(in crate::diagnose) static LISTS: &[&[Slip<Rules>]] = &[
     BASES[0],
     BASES[1],
     BASES[2],
+    CONSTANTS,
     LIMITS,
     C_LIMITS,
     WRONG_ENTRIES,
@@ -794,6 +834,9 @@ static SLIPS: &[Slip<Rules>] = slips! {
     "takes a for d (Rd) in the last column, where b belongs", |r| r.neighbors = |p, y, x| with_d(p, y, x, p.neighbors(y, x)[0]);
     "takes b for d (Rd) everywhere", |r| r.neighbors = |p, y, x| { let [a, b, c, _] = p.neighbors(y, x); [a, b, c, b] };
     "takes 128 for the row above the first, where 0 belongs", |r| r.neighbors = |p, y, x| { let [a, b, c, d] = p.neighbors(y, x); if y == 0 { [if x == 0 { 128 } else { a }, 128, 128, 128] } else { [a, b, c, d] } };
+    "takes 128 for the row above the first and for the sample to its left, where 0 belongs", |r| r.neighbors = |p, y, x| { let [a, b, c, d] = p.neighbors(y, x); match (y, x) { (0, _) => [if x == 0 { 128 } else { a }, 128, 128, 128], (1, 0) => [a, b, 128, d], _ => [a, b, c, d] } };
+    "takes 0 for a (Ra) and c (Rc) in the first column, where samples above belong", |r| r.neighbors = |p, y, x| { let [a, b, c, d] = p.neighbors(y, x); if x == 0 { [0, b, 0, d] } else { [a, b, c, d] } };
+    "takes c for d (Rd) in the last column of planes of two columns or more, where b belongs", |r| r.neighbors = |p, y, x| { let [_, b, c, _] = p.neighbors(y, x); with_d(p, y, x, if p.width > 1 { c } else { b }) };
     "takes a for b, c and d in the first row, where 0 belongs", |r| r.neighbors = |p, y, x| { let all = p.neighbors(y, x); if y == 0 { [all[0]; 4] } else { all } };
     in "gradients and contexts (T.87 A.3)":
     "computes the gradient d − b as d − a", |r| r.gradients = |[a, b, c, d]| [d - a, b - c, c - a];
@@ -803,6 +846,11 @@ static SLIPS: &[Slip<Rules>] = slips! {
     "computes the gradient c − a as a − c", |r| r.gradients = |[a, b, c, d]| [d - b, b - c, a - c];
     "computes the gradient b − c as c − b", |r| r.gradients = |[a, b, c, d]| [d - b, c - b, c - a];
     "computes the gradient d − b as b − d", |r| r.gradients = |[a, b, c, d]| [b - d, b - c, c - a];
+    "exchanges the gradients b − c and c − a", |r| r.gradients = |[a, b, c, d]| [d - b, c - a, b - c];
+    "exchanges the gradients d − b and b − c", |r| r.gradients = |[a, b, c, d]| [b - c, d - b, c - a];
+    "exchanges the gradients d − b and c − a", |r| r.gradients = |[a, b, c, d]| [c - a, b - c, d - b];
+    "numbers contexts by 81·Q1 + 8·Q2 + Q3, where 9·Q2 belongs", |r| r.context = |q| { let sign = number(q).1; let [q1, q2, q3] = q.map(|q| sign * q); ((81 * q1 + 8 * q2 + q3).max(0), sign) };
+    "numbers contexts by 80·Q1 + 9·Q2 + Q3, where 81·Q1 belongs", |r| r.context = |q| { let sign = number(q).1; let [q1, q2, q3] = q.map(|q| sign * q); ((80 * q1 + 9 * q2 + q3).max(0), sign) };
     "compares negative gradients with the thresholds by < −T where ≤ −T belongs", |r| r.region = |s, g| region(s, if g < 0 { (g + 1).min(0) } else { g });
     "compares negative gradients with T3 by < −T3 where ≤ −T3 belongs", |r| r.region = |s, g| if g == -s.thresholds[2] { region(s, g + 1) } else { region(s, g) };
     "compares negative gradients with T2 by < −T2 where ≤ −T2 belongs", |r| r.region = |s, g| if g == -s.thresholds[1] { region(s, g + 1) } else { region(s, g) };
@@ -814,9 +862,10 @@ static SLIPS: &[Slip<Rules>] = slips! {
     "compares all gradients with the thresholds by > T where ≥ T belongs", |r| r.region = |s, g| region(s, if s.thresholds.contains(&g.abs()) { g - g.signum() } else { g });
     "takes gradients of ±NEAR for other than flat", |r| r.region = |s, g| if s.near > 0 && g.abs() == s.near { g.signum() } else { region(s, g) };
     "takes only gradients of 0 for flat, whatever NEAR is", |r| r.region = |s, g| if g != 0 && g.abs() <= s.near { g.signum() } else { region(s, g) };
-    "goes into run mode only where all gradients are 0, whatever NEAR is", |r| r.is_run = |_, g| g == [0; 3];
-    "goes into run mode without looking at the gradient d − b", |r| r.is_run = |q, _| q[1] == 0 && q[2] == 0;
-    "goes into run mode without looking at the gradient c − a", |r| r.is_run = |q, _| q[0] == 0 && q[1] == 0;
+    "goes into run mode only where all gradients are 0, whatever NEAR is", |r| r.is_run = |_, _, g| g == [0; 3];
+    "takes gradients within NEAR for other than flat, but not where it looks for runs", |r| { r.region = |s, g| if g != 0 && g.abs() <= s.near { g.signum() } else { region(s, g) }; r.is_run = |s, _, g| g.iter().all(|g| g.abs() <= s.near); };
+    "goes into run mode without looking at the gradient d − b", |r| r.is_run = |_, q, _| q[1] == 0 && q[2] == 0;
+    "goes into run mode without looking at the gradient c − a", |r| r.is_run = |_, q, _| q[0] == 0 && q[1] == 0;
     "never mirrors the neighborhood (no SIGN)", |r| r.context = |[q1, q2, q3]| (81 * (q1 + 4) + 9 * (q2 + 4) + q3 + 4, 1);
     "mirrors the neighborhood by the first gradient alone", |r| r.context = |q| if q[0] < 0 { (number(q).0, -1) } else { (81 * q[0] + 9 * (q[1] + 4) + q[2] + 4, 1) };
     "does not mirror the neighborhood where only the last gradient is other than 0 and negative", |r| r.context = |q| if q[0] == 0 && q[1] == 0 && q[2] < 0 { (364 - q[2], 1) } else { number(q) };
@@ -837,6 +886,18 @@ static SLIPS: &[Slip<Rules>] = slips! {
     "reads T3 of an LSE segment before T2", |r| r.thresholds = |[a, b, c], maxval, near| thresholds([a, c, b], maxval, near);
     "reads T2 of an LSE segment before T1", |r| r.thresholds = |[a, b, c], maxval, near| thresholds([b, a, c], maxval, near);
     "reads T1, T2 and T3 of an LSE segment in reverse order", |r| r.thresholds = |[a, b, c], maxval, near| thresholds([c, b, a], maxval, near);
+    "ignores T1 of an LSE segment", |r| r.thresholds = |[_, b, c], maxval, near| thresholds([0, b, c], maxval, near);
+    "ignores T2 of an LSE segment", |r| r.thresholds = |[a, _, c], maxval, near| thresholds([a, 0, c], maxval, near);
+    "ignores T3 of an LSE segment", |r| r.thresholds = |[a, b, _], maxval, near| thresholds([a, b, 0], maxval, near);
+    "takes T2 of an LSE segment for T3 too", |r| r.thresholds = |[a, b, _], maxval, near| thresholds([a, b, b], maxval, near);
+    "takes T1 of an LSE segment for T2 too", |r| r.thresholds = |[a, _, c], maxval, near| thresholds([a, a, c], maxval, near);
+    "takes the thresholds of an LSE segment for signed bytes", |r| r.thresholds = |stored, maxval, near| thresholds(stored.map(|t| i32::from(t as i8)), maxval, near);
+    "limits default thresholds over MAXVAL to MAXVAL, where the threshold before belongs", |r| r.thresholds = |stored, maxval, near| { let mut least = near + 1; let own = wanted_thresholds(maxval, near).map(|t| { least = if t < least { least } else { t.min(maxval) }; Some(least) }); with_defaults(stored, maxval, near, own) };
+    "computes the default thresholds of a MAXVAL below 128 as of a larger one", |r| r.thresholds = |stored, maxval, near| { let own = if maxval < 128 { limited_thresholds([2 + 3 * near, 3 + 5 * near, 4 + 7 * near], maxval, near) } else { default_thresholds(maxval, near) }; with_defaults(stored, maxval, near, own.map(Some)) };
+    "takes 63 for the default RESET", |r| r.reset = |stored| if stored == 0 { 63 } else { stored };
+    "takes 65 for the default RESET", |r| r.reset = |stored| if stored == 0 { 65 } else { stored };
+    "takes 32 for the default RESET", |r| r.reset = |stored| if stored == 0 { 32 } else { stored };
+    "takes 128 for the default RESET", |r| r.reset = |stored| if stored == 0 { 128 } else { stored };
     "uses only the stored T1, and computes T2 and T3", |r| r.thresholds = |stored, maxval, near| thresholds([stored[0], 0, 0], maxval, near);
     "uses default thresholds, whatever an LSE segment says", |r| r.thresholds = |_, maxval, near| thresholds([0; 3], maxval, near);
     "takes 256 for RANGE, whatever NEAR is", |r| r.range = |_, _| 256;
@@ -868,6 +929,8 @@ static SLIPS: &[Slip<Rules>] = slips! {
     "starts with A = 2", |r| r.initial_a = |_| 2;
     "starts with A = 4, whatever RANGE is", |r| r.initial_a = |_| 4;
     "starts with A = (RANGE + 32) / 64, but not 2 at the least", |r| r.initial_a = |range| (range + 32) / 64;
+    "starts with A = (RANGE + 32) / 64, and 1 at the least", |r| r.initial_a = |range| ((range + 32) / 64).max(1);
+    "starts with A = (RANGE + 32) / 64, and 3 at the least", |r| r.initial_a = |range| ((range + 32) / 64).max(3);
     "starts with A = (RANGE + 64) / 64, and 2 at the least", |r| r.initial_a = |range| ((range + 64) / 64).max(2);
     "starts with A = (RANGE + 32) / 32, and 2 at the least", |r| r.initial_a = |range| ((range + 32) / 32).max(2);
     "starts with A = (RANGE + 32) / 128, and 2 at the least", |r| r.initial_a = |range| ((range + 32) / 128).max(2);
@@ -878,17 +941,20 @@ static SLIPS: &[Slip<Rules>] = slips! {
     "starts with A = 8, whatever RANGE is", |r| r.initial_a = |_| 8;
     "starts with A = 0", |r| r.initial_a = |_| 0;
     "starts with A = 1", |r| r.initial_a = |_| 1;
-    "computes k by N · 2^k > A where ≥ belongs", |r| r.golomb = |a, n| golomb(a + 1, n);
-    "computes k one too large", |r| r.golomb = |a, n| golomb(a, n) + 1;
+    "computes k by N · 2^k > A where ≥ belongs", |r| { r.golomb = |a, n| golomb(a + 1, n); r.run_golomb = r.golomb; };
+    "computes k by N · 2^k > A where ≥ belongs, in regular mode alone", |r| r.golomb = |a, n| golomb(a + 1, n);
+    "computes k by N · 2^k > A where ≥ belongs, at the end of runs alone", |r| r.run_golomb = |a, n| golomb(a + 1, n);
+    "computes k one too large", |r| { r.golomb = |a, n| golomb(a, n) + 1; r.run_golomb = r.golomb; };
     "limits k to 4 in regular mode", |r| r.regular_k = |k| k.min(4);
     "limits k to 5 in regular mode", |r| r.regular_k = |k| k.min(5);
     "limits k to 6 in regular mode", |r| r.regular_k = |k| k.min(6);
-    "limits k to 4", |r| r.golomb = |a, n| golomb(a, n).min(4);
-    "limits k to 5", |r| r.golomb = |a, n| golomb(a, n).min(5);
-    "limits k to 6", |r| r.golomb = |a, n| golomb(a, n).min(6);
+    "limits k to 4", |r| { r.golomb = |a, n| golomb(a, n).min(4); r.run_golomb = r.golomb; };
+    "limits k to 5", |r| { r.golomb = |a, n| golomb(a, n).min(5); r.run_golomb = r.golomb; };
+    "limits k to 6", |r| { r.golomb = |a, n| golomb(a, n).min(6); r.run_golomb = r.golomb; };
     "escapes after LIMIT − qbpp zeros where LIMIT − qbpp − 1 belongs", |r| r.longest = |limit, qbpp| limit.saturating_sub(qbpp);
     "escapes after LIMIT − qbpp − 2 zeros where LIMIT − qbpp − 1 belongs", |r| r.longest = |limit, qbpp| limit.saturating_sub(qbpp + 2);
     "never escapes: takes every code for zeros, a one and k bits", |r| r.longest = |_, _| 200;
+    "escapes after LIMIT − 9 zeros, whatever qbpp is", |r| r.longest = |limit, _| limit.saturating_sub(9);
     "does not add 1 to an escaped number", |r| r.escaped = |number| number;
     "adds 2 to an escaped number where 1 belongs", |r| r.escaped = |number| number + 2;
     "lets negative errors come first for every NEAR (k = 0, 2B ≤ −N)", |r| r.is_negative_first = |k, _, b, n| k == 0 && 2 * b <= -n;
@@ -914,6 +980,7 @@ static SLIPS: &[Slip<Rules>] = slips! {
     "never halves the counters of a context", |r| { r.is_full = |_, _| false; r.is_run_full = r.is_full; };
     "never halves the counters of a context, in regular mode alone", |r| r.is_full = |_, _| false;
     "never halves the counters of a context of runs", |r| r.is_run_full = |_, _| false;
+    "halves the counters of a context before it adds an error to them, in regular mode", |r| r.is_halved_first = true;
     "halves B toward 0 where it is rounded down", |r| r.halve_b = |b| b / 2;
     "does not halve B", |r| r.halve_b = |b| b;
     "does not halve A", |r| r.halve_a = |a| a;
@@ -944,6 +1011,7 @@ static SLIPS: &[Slip<Rules>] = slips! {
     "takes samples modulo RANGE only where they are too small", |r| both(r, |s, p, e| if p + e * s.step > s.maxval + s.near { s.maxval } else { reconstruct(s, p, e) });
     "takes samples modulo RANGE from 0 downward, where −NEAR belongs", |r| both(r, |s, p, e| { let (m, x) = (s.range * s.step, p + e * s.step); if x < 0 { (x + m).clamp(0, s.maxval) } else { reconstruct(s, p, e) } });
     "takes samples modulo RANGE from MAXVAL upward, where MAXVAL + NEAR belongs", |r| both(r, |s, p, e| { let (m, x) = (s.range * s.step, p + e * s.step); if x > s.maxval { (x - m).clamp(0, s.maxval) } else { reconstruct(s, p, e) } });
+    "takes samples of MAXVAL + NEAR modulo RANGE (≥ for >)", |r| both(r, |s, p, e| { let (m, x) = (s.range * s.step, p + e * s.step); if x >= s.maxval + s.near { (x - m).clamp(0, s.maxval) } else { reconstruct(s, p, e) } });
     "does not multiply the error at the end of a run by 2·NEAR + 1", |r| r.reconstruct_interrupted = unscaled;
     "does not multiply errors by 2·NEAR + 1 but at the end of a run", |r| r.reconstruct = unscaled;
     "does not take the sample at the end of a run modulo RANGE", |r| r.reconstruct_interrupted = |s, p, e| (p + e * s.step).clamp(0, s.maxval);
@@ -985,6 +1053,7 @@ static SLIPS: &[Slip<Rules>] = slips! {
     "computes k at the end of a run of A + N for RItype 1, where N / 2 belongs", |r| r.run_sum = |a, n, kind| a + kind * n;
     "computes k at the end of a run of A + N / 2 for both types", |r| r.run_sum = |a, n, _| a + (n >> 1);
     "computes k at the end of a run of (A + N) / 2 for RItype 1", |r| r.run_sum = |a, n, kind| if kind == 1 { (a + n) >> 1 } else { a };
+    "computes k at the end of a run of A of RItype 0 for RItype 1 too", |r| r.is_run_a_shared = true;
     "does not lessen LIMIT by J + 1 at the end of a run", |r| r.run_limit = |limit, _| limit;
     "lessens LIMIT by J at the end of a run, where J + 1 belongs", |r| r.run_limit = |limit, j| limit.saturating_sub(j);
     "lessens LIMIT by 1 at the end of a run, where J + 1 belongs", |r| r.run_limit = |limit, _| limit.saturating_sub(1);
@@ -998,6 +1067,7 @@ static SLIPS: &[Slip<Rules>] = slips! {
     "adds 1 to the number of an error at the end of a run for both types", |r| r.doubled = |number, _| number + 1;
     "counts negative errors at the end of a run after the sign was turned", |r| r.is_negative = |_, turned| turned < 0;
     "never counts negative errors at the end of a run", |r| r.is_negative = |_, _| false;
+    "counts all errors other than 0 at the end of a run for negative ones", |r| r.is_negative = |error, _| error != 0;
     "adds (number + 1) / 2 to A at the end of a run, without − RItype", |r| r.run_growth = |number, _, _| (number + 1) >> 1;
     "adds the number to A at the end of a run, not half of it", |r| r.run_growth = |number, kind, _| number + 1 - kind;
     "adds the magnitude of the error to A at the end of a run, where (number + 1 − RItype) / 2 belongs", |r| r.run_growth = |_, _, error| error.abs();

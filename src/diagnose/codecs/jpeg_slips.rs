@@ -51,6 +51,12 @@ pub(in crate::diagnose) struct Rules {
     /// How many rows at the end repeat the one before, of the height; and how many rows are shown.
     repeated: fn(usize) -> usize,
     rows: fn(usize) -> usize,
+    /// The columns and the rows that are shown, of width and height.
+    edges: fn(usize, usize) -> (usize, usize),
+    /// How many blocks are read, of the blocks in a row and of all.
+    read: fn(usize, usize) -> usize,
+    /// Whether zeros are skipped behind a coefficient, not before it.
+    is_skipping_late: bool,
     /// Whether blocks stand where they should.
     is_in_place: bool,
     /// Whether the steps of the first stream count, and the DC coefficient of the stream before; whether either does.
@@ -112,6 +118,9 @@ pub(in crate::diagnose) const RIGHT: Rules = Rules {
     copied: |columns| columns,
     repeated: |_| 0,
     rows: |height| height,
+    edges: |width, height| (width, height),
+    read: |_, all| all,
+    is_skipping_late: false,
     is_in_place: true,
     keeps_steps: false,
     keeps_dc: false,
@@ -133,14 +142,16 @@ fn read(traced: &BlockTrace, steps: &[u16; 64], dc: i32, mut block: Block, rules
             }
             _ => {
                 stored += run;
-                k += run;
+                if !rules.is_skipping_late {
+                    k += run;
+                }
                 let value = traced.coefficients.get(stored).copied().unwrap_or_default();
                 if k <= rules.last {
                     let value = (rules.extend)(value, size) * (rules.step)(steps, k);
                     block[(rules.place)(k) % 64] = (rules.dequantized)(value);
                 }
                 stored += 1;
-                k += 1;
+                k += if rules.is_skipping_late { run + 1 } else { 1 };
             }
         }
     }
@@ -182,7 +193,11 @@ pub(in crate::diagnose) fn decode(
     let before = kept.filter(|_| rules.keeps_dc);
     let (mut dc, mut block) = (before.map_or(0, |kept| kept.dc), [0; 64]);
     // Where rows have no blocks nothing is shown.
-    let shown = if across == 0 { 0 } else { traced.len() };
+    let shown = match across {
+        0 => 0,
+        _ => (rules.read)(columns, traced.len()),
+    };
+    let (right, bottom) = (rules.edges)(width, rows);
     let mut is_other = false;
     for (number, one) in traced.iter().take(shown).enumerate() {
         let starts_row = number % columns == 0;
@@ -204,7 +219,7 @@ pub(in crate::diagnose) fn decode(
         let copied = (rules.copied)(width.saturating_sub(8 * left).min(8));
         for (i, &sample) in made.iter().enumerate() {
             let (x, y) = (8 * left + i % 8, 8 * top + i / 8);
-            if i % 8 < copied && x < width && y < rows {
+            if i % 8 < copied && x < width.min(right) && y < rows.min(bottom) {
                 samples[y * width + x] = (rules.shown)(sample);
                 // Where blocks stand elsewhere they may overwrite each other.
                 is_other |= is_in_place && !is_shown(y * width + x, samples[y * width + x]);
@@ -222,7 +237,7 @@ pub(in crate::diagnose) fn decode(
         known: samples.len(),
         samples,
         is_other,
-        may_refuse: false,
+        may_refuse: shown > traced.len(),
     }
 }
 
@@ -298,6 +313,7 @@ pub(in crate::diagnose) static SLIPS: &[Slip<Rules>] = slips! {
     "leaves out coefficient 63", |r| r.last = 62;
     "leaves out the last row of the zigzag order (coefficients from 57 on)", |r| r.last = 56;
     "leaves out all AC coefficients", |r| r.last = 0;
+    "puts coefficients before their zeros, not behind them", |r| r.is_skipping_late = true;
     "leaves the coefficients of the block before, where it reads none", |r| r.fresh = |before, _| *before;
     "leaves the coefficients of the block before, but at the start of a row of blocks", |r| r.fresh = |before, starts_row| if starts_row { [0; 64] } else { *before };
     in "the zigzag order (T.81 Figure A.6)":
@@ -354,6 +370,9 @@ pub(in crate::diagnose) static SLIPS: &[Slip<Rules>] = slips! {
     "takes rows to have width / 8 + 1 blocks", |r| { r.across = |width| width / 8 + 1; r.is_in_place = false; };
     "takes rows to have width / 8 blocks, rounded to the nearest", |r| { r.across = |width| (width + 4) / 8; r.is_in_place = false; };
     "takes rows to have width / 8 blocks, rounded down", |r| { r.across = |width| width / 8; r.is_in_place = false; };
+    "takes width for height and height for width where blocks are cut off", |r| { r.edges = |width, height| (height, width); r.is_in_place = false; };
+    "reads as many rows of blocks as a row has blocks", |r| { r.read = |across, _| across * across; r.is_in_place = false; };
+    "leaves out the last row of blocks", |r| { r.read = |across, all| all - across; r.is_in_place = false; };
     "puts blocks in columns", |r| { r.block = |number, _, down| (number / down, number % down); r.is_in_place = false; };
     "puts rows of blocks from the bottom to the top", |r| { r.block = |number, across, down| (number % across, (down - 1).saturating_sub(number / across)); r.is_in_place = false; };
     "repeats the row before for the last row of a plane whose height is 1 more than a multiple of 8", |r| r.repeated = |height| usize::from(height > 8 && height % 8 == 1);

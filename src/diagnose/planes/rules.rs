@@ -42,6 +42,10 @@ pub(in crate::diagnose) enum Slip {
     FromPlaneBefore(Undecoded),
     /// Predicted from the plane so many numbers on, where there is one; what is not decoded yet is so.
     FromNeighbor(i8, Undecoded),
+    /// What stands in a list for the place of a plane in the order, not for its number.
+    ByPlace(List),
+    /// A reference is inverted where that of any plane before was.
+    StaysInverted,
     /// What an intra coded plane holds is inverted where its transform says so.
     IntraInverted,
     NotMoved,
@@ -118,6 +122,14 @@ pub(in crate::diagnose) enum Undecoded {
     Stream,
 }
 
+/// What 2.9 lists for each plane.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(in crate::diagnose) enum List {
+    Transforms,
+    Vectors,
+    Records,
+}
+
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::diagnose) enum Vector {
     Exchanged,
@@ -131,6 +143,8 @@ pub(in crate::diagnose) enum Vector {
     Within(i64),
     /// x, y or both of the plane so many places before.
     Earlier(usize, [bool; 2]),
+    /// y from the tenth number of the lists on, also where there are eighteen planes.
+    YFromTheTenth,
     /// x, y or both of the plane as far from the last one.
     FromEnd([bool; 2]),
 }
@@ -183,6 +197,8 @@ pub(in crate::diagnose) enum Order {
     /// Of planes of one rank only the last is decoded, or the first.
     LastOfRank,
     FirstOfRank,
+    /// Planes that are not predicted come first, then the others by their numbers; what is not decoded yet is so.
+    IntraFirst(Undecoded),
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -194,6 +210,8 @@ pub(in crate::diagnose) enum Records {
     CountInByte,
     Plus(u8),
     Added,
+    /// 255 less the value, in planes whose reference is inverted.
+    Inverted,
     /// The value of the first record for all.
     FirstValue,
     /// Which of P3, P2, P1, P0 stand at the four places of a position; 4 for none.
@@ -224,6 +242,8 @@ struct Rules {
     sum: Option<Sum>,
     inverse: Option<Inverse>,
     is_intra_inverted: bool,
+    by_place: Option<List>,
+    stays_inverted: bool,
     is_inverted_by_reference: bool,
     is_moved_by_reference: bool,
     is_from_plane_before: bool,
@@ -262,6 +282,8 @@ impl Rules {
             Slip::FromNeighbor(by, undecoded) => {
                 (self.from_neighbor, self.undecoded) = (by, undecoded);
             }
+            Slip::ByPlace(list) => self.by_place = Some(list),
+            Slip::StaysInverted => self.stays_inverted = true,
             Slip::IntraInverted => self.is_intra_inverted = true,
             Slip::NotMoved => self.is_still = true,
             Slip::Vector(vector) => self.vector = Some(vector),
@@ -282,7 +304,12 @@ impl Rules {
                 }
             }
             Slip::WithinOther { axes } => self.within_other = axes,
-            Slip::Order(order) => self.order = Some(order),
+            Slip::Order(order) => {
+                self.order = Some(order);
+                if let Order::IntraFirst(undecoded) = order {
+                    self.undecoded = undecoded;
+                }
+            }
             Slip::Records(records) => self.records = Some(records),
             Slip::Overwrites => {}
         }
@@ -291,6 +318,7 @@ impl Rules {
     /// Whether planes are moved otherwise.
     fn moves_otherwise(&self) -> bool {
         self.vector.is_some()
+            || self.by_place == Some(List::Vectors)
             || self.split.is_some()
             || self.means.iter().any(Option::is_some)
             || self.borders.iter().any(Option::is_some)
@@ -371,8 +399,18 @@ impl Coding {
             }
             None => {}
         }
-        self.correct(i, &mut plane, rules.records);
+        let listed = match rules.by_place {
+            Some(List::Records) => self.place(i),
+            _ => i,
+        };
+        self.correct(listed, &mut plane, rules.records);
         plane
+    }
+
+    /// The place of plane `i` in the order of decoding.
+    fn place(&self, i: usize) -> usize {
+        let place = self.sequence.iter().position(|&other| other == i);
+        place.unwrap_or(i)
     }
 
     /// The plane that plane `i` is predicted from, where its entry says `listed`.
@@ -432,6 +470,9 @@ impl Coding {
                 sequence.sort_by_key(rank);
                 sequence.dedup_by_key(|i| rank(i));
             }
+            Some(Order::IntraFirst(_)) => {
+                sequence.sort_by_key(|&i| self.planes[i].step.reference.is_some());
+            }
         }
         sequence
     }
@@ -455,6 +496,15 @@ impl Coding {
             if rules.is_moved_by_reference {
                 step.moved = theirs.moved;
             }
+        }
+        if rules.by_place == Some(List::Transforms) {
+            let listed = &self.planes[self.place(i)].step;
+            (step.inverted, step.moved) = (listed.inverted, listed.moved);
+        }
+        if rules.stays_inverted {
+            let before = self.sequence[..self.place(i)].iter();
+            let mut before = before.map(|&other| &self.planes[other].step);
+            step.inverted |= before.any(|step| step.inverted && step.reference.is_some());
         }
         step.moved &= !rules.is_still;
         if rules.inverse.is_none() && !rules.moves_otherwise() {
@@ -527,6 +577,10 @@ impl Coding {
     /// The displacement of plane `i`, in half texels along columns and stored rows.
     fn displacement(&self, i: usize, rules: &Rules, reading: &Reading) -> [i64; 2] {
         let of = |i: usize| [self.planes[i].step.motion.0, self.planes[i].step.motion.1];
+        let i = match rules.by_place {
+            Some(List::Vectors) => self.place(i),
+            _ => i,
+        };
         let mut v = of(i);
         for (axis, part) in v.iter_mut().enumerate() {
             *part = (*part).clamp(-(1 << 40), 1 << 40);
@@ -542,6 +596,10 @@ impl Coding {
                 Some(Vector::Earlier(places, axes)) if axes[axis] && i >= places => {
                     of(i - places)[axis]
                 }
+                Some(Vector::YFromTheTenth) if axis == 1 && self.planes.len() == 18 => match i {
+                    0..9 => of(i + 9)[0],
+                    _ => of(i - 9)[1],
+                },
                 Some(Vector::FromEnd(axes)) if axes[axis] => of(self.planes.len() - 1 - i)[axis],
                 _ => *part,
             };
@@ -658,6 +716,7 @@ impl Coding {
             let value = match slip {
                 Some(Records::Plus(more)) => record[4].wrapping_add(more),
                 Some(Records::FirstValue) => records[0][4],
+                Some(Records::Inverted) if self.planes[i].step.inverted => 255 - record[4],
                 _ => record[4],
             };
             (u32::from_be_bytes(order.map(byte)), value)

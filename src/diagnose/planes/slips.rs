@@ -3,7 +3,7 @@
 use super::means::MEANS;
 use super::places::{LAST, PLANES, Place, PlaneIs, SAMPLES};
 use super::rules::{
-    Border, Coding, Half, Inverse, Order, Reach, Records, Slip, Sum, Undecoded, Vector, Whole,
+    Border, Coding, Half, Inverse, List, Order, Reach, Records, Slip, Sum, Undecoded, Vector, Whole,
 };
 use crate::diagnose::witness::Witness;
 use crate::ptm::Ptm;
@@ -125,7 +125,10 @@ impl Slip {
             Slip::Inverse(Inverse::None),
             Slip::NotMoved,
             Slip::IntraInverted,
+            Slip::StaysInverted,
         ];
+        let lists = [List::Transforms, List::Vectors, List::Records];
+        all.extend(lists.map(Slip::ByPlace));
         for undecoded in [Undecoded::Zeros, Undecoded::Stream] {
             all.push(Slip::FromPlaneBefore(undecoded));
             all.extend([-1, 1].map(|by| Slip::FromNeighbor(by, undecoded)));
@@ -161,6 +164,8 @@ impl Slip {
             Order::SignedByte,
             Order::LastOfRank,
             Order::FirstOfRank,
+            Order::IntraFirst(Undecoded::Stream),
+            Order::IntraFirst(Undecoded::Zeros),
         ];
         let unsorted =
             (0..=3).flat_map(|missing| [0, 1].map(|early| Order::Unsorted(missing, early)));
@@ -179,10 +184,12 @@ impl Slip {
             | Slip::ByReference { .. }
             | Slip::FromPlaneBefore(_)
             | Slip::FromNeighbor(..)
+            | Slip::ByPlace(List::Transforms)
+            | Slip::StaysInverted
             | Slip::Overwrites => is_predicted,
             Slip::Inverse(_) => is_predicted && step.inverted,
             Slip::IntraInverted => !is_predicted && step.inverted,
-            Slip::Order(_) | Slip::Shifted(_) => true,
+            Slip::Order(_) | Slip::Shifted(_) | Slip::ByPlace(List::Records) => true,
             Slip::Records(Records::OfPlaneBefore | Records::SingleOfPlaneBefore) => {
                 plane.records.is_empty()
             }
@@ -238,6 +245,18 @@ impl Slip {
     const fn says_plain(self) -> &'static str {
         match self {
             Slip::IntraInverted => "inverts intra coded planes whose transform says so",
+            Slip::ByPlace(List::Transforms) => {
+                "takes the transform of a plane by its place in the order of decoding, where its number belongs"
+            }
+            Slip::ByPlace(List::Vectors) => {
+                "takes the vector of a plane by its place in the order of decoding, where its number belongs"
+            }
+            Slip::ByPlace(List::Records) => {
+                "takes the side information of a plane by its place in the order of decoding, where its number belongs"
+            }
+            Slip::StaysInverted => {
+                "inverts the references of all planes after the first that is inverted, in the order of decoding"
+            }
             Slip::ByReference { inverted: true } => {
                 "inverts a reference where the transform of the reference says so"
             }
@@ -266,7 +285,8 @@ impl Slip {
             Slip::Inverse(_) => {
                 "where the plane's own transform has bit 1, its predictor is 255 − the reference, everywhere"
             }
-            Slip::ByReference { .. } => "use the transform of the predicted plane",
+            Slip::ByReference { .. } | Slip::StaysInverted => "use the transform of the predicted plane",
+            Slip::ByPlace(_) => "the lists of 2.9 have one entry for each plane, by its number; the order says only which plane comes first",
             Slip::FromPlaneBefore(_) | Slip::FromNeighbor(..) => {
                 "planes are counted from 0: the number at place i of the reference list is the plane that plane i is predicted from"
             }
@@ -302,12 +322,18 @@ impl Slip {
             Slip::Shifted(_) => "2.9.8/3",
             Slip::Sum(_) | Slip::Overwrites => "2.9.5/4",
             Slip::Inverse(_) => "2.9.2/3",
-            Slip::ByReference { .. } => "2.9.2/1",
+            Slip::ByReference { .. } | Slip::ByPlace(List::Transforms) | Slip::StaysInverted => "2.9.2/1",
+            Slip::ByPlace(List::Vectors) => "2.9.3/1",
+            Slip::ByPlace(List::Records) => "2.9.8/4",
             Slip::FromPlaneBefore(_) | Slip::FromNeighbor(..) => "2.9.5/1",
             Slip::IntraInverted => "2.9.5/2",
             Slip::NotMoved => "2.9.2/4",
             Slip::Vector(
-                Vector::Exchanged | Vector::Copied(_) | Vector::Earlier(..) | Vector::FromEnd(_),
+                Vector::Exchanged
+                | Vector::Copied(_)
+                | Vector::Earlier(..)
+                | Vector::YFromTheTenth
+                | Vector::FromEnd(_),
             ) => "2.9.3/1",
             Slip::Vector(_) | Slip::Split(..) => "2.9.3/2",
             Slip::Mean { .. } => "2.9.3/5",
@@ -323,7 +349,7 @@ impl Slip {
                 | Records::OneLater
                 | Records::OneEarlier,
             ) => "2.9.8/6",
-            Slip::Records(Records::Plus(_) | Records::Added | Records::FirstValue) => "2.9.8/8",
+            Slip::Records(Records::Plus(_) | Records::Added | Records::Inverted | Records::FirstValue) => "2.9.8/8",
             Slip::Records(_) => "2.9.8/4",
         }
     }
@@ -451,10 +477,11 @@ impl Vector {
         let earlier = earlier.flat_map(|k| AXES.map(|axes| Vector::Earlier(k, axes)));
         let from_end = AXES.into_iter().map(Vector::FromEnd);
         let copied = [0, 1].map(Vector::Copied);
+        let plain = plain.into_iter().chain([Vector::YFromTheTenth]);
         let within = [8, 16, 32, 64, 128].map(Vector::Within);
         // Many explain the same: the widest first.
         let bits = (3..=31).rev().map(Vector::Bits);
-        (plain.into_iter().chain(some).chain(without).chain(from_end))
+        (plain.chain(some).chain(without).chain(from_end))
             .chain(copied)
             .chain(earlier.chain(within).chain(bits))
     }
@@ -473,6 +500,7 @@ impl Vector {
             Vector::Doubled => "takes whole texels for half texels".to_owned(),
             Vector::Bits(bits) => format!("keeps x and y of a vector in {bits} bits"),
             Vector::Within(most) => format!("limits x and y of a vector to −{most} … {}", most - 1),
+            Vector::YFromTheTenth => "takes y of the vectors from the tenth number of their lists on, also where there are eighteen planes".to_owned(),
             Vector::FromEnd(axes) => format!(
                 "moves each plane by {} of the vector as far from the end of the list",
                 parts(axes)
@@ -635,6 +663,13 @@ impl Order {
             Order::SignedByte => "keeps ranks in a signed byte".to_owned(),
             Order::Unsorted(..) => "does not sort ranks to the end: planes are predicted from planes that are not decoded yet, and hold 0".to_owned(),
             Order::LastOfRank => "decodes one plane of each rank, the last, and shows 0 for the others".to_owned(),
+            Order::IntraFirst(undecoded) => return format!(
+                "decodes the planes that are not predicted first, then the others by their numbers: what is not decoded yet {}",
+                match undecoded {
+                    Undecoded::Zeros => "holds 0",
+                    Undecoded::Stream => "holds what its stream has",
+                }
+            ),
             Order::FirstOfRank => "decodes one plane of each rank, the first, and shows 0 for the others".to_owned(),
         }
     }
@@ -648,6 +683,7 @@ impl Records {
             Records::FirstOnly,
             Records::CountInByte,
             Records::Added,
+            Records::Inverted,
             Records::FirstValue,
             Records::OfPlaneBefore,
             Records::SingleOfPlaneBefore,
@@ -671,7 +707,13 @@ impl Records {
             order
         });
         let others = [[3, 2, 1, 0], [1, 0, 3, 2], [2, 3, 0, 1]];
-        let orders = orders.chain(low).chain(exchanged).chain(others);
+        // One byte twice, in the place of another.
+        let twice = (0..4).flat_map(each).filter(|(from, at)| from != at).map(|(from, at)| {
+            let mut order = [0, 1, 2, 3];
+            order[usize::from(at)] = from;
+            order
+        });
+        let orders = orders.chain(twice).chain(low).chain(exchanged).chain(others);
         all.extend(orders.map(Records::Bytes));
         all
     }
@@ -686,6 +728,7 @@ impl Records {
             Records::Plus(255) => "puts V − 1 where a record says V".to_owned(),
             Records::Plus(more) => format!("puts V + {more}, modulo 256, where a record says V"),
             Records::Added => "adds the value of a record to what was decoded".to_owned(),
+            Records::Inverted => "puts 255 − V where a record says V, in planes whose reference is inverted".to_owned(),
             Records::FirstValue => "takes the value of a plane's first record for all of them".to_owned(),
             Records::Bytes(order) => {
                 let byte = |from: u8| match from {
