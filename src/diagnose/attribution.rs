@@ -10,6 +10,7 @@ use super::words::formats::formats_of;
 use super::words::pictures;
 use super::words::refusals::{self, WholeFormats};
 use crate::misreadings::{Misreading, Symptom};
+use crate::session::observation::Response;
 
 /// Formats that are named beside a mistake.
 const FORMATS: usize = 4;
@@ -99,13 +100,33 @@ fn of_whole(
     Some((Id::MAX, whole.describe(search.witnesses, alike)))
 }
 
-/// Whether malformed files alone speak for a mistake of the catalog, and others against it.
+/// Whether more files speak against a mistake of the catalog than for it, or malformed files alone for it and others against it.
 fn is_denied_guess(search: &Search, member: &Member, share: &Share) -> bool {
-    let listed = search.mistakes[member.id].listed();
-    let shows = listed.and_then(|misreading| {
-        acceptances::all_that_shows(search.witnesses, &share.explains, misreading)
+    let Some(misreading) = search.mistakes[member.id].listed() else {
+        return false;
+    };
+    let against = search.contradictions(&[member.id]).len();
+    let is_guess =
+        || acceptances::all_that_shows(search.witnesses, &share.explains, misreading).is_some();
+    against > share.explains.len() || against > 0 && is_guess()
+}
+
+/// Pictures that are wrong otherwise than this mistake alone would make them, of the formats of those that it explains.
+fn otherwise(search: &Search, id: Id, share: &Share) -> usize {
+    let witnesses = search.witnesses;
+    let format = |w: usize| witnesses[w].case.format();
+    let is_akin = |w: &usize| {
+        let shown = &witnesses[*w].observation.response;
+        witnesses[*w].failed
+            && matches!(shown, Response::Picture { .. })
+            && share.explains.iter().any(|&of| format(of) == format(*w))
+    };
+    let akin: Vec<usize> = (0..witnesses.len()).filter(is_akin).collect();
+    let differs = search.each(&akin, |&w| {
+        let acts = search.made(w, &[id]) != search.made(w, &[]);
+        acts && !search.agreement(w, &[id]).explains()
     });
-    shows.is_some() && !search.contradictions(&[member.id]).is_empty()
+    differs.into_iter().filter(|differs| *differs).count()
 }
 
 fn diagnosis(search: &Search, member: &Member, share: &Share) -> Diagnosis {
@@ -134,7 +155,9 @@ fn diagnosis(search: &Search, member: &Member, share: &Share) -> Diagnosis {
     };
     Diagnosis {
         except: except.iter().map(|&w| witnesses[w].place).collect(),
-        shows: refusals::no_picture(witnesses, &share.explains, misreading)
+        shows: refusals::no_picture(witnesses, &share.explains, misreading, || {
+            otherwise(search, member.id, share)
+        })
             .or_else(|| acceptances::all_that_shows(witnesses, &share.explains, misreading)),
         certain: true,
         ..Diagnosis::of(cause, places(search, &share.explains))

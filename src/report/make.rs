@@ -155,7 +155,7 @@ fn allowances<C: TestCase>(run: &Run<C>) -> impl Iterator<Item = Remark> {
     let others = count(Allowance::AnotherTransform);
     let lossy = count(Allowance::Lossy);
     let others = (others > 0).then(|| format!(
-        "{others} raw pictures of lossy JPEG planes are within the tolerance and not equal to the reference's, as those of a decoder with another inverse DCT"
+        "{others} raw pictures of lossy JPEG planes are within the tolerance and not equal to the reference's: another inverse DCT is off so little, and so are some mistakes"
     ));
     let lossy = (lossy > 0).then(|| format!(
         "{lossy} answers are JPEG pictures, which are lossy: a sample may be {LOSSY} farther from its color than in other pictures, so small mistakes pass unseen"

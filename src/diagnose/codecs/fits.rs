@@ -6,7 +6,7 @@ use crate::diagnose::search::Search;
 use crate::ptm::Format;
 use crate::suite::cases::Expect;
 
-/// Fewer wrong samples may agree by chance.
+/// Fewer wrong samples and refused files may agree by chance.
 const FEWEST: usize = 4;
 /// For so many pictures that are just as a slip makes them one may be otherwise: what else is wrong there has another cause.
 const NEARLY_ALL: usize = 10;
@@ -135,12 +135,13 @@ fn best(
     let counts = search.each(&likely, |set| count(set, pictures));
     let mut counted: Vec<(Count, &Vec<StreamSlip>)> = (counts.into_iter().zip(likely))
         .filter_map(|(count, set)| Some((count?, set)))
-        .filter(|(count, _)| count.wrong >= FEWEST && count.other * NEARLY_ALL <= count.same)
+        .filter(|(count, _)| count.wrong > 0 && count.other * NEARLY_ALL <= count.same)
         .collect();
     for (count, set) in &mut counted {
         let is_refused = |file: &&&FileStreams| file.fit(set) == Fit::Refused;
         count.refused = refused.iter().filter(is_refused).count();
     }
+    counted.retain(|(count, _)| count.wrong + count.refused >= FEWEST);
     counted.sort_by_key(|(count, _)| std::cmp::Reverse((count.same + count.refused, count.wrong)));
     let passing: Vec<usize> = (0..search.witnesses.len())
         .filter(|&w| !search.witnesses[w].failed)

@@ -145,6 +145,8 @@ pub(in crate::diagnose) struct Rules {
     typo: (usize, i32, bool, bool),
     /// `RUNindex` at the start of a row.
     start_row: fn(usize) -> usize,
+    /// Whether whole pieces of a run are filled with the samples above.
+    is_piece_of_above: bool,
     /// What a run that the row cuts short, and one that fills the row, add to `RUNindex`.
     partial_counts: isize,
     full_counts: isize,
@@ -316,6 +318,7 @@ pub(in crate::diagnose) const RIGHT: Rules = Rules {
     j: |index| J[index],
     typo: (0, 0, true, true),
     start_row: |index| index,
+    is_piece_of_above: false,
     partial_counts: 0,
     full_counts: 1,
     is_early_b: false,
@@ -525,9 +528,13 @@ impl Decoder<'_> {
             let regions = gradients.map(|gradient| (self.rules.region)(&self.scan, gradient));
             let sample = if (self.rules.is_run)(&self.scan, regions, gradients) {
                 let left = end - self.plane.samples.len();
-                let run = self.run(left)?;
-                let run_of = std::iter::repeat_n(neighbors[0], run);
-                self.plane.samples.extend(run_of);
+                let [pieces, run] = self.run(left)?;
+                for i in 0..run {
+                    self.plane.samples.push(match self.rules.is_piece_of_above && i < pieces {
+                        true => self.plane.above(row, (column + i) as isize),
+                        false => neighbors[0],
+                    });
+                }
                 if run == left {
                     break;
                 }
@@ -581,7 +588,8 @@ impl Decoder<'_> {
         Some((rules.reconstruct)(scan, predicted, sign * error))
     }
 
-    fn run(&mut self, left: usize) -> Option<usize> {
+    /// The samples of whole pieces of a run, and of all of it.
+    fn run(&mut self, left: usize) -> Option<[usize; 2]> {
         let mut run = 0;
         while self.bits.bit()? == 1 {
             let piece = self.rules.piece(self.run_index);
@@ -590,7 +598,7 @@ impl Decoder<'_> {
                     .run_index
                     .saturating_add_signed(self.rules.partial_counts);
                 self.run_index = index.min(31);
-                return Some(left);
+                return Some([left; 2]);
             }
             run += piece;
             let adds = if run == left {
@@ -600,11 +608,11 @@ impl Decoder<'_> {
             };
             self.run_index = self.run_index.saturating_add_signed(adds).min(31);
             if run == left {
-                return Some(left);
+                return Some([left; 2]);
             }
         }
-        run += self.bits.receive(self.rules.j(self.run_index))? as usize;
-        (run < left).then_some(run)
+        let all = run + self.bits.receive(self.rules.j(self.run_index))? as usize;
+        (all < left).then_some([run, all])
     }
 
     fn interruption(&mut self, a: i32, b: i32) -> Option<i32> {
@@ -1024,14 +1032,7 @@ static SLIPS: &[Slip<Rules>] = slips! {
     "counts RUNindex down after each run, also where the row ends", |r| { r.partial_counts = -1; r.full_counts = 0; };
     "does not count up RUNindex for a piece of a run that ends with the row", |r| r.full_counts = 0;
     "takes b of the beginning of a run for b at its end", |r| r.is_early_b = true;
-    "keeps RUNindex of the stream before", |r| { r.keeps.2 = true; r.is_keeping = true; };
-    "keeps the contexts of runs of the stream before", |r| { r.keeps.1 = true; r.is_keeping = true; };
-    "keeps the contexts of the stream before", |r| { r.keeps.0 = true; r.is_keeping = true; };
-    "keeps all contexts and RUNindex of the stream before", |r| { r.keeps = (true, true, true); r.is_keeping = true; };
-    "keeps all contexts of the stream before", |r| { r.keeps = (true, true, false); r.is_keeping = true; };
-    "keeps thresholds and RESET of the stream before, where there is no LSE segment", |r| { r.keep_presets = |before, own| if own == PresetParameters::default() { before } else { own }; r.is_keeping = true; };
-    "keeps the thresholds of the stream before where its own are 0", |r| { r.keep_presets = |before, own| PresetParameters { t1: if own.t1 == 0 { before.t1 } else { own.t1 }, t2: if own.t2 == 0 { before.t2 } else { own.t2 }, t3: if own.t3 == 0 { before.t3 } else { own.t3 }, ..own }; r.is_keeping = true; };
-    "keeps thresholds of the stream before", |r| { r.keep_presets = |before, own| if [own.t1, own.t2, own.t3] == [0; 3] { PresetParameters { t1: before.t1, t2: before.t2, t3: before.t3, ..own } } else { own }; r.is_keeping = true; };
+    "fills whole pieces of a run with the samples above, where a belongs", |r| r.is_piece_of_above = true;
     "counts up RUNindex for a run that the end of the row cuts short", |r| r.partial_counts = 1;
     "does not count RUNindex down after a run is interrupted", |r| r.shorten = |index| index;
     "sets RUNindex to 0 after a run is interrupted", |r| r.shorten = |_| 0;
@@ -1073,6 +1074,15 @@ static SLIPS: &[Slip<Rules>] = slips! {
     "adds the magnitude of the error to A at the end of a run, where (number + 1 − RItype) / 2 belongs", |r| r.run_growth = |_, _, error| error.abs();
     "adds number / 2 to A at the end of a run", |r| r.run_growth = |number, _, _| number >> 1;
     "does not halve Nn", |r| r.halve_negative = |negative| negative;
+    in "the start of a scan (T.87 A.2, A.8)":
+    "keeps RUNindex of the stream before", |r| { r.keeps.2 = true; r.is_keeping = true; };
+    "keeps the contexts of runs of the stream before", |r| { r.keeps.1 = true; r.is_keeping = true; };
+    "keeps the contexts of the stream before", |r| { r.keeps.0 = true; r.is_keeping = true; };
+    "keeps all contexts and RUNindex of the stream before", |r| { r.keeps = (true, true, true); r.is_keeping = true; };
+    "keeps all contexts of the stream before", |r| { r.keeps = (true, true, false); r.is_keeping = true; };
+    "keeps thresholds and RESET of the stream before, where there is no LSE segment", |r| { r.keep_presets = |before, own| if own == PresetParameters::default() { before } else { own }; r.is_keeping = true; };
+    "keeps the thresholds of the stream before where its own are 0", |r| { r.keep_presets = |before, own| PresetParameters { t1: if own.t1 == 0 { before.t1 } else { own.t1 }, t2: if own.t2 == 0 { before.t2 } else { own.t2 }, t3: if own.t3 == 0 { before.t3 } else { own.t3 }, ..own }; r.is_keeping = true; };
+    "keeps thresholds of the stream before", |r| { r.keep_presets = |before, own| if [own.t1, own.t2, own.t3] == [0; 3] { PresetParameters { t1: before.t1, t2: before.t2, t3: before.t3, ..own } } else { own }; r.is_keeping = true; };
     in "the bits of the data (T.87 9.1)":
     "takes the byte behind 0xFF whole, with its stuffed bit", |r| r.is_stuffed = |_| false;
     "drops the stuffed bit behind 0xFF only at odd places", |r| r.is_stuffed = |at| at % 2 == 1;

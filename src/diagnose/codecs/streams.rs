@@ -205,8 +205,10 @@ fn words(
     firsts: &[(usize, First)],
 ) -> Words {
     let witnesses = search.witnesses;
+    // What other causes explain tells nothing here.
+    let is_open = |w: &usize| !witnesses[*w].failed || wrong.contains(w) || refused.contains(w);
     let legal = (0..witnesses.len()).filter(|&w| is_legal(&witnesses[w], codec));
-    let legal: Vec<usize> = legal.collect();
+    let legal: Vec<usize> = legal.filter(is_open).collect();
     let evidence = evidence(search, set, codec, &legal);
     let says = (codec.says)();
     let slips = match wrong.len() < FEWEST {

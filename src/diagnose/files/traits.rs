@@ -427,6 +427,11 @@ const OF_SIZE: &[Row] = &[
     ("with a table of 256 entries", |f| {
         entries(f).is_some_and(|entries| entries == 256.0)
     }),
+    ("whose first byte after the table is a line feed", |f| {
+        let size = if f.format == Format::PtmCLut { 9 } else { 6 };
+        let after = entries(f).map(|entries| entries as usize * size);
+        after.and_then(|after| f.data.get(after)) == Some(&b'\n')
+    }),
     ("with a table of more than 256 entries", |f| {
         entries(f).is_some_and(|entries| entries > 256.0)
     }),

@@ -96,6 +96,8 @@ pub(in crate::diagnose) enum Sum {
     Remainder255,
     /// Sums below 0 lose their sign.
     Absolute,
+    /// Residual and predictor, bit by bit exclusive or.
+    Xor,
     /// The residual less 128 is at least −127.
     ResidualLimited,
 }
@@ -140,7 +142,8 @@ pub(in crate::diagnose) enum Vector {
     Absolute,
     Doubled,
     Bits(u32),
-    Within(i64),
+    /// At least and at most so much; x, y or both.
+    Within([i64; 2], [bool; 2]),
     /// x, y or both of the plane so many places before.
     Earlier(usize, [bool; 2]),
     /// y from the tenth number of the lists on, also where there are eighteen planes.
@@ -592,7 +595,7 @@ impl Coding {
                 Some(Vector::Absolute) => part.abs(),
                 Some(Vector::Doubled) => 2 * *part,
                 Some(Vector::Bits(bits)) => *part << (64 - bits) >> (64 - bits),
-                Some(Vector::Within(most)) => (*part).clamp(-most, most - 1),
+                Some(Vector::Within([least, most], axes)) if axes[axis] => (*part).clamp(least, most),
                 Some(Vector::Earlier(places, axes)) if axes[axis] && i >= places => {
                     of(i - places)[axis]
                 }
@@ -649,6 +652,7 @@ impl Coding {
                 Sum::Remainder255 => sum.rem_euclid(255) as u8,
                 Sum::Modulo255 { below: true, .. } if sum < 0 => (sum + 255) as u8,
                 Sum::Modulo255 { above: true, .. } if sum > 255 => (sum - 255) as u8,
+                Sum::Xor => *value ^ predicted,
                 Sum::Absolute => sum.unsigned_abs() as u8,
                 Sum::ResidualLimited if *value == 0 => (sum + 1) as u8,
                 _ => sum as u8,

@@ -148,7 +148,12 @@ impl Slip {
             ];
             all.extend(sums.map(Slip::Sum));
         }
-        let sums = [Sum::Remainder255, Sum::Absolute, Sum::ResidualLimited];
+        let sums = [
+            Sum::Remainder255,
+            Sum::Absolute,
+            Sum::Xor,
+            Sum::ResidualLimited,
+        ];
         all.extend(sums.map(Slip::Sum));
         all.extend([-1, 1, -2, 2].map(Slip::Shifted));
         all.extend(Vector::all().map(Slip::Vector));
@@ -440,6 +445,9 @@ impl Sum {
             Sum::Remainder255 => {
                 "takes residual + predictor − 128 modulo 255 (255 becomes 0), which is meant modulo 256"
             }
+            Sum::Xor => {
+                "takes residual XOR predictor, where residual + predictor − 128 modulo 256 belongs"
+            }
             Sum::Absolute => {
                 "takes residual + predictor − 128 without its sign where it is below 0"
             }
@@ -478,7 +486,9 @@ impl Vector {
         let from_end = AXES.into_iter().map(Vector::FromEnd);
         let copied = [0, 1].map(Vector::Copied);
         let plain = plain.into_iter().chain([Vector::YFromTheTenth]);
-        let within = [8, 16, 32, 64, 128].map(Vector::Within);
+        let limits = [4_i64, 8, 16, 32, 64, 128].into_iter();
+        let limits = limits.flat_map(|most| [[-most, most - 1], [-most, most], [i64::MIN, most]]);
+        let within = limits.flat_map(|limits| AXES.map(|axes| Vector::Within(limits, axes)));
         // Many explain the same: the widest first.
         let bits = (3..=31).rev().map(Vector::Bits);
         (plain.chain(some).chain(without).chain(from_end))
@@ -499,7 +509,12 @@ impl Vector {
             Vector::Absolute => "loses the sign of vectors".to_owned(),
             Vector::Doubled => "takes whole texels for half texels".to_owned(),
             Vector::Bits(bits) => format!("keeps x and y of a vector in {bits} bits"),
-            Vector::Within(most) => format!("limits x and y of a vector to −{most} … {}", most - 1),
+            Vector::Within([i64::MIN, most], axes) => {
+                format!("limits {} of a vector to {most} at the most", parts(axes))
+            }
+            Vector::Within([least, most], axes) => {
+                format!("limits {} of a vector to −{} … {most}", parts(axes), -least)
+            }
             Vector::YFromTheTenth => "takes y of the vectors from the tenth number of their lists on, also where there are eighteen planes".to_owned(),
             Vector::FromEnd(axes) => format!(
                 "moves each plane by {} of the vector as far from the end of the list",

@@ -62,6 +62,36 @@ const RULES: &[Rule] = &[
     ("(raw − bias − 1) · scale", |n| {
         (n.raw - n.bias - 1.0) * n.scale
     }),
+    ("(raw − bias + 0.5) · scale", |n| {
+        (n.raw - n.bias + 0.5) * n.scale
+    }),
+    ("(raw − bias − 0.5) · scale", |n| {
+        (n.raw - n.bias - 0.5) * n.scale
+    }),
+    ("(raw − bias) · scale rounded to eighths", |n| {
+        (n.right() * 8.0).round() / 8.0
+    }),
+    ("(raw − bias) · scale rounded to multiples of 1/16", |n| {
+        (n.right() * 16.0).round() / 16.0
+    }),
+    ("(raw − bias) · scale rounded to multiples of 1/256", |n| {
+        (n.right() * 256.0).round() / 256.0
+    }),
+    ("(raw − bias) · scale cut to multiples of 1/256", |n| {
+        (n.right() * 256.0).trunc() / 256.0
+    }),
+    ("(raw − bias) · scale rounded to three decimals", |n| {
+        (n.right() * 1000.0).round() / 1000.0
+    }),
+    ("(raw − bias) · scale rounded to two decimals", |n| {
+        (n.right() * 100.0).round() / 100.0
+    }),
+    ("(raw − bias) · scale rounded to one decimal", |n| {
+        (n.right() * 10.0).round() / 10.0
+    }),
+    ("(raw − bias) · scale, limited to ±3.4e38", |n| {
+        n.right().clamp(f64::from(f32::MIN), f64::from(f32::MAX))
+    }),
     ("(raw − bias + 1) · scale", |n| {
         (n.raw - n.bias + 1.0) * n.scale
     }),

@@ -128,6 +128,42 @@ pub(in crate::diagnose) static VARIANTS: &[Variant] = &[
     polynomial("subtracts 128 from the sum of the six terms", |a, u, v| {
         sum_and(a, u, v, -128.0)
     }),
+    polynomial("adds 3 to the sum of the six terms", |a, u, v| {
+        sum_and(a, u, v, 3.0)
+    }),
+    polynomial("subtracts 3 from the sum of the six terms", |a, u, v| {
+        sum_and(a, u, v, -3.0)
+    }),
+    polynomial("adds 4 to the sum of the six terms", |a, u, v| {
+        sum_and(a, u, v, 4.0)
+    }),
+    polynomial("subtracts 4 from the sum of the six terms", |a, u, v| {
+        sum_and(a, u, v, -4.0)
+    }),
+    polynomial("adds 5 to the sum of the six terms", |a, u, v| {
+        sum_and(a, u, v, 5.0)
+    }),
+    polynomial("subtracts 5 from the sum of the six terms", |a, u, v| {
+        sum_and(a, u, v, -5.0)
+    }),
+    polynomial("adds 10 to the sum of the six terms", |a, u, v| {
+        sum_and(a, u, v, 10.0)
+    }),
+    polynomial("subtracts 10 from the sum of the six terms", |a, u, v| {
+        sum_and(a, u, v, -10.0)
+    }),
+    polynomial("cuts the sum of the six terms to a multiple of 2", |a, u, v| {
+        (sum_and(a, u, v, 0.0) / 2.0).floor() * 2.0
+    }),
+    polynomial("cuts the sum of the six terms to a multiple of 4", |a, u, v| {
+        (sum_and(a, u, v, 0.0) / 4.0).floor() * 4.0
+    }),
+    polynomial("cuts the sum of the six terms to a multiple of 5", |a, u, v| {
+        (sum_and(a, u, v, 0.0) / 5.0).floor() * 5.0
+    }),
+    polynomial("cuts the sum of the six terms to a multiple of 8", |a, u, v| {
+        (sum_and(a, u, v, 0.0) / 8.0).floor() * 8.0
+    }),
     polynomial("halves negative coefficients", |a, u, v| {
         sum_of(a, u, v, |a| if a < 0.0 { a / 2.0 } else { a })
     }),
@@ -145,6 +181,46 @@ pub(in crate::diagnose) static VARIANTS: &[Variant] = &[
     }),
     polynomial("rounds coefficients to whole numbers", |a, u, v| {
         sum_of(a, u, v, f64::round)
+    }),
+    limits("adds 2 to each color", |c| (c + 2.0).clamp(0.0, 255.0)),
+    limits("subtracts 2 from each color", |c| (c - 2.0).clamp(0.0, 255.0)),
+    limits("adds 3 to each color", |c| (c + 3.0).clamp(0.0, 255.0)),
+    limits("subtracts 3 from each color", |c| (c - 3.0).clamp(0.0, 255.0)),
+    limits("adds 4 to each color", |c| (c + 4.0).clamp(0.0, 255.0)),
+    limits("subtracts 4 from each color", |c| (c - 4.0).clamp(0.0, 255.0)),
+    limits("adds 5 to each color", |c| (c + 5.0).clamp(0.0, 255.0)),
+    limits("subtracts 5 from each color", |c| (c - 5.0).clamp(0.0, 255.0)),
+    limits("adds 10 to each color", |c| (c + 10.0).clamp(0.0, 255.0)),
+    limits("subtracts 10 from each color", |c| (c - 10.0).clamp(0.0, 255.0)),
+    limits("cuts colors to multiples of 4", |c| {
+        (c.clamp(0.0, 255.0) / 4.0).floor() * 4.0
+    }),
+    limits("rounds colors to multiples of 4", |c| {
+        ((c.clamp(0.0, 255.0) / 4.0).round() * 4.0).min(255.0)
+    }),
+    limits("cuts colors to multiples of 5", |c| {
+        (c.clamp(0.0, 255.0) / 5.0).floor() * 5.0
+    }),
+    limits("rounds colors to multiples of 5", |c| {
+        ((c.clamp(0.0, 255.0) / 5.0).round() * 5.0).min(255.0)
+    }),
+    limits("cuts colors to multiples of 8", |c| {
+        (c.clamp(0.0, 255.0) / 8.0).floor() * 8.0
+    }),
+    limits("rounds colors to multiples of 8", |c| {
+        ((c.clamp(0.0, 255.0) / 8.0).round() * 8.0).min(255.0)
+    }),
+    limits("cuts colors to multiples of 10", |c| {
+        (c.clamp(0.0, 255.0) / 10.0).floor() * 10.0
+    }),
+    limits("rounds colors to multiples of 10", |c| {
+        ((c.clamp(0.0, 255.0) / 10.0).round() * 10.0).min(255.0)
+    }),
+    limits("cuts colors to multiples of 16", |c| {
+        (c.clamp(0.0, 255.0) / 16.0).floor() * 16.0
+    }),
+    limits("rounds colors to multiples of 16", |c| {
+        ((c.clamp(0.0, 255.0) / 16.0).round() * 16.0).min(255.0)
     }),
     limits("shows 0 for colors below 16", |c| {
         if c < 16.0 { 0.0 } else { c.min(255.0) }
@@ -316,6 +392,10 @@ pub(in crate::diagnose) static VARIANTS: &[Variant] = &[
     }),
     product("divides luminance · color by 128", |l, c| l * c / 128.0),
     product("divides luminance · color by 100", |l, c| l * c / 100.0),
+    product("divides luminance · color by 250", |l, c| l * c / 250.0),
+    product("divides luminance · color by 252", |l, c| l * c / 252.0),
+    product("divides luminance · color by 258", |l, c| l * c / 258.0),
+    product("divides luminance · color by 260", |l, c| l * c / 260.0),
     product("divides luminance · color by 254", |l, c| l * c / 254.0),
     product(
         "multiplies the square of luminance / 255 by the color",

@@ -89,7 +89,7 @@ pub(in crate::diagnose) fn describe(search: &Search, set: &[Id], left: &[usize])
         let others: Vec<usize> = left.iter().copied().filter(|w| !of.contains(w)).collect();
         let is_changed = |&w: &usize| *search.made(w, set) != search.witnesses[w].right;
         let besides = match of.iter().any(is_changed) {
-            true => ", besides what the causes above change",
+            true => ", besides what other causes change",
             false => "",
         };
         let what = format!("{what}{}{besides}", place.concat());

@@ -189,11 +189,12 @@ pub(in crate::diagnose) fn of_effect(
 }
 
 /// How those of these files end that are legal, where hardly a picture is shown and nothing else speaks for a mistake;
-/// nothing where such refusals are the mistake.
+/// nothing where such refusals are the mistake. `otherwise` counts the pictures that are wrong otherwise than it would make them.
 pub(in crate::diagnose) fn no_picture(
     witnesses: &[Witness],
     of: &[usize],
     misreading: &Misreading,
+    otherwise: impl Fn() -> usize,
 ) -> Option<String> {
     let is_legal = |w: &usize| witnesses[*w].case.expect == Expect::Decode;
     let of: Vec<usize> = of.iter().copied().filter(is_legal).collect();
@@ -210,7 +211,8 @@ pub(in crate::diagnose) fn no_picture(
     };
     let all = (0..witnesses.len()).filter(is_of_formats).count();
     let is_the_mistake = modes.iter().all(is_refusal)
-        && (misreading.shows == Symptom::Refusals || of.len() * 2 < all);
+        && (misreading.shows == Symptom::Refusals
+            || of.len() * 2 < all && otherwise() * FEW_PICTURES <= of.len());
     if of.is_empty() || shown.count() * FEW_PICTURES > of.len() || is_the_mistake {
         return None;
     }
