@@ -362,9 +362,13 @@ impl fmt::Display for Difference {
     }
 }
 
-/// A number with at most so many decimals; one that they would lose with an exponent.
+/// From here on numbers have an exponent.
+const HUGE: f64 = 1e16;
+
+/// A number with at most so many decimals; one that they would lose, or that has too many digits, with an exponent.
 pub(crate) fn short(value: f64, decimals: usize) -> String {
-    if value != 0.0 && value.abs() * 10_f64.powi(decimals as i32) < 0.5 {
+    let is_tiny = value != 0.0 && value.abs() * 10_f64.powi(decimals as i32) < 0.5;
+    if is_tiny || value.is_finite() && value.abs() >= HUGE {
         return format!("{:e}", value as f32);
     }
     let text = format!("{value:.decimals$}");

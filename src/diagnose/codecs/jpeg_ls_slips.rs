@@ -538,14 +538,14 @@ impl Decoder<'_> {
                 if run == left {
                     break;
                 }
-                let early_b = neighbors[1];
+                let [a, early_b, ..] = neighbors;
                 neighbors = (self.rules.neighbors)(&self.plane, row, column + run);
                 let b = if self.rules.is_early_b {
                     early_b
                 } else {
                     neighbors[1]
                 };
-                self.interruption(neighbors[0], b)?
+                self.interruption(a, b)?
             } else {
                 self.regular(neighbors, regions)?
             };

@@ -559,6 +559,14 @@ fn lights_together(u: f64, v: f64) -> Vec<(String, (f64, f64))> {
             (u * height, v * height),
         ),
     ];
+    for least in [0.01, 0.02, 0.03, 0.05, 0.1] {
+        let dead = |x: f64| if x.abs() < least { 0.0 } else { x };
+        let says = |what: &str| format!("{what} 0 where they are less than {least} from it");
+        lights.push((says("u and v were"), (dead(u), dead(v))));
+        let says = |what: &str| format!("{what} 0 where it is less than {least} from it");
+        lights.push((says("u were"), (dead(u), v)));
+        lights.push((says("v were"), (u, dead(v))));
+    }
     for factor in [2.0, 1.5] {
         let more = |x: f64| (x * factor).min(1.0);
         let says = |which: &str| format!("{which} {factor} times what they are, 1 at the most");

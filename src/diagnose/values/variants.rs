@@ -152,17 +152,41 @@ pub(in crate::diagnose) static VARIANTS: &[Variant] = &[
     polynomial("subtracts 10 from the sum of the six terms", |a, u, v| {
         sum_and(a, u, v, -10.0)
     }),
-    polynomial("cuts the sum of the six terms to a multiple of 2", |a, u, v| {
+    polynomial("rounds the sum of the six terms down to a multiple of 2", |a, u, v| {
         (sum_and(a, u, v, 0.0) / 2.0).floor() * 2.0
     }),
-    polynomial("cuts the sum of the six terms to a multiple of 4", |a, u, v| {
+    polynomial("cuts the sum of the six terms to a multiple of 2, toward 0", |a, u, v| {
+        (sum_and(a, u, v, 0.0) / 2.0).trunc() * 2.0
+    }),
+    polynomial("rounds the sum of the six terms to the nearest multiple of 2", |a, u, v| {
+        (sum_and(a, u, v, 0.0) / 2.0).round() * 2.0
+    }),
+    polynomial("rounds the sum of the six terms down to a multiple of 4", |a, u, v| {
         (sum_and(a, u, v, 0.0) / 4.0).floor() * 4.0
     }),
-    polynomial("cuts the sum of the six terms to a multiple of 5", |a, u, v| {
+    polynomial("cuts the sum of the six terms to a multiple of 4, toward 0", |a, u, v| {
+        (sum_and(a, u, v, 0.0) / 4.0).trunc() * 4.0
+    }),
+    polynomial("rounds the sum of the six terms to the nearest multiple of 4", |a, u, v| {
+        (sum_and(a, u, v, 0.0) / 4.0).round() * 4.0
+    }),
+    polynomial("rounds the sum of the six terms down to a multiple of 5", |a, u, v| {
         (sum_and(a, u, v, 0.0) / 5.0).floor() * 5.0
     }),
-    polynomial("cuts the sum of the six terms to a multiple of 8", |a, u, v| {
+    polynomial("cuts the sum of the six terms to a multiple of 5, toward 0", |a, u, v| {
+        (sum_and(a, u, v, 0.0) / 5.0).trunc() * 5.0
+    }),
+    polynomial("rounds the sum of the six terms to the nearest multiple of 5", |a, u, v| {
+        (sum_and(a, u, v, 0.0) / 5.0).round() * 5.0
+    }),
+    polynomial("rounds the sum of the six terms down to a multiple of 8", |a, u, v| {
         (sum_and(a, u, v, 0.0) / 8.0).floor() * 8.0
+    }),
+    polynomial("cuts the sum of the six terms to a multiple of 8, toward 0", |a, u, v| {
+        (sum_and(a, u, v, 0.0) / 8.0).trunc() * 8.0
+    }),
+    polynomial("rounds the sum of the six terms to the nearest multiple of 8", |a, u, v| {
+        (sum_and(a, u, v, 0.0) / 8.0).round() * 8.0
     }),
     polynomial("halves negative coefficients", |a, u, v| {
         sum_of(a, u, v, |a| if a < 0.0 { a / 2.0 } else { a })
@@ -195,11 +219,17 @@ pub(in crate::diagnose) static VARIANTS: &[Variant] = &[
     limits("cuts colors to multiples of 4", |c| {
         (c.clamp(0.0, 255.0) / 4.0).floor() * 4.0
     }),
+    limits("cuts rounded colors to multiples of 4", |c| {
+        (c.round().clamp(0.0, 255.0) / 4.0).floor() * 4.0
+    }),
     limits("rounds colors to multiples of 4", |c| {
         ((c.clamp(0.0, 255.0) / 4.0).round() * 4.0).min(255.0)
     }),
     limits("cuts colors to multiples of 5", |c| {
         (c.clamp(0.0, 255.0) / 5.0).floor() * 5.0
+    }),
+    limits("cuts rounded colors to multiples of 5", |c| {
+        (c.round().clamp(0.0, 255.0) / 5.0).floor() * 5.0
     }),
     limits("rounds colors to multiples of 5", |c| {
         ((c.clamp(0.0, 255.0) / 5.0).round() * 5.0).min(255.0)
@@ -207,17 +237,26 @@ pub(in crate::diagnose) static VARIANTS: &[Variant] = &[
     limits("cuts colors to multiples of 8", |c| {
         (c.clamp(0.0, 255.0) / 8.0).floor() * 8.0
     }),
+    limits("cuts rounded colors to multiples of 8", |c| {
+        (c.round().clamp(0.0, 255.0) / 8.0).floor() * 8.0
+    }),
     limits("rounds colors to multiples of 8", |c| {
         ((c.clamp(0.0, 255.0) / 8.0).round() * 8.0).min(255.0)
     }),
     limits("cuts colors to multiples of 10", |c| {
         (c.clamp(0.0, 255.0) / 10.0).floor() * 10.0
     }),
+    limits("cuts rounded colors to multiples of 10", |c| {
+        (c.round().clamp(0.0, 255.0) / 10.0).floor() * 10.0
+    }),
     limits("rounds colors to multiples of 10", |c| {
         ((c.clamp(0.0, 255.0) / 10.0).round() * 10.0).min(255.0)
     }),
     limits("cuts colors to multiples of 16", |c| {
         (c.clamp(0.0, 255.0) / 16.0).floor() * 16.0
+    }),
+    limits("cuts rounded colors to multiples of 16", |c| {
+        (c.round().clamp(0.0, 255.0) / 16.0).floor() * 16.0
     }),
     limits("rounds colors to multiples of 16", |c| {
         ((c.clamp(0.0, 255.0) / 16.0).round() * 16.0).min(255.0)
