@@ -158,7 +158,7 @@ fn diagnosis(search: &Search, member: &Member, share: &Share) -> Diagnosis {
         shows: refusals::no_picture(witnesses, &share.explains, misreading, || {
             otherwise(search, member.id, share)
         })
-            .or_else(|| acceptances::all_that_shows(witnesses, &share.explains, misreading)),
+        .or_else(|| acceptances::all_that_shows(witnesses, &share.explains, misreading)),
         certain: true,
         ..Diagnosis::of(cause, places(search, &share.explains))
     }

@@ -530,10 +530,12 @@ impl Decoder<'_> {
                 let left = end - self.plane.samples.len();
                 let [pieces, run] = self.run(left)?;
                 for i in 0..run {
-                    self.plane.samples.push(match self.rules.is_piece_of_above && i < pieces {
-                        true => self.plane.above(row, (column + i) as isize),
-                        false => neighbors[0],
-                    });
+                    self.plane
+                        .samples
+                        .push(match self.rules.is_piece_of_above && i < pieces {
+                            true => self.plane.above(row, (column + i) as isize),
+                            false => neighbors[0],
+                        });
                 }
                 if run == left {
                     break;
@@ -624,7 +626,11 @@ impl Decoder<'_> {
         let kind = i32::from(alike);
         let shared = self.run_contexts[0].a;
         let context = &mut self.run_contexts[kind as usize];
-        let sum = if rules.is_run_a_shared { shared } else { context.a };
+        let sum = if rules.is_run_a_shared {
+            shared
+        } else {
+            context.a
+        };
         let k = (rules.run_golomb)((rules.run_sum)(sum, context.n, kind), context.n);
         let limit = (rules.run_limit)(scan.limit, rules.j(self.run_index));
         let longest = (rules.longest)(limit, scan.qbpp);
@@ -715,7 +721,13 @@ fn defaults(stored: [i32; 3], maxval: i32, near: i32, change: impl Fn(&mut [i32;
     let mut wanted = wanted_thresholds(maxval, near);
     change(&mut wanted);
     let defaults = limited_thresholds(wanted, maxval, near);
-    [0, 1, 2].map(|i| if stored[i] == 0 { defaults[i] } else { stored[i] })
+    [0, 1, 2].map(|i| {
+        if stored[i] == 0 {
+            defaults[i]
+        } else {
+            stored[i]
+        }
+    })
 }
 
 /// The thresholds with these defaults in the place of their own.
@@ -901,7 +913,6 @@ static SLIPS: &[Slip<Rules>] = slips! {
     "takes T1 of an LSE segment for T2 too", |r| r.thresholds = |[a, _, c], maxval, near| thresholds([a, a, c], maxval, near);
     "takes the thresholds of an LSE segment for signed bytes", |r| r.thresholds = |stored, maxval, near| thresholds(stored.map(|t| i32::from(t as i8)), maxval, near);
     "limits default thresholds over MAXVAL to MAXVAL, where the threshold before belongs", |r| r.thresholds = |stored, maxval, near| { let mut least = near + 1; let own = wanted_thresholds(maxval, near).map(|t| { least = if t < least { least } else { t.min(maxval) }; Some(least) }); with_defaults(stored, maxval, near, own) };
-    "computes the default thresholds of a MAXVAL below 128 as of a larger one", |r| r.thresholds = |stored, maxval, near| { let own = if maxval < 128 { limited_thresholds([2 + 3 * near, 3 + 5 * near, 4 + 7 * near], maxval, near) } else { default_thresholds(maxval, near) }; with_defaults(stored, maxval, near, own.map(Some)) };
     "takes 63 for the default RESET", |r| r.reset = |stored| if stored == 0 { 63 } else { stored };
     "takes 65 for the default RESET", |r| r.reset = |stored| if stored == 0 { 65 } else { stored };
     "takes 32 for the default RESET", |r| r.reset = |stored| if stored == 0 { 32 } else { stored };

@@ -309,8 +309,7 @@ fn slips(
         let mut refused = of_refused.iter();
         let mut read = of_read.iter();
         refused.all(|file| file.fit(&[*slip]) == Fit::Refused)
-            && (of_wrong.iter())
-                .all(|file| !matches!(file.fit(&[*slip]), Fit::Other))
+            && (of_wrong.iter()).all(|file| !matches!(file.fit(&[*slip]), Fit::Other))
             && !read.any(|file| file.fit(&[*slip]) == Fit::Other)
     });
     let fitting = all.into_iter().zip(fits).filter(|(_, fits)| *fits);

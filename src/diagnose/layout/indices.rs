@@ -65,9 +65,12 @@ const RULES: &[(&str, fn(i64, i64) -> i64)] = &[
     ("the first entry for the last index", |i, n| {
         if i == n - 1 { 0 } else { i }
     }),
-    ("the second entry for index 0, and the first for index 1,", |i, n| {
-        if i < 2 && n > 1 { 1 - i } else { i }
-    }),
+    (
+        "the second entry for index 0, and the first for index 1,",
+        |i, n| {
+            if i < 2 && n > 1 { 1 - i } else { i }
+        },
+    ),
     ("half the index", |i, _| i / 2),
     ("twice the index", |i, _| i * 2),
     ("the index with its lowest bit changed", |i, _| i ^ 1),
@@ -398,8 +401,8 @@ mod tests {
     }
 
     #[test]
-    fn bytes_that_are_joined_wrongly_are_told_by_the_expression() {
-        let wrong: [(fn(&[u8]) -> usize, &str); 4] = [
+    fn indices_that_are_read_wrongly_are_told_by_the_expression() {
+        let wrong: [(fn(&[u8]) -> usize, &str); 5] = [
             (
                 |bytes| joined(bytes, |low, high| ((high | low << 8) - 1) & 511),
                 "low · 256 + high, less 1, its lowest nine bits",
@@ -415,6 +418,13 @@ mod tests {
             (
                 |bytes| joined(bytes, |low, high| low + high * 255),
                 "low + high · 255",
+            ),
+            (
+                |bytes| match *bytes {
+                    [index] if index > 127 => 0,
+                    _ => joined(bytes, |low, high| low + high * 256),
+                },
+                "the first entry for indices over 127 of one byte, taken for negative",
             ),
         ];
         for (index, says) in wrong {

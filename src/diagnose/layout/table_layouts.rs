@@ -46,9 +46,10 @@ const LAYOUTS: &[Layout] = &[
     ("reads a table from one byte too late on", |[i, k, _, c]| {
         c * i + k + 1
     }),
-    ("reads a table from one byte too early on", |[i, k, _, c]| {
-        (c * i + k).wrapping_sub(1)
-    }),
+    (
+        "reads a table from one byte too early on",
+        |[i, k, _, c]| (c * i + k).wrapping_sub(1),
+    ),
     (
         "takes the polynomials of the entries of PTM_C_LUT to be six bytes apart, and their colors nine",
         |[i, k, ..]| if k < 6 { 6 * i + k } else { 9 * i + k },

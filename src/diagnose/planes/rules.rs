@@ -595,7 +595,9 @@ impl Coding {
                 Some(Vector::Absolute) => part.abs(),
                 Some(Vector::Doubled) => 2 * *part,
                 Some(Vector::Bits(bits)) => *part << (64 - bits) >> (64 - bits),
-                Some(Vector::Within([least, most], axes)) if axes[axis] => (*part).clamp(least, most),
+                Some(Vector::Within([least, most], axes)) if axes[axis] => {
+                    (*part).clamp(least, most)
+                }
                 Some(Vector::Earlier(places, axes)) if axes[axis] && i >= places => {
                     of(i - places)[axis]
                 }

@@ -290,8 +290,12 @@ impl Slip {
             Slip::Inverse(_) => {
                 "where the plane's own transform has bit 1, its predictor is 255 − the reference, everywhere"
             }
-            Slip::ByReference { .. } | Slip::StaysInverted => "use the transform of the predicted plane",
-            Slip::ByPlace(_) => "the lists of 2.9 have one entry for each plane, by its number; the order says only which plane comes first",
+            Slip::ByReference { .. } | Slip::StaysInverted => {
+                "use the transform of the predicted plane"
+            }
+            Slip::ByPlace(_) => {
+                "the lists of 2.9 have one entry for each plane, by its number; the order says only which plane comes first"
+            }
             Slip::FromPlaneBefore(_) | Slip::FromNeighbor(..) => {
                 "planes are counted from 0: the number at place i of the reference list is the plane that plane i is predicted from"
             }
@@ -327,7 +331,9 @@ impl Slip {
             Slip::Shifted(_) => "2.9.8/3",
             Slip::Sum(_) | Slip::Overwrites => "2.9.5/4",
             Slip::Inverse(_) => "2.9.2/3",
-            Slip::ByReference { .. } | Slip::ByPlace(List::Transforms) | Slip::StaysInverted => "2.9.2/1",
+            Slip::ByReference { .. } | Slip::ByPlace(List::Transforms) | Slip::StaysInverted => {
+                "2.9.2/1"
+            }
             Slip::ByPlace(List::Vectors) => "2.9.3/1",
             Slip::ByPlace(List::Records) => "2.9.8/4",
             Slip::FromPlaneBefore(_) | Slip::FromNeighbor(..) => "2.9.5/1",
@@ -354,7 +360,9 @@ impl Slip {
                 | Records::OneLater
                 | Records::OneEarlier,
             ) => "2.9.8/6",
-            Slip::Records(Records::Plus(_) | Records::Added | Records::Inverted | Records::FirstValue) => "2.9.8/8",
+            Slip::Records(
+                Records::Plus(_) | Records::Added | Records::Inverted | Records::FirstValue,
+            ) => "2.9.8/8",
             Slip::Records(_) => "2.9.8/4",
         }
     }
@@ -723,12 +731,19 @@ impl Records {
         });
         let others = [[3, 2, 1, 0], [1, 0, 3, 2], [2, 3, 0, 1]];
         // One byte twice, in the place of another.
-        let twice = (0..4).flat_map(each).filter(|(from, at)| from != at).map(|(from, at)| {
-            let mut order = [0, 1, 2, 3];
-            order[usize::from(at)] = from;
-            order
-        });
-        let orders = orders.chain(twice).chain(low).chain(exchanged).chain(others);
+        let twice = (0..4)
+            .flat_map(each)
+            .filter(|(from, at)| from != at)
+            .map(|(from, at)| {
+                let mut order = [0, 1, 2, 3];
+                order[usize::from(at)] = from;
+                order
+            });
+        let orders = orders
+            .chain(twice)
+            .chain(low)
+            .chain(exchanged)
+            .chain(others);
         all.extend(orders.map(Records::Bytes));
         all
     }

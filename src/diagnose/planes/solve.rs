@@ -509,6 +509,63 @@ mod tests {
         }
     }
 
+    /// The lists with what `change` makes of the steps as they are listed, in the order of decoding.
+    fn by_order(lists: &RawLists, change: fn(&mut Plan, &[Step])) -> Result<Plan> {
+        let mut plan = compressed::plan(lists)?;
+        let listed = plan.steps.clone();
+        change(&mut plan, &listed);
+        Ok(plan)
+    }
+
+    #[test]
+    fn what_stands_in_a_list_for_another_plane_is_told() {
+        tells(&[
+            (
+                by_steps(|lists| {
+                    by_order(lists, |plan, listed| {
+                        for (place, &i) in plan.sequence.iter().enumerate() {
+                            let Step {
+                                inverted, moved, ..
+                            } = listed[place];
+                            (plan.steps[i].inverted, plan.steps[i].moved) = (inverted, moved);
+                        }
+                    })
+                }),
+                "takes the transform of a plane by its place in the order of decoding",
+            ),
+            (
+                by_steps(|lists| {
+                    by_order(lists, |plan, _| {
+                        let mut is_inverted = false;
+                        for &i in &plan.sequence {
+                            let step = &mut plan.steps[i];
+                            is_inverted |= step.inverted && step.reference.is_some();
+                            step.inverted = is_inverted;
+                        }
+                    })
+                }),
+                "inverts the references of all planes after the first that is inverted",
+            ),
+            (
+                by_steps(|lists| {
+                    by_order(lists, |plan, listed| {
+                        for i in 0..listed.len() / 18 * 18 {
+                            plan.steps[i].motion.1 = match i {
+                                0..9 => listed[i + 9].motion.0,
+                                _ => listed[i - 9].motion.1,
+                            };
+                        }
+                    })
+                }),
+                "takes y of the vectors from the tenth number of their lists on",
+            ),
+            (
+                by_steps(|lists| stepping(lists, |_, step| step.motion.0 = step.motion.0.min(8))),
+                "limits x of a vector to 8 at the most",
+            ),
+        ]);
+    }
+
     #[test]
     fn a_slip_in_planes_is_told_with_the_planes_in_which_it_is_made() {
         tells(&[

@@ -479,3 +479,48 @@ pub(in crate::diagnose) fn half(value: f64) -> f64 {
 pub(in crate::diagnose) fn short(value: f64) -> String {
     compare::short(value, 4)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{Change, Values, half};
+
+    fn told(of: Values, change: fn(f64) -> f64, right: &[f64]) -> Vec<Change> {
+        let pairs: Vec<(f64, f64)> = right.iter().map(|&right| (right, change(right))).collect();
+        Change::fitting(&pairs, of)
+    }
+
+    #[test]
+    fn half_precision_has_eleven_bits_a_largest_number_and_a_smallest_step() {
+        assert_eq!(half(0.1), 0.099_975_585_937_5);
+        assert_eq!(half(-2049.0), -2048.0);
+        assert_eq!(half(65_519.0), 65_504.0);
+        assert_eq!(half(-70_000.0), f64::NEG_INFINITY);
+        assert_eq!(half(2f64.powi(-25)), 0.0);
+        assert_eq!(half(3.0 * 2f64.powi(-25)), 2f64.powi(-23));
+    }
+
+    #[test]
+    fn limits_on_both_sides_and_half_precision_are_told() {
+        let right = [-70_000.5, -40_000.0, -3.25, 0.0, 8.5, 40_000.0, 90_000.0];
+        let limited = told(
+            Values::Reals,
+            |value| value.clamp(-32768.0, 32767.0),
+            &right,
+        );
+        assert!(limited.contains(&Change::Within(-32768.0, 32767.0)));
+        let right = [0.1, 0.2, 0.3, 1000.7, -4097.9];
+        assert!(told(Values::Reals, half, &right).contains(&Change::HalfPrecision));
+    }
+
+    #[test]
+    fn one_value_that_always_becomes_another_is_told_where_it_is_seen_twice() {
+        let change = |value: f64| if value == 255.0 { 254.0 } else { value };
+        let right = [255.0, 0.0, 3.0, 7.0, 255.0, 9.0, 200.0];
+        let points = vec![(255, 254)];
+        assert_eq!(
+            told(Values::Bytes, change, &right),
+            [Change::Points(points)]
+        );
+        assert_eq!(told(Values::Bytes, change, &right[..4]), []);
+    }
+}

@@ -293,7 +293,8 @@ impl ColorRule {
             }
             (ColorRule::Carried(Carried::Vector), Shape::Lum(matrix)) => {
                 let rows = (reading.lum_matrix)(&matrix);
-                let color = |texel: &[f64]| in_place(rows, luminance(texel), [texel[6], texel[7]], reading);
+                let color =
+                    |texel: &[f64]| in_place(rows, luminance(texel), [texel[6], texel[7]], reading);
                 texels().flat_map(color).map(reading.clamp).collect()
             }
             _ => evaluate(finals, light.lu, light.lv, reading).values,

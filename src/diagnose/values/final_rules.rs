@@ -71,12 +71,14 @@ const RULES: &[Rule] = &[
     ("(raw − bias) · scale rounded to eighths", |n| {
         (n.right() * 8.0).round() / 8.0
     }),
-    ("(raw − bias) · scale rounded to multiples of 1/16", |n| {
-        (n.right() * 16.0).round() / 16.0
-    }),
-    ("(raw − bias) · scale rounded to multiples of 1/256", |n| {
-        (n.right() * 256.0).round() / 256.0
-    }),
+    (
+        "(raw − bias) · scale rounded to multiples of 1/16",
+        |n| (n.right() * 16.0).round() / 16.0,
+    ),
+    (
+        "(raw − bias) · scale rounded to multiples of 1/256",
+        |n| (n.right() * 256.0).round() / 256.0,
+    ),
     ("(raw − bias) · scale cut to multiples of 1/256", |n| {
         (n.right() * 256.0).trunc() / 256.0
     }),

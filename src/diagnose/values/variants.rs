@@ -152,42 +152,54 @@ pub(in crate::diagnose) static VARIANTS: &[Variant] = &[
     polynomial("subtracts 10 from the sum of the six terms", |a, u, v| {
         sum_and(a, u, v, -10.0)
     }),
-    polynomial("rounds the sum of the six terms down to a multiple of 2", |a, u, v| {
-        (sum_and(a, u, v, 0.0) / 2.0).floor() * 2.0
-    }),
-    polynomial("cuts the sum of the six terms to a multiple of 2, toward 0", |a, u, v| {
-        (sum_and(a, u, v, 0.0) / 2.0).trunc() * 2.0
-    }),
-    polynomial("rounds the sum of the six terms to the nearest multiple of 2", |a, u, v| {
-        (sum_and(a, u, v, 0.0) / 2.0).round() * 2.0
-    }),
-    polynomial("rounds the sum of the six terms down to a multiple of 4", |a, u, v| {
-        (sum_and(a, u, v, 0.0) / 4.0).floor() * 4.0
-    }),
-    polynomial("cuts the sum of the six terms to a multiple of 4, toward 0", |a, u, v| {
-        (sum_and(a, u, v, 0.0) / 4.0).trunc() * 4.0
-    }),
-    polynomial("rounds the sum of the six terms to the nearest multiple of 4", |a, u, v| {
-        (sum_and(a, u, v, 0.0) / 4.0).round() * 4.0
-    }),
-    polynomial("rounds the sum of the six terms down to a multiple of 5", |a, u, v| {
-        (sum_and(a, u, v, 0.0) / 5.0).floor() * 5.0
-    }),
-    polynomial("cuts the sum of the six terms to a multiple of 5, toward 0", |a, u, v| {
-        (sum_and(a, u, v, 0.0) / 5.0).trunc() * 5.0
-    }),
-    polynomial("rounds the sum of the six terms to the nearest multiple of 5", |a, u, v| {
-        (sum_and(a, u, v, 0.0) / 5.0).round() * 5.0
-    }),
-    polynomial("rounds the sum of the six terms down to a multiple of 8", |a, u, v| {
-        (sum_and(a, u, v, 0.0) / 8.0).floor() * 8.0
-    }),
-    polynomial("cuts the sum of the six terms to a multiple of 8, toward 0", |a, u, v| {
-        (sum_and(a, u, v, 0.0) / 8.0).trunc() * 8.0
-    }),
-    polynomial("rounds the sum of the six terms to the nearest multiple of 8", |a, u, v| {
-        (sum_and(a, u, v, 0.0) / 8.0).round() * 8.0
-    }),
+    polynomial(
+        "rounds the sum of the six terms down to a multiple of 2",
+        |a, u, v| (sum_and(a, u, v, 0.0) / 2.0).floor() * 2.0,
+    ),
+    polynomial(
+        "cuts the sum of the six terms to a multiple of 2, toward 0",
+        |a, u, v| (sum_and(a, u, v, 0.0) / 2.0).trunc() * 2.0,
+    ),
+    polynomial(
+        "rounds the sum of the six terms to the nearest multiple of 2",
+        |a, u, v| (sum_and(a, u, v, 0.0) / 2.0).round() * 2.0,
+    ),
+    polynomial(
+        "rounds the sum of the six terms down to a multiple of 4",
+        |a, u, v| (sum_and(a, u, v, 0.0) / 4.0).floor() * 4.0,
+    ),
+    polynomial(
+        "cuts the sum of the six terms to a multiple of 4, toward 0",
+        |a, u, v| (sum_and(a, u, v, 0.0) / 4.0).trunc() * 4.0,
+    ),
+    polynomial(
+        "rounds the sum of the six terms to the nearest multiple of 4",
+        |a, u, v| (sum_and(a, u, v, 0.0) / 4.0).round() * 4.0,
+    ),
+    polynomial(
+        "rounds the sum of the six terms down to a multiple of 5",
+        |a, u, v| (sum_and(a, u, v, 0.0) / 5.0).floor() * 5.0,
+    ),
+    polynomial(
+        "cuts the sum of the six terms to a multiple of 5, toward 0",
+        |a, u, v| (sum_and(a, u, v, 0.0) / 5.0).trunc() * 5.0,
+    ),
+    polynomial(
+        "rounds the sum of the six terms to the nearest multiple of 5",
+        |a, u, v| (sum_and(a, u, v, 0.0) / 5.0).round() * 5.0,
+    ),
+    polynomial(
+        "rounds the sum of the six terms down to a multiple of 8",
+        |a, u, v| (sum_and(a, u, v, 0.0) / 8.0).floor() * 8.0,
+    ),
+    polynomial(
+        "cuts the sum of the six terms to a multiple of 8, toward 0",
+        |a, u, v| (sum_and(a, u, v, 0.0) / 8.0).trunc() * 8.0,
+    ),
+    polynomial(
+        "rounds the sum of the six terms to the nearest multiple of 8",
+        |a, u, v| (sum_and(a, u, v, 0.0) / 8.0).round() * 8.0,
+    ),
     polynomial("halves negative coefficients", |a, u, v| {
         sum_of(a, u, v, |a| if a < 0.0 { a / 2.0 } else { a })
     }),
@@ -207,15 +219,25 @@ pub(in crate::diagnose) static VARIANTS: &[Variant] = &[
         sum_of(a, u, v, f64::round)
     }),
     limits("adds 2 to each color", |c| (c + 2.0).clamp(0.0, 255.0)),
-    limits("subtracts 2 from each color", |c| (c - 2.0).clamp(0.0, 255.0)),
+    limits("subtracts 2 from each color", |c| {
+        (c - 2.0).clamp(0.0, 255.0)
+    }),
     limits("adds 3 to each color", |c| (c + 3.0).clamp(0.0, 255.0)),
-    limits("subtracts 3 from each color", |c| (c - 3.0).clamp(0.0, 255.0)),
+    limits("subtracts 3 from each color", |c| {
+        (c - 3.0).clamp(0.0, 255.0)
+    }),
     limits("adds 4 to each color", |c| (c + 4.0).clamp(0.0, 255.0)),
-    limits("subtracts 4 from each color", |c| (c - 4.0).clamp(0.0, 255.0)),
+    limits("subtracts 4 from each color", |c| {
+        (c - 4.0).clamp(0.0, 255.0)
+    }),
     limits("adds 5 to each color", |c| (c + 5.0).clamp(0.0, 255.0)),
-    limits("subtracts 5 from each color", |c| (c - 5.0).clamp(0.0, 255.0)),
+    limits("subtracts 5 from each color", |c| {
+        (c - 5.0).clamp(0.0, 255.0)
+    }),
     limits("adds 10 to each color", |c| (c + 10.0).clamp(0.0, 255.0)),
-    limits("subtracts 10 from each color", |c| (c - 10.0).clamp(0.0, 255.0)),
+    limits("subtracts 10 from each color", |c| {
+        (c - 10.0).clamp(0.0, 255.0)
+    }),
     limits("cuts colors to multiples of 4", |c| {
         (c.clamp(0.0, 255.0) / 4.0).floor() * 4.0
     }),
@@ -618,8 +640,19 @@ mod tests {
             polynomial: |a, u, v| sum_and(a, u, v, 2.0),
             ..Reading::SPEC
         };
+        let default = Reading {
+            light: |u, v| {
+                if (u, v) == (0.0, 0.0) {
+                    (0.5, 0.5)
+                } else {
+                    (u, v)
+                }
+            },
+            ..Reading::SPEC
+        };
         for (reading, says) in [
             (limited, "u and v were limited to ±0.7"),
+            (default, "the light (0, 0) were (0.5, 0.5)"),
             (more, "adds 2 to the sum of the six terms"),
         ] {
             let told = first_cause(reading, |case| !case.format().is_compressed());
