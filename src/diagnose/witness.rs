@@ -13,6 +13,7 @@ use crate::misreadings::{self, Anatomy, At, Misreading, Seen, Stage};
 use crate::protocol::frame::{Answer, Frame, Samples, View};
 use crate::ptm::{Field, Limits, Ptm};
 use crate::reading::Reading;
+use crate::session::dialect::Certainty;
 use crate::session::observation::{Observation, Response};
 use crate::session::outcome::Outcome;
 use crate::session::run::Run;
@@ -394,9 +395,9 @@ pub(super) fn is_after_decoding(misreading: &Misreading) -> bool {
 /// How the reference reads the open questions, where this decoder seems to read some otherwise.
 pub(super) fn reference_reading(run: &Run) -> Option<Reading> {
     let judgement = &run.judgement;
-    let mut followed = judgement.dialect.0.iter().zip(&judgement.settled);
-    let is_other =
-        run.table.newline || followed.any(|(&reading, &settled)| settled && reading != 0);
+    let mut followed = judgement.dialect.0.iter().zip(&judgement.certain);
+    let is_other = run.table.newline
+        || followed.any(|(&reading, certain)| *certain != Certainty::Open && reading != 0);
     is_other.then_some(Reading {
         stream: stream_once,
         ..Reading::SPEC
@@ -406,10 +407,13 @@ pub(super) fn reference_reading(run: &Run) -> Option<Reading> {
 /// How the decoder reads the open questions.
 pub(crate) fn dialect_reading(run: &Run) -> Reading {
     let judgement = &run.judgement;
-    let followed = judgement.dialect.0.iter().zip(&judgement.settled);
+    let followed = judgement.dialect.0.iter().zip(&judgement.certain);
     let settled = Dialect(
         followed
-            .map(|(&reading, &settled)| if settled { reading } else { 0 })
+            .map(|(&reading, certain)| match certain {
+                Certainty::Open => 0,
+                _ => reading,
+            })
             .collect(),
     );
     let reading = CHOICES.under(&settled, Reading::SPEC);

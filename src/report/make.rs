@@ -9,6 +9,7 @@ use crate::report::document::{
 };
 use crate::report::leniency::{leniency, passing};
 use crate::report::reported::Reported;
+use crate::session::dialect::Certainty;
 use crate::session::observation::{Observation, Response};
 use crate::session::outcome::{Judged, Outcome};
 use crate::session::remark::Remark;
@@ -111,9 +112,9 @@ fn case_result<C: TestCase>(
 
 /// The reading of each choice that some case showed, with the cases that show it.
 fn dialect<C: Reported>(suite: &Suite<C>, run: &Run<C>) -> Vec<FollowedReading> {
-    let followed = run.judgement.dialect.0.iter().zip(&run.judgement.settled);
+    let followed = run.judgement.dialect.0.iter().zip(&run.judgement.certain);
     let choices = followed.zip(C::CHOICES.iter()).enumerate();
-    let choices = choices.filter(|(_, ((_, settled), _))| **settled);
+    let choices = choices.filter(|(_, ((_, certain), _))| **certain == Certainty::Settled);
     let choices = choices.map(|(axis, ((&reading, _), choice))| {
         let shows = |i: usize| {
             let observation = run.observations[i].as_ref();

@@ -4,6 +4,17 @@ use crate::session::observation::{Observation, Response};
 use crate::suite::dialect::{Axis, Dialect, Right};
 use crate::suite::test_case::TestCase;
 
+/// How well the answers tell how a decoder reads an open question.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Certainty {
+    /// They do not tell its reading from every other.
+    Open,
+    /// They do, but not few are wrong in it: a mistake may make it look so.
+    Likely,
+    /// They do.
+    Settled,
+}
+
 /// What the answers show of choices that some case shows together: an answer for these axes and for no other.
 struct Evidence {
     axes: Vec<Axis>,
@@ -12,30 +23,34 @@ struct Evidence {
     best: Vec<Dialect>,
     /// Whether there is any.
     any: bool,
-    /// Whether most answers are right in these combinations, and hardly any is right in others alone: where a decoder is
-    /// mistaken, a few come out as in another reading.
-    agrees: bool,
+    /// Of each of the axes, whether the reading of it in the first of these combinations is believed.
+    believed: Vec<bool>,
 }
 
-/// For so many answers that are right in a reading one may be right in another alone.
+/// A reading other than the reference's is believed where so many answers speak for it to each that is wrong in it: where a
+/// decoder is mistaken, some come out as in another reading.
 const FEW: usize = 8;
 
-/// The dialect in which most answers are right, among equals the one nearest to the reference's; and of each choice whether
+/// The dialect in which most answers are right, among equals the one nearest to the reference's; and of each choice how well
 /// the evidence tells its reading from every other.
 pub(super) fn dialect_of<C: TestCase>(
     observations: &[Option<Observation<C>>],
-) -> (Dialect, Vec<bool>) {
+) -> (Dialect, Vec<Certainty>) {
     let mut dialect = C::CHOICES.reference();
-    let mut settled = vec![false; dialect.0.len()];
+    let mut certain = vec![Certainty::Open; dialect.0.len()];
     for group in evidence(observations) {
-        for axis in group.axes {
+        for (axis, is_believed) in group.axes.into_iter().zip(group.believed) {
             let taken = group.best[0].0[axis];
             dialect.0[axis] = taken;
             let is_alone = group.best.iter().all(|other| other.0[axis] == taken);
-            settled[axis] = group.any && is_alone && (taken == 0 || group.agrees);
+            certain[axis] = match group.any && is_alone {
+                false => Certainty::Open,
+                true if is_believed => Certainty::Settled,
+                true => Certainty::Likely,
+            };
         }
     }
-    (dialect, settled)
+    (dialect, certain)
 }
 
 /// The evidence of the dialect, group by group.
@@ -79,14 +94,21 @@ fn weighed<C: TestCase>(axes: Vec<Axis>, shown: &[(&[Axis], &[bool])]) -> Eviden
     let best: Vec<Dialect> = (all.into_iter().zip(counts))
         .filter_map(|(dialect, count)| (count == most).then_some(dialect))
         .collect();
-    let is_elsewhere = |(of, right): &&&(&[Axis], &[bool])| {
-        right.contains(&true) && !right[C::CHOICES.place(&best[0], of)]
+    let is_believed = |&axis: &Axis| {
+        let mut plain = best[0].clone();
+        plain.0[axis] = 0;
+        let of_axis = || about.iter().filter(|(of, _)| of.contains(&axis));
+        let is_right = |dialect: &Dialect, (of, right): &(&[Axis], &[bool])| {
+            right[C::CHOICES.place(dialect, of)]
+        };
+        let against = of_axis().filter(|one| !is_right(&best[0], one)).count();
+        let alone = of_axis().filter(|one| is_right(&best[0], one) && !is_right(&plain, one));
+        best[0].0[axis] == 0 || alone.count() >= FEW * against
     };
-    let elsewhere = about.iter().filter(is_elsewhere).count();
     Evidence {
-        axes,
         any: most > 0,
-        agrees: most * 2 >= about.len() && elsewhere * FEW <= most,
+        believed: axes.iter().map(is_believed).collect(),
+        axes,
         best,
     }
 }
@@ -142,10 +164,11 @@ mod tests {
     }
 
     fn settled(observations: &[Option<Observation>]) -> Vec<(&'static str, usize)> {
-        let (dialect, settled) = dialect_of::<Case>(observations);
-        let readings = CHOICES.iter().zip(dialect.0).zip(settled);
+        let (dialect, certain) = dialect_of::<Case>(observations);
+        let readings = CHOICES.iter().zip(dialect.0).zip(certain);
         readings
-            .filter_map(|((choice, reading), settled)| settled.then_some((choice.ruling, reading)))
+            .filter(|(_, certain)| *certain == Certainty::Settled)
+            .map(|((choice, reading), _)| (choice.ruling, reading))
             .collect()
     }
 

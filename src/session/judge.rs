@@ -6,7 +6,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use crate::session::dialect::dialect_of;
+use crate::session::dialect::{Certainty, dialect_of};
 use crate::session::observation::{Observation, Response};
 use crate::session::offer::{Offer, is_always_unsupported};
 use crate::session::outcome::{Judged, Outcome};
@@ -21,8 +21,8 @@ pub struct Judgement<C: TestCase = Case> {
     pub cases: Vec<Option<Judged>>,
     /// How it reads the open questions, as the reference does where no case showed it.
     pub dialect: Dialect,
-    /// Of each open question, whether the cases tell the reading from every other.
-    pub settled: Vec<bool>,
+    /// Of each open question, how well the cases tell the reading from every other.
+    pub certain: Vec<Certainty>,
     /// Features that every file needing them was answered 69.
     pub unsupported: BTreeSet<C::Feature>,
     /// Features of which a file was decoded.
@@ -48,7 +48,7 @@ pub fn judge<C: TestCase>(
     observations: &[Option<Observation<C>>],
     offer: &Offer<C>,
 ) -> Judgement<C> {
-    let (dialect, settled) = dialect_of(observations);
+    let (dialect, certain) = dialect_of(observations);
     let (unsupported, decoded) = features(suite, observations, offer);
     let twins = C::twins(&suite.cases);
     let spelling_known = (suite.cases.iter().zip(observations)).any(|(case, observation)| {
@@ -81,7 +81,7 @@ pub fn judge<C: TestCase>(
             .map(|i| selected[i].then(|| judged(i)))
             .collect(),
         dialect,
-        settled,
+        certain,
         unsupported,
         decoded,
     }

@@ -23,7 +23,7 @@ pub mod outcome;
 
 pub mod judge;
 
-mod dialect;
+pub mod dialect;
 
 pub mod scores;
 

@@ -218,34 +218,39 @@ impl Change {
             ),
             Change::SrgbEncoded => "one monotone curve over all values, that of sRGB: linear values are encoded".to_owned(),
             Change::SrgbDecoded => "one monotone curve over all values, the inverse of that of sRGB: values are made linear".to_owned(),
-            Change::Points(points) => {
-                let points: Vec<String> = points
-                    .iter()
-                    .take(4)
-                    .map(|(from, to)| format!("{to} for {from}"))
-                    .collect();
-                format!("{}, and every other value right", points.join(", "))
-            }
-            Change::Table(table) => {
-                let known: Vec<(usize, u8)> = table
-                    .iter()
-                    .enumerate()
-                    .filter_map(|(from, to)| Some((from, (*to)?)))
-                    .collect();
-                let step = (known.len() / 5).max(1);
-                let some: Vec<String> = known
-                    .iter()
-                    .step_by(step)
-                    .map(|(from, to)| format!("{to} for {from}"))
-                    .collect();
-                let curve = match known.windows(2).all(|two| two[0].1 <= two[1].1) {
-                    true => "one monotone curve over all values",
-                    false => "another value for each value, always the same",
-                };
-                format!("{curve}: {}", some.join(", "))
-            }
+            Change::Points(points) => says_points(points),
+            Change::Table(table) => says_table(table),
         }
     }
+}
+
+/// "0 for 255, and every other value right".
+fn says_points(points: &[(u8, u8)]) -> String {
+    let points = points.iter().take(4);
+    let points: Vec<String> = points
+        .map(|(from, to)| format!("{to} for {from}"))
+        .collect();
+    format!("{}, and every other value right", points.join(", "))
+}
+
+/// Some entries of a table, and whether it is a monotone curve.
+fn says_table(table: &[Option<u8>]) -> String {
+    let known: Vec<(usize, u8)> = table
+        .iter()
+        .enumerate()
+        .filter_map(|(from, to)| Some((from, (*to)?)))
+        .collect();
+    let step = (known.len() / 5).max(1);
+    let some: Vec<String> = known
+        .iter()
+        .step_by(step)
+        .map(|(from, to)| format!("{to} for {from}"))
+        .collect();
+    let curve = match known.windows(2).all(|two| two[0].1 <= two[1].1) {
+        true => "one monotone curve over all values",
+        false => "another value for each value, always the same",
+    };
+    format!("{curve}: {}", some.join(", "))
 }
 
 /// "the lowest bit", "bits 0 and 3", "the highest four bits".
