@@ -80,6 +80,10 @@ impl Context {
 }
 
 /// Every decision of the decoder.
+#[expect(
+    clippy::struct_excessive_bools,
+    reason = "each is a decision by itself"
+)]
 pub(in crate::diagnose) struct Rules {
     /// Thresholds as they are stored, 0 for defaults; MAXVAL and NEAR.
     thresholds: fn([i32; 3], i32, i32) -> [i32; 3],
@@ -164,7 +168,7 @@ pub(in crate::diagnose) struct Rules {
     run_sign: fn(bool, i32, i32) -> i32,
     /// The sum that k is computed of: A, N and `RItype`.
     run_sum: fn(i32, i32, i32) -> i32,
-    /// Whether A of RItype 0 is taken for that of RItype 1 too.
+    /// Whether A of `RItype` 0 is taken for that of `RItype` 1 too.
     is_run_a_shared: bool,
     run_limit: fn(u32, u32) -> u32,
     /// Of k, NEAR, Nn and N: whether positive errors are favored.

@@ -334,12 +334,11 @@ impl Slip {
             Slip::ByReference { .. } | Slip::ByPlace(List::Transforms) | Slip::StaysInverted => {
                 "2.9.2/1"
             }
-            Slip::ByPlace(List::Vectors) => "2.9.3/1",
-            Slip::ByPlace(List::Records) => "2.9.8/4",
             Slip::FromPlaneBefore(_) | Slip::FromNeighbor(..) => "2.9.5/1",
             Slip::IntraInverted => "2.9.5/2",
             Slip::NotMoved => "2.9.2/4",
-            Slip::Vector(
+            Slip::ByPlace(List::Vectors)
+            | Slip::Vector(
                 Vector::Exchanged
                 | Vector::Copied(_)
                 | Vector::Earlier(..)
@@ -363,7 +362,7 @@ impl Slip {
             Slip::Records(
                 Records::Plus(_) | Records::Added | Records::Inverted | Records::FirstValue,
             ) => "2.9.8/8",
-            Slip::Records(_) => "2.9.8/4",
+            Slip::Records(_) | Slip::ByPlace(List::Records) => "2.9.8/4",
         }
     }
 }
@@ -686,7 +685,7 @@ impl Order {
             Order::SignedByte => "keeps ranks in a signed byte".to_owned(),
             Order::Unsorted(..) => "does not sort ranks to the end: planes are predicted from planes that are not decoded yet, and hold 0".to_owned(),
             Order::LastOfRank => "decodes one plane of each rank, the last, and shows 0 for the others".to_owned(),
-            Order::IntraFirst(undecoded) => return format!(
+            Order::IntraFirst(undecoded) => format!(
                 "decodes the planes that are not predicted first, then the others by their numbers: what is not decoded yet {}",
                 match undecoded {
                     Undecoded::Zeros => "holds 0",

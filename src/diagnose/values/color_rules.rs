@@ -337,10 +337,11 @@ impl ColorRule {
     pub const fn formula(self) -> Formula {
         match self {
             ColorRule::Product(_) => Formula::Color,
-            ColorRule::Matrix(_) => Formula::Matrix,
+            ColorRule::Matrix(_) | ColorRule::Carried(Carried::Rows | Carried::Vector) => {
+                Formula::Matrix
+            }
             ColorRule::Byte(_) => Formula::Limits,
             ColorRule::Carried(Carried::Polynomials) => Formula::Polynomial,
-            ColorRule::Carried(Carried::Rows | Carried::Vector) => Formula::Matrix,
         }
     }
 }
