@@ -1,5 +1,7 @@
 //! Formulas that some decoders have in place of those of the text, and that the catalog does not list.
 
+use std::sync::LazyLock;
+
 use super::formulas::Formula;
 use crate::misreadings::At;
 use crate::ptm::ColorMatrix;
@@ -109,97 +111,53 @@ fn sum_of(a: &[f64], u: f64, v: f64, other: fn(f64) -> f64) -> f64 {
     terms(&others, u, v).iter().sum()
 }
 
-pub(in crate::diagnose) static VARIANTS: &[Variant] = &[
-    polynomial("adds 1 to the sum of the six terms", |a, u, v| {
-        sum_and(a, u, v, 1.0)
-    }),
-    polynomial("adds 2 to the sum of the six terms", |a, u, v| {
-        sum_and(a, u, v, 2.0)
-    }),
-    polynomial("subtracts 1 from the sum of the six terms", |a, u, v| {
-        sum_and(a, u, v, -1.0)
-    }),
-    polynomial("subtracts 2 from the sum of the six terms", |a, u, v| {
-        sum_and(a, u, v, -2.0)
-    }),
-    polynomial("adds 128 to the sum of the six terms", |a, u, v| {
-        sum_and(a, u, v, 128.0)
-    }),
-    polynomial("subtracts 128 from the sum of the six terms", |a, u, v| {
-        sum_and(a, u, v, -128.0)
-    }),
-    polynomial("adds 3 to the sum of the six terms", |a, u, v| {
-        sum_and(a, u, v, 3.0)
-    }),
-    polynomial("subtracts 3 from the sum of the six terms", |a, u, v| {
-        sum_and(a, u, v, -3.0)
-    }),
-    polynomial("adds 4 to the sum of the six terms", |a, u, v| {
-        sum_and(a, u, v, 4.0)
-    }),
-    polynomial("subtracts 4 from the sum of the six terms", |a, u, v| {
-        sum_and(a, u, v, -4.0)
-    }),
-    polynomial("adds 5 to the sum of the six terms", |a, u, v| {
-        sum_and(a, u, v, 5.0)
-    }),
-    polynomial("subtracts 5 from the sum of the six terms", |a, u, v| {
-        sum_and(a, u, v, -5.0)
-    }),
-    polynomial("adds 10 to the sum of the six terms", |a, u, v| {
-        sum_and(a, u, v, 10.0)
-    }),
-    polynomial("subtracts 10 from the sum of the six terms", |a, u, v| {
-        sum_and(a, u, v, -10.0)
-    }),
-    polynomial(
-        "rounds the sum of the six terms down to a multiple of 2",
-        |a, u, v| (sum_and(a, u, v, 0.0) / 2.0).floor() * 2.0,
-    ),
-    polynomial(
-        "cuts the sum of the six terms to a multiple of 2, toward 0",
-        |a, u, v| (sum_and(a, u, v, 0.0) / 2.0).trunc() * 2.0,
-    ),
-    polynomial(
-        "rounds the sum of the six terms to the nearest multiple of 2",
-        |a, u, v| (sum_and(a, u, v, 0.0) / 2.0).round() * 2.0,
-    ),
-    polynomial(
-        "rounds the sum of the six terms down to a multiple of 4",
-        |a, u, v| (sum_and(a, u, v, 0.0) / 4.0).floor() * 4.0,
-    ),
-    polynomial(
-        "cuts the sum of the six terms to a multiple of 4, toward 0",
-        |a, u, v| (sum_and(a, u, v, 0.0) / 4.0).trunc() * 4.0,
-    ),
-    polynomial(
-        "rounds the sum of the six terms to the nearest multiple of 4",
-        |a, u, v| (sum_and(a, u, v, 0.0) / 4.0).round() * 4.0,
-    ),
-    polynomial(
-        "rounds the sum of the six terms down to a multiple of 5",
-        |a, u, v| (sum_and(a, u, v, 0.0) / 5.0).floor() * 5.0,
-    ),
-    polynomial(
-        "cuts the sum of the six terms to a multiple of 5, toward 0",
-        |a, u, v| (sum_and(a, u, v, 0.0) / 5.0).trunc() * 5.0,
-    ),
-    polynomial(
-        "rounds the sum of the six terms to the nearest multiple of 5",
-        |a, u, v| (sum_and(a, u, v, 0.0) / 5.0).round() * 5.0,
-    ),
-    polynomial(
-        "rounds the sum of the six terms down to a multiple of 8",
-        |a, u, v| (sum_and(a, u, v, 0.0) / 8.0).floor() * 8.0,
-    ),
-    polynomial(
-        "cuts the sum of the six terms to a multiple of 8, toward 0",
-        |a, u, v| (sum_and(a, u, v, 0.0) / 8.0).trunc() * 8.0,
-    ),
-    polynomial(
-        "rounds the sum of the six terms to the nearest multiple of 8",
-        |a, u, v| (sum_and(a, u, v, 0.0) / 8.0).round() * 8.0,
-    ),
+/// The multiple of a number that `rounding` finds.
+fn multiple(value: f64, of: i32, rounding: fn(f64) -> f64) -> f64 {
+    rounding(value / f64::from(of)) * f64::from(of)
+}
+
+/// A number that is added to a color.
+fn color_and(color: f64, more: i32) -> f64 {
+    (color + f64::from(more)).clamp(0.0, 255.0)
+}
+
+macro_rules! sums {
+    ($($more:literal)*) => {
+        &[$(
+            polynomial(concat!("adds ", $more, " to the sum of the six terms"), |a, u, v| {
+                sum_and(a, u, v, f64::from($more))
+            }),
+            polynomial(concat!("subtracts ", $more, " from the sum of the six terms"), |a, u, v| {
+                sum_and(a, u, v, -f64::from($more))
+            }),
+        )*]
+    };
+}
+
+/// A number added to the polynomial.
+static SUMS: &[Variant] = sums!(1 2 128 3 4 5 10);
+
+macro_rules! sums_in_steps {
+    ($($step:literal)*) => {
+        &[$(
+            polynomial(concat!("rounds the sum of the six terms down to a multiple of ", $step), |a, u, v| {
+                multiple(sum_and(a, u, v, 0.0), $step, f64::floor)
+            }),
+            polynomial(concat!("cuts the sum of the six terms to a multiple of ", $step, ", toward 0"), |a, u, v| {
+                multiple(sum_and(a, u, v, 0.0), $step, f64::trunc)
+            }),
+            polynomial(concat!("rounds the sum of the six terms to the nearest multiple of ", $step), |a, u, v| {
+                multiple(sum_and(a, u, v, 0.0), $step, f64::round)
+            }),
+        )*]
+    };
+}
+
+/// The polynomial in steps.
+static SUMS_IN_STEPS: &[Variant] = sums_in_steps!(2 4 5 8);
+
+/// Other coefficients.
+static COEFFICIENTS: &[Variant] = &[
     polynomial("halves negative coefficients", |a, u, v| {
         sum_of(a, u, v, |a| if a < 0.0 { a / 2.0 } else { a })
     }),
@@ -218,71 +176,54 @@ pub(in crate::diagnose) static VARIANTS: &[Variant] = &[
     polynomial("rounds coefficients to whole numbers", |a, u, v| {
         sum_of(a, u, v, f64::round)
     }),
-    limits("adds 2 to each color", |c| (c + 2.0).clamp(0.0, 255.0)),
-    limits("subtracts 2 from each color", |c| {
-        (c - 2.0).clamp(0.0, 255.0)
-    }),
-    limits("adds 3 to each color", |c| (c + 3.0).clamp(0.0, 255.0)),
-    limits("subtracts 3 from each color", |c| {
-        (c - 3.0).clamp(0.0, 255.0)
-    }),
-    limits("adds 4 to each color", |c| (c + 4.0).clamp(0.0, 255.0)),
-    limits("subtracts 4 from each color", |c| {
-        (c - 4.0).clamp(0.0, 255.0)
-    }),
-    limits("adds 5 to each color", |c| (c + 5.0).clamp(0.0, 255.0)),
-    limits("subtracts 5 from each color", |c| {
-        (c - 5.0).clamp(0.0, 255.0)
-    }),
-    limits("adds 10 to each color", |c| (c + 10.0).clamp(0.0, 255.0)),
-    limits("subtracts 10 from each color", |c| {
-        (c - 10.0).clamp(0.0, 255.0)
-    }),
-    limits("cuts colors to multiples of 4", |c| {
-        (c.clamp(0.0, 255.0) / 4.0).floor() * 4.0
-    }),
-    limits("cuts rounded colors to multiples of 4", |c| {
-        (c.round().clamp(0.0, 255.0) / 4.0).floor() * 4.0
-    }),
-    limits("rounds colors to multiples of 4", |c| {
-        ((c.clamp(0.0, 255.0) / 4.0).round() * 4.0).min(255.0)
-    }),
-    limits("cuts colors to multiples of 5", |c| {
-        (c.clamp(0.0, 255.0) / 5.0).floor() * 5.0
-    }),
-    limits("cuts rounded colors to multiples of 5", |c| {
-        (c.round().clamp(0.0, 255.0) / 5.0).floor() * 5.0
-    }),
-    limits("rounds colors to multiples of 5", |c| {
-        ((c.clamp(0.0, 255.0) / 5.0).round() * 5.0).min(255.0)
-    }),
-    limits("cuts colors to multiples of 8", |c| {
-        (c.clamp(0.0, 255.0) / 8.0).floor() * 8.0
-    }),
-    limits("cuts rounded colors to multiples of 8", |c| {
-        (c.round().clamp(0.0, 255.0) / 8.0).floor() * 8.0
-    }),
-    limits("rounds colors to multiples of 8", |c| {
-        ((c.clamp(0.0, 255.0) / 8.0).round() * 8.0).min(255.0)
-    }),
-    limits("cuts colors to multiples of 10", |c| {
-        (c.clamp(0.0, 255.0) / 10.0).floor() * 10.0
-    }),
-    limits("cuts rounded colors to multiples of 10", |c| {
-        (c.round().clamp(0.0, 255.0) / 10.0).floor() * 10.0
-    }),
-    limits("rounds colors to multiples of 10", |c| {
-        ((c.clamp(0.0, 255.0) / 10.0).round() * 10.0).min(255.0)
-    }),
-    limits("cuts colors to multiples of 16", |c| {
-        (c.clamp(0.0, 255.0) / 16.0).floor() * 16.0
-    }),
-    limits("cuts rounded colors to multiples of 16", |c| {
-        (c.round().clamp(0.0, 255.0) / 16.0).floor() * 16.0
-    }),
-    limits("rounds colors to multiples of 16", |c| {
-        ((c.clamp(0.0, 255.0) / 16.0).round() * 16.0).min(255.0)
-    }),
+];
+
+macro_rules! colors {
+    ($($more:literal)*) => {
+        &[$(
+            limits(concat!("adds ", $more, " to each color"), |c| color_and(c, $more)),
+            limits(concat!("subtracts ", $more, " from each color"), |c| color_and(c, -$more)),
+        )*]
+    };
+}
+
+/// A number added to colors.
+static COLORS: &[Variant] = colors!(2 3 4 5 10);
+
+macro_rules! colors_in_steps {
+    ($($step:literal)*) => {
+        &[$(
+            limits(concat!("cuts colors to multiples of ", $step), |c| {
+                multiple(c.clamp(0.0, 255.0), $step, f64::floor)
+            }),
+            limits(concat!("cuts rounded colors to multiples of ", $step), |c| {
+                multiple(c.round().clamp(0.0, 255.0), $step, f64::floor)
+            }),
+            limits(concat!("rounds colors to multiples of ", $step), |c| {
+                multiple(c.clamp(0.0, 255.0), $step, f64::round).min(255.0)
+            }),
+        )*]
+    };
+}
+
+/// Colors in steps.
+static COLORS_IN_STEPS: &[Variant] = colors_in_steps!(4 5 8 10 16);
+
+/// All of them.
+pub(in crate::diagnose) static VARIANTS: LazyLock<Vec<&Variant>> = LazyLock::new(|| {
+    let lists = [
+        SUMS,
+        SUMS_IN_STEPS,
+        COEFFICIENTS,
+        COLORS,
+        COLORS_IN_STEPS,
+        FORMULAS,
+    ];
+    lists.into_iter().flatten().collect()
+});
+
+/// The others.
+static FORMULAS: &[Variant] = &[
     limits("shows 0 for colors below 16", |c| {
         if c < 16.0 { 0.0 } else { c.min(255.0) }
     }),
