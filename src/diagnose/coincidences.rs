@@ -4,6 +4,7 @@ use std::collections::HashSet;
 
 use super::attribution::indispensable;
 use super::failure_mode::FailureMode;
+use super::mistake::Mistake;
 use super::search::{Found, Id, Search, of, without};
 use super::solved::Act;
 use super::witness::{Agreement, Witness};
@@ -65,8 +66,7 @@ fn drop_rare(search: &Search, found: &mut Found) {
     let set = of(&found.members);
     let failing = failing(search.witnesses);
     let keep = search.each(&set, |&id| {
-        let solved = search.mistakes[id].solved();
-        let is_index = solved.is_some_and(|solved| solved.act.is_of_indices());
+        let is_index = is_of_indices(&search.mistakes[id]);
         if search.mistakes[id].listed().is_none() && !is_index {
             return true;
         }
@@ -92,6 +92,12 @@ fn drop_rare(search: &Search, found: &mut Found) {
         explained == 0 || !is_rare && (explained > 3 * other || !is_denied())
     });
     found.keep(&keep);
+}
+
+/// Whether other entries of a table are looked up.
+fn is_of_indices(mistake: &Mistake) -> bool {
+    let solved = mistake.solved();
+    solved.is_some_and(|solved| solved.act.is_of_indices())
 }
 
 /// Whether colors alone show it.
@@ -164,8 +170,7 @@ fn drop_acceptances(search: &Search, found: &mut Found) {
         .collect();
     let keep = search.each(&set, |&id| {
         let mistake = &search.mistakes[id];
-        let is_index = (mistake.solved()).is_some_and(|solved| solved.act.is_of_indices());
-        if mistake.listed().is_none() && !is_index {
+        if mistake.listed().is_none() && !is_of_indices(mistake) {
             return true;
         }
         let of = failed.iter().copied().filter(|&w| explains(w, &[id]));
