@@ -44,6 +44,8 @@ pub(in crate::diagnose) enum Slip {
     FromNeighbor(i8, Undecoded),
     /// What stands in a list for the place of a plane in the order, not for its number.
     ByPlace(List),
+    /// A reference is inverted and moved as the entry of the plane so many numbers on says, where there is one.
+    TransformOfNeighbor(i8),
     /// A reference is inverted where that of any plane before was.
     StaysInverted,
     /// What an intra coded plane holds is inverted where its transform says so.
@@ -71,6 +73,14 @@ pub(in crate::diagnose) enum Slip {
     },
     /// Columns, or rows, are kept within the height, or the width.
     WithinOther {
+        axes: [bool; 2],
+    },
+    /// The second sample of a mean is the one before the first; of columns, of rows.
+    HalfBefore {
+        axes: [bool; 2],
+    },
+    /// Columns, or rows, are kept within all but the last one.
+    WithinLess {
         axes: [bool; 2],
     },
     Order(Order),
@@ -141,7 +151,10 @@ pub(in crate::diagnose) enum Vector {
     Without([bool; 2]),
     Absolute,
     Doubled,
-    Bits(u32),
+    /// Half of it, the floor of that.
+    Halved([bool; 2]),
+    /// So many bits of x, y or both.
+    Bits(u32, [bool; 2]),
     /// At least and at most so much; x, y or both.
     Within([i64; 2], [bool; 2]),
     /// x, y or both of the plane so many places before.
@@ -169,6 +182,10 @@ pub(in crate::diagnose) enum Half {
     OfY,
     Exchanged,
     PositiveOnly,
+    /// Of y alone.
+    NotOfX,
+    /// Of x alone.
+    NotOfY,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -224,7 +241,16 @@ pub(in crate::diagnose) enum Records {
     /// The same, if it is a single one.
     SingleOfPlaneBefore,
     ByColumns,
-    /// The same; what is beyond the last texel is the last.
+    /// The column times the height, and the row.
+    Transposed,
+    /// The lowest byte counts from −128 to 127, or without its highest bit.
+    LowSigned,
+    LowSevenBits,
+    /// So many records of a plane at the most.
+    AtMost(usize),
+    /// Those before the first with position 0.
+    UntilZero,
+    /// As `ByColumns`; what is beyond the last texel is the last.
     ByColumnsWithin,
     /// P1 counts 255 times.
     HighByte255,
@@ -247,6 +273,7 @@ struct Rules {
     is_intra_inverted: bool,
     by_place: Option<List>,
     stays_inverted: bool,
+    transform_neighbor: i8,
     is_inverted_by_reference: bool,
     is_moved_by_reference: bool,
     is_from_plane_before: bool,
@@ -259,6 +286,8 @@ struct Rules {
     borders: [Option<(Border, Reach)>; 4],
     first: [Option<bool>; 2],
     within_other: [bool; 2],
+    within_less: [bool; 2],
+    half_before: [bool; 2],
     order: Option<Order>,
     records: Option<Records>,
 }
@@ -286,6 +315,7 @@ impl Rules {
                 (self.from_neighbor, self.undecoded) = (by, undecoded);
             }
             Slip::ByPlace(list) => self.by_place = Some(list),
+            Slip::TransformOfNeighbor(by) => self.transform_neighbor = by,
             Slip::StaysInverted => self.stays_inverted = true,
             Slip::IntraInverted => self.is_intra_inverted = true,
             Slip::NotMoved => self.is_still = true,
@@ -307,6 +337,8 @@ impl Rules {
                 }
             }
             Slip::WithinOther { axes } => self.within_other = axes,
+            Slip::HalfBefore { axes } => self.half_before = axes,
+            Slip::WithinLess { axes } => self.within_less = axes,
             Slip::Order(order) => {
                 self.order = Some(order);
                 if let Order::IntraFirst(undecoded) = order {
@@ -327,6 +359,8 @@ impl Rules {
             || self.borders.iter().any(Option::is_some)
             || self.first.iter().any(Option::is_some)
             || self.within_other.contains(&true)
+            || self.within_less.contains(&true)
+            || self.half_before.contains(&true)
     }
 }
 
@@ -500,6 +534,10 @@ impl Coding {
                 step.moved = theirs.moved;
             }
         }
+        let neighbor = i.checked_add_signed(rules.transform_neighbor.into());
+        if let Some(theirs) = neighbor.and_then(|other| self.planes.get(other)) {
+            (step.inverted, step.moved) = (theirs.step.inverted, theirs.step.moved);
+        }
         if rules.by_place == Some(List::Transforms) {
             let listed = &self.planes[self.place(i)].step;
             (step.inverted, step.moved) = (listed.inverted, listed.moved);
@@ -594,7 +632,8 @@ impl Coding {
                 Some(Vector::Without(axes)) if axes[axis] => 0,
                 Some(Vector::Absolute) => part.abs(),
                 Some(Vector::Doubled) => 2 * *part,
-                Some(Vector::Bits(bits)) => *part << (64 - bits) >> (64 - bits),
+                Some(Vector::Halved(axes)) if axes[axis] => part.div_euclid(2),
+                Some(Vector::Bits(bits, axes)) if axes[axis] => *part << (64 - bits) >> (64 - bits),
                 Some(Vector::Within([least, most], axes)) if axes[axis] => {
                     (*part).clamp(least, most)
                 }
@@ -675,6 +714,9 @@ impl Coding {
                 Some(Records::HighByte255) => at - (at >> 8 & 255),
                 Some(Records::LaterFrom255) if at > 254 => at + 1,
                 Some(Records::ByColumns) => at % height * width + at / height,
+                Some(Records::Transposed) => at % width * height + at / width,
+                Some(Records::LowSigned) if at & 0x80 != 0 => at.wrapping_sub(256),
+                Some(Records::LowSevenBits) => at & !0x80,
                 Some(Records::RowsFromTop) if at < texels => {
                     (height - 1 - at / width) * width + at % width
                 }
@@ -699,6 +741,11 @@ impl Coding {
             Some(Records::Ignored) => records = &[],
             Some(Records::LastLost) if count > 1 => records = &records[..count - 1],
             Some(Records::FirstOnly) => records = &records[..count.min(1)],
+            Some(Records::AtMost(most)) => records = &records[..count.min(most)],
+            Some(Records::UntilZero) => {
+                let end = records.iter().position(|record| record[..4] == [0; 4]);
+                records = &records[..end.unwrap_or(count)];
+            }
             Some(Records::CountInByte) => records = &records[..count % 256],
             Some(Records::OfPlaneBefore) if count == 0 => records = self.records_before(i),
             Some(Records::SingleOfPlaneBefore) if count == 0 => {
@@ -770,15 +817,22 @@ impl Taps<'_> {
             Half::OfY => v[1] & 1 != 0,
             Half::Exchanged => v[1 - axis] & 1 != 0,
             Half::PositiveOnly => v[axis] % 2 == 1,
+            Half::NotOfX => axis == 1 && v[axis] & 1 != 0,
+            Half::NotOfY => axis == 0 && v[axis] & 1 != 0,
         };
         let mut first = from + whole;
         if let Some(but_one) = self.rules.first[axis] {
             let last = self.length(axis) - 1 - i64::from(but_one && self.length(axis) > 1);
             first = first.clamp(0, last);
         }
-        let mut places = [first, first + i64::from(half)];
+        let step = if self.rules.half_before[axis] { -1 } else { 1 };
+        let mut places = [first, first + step * i64::from(half)];
         if self.rules.within_other[axis] {
             let last = self.length(axis).min(self.length(1 - axis)) - 1;
+            places = places.map(|place| place.clamp(0, last));
+        }
+        if self.rules.within_less[axis] {
+            let last = (self.length(axis) - 2).max(0);
             places = places.map(|place| place.clamp(0, last));
         }
         (places, half)

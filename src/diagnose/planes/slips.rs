@@ -134,6 +134,7 @@ impl Slip {
             all.extend([-1, 1].map(|by| Slip::FromNeighbor(by, undecoded)));
         }
         all.extend([true, false].map(|inverted| Slip::ByReference { inverted }));
+        all.extend([-1, 1].map(Slip::TransformOfNeighbor));
         all.extend([0, 254, 1, 128, 127].map(|top| Slip::Inverse(Inverse::From(top))));
         let others = [
             Inverse::NoneOf(0),
@@ -160,9 +161,11 @@ impl Slip {
         all.extend(splits());
         all.extend(means());
         all.extend(borders());
+        all.extend(AXES.into_iter().rev().map(|axes| Slip::HalfBefore { axes }));
         for axes in AXES {
             all.extend([false, true].map(|but_one| Slip::FirstWithin { but_one, axes }));
             all.push(Slip::WithinOther { axes });
+            all.push(Slip::WithinLess { axes });
         }
         let orders = [
             Order::AsText,
@@ -191,6 +194,7 @@ impl Slip {
             | Slip::FromNeighbor(..)
             | Slip::ByPlace(List::Transforms)
             | Slip::StaysInverted
+            | Slip::TransformOfNeighbor(_)
             | Slip::Overwrites => is_predicted,
             Slip::Inverse(_) => is_predicted && step.inverted,
             Slip::IntraInverted => !is_predicted && step.inverted,
@@ -240,6 +244,14 @@ impl Slip {
                 _ => "keeps rows within the width of a plane, where its height belongs",
             }
             .to_owned(),
+            Slip::HalfBefore { axes } => format!(
+                "takes the sample before, along {}, for the second one of a mean, where the one behind belongs",
+                ["columns and rows", "columns", "rows"][place(axes)]
+            ),
+            Slip::WithinLess { axes } => format!(
+                "keeps the samples of a reference within all {} but the last one",
+                ["columns and rows", "columns", "rows"][place(axes)]
+            ),
             Slip::Order(order) => order.says(),
             Slip::Records(records) => records.says(),
             _ => self.says_plain().to_owned(),
@@ -258,6 +270,12 @@ impl Slip {
             }
             Slip::ByPlace(List::Records) => {
                 "takes the side information of a plane by its place in the order of decoding, where its number belongs"
+            }
+            Slip::TransformOfNeighbor(by) if by < 0 => {
+                "takes the transform of the plane before, where that of the plane belongs"
+            }
+            Slip::TransformOfNeighbor(_) => {
+                "takes the transform of the next plane, where that of the plane belongs"
             }
             Slip::StaysInverted => {
                 "inverts the references of all planes after the first that is inverted, in the order of decoding"
@@ -290,7 +308,7 @@ impl Slip {
             Slip::Inverse(_) => {
                 "where the plane's own transform has bit 1, its predictor is 255 − the reference, everywhere"
             }
-            Slip::ByReference { .. } | Slip::StaysInverted => {
+            Slip::ByReference { .. } | Slip::StaysInverted | Slip::TransformOfNeighbor(_) => {
                 "use the transform of the predicted plane"
             }
             Slip::ByPlace(_) => {
@@ -309,10 +327,13 @@ impl Slip {
             Slip::Split(..) => {
                 "by x and y alike: whole texels are the floor of half of it (v >> 1), and a half is left where it is odd (v & 1), below zero too"
             }
-            Slip::Mean { .. } => {
+            Slip::Mean { .. } | Slip::HalfBefore { .. } => {
                 "(a + b + 1) >> 1 of two samples, (a + b + c + d + 2) >> 2 of four, in more than eight bits"
             }
-            Slip::Border { .. } | Slip::FirstWithin { .. } | Slip::WithinOther { .. } => {
+            Slip::Border { .. }
+            | Slip::FirstWithin { .. }
+            | Slip::WithinOther { .. }
+            | Slip::WithinLess { .. } => {
                 "clamp each column to 0 … width − 1 and each row to 0 … height − 1, for each sample of a mean by itself"
             }
             Slip::Order(_) => {
@@ -331,9 +352,10 @@ impl Slip {
             Slip::Shifted(_) => "2.9.8/3",
             Slip::Sum(_) | Slip::Overwrites => "2.9.5/4",
             Slip::Inverse(_) => "2.9.2/3",
-            Slip::ByReference { .. } | Slip::ByPlace(List::Transforms) | Slip::StaysInverted => {
-                "2.9.2/1"
-            }
+            Slip::ByReference { .. }
+            | Slip::ByPlace(List::Transforms)
+            | Slip::StaysInverted
+            | Slip::TransformOfNeighbor(_) => "2.9.2/1",
             Slip::FromPlaneBefore(_) | Slip::FromNeighbor(..) => "2.9.5/1",
             Slip::IntraInverted => "2.9.5/2",
             Slip::NotMoved => "2.9.2/4",
@@ -346,12 +368,18 @@ impl Slip {
                 | Vector::FromEnd(_),
             ) => "2.9.3/1",
             Slip::Vector(_) | Slip::Split(..) => "2.9.3/2",
-            Slip::Mean { .. } => "2.9.3/5",
-            Slip::Border { .. } | Slip::FirstWithin { .. } | Slip::WithinOther { .. } => "2.9.3/6",
+            Slip::Mean { .. } | Slip::HalfBefore { .. } => "2.9.3/5",
+            Slip::Border { .. }
+            | Slip::FirstWithin { .. }
+            | Slip::WithinOther { .. }
+            | Slip::WithinLess { .. } => "2.9.3/6",
             Slip::Order(_) => "2.9.4/2",
             Slip::Records(Records::Bytes(_)) => "2.9.8/5",
             Slip::Records(
                 Records::ByColumns
+                | Records::Transposed
+                | Records::LowSigned
+                | Records::LowSevenBits
                 | Records::ByColumnsWithin
                 | Records::HighByte255
                 | Records::LaterFrom255
@@ -497,10 +525,15 @@ impl Vector {
         let limits = limits.flat_map(|most| [[-most, most - 1], [-most, most], [i64::MIN, most]]);
         let within = limits.flat_map(|limits| AXES.map(|axes| Vector::Within(limits, axes)));
         // Many explain the same: the widest first.
-        let bits = (3..=31).rev().map(Vector::Bits);
+        let bits = (3..=31).rev().map(|bits| Vector::Bits(bits, [true, true]));
+        let bits_of_one = [[true, false], [false, true]].into_iter();
+        let bits_of_one = bits_of_one
+            .flat_map(|axes| [16, 8, 7, 6, 5, 4].map(move |bits| Vector::Bits(bits, axes)));
+        let halved = AXES.into_iter().map(Vector::Halved);
         (plain.chain(some).chain(without).chain(from_end))
             .chain(copied)
-            .chain(earlier.chain(within).chain(bits))
+            .chain(halved)
+            .chain(earlier.chain(within).chain(bits).chain(bits_of_one))
     }
 
     fn says(self) -> String {
@@ -515,7 +548,13 @@ impl Vector {
             Vector::Copied(_) => "takes y of a vector for x too".to_owned(),
             Vector::Absolute => "loses the sign of vectors".to_owned(),
             Vector::Doubled => "takes whole texels for half texels".to_owned(),
-            Vector::Bits(bits) => format!("keeps x and y of a vector in {bits} bits"),
+            Vector::Halved(axes) => format!(
+                "halves {} of a vector once more than half texels ask for",
+                parts(axes)
+            ),
+            Vector::Bits(bits, axes) => {
+                format!("keeps {} of a vector in {bits} bits", parts(axes))
+            }
             Vector::Within([i64::MIN, most], axes) => {
                 format!("limits {} of a vector to {most} at the most", parts(axes))
             }
@@ -549,6 +588,8 @@ fn splits() -> impl Iterator<Item = Slip> {
     let halves = [
         Half::Own,
         Half::None,
+        Half::NotOfX,
+        Half::NotOfY,
         Half::PositiveOnly,
         Half::OfX,
         Half::OfY,
@@ -576,6 +617,8 @@ fn says_split(whole: Whole, half: Half) -> String {
     let half = match half {
         Half::Own => "",
         Half::None => "loses the halves of vectors",
+        Half::NotOfX => "loses the half of x",
+        Half::NotOfY => "loses the half of y",
         Half::PositiveOnly => "loses the half of negative odd vectors",
         Half::OfX => "takes the half of x for y too",
         Half::OfY => "takes the half of y for x too",
@@ -710,7 +753,11 @@ impl Records {
             Records::OfPlaneBefore,
             Records::SingleOfPlaneBefore,
             Records::ByColumns,
+            Records::Transposed,
             Records::ByColumnsWithin,
+            Records::LowSigned,
+            Records::LowSevenBits,
+            Records::UntilZero,
             Records::HighByte255,
             Records::LaterFrom255,
             Records::RowsFromTop,
@@ -718,6 +765,8 @@ impl Records {
             Records::OneEarlier,
         ];
         all.extend([1, 255].map(Records::Plus));
+        let most = [2, 3, 4, 5, 8, 10, 16, 32, 50, 51, 64, 100, 128, 255, 256];
+        all.extend(most.map(Records::AtMost));
         let each = |from: u8| (0..4).map(move |byte| (from, byte));
         // One byte lost; the low ones alone; two exchanged; the other order.
         let orders =
@@ -772,6 +821,11 @@ impl Records {
                 "corrects a plane without records with the record of a plane before, where that has a single one".to_owned()
             }
             Records::ByColumns => "counts the positions of records down the columns".to_owned(),
+            Records::Transposed => "corrects the sample at column · height + row, where row · width + column belongs".to_owned(),
+            Records::LowSigned => "takes P0 of a position for a signed byte".to_owned(),
+            Records::LowSevenBits => "loses the highest bit of P0 of a position".to_owned(),
+            Records::AtMost(most) => format!("reads {most} records of a plane at the most"),
+            Records::UntilZero => "ends the records of a plane before the first whose position is 0".to_owned(),
             Records::ByColumnsWithin => "counts the positions of records down the columns, and takes the last texel for those beyond it".to_owned(),
             Records::HighByte255 => "counts P1 of a position 255 times, where 256 belongs".to_owned(),
             Records::LaterFrom255 => "counts the positions of records one too high, from 255 on".to_owned(),
