@@ -168,6 +168,18 @@ const STREAM_ROWS: &[Row] = &[
     ("of streams with sampling factors other than 1x1", |b| {
         b.stream.sampling != (1, 1)
     }),
+    (
+        "of streams with a restart interval of more than 255 blocks",
+        |b| b.stream.restart_interval > 255,
+    ),
+    (
+        "of streams whose component has another number than 1",
+        |b| b.stream.component != 1,
+    ),
+    (
+        "of streams whose frame header stands before the tables",
+        |b| b.stream.frame_moved,
+    ),
     ("of streams without JFIF", |b| !b.stream.jfif),
     ("of streams with several tables in one segment", |b| {
         b.stream.tables_together
@@ -178,6 +190,14 @@ const STREAM_ROWS: &[Row] = &[
     (
         "of streams whose quantization table has another number than 0",
         |b| b.stream.table_numbers.is_some_and(|[q, _, _]| q > 0),
+    ),
+    (
+        "of streams that use a Huffman table with another number than 0",
+        |b| (b.stream.table_numbers).is_some_and(|[_, dc, ac]| dc.max(ac) > 0),
+    ),
+    (
+        "of streams that use a Huffman table with the number 2 or 3",
+        |b| (b.stream.table_numbers).is_some_and(|[_, dc, ac]| dc.max(ac) > 1),
     ),
     (
         "of streams whose Huffman tables for DC and AC have different numbers",

@@ -13,6 +13,7 @@ pub(super) struct Sample {
     scan: ScanTrace,
     width: usize,
     presets: Option<PresetParameters>,
+    stream: Stream,
 }
 
 /// All features of samples, the plainer ones first.
@@ -33,6 +34,7 @@ pub(super) fn samples(
         scan,
         width,
         presets,
+        stream,
     };
     traced.into_iter().map(sample).collect()
 }
@@ -73,6 +75,14 @@ type Row = (&'static str, fn(&Sample) -> bool);
 const STREAM_ROWS: &[Row] = &[
     ("of streams with a loss (NEAR over 0)", |s| s.scan.near > 0),
     ("of streams with presets (LSE)", |s| s.presets.is_some()),
+    (
+        "of streams whose component has another number than 1",
+        |s| s.stream.component != 1,
+    ),
+    (
+        "of streams whose presets (LSE) stand before the frame header",
+        |s| s.presets.is_some() && s.stream.frame_moved,
+    ),
     ("of streams with a RESET other than 64", |s| {
         s.scan.reset != 64
     }),

@@ -102,6 +102,8 @@ pub(in crate::diagnose) struct Rules {
     pub(in crate::diagnose) is_keeping: bool,
     /// Whether the byte behind 0xFF at this place of the data carries seven bits.
     is_stuffed: fn(usize) -> bool,
+    /// Whether a byte 00 behind 0xFF is dropped, as JPEG has it.
+    drops_zeros: bool,
     neighbors: fn(&Plane, usize, usize) -> [i32; 4],
     /// The region of a gradient.
     region: fn(&Scan, i32) -> i32,
@@ -133,6 +135,8 @@ pub(in crate::diagnose) struct Rules {
     is_run_full: fn(i32, i32) -> bool,
     /// Whether counters are halved before the error is added to them.
     is_halved_first: bool,
+    /// What A and B grow by: the error and 2·NEAR + 1.
+    learn_a: fn(i32, i32) -> i32,
     learn_b: fn(i32, i32) -> i32,
     halve_b: fn(i32) -> i32,
     halve_a: fn(i32) -> i32,
@@ -151,6 +155,8 @@ pub(in crate::diagnose) struct Rules {
     start_row: fn(usize) -> usize,
     /// Whether whole pieces of a run are filled with the samples above.
     is_piece_of_above: bool,
+    /// The largest `RUNindex`.
+    most_run_index: usize,
     /// What a run that the row cuts short, and one that fills the row, add to `RUNindex`.
     partial_counts: isize,
     full_counts: isize,
@@ -291,6 +297,7 @@ pub(in crate::diagnose) const RIGHT: Rules = Rules {
     keeps: (false, false, false),
     is_keeping: false,
     is_stuffed: |_| true,
+    drops_zeros: false,
     neighbors: Plane::neighbors,
     region,
     gradients: |[a, b, c, d]| [d - b, b - c, c - a],
@@ -311,6 +318,7 @@ pub(in crate::diagnose) const RIGHT: Rules = Rules {
     is_full: |n, reset| n == reset,
     is_run_full: |n, reset| n == reset,
     is_halved_first: false,
+    learn_a: |error, _| error.abs(),
     learn_b: |error, step| error * step,
     halve_b: |b| b >> 1,
     halve_a: |a| a >> 1,
@@ -323,6 +331,7 @@ pub(in crate::diagnose) const RIGHT: Rules = Rules {
     typo: (0, 0, true, true),
     start_row: |index| index,
     is_piece_of_above: false,
+    most_run_index: 31,
     partial_counts: 0,
     full_counts: 1,
     is_early_b: false,
@@ -348,6 +357,7 @@ struct Bits<'a> {
     at: usize,
     unread: u32,
     is_stuffed: fn(usize) -> bool,
+    drops_zeros: bool,
 }
 
 impl Bits<'_> {
@@ -362,6 +372,10 @@ impl Bits<'_> {
                     .is_none_or(|&next| next >> 7 == 1)
             {
                 return None;
+            }
+            if after_ff && byte == 0 && self.drops_zeros {
+                self.at += 1;
+                return self.bit();
             }
             let is_stuffed = after_ff && (self.is_stuffed)(self.at);
             self.unread = if is_stuffed { 7 } else { 8 };
@@ -476,6 +490,7 @@ pub(in crate::diagnose) fn decode(
             at: 0,
             unread: 0,
             is_stuffed: rules.is_stuffed,
+            drops_zeros: rules.drops_zeros,
         },
         plane: Plane {
             width: stream.size.width as usize,
@@ -584,7 +599,7 @@ impl Decoder<'_> {
             context.halve(rules);
         }
         context.b = (rules.store_b)(context.b + (rules.learn_b)(error, scan.step));
-        context.a = (rules.store_a)(context.a + error.abs());
+        context.a = (rules.store_a)(context.a + (rules.learn_a)(error, scan.step));
         if !rules.is_halved_first && is_full {
             context.halve(rules);
         }
@@ -603,7 +618,7 @@ impl Decoder<'_> {
                 let index = self
                     .run_index
                     .saturating_add_signed(self.rules.partial_counts);
-                self.run_index = index.min(31);
+                self.run_index = index.min(self.rules.most_run_index);
                 return Some([left; 2]);
             }
             run += piece;
@@ -612,7 +627,8 @@ impl Decoder<'_> {
             } else {
                 1
             };
-            self.run_index = self.run_index.saturating_add_signed(adds).min(31);
+            let index = self.run_index.saturating_add_signed(adds);
+            self.run_index = index.min(self.rules.most_run_index);
             if run == left {
                 return Some([left; 2]);
             }
@@ -755,8 +771,24 @@ macro_rules! constants {
     };
 }
 
+macro_rules! lossless_constants {
+    ($($name:literal $place:literal: $($number:literal)*;)*) => {
+        slips! {in "the default thresholds (T.87 C.2.4.1.1)": $($(
+            concat!("takes ", $number, " for the default ", $name, " where NEAR is 0"), |r| r.thresholds = |s, m, n| {
+                let mut own = [None; 3];
+                own[$place] = (n == 0).then_some($number);
+                with_defaults(s, m, n, own)
+            };
+        )*)*}
+    };
+}
+
 /// Defaults that are one number.
 static CONSTANTS: &[Slip<Rules>] = constants!("T1" 0: 2 3 4; "T2" 1: 6 7 8; "T3" 2: 20 21 22;);
+
+/// Wrong ones of lossless streams alone.
+static LOSSLESS_CONSTANTS: &[Slip<Rules>] =
+    lossless_constants!("T1" 0: 2 4; "T2" 1: 6 8; "T3" 2: 20 22;);
 
 /// Other factors of NEAR.
 const FACTORS: [&[Slip<Rules>]; 3] = [
@@ -834,6 +866,7 @@ pub(in crate::diagnose) static LISTS: &[&[Slip<Rules>]] = &[
     BASES[1],
     BASES[2],
     CONSTANTS,
+    LOSSLESS_CONSTANTS,
     LIMITS,
     C_LIMITS,
     WRONG_ENTRIES,
@@ -924,7 +957,8 @@ static SLIPS: &[Slip<Rules>] = slips! {
     "uses only the stored T1, and computes T2 and T3", |r| r.thresholds = |stored, maxval, near| thresholds([stored[0], 0, 0], maxval, near);
     "uses default thresholds, whatever an LSE segment says", |r| r.thresholds = |_, maxval, near| thresholds([0; 3], maxval, near);
     "takes 256 for RANGE, whatever NEAR is", |r| r.range = |_, _| 256;
-    "takes 255 for RANGE", |r| r.range = |maxval, near| (maxval + 2 * near) / (2 * near + 1);
+    "takes 255 for RANGE, whatever NEAR is", |r| r.range = |_, _| 255;
+    "computes RANGE one too small: (MAXVAL + 2·NEAR) / (2·NEAR + 1), without + 1", |r| r.range = |maxval, near| (maxval + 2 * near) / (2 * near + 1);
     "takes 8 for qbpp, whatever RANGE is", |r| r.qbpp = |_| 8;
     "computes qbpp one too small where RANGE is no power of two", |r| r.qbpp = |range| range.max(2).ilog2();
     "takes 24 for LIMIT", |r| r.limit = |_, _| 24;
@@ -1004,6 +1038,7 @@ static SLIPS: &[Slip<Rules>] = slips! {
     "never halves the counters of a context, in regular mode alone", |r| r.is_full = |_, _| false;
     "never halves the counters of a context of runs", |r| r.is_run_full = |_, _| false;
     "halves the counters of a context before it adds an error to them, in regular mode", |r| r.is_halved_first = true;
+    "adds errors to A with the factor 2·NEAR + 1, which only B has", |r| r.learn_a = |error, step| error.abs() * step;
     "halves B toward 0 where it is rounded down", |r| r.halve_b = |b| b / 2;
     "does not halve B", |r| r.halve_b = |b| b;
     "does not halve A", |r| r.halve_a = |a| a;
@@ -1018,6 +1053,7 @@ static SLIPS: &[Slip<Rules>] = slips! {
     "does not limit B after C took over (B ≤ 0)", |r| r.correction = |b, c, n| if b > 0 { (b - n, (c + 1).min(127)) } else { correction(b, c, n) };
     "does not limit B after C took over", |r| r.correction = |b, c, n| if b <= -n { (b + n, (c - 1).max(-128)) } else if b > 0 { (b - n, (c + 1).min(127)) } else { (b, c) };
     "lowers C by B < −N where ≤ belongs", |r| r.correction = |b, c, n| if b == -n { (b, c) } else { correction(b, c, n) };
+    "raises C by B > 1 where B > 0 belongs", |r| r.correction = |b, c, n| if b == 1 { (b, c) } else { correction(b, c, n) };
     "raises C by B ≥ 0 where > belongs", |r| r.correction = |b, c, n| if b == 0 { ((b - n).min(0), (c + 1).min(127)) } else { correction(b, c, n) };
     "limits B to −N where 1 − N belongs", |r| r.correction = |b, c, n| if b <= -n { ((b + n).max(-n), (c - 1).max(-128)) } else { correction(b, c, n) };
     "never changes C", |r| r.correction = |b, c, n| (correction(b, c, n).0, c);
@@ -1055,6 +1091,11 @@ static SLIPS: &[Slip<Rules>] = slips! {
     "reads the table J one entry too late", |r| r.j = |i| J[(i + 1).min(31)];
     "reads the table J one entry too early", |r| r.j = |i| J[i.saturating_sub(1)];
     "has J = RUNindex / 4", |r| r.j = |i| i as u32 / 4;
+    "stops RUNindex at 30", |r| r.most_run_index = 30;
+    "stops RUNindex at 15", |r| r.most_run_index = 15;
+    "stops RUNindex at 16", |r| r.most_run_index = 16;
+    "stops RUNindex at 7", |r| r.most_run_index = 7;
+    "stops RUNindex at 8", |r| r.most_run_index = 8;
     "stops J at 4", |r| r.j = |i| J[i].min(4);
     "takes a and b for alike at the end of a run only where they are equal, whatever NEAR is", |r| r.is_alike = |difference, _| difference == 0;
     "takes a and b for alike at the end of a run by |a − b| < NEAR where ≤ belongs", |r| r.is_alike = |difference, near| difference.abs() < near.max(1);
@@ -1087,6 +1128,7 @@ static SLIPS: &[Slip<Rules>] = slips! {
     "adds (number + 1) / 2 to A at the end of a run, without − RItype", |r| r.run_growth = |number, _, _| (number + 1) >> 1;
     "adds the number to A at the end of a run, not half of it", |r| r.run_growth = |number, kind, _| number + 1 - kind;
     "adds the magnitude of the error to A at the end of a run, where (number + 1 − RItype) / 2 belongs", |r| r.run_growth = |_, _, error| error.abs();
+    "adds (number − RItype) / 2 to A at the end of a run, without + 1", |r| r.run_growth = |number, kind, _| (number - kind) >> 1;
     "adds number / 2 to A at the end of a run", |r| r.run_growth = |number, _, _| number >> 1;
     "does not halve Nn", |r| r.halve_negative = |negative| negative;
     in "the start of a scan (T.87 A.2, A.8)":
@@ -1100,6 +1142,7 @@ static SLIPS: &[Slip<Rules>] = slips! {
     "keeps thresholds of the stream before", |r| { r.keep_presets = |before, own| if [own.t1, own.t2, own.t3] == [0; 3] { PresetParameters { t1: before.t1, t2: before.t2, t3: before.t3, ..own } } else { own }; r.is_keeping = true; };
     in "the bits of the data (T.87 9.1)":
     "takes the byte behind 0xFF whole, with its stuffed bit", |r| r.is_stuffed = |_| false;
+    "drops a byte 00 behind 0xFF, as JPEG has it", |r| r.drops_zeros = true;
     "drops the stuffed bit behind 0xFF only at odd places", |r| r.is_stuffed = |at| at % 2 == 1;
     "drops the stuffed bit behind 0xFF only at even places", |r| r.is_stuffed = |at| at % 2 == 0;
     "does not drop the stuffed bit behind 0xFF at places that are multiples of 4", |r| r.is_stuffed = |at| at % 4 != 0;

@@ -190,7 +190,10 @@ impl Separation {
             ),
         };
         let (sign, what) = match self.wrong[0] {
-            0 => (",", format!("{places} {feature}")),
+            0 => match feature.strip_prefix("of streams") {
+                Some(rest) => (",", format!("streams{rest}")),
+                None => (",", format!("{places} {feature}")),
+            },
             _ => (";", format!("such {places}")),
         };
         match self.refused[0] {
