@@ -5,6 +5,7 @@
 //! what the failing files share tells in which files the mistake is made.
 
 use std::cmp::Reverse;
+use std::collections::BTreeSet;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use super::codecs::evidence::CODECS;
@@ -12,7 +13,7 @@ use super::codecs::fits::fitting;
 use super::codecs::stream_slips::StreamSlip;
 use super::files::scope::Scope;
 use super::files::shared::shared;
-use super::layout::indices::Index;
+use super::layout::indices::{Index, IndexBlock};
 use super::layout::strides::Strides;
 use super::layout::table_layouts::TableLayout;
 use super::mistake::Mistake;
@@ -118,12 +119,11 @@ fn looked_up(search: &mut Search, set: &Set, left: &[usize]) {
     let has_table = |w: &usize| search.witnesses[*w].case.format().has_table();
     let tables: Vec<usize> = left.iter().copied().filter(has_table).collect();
     let layouts = TableLayout::all().map(Act::Table);
-    try_all(
-        search,
-        set,
-        &tables,
-        layouts.chain(Index::all().map(Act::Index)),
-    );
+    let blocks = search.witnesses.iter().filter_map(IndexBlock::of);
+    let entries: BTreeSet<usize> = blocks.map(|block| block.entries().len()).collect();
+    let entries: Vec<usize> = entries.into_iter().collect();
+    let indices = Index::widths(&entries).chain(Index::all());
+    try_all(search, set, &tables, layouts.chain(indices.map(Act::Index)));
 }
 
 /// Adds slips in the decoders of streams; returns those that are made together.

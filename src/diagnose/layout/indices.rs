@@ -22,6 +22,8 @@ pub(in crate::diagnose) enum Index {
     Rule(usize),
     /// The number of texels, not of entries, decides whether it has one byte or two.
     WidthByTexels,
+    /// Two bytes in tables of so many entries and more, one in those of so many and fewer; no file lies between them.
+    WidthFrom { from: usize, below: usize },
 }
 
 /// What is looked up instead of index i of n entries, in words and as a function.
@@ -92,6 +94,8 @@ pub(in crate::diagnose) enum Join {
     SumShiftedIn16Bits,
     /// Only so many of the 16 bits.
     Bits(u32),
+    /// The low byte counts from −128 to 127.
+    LowSigned,
     /// The high byte alone.
     High,
     /// low ^ high
@@ -132,6 +136,7 @@ impl Join {
         let others = [
             Join::SumShifted,
             Join::SumShiftedIn16Bits,
+            Join::LowSigned,
             Join::High,
             Join::Xor,
             Join::Product,
@@ -156,6 +161,7 @@ impl Join {
             Join::SumShifted => (low + high) << 8,
             Join::SumShiftedIn16Bits => (low + high) << 8 & 0xffff,
             Join::Bits(count) => (low + high * 256) & ((1 << count) - 1),
+            Join::LowSigned => i64::from(low as i8) + high * 256,
             Join::High => high,
             Join::Xor => low ^ high,
             Join::Product => low * high,
@@ -173,6 +179,7 @@ impl Join {
             }
             Join::SumShiftedIn16Bits => "(low + high) · 256 in 16 bits, as `low + high << 8` is read where + binds more tightly than <<".to_owned(),
             Join::Bits(count) => format!("its lowest {count} bits alone"),
+            Join::LowSigned => "low + high · 256 with a signed low byte".to_owned(),
             Join::High => "the high byte alone".to_owned(),
             Join::Xor => "low ^ high".to_owned(),
             Join::Product => "low · high".to_owned(),
@@ -192,7 +199,7 @@ impl Index {
 
     fn of(&self, right: u32, entries: usize) -> i64 {
         match self {
-            Index::WidthByTexels => right.into(),
+            Index::WidthByTexels | Index::WidthFrom { .. } => right.into(),
             Index::Rule(rule) => RULES[*rule].1(right.into(), entries as i64),
             Index::Changed(change) => change.apply(f64::from(right), Values::Reals) as i64,
             Index::Joined([join, offset, limit]) => {
@@ -201,6 +208,16 @@ impl Index {
                 LIMITS[*limit].1(joined, entries as i64)
             }
         }
+    }
+
+    /// All widths that depend on the number of entries and not as they should, where tables have so many entries, in order.
+    pub fn widths(entries: &[usize]) -> impl Iterator<Item = Index> {
+        let below = std::iter::once(0).chain(entries.iter().copied());
+        let is_wrong = |&(below, from): &(usize, usize)| below > 256 || from <= 256;
+        below
+            .zip(entries.iter().copied())
+            .filter(is_wrong)
+            .map(|(below, from)| Index::WidthFrom { from, below })
     }
 
     /// As a sentence without its subject.
@@ -217,6 +234,12 @@ impl Index {
             ),
             Index::Rule(rule) => format!("looks up {} in the table", RULES[*rule].0),
             Index::WidthByTexels => "uses one byte for an index in maps of up to 256 texels and two bytes in larger ones".to_owned(),
+            Index::WidthFrom { from, below: 0 } => {
+                format!("uses two bytes for an index also in tables of {from} entries")
+            }
+            Index::WidthFrom { from, below } => format!(
+                "uses two bytes for an index in tables of {from} entries and more, and one byte in those of {below} and fewer"
+            ),
             Index::Joined([join, offset, limit]) => format!(
                 "joins the two bytes of an index wrongly: {}{}{} instead of low + high · 256",
                 JOINS[*join].says(),
@@ -231,7 +254,7 @@ impl Index {
             Index::Changed(_) | Index::Rule(_) => {
                 "index 0 names the first entry of the table; take indices as they are stored"
             }
-            Index::WidthByTexels => {
+            Index::WidthByTexels | Index::WidthFrom { .. } => {
                 "use one byte for up to 256 entries and two bytes for more; the number of entries decides"
             }
             Index::Joined(_) => {
@@ -243,7 +266,7 @@ impl Index {
     pub const fn clause(&self) -> &'static str {
         match self {
             Index::Changed(_) | Index::Rule(_) => "2.8/1",
-            Index::Joined(_) | Index::WidthByTexels => "2.8.1/3",
+            Index::Joined(_) | Index::WidthByTexels | Index::WidthFrom { .. } => "2.8.1/3",
         }
     }
 }
@@ -334,8 +357,13 @@ pub(in crate::diagnose) fn look_up(
     let Some(indices) = IndexBlock::of(witness) else {
         return Ok(());
     };
-    if *index == Index::WidthByTexels {
-        return read_by_texels(ptm, witness, indices);
+    let width = match *index {
+        Index::WidthByTexels => Some(ptm.planes.size.texels() > 256),
+        Index::WidthFrom { from, .. } => Some(indices.entries().len() >= from),
+        _ => None,
+    };
+    if let Some(is_wide) = width {
+        return read_as_wide(ptm, witness, indices, if is_wide { 2 } else { 1 });
     }
     if matches!(index, Index::Joined(_)) && indices.bytes == 1 {
         return Ok(());
@@ -347,10 +375,15 @@ pub(in crate::diagnose) fn look_up(
     })
 }
 
-/// Indices whose width follows from the number of texels, and the colors behind them, which stand elsewhere then.
-fn read_by_texels(ptm: &mut Ptm, witness: &Witness, mut indices: IndexBlock) -> Result<(), Answer> {
+/// Indices of so many bytes, and the colors behind them, which stand elsewhere then.
+fn read_as_wide(
+    ptm: &mut Ptm,
+    witness: &Witness,
+    mut indices: IndexBlock,
+    bytes: usize,
+) -> Result<(), Answer> {
     let size = ptm.planes.size;
-    indices.bytes = if size.texels() <= 256 { 1 } else { 2 };
+    indices.bytes = bytes;
     let colors = indices.start + size.texels() * indices.bytes;
     let of_colors = ptm.planes.shape.channels() - indices.size;
     if indices.file.len() < colors + size.texels() * of_colors {
