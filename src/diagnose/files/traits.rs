@@ -290,6 +290,10 @@ const OF_BYTES: &[Row] = &[
     ("whose first byte after the header is a tab", |f| {
         f.first(|byte| byte == b'\t')
     }),
+    (
+        "whose first byte after the header is a tab or a carriage return",
+        |f| f.first(|byte| matches!(byte, b'\t' | b'\r')),
+    ),
     ("whose first byte after the header is zero", |f| {
         f.first(|byte| byte == 0)
     }),
@@ -360,6 +364,10 @@ const OF_NUMBERS: &[(&str, fn(&str) -> bool)] = &[
     ("that begins with its decimal point", |text| {
         text.trim_start_matches(['+', '-']).starts_with('.')
     }),
+    (
+        "that begins with its decimal point, without a sign",
+        |text| text.starts_with('.'),
+    ),
     ("that ends in its decimal point", |text| text.ends_with('.')),
     ("that begins or ends with its decimal point", |text| {
         text.trim_start_matches(['+', '-']).starts_with('.') || text.ends_with('.')
@@ -614,11 +622,13 @@ fn all_traits() -> Vec<Trait> {
         holds: Box::new(holds),
     };
     let both = |&(says, opposite, holds): &Pair| {
+        // How a file is spelled is known where it was made of a recipe.
+        let is_known = |facts: &Facts| facts.size.is_some() && facts.recipe.is_some();
         let not = (!opposite.is_empty()).then(|| Trait {
             says: opposite.to_owned(),
             is_view: false,
             clause: None,
-            holds: Box::new(move |facts| facts.size.is_some() && !holds(facts)),
+            holds: Box::new(move |facts| is_known(facts) && !holds(facts)),
         });
         [Some(row(&(says, holds))), not].into_iter().flatten()
     };
