@@ -50,8 +50,13 @@ pub(super) fn attribute(search: &Search, found: &Found) -> (Vec<(Id, Diagnosis)>
         .filter_map(|whole| of_whole(search, &whole, &found.members, &mut shares, &mut left))
         .collect();
     for (member, share) in found.members.iter().zip(&mut shares) {
-        if is_denied_guess(search, member, share) {
+        if is_denied_guess(search, member, share) || is_within_tolerance(search, member, share) {
             left.append(&mut share.explains);
+        }
+    }
+    for place in 0..shares.len() {
+        if is_denied_beside(search, &set, &shares, place) {
+            left.append(&mut shares[place].explains);
         }
     }
     let members = found.members.iter().zip(shares);
@@ -109,6 +114,44 @@ fn is_denied_guess(search: &Search, member: &Member, share: &Share) -> bool {
     let is_guess =
         || acceptances::all_that_shows(search.witnesses, &share.explains, misreading).is_some();
     against > share.explains.len() || against > 0 && is_guess()
+}
+
+/// Of fewer files of JPEG nothing is said that a picture within the tolerance shows as well.
+const FEWEST_OF_JPEG: usize = 4;
+
+/// Whether a mistake in stored values speaks for itself in a few files of JPEG alone, whose values differ within the tolerance.
+fn is_within_tolerance(search: &Search, member: &Member, share: &Share) -> bool {
+    let is_of_values = || {
+        let solved = search.mistakes[member.id].solved();
+        solved.is_some_and(|solved| matches!(solved.act, Act::Stored { .. }))
+    };
+    let format = |w: usize| search.witnesses[w].case.format();
+    let is_jpeg = |&w: &usize| format(w).is_compressed() && !format(w).is_jpeg_ls();
+    share.explains.len() < FEWEST_OF_JPEG && share.explains.iter().all(is_jpeg) && is_of_values()
+}
+
+/// Failing files that are asked whether they deny a mistake beside another.
+const ASKED: usize = 64;
+
+/// Whether more of the files that another mistake explains by itself speak against this one than files for it: in a decoder
+/// that made both, these would be wrong otherwise.
+fn is_denied_beside(search: &Search, set: &[Id], shares: &[Share], place: usize) -> bool {
+    let own = shares[place].explains.len();
+    let others = (0..shares.len()).filter(|&other| {
+        let share = &shares[other];
+        other != place && share.explains.len() > own
+    });
+    let pairs = others.flat_map(|other| {
+        let files = search.smallest(&shares[other].explains, ASKED);
+        files.into_iter().map(move |w| (other, w))
+    });
+    let denied = search.each(&pairs.collect::<Vec<_>>(), |&(other, w)| {
+        let both = [set[other], set[place]];
+        search.made(w, &both) != search.made(w, &both[..1])
+            && search.agreement(w, &both[..1]).explains()
+            && !search.agreement(w, &both).explains()
+    });
+    own > 0 && denied.into_iter().filter(|denied| *denied).count() > own
 }
 
 /// Pictures that are wrong otherwise than this mistake alone would make them, of the formats of those that it explains.
