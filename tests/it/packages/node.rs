@@ -16,7 +16,7 @@ fn said(command: &mut Command) -> String {
     String::from_utf8_lossy(&output.stdout).into_owned()
 }
 
-/// Builds the package, with the reference as it is released.
+/// Builds the package; its reference is not optimized as it is released, which takes longer than all that is tried here.
 fn build(package: &Path) {
     let directory = concat!(env!("CARGO_TARGET_TMPDIR"), "/wasm");
     said(
@@ -24,6 +24,9 @@ fn build(package: &Path) {
             .args(["build", "--quiet", "--release", "--locked"])
             .args(["--target", TARGET, "--target-dir", directory])
             .env("RUSTFLAGS", "-D warnings")
+            .env("CARGO_PROFILE_RELEASE_OPT_LEVEL", "1")
+            .env("CARGO_PROFILE_RELEASE_LTO", "off")
+            .env("CARGO_PROFILE_RELEASE_CODEGEN_UNITS", "16")
             .arg("--manifest-path")
             .arg(repository("packages/wasm/Cargo.toml")),
     );
