@@ -1,14 +1,16 @@
 //! Final coefficients that are computed otherwise than (raw − bias) · scale, everywhere or under a condition.
 
 use super::grid::{self, Places};
+use super::variants::signed_byte;
 use crate::ptm::{Planes, ScaleBias};
 
-/// A stored value, its scale and its bias.
+/// A stored value, its scale and its bias, and which of a0 … a5 it is.
 #[derive(Clone, Copy)]
 struct Numbers {
     raw: f64,
     scale: f64,
     bias: f64,
+    place: usize,
 }
 
 impl Numbers {
@@ -56,6 +58,21 @@ const RULES: &[Rule] = &[
     }),
     ("(raw − bias) mod 256 · scale", |n| {
         (n.raw - n.bias).rem_euclid(256.0) * n.scale
+    }),
+    ("(raw − bias as a signed byte) · scale", |n| {
+        f64::from((n.raw - n.bias) as i64 as i8) * n.scale
+    }),
+    ("(raw as a signed byte − bias) · scale", |n| {
+        (signed_byte(n.raw) - n.bias) * n.scale
+    }),
+    ("(raw − bias, but 0 at the least,) · scale", |n| {
+        (n.raw - n.bias).max(0.0) * n.scale
+    }),
+    ("(raw − bias, but 255 at the most,) · scale", |n| {
+        (n.raw - n.bias).min(255.0) * n.scale
+    }),
+    ("(raw − bias, limited to 0…255,) · scale", |n| {
+        (n.raw - n.bias).clamp(0.0, 255.0) * n.scale
     }),
     ("(raw − 255) · scale", |n| (n.raw - 255.0) * n.scale),
     ("(raw − 128) · scale", |n| (n.raw - 128.0) * n.scale),
@@ -173,6 +190,12 @@ const CONDITIONS: &[Condition] = &[
     ("whose final value is between −0.001 and 0.001", |n| {
         n.right().abs() < 0.001
     }),
+    ("that are a0", |n| n.place == 0),
+    ("that are a1", |n| n.place == 1),
+    ("that are a2", |n| n.place == 2),
+    ("that are a3", |n| n.place == 3),
+    ("that are a4", |n| n.place == 4),
+    ("that are a5", |n| n.place == 5),
 ];
 
 /// What raw value and bias are made to.
@@ -248,6 +271,7 @@ impl FinalRule {
                     raw,
                     scale: set.scale[k],
                     bias: set.bias[k],
+                    place: k,
                 };
                 CONDITIONS[condition].1(numbers).then(|| RULES[rule].1(numbers))
             }

@@ -38,6 +38,7 @@ pub(in crate::diagnose) fn candidates(search: &Search, set: &Set, pictures: &[us
     let is_rgb = |one: &&Fitting| one.shape == Shape::Rgb;
     let alike: Vec<&Fitting> = fitting.iter().collect();
     let (rgb, others): (Vec<&Fitting>, Vec<&Fitting>) = fitting.iter().partition(is_rgb);
+    let common = |of: &[&Fitting], count| common(of, count, &terms);
     let tries = [common(&alike, 6), common(&rgb, 18), common(&others, 6)];
     let mut acts: Vec<Act> = Vec::new();
     acts.extend(other_numbers(search, set, &finals));
@@ -72,22 +73,39 @@ fn other_numbers(search: &Search, set: &Set, finals: &[usize]) -> Option<Act> {
     OtherNumbers::of(used.map(|(w, used)| (&search.witnesses[w], used))).map(Act::OtherNumbers)
 }
 
-/// The first terms that fit all files; nothing if there are none, or if these are the right ones.
-fn common(files: &[&Fitting], count: usize) -> Option<Vec<usize>> {
+/// The terms that fit all files, an exchange before all others, and then the first; nothing if there are none, or if these are
+/// the right ones.
+fn common(files: &[&Fitting], count: usize, terms: &[(Source, Source)]) -> Option<Vec<usize>> {
     if files.len() < FEWEST {
         return None;
     }
-    let terms = files[0].of[0].len();
     let fits = |i: usize, place: &usize| {
         files.iter().all(|file| {
             let mut channels = (i..file.of.len()).step_by(count);
             channels.all(|channel| file.of[channel][*place])
         })
     };
+    if let Some(places) = exchange(terms, count, fits) {
+        return Some(places);
+    }
     let places: Vec<usize> = (0..count)
-        .map(|i| (0..terms).find(|place| fits(i, place)))
+        .map(|i| (0..terms.len()).find(|place| fits(i, place)))
         .collect::<Option<_>>()?;
     places.iter().any(|&place| place > 0).then_some(places)
+}
+
+/// The places of the terms of the first exchange that fits.
+fn exchange(
+    terms: &[(Source, Source)],
+    count: usize,
+    fits: impl Fn(usize, &usize) -> bool,
+) -> Option<Vec<usize>> {
+    Terms::exchanges().into_iter().find_map(|Terms(exchange)| {
+        let place = |term: &(Source, Source)| terms.iter().position(|other| other == term);
+        let places: Vec<usize> = exchange.iter().map(place).collect::<Option<_>>()?;
+        let fits = places.len() == count && (0..count).all(|i| fits(i, &places[i]));
+        fits.then_some(places)
+    })
 }
 
 fn fitting(search: &Search, set: &Set, w: usize, terms: &[(Source, Source)]) -> Option<Fitting> {

@@ -130,6 +130,19 @@ impl Source {
 pub(in crate::diagnose) struct Terms(pub Vec<(Source, Source)>);
 
 impl Terms {
+    /// The six scales and then the six biases, taken for six pairs of a scale and a bias.
+    fn pairs() -> Terms {
+        let listed = |place: usize| match place {
+            0..6 => Source::Scale(place),
+            _ => Source::Bias(place - 6),
+        };
+        let pair = |i: usize| (listed(2 * i), listed(2 * i + 1));
+        let mut terms: Vec<(Source, Source)> = (0..6).map(pair).collect();
+        // The first and the last of them stand where they belong.
+        (terms[0].0, terms[5].1) = (Source::Own, Source::Own);
+        Terms(terms)
+    }
+
     /// Exchanges scales, biases or both as a slip in an index does.
     pub fn exchanges() -> Vec<Terms> {
         let mut orders: Vec<[usize; 6]> = (1..6)
@@ -155,7 +168,8 @@ impl Terms {
         let of = |order: [usize; 6]| {
             (0..3).map(move |which| Terms((0..6).map(|i| term(i, order[i], which)).collect()))
         };
-        orders.into_iter().flat_map(of).collect()
+        let all = orders.into_iter().flat_map(of);
+        std::iter::once(Terms::pairs()).chain(all).collect()
     }
 
     /// Whether maps with so many coefficients can be computed so.
@@ -180,6 +194,10 @@ impl Terms {
 
     /// As a sentence without its subject.
     pub fn says(&self) -> String {
+        if *self == Terms::pairs() {
+            return "takes the six scales and six biases for six pairs of a scale and a bias"
+                .to_owned();
+        }
         let scales = list(
             "scale",
             &self.0.iter().map(|term| term.0).collect::<Vec<_>>(),
