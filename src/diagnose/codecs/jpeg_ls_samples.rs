@@ -243,6 +243,15 @@ const ROWS: &[Row] = &[
     }),
 ];
 
+/// A gradient of just T1, T2 or T3, or of the opposite.
+fn of_threshold(i: usize, sign: i32) -> Feature<Sample> {
+    let minus = if sign < 0 { "−" } else { "" };
+    Feature {
+        says: format!("with a gradient of just {minus}T{}", i + 1),
+        holds: Box::new(move |s| s.has_gradient(sign * s.scan.thresholds[i])),
+    }
+}
+
 fn all_features() -> Vec<Feature<Sample>> {
     let rows = STREAM_ROWS.iter().chain(ROWS);
     let rows = rows.map(|&(says, holds)| Feature {
@@ -250,15 +259,7 @@ fn all_features() -> Vec<Feature<Sample>> {
         holds: Box::new(holds) as Box<dyn Fn(&Sample) -> bool + Send + Sync>,
     });
     let mut all: Vec<Feature<Sample>> = rows.collect();
-    for i in 0..3 {
-        for sign in [1, -1] {
-            let minus = if sign < 0 { "−" } else { "" };
-            all.push(Feature {
-                says: format!("with a gradient of just {minus}T{}", i + 1),
-                holds: Box::new(move |s| s.has_gradient(sign * s.scan.thresholds[i])),
-            });
-        }
-    }
+    all.extend((0..3).flat_map(|i| [1, -1].map(|sign| of_threshold(i, sign))));
     all.push(Feature {
         says: "with a gradient of just NEAR or −NEAR, not 0".to_owned(),
         holds: Box::new(|s| {

@@ -174,26 +174,10 @@ impl Separation {
 
     /// "first at blocks …: of 57 such blocks 57 are wrong, of 412 others none".
     pub fn says(&self, places: &str, feature: &str) -> String {
-        let count = |number: usize| match number {
-            0 => "none".to_owned(),
-            number => number.to_string(),
-        };
-        let first = match self.wrong[0] {
-            0 => String::new(),
-            _ => format!(
-                ", first at {}{places} {feature}: of {} such {places} {} are the first wrong ones of their planes, of {} others {}",
-                if self.is_after { "or right after " } else { "" },
-                self.wrong[0] + self.right[0],
-                self.wrong[0],
-                self.wrong[1] + self.right[1],
-                count(self.wrong[1]),
-            ),
-        };
-        let (sign, what) = match self.wrong[0] {
-            0 => match feature.strip_prefix("of streams") {
-                Some(rest) => (",", format!("streams{rest}")),
-                None => (",", format!("{places} {feature}")),
-            },
+        let first = self.first(places, feature);
+        let (sign, what) = match (self.wrong[0], feature.strip_prefix("of streams")) {
+            (0, Some(rest)) => (",", format!("streams{rest}")),
+            (0, None) => (",", format!("{places} {feature}")),
             _ => (";", format!("such {places}")),
         };
         match self.refused[0] {
@@ -205,6 +189,28 @@ impl Separation {
                 self.read[0] + self.read[1],
             ),
         }
+    }
+
+    /// ", first at blocks …", where some are wrong.
+    fn first(&self, places: &str, feature: &str) -> String {
+        match self.wrong[0] {
+            0 => String::new(),
+            _ => format!(
+                ", first at {}{places} {feature}: of {} such {places} {} are the first wrong ones of their planes, of {} others {}",
+                if self.is_after { "or right after " } else { "" },
+                self.wrong[0] + self.right[0],
+                self.wrong[0],
+                self.wrong[1] + self.right[1],
+                count(self.wrong[1]),
+            ),
+        }
+    }
+}
+
+fn count(number: usize) -> String {
+    match number {
+        0 => "none".to_owned(),
+        number => number.to_string(),
     }
 }
 
