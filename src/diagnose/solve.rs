@@ -29,7 +29,7 @@ use super::values::number_readers::NumberReader;
 use super::values::solve_powers;
 use super::values::solve_terms;
 use super::values::variants::VARIANTS;
-use super::witness::Agreement;
+use super::witness::{Agreement, Witness};
 use crate::misreadings::Stage;
 use crate::protocol::frame::{Answer, View};
 use crate::ptm::Format;
@@ -116,10 +116,15 @@ pub(super) fn solve(search: &mut Search, set: &Set, left: &[usize]) -> Vec<Set> 
 
 /// Adds wrong ways to look up an index. Most of them lead out of the table, and no picture is shown.
 fn looked_up(search: &mut Search, set: &Set, left: &[usize]) {
-    let has_table = |w: &usize| search.witnesses[*w].case.format().has_table();
-    let tables: Vec<usize> = left.iter().copied().filter(has_table).collect();
+    let has_table = |witness: &Witness| witness.case.format().has_table();
+    let mut tables = left.to_vec();
+    tables.retain(|&w| has_table(&search.witnesses[w]));
+    if tables.is_empty() {
+        return;
+    }
     let layouts = TableLayout::all().map(Act::Table);
-    let blocks = search.witnesses.iter().filter_map(IndexBlock::of);
+    let with_table = search.witnesses.iter().filter(|&one| has_table(one));
+    let blocks = with_table.filter_map(IndexBlock::of);
     let entries: BTreeSet<usize> = blocks.map(|block| block.entries().len()).collect();
     let entries: Vec<usize> = entries.into_iter().collect();
     let indices = Index::widths(&entries).chain(Index::all());

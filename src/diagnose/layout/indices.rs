@@ -213,7 +213,7 @@ impl Index {
     /// All widths that depend on the number of entries and not as they should, where tables have so many entries, in order.
     pub fn widths(entries: &[usize]) -> impl Iterator<Item = Index> {
         let below = std::iter::once(0).chain(entries.iter().copied());
-        let is_wrong = |&(below, from): &(usize, usize)| below > 256 || from <= 256;
+        let is_wrong = |&(below, from): &(usize, usize)| below >= WIDE || from < WIDE;
         below
             .zip(entries.iter().copied())
             .filter(is_wrong)
@@ -271,6 +271,14 @@ impl Index {
     }
 }
 
+/// Tables of so many entries have indices of two bytes (2.8.1/3).
+const WIDE: usize = 257;
+
+/// The bytes of an index that has two where what decides counts so many or more.
+const fn bytes_from(from: usize, count: usize) -> usize {
+    if count < from { 1 } else { 2 }
+}
+
 /// The indices of a file and the table that they name entries of, as bytes.
 pub(in crate::diagnose) struct IndexBlock<'a> {
     file: &'a [u8],
@@ -292,7 +300,7 @@ impl<'a> IndexBlock<'a> {
         Some(IndexBlock {
             file: &witness.built.file,
             start: Block::Indices.range(witness)?.start,
-            bytes: if table.len() / size <= 256 { 1 } else { 2 },
+            bytes: bytes_from(WIDE, table.len() / size),
             table: &witness.built.file[table],
             size,
         })
@@ -357,13 +365,13 @@ pub(in crate::diagnose) fn look_up(
     let Some(indices) = IndexBlock::of(witness) else {
         return Ok(());
     };
-    let width = match *index {
-        Index::WidthByTexels => Some(ptm.planes.size.texels() > 256),
-        Index::WidthFrom { from, .. } => Some(indices.entries().len() >= from),
+    let bytes = match *index {
+        Index::WidthByTexels => Some(bytes_from(WIDE, ptm.planes.size.texels())),
+        Index::WidthFrom { from, .. } => Some(bytes_from(from, indices.entries().len())),
         _ => None,
     };
-    if let Some(is_wide) = width {
-        return read_as_wide(ptm, witness, indices, if is_wide { 2 } else { 1 });
+    if let Some(bytes) = bytes {
+        return read_as_wide(ptm, witness, indices, bytes);
     }
     if matches!(index, Index::Joined(_)) && indices.bytes == 1 {
         return Ok(());
