@@ -126,7 +126,7 @@ fn is_within_tolerance(search: &Search, member: &Member, share: &Share) -> bool 
         solved.is_some_and(|solved| matches!(solved.act, Act::Stored { .. }))
     };
     let format = |w: usize| search.witnesses[w].case.format();
-    let is_jpeg = |&w: &usize| format(w).is_compressed() && !format(w).is_jpeg_ls();
+    let is_jpeg = |&w: &usize| format(w).is_jpeg();
     share.explains.len() < FEWEST_OF_JPEG && share.explains.iter().all(is_jpeg) && is_of_values()
 }
 
@@ -137,10 +137,10 @@ const ASKED: usize = 64;
 /// that made both, these would be wrong otherwise.
 fn is_denied_beside(search: &Search, set: &[Id], shares: &[Share], place: usize) -> bool {
     let own = shares[place].explains.len();
-    let others = (0..shares.len()).filter(|&other| {
-        let share = &shares[other];
-        other != place && share.explains.len() > own
-    });
+    if own == 0 {
+        return false;
+    }
+    let others = (0..shares.len()).filter(|&other| shares[other].explains.len() > own);
     let pairs = others.flat_map(|other| {
         let files = search.smallest(&shares[other].explains, ASKED);
         files.into_iter().map(move |w| (other, w))
@@ -151,7 +151,7 @@ fn is_denied_beside(search: &Search, set: &[Id], shares: &[Share], place: usize)
             && search.agreement(w, &both[..1]).explains()
             && !search.agreement(w, &both).explains()
     });
-    own > 0 && denied.into_iter().filter(|denied| *denied).count() > own
+    denied.into_iter().filter(|denied| *denied).count() > own
 }
 
 /// Pictures that are wrong otherwise than this mistake alone would make them, of the formats of those that it explains.
