@@ -3,7 +3,6 @@
 use std::sync::LazyLock;
 
 use super::separate::Feature;
-use crate::codec::jpeg_ls::PresetParameters;
 use crate::codec::jpeg_ls::{Mode, SampleTrace, ScanTrace, trace};
 use crate::generate::plan::Stream;
 
@@ -12,7 +11,6 @@ pub(super) struct Sample {
     trace: SampleTrace,
     scan: ScanTrace,
     width: usize,
-    presets: Option<PresetParameters>,
     stream: Stream,
 }
 
@@ -28,12 +26,10 @@ pub(super) fn samples(
     let Ok((traced, scan)) = trace(bytes, width as u32, height as u32) else {
         return Vec::new();
     };
-    let presets = stream.presets;
     let sample = |trace| Sample {
         trace,
         scan,
         width,
-        presets,
         stream,
     };
     traced.into_iter().map(sample).collect()
@@ -74,14 +70,16 @@ type Row = (&'static str, fn(&Sample) -> bool);
 /// What is so of whole streams.
 const STREAM_ROWS: &[Row] = &[
     ("of streams with a loss (NEAR over 0)", |s| s.scan.near > 0),
-    ("of streams with presets (LSE)", |s| s.presets.is_some()),
+    ("of streams with presets (LSE)", |s| {
+        s.stream.presets.is_some()
+    }),
     (
         "of streams whose component has another number than 1",
         |s| s.stream.component != 1,
     ),
     (
         "of streams whose presets (LSE) stand before the frame header",
-        |s| s.presets.is_some() && s.stream.frame_moved,
+        |s| s.stream.presets.is_some() && s.stream.frame_moved,
     ),
     ("of streams with a RESET other than 64", |s| {
         s.scan.reset != 64
@@ -89,18 +87,22 @@ const STREAM_ROWS: &[Row] = &[
     (
         "of streams with presets (LSE) in which some of T1, T2 and T3 are 0, for the default, and others are not",
         |s| {
-            s.presets.is_some_and(|p| {
+            s.stream.presets.is_some_and(|p| {
                 let zeros = [p.t1, p.t2, p.t3].map(|t| t == 0);
                 zeros.contains(&true) && zeros.contains(&false)
             })
         },
     ),
     ("of streams with presets (LSE) whose MAXVAL is not 0", |s| {
-        s.presets.is_some_and(|p| p.maxval != 0)
+        s.stream.presets.is_some_and(|p| p.maxval != 0)
     }),
     (
         "of streams with presets (LSE) whose T1, T2 or T3 is not 0",
-        |s| s.presets.is_some_and(|p| [p.t1, p.t2, p.t3] != [0; 3]),
+        |s| {
+            s.stream
+                .presets
+                .is_some_and(|p| [p.t1, p.t2, p.t3] != [0; 3])
+        },
     ),
 ];
 

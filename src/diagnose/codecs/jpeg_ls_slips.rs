@@ -356,8 +356,7 @@ struct Bits<'a> {
     data: &'a [u8],
     at: usize,
     unread: u32,
-    is_stuffed: fn(usize) -> bool,
-    drops_zeros: bool,
+    rules: &'a Rules,
 }
 
 impl Bits<'_> {
@@ -373,11 +372,11 @@ impl Bits<'_> {
             {
                 return None;
             }
-            if after_ff && byte == 0 && self.drops_zeros {
+            if after_ff && byte == 0 && self.rules.drops_zeros {
                 self.at += 1;
                 return self.bit();
             }
-            let is_stuffed = after_ff && (self.is_stuffed)(self.at);
+            let is_stuffed = after_ff && (self.rules.is_stuffed)(self.at);
             self.unread = if is_stuffed { 7 } else { 8 };
             self.at += 1;
         }
@@ -489,8 +488,7 @@ pub(in crate::diagnose) fn decode(
             data: &stream.bytes[at..],
             at: 0,
             unread: 0,
-            is_stuffed: rules.is_stuffed,
-            drops_zeros: rules.drops_zeros,
+            rules,
         },
         plane: Plane {
             width: stream.size.width as usize,
@@ -760,23 +758,12 @@ fn with_defaults(stored: [i32; 3], maxval: i32, near: i32, own: [Option<i32>; 3]
 }
 
 macro_rules! constants {
-    ($($name:literal $place:literal: $($number:literal)*;)*) => {
+    ($where:literal $holds:expr; $($name:literal $place:literal: $($number:literal)*;)*) => {
         slips! {in "the default thresholds (T.87 C.2.4.1.1)": $($(
-            concat!("takes ", $number, " for the default ", $name, ", whatever NEAR is"), |r| r.thresholds = |s, m, n| {
+            concat!("takes ", $number, " for the default ", $name, $where), |r| r.thresholds = |s, m, n| {
+                let holds: fn(i32) -> bool = $holds;
                 let mut own = [None; 3];
-                own[$place] = Some($number);
-                with_defaults(s, m, n, own)
-            };
-        )*)*}
-    };
-}
-
-macro_rules! lossless_constants {
-    ($($name:literal $place:literal: $($number:literal)*;)*) => {
-        slips! {in "the default thresholds (T.87 C.2.4.1.1)": $($(
-            concat!("takes ", $number, " for the default ", $name, " where NEAR is 0"), |r| r.thresholds = |s, m, n| {
-                let mut own = [None; 3];
-                own[$place] = (n == 0).then_some($number);
+                own[$place] = holds(n).then_some($number);
                 with_defaults(s, m, n, own)
             };
         )*)*}
@@ -784,11 +771,12 @@ macro_rules! lossless_constants {
 }
 
 /// Defaults that are one number.
-static CONSTANTS: &[Slip<Rules>] = constants!("T1" 0: 2 3 4; "T2" 1: 6 7 8; "T3" 2: 20 21 22;);
+static CONSTANTS: &[Slip<Rules>] =
+    constants!(", whatever NEAR is" |_| true; "T1" 0: 2 3 4; "T2" 1: 6 7 8; "T3" 2: 20 21 22;);
 
 /// Wrong ones of lossless streams alone.
 static LOSSLESS_CONSTANTS: &[Slip<Rules>] =
-    lossless_constants!("T1" 0: 2 4; "T2" 1: 6 8; "T3" 2: 20 22;);
+    constants!(" where NEAR is 0" |near| near == 0; "T1" 0: 2 4; "T2" 1: 6 8; "T3" 2: 20 22;);
 
 /// Other factors of NEAR.
 const FACTORS: [&[Slip<Rules>]; 3] = [

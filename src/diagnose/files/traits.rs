@@ -113,7 +113,7 @@ impl<'a> Facts<'a> {
     }
 
     fn is_lossy(&self) -> bool {
-        matches!(self.format, Format::JpegRgb | Format::JpegLrgb)
+        self.format.is_jpeg()
     }
 
     fn spelled(&self, holds: impl Fn(&Recipe) -> bool) -> bool {

@@ -225,7 +225,6 @@ pub(in crate::diagnose) enum Order {
 pub(in crate::diagnose) enum Records {
     Ignored,
     LastLost,
-    FirstOnly,
     /// The number of records is kept in a byte.
     CountInByte,
     Plus(u8),
@@ -740,7 +739,6 @@ impl Coding {
         match slip {
             Some(Records::Ignored) => records = &[],
             Some(Records::LastLost) if count > 1 => records = &records[..count - 1],
-            Some(Records::FirstOnly) => records = &records[..count.min(1)],
             Some(Records::AtMost(most)) => records = &records[..count.min(most)],
             Some(Records::UntilZero) => {
                 let end = records.iter().position(|record| record[..4] == [0; 4]);

@@ -233,7 +233,7 @@ impl Slip {
             Slip::Border { how, sides, reach } => says_border(how, sides, reach),
             Slip::FirstWithin { but_one, axes } => format!(
                 "keeps the first sample of a mean within the {}{}, and takes its neighbor for the second one",
-                ["columns and rows", "columns", "rows"][place(axes)],
+                lines(axes),
                 if but_one { " before the last one" } else { "" },
             ),
             Slip::WithinOther { axes } => match axes {
@@ -246,11 +246,11 @@ impl Slip {
             .to_owned(),
             Slip::HalfBefore { axes } => format!(
                 "takes the sample before, along {}, for the second one of a mean, where the one behind belongs",
-                ["columns and rows", "columns", "rows"][place(axes)]
+                lines(axes)
             ),
             Slip::WithinLess { axes } => format!(
                 "keeps the samples of a reference within all {} but the last one",
-                ["columns and rows", "columns", "rows"][place(axes)]
+                lines(axes)
             ),
             Slip::Order(order) => order.says(),
             Slip::Records(records) => records.says(),
@@ -425,6 +425,11 @@ fn place(axes: [bool; 2]) -> usize {
     AXES.iter()
         .position(|&other| other == axes)
         .unwrap_or_default()
+}
+
+/// What lies along these axes.
+fn lines(axes: [bool; 2]) -> &'static str {
+    ["columns and rows", "columns", "rows"][place(axes)]
 }
 
 fn says_terms(residual: i8, predictor: i8, plus: u8) -> String {
@@ -745,7 +750,7 @@ impl Records {
         let mut all = vec![
             Records::Ignored,
             Records::LastLost,
-            Records::FirstOnly,
+            Records::AtMost(1),
             Records::CountInByte,
             Records::Added,
             Records::Inverted,
@@ -800,7 +805,7 @@ impl Records {
         match self {
             Records::Ignored => "ignores records of side information".to_owned(),
             Records::LastLost => "loses the last record of a plane that has two or more".to_owned(),
-            Records::FirstOnly => "reads only one record for each plane".to_owned(),
+            Records::AtMost(1) => "reads only one record for each plane".to_owned(),
             Records::CountInByte => "keeps the number of a plane's records in a byte".to_owned(),
             Records::Plus(1) => "puts V + 1 where a record says V".to_owned(),
             Records::Plus(255) => "puts V − 1 where a record says V".to_owned(),
