@@ -5,11 +5,13 @@ use super::files::scope::Scope;
 use super::mistake::Mistake;
 use super::search::{Found, Id, Member, Search, Set, of};
 use super::solved::{Act, Solved};
+use super::witness::Witness;
 use super::words::acceptances;
 use super::words::formats::formats_of;
 use super::words::pictures;
 use super::words::refusals::{self, WholeFormats};
 use crate::misreadings::{Misreading, Symptom};
+use crate::ptm::Format;
 use crate::session::observation::Response;
 
 /// Formats that are named beside a mistake.
@@ -183,7 +185,10 @@ fn diagnosis(search: &Search, member: &Member, share: &Share) -> Diagnosis {
         Mistake::Narrow(misreading, scope) => return of_narrow(search, misreading, scope, share),
         Mistake::Solved(solved) => return of_solved(search, solved, &member.alike, share),
     };
-    let alike = listed(&member.alike);
+    // What is made in some files only is not what the catalog has.
+    let is_whole = |id: &Id| matches!(search.mistakes[*id], Mistake::Listed(_));
+    let alike: Set = member.alike.iter().copied().filter(is_whole).collect();
+    let alike = listed(&alike);
     if misreading.shows == Symptom::Values
         && let Some(effect) = refusals::all_that_shows(witnesses, &share.explains)
     {
@@ -234,11 +239,21 @@ fn of_narrow(
     }
 }
 
+/// Whether a mistake explains a file of this format.
+fn is_of_format(witnesses: &[Witness], share: &Share, format: Format) -> bool {
+    let mut explained = share.explains.iter();
+    explained.any(|&w| witnesses[w].case.format() == format)
+}
+
 /// A mistake that was solved, in words.
 fn of_solved(search: &Search, solved: &Solved, alike: &[Id], share: &Share) -> Diagnosis {
     let witnesses = search.witnesses;
     let smallest = pictures::smallest(witnesses, &share.explains);
-    let scope = match solved.scope.says() {
+    let scope = match solved
+        .scope
+        .of_formats(|format| is_of_format(witnesses, share, format))
+        .says()
+    {
         _ if matches!(solved.act, Act::Stream(_) | Act::Planes(_)) => String::new(),
         says if says.is_empty() => formats_of(search.witnesses, &share.explains, FORMATS),
         says => format!(", in every file {says}"),

@@ -28,7 +28,7 @@ const SAMPLE: usize = 40;
 const FINALISTS: usize = 64;
 /// Answers made for each case that was asked, after which no more mistakes are searched; and fewer, where the last one
 /// explains less than one in so many of the failures: the next will explain still less.
-const WORK: usize = 400;
+const WORK: usize = 1000;
 const LEAST_WORK: usize = 20;
 /// The same, after which no mistake is looked for that explains more than one that was found.
 const WIDER: usize = 60;

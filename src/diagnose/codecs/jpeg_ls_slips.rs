@@ -85,6 +85,8 @@ impl Context {
     reason = "each is a decision by itself"
 )]
 pub(in crate::diagnose) struct Rules {
+    /// NEAR, as it is stored.
+    near: fn(i32) -> i32,
     /// Thresholds as they are stored, 0 for defaults; MAXVAL and NEAR.
     thresholds: fn([i32; 3], i32, i32) -> [i32; 3],
     reset: fn(i32) -> i32,
@@ -185,6 +187,8 @@ pub(in crate::diagnose) struct Rules {
     is_negative: fn(i32, i32) -> bool,
     /// What A grows by: the number, `RItype` and the error.
     run_growth: fn(i32, i32, i32) -> i32,
+    /// Nn at the start.
+    initial_negative: i32,
     halve_negative: fn(i32) -> i32,
 }
 
@@ -284,6 +288,7 @@ fn reconstruct(scan: &Scan, predicted: i32, error: i32) -> i32 {
 }
 
 pub(in crate::diagnose) const RIGHT: Rules = Rules {
+    near: |stored| stored,
     thresholds,
     reset: |stored| if stored == 0 { 64 } else { stored },
     range: |maxval, near| (maxval + 2 * near) / (2 * near + 1) + 1,
@@ -348,6 +353,7 @@ pub(in crate::diagnose) const RIGHT: Rules = Rules {
     doubled: |number, kind| number + kind,
     is_negative: |error, _| error < 0,
     run_growth: |number, kind, _| (number + 1 - kind) >> 1,
+    initial_negative: 0,
     halve_negative: |negative| negative >> 1,
 };
 
@@ -470,12 +476,16 @@ pub(in crate::diagnose) fn decode(
         Some(before) => (rules.keep_presets)(before.presets, presets),
         None => presets,
     };
-    let scan = Scan::of(&presets, near, rules);
+    let scan = Scan::of(&presets, (rules.near)(near), rules);
     let fresh = Context {
         a: (rules.initial_a)(scan.range),
         b: 0,
         c: 0,
         n: 1,
+    };
+    let fresh_run = Context {
+        b: rules.initial_negative,
+        ..fresh
     };
     let (is_kept, is_run_kept, is_index_kept) = rules.keeps;
     let kept_contexts = before.as_ref().filter(|_| is_kept);
@@ -495,7 +505,7 @@ pub(in crate::diagnose) fn decode(
             samples: Vec::with_capacity(stream.size.texels()),
         },
         contexts: kept_contexts.map_or_else(|| vec![fresh; 730], |kept| kept.contexts.clone()),
-        run_contexts: kept_runs.map_or([fresh; 2], |kept| kept.run_contexts),
+        run_contexts: kept_runs.map_or([fresh_run; 2], |kept| kept.run_contexts),
         run_index: kept_index.map_or(0, |kept| kept.run_index),
     };
     let partial = decoder.all(stream, is_shown);
@@ -723,7 +733,7 @@ macro_rules! c_limits {
 }
 
 /// Other limits of C.
-static C_LIMITS: &[Slip<Rules>] = c_limits!(-10 127 -128 10 -10 10 -20 127 -128 20 -50 127 -128 50 -100 127 -128 100 -4 127 -128 4 -4 4 -8 127 -128 8 -16 127 -128 16 -32 127 -128 32 -64 127 -128 64 -128 0 0 127 -7 7 -8 7 -15 15 -16 15 -31 31 -32 31 -63 63 -64 63 -127 127 -128 126 -100 100 -32 32 -64 64 -16 16);
+static C_LIMITS: &[Slip<Rules>] = c_limits!(-8 8 -5 5 -3 3 -2 2 -1 1 0 0 -10 127 -128 10 -10 10 -20 127 -128 20 -50 127 -128 50 -100 127 -128 100 -4 127 -128 4 -4 4 -8 127 -128 8 -16 127 -128 16 -32 127 -128 32 -64 127 -128 64 -128 0 0 127 -7 7 -8 7 -15 15 -16 15 -31 31 -32 31 -63 63 -64 63 -127 127 -128 126 -100 100 -32 32 -64 64 -16 16);
 
 macro_rules! factors {
     ($name:literal $place:literal $right:literal: $($factor:literal)*) => {
@@ -786,12 +796,20 @@ const FACTORS: [&[Slip<Rules>]; 3] = [
 ];
 
 macro_rules! bases {
-    ($name:literal $place:literal: $($off:literal $words:literal)*) => {
+    ($name:literal $place:literal $of_near:literal: $($own:literal $off:literal $words:literal)*) => {
         slips! {in "the default thresholds (T.87 C.2.4.1.1)": $(
             concat!("takes a default ", $name, " that is ", $words), |r| r.thresholds = |s, m, n| {
                 let mut all = thresholds(s, m, n);
                 if s[$place] == 0 { all[$place] += $off }
                 all
+            };
+            concat!("takes a default ", $name, " that is ", $words, ", and then keeps it within its limits"),
+            |r| r.thresholds = |s, m, n| defaults(s, m, n, |wanted| wanted[$place] += $off);
+            concat!("takes ", $own, " + ", $of_near, "·NEAR for the default ", $name, ", without limits"),
+            |r| r.thresholds = |s, m, n| {
+                let mut own = [None; 3];
+                own[$place] = Some($own + $of_near * n);
+                with_defaults(s, m, n, own)
             };
         )*}
     };
@@ -799,9 +817,9 @@ macro_rules! bases {
 
 /// Defaults that are off by one number.
 const BASES: [&[Slip<Rules>]; 3] = [
-    bases!("T1" 0: -2 "2 too small" -1 "1 too small" 1 "1 too large" 2 "2 too large"),
-    bases!("T2" 1: -2 "2 too small" -1 "1 too small" 1 "1 too large" 2 "2 too large"),
-    bases!("T3" 2: -2 "2 too small" -1 "1 too small" 1 "1 too large" 2 "2 too large"),
+    bases!("T1" 0 3: 1 -2 "2 too small" 2 -1 "1 too small" 4 1 "1 too large" 5 2 "2 too large"),
+    bases!("T2" 1 5: 5 -2 "2 too small" 6 -1 "1 too small" 8 1 "1 too large" 9 2 "2 too large"),
+    bases!("T3" 2 7: 19 -2 "2 too small" 20 -1 "1 too small" 22 1 "1 too large" 23 2 "2 too large"),
 ];
 
 macro_rules! limits {
@@ -877,11 +895,14 @@ static SLIPS: &[Slip<Rules>] = slips! {
     "takes the first sample of the row above for d (Rd) in the last column, where b belongs", |r| r.neighbors = |p, y, x| with_d(p, y, x, p.above(y, 0));
     "takes c for d (Rd) in the last column, where b belongs", |r| r.neighbors = |p, y, x| with_d(p, y, x, p.neighbors(y, x)[2]);
     "takes a for d (Rd) in the last column, where b belongs", |r| r.neighbors = |p, y, x| with_d(p, y, x, p.neighbors(y, x)[0]);
+    "takes b for d (Rd) in the last two columns", |r| r.neighbors = |p, y, x| { let [a, b, c, d] = p.neighbors(y, x); [a, b, c, if x + 2 >= p.width { b } else { d }] };
     "takes b for d (Rd) everywhere", |r| r.neighbors = |p, y, x| { let [a, b, c, _] = p.neighbors(y, x); [a, b, c, b] };
     "takes 128 for the row above the first, where 0 belongs", |r| r.neighbors = |p, y, x| { let [a, b, c, d] = p.neighbors(y, x); if y == 0 { [if x == 0 { 128 } else { a }, 128, 128, 128] } else { [a, b, c, d] } };
     "takes 128 for the row above the first and for the sample to its left, where 0 belongs", |r| r.neighbors = |p, y, x| { let [a, b, c, d] = p.neighbors(y, x); match (y, x) { (0, _) => [if x == 0 { 128 } else { a }, 128, 128, 128], (1, 0) => [a, b, 128, d], _ => [a, b, c, d] } };
     "takes 0 for a (Ra) and c (Rc) in the first column, where samples above belong", |r| r.neighbors = |p, y, x| { let [a, b, c, d] = p.neighbors(y, x); if x == 0 { [0, b, 0, d] } else { [a, b, c, d] } };
     "takes c for d (Rd) in the last column of planes of two columns or more, where b belongs", |r| r.neighbors = |p, y, x| { let [_, b, c, _] = p.neighbors(y, x); with_d(p, y, x, if p.width > 1 { c } else { b }) };
+    "keeps the row above in signed bytes", |r| r.neighbors = |p, y, x| { let [a, b, c, d] = p.neighbors(y, x); let signed = |sample: i32| i32::from(sample as i8); [if x == 0 { signed(a) } else { a }, signed(b), signed(c), signed(d)] };
+    "keeps the row above in signed bytes, but not for a (Ra) in the first column", |r| r.neighbors = |p, y, x| { let [a, b, c, d] = p.neighbors(y, x); let signed = |sample: i32| i32::from(sample as i8); [a, signed(b), signed(c), signed(d)] };
     "takes a for b, c and d in the first row, where 0 belongs", |r| r.neighbors = |p, y, x| { let all = p.neighbors(y, x); if y == 0 { [all[0]; 4] } else { all } };
     in "gradients and contexts (T.87 A.3)":
     "computes the gradient d − b as d − a", |r| r.gradients = |[a, b, c, d]| [d - a, b - c, c - a];
@@ -906,6 +927,10 @@ static SLIPS: &[Slip<Rules>] = slips! {
     "compares positive gradients with T1 by > T1 where ≥ T1 belongs", |r| r.region = |s, g| if g == s.thresholds[0] { region(s, g - 1) } else { region(s, g) };
     "compares all gradients with the thresholds by > T where ≥ T belongs", |r| r.region = |s, g| region(s, if s.thresholds.contains(&g.abs()) { g - g.signum() } else { g });
     "takes gradients of ±NEAR for other than flat", |r| r.region = |s, g| if s.near > 0 && g.abs() == s.near { g.signum() } else { region(s, g) };
+    "takes positive gradients of NEAR for other than flat (< NEAR for ≤ NEAR)", |r| r.region = |s, g| if s.near > 0 && g == s.near { 1 } else { region(s, g) };
+    "takes negative gradients of −NEAR for other than flat (< for ≤)", |r| r.region = |s, g| if s.near > 0 && g == -s.near { -1 } else { region(s, g) };
+    "takes positive gradients of NEAR for other than flat, also where NEAR is 0", |r| r.region = |s, g| if g == s.near { 1 } else { region(s, g) };
+    "takes gradients of NEAR − 1 at the most for flat, also where NEAR is 0", |r| r.region = |s, g| if g == s.near || g == -s.near { if g < 0 { -1 } else { 1 } } else { region(s, g) };
     "takes only gradients of 0 for flat, whatever NEAR is", |r| r.region = |s, g| if g != 0 && g.abs() <= s.near { g.signum() } else { region(s, g) };
     "goes into run mode only where all gradients are 0, whatever NEAR is", |r| r.is_run = |_, _, g| g == [0; 3];
     "takes gradients within NEAR for other than flat, but not where it looks for runs", |r| { r.region = |s, g| if g != 0 && g.abs() <= s.near { g.signum() } else { region(s, g) }; r.is_run = |s, _, g| g.iter().all(|g| g.abs() <= s.near); };
@@ -919,7 +944,19 @@ static SLIPS: &[Slip<Rules>] = slips! {
     in "thresholds and other parameters (T.87 A.2.1, C.2.4.1.1)":
     "ignores the thresholds of an LSE segment", |r| r.thresholds = |_, maxval, near| thresholds([0; 3], maxval, near);
     "computes the default thresholds as if NEAR were 0", |r| r.thresholds = |stored, maxval, _| thresholds(stored, maxval, 0);
+    "takes 3, 7 and 21 for the default thresholds, whatever NEAR is", |r| r.thresholds = |s, maxval, near| with_defaults(s, maxval, near, [Some(3), Some(7), Some(21)]);
     "computes all default thresholds with 3·NEAR", |r| r.thresholds = |stored, maxval, near| { let t = thresholds([0; 3], maxval, near); let own = [t[0], t[1] - 2 * near, t[2] - 4 * near]; [0, 1, 2].map(|i| if stored[i] == 0 { own[i] } else { stored[i] }) };
+    "takes the two lowest bits of NEAR", |r| r.near = |near| near & 3;
+    "takes the three lowest bits of NEAR", |r| r.near = |near| near & 7;
+    "takes the four lowest bits of NEAR", |r| r.near = |near| near & 15;
+    "takes 0 for NEAR", |r| r.near = |_| 0;
+    "takes 1 for every NEAR over 0", |r| r.near = |near| near.min(1);
+    "takes NEAR to be one larger where it is over 0", |r| r.near = |near| near + i32::from(near > 0);
+    "takes NEAR to be one smaller where it is over 0", |r| r.near = |near| (near - 1).max(0);
+    "takes the seven lowest bits of T3 of an LSE segment", |r| r.thresholds = |[a, b, c], maxval, near| thresholds([a, b, c & 127], maxval, near);
+    "takes the seven lowest bits of each threshold of an LSE segment", |r| r.thresholds = |stored, maxval, near| thresholds(stored.map(|t| t & 127), maxval, near);
+    "takes the seven lowest bits of RESET", |r| r.reset = |stored| if stored == 0 { 64 } else { stored & 127 };
+    "takes the six lowest bits of RESET", |r| r.reset = |stored| if stored == 0 { 64 } else { stored & 63 };
     "uses a RESET of 64, whatever an LSE segment says", |r| r.reset = |_| 64;
     "computes RANGE as MAXVAL / (2·NEAR + 1) + 1, without 2·NEAR above the line", |r| r.range = |maxval, near| maxval / (2 * near + 1) + 1;
     "computes RANGE one too small where NEAR is over 0: (MAXVAL + 2·NEAR) / (2·NEAR + 1), without + 1", |r| r.range = |maxval, near| (maxval + 2 * near) / (2 * near + 1) + i32::from(near == 0);
@@ -954,6 +991,7 @@ static SLIPS: &[Slip<Rules>] = slips! {
     "takes 16 for LIMIT", |r| r.limit = |_, _| 16;
     in "the prediction (T.87 A.4)":
     "exchanges min(a, b) and max(a, b) in the prediction", |r| r.predict = |[a, b, c, _]| if c >= a.max(b) { a.max(b) } else if c <= a.min(b) { a.min(b) } else { a + b - c };
+    "predicts a + b − c, limited to 0 … MAXVAL, without looking for an edge", |r| r.predict = |[a, b, c, _]| (a + b - c).clamp(0, 255);
     "predicts a + b − c without looking for an edge", |r| r.predict = |[a, b, c, _]| a + b - c;
     "predicts a", |r| r.predict = |[a, ..]| a;
     "predicts b", |r| r.predict = |[_, b, ..]| b;
@@ -1105,6 +1143,7 @@ static SLIPS: &[Slip<Rules>] = slips! {
     "favors positive errors at the end of a run also where k is over 0", |r| r.is_positive_favored = |_, _, negative, n| 2 * negative < n;
     "favors positive errors at the end of a run wherever k is 0", |r| r.is_positive_favored = |k, _, _, _| k == 0;
     "never favors positive errors at the end of a run", |r| r.is_positive_favored = |_, _, _, _| false;
+    "starts with Nn = 1", |r| r.initial_negative = 1;
     "favors positive errors at the end of a run by 2Nn ≤ N where < belongs", |r| r.is_positive_favored = |k, _, negative, n| k == 0 && 2 * negative <= n;
     "favors positive errors at the end of a run also where NEAR or k is over 0", |r| r.is_positive_favored = |_, _, negative, n| 2 * negative <= n;
     "favors positive errors at the end of a run by Nn < N where 2Nn belongs", |r| r.is_positive_favored = |k, _, negative, n| k == 0 && negative < n;

@@ -5,6 +5,7 @@
 
 use std::sync::LazyLock;
 
+use super::segments::{self, DHT, DQT, DRI, SOF, SOS, Segment};
 use super::slips::{IsShown, Partial, Slip, slips};
 use crate::codec::jpeg::{self, BlockTrace};
 use crate::error::Result;
@@ -19,6 +20,8 @@ type Block = [i32; 64];
     reason = "each is a decision by itself"
 )]
 pub(in crate::diagnose) struct Rules {
+    /// What is made of the segments before the data, if they are read otherwise.
+    segments: Option<fn(&mut Vec<Segment>)>,
     /// The place of coefficient k of the zigzag order.
     place: fn(usize) -> usize,
     /// The number that was coded, and its bits.
@@ -100,6 +103,7 @@ fn transform(block: &Block) -> [f64; 64] {
 }
 
 pub(in crate::diagnose) const RIGHT: Rules = Rules {
+    segments: None,
     place: zigzag,
     extend: |value, _| value,
     dc: |before, difference| before + difference,
@@ -170,17 +174,33 @@ pub(in crate::diagnose) type Traced = (Vec<BlockTrace>, [u16; 64]);
 
 /// The blocks of a stream; nothing where the reference does not read it.
 pub(in crate::diagnose) fn traced(stream: &PlaneStream) -> Option<Traced> {
-    jpeg::trace(stream.bytes, stream.size.width, stream.size.height).ok()
+    trace(stream.bytes, stream)
+}
+
+/// The same of other bytes in its place.
+fn trace(bytes: &[u8], stream: &PlaneStream) -> Option<Traced> {
+    jpeg::trace(bytes, stream.size.width, stream.size.height).ok()
 }
 
 /// The samples of a stream, as a decoder with these rules finds them, to the block of which one is not as it was shown.
 pub(in crate::diagnose) fn decode(
     stream: &PlaneStream,
-    (traced, steps): &Traced,
+    traced: &Traced,
     rules: &Rules,
     kept: &mut Option<Kept>,
     is_shown: IsShown,
 ) -> Partial {
+    let other = match rules.segments {
+        None => None,
+        Some(change) => match segments::changed(stream.bytes, change) {
+            Some(bytes) if bytes == stream.bytes => None,
+            bytes => match bytes.and_then(|bytes| trace(&bytes, stream)) {
+                Some(other) => Some(other),
+                None => return Partial::refused(stream),
+            },
+        },
+    };
+    let (traced, steps) = other.as_ref().unwrap_or(traced);
     let steps = match kept {
         Some(kept) if rules.keeps_steps => &kept.steps.clone(),
         _ => steps,
@@ -260,15 +280,20 @@ fn slipped(stream: &PlaneStream, slip: fn(&mut Rules)) -> Result<Vec<u8>> {
     Ok(partial.samples)
 }
 
-/// Two coefficients of the zigzag order exchanged.
-fn exchanged(k: usize, i: usize, j: usize) -> usize {
-    zigzag(if k == i {
+/// A number of which two are exchanged.
+fn swapped(k: usize, i: usize, j: usize) -> usize {
+    if k == i {
         j
     } else if k == j {
         i
     } else {
         k
-    })
+    }
+}
+
+/// Two coefficients of the zigzag order exchanged.
+fn exchanged(k: usize, i: usize, j: usize) -> usize {
+    zigzag(swapped(k, i, j))
 }
 
 /// A block with rows and columns exchanged.
@@ -280,7 +305,44 @@ fn signed_byte(value: i32) -> i32 {
     i32::from(value as i8)
 }
 
+impl Rules {
+    /// Whether a decoder with these may find no picture: the others read all codes as they should.
+    pub const fn may_refuse(&self) -> bool {
+        self.segments.is_some()
+    }
+}
+
+/// A change of the content of each segment of one kind.
+macro_rules! each {
+    ($kind:path, $change:expr) => {
+        Some(|segments: &mut Vec<Segment>| segments::each(segments, $kind, $change))
+    };
+}
+
 pub(in crate::diagnose) static SLIPS: &[Slip<Rules>] = slips! {
+    in "the numbers of tables (T.81 B.2.3, B.2.4)":
+    "stores every Huffman table under number 0", |r| r.segments = each!(DHT, |dht| dht.renumber(|number| number & 0xf0));
+    "ignores the numbers of Huffman tables: the last one counts", |r| r.segments = Some(|all| { segments::each(all, DHT, |dht| dht.renumber(|number| number & 0xf0)); segments::each(all, SOS, |sos| sos.content[2] = 0); });
+    "takes the numbers of Huffman tables modulo 2", |r| r.segments = Some(|all| { segments::each(all, DHT, |dht| dht.renumber(|number| number & 0xf1)); segments::each(all, SOS, |sos| sos.content[2] &= 0x11); });
+    "takes Huffman tables 0, whatever the scan header says", |r| r.segments = each!(SOS, |sos| sos.content[2] = 0);
+    "takes the AC table of the number of the DC table", |r| r.segments = each!(SOS, |sos| sos.content[2] = sos.content[2] >> 4 | sos.content[2] & 0xf0);
+    "takes the DC table of the number of the AC table", |r| r.segments = each!(SOS, |sos| sos.content[2] = sos.content[2] << 4 | sos.content[2] & 0x0f);
+    "exchanges the numbers of DC and AC table", |r| r.segments = each!(SOS, |sos| sos.content[2] = sos.content[2].rotate_left(4));
+    "keeps one AC table, the last one, whatever its number is", |r| r.segments = Some(|all| { segments::each(all, DHT, |dht| dht.renumber(|number| if number & 0xf0 == 0 { number } else { number & 0xf0 })); segments::each(all, SOS, |sos| sos.content[2] &= 0xf0); });
+    "keeps one DC table, the last one, whatever its number is", |r| r.segments = Some(|all| { segments::each(all, DHT, |dht| dht.renumber(|number| if number & 0xf0 == 0 { 0 } else { number })); segments::each(all, SOS, |sos| sos.content[2] &= 0x0f); });
+    "keeps the first Huffman table of a number, not the last one", |r| r.segments = Some(|all| segments::keep_first(all, DHT));
+    "reads only the first Huffman table of a segment", |r| r.segments = each!(DHT, Segment::keep_first_table);
+    "ignores the number of a quantization table: the last one counts", |r| r.segments = Some(|all| { segments::each(all, DQT, |dqt| dqt.renumber(|number| number & 0xf0)); segments::each(all, SOF, |sof| sof.content[8] = 0); });
+    "exchanges the two bytes of steps of 16 bits", |r| r.segments = each!(DQT, Segment::exchange_bytes);
+    "stores every quantization table under number 0", |r| r.segments = each!(DQT, |dqt| dqt.renumber(|number| number & 0xf0));
+    "takes quantization table 0, whatever the frame header says", |r| r.segments = each!(SOF, |sof| sof.content[8] = 0);
+    "keeps the first quantization table of a number, not the last one", |r| r.segments = Some(|all| segments::keep_first(all, DQT));
+    "reads only the first quantization table of a segment", |r| r.segments = each!(DQT, Segment::keep_first_table);
+    in "restart intervals (T.81 B.2.4.4)":
+    "takes the lowest byte of a restart interval", |r| r.segments = each!(DRI, |dri| dri.content[0] = 0);
+    "exchanges the two bytes of a restart interval", |r| r.segments = each!(DRI, |dri| dri.content.reverse());
+    "ignores restart intervals", |r| r.segments = Some(|all| all.retain(|segment| segment.kind != DRI));
+    "takes restart intervals to be one longer", |r| r.segments = each!(DRI, |dri| dri.content[1] = dri.content[1].wrapping_add(1));
     in "EXTEND (T.81 F.2.2.1)":
     "takes the largest negative number of each size for positive", |r| r.extend = |v, s| if s > 0 && v == -(1 << (s - 1)) { v + (1 << s) - 1 } else { v };
     "takes numbers of EXTEND for negative that begin with a 1 and nothing but zeros (≤ for <)", |r| r.extend = |v, s| if s > 0 && v == 1 << (s - 1) { v + 1 - (1 << s) } else { v };
@@ -292,6 +354,8 @@ pub(in crate::diagnose) static SLIPS: &[Slip<Rules>] = slips! {
     "extends negative numbers of 8 bits and more by 2 − 2^size, where 1 − 2^size belongs", |r| r.extend = |v, s| if v < 0 && s >= 8 { v + 1 } else { v };
     "takes numbers of 8 bits and more for negative that begin with a 1 and nothing but zeros (≤ for <)", |r| r.extend = |v, s| if s >= 8 && v == 1 << (s - 1) { v + 1 - (1 << s) } else { v };
     "takes the largest negative number of each size of 8 bits and more for positive", |r| r.extend = |v, s| if s >= 8 && v == -(1 << (s - 1)) { v + (1 << s) - 1 } else { v };
+    "takes numbers of 8 bits and more for positive (no EXTEND)", |r| r.extend = |v, s| if v < 0 && s >= 8 { v + (1 << s) - 1 } else { v };
+    "takes numbers of one bit for positive (no EXTEND)", |r| r.extend = |v, s| if v < 0 && s == 1 { v + 1 } else { v };
     "gives negative numbers their magnitude", |r| r.extend = |v, _| v.abs();
     in "the DC coefficient (T.81 F.2.2.1)":
     "does not add the DC coefficient of the block before", |r| r.dc = |_, difference| difference;
@@ -325,6 +389,8 @@ pub(in crate::diagnose) static SLIPS: &[Slip<Rules>] = slips! {
     "puts coefficients one place too late in the zigzag order", |r| r.place = |k| zigzag((k + 1).min(63));
     in "quantization (T.81 A.3.4)":
     "uses no steps: coefficients are not dequantized", |r| r.step = |_, _| 1;
+    "does not dequantize DC coefficients", |r| r.step = |steps, k| if k == 0 { 1 } else { steps[k].into() };
+    "does not dequantize AC coefficients", |r| r.step = |steps, k| if k == 0 { steps[0].into() } else { 1 };
     "uses the step of DC for all coefficients", |r| r.step = |steps, _| steps[0].into();
     "uses the second step for DC", |r| r.step = |steps, k| steps[k.max(1)].into();
     "takes steps by the place in the block, without the zigzag order", |r| r.step = |steps, k| steps[zigzag(k)].into();
@@ -348,6 +414,20 @@ pub(in crate::diagnose) static SLIPS: &[Slip<Rules>] = slips! {
     "takes a column of a block for flat whose coefficients of the rows 1 to 6 are 0, without the last row", |r| r.prepared = |block| std::array::from_fn(|i| if i >= 56 && (1..7).all(|y| block[8 * y + i % 8] == 0) { 0 } else { block[i] });
     "takes a column of a block for flat whose coefficients of the rows 2 to 7 are 0, without the row 1", |r| r.prepared = |block| std::array::from_fn(|i| if i / 8 == 1 && (2..8).all(|y| block[8 * y + i % 8] == 0) { 0 } else { block[i] });
     "takes a row of a block for flat whose coefficients of the columns 1 to 6 are 0, without the last column", |r| r.prepared = |block| std::array::from_fn(|i| if i % 8 == 7 && (1..7).all(|x| block[i / 8 * 8 + x] == 0) { 0 } else { block[i] });
+    "exchanges coefficients 1 and 3 of each row", |r| r.prepared = |block| std::array::from_fn(|i| block[i / 8 * 8 + swapped(i % 8, 1, 3)]);
+    "exchanges coefficients 3 and 5 of each row", |r| r.prepared = |block| std::array::from_fn(|i| block[i / 8 * 8 + swapped(i % 8, 3, 5)]);
+    "exchanges coefficients 5 and 7 of each row", |r| r.prepared = |block| std::array::from_fn(|i| block[i / 8 * 8 + swapped(i % 8, 5, 7)]);
+    "exchanges coefficients 2 and 6 of each row", |r| r.prepared = |block| std::array::from_fn(|i| block[i / 8 * 8 + swapped(i % 8, 2, 6)]);
+    "exchanges coefficients 3 and 5 of each column", |r| r.prepared = |block| std::array::from_fn(|i| block[swapped(i / 8, 3, 5) * 8 + i % 8]);
+    "exchanges coefficients 2 and 6 of each column", |r| r.prepared = |block| std::array::from_fn(|i| block[swapped(i / 8, 2, 6) * 8 + i % 8]);
+    "exchanges the rows 3 and 4 of the samples of a block", |r| r.transformed = |samples| std::array::from_fn(|i| samples[swapped(i / 8, 3, 4) * 8 + i % 8]);
+    "exchanges the columns 3 and 4 of the samples of a block", |r| r.transformed = |samples| std::array::from_fn(|i| samples[i / 8 * 8 + swapped(i % 8, 3, 4)]);
+    "exchanges the rows 1 and 2 of the samples of a block", |r| r.transformed = |samples| std::array::from_fn(|i| samples[swapped(i / 8, 1, 2) * 8 + i % 8]);
+    "exchanges the columns 1 and 2 of the samples of a block", |r| r.transformed = |samples| std::array::from_fn(|i| samples[i / 8 * 8 + swapped(i % 8, 1, 2)]);
+    "exchanges the rows 0 and 7 of the samples of a block", |r| r.transformed = |samples| std::array::from_fn(|i| samples[swapped(i / 8, 0, 7) * 8 + i % 8]);
+    "exchanges the columns 0 and 7 of the samples of a block", |r| r.transformed = |samples| std::array::from_fn(|i| samples[i / 8 * 8 + swapped(i % 8, 0, 7)]);
+    "repeats the row before for the last row of each block", |r| r.transformed = |samples| std::array::from_fn(|i| samples[(i / 8).min(6) * 8 + i % 8]);
+    "repeats the column before for the last column of each block", |r| r.transformed = |samples| std::array::from_fn(|i| samples[i / 8 * 8 + (i % 8).min(6)]);
     "leaves out the last row of coefficients", |r| r.prepared = |block| std::array::from_fn(|i| if i >= 56 { 0 } else { block[i] });
     "leaves out the last column of coefficients", |r| r.prepared = |block| std::array::from_fn(|i| if i % 8 == 7 { 0 } else { block[i] });
     "divides samples by 4, where 8 belongs", |r| r.transformed = |samples| samples.map(|sample| 2 * sample);
@@ -378,8 +458,10 @@ pub(in crate::diagnose) static SLIPS: &[Slip<Rules>] = slips! {
     "repeats the row before for the last row of a plane whose height is 1 more than a multiple of 8", |r| r.repeated = |height| usize::from(height > 8 && height % 8 == 1);
     "repeats the row before for the last row of a plane whose height is not a multiple of 8", |r| r.repeated = |height| usize::from(height > 8 && height % 8 > 0);
     "repeats the row before for the last row of a plane", |r| r.repeated = |height| usize::from(height > 1);
+    "leaves out the last row of blocks where they extend past the last row, but not the only one", |r| r.rows = |height| if height > 8 { height / 8 * 8 } else { height };
     "leaves out the last row of blocks that extend past the last row", |r| r.rows = |height| if height % 8 > 0 { height - 1 } else { height };
     "leaves out the last row of blocks where they extend past the last row", |r| r.rows = |height| height / 8 * 8;
+    "leaves out the last column of a plane whose width is 1 more than a multiple of 8", |r| r.edges = |width, height| (if width > 8 && width % 8 == 1 { width - 1 } else { width }, height);
     "leaves out the last column of blocks that extend past the right edge", |r| { r.copied = |columns| if columns < 8 { columns.saturating_sub(1) } else { 8 }; r.is_in_place = false; };
     "leaves out blocks that extend past the right edge", |r| { r.copied = |columns| if columns < 8 { 0 } else { 8 }; r.is_in_place = false; };
 };

@@ -9,6 +9,7 @@ mod jpeg_blocks;
 mod jpeg_ls_samples;
 mod jpeg_ls_slips;
 mod jpeg_slips;
+mod segments;
 mod separate;
 mod slips;
 pub(super) mod stream_slips;

@@ -46,6 +46,16 @@ pub(super) struct Partial {
 }
 
 impl Partial {
+    /// Of a stream in which a decoder finds no picture.
+    pub fn refused(stream: &PlaneStream) -> Partial {
+        Partial {
+            samples: vec![0; stream.size.texels()],
+            known: 0,
+            is_other: true,
+            may_refuse: true,
+        }
+    }
+
     /// As the reference reads a stream that cannot be followed here.
     pub fn right(stream: &PlaneStream) -> Result<Partial> {
         let samples = stream_once(stream)?;

@@ -57,9 +57,11 @@ impl StreamSlip {
         }
     }
 
-    /// Whether a decoder with it may find no picture: those of JPEG read all codes as they should.
-    pub const fn may_refuse(self) -> bool {
-        matches!(self, StreamSlip::JpegLs(_))
+    /// Whether a decoder with it may find no picture.
+    pub fn may_refuse(self) -> bool {
+        let mut rules = jpeg_slips::RIGHT;
+        self.change_jpeg(&mut rules);
+        matches!(self, StreamSlip::JpegLs(_)) || rules.may_refuse()
     }
 
     /// What it does.

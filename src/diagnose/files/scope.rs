@@ -96,6 +96,16 @@ impl Scope {
         }
     }
 
+    /// The same without the formats of which this is not so: a mistake may change nothing in them.
+    pub fn of_formats(&self, is_so: impl Fn(Format) -> bool) -> Scope {
+        match self {
+            Scope::Formats(formats) => {
+                Scope::Formats(formats.iter().copied().filter(|&one| is_so(one)).collect())
+            }
+            other => other.clone(),
+        }
+    }
+
     /// Completes "every file …".
     pub fn says(&self) -> String {
         match self {

@@ -247,6 +247,9 @@ const OF_SPELLING: &[Pair] = &[
     ("with more than one space between two numbers", "", |f| {
         f.spelled(|recipe| recipe.spelling.gap > 1)
     }),
+    ("with three spaces or more between two numbers", "", |f| {
+        f.spelled(|recipe| recipe.spelling.gap > 2)
+    }),
     (
         "with the number of entries written as \"256 N_LUT_ENTRIES\"",
         "",

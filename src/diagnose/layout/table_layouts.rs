@@ -66,14 +66,24 @@ pub(in crate::diagnose) enum TableLayout {
     /// One of [`LAYOUTS`], by its place.
     Entries(usize),
     /// The colors of `PTM_LUT` are taken for those of entries, not of texels.
-    ColorsByIndex,
+    ColorsByIndex(PastTexels),
+}
+
+/// What the color of a texel is taken from whose index is no number of a texel.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(in crate::diagnose) enum PastTexels {
+    /// What stands behind the colors: nothing.
+    Zeros,
+    Own,
+    Modulo,
 }
 
 impl TableLayout {
     /// All that are tried.
     pub fn all() -> impl Iterator<Item = TableLayout> {
         let entries = (0..LAYOUTS.len()).map(TableLayout::Entries);
-        entries.chain([TableLayout::ColorsByIndex])
+        let past = [PastTexels::Zeros, PastTexels::Own, PastTexels::Modulo];
+        entries.chain(past.map(TableLayout::ColorsByIndex))
     }
 
     /// The values of every texel, from the bytes of the file; behind its end stand zeros.
@@ -89,9 +99,9 @@ impl TableLayout {
             indices.size,
         );
         let file = &witness.built.file;
+        let texels = ptm.planes.size.texels();
         let count = ptm.planes.shape.channels();
-        let texels = ptm.planes.samples.chunks_exact_mut(count).enumerate();
-        for (texel, samples) in texels {
+        for (texel, samples) in ptm.planes.samples.chunks_exact_mut(count).enumerate() {
             let i = indices.stored(texel, extent);
             let byte = |at: usize| file.get(at).copied().unwrap_or_default();
             match (self, colors) {
@@ -101,9 +111,15 @@ impl TableLayout {
                         *value = byte(table.start.wrapping_add(at));
                     }
                 }
-                (TableLayout::ColorsByIndex, Some(colors)) if size == 6 => {
+                (TableLayout::ColorsByIndex(past), Some(colors)) if size == 6 => {
+                    let of = match past {
+                        _ if i < texels => i,
+                        PastTexels::Zeros => i,
+                        PastTexels::Own => continue,
+                        PastTexels::Modulo => i % texels,
+                    };
                     for (k, value) in samples[6..].iter_mut().enumerate() {
-                        *value = byte(colors + 3 * i + k);
+                        *value = byte(colors + 3 * of + k);
                     }
                 }
                 _ => {}
@@ -115,8 +131,11 @@ impl TableLayout {
     pub fn says(self) -> &'static str {
         match self {
             TableLayout::Entries(layout) => LAYOUTS[layout].0,
-            TableLayout::ColorsByIndex => {
+            TableLayout::ColorsByIndex(PastTexels::Zeros | PastTexels::Own) => {
                 "takes the color of a texel of PTM_LUT from the place of its index among the colors"
+            }
+            TableLayout::ColorsByIndex(PastTexels::Modulo) => {
+                "takes the color of a texel of PTM_LUT from the place of its index, modulo the number of texels, among the colors"
             }
         }
     }
@@ -126,7 +145,7 @@ impl TableLayout {
             TableLayout::Entries(_) => {
                 "entry i of PTM_LUT is the six bytes from 6 · i on, of PTM_C_LUT the nine bytes from 9 · i on"
             }
-            TableLayout::ColorsByIndex => {
+            TableLayout::ColorsByIndex(_) => {
                 "the colors of PTM_LUT are those of texels, in their own order, and have nothing to do with the table"
             }
         }
@@ -134,7 +153,7 @@ impl TableLayout {
 
     pub const fn clause(self, format: Format) -> &'static str {
         match (self, format) {
-            (TableLayout::ColorsByIndex, _) => "2.8.1/4",
+            (TableLayout::ColorsByIndex(_), _) => "2.8.1/4",
             (_, Format::PtmLut) => "2.5/4",
             _ => "2.5/5",
         }

@@ -50,6 +50,8 @@ pub(in crate::diagnose) enum Slip {
     StaysInverted,
     /// What an intra coded plane holds is inverted where its transform says so.
     IntraInverted,
+    /// What an intra coded plane holds is so much more, modulo 256.
+    IntraPlus(u8),
     NotMoved,
     Vector(Vector),
     /// Whole texels and halves of a displacement.
@@ -270,6 +272,8 @@ struct Rules {
     sum: Option<Sum>,
     inverse: Option<Inverse>,
     is_intra_inverted: bool,
+    /// What is added to it.
+    intra_plus: u8,
     by_place: Option<List>,
     stays_inverted: bool,
     transform_neighbor: i8,
@@ -317,6 +321,7 @@ impl Rules {
             Slip::TransformOfNeighbor(by) => self.transform_neighbor = by,
             Slip::StaysInverted => self.stays_inverted = true,
             Slip::IntraInverted => self.is_intra_inverted = true,
+            Slip::IntraPlus(plus) => self.intra_plus = plus,
             Slip::NotMoved => self.is_still = true,
             Slip::Vector(vector) => self.vector = Some(vector),
             Slip::Split(whole, half) => self.split = Some((whole, half)),
@@ -430,10 +435,14 @@ impl Coding {
                 };
                 self.add(&mut plane, &predictor, &rules, reading);
             }
-            None if rules.is_intra_inverted && step.inverted => {
-                (reading.invert)(&mut plane);
+            None => {
+                if rules.is_intra_inverted && step.inverted {
+                    (reading.invert)(&mut plane);
+                }
+                for sample in &mut plane {
+                    *sample = sample.wrapping_add(rules.intra_plus);
+                }
             }
-            None => {}
         }
         let listed = match rules.by_place {
             Some(List::Records) => self.place(i),

@@ -125,6 +125,9 @@ impl Slip {
             Slip::Inverse(Inverse::None),
             Slip::NotMoved,
             Slip::IntraInverted,
+            Slip::IntraPlus(128),
+            Slip::IntraPlus(127),
+            Slip::IntraPlus(129),
             Slip::StaysInverted,
         ];
         let lists = [List::Transforms, List::Vectors, List::Records];
@@ -198,6 +201,7 @@ impl Slip {
             | Slip::Overwrites => is_predicted,
             Slip::Inverse(_) => is_predicted && step.inverted,
             Slip::IntraInverted => !is_predicted && step.inverted,
+            Slip::IntraPlus(_) => !is_predicted,
             Slip::Order(_) | Slip::Shifted(_) | Slip::ByPlace(List::Records) => true,
             Slip::Records(Records::OfPlaneBefore | Records::SingleOfPlaneBefore) => {
                 plane.records.is_empty()
@@ -212,6 +216,10 @@ impl Slip {
         match self {
             Slip::Sum(sum) => sum.says(),
             Slip::Inverse(inverse) => inverse.says(),
+            Slip::IntraPlus(plus) => format!(
+                "subtracts {} from intra coded planes, modulo 256",
+                plus.wrapping_neg()
+            ),
             Slip::Shifted(by) => format!(
                 "decodes every sample of its streams {} too {}, as a level shift of {} would where 128 belongs",
                 by.unsigned_abs(),
@@ -317,7 +325,9 @@ impl Slip {
             Slip::FromPlaneBefore(_) | Slip::FromNeighbor(..) => {
                 "planes are counted from 0: the number at place i of the reference list is the plane that plane i is predicted from"
             }
-            Slip::IntraInverted => "leave intra coded planes as their streams hold them",
+            Slip::IntraInverted | Slip::IntraPlus(_) => {
+                "leave intra coded planes as their streams hold them"
+            }
             Slip::NotMoved => {
                 "where the plane's own transform has bit 2, displace the reference by the plane's own vector"
             }
@@ -357,7 +367,7 @@ impl Slip {
             | Slip::StaysInverted
             | Slip::TransformOfNeighbor(_) => "2.9.2/1",
             Slip::FromPlaneBefore(_) | Slip::FromNeighbor(..) => "2.9.5/1",
-            Slip::IntraInverted => "2.9.5/2",
+            Slip::IntraInverted | Slip::IntraPlus(_) => "2.9.5/2",
             Slip::NotMoved => "2.9.2/4",
             Slip::ByPlace(List::Vectors)
             | Slip::Vector(

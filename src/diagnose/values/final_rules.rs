@@ -99,6 +99,12 @@ const RULES: &[Rule] = &[
     ("(raw − bias) · scale cut to multiples of 1/256", |n| {
         (n.right() * 256.0).trunc() / 256.0
     }),
+    ("(raw − bias) · scale cut to multiples of 1/16", |n| {
+        (n.right() * 16.0).trunc() / 16.0
+    }),
+    ("(raw − bias) · scale cut to eighths", |n| {
+        (n.right() * 8.0).trunc() / 8.0
+    }),
     ("(raw − bias) · scale rounded to three decimals", |n| {
         (n.right() * 1000.0).round() / 1000.0
     }),
@@ -196,6 +202,24 @@ const CONDITIONS: &[Condition] = &[
     ("that are a3", |n| n.place == 3),
     ("that are a4", |n| n.place == 4),
     ("that are a5", |n| n.place == 5),
+    ("that are a0 and negative", |n| {
+        n.place == 0 && n.right() < 0.0
+    }),
+    ("that are a1 and negative", |n| {
+        n.place == 1 && n.right() < 0.0
+    }),
+    ("that are a2 and negative", |n| {
+        n.place == 2 && n.right() < 0.0
+    }),
+    ("that are a3 and negative", |n| {
+        n.place == 3 && n.right() < 0.0
+    }),
+    ("that are a4 and negative", |n| {
+        n.place == 4 && n.right() < 0.0
+    }),
+    ("that are a5 and negative", |n| {
+        n.place == 5 && n.right() < 0.0
+    }),
 ];
 
 /// What raw value and bias are made to.

@@ -99,7 +99,9 @@ fn solved(of: &[(f64, f64)], coefficient: usize, numbers: &ScaleBias) -> Option<
         });
     }
     let other_scale = value / (raw - bias);
-    fits(other_scale, bias).then_some(Used {
+    // What overflows comes out the same with many scales.
+    let is_known = other_scale.is_finite() && fits(other_scale, bias);
+    is_known.then_some(Used {
         says: OTHER_SCALE,
         coefficient,
         value: other_scale,

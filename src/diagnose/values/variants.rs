@@ -1,5 +1,6 @@
 //! Formulas that some decoders have in place of those of the text, and that the catalog does not list.
 
+use std::ops::Range;
 use std::sync::LazyLock;
 
 use super::formulas::Formula;
@@ -209,6 +210,73 @@ macro_rules! colors_in_steps {
 /// Colors in steps.
 static COLORS_IN_STEPS: &[Variant] = colors_in_steps!(4 5 8 10 16);
 
+/// A matrix of which the elements of these columns and rows are changed.
+fn changed(
+    ColorMatrix(m): &ColorMatrix,
+    columns: Range<usize>,
+    rows: Range<usize>,
+    change: fn(f64) -> f64,
+) -> [[f64; 4]; 3] {
+    let element = |row: usize, column: usize| {
+        let element = m[4 * column + row];
+        match columns.contains(&column) && rows.contains(&row) {
+            true => change(element),
+            false => element,
+        }
+    };
+    [0, 1, 2].map(|row| [0, 1, 2, 3].map(|column| element(row, column)))
+}
+
+macro_rules! elements {
+    ($($verb:literal $change:expr;)*) => {
+        &[$(
+            elements!(of 0..1, $verb, " the factor of Y", $change),
+            elements!(of 1..2, $verb, " the factor of Cr", $change),
+            elements!(of 2..3, $verb, " the factor of Cb", $change),
+            elements!(of 3..4, $verb, " the translation", $change),
+            elements!(of 0..3, $verb, " the factors of Y, Cr and Cb", $change),
+        )*]
+    };
+    (of $columns:expr, $verb:literal, $name:literal, $change:expr) => {
+        [
+            matrix(concat!($verb, $name, " in the matrix"), |m| changed(m, $columns, 0..3, $change)),
+            matrix(concat!($verb, $name, " in the matrix for red"), |m| changed(m, $columns, 0..1, $change)),
+            matrix(concat!($verb, $name, " in the matrix for green"), |m| changed(m, $columns, 1..2, $change)),
+            matrix(concat!($verb, $name, " in the matrix for blue"), |m| changed(m, $columns, 2..3, $change)),
+        ]
+    };
+}
+
+/// Other elements of the matrix.
+static ELEMENTS: &[[Variant; 4]] = elements!(
+    "halves" |element| element / 2.0;
+    "doubles" |element| element * 2.0;
+    "leaves out" |_| 0.0;
+    "negates" |element| -element;
+    "takes 0, where it is negative, for" |element| element.max(0.0);
+    "drops the sign of" f64::abs;
+    "drops the fraction of" f64::trunc;
+    "rounds" f64::round;
+    "takes 1 for" |_| 1.0;
+    "squares" |element| element * element;
+);
+
+macro_rules! ends {
+    ($($limit:literal)*) => {
+        &[$(
+            limits(concat!("shows 0 for colors over ", $limit), |c| {
+                if c > f64::from($limit) { 0.0 } else { c.clamp(0.0, 255.0) }
+            }),
+            limits(concat!("shows 255 for colors below −", $limit), |c| {
+                if c < -f64::from($limit) { 255.0 } else { c.clamp(0.0, 255.0) }
+            }),
+        )*]
+    };
+}
+
+/// Colors far outside of 0 … 255 that turn into the other end.
+static ENDS: &[Variant] = ends!(100 128 256 300 400 500 511 512 767 1000 1023 1024);
+
 /// All of them.
 pub(in crate::diagnose) static VARIANTS: LazyLock<Vec<&Variant>> = LazyLock::new(|| {
     let lists = [
@@ -217,9 +285,11 @@ pub(in crate::diagnose) static VARIANTS: LazyLock<Vec<&Variant>> = LazyLock::new
         COEFFICIENTS,
         COLORS,
         COLORS_IN_STEPS,
+        ENDS,
         FORMULAS,
     ];
-    lists.into_iter().flatten().collect()
+    let elements = ELEMENTS.iter().flatten();
+    lists.into_iter().flatten().chain(elements).collect()
 });
 
 /// The others.
@@ -329,6 +399,10 @@ static FORMULAS: &[Variant] = &[
             (uu + vv + uv + u + v + one).max(0.0).sqrt()
         },
     ),
+    light("shortens lights longer than 1 to 1", |u, v| {
+        let length = u.hypot(v).max(1.0);
+        (u / length, v / length)
+    }),
     light(
         "makes the light as long as 1 in the plane of u and v",
         |u, v| {
@@ -392,6 +466,23 @@ static FORMULAS: &[Variant] = &[
     product("rounds luminance / 255 to two decimals", |l, c| {
         (l / 255.0 * 100.0).round() / 100.0 * c
     }),
+    product("rounds color / 255 to multiples of 1/16", |l, c| {
+        l * (c / 255.0 * 16.0).round() / 16.0
+    }),
+    product("rounds color / 255 to one decimal", |l, c| {
+        l * (c / 255.0 * 10.0).round() / 10.0
+    }),
+    product("rounds color / 255 to two decimals", |l, c| {
+        l * (c / 255.0 * 100.0).round() / 100.0
+    }),
+    product(
+        "divides luminance · color by 256 where luminance is over 255",
+        |l, c| l * c / if l > 255.0 { 256.0 } else { 255.0 },
+    ),
+    product(
+        "divides luminance · color by 128 where luminance is below 64",
+        |l, c| l * c / if l < 64.0 { 128.0 } else { 255.0 },
+    ),
     product("divides luminance · color by 128", |l, c| l * c / 128.0),
     product("divides luminance · color by 100", |l, c| l * c / 100.0),
     product("divides luminance · color by 250", |l, c| l * c / 250.0),
@@ -421,6 +512,27 @@ static FORMULAS: &[Variant] = &[
     product(
         "screens luminance and color: 255 − (255 − L) · (255 − C) / 255",
         |l, c| 255.0 - (255.0 - l) * (255.0 - c) / 255.0,
+    ),
+    product("takes a color of 0 for 255, and shows luminance", |l, c| {
+        if c == 0.0 { l } else { l * c / 255.0 }
+    }),
+    product(
+        "shows luminance where a color is 255, and 0 elsewhere",
+        |l, c| {
+            if c == 255.0 { l } else { 0.0 }
+        },
+    ),
+    product("takes a color of 0 for 1", |l, c| l * c.max(1.0) / 255.0),
+    product(
+        "divides luminance · color by 256 where it is over 32767",
+        |l, c| {
+            let product = l * c;
+            if product > 32767.0 {
+                product / 256.0
+            } else {
+                product / 255.0
+            }
+        },
     ),
     product("takes luminance without its sign", |l, c| {
         l.abs() * c / 255.0
