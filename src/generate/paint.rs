@@ -23,6 +23,8 @@ pub(super) fn sample(recipe: &Recipe, texel: usize, channel: usize) -> u8 {
         Scene::Stripes => (10 + channel * 13 + recipe.seed as usize) as u8,
         Scene::Breaks if y == 0 && x < 128 && x % 5 == 3 => 1 + channel as u8,
         Scene::Breaks => 0,
+        Scene::LastColumn if x + 1 == width => 1 + channel as u8,
+        Scene::LastColumn => 0,
         Scene::Flat(value) => value,
         Scene::Unlit if channel < 5 => 128,
         Scene::Unlit => noise,

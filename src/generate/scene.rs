@@ -35,12 +35,14 @@ pub enum Scene {
     Dots,
     /// 0, but the top row begins with lone texels of another value in each channel.
     Breaks,
+    /// 0, but another value in the last column of each channel.
+    LastColumn,
 }
 
 impl FromStr for Scene {
     type Err = String;
 
-    /// `noise`, `extremes`, `ramp`, `stripes`, `flat-200`, `unlit`, `luminance-is-cr`, `soft`, `framed-128`, `diagonals`, `columns`, `rows`, `edges`, `dots`, `breaks`.
+    /// `noise`, `extremes`, `ramp`, `stripes`, `flat-200`, `unlit`, `luminance-is-cr`, `soft`, `framed-128`, `diagonals`, `columns`, `rows`, `edges`, `dots`, `breaks`, `last-column`.
     fn from_str(name: &str) -> Result<Scene, String> {
         Ok(match name {
             "noise" => Scene::Noise,
@@ -56,6 +58,7 @@ impl FromStr for Scene {
             "edges" => Scene::Edges,
             "dots" => Scene::Dots,
             "breaks" => Scene::Breaks,
+            "last-column" => Scene::LastColumn,
             _ => {
                 let value = |prefix| {
                     name.strip_prefix(prefix)
