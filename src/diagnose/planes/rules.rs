@@ -421,27 +421,24 @@ impl Coding {
         let Some(own) = place(i) else {
             return vec![0; plane.len()];
         };
-        match step.reference {
-            Some(reference) => {
-                let reference = self.reference(i, reference, &rules);
-                let is_there = place(reference).is_some_and(|other| other < own);
-                let blank = || match rules.undecoded {
-                    Undecoded::Zeros => vec![0; plane.len()],
-                    Undecoded::Stream => self.planes[reference].residuals.clone(),
-                };
-                let predictor = match is_there {
-                    true => self.predictor(i, &planes[reference], &rules, reading),
-                    false => self.predictor(i, &blank(), &rules, reading),
-                };
-                self.add(&mut plane, &predictor, &rules, reading);
+        if let Some(reference) = step.reference {
+            let reference = self.reference(i, reference, &rules);
+            let is_there = place(reference).is_some_and(|other| other < own);
+            let blank = || match rules.undecoded {
+                Undecoded::Zeros => vec![0; plane.len()],
+                Undecoded::Stream => self.planes[reference].residuals.clone(),
+            };
+            let predictor = match is_there {
+                true => self.predictor(i, &planes[reference], &rules, reading),
+                false => self.predictor(i, &blank(), &rules, reading),
+            };
+            self.add(&mut plane, &predictor, &rules, reading);
+        } else {
+            if rules.is_intra_inverted && step.inverted {
+                (reading.invert)(&mut plane);
             }
-            None => {
-                if rules.is_intra_inverted && step.inverted {
-                    (reading.invert)(&mut plane);
-                }
-                for sample in &mut plane {
-                    *sample = sample.wrapping_add(rules.intra_plus);
-                }
+            for sample in &mut plane {
+                *sample = sample.wrapping_add(rules.intra_plus);
             }
         }
         let listed = match rules.by_place {

@@ -90,7 +90,7 @@ codes! {
     UNKNOWN_FORMAT = Error "PTM-E003" "2.2/1"
         "no format has that name"
         "write one of the nine names of 2.2, such as PTM_FORMAT_LRGB"
-        ["format-unknown", "format-cut", "format-lower-case", "format-with-a-letter-behind", "format-with-a-word-behind", "format-behind-a-letter", "format-without-its-last-letter", "format-without-its-beginning", "format-in-mixed-case"];
+        ["format-unknown", "format-cut", "format-lower-case", "format-with-a-letter-behind", "format-with-a-word-behind", "format-behind-a-letter", "format-without-its-last-letter", "format-without-its-beginning", "format-in-mixed-case", "format-with-its-end-in-lower-case"];
     CARRIAGE_RETURN = Error "PTM-E005" "2.0/1"
         "the header contains a carriage return"
         "open the file in binary mode and end lines with a line feed alone"
