@@ -42,6 +42,9 @@ mod bit_buffer;
 #[cfg(feature = "generate")]
 mod writer;
 
+#[cfg(feature = "generate")]
+pub(crate) mod segments;
+
 pub mod jpeg;
 
 pub mod jpeg_ls;

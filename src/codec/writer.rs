@@ -64,6 +64,12 @@ impl Writer {
         self.segment(SOS, &[1, 1, tables, first, second, third]);
     }
 
+    /// Ends with bytes that were written before.
+    pub fn followed_by(mut self, data: &[u8]) -> Vec<u8> {
+        self.stream.extend(data);
+        self.stream
+    }
+
     /// Ends with EOI.
     pub fn finish(mut self) -> Vec<u8> {
         self.marker(EOI);

@@ -1,47 +1,33 @@
 //! The headers of a stream, in another order and with another name of the component.
 
 use super::plan::Stream;
+use crate::codec::segments::{Segment, apart, together};
 
-// Markers, and places within a segment, counted from its marker.
+// A marker, and places behind the length of a segment.
 const JFIF: u8 = 0xe0;
-const SCAN: u8 = 0xda;
-const COMPONENT_OF_FRAME: usize = 10;
-const COMPONENT_OF_SCAN: usize = 5;
+const COMPONENT_OF_FRAME: usize = 6;
+const COMPONENT_OF_SCAN: usize = 1;
 
 /// The same stream with the headers that `style` asks for.
 pub(super) fn with_headers(stream: &[u8], style: &Stream) -> Vec<u8> {
-    let (mut segments, data) = segments(stream);
+    let (mut segments, data) = apart(stream).expect("a stream of our encoders");
     if !style.jfif {
-        segments.retain(|segment| segment[1] != JFIF);
+        segments.retain(|segment| segment.code != JFIF);
     }
-    let is_frame = |segment: &Vec<u8>| matches!(segment[1], 0xc0 | 0xc1 | 0xf7);
+    let is_frame = |segment: &Segment| matches!(segment.code, 0xc0 | 0xc1 | 0xf7);
     if let Some(frame) = segments.iter().position(is_frame) {
-        segments[frame][COMPONENT_OF_FRAME] = style.component;
+        segments[frame].content[COMPONENT_OF_FRAME] = style.component;
         // DQT of JPEG, LSE of JPEG-LS.
-        let tables = (segments.iter()).position(|segment| matches!(segment[1], 0xdb | 0xf8));
+        let tables = (segments.iter()).position(|segment| matches!(segment.code, 0xdb | 0xf8));
         if let Some(tables) = tables.filter(|_| style.frame_moved) {
             let header = segments.remove(frame);
             segments.insert(tables, header);
         }
     }
     if let Some(scan) = segments.last_mut() {
-        scan[COMPONENT_OF_SCAN] = style.component;
+        scan.content[COMPONENT_OF_SCAN] = style.component;
     }
-    [&stream[..2], &segments.concat(), data].concat()
-}
-
-/// The segments up to the scan header, each with its marker, and what follows them.
-fn segments(stream: &[u8]) -> (Vec<Vec<u8>>, &[u8]) {
-    let (mut segments, mut rest) = (Vec::new(), &stream[2..]);
-    loop {
-        let length = 2 + usize::from(u16::from_be_bytes([rest[2], rest[3]]));
-        let (segment, behind) = rest.split_at(length);
-        segments.push(segment.to_vec());
-        rest = behind;
-        if segment[1] == SCAN {
-            return (segments, rest);
-        }
-    }
+    together(&segments, data)
 }
 
 #[cfg(test)]
@@ -52,11 +38,8 @@ mod tests {
 
     /// The markers of the segments up to the scan header.
     fn markers(stream: &[u8]) -> Vec<u8> {
-        segments(stream)
-            .0
-            .iter()
-            .map(|segment| segment[1])
-            .collect()
+        let (segments, _) = apart(stream).expect("a stream of our encoders");
+        segments.iter().map(|segment| segment.code).collect()
     }
 
     const MOVED: Stream = Stream {

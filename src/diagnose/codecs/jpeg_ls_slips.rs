@@ -4,7 +4,7 @@
 //! made, and what comes out is compared with what the decoder under test shows. The decoder here is the plainest one there
 //! is; every decision in it is a field of [`Rules`], right by default.
 
-use super::slips::{IsShown, Partial, Slip, slips};
+use super::slips::{IsShown, Partial, Slip, signed_byte, slips};
 use crate::codec::jpeg_ls::{
     self, J, Neighbors, PresetParameters, default_thresholds, limited_thresholds, stored_scan,
     wanted_thresholds,
@@ -733,7 +733,7 @@ macro_rules! c_limits {
 }
 
 /// Other limits of C.
-static C_LIMITS: &[Slip<Rules>] = c_limits!(-8 8 -5 5 -3 3 -2 2 -1 1 0 0 -10 127 -128 10 -10 10 -20 127 -128 20 -50 127 -128 50 -100 127 -128 100 -4 127 -128 4 -4 4 -8 127 -128 8 -16 127 -128 16 -32 127 -128 32 -64 127 -128 64 -128 0 0 127 -7 7 -8 7 -15 15 -16 15 -31 31 -32 31 -63 63 -64 63 -127 127 -128 126 -100 100 -32 32 -64 64 -16 16);
+static C_LIMITS: &[Slip<Rules>] = c_limits!(-8 8 -5 5 -3 3 -2 2 -1 1 -10 127 -128 10 -10 10 -20 127 -128 20 -50 127 -128 50 -100 127 -128 100 -4 127 -128 4 -4 4 -8 127 -128 8 -16 127 -128 16 -32 127 -128 32 -64 127 -128 64 -128 0 0 127 -7 7 -8 7 -15 15 -16 15 -31 31 -32 31 -63 63 -64 63 -127 127 -128 126 -100 100 -32 32 -64 64 -16 16);
 
 macro_rules! factors {
     ($name:literal $place:literal $right:literal: $($factor:literal)*) => {
@@ -862,6 +862,12 @@ fn with_d(plane: &Plane, row: usize, column: usize, d: i32) -> [i32; 4] {
     [a, b, c, if column + 1 == plane.width { d } else { right }]
 }
 
+/// With b, c and d as signed bytes.
+fn with_signed_row_above(plane: &Plane, row: usize, column: usize) -> [i32; 4] {
+    let [a, b, c, d] = plane.neighbors(row, column);
+    [a, signed_byte(b), signed_byte(c), signed_byte(d)]
+}
+
 /// All lists.
 pub(in crate::diagnose) static LISTS: &[&[Slip<Rules>]] = &[
     SLIPS,
@@ -901,8 +907,8 @@ static SLIPS: &[Slip<Rules>] = slips! {
     "takes 128 for the row above the first and for the sample to its left, where 0 belongs", |r| r.neighbors = |p, y, x| { let [a, b, c, d] = p.neighbors(y, x); match (y, x) { (0, _) => [if x == 0 { 128 } else { a }, 128, 128, 128], (1, 0) => [a, b, 128, d], _ => [a, b, c, d] } };
     "takes 0 for a (Ra) and c (Rc) in the first column, where samples above belong", |r| r.neighbors = |p, y, x| { let [a, b, c, d] = p.neighbors(y, x); if x == 0 { [0, b, 0, d] } else { [a, b, c, d] } };
     "takes c for d (Rd) in the last column of planes of two columns or more, where b belongs", |r| r.neighbors = |p, y, x| { let [_, b, c, _] = p.neighbors(y, x); with_d(p, y, x, if p.width > 1 { c } else { b }) };
-    "keeps the row above in signed bytes", |r| r.neighbors = |p, y, x| { let [a, b, c, d] = p.neighbors(y, x); let signed = |sample: i32| i32::from(sample as i8); [if x == 0 { signed(a) } else { a }, signed(b), signed(c), signed(d)] };
-    "keeps the row above in signed bytes, but not for a (Ra) in the first column", |r| r.neighbors = |p, y, x| { let [a, b, c, d] = p.neighbors(y, x); let signed = |sample: i32| i32::from(sample as i8); [a, signed(b), signed(c), signed(d)] };
+    "keeps the row above in signed bytes", |r| r.neighbors = |p, y, x| { let [a, b, c, d] = with_signed_row_above(p, y, x); [if x == 0 { signed_byte(a) } else { a }, b, c, d] };
+    "keeps the row above in signed bytes, but not for a (Ra) in the first column", |r| r.neighbors = with_signed_row_above;
     "takes a for b, c and d in the first row, where 0 belongs", |r| r.neighbors = |p, y, x| { let all = p.neighbors(y, x); if y == 0 { [all[0]; 4] } else { all } };
     in "gradients and contexts (T.87 A.3)":
     "computes the gradient d − b as d − a", |r| r.gradients = |[a, b, c, d]| [d - a, b - c, c - a];
@@ -973,7 +979,7 @@ static SLIPS: &[Slip<Rules>] = slips! {
     "ignores T3 of an LSE segment", |r| r.thresholds = |[a, b, _], maxval, near| thresholds([a, b, 0], maxval, near);
     "takes T2 of an LSE segment for T3 too", |r| r.thresholds = |[a, b, _], maxval, near| thresholds([a, b, b], maxval, near);
     "takes T1 of an LSE segment for T2 too", |r| r.thresholds = |[a, _, c], maxval, near| thresholds([a, a, c], maxval, near);
-    "takes the thresholds of an LSE segment for signed bytes", |r| r.thresholds = |stored, maxval, near| thresholds(stored.map(|t| i32::from(t as i8)), maxval, near);
+    "takes the thresholds of an LSE segment for signed bytes", |r| r.thresholds = |stored, maxval, near| thresholds(stored.map(signed_byte), maxval, near);
     "limits default thresholds over MAXVAL to MAXVAL, where the threshold before belongs", |r| r.thresholds = |stored, maxval, near| { let mut least = near + 1; let own = wanted_thresholds(maxval, near).map(|t| { least = if t < least { least } else { t.min(maxval) }; Some(least) }); with_defaults(stored, maxval, near, own) };
     "takes 63 for the default RESET", |r| r.reset = |stored| if stored == 0 { 63 } else { stored };
     "takes 65 for the default RESET", |r| r.reset = |stored| if stored == 0 { 65 } else { stored };
@@ -991,7 +997,7 @@ static SLIPS: &[Slip<Rules>] = slips! {
     "takes 16 for LIMIT", |r| r.limit = |_, _| 16;
     in "the prediction (T.87 A.4)":
     "exchanges min(a, b) and max(a, b) in the prediction", |r| r.predict = |[a, b, c, _]| if c >= a.max(b) { a.max(b) } else if c <= a.min(b) { a.min(b) } else { a + b - c };
-    "predicts a + b − c, limited to 0 … MAXVAL, without looking for an edge", |r| r.predict = |[a, b, c, _]| (a + b - c).clamp(0, 255);
+    "predicts a + b − c, limited to 0…255, without looking for an edge", |r| r.predict = |[a, b, c, _]| (a + b - c).clamp(0, 255);
     "predicts a + b − c without looking for an edge", |r| r.predict = |[a, b, c, _]| a + b - c;
     "predicts a", |r| r.predict = |[a, ..]| a;
     "predicts b", |r| r.predict = |[_, b, ..]| b;
@@ -1052,8 +1058,8 @@ static SLIPS: &[Slip<Rules>] = slips! {
     "computes LIMIT of qbpp, where the bits of a sample belong", |r| r.limit = |_, qbpp| 2 * (qbpp + qbpp.max(8));
     in "what contexts learn (T.87 A.6)":
     "keeps A in one byte", |r| r.store_a = |a| a & 0xff;
-    "keeps A in a signed byte", |r| r.store_a = |a| i32::from(a as i8);
-    "keeps B in a signed byte", |r| r.store_b = |b| i32::from(b as i8);
+    "keeps A in a signed byte", |r| r.store_a = signed_byte;
+    "keeps B in a signed byte", |r| r.store_b = signed_byte;
     "halves the counters of a context at N > RESET where N = RESET belongs", |r| { r.is_full = |n, reset| n > reset; r.is_run_full = r.is_full; };
     "halves the counters of a context at N > RESET where N = RESET belongs, in regular mode alone", |r| r.is_full = |n, reset| n > reset;
     "halves the counters of a context of runs at N > RESET where N = RESET belongs", |r| r.is_run_full = |n, reset| n > reset;

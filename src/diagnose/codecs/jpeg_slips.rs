@@ -5,9 +5,10 @@
 
 use std::sync::LazyLock;
 
-use super::segments::{self, DHT, DQT, DRI, SOF, SOS, Segment};
-use super::slips::{IsShown, Partial, Slip, slips};
+use super::segments::{self, DHT, DQT, DRI, SOF, SOS};
+use super::slips::{IsShown, Partial, Slip, signed_byte, slips};
 use crate::codec::jpeg::{self, BlockTrace};
+use crate::codec::segments::Segment;
 use crate::error::Result;
 use crate::parts::PlaneStream;
 
@@ -190,15 +191,11 @@ pub(in crate::diagnose) fn decode(
     kept: &mut Option<Kept>,
     is_shown: IsShown,
 ) -> Partial {
-    let other = match rules.segments {
-        None => None,
-        Some(change) => match segments::changed(stream.bytes, change) {
-            Some(bytes) if bytes == stream.bytes => None,
-            bytes => match bytes.and_then(|bytes| trace(&bytes, stream)) {
-                Some(other) => Some(other),
-                None => return Partial::refused(stream),
-            },
-        },
+    let change = rules.segments;
+    let changed = change.and_then(|change| segments::changed(stream.bytes, change));
+    let other = match changed.map(|bytes| trace(&bytes, stream)) {
+        Some(None) => return Partial::refused(stream),
+        other => other.flatten(),
     };
     let (traced, steps) = other.as_ref().unwrap_or(traced);
     let steps = match kept {
@@ -301,8 +298,14 @@ fn transposed(values: [i32; 64]) -> [i32; 64] {
     std::array::from_fn(|i| values[i % 8 * 8 + i / 8])
 }
 
-fn signed_byte(value: i32) -> i32 {
-    i32::from(value as i8)
+/// Two columns of a block exchanged.
+fn columns_exchanged(values: [i32; 64], one: usize, other: usize) -> [i32; 64] {
+    std::array::from_fn(|i| values[i / 8 * 8 + swapped(i % 8, one, other)])
+}
+
+/// Two rows of a block exchanged.
+fn rows_exchanged(values: [i32; 64], one: usize, other: usize) -> [i32; 64] {
+    transposed(columns_exchanged(transposed(values), one, other))
 }
 
 impl Rules {
@@ -341,7 +344,7 @@ pub(in crate::diagnose) static SLIPS: &[Slip<Rules>] = slips! {
     in "restart intervals (T.81 B.2.4.4)":
     "takes the lowest byte of a restart interval", |r| r.segments = each!(DRI, |dri| dri.content[0] = 0);
     "exchanges the two bytes of a restart interval", |r| r.segments = each!(DRI, |dri| dri.content.reverse());
-    "ignores restart intervals", |r| r.segments = Some(|all| all.retain(|segment| segment.kind != DRI));
+    "ignores restart intervals", |r| r.segments = Some(|all| all.retain(|segment| segment.code != DRI));
     "takes restart intervals to be one longer", |r| r.segments = each!(DRI, |dri| dri.content[1] = dri.content[1].wrapping_add(1));
     in "EXTEND (T.81 F.2.2.1)":
     "takes the largest negative number of each size for positive", |r| r.extend = |v, s| if s > 0 && v == -(1 << (s - 1)) { v + (1 << s) - 1 } else { v };
@@ -355,7 +358,6 @@ pub(in crate::diagnose) static SLIPS: &[Slip<Rules>] = slips! {
     "takes numbers of 8 bits and more for negative that begin with a 1 and nothing but zeros (≤ for <)", |r| r.extend = |v, s| if s >= 8 && v == 1 << (s - 1) { v + 1 - (1 << s) } else { v };
     "takes the largest negative number of each size of 8 bits and more for positive", |r| r.extend = |v, s| if s >= 8 && v == -(1 << (s - 1)) { v + (1 << s) - 1 } else { v };
     "takes numbers of 8 bits and more for positive (no EXTEND)", |r| r.extend = |v, s| if v < 0 && s >= 8 { v + (1 << s) - 1 } else { v };
-    "takes numbers of one bit for positive (no EXTEND)", |r| r.extend = |v, s| if v < 0 && s == 1 { v + 1 } else { v };
     "gives negative numbers their magnitude", |r| r.extend = |v, _| v.abs();
     in "the DC coefficient (T.81 F.2.2.1)":
     "does not add the DC coefficient of the block before", |r| r.dc = |_, difference| difference;
@@ -414,18 +416,18 @@ pub(in crate::diagnose) static SLIPS: &[Slip<Rules>] = slips! {
     "takes a column of a block for flat whose coefficients of the rows 1 to 6 are 0, without the last row", |r| r.prepared = |block| std::array::from_fn(|i| if i >= 56 && (1..7).all(|y| block[8 * y + i % 8] == 0) { 0 } else { block[i] });
     "takes a column of a block for flat whose coefficients of the rows 2 to 7 are 0, without the row 1", |r| r.prepared = |block| std::array::from_fn(|i| if i / 8 == 1 && (2..8).all(|y| block[8 * y + i % 8] == 0) { 0 } else { block[i] });
     "takes a row of a block for flat whose coefficients of the columns 1 to 6 are 0, without the last column", |r| r.prepared = |block| std::array::from_fn(|i| if i % 8 == 7 && (1..7).all(|x| block[i / 8 * 8 + x] == 0) { 0 } else { block[i] });
-    "exchanges coefficients 1 and 3 of each row", |r| r.prepared = |block| std::array::from_fn(|i| block[i / 8 * 8 + swapped(i % 8, 1, 3)]);
-    "exchanges coefficients 3 and 5 of each row", |r| r.prepared = |block| std::array::from_fn(|i| block[i / 8 * 8 + swapped(i % 8, 3, 5)]);
-    "exchanges coefficients 5 and 7 of each row", |r| r.prepared = |block| std::array::from_fn(|i| block[i / 8 * 8 + swapped(i % 8, 5, 7)]);
-    "exchanges coefficients 2 and 6 of each row", |r| r.prepared = |block| std::array::from_fn(|i| block[i / 8 * 8 + swapped(i % 8, 2, 6)]);
-    "exchanges coefficients 3 and 5 of each column", |r| r.prepared = |block| std::array::from_fn(|i| block[swapped(i / 8, 3, 5) * 8 + i % 8]);
-    "exchanges coefficients 2 and 6 of each column", |r| r.prepared = |block| std::array::from_fn(|i| block[swapped(i / 8, 2, 6) * 8 + i % 8]);
-    "exchanges the rows 3 and 4 of the samples of a block", |r| r.transformed = |samples| std::array::from_fn(|i| samples[swapped(i / 8, 3, 4) * 8 + i % 8]);
-    "exchanges the columns 3 and 4 of the samples of a block", |r| r.transformed = |samples| std::array::from_fn(|i| samples[i / 8 * 8 + swapped(i % 8, 3, 4)]);
-    "exchanges the rows 1 and 2 of the samples of a block", |r| r.transformed = |samples| std::array::from_fn(|i| samples[swapped(i / 8, 1, 2) * 8 + i % 8]);
-    "exchanges the columns 1 and 2 of the samples of a block", |r| r.transformed = |samples| std::array::from_fn(|i| samples[i / 8 * 8 + swapped(i % 8, 1, 2)]);
-    "exchanges the rows 0 and 7 of the samples of a block", |r| r.transformed = |samples| std::array::from_fn(|i| samples[swapped(i / 8, 0, 7) * 8 + i % 8]);
-    "exchanges the columns 0 and 7 of the samples of a block", |r| r.transformed = |samples| std::array::from_fn(|i| samples[i / 8 * 8 + swapped(i % 8, 0, 7)]);
+    "exchanges coefficients 1 and 3 of each row", |r| r.prepared = |block| columns_exchanged(block, 1, 3);
+    "exchanges coefficients 3 and 5 of each row", |r| r.prepared = |block| columns_exchanged(block, 3, 5);
+    "exchanges coefficients 5 and 7 of each row", |r| r.prepared = |block| columns_exchanged(block, 5, 7);
+    "exchanges coefficients 2 and 6 of each row", |r| r.prepared = |block| columns_exchanged(block, 2, 6);
+    "exchanges coefficients 3 and 5 of each column", |r| r.prepared = |block| rows_exchanged(block, 3, 5);
+    "exchanges coefficients 2 and 6 of each column", |r| r.prepared = |block| rows_exchanged(block, 2, 6);
+    "exchanges the rows 3 and 4 of the samples of a block", |r| r.transformed = |samples| rows_exchanged(samples, 3, 4);
+    "exchanges the columns 3 and 4 of the samples of a block", |r| r.transformed = |samples| columns_exchanged(samples, 3, 4);
+    "exchanges the rows 1 and 2 of the samples of a block", |r| r.transformed = |samples| rows_exchanged(samples, 1, 2);
+    "exchanges the columns 1 and 2 of the samples of a block", |r| r.transformed = |samples| columns_exchanged(samples, 1, 2);
+    "exchanges the rows 0 and 7 of the samples of a block", |r| r.transformed = |samples| rows_exchanged(samples, 0, 7);
+    "exchanges the columns 0 and 7 of the samples of a block", |r| r.transformed = |samples| columns_exchanged(samples, 0, 7);
     "repeats the row before for the last row of each block", |r| r.transformed = |samples| std::array::from_fn(|i| samples[(i / 8).min(6) * 8 + i % 8]);
     "repeats the column before for the last column of each block", |r| r.transformed = |samples| std::array::from_fn(|i| samples[i / 8 * 8 + (i % 8).min(6)]);
     "leaves out the last row of coefficients", |r| r.prepared = |block| std::array::from_fn(|i| if i >= 56 { 0 } else { block[i] });

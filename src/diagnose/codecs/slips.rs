@@ -32,6 +32,11 @@ macro_rules! slips {
 }
 pub(super) use slips;
 
+/// A number whose lowest eight bits are taken for a signed byte.
+pub(super) fn signed_byte(value: i32) -> i32 {
+    i32::from(value as i8)
+}
+
 /// Whether a sample, at its place in the stream, is as it was shown.
 pub(super) type IsShown<'s> = &'s dyn Fn(usize, u8) -> bool;
 
