@@ -5,7 +5,6 @@ use super::files::scope::Scope;
 use super::mistake::Mistake;
 use super::search::{Found, Id, Member, Search, Set, of};
 use super::solved::{Act, Solved};
-use super::witness::Witness;
 use super::words::acceptances;
 use super::words::formats::formats_of;
 use super::words::pictures;
@@ -186,9 +185,14 @@ fn diagnosis(search: &Search, member: &Member, share: &Share) -> Diagnosis {
         Mistake::Solved(solved) => return of_solved(search, solved, &member.alike, share),
     };
     // What is made in some files only is not what the catalog has.
-    let is_whole = |id: &Id| matches!(search.mistakes[*id], Mistake::Listed(_));
-    let alike: Set = member.alike.iter().copied().filter(is_whole).collect();
-    let alike = listed(&alike);
+    let alike = member
+        .alike
+        .iter()
+        .filter_map(|&id| match &search.mistakes[id] {
+            Mistake::Listed(misreading) => Some(*misreading),
+            _ => None,
+        });
+    let alike: Vec<&Misreading> = alike.collect();
     if misreading.shows == Symptom::Values
         && let Some(effect) = refusals::all_that_shows(witnesses, &share.explains)
     {
@@ -239,21 +243,16 @@ fn of_narrow(
     }
 }
 
-/// Whether a mistake explains a file of this format.
-fn is_of_format(witnesses: &[Witness], share: &Share, format: Format) -> bool {
-    let mut explained = share.explains.iter();
-    explained.any(|&w| witnesses[w].case.format() == format)
-}
-
 /// A mistake that was solved, in words.
 fn of_solved(search: &Search, solved: &Solved, alike: &[Id], share: &Share) -> Diagnosis {
     let witnesses = search.witnesses;
     let smallest = pictures::smallest(witnesses, &share.explains);
-    let scope = match solved
-        .scope
-        .of_formats(|format| is_of_format(witnesses, share, format))
-        .says()
-    {
+    // In other formats it may change nothing.
+    let is_shown = |format: Format| {
+        let mut explained = share.explains.iter();
+        explained.any(|&w| witnesses[w].case.format() == format)
+    };
+    let scope = match solved.scope.of_formats(is_shown).says() {
         _ if matches!(solved.act, Act::Stream(_) | Act::Planes(_)) => String::new(),
         says if says.is_empty() => formats_of(search.witnesses, &share.explains, FORMATS),
         says => format!(", in every file {says}"),

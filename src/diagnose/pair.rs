@@ -4,6 +4,12 @@ use crate::protocol::frame::{Frame, Samples};
 use crate::ptm::channel_name;
 use crate::suite::compare::{COLOR, is_close};
 
+/// How far two samples are apart, modulo 256.
+pub(super) fn distance(one: u8, other: u8) -> u8 {
+    let off = one.wrapping_sub(other);
+    off.min(off.wrapping_neg())
+}
+
 /// A picture and what it should be, of the same shape.
 pub(super) struct Pair {
     pub width: usize,

@@ -14,6 +14,7 @@ use super::slips::{IsShown, Partial};
 use super::stream_slips::StreamSlip;
 use crate::codec::jpeg::ZIGZAG;
 use crate::diagnose::failure_mode::FailureMode;
+use crate::diagnose::pair::distance;
 use crate::diagnose::witness::Witness;
 use crate::evaluate::final_coefficient;
 use crate::generate::planes::StoredPlane;
@@ -122,8 +123,7 @@ impl<'w> FileStreams<'w> {
     }
 
     fn is_near(&self, a: u8, b: u8) -> bool {
-        let off = a.abs_diff(b);
-        off.min(off.wrapping_neg()) <= self.slack
+        distance(a, b) <= self.slack
     }
 
     fn is_right(&self, plane: usize, place: usize, sample: u8) -> bool {

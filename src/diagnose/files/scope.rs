@@ -96,7 +96,7 @@ impl Scope {
         }
     }
 
-    /// The same without the formats of which this is not so: a mistake may change nothing in them.
+    /// The same without the formats of which this is not so.
     pub fn of_formats(&self, is_so: impl Fn(Format) -> bool) -> Scope {
         match self {
             Scope::Formats(formats) => {

@@ -129,7 +129,6 @@ pub(in crate::diagnose) const PLANES: &[PlaneTrait] = &[
     PlaneTrait { says: "of stored colors", clause: "2.9.5/4", holds: |c, i| c.planes.len() == 9 && i > 5 },
     PlaneTrait { says: "of coefficients", clause: "2.9.5/4", holds: |c, i| c.planes.len() == 18 || i < 6 },
     PlaneTrait { says: "of green and of blue in files of eighteen planes", clause: "2.9.5/4", holds: |c, i| c.planes.len() == 18 && i > 5 },
-    PlaneTrait { says: "that are not predicted and have a rank over 0", clause: "2.9.5/4", holds: |c, i| reference(c, i).is_none() && c.planes[i].rank > 0 },
     PlaneTrait { says: "with a rank over 0", clause: "2.9.4/3", holds: |c, i| c.planes[i].rank > 0 },
     PlaneTrait { says: "with the rank 0", clause: "2.9.4/3", holds: |c, i| c.planes[i].rank == 0 },
     PlaneTrait { says: "with the numbers 6 to 8, counted from 0", clause: "2.9.5/4", holds: |_, i| (6..9).contains(&i) },

@@ -10,6 +10,7 @@ use super::places::{PLANES, Place, PlaneIs, SAMPLES, Sample};
 use super::rules::{Coding, Slip, Sum};
 use super::slips::PlaneSlip;
 use crate::diagnose::mistake::Mistake;
+use crate::diagnose::pair::distance;
 use crate::diagnose::search::{Search, Set, spread};
 use crate::diagnose::solved::Act;
 use crate::diagnose::witness::Witness;
@@ -270,10 +271,7 @@ fn traces(files: &[Shown], now: &[Vec<Vec<u8>>], slips: &[&PlaneSlip], slip: Sli
             }
             let differing = (0..shown.len()).filter(|&at| made[at] != now[at]);
             // So far inverse transforms may differ.
-            let is_within = |at: usize| {
-                let off = made[at].wrapping_sub(now[at]);
-                off.min(off.wrapping_neg()) <= 1
-            };
+            let is_within = |at: usize| distance(made[at], now[at]) <= 1;
             let is_jpeg = !file.coding.is_jpeg_ls && !matches!(slip, Slip::Shifted(_));
             if is_jpeg && differing.clone().all(is_within) {
                 continue;

@@ -25,6 +25,16 @@ type Rule = (&'static str, fn(Numbers) -> f64);
 /// Of which coefficients, in words and as a predicate.
 type Condition = (&'static str, fn(Numbers) -> bool);
 
+/// Whether it is coefficient `K`.
+const fn is<const K: usize>(n: Numbers) -> bool {
+    n.place == K
+}
+
+/// Whether it is coefficient `K`, and its final value is negative.
+fn is_negative<const K: usize>(n: Numbers) -> bool {
+    n.place == K && n.right() < 0.0
+}
+
 const RULES: &[Rule] = &[
     ("raw · scale − bias", |n| n.raw * n.scale - n.bias),
     ("raw · scale + bias", |n| n.raw * n.scale + n.bias),
@@ -196,30 +206,18 @@ const CONDITIONS: &[Condition] = &[
     ("whose final value is between −0.001 and 0.001", |n| {
         n.right().abs() < 0.001
     }),
-    ("that are a0", |n| n.place == 0),
-    ("that are a1", |n| n.place == 1),
-    ("that are a2", |n| n.place == 2),
-    ("that are a3", |n| n.place == 3),
-    ("that are a4", |n| n.place == 4),
-    ("that are a5", |n| n.place == 5),
-    ("that are a0 and negative", |n| {
-        n.place == 0 && n.right() < 0.0
-    }),
-    ("that are a1 and negative", |n| {
-        n.place == 1 && n.right() < 0.0
-    }),
-    ("that are a2 and negative", |n| {
-        n.place == 2 && n.right() < 0.0
-    }),
-    ("that are a3 and negative", |n| {
-        n.place == 3 && n.right() < 0.0
-    }),
-    ("that are a4 and negative", |n| {
-        n.place == 4 && n.right() < 0.0
-    }),
-    ("that are a5 and negative", |n| {
-        n.place == 5 && n.right() < 0.0
-    }),
+    ("that are a0", is::<0>),
+    ("that are a1", is::<1>),
+    ("that are a2", is::<2>),
+    ("that are a3", is::<3>),
+    ("that are a4", is::<4>),
+    ("that are a5", is::<5>),
+    ("that are a0 and negative", is_negative::<0>),
+    ("that are a1 and negative", is_negative::<1>),
+    ("that are a2 and negative", is_negative::<2>),
+    ("that are a3 and negative", is_negative::<3>),
+    ("that are a4 and negative", is_negative::<4>),
+    ("that are a5 and negative", is_negative::<5>),
 ];
 
 /// What raw value and bias are made to.

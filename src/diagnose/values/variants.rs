@@ -212,19 +212,18 @@ static COLORS_IN_STEPS: &[Variant] = colors_in_steps!(4 5 8 10 16);
 
 /// A matrix of which the elements of these columns and rows are changed.
 fn changed(
-    ColorMatrix(m): &ColorMatrix,
-    columns: Range<usize>,
-    rows: Range<usize>,
+    m: &ColorMatrix,
+    of_columns: Range<usize>,
+    of_rows: Range<usize>,
     change: fn(f64) -> f64,
 ) -> [[f64; 4]; 3] {
-    let element = |row: usize, column: usize| {
-        let element = m[4 * column + row];
-        match columns.contains(&column) && rows.contains(&row) {
-            true => change(element),
-            false => element,
+    let mut rows = columns(m, [0, 4, 8, 12]);
+    for row in &mut rows[of_rows] {
+        for element in &mut row[of_columns.clone()] {
+            *element = change(*element);
         }
-    };
-    [0, 1, 2].map(|row| [0, 1, 2, 3].map(|column| element(row, column)))
+    }
+    rows
 }
 
 macro_rules! elements {

@@ -8,7 +8,7 @@ use crate::diagnose::files::scope::Scope;
 use crate::diagnose::files::shared::{Shared, shared};
 use crate::diagnose::layout::blocks::{Block, block_clause, row_clause, texel_clause};
 use crate::diagnose::layout::provenance;
-use crate::diagnose::pair::Pair;
+use crate::diagnose::pair::{Pair, distance};
 use crate::diagnose::search::{Id, Search, without};
 use crate::diagnose::values::arithmetic::arithmetic;
 use crate::diagnose::values::formulas::single_slips;
@@ -310,10 +310,7 @@ fn wrong_by_shifts(right: &Frame, shown: &Frame, shift: i8) -> bool {
     };
     let most = shift.unsigned_abs().saturating_mul(8);
     right.len() == shown.len()
-        && right.iter().zip(shown).all(|(right, shown)| {
-            let off = shown.wrapping_sub(*right);
-            off.min(off.wrapping_neg()) <= most
-        })
+        && (right.iter().zip(shown)).all(|(&right, &shown)| distance(right, shown) <= most)
 }
 
 /// Whether the decoder goes wrong in `w` much as one with the mistake `member` does.
