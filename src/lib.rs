@@ -63,6 +63,9 @@ pub mod generate;
 pub mod kit;
 
 #[cfg(feature = "harness")]
+pub mod formula;
+
+#[cfg(feature = "harness")]
 pub mod protocol;
 
 #[cfg(feature = "harness")]

@@ -19,7 +19,7 @@ use crate::error::Result;
 use crate::input::Input;
 use crate::ptm::ColorMatrix;
 
-pub(super) fn read(input: &mut Input) -> Result<ColorMatrix> {
+pub(crate) fn read(input: &mut Input) -> Result<ColorMatrix> {
     let mut elements = [0.0; 16];
     for (i, element) in elements.iter_mut().enumerate() {
         // lum-layout: sixteen on a line, or any other split.

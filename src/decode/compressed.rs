@@ -46,6 +46,9 @@ use crate::reading::Reading;
 /// A compressed file whose streams are decoded, and nothing more: its planes are still to be predicted and corrected.
 pub(crate) struct Streams<'a> {
     pub(super) header: Header,
+    /// The numbers of 2.9.1–2.9.7 as they stand in the file.
+    #[cfg(feature = "harness")]
+    pub(crate) lists: RawLists,
     pub(super) plan: Plan,
     /// Where in the file `payload` starts.
     pub(super) at: usize,
@@ -61,7 +64,7 @@ impl<'a> Streams<'a> {
         clippy::trivially_copy_pass_by_ref,
         reason = "limits and headers are passed by reference whatever their size"
     )]
-    pub(super) fn read(
+    pub(crate) fn read(
         header: &Header,
         input: &mut Input<'a>,
         reading: &Reading,
@@ -73,6 +76,8 @@ impl<'a> Streams<'a> {
         let mut streams = Streams {
             header: *header,
             payload: planes::take(header, &plan, announced(&lists), input, limits)?, // §2.9.8: the bytes of all planes,
+            #[cfg(feature = "harness")]
+            lists,
             plan,
             at,
             residuals: Vec::new(),

@@ -197,7 +197,7 @@ pub(crate) fn streams_as<'a>(file: &'a [u8], reading: &Reading) -> Option<Stream
 }
 
 /// 2.1–2.4.
-fn read_header(input: &mut Input) -> Result<Header> {
+pub(crate) fn read_header(input: &mut Input) -> Result<Header> {
     header_string::read(input)?;
     let format = format_string::read(input)?;
     let size = image_size::read(input)?;

@@ -5,10 +5,10 @@ use std::borrow::Cow;
 use super::anatomy::{Anatomy, Seen};
 use super::at::At;
 use super::misreading::Misreading;
-use crate::decode::decode_as;
 use crate::error::{Class, Error};
+use crate::formula::{self, Edit, Edits};
 use crate::protocol::frame::{Answer, Frame, View};
-use crate::ptm::{Limits, Ptm};
+use crate::ptm::Ptm;
 use crate::reading::Reading;
 
 /// How a decoder with these mistakes answers, if it reads the open questions as `reading` does.
@@ -45,7 +45,8 @@ pub(crate) fn read(
             }
         }
     }
-    let ptm = decode_as(&seen, &reading, &Limits::default()).map_err(Some)?;
+    let edits = edits_of(misreadings);
+    let ptm = formula::decode(&seen, &reading, Edits(&edits)).map_err(Some)?;
     Ok((ptm, reading))
 }
 
@@ -67,7 +68,17 @@ pub(crate) fn show(
     for edit in edits_of_planes(misreadings) {
         edit(ptm.to_mut());
     }
-    Answer::Decoded(Frame::under(&ptm, view, reading))
+    let edits = edits_of(misreadings);
+    Answer::Decoded(Frame::edited(&ptm, view, reading, Edits(&edits)))
+}
+
+/// Returns the formulas that these mistakes compute differently; of two edits of one formula the later counts.
+fn edits_of(misreadings: &[&Misreading]) -> Vec<&'static Edit> {
+    let edits = misreadings.iter().rev().filter_map(|misreading| match misreading.at {
+        At::Edits(edits) => Some(edits),
+        _ => None,
+    });
+    edits.flatten().collect()
 }
 
 /// What these mistakes do to finished planes.

@@ -4,6 +4,7 @@ use std::mem::discriminant;
 
 use super::anatomy::{Anatomy, Seen};
 use crate::error::Result;
+use crate::formula::{Edit, Formula, Stage};
 use crate::parts::{Block, Plan, PlaneStream, RawLists, Record};
 use crate::ptm::{ColorMatrix, Format, Header, Ptm, ScaleBias};
 use crate::reading::{
@@ -18,6 +19,8 @@ pub enum At {
     Bytes(fn(&Anatomy) -> Seen),
     /// What it makes of the result.
     Planes(fn(&mut Ptm)),
+    /// Formulas that it computes differently.
+    Edits(&'static [Edit]),
     // Decisions of `Reading`, each as it stands there. 1.0
     Light(fn(f64, f64) -> (f64, f64)),
     Polynomial(fn(&[f64], f64, f64) -> f64),
@@ -52,27 +55,12 @@ pub enum At {
     Correct(fn(&mut [u8], &[Record])),
 }
 
-/// The stages of decoding, in their order. What goes wrong at one shows there and at the later ones.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Stage {
-    /// The bytes that are read.
-    File,
-    /// From bytes to planes.
-    Decoding,
-    /// The finished planes.
-    Planes,
-    /// Final coefficients.
-    Coefficients,
-    /// Colors under a light.
-    Color,
-}
-
 impl At {
     /// `reading` with this mistake, where it is one in a decision.
     pub(crate) fn change(self, reading: Reading) -> Reading {
         let mut other = reading;
         match self {
-            At::Bytes(_) | At::Planes(_) => {}
+            At::Bytes(_) | At::Planes(_) | At::Edits(_) => {}
             At::Light(light) => other.light = light,
             At::Polynomial(polynomial) => other.polynomial = polynomial,
             At::FinalCoefficient(coefficient) => other.final_coefficient = coefficient,
@@ -106,8 +94,12 @@ impl At {
 
     /// At which stage of decoding it acts.
     #[must_use]
-    pub const fn stage(&self) -> Stage {
+    pub fn stage(&self) -> Stage {
         match self {
+            At::Edits(edits) => {
+                let stages = edits.iter().map(|edit| edit.formula.stage());
+                stages.min().unwrap_or(Stage::Color)
+            }
             At::Bytes(_) => Stage::File,
             At::Planes(_) => Stage::Planes,
             At::FinalCoefficient(_) | At::Finals(_) => Stage::Coefficients,
@@ -125,6 +117,9 @@ impl At {
     /// Whether a file may be refused because of it; the others only make values.
     #[must_use]
     pub fn may_refuse(&self) -> bool {
+        if let At::Edits(edits) = self {
+            return edits.iter().any(|edit| edit.formula.may_refuse());
+        }
         let makes_values = matches!(
             self,
             At::StoredRow(_)
@@ -138,10 +133,34 @@ impl At {
         self.stage() <= Stage::Decoding && !makes_values
     }
 
-    /// Whether both act at one place: on the bytes, on the result, or in the same decision.
+    /// Returns true if both act at one place: on the bytes, on the result, in the same decision or on the same formula.
     #[must_use]
     pub fn is_at(&self, other: &At) -> bool {
-        discriminant(self) == discriminant(other)
+        let is_edited = matches!(self, At::Edits(_)) || matches!(other, At::Edits(_));
+        match is_edited {
+            true => self.formulas().iter().any(|formula| other.formulas().contains(formula)),
+            false => discriminant(self) == discriminant(other),
+        }
+    }
+
+    /// Returns the formulas that are computed differently.
+    #[must_use]
+    pub fn formulas(&self) -> Vec<Formula> {
+        match self {
+            At::Edits(edits) => edits.iter().map(|edit| edit.formula).collect(),
+            At::Light(_) => vec![Formula::LightU, Formula::LightV],
+            At::Polynomial(_) => vec![Formula::Polynomial],
+            At::FinalCoefficient(_) => vec![Formula::FinalCoefficient],
+            At::LumMatrix(_) => vec![Formula::MatrixRow],
+            At::StoredRow(_) => vec![Formula::StoredRow],
+            At::Modulate(_) => vec![Formula::Color],
+            At::Clamp(_) => vec![Formula::Shown],
+            At::Index(_) => vec![Formula::Index],
+            At::Invert(_) => vec![Formula::Inversion],
+            At::MotionHalf(_) => vec![Formula::MeanOfTwo, Formula::MeanOfFour],
+            At::Predict(_) => vec![Formula::Plane],
+            _ => Vec::new(),
+        }
     }
 
     /// Whether it is a decision of [`Reading`], of which a decoder makes each in one way.

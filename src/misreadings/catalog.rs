@@ -2,6 +2,7 @@
 
 use std::sync::LazyLock;
 
+use super::at::At;
 use super::misreading::{Misreading, catalog};
 use super::{
     arithmetic, buffers, codecs, evaluation, header, layout, lists, lookup, luminance, motion,
@@ -27,7 +28,7 @@ static ALL: LazyLock<Vec<Misreading>> = LazyLock::new(|| {
         evaluation::ACTS,
     ];
     let yaml = include_str!("../../spec-cases/misreadings.yaml");
-    catalog(yaml, sections.into_iter().flatten())
+    catalog(yaml, sections.into_iter().flatten(), |edits| Some(At::Edits(edits)))
         .unwrap_or_else(|error| unreachable!("misreadings.yaml, which a test reads: {error}"))
 });
 

@@ -1,10 +1,12 @@
 //! What is said of a mistake, beside the place where it acts.
 
+use std::collections::BTreeMap;
 use std::fmt;
 
 use serde::Deserialize;
 
 use super::at::At;
+use crate::formula::Edit;
 use crate::kit::yaml;
 
 /// One mistake: a record of `misreadings.yaml` and the place in the program where it acts. The PTM suite and the texture
@@ -69,9 +71,13 @@ struct Record {
     shows: Symptom,
     #[serde(default)]
     seen: Vec<Sighting>,
+    /// The formulas that it computes differently, by their names.
+    #[serde(default)]
+    edits: BTreeMap<String, String>,
 }
 
-/// Joins the records of a YAML file with the places where they act. Both name the same slugs in the same order.
+/// Joins the records of a YAML file with the places where they act. A record either lists the formulas that it edits, and
+/// `edited` is its place, or its slug is the next one of `acts`.
 ///
 /// The texts live as long as the program; a catalog is made once.
 ///
@@ -79,28 +85,38 @@ struct Record {
 /// A sentence that names the line at fault.
 pub(crate) fn catalog<A: Copy + 'static>(
     yaml: &str,
-    acts: impl Iterator<Item = &'static (&'static str, A)>,
+    mut acts: impl Iterator<Item = &'static (&'static str, A)>,
+    edited: impl Fn(&'static [Edit]) -> Option<A>,
 ) -> Result<Vec<Misreading<A>>, String> {
-    let mut records = yaml::records::<Record>(yaml)?.into_iter();
-    let join = |&(slug, at): &(&'static str, A)| match records.next() {
-        Some((_, record)) if record.slug == slug => Ok(Misreading {
+    let mut all = Vec::new();
+    for (line, record) in yaml::records::<Record>(yaml)? {
+        let slug: &str = record.slug.leak();
+        let edits = record.edits.iter().map(|(name, text)| Edit::parse(name, text));
+        let edits: Vec<Edit> = edits
+            .collect::<Result<_, _>>()
+            .map_err(|error| format!("line {line}: {error}"))?;
+        let at = match (edits.is_empty(), acts.by_ref()) {
+            (false, _) => edited(edits.leak()),
+            (true, acts) => match acts.next() {
+                Some((name, at)) if *name == slug => Some(*at),
+                Some((name, _)) => {
+                    return Err(format!("line {line}: expected {name}, found {slug}"));
+                }
+                None => None,
+            },
+        };
+        all.push(Misreading {
             slug,
             clause: record.clause.leak(),
             effect: record.effect.leak(),
             fix: record.fix.leak(),
             shows: record.shows,
             seen: record.seen,
-            at,
-        }),
-        Some((line, record)) => Err(format!(
-            "line {line}: expected {slug}, found {}",
-            record.slug
-        )),
-        None => Err(format!("expected {slug}, found the end of the file")),
-    };
-    let all = acts.map(join).collect::<Result<_, _>>()?;
-    match records.next() {
-        Some((line, record)) => Err(format!("line {line}: {} acts nowhere", record.slug)),
+            at: at.ok_or_else(|| format!("line {line}: {slug} acts nowhere"))?,
+        });
+    }
+    match acts.next() {
+        Some((name, _)) => Err(format!("expected {name}, found the end of the file")),
         None => Ok(all),
     }
 }
@@ -117,7 +133,7 @@ mod tests {
 
     #[track_caller]
     fn rejects(yaml: &str, why: &str) {
-        let error = catalog(yaml, ACTS.iter()).expect_err("the catalog is refused");
+        let error = catalog(yaml, ACTS.iter(), |_| None).expect_err("the catalog is refused");
         assert!(error.contains(why), "{error}");
     }
 
@@ -125,7 +141,7 @@ mod tests {
     fn a_record_and_its_place_become_one_misreading() {
         let yaml = record("one")
             + "- slug: two\n  clause: 2.2/1\n  effect: errs\n  fix: do not\n  shows: refusals\n  seen: [{ reader: someone }]\n";
-        let all = catalog(&yaml, ACTS.iter()).unwrap();
+        let all = catalog(&yaml, ACTS.iter(), |_| None).unwrap();
         assert_eq!(
             (all[0].slug, all[0].at, all[0].shows),
             ("one", 1, Symptom::Values)

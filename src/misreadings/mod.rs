@@ -74,6 +74,7 @@ pub(crate) use answer::misread;
 pub(crate) use answer::read;
 #[cfg(unix)]
 pub(crate) use answer::{edits_of_planes, refused, show};
-pub use at::{At, Stage};
+pub use at::At;
+pub use crate::formula::Stage;
 pub use catalog::{all, named};
 pub use misreading::{Misreading, Sighting, Symptom};

@@ -22,6 +22,7 @@ static ALL: LazyLock<Vec<Misreading<Change>>> = LazyLock::new(|| {
     catalog(
         include_str!("../../spec-cases/texture/misreadings.yaml"),
         ACTS.iter(),
+        |_| None,
     )
     .unwrap_or_else(|error| unreachable!("misreadings.yaml, which a test reads: {error}"))
 });

@@ -16,7 +16,9 @@ use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use crate::decode::Stored;
+use crate::formula::{self, Edits};
 use crate::ptm::{Ptm, Size};
+use crate::reading::Reading;
 
 /// Exit status of a decoder that finds the file malformed (`EX_DATAERR`).
 pub const EXIT_MALFORMED: i32 = 65;
@@ -183,12 +185,17 @@ impl Frame {
     /// What `ptm` looks like in `view`, under the reading of the reference.
     #[must_use]
     pub fn of(ptm: &Ptm, view: &View) -> Frame {
-        Frame::under(ptm, view, &crate::reading::Reading::SPEC)
+        Frame::under(ptm, view, &Reading::SPEC)
     }
 
-    /// What `ptm` looks like in `view` under a reading.
-    pub(crate) fn under(ptm: &Ptm, view: &View, reading: &crate::reading::Reading) -> Frame {
-        let coefficients = || crate::evaluate::apply(&ptm.header.scale_bias, &ptm.planes, reading);
+    /// Shows `ptm` in `view` under a reading.
+    pub(crate) fn under(ptm: &Ptm, view: &View, reading: &Reading) -> Frame {
+        Frame::edited(ptm, view, reading, Edits(&[]))
+    }
+
+    /// Shows `ptm` in `view` under a reading, with some formulas edited.
+    pub(crate) fn edited(ptm: &Ptm, view: &View, reading: &Reading, edits: Edits) -> Frame {
+        let coefficients = || formula::finals(ptm, reading, edits);
         let channels = ptm.planes.shape.channels() as u32;
         let (channels, samples) = match view {
             View::Raw => (channels, Samples::U8(ptm.planes.samples.clone())),
@@ -204,7 +211,7 @@ impl Frame {
             ),
             View::Rgb(light) => {
                 let picture =
-                    crate::evaluate::evaluate(&coefficients(), light.lu, light.lv, reading);
+                    formula::image(&coefficients(), light.lu, light.lv, reading, edits);
                 (3, Samples::U8(picture.to_bytes()))
             }
         };

@@ -7,6 +7,7 @@ mod cli;
 mod codec;
 mod decode;
 mod diagnose;
+mod formula;
 mod fuzz;
 mod misreadings;
 mod packages;

@@ -11,7 +11,7 @@ use proc_macro2::{Delimiter, TokenStream, TokenTree};
 use super::{files_below, is_for_tests, is_punct, item_length};
 
 /// The rooms, each above all that it may import.
-const ROOMS: [&str; 26] = [
+const ROOMS: [&str; 27] = [
     "error",
     "ptm",
     "parts",
@@ -23,6 +23,7 @@ const ROOMS: [&str; 26] = [
     "generate",
     "texture",
     "kit",
+    "formula",
     "protocol",
     "suite",
     "misreadings",

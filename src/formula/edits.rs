@@ -1,0 +1,427 @@
+//! All edits of a formula that a programmer is likely to make, the most natural first.
+//!
+//! A list of operators, applied at every node of the expression. Structural operators come first: loops in another order, a
+//! term dropped, a variable in the place of its neighbor. Arithmetic wrapped around a node comes last.
+
+use std::collections::HashSet;
+
+use super::expression::{Expression, Function, Scope, single_or};
+use super::{Change, Edit, Formula};
+
+/// Constants that are mistaken for each other.
+const RIVALS: [&[f64]; 5] = [
+    &[255.0, 256.0, 254.0, 128.0, 127.0],
+    &[128.0, 127.0, 129.0, 256.0, 255.0, 0.0, 64.0],
+    &[0.0, 1.0, -1.0],
+    &[1.0, 0.0, 2.0, -1.0],
+    &[65536.0, 65535.0, 32768.0],
+];
+
+/// Factors that are multiplied in by mistake, or forgotten elsewhere.
+const FACTORS: [f64; 4] = [2.0, 255.0, 256.0, 128.0];
+
+/// Returns the edits of a formula, the most natural first and each expression once.
+#[must_use]
+pub fn of(formula: Formula) -> Vec<Edit> {
+    let stated = &formula.stated().expression;
+    let scope = formula.scope();
+    let mut all: Vec<Expression> = Vec::new();
+    for operator in [dropped, exchanged, renamed, reordered, renumbered] {
+        all.extend(everywhere(stated, &|node| operator(node, scope)));
+    }
+    all.extend(exchanged_everywhere(stated, scope));
+    for operator in [swapped, scaled, shifted, wrapped, grouped, conditional] {
+        all.extend(everywhere(stated, &|node| operator(node, scope)));
+    }
+    let mut known = HashSet::from([stated.display(scope)]);
+    all.retain(|expression| known.insert(expression.display(scope)));
+    let edit = |expression| Edit {
+        formula,
+        change: Change::Expression(expression),
+    };
+    all.into_iter().map(edit).collect()
+}
+
+/// Applies an operator at every node, from the root to the leaves.
+fn everywhere(
+    expression: &Expression,
+    operator: &dyn Fn(&Expression) -> Vec<Expression>,
+) -> Vec<Expression> {
+    let mut all = operator(expression);
+    for (place, child) in expression.children().into_iter().enumerate() {
+        let changed = everywhere(child, operator).into_iter();
+        all.extend(changed.map(|child| expression.with_child(place, child)));
+    }
+    all
+}
+
+fn number(value: f64) -> Expression {
+    Expression::Number(value)
+}
+
+fn negative(of: &Expression) -> Expression {
+    match of {
+        Expression::Negative(inner) => (**inner).clone(),
+        other => Expression::Negative(Box::new(other.clone())),
+    }
+}
+
+fn call(function: Function, arguments: &[Expression]) -> Expression {
+    Expression::Call(function, arguments.to_vec())
+}
+
+/// Drops a term, a factor or a function: the node becomes part of itself, or 0.
+fn dropped(node: &Expression, _: Scope) -> Vec<Expression> {
+    let without = |all: &[Expression], node: fn(Vec<Expression>) -> Expression| -> Vec<Expression> {
+        let one = |place| {
+            let mut others = all.to_vec();
+            others.remove(place);
+            single_or(others, node)
+        };
+        (0..all.len()).map(one).collect()
+    };
+    match node {
+        Expression::Sum(terms) => without(terms, Expression::Sum),
+        Expression::Product(factors) => without(factors, Expression::Product),
+        Expression::Quotient(over, _) => vec![(**over).clone()],
+        Expression::Call(_, arguments) => arguments.clone(),
+        Expression::Variable(_) | Expression::Element(..) => vec![number(0.0)],
+        _ => Vec::new(),
+    }
+}
+
+/// Exchanges an operator for its counterpart, or the order of two nested functions.
+fn exchanged(node: &Expression, _: Scope) -> Vec<Expression> {
+    match node {
+        Expression::Sum(terms) => {
+            let one = |place: usize| {
+                let mut changed = terms.clone();
+                changed[place] = negative(&terms[place]);
+                Expression::Sum(changed)
+            };
+            let all = terms.iter().map(negative).collect();
+            let each = (0..terms.len()).rev().map(one);
+            each.chain([Expression::Sum(all)]).collect()
+        }
+        Expression::Product(factors) if factors.len() == 2 => {
+            let [a, b] = [&factors[0], &factors[1]].map(|factor| Box::new(factor.clone()));
+            vec![Expression::Quotient(a, b), Expression::Sum(factors.clone())]
+        }
+        Expression::Quotient(over, under) => {
+            let both = [over, under].map(|part| (**part).clone());
+            vec![Expression::Product(both.to_vec()), Expression::Quotient(under.clone(), over.clone())]
+        }
+        Expression::Call(outer @ (Function::Min | Function::Max), arguments) => {
+            let other = if *outer == Function::Min { Function::Max } else { Function::Min };
+            vec![call(other, arguments)]
+        }
+        Expression::Call(outer @ (Function::Floor | Function::Round | Function::Truncate), arguments) => {
+            let others = [Function::Round, Function::Truncate, Function::Floor];
+            let others = others.into_iter().filter(|function| function != outer);
+            others.map(|function| call(function, arguments)).collect()
+        }
+        Expression::Call(outer, arguments) => match &arguments[..] {
+            [Expression::Call(inner, innermost)] if innermost.len() == 1 => {
+                vec![call(*inner, &[call(*outer, innermost)])]
+            }
+            _ => Vec::new(),
+        },
+        _ => Vec::new(),
+    }
+}
+
+/// Replaces a variable by another of its scope, a list by another, or an index by a neighboring one.
+fn renamed(node: &Expression, scope: Scope) -> Vec<Expression> {
+    match node {
+        Expression::Variable(place) => {
+            let others = (0..scope.variables.len()).filter(|other| other != place);
+            others.map(Expression::Variable).collect()
+        }
+        Expression::Element(list, index) => {
+            let lists = (0..scope.lists.len()).filter(|other| other != list);
+            let other_lists = lists.map(|other| Expression::Element(other, index.clone()));
+            let next = |by: f64| Expression::Sum(vec![(**index).clone(), number(by)]);
+            let last = if scope.lists == ["scale", "bias"] { 5.0 } else { 15.0 };
+            let cyclic = |by| call(Function::Mod, &[next(by), number(last + 1.0)]);
+            let reversed = Expression::Sum(vec![number(last), negative(index)]);
+            let first = [number(0.0), number(last)];
+            let indices = [cyclic(1.0), cyclic(last), next(1.0), next(-1.0), reversed]
+                .into_iter()
+                .chain(first)
+                .map(|index| Expression::Element(*list, Box::new(index)));
+            other_lists.chain(indices).collect()
+        }
+        _ => Vec::new(),
+    }
+}
+
+/// Exchanges two variables everywhere, or two lists.
+fn exchanged_everywhere(expression: &Expression, scope: Scope) -> Vec<Expression> {
+    let count = scope.variables.len();
+    let mut all = Vec::new();
+    for a in (0..count).filter(|&place| expression.uses(place)) {
+        for b in 0..count {
+            if b != a && (b > a || !expression.uses(b)) {
+                all.push(with_variables(expression, &|place| match place {
+                    _ if place == a => b,
+                    _ if place == b => a,
+                    other => other,
+                }));
+            }
+        }
+    }
+    if scope.lists.len() == 2 {
+        all.push(with_lists_exchanged(expression));
+    }
+    all
+}
+
+fn with_variables(expression: &Expression, rename: &dyn Fn(usize) -> usize) -> Expression {
+    match expression {
+        Expression::Variable(place) => Expression::Variable(rename(*place)),
+        other => with_children(other, &|child| with_variables(child, rename)),
+    }
+}
+
+fn with_lists_exchanged(expression: &Expression) -> Expression {
+    match expression {
+        Expression::Element(list, index) => Expression::Element(1 - list, index.clone()),
+        other => with_children(other, &with_lists_exchanged),
+    }
+}
+
+fn with_children(expression: &Expression, change: &dyn Fn(&Expression) -> Expression) -> Expression {
+    let children: Vec<Expression> = expression.children().into_iter().map(change).collect();
+    let mut changed = expression.clone();
+    for (place, child) in children.into_iter().enumerate() {
+        changed = changed.with_child(place, child);
+    }
+    changed
+}
+
+/// Changes the loops of an address: their order, their direction, their length.
+fn reordered(node: &Expression, _: Scope) -> Vec<Expression> {
+    let Expression::Address(digits) = node else {
+        return Vec::new();
+    };
+    let mut all: Vec<Expression> = permutations(digits.len())
+        .into_iter()
+        .map(|order| Expression::Address(order.iter().map(|&place| digits[place].clone()).collect()))
+        .collect();
+    let with_digit = |place: usize, digit: Expression, radix: Expression| {
+        let mut changed = digits.clone();
+        changed[place] = (digit, radix);
+        Expression::Address(changed)
+    };
+    for (place, (digit, radix)) in digits.iter().enumerate() {
+        let reversed = Expression::Sum(vec![radix.clone(), number(-1.0), negative(digit)]);
+        all.push(with_digit(place, reversed, radix.clone()));
+        if place > 0 {
+            for multiple in [4.0, 8.0, 2.0] {
+                all.push(with_digit(place, digit.clone(), padded(radix, multiple)));
+            }
+            for by in [1.0, -1.0] {
+                let longer = Expression::Sum(vec![radix.clone(), number(by)]);
+                all.push(with_digit(place, digit.clone(), longer));
+            }
+        }
+    }
+    all
+}
+
+/// `value` rounded up to a multiple.
+fn padded(value: &Expression, multiple: f64) -> Expression {
+    let over = Expression::Sum(vec![value.clone(), number(multiple - 1.0)]);
+    let quotient = Expression::Quotient(Box::new(over), Box::new(number(multiple)));
+    Expression::Product(vec![call(Function::Floor, &[quotient]), number(multiple)])
+}
+
+/// All orders of so many things but the first, those that move little first.
+fn permutations(count: usize) -> Vec<Vec<usize>> {
+    let mut all = vec![Vec::new()];
+    for _ in 0..count {
+        let longer = |order: Vec<usize>| {
+            let unused: Vec<usize> = (0..count).filter(|place| !order.contains(place)).collect();
+            unused.into_iter().map(move |place| {
+                let mut longer = order.clone();
+                longer.push(place);
+                longer
+            })
+        };
+        all = all.into_iter().flat_map(longer).collect();
+    }
+    all.remove(0);
+    all
+}
+
+/// Replaces a constant by its neighbors, its half and double, and the constants that it is mistaken for.
+fn renumbered(node: &Expression, _: Scope) -> Vec<Expression> {
+    let Expression::Number(value) = *node else {
+        return Vec::new();
+    };
+    let rivals = RIVALS.iter().filter(|rivals| rivals[0] == value);
+    let rivals = rivals.flat_map(|rivals| rivals[1..].iter().copied());
+    let neighbors = [value + 1.0, value - 1.0, 2.0 * value, value / 2.0, 0.0, 1.0];
+    rivals.chain(neighbors).map(number).collect()
+}
+
+/// Exchanges two operands.
+fn swapped(node: &Expression, _: Scope) -> Vec<Expression> {
+    match node {
+        Expression::Element(list, index) => {
+            let double = Expression::Product(vec![(**index).clone(), number(2.0)]);
+            vec![Expression::Element(*list, Box::new(double))]
+        }
+        _ => Vec::new(),
+    }
+}
+
+/// Multiplies or divides by a factor.
+fn scaled(node: &Expression, _: Scope) -> Vec<Expression> {
+    if matches!(node, Expression::Number(_)) {
+        return Vec::new();
+    }
+    let product = |factor| Expression::Product(vec![node.clone(), number(factor)]);
+    let quotient = |factor| Expression::Quotient(Box::new(node.clone()), Box::new(number(factor)));
+    let rival = |over, under| Expression::Quotient(Box::new(product(over)), Box::new(number(under)));
+    let both = FACTORS.into_iter().flat_map(|factor| [product(factor), quotient(factor)]);
+    both.chain([rival(255.0, 256.0), rival(256.0, 255.0)]).collect()
+}
+
+/// Adds a constant.
+fn shifted(node: &Expression, _: Scope) -> Vec<Expression> {
+    if matches!(node, Expression::Number(_)) {
+        return Vec::new();
+    }
+    let sum = |by| Expression::Sum(vec![node.clone(), number(by)]);
+    [1.0, -1.0, 128.0, -128.0, 0.5].map(sum).to_vec()
+}
+
+/// Applies a function: rounds, limits, or keeps part of the bits.
+fn wrapped(node: &Expression, _: Scope) -> Vec<Expression> {
+    if matches!(node, Expression::Number(_)) {
+        return Vec::new();
+    }
+    let own = || node.clone();
+    let of = |function| call(function, &[own()]);
+    let two = |function, limit| call(function, &[own(), number(limit)]);
+    let between = |least, most| call(Function::Min, &[two(Function::Max, least), number(most)]);
+    let signed = |half: f64| {
+        let shifted = Expression::Sum(vec![own(), number(half)]);
+        Expression::Sum(vec![call(Function::Mod, &[shifted, number(2.0 * half)]), number(-half)])
+    };
+    vec![
+        of(Function::Truncate),
+        of(Function::Round),
+        of(Function::Floor),
+        of(Function::Abs),
+        negative(node),
+        between(0.0, 255.0),
+        two(Function::Max, 0.0),
+        two(Function::Min, 255.0),
+        two(Function::Mod, 256.0),
+        signed(128.0),
+        between(-128.0, 127.0),
+        between(0.0, 1.0),
+        between(-1.0, 1.0),
+        two(Function::Mod, 128.0),
+        two(Function::Mod, 255.0),
+        signed(32768.0),
+        call(Function::Mod, &[of(Function::Truncate), number(256.0)]),
+        Expression::Sum(vec![number(255.0), negative(node)]),
+    ]
+}
+
+/// Drops, or applies a function to, two or more neighbors of three or more terms or factors.
+fn grouped(node: &Expression, scope: Scope) -> Vec<Expression> {
+    let (all, node): (&[Expression], fn(Vec<Expression>) -> Expression) = match node {
+        Expression::Sum(terms) => (terms, Expression::Sum),
+        Expression::Product(factors) => (factors, Expression::Product),
+        _ => return Vec::new(),
+    };
+    let mut changed = Vec::new();
+    for start in 0..all.len() {
+        for end in start + 2..=all.len() {
+            if end - start == all.len() {
+                continue;
+            }
+            let replaced = |by: Option<Expression>| {
+                let parts = [&all[..start], by.as_slice(), &all[end..]].concat();
+                single_or(parts, node)
+            };
+            let group = node(all[start..end].to_vec());
+            changed.push(replaced(None));
+            changed.extend(wrapped(&group, scope).into_iter().map(|by| replaced(Some(by))));
+        }
+    }
+    changed
+}
+
+/// Replaces a value by another where a variable of the scope is 0, or is not.
+fn conditional(node: &Expression, scope: Scope) -> Vec<Expression> {
+    let Expression::Variable(own) = node else {
+        return Vec::new();
+    };
+    let mut all = Vec::new();
+    for condition in 0..scope.variables.len() {
+        for other in (0..scope.variables.len()).filter(|other| other != own) {
+            let values = [node.clone(), Expression::Variable(other)];
+            let variable = Expression::Variable(condition);
+            let is_zero = call(Function::AtMost, &[call(Function::Abs, &[variable.clone()]), number(0.0)]);
+            let is_over_255 = call(Function::AtMost, &[variable, number(255.0)]);
+            all.push(call(Function::Select, &[is_zero.clone(), values[1].clone(), values[0].clone()]));
+            all.push(call(Function::Select, &[is_zero, values[0].clone(), values[1].clone()]));
+            all.push(call(Function::Select, &[is_over_255, values[0].clone(), values[1].clone()]));
+        }
+    }
+    all
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn texts(formula: Formula) -> Vec<String> {
+        of(formula).iter().map(Edit::computes).collect()
+    }
+
+    #[track_caller]
+    fn generates(formula: Formula, wanted: &[&str]) {
+        let texts = texts(formula);
+        for text in wanted {
+            assert!(texts.iter().any(|known| known == text), "{text} is not generated");
+        }
+    }
+
+    #[test]
+    fn ordinary_mistakes_are_generated() {
+        generates(
+            Formula::FinalCoefficient,
+            &[
+                "(raw + bias[i]) * scale[i]",
+                "raw * scale[i]",
+                "(raw - bias[i]) * scale[mod(i + 1, 6)]",
+                "(raw - scale[i]) * bias[i]",
+                "truncate((raw - bias[i]) * scale[i])",
+                "(bias[i] - raw) * scale[i]",
+            ],
+        );
+        generates(Formula::Color, &["L * rgb / 256", "L * rgb", "min(max(L, 0), 255) * rgb / 255"]);
+        generates(Formula::StoredRow, &["y", "height - y", "width - 1 - y"]);
+        generates(
+            Formula::LumSample,
+            &["(row * (floor((width + 3) / 4) * 4) + x) * 8 + i", "(i * height + row) * width + x"],
+        );
+        generates(Formula::Plane, &["mod(residual + predictor, 256)", "mod(residual + predictor - 128, 255)"]);
+        generates(Formula::Predictor, &["reference", "invert(displace(reference))", "displace(invert(coded))"]);
+    }
+
+    #[test]
+    fn each_edit_is_generated_once_and_differs_from_the_formula() {
+        for (formula, name, _) in Formula::ALL {
+            let texts = texts(formula);
+            assert!(texts.len() > 3, "{name}: {}", texts.len());
+            assert!(!of(formula).iter().any(|edit| edit.change == Change::Expression(formula.stated().expression.clone())));
+        }
+    }
+}

@@ -1,0 +1,521 @@
+//! Expressions: the arithmetic of the specification as data.
+//!
+//! ```text
+//! (raw - bias[i]) * scale[i]             numbers, variables, elements of lists, + - * / and parentheses
+//! min(max(c, 0), 255)                    functions
+//! [row:height, x:width, i:6]             an address: digits with their radices, the slowest first
+//! ```
+//!
+//! Arithmetic is on real numbers. `mod` is never negative, and `floor` rounds toward minus infinity. An element outside its
+//! list and a division of zero by zero are not a number.
+
+use std::fmt;
+use std::iter::Peekable;
+use std::str::Chars;
+
+/// The names that an expression may use: its variables and its lists. An expression refers to them by position.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Scope {
+    /// Names of single values.
+    pub variables: &'static [&'static str],
+    /// Names of lists of values.
+    pub lists: &'static [&'static str],
+}
+
+/// An expression in a [`Scope`].
+#[derive(Clone, Debug, PartialEq)]
+pub enum Expression {
+    /// A constant.
+    Number(f64),
+    /// A variable, by its position in the scope.
+    Variable(usize),
+    /// An element of a list, by the list's position in the scope.
+    Element(usize, Box<Expression>),
+    /// A sum of two or more terms.
+    Sum(Vec<Expression>),
+    /// A product of two or more factors.
+    Product(Vec<Expression>),
+    /// The value with the opposite sign.
+    Negative(Box<Expression>),
+    /// A quotient.
+    Quotient(Box<Expression>, Box<Expression>),
+    /// A function of one or more arguments.
+    Call(Function, Vec<Expression>),
+    /// A position in a loop nest: digits with their radices, the slowest first.
+    Address(Vec<(Expression, Expression)>),
+}
+
+/// The functions of expressions.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Function {
+    /// `floor(a)`.
+    Floor,
+    /// `round(a)`: halves away from zero.
+    Round,
+    /// `truncate(a)`: toward zero.
+    Truncate,
+    /// `abs(a)`.
+    Abs,
+    /// `min(a, b)`.
+    Min,
+    /// `max(a, b)`.
+    Max,
+    /// `mod(a, b)`: the remainder, at least 0 and less than `b`.
+    Mod,
+    /// `power(a, b)`.
+    Power,
+    /// `sin(a)`, with `a` in radians.
+    Sin,
+    /// `at_most(a, b)`: 1 if `a <= b`, otherwise 0.
+    AtMost,
+    /// `select(condition, a, b)`: `b` if the condition is 0, otherwise `a`.
+    Select,
+    /// `invert(plane)`, of a whole plane.
+    Invert,
+    /// `displace(plane)`, of a whole plane.
+    Displace,
+}
+
+impl Function {
+    const ALL: [(Function, &'static str, usize); 13] = [
+        (Function::Floor, "floor", 1),
+        (Function::Round, "round", 1),
+        (Function::Truncate, "truncate", 1),
+        (Function::Abs, "abs", 1),
+        (Function::Min, "min", 2),
+        (Function::Max, "max", 2),
+        (Function::Mod, "mod", 2),
+        (Function::Power, "power", 2),
+        (Function::Sin, "sin", 1),
+        (Function::AtMost, "at_most", 2),
+        (Function::Select, "select", 3),
+        (Function::Invert, "invert", 1),
+        (Function::Displace, "displace", 1),
+    ];
+
+    fn name(self) -> &'static str {
+        let of_self = |&&(function, _, _): &&(Function, &str, usize)| function == self;
+        Function::ALL.iter().find(of_self).map_or("", |row| row.1)
+    }
+}
+
+impl Expression {
+    /// Evaluates the expression. `variables` and `lists` are in the order of its scope.
+    #[must_use]
+    pub fn value(&self, variables: &[f64], lists: &[&[f64]]) -> f64 {
+        let value = |expression: &Expression| expression.value(variables, lists);
+        match self {
+            Expression::Number(number) => *number,
+            Expression::Variable(place) => variables[*place],
+            Expression::Element(list, index) => {
+                let index = value(index);
+                let is_index = index >= 0.0 && index.fract() == 0.0;
+                let element = || lists[*list].get(index as usize).copied();
+                is_index.then(element).flatten().unwrap_or(f64::NAN)
+            }
+            Expression::Sum(terms) => terms.iter().map(value).fold(-0.0, |sum, term| sum + term),
+            Expression::Product(factors) => factors.iter().map(value).product(),
+            Expression::Negative(inner) => -value(inner),
+            Expression::Quotient(over, under) => value(over) / value(under),
+            Expression::Call(Function::Select, arguments) => match value(&arguments[0]) {
+                0.0 => value(&arguments[2]),
+                _ => value(&arguments[1]),
+            },
+            Expression::Call(function, arguments) => {
+                let second = arguments.get(1).map_or(0.0, value);
+                call(*function, value(&arguments[0]), second)
+            }
+            Expression::Address(digits) => digits
+                .iter()
+                .fold(0.0, |address, (digit, radix)| address * value(radix) + value(digit)),
+        }
+    }
+
+    /// Returns the direct subexpressions, in the order of [`with_child`](Self::with_child).
+    #[must_use]
+    pub fn children(&self) -> Vec<&Expression> {
+        match self {
+            Expression::Number(_) | Expression::Variable(_) => Vec::new(),
+            Expression::Element(_, inner) | Expression::Negative(inner) => vec![inner],
+            Expression::Sum(all) | Expression::Product(all) | Expression::Call(_, all) => {
+                all.iter().collect()
+            }
+            Expression::Quotient(over, under) => vec![over, under],
+            Expression::Address(digits) => digits
+                .iter()
+                .flat_map(|(digit, radix)| [digit, radix])
+                .collect(),
+        }
+    }
+
+    /// Returns the expression with another child at `place`.
+    #[must_use]
+    pub fn with_child(&self, place: usize, child: Expression) -> Expression {
+        let mut changed = self.clone();
+        match &mut changed {
+            Expression::Number(_) | Expression::Variable(_) => {}
+            Expression::Element(_, inner) | Expression::Negative(inner) => **inner = child,
+            Expression::Sum(all) | Expression::Product(all) | Expression::Call(_, all) => {
+                all[place] = child;
+            }
+            Expression::Quotient(over, under) => {
+                **if place == 0 { over } else { under } = child;
+            }
+            Expression::Address(digits) => {
+                let (digit, radix) = &mut digits[place / 2];
+                *if place % 2 == 0 { digit } else { radix } = child;
+            }
+        }
+        changed
+    }
+
+    /// Returns true if the expression uses the variable at `place` of its scope.
+    #[must_use]
+    pub fn uses(&self, place: usize) -> bool {
+        *self == Expression::Variable(place)
+            || self.children().iter().any(|child| child.uses(place))
+    }
+
+    /// Counts the nodes of the expression.
+    #[must_use]
+    pub fn size(&self) -> usize {
+        1 + self.children().iter().map(|child| child.size()).sum::<usize>()
+    }
+
+    /// Returns the expression as text that [`parse`] reads back, addresses as sums of products.
+    #[must_use]
+    pub fn display(&self, scope: Scope) -> String {
+        let mut text = String::new();
+        self.write(&mut text, scope, 0);
+        text
+    }
+
+    /// Appends the text, in parentheses if the expression binds more weakly than `strength`: 1 for a term, 2 for a factor,
+    /// 3 for the right side of a division.
+    fn write(&self, text: &mut String, scope: Scope, strength: u8) {
+        let own = match self {
+            Expression::Sum(_) => 0,
+            Expression::Address(digits) if digits.len() > 1 => 0,
+            Expression::Negative(_) => 1,
+            Expression::Product(_) | Expression::Quotient(..) => 2,
+            _ => 3,
+        };
+        if own < strength {
+            text.push('(');
+            self.write(text, scope, 0);
+            text.push(')');
+            return;
+        }
+        match self {
+            Expression::Number(number) => text.push_str(&number.to_string()),
+            Expression::Variable(place) => text.push_str(scope.variables[*place]),
+            Expression::Element(list, index) => {
+                text.push_str(scope.lists[*list]);
+                text.push('[');
+                index.write(text, scope, 0);
+                text.push(']');
+            }
+            Expression::Sum(terms) => {
+                for (i, term) in terms.iter().enumerate() {
+                    match term {
+                        Expression::Negative(inner) if i > 0 => {
+                            text.push_str(" - ");
+                            inner.write(text, scope, 1);
+                        }
+                        _ => {
+                            text.push_str(if i > 0 { " + " } else { "" });
+                            term.write(text, scope, u8::from(i > 0));
+                        }
+                    }
+                }
+            }
+            Expression::Product(factors) => {
+                for (i, factor) in factors.iter().enumerate() {
+                    text.push_str(if i > 0 { " * " } else { "" });
+                    factor.write(text, scope, 2);
+                }
+            }
+            Expression::Negative(inner) => {
+                text.push('-');
+                inner.write(text, scope, 2);
+            }
+            Expression::Quotient(over, under) => {
+                over.write(text, scope, 2);
+                text.push_str(" / ");
+                under.write(text, scope, 3);
+            }
+            Expression::Call(function, arguments) => {
+                text.push_str(function.name());
+                for (i, argument) in arguments.iter().enumerate() {
+                    text.push_str(if i > 0 { ", " } else { "(" });
+                    argument.write(text, scope, 0);
+                }
+                text.push(')');
+            }
+            Expression::Address(digits) => self.write_address(digits, text, scope),
+        }
+    }
+
+    /// Writes the last digit, and before it the other digits times its radix.
+    fn write_address(
+        &self,
+        digits: &[(Expression, Expression)],
+        text: &mut String,
+        scope: Scope,
+    ) {
+        if let [others @ .., (digit, radix)] = digits {
+            if !others.is_empty() {
+                Expression::Address(others.to_vec()).write(text, scope, 2);
+                text.push_str(" * ");
+                radix.write(text, scope, 3);
+                text.push_str(" + ");
+            }
+            digit.write(text, scope, u8::from(!others.is_empty()));
+        }
+    }
+}
+
+/// Reads an expression.
+///
+/// # Errors
+/// A sentence that names the unexpected text or the unknown name.
+pub fn parse(text: &str, scope: Scope) -> Result<Expression, String> {
+    let mut parser = ExpressionParser {
+        rest: text.chars().peekable(),
+        scope,
+    };
+    let expression = parser.sum()?;
+    match parser.next() {
+        None => Ok(expression),
+        Some(other) => Err(format!("unexpected {other:?} in {text:?}")),
+    }
+}
+
+struct ExpressionParser<'a> {
+    rest: Peekable<Chars<'a>>,
+    scope: Scope,
+}
+
+impl ExpressionParser<'_> {
+    /// Skips spaces and returns the next character without taking it.
+    fn peek(&mut self) -> Option<char> {
+        while self.rest.next_if(|c| c.is_whitespace()).is_some() {}
+        self.rest.peek().copied()
+    }
+
+    fn next(&mut self) -> Option<char> {
+        self.peek();
+        self.rest.next()
+    }
+
+    fn take(&mut self, wanted: char) -> bool {
+        let is_next = self.peek() == Some(wanted);
+        if is_next {
+            self.rest.next();
+        }
+        is_next
+    }
+
+    fn expect(&mut self, wanted: char) -> Result<(), String> {
+        match self.take(wanted) {
+            true => Ok(()),
+            false => Err(format!("expected {wanted:?}, found {:?}", self.peek())),
+        }
+    }
+
+    fn sum(&mut self) -> Result<Expression, String> {
+        let mut terms = vec![self.product()?];
+        loop {
+            if self.take('+') {
+                terms.push(self.product()?);
+            } else if self.take('-') {
+                terms.push(Expression::Negative(Box::new(self.product()?)));
+            } else {
+                return Ok(single_or(terms, Expression::Sum));
+            }
+        }
+    }
+
+    fn product(&mut self) -> Result<Expression, String> {
+        let mut factors = vec![self.signed()?];
+        loop {
+            if self.take('*') {
+                factors.push(self.signed()?);
+            } else if self.take('/') {
+                let over = single_or(factors, Expression::Product);
+                factors = vec![Expression::Quotient(Box::new(over), Box::new(self.signed()?))];
+            } else {
+                return Ok(single_or(factors, Expression::Product));
+            }
+        }
+    }
+
+    fn signed(&mut self) -> Result<Expression, String> {
+        match self.take('-') {
+            true => Ok(Expression::Negative(Box::new(self.signed()?))),
+            false => self.atom(),
+        }
+    }
+
+    fn atom(&mut self) -> Result<Expression, String> {
+        match self.peek() {
+            Some('(') => {
+                self.next();
+                let inner = self.sum()?;
+                self.expect(')')?;
+                Ok(inner)
+            }
+            Some('[') => self.address(),
+            Some(c) if c.is_ascii_digit() => {
+                let text = self.word(|c| c.is_ascii_digit() || c == '.');
+                let number = text.parse().map(Expression::Number);
+                number.map_err(|_| format!("not a number: {text:?}"))
+            }
+            Some(c) if c.is_ascii_alphabetic() => {
+                let name = self.word(|c| c.is_ascii_alphanumeric() || c == '_');
+                self.named(&name)
+            }
+            other => Err(format!("expected a value, found {other:?}")),
+        }
+    }
+
+    fn word(&mut self, belongs: fn(char) -> bool) -> String {
+        let mut word = String::new();
+        while let Some(c) = self.rest.next_if(|&c| belongs(c)) {
+            word.push(c);
+        }
+        word
+    }
+
+    fn address(&mut self) -> Result<Expression, String> {
+        self.expect('[')?;
+        let mut digits = Vec::new();
+        loop {
+            let digit = self.sum()?;
+            self.expect(':')?;
+            digits.push((digit, self.sum()?));
+            if !self.take(',') {
+                self.expect(']')?;
+                return Ok(Expression::Address(digits));
+            }
+        }
+    }
+
+    fn named(&mut self, name: &str) -> Result<Expression, String> {
+        let place_in = |names: &[&str]| names.iter().position(|&known| known == name);
+        if let Some(variable) = place_in(self.scope.variables) {
+            return Ok(Expression::Variable(variable));
+        }
+        if let Some(list) = place_in(self.scope.lists) {
+            self.expect('[')?;
+            let index = self.sum()?;
+            self.expect(']')?;
+            return Ok(Expression::Element(list, Box::new(index)));
+        }
+        let known = |&&(_, known, _): &&(Function, &str, usize)| known == name;
+        let Some(&(function, _, count)) = Function::ALL.iter().find(known) else {
+            return Err(format!("unknown name {name:?}"));
+        };
+        self.expect('(')?;
+        let mut arguments = vec![self.sum()?];
+        while self.take(',') {
+            arguments.push(self.sum()?);
+        }
+        self.expect(')')?;
+        match arguments.len() == count {
+            true => Ok(Expression::Call(function, arguments)),
+            false => Err(format!("{name} takes {count} arguments")),
+        }
+    }
+}
+
+/// Returns the only element, or a node of all of them.
+pub(super) fn single_or(
+    mut all: Vec<Expression>,
+    node: fn(Vec<Expression>) -> Expression,
+) -> Expression {
+    match all.len() {
+        1 => all.remove(0),
+        _ => node(all),
+    }
+}
+
+fn call(function: Function, a: f64, b: f64) -> f64 {
+    match function {
+        Function::Floor => a.floor(),
+        Function::Round => a.round(),
+        Function::Truncate => a.trunc(),
+        Function::Abs => a.abs(),
+        Function::Min => a.min(b),
+        Function::Max => a.max(b),
+        Function::Mod => a.rem_euclid(b),
+        Function::Power => a.powf(b),
+        Function::Sin => a.sin(),
+        Function::AtMost => f64::from(u8::from(a <= b)),
+        // Functions of whole planes and `select` are evaluated where they occur.
+        Function::Select | Function::Invert | Function::Displace => a,
+    }
+}
+
+impl fmt::Display for Function {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SCOPE: Scope = Scope {
+        variables: &["a", "b", "width"],
+        lists: &["bias"],
+    };
+
+    fn value_of(text: &str) -> f64 {
+        let expression = parse(text, SCOPE).expect("an expression");
+        expression.value(&[7.0, -2.0, 3.0], &[&[10.0, 20.0]])
+    }
+
+    #[test]
+    fn arithmetic_binds_as_usual() {
+        assert_eq!(value_of("a + b * 2 - 1"), 2.0);
+        assert_eq!(value_of("(a - bias[1]) / 2 * 4"), -26.0);
+        assert_eq!(value_of("-a * b"), 14.0);
+        assert_eq!(value_of("mod(b, width)"), 1.0);
+        assert_eq!(value_of("select(at_most(a, 6), 1, truncate(b / 4))"), 0.0);
+        assert_eq!(value_of("[1:2, b:width, 2:6]"), 8.0);
+        assert!(value_of("bias[2]").is_nan());
+        assert!(value_of("bias[b]").is_nan());
+    }
+
+    #[test]
+    fn text_is_read_back_as_the_same_expression() {
+        for text in [
+            "a + b * 2 - 1",
+            "(a - bias[1]) / 2 * 4",
+            "a - (b - 1)",
+            "a / (b * 2)",
+            "min(max(a, 0), 255)",
+            "bias[5 - mod(a, 6)]",
+        ] {
+            let expression = parse(text, SCOPE).expect("an expression");
+            assert_eq!(expression.display(SCOPE), text);
+        }
+    }
+
+    #[test]
+    fn an_address_is_shown_as_arithmetic() {
+        let address = parse("[a:3, b + 1:width, 1:6]", SCOPE).expect("an expression");
+        assert_eq!(address.display(SCOPE), "(a * width + b + 1) * 6 + 1");
+    }
+
+    #[test]
+    fn errors_name_what_is_wrong() {
+        let error = |text: &str| parse(text, SCOPE).expect_err("no expression");
+        assert_eq!(error("a + c"), "unknown name \"c\"");
+        assert_eq!(error("min(a)"), "min takes 2 arguments");
+        assert!(error("a b").starts_with("unexpected 'b'"));
+        assert!(error("(a").starts_with("expected ')'"));
+    }
+}

@@ -1,0 +1,594 @@
+//! The stages from stored bytes to an image, written in terms of the formulas.
+//!
+//! A formula without an edit is computed by the function of the [`Reading`], so edits combine with other readings of the open
+//! questions and with misreadings that are functions.
+
+use std::cell::Cell;
+
+use super::expression::{Expression, Function};
+use super::{Change, Edit, Formula, Stage};
+use crate::decode::{self, Streams, decode_as};
+use crate::error::{Error, Kind, Result};
+use crate::evaluate::{self, Coefficients, Picture};
+use crate::input::Input;
+use crate::parts::{Coded, RawLists, Step};
+use crate::ptm::{Format, Header, Limits, Planes, Ptm, ScaleBias, Shape, Size};
+use crate::reading::Reading;
+
+/// The edits that a decoder makes, at most one of each formula.
+#[derive(Clone, Copy)]
+pub struct Edits<'a>(pub &'a [&'a Edit]);
+
+impl Edits<'_> {
+    fn of(&self, formula: Formula) -> Option<&Change> {
+        let mut edits = self.0.iter();
+        let edit = edits.find(|edit| edit.formula == formula);
+        edit.map(|edit| &edit.change)
+    }
+
+    /// Returns true if one of these formulas is edited.
+    fn touch(&self, formulas: &[Formula]) -> bool {
+        self.0.iter().any(|edit| formulas.contains(&edit.formula))
+    }
+
+    fn is_at(&self, stage: Stage) -> bool {
+        self.0.iter().any(|edit| edit.formula.stage() == stage)
+    }
+
+    /// Evaluates a formula: its edit, or what the specification states.
+    fn value(&self, formula: Formula, variables: &[f64], lists: &[&[f64]]) -> f64 {
+        match self.of(formula) {
+            Some(Change::Expression(expression)) => expression.value(variables, lists),
+            Some(Change::Table(table)) => f64::from(table[usize::from(byte(variables[0]))]),
+            None => formula.stated().expression.value(variables, lists),
+        }
+    }
+
+    /// Evaluates the edit of a formula; calls `unedited` if there is none.
+    fn value_or(
+        &self,
+        formula: Formula,
+        variables: &[f64],
+        unedited: impl FnOnce() -> f64,
+    ) -> f64 {
+        match self.of(formula) {
+            Some(_) => self.value(formula, variables, &[]),
+            None => unedited(),
+        }
+    }
+}
+
+/// The value that a byte holds: rounded down, modulo 256.
+fn byte(value: f64) -> u8 {
+    value.floor().rem_euclid(256.0) as u8
+}
+
+/// Decodes a file with some formulas edited.
+pub(crate) fn decode(file: &[u8], reading: &Reading, edits: Edits) -> Result<Ptm> {
+    let limits = Limits::default();
+    let mut ptm = match edits.is_at(Stage::Decoding) {
+        true => decode_stages(file, reading, edits, &limits)?,
+        false => decode_as(file, reading, &limits)?,
+    };
+    if edits.is_at(Stage::Planes) {
+        let channels = ptm.planes.shape.channels();
+        for (at, sample) in ptm.planes.samples.iter_mut().enumerate() {
+            let [i, c] = coefficient(at % channels);
+            *sample = byte(edits.value(Formula::StoredValue, &[f64::from(*sample), i, c], &[]));
+        }
+    }
+    Ok(ptm)
+}
+
+/// The number of a coefficient and of its polynomial; colors, Cr and Cb count as coefficients of a second one.
+fn coefficient(channel: usize) -> [f64; 2] {
+    [channel % 6, channel / 6].map(|number| number as f64)
+}
+
+fn decode_stages(file: &[u8], reading: &Reading, edits: Edits, limits: &Limits) -> Result<Ptm> {
+    let mut input = Input::new(file);
+    let header = decode::read_header(&mut input)?;
+    let shape = match header.format {
+        Format::Rgb | Format::JpegRgb | Format::JpeglsRgb => Shape::Rgb,
+        Format::Lum => Shape::Lum(decode::color_matrix::read(&mut input)?),
+        _ => Shape::Lrgb,
+    };
+    let texels = Texels {
+        header: &header,
+        reading,
+        edits,
+    };
+    let samples = if header.format.is_compressed() {
+        let streams = Streams::read(&header, &mut input, reading, limits)?;
+        let planes = CompressedPlanes {
+            coded: streams.coded(),
+            lists: &streams.lists,
+            reading,
+            edits,
+        };
+        texels.of_planes(&planes.decode(streams.residuals())?)?
+    } else if header.format.has_table() {
+        texels.of_table(&mut input)?
+    } else {
+        texels.of_blocks(&input)?
+    };
+    let planes = Planes {
+        size: header.size,
+        shape,
+        samples,
+    };
+    Ok(Ptm { header, planes })
+}
+
+/// Places in a file and the values there.
+struct Texels<'a> {
+    header: &'a Header,
+    reading: &'a Reading,
+    edits: Edits<'a>,
+}
+
+/// The error that a formula leads outside the data.
+fn outside(at: usize) -> Error {
+    let kind = Kind::Short {
+        what: "the values that an edited formula addresses",
+        needs: 1,
+        remain: 0,
+    };
+    Error::new("2.7/3", at, kind)
+}
+
+/// The element at an address.
+fn element<T: Copy>(data: &[T], address: f64) -> Result<T> {
+    let is_address = address >= 0.0 && address.fract() == 0.0;
+    let found = is_address.then(|| data.get(address as usize)).flatten();
+    found.copied().ok_or_else(|| outside(0))
+}
+
+impl Texels<'_> {
+    fn size(&self) -> [f64; 2] {
+        let Size { width, height } = self.header.size;
+        [f64::from(width), f64::from(height)]
+    }
+
+    /// Calls `sample` with the stored row and column of every texel and with every channel, in the order of the image.
+    fn collect(
+        &self,
+        mut sample: impl FnMut(f64, f64, usize) -> Result<u8>,
+    ) -> Result<Vec<u8>> {
+        let [width, height] = self.size();
+        let channels = self.header.format.channels();
+        let mut samples = Vec::with_capacity(self.header.size.texels() * channels);
+        for row in 0..self.header.size.height {
+            for column in 0..self.header.size.width {
+                let texel = [f64::from(column), f64::from(row), width, height];
+                let own_row = || (self.reading.stored_row)(self.header, row as usize) as f64;
+                let stored_row = self.edits.value_or(Formula::StoredRow, &texel, own_row);
+                let stored_column = self.edits.value(Formula::StoredColumn, &texel, &[]);
+                for channel in 0..channels {
+                    samples.push(sample(stored_row, stored_column, channel)?);
+                }
+            }
+        }
+        Ok(samples)
+    }
+
+    /// The address of a value in the payload. `table` has the number of entries, their size and the bytes of an index.
+    fn address(&self, formula: Formula, at: [f64; 2], channel: usize, table: [f64; 3]) -> f64 {
+        let [row, x] = at;
+        let [width, height] = self.size();
+        let [i, c] = match formula {
+            Formula::LumSample | Formula::LrgbPlane => [channel as f64, 0.0],
+            _ => coefficient(channel),
+        };
+        // Color k of a texel, or byte k of an index.
+        let k = match formula {
+            Formula::IndexByte => channel,
+            _ => channel.saturating_sub(6),
+        };
+        let [entries, size, bytes] = table;
+        let variables = [row, x, width, height, i, c, k as f64, entries, size, bytes];
+        self.edits.value(formula, &variables, &[])
+    }
+
+    fn of_blocks(&self, input: &Input) -> Result<Vec<u8>> {
+        let payload = input.rest();
+        self.collect(|row, column, channel| {
+            let formula = match self.header.format {
+                Format::Rgb => Formula::RgbSample,
+                Format::Lum => Formula::LumSample,
+                _ if channel < 6 => Formula::LrgbCoefficient,
+                _ => Formula::LrgbColor,
+            };
+            element(payload, self.address(formula, [row, column], channel, [0.0; 3]))
+        })
+    }
+
+    fn of_table(&self, input: &mut Input) -> Result<Vec<u8>> {
+        let count = (self.reading.entry_count)(input)?;
+        let has_colors = self.header.format == Format::PtmCLut;
+        let entry_size = if has_colors { 9 } else { 6 };
+        // A line feed after the table, where the reading has one, does not count.
+        let table = input.take("2.5/3", "the table's entries", count as u64 * entry_size)?;
+        (self.reading.after_table)(input)?;
+        let payload = [table, input.rest()].concat();
+        let (entries, size) = (count as f64, entry_size as f64);
+        let unknown = [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, entries, size, 0.0];
+        let bytes = self.edits.value(Formula::IndexSize, &unknown, &[]);
+        let layout = [entries, size, bytes];
+        let last = Cell::new((f64::NAN, f64::NAN, 0.0));
+        let index_at = |row: f64, column: f64| -> Result<f64> {
+            if last.get().0 == row && last.get().1 == column {
+                return Ok(last.get().2);
+            }
+            let stored = |k| {
+                let address = self.address(Formula::IndexByte, [row, column], k, layout);
+                element(&payload, address)
+            };
+            let stored = (0..bytes as usize).map(stored).collect::<Result<Vec<u8>>>()?;
+            let digit = |k: usize| stored.get(k).map_or(0.0, |&digit| f64::from(digit));
+            let own_index = || (self.reading.index)(&stored) as f64;
+            let variables = [digit(0), digit(1), entries];
+            let index = self.edits.value_or(Formula::Index, &variables, own_index);
+            // The fraction and the sign of an edited index stay, so that the address refuses them.
+            let entry = match index >= 0.0 && index.fract() == 0.0 {
+                true => (self.reading.entry)(index as usize, count).ok_or_else(|| outside(0))? as f64,
+                false => index,
+            };
+            last.set((row, column, entry));
+            Ok(entry)
+        };
+        self.collect(|row, column, channel| {
+            let address = match has_colors || channel < 6 {
+                true => {
+                    let variables = [index_at(row, column)?, channel as f64, size, entries];
+                    self.edits.value(Formula::TableSample, &variables, &[])
+                }
+                false => self.address(Formula::TableColor, [row, column], channel, layout),
+            };
+            element(&payload, address)
+        })
+    }
+
+    fn of_planes(&self, planes: &[Vec<u8>]) -> Result<Vec<u8>> {
+        let formula = match self.header.format.channels() {
+            18 => Formula::RgbPlane,
+            _ => Formula::LrgbPlane,
+        };
+        let order = (0..planes.len()).map(|channel| self.address(formula, [0.0; 2], channel, [0.0; 3]));
+        let order: Vec<f64> = order.collect();
+        let [width, height] = self.size();
+        let places: Vec<usize> = (0..planes.len()).collect();
+        let order = order.into_iter().map(|plane| element(&places, plane));
+        let order = order.collect::<Result<Vec<usize>>>()?;
+        self.collect(|row, column, channel| {
+            let is_inside = row >= 0.0 && row < height && column >= 0.0 && column < width;
+            let address = if is_inside { row * width + column } else { -1.0 };
+            element(&planes[order[channel]], address)
+        })
+    }
+}
+
+/// The planes of a compressed file, before their rows are turned.
+struct CompressedPlanes<'a> {
+    coded: Coded<'a>,
+    lists: &'a RawLists,
+    reading: &'a Reading,
+    edits: Edits<'a>,
+}
+
+impl CompressedPlanes<'_> {
+    /// Predicts and corrects every plane, lowest rank first.
+    fn decode<'r>(&self, residuals: impl Iterator<Item = (usize, &'r [u8])>) -> Result<Vec<Vec<u8>>> {
+        let mut coded = self.coded.blank_planes();
+        let mut uncorrected = self.coded.blank_planes();
+        let mut planes = self.coded.blank_planes();
+        let mut previous = vec![0; self.coded.size.texels()];
+        for (p, residuals) in residuals {
+            let step = self.step(p)?;
+            let mut plane = self.stream_samples(p, residuals, step.reference.is_some());
+            coded[p].clone_from(&plane);
+            if let Some(reference) = step.reference {
+                let sources = [&planes[reference], &uncorrected[reference], &coded[reference], &previous];
+                let predictor = self.predictor(&sources, &step)?;
+                self.add(&mut plane, &predictor, &step);
+            }
+            uncorrected[p].clone_from(&plane);
+            self.correct(p, &mut plane, &coded[p], step.reference.is_some())?;
+            previous.clone_from(&plane);
+            planes[p] = plane;
+        }
+        Ok(planes)
+    }
+
+    fn stream_samples(&self, p: usize, residuals: &[u8], predicted: bool) -> Vec<u8> {
+        let mut samples = residuals.to_vec();
+        if self.edits.touch(&[Formula::StreamSample]) {
+            for sample in &mut samples {
+                let variables = [f64::from(*sample), p as f64, f64::from(u8::from(predicted))];
+                *sample = byte(self.edits.value(Formula::StreamSample, &variables, &[]));
+            }
+        }
+        samples
+    }
+
+    /// How plane `p` is predicted.
+    fn step(&self, p: usize) -> Result<Step> {
+        const OF_LISTS: [Formula; 6] = [
+            Formula::Transform,
+            Formula::Inverted,
+            Formula::Displaced,
+            Formula::VectorX,
+            Formula::VectorY,
+            Formula::Reference,
+        ];
+        let own = self.coded.plan.steps[p];
+        if !self.edits.touch(&OF_LISTS) {
+            return Ok(own);
+        }
+        let numbers = |list: &[crate::parts::Number]| -> Vec<f64> {
+            list.iter().map(|number| number.value as f64).collect()
+        };
+        let lists = [&self.lists.transforms, &self.lists.motion, &self.lists.references];
+        let lists = lists.map(|list| numbers(list));
+        let lists: Vec<&[f64]> = lists.iter().map(Vec::as_slice).collect();
+        let variables = [
+            p as f64,
+            self.coded.plan.steps.len() as f64,
+            lists[2][p],
+            self.lists.order[p].value as f64,
+        ];
+        let value = |formula| self.edits.value(formula, &variables, &lists);
+        let edited_or = |formula, own: i64| match self.edits.touch(&[formula]) {
+            true => value(formula) as i64,
+            false => own,
+        };
+        let transform = value(Formula::Transform);
+        let has = |formula| self.edits.value(formula, &[transform], &[]) != 0.0;
+        let reference = edited_or(Formula::Reference, own.reference.map_or(-1, |plane| plane as i64));
+        if reference >= self.coded.plan.steps.len() as i64 {
+            return Err(outside(self.coded.at));
+        }
+        Ok(Step {
+            reference: usize::try_from(reference).ok(),
+            inverted: has(Formula::Inverted),
+            moved: has(Formula::Displaced),
+            motion: (edited_or(Formula::VectorX, own.motion.0), edited_or(Formula::VectorY, own.motion.1)),
+        })
+    }
+
+    /// The predictor of a plane, made of its reference: corrected, uncorrected, as coded; or of the plane decoded before.
+    fn predictor(&self, sources: &[&Vec<u8>; 4], step: &Step) -> Result<Vec<u8>> {
+        const OF_PREDICTORS: [Formula; 8] = [
+            Formula::Predictor,
+            Formula::Inversion,
+            Formula::DisplacedX,
+            Formula::DisplacedY,
+            Formula::MeanOfTwo,
+            Formula::MeanOfFour,
+            Formula::EdgeX,
+            Formula::EdgeY,
+        ];
+        if !self.edits.touch(&OF_PREDICTORS) {
+            let own = (self.reading.predictor)(sources[0], step, self.coded.size, self.reading);
+            return Ok(own.into_owned());
+        }
+        match self.edits.of(Formula::Predictor) {
+            Some(Change::Expression(expression)) => self.whole_plane(expression, sources, step),
+            _ => self.whole_plane(&Formula::Predictor.stated().expression, sources, step),
+        }
+    }
+
+    /// Evaluates an expression of whole planes.
+    fn whole_plane(&self, expression: &Expression, sources: &[&Vec<u8>; 4], step: &Step) -> Result<Vec<u8>> {
+        let inner = |inner| self.whole_plane(inner, sources, step);
+        match expression {
+            Expression::Variable(source) => Ok(sources[*source].clone()),
+            Expression::Call(Function::Invert, arguments) => {
+                let mut plane = inner(&arguments[0])?;
+                if step.inverted {
+                    self.invert(&mut plane);
+                }
+                Ok(plane)
+            }
+            Expression::Call(Function::Displace, arguments) => {
+                let plane = inner(&arguments[0])?;
+                if step.moved { self.displace(&plane, step) } else { Ok(plane) }
+            }
+            // Any other expression is evaluated value by value.
+            _ => {
+                let value = |at: usize| {
+                    let values = sources.map(|plane| f64::from(plane[at]));
+                    byte(expression.value(&values, &[]))
+                };
+                Ok((0..sources[0].len()).map(value).collect())
+            }
+        }
+    }
+
+    fn invert(&self, plane: &mut [u8]) {
+        if !self.edits.touch(&[Formula::Inversion]) {
+            return (self.reading.invert)(plane);
+        }
+        for value in plane {
+            *value = byte(self.edits.value(Formula::Inversion, &[f64::from(*value)], &[]));
+        }
+    }
+
+    fn displace(&self, plane: &[u8], step: &Step) -> Result<Vec<u8>> {
+        let Size { width, height } = self.coded.size;
+        let (width, height) = (f64::from(width), f64::from(height));
+        let mx = (self.reading.motion_sign)(step.motion.0) as f64;
+        let my = (self.reading.motion_sign)((self.reading.motion_vertical)(step.motion.1)) as f64;
+        let mut displaced = Vec::with_capacity(plane.len());
+        for at in 0..plane.len() {
+            let (x, y) = ((at as f64) % width, (at as f64 / width).floor());
+            let variables = [x, y, mx, my, width, height];
+            let place = |formula| (2.0 * self.edits.value(formula, &variables, &[])).floor();
+            let (x2, y2) = (place(Formula::DisplacedX), place(Formula::DisplacedY));
+            displaced.push(self.between(plane, x2, y2)?);
+        }
+        Ok(displaced)
+    }
+
+    /// The value at a place counted in half texels.
+    fn between(&self, plane: &[u8], x2: f64, y2: f64) -> Result<u8> {
+        let (left, first) = ((x2 / 2.0).floor(), (y2 / 2.0).floor());
+        let (right, second) = ((x2 / 2.0).ceil(), (y2 / 2.0).ceil());
+        let at = |x, y| self.at_edge(plane, x, y);
+        let corners = [at(left, first)?, at(right, first)?, at(left, second)?, at(right, second)?];
+        let [a, b, c, d] = corners.map(f64::from);
+        let formula = match (left < right, first < second) {
+            (true, true) => Formula::MeanOfFour,
+            (false, false) => return Ok(corners[0]),
+            _ => Formula::MeanOfTwo,
+        };
+        if !self.edits.touch(&[formula]) {
+            return Ok((self.reading.motion_half)(corners));
+        }
+        Ok(byte(match formula {
+            Formula::MeanOfFour => self.edits.value(formula, &[a, b, c, d], &[]),
+            _ => self.edits.value(formula, &[a, if left < right { b } else { c }], &[]),
+        }))
+    }
+
+    /// The value at a whole place, inside the plane or not.
+    fn at_edge(&self, plane: &[u8], x: f64, y: f64) -> Result<u8> {
+        let size = self.coded.size;
+        if !self.edits.touch(&[Formula::EdgeX, Formula::EdgeY]) {
+            return Ok((self.reading.motion_border)(plane, size, x as i64, y as i64));
+        }
+        let (width, height) = (f64::from(size.width), f64::from(size.height));
+        let variables = [x, y, width, height];
+        let column = self.edits.value(Formula::EdgeX, &variables, &[]);
+        let row = self.edits.value(Formula::EdgeY, &variables, &[]);
+        element(plane, row * width + column)
+    }
+
+    /// Adds the predictor to residuals.
+    fn add(&self, plane: &mut [u8], predictor: &[u8], step: &Step) {
+        if !self.edits.touch(&[Formula::Plane]) {
+            return match self.coded.format.is_jpeg_ls() {
+                true => (self.reading.predict_jpeg_ls)(plane, predictor),
+                false => (self.reading.predict)(plane, predictor),
+            };
+        }
+        let [inverted, moved] = [step.inverted, step.moved].map(|is| f64::from(u8::from(is)));
+        for (value, &predictor) in plane.iter_mut().zip(predictor) {
+            let variables = [f64::from(*value), f64::from(predictor), inverted, moved];
+            *value = byte(self.edits.value(Formula::Plane, &variables, &[]));
+        }
+    }
+
+    /// Applies the side information of plane `p`, whose stream holds `residuals`.
+    fn correct(&self, p: usize, plane: &mut [u8], residuals: &[u8], predicted: bool) -> Result<()> {
+        const OF_BYTES: [Formula; 2] = [Formula::RecordCount, Formula::RecordByte];
+        const OF_RECORDS: [Formula; 3] = [Formula::RecordPosition, Formula::RecordPlace, Formula::Corrected];
+        let is_of_bytes = self.edits.touch(&OF_BYTES);
+        if !is_of_bytes && !self.edits.touch(&OF_RECORDS) {
+            return self.coded.correct(p, plane, self.reading);
+        }
+        let block = (self.reading.side_information)(&self.coded, p);
+        let at = self.coded.at + self.coded.plan.extents[p].side.start;
+        if !is_of_bytes {
+            (self.reading.records)(block, at, plane.len())?;
+        }
+        let size = [block.len() as f64, self.coded.plan.parameter as f64];
+        let count = self.edits.value(Formula::RecordCount, &size, &[]).max(0.0).floor();
+        // An edited count may be anything; more records than bytes cannot be meant.
+        for r in 0..(count as usize).min(block.len()) {
+            let stored = |k: f64| {
+                let address = self.edits.value(Formula::RecordByte, &[r as f64, k, count], &[]);
+                element(block, address).map(f64::from)
+            };
+            let [p3, p2, p1, p0, value] =
+                [stored(0.0)?, stored(1.0)?, stored(2.0)?, stored(3.0)?, stored(4.0)?];
+            let position = self.edits.value(Formula::RecordPosition, &[p3, p2, p1, p0, value], &[]);
+            let Size { width, height } = self.coded.size;
+            let (width, height) = (f64::from(width), f64::from(height));
+            let (row, column) = ((position / width).floor(), position.rem_euclid(width));
+            let predicted = f64::from(u8::from(predicted));
+            let record = [position, row, column, width, height, r as f64, value, predicted];
+            let place = self.edits.value(Formula::RecordPlace, &record, &[]);
+            let before = f64::from(element(plane, place)?);
+            let residual = f64::from(residuals[place as usize]);
+            let correction = [value, before, residual, position, r as f64, predicted];
+            plane[place as usize] = byte(self.edits.value(Formula::Corrected, &correction, &[]));
+        }
+        Ok(())
+    }
+}
+
+/// Final values with some formulas edited (2.4).
+pub(crate) fn finals(ptm: &Ptm, reading: &Reading, edits: Edits) -> Coefficients {
+    let (set, planes) = (&ptm.header.scale_bias, &ptm.planes);
+    let mut coefficients = evaluate::apply(set, planes, reading);
+    if edits.is_at(Stage::Coefficients) {
+        let channels = planes.shape.channels();
+        let values = coefficients.values.iter_mut().zip(&planes.samples);
+        for (at, (value, &raw)) in values.enumerate() {
+            let channel = at % channels;
+            let formula = match channel < planes.shape.coefficients() {
+                true => Formula::FinalCoefficient,
+                false => Formula::FinalColor,
+            };
+            if edits.touch(&[formula]) {
+                *value = final_value(formula, raw, channel, set, edits);
+            }
+        }
+    }
+    coefficients
+}
+
+fn final_value(formula: Formula, raw: u8, channel: usize, set: &ScaleBias, edits: Edits) -> f64 {
+    let [i, c] = coefficient(channel);
+    edits.value(formula, &[f64::from(raw), i, c], &[&set.scale, &set.bias])
+}
+
+/// The image under a light with some formulas edited (1.0, 2.6, 2.7.3).
+pub(crate) fn image(
+    coefficients: &Coefficients,
+    lu: f64,
+    lv: f64,
+    reading: &Reading,
+    edits: Edits,
+) -> Picture {
+    if !edits.is_at(Stage::Color) {
+        return evaluate::evaluate(coefficients, lu, lv, reading);
+    }
+    let (lu, lv) = (reading.light)(lu, lv);
+    let [u, v] = [Formula::LightU, Formula::LightV].map(|light| edits.value(light, &[lu, lv], &[]));
+    let polynomial = |a: &[f64]| {
+        let variables = [a[0], a[1], a[2], a[3], a[4], a[5], u, v];
+        edits.value_or(Formula::Polynomial, &variables, || (reading.polynomial)(a, u, v))
+    };
+    let color = |texel: &[f64]| match coefficients.shape {
+        Shape::Rgb => [&texel[..6], &texel[6..12], &texel[12..]].map(polynomial),
+        Shape::Lrgb => {
+            let luminance = polynomial(&texel[..6]);
+            [texel[6], texel[7], texel[8]].map(|rgb| {
+                let own = || (reading.modulate)(luminance, rgb);
+                edits.value_or(Formula::Color, &[luminance, rgb], own)
+            })
+        }
+        Shape::Lum(matrix) => {
+            let own = evaluate::lum_color(&matrix, polynomial(&texel[..6]), texel[6], texel[7], reading);
+            if !edits.touch(&[Formula::MatrixRow]) {
+                return own;
+            }
+            let y = polynomial(&texel[..6]);
+            [0.0, 1.0, 2.0].map(|k| {
+                edits.value(Formula::MatrixRow, &[y, texel[6], texel[7], k], &[&matrix.0])
+            })
+        }
+    };
+    let shown = |value: f64| {
+        let shown = edits.value_or(Formula::Shown, &[value], || (reading.clamp)(value));
+        // A byte of an image holds 0 to 255 whatever was computed.
+        if shown.is_nan() { 0.0 } else { shown }
+    };
+    let texels = coefficients.values.chunks_exact(coefficients.shape.channels());
+    Picture {
+        size: coefficients.size,
+        values: texels.flat_map(color).map(shown).collect(),
+    }
+}

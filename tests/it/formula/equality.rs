@@ -1,0 +1,69 @@
+//! Every formula of `formulas.yaml` equals the function of the reference decoder, on every case of the suite.
+
+use ptm_conform::Reading;
+use ptm_conform::formula::{Change, Edit, Formula};
+use ptm_conform::misreadings::{self, At, Misreading, Symptom};
+use ptm_conform::protocol::frame::{Answer, Samples};
+use ptm_conform::suite::cases::{Suite, TableSpelling};
+
+/// Samples of an answer beyond which a case is skipped: large maps take long and show nothing new.
+const MAX_SAMPLES: usize = 1 << 15;
+
+/// A decoder that computes these formulas by their expressions, and by those of the specification.
+fn stated(formulas: &[Formula]) -> Misreading {
+    let edit = |&formula: &Formula| Edit {
+        formula,
+        change: Change::Expression(formula.stated().expression.clone()),
+    };
+    let edits: Vec<Edit> = formulas.iter().map(edit).collect();
+    Misreading {
+        slug: "none",
+        clause: "1.0/1",
+        effect: "",
+        fix: "",
+        shows: Symptom::Values,
+        seen: Vec::new(),
+        at: At::Edits(edits.leak()),
+    }
+}
+
+fn size(answer: &Answer) -> usize {
+    match answer {
+        Answer::Decoded(frame) => frame.samples.len(),
+        _ => 0,
+    }
+}
+
+/// Bytes must be equal; final values may differ by the last bit, since sums are added in another order.
+fn is_equal(a: &Answer, b: &Answer) -> bool {
+    match (a, b) {
+        (Answer::Decoded(a), Answer::Decoded(b)) => match (&a.samples, &b.samples) {
+            (Samples::U8(_), Samples::U8(_)) => a == b,
+            _ => a.is_like(b),
+        },
+        _ => a == b,
+    }
+}
+
+#[test]
+fn each_formula_equals_the_function_of_the_reference() {
+    let suite = Suite::load().expect("the suite loads");
+    let single = Formula::ALL.map(|row| (row.1, stated(&[row.0])));
+    let all = ("all formulas", stated(&Formula::ALL.map(|row| row.0)));
+    let mut used = vec![0; single.len() + 1];
+    for case in &suite.cases {
+        let built = case.build(TableSpelling::default());
+        for view in &case.views {
+            let right = misreadings::answer(&[], Reading::SPEC, &built.file, view);
+            if size(&right) > MAX_SAMPLES {
+                continue;
+            }
+            for (place, (name, decoder)) in single.iter().chain([&all]).enumerate() {
+                let answer = misreadings::answer(&[decoder], Reading::SPEC, &built.file, view);
+                assert!(is_equal(&answer, &right), "{name} differs in {} {view}", case.id);
+                used[place] += usize::from(size(&right) > 0);
+            }
+        }
+    }
+    assert!(used.iter().all(|&count| count > 500), "{used:?}");
+}
