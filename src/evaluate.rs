@@ -82,7 +82,13 @@ pub(crate) fn evaluate(
 }
 
 /// Matrix times (Y, Cr, Cb, 1) (clauses 2.6/4–5).
-pub(crate) fn lum_color(matrix: &ColorMatrix, y: f64, cr: f64, cb: f64, reading: &Reading) -> [f64; 3] {
+pub(crate) fn lum_color(
+    matrix: &ColorMatrix,
+    y: f64,
+    cr: f64,
+    cb: f64,
+    reading: &Reading,
+) -> [f64; 3] {
     let [p, q, r] = (reading.lum_vector)(y, cr, cb);
     (reading.lum_matrix)(matrix)
         .map(|[m0, m1, m2, t]| m0 * p + m1 * q + m2 * r + (reading.lum_translation)(t))

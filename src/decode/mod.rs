@@ -182,20 +182,6 @@ pub(crate) fn examine_streams(file: &[u8]) -> (Vec<Field>, Result<Ptm>, Option<S
     (input.into_fields(), outcome, kept)
 }
 
-/// The streams of a compressed file, decoded under another reading; nothing of a file that is none or is refused.
-///
-/// Who makes planes of them in another way than the reference starts here: what a stream holds, and what the lists say to do
-/// with it, is the same to all.
-#[cfg(all(feature = "harness", unix))]
-pub(crate) fn streams_as<'a>(file: &'a [u8], reading: &Reading) -> Option<Streams<'a>> {
-    let mut input = Input::new(file);
-    let header = read_header(&mut input).ok()?;
-    // Other formats store values, not streams.
-    let is_compressed = header.format.is_compressed();
-    let read = || Streams::read(&header, &mut input, reading, &Limits::default()).ok();
-    is_compressed.then(read).flatten()
-}
-
 /// 2.1–2.4.
 pub(crate) fn read_header(input: &mut Input) -> Result<Header> {
     header_string::read(input)?;

@@ -1,20 +1,18 @@
 //! What each of the mistakes found explains.
 
 use super::diagnosis::{Category, Cause, Diagnosis, Words};
-use super::files::scope::Scope;
 use super::mistake::Mistake;
+use super::scope::Scope;
 use super::search::{Found, Id, Member, Search, Set, of};
-use super::solved::{Act, Solved};
 use super::words::acceptances;
 use super::words::formats::formats_of;
-use super::words::pictures;
+use super::words::place;
 use super::words::refusals::{self, WholeFormats};
-use crate::misreadings::{Misreading, Symptom};
-use crate::ptm::Format;
+use crate::misreadings::{At, Misreading, Symptom};
 use crate::session::observation::Response;
 
-/// Formats that are named beside a mistake.
-const FORMATS: usize = 4;
+/// Formats that are listed.
+const MAX_FORMATS: usize = 4;
 
 /// What a mistake explains by itself or as the last of several, and the others.
 #[derive(Clone, Default)]
@@ -51,7 +49,7 @@ pub(super) fn attribute(search: &Search, found: &Found) -> (Vec<(Id, Diagnosis)>
         .filter_map(|whole| of_whole(search, &whole, &found.members, &mut shares, &mut left))
         .collect();
     for (member, share) in found.members.iter().zip(&mut shares) {
-        if is_denied_guess(search, member, share) || is_within_tolerance(search, member, share) {
+        if is_denied_guess(search, member, share) {
             left.append(&mut share.explains);
         }
     }
@@ -117,22 +115,8 @@ fn is_denied_guess(search: &Search, member: &Member, share: &Share) -> bool {
     against > share.explains.len() || against > 0 && is_guess()
 }
 
-/// Of fewer files of JPEG nothing is said that a picture within the tolerance shows as well.
-const FEWEST_OF_JPEG: usize = 4;
-
-/// Whether a mistake in stored values speaks for itself in a few files of JPEG alone, whose values differ within the tolerance.
-fn is_within_tolerance(search: &Search, member: &Member, share: &Share) -> bool {
-    let is_of_values = || {
-        let solved = search.mistakes[member.id].solved();
-        solved.is_some_and(|solved| matches!(solved.act, Act::Stored { .. }))
-    };
-    let format = |w: usize| search.witnesses[w].case.format();
-    let is_jpeg = |&w: &usize| format(w).is_jpeg();
-    share.explains.len() < FEWEST_OF_JPEG && share.explains.iter().all(is_jpeg) && is_of_values()
-}
-
-/// Failing files that are asked whether they deny a mistake beside another.
-const ASKED: usize = 64;
+/// Failing files that are held against a mistake beside another.
+const MAX_FILES_ASKED: usize = 64;
 
 /// Whether more of the files that another mistake explains by itself speak against this one than files for it: in a decoder
 /// that made both, these would be wrong otherwise.
@@ -143,7 +127,7 @@ fn is_denied_beside(search: &Search, set: &[Id], shares: &[Share], place: usize)
     }
     let others = (0..shares.len()).filter(|&other| shares[other].explains.len() > own);
     let pairs = others.flat_map(|other| {
-        let files = search.smallest(&shares[other].explains, ASKED);
+        let files = search.smallest(&shares[other].explains, MAX_FILES_ASKED);
         files.into_iter().map(move |w| (other, w))
     });
     let denied = search.each(&pairs.collect::<Vec<_>>(), |&(other, w)| {
@@ -179,24 +163,20 @@ fn diagnosis(search: &Search, member: &Member, share: &Share) -> Diagnosis {
         let mistakes = set.iter().map(|&id| &search.mistakes[id]);
         mistakes.filter_map(Mistake::listed).collect()
     };
-    let misreading = match &search.mistakes[member.id] {
-        Mistake::Listed(misreading) => misreading,
-        Mistake::Narrow(misreading, scope) => return of_narrow(search, misreading, scope, share),
-        Mistake::Solved(solved) => return of_solved(search, solved, &member.alike, share),
+    let mistake = &search.mistakes[member.id];
+    let Some(misreading) = mistake.of_catalog() else {
+        return of_found(search, mistake, share);
     };
     // What is made in some files only is not what the catalog has.
     let alike = member
         .alike
         .iter()
-        .filter_map(|&id| match &search.mistakes[id] {
-            Mistake::Listed(misreading) => Some(*misreading),
-            _ => None,
-        });
+        .filter_map(|&id| search.mistakes[id].of_catalog());
     let alike: Vec<&Misreading> = alike.collect();
     if misreading.shows == Symptom::Values
         && let Some(effect) = refusals::all_that_shows(witnesses, &share.explains)
     {
-        let all = [&[*misreading], &alike[..]].concat();
+        let all = [&[misreading], &alike[..]].concat();
         return refusals::of_effect(witnesses, &share.explains, effect).like(all);
     }
     let except = search.contradictions(&[member.id]);
@@ -220,76 +200,43 @@ fn places(search: &Search, of: &[usize]) -> Vec<usize> {
     of.iter().map(|&w| search.witnesses[w].place).collect()
 }
 
-/// A mistake of the catalog that is made in some files only.
-fn of_narrow(
-    search: &Search,
-    misreading: &'static Misreading,
-    scope: &Scope,
-    share: &Share,
-) -> Diagnosis {
+/// A mistake that was found by trying: an edit of a formula, or a misreading that is made in some files only.
+fn of_found(search: &Search, mistake: &Mistake, share: &Share) -> Diagnosis {
     let witnesses = search.witnesses;
-    let words = Words {
-        effect: format!("{}, but only in files {}", misreading.effect, scope.says()),
-        fix: format!(
-            "{}. More of it: ptm-conform explain {}",
-            misreading.fix, misreading.slug
+    let misreading = mistake.misreading;
+    let place = match &mistake.scope {
+        // In other formats an edit may change nothing.
+        Scope::All => formats_of(witnesses, &share.explains, MAX_FORMATS),
+        scope => format!(", only in files {}", scope.describe()),
+    };
+    let (effect, fix) = match (mistake.listed(), misreading.at) {
+        (None, At::Edits([edit])) => (
+            format!(
+                "computes {} as {} instead of {}",
+                edit.formula.stated().computes,
+                edit.computes(),
+                edit.stated()
+            ),
+            format!("compute {}", edit.stated()),
         ),
-        example: pictures::example(search, pictures::smallest(witnesses, &share.explains)),
+        _ => (
+            misreading.effect.to_owned(),
+            format!(
+                "{}. More: ptm-conform explain {}",
+                misreading.fix, misreading.slug
+            ),
+        ),
+    };
+    let words = Words {
+        effect: effect + &mistake.channels.describe() + &place,
+        fix,
+        example: place::example(search, place::smallest(witnesses, &share.explains)),
     };
     let described = Diagnosis::described(Category::Difference, witnesses, &share.explains, words);
     Diagnosis {
         certain: true,
         ..described.about(misreading.clause)
     }
-}
-
-/// A mistake that was solved, in words.
-fn of_solved(search: &Search, solved: &Solved, alike: &[Id], share: &Share) -> Diagnosis {
-    let witnesses = search.witnesses;
-    let smallest = pictures::smallest(witnesses, &share.explains);
-    // In other formats it may change nothing.
-    let is_shown = |format: Format| {
-        let mut explained = share.explains.iter();
-        explained.any(|&w| witnesses[w].case.format() == format)
-    };
-    let scope = match solved.scope.of_formats(is_shown).says() {
-        _ if matches!(solved.act, Act::Stream(_) | Act::Planes(_)) => String::new(),
-        says if says.is_empty() => formats_of(search.witnesses, &share.explains, FORMATS),
-        says => format!(", in every file {says}"),
-    };
-    let words = Words {
-        effect: format!(
-            "{}{}{scope}",
-            solved.act.says(),
-            or_slips(search, solved, alike)
-        ),
-        fix: solved.act.fix(),
-        example: pictures::example(search, smallest),
-    };
-    let described = Diagnosis::described(Category::Difference, witnesses, &share.explains, words);
-    let described = match solved.act.clause(witnesses[smallest].case.format()) {
-        Some(clause) => described.about(clause),
-        None => described,
-    };
-    Diagnosis {
-        certain: true,
-        ..described
-    }
-}
-
-/// ", or …": other slips in the decoder of streams that show the same.
-fn or_slips(search: &Search, solved: &Solved, alike: &[Id]) -> String {
-    let slip = |id: &Id| match search.mistakes[*id].solved()?.act {
-        Act::Stream(slip) => Some(slip),
-        _ => None,
-    };
-    let all = alike
-        .iter()
-        .filter(|_| matches!(solved.act, Act::Stream(_)));
-    let others = all
-        .filter_map(slip)
-        .map(|slip| format!(", or {}", slip.effect()));
-    others.collect()
 }
 
 /// Which of `set` explain a failure: one alone, or those that cannot be missed; none if all together do not.
@@ -326,7 +273,7 @@ pub(super) fn attribute_in_part(
     left.retain(|&w| {
         let near = set
             .iter()
-            .find(|&&member| pictures::is_near(search, w, &set, member));
+            .find(|&&member| place::is_near(search, w, &set, member));
         let known = near.and_then(|member| diagnoses.iter_mut().find(|(id, _)| id == member));
         let is_left = known.is_none();
         if let Some((_, diagnosis)) = known {

@@ -2,29 +2,22 @@
 
 use std::collections::HashSet;
 
-use super::attribution::indispensable;
 use super::failure_mode::FailureMode;
-use super::mistake::Mistake;
 use super::search::{Found, Id, Search, of, without};
-use super::solved::Act;
+use super::tuning::{REFUSALS_PER_CHANCE_IMAGE, STRAY_SHARE};
 use super::witness::{Agreement, Witness};
-use super::words::pictures::{is_near, widest_slip};
+use super::words::place::is_near;
 use super::words::refusals;
 use crate::misreadings::{Misreading, Stage, Symptom};
-use crate::protocol::frame::View;
 use crate::suite::cases::Expect;
 
-/// Takes them away.
-pub(super) fn drop(search: &Search, found: &mut Found) {
+/// Removes mistakes that agree with some answers by chance.
+pub(super) fn remove(search: &Search, found: &mut Found) {
     drop_refusals(search, found);
     drop_acceptances(search, found);
-    drop_colors(search, found);
     drop_rare(search, found);
     drop_strays(search, found);
 }
-
-/// Fewer than one in so many failures, about other clauses, may agree with a mistake of the catalog by chance.
-const STRAYS: usize = 12;
 
 /// Takes away mistakes of the catalog that explain a few failures, none of which is about the clause that is misread, and
 /// such mistakes and slips in rebuilding planes as would change more than twice as many: where much is wrong, a few come out
@@ -34,17 +27,13 @@ fn drop_strays(search: &Search, found: &mut Found) {
     let failing = failing(search.witnesses);
     let keep = search.each(&set, |&id| {
         let misreading = search.mistakes[id].listed();
-        let solved = search.mistakes[id].solved();
-        if !solved.is_none_or(|solved| matches!(solved.act, Act::Planes(_))) {
-            return true;
-        }
         let without = without(&set, id);
         let is_explained = |&w: &usize| {
             let explains = |set: &[Id]| search.agreement(w, set).explains();
             explains(&[id]) || explains(&set) && !explains(&without)
         };
         let explained: Vec<usize> = failing.iter().copied().filter(is_explained).collect();
-        if explained.is_empty() || explained.len() * STRAYS >= failing.len() {
+        if explained.is_empty() || explained.len() * STRAY_SHARE >= failing.len() {
             return true;
         }
         let acting =
@@ -66,10 +55,6 @@ fn drop_rare(search: &Search, found: &mut Found) {
     let set = of(&found.members);
     let failing = failing(search.witnesses);
     let keep = search.each(&set, |&id| {
-        let is_index = is_of_indices(&search.mistakes[id]);
-        if search.mistakes[id].listed().is_none() && !is_index {
-            return true;
-        }
         let without = without(&set, id);
         let (mut explained, mut other, mut far) = (0, 0, 0);
         for &w in &failing {
@@ -83,21 +68,12 @@ fn drop_rare(search: &Search, found: &mut Found) {
                 far += usize::from(!is_near(search, w, &set, id));
             }
         }
-        let is_of_colors = search.mistakes[id].listed().is_some_and(is_of_colors);
+        let is_of_colors = is_of_colors(search.mistakes[id].misreading);
         let is_rare = explained * RARE <= far * if is_of_colors { 2 } else { 1 };
         let is_denied = || !search.denied(&[id]).is_empty() && !search.denied(&set).is_empty();
-        if is_index {
-            return explained > 2 * other;
-        }
         explained == 0 || !is_rare && (explained > 3 * other || !is_denied())
     });
     found.keep(&keep);
-}
-
-/// Whether other entries of a table are looked up.
-fn is_of_indices(mistake: &Mistake) -> bool {
-    let solved = mistake.solved();
-    solved.is_some_and(|solved| solved.act.is_of_indices())
 }
 
 /// Whether colors alone show it.
@@ -125,7 +101,7 @@ fn drop_refusals(search: &Search, found: &mut Found) {
         // A few pictures among many refusals may agree by chance.
         let pictures = (of_member.iter())
             .filter(|(_, agreement)| !matches!(agreement, Agreement::Word | Agreement::Crash));
-        let refuses = pictures.count() * refusals::FEW_PICTURES <= of_member.len();
+        let refuses = pictures.count() * REFUSALS_PER_CHANCE_IMAGE <= of_member.len();
         let less = |wide: &Vec<usize>| {
             let covered = of_member.iter().filter(|(w, _)| wide.contains(w)).count();
             wide.len() > of_member.len() && covered * 10 >= of_member.len() * 9
@@ -169,20 +145,11 @@ fn drop_acceptances(search: &Search, found: &mut Found) {
         .filter_map(|(&w, open)| open.then_some(w))
         .collect();
     let keep = search.each(&set, |&id| {
-        let mistake = &search.mistakes[id];
-        if mistake.listed().is_none() && !is_of_indices(mistake) {
-            return true;
-        }
+        let misreading = search.mistakes[id].misreading;
         let of = failed.iter().copied().filter(|&w| explains(w, &[id]));
         let of: Vec<usize> = of.collect();
         let is_legal = |w: usize| witnesses[w].case.expect == Expect::Decode;
         let accepts_only = !of.iter().any(|&w| is_legal(w));
-        let Some(misreading) = mistake.listed() else {
-            let format = |w: usize| witnesses[w].case.format();
-            let is_akin = |&&open: &&usize| of.iter().any(|&w| format(w) == format(open));
-            let is_open = open.iter().filter(is_akin).any(|&w| is_legal(w));
-            return !accepts_only || !is_open;
-        };
         // What is said of many different faults is more than that.
         let faults: HashSet<_> = (of.iter())
             .filter_map(|&w| Some(&witnesses[w].case.damage()?.effect))
@@ -191,36 +158,6 @@ fn drop_acceptances(search: &Search, found: &mut Found) {
         let is_clause_open = || (open.iter()).any(|&w| is_about(&witnesses[w], misreading));
         !accepts_only || !is_denied() && (faults.len() > FEW_FAULTS || !is_clause_open())
     });
-    found.keep(&keep);
-}
-
-/// Where passing cases speak against the mistakes found, takes away those that explain fewer pictures than one wrong number
-/// in a formula: colors are rounded, and some agree by chance.
-fn drop_colors(search: &Search, found: &mut Found) {
-    let witnesses = search.witnesses;
-    let set = of(&found.members);
-    if search.contradictions(&set).is_empty() {
-        return;
-    }
-    let failing = failing(witnesses);
-    let slip = widest_slip(search, &failing);
-    let is_shown = |w: usize, set: &[Id]| matches!(search.agreement(w, set), Agreement::Picture);
-    // For each failure, which of the mistakes cannot be missed for the picture that was shown.
-    let needed = search.each(&failing, |&w| match is_shown(w, &set) {
-        true => indispensable(&set, |set| is_shown(w, set)),
-        false => Vec::new(),
-    });
-    let keep: Vec<bool> = (0..set.len())
-        .map(|member| {
-            let of = failing.iter().zip(&needed);
-            let of: Vec<usize> = of
-                .filter(|(_, needed)| needed.contains(&member))
-                .map(|(&w, _)| w)
-                .collect();
-            let computed = |&w: &usize| witnesses[w].observation.view != View::Raw;
-            of.is_empty() || of.len() >= slip || !of.iter().all(computed)
-        })
-        .collect();
     found.keep(&keep);
 }
 

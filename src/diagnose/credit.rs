@@ -1,14 +1,12 @@
 //! What a mistake is worth that explains part of a picture.
 
 use super::pair::Pair;
+use super::tuning::WORTH_OF_PART_OF_AN_IMAGE;
 use super::witness::Witness;
 use crate::protocol::frame::Answer;
 use crate::session::observation::Response;
 
-/// The most that part of a picture is worth: less than a refusal that is explained.
-const MOST: usize = 6;
-
-/// For each channel that the reference has wrong and this answer has right, its part of [`MOST`]; nothing where another
+/// For each channel that the reference has wrong and this answer has right, its part of [`WORTH_OF_PART_OF_AN_IMAGE`]; nothing where another
 /// channel goes wrong instead.
 pub(super) fn credit(witness: &Witness, answer: &Answer) -> i64 {
     let Response::Picture {
@@ -36,6 +34,6 @@ pub(super) fn credit(witness: &Witness, answer: &Answer) -> i64 {
     let wrong = before.iter().filter(|is| **is).count();
     match spoiled || wrong == 0 {
         true => 0,
-        false => (fixed * MOST / wrong) as i64,
+        false => (fixed * WORTH_OF_PART_OF_AN_IMAGE / wrong) as i64,
     }
 }

@@ -1,28 +1,105 @@
-//! A mistake that a decoder may make: one of the catalog, everywhere or in some files, or one solved from its answers.
+//! A mistake that a decoder may make: a misreading of the catalog or an edit of a formula, everywhere or in part.
 
-use super::files::scope::Scope;
-use super::solved::Solved;
+use super::scope::Scope;
 use crate::misreadings::Misreading;
+use crate::protocol::frame::{Answer, Samples};
 
-pub(super) enum Mistake {
-    Listed(&'static Misreading),
-    /// Made in some files only.
-    Narrow(&'static Misreading, Scope),
-    Solved(Solved),
+/// A mistake, and the files and channels in which it is made.
+pub(super) struct Mistake {
+    /// The misreading. An edit of a formula that the catalog lacks has no slug.
+    pub misreading: &'static Misreading,
+    pub scope: Scope,
+    pub channels: Channels,
 }
 
 impl Mistake {
-    pub const fn listed(&self) -> Option<&'static Misreading> {
-        match self {
-            Mistake::Listed(misreading) | Mistake::Narrow(misreading, _) => Some(misreading),
-            Mistake::Solved(_) => None,
+    /// Returns a mistake that is made everywhere.
+    pub const fn everywhere(misreading: &'static Misreading) -> Mistake {
+        Mistake {
+            misreading,
+            scope: Scope::All,
+            channels: Channels::All,
         }
     }
 
-    pub const fn solved(&self) -> Option<&Solved> {
+    /// Returns the misreading if the catalog has it.
+    pub const fn listed(&self) -> Option<&'static Misreading> {
+        match self.misreading.slug.is_empty() {
+            true => None,
+            false => Some(self.misreading),
+        }
+    }
+
+    /// Returns the misreading if it is one of the catalog and made everywhere.
+    pub fn of_catalog(&self) -> Option<&'static Misreading> {
+        let is_everywhere = self.scope == Scope::All && self.channels == Channels::All;
+        self.listed().filter(|_| is_everywhere)
+    }
+}
+
+/// Channels of an image, in every shape.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Channels {
+    All,
+    /// One of a0 … a5, of every polynomial.
+    Coefficient(usize),
+    /// Red, green or blue: a color, or the polynomial of one.
+    Color(usize),
+}
+
+impl Channels {
+    fn holds(self, count: usize, channel: usize) -> bool {
+        match (self, count) {
+            (Channels::All, _) => true,
+            (Channels::Coefficient(i), 18) => channel % 6 == i,
+            (Channels::Coefficient(i), 8 | 9) => channel == i,
+            (Channels::Coefficient(_), _) => false,
+            (Channels::Color(c), 18) => channel / 6 == c,
+            (Channels::Color(c), 9) => channel == 6 + c,
+            (Channels::Color(c), _) => count == 3 && channel == c,
+        }
+    }
+
+    /// Returns the narrowest set that has all these channels.
+    pub fn of(wrong: &[bool]) -> Channels {
+        let coefficients = (0..6).map(Channels::Coefficient);
+        let all = coefficients.chain((0..3).map(Channels::Color));
+        let has_all = |channels: &Channels| {
+            (0..wrong.len()).all(|channel| !wrong[channel] || channels.holds(wrong.len(), channel))
+        };
+        all.into_iter().find(has_all).unwrap_or(Channels::All)
+    }
+
+    /// Returns the channels in words: ", only in a3".
+    pub fn describe(self) -> String {
         match self {
-            Mistake::Listed(_) | Mistake::Narrow(..) => None,
-            Mistake::Solved(solved) => Some(solved),
+            Channels::All => String::new(),
+            Channels::Coefficient(i) => format!(", only in a{i}"),
+            Channels::Color(c) => format!(", only in {}", ["red", "green", "blue"][c]),
+        }
+    }
+
+    /// Replaces these channels of an image by those of another of the same shape.
+    pub fn replace(self, image: &mut Answer, other: &Answer) {
+        let (Answer::Decoded(image), Answer::Decoded(other)) = (image, other) else {
+            return;
+        };
+        let count = image.channels as usize;
+        let is_of = |at: usize| self.holds(count, at % count);
+        match (&mut image.samples, &other.samples) {
+            (Samples::U8(image), Samples::U8(other)) => {
+                let pairs = image.iter_mut().zip(other).enumerate();
+                pairs
+                    .filter(|(at, _)| is_of(*at))
+                    .for_each(|(_, (one, other))| *one = *other);
+            }
+            (Samples::F32(image), Samples::F32(other)) => {
+                let pairs = image.iter_mut().zip(other).enumerate();
+                pairs
+                    .filter(|(at, _)| is_of(*at))
+                    .for_each(|(_, (one, other))| *one = *other);
+            }
+            _ => {}
         }
     }
 }

@@ -13,37 +13,36 @@
 mod answers;
 mod assume;
 mod attribution;
-mod codecs;
 mod coincidences;
 mod credit;
 mod diagnosis;
+mod edits;
 mod failure_mode;
-mod files;
-mod layout;
+mod learned;
 mod mistake;
 mod pair;
-mod planes;
+mod properties;
+mod scope;
 mod search;
-mod solve;
-mod solve_file;
-mod solved;
+mod stream_cache;
 pub mod texture;
-mod values;
+mod tuning;
 mod witness;
 mod words;
 
 pub use assume::assume;
-pub(crate) use codecs::cache::stream_once;
 pub use diagnosis::{Category, Cause, Causes, Diagnosis};
-pub use values::arithmetic;
+pub(crate) use stream_cache::stream_once;
 pub(crate) use witness::dialect_reading;
 pub use witness::{alike, applies, composable};
+pub use words::arithmetic_steps;
 
 use crate::misreadings::Misreading;
 use crate::session::outcome::Outcome;
 use crate::session::run::Run;
 use crate::suite::cases::Suite;
 use search::Search;
+use tuning::MIN_FAILURES_OF_A_READING;
 use witness::{reference_reading, witnesses};
 
 /// Why the failures of `run` failed; most telling first. `assumed` are mistakes that the user knows of. Where the user
@@ -55,16 +54,16 @@ pub fn diagnose(
     assumed: &[&'static Misreading],
     threads: usize,
 ) -> Causes {
-    diagnose_by(suite, run, assumed, threads, solve::solve)
+    diagnose_by(suite, run, assumed, threads, edits::add_candidates)
 }
 
-/// The same as [`diagnose`], where `solve` is asked for mistakes that the catalog lacks.
+/// As [`diagnose`], with another way to add mistakes that the catalog lacks.
 fn diagnose_by(
     suite: &Suite,
     run: &Run,
     assumed: &[&'static Misreading],
     threads: usize,
-    solve: impl Fn(&mut Search, &search::Set, &[usize]) -> Vec<search::Set>,
+    add_candidates: impl Fn(&mut Search, &search::Set, &[usize]),
 ) -> Causes {
     let mut diagnoses = words::nondeterminism::describe(suite, run);
     diagnoses.extend(words::promises::describe(suite, run));
@@ -80,27 +79,26 @@ fn diagnose_by(
         let mut search = Search::new(witnesses, assumed, threads, &run.stop);
         let found = match words::nondeterminism::prevails(run) {
             true => search::Found::default(),
-            false => search.run(&solve),
+            false => search.run(&add_candidates),
         };
         (search, found)
     };
     let (mut search, mut found) = searched(&by_dialect);
     // A mistake may look like another reading of an open question: then it tells more beside the reference's own.
-    let is_plain = found.members.is_empty() || search.cost(&found) <= search::FACT;
+    let is_plain = found.members.is_empty() || search.cost(&found) <= MIN_FAILURES_OF_A_READING;
     let by_reference = reference_reading(run)
         .filter(|_| !is_plain)
         .map(|reading| witnesses(suite, run, Some(reading), threads));
     if let Some(by_reference) = &by_reference {
         let (other, beside) = searched(by_reference);
-        if other.cost(&beside) < search.cost(&found) + search::FACT {
+        if other.cost(&beside) < search.cost(&found) + MIN_FAILURES_OF_A_READING {
             (search, found) = (other, beside);
         }
     }
     if search.is_interrupted() {
         return diagnoses.into();
     }
-    search.guarded(|| coincidences::drop(&search, &mut found));
-    search.guarded(|| codecs::streams::drop(&search, &mut found));
+    search.guarded(|| coincidences::remove(&search, &mut found));
     let mut causes = told(&search, &found);
     causes.append(&mut diagnoses);
     // What explains most comes first; what is known for certain counts more than what is put into words.
@@ -119,16 +117,13 @@ fn diagnose_by(
 fn told(search: &Search, found: &search::Found) -> Vec<Diagnosis> {
     let witnesses = search.witnesses;
     let (mut attributed, mut left) = attribution::attribute(search, found);
-    search.guarded(|| codecs::streams::attribute_to_slips(search, &mut attributed, &mut left));
     let mut causes = search.guarded(|| words::formats::describe(witnesses, &mut left));
     causes.extend(search.guarded(|| words::acceptances::describe(witnesses, &mut left)));
     let violation = search.guarded(|| words::violation::describe(witnesses, &mut left));
-    let in_streams = search.guarded(|| codecs::streams::describe(search, found, &mut left));
     let refusals = search.guarded(|| words::refusals::describe(witnesses, &mut left));
     search.guarded(|| {
         attribution::attribute_in_part(search, found, &mut attributed, &mut left);
     });
-    causes.extend(in_streams);
     causes.extend(refusals);
     causes.extend(search.guarded(|| words::refusals::rest(witnesses, &mut left)));
     causes.extend(violation);
@@ -138,8 +133,7 @@ fn told(search: &Search, found: &search::Found) -> Vec<Diagnosis> {
         true => search::of(&found.members),
         false => search::Set::new(),
     };
-    causes.extend(search.guarded(|| planes::rest::describe(search, &set, &mut left)));
-    causes.extend(search.guarded(|| words::pictures::describe(search, &set, &left)));
+    causes.extend(search.guarded(|| words::place::describe(search, &set, &left)));
     let attributed = attributed.into_iter().map(|(_, diagnosis)| diagnosis);
     attributed.chain(causes).collect()
 }

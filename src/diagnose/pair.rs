@@ -4,12 +4,6 @@ use crate::protocol::frame::{Frame, Samples};
 use crate::ptm::channel_name;
 use crate::suite::compare::{COLOR, is_close};
 
-/// How far two samples are apart, modulo 256.
-pub(super) fn distance(one: u8, other: u8) -> u8 {
-    let off = one.wrapping_sub(other);
-    off.min(off.wrapping_neg())
-}
-
 /// A picture and what it should be, of the same shape.
 pub(super) struct Pair {
     pub width: usize,
@@ -60,13 +54,6 @@ impl Pair {
         (0..self.want.len())
             .filter(|&i| !self.near(self.want[i], self.got[i]))
             .collect()
-    }
-
-    /// How many samples are farther off.
-    pub fn wrong_by_more_than(&self, slack: f64) -> usize {
-        let wrong = self.wrong();
-        let is_off = |&&i: &&usize| (self.want[i] - self.got[i]).abs() > slack;
-        wrong.iter().filter(is_off).count()
     }
 
     pub fn name(&self, channel: usize) -> String {

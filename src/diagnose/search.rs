@@ -13,54 +13,22 @@ use std::sync::{Mutex, OnceLock, PoisonError};
 
 use super::credit::credit;
 use super::mistake::Mistake;
-use super::witness::{Agreement, Witness, is_after_decoding};
+pub(super) use super::tuning::WORTH_OF_A_REFUSAL;
+use super::tuning::{
+    MAX_FINALISTS, MAX_MISTAKES, MAX_SAMPLE, MAX_SAMPLES_OF_A_SMALL_IMAGE, MAX_WORK,
+    MAX_WORK_ON_PAIRS, MIN_FAILURES_OF_A_READING, NEARLY_ALL, SAMPLES_OF_A_UNIT_OF_WORK,
+    WORTH_OF_A_CONTRADICTION, WORTH_OF_A_CRASH, WORTH_OF_A_REFUSAL_OF_AN_IMAGE, WORTH_OF_AN_IMAGE,
+    WORTH_OF_ANOTHER_LENIENT_ANSWER,
+};
+use super::witness::{Agreement, Witness};
 use crate::kit::parallel::in_parallel;
 use crate::misreadings::{self, At, Misreading};
 use crate::protocol::frame::{Answer, Frame};
 use crate::session::observation::Response;
 use crate::suite::cases::Expect;
 
-/// Most mistakes of a diagnosis.
-const MOST: usize = 8;
-/// Failing cases that a mistake is first tried on.
-const SAMPLE: usize = 40;
-/// Mistakes that are tried on every case.
-const FINALISTS: usize = 64;
-/// Answers made for each case that was asked, after which no more mistakes are searched; and fewer, where the last one
-/// explains less than one in so many of the failures: the next will explain still less.
-const WORK: usize = 1000;
-const LEAST_WORK: usize = 20;
-/// The same, after which no mistake is looked for that explains more than one that was found.
-const WIDER: usize = 60;
-const LITTLE: i64 = 200;
-/// Samples of the failing cases that a mistake is first tried on, all together.
-const SAMPLES: usize = 1 << 20;
-/// Samples of a map that is large: what passes there, or fails as smaller ones do, need not be tried with every mistake.
-const LARGE: usize = 1 << 16;
-/// Samples of a map that is cheap to try any mistake on.
-const SMALL: usize = 1 << 13;
-/// Samples of an ordinary map.
-const MAP: usize = 512;
-/// Mistakes that agree by chance, after which the search ends: more of them say nothing.
-const CHANCES: usize = 2;
-/// Nearly all are all but one in so many.
-const NEARLY_ALL: usize = 20;
-/// So many failures must a mistake, or another reading, explain to be believed rather than that these are of other causes.
-pub(super) const FACT: usize = 4;
-/// Faults of ours that are kept.
-const FAULTS: usize = 8;
-/// Answers made in search of two mistakes that hide each other.
-const TIMEOUT_FACTOR: usize = 40_000;
-
-/// What agreement is worth. A picture reproduced to the byte is no accident, a refusal may be one.
-const PICTURE: i64 = 16;
-pub(super) const WORD: i64 = 8;
-const CRASH: i64 = 3;
-const AGAINST: i64 = -8;
-const CONTRADICTED: i64 = -16;
-const LEANING: i64 = -1;
-/// A mistake must be worth this much, or it is not named: one refusal.
-const LEAST: i64 = CRASH;
+/// Faults of this program that are kept.
+const MAX_FAULTS: usize = 8;
 
 /// Mistakes that, made together, answer as the decoder did.
 #[derive(Default)]
@@ -80,8 +48,6 @@ impl Found {
 /// One of them.
 pub(super) struct Member {
     pub id: Id,
-    /// What it is worth in all.
-    worth: i64,
     /// Others that would explain the same cases.
     pub alike: Set,
 }
@@ -95,11 +61,9 @@ pub(super) struct Search<'a> {
     pub assumed: Set,
     pub threads: usize,
     stop: &'a AtomicBool,
-    /// Answers that were made so far; those of large maps count more.
-    effort: AtomicUsize,
-    /// How often slips in the decoders of streams were looked for.
-    pub looked_for_slips: usize,
-    /// The same, each counted once.
+    /// Units of work done so far: answers, those of large maps counted more than once.
+    work: AtomicUsize,
+    /// Answers made so far.
     answered: AtomicUsize,
     /// Cases that the decoder passes, the smallest first.
     pub passing: Vec<usize>,
@@ -132,10 +96,10 @@ impl<'a> Search<'a> {
         passing.sort_by_key(|&w| witnesses[w].built.file.len());
         let failing = witnesses.iter().filter(|witness| witness.failed);
         let clauses = failing.flat_map(|witness| &witness.case.clauses);
-        let mistakes: Vec<Mistake> = misreadings::all().map(Mistake::Listed).collect();
+        let mistakes: Vec<Mistake> = misreadings::all().map(Mistake::everywhere).collect();
         let is_assumed = |mistake: &Mistake| {
-            let slug = mistake.listed().map(|misreading| misreading.slug);
-            assumed.iter().any(|other| Some(other.slug) == slug)
+            let slug = mistake.misreading.slug;
+            assumed.iter().any(|other| other.slug == slug)
         };
         Search {
             alone: vec![vec![OnceLock::new(); witnesses.len()]; mistakes.len()],
@@ -147,8 +111,7 @@ impl<'a> Search<'a> {
             witnesses,
             threads,
             stop,
-            effort: AtomicUsize::new(0),
-            looked_for_slips: 0,
+            work: AtomicUsize::new(0),
             answered: AtomicUsize::new(0),
             together: Mutex::new(HashMap::new()),
             faults: Mutex::new(Vec::new()),
@@ -163,15 +126,6 @@ impl<'a> Search<'a> {
         self.mistakes.len() - 1
     }
 
-    /// Takes away what was added last.
-    pub fn truncate(&mut self, count: usize) {
-        self.mistakes.truncate(count);
-        let mut together = self.together.lock().unwrap_or_else(PoisonError::into_inner);
-        together.retain(|(_, set), _| set.iter().all(|&id| id < count));
-        drop(together);
-        self.alone.truncate(count);
-    }
-
     /// The failing cases that a set does not explain.
     pub fn unexplained(&self, set: &Set) -> Vec<usize> {
         let failing = (0..self.witnesses.len()).filter(|&w| self.witnesses[w].failed);
@@ -179,108 +133,49 @@ impl<'a> Search<'a> {
         let values = self.each(&failing, |&w| self.value(w, set));
         let pairs = failing.into_iter().zip(values);
         pairs
-            .filter_map(|(w, value)| (value < WORD).then_some(w))
+            .filter_map(|(w, value)| (value < WORTH_OF_A_REFUSAL).then_some(w))
             .collect()
     }
 
-    /// The mistakes that explain most, found one after the other. `solve` is asked for mistakes that the catalog lacks.
-    pub fn run(&mut self, solve: impl Fn(&mut Search, &Set, &[usize]) -> Vec<Set>) -> Found {
+    /// Finds the mistakes that explain most, one after the other. `add_candidates` adds mistakes that the catalog lacks.
+    pub fn run(&mut self, add_candidates: impl Fn(&mut Search, &Set, &[usize])) -> Found {
         let mut members: Vec<Member> = Vec::new();
-        while members.len() < MOST && !self.is_interrupted() {
+        while members.len() < MAX_MISTAKES && !self.is_interrupted() {
             let set = of(&members);
             let left = self.unexplained(&set);
-            let little = members
-                .last()
-                .is_some_and(|last| last.worth * LITTLE < WORD * left.len() as i64);
-            if left.is_empty() || self.is_spent(little) {
+            if left.is_empty() || self.is_spent() {
                 break;
             }
             let mut single = self.best_single(&set, &left);
-            let mut groups = Vec::new();
-            // What explains nearly all that is left needs no solving.
+            // A misreading that explains nearly all that is left needs no edits beside it.
             let explains_all = |member: &Member| {
-                let unexplained = self.unexplained(&plus(&set, member.id));
-                unexplained.len() * NEARLY_ALL <= left.len()
-                    && self.denied(&plus(&set, member.id)).is_empty()
-                    && !self.is_denied_by_large(member.id)
+                let with = plus(&set, member.id);
+                self.unexplained(&with).len() * NEARLY_ALL <= left.len()
+                    && self.denied(&with).is_empty()
             };
             if !single.as_ref().is_some_and(explains_all) {
-                groups = self.solved(&solve, &set, &left);
+                let added = catch_unwind(AssertUnwindSafe(|| add_candidates(self, &set, &left)));
+                if let Err(panic) = added {
+                    self.note(&*panic);
+                }
                 single = self.best_single(&set, &left);
             }
-            let group = self.group(&set, &groups, &left);
-            let grown = match (single, group) {
-                // What explains twice as much is no slip more than it needs.
-                (Some(single), Some(group)) if group[0].worth > 2 * single.worth => Some(group),
-                (Some(single), _) => Some(vec![single]),
-                (None, group) => group.or_else(|| self.two_more(&set, &left)),
-            };
-            match grown {
+            match single
+                .map(|single| vec![single])
+                .or_else(|| self.two_more(&set, &left))
+            {
                 Some(more) => members.extend(more),
                 None => break,
             }
-            let chances = members.iter().filter(|member| self.is_chance(member));
-            if chances.count() >= CHANCES {
-                break;
-            }
         }
         self.drop_needless(&mut members);
-        for place in 0..members.len() {
-            if let Some(wider) = self.wider(&members, place, &solve) {
-                members[place] = wider;
-            }
-        }
         Found { members }
-    }
-
-    /// What `solve` adds that explains some of `left` beside `set`: those that are made together. A fault in it is noted.
-    fn solved(
-        &mut self,
-        solve: &impl Fn(&mut Search, &Set, &[usize]) -> Vec<Set>,
-        set: &Set,
-        left: &[usize],
-    ) -> Vec<Set> {
-        let solved = catch_unwind(AssertUnwindSafe(|| solve(self, set, left)));
-        solved.unwrap_or_else(|panic| {
-            self.note(&*panic);
-            Vec::new()
-        })
-    }
-
-    /// A mistake that explains all that one member does beside the others, and some of what is left too: what was made is that,
-    /// and looks like the member in some files.
-    fn wider(
-        &mut self,
-        members: &[Member],
-        place: usize,
-        solve: &impl Fn(&mut Search, &Set, &[usize]) -> Vec<Set>,
-    ) -> Option<Member> {
-        let member = members[place].id;
-        let left = self.unexplained(&of(members));
-        let spent = self.answered.load(Ordering::Relaxed);
-        if left.is_empty() || self.is_interrupted() || spent > WIDER * self.witnesses.len() {
-            return None;
-        }
-        let others = without(&of(members), member);
-        let format = |w: &usize| self.witnesses[*w].case.format();
-        let (mut akin, mine): (Vec<usize>, Vec<usize>) =
-            (self.unexplained(&others).into_iter()).partition(|w| left.contains(w));
-        akin.retain(|w| mine.iter().any(|other| format(other) == format(w)));
-        if akin.is_empty() {
-            return None;
-        }
-        let all = [mine, akin].concat();
-        self.solved(solve, &others, &all);
-        let wider = self.best_single(&others, &all)?;
-        let with = plus(&others, wider.id);
-        let still = self.unexplained(&with);
-        let is_wider = still.len() < left.len() && still.iter().all(|w| left.contains(w));
-        (is_wider && self.denied(&with).len() <= self.denied(&of(members)).len()).then_some(wider)
     }
 
     /// What mistakes cost that are to be believed: themselves, and what they leave unexplained.
     pub fn cost(&self, found: &Found) -> usize {
-        self.unexplained(&of(&found.members)).len() + FACT * found.members.len()
+        self.unexplained(&of(&found.members)).len()
+            + MIN_FAILURES_OF_A_READING * found.members.len()
     }
 
     /// The one mistake that is worth most beside `set`.
@@ -290,31 +185,6 @@ impl<'a> Search<'a> {
             .collect();
         self.one_more(set, &mut all, &self.sample(left))
             .or_else(|| self.one_more(set, &mut all, &self.affordable(left)))
-    }
-
-    /// Of several mistakes that were solved together, those that explain most.
-    fn group(&self, set: &Set, groups: &[Set], left: &[usize]) -> Option<Vec<Member>> {
-        let gains = self.each(groups, |group| {
-            let with = [&set[..], group].concat();
-            let gain = |&w: &usize| self.value(w, &with) - self.value(w, set);
-            let against = self.denied(&with).len();
-            left.iter().map(gain).sum::<i64>() + CONTRADICTED * against as i64
-        });
-        let best = (0..groups.len()).max_by_key(|&place| (gains[place], groups.len() - place))?;
-        let member = |&id: &Id| Member {
-            id,
-            worth: gains[best],
-            alike: Vec::new(),
-        };
-        (gains[best] >= LEAST).then(|| groups[best].iter().map(member).collect())
-    }
-
-    /// Whether a mistake in computing is spoken against by cases that pass. Colors are rounded, and agree by chance with
-    /// many a mistake.
-    fn is_chance(&self, member: &Member) -> bool {
-        let contradicts = |&w: &usize| self.alone(w, member.id) == Some(CONTRADICTED);
-        let listed = self.mistakes[member.id].listed();
-        listed.is_some_and(is_after_decoding) && self.passing.iter().any(contradicts)
     }
 
     /// How well a set explains one case, for those who name what each of its members explains.
@@ -348,21 +218,53 @@ impl<'a> Search<'a> {
         pairs.filter_map(|(w, is)| is.then_some(w)).collect()
     }
 
-    /// Whether large files that the decoder passes deny a mistake in side information, whose high bytes only these use.
-    fn is_denied_by_large(&self, id: Id) -> bool {
-        let listed = self.mistakes[id].listed();
-        let is_of_records = listed.is_some_and(|one| one.clause.starts_with("2.9.8/"));
-        let large = |&&w: &&usize| self.samples(w) > SMALL;
-        is_of_records && (self.passing.iter().filter(large)).any(|&w| self.contradicted(w, &[id]))
-    }
-
     /// Of the small files that the decoder passes, those that a set would fail.
     pub fn denied(&self, set: &[Id]) -> Vec<usize> {
         let small = self.passing.iter().copied();
-        let small: Vec<usize> = small.filter(|&w| self.samples(w) <= SMALL).collect();
+        let small: Vec<usize> = small
+            .filter(|&w| self.samples(w) <= MAX_SAMPLES_OF_A_SMALL_IMAGE)
+            .collect();
         let denied = self.each(&small, |&w| self.contradicted(w, set));
         let pairs = small.into_iter().zip(denied);
         pairs.filter_map(|(w, is)| is.then_some(w)).collect()
+    }
+
+    /// Returns how well a set and one more mistake, which need not be in the list, explain one case.
+    pub fn agreement_with(&self, w: usize, set: &[Id], mistake: &Mistake) -> Agreement {
+        let witness = &self.witnesses[w];
+        match witness.could_be(mistake) {
+            true => witness.agreement(&self.answer_with(w, set, mistake)),
+            false => Agreement::None,
+        }
+    }
+
+    /// Returns true if one more mistake changes what a decoder with a set of mistakes answers.
+    pub fn changes_with(&self, w: usize, set: &[Id], mistake: &Mistake) -> bool {
+        self.witnesses[w].concerns(mistake)
+            && *self.answer_with(w, set, mistake) != *self.answer(w, &self.mistakes_of(set))
+    }
+
+    /// Returns the small passing files that a set and one more mistake would fail.
+    pub fn denied_with(&self, set: &[Id], mistake: &Mistake) -> Vec<usize> {
+        let is_denied = |&w: &usize| {
+            let witness = &self.witnesses[w];
+            self.samples(w) <= MAX_SAMPLES_OF_A_SMALL_IMAGE
+                && witness.concerns(mistake)
+                && witness.contradicts(&self.answer_with(w, set, mistake))
+        };
+        self.passing.iter().copied().filter(is_denied).collect()
+    }
+
+    fn answer_with(&self, w: usize, set: &[Id], mistake: &Mistake) -> Cow<'_, Answer> {
+        let mut mistakes = self.mistakes_of(set);
+        mistakes.push(mistake);
+        self.count_work(w, 1);
+        self.answer(w, &mistakes)
+    }
+
+    fn count_work(&self, w: usize, answers: usize) {
+        let units = answers * (1 + self.samples(w) / SAMPLES_OF_A_UNIT_OF_WORK);
+        self.work.fetch_add(units, Ordering::Relaxed);
     }
 
     /// What a decoder with these mistakes answers, and the assumed ones.
@@ -399,8 +301,7 @@ impl<'a> Search<'a> {
             variants = grown;
         }
         self.add_other_order(&mut variants);
-        let effort = variants.len() * (1 + self.samples(w) / MAP);
-        self.effort.fetch_add(effort, Ordering::Relaxed);
+        self.count_work(w, variants.len());
         variants
             .iter()
             .map(|variant| self.answer(w, &self.mistakes_of(variant)))
@@ -450,7 +351,7 @@ impl<'a> Search<'a> {
         let text = text.unwrap_or_else(|| "a panic without words".to_owned());
         // What one of several threads said is told once.
         let is_told = faults.contains(&text) || text == "a scoped thread panicked";
-        if faults.len() < FAULTS && !is_told {
+        if faults.len() < MAX_FAULTS && !is_told {
             faults.push(text);
         }
     }
@@ -473,8 +374,7 @@ impl<'a> Search<'a> {
     }
 
     fn edits_bytes(&self, id: Id) -> bool {
-        let listed = self.mistakes[id].listed();
-        listed.is_some_and(|misreading| matches!(misreading.at, At::Bytes(_)))
+        matches!(self.mistakes[id].misreading.at, At::Bytes(_))
     }
 
     /// The mistakes of a set.
@@ -484,8 +384,8 @@ impl<'a> Search<'a> {
 
     /// Whether both can act on one file: two changes of one decision cannot.
     fn stackable(&self, a: Id, b: Id) -> bool {
-        let at = |id: Id| self.mistakes[id].listed().map(|misreading| &misreading.at);
-        !matches!((at(a), at(b)), (Some(a), Some(b)) if a.is_decision() && a.is_at(b))
+        let [a, b] = [a, b].map(|id| &self.mistakes[id].misreading.at);
+        !(a.is_decision() && a.is_at(b))
     }
 
     /// Whether the user wants the search to end; what it finds from then on means nothing.
@@ -505,7 +405,7 @@ impl<'a> Search<'a> {
         match (shown.next(), shown.next()) {
             // What the reference shows is right, and no failure.
             (None, _) => 0,
-            (Some(worth), None) if edits < 2 || worth >= WORD => worth,
+            (Some(worth), None) if edits < 2 || worth >= WORTH_OF_A_REFUSAL => worth,
             _ => self.value_together(w, set),
         }
     }
@@ -532,8 +432,7 @@ impl<'a> Search<'a> {
             if !witness.concerns(mistake) {
                 return None;
             }
-            self.effort
-                .fetch_add(1 + self.samples(w) / MAP, Ordering::Relaxed);
+            self.count_work(w, 1);
             let answer = self.answer(w, &[mistake]);
             (*answer != witness.right).then(|| self.value_of(w, &[answer]))
         })
@@ -551,11 +450,11 @@ impl<'a> Search<'a> {
                 });
             worths.max().unwrap_or_default()
         } else if answers.iter().any(|answer| witness.contradicts(answer)) {
-            CONTRADICTED
+            WORTH_OF_A_CONTRADICTION
         } else if matches!(witness.case.expect, Expect::Lenient | Expect::Spelling)
             && answers.iter().all(|answer| witness.leans_away(answer))
         {
-            LEANING
+            WORTH_OF_ANOTHER_LENIENT_ANSWER
         } else {
             0
         }
@@ -579,11 +478,11 @@ impl<'a> Search<'a> {
         let mut promising: Vec<(i64, Id)> = promise
             .into_iter()
             .zip(all.iter().copied())
-            .filter(|&(gain, _)| gain >= LEAST)
+            .filter(|&(gain, _)| gain >= WORTH_OF_A_CRASH)
             .collect();
         // Among equals what the cases are about, then the catalogue's order, from the general to the particular.
         promising.sort_by_key(|&(gain, id)| (-gain, !self.is_about(id)));
-        promising.truncate(FINALISTS);
+        promising.truncate(MAX_FINALISTS);
         let finalists: Set = promising.into_iter().map(|(_, id)| id).collect();
         let best = self.best(set, &finalists, &self.tried_for(tried));
         all.retain(|id| !finalists.contains(id));
@@ -593,9 +492,11 @@ impl<'a> Search<'a> {
     /// The cases on which mistakes are tried that shall explain some of `left`: all but large maps, unless these are all
     /// that is left.
     fn tried_for(&self, left: &[usize]) -> Vec<bool> {
-        let with_large = left.iter().all(|&w| self.samples(w) > LARGE);
+        let with_large = left
+            .iter()
+            .all(|&w| self.samples(w) > MAX_SAMPLES_OF_A_SMALL_IMAGE);
         (0..self.witnesses.len())
-            .map(|w| with_large || self.samples(w) <= LARGE)
+            .map(|w| with_large || self.samples(w) <= MAX_SAMPLES_OF_A_SMALL_IMAGE)
             .collect()
     }
 
@@ -604,7 +505,8 @@ impl<'a> Search<'a> {
         let now: Vec<i64> = (0..self.witnesses.len())
             .map(|w| if tried[w] { self.value(w, set) } else { 0 })
             .collect();
-        let is_left = |&w: &usize| tried[w] && self.witnesses[w].failed && now[w] < WORD;
+        let is_left =
+            |&w: &usize| tried[w] && self.witnesses[w].failed && now[w] < WORTH_OF_A_REFUSAL;
         let left: Vec<usize> = (0..now.len()).filter(is_left).collect();
         let gains = self.each(finalists, |&id| {
             let with = plus(set, id);
@@ -629,7 +531,9 @@ impl<'a> Search<'a> {
         let mut scored: Vec<(i64, usize)> = Vec::new();
         for batch in ranked.chunks(self.threads.max(1) * 2) {
             let best = scored.iter().map(|&(total, _)| total).max();
-            let least = best.map_or(LEAST, |best| LEAST.max(best - WORD));
+            let least = best.map_or(WORTH_OF_A_CRASH, |best| {
+                WORTH_OF_A_CRASH.max(best - WORTH_OF_A_REFUSAL)
+            });
             let totals = self.each(batch, |&(gain, place)| {
                 self.total(set, finalists[place], &now, gain, least, &others)
             });
@@ -638,12 +542,11 @@ impl<'a> Search<'a> {
         }
         scored.sort_by_key(|&(total, place)| (-total, !self.is_about(finalists[place]), place));
         let &(total, first) = scored.first()?;
-        let as_good = scored[1..]
-            .iter()
-            .filter(|&&(other, place)| total - other < WORD && gains[place] == gains[first]);
+        let as_good = scored[1..].iter().filter(|&&(other, place)| {
+            total - other < WORTH_OF_A_REFUSAL && gains[place] == gains[first]
+        });
         Some(Member {
             id: finalists[first],
-            worth: total,
             alike: as_good.map(|&(_, place)| finalists[place]).collect(),
         })
     }
@@ -681,15 +584,15 @@ impl<'a> Search<'a> {
     fn two_more(&self, set: &Set, left: &[usize]) -> Option<Vec<Member>> {
         let mut pictures = self.solvable(left);
         pictures.sort_by_key(|&w| self.witnesses[w].built.file.len());
-        let spent = || self.effort.load(Ordering::Relaxed);
+        let spent = || self.work.load(Ordering::Relaxed);
         let before_all = spent();
-        let timeout_factor = || TIMEOUT_FACTOR.saturating_sub(spent() - before_all);
+        let budget = || MAX_WORK_ON_PAIRS.saturating_sub(spent() - before_all);
         for w in spread(&pictures, |w| self.witnesses[w].case.format()) {
-            let pairs = self.pairs_for(w, set, timeout_factor());
+            let pairs = self.pairs_for(w, set, budget());
             if let Some(members) = self.best_pair(set, pairs, left) {
                 return Some(members);
             }
-            if timeout_factor() == 0 {
+            if budget() == 0 {
                 break;
             }
         }
@@ -717,12 +620,12 @@ impl<'a> Search<'a> {
             .take(most)
             .collect();
         let explain = self.each(&pairs, |&[a, b]| {
-            self.value(w, &plus(&plus(set, a), b)) >= WORD
+            self.value(w, &plus(&plus(set, a), b)) >= WORTH_OF_A_REFUSAL
         });
         let explaining = pairs.into_iter().zip(explain);
         explaining
             .filter_map(|(pair, explains)| explains.then_some(pair))
-            .take(FINALISTS * 4)
+            .take(MAX_FINALISTS * 4)
             .collect()
     }
 
@@ -743,10 +646,11 @@ impl<'a> Search<'a> {
             pairs.sort_by_key(|&(_, total)| -total);
             pairs.truncate(8);
         }
-        let &(pair, worth) = pairs.first().filter(|&&(_, total)| total >= LEAST)?;
+        let &(pair, _) = pairs
+            .first()
+            .filter(|&&(_, total)| total >= WORTH_OF_A_CRASH)?;
         let member = |id| Member {
             id,
-            worth,
             alike: Vec::new(),
         };
         Some(pair.map(member).into())
@@ -754,8 +658,8 @@ impl<'a> Search<'a> {
 
     /// Takes away every mistake without which as much is explained, of large maps too.
     fn drop_needless(&self, members: &mut Vec<Member>) {
-        let (small, large): (Vec<usize>, Vec<usize>) =
-            (0..self.witnesses.len()).partition(|&w| self.samples(w) <= LARGE);
+        let (small, large): (Vec<usize>, Vec<usize>) = (0..self.witnesses.len())
+            .partition(|&w| self.samples(w) <= MAX_SAMPLES_OF_A_SMALL_IMAGE);
         let total = |set: &Set, places: &[usize]| {
             let values = self.each(places, |&w| self.value(w, set));
             values.iter().sum::<i64>()
@@ -764,8 +668,9 @@ impl<'a> Search<'a> {
             let with = of(members);
             let mut without = with.clone();
             without.remove(place);
-            let needless =
-                |places: &[usize]| total(&without, places) + LEAST > total(&with, places);
+            let needless = |places: &[usize]| {
+                total(&without, places) + WORTH_OF_A_CRASH > total(&with, places)
+            };
             if !without.is_empty() && needless(&small) && needless(&large) {
                 members.remove(place);
             }
@@ -785,22 +690,24 @@ impl<'a> Search<'a> {
                 Answer::Decoded(right),
             ) => {
                 let shape = |frame: &Frame| (frame.view, frame.width, frame.height, frame.channels);
-                shape(shown) == shape(right) && self.samples(*w) <= LARGE
+                shape(shown) == shape(right) && self.samples(*w) <= MAX_SAMPLES_OF_A_SMALL_IMAGE
             }
             _ => false,
         };
         left.iter().copied().filter(has_shape).collect()
     }
 
-    /// Whether more work was done than a search is worth that last explained but a `little`.
-    fn is_spent(&self, little: bool) -> bool {
-        let most = if little { LEAST_WORK } else { WORK };
-        self.answered.load(Ordering::Relaxed) > most * self.witnesses.len()
+    /// Returns true if the budget of work is used up.
+    pub fn is_spent(&self) -> bool {
+        self.work.load(Ordering::Relaxed) > MAX_WORK
     }
 
     /// Failing cases unlike each other, small ones first.
-    fn sample(&self, left: &[usize]) -> Vec<usize> {
-        self.unlike(&self.smallest(left, SAMPLES), SAMPLE)
+    pub fn sample(&self, left: &[usize]) -> Vec<usize> {
+        self.unlike(
+            &self.smallest(left, 128 * MAX_SAMPLES_OF_A_SMALL_IMAGE),
+            MAX_SAMPLE,
+        )
     }
 
     /// So many of these cases, unlike each other.
@@ -819,8 +726,8 @@ impl<'a> Search<'a> {
 
     /// As many failing cases as there is time for.
     fn affordable(&self, left: &[usize]) -> Vec<usize> {
-        let mut smallest = self.smallest(left, SAMPLES);
-        smallest.truncate(4 * SAMPLE);
+        let mut smallest = self.smallest(left, 128 * MAX_SAMPLES_OF_A_SMALL_IMAGE);
+        smallest.truncate(4 * MAX_SAMPLE);
         smallest
     }
 
@@ -862,11 +769,11 @@ impl<'a> Search<'a> {
 
 fn worth(agreement: Agreement) -> i64 {
     match agreement {
-        Agreement::Picture => PICTURE,
-        Agreement::Word => WORD,
-        Agreement::Crash => CRASH,
+        Agreement::Picture => WORTH_OF_AN_IMAGE,
+        Agreement::Word => WORTH_OF_A_REFUSAL,
+        Agreement::Crash => WORTH_OF_A_CRASH,
         Agreement::None => 0,
-        Agreement::Against => AGAINST,
+        Agreement::Against => WORTH_OF_A_REFUSAL_OF_AN_IMAGE,
     }
 }
 

@@ -1,11 +1,11 @@
 //! What a decoder with some mistakes would answer, held against what the decoder under test did answer.
 
 use std::borrow::Cow;
-use std::collections::HashMap;
-use std::sync::{Arc, Mutex, OnceLock};
+use std::sync::{Arc, OnceLock};
 
-use super::codecs::cache::stream_once;
-use super::files::trait_list::Traits;
+use super::mistake::Mistake;
+use super::properties::Facts;
+use super::stream_cache::stream_once;
 use crate::decode::{decode_as, examine_as};
 use crate::generate::Model;
 use crate::kit::parallel::in_parallel;
@@ -19,7 +19,7 @@ use crate::session::outcome::Outcome;
 use crate::session::run::Run;
 use crate::suite::cases::{Built, Case, Expect, Suite};
 use crate::suite::choices::CHOICES;
-use crate::suite::compare::{Expected, ExpectedValues, is_close};
+use crate::suite::compare::{Expected, is_close};
 use crate::suite::dialect::Dialect;
 use crate::suite::dialect::Right;
 use crate::suite::values::Values;
@@ -40,13 +40,9 @@ pub(super) struct Witness<'a> {
     unmistaken: Option<Answer>,
     /// What the bytes of the file are, as far as they can be read.
     fields: OnceLock<Vec<Field>>,
-    pub traits: OnceLock<Traits>,
+    facts: OnceLock<Facts>,
     /// What the reference finds in the file.
     decoded: OnceLock<crate::error::Result<Ptm>>,
-    /// The ranks of its planes, where it is compressed.
-    ranks: OnceLock<Vec<i64>>,
-    /// Slips in the decoders of streams that were tried, by what they do, and whether they act on the file.
-    pub slips: Mutex<HashMap<&'static str, bool>>,
 }
 
 /// How well an answer agrees with what was shown.
@@ -108,10 +104,8 @@ pub(super) fn witnesses<'a>(
             right,
             unmistaken,
             fields: OnceLock::new(),
-            traits: OnceLock::new(),
+            facts: OnceLock::new(),
             decoded: OnceLock::new(),
-            ranks: OnceLock::new(),
-            slips: Mutex::default(),
         })
     };
     let all = in_parallel(suite.cases.len(), threads, &|_, _| (), &witness);
@@ -124,25 +118,21 @@ pub(super) fn breaks_its_promise(run: &Run, case: &Case, observation: &Observati
         .is_broken_by(case, observation, &run.judgement.unsupported)
 }
 
-/// So many colors that are all off by one in one direction are no matter of rounding.
-const FEWEST_OFF: usize = 6;
+/// Colors that are all off by one in one direction are not a matter of rounding if there are so many.
+const MIN_COLORS_OFF: usize = 6;
 
 impl Witness<'_> {
-    /// The stored values that a decoder with these mistakes of the catalog finds that otherwise reads so; what it answers
-    /// where it finds none.
-    pub fn misread(&self, listed: &[&'static Misreading], reading: Reading) -> Result<Ptm, Answer> {
-        // What is misread after decoding is decoded once.
-        let is_own = std::ptr::fn_addr_eq(reading.stream, self.reading.stream)
-            && std::ptr::fn_addr_eq(reading.entry, self.reading.entry);
-        let ptm = match is_own && listed.iter().all(|one| is_after_decoding(one)) {
-            true => self.decoded().clone().map_err(Some),
-            false => misreadings::read(listed, reading, &self.built.file).map(|(ptm, _)| ptm),
-        };
-        let mut ptm = ptm.map_err(misreadings::refused)?;
-        for edit in misreadings::edits_of_planes(listed) {
-            edit(&mut ptm);
-        }
-        Ok(ptm)
+    /// Returns what is known of the file.
+    pub fn facts(&self) -> &Facts {
+        self.facts.get_or_init(|| Facts::of(self))
+    }
+
+    /// Returns what a decoder with these mistakes shows of stored values.
+    pub fn show(&self, mistakes: &[&Mistake], ptm: &Ptm) -> Answer {
+        let made = mistakes.iter().filter(|mistake| mistake.scope.holds(self));
+        let made: Vec<&Misreading> = made.map(|mistake| mistake.misreading).collect();
+        let reading = misreadings::misread(&made, self.reading);
+        misreadings::show(&made, &reading, ptm, &self.observation.view)
     }
 
     /// What a decoder with these mistakes of the catalog answers.
@@ -200,23 +190,6 @@ impl Witness<'_> {
     pub fn decoded(&self) -> &crate::error::Result<Ptm> {
         self.decoded
             .get_or_init(|| decode_as(&self.built.file, &self.reading, &Limits::default()))
-    }
-
-    /// The ranks of its planes, where it is compressed.
-    pub fn ranks(&self) -> &[i64] {
-        self.ranks.get_or_init(|| {
-            let ranks = self
-                .fields()
-                .iter()
-                .filter(|field| field.clause == "2.9.4/1");
-            let number = |field: &Field| {
-                let text = std::str::from_utf8(&self.built.file[field.range.clone()]);
-                text.ok()
-                    .and_then(|text| text.parse().ok())
-                    .unwrap_or_default()
-            };
-            ranks.map(number).collect()
-        })
     }
 
     /// Where the first byte stands that is not header text.
@@ -282,17 +255,6 @@ impl Witness<'_> {
         }
     }
 
-    /// The colors of `made` before they were rounded, where it is the reference's own picture.
-    pub fn exact(&self, made: &Frame) -> Option<Vec<f64>> {
-        if !matches!(&self.right, Answer::Decoded(right) if right == made) {
-            return None;
-        }
-        match Expected::under(&self.built.file, &self.observation.view, &self.reading)?.values {
-            ExpectedValues::Rgb(values) => Some(values),
-            _ => None,
-        }
-    }
-
     /// Whether two pictures that are alike are so by more than the tolerance of a color: among the colors that are wrong,
     /// those at a limit are the same, and the others are not all off by one in one direction.
     fn is_more_than_tolerance(&self, made: &Frame, shown: &Frame) -> bool {
@@ -318,7 +280,7 @@ impl Witness<'_> {
             let mut offs = others
                 .iter()
                 .map(|&(made, shown)| i16::from(shown) - i16::from(made));
-            others.len() >= FEWEST_OFF && offs.all(|by| by == off)
+            others.len() >= MIN_COLORS_OFF && offs.all(|by| by == off)
         };
         let is_at_limits = others.is_empty() && same * 10 < limits.len() * 9;
         !is_at_limits && !all_off(1) && !all_off(-1)

@@ -4,6 +4,7 @@
 //! term dropped, a variable in the place of its neighbor. Arithmetic wrapped around a node comes last.
 
 use std::collections::HashSet;
+use std::sync::LazyLock;
 
 use super::expression::{Expression, Function, Scope, single_or};
 use super::{Change, Edit, Formula};
@@ -20,9 +21,17 @@ const RIVALS: [&[f64]; 5] = [
 /// Factors that are multiplied in by mistake, or forgotten elsewhere.
 const FACTORS: [f64; 4] = [2.0, 255.0, 256.0, 128.0];
 
+/// The edits of every formula, in the order of [`Formula::ALL`].
+static ALL: LazyLock<Vec<Vec<Edit>>> =
+    LazyLock::new(|| Formula::ALL.iter().map(|row| generate(row.0)).collect());
+
 /// Returns the edits of a formula, the most natural first and each expression once.
 #[must_use]
-pub fn of(formula: Formula) -> Vec<Edit> {
+pub fn all(formula: Formula) -> &'static [Edit] {
+    &ALL[formula as usize]
+}
+
+fn generate(formula: Formula) -> Vec<Edit> {
     let stated = &formula.stated().expression;
     let scope = formula.scope();
     let mut all: Vec<Expression> = Vec::new();
@@ -72,14 +81,15 @@ fn call(function: Function, arguments: &[Expression]) -> Expression {
 
 /// Drops a term, a factor or a function: the node becomes part of itself, or 0.
 fn dropped(node: &Expression, _: Scope) -> Vec<Expression> {
-    let without = |all: &[Expression], node: fn(Vec<Expression>) -> Expression| -> Vec<Expression> {
-        let one = |place| {
-            let mut others = all.to_vec();
-            others.remove(place);
-            single_or(others, node)
+    let without =
+        |all: &[Expression], node: fn(Vec<Expression>) -> Expression| -> Vec<Expression> {
+            let one = |place| {
+                let mut others = all.to_vec();
+                others.remove(place);
+                single_or(others, node)
+            };
+            (0..all.len()).map(one).collect()
         };
-        (0..all.len()).map(one).collect()
-    };
     match node {
         Expression::Sum(terms) => without(terms, Expression::Sum),
         Expression::Product(factors) => without(factors, Expression::Product),
@@ -109,13 +119,23 @@ fn exchanged(node: &Expression, _: Scope) -> Vec<Expression> {
         }
         Expression::Quotient(over, under) => {
             let both = [over, under].map(|part| (**part).clone());
-            vec![Expression::Product(both.to_vec()), Expression::Quotient(under.clone(), over.clone())]
+            vec![
+                Expression::Product(both.to_vec()),
+                Expression::Quotient(under.clone(), over.clone()),
+            ]
         }
         Expression::Call(outer @ (Function::Min | Function::Max), arguments) => {
-            let other = if *outer == Function::Min { Function::Max } else { Function::Min };
+            let other = if *outer == Function::Min {
+                Function::Max
+            } else {
+                Function::Min
+            };
             vec![call(other, arguments)]
         }
-        Expression::Call(outer @ (Function::Floor | Function::Round | Function::Truncate), arguments) => {
+        Expression::Call(
+            outer @ (Function::Floor | Function::Round | Function::Truncate),
+            arguments,
+        ) => {
             let others = [Function::Round, Function::Truncate, Function::Floor];
             let others = others.into_iter().filter(|function| function != outer);
             others.map(|function| call(function, arguments)).collect()
@@ -141,7 +161,11 @@ fn renamed(node: &Expression, scope: Scope) -> Vec<Expression> {
             let lists = (0..scope.lists.len()).filter(|other| other != list);
             let other_lists = lists.map(|other| Expression::Element(other, index.clone()));
             let next = |by: f64| Expression::Sum(vec![(**index).clone(), number(by)]);
-            let last = if scope.lists == ["scale", "bias"] { 5.0 } else { 15.0 };
+            let last = if scope.lists == ["scale", "bias"] {
+                5.0
+            } else {
+                15.0
+            };
             let cyclic = |by| call(Function::Mod, &[next(by), number(last + 1.0)]);
             let reversed = Expression::Sum(vec![number(last), negative(index)]);
             let first = [number(0.0), number(last)];
@@ -190,7 +214,10 @@ fn with_lists_exchanged(expression: &Expression) -> Expression {
     }
 }
 
-fn with_children(expression: &Expression, change: &dyn Fn(&Expression) -> Expression) -> Expression {
+fn with_children(
+    expression: &Expression,
+    change: &dyn Fn(&Expression) -> Expression,
+) -> Expression {
     let children: Vec<Expression> = expression.children().into_iter().map(change).collect();
     let mut changed = expression.clone();
     for (place, child) in children.into_iter().enumerate() {
@@ -206,7 +233,9 @@ fn reordered(node: &Expression, _: Scope) -> Vec<Expression> {
     };
     let mut all: Vec<Expression> = permutations(digits.len())
         .into_iter()
-        .map(|order| Expression::Address(order.iter().map(|&place| digits[place].clone()).collect()))
+        .map(|order| {
+            Expression::Address(order.iter().map(|&place| digits[place].clone()).collect())
+        })
         .collect();
     let with_digit = |place: usize, digit: Expression, radix: Expression| {
         let mut changed = digits.clone();
@@ -283,9 +312,13 @@ fn scaled(node: &Expression, _: Scope) -> Vec<Expression> {
     }
     let product = |factor| Expression::Product(vec![node.clone(), number(factor)]);
     let quotient = |factor| Expression::Quotient(Box::new(node.clone()), Box::new(number(factor)));
-    let rival = |over, under| Expression::Quotient(Box::new(product(over)), Box::new(number(under)));
-    let both = FACTORS.into_iter().flat_map(|factor| [product(factor), quotient(factor)]);
-    both.chain([rival(255.0, 256.0), rival(256.0, 255.0)]).collect()
+    let rival =
+        |over, under| Expression::Quotient(Box::new(product(over)), Box::new(number(under)));
+    let both = FACTORS
+        .into_iter()
+        .flat_map(|factor| [product(factor), quotient(factor)]);
+    both.chain([rival(255.0, 256.0), rival(256.0, 255.0)])
+        .collect()
 }
 
 /// Adds a constant.
@@ -308,7 +341,10 @@ fn wrapped(node: &Expression, _: Scope) -> Vec<Expression> {
     let between = |least, most| call(Function::Min, &[two(Function::Max, least), number(most)]);
     let signed = |half: f64| {
         let shifted = Expression::Sum(vec![own(), number(half)]);
-        Expression::Sum(vec![call(Function::Mod, &[shifted, number(2.0 * half)]), number(-half)])
+        Expression::Sum(vec![
+            call(Function::Mod, &[shifted, number(2.0 * half)]),
+            number(-half),
+        ])
     };
     vec![
         of(Function::Truncate),
@@ -351,7 +387,11 @@ fn grouped(node: &Expression, scope: Scope) -> Vec<Expression> {
             };
             let group = node(all[start..end].to_vec());
             changed.push(replaced(None));
-            changed.extend(wrapped(&group, scope).into_iter().map(|by| replaced(Some(by))));
+            changed.extend(
+                wrapped(&group, scope)
+                    .into_iter()
+                    .map(|by| replaced(Some(by))),
+            );
         }
     }
     changed
@@ -367,11 +407,23 @@ fn conditional(node: &Expression, scope: Scope) -> Vec<Expression> {
         for other in (0..scope.variables.len()).filter(|other| other != own) {
             let values = [node.clone(), Expression::Variable(other)];
             let variable = Expression::Variable(condition);
-            let is_zero = call(Function::AtMost, &[call(Function::Abs, &[variable.clone()]), number(0.0)]);
+            let is_zero = call(
+                Function::AtMost,
+                &[call(Function::Abs, &[variable.clone()]), number(0.0)],
+            );
             let is_over_255 = call(Function::AtMost, &[variable, number(255.0)]);
-            all.push(call(Function::Select, &[is_zero.clone(), values[1].clone(), values[0].clone()]));
-            all.push(call(Function::Select, &[is_zero, values[0].clone(), values[1].clone()]));
-            all.push(call(Function::Select, &[is_over_255, values[0].clone(), values[1].clone()]));
+            all.push(call(
+                Function::Select,
+                &[is_zero.clone(), values[1].clone(), values[0].clone()],
+            ));
+            all.push(call(
+                Function::Select,
+                &[is_zero, values[0].clone(), values[1].clone()],
+            ));
+            all.push(call(
+                Function::Select,
+                &[is_over_255, values[0].clone(), values[1].clone()],
+            ));
         }
     }
     all
@@ -382,14 +434,17 @@ mod tests {
     use super::*;
 
     fn texts(formula: Formula) -> Vec<String> {
-        of(formula).iter().map(Edit::computes).collect()
+        all(formula).iter().map(Edit::computes).collect()
     }
 
     #[track_caller]
     fn generates(formula: Formula, wanted: &[&str]) {
         let texts = texts(formula);
         for text in wanted {
-            assert!(texts.iter().any(|known| known == text), "{text} is not generated");
+            assert!(
+                texts.iter().any(|known| known == text),
+                "{text} is not generated"
+            );
         }
     }
 
@@ -406,14 +461,37 @@ mod tests {
                 "(bias[i] - raw) * scale[i]",
             ],
         );
-        generates(Formula::Color, &["L * rgb / 256", "L * rgb", "min(max(L, 0), 255) * rgb / 255"]);
+        generates(
+            Formula::Color,
+            &[
+                "L * rgb / 256",
+                "L * rgb",
+                "min(max(L, 0), 255) * rgb / 255",
+            ],
+        );
         generates(Formula::StoredRow, &["y", "height - y", "width - 1 - y"]);
         generates(
             Formula::LumSample,
-            &["(row * (floor((width + 3) / 4) * 4) + x) * 8 + i", "(i * height + row) * width + x"],
+            &[
+                "(row * (floor((width + 3) / 4) * 4) + x) * 8 + i",
+                "(i * height + row) * width + x",
+            ],
         );
-        generates(Formula::Plane, &["mod(residual + predictor, 256)", "mod(residual + predictor - 128, 255)"]);
-        generates(Formula::Predictor, &["reference", "invert(displace(reference))", "displace(invert(coded))"]);
+        generates(
+            Formula::Plane,
+            &[
+                "mod(residual + predictor, 256)",
+                "mod(residual + predictor - 128, 255)",
+            ],
+        );
+        generates(
+            Formula::Predictor,
+            &[
+                "reference",
+                "invert(displace(reference))",
+                "displace(invert(coded))",
+            ],
+        );
     }
 
     #[test]
@@ -421,7 +499,12 @@ mod tests {
         for (formula, name, _) in Formula::ALL {
             let texts = texts(formula);
             assert!(texts.len() > 3, "{name}: {}", texts.len());
-            assert!(!of(formula).iter().any(|edit| edit.change == Change::Expression(formula.stated().expression.clone())));
+            assert!(
+                !all(formula)
+                    .iter()
+                    .any(|edit| edit.change
+                        == Change::Expression(formula.stated().expression.clone()))
+            );
         }
     }
 }

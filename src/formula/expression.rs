@@ -125,9 +125,9 @@ impl Expression {
                 let second = arguments.get(1).map_or(0.0, value);
                 call(*function, value(&arguments[0]), second)
             }
-            Expression::Address(digits) => digits
-                .iter()
-                .fold(0.0, |address, (digit, radix)| address * value(radix) + value(digit)),
+            Expression::Address(digits) => digits.iter().fold(0.0, |address, (digit, radix)| {
+                address * value(radix) + value(digit)
+            }),
         }
     }
 
@@ -179,7 +179,11 @@ impl Expression {
     /// Counts the nodes of the expression.
     #[must_use]
     pub fn size(&self) -> usize {
-        1 + self.children().iter().map(|child| child.size()).sum::<usize>()
+        1 + self
+            .children()
+            .iter()
+            .map(|child| child.size())
+            .sum::<usize>()
     }
 
     /// Returns the expression as text that [`parse`] reads back, addresses as sums of products.
@@ -257,12 +261,7 @@ impl Expression {
     }
 
     /// Writes the last digit, and before it the other digits times its radix.
-    fn write_address(
-        &self,
-        digits: &[(Expression, Expression)],
-        text: &mut String,
-        scope: Scope,
-    ) {
+    fn write_address(&self, digits: &[(Expression, Expression)], text: &mut String, scope: Scope) {
         if let [others @ .., (digit, radix)] = digits {
             if !others.is_empty() {
                 Expression::Address(others.to_vec()).write(text, scope, 2);
@@ -343,7 +342,10 @@ impl ExpressionParser<'_> {
                 factors.push(self.signed()?);
             } else if self.take('/') {
                 let over = single_or(factors, Expression::Product);
-                factors = vec![Expression::Quotient(Box::new(over), Box::new(self.signed()?))];
+                factors = vec![Expression::Quotient(
+                    Box::new(over),
+                    Box::new(self.signed()?),
+                )];
             } else {
                 return Ok(single_or(factors, Expression::Product));
             }

@@ -80,14 +80,25 @@ const LIGHT: Scope = scope(&["u", "v"], &[]);
 const FINAL: Scope = scope(&["raw", "i", "c"], &["scale", "bias"]);
 const TEXEL: Scope = scope(&["x", "y", "width", "height"], &[]);
 const SAMPLE: Scope = scope(
-    &["row", "x", "width", "height", "i", "c", "k", "entries", "size", "bytes"],
+    &[
+        "row", "x", "width", "height", "i", "c", "k", "entries", "size", "bytes",
+    ],
     &[],
 );
 const PLANE: Scope = scope(&["p", "planes", "reference", "rank"], LISTS);
 const LISTS: &[&str] = &["transform", "motion", "references"];
 const DISPLACEMENT: Scope = scope(&["x", "y", "mx", "my", "width", "height"], &[]);
 const RECORD: Scope = scope(
-    &["position", "row", "column", "width", "height", "r", "value", "predicted"],
+    &[
+        "position",
+        "row",
+        "column",
+        "width",
+        "height",
+        "r",
+        "value",
+        "predicted",
+    ],
     &[],
 );
 
@@ -110,7 +121,11 @@ impl Formula {
         (Formula::Shown, "shown value", scope(&["value"], &[])),
         (Formula::FinalCoefficient, "final coefficient", FINAL),
         (Formula::FinalColor, "final color", FINAL),
-        (Formula::StoredValue, "stored value", scope(&["raw", "i", "c"], &[])),
+        (
+            Formula::StoredValue,
+            "stored value",
+            scope(&["raw", "i", "c"], &[]),
+        ),
         (Formula::StoredRow, "stored row", TEXEL),
         (Formula::StoredColumn, "stored column", TEXEL),
         (Formula::RgbSample, "RGB sample", SAMPLE),
@@ -133,7 +148,11 @@ impl Formula {
         (Formula::RgbPlane, "RGB plane", SAMPLE),
         (Formula::LrgbPlane, "LRGB plane", SAMPLE),
         (Formula::Transform, "transform", PLANE),
-        (Formula::Inverted, "inversion bit", scope(&["transform"], &[])),
+        (
+            Formula::Inverted,
+            "inversion bit",
+            scope(&["transform"], &[]),
+        ),
         (Formula::Displaced, "motion bit", scope(&["transform"], &[])),
         (Formula::VectorX, "vector x", PLANE),
         (Formula::VectorY, "vector y", PLANE),
@@ -183,7 +202,10 @@ impl Formula {
         (
             Formula::Corrected,
             "corrected value",
-            scope(&["value", "plane", "residual", "position", "r", "predicted"], &[]),
+            scope(
+                &["value", "plane", "residual", "position", "r", "predicted"],
+                &[],
+            ),
         ),
     ];
 
@@ -307,8 +329,14 @@ fn read(text: &str) -> Result<Vec<Stated>, String> {
             expression: expression.map_err(|error| format!("line {line}: {error}"))?,
         })
     };
-    let all = Formula::ALL.iter().map(stated).collect::<Result<Vec<_>, String>>()?;
-    match records.iter().find(|(_, record)| Formula::named(&record.name).is_none()) {
+    let all = Formula::ALL
+        .iter()
+        .map(stated)
+        .collect::<Result<Vec<_>, String>>()?;
+    match records
+        .iter()
+        .find(|(_, record)| Formula::named(&record.name).is_none())
+    {
         Some((line, record)) => Err(format!("line {line}: unknown formula {:?}", record.name)),
         None => Ok(all),
     }

@@ -3,7 +3,7 @@
 //! From the bytes of a file to an image, the specification amounts to some forty formulas (`spec-cases/formulas.yaml`). The
 //! functions of [`decode`](mod@crate::decode) and [`evaluate`](crate::evaluate) remain the definition; a test proves that each formula
 //! equals its function. An [`Edit`] is another expression in the place of a formula: the catalog states misreadings so, and
-//! the diagnosis finds mistakes by trying the edits that [`edits::of`] generates.
+//! the diagnosis finds mistakes by trying the edits that [`edits::all`] generates.
 
 pub mod edits;
 mod expression;
@@ -53,7 +53,9 @@ impl Edit {
                 let differs = |&value: &usize| usize::from(table[value]) != value;
                 let differing: Vec<usize> = (0..256).filter(differs).collect();
                 let first = differing.first().copied().unwrap_or_default();
-                let offsets = differing.iter().map(|&value| usize::from(table[value]).abs_diff(value));
+                let offsets = differing
+                    .iter()
+                    .map(|&value| usize::from(table[value]).abs_diff(value));
                 let by = match offsets.max().unwrap_or_default() {
                     1 => " by one".to_owned(),
                     most => format!(" by up to {most}"),

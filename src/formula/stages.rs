@@ -45,12 +45,7 @@ impl Edits<'_> {
     }
 
     /// Evaluates the edit of a formula; calls `unedited` if there is none.
-    fn value_or(
-        &self,
-        formula: Formula,
-        variables: &[f64],
-        unedited: impl FnOnce() -> f64,
-    ) -> f64 {
+    fn value_or(&self, formula: Formula, variables: &[f64], unedited: impl FnOnce() -> f64) -> f64 {
         match self.of(formula) {
             Some(_) => self.value(formula, variables, &[]),
             None => unedited(),
@@ -98,6 +93,11 @@ fn decode_stages(file: &[u8], reading: &Reading, edits: Edits, limits: &Limits) 
         reading,
         edits,
     };
+    // A texel takes one byte at least, so that no edited address makes a small file large.
+    let texels_at_most = input.rest().len() as u64;
+    if !header.format.is_compressed() && header.size.bytes(1) > texels_at_most {
+        return Err(outside(input.at()));
+    }
     let samples = if header.format.is_compressed() {
         let streams = Streams::read(&header, &mut input, reading, limits)?;
         let planes = CompressedPlanes {
@@ -151,13 +151,10 @@ impl Texels<'_> {
     }
 
     /// Calls `sample` with the stored row and column of every texel and with every channel, in the order of the image.
-    fn collect(
-        &self,
-        mut sample: impl FnMut(f64, f64, usize) -> Result<u8>,
-    ) -> Result<Vec<u8>> {
+    fn collect(&self, mut sample: impl FnMut(f64, f64, usize) -> Result<u8>) -> Result<Vec<u8>> {
         let [width, height] = self.size();
         let channels = self.header.format.channels();
-        let mut samples = Vec::with_capacity(self.header.size.texels() * channels);
+        let mut samples = Vec::new();
         for row in 0..self.header.size.height {
             for column in 0..self.header.size.width {
                 let texel = [f64::from(column), f64::from(row), width, height];
@@ -199,7 +196,10 @@ impl Texels<'_> {
                 _ if channel < 6 => Formula::LrgbCoefficient,
                 _ => Formula::LrgbColor,
             };
-            element(payload, self.address(formula, [row, column], channel, [0.0; 3]))
+            element(
+                payload,
+                self.address(formula, [row, column], channel, [0.0; 3]),
+            )
         })
     }
 
@@ -224,14 +224,18 @@ impl Texels<'_> {
                 let address = self.address(Formula::IndexByte, [row, column], k, layout);
                 element(&payload, address)
             };
-            let stored = (0..bytes as usize).map(stored).collect::<Result<Vec<u8>>>()?;
+            let stored = (0..bytes as usize)
+                .map(stored)
+                .collect::<Result<Vec<u8>>>()?;
             let digit = |k: usize| stored.get(k).map_or(0.0, |&digit| f64::from(digit));
             let own_index = || (self.reading.index)(&stored) as f64;
             let variables = [digit(0), digit(1), entries];
             let index = self.edits.value_or(Formula::Index, &variables, own_index);
             // The fraction and the sign of an edited index stay, so that the address refuses them.
             let entry = match index >= 0.0 && index.fract() == 0.0 {
-                true => (self.reading.entry)(index as usize, count).ok_or_else(|| outside(0))? as f64,
+                true => {
+                    (self.reading.entry)(index as usize, count).ok_or_else(|| outside(0))? as f64
+                }
                 false => index,
             };
             last.set((row, column, entry));
@@ -254,7 +258,8 @@ impl Texels<'_> {
             18 => Formula::RgbPlane,
             _ => Formula::LrgbPlane,
         };
-        let order = (0..planes.len()).map(|channel| self.address(formula, [0.0; 2], channel, [0.0; 3]));
+        let order =
+            (0..planes.len()).map(|channel| self.address(formula, [0.0; 2], channel, [0.0; 3]));
         let order: Vec<f64> = order.collect();
         let [width, height] = self.size();
         let places: Vec<usize> = (0..planes.len()).collect();
@@ -262,7 +267,11 @@ impl Texels<'_> {
         let order = order.collect::<Result<Vec<usize>>>()?;
         self.collect(|row, column, channel| {
             let is_inside = row >= 0.0 && row < height && column >= 0.0 && column < width;
-            let address = if is_inside { row * width + column } else { -1.0 };
+            let address = if is_inside {
+                row * width + column
+            } else {
+                -1.0
+            };
             element(&planes[order[channel]], address)
         })
     }
@@ -278,7 +287,10 @@ struct CompressedPlanes<'a> {
 
 impl CompressedPlanes<'_> {
     /// Predicts and corrects every plane, lowest rank first.
-    fn decode<'r>(&self, residuals: impl Iterator<Item = (usize, &'r [u8])>) -> Result<Vec<Vec<u8>>> {
+    fn decode<'r>(
+        &self,
+        residuals: impl Iterator<Item = (usize, &'r [u8])>,
+    ) -> Result<Vec<Vec<u8>>> {
         let mut coded = self.coded.blank_planes();
         let mut uncorrected = self.coded.blank_planes();
         let mut planes = self.coded.blank_planes();
@@ -288,7 +300,12 @@ impl CompressedPlanes<'_> {
             let mut plane = self.stream_samples(p, residuals, step.reference.is_some());
             coded[p].clone_from(&plane);
             if let Some(reference) = step.reference {
-                let sources = [&planes[reference], &uncorrected[reference], &coded[reference], &previous];
+                let sources = [
+                    &planes[reference],
+                    &uncorrected[reference],
+                    &coded[reference],
+                    &previous,
+                ];
                 let predictor = self.predictor(&sources, &step)?;
                 self.add(&mut plane, &predictor, &step);
             }
@@ -328,7 +345,11 @@ impl CompressedPlanes<'_> {
         let numbers = |list: &[crate::parts::Number]| -> Vec<f64> {
             list.iter().map(|number| number.value as f64).collect()
         };
-        let lists = [&self.lists.transforms, &self.lists.motion, &self.lists.references];
+        let lists = [
+            &self.lists.transforms,
+            &self.lists.motion,
+            &self.lists.references,
+        ];
         let lists = lists.map(|list| numbers(list));
         let lists: Vec<&[f64]> = lists.iter().map(Vec::as_slice).collect();
         let variables = [
@@ -344,7 +365,10 @@ impl CompressedPlanes<'_> {
         };
         let transform = value(Formula::Transform);
         let has = |formula| self.edits.value(formula, &[transform], &[]) != 0.0;
-        let reference = edited_or(Formula::Reference, own.reference.map_or(-1, |plane| plane as i64));
+        let reference = edited_or(
+            Formula::Reference,
+            own.reference.map_or(-1, |plane| plane as i64),
+        );
         if reference >= self.coded.plan.steps.len() as i64 {
             return Err(outside(self.coded.at));
         }
@@ -352,7 +376,10 @@ impl CompressedPlanes<'_> {
             reference: usize::try_from(reference).ok(),
             inverted: has(Formula::Inverted),
             moved: has(Formula::Displaced),
-            motion: (edited_or(Formula::VectorX, own.motion.0), edited_or(Formula::VectorY, own.motion.1)),
+            motion: (
+                edited_or(Formula::VectorX, own.motion.0),
+                edited_or(Formula::VectorY, own.motion.1),
+            ),
         })
     }
 
@@ -379,7 +406,12 @@ impl CompressedPlanes<'_> {
     }
 
     /// Evaluates an expression of whole planes.
-    fn whole_plane(&self, expression: &Expression, sources: &[&Vec<u8>; 4], step: &Step) -> Result<Vec<u8>> {
+    fn whole_plane(
+        &self,
+        expression: &Expression,
+        sources: &[&Vec<u8>; 4],
+        step: &Step,
+    ) -> Result<Vec<u8>> {
         let inner = |inner| self.whole_plane(inner, sources, step);
         match expression {
             Expression::Variable(source) => Ok(sources[*source].clone()),
@@ -392,7 +424,11 @@ impl CompressedPlanes<'_> {
             }
             Expression::Call(Function::Displace, arguments) => {
                 let plane = inner(&arguments[0])?;
-                if step.moved { self.displace(&plane, step) } else { Ok(plane) }
+                if step.moved {
+                    self.displace(&plane, step)
+                } else {
+                    Ok(plane)
+                }
             }
             // Any other expression is evaluated value by value.
             _ => {
@@ -410,7 +446,10 @@ impl CompressedPlanes<'_> {
             return (self.reading.invert)(plane);
         }
         for value in plane {
-            *value = byte(self.edits.value(Formula::Inversion, &[f64::from(*value)], &[]));
+            *value = byte(
+                self.edits
+                    .value(Formula::Inversion, &[f64::from(*value)], &[]),
+            );
         }
     }
 
@@ -435,7 +474,12 @@ impl CompressedPlanes<'_> {
         let (left, first) = ((x2 / 2.0).floor(), (y2 / 2.0).floor());
         let (right, second) = ((x2 / 2.0).ceil(), (y2 / 2.0).ceil());
         let at = |x, y| self.at_edge(plane, x, y);
-        let corners = [at(left, first)?, at(right, first)?, at(left, second)?, at(right, second)?];
+        let corners = [
+            at(left, first)?,
+            at(right, first)?,
+            at(left, second)?,
+            at(right, second)?,
+        ];
         let [a, b, c, d] = corners.map(f64::from);
         let formula = match (left < right, first < second) {
             (true, true) => Formula::MeanOfFour,
@@ -447,7 +491,9 @@ impl CompressedPlanes<'_> {
         }
         Ok(byte(match formula {
             Formula::MeanOfFour => self.edits.value(formula, &[a, b, c, d], &[]),
-            _ => self.edits.value(formula, &[a, if left < right { b } else { c }], &[]),
+            _ => self
+                .edits
+                .value(formula, &[a, if left < right { b } else { c }], &[]),
         }))
     }
 
@@ -455,7 +501,9 @@ impl CompressedPlanes<'_> {
     fn at_edge(&self, plane: &[u8], x: f64, y: f64) -> Result<u8> {
         let size = self.coded.size;
         if !self.edits.touch(&[Formula::EdgeX, Formula::EdgeY]) {
-            return Ok((self.reading.motion_border)(plane, size, x as i64, y as i64));
+            return Ok((self.reading.motion_border)(
+                plane, size, x as i64, y as i64,
+            ));
         }
         let (width, height) = (f64::from(size.width), f64::from(size.height));
         let variables = [x, y, width, height];
@@ -482,7 +530,11 @@ impl CompressedPlanes<'_> {
     /// Applies the side information of plane `p`, whose stream holds `residuals`.
     fn correct(&self, p: usize, plane: &mut [u8], residuals: &[u8], predicted: bool) -> Result<()> {
         const OF_BYTES: [Formula; 2] = [Formula::RecordCount, Formula::RecordByte];
-        const OF_RECORDS: [Formula; 3] = [Formula::RecordPosition, Formula::RecordPlace, Formula::Corrected];
+        const OF_RECORDS: [Formula; 3] = [
+            Formula::RecordPosition,
+            Formula::RecordPlace,
+            Formula::Corrected,
+        ];
         let is_of_bytes = self.edits.touch(&OF_BYTES);
         if !is_of_bytes && !self.edits.touch(&OF_RECORDS) {
             return self.coded.correct(p, plane, self.reading);
@@ -493,21 +545,36 @@ impl CompressedPlanes<'_> {
             (self.reading.records)(block, at, plane.len())?;
         }
         let size = [block.len() as f64, self.coded.plan.parameter as f64];
-        let count = self.edits.value(Formula::RecordCount, &size, &[]).max(0.0).floor();
+        let count = self
+            .edits
+            .value(Formula::RecordCount, &size, &[])
+            .max(0.0)
+            .floor();
         // An edited count may be anything; more records than bytes cannot be meant.
         for r in 0..(count as usize).min(block.len()) {
             let stored = |k: f64| {
-                let address = self.edits.value(Formula::RecordByte, &[r as f64, k, count], &[]);
+                let address = self
+                    .edits
+                    .value(Formula::RecordByte, &[r as f64, k, count], &[]);
                 element(block, address).map(f64::from)
             };
-            let [p3, p2, p1, p0, value] =
-                [stored(0.0)?, stored(1.0)?, stored(2.0)?, stored(3.0)?, stored(4.0)?];
-            let position = self.edits.value(Formula::RecordPosition, &[p3, p2, p1, p0, value], &[]);
+            let [p3, p2, p1, p0, value] = [
+                stored(0.0)?,
+                stored(1.0)?,
+                stored(2.0)?,
+                stored(3.0)?,
+                stored(4.0)?,
+            ];
+            let position = self
+                .edits
+                .value(Formula::RecordPosition, &[p3, p2, p1, p0, value], &[]);
             let Size { width, height } = self.coded.size;
             let (width, height) = (f64::from(width), f64::from(height));
             let (row, column) = ((position / width).floor(), position.rem_euclid(width));
             let predicted = f64::from(u8::from(predicted));
-            let record = [position, row, column, width, height, r as f64, value, predicted];
+            let record = [
+                position, row, column, width, height, r as f64, value, predicted,
+            ];
             let place = self.edits.value(Formula::RecordPlace, &record, &[]);
             let before = f64::from(element(plane, place)?);
             let residual = f64::from(residuals[place as usize]);
@@ -559,7 +626,9 @@ pub(crate) fn image(
     let [u, v] = [Formula::LightU, Formula::LightV].map(|light| edits.value(light, &[lu, lv], &[]));
     let polynomial = |a: &[f64]| {
         let variables = [a[0], a[1], a[2], a[3], a[4], a[5], u, v];
-        edits.value_or(Formula::Polynomial, &variables, || (reading.polynomial)(a, u, v))
+        edits.value_or(Formula::Polynomial, &variables, || {
+            (reading.polynomial)(a, u, v)
+        })
     };
     let color = |texel: &[f64]| match coefficients.shape {
         Shape::Rgb => [&texel[..6], &texel[6..12], &texel[12..]].map(polynomial),
@@ -571,13 +640,23 @@ pub(crate) fn image(
             })
         }
         Shape::Lum(matrix) => {
-            let own = evaluate::lum_color(&matrix, polynomial(&texel[..6]), texel[6], texel[7], reading);
+            let own = evaluate::lum_color(
+                &matrix,
+                polynomial(&texel[..6]),
+                texel[6],
+                texel[7],
+                reading,
+            );
             if !edits.touch(&[Formula::MatrixRow]) {
                 return own;
             }
             let y = polynomial(&texel[..6]);
             [0.0, 1.0, 2.0].map(|k| {
-                edits.value(Formula::MatrixRow, &[y, texel[6], texel[7], k], &[&matrix.0])
+                edits.value(
+                    Formula::MatrixRow,
+                    &[y, texel[6], texel[7], k],
+                    &[&matrix.0],
+                )
             })
         }
     };
@@ -586,7 +665,9 @@ pub(crate) fn image(
         // A byte of an image holds 0 to 255 whatever was computed.
         if shown.is_nan() { 0.0 } else { shown }
     };
-    let texels = coefficients.values.chunks_exact(coefficients.shape.channels());
+    let texels = coefficients
+        .values
+        .chunks_exact(coefficients.shape.channels());
     Picture {
         size: coefficients.size,
         values: texels.flat_map(color).map(shown).collect(),

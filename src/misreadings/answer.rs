@@ -74,10 +74,13 @@ pub(crate) fn show(
 
 /// Returns the formulas that these mistakes compute differently; of two edits of one formula the later counts.
 fn edits_of(misreadings: &[&Misreading]) -> Vec<&'static Edit> {
-    let edits = misreadings.iter().rev().filter_map(|misreading| match misreading.at {
-        At::Edits(edits) => Some(edits),
-        _ => None,
-    });
+    let edits = misreadings
+        .iter()
+        .rev()
+        .filter_map(|misreading| match misreading.at {
+            At::Edits(edits) => Some(edits),
+            _ => None,
+        });
     edits.flatten().collect()
 }
 

@@ -138,7 +138,10 @@ impl At {
     pub fn is_at(&self, other: &At) -> bool {
         let is_edited = matches!(self, At::Edits(_)) || matches!(other, At::Edits(_));
         match is_edited {
-            true => self.formulas().iter().any(|formula| other.formulas().contains(formula)),
+            true => self
+                .formulas()
+                .iter()
+                .any(|formula| other.formulas().contains(formula)),
             false => discriminant(self) == discriminant(other),
         }
     }

@@ -5,108 +5,14 @@ use std::ops::Range;
 use super::anatomy::Seen;
 use super::at::At;
 use crate::decode::{decode, texels};
-use crate::parts::Block;
 use crate::ptm::{Format, Header, Ptm};
 
 pub(super) const ACTS: &[(&str, At)] = &[
-    ("rows-top-down", At::StoredRow(|_, row| row)),
-    (
-        "rgb-rows-top-down",
-        At::StoredRow(|header, row| turned_if(header.format == Format::Rgb, header, row)),
-    ),
-    (
-        "lrgb-rows-top-down",
-        At::StoredRow(|header, row| turned_if(header.format == Format::Lrgb, header, row)),
-    ),
-    (
-        "lrgb-colors-top-down",
-        At::Planes(|ptm| {
-            if ptm.header.format == Format::Lrgb {
-                turned(ptm, 6..9);
-            }
-        }),
-    ),
-    (
-        "lrgb-coefficients-top-down",
-        At::Planes(|ptm| {
-            if ptm.header.format == Format::Lrgb {
-                turned(ptm, 0..6);
-            }
-        }),
-    ),
-    (
-        "rgb-only-red-turned",
-        At::Planes(|ptm| {
-            if ptm.header.format == Format::Rgb {
-                turned(ptm, 6..18);
-            }
-        }),
-    ),
     (
         "payload-reversed",
         At::Bytes(|file| {
             let turned = file.file[file.payload()..].iter().rev();
             Seen::File(file.header().iter().chain(turned).copied().collect())
-        }),
-    ),
-    (
-        "lrgb-nine-interleaved",
-        At::Blocks(|format| blocks(format, Format::Lrgb, const { &[run(0, 9)] })),
-    ),
-    (
-        "lrgb-nine-planes",
-        At::Blocks(|format| blocks(format, Format::Lrgb, &PLANES[..9])),
-    ),
-    (
-        "lrgb-coefficients-in-planes",
-        At::Blocks(|format| {
-            blocks(
-                format,
-                Format::Lrgb,
-                const { &[one(0), one(1), one(2), one(3), one(4), one(5), run(6, 3)] },
-            )
-        }),
-    ),
-    (
-        "lrgb-colors-in-planes",
-        At::Blocks(|format| {
-            blocks(
-                format,
-                Format::Lrgb,
-                const { &[run(0, 6), one(6), one(7), one(8)] },
-            )
-        }),
-    ),
-    (
-        "color-block-first",
-        At::Blocks(|format| blocks(format, Format::Lrgb, const { &[run(6, 3), run(0, 6)] })),
-    ),
-    (
-        "rgb-eighteen-interleaved",
-        At::Blocks(|format| blocks(format, Format::Rgb, const { &[run(0, 18)] })),
-    ),
-    (
-        "rgb-eighteen-planes",
-        At::Blocks(|format| blocks(format, Format::Rgb, &PLANES[..18])),
-    ),
-    (
-        "rgb-blocks-bgr",
-        At::Blocks(|format| {
-            blocks(
-                format,
-                Format::Rgb,
-                const { &[run(12, 6), run(6, 6), run(0, 6)] },
-            )
-        }),
-    ),
-    (
-        "rgb-green-and-blue-exchanged",
-        At::Blocks(|format| {
-            blocks(
-                format,
-                Format::Rgb,
-                const { &[run(0, 6), run(12, 6), run(6, 6)] },
-            )
         }),
     ),
     (
@@ -116,27 +22,6 @@ pub(super) const ACTS: &[(&str, At)] = &[
                 (clause == "2.2/1" && text == "PTM_FORMAT_RGB")
                     .then(|| "PTM_FORMAT_LRGB".to_owned())
             })
-        }),
-    ),
-    (
-        "rgb-coefficients-by-color",
-        At::Planes(|ptm| {
-            if ptm.header.format == Format::Rgb {
-                each(ptm, |texel| {
-                    let stored = texel.to_vec();
-                    for (i, value) in texel.iter_mut().enumerate() {
-                        *value = stored[i % 6 * 3 + i / 6];
-                    }
-                });
-            }
-        }),
-    ),
-    (
-        "color-block-bgr",
-        At::Planes(|ptm| {
-            if ptm.header.format == Format::Lrgb {
-                each(ptm, |texel| texel.swap(6, 8));
-            }
         }),
     ),
     (
@@ -159,43 +44,6 @@ pub(super) const ACTS: &[(&str, At)] = &[
                     .chunks_exact_mut(6)
                     .for_each(|a| a.rotate_right(1));
             });
-        }),
-    ),
-    (
-        "mirrored",
-        At::Planes(|ptm| {
-            let (row, channels) = row_and_channels(ptm);
-            let turned = ptm
-                .planes
-                .samples
-                .chunks_exact(row)
-                .flat_map(|row| row.rchunks_exact(channels).flatten())
-                .copied();
-            ptm.planes.samples = turned.collect();
-        }),
-    ),
-    (
-        "columns-first",
-        At::Planes(|ptm| {
-            let (width, height) = (
-                ptm.planes.size.width as usize,
-                ptm.planes.size.height as usize,
-            );
-            let channels = ptm.planes.shape.channels();
-            // Back to stored order, then down the columns from the bottom.
-            let row = width * channels;
-            let stored: Vec<u8> = ptm
-                .planes
-                .samples
-                .rchunks_exact(row)
-                .flatten()
-                .copied()
-                .collect();
-            let texel = |i: usize| {
-                let (x, y) = (i % width, height - 1 - i / width);
-                &stored[(x * height + y) * channels..][..channels]
-            };
-            ptm.planes.samples = (0..width * height).flat_map(texel).copied().collect();
         }),
     ),
     (
@@ -362,35 +210,6 @@ pub(super) fn turned(ptm: &mut Ptm, channels: Range<usize>) {
         let texels = to.chunks_exact_mut(texel).zip(from.chunks_exact(texel));
         texels.for_each(|(to, from)| to[channels.clone()].copy_from_slice(&from[channels.clone()]));
     }
-}
-
-/// The blocks of a format, for a reader who is mistaken in those of one format.
-pub(super) fn blocks(format: Format, of: Format, mistaken: &'static [Block]) -> &'static [Block] {
-    if format == of {
-        mistaken
-    } else {
-        texels::blocks(format)
-    }
-}
-
-/// A block for each channel.
-pub(super) static PLANES: [Block; 18] = {
-    let mut planes = [one(0); 18];
-    let mut channel = 0;
-    while channel < 18 {
-        planes[channel] = one(channel);
-        channel += 1;
-    }
-    planes
-};
-
-/// A block of one channel.
-pub(super) const fn one(channel: usize) -> Block {
-    run(channel, 1)
-}
-
-pub(super) const fn run(channel: usize, channels: usize) -> Block {
-    Block { channel, channels }
 }
 
 /// Changes the channels of every texel.

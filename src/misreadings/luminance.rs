@@ -2,8 +2,6 @@
 
 use super::anatomy::Seen;
 use super::at::At;
-use super::layout::{PLANES, blocks, one, run, turned_if};
-use crate::ptm::{Format, Shape};
 
 pub(super) const ACTS: &[(&str, At)] = &[
     (
@@ -136,44 +134,6 @@ pub(super) const ACTS: &[(&str, At)] = &[
             |y, cr, cb| [f64::from(y as i64 as u8), cr, cb],
             |y, cr, cb| [cr, f64::from(y as i64 as u8), cb],
         ),
-    ),
-    (
-        "cb-before-cr",
-        At::Planes(|ptm| {
-            if let Shape::Lum(_) = ptm.planes.shape {
-                ptm.planes
-                    .samples
-                    .chunks_exact_mut(8)
-                    .for_each(|texel| texel.swap(6, 7));
-            }
-        }),
-    ),
-    (
-        "chroma-before-coefficients",
-        At::Planes(|ptm| {
-            if let Shape::Lum(_) = ptm.planes.shape {
-                ptm.planes
-                    .samples
-                    .chunks_exact_mut(8)
-                    .for_each(|texel| texel.rotate_left(2));
-            }
-        }),
-    ),
-    (
-        "lum-planar",
-        At::Blocks(|format| blocks(format, Format::Lum, &PLANES[..8])),
-    ),
-    (
-        "lum-two-blocks",
-        At::Blocks(|format| blocks(format, Format::Lum, const { &[run(0, 6), run(6, 2)] })),
-    ),
-    (
-        "lum-chroma-in-planes",
-        At::Blocks(|format| blocks(format, Format::Lum, const { &[run(0, 6), one(6), one(7)] })),
-    ),
-    (
-        "lum-rows-top-down",
-        At::StoredRow(|header, row| turned_if(header.format == Format::Lum, header, row)),
     ),
 ];
 

@@ -91,7 +91,10 @@ pub(crate) fn catalog<A: Copy + 'static>(
     let mut all = Vec::new();
     for (line, record) in yaml::records::<Record>(yaml)? {
         let slug: &str = record.slug.leak();
-        let edits = record.edits.iter().map(|(name, text)| Edit::parse(name, text));
+        let edits = record
+            .edits
+            .iter()
+            .map(|(name, text)| Edit::parse(name, text));
         let edits: Vec<Edit> = edits
             .collect::<Result<_, _>>()
             .map_err(|error| format!("line {line}: {error}"))?;

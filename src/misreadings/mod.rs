@@ -20,9 +20,6 @@ mod header;
 /// §2.0–2.9: strings, buffers and short integers
 mod buffers;
 
-/// §2.4 Scale and Bias: the formula
-mod arithmetic;
-
 /// §2.5 Lookup Table and §2.8 Lookup Table Indices
 mod lookup;
 
@@ -53,9 +50,6 @@ mod side_information;
 /// §2.9.8: the streams of planes
 mod codecs;
 
-/// §1.0 Background: the polynomial, the light, the color
-mod evaluation;
-
 mod catalog;
 
 /// The texture suite's
@@ -66,6 +60,7 @@ pub mod writing;
 
 mod answer;
 
+pub use crate::formula::Stage;
 pub use anatomy::{Anatomy, Seen};
 pub use answer::answer;
 #[cfg(any(unix, feature = "cli"))]
@@ -73,8 +68,7 @@ pub(crate) use answer::misread;
 #[cfg(any(unix, feature = "tools"))]
 pub(crate) use answer::read;
 #[cfg(unix)]
-pub(crate) use answer::{edits_of_planes, refused, show};
+pub(crate) use answer::show;
 pub use at::At;
-pub use crate::formula::Stage;
 pub use catalog::{all, named};
 pub use misreading::{Misreading, Sighting, Symptom};

@@ -8,148 +8,12 @@
 use std::borrow::Cow;
 
 use super::at::At;
-use super::transforms::changed;
-use crate::decode::{compressed, predict as rule};
-use crate::error::Result;
-use crate::parts::{Number, Plan, RawLists, Step};
+use crate::decode::predict as rule;
+use crate::parts::Step;
 use crate::ptm::Size;
 use crate::reading::Reading;
 
 pub(super) const ACTS: &[(&str, At)] = &[
-    (
-        "vectors-interleaved",
-        At::Plan(|lists| {
-            displacing(lists, |motion, i, _| {
-                (motion[2 * i].value, motion[2 * i + 1].value)
-            })
-        }),
-    ),
-    (
-        "vectors-y-first",
-        At::Plan(|lists| displacing(lists, |_, _, (x, y)| (y, x))),
-    ),
-    (
-        "vectors-one-plane-late",
-        At::Plan(|lists| {
-            displacing(lists, |motion, i, _| {
-                let before = i.saturating_sub(1);
-                (
-                    motion[before].value,
-                    motion[motion.len() / 2 + before].value,
-                )
-            })
-        }),
-    ),
-    (
-        "motion-x-only",
-        At::Plan(|lists| displacing(lists, |_, _, (x, _)| (x, 0))),
-    ),
-    (
-        "motion-y-only",
-        At::Plan(|lists| displacing(lists, |_, _, (_, y)| (0, y))),
-    ),
-    (
-        "motion-whole-texels",
-        At::Plan(|lists| displacing(lists, |_, _, (x, y)| (2 * x, 2 * y))),
-    ),
-    (
-        "motion-quarter-texels",
-        At::Plan(|lists| displacing(lists, |_, _, (x, y)| (x / 2, y / 2))),
-    ),
-    (
-        "motion-halves-cut",
-        At::Plan(|lists| displacing(lists, |_, _, (x, y)| (x / 2 * 2, y / 2 * 2))),
-    ),
-    (
-        "motion-halves-floored",
-        At::Plan(|lists| displacing(lists, |_, _, (x, y)| (x >> 1 << 1, y >> 1 << 1))),
-    ),
-    (
-        "motion-halves-away",
-        At::Plan(|lists| displacing(lists, |_, _, (x, y)| (x + x % 2, y + y % 2))),
-    ),
-    (
-        "motion-sign-lost",
-        At::Plan(|lists| displacing(lists, |_, _, (x, y)| (x.abs(), y.abs()))),
-    ),
-    (
-        "vectors-in-a-byte",
-        At::Plan(|lists| {
-            displacing(lists, |_, _, (x, y)| {
-                (i64::from(x as u8), i64::from(y as u8))
-            })
-        }),
-    ),
-    (
-        "vectors-in-a-signed-byte",
-        At::Plan(|lists| {
-            displacing(lists, |_, _, (x, y)| {
-                (i64::from(x as i8), i64::from(y as i8))
-            })
-        }),
-    ),
-    (
-        "vectors-in-16-bits",
-        At::Plan(|lists| {
-            displacing(lists, |_, _, (x, y)| {
-                (i64::from(x as i16), i64::from(y as i16))
-            })
-        }),
-    ),
-    (
-        "motion-along-both-only",
-        At::Plan(|lists| {
-            displacing(
-                lists,
-                |_, _, (x, y)| if x == 0 || y == 0 { (0, 0) } else { (x, y) },
-            )
-        }),
-    ),
-    (
-        "half-vectors-one-way",
-        At::Plan(|lists| {
-            displacing(
-                lists,
-                |_, _, (x, y)| {
-                    if x & y & 1 != 0 { (x, y - 1) } else { (x, y) }
-                },
-            )
-        }),
-    ),
-    (
-        "vector-of-the-reference",
-        At::Plan(|lists| {
-            changed(lists, |lists, _, step| match step.reference {
-                Some(j) => Step {
-                    motion: (
-                        lists.motion[j].value,
-                        lists.motion[lists.motion.len() / 2 + j].value,
-                    ),
-                    ..step
-                },
-                None => step,
-            })
-        }),
-    ),
-    (
-        "motion-rounded-twice",
-        At::MotionHalf(|[a, b, c, d]| {
-            let mean = |a: u8, b: u8| u8::midpoint(a, b) + ((a ^ b) & 1);
-            mean(mean(a, b), mean(c, d))
-        }),
-    ),
-    (
-        "motion-runs-over-row-ends",
-        At::Predictor(|reference, step, size, reading| {
-            displaced(reference, step, size, reading, |plane, x, y, width, _| {
-                let at = y
-                    .saturating_mul(width)
-                    .saturating_add(x)
-                    .clamp(0, plane.len() as i64 - 1);
-                plane[at as usize]
-            })
-        }),
-    ),
     (
         "motion-halves-toward-zero",
         At::Predictor(|reference, step, size, reading| {
@@ -176,23 +40,6 @@ pub(super) const ACTS: &[(&str, At)] = &[
                 let first = (at + (d >> 1)).clamp(0, axis.length - 1);
                 [first, first + (d & 1)]
             })
-        }),
-    ),
-    (
-        "motion-half-runs-over-row-ends",
-        At::Predictor(|reference, step, size, reading| {
-            displaced(
-                reference,
-                step,
-                size,
-                reading,
-                |plane, x, y, width, height| {
-                    // One column beyond the last lies where the next row begins.
-                    let x = if x == width { x } else { x.clamp(0, width - 1) };
-                    let at = y.clamp(0, height - 1) * width + x;
-                    plane[(at as usize).min(plane.len() - 1)]
-                },
-            )
         }),
     ),
     (
@@ -240,24 +87,6 @@ pub(super) const ACTS: &[(&str, At)] = &[
         }),
     ),
 ];
-
-/// The plan with another vector for each plane, of all numbers of 2.9.3, the plane and the vector it should be.
-fn displacing(
-    lists: &RawLists,
-    change: fn(&[Number], usize, (i64, i64)) -> (i64, i64),
-) -> Result<Plan> {
-    let mut plan = compressed::plan(lists)?;
-    for (i, step) in plan.steps.iter_mut().enumerate() {
-        // Beyond any plane, and far from where arithmetic ends.
-        let (x, y) = change(
-            &lists.motion,
-            i,
-            (bounded(step.motion.0), bounded(step.motion.1)),
-        );
-        step.motion = (bounded(x), bounded(y));
-    }
-    Ok(plan)
-}
 
 fn bounded(displacement: i64) -> i64 {
     displacement.clamp(-(1 << 40), 1 << 40)

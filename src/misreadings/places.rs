@@ -4,7 +4,6 @@ use super::at::At;
 use crate::decode::compressed;
 use crate::error::Result;
 use crate::parts::{Extent, Number, Plan, RawLists};
-use crate::ptm::Ptm;
 
 pub(super) const ACTS: &[(&str, At)] = &[
     // 2.9.6, 2.9.7 and where the planes lie
@@ -114,38 +113,6 @@ pub(super) const ACTS: &[(&str, At)] = &[
         }),
     ),
     // 2.9.8: which plane is which
-    (
-        "rgb-planes-coefficient-major",
-        At::Planes(|ptm| rearranged(ptm, 18, |channel| channel % 6 * 3 + channel / 6)),
-    ),
-    (
-        "rgb-planes-bgr",
-        At::Planes(|ptm| rearranged(ptm, 18, |channel| (2 - channel / 6) * 6 + channel % 6)),
-    ),
-    (
-        "lrgb-planes-colors-first",
-        At::Planes(|ptm| rearranged(ptm, 9, |channel| (channel + 3) % 9)),
-    ),
-    (
-        "lrgb-planes-bgr",
-        At::Planes(|ptm| {
-            rearranged(
-                ptm,
-                9,
-                |channel| if channel < 6 { channel } else { 14 - channel },
-            );
-        }),
-    ),
-    (
-        "lrgb-planes-backwards",
-        At::Planes(|ptm| {
-            rearranged(
-                ptm,
-                9,
-                |channel| if channel < 6 { 5 - channel } else { channel },
-            );
-        }),
-    ),
 ];
 
 /// The plan with the planes in other places.
@@ -172,17 +139,4 @@ fn sized(plan: &mut Plan, sizes: impl Fn(usize) -> (usize, usize)) {
 /// A size that has been found to be none or more bytes.
 fn size(number: &Number) -> usize {
     number.value.max(0) as usize
-}
-
-/// Takes channel `from(i)` for channel `i` of every texel of a compressed file of so many planes.
-fn rearranged(ptm: &mut Ptm, planes: usize, from: fn(usize) -> usize) {
-    if ptm.header.format.is_compressed() && ptm.header.format.channels() == planes {
-        for texel in ptm.planes.samples.chunks_exact_mut(planes) {
-            let stored = texel.to_vec();
-            texel
-                .iter_mut()
-                .enumerate()
-                .for_each(|(i, value)| *value = stored[from(i)]);
-        }
-    }
 }

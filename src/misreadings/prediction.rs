@@ -6,7 +6,7 @@
 )]
 
 use super::at::At;
-use super::transforms::{clamped, each, each_pair, planes, refused};
+use super::transforms::{each, planes, refused};
 use crate::decode::compressed;
 use crate::error::Result;
 use crate::parts::{Number, Plan, RawLists};
@@ -126,14 +126,6 @@ pub(super) const ACTS: &[(&str, At)] = &[
         }),
     ),
     (
-        "reference-zero-is-intra",
-        At::Plan(|lists| referring(lists, |_, value| if value == 0 { -1 } else { value })),
-    ),
-    (
-        "references-ignored",
-        At::Plan(|lists| referring(lists, |_, _| -1)),
-    ),
-    (
         "reference-past-the-last-is-intra",
         At::Plan(|lists| {
             let planes = lists.references.len() as i64;
@@ -150,100 +142,6 @@ pub(super) const ACTS: &[(&str, At)] = &[
                 }
             })
         }),
-    ),
-    (
-        "predicted-from-residuals",
-        At::Reconstruct(|coded, residuals, reading| {
-            let mut streams = coded.blank_planes();
-            for (&i, stream) in coded.plan.sequence.iter().zip(&residuals) {
-                streams[i].clone_from(stream);
-            }
-            planes(coded, residuals, reading, |i, plane, _, _| {
-                coded.predict(i, plane, &streams, reading);
-            })
-        }),
-    ),
-    (
-        "no-128",
-        At::Predict(|residuals, predictor| each_pair(residuals, predictor, u8::wrapping_add)),
-    ),
-    (
-        "offset-127",
-        At::Predict(|residuals, predictor| {
-            each_pair(residuals, predictor, |value, predicted| {
-                value.wrapping_add(predicted).wrapping_sub(127)
-            });
-        }),
-    ),
-    (
-        "wrap-mod-255",
-        At::Predict(|residuals, predictor| {
-            each_pair(residuals, predictor, |value, predicted| {
-                (sum(value, predicted) % 255) as u8
-            });
-        }),
-    ),
-    (
-        "wrap-below-only",
-        At::Predict(|residuals, predictor| {
-            each_pair(residuals, predictor, |value, predicted| {
-                match sum(value, predicted) {
-                    sum @ ..0 => sum as u8,
-                    sum => clamped(sum),
-                }
-            });
-        }),
-    ),
-    (
-        "wrap-above-only",
-        At::Predict(|residuals, predictor| {
-            each_pair(residuals, predictor, |value, predicted| {
-                match sum(value, predicted) {
-                    sum @ 0.. => sum as u8,
-                    _ => 0,
-                }
-            });
-        }),
-    ),
-    (
-        "clamp-not-wrap",
-        At::Predict(|residuals, predictor| {
-            each_pair(residuals, predictor, |value, predicted| {
-                clamped(sum(value, predicted))
-            });
-        }),
-    ),
-    (
-        "residual-subtracted",
-        At::Predict(|residuals, predictor| {
-            each_pair(residuals, predictor, |value, predicted| {
-                predicted.wrapping_sub(value).wrapping_add(128)
-            });
-        }),
-    ),
-    (
-        "residual-doubled",
-        At::Predict(|residuals, predictor| {
-            each_pair(residuals, predictor, |value, predicted| {
-                predicted.wrapping_add(value.wrapping_sub(128).wrapping_mul(2))
-            });
-        }),
-    ),
-    (
-        "residual-zero-is-256",
-        At::Predict(|residuals, predictor| {
-            each_pair(residuals, predictor, |value, predicted| {
-                if value == 0 {
-                    predicted.saturating_add(128)
-                } else {
-                    value.wrapping_add(predicted).wrapping_sub(128)
-                }
-            });
-        }),
-    ),
-    (
-        "prediction-is-a-mean",
-        At::Predict(|residuals, predictor| each_pair(residuals, predictor, u8::midpoint)),
     ),
 ];
 
@@ -302,9 +200,4 @@ fn plane(lists: &RawLists, number: &Number) -> Result<usize> {
         .ok()
         .filter(|&plane| plane < planes);
     found.ok_or_else(|| refused(number))
-}
-
-/// Residual + predictor − 128, before anything wraps.
-fn sum(value: u8, predicted: u8) -> i16 {
-    i16::from(value) + i16::from(predicted) - 128
 }

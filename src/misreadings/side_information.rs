@@ -4,7 +4,6 @@ use super::at::At;
 use crate::decode::planes as rule;
 use crate::error::Result;
 use crate::parts::Coded;
-use crate::ptm::Size;
 use crate::reading::Reading;
 
 pub(super) const ACTS: &[(&str, At)] = &[
@@ -47,22 +46,6 @@ pub(super) const ACTS: &[(&str, At)] = &[
     ),
     ("side-information-ignored", At::Reconstruct(uncorrected)),
     (
-        "side-information-of-intra-planes-ignored",
-        At::Reconstruct(|coded, residuals, reading| {
-            only(coded, residuals, reading, |coded, i| {
-                coded.plan.steps[i].reference.is_some()
-            })
-        }),
-    ),
-    (
-        "side-information-of-intra-planes-only",
-        At::Reconstruct(|coded, residuals, reading| {
-            only(coded, residuals, reading, |coded, i| {
-                coded.plan.steps[i].reference.is_none()
-            })
-        }),
-    ),
-    (
         "side-information-of-inverted-planes-ignored",
         At::Reconstruct(|coded, residuals, reading| {
             only(coded, residuals, reading, |coded, i| {
@@ -92,61 +75,6 @@ pub(super) const ACTS: &[(&str, At)] = &[
     ),
     // Where
     (
-        "side-rows-turned",
-        At::Reconstruct(|coded, residuals, reading| {
-            replaced(coded, residuals, reading, |position, size| {
-                let (x, y) = (position % size.width, position / size.width);
-                (size.height - 1 - y) * size.width + x
-            })
-        }),
-    ),
-    (
-        "side-columns-first",
-        At::Reconstruct(|coded, residuals, reading| {
-            replaced(coded, residuals, reading, |position, size| {
-                position % size.height * size.width + position / size.height
-            })
-        }),
-    ),
-    (
-        "side-columns-mirrored",
-        At::Reconstruct(|coded, residuals, reading| {
-            replaced(coded, residuals, reading, |position, size| {
-                position / size.width * size.width + size.width - 1 - position % size.width
-            })
-        }),
-    ),
-    (
-        "side-from-the-end",
-        At::Reconstruct(|coded, residuals, reading| {
-            replaced(coded, residuals, reading, |position, size| {
-                size.width * size.height - 1 - position
-            })
-        }),
-    ),
-    (
-        "side-positions-from-one",
-        At::Records(|block, at, texels| {
-            edited(block, at, texels, |(position, value)| {
-                (position.saturating_sub(1), value)
-            })
-        }),
-    ),
-    (
-        "side-one-texel-late",
-        At::Records(|block, at, texels| {
-            let last = texels as u32 - 1;
-            Ok(rule::records(block, at, texels)?
-                .into_iter()
-                .map(|(position, value)| ((position + 1).min(last), value))
-                .collect())
-        }),
-    ),
-    (
-        "side-position-zero-skipped",
-        At::Records(|block, at, texels| kept(block, at, texels, |(position, _), _| position > 0)),
-    ),
-    (
         "side-last-texel-skipped",
         At::Records(|block, at, texels| {
             kept(block, at, texels, |(position, _), texels| {
@@ -157,22 +85,6 @@ pub(super) const ACTS: &[(&str, At)] = &[
     (
         "side-last-texel-refused",
         At::Records(|block, at, texels| rule::records(block, at, texels - 1)),
-    ),
-    (
-        "side-position-in-16-bits",
-        At::Records(|block, at, texels| {
-            edited(block, at, texels, |(position, value)| {
-                (position & 0xFFFF, value)
-            })
-        }),
-    ),
-    (
-        "side-position-in-8-bits",
-        At::Records(|block, at, texels| {
-            edited(block, at, texels, |(position, value)| {
-                (position & 0xFF, value)
-            })
-        }),
     ),
     (
         "side-position-past-the-end-ignored",
@@ -229,14 +141,6 @@ pub(super) const ACTS: &[(&str, At)] = &[
         }),
     ),
     (
-        "side-value-signed",
-        At::Records(|block, at, texels| {
-            edited(block, at, texels, |(position, value)| {
-                (position, if value > 127 { 0 } else { value })
-            })
-        }),
-    ),
-    (
         "side-cursor-by-one",
         At::Records(|block, at, texels| {
             rule::records(block, at, texels)?;
@@ -262,69 +166,13 @@ pub(super) const ACTS: &[(&str, At)] = &[
         }),
     ),
     (
-        "side-first-record-only",
-        At::Records(|block, at, texels| {
-            Ok(rule::records(block, at, texels)?
-                .into_iter()
-                .take(1)
-                .collect())
-        }),
-    ),
-    (
-        "side-first-record-lost",
-        At::Records(|block, at, texels| {
-            Ok(rule::records(block, at, texels)?
-                .into_iter()
-                .skip(1)
-                .collect())
-        }),
-    ),
-    (
-        "side-last-record-lost",
-        At::Records(|block, at, texels| {
-            let mut records = rule::records(block, at, texels)?;
-            records.pop();
-            Ok(records)
-        }),
-    ),
-    (
         "side-partial-record-ignored",
         At::Records(|block, at, texels| rule::records(&block[..block.len() / 5 * 5], at, texels)),
     ),
     // How
     (
-        "side-values-added",
-        At::Correct(|plane, records| each(plane, records, u8::wrapping_add)),
-    ),
-    (
-        "side-values-are-residuals",
-        At::Correct(|plane, records| {
-            each(plane, records, |old, value| {
-                old.wrapping_add(value).wrapping_sub(128)
-            });
-        }),
-    ),
-    (
         "side-values-exclusive-or",
         At::Correct(|plane, records| each(plane, records, |old, value| old ^ value)),
-    ),
-    (
-        "side-values-wrap-only",
-        At::Correct(|plane, records| {
-            each(plane, records, |_, value| if value > 127 { 255 } else { 0 });
-        }),
-    ),
-    (
-        "side-values-only-where-overflown",
-        At::Correct(|plane, records| {
-            each(plane, records, |old, value| {
-                if old.abs_diff(value) > 127 {
-                    value
-                } else {
-                    old
-                }
-            });
-        }),
     ),
     (
         "side-first-of-two-wins",
@@ -365,40 +213,6 @@ fn only(
         done[i] = plane;
     }
     Ok(done)
-}
-
-/// All planes, corrected at other positions.
-fn replaced(
-    coded: &Coded,
-    residuals: Vec<Vec<u8>>,
-    reading: &Reading,
-    moved: fn(u32, Size) -> u32,
-) -> Result<Vec<Vec<u8>>> {
-    let mut done = coded.blank_planes();
-    for (&i, mut plane) in coded.plan.sequence.iter().zip(residuals) {
-        coded.predict(i, &mut plane, &done, reading);
-        let records = (reading.records)((reading.side_information)(coded, i), 0, plane.len())?;
-        let records: Vec<_> = records
-            .into_iter()
-            .map(|(position, value)| (moved(position, coded.size), value))
-            .collect();
-        (reading.correct)(&mut plane, &records);
-        done[i] = plane;
-    }
-    Ok(done)
-}
-
-/// The records of a legal block, some of them changed.
-fn edited(
-    block: &[u8],
-    at: usize,
-    texels: usize,
-    change: fn((u32, u8)) -> (u32, u8),
-) -> Result<Vec<(u32, u8)>> {
-    Ok(rule::records(block, at, texels)?
-        .into_iter()
-        .map(change)
-        .collect())
 }
 
 /// Some of the records of a legal block.

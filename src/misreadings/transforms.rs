@@ -26,114 +26,7 @@ pub(super) const ACTS: &[(&str, At)] = &[
             compressed::plan(&lists)
         }),
     ),
-    (
-        "transform-by-equality",
-        At::Plan(|lists| {
-            with_bits(lists, |transform, step| {
-                (
-                    step.inverted && transform != 3,
-                    step.moved && transform != 3,
-                )
-            })
-        }),
-    ),
-    (
-        "transform-three-is-inversion",
-        At::Plan(|lists| {
-            with_bits(lists, |transform, step| {
-                (step.inverted, step.moved && transform != 3)
-            })
-        }),
-    ),
-    (
-        "transform-three-is-motion",
-        At::Plan(|lists| {
-            with_bits(lists, |transform, step| {
-                (step.inverted && transform != 3, step.moved)
-            })
-        }),
-    ),
-    (
-        "any-transform-inverts",
-        At::Plan(|lists| with_bits(lists, |_, step| (step.inverted || step.moved, step.moved))),
-    ),
-    (
-        "any-transform-moves",
-        At::Plan(|lists| {
-            with_bits(lists, |_, step| {
-                (step.inverted, step.inverted || step.moved)
-            })
-        }),
-    ),
-    (
-        "transform-bits-exchanged",
-        At::Plan(|lists| with_bits(lists, |_, step| (step.moved, step.inverted))),
-    ),
-    (
-        "inversion-ignored",
-        At::Plan(|lists| with_bits(lists, |_, step| (false, step.moved))),
-    ),
-    (
-        "motion-ignored",
-        At::Plan(|lists| with_bits(lists, |_, step| (step.inverted, false))),
-    ),
-    (
-        "vectors-without-their-bit",
-        At::Plan(|lists| with_bits(lists, |_, step| (step.inverted, true))),
-    ),
-    (
-        "transforms-one-plane-late",
-        At::Plan(|lists| {
-            changed(lists, |lists, i, step| {
-                let transform = lists.transforms[i.saturating_sub(1)].value;
-                Step {
-                    inverted: transform & 1 != 0,
-                    moved: transform & 2 != 0,
-                    ..step
-                }
-            })
-        }),
-    ),
-    (
-        "transform-of-the-reference",
-        At::Plan(|lists| {
-            changed(lists, |lists, _, step| {
-                let transform = step
-                    .reference
-                    .map_or(0, |reference| lists.transforms[reference].value);
-                Step {
-                    inverted: transform & 1 != 0,
-                    moved: transform & 2 != 0,
-                    ..step
-                }
-            })
-        }),
-    ),
     // 2.9.2: what it does
-    (
-        "inversion-from-256",
-        At::Invert(|plane| each(plane, |value| 0u8.wrapping_sub(value))),
-    ),
-    (
-        "inversion-around-128",
-        At::Invert(|plane| {
-            each(plane, |value| {
-                if value == 0 {
-                    255
-                } else {
-                    0u8.wrapping_sub(value)
-                }
-            });
-        }),
-    ),
-    (
-        "inversion-from-254",
-        At::Invert(|plane| each(plane, |value| 254u8.wrapping_sub(value))),
-    ),
-    (
-        "inversion-of-the-high-bit",
-        At::Invert(|plane| each(plane, |value| value ^ 0x80)),
-    ),
     (
         "inversion-turns-the-plane-round",
         At::Invert(<[u8]>::reverse),
@@ -293,30 +186,6 @@ fn refusing(lists: &RawLists, refuses: fn(i64) -> bool) -> Result<Plan> {
         Some(transform) => Err(refused(transform)),
         None => compressed::plan(lists),
     }
-}
-
-/// The plan of a reader who inverts and displaces where `bits` says so of a transform and the step that it should be.
-fn with_bits(lists: &RawLists, bits: fn(i64, &Step) -> (bool, bool)) -> Result<Plan> {
-    changed(lists, |lists, i, step| {
-        let (inverted, moved) = bits(lists.transforms[i].value, &step);
-        Step {
-            inverted,
-            moved,
-            ..step
-        }
-    })
-}
-
-/// The plan with another step for each plane.
-pub(super) fn changed(
-    lists: &RawLists,
-    change: impl Fn(&RawLists, usize, Step) -> Step,
-) -> Result<Plan> {
-    let mut plan = compressed::plan(lists)?;
-    for (i, step) in plan.steps.iter_mut().enumerate() {
-        *step = change(lists, i, *step);
-    }
-    Ok(plan)
 }
 
 pub(super) fn refused(number: &Number) -> Error {

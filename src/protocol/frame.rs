@@ -210,8 +210,7 @@ impl Frame {
                 ),
             ),
             View::Rgb(light) => {
-                let picture =
-                    formula::image(&coefficients(), light.lu, light.lv, reading, edits);
+                let picture = formula::image(&coefficients(), light.lu, light.lv, reading, edits);
                 (3, Samples::U8(picture.to_bytes()))
             }
         };

@@ -22,6 +22,8 @@ mod load;
 
 pub mod name;
 
+pub(crate) mod origin;
+
 mod ptm;
 
 pub(crate) mod recipes;

@@ -68,17 +68,7 @@ mod symbols;
 #[cfg(feature = "generate")]
 mod huffman_tables;
 
-// Reading, for whoever looks for a mistake.
-
-#[cfg(all(feature = "harness", unix))]
-mod trace;
-
 pub use decoder::decode;
-
-#[cfg(all(feature = "harness", unix))]
-pub(crate) use trace::{BlockTrace, trace};
-#[cfg(all(feature = "harness", unix))]
-pub(crate) use zigzag::ZIGZAG;
 
 #[cfg(feature = "generate")]
 pub use encoder::{JpegOptions, encode};

@@ -39,18 +39,6 @@ pub fn decode(stream: &[u8], width: u32, height: u32) -> Result<Vec<u8>> {
     Ok(samples)
 }
 
-/// What a scan is coded with as it is stored: preset parameters, 0 for defaults, and NEAR; and where its data begin.
-#[cfg(all(feature = "harness", unix))]
-pub(crate) fn stored_scan(
-    stream: &[u8],
-    width: u32,
-    height: u32,
-) -> Result<(PresetParameters, i32, usize)> {
-    let mut cursor = Cursor::open(stream)?;
-    let (parameters, presets) = read_headers(&mut cursor, width, height)?;
-    Ok((presets.parameters, parameters.near, cursor.at))
-}
-
 /// All that stands before the entropy-coded data.
 pub(super) fn read_headers(
     stream: &mut Cursor,

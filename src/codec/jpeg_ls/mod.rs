@@ -52,25 +52,7 @@ mod encoder;
 #[cfg(feature = "generate")]
 mod encode_scan;
 
-// Reading, for whoever looks for a mistake.
-
-#[cfg(all(feature = "harness", unix))]
-mod trace;
-
 pub use decoder::decode;
-
-#[cfg(all(feature = "harness", unix))]
-pub(crate) use decoder::stored_scan;
-#[cfg(all(feature = "harness", unix))]
-pub(crate) use parameters::{default_thresholds, limited_thresholds, wanted_thresholds};
-#[cfg(all(feature = "harness", unix))]
-pub(crate) use prediction::predict;
-#[cfg(all(feature = "harness", unix))]
-pub(crate) use run_mode::J;
-#[cfg(all(feature = "harness", unix))]
-pub(crate) use template::Neighbors;
-#[cfg(all(feature = "harness", unix))]
-pub(crate) use trace::{Mode, SampleTrace, ScanTrace, trace};
 
 #[cfg(feature = "generate")]
 pub use encoder::{JpegLsOptions, encode};

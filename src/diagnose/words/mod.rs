@@ -1,13 +1,15 @@
 //! What no mistake explains, put into words.
 
 pub(super) mod acceptances;
+mod arithmetic;
 pub(super) mod formats;
 pub(super) mod nondeterminism;
-pub(super) mod pictures;
-mod places;
+pub(super) mod place;
 pub(super) mod promises;
 pub(super) mod refusals;
 pub(super) mod violation;
+
+pub use arithmetic::steps as arithmetic_steps;
 
 /// Different faults or kinds that are named, at most.
 const NAMED: usize = 6;

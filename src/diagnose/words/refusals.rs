@@ -2,16 +2,14 @@
 
 use crate::diagnose::diagnosis::{Category, Diagnosis, Words};
 use crate::diagnose::failure_mode::FailureMode;
-use crate::diagnose::files::shared::shared;
+use crate::diagnose::scope::shared_scope;
+use crate::diagnose::tuning::{MIN_SHARE_OF_A_PROPERTY, REFUSALS_PER_CHANCE_IMAGE};
 use crate::diagnose::witness::Witness;
 use crate::kit::last_words::last_words;
 use crate::misreadings::{Misreading, Symptom};
 use crate::ptm::Format;
 use crate::session::observation::Response;
 use crate::suite::cases::Expect;
-
-/// A trait is said that one in so many of the failures have which nothing else explains.
-pub(in crate::diagnose) const WORTH_SAYING: usize = 5;
 
 /// So many files have to be read before it means something that those which are not share nothing else.
 const ENOUGH_READ: usize = 20;
@@ -25,14 +23,14 @@ pub(in crate::diagnose) fn describe(
     let accepted = accepted(witnesses);
     for mode in FailureMode::among(witnesses, left) {
         let mut open = mode.select(witnesses, left);
-        while let Some(shared) = shared(witnesses, &open, &accepted, true) {
+        while let Some(shared) = shared_scope(witnesses, &open, &accepted, true) {
             // What few of many share is a coincidence.
-            if open.len() > shared.of.len() * WORTH_SAYING {
+            if open.len() > shared.of.len() * MIN_SHARE_OF_A_PROPERTY {
                 break;
             }
             open.retain(|w| !shared.of.contains(w));
             left.retain(|w| !shared.of.contains(w));
-            let effect = format!("{mode} every file {}", shared.says());
+            let effect = format!("{mode} every file {}", shared.scope.describe());
             let refusal = refusal(witnesses, &shared.of, &mode, effect);
             diagnoses.push(match shared.scope.clause() {
                 Some(clause) => refusal.about(clause),
@@ -65,7 +63,7 @@ pub(in crate::diagnose) fn widest(witnesses: &[Witness], failing: &[usize]) -> V
     let accepted = accepted(witnesses);
     let of = |mode: FailureMode| {
         let of = mode.select(witnesses, failing);
-        shared(witnesses, &of, &accepted, true).map(|shared| shared.of)
+        shared_scope(witnesses, &of, &accepted, true).map(|shared| shared.of)
     };
     FailureMode::among(witnesses, failing)
         .into_iter()
@@ -107,9 +105,6 @@ pub(in crate::diagnose) fn of_whole_formats(witnesses: &[Witness], of: &[usize])
     let names: Vec<&str> = formats.iter().map(|format| format.short_name()).collect();
     Some(format!("{mode} every file of {}", names.join(", ")))
 }
-
-/// One picture among so many answers may agree with a mistake by chance where the others are refusals.
-pub(in crate::diagnose) const FEW_PICTURES: usize = 12;
 
 /// Formats of which every legal file fails in one and the same way, without a picture.
 pub(in crate::diagnose) struct WholeFormats {
@@ -173,8 +168,9 @@ pub(in crate::diagnose) fn all_that_shows(witnesses: &[Witness], of: &[usize]) -
     of_whole_formats(witnesses, of).or_else(|| {
         let is_other = |w: &usize| witnesses[*w].case.expect == Expect::Decode && !of.contains(w);
         let others: Vec<usize> = (0..witnesses.len()).filter(is_other).collect();
-        let shared = shared(witnesses, of, &others, false)?;
-        (shared.of.len() == of.len()).then(|| format!("{mode} every file {}", shared.says()))
+        let shared = shared_scope(witnesses, of, &others, false)?;
+        (shared.of.len() == of.len())
+            .then(|| format!("{mode} every file {}", shared.scope.describe()))
     })
 }
 
@@ -212,8 +208,8 @@ pub(in crate::diagnose) fn no_picture(
     let all = (0..witnesses.len()).filter(is_of_formats).count();
     let is_the_mistake = modes.iter().all(is_refusal)
         && (misreading.shows == Symptom::Refusals
-            || of.len() * 2 < all && otherwise() * FEW_PICTURES <= of.len());
-    if of.is_empty() || shown.count() * FEW_PICTURES > of.len() || is_the_mistake {
+            || of.len() * 2 < all && otherwise() * REFUSALS_PER_CHANCE_IMAGE <= of.len());
+    if of.is_empty() || shown.count() * REFUSALS_PER_CHANCE_IMAGE > of.len() || is_the_mistake {
         return None;
     }
     let files = |mode: &FailureMode| match mode.select(witnesses, &of)[..] {
@@ -235,11 +231,11 @@ pub(in crate::diagnose) fn rest(witnesses: &[Witness], left: &mut Vec<usize>) ->
         left.retain(|w| !of.contains(w));
         let effect = match of.len() {
             1 => format!("{mode} a legal file; the cause is unknown"),
-            count if accepted(witnesses).len() < ENOUGH_READ => format!(
-                "{mode} {count} legal files; too few others are read to tell what sets these apart, so the cause is unknown"
-            ),
+            count if accepted(witnesses).len() < ENOUGH_READ => {
+                format!("{mode} {count} legal files; too few others are read to tell these apart")
+            }
             count => format!(
-                "{mode} {count} legal files{}, which nothing that is looked at here tells from the files it reads; the cause is unknown",
+                "{mode} {count} legal files{}; no known property separates these files from the ones it reads",
                 of_formats(witnesses, &of)
             ),
         };

@@ -1,19 +1,21 @@
 //! What there is to see of a failing case: the texel, the pictures, the bytes, the preview.
 
+use std::ops::Range;
+
 use data_encoding::BASE64;
 use maud::{Markup, html};
 
 use crate::decode::decode;
-use crate::diagnose::arithmetic;
+use crate::diagnose::arithmetic_steps;
 use crate::protocol::frame::{Frame, Samples, View};
 use crate::ptm::{Shape, Size, channel_name};
-use crate::report::html::origin::{self, Origin};
 use crate::report::html::pictures;
 use crate::report::html::preview;
 use crate::session::observation::{Observation, Response};
 use crate::suite::cases::{Built, Case, TableSpelling};
 use crate::suite::compare::{Difference, Expected};
 use crate::suite::dialect::Right;
+use crate::suite::origin::{self, Origin};
 use crate::suite::texture::cases::TextureCase;
 
 /// Of a PTM file that was asked.
@@ -154,7 +156,7 @@ fn arithmetic(
     let texel = y * expected.size.width as usize + x;
     let exact = expected.value(texel * expected.channels + channel);
     let ptm = decode(file).ok();
-    let steps = ptm.and_then(|ptm| arithmetic::steps(&ptm, view, texel, channel));
+    let steps = ptm.and_then(|ptm| arithmetic_steps(&ptm, view, texel, channel));
     let ends = match view {
         View::Rgb(_) => "; limited to 0…255 that is ",
         _ => " = ",
@@ -213,7 +215,7 @@ fn origins(name: &str, file: &[u8], origins: &[Origin]) -> Markup {
                 ": " (origin.what)
                 " " span.clauses { (origin.clause) }
             }
-            (origin::excerpt(file, &origin.range))
+            (excerpt(file, &origin.range))
         }
     }
 }
@@ -224,7 +226,7 @@ fn accepted(built: &Built) -> Markup {
         Err(error) => html! {
             p.label { "What the reference says" }
             p.origin { (error) }
-            (origin::excerpt(&built.file, &(error.offset()..error.offset() + 1)))
+            (excerpt(&built.file, &(error.offset()..error.offset() + 1)))
         },
         Ok(_) => beginning(built),
     }
@@ -251,4 +253,40 @@ fn number(value: f64) -> String {
     }
     let text = format!("{value:.4}");
     text.trim_end_matches('0').trim_end_matches('.').to_owned()
+}
+
+/// Lines of sixteen bytes with those of `range` marked. Of a long range only the beginning is shown.
+fn excerpt(file: &[u8], range: &Range<usize>) -> Markup {
+    let first = range.start / 16 * 16;
+    let last = (range.end.max(range.start + 1) - 1).min(range.start + 31) / 16 * 16 + 16;
+    html! {
+        pre.bytes tabindex="0" {
+            @for at in (first..last.min(file.len())).step_by(16) {
+                @let end = file.len().min(at + 16);
+                // Before, inside and after the range.
+                @let parts = [at..range.start.clamp(at, end), range.start.clamp(at, end)..range.end.clamp(at, end), range.end.clamp(at, end)..end];
+                span.offset { (format!("{at:06x}")) }
+                @for (i, part) in parts.iter().enumerate().filter(|(_, part)| !part.is_empty()) {
+                    " "
+                    @let hex: Vec<String> = file[part.clone()].iter().map(|byte| format!("{byte:02x}")).collect();
+                    @if i == 1 { mark { (hex.join(" ")) } } @else { (hex.join(" ")) }
+                }
+                (" ".repeat(3 * (at + 16 - end) + 2))
+                @for (i, part) in parts.iter().enumerate().filter(|(_, part)| !part.is_empty()) {
+                    @let text: String = file[part.clone()].iter().map(|&byte| printable(byte)).collect();
+                    @if i == 1 { mark { (text) } } @else { (text) }
+                }
+                "\n"
+            }
+            @if range.start >= file.len() { span.offset { "the file ends here" } }
+        }
+    }
+}
+
+fn printable(byte: u8) -> char {
+    if byte.is_ascii_graphic() || byte == b' ' {
+        char::from(byte)
+    } else {
+        '·'
+    }
 }

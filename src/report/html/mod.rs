@@ -19,8 +19,6 @@ mod compare;
 
 mod scene;
 
-mod origin;
-
 mod preview;
 
 mod matrix;

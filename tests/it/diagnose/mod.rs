@@ -2,4 +2,4 @@
 mod causes;
 
 #[cfg(feature = "harness")]
-mod replay;
+mod recordings;

@@ -60,7 +60,11 @@ fn each_formula_equals_the_function_of_the_reference() {
             }
             for (place, (name, decoder)) in single.iter().chain([&all]).enumerate() {
                 let answer = misreadings::answer(&[decoder], Reading::SPEC, &built.file, view);
-                assert!(is_equal(&answer, &right), "{name} differs in {} {view}", case.id);
+                assert!(
+                    is_equal(&answer, &right),
+                    "{name} differs in {} {view}",
+                    case.id
+                );
                 used[place] += usize::from(size(&right) > 0);
             }
         }

@@ -1,0 +1,191 @@
+//! Mistakes that the catalog lacks: one edit of one formula, or a mistake that is made in some files only.
+//!
+//! Every edit is tried on a few small failing files of each format. One that reproduces what was shown becomes a mistake that
+//! the search holds against all files. If passing files contradict it, it is kept only for the files that have a
+//! property none of these has.
+
+use std::cmp::Reverse;
+use std::collections::BTreeMap;
+use std::sync::LazyLock;
+
+use super::learned;
+use super::mistake::{Channels, Mistake};
+use super::pair::Pair;
+use super::scope::{Scope, scope_between};
+use super::search::{Id, Search, Set, WORTH_OF_A_REFUSAL, spread};
+use super::tuning::{
+    MAX_EDITS, MAX_PROBES, MAX_SCOPED_MISREADINGS, MIN_CASES_OF_A_SCOPE, MIN_PROBE_SIZE,
+};
+use super::witness::Agreement;
+use super::words::place::pair_of;
+use crate::formula::{Edit, Formula, edits};
+use crate::misreadings::{At, Misreading, Symptom};
+use crate::protocol::frame::Answer;
+
+/// Every edit of every formula as a misreading, formula after formula, the most natural edits first.
+static EDITS: LazyLock<Vec<Misreading>> = LazyLock::new(|| {
+    let all = Formula::ALL
+        .iter()
+        .flat_map(|&(formula, ..)| edits::all(formula));
+    all.map(misreading_of).collect()
+});
+
+/// A misreading without a slug that makes one edit.
+pub(super) fn misreading_of(edit: &'static Edit) -> Misreading {
+    Misreading {
+        slug: "",
+        clause: edit.formula.stated().clause,
+        effect: "",
+        fix: "",
+        shows: Symptom::Values,
+        seen: Vec::new(),
+        at: At::Edits(std::slice::from_ref(edit)),
+    }
+}
+
+/// Adds mistakes to the search that explain some of `left` beside `set`.
+pub(super) fn add_candidates(search: &mut Search, set: &Set, left: &[usize]) {
+    let probes = probes(search, left);
+    let mut candidates = fitting(search, set, &probes);
+    let tables = learned::tables(search, set, left).into_iter();
+    candidates.extend(tables.map(Mistake::everywhere));
+    let scoped = search.each(&candidates, |mistake| scoped(search, set, mistake, left));
+    for mistake in scoped.into_iter().flatten() {
+        search.add(mistake);
+    }
+    add_scoped_misreadings(search, set, left);
+}
+
+/// Small failing images, several of each format and view, preferably of a size that tells rows from columns.
+fn probes(search: &Search, left: &[usize]) -> Vec<Vec<usize>> {
+    let mut kinds: BTreeMap<_, Vec<usize>> = BTreeMap::new();
+    for w in search.solvable(left) {
+        let witness = &search.witnesses[w];
+        let kind = (witness.case.format(), witness.observation.view.name());
+        kinds.entry(kind).or_default().push(w);
+    }
+    let is_small = |w: usize| match &search.witnesses[w].right {
+        Answer::Decoded(frame) => frame.width.min(frame.height) < MIN_PROBE_SIZE,
+        _ => true,
+    };
+    let mut probes: Vec<Vec<usize>> = kinds.into_values().collect();
+    for of_kind in &mut probes {
+        of_kind.sort_by_key(|&w| (is_small(w), search.samples(w)));
+        // Cases about different clauses differ in what they show.
+        *of_kind = spread(of_kind, |w| {
+            search.witnesses[w].case.clauses.first().cloned()
+        });
+        of_kind.truncate(MAX_PROBES);
+    }
+    probes
+}
+
+/// The edits that reproduce a probe exactly, everywhere or in the channels that are wrong, those that reproduce most first.
+fn fitting(search: &Search, set: &Set, probes: &[Vec<usize>]) -> Vec<Mistake> {
+    let taken: Vec<Formula> = set
+        .iter()
+        .flat_map(|&id| search.mistakes[id].misreading.at.formulas())
+        .collect();
+    let is_free = |misreading: &&Misreading| {
+        let formulas = misreading.at.formulas();
+        !formulas.iter().any(|formula| taken.contains(formula))
+    };
+    let of_channels = |probe: &Vec<usize>| wrong_channels(search, set, probe);
+    let mut channels: Vec<Channels> = probes.iter().map(of_channels).collect();
+    channels.push(Channels::All);
+    let mut candidates: Vec<(&'static Misreading, Channels)> = Vec::new();
+    for channels in [Channels::All].into_iter().chain(channels) {
+        if !candidates.iter().any(|(_, known)| *known == channels) {
+            let free = EDITS.iter().filter(is_free);
+            candidates.extend(free.map(|misreading| (misreading, channels)));
+        }
+    }
+    let mistake = |&(misreading, channels): &(&'static Misreading, Channels)| Mistake {
+        channels,
+        ..Mistake::everywhere(misreading)
+    };
+    let counts = search.each(&candidates, |candidate| {
+        if search.is_interrupted() || search.is_spent() {
+            return 0;
+        }
+        let mistake = mistake(candidate);
+        let fits = |&w: &usize| search.agreement_with(w, set, &mistake) == Agreement::Picture;
+        // Most edits do not reproduce the first probe, and then the others say little.
+        let of_kind = |of_kind: &Vec<usize>| match of_kind.iter().position(fits) {
+            Some(first) => 1 + of_kind[first + 1..].iter().filter(|w| fits(w)).count(),
+            None => 0,
+        };
+        probes.iter().map(of_kind).sum::<usize>()
+    });
+    let mut ranked: Vec<(usize, usize)> = counts.into_iter().enumerate().collect();
+    ranked.retain(|&(_, count)| count > 0);
+    ranked.sort_by_key(|&(place, count)| (Reverse(count), place));
+    ranked.truncate(MAX_EDITS);
+    ranked
+        .into_iter()
+        .map(|(place, _)| mistake(&candidates[place]))
+        .collect()
+}
+
+/// The channels in which these images are wrong.
+fn wrong_channels(search: &Search, set: &Set, probe: &[usize]) -> Channels {
+    let pairs: Vec<Pair> = probe
+        .iter()
+        .filter_map(|&w| pair_of(search, set, w))
+        .collect();
+    let count = pairs.first().map_or(0, |pair| pair.channels);
+    let is_wrong = |channel| pairs.iter().any(|pair| pair.wrong_channels()[channel]);
+    let wrong: Vec<bool> = (0..count).map(is_wrong).collect();
+    Channels::of(&wrong)
+}
+
+/// The mistake in every file, or in the files where no passing case contradicts it.
+fn scoped(search: &Search, set: &Set, mistake: &Mistake, left: &[usize]) -> Option<Mistake> {
+    let with_scope = |scope| Mistake {
+        misreading: mistake.misreading,
+        channels: mistake.channels,
+        scope,
+    };
+    let denied = search.denied_with(set, mistake);
+    if denied.is_empty() {
+        return Some(with_scope(Scope::All));
+    }
+    let fits = |w: &usize| search.agreement_with(*w, set, mistake) == Agreement::Picture;
+    let pictures = search.solvable(left);
+    let explained: Vec<usize> = pictures.iter().copied().filter(fits).collect();
+    let scoped = with_scope(scope_between(search.witnesses, &explained, &denied)?);
+    // Most failing files in the scope that the mistake changes are explained by it.
+    let acts = |w: &&usize| search.changes_with(**w, set, &scoped);
+    let acting = pictures.iter().filter(acts).count();
+    let is_supported = explained.len() >= MIN_CASES_OF_A_SCOPE && 2 * explained.len() >= acting;
+    is_supported.then_some(scoped)
+}
+
+/// Adds misreadings of the catalog that passing cases contradict, in the files in which they are made.
+fn add_scoped_misreadings(search: &mut Search, set: &Set, left: &[usize]) {
+    let is_open = |&id: &Id| {
+        let mistake = &search.mistakes[id];
+        mistake.of_catalog().is_some() && !set.contains(&id)
+    };
+    let open: Vec<Id> = (0..search.mistakes.len()).filter(is_open).collect();
+    let sample = search.sample(left);
+    let counts = search.each(&open, |&id| {
+        let with = [&set[..], &[id]].concat();
+        let explains = |&&w: &&usize| {
+            search.value(w, &with) >= WORTH_OF_A_REFUSAL
+                && search.value(w, set) < WORTH_OF_A_REFUSAL
+        };
+        sample.iter().filter(explains).count()
+    });
+    let mut ranked: Vec<(usize, Id)> = counts.into_iter().zip(open).collect();
+    ranked.retain(|&(count, _)| count > 1);
+    ranked.sort_by_key(|&(count, id)| (Reverse(count), id));
+    ranked.truncate(MAX_SCOPED_MISREADINGS);
+    let scopes = search.each(&ranked, |&(_, id)| {
+        scoped(search, set, &search.mistakes[id], left)
+            .filter(|mistake| mistake.scope != Scope::All)
+    });
+    for mistake in scopes.into_iter().flatten() {
+        search.add(mistake);
+    }
+}

@@ -1,0 +1,131 @@
+//! Mistakes that are a function of the correct value alone, read from the images: a table of stored values or stream samples.
+
+use std::collections::BTreeMap;
+
+use super::edits::misreading_of;
+use super::search::{Search, Set};
+use super::tuning::{MIN_TABLE_FILES, MIN_TABLE_TEXELS};
+use super::witness::Witness;
+use crate::formula::{Change, Edit, Formula};
+use crate::misreadings::Misreading;
+use crate::protocol::frame::{Answer, Frame, Samples, View};
+use crate::ptm::Ptm;
+use crate::session::observation::Response;
+
+/// The stored values that may have been shown as one value: a bit for each of 0 to 255.
+type Candidates = [bool; 256];
+
+/// What was shown for one correct value.
+struct Shown {
+    candidates: Candidates,
+    texels: usize,
+    files: Vec<usize>,
+}
+
+/// Returns misreadings by tables that explain wrong values in `left`: of all stored values, and of the samples of streams.
+pub(super) fn tables(search: &Search, set: &Set, left: &[usize]) -> Vec<&'static Misreading> {
+    let pictures = search.solvable(left);
+    let of_streams = |w: &usize| search.witnesses[*w].case.format().is_jpeg();
+    let (streams, values): (Vec<usize>, Vec<usize>) = pictures.into_iter().partition(of_streams);
+    let tables = [
+        table(search, set, &streams, true).map(|table| (Formula::StreamSample, table)),
+        table(search, set, &values, false).map(|table| (Formula::StoredValue, table)),
+    ];
+    let misreading = |(formula, table)| -> &'static Misreading {
+        let change = Change::Table(Box::new(table));
+        // Two tables for each diagnosis live as long as the program.
+        let edit: &'static Edit = Box::leak(Box::new(Edit { formula, change }));
+        Box::leak(Box::new(misreading_of(edit)))
+    };
+    tables.into_iter().flatten().map(misreading).collect()
+}
+
+/// The table by which every value of these images is explained, if each is a function of the correct value.
+fn table(search: &Search, set: &Set, pictures: &[usize], of_streams: bool) -> Option<[u8; 256]> {
+    let mut shown: BTreeMap<u8, Shown> = BTreeMap::new();
+    for &w in pictures {
+        let witness = &search.witnesses[w];
+        let (
+            Ok(ptm),
+            Response::Picture {
+                frame: Some(frame), ..
+            },
+        ) = (witness.decoded(), &witness.observation.response)
+        else {
+            continue;
+        };
+        // Files that corrections or predictions change are held against the table later.
+        let channels = ptm.planes.shape.channels();
+        let is_plain = |channel: usize| !of_streams || witness.is_of_stream(channel);
+        let sources = sources(search, set, witness, ptm, frame)?;
+        for (at, (&right, candidates)) in ptm.planes.samples.iter().zip(sources).enumerate() {
+            if !is_plain(at % channels) {
+                continue;
+            }
+            let known = shown.entry(right).or_insert_with(|| Shown {
+                candidates: [true; 256],
+                texels: 0,
+                files: Vec::new(),
+            });
+            for (known, is) in known.candidates.iter_mut().zip(candidates) {
+                *known &= is;
+            }
+            known.texels += 1;
+            if known.files.last() != Some(&w) {
+                known.files.push(w);
+            }
+        }
+    }
+    let mut table: [u8; 256] = std::array::from_fn(|value| value as u8);
+    let mut differing = 0;
+    for (&right, shown) in &shown {
+        if shown.candidates[usize::from(right)] {
+            continue;
+        }
+        let values = (0..=255u8).filter(|&value| shown.candidates[usize::from(value)]);
+        table[usize::from(right)] = values.min_by_key(|value| value.abs_diff(right))?;
+        // A value seen once, or in one file, may be anything.
+        differing +=
+            usize::from(shown.texels >= MIN_TABLE_TEXELS && shown.files.len() >= MIN_TABLE_FILES);
+    }
+    // A table is shorter than the data: most values of it are seen in several files.
+    let changed = (0..256)
+        .filter(|&value| usize::from(table[value]) != value)
+        .count();
+    (differing > 1 && 2 * differing >= changed).then_some(table)
+}
+
+/// For each sample of an image, the stored values of which a decoder with the mistakes of `set` makes it.
+fn sources(
+    search: &Search,
+    set: &Set,
+    witness: &Witness,
+    ptm: &Ptm,
+    frame: &Frame,
+) -> Option<Vec<Candidates>> {
+    match (&witness.observation.view, &frame.samples) {
+        (View::Raw, Samples::U8(samples)) => {
+            let only = |&shown: &u8| std::array::from_fn(|value| value == usize::from(shown));
+            Some(samples.iter().map(only).collect())
+        }
+        (View::Coef, Samples::F32(samples)) => {
+            let mut sources = vec![[false; 256]; samples.len()];
+            for value in 0..=255u8 {
+                let mut uniform = ptm.clone();
+                uniform.planes.samples.fill(value);
+                let Answer::Decoded(Frame {
+                    samples: Samples::F32(made),
+                    ..
+                }) = witness.show(&search.mistakes_of(set), &uniform)
+                else {
+                    return None;
+                };
+                for (at, (made, shown)) in made.iter().zip(samples).enumerate() {
+                    sources[at][usize::from(value)] = made == shown;
+                }
+            }
+            Some(sources)
+        }
+        _ => None,
+    }
+}

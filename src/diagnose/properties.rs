@@ -1,0 +1,416 @@
+//! Properties of a file, by which files that are treated alike can be described. Each was needed for a real reader, or is a key
+//! of `make:` in the cases.
+
+use super::witness::Witness;
+use crate::generate::Recipe;
+use crate::generate::plan::Compression;
+use crate::generate::planes::StoredPlane;
+use crate::generate::spelling::{Count, Line, Lists};
+use crate::protocol::frame::{Answer, View};
+use crate::ptm::{Field, Format};
+
+/// All that is known of one file.
+pub(super) struct Facts {
+    /// For each of [`PROPERTIES`], whether the file has it.
+    pub properties: Vec<bool>,
+    /// For each of [`QUANTITIES`], its value.
+    pub quantities: Vec<Option<f64>>,
+}
+
+impl Facts {
+    pub fn of(witness: &Witness) -> Facts {
+        let file = File::of(witness);
+        Facts {
+            properties: PROPERTIES
+                .iter()
+                .map(|(_, _, holds)| holds(&file))
+                .collect(),
+            quantities: QUANTITIES
+                .iter()
+                .map(|quantity| (quantity.value)(&file))
+                .collect(),
+        }
+    }
+}
+
+/// A file as the properties see it.
+pub(super) struct File<'a> {
+    view: &'a View,
+    format: Format,
+    size: Option<(u32, u32)>,
+    recipe: Option<&'a Recipe>,
+    plan: Option<&'a Compression>,
+    planes: &'a [StoredPlane],
+    header: &'a [u8],
+    data: &'a [u8],
+    /// The texts of scales, biases and matrix elements.
+    numbers: [Vec<&'a str>; 3],
+}
+
+impl<'a> File<'a> {
+    fn of(witness: &'a Witness) -> File<'a> {
+        let file = &witness.built.file;
+        let (header, data) = file.split_at(witness.payload().min(file.len()));
+        let texts = |clause: &str| -> Vec<&str> {
+            let fields = witness
+                .fields()
+                .iter()
+                .filter(|field| field.clause == clause);
+            let text = |field: &Field| std::str::from_utf8(&file[field.range.clone()]).ok();
+            fields.filter_map(text).collect()
+        };
+        let compressed = witness.model().and_then(|model| model.compressed.as_ref());
+        File {
+            view: &witness.observation.view,
+            format: witness.case.format(),
+            size: match &witness.right {
+                Answer::Decoded(frame) => Some((frame.width, frame.height)),
+                _ => None,
+            },
+            recipe: witness.case.recipe(),
+            plan: witness.case.compression(),
+            planes: compressed.map_or(&[], |compressed| &compressed.planes),
+            header,
+            data,
+            numbers: [texts("2.4/3"), texts("2.4/4"), texts("2.6/2")],
+        }
+    }
+
+    fn is_made(&self, holds: impl Fn(&Recipe) -> bool) -> bool {
+        self.recipe.is_some_and(holds)
+    }
+
+    fn is_planned(&self, holds: impl Fn(&Compression) -> bool) -> bool {
+        self.plan.is_some_and(holds)
+    }
+
+    fn has_size(&self, holds: impl Fn(u32, u32) -> bool) -> bool {
+        self.size
+            .is_some_and(|(width, height)| holds(width, height))
+    }
+
+    fn has_space(&self, line: Line) -> bool {
+        self.is_made(|recipe| recipe.spelling.space_before_newline.contains(&line))
+    }
+
+    fn has_number(&self, holds: impl Fn(&str) -> bool) -> bool {
+        self.numbers.iter().flatten().any(|text| holds(text))
+    }
+
+    fn starts_with(&self, holds: impl Fn(u8) -> bool) -> bool {
+        self.data.first().is_some_and(|&byte| holds(byte))
+    }
+
+    fn entries(&self) -> Option<u32> {
+        let recipe = self.recipe.filter(|recipe| recipe.format.has_table())?;
+        Some(recipe.entries)
+    }
+
+    fn light(&self) -> Option<(f64, f64)> {
+        match self.view {
+            View::Rgb(light) => Some((light.lu, light.lv)),
+            _ => None,
+        }
+    }
+
+    /// The motion vectors of predicted planes that are displaced.
+    fn vectors(&self) -> Vec<(i32, i32)> {
+        let Some(plan) = self.plan.filter(|plan| plan.moves()) else {
+            return Vec::new();
+        };
+        let at = |list: &[i32], plane: usize| list.get(plane).copied().unwrap_or_default();
+        let predicted = (0..plan.order.len()).filter(|&plane| plan.reference(plane).is_some());
+        let vector = |plane| (at(&plan.motion_x, plane), at(&plan.motion_y, plane));
+        predicted.map(vector).collect()
+    }
+
+    /// Returns true if a plane that is predicted, or one that is not, has side information.
+    fn has_records(&self, predicted: bool) -> bool {
+        let mut planes = self.planes.iter().enumerate();
+        planes.any(|(plane, stored)| {
+            let reference = self.plan.and_then(|plan| plan.reference(plane));
+            !stored.records.is_empty() && reference.is_some() == predicted
+        })
+    }
+
+    /// The largest position, or another number, of all records.
+    fn largest_of_records(&self, of: fn(&StoredPlane) -> Option<u32>) -> Option<f64> {
+        self.planes.iter().filter_map(of).max().map(f64::from)
+    }
+}
+
+/// Words that complete "files …", whether it is the view that was asked for, and the condition.
+type Property = (&'static str, bool, fn(&File) -> bool);
+
+const fn of(words: &'static str, holds: fn(&File) -> bool) -> Property {
+    (words, false, holds)
+}
+
+pub(super) const PROPERTIES: &[Property] = &[
+    // What is asked for
+    ("if stored values are asked for", true, |f| {
+        *f.view == View::Raw
+    }),
+    ("if final values are asked for", true, |f| {
+        *f.view == View::Coef
+    }),
+    ("if colors are asked for", true, |f| f.light().is_some()),
+    of("under a light whose u is negative", |f| {
+        f.light().is_some_and(|(u, _)| u < 0.0)
+    }),
+    of("under a light whose v is negative", |f| {
+        f.light().is_some_and(|(_, v)| v < 0.0)
+    }),
+    of("under a light other than (0, 0)", |f| {
+        f.light().is_some_and(|light| light != (0.0, 0.0))
+    }),
+    of("under a light outside the unit circle", |f| {
+        f.light().is_some_and(|(u, v)| u * u + v * v > 1.0)
+    }),
+    // Formats
+    of("with compressed planes", |f| f.format.is_compressed()),
+    of("without compressed planes", |f| !f.format.is_compressed()),
+    of("with JPEG planes", |f| f.format.is_jpeg()),
+    of("with JPEG-LS planes", |f| f.format.is_jpeg_ls()),
+    of("with a lookup table", |f| f.format.has_table()),
+    of("with 18 channels", |f| f.format.channels() == 18),
+    of("with a table of more than 256 entries", |f| {
+        f.entries().is_some_and(|n| n > 256)
+    }),
+    of("with a table of 256 entries", |f| f.entries() == Some(256)),
+    // Spelling
+    of("with width and height on one line", |f| {
+        f.is_made(|r| !r.spelling.size_on_two_lines)
+    }),
+    of("with width and height on two lines", |f| {
+        f.is_made(|r| r.spelling.size_on_two_lines)
+    }),
+    of("with scales and biases on one line", |f| {
+        f.is_made(|r| !r.spelling.scale_bias_on_two_lines)
+    }),
+    of("with scales and biases on two lines", |f| {
+        f.is_made(|r| r.spelling.scale_bias_on_two_lines)
+    }),
+    of("with several spaces between two numbers", |f| {
+        f.is_made(|r| r.spelling.gap > 1)
+    }),
+    of("with a space before a line feed", |f| {
+        f.is_made(|r| !r.spelling.space_before_newline.is_empty())
+    }),
+    of("with a space after the version", |f| {
+        f.has_space(Line::Version)
+    }),
+    of("with a space after the format", |f| {
+        f.has_space(Line::Format)
+    }),
+    of("with a space after the width", |f| f.has_space(Line::Width)),
+    of("with a space after the height", |f| {
+        f.has_space(Line::Height)
+    }),
+    of("with a space after the scales", |f| {
+        f.has_space(Line::Scale)
+    }),
+    of("with a space after the biases", |f| f.has_space(Line::Bias)),
+    of("with the matrix on several lines", |f| {
+        f.format == Format::Lum && f.is_made(|r| r.spelling.matrix_line < 16)
+    }),
+    of(
+        "with the number of entries written as a number alone",
+        |f| f.format.has_table() && f.is_made(|r| r.spelling.count == Count::Number),
+    ),
+    of(
+        "with the numbers of a list on several lines or of several lists on one",
+        |f| f.format.is_compressed() && f.is_made(|r| r.spelling.lists != Lists::default()),
+    ),
+    // Numbers
+    of("with a negative bias", |f| {
+        f.numbers[1].iter().any(|text| text.starts_with('-'))
+    }),
+    of("with a negative scale", |f| {
+        f.numbers[0].iter().any(|text| text.starts_with('-'))
+    }),
+    of("with a number in scientific notation", |f| {
+        f.has_number(|text| text.contains(['e', 'E']))
+    }),
+    of("with a number that starts with a plus sign", |f| {
+        f.has_number(|text| text.starts_with('+'))
+    }),
+    of(
+        "with a number that starts or ends with its decimal point",
+        |f| {
+            f.has_number(|text| {
+                text.trim_start_matches(['+', '-']).starts_with('.') || text.ends_with('.')
+            })
+        },
+    ),
+    of("with a number too small for a float", |f| {
+        f.has_number(|text| {
+            text.parse()
+                .is_ok_and(|value: f64| value != 0.0 && value as f32 == 0.0)
+        })
+    }),
+    // Data
+    of("with white space at the start of the binary data", |f| {
+        f.starts_with(|byte| matches!(byte, 9..=13 | b' '))
+    }),
+    of("with a line feed at the start of the binary data", |f| {
+        f.starts_with(|byte| byte == b'\n')
+    }),
+    // Size
+    of("of odd width", |f| f.has_size(|width, _| width % 2 == 1)),
+    of("of odd height", |f| f.has_size(|_, height| height % 2 == 1)),
+    of("with a width that is not a multiple of 4", |f| {
+        f.has_size(|width, _| width % 4 != 0)
+    }),
+    of("with a width or height that is not a multiple of 8", |f| {
+        f.has_size(|width, height| width % 8 != 0 || height % 8 != 0)
+    }),
+    of("of unequal width and height", |f| {
+        f.has_size(|width, height| width != height)
+    }),
+    of("wider than high", |f| {
+        f.has_size(|width, height| width > height)
+    }),
+    of("higher than wide", |f| {
+        f.has_size(|width, height| height > width)
+    }),
+    // Compression
+    of("with predicted planes", |f| {
+        f.is_planned(Compression::predicts)
+    }),
+    of("with a transform other than 0", |f| {
+        f.is_planned(|plan| plan.transforms.iter().any(|&transform| transform != 0))
+    }),
+    of("with inverted references", |f| {
+        f.is_planned(Compression::inverts)
+    }),
+    of("with displaced references", |f| {
+        f.is_planned(Compression::moves)
+    }),
+    of("with references that are inverted and displaced", |f| {
+        f.is_planned(|plan| plan.transforms.contains(&3))
+    }),
+    of("with motion vectors of half texels", |f| {
+        f.vectors().iter().any(|(x, y)| (x | y) & 1 == 1)
+    }),
+    of("with negative motion vectors", |f| {
+        f.vectors().iter().any(|(x, y)| *x < 0 || *y < 0)
+    }),
+    of("with an order other than 0, 1, 2, …", |f| {
+        f.is_planned(|plan| {
+            plan.order
+                .iter()
+                .enumerate()
+                .any(|(p, &rank)| rank != p as i64)
+        })
+    }),
+    of("with a plane predicted from a later one", |f| {
+        f.is_planned(|plan| {
+            (0..plan.order.len()).any(|p| plan.reference(p).is_some_and(|other| other > p))
+        })
+    }),
+    of("with a plane predicted from a predicted one", |f| {
+        f.is_planned(|plan| {
+            (0..plan.order.len())
+                .any(|p| plan.reference(p).and_then(|q| plan.reference(q)).is_some())
+        })
+    }),
+    of("with side information", |f| {
+        f.planes.iter().any(|plane| !plane.records.is_empty())
+    }),
+    of("with side information of intra planes", |f| {
+        f.has_records(false)
+    }),
+    of("with side information of predicted planes", |f| {
+        f.has_records(true)
+    }),
+    of("with a compression parameter of 0", |f| {
+        f.is_planned(|plan| plan.parameter == 0)
+    }),
+    of("with restart markers", |f| {
+        f.is_planned(|plan| plan.stream.restart_interval > 0)
+    }),
+    of("with several tables in one marker segment", |f| {
+        f.is_planned(|plan| plan.stream.tables_together)
+    }),
+    of("with unused tables in their streams", |f| {
+        f.is_planned(|plan| plan.stream.table_numbers.is_some())
+    }),
+    of("with optimized Huffman tables", |f| {
+        f.is_planned(|plan| plan.stream.optimized)
+    }),
+    of("with 16-bit quantization tables", |f| {
+        f.format.is_jpeg() && f.is_planned(|plan| !plan.stream.baseline && plan.parameter < 24)
+    }),
+    of("with sampling factors other than 1x1", |f| {
+        f.format.is_jpeg() && f.is_planned(|plan| plan.stream.sampling != (1, 1))
+    }),
+    of("with preset parameters (LSE)", |f| {
+        f.is_planned(|plan| plan.stream.presets.is_some())
+    }),
+];
+
+/// A number that files have.
+pub(super) struct Quantity {
+    /// The clause about it.
+    pub clause: &'static str,
+    /// Words before and after "17 or more".
+    pub words: [&'static str; 2],
+    value: fn(&File) -> Option<f64>,
+}
+
+const fn quantity(
+    clause: &'static str,
+    after: &'static str,
+    value: fn(&File) -> Option<f64>,
+) -> Quantity {
+    Quantity {
+        clause,
+        words: ["with", after],
+        value,
+    }
+}
+
+pub(super) const QUANTITIES: &[Quantity] = &[
+    quantity("2.3/1", "texels", |f| {
+        f.size.map(|(w, h)| f64::from(w) * f64::from(h))
+    }),
+    quantity("2.3/1", "columns", |f| {
+        f.size.map(|(width, _)| f64::from(width))
+    }),
+    quantity("2.3/1", "rows", |f| {
+        f.size.map(|(_, height)| f64::from(height))
+    }),
+    quantity("2.3/1", "columns or rows", |f| {
+        f.size.map(|(w, h)| f64::from(w.max(h)))
+    }),
+    quantity("2.0/1", "bytes in one line of the header", |f| {
+        let lines = f.header.split(|&byte| byte == b'\n').map(<[u8]>::len);
+        lines.max().map(|longest| longest as f64)
+    }),
+    quantity("2.5/2", "table entries", |f| f.entries().map(f64::from)),
+    quantity("2.9.4/3", "as their largest rank", |f| {
+        f.plan?.order.iter().max().map(|&rank| rank as f64)
+    }),
+    quantity("2.9.3/1", "half texels of motion", |f| {
+        let farthest = f.vectors().iter().map(|(x, y)| x.abs().max(y.abs())).max();
+        farthest.map(f64::from)
+    }),
+    quantity("2.9.8/4", "records in one plane", |f| {
+        f.largest_of_records(|plane| u32::try_from(plane.records.len()).ok())
+    }),
+    quantity("2.9.8/5", "as their largest position of a record", |f| {
+        f.largest_of_records(|plane| plane.records.iter().map(|record| record.0).max())
+    }),
+    quantity("2.9.1/1", "as their JPEG quality", |f| {
+        let plan = f.plan.filter(|_| f.format.is_jpeg())?;
+        Some(f64::from(plan.parameter))
+    }),
+    quantity("2.9.1/1", "as their maximum loss", |f| {
+        let plan = f.plan.filter(|_| f.format.is_jpeg_ls())?;
+        Some(f64::from(plan.parameter))
+    }),
+    quantity("1.0/2", "as the length of (u, v)", |f| {
+        f.light().map(|(u, v)| u.hypot(v))
+    }),
+];

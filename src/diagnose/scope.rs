@@ -1,0 +1,179 @@
+//! Sets of files, by a property that they share.
+
+use super::properties::{PROPERTIES, QUANTITIES};
+use super::tuning::{CHANCE_OF_A_PROPERTY, MIN_FILES_OF_A_SIZE, MIN_SHARING_FILES};
+use super::witness::Witness;
+use crate::ptm::Format;
+
+/// The files in which a mistake is made.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Scope {
+    All,
+    Formats(Vec<Format>),
+    /// Files with a property, by its place in [`PROPERTIES`].
+    Property(usize),
+    /// Files with a quantity, by its place in [`QUANTITIES`], of at least or at most `nearest`; other files reach `edge`.
+    Beyond {
+        quantity: usize,
+        nearest: f64,
+        is_more: bool,
+        edge: f64,
+    },
+}
+
+impl Scope {
+    pub fn holds(&self, witness: &Witness) -> bool {
+        match self {
+            Scope::All => true,
+            Scope::Formats(formats) => formats.contains(&witness.case.format()),
+            Scope::Property(place) => witness.facts().properties[*place],
+            Scope::Beyond {
+                quantity,
+                nearest,
+                is_more,
+                ..
+            } => {
+                let value = witness.facts().quantities[*quantity];
+                value.is_some_and(|value| match is_more {
+                    true => value >= *nearest,
+                    false => value <= *nearest,
+                })
+            }
+        }
+    }
+
+    /// Returns the clause about the property, if it is one number of the header.
+    pub fn clause(&self) -> Option<&'static str> {
+        match self {
+            Scope::Beyond { quantity, .. } => Some(QUANTITIES[*quantity].clause),
+            _ => None,
+        }
+    }
+
+    /// Completes "every file …".
+    pub fn describe(&self) -> String {
+        match self {
+            Scope::All => String::new(),
+            Scope::Formats(formats) => {
+                let names: Vec<&str> = formats.iter().map(|format| format.short_name()).collect();
+                format!("of format {}", names.join(", "))
+            }
+            Scope::Property(place) => PROPERTIES[*place].0.to_owned(),
+            Scope::Beyond {
+                quantity,
+                nearest,
+                is_more,
+                edge,
+            } => {
+                let [before, after] = QUANTITIES[*quantity].words;
+                let side = if *is_more { "more" } else { "less" };
+                format!("{before} {nearest} or {side} {after} (it reads {edge})")
+            }
+        }
+    }
+}
+
+/// A scope, and the files of one group that are in it.
+pub(super) struct Shared {
+    pub scope: Scope,
+    pub of: Vec<usize>,
+}
+
+/// Returns the scope that has most of `these` files and none of `others`, if it is no coincidence. The view that was asked for
+/// is a property only if `with_view`.
+pub(super) fn shared_scope(
+    witnesses: &[Witness],
+    these: &[usize],
+    others: &[usize],
+    with_view: bool,
+) -> Option<Shared> {
+    let has_none = |scope: &Scope| !others.iter().any(|&w| scope.holds(&witnesses[w]));
+    let formats = Format::ALL.map(|format| Scope::Formats(vec![format]));
+    let places = (0..PROPERTIES.len()).filter(|&place| with_view || !PROPERTIES[place].1);
+    let scopes: Vec<Scope> = formats
+        .into_iter()
+        .chain(places.map(Scope::Property))
+        .chain(thresholds(witnesses, these, others))
+        .collect();
+    let found = scopes.iter().map(|scope| {
+        let of = these
+            .iter()
+            .copied()
+            .filter(|&w| scope.holds(&witnesses[w]));
+        (scope, of.collect::<Vec<usize>>())
+    });
+    let found: Vec<(&Scope, Vec<usize>)> = found.filter(|(_, of)| !of.is_empty()).collect();
+    // Each of the others could have been among these files.
+    let part = these.len() as f64 / (these.len() + others.len()) as f64;
+    let is_telling = |count: usize| {
+        let chance = part.powi(count as i32) * found.len() as f64;
+        count >= MIN_SHARING_FILES && chance * CHANCE_OF_A_PROPERTY < 1.0
+    };
+    let telling = found
+        .iter()
+        .filter(|(scope, of)| is_telling(of.len()) && has_none(scope));
+    let most = telling.clone().map(|(_, of)| of.len()).max()?;
+    let mut widest = telling.filter(|(_, of)| of.len() == most);
+    let (scope, of) = widest.next()?;
+    Some(Shared {
+        scope: (*scope).clone(),
+        of: of.clone(),
+    })
+}
+
+/// Quantities beyond which there is none of the others and all of these that have the quantity.
+fn thresholds(witnesses: &[Witness], these: &[usize], others: &[usize]) -> Vec<Scope> {
+    let mut found = Vec::new();
+    for quantity in 0..QUANTITIES.len() {
+        let values = |of: &[usize]| -> Vec<f64> {
+            let values = of
+                .iter()
+                .map(|&w| witnesses[w].facts().quantities[quantity]);
+            values.flatten().collect()
+        };
+        let (mine, theirs) = (values(these), values(others));
+        let least = |of: &[f64]| of.iter().copied().fold(f64::MAX, f64::min);
+        let most = |of: &[f64]| of.iter().copied().fold(f64::MIN, f64::max);
+        // One size that is read bounds nothing unless several files have it.
+        let is_one = least(&theirs) == most(&theirs) && theirs.len() < MIN_FILES_OF_A_SIZE;
+        if mine.is_empty() || theirs.is_empty() || is_one {
+            continue;
+        }
+        for (is_more, nearest, edge) in [
+            (true, least(&mine), most(&theirs)),
+            (false, most(&mine), least(&theirs)),
+        ] {
+            if if is_more {
+                nearest > edge
+            } else {
+                nearest < edge
+            } {
+                found.push(Scope::Beyond {
+                    quantity,
+                    nearest,
+                    is_more,
+                    edge,
+                });
+            }
+        }
+    }
+    found
+}
+
+/// Returns the scope of a mistake that explains some failing files and that some passing files deny: their formats, if these
+/// differ, or a property.
+pub(super) fn scope_between(
+    witnesses: &[Witness],
+    explained: &[usize],
+    denied: &[usize],
+) -> Option<Scope> {
+    let format = |w: &usize| witnesses[*w].case.format();
+    let is_denied = |one: Format| denied.iter().any(|w| format(w) == one);
+    if explained.len() >= MIN_SHARING_FILES && !explained.iter().any(|w| is_denied(format(w))) {
+        let mut formats = Format::ALL.to_vec();
+        formats.retain(|&one| explained.iter().any(|w| format(w) == one));
+        return Some(Scope::Formats(formats));
+    }
+    let shared = shared_scope(witnesses, explained, denied, false)?;
+    (shared.of.len() == explained.len()).then_some(shared.scope)
+}

@@ -1,0 +1,92 @@
+//! The numbers that decide what the diagnosis accepts, how it ranks, and how long it searches: one constant a line, its reason
+//! above it.
+
+// Worth of an answer that a mistake reproduces
+/// An image that is equal to the byte is no accident.
+pub(super) const WORTH_OF_AN_IMAGE: i64 = 16;
+/// Many mistakes end in a refusal, so it says half as much as an image.
+pub(super) const WORTH_OF_A_REFUSAL: i64 = 8;
+/// A crash where the mistake refuses says still less; it is the least for which a mistake is named.
+pub(super) const WORTH_OF_A_CRASH: i64 = 3;
+/// Part of an image, where other channels stay wrong, says less than a refusal.
+pub(super) const WORTH_OF_PART_OF_AN_IMAGE: usize = 6;
+/// A refusal where an image was shown: the mistake cannot be there.
+pub(super) const WORTH_OF_A_REFUSAL_OF_AN_IMAGE: i64 = -8;
+/// A passing case that the mistake would fail denies as much as an image confirms.
+pub(super) const WORTH_OF_A_CONTRADICTION: i64 = -16;
+/// Both answers to a lenient file are right, but the decoder gave the other one.
+pub(super) const WORTH_OF_ANOTHER_LENIENT_ANSWER: i64 = -1;
+
+// What the search tries
+/// Real readers make up to eight mistakes that show.
+pub(super) const MAX_MISTAKES: usize = 8;
+/// Failing cases unlike each other on which every mistake is first tried.
+pub(super) const MAX_SAMPLE: usize = 40;
+/// Mistakes that are held against every case: of equal promise there may be dozens.
+pub(super) const MAX_FINALISTS: usize = 64;
+/// Samples of an image on which no mistake need be tried if smaller files fail alike.
+pub(super) const MAX_SAMPLES_OF_A_SMALL_IMAGE: usize = 1 << 13;
+/// Samples of an image that are as much work as one small file.
+pub(super) const SAMPLES_OF_A_UNIT_OF_WORK: usize = 512;
+/// Units of work in all: about five seconds of processor time.
+pub(super) const MAX_WORK: usize = 400_000;
+/// Units of work in search of two mistakes that hide each other.
+pub(super) const MAX_WORK_ON_PAIRS: usize = 40_000;
+/// A mistake that leaves one in so many failures unexplained needs no search for a better one.
+pub(super) const NEARLY_ALL: usize = 20;
+/// Failures that a further mistake, or another reading of the open questions, must explain to be believed.
+pub(super) const MIN_FAILURES_OF_A_READING: usize = 4;
+
+// Edits of formulas
+/// Failing files of one format and view on which every edit is tried.
+pub(super) const MAX_PROBES: usize = 3;
+/// Texels along each axis below which rows, columns and texels cannot be told apart.
+pub(super) const MIN_PROBE_SIZE: u32 = 3;
+/// Edits that are held against every case.
+pub(super) const MAX_EDITS: usize = 24;
+/// Misreadings for which the files in which they are made are looked for.
+pub(super) const MAX_SCOPED_MISREADINGS: usize = 12;
+/// Failing files that support a scope.
+pub(super) const MIN_CASES_OF_A_SCOPE: usize = 3;
+/// Texels and files in which a value of a learned table must occur.
+pub(super) const MIN_TABLE_TEXELS: usize = 2;
+/// As above.
+pub(super) const MIN_TABLE_FILES: usize = 2;
+
+// Coincidences
+/// A property is named if one in so many suites would have it by chance.
+pub(super) const CHANCE_OF_A_PROPERTY: f64 = 50.0;
+/// Files that share a property.
+pub(super) const MIN_SHARING_FILES: usize = 2;
+/// Files of one size that bound those of others.
+pub(super) const MIN_FILES_OF_A_SIZE: usize = 3;
+/// A mistake that explains one in so many failures, none about its clause, agrees with them by chance.
+pub(super) const STRAY_SHARE: usize = 12;
+/// One image among so many refusals agrees by chance.
+pub(super) const REFUSALS_PER_CHANCE_IMAGE: usize = 12;
+/// A property is named if it explains one in so many of the failures that nothing else explains.
+pub(super) const MIN_SHARE_OF_A_PROPERTY: usize = 5;
+
+#[cfg(test)]
+mod tests {
+    /// Prints the table, and bounds its length: each number is one more thing to get wrong.
+    #[test]
+    fn at_most_thirty_numbers_decide() {
+        let source = include_str!("tuning.rs");
+        let mut rows = 0;
+        let mut reason = "";
+        for line in source.lines() {
+            if let Some(text) = line.strip_prefix("/// ") {
+                reason = text;
+            } else if let Some((name, value)) = line
+                .strip_prefix("pub(super) const ")
+                .and_then(|rest| rest.split_once(": "))
+            {
+                let value = value.split_once("= ").map_or("", |parts| parts.1);
+                println!("{name:<34} {:<10} {reason}", value.trim_end_matches(';'));
+                rows += 1;
+            }
+        }
+        assert!((1..=30).contains(&rows), "{rows} numbers");
+    }
+}

@@ -1,0 +1,96 @@
+//! How the text computes one value, with the numbers of the file.
+
+use crate::diagnose::witness::Witness;
+use crate::protocol::frame::View;
+use crate::ptm::{Ptm, Shape};
+use crate::suite::compare;
+
+/// The steps from stored values to one value of a picture; nothing for stored values, which are what they are.
+pub(in crate::diagnose) fn arithmetic(
+    witness: &Witness,
+    texel: usize,
+    channel: usize,
+) -> Option<String> {
+    let ptm = witness.decoded().as_ref().ok()?;
+    steps(ptm, &witness.observation.view, texel, channel)
+}
+
+/// The same of a view of a map.
+#[must_use]
+pub fn steps(ptm: &Ptm, view: &View, texel: usize, channel: usize) -> Option<String> {
+    let raw = ptm.planes.texels().nth(texel)?;
+    match view {
+        View::Coef if channel < ptm.planes.shape.coefficients() => {
+            Some(final_value(ptm, raw, channel))
+        }
+        View::Raw | View::Coef => None,
+        View::Rgb(light) => Some(color(ptm, raw, channel, (light.lu, light.lv))),
+    }
+}
+
+/// (raw − bias) · scale.
+fn final_value(ptm: &Ptm, raw: &[u8], channel: usize) -> String {
+    let numbers = &ptm.header.scale_bias;
+    format!(
+        "({} − {}) · {}",
+        raw[channel],
+        signed(numbers.bias[channel % 6]),
+        signed(numbers.scale[channel % 6])
+    )
+}
+
+fn color(ptm: &Ptm, raw: &[u8], color: usize, (u, v): (f64, f64)) -> String {
+    let numbers = &ptm.header.scale_bias;
+    let first = match ptm.planes.shape {
+        Shape::Rgb => 6 * color,
+        _ => 0,
+    };
+    let a: Vec<f64> = (0..6)
+        .map(|i| (f64::from(raw[first + i]) - numbers.bias[i]) * numbers.scale[i])
+        .collect();
+    let powers = [u * u, v * v, u * v, u, v, 1.0];
+    let sum: f64 = a.iter().zip(powers).map(|(a, power)| a * power).sum();
+    let terms: Vec<String> = a
+        .iter()
+        .zip(powers)
+        .map(|(a, power)| format!("{}·{}", signed(*a), signed(power)))
+        .collect();
+    let polynomial = format!(
+        "a0·u² + a1·v² + a2·u·v + a3·u + a4·v + a5 = {}",
+        terms.join(" + ")
+    );
+    match &ptm.planes.shape {
+        Shape::Rgb => polynomial,
+        Shape::Lrgb => format!(
+            "L · {} / 255 with L = {} = {polynomial}",
+            raw[6 + color],
+            short(sum)
+        ),
+        Shape::Lum(matrix) => {
+            let row = |column: usize| signed(matrix.0[4 * column + color]);
+            format!(
+                "{}·Y + {}·Cr + {}·Cb + {} with Y = {}, Cr = {}, Cb = {} and Y = {polynomial}",
+                row(0),
+                row(1),
+                row(2),
+                row(3),
+                short(sum),
+                raw[6],
+                raw[7]
+            )
+        }
+    }
+}
+
+/// A number that may follow a sign.
+fn signed(value: f64) -> String {
+    match value < 0.0 {
+        true => format!("(−{})", short(-value)),
+        false => short(value),
+    }
+}
+
+/// A number with four digits after its point at most.
+fn short(value: f64) -> String {
+    compare::short(value, 4)
+}

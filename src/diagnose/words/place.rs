@@ -1,0 +1,405 @@
+//! Wrong images of unknown cause: the step at which values first differ, in which channels and files, and one example.
+
+use std::collections::BTreeMap;
+
+use super::arithmetic::arithmetic;
+use super::formats::formats_of;
+use crate::diagnose::diagnosis::{Category, Diagnosis, Words};
+use crate::diagnose::pair::Pair;
+use crate::diagnose::scope::shared_scope;
+use crate::diagnose::search::{Id, Search, without};
+use crate::diagnose::tuning::MIN_SHARING_FILES;
+use crate::diagnose::witness::Witness;
+use crate::protocol::frame::{Answer, Frame, View};
+use crate::ptm::{Format, channel_name};
+use crate::session::observation::Response;
+use crate::suite::cases::Expect;
+use crate::suite::compare::{Expected, ExpectedValues, apart};
+use crate::suite::origin;
+
+/// Formats and channels that are listed.
+const MAX_LISTED: usize = 3;
+
+/// The step at which the values of an image first differ, as far as one image shows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum Step {
+    Shape,
+    Choice,
+    Malformed,
+    Places,
+    Stream,
+    Prediction,
+    Correction,
+    StoredValue,
+    FinalValue,
+    Color,
+}
+
+impl Step {
+    /// What a decoder shows, as a sentence without its subject.
+    fn effect(self) -> &'static str {
+        match self {
+            Step::Shape => "shows an image of another size or type",
+            Step::Choice => {
+                "shows images that another reading of an open question explains, but not the reading of its other images"
+            }
+            Step::Malformed => "shows an image of a file that must be refused",
+            Step::Places => "shows the right values in wrong places",
+            Step::Stream => "shows wrong values in planes that are neither predicted nor corrected",
+            Step::Prediction => {
+                "shows wrong values in predicted planes; planes that are not predicted are right"
+            }
+            Step::Correction => {
+                "shows wrong values at texels that side information corrects, and nowhere else"
+            }
+            Step::StoredValue => "shows wrong stored values",
+            Step::FinalValue => "shows wrong final values",
+            Step::Color => "shows wrong colors",
+        }
+    }
+
+    fn fix(self) -> &'static str {
+        match self {
+            Step::Shape => {
+                "compare width, height, channels and sample type with the frame that is expected"
+            }
+            Step::Choice => "keep to one reading of the question in all files",
+            Step::Malformed => "refuse the file with exit status 65",
+            Step::Places => "compare the order of rows, columns and blocks with the clause",
+            Step::Stream => {
+                "decode the example's stream with another JPEG or JPEG-LS decoder, and compare; the standards' test images help"
+            }
+            Step::Prediction => {
+                "compute the example's sample by hand from its residual and its reference"
+            }
+            Step::Correction => {
+                "follow the example's record by hand: its bytes, its position, its value"
+            }
+            Step::StoredValue => "compare the bytes that the example names with what is read there",
+            Step::FinalValue => "compute the example by hand: stored value, scale, bias",
+            Step::Color => {
+                "compute the example by hand: final values first, then the polynomial, then the color"
+            }
+        }
+    }
+
+    /// The clause that states the step.
+    fn clause(self, format: Format) -> Option<&'static str> {
+        Some(match (self, format) {
+            (Step::Places | Step::StoredValue, Format::Rgb) => "2.7.1/2",
+            (Step::Places | Step::StoredValue, Format::Lum) => "2.7.2/1",
+            (Step::Places | Step::StoredValue, Format::Lrgb) => "2.7.3/1",
+            (Step::Places | Step::StoredValue, Format::PtmLut) => "2.8.1/1",
+            (Step::Places | Step::StoredValue, Format::PtmCLut) => "2.8.2/1",
+            (Step::Places | Step::StoredValue, _) => "2.9.8/9",
+            (Step::Stream, _) => "2.9.8/3",
+            (Step::Prediction, _) => "2.9.5/4",
+            (Step::Correction, _) => "2.9.8/8",
+            (Step::FinalValue, _) => "2.4/8",
+            (Step::Color, Format::Lum) => "2.6/4",
+            (Step::Color, format) if format.channels() == 9 => "2.7.3/4",
+            (Step::Color, _) => "1.0/1",
+            _ => return None,
+        })
+    }
+}
+
+/// Describes the wrong images in `left`, those that first differ at one step together. `set` are the mistakes that were found.
+pub(in crate::diagnose) fn describe(search: &Search, set: &[Id], left: &[usize]) -> Vec<Diagnosis> {
+    let steps = search.each(left, |&w| step(search, set, w));
+    let mut groups: BTreeMap<(Step, Option<&str>), Vec<usize>> = BTreeMap::new();
+    for (step, &w) in steps.into_iter().zip(left) {
+        let clause = step.clause(search.witnesses[w].case.format());
+        groups.entry((step, clause)).or_default().push(w);
+    }
+    let diagnosis = |((step, clause), of): ((Step, Option<&'static str>), Vec<usize>)| {
+        difference(search, set, step, clause, &of)
+    };
+    groups.into_iter().map(diagnosis).collect()
+}
+
+fn difference(
+    search: &Search,
+    set: &[Id],
+    step: Step,
+    clause: Option<&'static str>,
+    of: &[usize],
+) -> Diagnosis {
+    let witnesses = search.witnesses;
+    let is_right = |w: &usize| !witnesses[*w].failed && witnesses[*w].case.expect == Expect::Decode;
+    let right: Vec<usize> = (0..witnesses.len()).filter(is_right).collect();
+    let shared = shared_scope(witnesses, of, &right, true);
+    let place = match shared {
+        Some(shared) if shared.of.len() == of.len() => {
+            format!(
+                ", in every file {} ({} files)",
+                shared.scope.describe(),
+                of.len()
+            )
+        }
+        _ => share_of_formats(witnesses, of),
+    };
+    let words = Words {
+        effect: format!("{}{}{place}", step.effect(), channels(search, set, of)),
+        fix: step.fix().to_owned(),
+        example: example_beside(search, set, smallest(witnesses, of)),
+    };
+    let described = Diagnosis::described(Category::Difference, witnesses, of, words);
+    match clause {
+        Some(clause) => described.about(clause),
+        None => described,
+    }
+}
+
+/// ", in 12 of 160 files of LRGB, LUM".
+fn share_of_formats(witnesses: &[Witness], of: &[usize]) -> String {
+    let format = |w: usize| witnesses[w].case.format();
+    let is_of = |w: &usize| {
+        witnesses[*w].case.expect == Expect::Decode
+            && of.iter().any(|&one| format(one) == format(*w))
+    };
+    let all = (0..witnesses.len()).filter(is_of).count().max(of.len());
+    let formats = formats_of(witnesses, of, MAX_LISTED);
+    let formats = formats
+        .strip_prefix(", in files of ")
+        .map_or(String::new(), |names| format!(" of {names}"));
+    format!(", in {} of {all} files{formats}", of.len())
+}
+
+/// ", only in a3", if nothing else is wrong in several images.
+fn channels(search: &Search, set: &[Id], of: &[usize]) -> String {
+    let pairs: Vec<Pair> = of.iter().filter_map(|&w| pair_of(search, set, w)).collect();
+    let count = pairs.first().map_or(0, |pair| pair.channels);
+    if of.len() < MIN_SHARING_FILES || pairs.iter().any(|pair| pair.channels != count) {
+        return String::new();
+    }
+    let is_wrong = |channel: usize| pairs.iter().any(|pair| pair.wrong_channels()[channel]);
+    let wrong: Vec<String> = (0..count)
+        .filter(|&channel| is_wrong(channel))
+        .map(|channel| channel_name(count, channel))
+        .collect();
+    match (1..=MAX_LISTED).contains(&wrong.len()) && wrong.len() < count {
+        true => format!(", only in {}", wrong.join(", ")),
+        false => String::new(),
+    }
+}
+
+/// The step at which the values of an image first differ.
+fn step(search: &Search, set: &[Id], w: usize) -> Step {
+    let witness = &search.witnesses[w];
+    let received = match &witness.observation.response {
+        Response::Picture {
+            frame: Some(received),
+            ..
+        } => received,
+        _ => return Step::Choice,
+    };
+    let made = search.made(w, set);
+    let ((Answer::Decoded(wanted), _) | (_, Answer::Decoded(wanted))) = (&*made, &witness.right)
+    else {
+        return Step::Malformed;
+    };
+    let Some(pair) = Pair::of(wanted, received) else {
+        return Step::Shape;
+    };
+    if is_rearranged(&pair) {
+        return Step::Places;
+    }
+    match &witness.observation.view {
+        View::Raw if witness.case.format().is_compressed() => step_of_planes(&pair, witness),
+        View::Raw => Step::StoredValue,
+        View::Coef => Step::FinalValue,
+        View::Rgb(_) => Step::Color,
+    }
+}
+
+/// Returns true if an image has the right values, but not in their places.
+fn is_rearranged(pair: &Pair) -> bool {
+    let sorted = |values: &[f64]| {
+        let mut bits: Vec<u64> = values.iter().map(|value| value.to_bits()).collect();
+        bits.sort_unstable();
+        bits
+    };
+    pair.wrong().len() > 2 && sorted(&pair.want) == sorted(&pair.got)
+}
+
+/// A stream is blamed only if a plane that is neither predicted nor corrected has wrong values, and not merely in wrong places.
+fn step_of_planes(pair: &Pair, witness: &Witness) -> Step {
+    let Some(coded) = witness.model().and_then(|model| model.compressed.as_ref()) else {
+        return Step::StoredValue;
+    };
+    let wrong = pair.wrong_channels();
+    let plain = |plane: &usize| wrong[*plane] && witness.is_of_stream(*plane);
+    let is_corrected = |i: &usize| {
+        let (texel, plane) = (i / pair.channels, i % pair.channels);
+        let (x, y) = (texel % pair.width, texel / pair.width);
+        let stored = (pair.height - 1 - y) * pair.width + x;
+        let mut records = coded.planes[plane].records.iter();
+        records.any(|&(position, _)| position as usize == stored)
+    };
+    let is_predicted = |plane: usize| coded.plan.reference(plane).is_some();
+    if pair.wrong().iter().all(is_corrected) {
+        Step::Correction
+    } else if (0..wrong.len()).all(|plane| !wrong[plane] || is_predicted(plane)) {
+        Step::Prediction
+    } else if (0..wrong.len()).any(|plane| plain(&plane)) {
+        let of_plane = |values: &[f64], plane: usize| -> Vec<f64> {
+            values
+                .iter()
+                .skip(plane)
+                .step_by(pair.channels)
+                .copied()
+                .collect()
+        };
+        let is_moved = |plane: usize| {
+            is_rearranged(&Pair {
+                width: pair.width,
+                height: pair.height,
+                channels: 1,
+                want: of_plane(&pair.want, plane),
+                got: of_plane(&pair.got, plane),
+                view: pair.view,
+            })
+        };
+        match (0..wrong.len()).filter(plain).all(is_moved) {
+            true => Step::Places,
+            false => Step::Stream,
+        }
+    } else {
+        Step::StoredValue
+    }
+}
+
+/// Returns true if the decoder goes wrong in `w` much as one with the mistake `member` does.
+pub(in crate::diagnose) fn is_near(search: &Search, w: usize, set: &[Id], member: Id) -> bool {
+    let witness = &search.witnesses[w];
+    let (with, without) = (search.made(w, set), search.made(w, &without(set, member)));
+    let (Answer::Decoded(with), Answer::Decoded(without)) = (&*with, &*without) else {
+        return false;
+    };
+    if with == without {
+        return false;
+    }
+    match &witness.observation.response {
+        Response::Picture {
+            frame: Some(shown), ..
+        } => {
+            let wrong = |made: &Frame| Some(Pair::of(made, shown)?.wrong().len());
+            matches!((wrong(with), wrong(without)), (Some(with), Some(without)) if with * 2 < without)
+        }
+        // A decoder that reads outside its data ends in one way here and in another there.
+        Response::Violation(Answer::Crashed(_)) => {
+            let clause = search.mistakes[member].misreading.clause;
+            ["2.5", "2.6", "2.8", "2.9"]
+                .iter()
+                .any(|section| clause.starts_with(section))
+        }
+        _ => false,
+    }
+}
+
+/// What was shown, and what a decoder with these mistakes shows, if both are images of one shape.
+pub(in crate::diagnose) fn pair_of(search: &Search, set: &[Id], w: usize) -> Option<Pair> {
+    match (
+        &search.witnesses[w].observation.response,
+        &*search.made(w, set),
+    ) {
+        (
+            Response::Picture {
+                frame: Some(shown), ..
+            },
+            Answer::Decoded(wanted),
+        ) => Pair::of(wanted, shown),
+        _ => None,
+    }
+}
+
+/// The smallest of these files, one that shows stored or final values if there is one.
+pub(in crate::diagnose) fn smallest(witnesses: &[Witness], of: &[usize]) -> usize {
+    let size = |w: &usize| (witnesses[*w].is_in_colors(), witnesses[*w].built.file.len());
+    let smallest = of.iter().copied().min_by_key(size);
+    smallest.expect("a diagnosis explains at least one case")
+}
+
+/// The first wrong sample of a file: received and expected, the arithmetic, and the bytes of the expected value.
+pub(in crate::diagnose) fn example(search: &Search, w: usize) -> String {
+    example_beside(search, &[], w)
+}
+
+/// The same, of a sample that the mistakes of `set` do not explain.
+fn example_beside(search: &Search, set: &[Id], w: usize) -> String {
+    let witness = &search.witnesses[w];
+    let id = &witness.case.id;
+    let first = pair_of(search, &[], w).and_then(|mut pair| {
+        if let Some(exact) = expected(witness, &pair) {
+            pair.want = exact;
+        }
+        let open = pair_of(search, set, w).map(|pair| pair.wrong());
+        let first = first_wrong(&pair, witness, &open.unwrap_or_default())?;
+        Some((pair, first))
+    });
+    let Some((pair, i)) = first else {
+        return format!("for example {id}: {}", witness.case.because);
+    };
+    let (texel, channel) = (i / pair.channels, i % pair.channels);
+    let (x, y) = (texel % pair.width, texel / pair.width);
+    let [got, want] = apart(pair.got[i], pair.want[i], 4);
+    let mut text = format!(
+        "for example {id}, texel ({x}, {y}), {}: received {got}, expected {want}",
+        pair.name(channel),
+    );
+    text.extend(arithmetic(witness, texel, channel).map(|steps| format!(" = {steps}")));
+    if pair.view != "rgb"
+        && let Ok(ptm) = witness.decoded()
+    {
+        let (case, file) = (witness.case, &witness.built.file);
+        let origins = origin::of_samples(case, file, ptm.planes.size, (x, y), channel..channel + 1);
+        for origin in origins {
+            let (start, end) = (origin.range.start, origin.range.end);
+            let bytes = match end - start {
+                1 => format!("byte {start} (0x{start:x})"),
+                _ => format!("bytes {start}–{}", end - 1),
+            };
+            text += &format!("; the expected value is from {bytes}, {}", origin.what);
+        }
+    }
+    text
+}
+
+/// The first wrong sample; of a compressed file the first stored one of the first plane that is not predicted from a wrong one.
+fn first_wrong(pair: &Pair, witness: &Witness, open: &[usize]) -> Option<usize> {
+    let mut wrong = pair.wrong();
+    let is_open = |i: &usize| open.binary_search(i).is_ok();
+    if wrong.iter().any(is_open) {
+        wrong.retain(is_open);
+    }
+    let coded = witness.model().and_then(|model| model.compressed.as_ref());
+    let Some(coded) = coded.filter(|_| pair.view != "rgb") else {
+        return wrong.first().copied();
+    };
+    let channels = pair.wrong_channels();
+    let is_root = |i: &usize| {
+        let reference = coded.plan.reference(i % pair.channels);
+        reference.is_none_or(|reference| !channels[reference])
+    };
+    let stored = |&i: &usize| {
+        let (texel, plane) = (i / pair.channels, i % pair.channels);
+        (
+            !is_root(&i),
+            plane,
+            pair.height - 1 - texel / pair.width,
+            texel % pair.width,
+        )
+    };
+    wrong.into_iter().min_by_key(stored)
+}
+
+/// The values that the suite expects, not rounded.
+fn expected(witness: &Witness, pair: &Pair) -> Option<Vec<f64>> {
+    let expected = Expected::of(&witness.built.values, &witness.observation.view)?;
+    let values = match expected.values {
+        ExpectedValues::Rgb(values) | ExpectedValues::Coef(values) => values,
+        ExpectedValues::Raw(_) => return None,
+    };
+    (values.len() == pair.want.len()).then_some(values)
+}

@@ -1,0 +1,234 @@
+//! What seven public readers answered to the suite, judged and diagnosed again.
+//!
+//! `tests/it/recordings/` has the answers of each reader, compressed, and `rows.yaml`: for each mistake that the reader's source
+//! shows, the cause that must be named, and statements that must not be made because its author could refute them.
+
+use std::collections::HashMap;
+use std::fs::File;
+use std::io::Read;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+
+use flate2::read::GzDecoder;
+use ptm_conform::Reading;
+use ptm_conform::diagnose::{Cause, diagnose};
+use ptm_conform::kit::yaml;
+use ptm_conform::misreadings;
+use ptm_conform::protocol::frame::{Answer, Frame};
+use ptm_conform::report::shards::Kept;
+use ptm_conform::runner::run::{Reply, Request};
+use ptm_conform::session::outcome::Outcome;
+use ptm_conform::session::plan::{Repeat, RunPlan};
+use ptm_conform::session::run::{Run, check};
+use ptm_conform::suite::cases::{Case, Suite, TableSpelling};
+use serde::Deserialize;
+use sha2::{Digest, Sha256};
+
+/// A reader, and what must and must not be said of it.
+#[derive(Deserialize)]
+struct Reader {
+    name: String,
+    rows: Vec<Row>,
+    forbidden: Vec<Forbidden>,
+}
+
+/// A mistake that the reader's source shows.
+#[derive(Deserialize)]
+struct Row {
+    mistake: String,
+    /// A slug, or part of the effect of a cause.
+    #[serde(default)]
+    cause: String,
+    /// Failing cases that stand under the cause.
+    #[serde(default)]
+    at_least: usize,
+    /// Why no case can show it.
+    #[serde(default)]
+    omitted: String,
+}
+
+/// A statement that is false, by parts of its text. The program once made it.
+#[derive(Deserialize)]
+struct Forbidden {
+    effect: String,
+    /// Part of the scope or of the example, if the effect alone is not false.
+    #[serde(default)]
+    and: String,
+}
+
+/// A cause as it is printed: how many cases it explains, its slug or effect, and its example.
+struct Said {
+    count: usize,
+    effect: String,
+    example: String,
+}
+
+impl Forbidden {
+    fn fires(&self, said: &Said) -> bool {
+        let text = format!("{} {}", said.effect, said.example);
+        said.effect.contains(&self.effect) && text.contains(&self.and)
+    }
+}
+
+fn folder() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/it/recordings")
+}
+
+/// The beginning of a digest, as answers are kept under.
+fn digest(file: &[u8]) -> String {
+    let digest = Sha256::digest(file);
+    digest[..8]
+        .iter()
+        .map(|byte| format!("{byte:02x}"))
+        .collect()
+}
+
+/// The answers by file and view. Files that the suite no longer has are never asked for.
+fn recorded(reader: &str) -> HashMap<(String, String), Kept<Frame>> {
+    let path = folder().join(format!("{reader}.answers.gz"));
+    let mut text = String::new();
+    let file = File::open(path).expect("the recording is there");
+    GzDecoder::new(file)
+        .read_to_string(&mut text)
+        .expect("the recording is text");
+    let answers = text
+        .lines()
+        .filter_map(|line| serde_json::from_str(line).ok());
+    answers
+        .filter(|kept: &Kept<Frame>| !kept.alone)
+        .map(|kept| ((kept.file.clone(), kept.view.clone()), kept))
+        .collect()
+}
+
+/// The run as it was, of all cases whose answers were recorded.
+fn replayed(suite: &Suite, reader: &str) -> Run {
+    let known = recorded(reader);
+    let is_recorded = |case: &Case| {
+        TableSpelling::all().any(|table| {
+            let file = digest(&case.build(table).file);
+            let mut views = case.views.iter();
+            views.any(|view| known.contains_key(&(file.clone(), view.to_string())))
+        })
+    };
+    let withheld = |case: &Case| (!is_recorded(case)).then(|| "no answer was recorded".to_owned());
+    let plan = RunPlan {
+        selected: vec![true; suite.cases.len()],
+        jobs: 2,
+        views: Vec::new(),
+        soonest: Vec::new(),
+        declared_views: None,
+        declared_kinds: None,
+        repeat: Repeat::Nothing,
+        withheld: suite.cases.iter().map(withheld).collect(),
+        precomputed: false,
+        stop: Arc::new(AtomicBool::new(false)),
+    };
+    let ask = |request: &Request<'_>, _: usize| -> Reply {
+        let key = (digest(request.file), request.view.to_string());
+        let Some(kept) = known.get(&key) else {
+            return Answer::Unsupported.into();
+        };
+        // An image that is equal to the expected one was not recorded.
+        let answer = kept
+            .answer
+            .clone()
+            .unwrap_or_else(|| misreadings::answer(&[], Reading::SPEC, request.file, request.view));
+        Reply {
+            stderr: kept.stderr.clone(),
+            exit: kept.exit,
+            ..answer.into()
+        }
+    };
+    check(suite, &plan, &ask, &|_, _, _, _| ())
+}
+
+/// Every cause that is named for a reader.
+fn causes(suite: &Suite, reader: &str) -> Vec<Said> {
+    let run = replayed(suite, reader);
+    let judged = run.judgement.cases.iter().flatten();
+    let failures = judged
+        .filter(|judged| judged.outcome == Outcome::Fail)
+        .count();
+    let found = diagnose(suite, &run, &[], 2);
+    assert!(found.faults.is_empty(), "{:?}", found.faults);
+    println!(
+        "\n{reader}: {failures} failures, {} answers computed",
+        found.answered
+    );
+    let said = found.diagnoses.into_iter().map(|diagnosis| {
+        let (effect, example) = match diagnosis.cause {
+            Cause::Misreading { misreading, .. } => {
+                let shows = diagnosis.shows.unwrap_or_default();
+                (format!("{} {shows}", misreading.slug), String::new())
+            }
+            Cause::Described {
+                effect, example, ..
+            } => (effect, example),
+        };
+        let said = Said {
+            count: diagnosis.explains.len() + diagnosis.partly.len(),
+            effect,
+            example,
+        };
+        println!(
+            "  {:>4} {}\n         {}",
+            said.count, said.effect, said.example
+        );
+        said
+    });
+    said.collect()
+}
+
+fn readers() -> Vec<Reader> {
+    let text = std::fs::read_to_string(folder().join("rows.yaml")).expect("rows.yaml");
+    yaml::from_yaml(&text).expect("rows.yaml is valid")
+}
+
+#[test]
+fn every_mistake_of_seven_readers_is_named_and_nothing_false_is_said() {
+    let suite = Suite::load().expect("the suite loads").prepared();
+    let mut missed = Vec::new();
+    for reader in readers() {
+        let said = causes(&suite, &reader.name);
+        for row in reader.rows.iter().filter(|row| row.omitted.is_empty()) {
+            let named = said.iter().filter(|said| said.effect.contains(&row.cause));
+            let count: usize = named.map(|said| said.count).sum();
+            println!(
+                "  {:<6} {:<40} {count} of {}",
+                row.mistake, row.cause, row.at_least
+            );
+            if count < row.at_least.max(1) {
+                missed.push(format!(
+                    "{}: {} ({}), {count}",
+                    reader.name, row.mistake, row.cause
+                ));
+            }
+        }
+        for forbidden in &reader.forbidden {
+            let made = said.iter().filter(|said| forbidden.fires(said));
+            missed.extend(made.map(|said| format!("{}: false: {}", reader.name, said.effect)));
+        }
+    }
+    assert!(missed.is_empty(), "{}", missed.join("\n"));
+}
+
+/// A forbidden statement that never fires would prove nothing: each fires on what the program said before.
+#[test]
+fn each_forbidden_statement_was_made_once() {
+    let text = std::fs::read_to_string(folder().join("before.yaml")).expect("before.yaml");
+    let before: HashMap<String, Vec<[String; 2]>> =
+        yaml::from_yaml(&text).expect("before.yaml is valid");
+    for reader in readers() {
+        let said = before[&reader.name].iter().map(|[effect, example]| Said {
+            count: 0,
+            effect: effect.clone(),
+            example: example.clone(),
+        });
+        let said: Vec<Said> = said.collect();
+        for forbidden in &reader.forbidden {
+            let fires = said.iter().any(|said| forbidden.fires(said));
+            assert!(fires, "{}: {} never fired", reader.name, forbidden.effect);
+        }
+    }
+}
