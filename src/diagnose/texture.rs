@@ -63,7 +63,7 @@ fn candidates(
 ) -> Vec<Candidate> {
     let own = CHOICES.under(&run.judgement.dialect, Rules::SPEC);
     let candidate = |misreading: &'static Misreading<Change>| {
-        let rules = (misreading.at)(own);
+        let rules = misreading.change(own);
         let explained = |&i: &usize| explains(run, i, &suite.cases[i], &rules);
         let explains: Vec<usize> = failing.iter().copied().filter(explained).collect();
         if explains.is_empty() {
