@@ -15,6 +15,7 @@ mod assume;
 mod attribution;
 mod codecs;
 mod coincidences;
+pub(crate) mod cover;
 mod credit;
 mod diagnosis;
 mod failure_mode;
