@@ -69,11 +69,11 @@ mod answer;
 pub use anatomy::{Anatomy, Seen};
 pub use answer::answer;
 #[cfg(any(unix, feature = "cli"))]
-pub(crate) use answer::misread;
+pub(crate) use answer::edits_of_planes;
 #[cfg(any(unix, feature = "tools"))]
 pub(crate) use answer::read;
 #[cfg(unix)]
-pub(crate) use answer::{edits_of_planes, refused, show};
+pub(crate) use answer::{misread, refused, show};
 pub use at::{At, Stage};
 pub use catalog::{all, named};
 pub use misreading::{Misreading, Sighting, Symptom};
