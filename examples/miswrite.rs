@@ -1,4 +1,4 @@
-//! A writer with a mistake of the catalogue, to be run by `ptm-conform check-writer`:
+//! A writer with a mistake of the catalog, for `ptm-conform check-writer`:
 //!
 //! ```text
 //! cargo build --release --example miswrite
@@ -29,7 +29,7 @@ fn main() -> ExitCode {
     }
 }
 
-/// Writes the file that a writer with this mistake writes: the right one where the mistake does not show.
+/// Writes the file of a writer with this mistake, or the right file if no rule makes a wrong one.
 fn write(slug: &str, request: &str, out: &Path) -> Result<u8, String> {
     let mistake = misreadings::named(slug).ok_or_else(|| format!("no misreading {slug}"))?;
     let read = |path: &str| std::fs::read(path).map_err(|error| format!("{path}: {error}"));

@@ -168,8 +168,10 @@ fn ask<C: WritingCase>(
     scratch: &Scratch,
     partial: &Partial,
 ) -> Run<C> {
-    let ask =
-        |request: &Request<'_, WriteView>, _: usize| asking::ask(writer, suite, request, scratch);
+    let ask = |request: &Request<'_, WriteView>, _: usize| {
+        let case = suite.case(request.name).expect("a case of this suite");
+        asking::ask(writer, case, request.timeout_factor, scratch)
+    };
     let bar = progress_bar();
     let session = Session::new(suite, plan, &ask);
     let contact = session.first_contact();

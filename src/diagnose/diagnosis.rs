@@ -103,9 +103,9 @@ pub(super) struct Words {
     pub example: String,
 }
 
-impl Diagnosis {
-    /// A cause of these places, of which no more is known.
-    pub(super) fn of(cause: Cause, explains: Vec<usize>) -> Diagnosis {
+impl<A> Diagnosis<A> {
+    /// Returns the diagnosis that `cause` explains these cases, and nothing else.
+    pub(crate) fn of(cause: Cause<A>, explains: Vec<usize>) -> Diagnosis<A> {
         Diagnosis {
             cause,
             explains,
@@ -115,7 +115,9 @@ impl Diagnosis {
             certain: false,
         }
     }
+}
 
+impl Diagnosis {
     /// A cause in words, of `of` among the `witnesses`; about the clause that tells these from the others.
     pub(super) fn described(
         category: Category,

@@ -153,7 +153,12 @@ fn scoped(search: &Search, set: &Set, mistake: &Mistake, left: &[usize]) -> Opti
     let fits = |w: &usize| search.agreement_with(*w, set, mistake) == Agreement::Picture;
     let pictures = search.solvable(left);
     let explained: Vec<usize> = pictures.iter().copied().filter(fits).collect();
-    let scoped = with_scope(scope_between(search.witnesses, &explained, &denied)?);
+    let scope = scope_between(search.witnesses, &explained, &denied)?;
+    // Among so many edits, one fits the files of some property by chance.
+    if mistake.listed().is_none() && !matches!(scope, Scope::Formats(_)) {
+        return None;
+    }
+    let scoped = with_scope(scope);
     // Most failing files in the scope that the mistake changes are explained by it.
     let acts = |w: &&usize| search.changes_with(**w, set, &scoped);
     let acting = pictures.iter().filter(acts).count();

@@ -1,5 +1,6 @@
 //! Mistakes that are a function of the correct value alone, read from the images: a table of stored values or stream samples.
 
+use std::cmp::Reverse;
 use std::collections::BTreeMap;
 
 use super::edits::misreading_of;
@@ -17,7 +18,8 @@ type Candidates = [bool; 256];
 
 /// What was shown for one correct value.
 struct Shown {
-    candidates: Candidates,
+    /// For each stored value, the texels in which it may have been shown.
+    votes: [usize; 256],
     texels: usize,
     files: Vec<usize>,
 }
@@ -63,12 +65,12 @@ fn table(search: &Search, set: &Set, pictures: &[usize], of_streams: bool) -> Op
                 continue;
             }
             let known = shown.entry(right).or_insert_with(|| Shown {
-                candidates: [true; 256],
+                votes: [0; 256],
                 texels: 0,
                 files: Vec::new(),
             });
-            for (known, is) in known.candidates.iter_mut().zip(candidates) {
-                *known &= is;
+            for (votes, is) in known.votes.iter_mut().zip(candidates) {
+                *votes += usize::from(is);
             }
             known.texels += 1;
             if known.files.last() != Some(&w) {
@@ -79,11 +81,16 @@ fn table(search: &Search, set: &Set, pictures: &[usize], of_streams: bool) -> Op
     let mut table: [u8; 256] = std::array::from_fn(|value| value as u8);
     let mut differing = 0;
     for (&right, shown) in &shown {
-        if shown.candidates[usize::from(right)] {
+        // Inverse transforms differ by one here and there, so a few texels may disagree.
+        let votes = |value: u8| shown.votes[usize::from(value)];
+        if 2 * votes(right) > shown.texels {
             continue;
         }
-        let values = (0..=255u8).filter(|&value| shown.candidates[usize::from(value)]);
-        table[usize::from(right)] = values.min_by_key(|value| value.abs_diff(right))?;
+        let best = (0..=255).max_by_key(|&value| (votes(value), Reverse(value.abs_diff(right))))?;
+        if 2 * votes(best) <= shown.texels {
+            return None;
+        }
+        table[usize::from(right)] = best;
         // A value seen once, or in one file, may be anything.
         differing +=
             usize::from(shown.texels >= MIN_TABLE_TEXELS && shown.files.len() >= MIN_TABLE_FILES);

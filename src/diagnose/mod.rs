@@ -14,6 +14,7 @@ mod answers;
 mod assume;
 mod attribution;
 mod coincidences;
+pub(crate) mod cover;
 mod credit;
 mod diagnosis;
 mod edits;
@@ -147,28 +148,6 @@ mod tests {
     use crate::runner::run::{Reply, Request};
     use crate::session::plan::RunPlan;
     use crate::session::run::check;
-    use crate::suite::cases::Case;
-
-    /// What is said first of a decoder that reads so, of the cases that are kept.
-    pub fn first_cause(reading: Reading, keep: fn(&Case) -> bool) -> String {
-        let mut suite = Suite::load().expect("the suite loads").prepared();
-        suite.cases.retain(keep);
-        let ask = |request: &Request<'_>, _: usize| {
-            Reply::from(misreadings::answer(
-                &[],
-                reading,
-                request.file,
-                request.view,
-            ))
-        };
-        let run = check(&suite, &RunPlan::of(&suite, 2), &ask, &|_, _, _, _| ());
-        let causes = diagnose(&suite, &run, &[], 2).diagnoses;
-        match causes.first().map(|first| &first.cause) {
-            Some(Cause::Misreading { misreading, .. }) => misreading.effect.to_owned(),
-            Some(Cause::Described { effect, .. }) => effect.clone(),
-            None => String::new(),
-        }
-    }
 
     #[test]
     fn a_fault_in_the_search_is_told_and_costs_only_what_it_was_after() {

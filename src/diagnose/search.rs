@@ -16,7 +16,7 @@ use super::mistake::Mistake;
 pub(super) use super::tuning::WORTH_OF_A_REFUSAL;
 use super::tuning::{
     MAX_FINALISTS, MAX_MISTAKES, MAX_SAMPLE, MAX_SAMPLES_OF_A_SMALL_IMAGE, MAX_WORK,
-    MAX_WORK_ON_PAIRS, MIN_FAILURES_OF_A_READING, NEARLY_ALL, SAMPLES_OF_A_UNIT_OF_WORK,
+    MAX_WORK_ON_PAIRS, MIN_FAILURES_OF_A_READING, MUCH, SAMPLES_OF_A_UNIT_OF_WORK,
     WORTH_OF_A_CONTRADICTION, WORTH_OF_A_CRASH, WORTH_OF_A_REFUSAL_OF_AN_IMAGE, WORTH_OF_AN_IMAGE,
     WORTH_OF_ANOTHER_LENIENT_ANSWER,
 };
@@ -147,13 +147,13 @@ impl<'a> Search<'a> {
                 break;
             }
             let mut single = self.best_single(&set, &left);
-            // A misreading that explains nearly all that is left needs no edits beside it.
-            let explains_all = |member: &Member| {
+            // A misreading that explains much of what is left, and that nothing denies, needs no edits beside it.
+            let explains_much = |member: &Member| {
                 let with = plus(&set, member.id);
-                self.unexplained(&with).len() * NEARLY_ALL <= left.len()
-                    && self.denied(&with).is_empty()
+                let still = self.unexplained(&with).len();
+                left.len().saturating_sub(still) * MUCH >= left.len() && self.denied(&with).is_empty()
             };
-            if !single.as_ref().is_some_and(explains_all) {
+            if !single.as_ref().is_some_and(explains_much) {
                 let added = catch_unwind(AssertUnwindSafe(|| add_candidates(self, &set, &left)));
                 if let Err(panic) = added {
                     self.note(&*panic);
@@ -318,6 +318,10 @@ impl<'a> Search<'a> {
                 false => witness.answer(mistakes),
             }
         }));
+        let answer = answer.map(|answer| match witness.shown_by(mistakes, &answer) {
+            Some(shown) => Cow::Owned(shown),
+            None => answer,
+        });
         answer.unwrap_or_else(|panic| {
             self.note(&*panic);
             Cow::Borrowed(&witness.right)
@@ -356,21 +360,29 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Edits of bytes may hide each other in one order and not in the other: what is lost at the beginning of a payload
-    /// is missing at its end.
+    /// Adds the opposite order of mistakes that may hide each other: what is lost at the start of a payload is missing at its
+    /// end.
     fn add_other_order(&self, variants: &mut Vec<Set>) {
         for at in 0..variants.len() {
-            if variants[at]
-                .iter()
-                .filter(|&&id| self.edits_bytes(id))
-                .count()
-                == 2
-            {
-                let mut other = variants[at].clone();
-                other.reverse();
-                variants.push(other);
+            let variant = &variants[at];
+            let pairs = || {
+                variant
+                    .iter()
+                    .enumerate()
+                    .flat_map(|(i, &a)| variant[i + 1..].iter().map(move |&b| (a, b)))
+            };
+            if pairs().any(|(a, b)| self.depends_on_order(a, b)) {
+                let reversed = variant.iter().rev().copied().collect();
+                variants.push(reversed);
             }
         }
+    }
+
+    /// Returns true if two mistakes act on the same bytes or on a common formula.
+    fn depends_on_order(&self, a: Id, b: Id) -> bool {
+        let [one, other] = [a, b].map(|id| self.mistakes[id].misreading.at.formulas());
+        self.edits_bytes(a) && self.edits_bytes(b)
+            || one.iter().any(|formula| other.contains(formula))
     }
 
     fn edits_bytes(&self, id: Id) -> bool {

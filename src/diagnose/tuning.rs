@@ -32,8 +32,8 @@ pub(super) const SAMPLES_OF_A_UNIT_OF_WORK: usize = 512;
 pub(super) const MAX_WORK: usize = 400_000;
 /// Units of work in search of two mistakes that hide each other.
 pub(super) const MAX_WORK_ON_PAIRS: usize = 40_000;
-/// A mistake that leaves one in so many failures unexplained needs no search for a better one.
-pub(super) const NEARLY_ALL: usize = 20;
+/// A misreading that explains one in so many failures is named before edits are tried.
+pub(super) const MUCH: usize = 4;
 /// Failures that a further mistake, or another reading of the open questions, must explain to be believed.
 pub(super) const MIN_FAILURES_OF_A_READING: usize = 4;
 

@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 use std::sync::{Arc, OnceLock};
 
-use super::mistake::Mistake;
+use super::mistake::{Channels, Mistake};
 use super::properties::Facts;
 use super::stream_cache::stream_once;
 use crate::decode::{decode_as, examine_as};
@@ -118,6 +118,9 @@ pub(super) fn breaks_its_promise(run: &Run, case: &Case, observation: &Observati
         .is_broken_by(case, observation, &run.judgement.unsupported)
 }
 
+/// How far a color computed in single precision may be from the exact one.
+const ROUNDING_SLACK: f64 = 0.02;
+
 /// Colors that are all off by one in one direction are not a matter of rounding if there are so many.
 const MIN_COLORS_OFF: usize = 6;
 
@@ -125,6 +128,51 @@ impl Witness<'_> {
     /// Returns what is known of the file.
     pub fn facts(&self) -> &Facts {
         self.facts.get_or_init(|| Facts::of(self))
+    }
+
+    /// Returns what the decoder showed if the colors that these mistakes make, rounded or cut off to bytes, are just that; so
+    /// a mistake is known by small differences too.
+    pub fn shown_by(&self, mistakes: &[&Mistake], made: &Answer) -> Option<Answer> {
+        let View::Rgb(light) = &self.observation.view else {
+            return None;
+        };
+        let (
+            Response::Picture {
+                frame: Some(shown), ..
+            },
+            Answer::Decoded(made),
+        ) = (&self.observation.response, made)
+        else {
+            return None;
+        };
+        let is_in_part = |mistake: &&Mistake| mistake.channels != Channels::All;
+        if !self.failed || mistakes.iter().any(is_in_part) || !alike(shown, made) {
+            return None;
+        }
+        let made = mistakes.iter().filter(|mistake| mistake.scope.holds(self));
+        let made: Vec<&Misreading> = made.map(|mistake| mistake.misreading).collect();
+        let (ptm, reading) = match made.iter().all(|mistake| is_after_decoding(mistake)) {
+            true => {
+                let reading = misreadings::misread(&made, self.reading);
+                (self.decoded().as_ref().ok()?.clone(), reading)
+            }
+            false => misreadings::read(&made, self.reading, &self.built.file).ok()?,
+        };
+        let colors = misreadings::colors(&made, &reading, &ptm, light);
+        let Samples::U8(bytes) = &shown.samples else {
+            return None;
+        };
+        let is_all = |is: fn(f64, f64) -> bool| {
+            colors
+                .iter()
+                .zip(bytes)
+                .all(|(&color, &byte)| is(color, f64::from(byte)))
+        };
+        let is_rounded = is_all(|color, byte| (color - byte).abs() <= 0.5 + ROUNDING_SLACK);
+        let is_cut_off = || {
+            is_all(|color, byte| (-ROUNDING_SLACK..1.0 + ROUNDING_SLACK).contains(&(color - byte)))
+        };
+        (is_rounded || is_cut_off()).then(|| Answer::Decoded(shown.clone()))
     }
 
     /// Returns what a decoder with these mistakes shows of stored values.

@@ -21,6 +21,16 @@ const RIVALS: [&[f64]; 5] = [
 /// Factors that are multiplied in by mistake, or forgotten elsewhere.
 const FACTORS: [f64; 4] = [2.0, 255.0, 256.0, 128.0];
 
+/// Formulas that are computed differently under a condition: about records, planes and coefficients.
+const CONDITIONAL: [Formula; 6] = [
+    Formula::FinalCoefficient,
+    Formula::StoredValue,
+    Formula::StreamSample,
+    Formula::Plane,
+    Formula::RecordPlace,
+    Formula::Corrected,
+];
+
 /// The edits of every formula, in the order of [`Formula::ALL`].
 static ALL: LazyLock<Vec<Vec<Edit>>> =
     LazyLock::new(|| Formula::ALL.iter().map(|row| generate(row.0)).collect());
@@ -39,8 +49,11 @@ fn generate(formula: Formula) -> Vec<Edit> {
         all.extend(everywhere(stated, &|node| operator(node, scope)));
     }
     all.extend(exchanged_everywhere(stated, scope));
-    for operator in [swapped, scaled, shifted, wrapped, grouped, conditional] {
+    for operator in [doubled, scaled, shifted, wrapped, grouped] {
         all.extend(everywhere(stated, &|node| operator(node, scope)));
+    }
+    if CONDITIONAL.contains(&formula) {
+        all.extend(everywhere(stated, &|node| conditional(node, scope)));
     }
     let mut known = HashSet::from([stated.display(scope)]);
     all.retain(|expression| known.insert(expression.display(scope)));
@@ -109,7 +122,9 @@ fn exchanged(node: &Expression, _: Scope) -> Vec<Expression> {
                 changed[place] = negative(&terms[place]);
                 Expression::Sum(changed)
             };
-            let all = terms.iter().map(negative).collect();
+            let mut all: Vec<Expression> = terms.iter().map(negative).collect();
+            // A positive term reads better in front.
+            all.sort_by_key(|term| matches!(term, Expression::Negative(_)));
             let each = (0..terms.len()).rev().map(one);
             each.chain([Expression::Sum(all)]).collect()
         }
@@ -158,7 +173,9 @@ fn renamed(node: &Expression, scope: Scope) -> Vec<Expression> {
             others.map(Expression::Variable).collect()
         }
         Expression::Element(list, index) => {
-            let lists = (0..scope.lists.len()).filter(|other| other != list);
+            // Only scales and biases are alike.
+            let lists =
+                (0..scope.lists.len()).filter(|other| other != list && scope.lists.len() == 2);
             let other_lists = lists.map(|other| Expression::Element(other, index.clone()));
             let next = |by: f64| Expression::Sum(vec![(**index).clone(), number(by)]);
             let last = if scope.lists == ["scale", "bias"] {
@@ -294,8 +311,8 @@ fn renumbered(node: &Expression, _: Scope) -> Vec<Expression> {
     rivals.chain(neighbors).map(number).collect()
 }
 
-/// Exchanges two operands.
-fn swapped(node: &Expression, _: Scope) -> Vec<Expression> {
+/// Doubles an index.
+fn doubled(node: &Expression, _: Scope) -> Vec<Expression> {
     match node {
         Expression::Element(list, index) => {
             let double = Expression::Product(vec![(**index).clone(), number(2.0)]);

@@ -269,7 +269,7 @@ impl Expression {
                 radix.write(text, scope, 3);
                 text.push_str(" + ");
             }
-            digit.write(text, scope, u8::from(!others.is_empty()));
+            digit.write(text, scope, 0);
         }
     }
 }

@@ -79,12 +79,13 @@ const fn scope(variables: &'static [&'static str], lists: &'static [&'static str
 const LIGHT: Scope = scope(&["u", "v"], &[]);
 const FINAL: Scope = scope(&["raw", "i", "c"], &["scale", "bias"]);
 const TEXEL: Scope = scope(&["x", "y", "width", "height"], &[]);
-const SAMPLE: Scope = scope(
-    &[
-        "row", "x", "width", "height", "i", "c", "k", "entries", "size", "bytes",
-    ],
-    &[],
-);
+const OF_SAMPLES: &[&str] = &[
+    "row", "x", "width", "height", "i", "c", "k", "entries", "size", "bytes",
+];
+const LUM_SAMPLE: Scope = scope(OF_SAMPLES.split_at(5).0, &[]);
+const RGB_SAMPLE: Scope = scope(OF_SAMPLES.split_at(6).0, &[]);
+const LRGB_SAMPLE: Scope = scope(OF_SAMPLES.split_at(7).0, &[]);
+const TABLE_SAMPLE: Scope = scope(OF_SAMPLES, &[]);
 const PLANE: Scope = scope(&["p", "planes", "reference", "rank"], LISTS);
 const LISTS: &[&str] = &["transform", "motion", "references"];
 const DISPLACEMENT: Scope = scope(&["x", "y", "mx", "my", "width", "height"], &[]);
@@ -128,12 +129,12 @@ impl Formula {
         ),
         (Formula::StoredRow, "stored row", TEXEL),
         (Formula::StoredColumn, "stored column", TEXEL),
-        (Formula::RgbSample, "RGB sample", SAMPLE),
-        (Formula::LumSample, "LUM sample", SAMPLE),
-        (Formula::LrgbCoefficient, "LRGB coefficient", SAMPLE),
-        (Formula::LrgbColor, "LRGB color", SAMPLE),
-        (Formula::IndexSize, "bytes of an index", SAMPLE),
-        (Formula::IndexByte, "index byte", SAMPLE),
+        (Formula::RgbSample, "RGB sample", RGB_SAMPLE),
+        (Formula::LumSample, "LUM sample", LUM_SAMPLE),
+        (Formula::LrgbCoefficient, "LRGB coefficient", LUM_SAMPLE),
+        (Formula::LrgbColor, "LRGB color", LRGB_SAMPLE),
+        (Formula::IndexSize, "bytes of an index", TABLE_SAMPLE),
+        (Formula::IndexByte, "index byte", TABLE_SAMPLE),
         (
             Formula::Index,
             "index",
@@ -144,9 +145,9 @@ impl Formula {
             "table sample",
             scope(&["index", "i", "size", "entries"], &[]),
         ),
-        (Formula::TableColor, "PTM_LUT color", SAMPLE),
-        (Formula::RgbPlane, "RGB plane", SAMPLE),
-        (Formula::LrgbPlane, "LRGB plane", SAMPLE),
+        (Formula::TableColor, "PTM_LUT color", TABLE_SAMPLE),
+        (Formula::RgbPlane, "RGB plane", RGB_SAMPLE),
+        (Formula::LrgbPlane, "LRGB plane", LUM_SAMPLE),
         (Formula::Transform, "transform", PLANE),
         (
             Formula::Inverted,

@@ -7,7 +7,7 @@ use super::at::At;
 use super::misreading::Misreading;
 use crate::error::{Class, Error};
 use crate::formula::{self, Edit, Edits};
-use crate::protocol::frame::{Answer, Frame, View};
+use crate::protocol::frame::{Answer, Frame, Light, View};
 use crate::ptm::Ptm;
 use crate::reading::Reading;
 
@@ -70,6 +70,23 @@ pub(crate) fn show(
     }
     let edits = edits_of(misreadings);
     Answer::Decoded(Frame::edited(&ptm, view, reading, Edits(&edits)))
+}
+
+/// Returns the colors that a decoder with these mistakes computes under a light, before it rounds them.
+#[cfg(unix)]
+pub(crate) fn colors(
+    misreadings: &[&Misreading],
+    reading: &Reading,
+    ptm: &Ptm,
+    light: &Light,
+) -> Vec<f64> {
+    let mut ptm = Cow::Borrowed(ptm);
+    for edit in edits_of_planes(misreadings) {
+        edit(ptm.to_mut());
+    }
+    let edits = edits_of(misreadings);
+    let finals = formula::finals(&ptm, reading, Edits(&edits));
+    formula::image(&finals, light.lu, light.lv, reading, Edits(&edits)).values
 }
 
 /// Returns the formulas that these mistakes compute differently; of two edits of one formula the later counts.

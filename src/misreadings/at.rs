@@ -138,10 +138,8 @@ impl At {
     pub fn is_at(&self, other: &At) -> bool {
         let is_edited = matches!(self, At::Edits(_)) || matches!(other, At::Edits(_));
         match is_edited {
-            true => self
-                .formulas()
-                .iter()
-                .any(|formula| other.formulas().contains(formula)),
+            // Of formulas that only one of two mistakes edits, each keeps its own.
+            true => !self.formulas().is_empty() && self.formulas() == other.formulas(),
             false => discriminant(self) == discriminant(other),
         }
     }

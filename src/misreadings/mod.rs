@@ -64,11 +64,11 @@ pub use crate::formula::Stage;
 pub use anatomy::{Anatomy, Seen};
 pub use answer::answer;
 #[cfg(any(unix, feature = "cli"))]
-pub(crate) use answer::misread;
+pub(crate) use answer::edits_of_planes;
 #[cfg(any(unix, feature = "tools"))]
 pub(crate) use answer::read;
 #[cfg(unix)]
-pub(crate) use answer::show;
+pub(crate) use answer::{colors, misread, show};
 pub use at::At;
 pub use catalog::{all, named};
 pub use misreading::{Misreading, Sighting, Symptom};

@@ -1,23 +1,32 @@
-//! Executable mistakes: each a plausible misreading of one requirement, at the one decision where it acts.
+//! Executable misreadings of the texture chapter: one for each, at the decision where it acts.
 //!
-//! The same catalog names the mistake of a failing decoder and measures the suite: every misreading must be caught, every pair
-//! told apart.
+//! The same catalog names the mistake of a failing decoder and measures the suite: every misreading must be caught, and
+//! every pair must be told apart. A misreading replaces one decision of [`Rules`], usually by an edit of the right one.
 
 use std::sync::LazyLock;
 
 use super::misreading::{Misreading, catalog};
-use crate::texture::Rules;
 use crate::texture::compose::{mix, times};
 use crate::texture::parameterize::{dot, length};
+use crate::texture::primitive::Terms;
 use crate::texture::{
-    Boundary, Channel, Entry, Fetched, Frequency, InteriorStyle, Interpolation, Parameterization,
-    RenderingControl, SampleMethod, Selection, Shade, Site, Texel,
+    Boundary, Channel, ClampMethod, Color, Composition, Entry, Fetched, Frequency, InteriorStyle,
+    Interpolation, Lit, Parameterization, RenderingControl, Rules, SampleMethod, Selection, Shade,
+    Site, Texel,
 };
 
 /// A mistake in the rules of texture mapping.
-pub type Change = fn(Rules) -> Rules;
+pub type Change = fn(&mut Rules);
 
-/// Read when the first misreading is asked for, once.
+impl Misreading<Change> {
+    /// Returns `rules` with this mistake.
+    #[must_use]
+    pub fn change(&self, rules: Rules) -> Rules {
+        with(rules, self.at)
+    }
+}
+
+/// The catalog, read on first use.
 static ALL: LazyLock<Vec<Misreading<Change>>> = LazyLock::new(|| {
     catalog(
         include_str!("../../spec-cases/texture/misreadings.yaml"),
@@ -27,12 +36,12 @@ static ALL: LazyLock<Vec<Misreading<Change>>> = LazyLock::new(|| {
     .unwrap_or_else(|error| unreachable!("misreadings.yaml, which a test reads: {error}"))
 });
 
-/// All misreadings, in the order of the chapter.
+/// Returns all misreadings, in the order of the chapter.
 pub fn all() -> impl Iterator<Item = &'static Misreading<Change>> {
     ALL.iter()
 }
 
-/// The misreading of that name.
+/// Returns the misreading with that slug.
 #[must_use]
 pub fn named(slug: &str) -> Option<&'static Misreading<Change>> {
     all().find(|misreading| misreading.slug == slug)
@@ -43,1207 +52,778 @@ const SPEC: Rules = Rules::SPEC;
 /// Where each acts, in the order of `spec-cases/texture/misreadings.yaml`.
 const ACTS: &[(&str, Change)] = &[
     // ---------------------------------------------------------------- fallback values
-    ("pre-light-by-default", |r| Rules {
-        fallback_values: || Entry {
-            rendering_control: RenderingControl::PreLight,
-            ..Entry::default()
-        },
-        ..r
+    ("pre-light-by-default", |r| {
+        r.fallback_values = || fallback(|e| e.rendering_control = RenderingControl::PreLight);
     }),
-    ("vertex-coordinates-by-default", |r| Rules {
-        fallback_values: || Entry {
-            parameterization: Parameterization::VertexMCCoord,
-            ..Entry::default()
-        },
-        ..r
+    ("vertex-coordinates-by-default", |r| {
+        r.fallback_values = || fallback(|e| e.parameterization = Parameterization::VertexMCCoord);
     }),
-    ("reflection-in-world-by-default", |r| Rules {
-        fallback_values: || Entry {
-            parameterization: Parameterization::ReflectionSphereWC,
-            ..Entry::default()
-        },
-        ..r
+    ("reflection-in-world-by-default", |r| {
+        r.fallback_values =
+            || fallback(|e| e.parameterization = Parameterization::ReflectionSphereWC);
     }),
-    ("modulate-by-default", |r| Rules {
-        fallback_values: || Entry {
-            composition: crate::texture::Composition::Modulate,
-            ..Entry::default()
-        },
-        ..r
+    ("modulate-by-default", |r| {
+        r.fallback_values = || fallback(|e| e.composition = Composition::Modulate);
     }),
-    ("alpha-by-default", |r| Rules {
-        fallback_values: || Entry {
-            channel: Channel::Alpha,
-            ..Entry::default()
-        },
-        ..r
+    ("alpha-by-default", |r| {
+        r.fallback_values = || fallback(|e| e.channel = Channel::Alpha);
     }),
-    ("white-by-default", |r| Rules {
-        fallback_values: || Entry {
-            env_color: [1.0; 3],
-            background_color: [1.0; 3],
-            clamp_color: [1.0; 3],
-            ..Entry::default()
-        },
-        ..r
+    ("white-by-default", |r| {
+        r.fallback_values =
+            || fallback(|e| [e.env_color, e.background_color, e.clamp_color] = [[1.0; 3]; 3]);
     }),
-    ("weighted-by-default", |r| Rules {
-        fallback_values: || Entry {
-            min_sample: SampleMethod::WeightedBase,
-            mag_sample: SampleMethod::WeightedBase,
-            ..Entry::default()
-        },
-        ..r
+    ("weighted-by-default", |r| {
+        r.fallback_values =
+            || fallback(|e| [e.min_sample, e.mag_sample] = [SampleMethod::WeightedBase; 2]);
     }),
-    ("border-by-default", |r| Rules {
-        fallback_values: || Entry {
-            boundary: [Boundary::ClampBorder; 3],
-            ..Entry::default()
-        },
-        ..r
+    ("border-by-default", |r| {
+        r.fallback_values = || fallback(|e| e.boundary = [Boundary::ClampBorder; 3]);
     }),
-    ("clamp-color-by-default", |r| Rules {
-        fallback_values: || Entry {
-            clamp_method: crate::texture::ClampMethod::Color,
-            ..Entry::default()
-        },
-        ..r
+    ("clamp-color-by-default", |r| {
+        r.fallback_values = || fallback(|e| e.clamp_method = ClampMethod::Color);
     }),
-    ("hints-of-zero-by-default", |r| Rules {
-        fallback_values: || Entry {
-            frequency: [0.0; 3],
-            ..Entry::default()
-        },
-        ..r
+    ("hints-of-zero-by-default", |r| {
+        r.fallback_values = || fallback(|e| e.frequency = [0.0; 3]);
     }),
     // ---------------------------------------------------------------- indices
-    ("index-zero-accepted", |r| Rules {
-        valid_index: |i| (0..=65535).contains(&i),
-        ..r
+    ("index-zero-accepted", |r| {
+        r.valid_index = |i| (0..=65535).contains(&i);
     }),
-    ("index-unbounded", |r| Rules {
-        valid_index: |i| i >= 1,
-        ..r
+    ("index-unbounded", |r| r.valid_index = |i| i >= 1),
+    ("index-65535-refused", |r| {
+        r.valid_index = |i| (1..65535).contains(&i);
     }),
-    ("index-65535-refused", |r| Rules {
-        valid_index: |i| (1..65535).contains(&i),
-        ..r
+    ("undefined-entry-is-fallback-values", |r| {
+        r.undefined_entry = |_, rules| (rules.fallback_values)();
     }),
-    ("undefined-entry-is-fallback-values", |r| Rules {
-        undefined_entry: |_, rules| (rules.fallback_values)(),
-        ..r
-    }),
-    ("undefined-entry-is-the-first-defined", |r| Rules {
-        undefined_entry: |table, rules| {
-            table
-                .values()
-                .next()
-                .cloned()
-                .unwrap_or_else(rules.fallback_values)
-        },
-        ..r
+    ("undefined-entry-is-the-first-defined", |r| {
+        r.undefined_entry = |table, rules| {
+            let first = table.values().next().cloned();
+            first.unwrap_or_else(rules.fallback_values)
+        };
     }),
     // ---------------------------------------------------------------- selection
-    ("style-ignored", |r| Rules {
-        is_textured: |_| true,
-        ..r
+    ("style-ignored", |r| r.is_textured = |_| true),
+    ("any-filled-style-is-textured", |r| {
+        r.is_textured = |style| matches!(style, InteriorStyle::Texture | InteriorStyle::Solid);
     }),
-    ("any-filled-style-is-textured", |r| Rules {
-        is_textured: |style| matches!(style, InteriorStyle::Texture | InteriorStyle::Solid),
-        ..r
+    ("back-attributes-without-distinguishing", |r| {
+        r.uses_back = |_, back| back;
     }),
-    ("back-attributes-without-distinguishing", |r| Rules {
-        uses_back: |_, back| back,
-        ..r
+    ("back-attributes-ignored", |r| r.uses_back = |_, _| false),
+    ("back-attributes-on-the-front", |r| {
+        r.uses_back = |surface, _| surface.facet_distinguish;
     }),
-    ("back-attributes-ignored", |r| Rules {
-        uses_back: |_, _| false,
-        ..r
+    ("limit-ignored", |r| {
+        r.within_limit = |active, _| active.to_vec();
     }),
-    ("back-attributes-on-the-front", |r| Rules {
-        uses_back: |surface, _| surface.facet_distinguish,
-        ..r
+    ("last-maps-kept", |r| {
+        r.within_limit = |active, most| active[active.len().saturating_sub(most)..].to_vec();
     }),
-    ("limit-ignored", |r| Rules {
-        within_limit: |active, _| active.to_vec(),
-        ..r
+    ("repeats-dropped", |r| {
+        r.within_limit = |active, most| with((SPEC.within_limit)(active, most), Vec::dedup);
     }),
-    ("last-maps-kept", |r| Rules {
-        within_limit: |active, most| active[active.len().saturating_sub(most)..].to_vec(),
-        ..r
+    ("limit-off-by-one", |r| {
+        r.within_limit = |active, most| (SPEC.within_limit)(active, most.saturating_add(1));
     }),
-    ("repeats-dropped", |r| Rules {
-        within_limit: |active, most| {
-            let mut kept = (SPEC.within_limit)(active, most);
-            kept.dedup();
-            kept
-        },
-        ..r
+    ("empty-list-is-untextured", |r| {
+        r.empty_list = || Selection::Untextured;
     }),
-    ("limit-off-by-one", |r| Rules {
-        within_limit: |active, most| (SPEC.within_limit)(active, most.saturating_add(1)),
-        ..r
-    }),
-    ("empty-list-is-untextured", |r| Rules {
-        empty_list: || Selection::Untextured,
-        ..r
-    }),
-    ("empty-list-is-entry-one", |r| Rules {
-        empty_list: || Selection::Entries(vec![1]),
-        ..r
+    ("empty-list-is-entry-one", |r| {
+        r.empty_list = || Selection::Entries(vec![1]);
     }),
     // ---------------------------------------------------------------- the default map
-    ("checkerboard-black-at-origin", |r| Rules {
-        is_white: |i, j| !(SPEC.is_white)(i, j),
-        ..r
+    ("checkerboard-black-at-origin", |r| {
+        r.is_white = |i, j| !(SPEC.is_white)(i, j);
     }),
-    ("checkerboard-of-single-texels", |r| Rules {
-        checkerboard: || (16, 1),
-        ..r
+    ("checkerboard-of-single-texels", |r| {
+        r.checkerboard = || (16, 1);
     }),
-    ("checkerboard-of-8-texels", |r| Rules {
-        checkerboard: || (8, 1),
-        ..r
-    }),
-    ("checkerboard-is-stripes", |r| Rules {
-        is_white: |i, _| i.is_multiple_of(2),
-        ..r
+    ("checkerboard-of-8-texels", |r| r.checkerboard = || (8, 1)),
+    ("checkerboard-is-stripes", |r| {
+        r.is_white = |i, _| i.is_multiple_of(2);
     }),
     // ---------------------------------------------------------------- parameterization
-    ("world-is-modelling", |r| Rules {
-        parameterize: |entry, point, dimensions, rules| {
-            let mut untransformed = point.clone();
-            untransformed.wc.position = point.mc.position.or(point.wc.position);
-            (SPEC.parameterize)(entry, &untransformed, dimensions, rules)
-        },
-        ..r
+    ("world-is-modelling", |r| {
+        r.parameterize = |entry, point, n, rules| {
+            let mut seen = point.clone();
+            seen.wc.position = point.mc.position.or(point.wc.position);
+            (SPEC.parameterize)(entry, &seen, n, rules)
+        };
     }),
-    ("modelling-is-world", |r| Rules {
-        parameterize: |entry, point, dimensions, rules| {
-            let mut transformed = point.clone();
-            transformed.mc.position = point.wc.position.or(point.mc.position);
-            (SPEC.parameterize)(entry, &transformed, dimensions, rules)
-        },
-        ..r
+    ("modelling-is-world", |r| {
+        r.parameterize = |entry, point, n, rules| {
+            let mut seen = point.clone();
+            seen.mc.position = point.wc.position.or(point.mc.position);
+            (SPEC.parameterize)(entry, &seen, n, rules)
+        };
     }),
-    ("normal-is-not-transformed", |r| Rules {
-        parameterize: |entry, point, dimensions, rules| {
-            let mut untransformed = point.clone();
-            untransformed.wc.normal = point.mc.normal.or(point.wc.normal);
-            (SPEC.parameterize)(entry, &untransformed, dimensions, rules)
-        },
-        ..r
+    ("normal-is-not-transformed", |r| {
+        r.parameterize = |entry, point, n, rules| {
+            let seen = with(point.clone(), |p| p.wc.normal = p.mc.normal.or(p.wc.normal));
+            (SPEC.parameterize)(entry, &seen, n, rules)
+        };
     }),
-    ("normal-in-world-always", |r| Rules {
-        parameterize: |entry, point, dimensions, rules| {
-            let mut transformed = point.clone();
-            transformed.mc.normal = point.wc.normal.or(point.mc.normal);
-            (SPEC.parameterize)(entry, &transformed, dimensions, rules)
-        },
-        ..r
+    ("normal-in-world-always", |r| {
+        r.parameterize = |entry, point, n, rules| {
+            let seen = with(point.clone(), |p| p.mc.normal = p.wc.normal.or(p.mc.normal));
+            (SPEC.parameterize)(entry, &seen, n, rules)
+        };
     }),
-    ("geometric-normal-always", |r| Rules {
-        normal: |place| place.geometric_normal.or(place.normal),
-        ..r
+    ("geometric-normal-always", |r| {
+        r.normal = |place| place.geometric_normal.or(place.normal);
     }),
-    ("geometric-normal-never", |r| Rules {
-        normal: |place| Some(place.normal.unwrap_or([0.0, 0.0, 1.0])),
-        ..r
+    ("geometric-normal-never", |r| {
+        r.normal = |place| Some(place.normal.unwrap_or([0.0, 0.0, 1.0]));
     }),
-    ("normals-moved-into-0-1", |r| Rules {
-        parameterize: |entry, point, dimensions, rules| {
-            let t = (SPEC.parameterize)(entry, point, dimensions, rules)?;
+    ("normals-moved-into-0-1", |r| {
+        r.parameterize = |entry, point, n, rules| {
+            use Parameterization::{VertexMCNormal, VertexWCNormal};
+            let t = (SPEC.parameterize)(entry, point, n, rules)?;
             Ok(match entry.parameterization {
-                Parameterization::VertexMCNormal | Parameterization::VertexWCNormal => {
-                    t.map(|t| f64::midpoint(t, 1.0))
-                }
+                VertexMCNormal | VertexWCNormal => t.map(|t| f64::midpoint(t, 1.0)),
                 _ => t,
             })
-        },
-        ..r
+        };
     }),
-    ("spline-parameters-exchanged", |r| Rules {
-        spline_parameters: |point| {
-            let [u, v, w] = (SPEC.spline_parameters)(point);
-            [v, u, w]
-        },
-        ..r
+    ("spline-parameters-exchanged", |r| {
+        r.spline_parameters = |point| with((SPEC.spline_parameters)(point), |t| t.swap(0, 1));
     }),
-    ("spline-parameters-elsewhere", |r| Rules {
-        spline_parameters: |point| match (&point.spline, point.mc.position) {
+    ("spline-parameters-elsewhere", |r| {
+        r.spline_parameters = |point| match (&point.spline, point.mc.position) {
             (None, Some(position)) => position,
             _ => (SPEC.spline_parameters)(point),
-        },
-        ..r
+        };
     }),
-    ("data-index-ignored", |r| Rules {
-        float_data: |point, _, dimensions| (SPEC.float_data)(point, 0, dimensions),
-        ..r
+    ("data-index-ignored", |r| {
+        r.float_data = |point, _, n| (SPEC.float_data)(point, 0, n);
     }),
-    ("data-index-for-all-methods", |r| Rules {
-        parameterize: |entry, point, dimensions, rules| {
+    ("data-index-for-all-methods", |r| {
+        r.parameterize = |entry, point, n, rules| {
             let mut entry = entry.clone();
             if entry.fp_data_index > 0 && !point.fp_data.is_empty() {
                 entry.parameterization = Parameterization::FloatData;
             }
-            (SPEC.parameterize)(&entry, point, dimensions, rules)
-        },
-        ..r
+            (SPEC.parameterize)(&entry, point, n, rules)
+        };
     }),
-    ("data-index-from-one", |r| Rules {
-        float_data: |point, index, dimensions| {
-            (SPEC.float_data)(point, index.saturating_sub(1), dimensions)
-        },
-        ..r
+    ("data-index-from-one", |r| {
+        r.float_data = |point, i, n| (SPEC.float_data)(point, i.saturating_sub(1), n);
     }),
-    ("data-in-steps-of-the-dimension", |r| Rules {
-        float_data: |point, index, dimensions| {
-            (SPEC.float_data)(point, index.saturating_mul(dimensions), dimensions)
-        },
-        ..r
+    ("data-in-steps-of-the-dimension", |r| {
+        r.float_data = |point, i, n| (SPEC.float_data)(point, i.saturating_mul(n), n);
     }),
-    ("same-datum-for-all", |r| Rules {
-        float_data: |point, index, dimensions| {
-            let t = (SPEC.float_data)(point, index, dimensions)?;
-            Ok([0, 1, 2].map(|c| if c < dimensions { t[0] } else { 0.0 }))
-        },
-        ..r
+    ("same-datum-for-all", |r| {
+        r.float_data = |point, index, n| {
+            let t = (SPEC.float_data)(point, index, n)?;
+            Ok([0, 1, 2].map(|c| if c < n { t[0] } else { 0.0 }))
+        };
     }),
-    ("three-data-needed", |r| Rules {
-        float_data: |point, index, _| (SPEC.float_data)(point, index, 3),
-        ..r
+    ("three-data-needed", |r| {
+        r.float_data = |point, index, _| (SPEC.float_data)(point, index, 3);
     }),
-    ("data-of-two-dimensions", |r| Rules {
-        float_data: |point, index, dimensions| (SPEC.float_data)(point, index, dimensions.min(2)),
-        ..r
+    ("data-of-two-dimensions", |r| {
+        r.float_data = |point, i, n| (SPEC.float_data)(point, i, n.min(2));
     }),
-    ("vertex-data-on-splines", |r| Rules {
-        float_data: |point, index, dimensions| {
+    ("vertex-data-on-splines", |r| {
+        r.float_data = |point, index, n| {
             let mut plain = point.clone();
-            if !plain.fp_data.is_empty() {
-                plain.spline = None;
-            }
-            (SPEC.float_data)(&plain, index, dimensions)
-        },
-        ..r
+            plain.spline.take_if(|_| !point.fp_data.is_empty());
+            (SPEC.float_data)(&plain, index, n)
+        };
     }),
-    ("one-spline-for-all-coordinates", |r| Rules {
-        float_data: |point, index, dimensions| {
+    ("one-spline-for-all-coordinates", |r| {
+        r.float_data = |point, index, n| {
             let Some(spline) = &point.spline else {
-                return (SPEC.float_data)(point, index, dimensions);
+                return (SPEC.float_data)(point, index, n);
             };
             let values = spline.data.get(index).cloned().unwrap_or_default();
             let at = |c: usize| values.get(c).copied().unwrap_or_default();
-            Ok([0, 1, 2].map(|c| if c < dimensions { at(c) } else { 0.0 }))
-        },
-        ..r
+            Ok([0, 1, 2].map(|c| if c < n { at(c) } else { 0.0 }))
+        };
     }),
-    ("reflection-inwards", |r| Rules {
-        reflect: |i, n| (SPEC.reflect)(i, n).map(|c| -c),
-        ..r
+    ("reflection-inwards", |r| {
+        r.reflect = |i, n| (SPEC.reflect)(i, n).map(|c| -c);
     }),
-    ("reflection-half", |r| Rules {
-        reflect: |i, n| {
-            let along = dot(n, i);
-            [0, 1, 2].map(|c| i[c] - along * n[c])
-        },
-        ..r
+    ("reflection-half", |r| {
+        r.reflect = |i, n| [0, 1, 2].map(|c| i[c] - dot(n, i) * n[c]);
     }),
-    ("no-reflection", |r| Rules {
-        reflect: |i, _| i,
-        ..r
+    ("no-reflection", |r| r.reflect = |i, _| i),
+    ("normal-as-reflection", |r| r.reflect = |_, n| n),
+    ("sight-towards-the-eye", |r| {
+        r.sight = |eye, position| (SPEC.sight)(position, eye);
     }),
-    ("normal-as-reflection", |r| Rules {
-        reflect: |_, n| n,
-        ..r
+    ("eye-in-world", |r| {
+        r.vrc_place = |p| match p.wc.normal {
+            Some(_) => p.wc.clone(),
+            None => p.vrc.clone(),
+        };
     }),
-    ("sight-towards-the-eye", |r| Rules {
-        sight: |eye, position| (SPEC.sight)(position, eye),
-        ..r
+    ("eye-in-vrc", |r| {
+        r.wc_place = |p| match p.vrc.normal {
+            Some(_) => p.vrc.clone(),
+            None => p.wc.clone(),
+        };
     }),
-    ("eye-in-world", |r| Rules {
-        vrc_place: |point| {
-            if point.wc.normal.is_some() {
-                point.wc.clone()
-            } else {
-                point.vrc.clone()
-            }
-        },
-        ..r
+    ("reflection-matrix-ignored", |r| r.turn = |_, s| s),
+    ("reflection-matrix-transposed", |r| {
+        r.turn = |m, s| [0, 1, 2].map(|c| dot([m[0][c], m[1][c], m[2][c]], s));
     }),
-    ("eye-in-vrc", |r| Rules {
-        wc_place: |point| {
-            if point.vrc.normal.is_some() {
-                point.vrc.clone()
-            } else {
-                point.wc.clone()
-            }
-        },
-        ..r
+    ("reflection-matrix-moves", |r| {
+        r.turn = |matrix, s| [0, 1, 2].map(|row| (SPEC.turn)(matrix, s)[row] + matrix[row][3]);
     }),
-    ("reflection-matrix-ignored", |r| Rules {
-        turn: |_, s| s,
-        ..r
-    }),
-    ("reflection-matrix-transposed", |r| Rules {
-        turn: |matrix, s| [0, 1, 2].map(|c| dot([matrix[0][c], matrix[1][c], matrix[2][c]], s)),
-        ..r
-    }),
-    ("reflection-matrix-moves", |r| Rules {
-        turn: |matrix, s| [0, 1, 2].map(|row| (SPEC.turn)(matrix, s)[row] + matrix[row][3]),
-        ..r
-    }),
-    ("reflection-matrix-for-all-methods", |r| Rules {
-        parameterize: |entry, point, dimensions, rules| {
-            let t = (SPEC.parameterize)(entry, point, dimensions, rules)?;
+    ("reflection-matrix-for-all-methods", |r| {
+        r.parameterize = |entry, point, n, rules| {
+            use Parameterization::{ReflectionSphereVRC, ReflectionSphereWC};
+            let t = (SPEC.parameterize)(entry, point, n, rules)?;
             Ok(match entry.parameterization {
-                Parameterization::ReflectionSphereVRC | Parameterization::ReflectionSphereWC => t,
+                ReflectionSphereVRC | ReflectionSphereWC => t,
                 _ => (SPEC.turn)(&entry.reflection_matrix, t),
             })
-        },
-        ..r
+        };
     }),
-    ("vector-not-normalized", |r| Rules {
-        wc_height: |s| (-s[1]).clamp(-1.0, 1.0).acos() / std::f64::consts::PI,
-        vrc_height: |s| (-s[1]).clamp(-1.0, 1.0).acos() / std::f64::consts::PI,
-        ..r
+    ("vector-not-normalized", |r| {
+        r.wc_height = |s| (-s[1]).clamp(-1.0, 1.0).acos() / std::f64::consts::PI;
+        r.vrc_height = r.wc_height;
     }),
-    ("vrc-once-around", |r| Rules {
-        vrc_azimuth: SPEC.wc_azimuth,
-        ..r
+    ("vrc-once-around", |r| r.vrc_azimuth = SPEC.wc_azimuth),
+    ("wc-twice-around", |r| r.wc_azimuth = SPEC.vrc_azimuth),
+    ("seam-at-minus-x", |r| {
+        r.wc_azimuth = |s| ((SPEC.wc_azimuth)(s) + 0.5).fract();
     }),
-    ("wc-twice-around", |r| Rules {
-        wc_azimuth: SPEC.vrc_azimuth,
-        ..r
+    ("azimuth-in-radians", |r| {
+        r.wc_azimuth = |s| (SPEC.wc_azimuth)(s) * 2.0 * std::f64::consts::PI;
     }),
-    ("seam-at-minus-x", |r| Rules {
-        wc_azimuth: |s| ((SPEC.wc_azimuth)(s) + 0.5).fract(),
-        ..r
+    ("axis-is-z", |r| {
+        r.wc_azimuth = |s| (SPEC.wc_azimuth)([s[0], s[2], -s[1]]);
+        r.wc_height = |s| (SPEC.wc_height)([s[0], s[2], -s[1]]);
+        r.vrc_azimuth = |s| (SPEC.vrc_azimuth)([s[0], s[2], -s[1]]);
+        r.vrc_height = |s| (SPEC.vrc_height)([s[0], s[2], -s[1]]);
     }),
-    ("azimuth-in-radians", |r| Rules {
-        wc_azimuth: |s| (SPEC.wc_azimuth)(s) * 2.0 * std::f64::consts::PI,
-        ..r
-    }),
-    ("axis-is-z", |r| Rules {
-        wc_azimuth: |s| (SPEC.wc_azimuth)([s[0], s[2], -s[1]]),
-        wc_height: |s| (SPEC.wc_height)([s[0], s[2], -s[1]]),
-        vrc_azimuth: |s| (SPEC.vrc_azimuth)([s[0], s[2], -s[1]]),
-        vrc_height: |s| (SPEC.vrc_height)([s[0], s[2], -s[1]]),
-        ..r
-    }),
-    ("sphere-map-of-opengl", |r| Rules {
-        vrc_azimuth: |s| opengl(s)[0],
-        vrc_height: |s| opengl(s)[1],
-        ..r
+    ("sphere-map-of-opengl", |r| {
+        r.vrc_azimuth = |s| opengl(s)[0];
+        r.vrc_height = |s| opengl(s)[1];
     }),
     // ---------------------------------------------------------------- orientation, interpolation
-    ("orientation-ignored", |r| Rules {
-        orient: |_, t| t,
-        ..r
-    }),
-    ("orientation-transposed", |r| Rules {
-        orient: |matrix, t| {
-            let mut transposed = *matrix;
-            for (i, row) in matrix.iter().enumerate() {
-                for (j, &value) in row.iter().enumerate() {
-                    transposed[j][i] = value;
-                }
-            }
+    ("orientation-ignored", |r| r.orient = |_, t| t),
+    ("orientation-transposed", |r| {
+        r.orient = |m, t| {
+            let transposed = std::array::from_fn(|i| std::array::from_fn(|j| m[j][i]));
             (SPEC.orient)(&transposed, t)
-        },
-        ..r
+        };
     }),
-    ("orientation-without-translation", |r| Rules {
-        orient: |matrix, t| (SPEC.turn)(matrix, t),
-        ..r
+    ("orientation-without-translation", |r| {
+        r.orient = |matrix, t| (SPEC.turn)(matrix, t);
     }),
-    ("orientation-of-two-coordinates", |r| Rules {
-        orient: |matrix, t| {
-            let moved = (SPEC.orient)(matrix, [t[0], t[1], 0.0]);
-            [moved[0], moved[1], t[2]]
-        },
-        ..r
+    ("orientation-of-two-coordinates", |r| {
+        r.orient = |m, t| with((SPEC.orient)(m, [t[0], t[1], 0.0]), |moved| moved[2] = t[2]);
     }),
-    ("orientation-after-sampling-range", |r| Rules {
-        orient: |matrix, t| (SPEC.orient)(matrix, t.map(|t| t - t.floor())),
-        ..r
+    ("orientation-after-sampling-range", |r| {
+        r.orient = |matrix, t| (SPEC.orient)(matrix, t.map(|t| t - t.floor()));
     }),
-    ("no-perspective-correction", |r| Rules {
-        hyperbolic: |ts, b, w| (SPEC.linear)(ts, b, w),
-        ..r
-    }),
-    ("perspective-always", |r| Rules {
-        linear: |ts, b, w| (SPEC.hyperbolic)(ts, b, w),
-        ..r
-    }),
-    ("perspective-inverted", |r| Rules {
-        hyperbolic: |ts, b, w| {
+    ("no-perspective-correction", |r| r.hyperbolic = SPEC.linear),
+    ("perspective-always", |r| r.linear = SPEC.hyperbolic),
+    ("perspective-inverted", |r| {
+        r.hyperbolic = |ts, b, w| {
             let inverse: Vec<f64> = w.iter().map(|w| 1.0 / w).collect();
             (SPEC.hyperbolic)(ts, b, &inverse)
-        },
-        ..r
+        };
     }),
-    ("sampled-per-vertex-always", |r| Rules {
-        site: |_, frequency| {
-            if frequency == Frequency::Pixel {
-                Site::Pixel
-            } else {
-                Site::Vertex
-            }
-        },
-        ..r
+    ("sampled-per-vertex-always", |r| {
+        r.site = |_, frequency| match frequency {
+            Frequency::Pixel => Site::Pixel,
+            Frequency::InterpDep => Site::Vertex,
+        };
     }),
-    ("sampled-per-pixel-always", |r| Rules {
-        site: |_, _| Site::Pixel,
-        ..r
+    ("sampled-per-pixel-always", |r| r.site = |_, _| Site::Pixel),
+    ("sample-frequency-overruled", |r| {
+        r.site = |interpolation, _| (SPEC.site)(interpolation, Frequency::InterpDep);
     }),
-    ("sample-frequency-overruled", |r| Rules {
-        site: |interpolation, _| (SPEC.site)(interpolation, Frequency::InterpDep),
-        ..r
-    }),
-    ("dot-product-per-vertex", |r| Rules {
-        site: |interpolation, frequency| match (interpolation, frequency) {
+    ("dot-product-per-vertex", |r| {
+        r.site = |interpolation, frequency| match (interpolation, frequency) {
             (Interpolation::DotProduct, Frequency::InterpDep) => Site::Vertex,
             _ => (SPEC.site)(interpolation, frequency),
-        },
-        ..r
+        };
     }),
     // ---------------------------------------------------------------- stages
-    ("order-reversed", |r| Rules {
-        stage: |maps, lit, interpolation, frequency, rules| {
+    ("order-reversed", |r| {
+        r.stage = |maps, lit, i, f, rules| {
             let reversed: Vec<_> = maps.iter().rev().cloned().collect();
-            (SPEC.stage)(&reversed, lit, interpolation, frequency, rules)
-        },
-        ..r
+            (SPEC.stage)(&reversed, lit, i, f, rules)
+        };
     }),
-    ("only-the-last-map", |r| Rules {
-        stage: |maps, lit, interpolation, frequency, rules| {
-            (SPEC.stage)(
-                &maps[maps.len().saturating_sub(1)..],
-                lit,
-                interpolation,
-                frequency,
-                rules,
-            )
-        },
-        ..r
+    ("only-the-last-map", |r| {
+        r.stage = |maps, lit, i, f, rules| {
+            (SPEC.stage)(&maps[maps.len().saturating_sub(1)..], lit, i, f, rules)
+        };
     }),
-    ("only-the-first-map", |r| Rules {
-        stage: |maps, lit, interpolation, frequency, rules| {
-            (SPEC.stage)(
-                &maps[..maps.len().min(1)],
-                lit,
-                interpolation,
-                frequency,
-                rules,
-            )
-        },
-        ..r
+    ("only-the-first-map", |r| {
+        r.stage =
+            |maps, lit, i, f, rules| (SPEC.stage)(&maps[..maps.len().min(1)], lit, i, f, rules);
     }),
-    ("post-light-before-light", |r| Rules {
-        stage: |maps, lit, interpolation, frequency, rules| {
-            (SPEC.stage)(
-                &all_at(maps, RenderingControl::PreLight),
-                lit,
-                interpolation,
-                frequency,
-                rules,
-            )
-        },
-        ..r
+    ("post-light-before-light", |r| {
+        r.stage = |maps, lit, i, f, rules| {
+            (SPEC.stage)(&all_at(maps, RenderingControl::PreLight), lit, i, f, rules)
+        };
     }),
-    ("pre-light-after-light", |r| Rules {
-        stage: |maps, lit, interpolation, frequency, rules| {
-            (SPEC.stage)(
-                &all_at(maps, RenderingControl::PostLight),
-                lit,
-                interpolation,
-                frequency,
-                rules,
-            )
-        },
-        ..r
+    ("pre-light-after-light", |r| {
+        r.stage = |maps, lit, i, f, rules| {
+            (SPEC.stage)(&all_at(maps, RenderingControl::PostLight), lit, i, f, rules)
+        };
     }),
-    ("list-order-over-stages", |r| Rules {
-        stage: |maps, lit, interpolation, frequency, rules| {
-            let control = maps
-                .first()
-                .map_or(RenderingControl::PostLight, |(entry, _)| {
-                    entry.rendering_control
-                });
-            (SPEC.stage)(&all_at(maps, control), lit, interpolation, frequency, rules)
-        },
-        ..r
+    ("list-order-over-stages", |r| {
+        r.stage = |maps, lit, i, f, rules| {
+            let control = |(entry, _): &(Entry, Fetched)| entry.rendering_control;
+            let first = maps.first().map_or(RenderingControl::PostLight, control);
+            (SPEC.stage)(&all_at(maps, first), lit, i, f, rules)
+        };
     }),
-    ("specular-textured", |r| Rules {
-        add_specular: |shade, specular| Shade {
-            color: [0, 1, 2].map(|c| shade.color[c] + specular[c] * shade.color[c]),
-            ..shade
-        },
-        ..r
+    ("specular-textured", |r| {
+        r.add_specular = |shade, specular| {
+            let textured = [0, 1, 2].map(|c| shade.color[c] + specular[c] * shade.color[c]);
+            colored(shade, textured)
+        };
     }),
-    ("specular-lost", |r| Rules {
-        add_specular: |shade, _| shade,
-        ..r
+    ("specular-lost", |r| r.add_specular = |shade, _| shade),
+    ("white-light-lost", |r| {
+        r.stage = |maps, lit, i, f, rules| match (rules.is_split)(i, f) {
+            true => unlit(maps, lit, rules),
+            false => (SPEC.stage)(maps, lit, i, f, rules),
+        };
     }),
-    ("white-light-lost", |r| Rules {
-        stage: |maps, lit, interpolation, frequency, rules| {
-            let split = (rules.is_split)(interpolation, frequency);
-            if !split {
-                return (SPEC.stage)(maps, lit, interpolation, frequency, rules);
+    ("split-multiplies-twice", |r| {
+        r.stage = |maps, lit, i, f, rules| {
+            let shade = (SPEC.stage)(maps, lit, i, f, rules);
+            let is_pre = |(entry, _): &(Entry, Fetched)| {
+                entry.rendering_control == RenderingControl::PreLight
+            };
+            if !(maps.iter().any(is_pre) && (rules.is_split)(i, f)) {
+                return shade;
             }
-            unlit(maps, lit, rules)
-        },
-        ..r
+            let [white, specular] = [lit.white, lit.specular];
+            let twice = |c: usize| (shade.color[c] - specular[c]) * white[c] + specular[c];
+            colored(shade, [0, 1, 2].map(twice))
+        };
     }),
-    ("split-multiplies-twice", |r| Rules {
-        stage: |maps, lit, interpolation, frequency, rules| {
-            let shade = (SPEC.stage)(maps, lit, interpolation, frequency, rules);
-            let pre = maps
-                .iter()
-                .any(|(entry, _)| entry.rendering_control == RenderingControl::PreLight);
-            if pre && (rules.is_split)(interpolation, frequency) {
-                let textured = [0, 1, 2]
-                    .map(|c| (shade.color[c] - lit.specular[c]) * lit.white[c] + lit.specular[c]);
-                return Shade {
-                    color: textured,
-                    ..shade
-                };
-            }
-            shade
-        },
-        ..r
-    }),
-    ("direct-form-unlit", |r| Rules {
-        light: |shade, lit| (SPEC.add_specular)(shade, lit.specular),
-        ..r
+    ("direct-form-unlit", |r| {
+        r.light = |shade, lit| (SPEC.add_specular)(shade, lit.specular);
     }),
     // ---------------------------------------------------------------- composition
-    ("luminance-is-red", |r| Rules {
-        texel_color: |texel| match texel.luminance() {
+    ("luminance-is-red", |r| {
+        r.texel_color = |texel| match texel.luminance() {
             Some(luminance) => [luminance, 0.0, 0.0],
             None => (SPEC.texel_color)(texel),
-        },
-        ..r
+        };
     }),
-    ("premultiplied", |r| Rules {
-        texel_color: |texel| (SPEC.texel_color)(texel).map(|c| c * texel.alpha().unwrap_or(1.0)),
-        ..r
+    ("premultiplied", |r| {
+        r.texel_color = |texel| (SPEC.texel_color)(texel).map(|c| c * texel.alpha().unwrap_or(1.0));
     }),
-    ("replace-modulates", |r| Rules {
-        replace: |x| Shade {
-            alpha: x.alpha.unwrap_or(x.input.alpha),
-            ..(SPEC.modulate)(x)
-        },
-        ..r
+    ("replace-modulates", |r| {
+        r.replace = |x| with_alpha((SPEC.modulate)(x), x.alpha.unwrap_or(x.input.alpha));
     }),
-    ("replace-keeps-alpha", |r| Rules {
-        replace: |x| Shade {
-            alpha: x.input.alpha,
-            ..(SPEC.replace)(x)
-        },
-        ..r
+    ("replace-keeps-alpha", |r| {
+        r.replace = |x| with_alpha((SPEC.replace)(x), x.input.alpha);
     }),
-    ("replace-makes-opaque", |r| Rules {
-        replace: |x| Shade {
-            alpha: x.alpha.unwrap_or(1.0),
-            ..(SPEC.replace)(x)
-        },
-        ..r
+    ("replace-makes-opaque", |r| {
+        r.replace = |x| with_alpha((SPEC.replace)(x), x.alpha.unwrap_or(1.0));
     }),
-    ("replace-multiplies-alpha", |r| Rules {
-        replace: |x| Shade {
-            alpha: x.input.alpha * x.alpha.unwrap_or(1.0),
-            ..(SPEC.replace)(x)
-        },
-        ..r
+    ("replace-multiplies-alpha", |r| {
+        r.replace = |x| with_alpha((SPEC.replace)(x), x.input.alpha * x.alpha.unwrap_or(1.0));
     }),
-    ("replace-unlit", |r| Rules {
-        replace: |x| Shade {
-            color: x.color,
-            ..(SPEC.replace)(x)
-        },
-        ..r
+    ("replace-unlit", |r| {
+        r.replace = |x| colored((SPEC.replace)(x), x.color);
     }),
-    ("modulate-keeps-alpha", |r| Rules {
-        modulate: |x| Shade {
-            alpha: x.input.alpha,
-            ..(SPEC.modulate)(x)
-        },
-        ..r
+    ("modulate-keeps-alpha", |r| {
+        r.modulate = |x| with_alpha((SPEC.modulate)(x), x.input.alpha);
     }),
-    ("modulate-replaces-alpha", |r| Rules {
-        modulate: |x| Shade {
-            alpha: x.alpha.unwrap_or(x.input.alpha),
-            ..(SPEC.modulate)(x)
-        },
-        ..r
+    ("modulate-replaces-alpha", |r| {
+        r.modulate = |x| with_alpha((SPEC.modulate)(x), x.alpha.unwrap_or(x.input.alpha));
     }),
-    ("modulate-doubles", |r| Rules {
-        modulate: |x| Shade {
-            color: (SPEC.modulate)(x).color.map(|c| 2.0 * c),
-            ..(SPEC.modulate)(x)
-        },
-        ..r
+    ("modulate-doubles", |r| {
+        r.modulate = |x| with((SPEC.modulate)(x), |y| y.color = y.color.map(|c| 2.0 * c));
     }),
-    ("modulate-adds", |r| Rules {
-        modulate: |x| Shade {
-            color: [0, 1, 2].map(|c| x.input.color[c] + x.color[c]),
-            ..(SPEC.modulate)(x)
-        },
-        ..r
+    ("modulate-adds", |r| {
+        r.modulate = |x| {
+            let sum = [0, 1, 2].map(|c| x.input.color[c] + x.color[c]);
+            colored((SPEC.modulate)(x), sum)
+        };
     }),
-    ("modulate-lit-twice", |r| Rules {
-        modulate: |x| Shade {
-            color: times(x.white, (SPEC.modulate)(x).color),
-            ..(SPEC.modulate)(x)
-        },
-        ..r
+    ("modulate-lit-twice", |r| {
+        r.modulate = |x| with((SPEC.modulate)(x), |y| y.color = times(x.white, y.color));
     }),
-    ("blend-the-other-way", |r| Rules {
-        blend_env_color: |x| {
-            (SPEC.blend_env_color)(&crate::texture::primitive::Terms {
-                gamma: x.gamma.map(|g| 1.0 - g),
-                ..*x
-            })
-        },
-        ..r
+    ("blend-the-other-way", |r| {
+        r.blend_env_color =
+            |x| (SPEC.blend_env_color)(&with(*x, |x| x.gamma = x.gamma.map(|g| 1.0 - g)));
     }),
-    ("blend-adds", |r| Rules {
-        blend_env_color: |x| {
+    ("blend-adds", |r| {
+        r.blend_env_color = |x| {
             let environment = times(x.white, x.entry.env_color);
-            let color = [0, 1, 2].map(|c| x.input.color[c] + x.gamma[c] * environment[c]);
-            Shade {
-                color,
-                ..(SPEC.blend_env_color)(x)
-            }
-        },
-        ..r
+            let sum = [0, 1, 2].map(|c| x.input.color[c] + x.gamma[c] * environment[c]);
+            colored((SPEC.blend_env_color)(x), sum)
+        };
     }),
-    ("blend-with-the-texel", |r| Rules {
-        blend_env_color: |x| Shade {
-            color: mix(x.input.color, times(x.white, x.color), x.gamma),
-            ..(SPEC.blend_env_color)(x)
-        },
-        ..r
+    ("blend-with-the-texel", |r| {
+        r.blend_env_color = |x| blended(x, times(x.white, x.color));
     }),
-    ("blend-environment-unlit", |r| Rules {
-        blend_env_color: |x| Shade {
-            color: mix(x.input.color, x.entry.env_color, x.gamma),
-            ..(SPEC.blend_env_color)(x)
-        },
-        ..r
+    ("blend-environment-unlit", |r| {
+        r.blend_env_color = |x| blended(x, x.entry.env_color);
     }),
-    ("blend-keeps-alpha", |r| Rules {
-        blend_env_color: |x| Shade {
-            alpha: x.input.alpha,
-            ..(SPEC.blend_env_color)(x)
-        },
-        ..r
+    ("blend-keeps-alpha", |r| {
+        r.blend_env_color = |x| with_alpha((SPEC.blend_env_color)(x), x.input.alpha);
     }),
-    ("background-for-environment", |r| Rules {
-        blend_env_color: |x| Shade {
-            color: mix(
-                x.input.color,
-                times(x.white, x.entry.background_color),
-                x.gamma,
-            ),
-            ..(SPEC.blend_env_color)(x)
-        },
-        ..r
+    ("background-for-environment", |r| {
+        r.blend_env_color = |x| blended(x, times(x.white, x.entry.background_color));
     }),
-    ("channel-ignored", |r| Rules {
-        gamma: |_, texel| [(SPEC.texel_color)(texel)[0]; 3],
-        ..r
+    ("channel-ignored", |r| {
+        r.gamma = |_, texel| [(SPEC.texel_color)(texel)[0]; 3];
     }),
-    ("channels-from-blue", |r| Rules {
-        gamma: |entry, texel| {
-            let channel = match entry.channel {
+    ("channels-from-blue", |r| {
+        r.gamma = |entry, texel| {
+            let other = match entry.channel {
                 Channel::Red => Channel::Blue,
                 Channel::Blue => Channel::Red,
                 other => other,
             };
-            (SPEC.gamma)(
-                &Entry {
-                    channel,
-                    ..entry.clone()
-                },
-                texel,
-            )
-        },
-        ..r
+            (SPEC.gamma)(&with(entry.clone(), |e| e.channel = other), texel)
+        };
     }),
-    ("channels-from-alpha", |r| Rules {
-        gamma: |entry, texel| {
-            let channel = match entry.channel {
+    ("channels-from-alpha", |r| {
+        r.gamma = |entry, texel| {
+            let other = match entry.channel {
                 Channel::Alpha => Channel::Red,
                 Channel::Red => Channel::Green,
                 Channel::Green => Channel::Blue,
                 Channel::Blue => Channel::Alpha,
             };
-            (SPEC.gamma)(
-                &Entry {
-                    channel,
-                    ..entry.clone()
-                },
-                texel,
-            )
-        },
-        ..r
+            (SPEC.gamma)(&with(entry.clone(), |e| e.channel = other), texel)
+        };
     }),
-    ("gray-of-the-texel", |r| Rules {
-        gamma: |_, texel| [(SPEC.texel_color)(texel).iter().sum::<f64>() / 3.0; 3],
-        ..r
+    ("gray-of-the-texel", |r| {
+        r.gamma = |_, texel| [(SPEC.texel_color)(texel).iter().sum::<f64>() / 3.0; 3];
     }),
-    ("luminance-alpha-selected", |r| Rules {
-        gamma: |entry, texel| match (entry.channel, texel.luminance(), texel.alpha()) {
+    ("luminance-alpha-selected", |r| {
+        r.gamma = |entry, texel| match (entry.channel, texel.luminance(), texel.alpha()) {
             (Channel::Alpha, Some(_), Some(alpha)) => [alpha; 3],
             _ => (SPEC.gamma)(entry, texel),
-        },
-        ..r
+        };
     }),
-    ("decal-the-other-way", |r| Rules {
-        decal: |x| match x.alpha {
-            Some(alpha) => Shade {
-                color: mix(x.input.color, times(x.white, x.color), [1.0 - alpha; 3]),
-                ..x.input
-            },
+    ("decal-the-other-way", |r| {
+        r.decal = |x| match x.alpha {
+            Some(alpha) => covered(x, times(x.white, x.color), [1.0 - alpha; 3]),
             None => (SPEC.decal)(x),
-        },
-        ..r
+        };
     }),
-    ("decal-by-primitive-alpha", |r| Rules {
-        decal: |x| Shade {
-            color: mix(x.input.color, times(x.white, x.color), [x.input.alpha; 3]),
-            ..x.input
-        },
-        ..r
+    ("decal-by-primitive-alpha", |r| {
+        r.decal = |x| covered(x, times(x.white, x.color), [x.input.alpha; 3]);
     }),
-    ("decal-replaces-alpha", |r| Rules {
-        decal: |x| Shade {
-            alpha: x.alpha.unwrap_or(x.input.alpha),
-            ..(SPEC.decal)(x)
-        },
-        ..r
+    ("decal-replaces-alpha", |r| {
+        r.decal = |x| with_alpha((SPEC.decal)(x), x.alpha.unwrap_or(x.input.alpha));
     }),
-    ("decal-multiplies-alpha", |r| Rules {
-        decal: |x| Shade {
-            alpha: x.input.alpha * x.alpha.unwrap_or(1.0),
-            ..(SPEC.decal)(x)
-        },
-        ..r
+    ("decal-multiplies-alpha", |r| {
+        r.decal = |x| with_alpha((SPEC.decal)(x), x.input.alpha * x.alpha.unwrap_or(1.0));
     }),
-    ("decal-without-alpha-is-nothing", |r| Rules {
-        decal: |x| {
-            if x.alpha.is_none() {
-                x.input
-            } else {
-                (SPEC.decal)(x)
-            }
-        },
-        ..r
+    ("decal-without-alpha-is-nothing", |r| {
+        r.decal = |x| x.alpha.map_or(x.input, |_| (SPEC.decal)(x));
     }),
-    ("decal-by-channel", |r| Rules {
-        decal: |x| Shade {
-            color: mix(x.input.color, times(x.white, x.color), x.gamma),
-            ..x.input
-        },
-        ..r
+    ("decal-by-channel", |r| {
+        r.decal = |x| covered(x, times(x.white, x.color), x.gamma);
     }),
-    ("decal-unlit", |r| Rules {
-        decal: |x| Shade {
-            color: mix(x.input.color, x.color, [x.alpha.unwrap_or(1.0); 3]),
-            ..x.input
-        },
-        ..r
+    ("decal-unlit", |r| {
+        r.decal = |x| covered(x, x.color, [x.alpha.unwrap_or(1.0); 3]);
     }),
-    ("background-is-primitive", |r| Rules {
-        decal_background: |x| (SPEC.decal)(x),
-        ..r
+    ("background-is-primitive", |r| {
+        r.decal_background = SPEC.decal;
     }),
-    ("environment-for-background", |r| Rules {
-        decal_background: |x| Shade {
-            color: times(
-                x.white,
-                mix(x.entry.env_color, x.color, [x.alpha.unwrap_or(1.0); 3]),
-            ),
-            ..x.input
-        },
-        ..r
+    ("environment-for-background", |r| {
+        r.decal_background = |x| {
+            let over = mix(x.entry.env_color, x.color, [x.alpha.unwrap_or(1.0); 3]);
+            colored(x.input, times(x.white, over))
+        };
     }),
-    ("background-unlit", |r| Rules {
-        decal_background: |x| Shade {
-            color: mix(
-                x.entry.background_color,
-                times(x.white, x.color),
-                [x.alpha.unwrap_or(1.0); 3],
-            ),
-            ..x.input
-        },
-        ..r
+    ("background-unlit", |r| {
+        r.decal_background = |x| {
+            let [lit, share] = [times(x.white, x.color), [x.alpha.unwrap_or(1.0); 3]];
+            colored(x.input, mix(x.entry.background_color, lit, share))
+        };
     }),
-    ("background-replaces-alpha", |r| Rules {
-        decal_background: |x| Shade {
-            alpha: x.alpha.unwrap_or(x.input.alpha),
-            ..(SPEC.decal_background)(x)
-        },
-        ..r
+    ("background-replaces-alpha", |r| {
+        r.decal_background =
+            |x| with_alpha((SPEC.decal_background)(x), x.alpha.unwrap_or(x.input.alpha));
     }),
-    ("background-without-alpha", |r| Rules {
-        decal_background: |x| match x.alpha {
+    ("background-without-alpha", |r| {
+        r.decal_background = |x| match x.alpha {
             Some(_) => (SPEC.decal_background)(x),
-            None => Shade {
-                color: times(x.white, x.entry.background_color),
-                ..x.input
-            },
-        },
-        ..r
+            None => colored(x.input, times(x.white, x.entry.background_color)),
+        };
     }),
-    ("background-the-other-way", |r| Rules {
-        decal_background: |x| match x.alpha {
-            Some(alpha) => Shade {
-                color: times(x.white, mix(x.color, x.entry.background_color, [alpha; 3])),
-                ..x.input
-            },
+    ("background-the-other-way", |r| {
+        r.decal_background = |x| match x.alpha {
+            Some(alpha) => {
+                let under = mix(x.color, x.entry.background_color, [alpha; 3]);
+                colored(x.input, times(x.white, under))
+            }
             None => (SPEC.decal_background)(x),
-        },
-        ..r
+        };
     }),
     // ---------------------------------------------------------------- sampling
-    ("minification-always", |r| Rules {
-        method: |entry, _| entry.min_sample,
-        ..r
+    ("minification-always", |r| {
+        r.method = |entry, _| entry.min_sample;
     }),
-    ("methods-exchanged", |r| Rules {
-        method: |entry, magnify| (SPEC.method)(entry, !magnify),
-        ..r
+    ("methods-exchanged", |r| {
+        r.method = |entry, magnify| (SPEC.method)(entry, !magnify);
     }),
-    ("texels-column-first", |r| Rules {
-        place: |size, at| (at[0] * size[1] + at[1]) * size[2] + at[2],
-        ..r
+    ("texels-column-first", |r| {
+        r.place = |size, at| (at[0] * size[1] + at[1]) * size[2] + at[2];
     }),
-    ("first-row-at-the-top", |r| Rules {
-        place: |size, at| (SPEC.place)(size, [at[0], size[1] - 1 - at[1], at[2]]),
-        ..r
+    ("first-row-at-the-top", |r| {
+        r.place = |size, at| (SPEC.place)(size, [at[0], size[1] - 1 - at[1], at[2]]);
     }),
-    ("slices-ignored", |r| Rules {
-        place: |size, at| (SPEC.place)(size, [at[0], at[1], 0]),
-        ..r
+    ("slices-ignored", |r| {
+        r.place = |size, at| (SPEC.place)(size, [at[0], at[1], 0]);
     }),
-    ("coordinates-in-texels", |r| Rules {
-        closest: |boundary, t, size, rules| (SPEC.closest)(boundary, t / size as f64, size, rules),
-        ..r
+    ("coordinates-in-texels", |r| {
+        r.closest = |edge, t, size, rules| (SPEC.closest)(edge, t / size as f64, size, rules);
     }),
-    ("closest-rounds", |r| Rules {
-        closest: |boundary, t, size, rules| {
-            (SPEC.closest)(boundary, t + 0.5 / size as f64, size, rules)
-        },
-        ..r
+    ("closest-rounds", |r| {
+        r.closest = |edge, t, size, rules| (SPEC.closest)(edge, t + 0.5 / size as f64, size, rules);
     }),
-    ("weighted-is-single", |r| Rules {
-        neighbors: |boundary, t, size, rules| {
-            [((rules.closest)(boundary, t, size, rules), 1.0), (0, 0.0)]
-        },
-        ..r
+    ("weighted-is-single", |r| {
+        r.neighbors =
+            |edge, t, size, rules| [((rules.closest)(edge, t, size, rules), 1.0), (0, 0.0)];
     }),
-    ("weighted-half-off", |r| Rules {
-        neighbors: |boundary, t, size, rules| {
-            (SPEC.neighbors)(boundary, t + 0.5 / size as f64, size, rules)
-        },
-        ..r
+    ("weighted-half-off", |r| {
+        r.neighbors =
+            |edge, t, size, rules| (SPEC.neighbors)(edge, t + 0.5 / size as f64, size, rules);
     }),
-    ("weights-exchanged", |r| Rules {
-        neighbors: |boundary, t, size, rules| {
-            let [(a, wa), (b, wb)] = (SPEC.neighbors)(boundary, t, size, rules);
+    ("weights-exchanged", |r| {
+        r.neighbors = |edge, t, size, rules| {
+            let [(a, wa), (b, wb)] = (SPEC.neighbors)(edge, t, size, rules);
             [(a, wb), (b, wa)]
-        },
-        ..r
+        };
     }),
-    ("weights-equal", |r| Rules {
-        neighbors: |boundary, t, size, rules| {
-            (SPEC.neighbors)(boundary, t, size, rules).map(|(at, _)| (at, 0.5))
-        },
-        ..r
+    ("weights-equal", |r| {
+        r.neighbors =
+            |edge, t, size, rules| (SPEC.neighbors)(edge, t, size, rules).map(|(at, _)| (at, 0.5));
     }),
-    ("weights-smoothed", |r| Rules {
-        neighbors: |boundary, t, size, rules| {
-            let [(a, _), (b, f)] = (SPEC.neighbors)(boundary, t, size, rules);
+    ("weights-smoothed", |r| {
+        r.neighbors = |edge, t, size, rules| {
+            let [(a, _), (b, f)] = (SPEC.neighbors)(edge, t, size, rules);
             let smooth = f * f * (3.0 - 2.0 * f);
             [(a, 1.0 - smooth), (b, smooth)]
-        },
-        ..r
+        };
     }),
-    ("level-rounded-down", |r| Rules {
-        closest_level: |depth, top| (depth.floor().max(0.0) as usize).min(top),
-        ..r
+    ("level-rounded-down", |r| {
+        r.closest_level = |depth, top| (depth.floor().max(0.0) as usize).min(top);
     }),
-    ("level-rounded-up", |r| Rules {
-        closest_level: |depth, top| (depth.ceil().max(0.0) as usize).min(top),
-        ..r
+    ("level-rounded-up", |r| {
+        r.closest_level = |depth, top| (depth.ceil().max(0.0) as usize).min(top);
     }),
-    ("levels-from-the-pinnacle", |r| Rules {
-        closest_level: |depth, top| (SPEC.closest_level)(top as f64 - depth, top),
-        levels: |depth, top| (SPEC.levels)(top as f64 - depth, top),
-        ..r
+    ("levels-from-the-pinnacle", |r| {
+        r.closest_level = |depth, top| (SPEC.closest_level)(top as f64 - depth, top);
+        r.levels = |depth, top| (SPEC.levels)(top as f64 - depth, top);
     }),
-    ("levels-ignored", |r| Rules {
-        closest_level: |_, _| 0,
-        levels: |_, _| (0, 0, 0.0),
-        ..r
+    ("levels-ignored", |r| {
+        r.closest_level = |_, _| 0;
+        r.levels = |_, _| (0, 0, 0.0);
     }),
-    ("between-is-closest", |r| Rules {
-        levels: |depth, top| ((SPEC.closest_level)(depth, top), 0, 0.0),
-        ..r
+    ("between-is-closest", |r| {
+        r.levels = |depth, top| ((SPEC.closest_level)(depth, top), 0, 0.0);
     }),
-    ("between-is-the-mean", |r| Rules {
-        levels: |depth, top| {
-            let (lower, upper, share) = (SPEC.levels)(depth, top);
-            (lower, upper, if share > 0.0 { 0.5 } else { 0.0 })
-        },
-        ..r
+    ("between-is-the-mean", |r| {
+        r.levels = |depth, top| {
+            with((SPEC.levels)(depth, top), |at| {
+                at.2 = if at.2 > 0.0 { 0.5 } else { 0.0 }
+            })
+        };
     }),
-    ("between-the-other-way", |r| Rules {
-        levels: |depth, top| {
-            let (lower, upper, share) = (SPEC.levels)(depth, top);
-            (lower, upper, if share > 0.0 { 1.0 - share } else { 0.0 })
-        },
-        ..r
+    ("between-the-other-way", |r| {
+        r.levels = |depth, top| {
+            with((SPEC.levels)(depth, top), |at| {
+                at.2 = if at.2 > 0.0 { 1.0 - at.2 } else { 0.0 }
+            })
+        };
     }),
-    ("depth-extrapolated", |r| Rules {
-        levels: |depth, top| {
+    ("depth-extrapolated", |r| {
+        r.levels = |depth, top| {
             let lower = (depth.floor().max(0.0) as usize).min(top.saturating_sub(1));
             (lower, (lower + 1).min(top), depth - lower as f64)
-        },
-        ..r
+        };
     }),
-    ("depth-wraps", |r| Rules {
-        levels: |depth, top| {
-            if depth > top as f64 {
-                (0, 0, 0.0)
-            } else {
-                (SPEC.levels)(depth, top)
-            }
-        },
-        ..r
+    ("depth-wraps", |r| {
+        r.levels = |depth, top| match depth > top as f64 {
+            true => (0, 0, 0.0),
+            false => (SPEC.levels)(depth, top),
+        };
     }),
     // ---------------------------------------------------------------- boundaries
-    ("wrap-in-c", |r| Rules {
-        wrap: |k, size| (k % size as i64).unsigned_abs() as usize,
-        ..r
+    ("wrap-in-c", |r| {
+        r.wrap = |k, size| (k % size as i64).unsigned_abs() as usize;
     }),
-    ("wrap-truncates", |r| Rules {
-        closest: |boundary, t, size, rules| {
-            let t = if boundary == Boundary::Wrap && t < 0.0 {
-                t + 1.0 / size as f64
-            } else {
-                t
+    ("wrap-truncates", |r| {
+        r.closest = |edge, t, size, rules| {
+            let is_negative = edge == Boundary::Wrap && t < 0.0;
+            (SPEC.closest)(edge, t + f64::from(is_negative) / size as f64, size, rules)
+        };
+    }),
+    ("wrap-loses-the-last-texel", |r| {
+        r.wrap = |k, size| match (0..size as i64).contains(&k) {
+            true => k as usize,
+            false => k.rem_euclid((size as i64 - 1).max(1)) as usize,
+        };
+    }),
+    ("wrap-clamps-neighbours", |r| {
+        r.neighbors = |edge, t, size, rules| {
+            let edge = match edge {
+                Boundary::Wrap if (0.0..=1.0).contains(&t) => Boundary::ClampBorder,
+                _ => edge,
             };
-            (SPEC.closest)(boundary, t, size, rules)
-        },
-        ..r
+            (SPEC.neighbors)(edge, t, size, rules)
+        };
     }),
-    ("wrap-loses-the-last-texel", |r| Rules {
-        wrap: |k, size| {
-            if (0..size as i64).contains(&k) {
-                k as usize
-            } else {
-                k.rem_euclid((size as i64 - 1).max(1)) as usize
-            }
-        },
-        ..r
+    ("mirror-wraps", |r| r.mirror = SPEC.wrap),
+    ("mirror-once", |r| {
+        r.mirror = |k, size| match size as i64 {
+            _ if k < 0 => (SPEC.border)(-1 - k, size),
+            n if k >= n => (SPEC.border)(2 * n - 1 - k, size),
+            _ => (SPEC.border)(k, size),
+        };
     }),
-    ("wrap-clamps-neighbours", |r| Rules {
-        neighbors: |boundary, t, size, rules| {
-            let boundary = if boundary == Boundary::Wrap && (0.0..=1.0).contains(&t) {
-                Boundary::ClampBorder
-            } else {
-                boundary
-            };
-            (SPEC.neighbors)(boundary, t, size, rules)
-        },
-        ..r
-    }),
-    ("mirror-wraps", |r| Rules {
-        mirror: SPEC.wrap,
-        ..r
-    }),
-    ("mirror-once", |r| Rules {
-        mirror: |k, size| {
-            let n = size as i64;
-            (SPEC.border)(
-                if k < 0 {
-                    -1 - k
-                } else if k >= n {
-                    2 * n - 1 - k
-                } else {
-                    k
-                },
-                size,
-            )
-        },
-        ..r
-    }),
-    ("mirror-without-the-edge", |r| Rules {
-        mirror: |k, size| {
+    ("mirror-without-the-edge", |r| {
+        r.mirror = |k, size| {
             let period = (2 * (size as i64 - 1)).max(1);
             let m = k.rem_euclid(period);
             m.min(period - m).min(size as i64 - 1) as usize
-        },
-        ..r
+        };
     }),
-    ("mirror-of-the-first-tile", |r| Rules {
-        mirror: |k, size| size - 1 - (SPEC.mirror)(k, size),
-        ..r
+    ("mirror-of-the-first-tile", |r| {
+        r.mirror = |k, size| size - 1 - (SPEC.mirror)(k, size);
     }),
-    ("border-wraps", |r| Rules {
-        border: SPEC.wrap,
-        ..r
+    ("border-wraps", |r| r.border = SPEC.wrap),
+    ("border-is-black", |r| {
+        r.is_clamped = |entry, t, n, rules| {
+            let is_border = |d| entry.boundary[d] == Boundary::ClampBorder;
+            (SPEC.is_clamped)(entry, t, n, rules)
+                || (0..n).any(|d| is_border(d) && (rules.is_outside)(t[d]))
+        };
     }),
-    ("border-is-black", |r| Rules {
-        is_clamped: |entry, t, dimensions, rules| {
-            (SPEC.is_clamped)(entry, t, dimensions, rules)
-                || (0..dimensions)
-                    .any(|d| entry.boundary[d] == Boundary::ClampBorder && (rules.is_outside)(t[d]))
-        },
-        ..r
+    ("border-of-the-first-texel", |r| {
+        r.border = |k, size| usize::try_from(k).ok().filter(|&k| k < size).unwrap_or(0);
     }),
-    ("border-of-the-first-texel", |r| Rules {
-        border: |k, size| {
-            if (0..size as i64).contains(&k) {
-                k as usize
-            } else {
-                0
-            }
-        },
-        ..r
+    ("explicit-is-border", |r| r.is_clamped = |_, _, _, _| false),
+    ("one-is-outside", |r| {
+        r.is_outside = |t| !(0.0..1.0).contains(&t);
     }),
-    ("explicit-is-border", |r| Rules {
-        is_clamped: |_, _, _, _| false,
-        ..r
+    ("zero-is-outside", |r| {
+        r.is_outside = |t| !(t > 0.0 && t <= 1.0);
     }),
-    ("one-is-outside", |r| Rules {
-        is_outside: |t| !(0.0..1.0).contains(&t),
-        ..r
+    ("only-beyond-one-is-outside", |r| r.is_outside = |t| t > 1.0),
+    ("all-directions-must-be-outside", |r| {
+        r.is_clamped = |entry, t, n, rules| {
+            (0..n).all(|d| (rules.is_outside)(t[d])) && (SPEC.is_clamped)(entry, t, n, rules)
+        };
     }),
-    ("zero-is-outside", |r| Rules {
-        is_outside: |t| !(t > 0.0 && t <= 1.0),
-        ..r
+    ("any-outside-clamps", |r| {
+        r.is_clamped = |entry, t, n, rules| {
+            entry.boundary[..n].contains(&Boundary::ClampExplicit)
+                && t[..n].iter().any(|&t| (rules.is_outside)(t))
+        };
     }),
-    ("only-beyond-one-is-outside", |r| Rules {
-        is_outside: |t| t > 1.0,
-        ..r
+    ("t2-clamps-a-picture", |r| {
+        r.is_clamped = |entry, t, _, rules| (SPEC.is_clamped)(entry, t, 3, rules);
     }),
-    ("all-directions-must-be-outside", |r| Rules {
-        is_clamped: |entry, t, dimensions, rules| {
-            (0..dimensions).all(|d| (rules.is_outside)(t[d]))
-                && (SPEC.is_clamped)(entry, t, dimensions, rules)
-        },
-        ..r
+    ("one-condition-for-all", |r| {
+        r.condition = |entry, _| entry.boundary[0];
     }),
-    ("any-outside-clamps", |r| Rules {
-        is_clamped: |entry, t, dimensions, rules| {
-            let explicit = (0..dimensions).any(|d| entry.boundary[d] == Boundary::ClampExplicit);
-            explicit && (0..dimensions).any(|d| (rules.is_outside)(t[d]))
-        },
-        ..r
-    }),
-    ("t2-clamps-a-picture", |r| Rules {
-        is_clamped: |entry, t, _, rules| (SPEC.is_clamped)(entry, t, 3, rules),
-        ..r
-    }),
-    ("one-condition-for-all", |r| Rules {
-        condition: |entry, _| entry.boundary[0],
-        ..r
-    }),
-    ("discontinue-is-black", |r| Rules {
-        clamp: |entry| match (SPEC.clamp)(entry) {
+    ("discontinue-is-black", |r| {
+        r.clamp = |entry| match (SPEC.clamp)(entry) {
             Fetched::Discontinued => Fetched::Texel(Texel::rgb([0.0; 3])),
             other => other,
-        },
-        ..r
+        };
     }),
-    ("clamp-color-ignored", |r| Rules {
-        clamp: |_| Fetched::Discontinued,
-        ..r
+    ("clamp-color-ignored", |r| {
+        r.clamp = |_| Fetched::Discontinued;
     }),
-    ("clamp-color-is-background", |r| Rules {
-        clamp: |entry| {
-            (SPEC.clamp)(&Entry {
-                clamp_color: entry.background_color,
-                ..entry.clone()
-            })
-        },
-        ..r
+    ("clamp-color-is-background", |r| {
+        r.clamp =
+            |entry| (SPEC.clamp)(&with(entry.clone(), |e| e.clamp_color = e.background_color));
     }),
-    ("clamp-color-always", |r| Rules {
-        clamp: |entry| Fetched::Clamped(Texel::rgb(entry.clamp_color)),
-        ..r
+    ("clamp-color-always", |r| {
+        r.clamp = |entry| Fetched::Clamped(Texel::rgb(entry.clamp_color));
     }),
     // ---------------------------------------------------------------- a PTM as a map
-    ("ptm-top-row-first", |r| Rules {
-        rows: |picture| {
-            picture
-                .values
-                .chunks_exact(3)
-                .map(|c| [c[0], c[1], c[2]])
-                .collect()
-        },
-        ..r
+    ("ptm-top-row-first", |r| {
+        r.rows = |picture| picture.values.as_chunks::<3>().0.to_vec();
     }),
-    ("ptm-mirrored", |r| Rules {
-        rows: |picture| {
-            let width = picture.size.width as usize;
-            (SPEC.rows)(picture)
-                .chunks_exact(width)
-                .flat_map(|row| row.iter().rev().copied())
-                .collect()
-        },
-        ..r
+    ("ptm-mirrored", |r| {
+        r.rows = |picture| {
+            let rows = (SPEC.rows)(picture);
+            let rows = rows.chunks_exact(picture.size.width as usize);
+            rows.flat_map(|row| row.iter().rev().copied()).collect()
+        };
     }),
-    ("ptm-blue-first", |r| Rules {
-        rows: |picture| {
-            (SPEC.rows)(picture)
-                .into_iter()
-                .map(|[r, g, b]| [b, g, r])
-                .collect()
-        },
-        ..r
+    ("ptm-blue-first", |r| {
+        r.rows = |picture| {
+            let rows = (SPEC.rows)(picture).into_iter();
+            rows.map(|[r, g, b]| [b, g, r]).collect()
+        };
     }),
 ];
 
-/// The same maps with another rendering control.
-fn all_at(maps: &[(Entry, Fetched)], rendering_control: RenderingControl) -> Vec<(Entry, Fetched)> {
-    let controlled = maps.iter().cloned().map(|(entry, fetched)| {
-        let entry = Entry {
-            rendering_control,
-            ..entry
-        };
-        (entry, fetched)
-    });
-    controlled.collect()
+/// Returns `value` after `change`.
+fn with<T>(mut value: T, change: impl FnOnce(&mut T)) -> T {
+    change(&mut value);
+    value
 }
 
-/// `PreLight` maps on the lit color, as if light on white were white.
-fn unlit(maps: &[(Entry, Fetched)], lit: &crate::texture::Lit, rules: &Rules) -> Shade {
-    let color = times(lit.white, lit.surface.color);
-    let diffuse = crate::texture::Lit {
-        surface: Shade {
-            color,
-            ..lit.surface
-        },
-        white: [1.0; 3],
-        ..*lit
-    };
-    (SPEC.stage)(
-        maps,
-        &diffuse,
-        Interpolation::Normal,
-        Frequency::Pixel,
-        rules,
+/// Returns the fallback values of a reader who has others in some fields.
+fn fallback(change: fn(&mut Entry)) -> Entry {
+    with(Entry::default(), change)
+}
+
+/// Returns `shade` with another color.
+fn colored(shade: Shade, color: Color) -> Shade {
+    Shade { color, ..shade }
+}
+
+/// Returns `shade` with another alpha.
+fn with_alpha(shade: Shade, alpha: f64) -> Shade {
+    Shade { alpha, ..shade }
+}
+
+/// Blends the primitive with `color` in place of the lit environment color (R-CMP-34).
+fn blended(x: &Terms, color: Color) -> Shade {
+    colored(
+        (SPEC.blend_env_color)(x),
+        mix(x.input.color, color, x.gamma),
     )
 }
 
-/// OpenGL's sphere map of a reflection vector.
+/// Covers `share` of the primitive with `color`, as a decal does (R-CMP-37).
+fn covered(x: &Terms, color: Color, share: Color) -> Shade {
+    colored(x.input, mix(x.input.color, color, share))
+}
+
+/// Returns the same maps with another rendering control.
+fn all_at(maps: &[(Entry, Fetched)], control: RenderingControl) -> Vec<(Entry, Fetched)> {
+    let mut maps = maps.to_vec();
+    for (entry, _) in &mut maps {
+        entry.rendering_control = control;
+    }
+    maps
+}
+
+/// Applies the maps to the lit color, as if the light on a white surface were white.
+fn unlit(maps: &[(Entry, Fetched)], lit: &Lit, rules: &Rules) -> Shade {
+    let diffuse = Lit {
+        surface: colored(lit.surface, times(lit.white, lit.surface.color)),
+        white: [1.0; 3],
+        ..*lit
+    };
+    let (i, f) = (Interpolation::Normal, Frequency::Pixel);
+    (SPEC.stage)(maps, &diffuse, i, f, rules)
+}
+
+/// Returns OpenGL's sphere map coordinates of a reflection vector.
 #[expect(clippy::many_single_char_names, reason = "the letters of the formula")]
 fn opengl(s: [f64; 3]) -> [f64; 2] {
     let l = length(s);

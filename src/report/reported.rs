@@ -38,16 +38,20 @@ pub trait Reported: TestCase {
     /// # Errors
     /// What is wrong with which file.
     fn suite() -> Result<Suite<Self>, String>;
-    /// The clauses of the text.
+    /// Returns the clauses of the text: of the PTM specification, unless the suite has another text.
     ///
     /// # Errors
     /// What is wrong with the file.
-    fn all_clauses() -> Result<Vec<Clause>, String>;
-    /// The rulings on what the text leaves open.
+    fn all_clauses() -> Result<Vec<Clause>, String> {
+        clauses::clauses()
+    }
+    /// Returns the rulings on what the text leaves open.
     ///
     /// # Errors
     /// What is wrong with the file.
-    fn all_rulings() -> Result<Vec<Ruling>, String>;
+    fn all_rulings() -> Result<Vec<Ruling>, String> {
+        clauses::rulings()
+    }
     /// A digest of all that is asked and expected, in order.
     fn digest(suite: &Suite<Self>) -> String;
     /// Readings of open questions that change no answer but the file that is sent.
@@ -111,14 +115,6 @@ impl Reported for Case {
 
     fn suite() -> Result<Suite, String> {
         Suite::load()
-    }
-
-    fn all_clauses() -> Result<Vec<Clause>, String> {
-        clauses::clauses()
-    }
-
-    fn all_rulings() -> Result<Vec<Ruling>, String> {
-        clauses::rulings()
     }
 
     fn digest(suite: &Suite) -> String {

@@ -55,7 +55,7 @@ pub fn matrix(suite: &Suite, jobs: usize, progress: &dyn Fn(usize, usize)) -> Ve
 #[must_use]
 pub fn texture_matrix(suite: &Suite<TextureCase>, jobs: usize) -> Vec<MatrixRow<Change>> {
     let rows = misreadings::texture::all().map(|misreading| {
-        let rules = (misreading.at)(Rules::SPEC);
+        let rules = misreading.change(Rules::SPEC);
         let ask = |request: &Request<'_, _>| {
             let case = suite.case(request.name).expect("its own case is asked");
             case.answer(&rules)

@@ -5,6 +5,8 @@
 use std::collections::{BTreeSet, HashMap};
 use std::sync::{Arc, Mutex, OnceLock};
 
+use serde::Deserialize;
+
 use super::compare::Expected;
 use super::features::Feature;
 use super::values::{HandValues, Piece, Values};
@@ -16,7 +18,8 @@ use crate::protocol::frame::View;
 use crate::ptm::{Field, Format};
 
 /// What a case asks of a decoder.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Expect {
     /// The picture.
     Decode,

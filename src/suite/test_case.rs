@@ -43,8 +43,10 @@ pub trait TestCase: Clone + Debug + Send + Sync + 'static {
     fn clauses(&self) -> &[String];
     /// Why it is there, in a sentence.
     fn because(&self) -> String;
-    /// The ruling it shows, if it shows one.
-    fn ruling(&self) -> Option<&str>;
+    /// Returns the ruling that it shows, if any.
+    fn ruling(&self) -> Option<&str> {
+        None
+    }
     /// What is asked of a decoder.
     fn expect(&self) -> Expect;
     /// The same as it stands in a report.
@@ -53,20 +55,28 @@ pub trait TestCase: Clone + Debug + Send + Sync + 'static {
     fn is_first(&self) -> bool;
     /// The views that can decide it, best first.
     fn views(&self) -> &[Self::View];
-    /// The name of a view.
-    fn view_name(view: &Self::View) -> &'static str;
+    /// Returns the name of a view.
+    fn view_name(_view: &Self::View) -> &'static str {
+        Self::VIEWS[0]
+    }
     /// The feature that a decoder may declare: the format, or the step that is asked for.
     fn kind(&self) -> Self::Feature;
     /// What a decoder needs to answer it in `view`.
     fn features(&self, view: &Self::View) -> BTreeSet<Self::Feature>;
     /// For each case of a suite the accepted ones that it stands on: where none of them is decoded, a refusal proves
     /// nothing.
-    fn twins(cases: &[Self]) -> Vec<Vec<usize>>;
+    fn twins(cases: &[Self]) -> Vec<Vec<usize>> {
+        vec![Vec::new(); cases.len()]
+    }
 
     /// Whether its file has a table, which is written in a spelling that the decoder knows.
-    fn has_table(&self) -> bool;
+    fn has_table(&self) -> bool {
+        false
+    }
     /// The spelling that it is about, where it is one of [`Expect::Spelling`].
-    fn spelling(&self) -> Option<TableSpelling>;
+    fn spelling(&self) -> Option<TableSpelling> {
+        None
+    }
     /// Makes the file and its values.
     fn made(&self, table: TableSpelling) -> Self::Built;
     /// The file that is sent.
@@ -84,16 +94,22 @@ pub trait TestCase: Clone + Debug + Send + Sync + 'static {
     /// How an output differs from the one that is right in a dialect; nothing where that is not known.
     fn difference_in(
         &self,
-        view: &Self::View,
-        output: &Self::Output,
-        dialect: &Dialect,
-    ) -> Option<Self::Difference>;
-    /// How near a wrong output is to the right one: from 0 to 1.
-    fn likeness(difference: &Self::Difference) -> f64;
+        _view: &Self::View,
+        _output: &Self::Output,
+        _dialect: &Dialect,
+    ) -> Option<Self::Difference> {
+        None
+    }
+    /// Returns how near a wrong output is to the right one, from 0 to 1; 0 if an output is right or wrong, never near.
+    fn likeness(_difference: &Self::Difference) -> f64 {
+        0.0
+    }
     /// Whether two outputs are the same in all that a decoder is responsible for.
     fn is_like(one: &Self::Output, other: &Self::Output) -> bool;
     /// The output that the reference gives to the file in the ordinary spelling, where there is one.
-    fn expected_output(&self, view: &Self::View) -> Option<Self::Output>;
+    fn expected_output(&self, _view: &Self::View) -> Option<Self::Output> {
+        None
+    }
     /// The expected answer, where it is short enough for a sentence.
     fn expected_in_words(&self) -> Option<String>;
     /// What is wrong with a file that must be refused.

@@ -3,11 +3,11 @@
 use crate::protocol::frame::Answer;
 use crate::ptm::Format;
 use crate::report::reported::Reported;
-use crate::runner::run::{Decoder, Reply, Request};
+use crate::runner::run::{Decoder, Reply};
 use crate::runner::scratch::Scratch;
 use crate::runner::write::{Attachment, WriteCall};
 use crate::session::run::Run;
-use crate::suite::cases::{Suite, TableSpelling};
+use crate::suite::cases::TableSpelling;
 use crate::writers::cases::WriterCase;
 use crate::writers::request::RequestHeader;
 use crate::writers::test_case::{BuiltRequest, WriteView, WrittenFile};
@@ -64,19 +64,16 @@ impl WritingCase for WriterCase {
     }
 }
 
-/// Asks once for the file of a case of `suite`.
-///
-/// # Panics
-/// If the request is of another suite.
+/// Asks once for the file of a case; `timeout_factor` times the limit is allowed.
 #[must_use]
 pub fn ask<C: WritingCase>(
     writer: &Decoder,
-    suite: &Suite<C>,
-    request: &Request<'_, WriteView>,
+    case: &C,
+    timeout_factor: u32,
     scratch: &Scratch,
 ) -> Reply<WrittenFile> {
-    let case = suite.case(request.name).expect("a case of this suite");
-    let sent = C::sent(&case.made(TableSpelling::default()));
+    let built = case.made(TableSpelling::default());
+    let sent = C::sent(&built);
     let call = WriteCall {
         request: &sent.json,
         attachments: &sent.attachments,
@@ -85,8 +82,8 @@ pub fn ask<C: WritingCase>(
             vec![("format", case.format().name().to_owned())],
         ]
         .concat(),
-        most: request.largest_frame,
-        timeout_factor: request.timeout_factor,
+        most: case.largest_answer(&built),
+        timeout_factor,
     };
     let result = writer.write(&call, scratch);
     let answer = match result.output {
@@ -110,22 +107,16 @@ fn values(header: &RequestHeader) -> Vec<(&'static str, String)> {
         let numbers: Vec<String> = numbers.iter().map(f64::to_string).collect();
         numbers.join(",")
     };
-    let bias = header.bias.map(|bias| bias as f64);
-    let number = |number: Option<u8>| number.map(|number| number.to_string());
+    let matrix = header.matrix.map_or(String::new(), |matrix| list(&matrix));
+    let number = |number: Option<u8>| number.map_or(String::new(), |number| number.to_string());
     vec![
         ("width", header.width.to_string()),
         ("height", header.height.to_string()),
         ("scale", list(&header.scale)),
-        ("bias", list(&bias)),
-        (
-            "matrix",
-            header
-                .matrix
-                .map(|matrix| list(&matrix))
-                .unwrap_or_default(),
-        ),
-        ("quality", number(header.quality).unwrap_or_default()),
-        ("near", number(header.near).unwrap_or_default()),
+        ("bias", list(&header.bias.map(|bias| bias as f64))),
+        ("matrix", matrix),
+        ("quality", number(header.quality)),
+        ("near", number(header.near)),
     ]
 }
 

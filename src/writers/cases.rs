@@ -46,19 +46,12 @@ struct RequestRecord {
     #[serde(default)]
     for_each: BTreeMap<String, Vec<String>>,
     make: MakeRecord,
-    expect: Asked,
+    expect: Expect,
     #[serde(default)]
     first: bool,
     /// Ids of the smoke subset among those of `for_each`; all of them if it is `[all]`.
     #[serde(default)]
     smoke: Vec<String>,
-}
-
-#[derive(Clone, Copy, Debug, Deserialize)]
-#[serde(rename_all = "lowercase")]
-enum Asked {
-    Decode,
-    Refuse,
 }
 
 impl Suite<WriterCase> {
@@ -98,10 +91,7 @@ impl RequestRecord {
             id,
             clauses: self.clauses.clone(),
             because: words.fill(&self.because),
-            expect: match self.expect {
-                Asked::Decode => Expect::Decode,
-                Asked::Refuse => Expect::Refuse,
-            },
+            expect: self.expect,
             first: self.first,
             recipe,
         })
@@ -118,10 +108,8 @@ impl WriterCase {
     /// How many distinct polynomials the planes have, of formats with a table.
     #[must_use]
     pub fn entries(&self) -> Option<u32> {
-        self.recipe
-            .format
-            .has_table()
-            .then_some(self.recipe.entries)
+        let has_table = self.recipe.format.has_table();
+        has_table.then_some(self.recipe.entries)
     }
 
     /// The request, whose planes are called `{planes}`.

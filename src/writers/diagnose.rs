@@ -1,19 +1,18 @@
-//! From wrong files to causes: which mistake of a writer makes just these files.
+//! From wrong files to causes: the mistakes of a writer that would have written these files.
 //!
-//! A mistake explains a file if a reader who makes it has the right values of it, or if the file has what such a reader
-//! makes of the right one. It is contradicted by every request that was carried out rightly and that a writer with this
-//! mistake gets wrong. The one that explains most goes first, those with more contradictions than explanations last, and
-//! then the next for what is left; then pairs of mistakes; what is then left is put into words.
+//! A mistake explains a file if only a reader with this misreading has the right values of it, or if the file has what such
+//! a reader makes of the right one. It is contradicted by every correctly written request whose reference file a reader
+//! with this misreading misreads. Single mistakes come first, then pairs of mistakes, then descriptions.
 
 use std::cmp::Reverse;
 use std::collections::BTreeMap;
 
+use crate::diagnose::cover::{CoverCandidate, cover};
 use crate::diagnose::{Category, Cause, Diagnosis, composable};
 use crate::kit::parallel::in_parallel;
 use crate::misreadings::Misreading;
 use crate::misreadings::writing::{self, Miswriting};
 use crate::ptm::Format;
-use crate::session::observation::Response;
 use crate::session::outcome::Outcome;
 use crate::session::run::Run;
 use crate::suite::cases::Suite;
@@ -22,42 +21,33 @@ use crate::writers::cases::WriterCase;
 use crate::writers::fault::WriterFault;
 use crate::writers::reference::written;
 use crate::writers::request::WriteRequest;
-use crate::writers::seen::SeenFile;
-use crate::writers::wrong;
+use crate::writers::seen::{SeenFile, explains, is_right_under};
+use crate::writers::test_case::{WrittenFile, wrong_file};
 
-/// Larger files are not searched.
-const SEARCHED: usize = 100_000;
+/// The size of the largest file that is searched.
+const MAX_FILE_SIZE: usize = 100_000;
 
-/// So many of the smallest wrong files of each format are held against every mistake.
-const SCREENED: usize = 3;
+/// The number of smallest wrong files of each format that are searched first. A mistake must explain one of them.
+const SCREENED_FILES: usize = 3;
 
-/// So many of the smallest files without a cause are held against pairs of mistakes.
-const IN_PAIRS: usize = 4;
+/// The number of smallest unexplained files for which a pair of mistakes is searched.
+const PAIR_SEARCHED_FILES: usize = 4;
 
 /// A cause of a writer's failures.
 type WriterDiagnosis = Diagnosis<&'static Misreading>;
 
-/// A request that was carried out, rightly or not.
+/// A request and the file that was written for it.
 struct Exhibit {
-    /// Its place in the suite.
-    place: usize,
     request: WriteRequest,
     /// The reference's file.
     right: Vec<u8>,
-    /// The file, if it is wrong.
-    wrong: Option<Vec<u8>>,
+    file: Vec<u8>,
 }
 
-/// A mistake that might be made.
-struct Candidate {
-    mistake: &'static Miswriting,
-    /// Places of the suite.
-    explains: Vec<usize>,
-    /// Right files that it would have got wrong, by their places.
-    contradicted: Vec<usize>,
-}
+/// The exhibits that are small enough to be searched, by their places in the suite.
+type Exhibits = BTreeMap<usize, Exhibit>;
 
-/// Why the failures of `run` failed; most telling first.
+/// Returns why the failures of `run` failed; the cause that explains most is first.
 #[must_use]
 pub fn diagnose(
     suite: &Suite<WriterCase>,
@@ -68,308 +58,195 @@ pub fn diagnose(
     if failing.is_empty() {
         return Vec::new();
     }
-    let exhibits = exhibits(suite, run, threads);
-    let mut diagnoses = single(&exhibits, threads, &mut failing);
-    diagnoses.extend(pairs(&exhibits, threads, &mut failing));
+    let exhibit = |place: usize| exhibit(suite, run, place);
+    let exhibits = in_parallel(suite.cases.len(), threads, &|_, _| (), &exhibit);
+    let exhibits = exhibits.into_iter().enumerate();
+    let exhibits: Exhibits = exhibits.filter_map(|(i, one)| Some((i, one?))).collect();
+    let passing: Vec<usize> = run.judgement.with(Outcome::Pass).collect();
+    let single = single(&exhibits, &failing, &passing, threads);
+    let single = cover(single, &mut failing).into_iter();
+    let mut diagnoses: Vec<WriterDiagnosis> = single.map(CoverCandidate::diagnosis).collect();
+    let pairs = pairs(&exhibits, &failing, threads);
+    diagnoses.extend(cover(pairs, &mut failing).into_iter().map(|pair| {
+        let (misreading, second) = pair.cause;
+        let cause = Cause::Misreading {
+            misreading,
+            alike: Vec::new(),
+            with: vec![second],
+        };
+        Diagnosis::of(cause, pair.explains)
+    }));
     diagnoses.extend(described(suite, run, &failing));
     diagnoses
 }
 
-/// All files that can be searched.
-fn exhibits(suite: &Suite<WriterCase>, run: &Run<WriterCase>, threads: usize) -> Vec<Exhibit> {
-    let passing: Vec<usize> = run.judgement.with(Outcome::Pass).collect();
-    let exhibit = |place: usize| {
-        let observation = run.observations[place].as_ref()?;
-        let Response::Picture { frame, .. } = &observation.response else {
-            return None;
-        };
-        let wrong = frame.as_ref().map(|file| file.0.clone());
-        if wrong.is_none() && !passing.contains(&place) {
-            return None;
-        }
-        let request = suite.cases[place].request();
-        let right = written(&request).ok()?;
-        let longest = right.len().max(wrong.as_ref().map_or(0, Vec::len));
-        (longest <= SEARCHED).then_some(Exhibit {
-            place,
-            request,
-            right,
-            wrong,
-        })
-    };
-    let exhibits = in_parallel(suite.cases.len(), threads, &|_, _| (), &exhibit);
-    exhibits.into_iter().flatten().collect()
+/// Returns the file that was written for a request, if it is small enough to be searched.
+fn exhibit(suite: &Suite<WriterCase>, run: &Run<WriterCase>, place: usize) -> Option<Exhibit> {
+    let request = suite.cases[place].request();
+    let right = written(&request).ok()?;
+    let wrong = wrong_file(run.observations[place].as_ref());
+    let file = wrong.map_or(&right[..], |(file, _)| file).to_vec();
+    let is_small = right.len().max(file.len()) <= MAX_FILE_SIZE;
+    is_small.then_some(Exhibit {
+        request,
+        right,
+        file,
+    })
 }
 
-impl Exhibit {
-    /// Whether the wrong file is one of a writer with this mistake.
-    fn is_of(&self, mistake: &Misreading) -> bool {
-        let wrong = self.wrong.as_ref();
-        wrong.is_some_and(|file| wrong::explains(&self.request, &self.right, file, mistake))
-    }
-
-    /// Whether a writer with this mistake gets the request wrong, which was carried out rightly.
-    fn contradicts(&self, mistake: &Misreading) -> bool {
-        let is_right = |seen: SeenFile| seen.is_right(&self.request);
-        self.wrong.is_none() && !SeenFile::of(&self.right, &[mistake]).is_some_and(is_right)
-    }
-}
-
-/// The smallest wrong files of each format, which show soon what is no cause.
-fn screen(exhibits: &[Exhibit]) -> Vec<&Exhibit> {
-    let mut wrong: Vec<&Exhibit> = exhibits.iter().filter(|of| of.wrong.is_some()).collect();
-    wrong.sort_by_key(|exhibit| exhibit.right.len());
-    let mut of_format: BTreeMap<Format, usize> = BTreeMap::new();
-    wrong.retain(|exhibit| {
-        let count = of_format.entry(exhibit.request.format).or_default();
+/// Returns the smallest files of failing requests, a few of each format.
+fn smallest<'a>(exhibits: &'a Exhibits, failing: &[usize]) -> Vec<&'a Exhibit> {
+    let mut smallest: Vec<&Exhibit> = failing.iter().filter_map(|i| exhibits.get(i)).collect();
+    smallest.sort_by_key(|exhibit| exhibit.right.len());
+    let mut counts: BTreeMap<Format, usize> = BTreeMap::new();
+    smallest.retain(|exhibit| {
+        let count = counts.entry(exhibit.request.format).or_default();
         *count += 1;
-        *count <= SCREENED
+        *count <= SCREENED_FILES
     });
-    wrong
+    smallest
 }
 
-/// The fewest single mistakes that explain the failures, as far as they do.
-fn single(exhibits: &[Exhibit], threads: usize, failing: &mut Vec<usize>) -> Vec<WriterDiagnosis> {
+/// Returns the mistakes that explain failures.
+fn single(
+    exhibits: &Exhibits,
+    failing: &[usize],
+    passing: &[usize],
+    threads: usize,
+) -> Vec<CoverCandidate<&'static Miswriting>> {
     let mistakes: Vec<&'static Miswriting> = writing::all().collect();
-    let screen = screen(exhibits);
+    let screen = smallest(exhibits, failing);
     let candidate = |i: usize| {
         let mistake = mistakes[i];
-        if !screen.iter().any(|exhibit| exhibit.is_of(mistake.at)) {
+        let explains = |exhibit: &Exhibit| {
+            let Exhibit {
+                request,
+                right,
+                file,
+            } = exhibit;
+            explains(request, right, file, mistake.at)
+        };
+        // A reader with this misreading misreads the right file, so a writer with it would have written another.
+        let contradicts = |Exhibit { request, right, .. }: &Exhibit| {
+            !SeenFile::of(right, &[mistake.at]).is_some_and(|seen| seen.is_right(request))
+        };
+        if !screen.iter().any(|exhibit| explains(exhibit)) {
             return None;
         }
-        let places = |these: fn(&Exhibit, &Misreading) -> bool| {
-            let these = exhibits.iter().filter(|one| these(one, mistake.at));
-            these.map(|exhibit| exhibit.place).collect()
-        };
-        Some(Candidate {
-            mistake,
-            explains: places(Exhibit::is_of),
-            contradicted: places(Exhibit::contradicts),
-        })
+        let explains = |place: usize| exhibits.get(&place).is_some_and(explains);
+        let contradicts = |place: usize| exhibits.get(&place).is_some_and(contradicts);
+        CoverCandidate::of(mistake, failing, explains, passing, contradicts)
     };
     let found = in_parallel(mistakes.len(), threads, &|_, _| (), &candidate);
-    let mut candidates: Vec<Candidate> = found.into_iter().flatten().collect();
-    let mut diagnoses = Vec::new();
-    loop {
-        for candidate in &mut candidates {
-            candidate.explains.retain(|place| failing.contains(place));
-        }
-        candidates.retain(|candidate| !candidate.explains.is_empty());
-        let Some(best) = (0..candidates.len()).min_by_key(|&at| candidates[at].rank()) else {
-            return diagnoses;
-        };
-        let best = candidates.remove(best);
-        let is_alike = |other: &&Candidate| {
-            other.explains == best.explains && other.contradicted == best.contradicted
-        };
-        let alike = candidates
-            .iter()
-            .filter(is_alike)
-            .map(|other| other.mistake)
-            .collect();
-        failing.retain(|place| !best.explains.contains(place));
-        diagnoses.push(Diagnosis {
-            certain: best.contradicted.is_empty(),
-            except: best.contradicted,
-            ..of_mistakes(best.mistake, alike, Vec::new(), best.explains)
-        });
-    }
+    found.into_iter().flatten().collect()
 }
 
-impl Candidate {
-    /// Its place among others: the smallest goes first.
-    fn rank(&self) -> impl Ord + use<> {
-        let (explained, contradicted) = (self.explains.len(), self.contradicted.len());
-        (explained <= contradicted, Reverse(explained), contradicted)
-    }
-}
-
-/// Two mistakes together, for files that none explains alone.
-fn pairs(exhibits: &[Exhibit], threads: usize, failing: &mut Vec<usize>) -> Vec<WriterDiagnosis> {
+/// Returns pairs of mistakes that explain the smallest failures.
+fn pairs(
+    exhibits: &Exhibits,
+    failing: &[usize],
+    threads: usize,
+) -> Vec<CoverCandidate<(&'static Miswriting, &'static Miswriting)>> {
     let mistakes: Vec<&'static Miswriting> = writing::all().collect();
-    let mut diagnoses = Vec::new();
-    for _ in 0..2 {
-        let mut left: Vec<&Exhibit> = exhibits
-            .iter()
-            .filter(|exhibit| exhibit.wrong.is_some() && failing.contains(&exhibit.place))
-            .collect();
-        left.sort_by_key(|exhibit| exhibit.right.len());
-        let found = left.iter().take(IN_PAIRS).find_map(|exhibit| {
-            let with_first = |i: usize| {
-                let second = (i + 1..mistakes.len()).find(|&j| {
-                    composable(mistakes[i].at, mistakes[j].at)
-                        && exhibit.is_right_under(&[mistakes[i].at, mistakes[j].at])
-                });
-                second.map(|j| (mistakes[i], mistakes[j]))
-            };
-            let found = in_parallel(mistakes.len(), threads, &|_, _| (), &with_first);
-            found.into_iter().flatten().next()
-        });
-        let Some((first, second)) = found else { break };
-        let of_both = left
-            .iter()
-            .filter(|exhibit| exhibit.is_right_under(&[first.at, second.at]));
-        let explains: Vec<usize> = of_both.map(|exhibit| exhibit.place).collect();
-        failing.retain(|place| !explains.contains(place));
-        diagnoses.push(of_mistakes(first, Vec::new(), vec![second], explains));
-    }
-    diagnoses
+    let explains = |Exhibit { request, file, .. }: &Exhibit, pair: [&Miswriting; 2]| {
+        is_right_under(request, file, &pair.map(|mistake| mistake.at))
+    };
+    let pair = |exhibit: &Exhibit| {
+        let with_first = |i: usize| {
+            let first = mistakes[i];
+            let mut seconds = mistakes[i + 1..].iter().copied();
+            let second = seconds.find(|second| {
+                composable(first.at, second.at) && explains(exhibit, [first, second])
+            });
+            second.map(|second| (first, second))
+        };
+        let found = in_parallel(mistakes.len(), threads, &|_, _| (), &with_first);
+        let (first, second) = found.into_iter().flatten().next()?;
+        let is_explained = |exhibit: &Exhibit| explains(exhibit, [first, second]);
+        let explains = |place: usize| exhibits.get(&place).is_some_and(is_explained);
+        CoverCandidate::of((first, second), failing, explains, &[], |_| false)
+    };
+    let smallest = smallest(exhibits, failing).into_iter();
+    smallest
+        .take(PAIR_SEARCHED_FILES)
+        .filter_map(pair)
+        .collect()
 }
 
-impl Exhibit {
-    /// Whether a reader with these mistakes has the right values of the wrong file.
-    fn is_right_under(&self, mistakes: &[&Misreading]) -> bool {
-        let wrong = self.wrong.as_ref();
-        wrong.is_some_and(|file| wrong::is_right_under(&self.request, file, mistakes))
-    }
-}
-
-fn of_mistakes(
-    misreading: &'static Miswriting,
-    alike: Vec<&'static Miswriting>,
-    with: Vec<&'static Miswriting>,
-    explains: Vec<usize>,
-) -> WriterDiagnosis {
-    Diagnosis {
-        cause: Cause::Misreading {
-            misreading,
-            alike,
-            with,
-        },
-        explains,
-        partly: Vec::new(),
-        except: Vec::new(),
-        shows: None,
-        certain: true,
-    }
-}
-
-/// What no mistake of the catalog makes, by the clause that it is about.
-pub(super) fn described<C: TestCase<Difference = WriterFault>>(
+/// Describes the failures that no mistake of the catalog explains, by the clause of their first difference.
+pub(super) fn described<C>(
     suite: &Suite<C>,
     run: &Run<C>,
     failing: &[usize],
-) -> Vec<WriterDiagnosis> {
+) -> Vec<WriterDiagnosis>
+where
+    C: TestCase<Output = WrittenFile, Difference = WriterFault>,
+{
     let mut groups: BTreeMap<&str, Vec<(usize, &WriterFault)>> = BTreeMap::new();
     for &place in failing {
-        let observation = run.observations[place].as_ref();
-        if let Some(Response::Picture {
-            difference: Some(fault),
-            ..
-        }) = observation.map(|observation| &observation.response)
-        {
-            groups
-                .entry(&fault.clause)
-                .or_default()
-                .push((place, fault));
+        if let Some((_, fault)) = wrong_file(run.observations[place].as_ref()) {
+            let group = groups.entry(&fault.clause).or_default();
+            group.push((place, fault));
         }
     }
     let mut diagnoses: Vec<WriterDiagnosis> = groups
         .into_iter()
         .map(|(clause, faults)| {
-            let (effect, fix) = words_of(clause, faults[0].1);
             let (place, fault) = faults[0];
-            let cause = Cause::Described {
-                category: Category::Difference,
-                clause: clause.to_owned(),
-                effect: effect.to_owned(),
-                fix: fix.to_owned(),
-                example: format!("for example {}: {fault}", suite.cases[place].id()),
-                alike: Vec::new(),
-            };
-            Diagnosis {
-                cause,
-                explains: faults.iter().map(|&(place, _)| place).collect(),
-                partly: Vec::new(),
-                except: Vec::new(),
-                shows: None,
-                certain: false,
-            }
+            let example = format!("for example {}: {fault}", suite.cases[place].id());
+            let cause = describe(clause, words_of(clause, fault), example);
+            Diagnosis::of(cause, faults.iter().map(|&(place, _)| place).collect())
         })
         .collect();
     diagnoses.sort_by_key(|diagnosis| Reverse(diagnosis.explains.len()));
     diagnoses
 }
 
-/// What a writer does whose files differ in a clause, and what to do about it.
-const OF_CLAUSES: [(&str, (&str, &str)); 9] = [
-    (
-        "1.0/1",
-        (
-            "fits the pictures worse than they can be fitted",
-            "look at the pictures under the light of the example",
-        ),
-    ),
-    (
-        "2.2/1",
-        (
-            "writes another format than it is asked for",
-            "write the format of the request, or exit with 69",
-        ),
-    ),
-    (
-        "2.3/1",
-        (
-            "writes another size than it is asked for",
-            "write the width, then the height",
-        ),
-    ),
-    (
-        "2.4/3",
-        (
-            "writes other scales than it is asked for",
-            "write all digits of the six scales, in the order of the coefficients",
-        ),
-    ),
-    (
-        "2.4/4",
-        (
-            "writes other biases than it is asked for",
-            "write the six biases as they are, whatever their sign and size",
-        ),
-    ),
-    (
-        "2.6/2",
-        (
-            "writes another matrix than it is asked for",
-            "write the sixteen numbers in the order of the request, with all their digits",
-        ),
-    ),
-    (
-        "2.9.1/1",
-        (
-            "loses more than the compression parameter allows, or writes another one",
-            "predict from the planes that a decoder has, and encode with the parameter of the request",
-        ),
-    ),
-    (
-        "2.9.8/4",
-        (
-            "writes no side information where the loss wraps around",
-            "after each plane, write a record for every texel that the loss takes past the end of the scale",
-        ),
-    ),
-    (
-        "2.9.8/8",
-        (
-            "writes wrong values into side information",
-            "write the value that the texel should have",
-        ),
-    ),
-];
-
-/// What a writer does whose files differ in this clause, and what to do about it.
-fn words_of(clause: &str, fault: &WriterFault) -> (&'static str, &'static str) {
-    if fault.says.starts_with("the reference refuses") {
-        return (
-            "writes files that no reader can decode",
-            "look at the byte that the example names",
-        );
+/// Returns a cause in words: an effect and its fix.
+pub(super) fn describe<A>(clause: &str, (effect, fix): (&str, &str), example: String) -> Cause<A> {
+    Cause::Described {
+        category: Category::Difference,
+        clause: clause.to_owned(),
+        effect: effect.to_owned(),
+        fix: fix.to_owned(),
+        example,
+        alike: Vec::new(),
     }
-    let other = (
-        "writes other values than it is asked for",
-        "see where the values of the example lie in the file",
-    );
-    let known = OF_CLAUSES.iter().find(|(of, _)| *of == clause);
-    known.map_or(other, |(_, words)| *words)
+}
+
+/// Returns what a writer does whose files differ in this clause, and what to do about it.
+fn words_of(clause: &str, fault: &WriterFault) -> (&'static str, &'static str) {
+    let clause = match fault.says.starts_with("the reference refuses") {
+        true => "refused",
+        false => clause,
+    };
+    let effect = match clause {
+        "refused" => "writes files that no reader can decode",
+        "1.0/1" => "fits the pictures worse than they can be fitted",
+        "2.2/1" => "writes another format than it is asked for",
+        "2.3/1" => "writes another size than it is asked for",
+        "2.4/3" => "writes other scales than it is asked for",
+        "2.4/4" => "writes other biases than it is asked for",
+        "2.6/2" => "writes another matrix than it is asked for",
+        "2.9.1/1" => "loses more than the compression parameter allows, or writes another one",
+        "2.9.8/4" => "writes no side information where the loss wraps around",
+        "2.9.8/8" => "writes wrong values into side information",
+        _ => "writes other values than it is asked for",
+    };
+    let fix = match clause {
+        "refused" => "look at the byte that the example names",
+        "1.0/1" => "look at the pictures under the light of the example",
+        "2.2/1" => "write the format of the request, or exit with 69",
+        "2.3/1" => "write the width, then the height",
+        "2.4/3" => "write all digits of the six scales, in the order of the coefficients",
+        "2.4/4" => "write the six biases as they are, whatever their sign and size",
+        "2.6/2" => "write the sixteen numbers in the order of the request, with all their digits",
+        "2.9.1/1" => {
+            "predict from the planes that a decoder has, with the parameter of the request"
+        }
+        "2.9.8/4" => "write a record for every texel that the loss takes past the end of the scale",
+        "2.9.8/8" => "write the value that the texel should have",
+        _ => "see where the values of the example lie in the file",
+    };
+    (effect, fix)
 }

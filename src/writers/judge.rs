@@ -1,19 +1,20 @@
-//! Whether a file has the values that were asked for.
+//! Judges whether a file has the requested values.
 //!
-//! The reference decodes it; header and planes are those of the request, planes of lossy formats as far as the quality
-//! allows; and `lint` finds no error in it.
+//! The reference must decode the file. Header and planes must be those of the request; planes of lossy formats may be off
+//! by what the quality allows. `lint` must find no error.
 
 use std::fmt::Write;
 
 use crate::error::Error;
-use crate::ptm::{Ptm, Shape, channel_name};
+use crate::ptm::{Format, Ptm, Shape, Size, channel_name};
+use crate::reading::Reading;
 use crate::tools::dissection::{Dissection, Role};
 use crate::tools::lint::codes::Severity;
 use crate::tools::lint::lint;
 use crate::writers::fault::WriterFault;
 use crate::writers::request::WriteRequest;
 
-/// How far a number of the header may be off, relative to its own size: room for one rounding to `f32`.
+/// The relative tolerance of a number in the header: room for one rounding to `f32`.
 pub(super) const NUMBERS: f64 = 1e-6;
 
 /// Judges the file that was written for `request`.
@@ -33,6 +34,11 @@ pub fn judge(request: &WriteRequest, file: &[u8]) -> Result<(), WriterFault> {
     } else {
         compare_planes(request, &dissection, &ptm.planes.samples)?;
     }
+    check_lint(file)
+}
+
+/// Checks that `lint` finds no error in a file.
+pub(super) fn check_lint(file: &[u8]) -> Result<(), WriterFault> {
     match lint(file).first() {
         Some(first) if first.severity == Severity::Error => Err(WriterFault::new(
             first.clause,
@@ -45,8 +51,8 @@ pub fn judge(request: &WriteRequest, file: &[u8]) -> Result<(), WriterFault> {
     }
 }
 
-/// The reference refuses it: why, and the bytes at that place.
-fn refusal(file: &[u8], error: &Error) -> WriterFault {
+/// Returns why the reference refuses a file, and the bytes at that place.
+pub(super) fn refusal(file: &[u8], error: &Error) -> WriterFault {
     let from = error.offset().min(file.len());
     let shown = &file[from..file.len().min(from + 16)];
     let bytes = match shown.is_empty() {
@@ -59,26 +65,25 @@ fn refusal(file: &[u8], error: &Error) -> WriterFault {
     )
 }
 
-/// 2.2–2.4 and 2.6.
+/// Compares format and size (2.2 and 2.3).
+pub(super) fn compare_map(format: Format, size: Size, ptm: &Ptm) -> Result<(), WriterFault> {
+    let found = &ptm.header;
+    if found.format != format {
+        let says = format!("expected {format}, the file is {}", found.format);
+        return Err(WriterFault::new("2.2/1", says));
+    }
+    if found.size != size {
+        let says = format!("expected {size} texels, the file has {}", found.size);
+        return Err(WriterFault::new("2.3/1", says));
+    }
+    Ok(())
+}
+
+/// Compares the headers (2.2–2.4 and 2.6).
 fn compare_headers(request: &WriteRequest, ptm: &Ptm) -> Result<(), WriterFault> {
-    let (wanted, found) = (&request.header, &ptm.header);
-    if found.format != request.format {
-        return Err(WriterFault::new(
-            "2.2/1",
-            format!("expected {}, the file is {}", request.format, found.format),
-        ));
-    }
-    if found.size != request.size() {
-        return Err(WriterFault::new(
-            "2.3/1",
-            format!(
-                "expected {} texels, the file has {}",
-                request.size(),
-                found.size
-            ),
-        ));
-    }
-    let set = &found.scale_bias;
+    compare_map(request.format, request.size(), ptm)?;
+    let wanted = &request.header;
+    let set = &ptm.header.scale_bias;
     compare_numbers("2.4/3", "scale", &wanted.scale, &set.scale)?;
     let bias = wanted.bias.map(|bias| bias as f64);
     compare_numbers("2.4/4", "bias", &bias, &set.bias)?;
@@ -90,28 +95,23 @@ fn compare_headers(request: &WriteRequest, ptm: &Ptm) -> Result<(), WriterFault>
     }
 }
 
-/// Two lists of numbers, each about the same.
+/// Compares two lists of numbers.
 fn compare_numbers(
     clause: &str,
     name: &str,
     wanted: &[f64],
     found: &[f64],
 ) -> Result<(), WriterFault> {
-    let mut pairs = wanted.iter().zip(found).enumerate();
-    let differing = pairs.find(|(_, (wanted, found))| !is_same_number(**wanted, **found));
-    match differing {
-        None => Ok(()),
-        Some((i, _)) => Err(WriterFault::new(
-            clause,
-            format!(
-                "{name} {i}: expected {}, the file has {} (all of them: {} instead of {})",
-                wanted[i],
-                found[i],
-                listed(found),
-                listed(wanted)
-            ),
-        )),
-    }
+    let differs = |&i: &usize| !is_same_number(wanted[i], found[i]);
+    let Some(i) = (0..wanted.len()).find(differs) else {
+        return Ok(());
+    };
+    let [all, instead] = [found, wanted].map(listed);
+    let says = format!(
+        "{name} {i}: expected {}, the file has {} (all of them: {all} instead of {instead})",
+        wanted[i], found[i],
+    );
+    Err(WriterFault::new(clause, says))
 }
 
 pub(super) fn is_same_number(wanted: f64, found: f64) -> bool {
@@ -123,20 +123,23 @@ fn listed(numbers: &[f64]) -> String {
     numbers.join(" ")
 }
 
-/// 2.9.1.
+/// Compares the compression parameters (2.9.1).
 fn compare_parameter(request: &WriteRequest, dissection: &Dissection) -> Result<(), WriterFault> {
-    let wanted = request.header.quality.or(request.header.near);
-    let found = dissection.number(Role::Parameter);
-    match (wanted.map(i64::from), found) {
-        (Some(wanted), Some(found)) if wanted != found => Err(WriterFault::new(
-            "2.9.1/1",
-            format!("expected the compression parameter {wanted}, the file has {found}"),
-        )),
+    let wanted = request
+        .header
+        .quality
+        .or(request.header.near)
+        .map(i64::from);
+    match (wanted, dissection.number(Role::Parameter)) {
+        (Some(wanted), Some(found)) if wanted != found => {
+            let says = format!("expected the compression parameter {wanted}, the file has {found}");
+            Err(WriterFault::new("2.9.1/1", says))
+        }
         _ => Ok(()),
     }
 }
 
-/// The planes of a lossless file.
+/// Compares the planes of a lossless file.
 fn compare_planes(
     request: &WriteRequest,
     dissection: &Dissection,
@@ -159,7 +162,7 @@ fn compare_planes(
         found[first],
         wanted.len()
     );
-    if let Some(at) = byte_of(request, dissection, x, y, channel) {
+    if let Some(at) = byte_of(request, dissection, (x, y), channel) {
         let byte = dissection.file.get(at).copied().unwrap_or_default();
         let _ = write!(
             says,
@@ -169,9 +172,8 @@ fn compare_planes(
     Err(WriterFault::new(clause_of_planes(request), says))
 }
 
-/// The clause that says where the values of a format stand.
+/// Returns the clause that defines the place of the values in a format.
 fn clause_of_planes(request: &WriteRequest) -> &'static str {
-    use crate::ptm::Format;
     match request.format {
         Format::Rgb => "2.7.1/1",
         Format::Lum => "2.7.2/1",
@@ -182,30 +184,26 @@ fn clause_of_planes(request: &WriteRequest) -> &'static str {
     }
 }
 
-/// Which byte of an uncompressed file holds a value.
+/// Returns the offset of a value in an uncompressed file.
 fn byte_of(
     request: &WriteRequest,
     dissection: &Dissection,
-    x: usize,
-    y: usize,
+    (x, y): (usize, usize),
     channel: usize,
 ) -> Option<usize> {
-    use crate::ptm::Format;
-    let width = request.header.width as usize;
-    let texel = (request.header.height as usize - 1 - y) * width + x;
-    let (block, of_block, within) = match (request.format, channel) {
-        (Format::Rgb, _) => (channel / 6, 6, channel % 6),
-        (Format::Lrgb, 0..6) => (0, 6, channel),
-        (Format::Lrgb, _) => (1, 3, channel - 6),
-        (Format::Lum, _) => (0, 8, channel),
-        _ => return None,
-    };
-    let start = dissection.part(Role::Block(block))?.range.start;
-    Some(start + texel * of_block + within)
+    if request.format.has_table() || request.format.is_compressed() {
+        return None;
+    }
+    let texel = (request.header.height as usize - 1 - y) * request.header.width as usize + x;
+    let mut blocks = (Reading::SPEC.blocks)(request.format).iter().enumerate();
+    let (place, block) = blocks
+        .find(|(_, block)| (block.channel..block.channel + block.channels).contains(&channel))?;
+    let start = dissection.part(Role::Block(place))?.range.start;
+    Some(start + texel * block.channels + channel - block.channel)
 }
 
 impl WriteRequest {
-    /// Whether the planes may lose something.
+    /// Returns true if the planes may be stored with a loss.
     #[must_use]
     pub fn is_lossy(&self) -> bool {
         self.header.quality.is_some() || self.header.near.is_some_and(|near| near > 0)

@@ -29,28 +29,34 @@ pub(super) fn compare(
     dissection: &Dissection,
     decoded: &[u8],
 ) -> Result<(), WriterFault> {
-    let channels = request.format.channels();
-    (0..channels).try_for_each(|plane| {
-        let side = dissection.bytes(Role::Side(plane)).unwrap_or_default();
-        let lossy = LossyPlane::of(request, plane, decoded, side);
+    check(request, decoded, |plane| {
+        dissection.bytes(Role::Side(plane)).unwrap_or_default()
+    })
+}
+
+/// Returns true if the samples are the requested ones, within the loss of the format; side information is not considered.
+pub(super) fn is_within(request: &WriteRequest, decoded: &[u8]) -> bool {
+    match request.is_lossy() {
+        true => check(request, decoded, |_| &[]).is_ok(),
+        false => decoded == request.samples,
+    }
+}
+
+/// Checks all planes, whose side information `side` returns.
+fn check<'a>(
+    request: &WriteRequest,
+    decoded: &[u8],
+    side: impl Fn(usize) -> &'a [u8],
+) -> Result<(), WriterFault> {
+    (0..request.format.channels()).try_for_each(|plane| {
+        let lossy = LossyPlane::of(request, plane, decoded, side(plane));
         lossy.check_ends()?;
         lossy.check_loss()
     })
 }
 
-/// Whether samples are those that were asked for, as far as the format's loss allows; without side information.
-pub(super) fn is_within(request: &WriteRequest, decoded: &[u8]) -> bool {
-    if !request.is_lossy() {
-        return decoded == request.samples;
-    }
-    (0..request.format.channels()).all(|plane| {
-        let lossy = LossyPlane::of(request, plane, decoded, &[]);
-        lossy.check_ends().and_then(|()| lossy.check_loss()).is_ok()
-    })
-}
-
 /// The samples of a plane in the stored raster, the bottom row first.
-pub(super) fn stored_plane(request: &WriteRequest, samples: &[u8], plane: usize) -> Vec<u8> {
+fn stored_plane(request: &WriteRequest, samples: &[u8], plane: usize) -> Vec<u8> {
     let channels = request.format.channels();
     let row = request.header.width as usize * channels;
     let rows = samples.chunks_exact(row).rev();
@@ -103,18 +109,12 @@ impl<'a> LossyPlane<'a> {
         let pairs = self.wanted.iter().zip(&self.found).enumerate();
         for (place, (&wanted, &found)) in pairs {
             if self.corrected.contains(&place) && wanted != found {
-                return Err(self.fault(
-                    "2.9.8/8",
-                    place,
-                    "its record of side information has another value",
-                ));
+                let why = "its record of side information has another value";
+                return Err(self.fault("2.9.8/8", place, why));
             }
             if wanted.abs_diff(found) > 128 {
-                return Err(self.fault(
-                    "2.9.8/4",
-                    place,
-                    "the loss takes it past the end of the scale, and no record of side information corrects it",
-                ));
+                let why = "the loss takes it past the end of the scale, and no record of side information corrects it";
+                return Err(self.fault("2.9.8/4", place, why));
             }
         }
         Ok(())
@@ -123,14 +123,9 @@ impl<'a> LossyPlane<'a> {
     /// JPEG-LS: no sample is off by more than `near`.
     fn check_near(&self, near: u8) -> Result<(), WriterFault> {
         let mut pairs = self.wanted.iter().zip(&self.found);
-        match pairs.position(|(&wanted, &found)| on_the_circle(wanted, found) > near) {
-            None => Ok(()),
-            Some(place) => Err(self.fault(
-                "2.9.1/1",
-                place,
-                &format!("a loss of at most {near} was asked for"),
-            )),
-        }
+        let place = pairs.position(|(&wanted, &found)| on_the_circle(wanted, found) > near);
+        let why = format!("a loss of at most {near} was asked for");
+        place.map_or(Ok(()), |place| Err(self.fault("2.9.1/1", place, &why)))
     }
 
     /// JPEG: no block is off by more than the quantization steps of `quality` allow.
@@ -151,13 +146,10 @@ impl<'a> LossyPlane<'a> {
             Some(block) => {
                 let place = block / columns * 8 * width + block % columns * 8;
                 let [lost, allowed] = [lost[block], allowed].map(|sum| (sum / 64.0).sqrt());
-                Err(self.fault(
-                    "2.9.1/1",
-                    place,
-                    &format!(
-                        "its block of 8 × 8 is off by {lost:.1} (root mean square), and quality {quality} allows {allowed:.1}"
-                    ),
-                ))
+                let why = format!(
+                    "its block of 8 × 8 is off by {lost:.1} (root mean square), and quality {quality} allows {allowed:.1}"
+                );
+                Err(self.fault("2.9.1/1", place, &why))
             }
         }
     }

@@ -3,17 +3,16 @@
 use crate::kit::last_words::last_words;
 use crate::misreadings::writing;
 use crate::protocol::frame::Answer;
-use crate::runner::run::{Decoder, Reply, Request};
+use crate::runner::run::{Decoder, Reply};
 use crate::runner::scratch::Scratch;
 use crate::session::probe::Checklist;
-use crate::suite::cases::{Suite, TableSpelling};
-use crate::suite::test_case::TestCase;
+use crate::suite::cases::Suite;
 use crate::writers::asking;
 use crate::writers::cases::WriterCase;
 use crate::writers::judge::judge;
 use crate::writers::reference::written;
-use crate::writers::test_case::{WriteView, WrittenFile};
-use crate::writers::wrong;
+use crate::writers::seen::explains;
+use crate::writers::test_case::WrittenFile;
 
 /// Takes all steps with `writer`.
 ///
@@ -23,7 +22,7 @@ pub fn probe(writer: &Decoder, scratch: &Scratch) -> Result<Checklist, String> {
     let suite = Suite::of_requests()?;
     let mut list = Checklist::default();
     for case in suite.cases.iter().filter(|case| case.first) {
-        let reply = ask(writer, &suite, case, scratch);
+        let reply = asking::ask(writer, case, 1, scratch);
         let format = case.format().short_name();
         match &reply.answer {
             Answer::Decoded(file) => {
@@ -48,24 +47,6 @@ pub fn probe(writer: &Decoder, scratch: &Scratch) -> Result<Checklist, String> {
     Ok(list)
 }
 
-fn ask(
-    writer: &Decoder,
-    suite: &Suite<WriterCase>,
-    case: &WriterCase,
-    scratch: &Scratch,
-) -> Reply<WrittenFile> {
-    let built = case.made(TableSpelling::default());
-    let request = Request {
-        name: &case.id,
-        view: &WriteView,
-        file: &built.json,
-        largest_frame: case.largest_answer(&built),
-        timeout_factor: 1,
-        alone: true,
-    };
-    asking::ask(writer, suite, &request, scratch)
-}
-
 /// A file: right, or what is wrong with it and which mistake makes it so.
 fn look_at(list: &mut Checklist, case: &WriterCase, file: &WrittenFile) {
     let (request, format) = (case.request(), case.format().short_name());
@@ -74,7 +55,7 @@ fn look_at(list: &mut Checklist, case: &WriterCase, file: &WrittenFile) {
         Err(fault) => fault,
     };
     let right = written(&request).unwrap_or_default();
-    let mistake = writing::all().find(|one| wrong::explains(&request, &right, &file.0, one.at));
+    let mistake = writing::all().find(|one| explains(&request, &right, &file.0, one.at));
     let next = match mistake {
         Some(mistake) => format!(
             "such a file comes of a writer that {}: {}",

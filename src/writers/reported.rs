@@ -7,13 +7,13 @@ use crate::kit::digest::sha256;
 use crate::misreadings::Misreading;
 use crate::report::html::download;
 use crate::report::reported::Reported;
-use crate::session::observation::{Observation, Response};
+use crate::session::observation::Observation;
 use crate::session::run::Run;
 use crate::suite::cases::{Suite, TableSpelling};
-use crate::suite::clauses::{self, Clause, Ruling};
 use crate::suite::name::SuiteName;
 use crate::writers::cases::WriterCase;
 use crate::writers::diagnose::diagnose;
+use crate::writers::test_case::wrong_file;
 
 /// Bytes of a wrong file that a page shows.
 const SHOWN: usize = 512;
@@ -27,14 +27,6 @@ impl Reported for WriterCase {
         Suite::of_requests()
     }
 
-    fn all_clauses() -> Result<Vec<Clause>, String> {
-        clauses::clauses()
-    }
-
-    fn all_rulings() -> Result<Vec<Ruling>, String> {
-        clauses::rulings()
-    }
-
     fn digest(suite: &Suite<WriterCase>) -> String {
         let digests = suite.cases.iter().map(|case| {
             let request = case.request();
@@ -44,10 +36,7 @@ impl Reported for WriterCase {
     }
 
     fn evidence(&self, _: TableSpelling, observation: &Observation<WriterCase>) -> Markup {
-        let file = match &observation.response {
-            Response::Picture { frame, .. } => frame.as_ref().map(|file| &file.0[..]),
-            _ => None,
-        };
+        let file = wrong_file(Some(observation)).map(|(file, _)| file);
         html! {
             p.label { "The request" }
             pre.bytes tabindex="0" { (self.request().header.to_json()) }

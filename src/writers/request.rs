@@ -19,7 +19,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::protocol::frame::Samples;
 use crate::protocol::npy;
-use crate::ptm::{Format, Header, Ptm, Shape, Size};
+use crate::ptm::{ColorMatrix, Format, Header, Planes, Ptm, ScaleBias, Shape, Size};
 use crate::tools::export::npy_bytes;
 
 /// What to write.
@@ -119,6 +119,32 @@ impl RequestHeader {
         }
         .checked()
     }
+}
+
+/// Returns the map with these values. A matrix makes it one of LUM.
+pub(super) fn map_of(
+    format: Format,
+    size: Size,
+    scale_bias: ScaleBias,
+    matrix: Option<[f64; 16]>,
+    samples: Vec<u8>,
+) -> Ptm {
+    let shape = match (matrix, format.channels()) {
+        (Some(matrix), _) => Shape::Lum(ColorMatrix(matrix)),
+        (None, 18) => Shape::Rgb,
+        _ => Shape::Lrgb,
+    };
+    let header = Header {
+        format,
+        size,
+        scale_bias,
+    };
+    let planes = Planes {
+        size,
+        shape,
+        samples,
+    };
+    Ptm { header, planes }
 }
 
 impl WriteRequest {

@@ -1,15 +1,18 @@
-//! A file as a reader with mistakes sees it, held against the values that were asked for.
+//! A file as a reader with mistakes sees it, compared with the values that were requested.
+//!
+//! A writer misreads a clause as a reader does. Either only such a reader has the right values of its file, or the file
+//! has what such a reader makes of the right one.
 
-use crate::decode::decode_as;
-use crate::misreadings::{Anatomy, At, Misreading, Seen, Stage, misread};
+use crate::decode::fields;
+use crate::misreadings::{Anatomy, At, Misreading, Seen, Stage, edits_of_planes, read};
 use crate::protocol::frame::{Frame, Samples, View};
-use crate::ptm::{ColorMatrix, Header, Limits, Planes, Ptm, ScaleBias, Shape};
+use crate::ptm::{Ptm, ScaleBias, Shape};
 use crate::reading::Reading;
 use crate::writers::judge::is_same_number;
 use crate::writers::lossy::is_within;
-use crate::writers::request::WriteRequest;
+use crate::writers::request::{WriteRequest, map_of};
 
-/// Lights that tell every coefficient from every other.
+/// Colors under these lights differ if any coefficient differs.
 const LIGHTS: [&str; 4] = [
     "rgb:0.3125,-0.4375",
     "rgb:0,0",
@@ -17,31 +20,84 @@ const LIGHTS: [&str; 4] = [
     "rgb:0.125,0.75",
 ];
 
-/// A file as somebody reads it.
+/// A file as a reader sees it.
 pub(super) struct SeenFile {
     reading: Reading,
+    /// The last stage at which the reader's mistakes act.
     stage: Stage,
     ptm: Ptm,
 }
 
+/// Returns true if a writer with this mistake would have written `file`. `right` is the reference's file.
+pub(super) fn explains(
+    request: &WriteRequest,
+    right: &[u8],
+    file: &[u8],
+    mistake: &Misreading,
+) -> bool {
+    is_right_under(request, file, &[mistake]) || is_lost(right, file, mistake)
+}
+
+/// Returns true if a reader with these mistakes, and only such a reader, has the right values of `file`.
+pub(super) fn is_right_under(
+    request: &WriteRequest,
+    file: &[u8],
+    mistakes: &[&Misreading],
+) -> bool {
+    tells(file, mistakes, |seen| seen.is_right(request))
+}
+
+/// Returns true if `file` has what a reader with this mistake, and only such a reader, makes of the right file.
+fn is_lost(right: &[u8], file: &[u8], mistake: &Misreading) -> bool {
+    if let Some(seen) = edited(right, mistake)
+        && payload(&seen) != payload(right)
+        && payload(&seen) == payload(file)
+    {
+        // The payload is wrong, unless the header ends before the last bias.
+        let (fields, _) = fields(file);
+        return fields
+            .iter()
+            .filter(|field| field.clause == "2.4/4")
+            .count()
+            == 6;
+    }
+    // A decoding mistake makes the same values when it is repeated as when it is undone.
+    mistake.at.stage() != Stage::Decoding
+        && tells(right, &[mistake], |seen| seen.is_written_as_seen(file))
+}
+
+/// Returns true if `is_so` holds for a reader with these mistakes and not for one without them.
+fn tells(file: &[u8], mistakes: &[&Misreading], is_so: impl Fn(&SeenFile) -> bool) -> bool {
+    let Some(seen) = SeenFile::of(file, mistakes).filter(&is_so) else {
+        return false;
+    };
+    let stage = seen.stage;
+    let plain = SeenFile::of(file, &[]).map(|plain| SeenFile { stage, ..plain });
+    !plain.as_ref().is_some_and(is_so)
+}
+
+/// Returns the bytes that a reader with this mistake sees in place of the file, if the mistake acts on bytes.
+pub(super) fn edited(file: &[u8], mistake: &Misreading) -> Option<Vec<u8>> {
+    let At::Bytes(edit) = mistake.at else {
+        return None;
+    };
+    match edit(&Anatomy::of(file, &Reading::SPEC)) {
+        Seen::File(bytes) => Some(bytes),
+        Seen::Refused => None,
+    }
+}
+
+/// Returns the bytes after the header.
+fn payload(file: &[u8]) -> &[u8] {
+    &file[Anatomy::of(file, &Reading::SPEC).payload()..]
+}
+
 impl SeenFile {
-    /// What a reader who makes these mistakes sees; nothing where it refuses the file.
+    /// Reads `file` with these mistakes. Returns `None` if such a reader refuses it.
     pub fn of(file: &[u8], mistakes: &[&Misreading]) -> Option<SeenFile> {
-        let reading = misread(mistakes, Reading::SPEC);
-        let mut bytes = file.to_vec();
-        for mistake in mistakes {
-            if let At::Bytes(edit) = mistake.at {
-                match edit(&Anatomy::of(&bytes, &reading)) {
-                    Seen::Refused => return None,
-                    Seen::File(seen) => bytes = seen,
-                }
-            }
-        }
-        let mut ptm = decode_as(&bytes, &reading, &Limits::default()).ok()?;
-        for mistake in mistakes {
-            if let At::Planes(edit) = mistake.at {
-                edit(&mut ptm);
-            }
+        let (mut ptm, reading) = read(mistakes, Reading::SPEC, file).ok()?;
+        for edit in edits_of_planes(mistakes) {
+            edit(&mut ptm);
         }
         let stages = mistakes.iter().map(|mistake| mistake.at.stage());
         Some(SeenFile {
@@ -51,78 +107,74 @@ impl SeenFile {
         })
     }
 
-    /// What a reader without mistakes sees, as far as these mistakes could change it.
-    pub fn plainly(file: &[u8], mistakes: &[&Misreading]) -> Option<SeenFile> {
-        let stages = mistakes.iter().map(|mistake| mistake.at.stage());
-        let stage = stages.max().unwrap_or(Stage::File);
-        let plain = SeenFile::of(file, &[])?;
-        Some(SeenFile { stage, ..plain })
-    }
-
-    /// Whether these are the values of `request`: the stored ones, or where a mistake acts later, what is made of them.
+    /// Returns true if these are the values of `request`: the stored values, or what is made of them if a mistake acts
+    /// later.
     pub fn is_right(&self, request: &WriteRequest) -> bool {
-        let right = SeenFile::wanted(request);
-        let found = &self.ptm;
-        let same_map = found.header.format == right.ptm.header.format
-            && found.header.size == right.ptm.header.size
-            && found.planes.samples.len() == request.samples.len();
-        same_map
-            && is_within(request, &found.planes.samples)
-            && match self.stage {
-                Stage::Coefficients => self.shows(&right, "coef"),
-                Stage::Color => LIGHTS.iter().all(|light| self.shows(&right, light)),
-                _ => has_numbers(found, &right.ptm),
+        self.ptm.header.format == request.format
+            && self.ptm.planes.samples.len() == request.samples.len()
+            && is_within(request, &self.ptm.planes.samples)
+            && self.has_numbers_of(&SeenFile::wanted(request), self.stage)
+    }
+
+    /// Returns true if `file`, read without mistakes, has exactly what this reader sees.
+    fn is_written_as_seen(&self, file: &[u8]) -> bool {
+        SeenFile::of(file, &[]).is_some_and(|found| {
+            found.ptm.planes.samples == self.ptm.planes.samples
+                && found.has_numbers_of(self, self.stage)
+        })
+    }
+
+    /// Returns true if both have the same size and the same numbers in the header, or what is made of them up to a stage.
+    fn has_numbers_of(&self, other: &SeenFile, stage: Stage) -> bool {
+        self.ptm.header.size == other.ptm.header.size
+            && match stage {
+                Stage::Coefficients => self.shows(other, "coef"),
+                Stage::Color => LIGHTS.iter().all(|light| self.shows(other, light)),
+                _ => has_numbers(&self.ptm, &other.ptm),
             }
     }
 
-    /// Whether `file`, read rightly, has just what this reader sees.
-    pub fn is_written_as_seen(&self, file: &[u8]) -> bool {
-        let Some(found) = SeenFile::of(file, &[]) else {
-            return false;
-        };
-        found.ptm.planes.samples == self.ptm.planes.samples
-            && found.ptm.header.size == self.ptm.header.size
-            && match self.stage {
-                Stage::Coefficients => found.shows(self, "coef"),
-                Stage::Color => LIGHTS.iter().all(|light| found.shows(self, light)),
-                _ => has_numbers(&found.ptm, &self.ptm),
+    /// Returns the map with the scales and biases by which this reader's final coefficients follow from the raw values.
+    pub fn into_effective_map(self) -> Ptm {
+        let mut map = self.ptm;
+        if self.stage == Stage::Coefficients {
+            let set = map.header.scale_bias;
+            let finals =
+                |i: usize| [0, 1].map(|raw| (self.reading.final_coefficient)(raw, i, &set));
+            for i in 0..6 {
+                let [zero, one] = finals(i);
+                map.header.scale_bias.scale[i] = one - zero;
+                map.header.scale_bias.bias[i] = zero / (zero - one);
             }
+        }
+        map
     }
 
-    /// The map as it is read.
-    pub fn into_map(self) -> Ptm {
-        self.ptm
-    }
-
-    /// The values of a request as a map.
+    /// Returns the values of a request, as a reader without mistakes has them.
     pub fn wanted(request: &WriteRequest) -> SeenFile {
-        let shape = match (request.header.matrix, request.format.channels()) {
-            (Some(matrix), _) => Shape::Lum(ColorMatrix(matrix)),
-            (None, 18) => Shape::Rgb,
-            _ => Shape::Lrgb,
+        let WriteRequest {
+            header,
+            format,
+            samples,
+        } = request;
+        let scale_bias = ScaleBias {
+            scale: header.scale,
+            bias: header.bias.map(|bias| bias as f64),
         };
         SeenFile {
             reading: Reading::SPEC,
             stage: Stage::File,
-            ptm: Ptm {
-                header: Header {
-                    format: request.format,
-                    size: request.size(),
-                    scale_bias: ScaleBias {
-                        scale: request.header.scale,
-                        bias: request.header.bias.map(|bias| bias as f64),
-                    },
-                },
-                planes: Planes {
-                    size: request.size(),
-                    shape,
-                    samples: request.samples.clone(),
-                },
-            },
+            ptm: map_of(
+                *format,
+                request.size(),
+                scale_bias,
+                header.matrix,
+                samples.clone(),
+            ),
         }
     }
 
-    /// Whether both look the same in a view, as far as `f32` tells.
+    /// Returns true if both look the same in a view, within the rounding of `f32`.
     fn shows(&self, other: &SeenFile, view: &str) -> bool {
         let view: View = view.parse().expect("a view");
         let frame = |of: &SeenFile| Frame::under(&of.ptm, &view, &of.reading).samples;
@@ -140,7 +192,7 @@ impl SeenFile {
     }
 }
 
-/// Whether scales, biases and matrix are about the same.
+/// Returns true if scales, biases and matrix are equal within the tolerance of the judge.
 fn has_numbers(found: &Ptm, wanted: &Ptm) -> bool {
     let same = |wanted: &[f64], found: &[f64]| {
         let mut pairs = wanted.iter().zip(found);

@@ -8,8 +8,9 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 
 use crate::decode::decode;
 use crate::ptm::Format;
+use crate::session::observation::{Observation, Response};
 use crate::suite::cases::{Expect, TableSpelling};
-use crate::suite::dialect::{Choices, Dialect, Right};
+use crate::suite::dialect::{Choices, Right};
 use crate::suite::features::Feature;
 use crate::suite::test_case::{Allowance, Comparison, TestCase};
 use crate::writers::cases::WriterCase;
@@ -30,6 +31,28 @@ impl fmt::Display for WriteView {
 /// The file that a writer wrote.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct WrittenFile(pub Vec<u8>);
+
+impl WrittenFile {
+    /// Returns true if both files decode to the same values, or neither decodes.
+    pub(super) fn has_values_of(&self, other: &WrittenFile) -> bool {
+        self == other || decode(&self.0).ok() == decode(&other.0).ok()
+    }
+}
+
+/// Returns the file that answers a request, if it is wrong, and what is wrong with it.
+pub(super) fn wrong_file<C>(observation: Option<&Observation<C>>) -> Option<(&[u8], &WriterFault)>
+where
+    C: TestCase<Output = WrittenFile, Difference = WriterFault>,
+{
+    match &observation?.response {
+        Response::Picture {
+            frame: Some(file),
+            difference: Some(fault),
+            ..
+        } => Some((&file.0, fault)),
+        _ => None,
+    }
+}
 
 impl Serialize for WrittenFile {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
@@ -79,10 +102,6 @@ impl TestCase for WriterCase {
         self.because.clone()
     }
 
-    fn ruling(&self) -> Option<&str> {
-        None
-    }
-
     fn expect(&self) -> Expect {
         self.expect
     }
@@ -100,10 +119,6 @@ impl TestCase for WriterCase {
 
     fn views(&self) -> &[WriteView] {
         &[WriteView]
-    }
-
-    fn view_name(_: &WriteView) -> &'static str {
-        "write"
     }
 
     fn kind(&self) -> Feature {
@@ -132,14 +147,6 @@ impl TestCase for WriterCase {
             _ => Vec::new(),
         };
         cases.iter().map(twins).collect()
-    }
-
-    fn has_table(&self) -> bool {
-        false
-    }
-
-    fn spelling(&self) -> Option<TableSpelling> {
-        None
     }
 
     fn made(&self, _: TableSpelling) -> BuiltRequest {
@@ -176,27 +183,8 @@ impl TestCase for WriterCase {
         }
     }
 
-    fn difference_in(&self, _: &WriteView, _: &WrittenFile, _: &Dialect) -> Option<WriterFault> {
-        None
-    }
-
-    /// A file is right or wrong, never near.
-    fn likeness(_: &WriterFault) -> f64 {
-        0.0
-    }
-
-    /// Two files with the same values are the same.
     fn is_like(one: &WrittenFile, other: &WrittenFile) -> bool {
-        one == other
-            || match (decode(&one.0), decode(&other.0)) {
-                (Ok(one), Ok(other)) => one == other,
-                (Err(_), Err(_)) => true,
-                _ => false,
-            }
-    }
-
-    fn expected_output(&self, _: &WriteView) -> Option<WrittenFile> {
-        None
+        one.has_values_of(other)
     }
 
     fn expected_in_words(&self) -> Option<String> {

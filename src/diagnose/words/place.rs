@@ -126,9 +126,10 @@ fn difference(
     of: &[usize],
 ) -> Diagnosis {
     let witnesses = search.witnesses;
-    let is_right = |w: &usize| !witnesses[*w].failed && witnesses[*w].case.expect == Expect::Decode;
-    let right: Vec<usize> = (0..witnesses.len()).filter(is_right).collect();
-    let shared = shared_scope(witnesses, of, &right, true);
+    // Files that fail in another way, or for another reason, do not fail in this one.
+    let is_other = |w: &usize| witnesses[*w].case.expect == Expect::Decode && !of.contains(w);
+    let others: Vec<usize> = (0..witnesses.len()).filter(is_other).collect();
+    let shared = shared_scope(witnesses, of, &others, true);
     let place = match shared {
         Some(shared) if shared.of.len() == of.len() => {
             format!(

@@ -86,10 +86,6 @@ impl TestCase for TextureCase {
         &[TextureView]
     }
 
-    fn view_name(_: &TextureView) -> &'static str {
-        "texture"
-    }
-
     fn kind(&self) -> String {
         self.op.clone()
     }
@@ -117,14 +113,6 @@ impl TestCase for TextureCase {
             false => Vec::new(),
         };
         cases.iter().map(twins).collect()
-    }
-
-    fn has_table(&self) -> bool {
-        false
-    }
-
-    fn spelling(&self) -> Option<TableSpelling> {
-        None
     }
 
     fn made(&self, _: TableSpelling) -> Vec<u8> {
@@ -164,11 +152,6 @@ impl TestCase for TextureCase {
 
     fn difference_in(&self, _: &TextureView, answer: &Value, dialect: &Dialect) -> Option<String> {
         difference(&self.expected(dialect), answer, self.tolerance())
-    }
-
-    /// An answer is right or wrong, never near.
-    fn likeness(_: &String) -> f64 {
-        0.0
     }
 
     fn is_like(one: &Value, other: &Value) -> bool {

@@ -1,25 +1,24 @@
 //! The suite of photographs as a run asks it, and what its failures are made of.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
-use crate::decode::decode;
-use crate::diagnose::{Category, Cause, Diagnosis};
+use crate::diagnose::Diagnosis;
+use crate::diagnose::cover::{CoverCandidate, cover};
 use crate::misreadings::Misreading;
 use crate::ptm::Format;
-use crate::session::observation::Response;
 use crate::session::outcome::Outcome;
 use crate::session::run::Run;
 use crate::suite::cases::{Expect, Suite, TableSpelling};
-use crate::suite::dialect::{Choices, Dialect, Right};
+use crate::suite::dialect::{Choices, Right};
 use crate::suite::features::Feature;
 use crate::suite::test_case::{Allowance, Comparison, TestCase};
-use crate::writers::diagnose::described;
+use crate::writers::diagnose::{describe, described};
 use crate::writers::fault::WriterFault;
 use crate::writers::fitting::judge::judge;
-use crate::writers::fitting::mistakes::{COARSE, Evidence, FitMistake, MISTAKES};
+use crate::writers::fitting::mistakes::{Evidence, MISTAKES};
 use crate::writers::fitting::pictures::{FORMATS, FitRequest, PictureSet};
 use crate::writers::fitting::sets::{SETS, SetPlan};
-use crate::writers::test_case::{WriteView, WrittenFile};
+use crate::writers::test_case::{WriteView, WrittenFile, wrong_file};
 
 /// Photographs to be fitted in a format.
 #[derive(Clone, Debug)]
@@ -51,32 +50,25 @@ impl Suite<FitCase> {
     /// The photographs that are part of the program, and those of somebody's own.
     #[must_use]
     pub fn of_photographs(own: Option<&PictureSet>) -> Suite<FitCase> {
-        let made = SETS.iter().flat_map(|plan| {
+        let made = SETS.iter().map(PictureSource::Made);
+        let sources = made.chain(own.cloned().map(PictureSource::Given));
+        let cases = sources.flat_map(|source| {
+            let (name, because, clause) = match &source {
+                PictureSource::Made(plan) => (plan.name, plan.because, plan.clause),
+                PictureSource::Given(_) => ("own", "The pictures that --lp names.", "1.0/1"),
+            };
             FORMATS.map(|format| FitCase {
-                id: id_of(plan.name, format),
-                because: plan.because.to_owned(),
-                clauses: vec![plan.clause.to_owned()],
+                id: format!("fit-{}-{name}", format.short_name().to_lowercase()),
+                because: because.to_owned(),
+                clauses: vec![clause.to_owned()],
                 format,
-                source: PictureSource::Made(plan),
-            })
-        });
-        let given = own.into_iter().flat_map(|set| {
-            FORMATS.map(|format| FitCase {
-                id: id_of("own", format),
-                because: "The pictures that --lp names.".to_owned(),
-                clauses: vec!["1.0/1".to_owned()],
-                format,
-                source: PictureSource::Given(set.clone()),
+                source: source.clone(),
             })
         });
         Suite {
-            cases: made.chain(given).collect(),
+            cases: cases.collect(),
         }
     }
-}
-
-fn id_of(set: &str, format: Format) -> String {
-    format!("fit-{}-{set}", format.short_name().to_lowercase())
 }
 
 impl FitCase {
@@ -113,10 +105,6 @@ impl TestCase for FitCase {
         self.because.clone()
     }
 
-    fn ruling(&self) -> Option<&str> {
-        None
-    }
-
     fn expect(&self) -> Expect {
         Expect::Decode
     }
@@ -133,28 +121,12 @@ impl TestCase for FitCase {
         &[WriteView]
     }
 
-    fn view_name(_: &WriteView) -> &'static str {
-        "write"
-    }
-
     fn kind(&self) -> Feature {
         Feature::Format(self.format)
     }
 
     fn features(&self, _: &WriteView) -> BTreeSet<Feature> {
         BTreeSet::from([self.kind()])
-    }
-
-    fn twins(cases: &[FitCase]) -> Vec<Vec<usize>> {
-        vec![Vec::new(); cases.len()]
-    }
-
-    fn has_table(&self) -> bool {
-        false
-    }
-
-    fn spelling(&self) -> Option<TableSpelling> {
-        None
     }
 
     fn made(&self, _: TableSpelling) -> BuiltFit {
@@ -189,22 +161,8 @@ impl TestCase for FitCase {
         }
     }
 
-    fn difference_in(&self, _: &WriteView, _: &WrittenFile, _: &Dialect) -> Option<WriterFault> {
-        None
-    }
-
-    /// A fit is good enough or not.
-    fn likeness(_: &WriterFault) -> f64 {
-        0.0
-    }
-
-    /// Two files with the same values are the same.
     fn is_like(one: &WrittenFile, other: &WrittenFile) -> bool {
-        one == other || decode(&one.0).ok() == decode(&other.0).ok()
-    }
-
-    fn expected_output(&self, _: &WriteView) -> Option<WrittenFile> {
-        None
+        one.has_values_of(other)
     }
 
     fn expected_in_words(&self) -> Option<String> {
@@ -216,87 +174,33 @@ impl TestCase for FitCase {
     }
 }
 
-/// Why the failures of `run` failed; most telling first.
+/// Returns why the failures of `run` failed; the mistake that explains most is first.
 pub(super) fn diagnose(
     suite: &Suite<FitCase>,
     run: &Run<FitCase>,
 ) -> Vec<Diagnosis<&'static Misreading>> {
     let mut failing: Vec<usize> = run.judgement.with(Outcome::Fail).collect();
-    let mut diagnoses = Vec::new();
-    let all = MISTAKES.iter();
-    let mut explained: Vec<(&FitMistake, Vec<usize>)> = all.map(|one| (one, Vec::new())).collect();
-    let mut coarse = Vec::new();
-    for &place in &failing {
-        let case = &suite.cases[place];
-        let (set, file) = (case.photographs(), file_of(run, place));
-        let Some(evidence) = file.and_then(|file| Evidence::of(&set, case.format, file)) else {
-            continue;
-        };
-        for (mistake, places) in &mut explained {
-            if evidence.shows(mistake) {
-                places.push(place);
-            }
-        }
-        if evidence.shows(&COARSE) {
-            coarse.push(place);
-        }
-    }
-    explained.push((&COARSE, coarse));
-    loop {
-        for (_, places) in &mut explained {
-            places.retain(|place| failing.contains(place));
-        }
-        // Of equals the first.
-        let best = explained
-            .iter()
-            .rev()
-            .max_by_key(|(_, places)| places.len());
-        let Some((mistake, places)) = best.filter(|(_, places)| !places.is_empty()) else {
-            break;
-        };
-        failing.retain(|place| !places.contains(place));
-        diagnoses.push(of_mistake(suite, run, mistake, places.clone()));
-    }
+    let wrong = |place: usize| wrong_file(run.observations[place].as_ref());
+    let evidence = failing.iter().filter_map(|&place| {
+        let (case, (file, _)) = (&suite.cases[place], wrong(place)?);
+        Some((place, Evidence::of(case.photographs(), case.format, file)?))
+    });
+    let evidence: BTreeMap<usize, Evidence> = evidence.collect();
+    let candidates = MISTAKES.iter().filter_map(|mistake| {
+        let shows = |place: usize| evidence.get(&place).is_some_and(|of| of.shows(mistake));
+        CoverCandidate::of(mistake, &failing, shows, &[], |_| false)
+    });
+    let candidates = candidates.collect();
+    let chosen = cover(candidates, &mut failing).into_iter();
+    let mut diagnoses: Vec<_> = chosen
+        .map(|chosen| {
+            let (mistake, first) = (chosen.cause, chosen.explains[0]);
+            let fault = wrong(first).map_or("", |(_, fault)| &fault.says);
+            let example = format!("for example {}: {fault}", suite.cases[first].id);
+            let cause = describe(mistake.clause, (mistake.effect, mistake.fix), example);
+            Diagnosis::of(cause, chosen.explains)
+        })
+        .collect();
     diagnoses.extend(described(suite, run, &failing));
     diagnoses
-}
-
-/// The file of a failure, where there is one.
-fn file_of(run: &Run<FitCase>, place: usize) -> Option<&[u8]> {
-    match &run.observations[place].as_ref()?.response {
-        Response::Picture { frame, .. } => frame.as_ref().map(|file| &file.0[..]),
-        _ => None,
-    }
-}
-
-fn of_mistake(
-    suite: &Suite<FitCase>,
-    run: &Run<FitCase>,
-    mistake: &FitMistake,
-    explains: Vec<usize>,
-) -> Diagnosis<&'static Misreading> {
-    let first = explains[0];
-    let observation = run.observations[first].as_ref();
-    let says = match observation.map(|observation| &observation.response) {
-        Some(Response::Picture {
-            difference: Some(fault),
-            ..
-        }) => fault.says.as_str(),
-        _ => "",
-    };
-    Diagnosis {
-        cause: Cause::Described {
-            category: Category::Difference,
-            clause: mistake.clause.to_owned(),
-            effect: mistake.effect.to_owned(),
-            fix: mistake.fix.to_owned(),
-            example: format!("for example {}: {says}", suite.cases[first].id),
-            alike: Vec::new(),
-        },
-        explains,
-        partly: Vec::new(),
-        except: Vec::new(),
-        shows: None,
-        certain: false,
-    }
 }

@@ -4,14 +4,13 @@
 //! of the same format. Another fit may be better under one light and worse under another, and rounds in its own way, so
 //! there is room.
 
-use crate::error::Error;
-use crate::ptm::{Format, Ptm};
-use crate::tools::lint::codes::Severity;
-use crate::tools::lint::lint;
+use crate::decode::decode;
+use crate::ptm::Format;
 use crate::writers::fault::WriterFault;
 use crate::writers::fitting::optimum::optimum;
 use crate::writers::fitting::pictures::PictureSet;
 use crate::writers::fitting::polynomials::Polynomials;
+use crate::writers::judge::{check_lint, compare_map, refusal};
 
 /// A fit may be worse than the best by this factor and this many levels.
 const ROOM: (f64, f64) = (1.25, 1.0);
@@ -26,39 +25,14 @@ pub(super) fn allowed(best: f64) -> f64 {
 /// # Errors
 /// What is wrong with it.
 pub fn judge(set: &PictureSet, format: Format, file: &[u8]) -> Result<(), WriterFault> {
-    let ptm = crate::decode::decode(file).map_err(|error: Error| {
-        let says = format!("the reference refuses the file: {error}");
-        WriterFault::new(error.clause(), says)
-    })?;
-    check_header(set, format, &ptm)?;
+    let ptm = decode(file).map_err(|error| refusal(file, &error))?;
+    compare_map(format, set.size, &ptm)?;
     let found = Polynomials::of(&ptm).expect("not LUM");
     compare(set, format, &found)?;
-    match lint(file).first() {
-        Some(first) if first.severity == Severity::Error => Err(WriterFault::new(
-            first.clause,
-            format!(
-                "lint {} at byte {}: {}",
-                first.code, first.offset, first.says
-            ),
-        )),
-        _ => Ok(()),
-    }
+    check_lint(file)
 }
 
-fn check_header(set: &PictureSet, format: Format, ptm: &Ptm) -> Result<(), WriterFault> {
-    let (found, size) = (&ptm.header, set.size);
-    if found.format != format {
-        let says = format!("expected {format}, the file is {}", found.format);
-        return Err(WriterFault::new("2.2/1", says));
-    }
-    if found.size != size {
-        let says = format!("the pictures have {size} pixels, the file {}", found.size);
-        return Err(WriterFault::new("2.3/1", says));
-    }
-    Ok(())
-}
-
-/// Light by light.
+/// Compares the errors under each light with those of the optimum.
 fn compare(set: &PictureSet, format: Format, found: &Polynomials) -> Result<(), WriterFault> {
     let best = Polynomials::of(&optimum(set, format)).expect("RGB or LRGB");
     let (errors, best) = (found.errors(set), best.errors(set));

@@ -9,7 +9,7 @@ use crate::ptm::{Format, Ptm, Shape};
 use crate::writers::fitting::algebra::LeastSquares;
 use crate::writers::fitting::judge::allowed;
 use crate::writers::fitting::optimum::{Fitted, directions};
-use crate::writers::fitting::pictures::PictureSet;
+use crate::writers::fitting::pictures::{Photograph, PictureSet};
 use crate::writers::fitting::polynomials::{Polynomials, root_mean_square};
 
 /// A mistake of fitters.
@@ -28,35 +28,33 @@ enum Sign {
     /// The map shows what the best fit of these photographs shows.
     Photographs(fn(&mut PictureSet)),
     /// It shows what the best fit under these lights shows.
-    Lights(fn([f64; 3]) -> [f64; 2]),
-    /// It is right if its coefficients are these of raw value, scale and bias.
-    Numbers(fn(f64, f64, f64) -> f64),
-    /// It is right if its coefficients stand in this order.
-    Order([usize; 6]),
+    Lights(fn(&Photograph) -> [f64; 2]),
+    /// It is right if its coefficients are in this order and are these functions of raw value, scale and bias.
+    Numbers([usize; 6], fn(f64, f64, f64) -> f64),
     /// Its numbers show it.
     Map(fn(&Evidence) -> bool),
 }
 
 /// A wrong map and what it should be.
-pub(super) struct Evidence<'a> {
-    set: &'a PictureSet,
+pub(super) struct Evidence {
+    set: PictureSet,
     format: Format,
     ptm: Ptm,
     found: Polynomials,
     best: Fitted,
 }
 
-impl<'a> Evidence<'a> {
-    /// Nothing where the file is no map of these photographs.
-    pub fn of(set: &'a PictureSet, format: Format, file: &[u8]) -> Option<Evidence<'a>> {
+impl Evidence {
+    /// Returns `None` if the file is not a map of these photographs.
+    pub fn of(set: PictureSet, format: Format, file: &[u8]) -> Option<Evidence> {
         let ptm = decode(file).ok()?;
         let is_of_set = ptm.header.format == format && ptm.header.size == set.size;
         is_of_set.then_some(())?;
         Some(Evidence {
-            set,
             format,
             found: Polynomials::of(&ptm)?,
-            best: Fitted::of(set, &directions(set), format),
+            best: Fitted::of(&set, &directions(&set), format),
+            set,
             ptm,
         })
     }
@@ -71,19 +69,10 @@ impl<'a> Evidence<'a> {
                 self.is_like(&Fitted::of(&changed, &lights, self.format))
             }
             Sign::Lights(light) => {
-                let lights: Vec<_> = self
-                    .set
-                    .photographs
-                    .iter()
-                    .map(|of| light(of.light))
-                    .collect();
-                self.is_like(&Fitted::of(self.set, &lights, self.format))
+                let lights: Vec<_> = self.set.photographs.iter().map(light).collect();
+                self.is_like(&Fitted::of(&self.set, &lights, self.format))
             }
-            Sign::Numbers(value) => self.is_right(&self.ptm, value),
-            Sign::Order(order) => self
-                .is_right(&reordered(&self.ptm, *order), |raw, scale, bias| {
-                    (raw - bias) * scale
-                }),
+            Sign::Numbers(order, value) => self.is_right(*order, *value),
             Sign::Map(shows) => shows(self),
         }
     }
@@ -91,14 +80,14 @@ impl<'a> Evidence<'a> {
     /// Whether the map shows about what `other` shows, and is far from the optimum.
     fn is_like(&self, other: &Fitted) -> bool {
         let other = other.polynomials();
-        let from_best = self.found.distance(&self.best.polynomials(), self.set);
-        self.found.distance(&other, self.set) < 1.0 + 0.1 * from_best
+        let from_best = self.found.distance(&self.best.polynomials(), &self.set);
+        self.found.distance(&other, &self.set) < 1.0 + 0.1 * from_best
     }
 
-    /// Whether the map fits if its coefficients are taken in this way.
-    fn is_right(&self, ptm: &Ptm, value: impl Fn(f64, f64, f64) -> f64) -> bool {
-        let best = self.best.polynomials().errors(self.set);
-        let found = Polynomials::with(ptm, value).map(|found| found.errors(self.set));
+    /// Returns true if the map fits when its coefficients are read in this order and in this way.
+    fn is_right(&self, order: [usize; 6], value: fn(f64, f64, f64) -> f64) -> bool {
+        let best = self.best.polynomials().errors(&self.set);
+        let found = Polynomials::with(&self.ptm, order, value).map(|found| found.errors(&self.set));
         found.is_some_and(|found| {
             // An offset in whole numbers rounds more than a bias does.
             let mut pairs = found.iter().zip(best);
@@ -129,22 +118,8 @@ impl<'a> Evidence<'a> {
     }
 }
 
-/// The coefficients of a map in another order; `order[i]` is the place of coefficient `i`.
-fn reordered(ptm: &Ptm, order: [usize; 6]) -> Ptm {
-    let mut other = ptm.clone();
-    let set = &ptm.header.scale_bias;
-    other.header.scale_bias.scale = order.map(|i| set.scale[i]);
-    other.header.scale_bias.bias = order.map(|i| set.bias[i]);
-    let shape = ptm.planes.shape;
-    let polynomials = shape.coefficients() / 6;
-    let texels = other.planes.samples.chunks_exact_mut(shape.channels());
-    for (texel, from) in texels.zip(ptm.planes.texels()) {
-        for i in 0..6 * polynomials {
-            texel[i] = from[i / 6 * 6 + order[i % 6]];
-        }
-    }
-    other
-}
+/// The order of the coefficients in clause 1.0/1.
+const IN_ORDER: [usize; 6] = [0, 1, 2, 3, 4, 5];
 
 /// Each step is wide, and each value within a step of the right one.
 fn has_wide_steps(evidence: &Evidence) -> bool {
@@ -179,7 +154,7 @@ fn has_huge_coefficients(evidence: &Evidence) -> bool {
         let all = of.0.iter().flatten().flatten();
         all.fold(0.0_f64, |most, a| most.max(a.abs()))
     };
-    let least_squares = LeastSquares::of(&directions(evidence.set));
+    let least_squares = LeastSquares::of(&directions(&evidence.set));
     !least_squares.is_determined
         && largest(&evidence.found) > 3.0 * largest(&evidence.best.polynomials())
 }
@@ -214,52 +189,40 @@ fn in_order_of_names(set: &mut PictureSet) {
     }
 }
 
-/// The direction of a vector of any length.
-fn normalized(light: [f64; 3]) -> [f64; 2] {
-    let length = light.iter().map(|x| x * x).sum::<f64>().sqrt();
-    [light[0] / length, light[1] / length]
-}
-
 /// All that are looked for; where several explain as much, the first is named.
-pub(super) const MISTAKES: [FitMistake; 17] = [
+pub(super) const MISTAKES: [FitMistake; 18] = [
     FitMistake {
         clause: "1.0/2",
         effect: "negates v: its map is lit from below where it was lit from above",
         fix: "v points up; take it from the .lp file as it is",
-        sign: Sign::Lights(|light| {
-            let [u, v] = normalized(light);
-            [u, -v]
-        }),
+        sign: Sign::Lights(|of| [of.direction()[0], -of.direction()[1]]),
     },
     FitMistake {
         clause: "1.0/2",
         effect: "negates u: its map is lit from the left where it was lit from the right",
         fix: "u points to the right; take it from the .lp file as it is",
-        sign: Sign::Lights(|light| {
-            let [u, v] = normalized(light);
-            [-u, v]
-        }),
+        sign: Sign::Lights(|of| [-of.direction()[0], of.direction()[1]]),
     },
     FitMistake {
         clause: "1.0/2",
         effect: "exchanges u and v",
         fix: "u is the first number of a light, v the second",
-        sign: Sign::Lights(|light| {
-            let [u, v] = normalized(light);
-            [v, u]
-        }),
+        sign: Sign::Lights(|of| [of.direction()[1], of.direction()[0]]),
     },
     FitMistake {
         clause: "1.0/2",
         effect: "takes u and v from vectors that it does not normalize",
         fix: "divide each vector to a light by its length before u and v are taken from it",
-        sign: Sign::Lights(|[x, y, _]| [x, y]),
+        sign: Sign::Lights(|of| [of.light[0], of.light[1]]),
     },
     FitMistake {
         clause: "1.0/2",
         effect: "normalizes u and v without the third number, so that all lights lie in the plane",
         fix: "divide u and v by the length of the whole vector",
-        sign: Sign::Lights(|[x, y, _]| [x, y].map(|c| c / x.hypot(y).max(1e-12))),
+        sign: Sign::Lights(|of| {
+            let [x, y, _] = of.light;
+            [x, y].map(|c| c / x.hypot(y).max(1e-12))
+        }),
     },
     FitMistake {
         clause: "1.0/2",
@@ -295,31 +258,31 @@ pub(super) const MISTAKES: [FitMistake; 17] = [
         clause: "2.4/8",
         effect: "writes a bias that is to be added after the scale",
         fix: "a coefficient is (raw − bias) · scale: a bias is in the units of the raw value, −minimum / scale",
-        sign: Sign::Numbers(|raw, scale, bias| raw * scale + bias),
+        sign: Sign::Numbers(IN_ORDER, |raw, scale, bias| raw * scale + bias),
     },
     FitMistake {
         clause: "2.4/8",
         effect: "writes a bias that is to be subtracted after the scale",
         fix: "a coefficient is (raw − bias) · scale: a bias is in the units of the raw value, −minimum / scale",
-        sign: Sign::Numbers(|raw, scale, bias| raw * scale - bias),
+        sign: Sign::Numbers(IN_ORDER, |raw, scale, bias| raw * scale - bias),
     },
     FitMistake {
         clause: "2.4/8",
         effect: "writes biases with the wrong sign",
         fix: "a coefficient is (raw − bias) · scale: the bias is subtracted",
-        sign: Sign::Numbers(|raw, scale, bias| (raw + bias) * scale),
+        sign: Sign::Numbers(IN_ORDER, |raw, scale, bias| (raw + bias) * scale),
     },
     FitMistake {
         clause: "1.0/1",
         effect: "writes the coefficients in the order 1, u, v, u·v, u², v²",
         fix: "the order is u², v², u·v, u, v, 1",
-        sign: Sign::Order([4, 5, 3, 1, 2, 0]),
+        sign: Sign::Numbers([4, 5, 3, 1, 2, 0], |raw, scale, bias| (raw - bias) * scale),
     },
     FitMistake {
         clause: "1.0/1",
         effect: "writes the coefficients in the reverse order, 1 first and u² last",
         fix: "the order is u², v², u·v, u, v, 1",
-        sign: Sign::Order([5, 4, 3, 2, 1, 0]),
+        sign: Sign::Numbers([5, 4, 3, 2, 1, 0], |raw, scale, bias| (raw - bias) * scale),
     },
     FitMistake {
         clause: "2.4/8",
@@ -333,12 +296,10 @@ pub(super) const MISTAKES: [FitMistake; 17] = [
         fix: "choose scale and bias of each coefficient for the smallest and the largest value in the map",
         sign: Sign::Map(has_cut_ends),
     },
+    FitMistake {
+        clause: "2.4/2",
+        effect: "takes scales that are too coarse: a step of a byte is more than the pictures are off",
+        fix: "take as the scale of each coefficient its range in the map, over 255",
+        sign: Sign::Map(has_wide_steps),
+    },
 ];
-
-/// Looked for where no other mistake is found.
-pub(super) const COARSE: FitMistake = FitMistake {
-    clause: "2.4/2",
-    effect: "takes scales that are too coarse: a step of a byte is more than the pictures are off",
-    fix: "take as the scale of each coefficient its range in the map, over 255",
-    sign: Sign::Map(has_wide_steps),
-};

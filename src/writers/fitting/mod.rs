@@ -5,30 +5,22 @@
 //! ```
 //!
 //! REQUEST names the format and an `.lp` file: the number of pictures, and for each its name and the direction of its light.
-//! A fitter is held against the least-squares [`optimum`] of the same pictures, light by light, never against bytes
-//! ([`judge`]). Where it loses is told by repeating its mistake: whose optimum under a mistake looks the same, makes it
+//! The map of a fitter is compared with the least-squares [`optimum`] of the same pictures, light by light, never with its
+//! bytes ([`judge`]). A mistake is found by making it: a fitter makes the mistake whose optimum looks like its map
 //! (`mistakes`).
 
-pub mod pictures;
-
 mod algebra;
-
-pub mod polynomials;
-
-pub mod optimum;
-
-pub mod sets;
-
+#[cfg(unix)]
+pub mod cases;
 pub mod judge;
-
 #[cfg_attr(
     not(unix),
     allow(dead_code, reason = "fitters are run on Unix systems")
 )]
 mod mistakes;
-
-#[cfg(unix)]
-pub mod cases;
-
+pub mod optimum;
+pub mod pictures;
+pub mod polynomials;
 #[cfg(unix)]
 mod reported;
+pub mod sets;

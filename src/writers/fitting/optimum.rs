@@ -6,10 +6,11 @@
 //! - A scale and a bias serve the whole map, so each is chosen for the range of its coefficient.
 
 use crate::evaluate::polynomial;
-use crate::ptm::{Format, Header, Planes, Ptm, ScaleBias, Shape};
+use crate::ptm::{Format, Ptm, ScaleBias};
 use crate::writers::fitting::algebra::{LeastSquares, eigen};
 use crate::writers::fitting::pictures::{Photograph, PictureSet};
 use crate::writers::fitting::polynomials::{Polynomials, colored};
+use crate::writers::request::map_of;
 
 /// The best polynomials before they become bytes.
 #[derive(Clone, Debug)]
@@ -96,21 +97,7 @@ impl Fitted {
             samples.extend(raw(coefficients));
             samples.extend(self.colors.get(at).into_iter().flatten());
         }
-        Ptm {
-            header: Header {
-                format,
-                size: set.size,
-                scale_bias,
-            },
-            planes: Planes {
-                size: set.size,
-                shape: match format {
-                    Format::Rgb => Shape::Rgb,
-                    _ => Shape::Lrgb,
-                },
-                samples,
-            },
-        }
+        map_of(format, set.size, scale_bias, None, samples)
     }
 }
 

@@ -127,13 +127,11 @@ impl PictureSet {
 fn photograph(line: &str, folder: &Path, size: &mut Option<Size>) -> Result<Photograph, String> {
     let wrong = || format!("expected a name and three numbers, found {line:?}");
     let mut words = line.trim().rsplitn(4, char::is_whitespace);
-    let mut number = || words.next()?.parse().ok().filter(|n: &f64| n.is_finite());
-    let (z, y, x) = (number(), number(), number());
-    let light = [
-        x.ok_or_else(wrong)?,
-        y.ok_or_else(wrong)?,
-        z.ok_or_else(wrong)?,
-    ];
+    let mut light = [0.0; 3];
+    for number in light.iter_mut().rev() {
+        let parsed = words.next().and_then(|word| word.parse().ok());
+        *number = parsed.filter(|n: &f64| n.is_finite()).ok_or_else(wrong)?;
+    }
     if light == [0.0; 3] {
         return Err(format!("{line:?}: a light has a direction"));
     }

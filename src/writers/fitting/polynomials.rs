@@ -12,14 +12,20 @@ impl Polynomials {
     /// Those of a map. Nothing of LUM, which no fitter is asked for.
     #[must_use]
     pub fn of(ptm: &Ptm) -> Option<Polynomials> {
-        Polynomials::with(ptm, |raw, scale, bias| (raw - bias) * scale)
+        Polynomials::with(ptm, [0, 1, 2, 3, 4, 5], |raw, scale, bias| {
+            (raw - bias) * scale
+        })
     }
 
-    /// Those of a map whose coefficients are `raw`, scale and bias, in this way.
-    pub(super) fn with(ptm: &Ptm, value: impl Fn(f64, f64, f64) -> f64) -> Option<Polynomials> {
+    /// Returns those of a map with coefficient `i` at place `order[i]`, computed by `value` from raw value, scale and bias.
+    pub(super) fn with(
+        ptm: &Ptm,
+        order: [usize; 6],
+        value: fn(f64, f64, f64) -> f64,
+    ) -> Option<Polynomials> {
         let set = &ptm.header.scale_bias;
         let six = |raw: &[u8]| -> [f64; 6] {
-            std::array::from_fn(|i| value(f64::from(raw[i]), set.scale[i], set.bias[i]))
+            order.map(|i| value(f64::from(raw[i]), set.scale[i], set.bias[i]))
         };
         let texel = |raw: &[u8]| match ptm.planes.shape {
             Shape::Rgb => [six(&raw[..6]), six(&raw[6..12]), six(&raw[12..])],

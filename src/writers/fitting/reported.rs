@@ -11,7 +11,6 @@ use crate::runner::write::Attachment;
 use crate::session::observation::Observation;
 use crate::session::run::Run;
 use crate::suite::cases::{Suite, TableSpelling};
-use crate::suite::clauses::{self, Clause, Ruling};
 use crate::suite::name::SuiteName;
 use crate::writers::asking::{Sent, WritingCase};
 use crate::writers::fitting::cases::{BuiltFit, FitCase, diagnose};
@@ -57,14 +56,6 @@ impl Reported for FitCase {
 
     fn suite() -> Result<Suite<FitCase>, String> {
         Ok(Suite::of_photographs(None))
-    }
-
-    fn all_clauses() -> Result<Vec<Clause>, String> {
-        clauses::clauses()
-    }
-
-    fn all_rulings() -> Result<Vec<Ruling>, String> {
-        clauses::rulings()
     }
 
     fn digest(suite: &Suite<FitCase>) -> String {

@@ -1,9 +1,10 @@
 //! Photographs that the generator makes: a map of known coefficients under lights, with what photographs have besides.
 
 use crate::generate::{Model, Recipe};
-use crate::ptm::{Format, Header, Planes, Ptm, ScaleBias, Shape, Size};
+use crate::ptm::{Format, Ptm, ScaleBias, Size};
 use crate::writers::fitting::pictures::{Photograph, PictureSet};
 use crate::writers::fitting::polynomials::Polynomials;
+use crate::writers::request::map_of;
 
 /// A set of photographs before it is made.
 #[derive(Clone, Copy, Debug)]
@@ -15,31 +16,18 @@ pub struct SetPlan {
     /// The clause that it is about.
     pub clause: &'static str,
     size: (u32, u32),
-    lights: Lights,
+    /// The number of lights.
+    lights: usize,
+    /// True if all lights are on the right, not all around.
+    is_one_sided: bool,
     /// What a5 is multiplied by: the brightness.
     brightness: f64,
     /// The largest error of a pixel.
     noise: u8,
-    /// The length of the vectors in the `.lp` file.
-    lengths: Lengths,
+    /// True if the vectors in the `.lp` file are not of length 1.
+    has_long_vectors: bool,
     /// Whether the names of the pictures are in the order of the `.lp` file.
     in_order: bool,
-}
-
-/// Where lights are.
-#[derive(Clone, Copy, Debug)]
-enum Lights {
-    /// So many all around.
-    Around(usize),
-    /// So many on the right.
-    OnOneSide(usize),
-}
-
-/// How long the vectors of an `.lp` file are.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Lengths {
-    One,
-    Several,
 }
 
 const ORDINARY: SetPlan = SetPlan {
@@ -47,10 +35,11 @@ const ORDINARY: SetPlan = SetPlan {
     because: "Twelve lights all around, and photographs that are what a map shows.",
     clause: "1.0/1",
     size: (5, 4),
-    lights: Lights::Around(12),
+    lights: 12,
+    is_one_sided: false,
     brightness: 0.6,
     noise: 0,
-    lengths: Lengths::One,
+    has_long_vectors: false,
     in_order: true,
 };
 
@@ -67,13 +56,14 @@ pub const SETS: [SetPlan; 9] = [
     SetPlan {
         name: "few-lights",
         because: "Five lights, too few for six coefficients: many maps fit, and one with small coefficients is wanted.",
-        lights: Lights::Around(5),
+        lights: 5,
         ..ORDINARY
     },
     SetPlan {
         name: "one-side",
         because: "All lights are on one side, where coefficients stand in for each other.",
-        lights: Lights::OnOneSide(14),
+        lights: 14,
+        is_one_sided: true,
         noise: 3,
         ..ORDINARY
     },
@@ -93,7 +83,7 @@ pub const SETS: [SetPlan; 9] = [
         name: "long-vectors",
         because: "The vectors to the lights are 1.5 to 3 long, as in files that give positions.",
         clause: "1.0/2",
-        lengths: Lengths::Several,
+        has_long_vectors: true,
         ..ORDINARY
     },
     SetPlan {
@@ -106,7 +96,7 @@ pub const SETS: [SetPlan; 9] = [
     SetPlan {
         name: "many-lights",
         because: "Sixty lights, and a picture of 17 × 3.",
-        lights: Lights::Around(60),
+        lights: 60,
         size: (17, 3),
         noise: 5,
         ..ORDINARY
@@ -122,18 +112,16 @@ impl SetPlan {
             height: self.size.1,
         };
         let map = Polynomials::of(&self.map(size, format)).expect("a map of RGB or LRGB");
-        let count = match self.lights {
-            Lights::Around(count) | Lights::OnOneSide(count) => count,
-        };
         let photograph = |k: usize| {
-            let light = self.light(k, count);
+            // 7 divides no number of lights, so every name occurs once.
+            let number = if self.in_order {
+                k
+            } else {
+                7 * k % self.lights
+            };
             let mut photograph = Photograph {
-                // 7 divides no number of lights, so every name is there once.
-                name: format!(
-                    "light-{:02}.png",
-                    if self.in_order { k } else { 7 * k % count }
-                ),
-                light,
+                name: format!("light-{number:02}.png"),
+                light: self.light(k),
                 pixels: Vec::new(),
             };
             let noise = self.noise_of(size, k);
@@ -144,7 +132,7 @@ impl SetPlan {
         };
         PictureSet {
             size,
-            photographs: (0..count).map(photograph).collect(),
+            photographs: (0..self.lights).map(photograph).collect(),
         }
     }
 
@@ -155,36 +143,24 @@ impl SetPlan {
             bias: [128.0, 100.0, 140.0, 120.0, 130.0, -60.0],
         };
         let samples = Model::paint(&Recipe::ordinary(format, size)).samples;
-        Ptm {
-            header: Header {
-                format,
-                size,
-                scale_bias,
-            },
-            planes: Planes {
-                size,
-                shape: match format {
-                    Format::Rgb => Shape::Rgb,
-                    _ => Shape::Lrgb,
-                },
-                samples,
-            },
-        }
+        map_of(format, size, scale_bias, None, samples)
     }
 
-    /// The vector to light `k`.
-    fn light(&self, k: usize, count: usize) -> [f64; 3] {
-        // Angles that never meet again, and all heights.
-        const GOLDEN: f64 = 2.399_963;
-        let angle = match self.lights {
-            Lights::Around(_) => GOLDEN * k as f64,
-            Lights::OnOneSide(_) => (GOLDEN * k as f64).sin(),
+    /// Returns the vector to light `k`.
+    fn light(&self, k: usize) -> [f64; 3] {
+        // Multiples of the golden angle never meet; the heights are spread evenly.
+        const GOLDEN_ANGLE: f64 = 2.399_963;
+        let around = GOLDEN_ANGLE * k as f64;
+        let angle = if self.is_one_sided {
+            around.sin()
+        } else {
+            around
         };
-        let z = 0.2 + 0.75 * (k as f64 + 0.5) / count as f64;
+        let z = 0.2 + 0.75 * (k as f64 + 0.5) / self.lights as f64;
         let away = (1.0 - z * z).sqrt();
-        let length = match self.lengths {
-            Lengths::One => 1.0,
-            Lengths::Several => 1.5 + 0.5 * (k % 4) as f64,
+        let length = match self.has_long_vectors {
+            true => 1.5 + 0.5 * (k % 4) as f64,
+            false => 1.0,
         };
         [away * angle.cos(), away * angle.sin(), z].map(|x| (x * length * 1e6).round() / 1e6)
     }

@@ -365,7 +365,7 @@ fn questions_of_the_texture_stage_are_shown_alike() {
     let mistake = misreadings::texture::all().next().expect("a misreading");
     let ask = |request: &Request<'_, TextureView>, _: usize| {
         let case = suite.case(request.name).expect("a case");
-        Reply::from(case.answer(&(mistake.at)(Rules::SPEC)))
+        Reply::from(case.answer(&mistake.change(Rules::SPEC)))
     };
     let run = check(&suite, &plan, &ask, &|_, _, _, _| ());
     let report = Report::of(&suite, &run, &["stage".to_owned()], Vec::new());

@@ -148,7 +148,7 @@ fn every_misreading_is_named_by_the_diagnosis_of_itself() {
     let suite = suite();
     let mut unnamed = Vec::new();
     for misreading in misreadings::all() {
-        let rules = (misreading.at)(Rules::SPEC);
+        let rules = misreading.change(Rules::SPEC);
         let run = run(&suite, |case| case.answer(&rules));
         let diagnoses = diagnose(&suite, &run);
         let first = diagnoses.first().map(name);

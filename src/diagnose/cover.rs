@@ -1,0 +1,141 @@
+//! Greedy cover: the fewest causes that together explain the failures.
+//!
+//! - The candidate that explains most failures is chosen first, and then the next for the failures that are left.
+//! - A candidate that explains no more failures than passing cases contradict is chosen after all others.
+//! - Of candidates that explain equally many, the one with fewer contradictions is chosen, then the earlier one.
+//! - Candidates that explain the same failures and have the same contradictions are alike: no case tells them apart.
+
+use std::cmp::Reverse;
+
+use super::diagnosis::{Cause, Diagnosis};
+use crate::misreadings::Misreading;
+
+/// A possible cause.
+pub(crate) struct CoverCandidate<T> {
+    pub cause: T,
+    /// Failing cases that it reproduces, by their places in the suite.
+    pub explains: Vec<usize>,
+    /// Passing cases that it would have failed.
+    pub contradicted: Vec<usize>,
+    /// Causes that no case tells from it. Filled in by [`cover`].
+    pub alike: Vec<T>,
+}
+
+impl<T> CoverCandidate<T> {
+    /// Tries `cause` on the failing and the passing cases. Returns `None` if it explains nothing.
+    pub fn of(
+        cause: T,
+        failing: &[usize],
+        explains: impl Fn(usize) -> bool,
+        passing: &[usize],
+        contradicts: impl Fn(usize) -> bool,
+    ) -> Option<CoverCandidate<T>> {
+        let places = |all: &[usize], is_one: &dyn Fn(usize) -> bool| -> Vec<usize> {
+            all.iter().copied().filter(|&place| is_one(place)).collect()
+        };
+        let explains = places(failing, &explains);
+        (!explains.is_empty()).then(|| CoverCandidate {
+            cause,
+            explains,
+            contradicted: places(passing, &contradicts),
+            alike: Vec::new(),
+        })
+    }
+
+    /// Returns true if more failures support it than passing cases contradict it.
+    pub fn is_supported(&self) -> bool {
+        self.explains.len() > self.contradicted.len()
+    }
+}
+
+impl<A> CoverCandidate<&'static Misreading<A>> {
+    /// Returns the diagnosis that a decoder makes this mistake.
+    pub fn diagnosis(self) -> Diagnosis<A> {
+        let cause = Cause::Misreading {
+            misreading: self.cause,
+            alike: self.alike,
+            with: Vec::new(),
+        };
+        Diagnosis {
+            certain: self.contradicted.is_empty(),
+            except: self.contradicted,
+            ..Diagnosis::of(cause, self.explains)
+        }
+    }
+}
+
+/// Chooses candidates until none explains any of `failing`, from which the explained cases are removed.
+pub(crate) fn cover<T: Copy>(
+    mut candidates: Vec<CoverCandidate<T>>,
+    failing: &mut Vec<usize>,
+) -> Vec<CoverCandidate<T>> {
+    let mut chosen = Vec::new();
+    loop {
+        for candidate in &mut candidates {
+            candidate.explains.retain(|place| failing.contains(place));
+        }
+        candidates.retain(|candidate| !candidate.explains.is_empty());
+        let best = (0..candidates.len()).min_by_key(|&at| {
+            let candidate = &candidates[at];
+            let explained = Reverse(candidate.explains.len());
+            (
+                !candidate.is_supported(),
+                explained,
+                candidate.contradicted.len(),
+            )
+        });
+        let Some(best) = best else {
+            return chosen;
+        };
+        let mut best = candidates.remove(best);
+        let others = candidates.iter().filter(|other| {
+            other.explains == best.explains && other.contradicted == best.contradicted
+        });
+        best.alike = others.map(|other| other.cause).collect();
+        failing.retain(|place| !best.explains.contains(place));
+        chosen.push(best);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn candidate(cause: char, explains: &[usize], contradicted: &[usize]) -> CoverCandidate<char> {
+        CoverCandidate {
+            cause,
+            explains: explains.to_vec(),
+            contradicted: contradicted.to_vec(),
+            alike: Vec::new(),
+        }
+    }
+
+    #[test]
+    fn the_largest_candidate_is_chosen_first_and_then_what_the_rest_needs() {
+        let mut failing = vec![1, 2, 3, 4, 5];
+        let candidates = vec![
+            candidate('a', &[1, 2], &[]),
+            candidate('b', &[1, 2, 3], &[]),
+            candidate('c', &[3, 4], &[]),
+        ];
+        let chosen = cover(candidates, &mut failing);
+        let causes: Vec<char> = chosen.iter().map(|one| one.cause).collect();
+        assert_eq!((causes, failing), (vec!['b', 'c'], vec![5]));
+    }
+
+    #[test]
+    fn contradicted_candidates_are_last_and_equal_ones_are_alike() {
+        let mut failing = vec![1, 2];
+        let candidates = vec![
+            candidate('a', &[1, 2], &[7, 8]),
+            candidate('b', &[1], &[]),
+            candidate('c', &[1], &[]),
+        ];
+        let chosen = cover(candidates, &mut failing);
+        let causes = chosen.into_iter().map(|one| (one.cause, one.alike));
+        assert_eq!(
+            causes.collect::<Vec<_>>(),
+            [('b', vec!['c']), ('a', vec![])]
+        );
+    }
+}

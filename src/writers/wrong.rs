@@ -1,0 +1,105 @@
+//! Wrong files for tests: what a writer with a misreading writes.
+//!
+//! Three rules serve all misreadings; where none makes a file that shows the misreading, there is no such file.
+//!
+//! - *Lost*: the writer writes what a reader with this misreading makes of the right file.
+//! - *Moved*: the writer puts each value where such a reader looks for it.
+//! - *Repaired*: the writer corrects each number by the error of such a reader, until the reader has the right ones.
+
+use crate::misreadings::Misreading;
+use crate::ptm::Ptm;
+use crate::writers::reference::written;
+use crate::writers::request::{RequestHeader, WriteRequest};
+use crate::writers::seen::{SeenFile, edited, explains};
+
+/// The number of repairs: planes may predict each other in a chain.
+const MAX_REPAIRS: usize = 20;
+
+/// The headers from which a repair starts: the right one, and those of a writer who negates biases or divides by scales.
+const STARTS: [fn(&mut RequestHeader); 3] = [
+    |_| (),
+    |header| header.bias = header.bias.map(|bias| -bias),
+    |header| header.scale = header.scale.map(|scale| 1.0 / scale),
+];
+
+/// Returns the file that a writer with this mistake writes, or `None` if no rule makes one.
+#[must_use]
+pub fn miswritten(request: &WriteRequest, mistake: &Misreading) -> Option<Vec<u8>> {
+    let right = written(request).ok()?;
+    let lost = || file(&with_values(request, &seen(request, mistake)?));
+    let repaired = |start: &fn(&mut RequestHeader)| repaired(request, *start, mistake);
+    let is_right = |file: &[u8]| SeenFile::of(file, &[]).is_some_and(|seen| seen.is_right(request));
+    let shows = |file: &Vec<u8>| !is_right(file) && explains(request, &right, file, mistake);
+    let found = edited(&right, mistake).filter(shows);
+    let found = found.or_else(|| lost().filter(shows));
+    let found = found.or_else(|| moved(request, mistake).filter(shows));
+    found.or_else(|| STARTS.iter().filter_map(repaired).find(shows))
+}
+
+/// Returns the reference's file of a request, if there is one.
+fn file(request: &WriteRequest) -> Option<Vec<u8>> {
+    let is_finite = request.header.scale.iter().all(|scale| scale.is_finite());
+    is_finite.then(|| written(request).ok())?
+}
+
+/// Returns what a reader with this mistake makes of the reference's file.
+fn seen(request: &WriteRequest, mistake: &Misreading) -> Option<Ptm> {
+    let map = SeenFile::of(&file(request)?, &[mistake])?.into_effective_map();
+    (map.planes.samples.len() == request.samples.len()).then_some(map)
+}
+
+/// Returns the request with the numbers and the samples of `map`.
+fn with_values(request: &WriteRequest, map: &Ptm) -> WriteRequest {
+    let values = WriteRequest::of(map);
+    let mut other = request.clone();
+    other.samples = values.samples;
+    (other.header.width, other.header.height) = (values.header.width, values.header.height);
+    (other.header.scale, other.header.bias) = (values.header.scale, values.header.bias);
+    other
+}
+
+/// Returns a file with each value where the reader looks for it, if the reader only moves values.
+fn moved(request: &WriteRequest, mistake: &Misreading) -> Option<Vec<u8>> {
+    let count = request.samples.len();
+    let mut other = request.clone();
+    // Three files of addresses, low bytes first, show from where the reader takes each value.
+    let mut from = vec![0; count];
+    for shift in [0, 8, 16] {
+        other.samples = (0..count).map(|i| (i >> shift) as u8).collect();
+        for (from, byte) in from.iter_mut().zip(seen(&other, mistake)?.planes.samples) {
+            *from |= usize::from(byte) << shift;
+        }
+    }
+    for (&from, value) in from.iter().zip(&request.samples) {
+        *other.samples.get_mut(from)? = *value;
+    }
+    file(&other)
+}
+
+/// Returns a file of which the reader has the right numbers, if repairs lead to one.
+fn repaired(
+    request: &WriteRequest,
+    start: fn(&mut RequestHeader),
+    mistake: &Misreading,
+) -> Option<Vec<u8>> {
+    let mut other = request.clone();
+    start(&mut other.header);
+    for _ in 0..MAX_REPAIRS {
+        let map = seen(&other, mistake)?;
+        let values = other.samples.iter_mut().zip(&request.samples);
+        for ((value, wanted), seen) in values.zip(&map.planes.samples) {
+            *value = value.wrapping_add(wanted.wrapping_sub(*seen));
+        }
+        let (header, seen) = (&mut other.header, map.header.scale_bias);
+        for i in 0..6 {
+            header.scale[i] *= request.header.scale[i] / seen.scale[i];
+            let missing = request.header.bias[i] as f64 - seen.bias[i];
+            header.bias[i] = header.bias[i].saturating_add(missing.round() as i64);
+        }
+        let file = file(&other)?;
+        if SeenFile::of(&file, &[mistake]).is_some_and(|seen| seen.is_right(request)) {
+            return Some(file);
+        }
+    }
+    None
+}
