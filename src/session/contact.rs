@@ -24,6 +24,12 @@ pub struct First<C: TestCase = Case> {
 }
 
 /// What is known of a decoder before any case is judged.
+impl<C: TestCase> First<C> {
+    fn is_unsupported(&self) -> bool {
+        matches!(self.reply.answer, Answer::Unsupported)
+    }
+}
+
 #[derive(Clone, Debug)]
 pub struct Contact<C: TestCase = Case> {
     /// What it did with the first files.
@@ -225,6 +231,11 @@ fn offered<C: TestCase>(
             if declared.contains(&view) && promised {
                 remarks.push(Remark::failure(format!(
                     "its capabilities declare the view {view} and {kind}, and it answers 69 (unsupported) to such files in that view"
+            let is_of_kind = |one: &&First<C>| suite.cases[one.case].kind() == kind;
+            let mut of_kind = first.iter().filter(is_of_kind).peekable();
+            if of_kind.peek().is_some() && of_kind.all(First::is_unsupported) {
+                offer.unsupported.push(kind);
+            }
                 )));
             }
             offer.lacking.push((view, kind.clone()));
