@@ -290,7 +290,7 @@ impl<'a, C: Reported> Check<'a, C> {
         self.foretell(pace, soonest.len(), all);
         self.progress.begin("asking the smoke subset:");
         session.ask_some(contact, &soonest, &mut observations, &progress);
-        if !self.plan.stop.load(Ordering::Relaxed) {
+        if !session.is_over() {
             let run = session.so_far(contact, &soonest, &observations);
             let patience = pace.mul_f64(all as f64 / 10.0).max(LEAST_PATIENCE);
             self.tell_first_causes(run, patience);

@@ -1,10 +1,13 @@
-//! What a run makes of answers: the table of outcomes, and features that are not supported.
+//! What a run makes of answers: the table of outcomes, features that are not supported, and hangs.
 
 use std::fs;
 
 use ptm_conform::Reading;
 use ptm_conform::misreadings::answer;
 use ptm_conform::protocol::frame::Answer;
+use ptm_conform::ptm::Format;
+use ptm_conform::report::Report;
+use ptm_conform::report::{html, junit};
 use ptm_conform::runner::run::{Reply, Request};
 use ptm_conform::session::outcome::{Outcome, ResponseKind, outcome};
 use ptm_conform::session::plan::RunPlan;
@@ -28,6 +31,10 @@ fn run(suite: &Suite, plan: &RunPlan, decoder: impl Fn(&Case) -> Option<Answer> 
         Reply::from(decoder(case).unwrap_or_else(|| right(request)))
     };
     check(suite, plan, &ask, &|_, _, _, _| ())
+}
+
+fn hang() -> Answer {
+    Answer::Hung("no end within 10 s".to_owned())
 }
 
 fn cases<'a>(suite: &'a Suite, run: &'a Run, outcome: Outcome) -> impl Iterator<Item = &'a Case> {
@@ -168,5 +175,103 @@ fn unsupported_stays_right_for_refuse_and_lenient_cases_of_supported_features() 
         assert_eq!(passing.count(), of_kind.count(), "{expect:?}");
     }
     assert_eq!(run.exit_status(), 0);
+}
+
+#[test]
+fn hangs_on_files_that_need_not_be_decoded_end_no_run() {
+    let suite = suite();
+    let run = run(&suite, &RunPlan::of(&suite, 3), |case| {
+        (case.expect != Expect::Decode && case.expect != Expect::Spelling).then(hang)
+    });
+    assert_eq!(run.ended_early, None);
+    assert_eq!(run.judgement.with(Outcome::NotRun).count(), 0);
+    let hung = suite
+        .cases
+        .iter()
+        .filter(|case| !matches!(case.expect, Expect::Decode | Expect::Spelling));
+    assert_eq!(run.judgement.with(Outcome::Fail).count(), hung.count());
+}
+
+/// The places of the first legal cases after the first files and the spellings.
+fn some_legal(suite: &Suite) -> Vec<usize> {
+    let cases = suite.cases.iter().enumerate();
+    let legal = cases.filter(|(_, case)| case.expect == Expect::Decode && !case.first);
+    legal.map(|(place, _)| place).skip(40).collect()
+}
+
+#[test]
+fn two_legal_files_in_a_row_that_hang_end_no_run() {
+    let suite = suite();
+    let legal = some_legal(&suite);
+    let hanging = [legal[0], legal[1], legal[3], legal[4]].map(|place| &suite.cases[place].id);
+    let run = run(&suite, &RunPlan::of(&suite, 4), |case| {
+        hanging.contains(&&case.id).then(hang)
+    });
+    assert_eq!(run.ended_early, None);
+    assert_eq!(run.judgement.with(Outcome::Fail).count(), 4);
+}
+
+#[test]
+fn three_legal_files_in_a_row_that_hang_end_a_run_alike_for_any_number_of_jobs() {
+    let suite = suite();
+    let legal = some_legal(&suite);
+    let hanging: Vec<&String> = legal[..3]
+        .iter()
+        .map(|&place| &suite.cases[place].id)
+        .collect();
+    let reports = [1, 4].map(|jobs| {
+        let plan = RunPlan::of(&suite, jobs);
+        let run = run(&suite, &plan, |case| hanging.contains(&&case.id).then(hang));
+        let not_run: Vec<usize> = run.judgement.with(Outcome::NotRun).collect();
+        assert_eq!(
+            not_run,
+            (legal[2] + 1..suite.cases.len()).collect::<Vec<_>>()
+        );
+        assert_eq!(run.exit_status(), 1);
+        let report = Report::of(
+            &suite,
+            &run,
+            &["decoder".to_owned()],
+            vec!["none".to_owned()],
+        );
+        let xml = junit::junit(&report).expect("XML");
+        let page = html::page(&suite, &report, Some(&run)).expect("a page");
+        let text = report.to_text(&suite, 10);
+        for (form, text) in [("text", &text), ("JUnit", &xml), ("HTML", &page)] {
+            let why = "the run ended early: three legal files in a row hung; ";
+            let count = format!("{} cases were not run", not_run.len());
+            assert!(text.contains(&(why.to_owned() + &count)), "{form}: {text}");
+        }
+        report.to_yaml().expect("YAML")
+    });
+    assert_eq!(reports[0], reports[1]);
+}
+
+#[test]
+fn a_program_that_hangs_on_every_file_is_no_decoder_because_it_hangs() {
+    let suite = suite();
+    let run = run(&suite, &RunPlan::of(&suite, 2), |_| Some(hang()));
+    let reason = run.not_a_decoder.expect("it is no decoder");
+    assert!(reason.contains("hang: no end within 10 s"), "{reason}");
+    assert!(
+        reason.ends_with("the run ended early: three legal files in a row hung"),
+        "{reason}"
+    );
+    assert_eq!(run.asked, 3);
+}
+
+#[test]
+fn a_first_file_that_hangs_in_every_view_ends_no_run() {
+    let suite = suite();
+    for format in [Format::Rgb, Format::Lum] {
+        let run = run(&suite, &RunPlan::of(&suite, 2), |case| {
+            (case.first && case.format() == format).then(hang)
+        });
+        assert_eq!(
+            (run.ended_early, run.not_a_decoder),
+            (None, None),
+            "{format}"
+        );
+    }
 }
 
