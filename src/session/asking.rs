@@ -157,6 +157,9 @@ pub(super) fn is_hang<T>(reply: &Reply<T>) -> bool {
 /// What a serving process did instead of answering, where another answered otherwise than by reaching a limit, too.
 pub(super) fn trouble_of_serving<T>(reply: &Reply<T>) -> Option<Nondeterminism> {
     let served = reply.served.as_ref()?;
+    if served.is_of_kind(&reply.answer) {
+        return None;
+    }
     let says = format!(
         "in serve mode{}: {}: {}; asked alone it answers ({})",
         after(reply.after.as_ref()),

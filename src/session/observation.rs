@@ -91,9 +91,7 @@ impl<C: TestCase> Response<C> {
                 };
                 right == other_right && alike
             }
-            (Response::Violation(a), Response::Violation(b)) => {
-                std::mem::discriminant(a) == std::mem::discriminant(b)
-            }
+            (Response::Violation(a), Response::Violation(b)) => a.is_of_kind(b),
             _ => std::mem::discriminant(self) == std::mem::discriminant(other),
         }
     }

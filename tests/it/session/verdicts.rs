@@ -1,4 +1,4 @@
-//! What a run makes of answers: the table of outcomes, features that are not supported, and hangs.
+//! What a run makes of answers: the table of outcomes, features that are not supported, hangs and limits.
 
 use std::fs;
 
@@ -10,7 +10,7 @@ use ptm_conform::report::Report;
 use ptm_conform::report::{html, junit};
 use ptm_conform::runner::run::{Reply, Request};
 use ptm_conform::session::outcome::{Outcome, ResponseKind, outcome};
-use ptm_conform::session::plan::RunPlan;
+use ptm_conform::session::plan::{Repeat, RunPlan};
 use ptm_conform::session::run::{Run, check};
 use ptm_conform::suite::cases::{Case, Expect, Suite};
 
@@ -275,3 +275,34 @@ fn a_first_file_that_hangs_in_every_view_ends_no_run() {
     }
 }
 
+#[test]
+fn which_limit_is_reached_first_is_no_nondeterminism() {
+    let suite = suite();
+    let hoards = |case: &Case| case.expect == Expect::Decode && case.id.starts_with("hand-lrgb");
+    let plan = RunPlan {
+        repeat: Repeat::FailuresAndSample,
+        ..RunPlan::of(&suite, 2)
+    };
+    for served in [false, true] {
+        let ask = |request: &Request<'_>, _: usize| {
+            let out_of_memory = Answer::OutOfMemory("more than 2048 MiB".to_owned());
+            let case = suite.case(request.name).expect("a case of the suite");
+            match hoards(case) {
+                true if request.alone => Reply::from(hang()),
+                true => Reply {
+                    served: served.then(hang),
+                    ..Reply::from(out_of_memory)
+                },
+                false => Reply::from(right(request)),
+            }
+        };
+        let run = check(&suite, &plan, &ask, &|_, _, _, _| ());
+        let mut failing = cases(&suite, &run, Outcome::Fail).peekable();
+        assert!(failing.peek().is_some() && failing.all(hoards));
+        let mut observed = run.observations.iter().flatten();
+        assert!(
+            observed.all(|seen| seen.nondeterminism.is_none()),
+            "{served}"
+        );
+    }
+}
