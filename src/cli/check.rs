@@ -11,7 +11,7 @@ use super::check_args::CheckArgs;
 use super::ending::Ending;
 use super::guard::{Guarded, stop_on_signals, untroubled};
 use super::names::did_you_mean;
-use super::output::jobs;
+use super::output::{jobs, print};
 use super::partial::Partial;
 use super::probe::{in_one_line, kept};
 use super::progress::{self, ProgressLine};
@@ -43,13 +43,24 @@ use ptm_conform::suite::texture::cases::TextureCase;
 
 /// Runs a suite.
 pub fn run(args: &CheckArgs) -> Result<u8, String> {
+    args.refuse_bare_hyphens()?;
     let stop = stop_on_signals()?;
     processes::prepare();
     args.check_outputs()?;
-    match args.suite.as_str() {
+    let is_reference = args.is_of_reference();
+    if is_reference {
+        print("No decoder is given: checking the built-in reference.\n");
+    }
+    let status = match args.suite.as_str() {
         "texture" => check_stage(args, &stop),
         _ => check_decoder(args, &stop),
+    }?;
+    if is_reference {
+        print(
+            "This was the built-in reference. To check a decoder: ptm-conform check ./my-decoder\n",
+        );
     }
+    Ok(status)
 }
 
 /// `check` of a program that reads PTM files.
@@ -290,7 +301,7 @@ impl<'a, C: Reported> Check<'a, C> {
         self.foretell(pace, soonest.len(), all);
         self.progress.begin("asking the smoke subset:");
         session.ask_some(contact, &soonest, &mut observations, &progress);
-        if !self.plan.stop.load(Ordering::Relaxed) {
+        if !session.is_over() {
             let run = session.so_far(contact, &soonest, &observations);
             let patience = pace.mul_f64(all as f64 / 10.0).max(LEAST_PATIENCE);
             self.tell_first_causes(run, patience);

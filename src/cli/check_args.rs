@@ -104,12 +104,32 @@ pub struct CheckArgs {
     /// Failures to print in full; the report has all of them.
     #[arg(long, value_name = "N", default_value_t = 10)]
     pub show: usize,
-    /// The decoder and its arguments; the reference itself if there is none.
+    /// The decoder and its arguments; without one, and without --, the built-in reference is checked.
     #[arg(value_name = "DECODER", trailing_var_arg = true)]
     pub decoder: Vec<OsString>,
 }
 
 impl CheckArgs {
+    /// Returns true if the built-in reference is checked.
+    pub fn is_of_reference(&self) -> bool {
+        self.decoder.is_empty()
+            && self.cmd.is_none()
+            && self.outputs.is_none()
+            && self.caller.is_none()
+    }
+
+    /// Refuses `--` without a decoder, which a variable without a value may leave behind.
+    pub fn refuse_bare_hyphens(&self) -> Result<(), String> {
+        let last = std::env::args_os().next_back();
+        if self.decoder.is_empty() && last.is_some_and(|last| last == "--") {
+            return Err(
+                "check: no decoder follows --; try: ptm-conform check -- python3 decode.py (without -- and a decoder, check runs the built-in reference)"
+                    .to_owned(),
+            );
+        }
+        Ok(())
+    }
+
     /// Refuses before long work what cannot be written, or would be written twice.
     pub fn check_outputs(&self) -> Result<(), String> {
         let report = [self.report.as_path()].into_iter();

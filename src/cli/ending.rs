@@ -4,7 +4,7 @@ use std::path::Path;
 
 use super::files::write_whole;
 use super::known_failures::{self, KnownFailureArgs};
-use super::output::print;
+use super::output::{complain, print};
 use super::renderings::RenderingArgs;
 use super::terminal::show;
 use ptm_conform::report::Report;
@@ -48,6 +48,9 @@ impl Ending<'_> {
         mut report: Report,
     ) -> Result<u8, String> {
         self.write(suite, run, &mut report)?;
+        if let Some(why) = run.ended_early {
+            complain(&format!("ptm-conform: {why}"));
+        }
         show(&self.renderings.printable(report.to_text(suite, self.show)));
         print(&format!("report: {}\n", self.path.display()));
         self.renderings.write(suite, &report, run)?;

@@ -453,13 +453,28 @@ impl<T> Answer<T> {
     }
 }
 
+impl<T> Answer<T> {
+    /// Returns true if both are of one kind. All limits are one kind: which of them is reached first depends on the machine.
+    #[must_use]
+    pub fn is_of_kind(&self, other: &Answer<T>) -> bool {
+        let is_limit = |answer: &Answer<T>| {
+            matches!(
+                answer,
+                Answer::Hung(_) | Answer::Flooded(_) | Answer::OutOfMemory(_)
+            )
+        };
+        is_limit(self) && is_limit(other)
+            || std::mem::discriminant(self) == std::mem::discriminant(other)
+    }
+}
+
 impl Answer {
     /// Whether it is the same in all that a decoder is responsible for: pictures bit for bit, mishaps by their kind.
     #[must_use]
     pub fn is_like(&self, other: &Answer) -> bool {
         match (self, other) {
             (Answer::Decoded(a), Answer::Decoded(b)) => a.is_like(b),
-            _ => std::mem::discriminant(self) == std::mem::discriminant(other),
+            _ => self.is_of_kind(other),
         }
     }
 }

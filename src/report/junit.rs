@@ -1,6 +1,6 @@
 //! The report as `JUnit` XML, for what already reads test results.
 //!
-//! A failed case is a failure and a case that was not run is an error. What is no evidence is skipped: unsupported,
+//! A failed case is a failure and a case that was not run is an error. What fails the run as a whole is a failure, too. What is no evidence is skipped: unsupported,
 //! inconclusive, another dialect, not judged, assumed, a known failure; and a lenient case that was answered in one of its
 //! right ways, because more than one is right.
 
@@ -31,6 +31,14 @@ pub fn junit(report: &Report) -> Result<String, String> {
             .set_message(report.verdict.as_str())
             .set_description(reason);
         let mut case = TestCase::new("first-files", status);
+        case.set_classname("ptm-conform");
+        suite.add_test_case(case);
+    }
+    let failures = report.remarks.iter().filter(|remark| remark.failure);
+    for (number, remark) in (1..).zip(failures) {
+        let mut status = TestCaseStatus::non_success(NonSuccessKind::Failure);
+        status.set_message(remark.says.as_str());
+        let mut case = TestCase::new(format!("whole-run-{number}"), status);
         case.set_classname("ptm-conform");
         suite.add_test_case(case);
     }

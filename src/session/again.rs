@@ -9,7 +9,7 @@ use crate::session::judge::Judgement;
 use crate::session::observation::{Nondeterminism, Observation, Response};
 use crate::session::outcome::Outcome;
 use crate::session::plan::{Repeat, RunPlan, SAMPLE};
-use crate::suite::cases::{Suite, TableSpelling};
+use crate::suite::cases::{Expect, Suite, TableSpelling};
 use crate::suite::test_case::TestCase;
 
 /// Of failures of one kind that look alike, so many are asked again.
@@ -157,11 +157,14 @@ fn is_asked_again<C: TestCase>(
     !is_settled && (judged.outcome == Outcome::Fail || sampled)
 }
 
-/// Whether a case is the first of its kind that is called unsupported.
+/// Returns true if a case is the first legal one of its kind that is called unsupported.
 fn is_first_unsupported<C: TestCase>(suite: &Suite<C>, judgement: &Judgement<C>, i: usize) -> bool {
     let kind = suite.cases[i].kind();
     let mut unsupported = judgement.with(Outcome::Unsupported);
-    unsupported.find(|&place| suite.cases[place].kind() == kind) == Some(i)
+    unsupported.find(|&place| {
+        let case = &suite.cases[place];
+        case.kind() == kind && case.expect() == Expect::Decode
+    }) == Some(i)
 }
 
 impl<C: TestCase> Repeated<C> {

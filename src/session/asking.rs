@@ -61,11 +61,9 @@ impl<C: TestCase> Asking<'_, C> {
     ) -> (Observation<C>, ReplyTo<C>) {
         let timeout_factor = self.tally.call();
         let (observation, reply) = self.request(case, view, table, worker, timeout_factor, false);
-        let is_hang = |answer: &Answer<C::Output>| matches!(answer, Answer::Hung(_));
-        self.tally.count(
-            reply.answer.violation().is_some() || reply.served.is_some(),
-            is_hang(&reply.answer) || reply.served.as_ref().is_some_and(is_hang),
-        );
+        if is_violation(&reply) {
+            self.tally.count_violation();
+        }
         (observation, reply)
     }
 
@@ -145,9 +143,23 @@ fn picture<C: TestCase>(comparison: Comparison<C>, output: &C::Output) -> Respon
     }
 }
 
-/// What a serving process did instead of answering, where another answered.
+/// Returns true if a call ended in neither a frame nor a refusal.
+pub(super) fn is_violation<T>(reply: &Reply<T>) -> bool {
+    reply.answer.violation().is_some() || reply.served.is_some()
+}
+
+/// Returns true if a call did not end within its time, whether or not a process of its own answered then.
+pub(super) fn is_hang<T>(reply: &Reply<T>) -> bool {
+    let mut answers = reply.served.iter().chain([&reply.answer]);
+    answers.any(|answer| matches!(answer, Answer::Hung(_)))
+}
+
+/// What a serving process did instead of answering, where another answered otherwise than by reaching a limit, too.
 pub(super) fn trouble_of_serving<T>(reply: &Reply<T>) -> Option<Nondeterminism> {
     let served = reply.served.as_ref()?;
+    if served.is_of_kind(&reply.answer) {
+        return None;
+    }
     let says = format!(
         "in serve mode{}: {}: {}; asked alone it answers ({})",
         after(reply.after.as_ref()),

@@ -3,12 +3,13 @@
 use std::sync::Mutex;
 
 use crate::protocol::frame::Answer;
-use crate::session::asking::{Asking, ReplyTo, side_by_side, trouble_of_serving};
+use crate::session::asking::{Asking, ReplyTo, is_hang, side_by_side, trouble_of_serving};
 use crate::session::observation::Response;
 use crate::session::offer::Offer;
 use crate::session::plan::{Repeat, RunPlan};
 use crate::session::remark::Remark;
 use crate::session::spelling::{likely_spelling, table_spelling};
+use crate::session::tally::HangWatch;
 use crate::suite::cases::{Case, Expect, Suite, TableSpelling};
 use crate::suite::test_case::TestCase;
 
@@ -21,6 +22,12 @@ pub struct First<C: TestCase = Case> {
     pub view: C::View,
     /// What came.
     pub reply: ReplyTo<C>,
+}
+
+impl<C: TestCase> First<C> {
+    fn is_unsupported(&self) -> bool {
+        matches!(self.reply.answer, Answer::Unsupported)
+    }
 }
 
 /// What is known of a decoder before any case is judged.
@@ -68,6 +75,10 @@ pub(super) fn first_contact<C: TestCase>(
     if contact.first.is_empty() {
         contact.offer.views.clone_from(&plan.views);
     }
+    if asking.is_over() {
+        contact.not_a_decoder = no_decoder(&contact.first);
+        return contact;
+    }
     // A decoder of tables only may refuse all first files because it knows another spelling of the count.
     let answers = contact.first.is_empty()
         || (contact.first.iter())
@@ -85,7 +96,7 @@ pub(super) fn first_contact<C: TestCase>(
 }
 
 /// The first files in every view that may be asked for: one after the other until one is decoded, then as many at a time as
-/// there are jobs. A serving process gets them all in order.
+/// there are jobs. A serving process gets them all in order. A file that hangs in one view is asked in the others last.
 fn first_files<C: TestCase>(
     suite: &Suite<C>,
     plan: &RunPlan<C>,
@@ -97,30 +108,36 @@ fn first_files<C: TestCase>(
     let work: Vec<(usize, &C::View)> = in_views
         .filter(|(_, view)| plan.may_ask(C::view_name(view)))
         .collect();
-    let ask = |&(case, view): &(usize, &C::View), worker| First {
-        case,
-        view: view.clone(),
-        reply: (asking.observe(&suite.cases[case], view, TableSpelling::default(), worker)).1,
+    let mut cases: Vec<usize> = work.iter().map(|&(case, _)| case).collect();
+    cases.dedup();
+    let watch = HangWatch::new(cases);
+    let ask = |(case, view): (usize, &C::View), worker| {
+        let (_, reply) = asking.observe(&suite.cases[case], view, TableSpelling::default(), worker);
+        watch.note(case, is_hang(&reply), &asking.tally);
+        let view = view.clone();
+        First { case, view, reply }
     };
-    let mut replies = Vec::new();
-    let mut left = work.iter();
-    for one in left.by_ref() {
-        let first = ask(one, 0);
-        let answer = &first.reply.answer;
-        let hopeless = matches!(answer, Answer::NotStarted(_)) || asking.is_over();
-        let decoded = matches!(answer, Answer::Decoded(_));
+    let in_order = plan.repeat == Repeat::FailuresAndSample;
+    let mut replies: Vec<First<C>> = Vec::new();
+    let mut left = Vec::new();
+    let mut decoded = false;
+    for (case, view) in work {
+        let hung = |first: &First<C>| first.case == case && is_hang(&first.reply);
+        if decoded && !in_order || replies.last().is_some_and(hung) {
+            left.push((case, view));
+            continue;
+        }
+        let first = ask((case, view), 0);
+        let hopeless = matches!(first.reply.answer, Answer::NotStarted(_)) || asking.is_over();
+        decoded |= matches!(first.reply.answer, Answer::Decoded(_));
         replies.push(first);
         if hopeless {
             return replies;
         }
-        if decoded && plan.repeat != Repeat::FailuresAndSample {
-            break;
-        }
     }
-    let left = left.as_slice();
     let others: Mutex<Vec<Option<First<C>>>> = Mutex::new(left.iter().map(|_| None).collect());
     side_by_side(plan, left.len(), |place, worker| {
-        let first = ask(&left[place], worker);
+        let first = ask(left[place], worker);
         others.lock().expect("no worker panics")[place] = Some(first);
         !asking.is_over()
     });
@@ -214,6 +231,11 @@ fn offered<C: TestCase>(
     for kind in kinds(suite) {
         let has = |view: &&str| answered(suite, first, view, Some(&kind));
         if !offer.views.iter().any(has) {
+            let is_of_kind = |one: &&First<C>| suite.cases[one.case].kind() == kind;
+            let mut of_kind = first.iter().filter(is_of_kind).peekable();
+            if of_kind.peek().is_some() && of_kind.all(First::is_unsupported) {
+                offer.unsupported.push(kind);
+            }
             continue;
         }
         for view in offer.views.clone() {

@@ -1,15 +1,15 @@
 //! From observations to verdicts.
 //!
-//! What an observation means depends on others: of a file that must be refused nothing follows where its accepted twin was
-//! not decoded; "unsupported" is honest only of a whole feature; a reading of an open question must be the same everywhere.
-//! All of that is decided here, from observations alone.
+//! [`outcome`] is the table. Some of its rows depend on other observations: whether the accepted twin of a malformed file was
+//! decoded, whether a feature is supported, which reading of an open question the decoder follows. Those facts are
+//! gathered here, from observations alone.
 
 use std::collections::{BTreeMap, BTreeSet};
 
 use crate::session::dialect::{Certainty, dialect_of};
 use crate::session::observation::{Observation, Response};
-use crate::session::offer::{Offer, is_always_unsupported};
-use crate::session::outcome::{Judged, Outcome};
+use crate::session::offer::Offer;
+use crate::session::outcome::{Judged, Outcome, ResponseKind, outcome};
 use crate::suite::cases::{Case, Expect, Suite};
 use crate::suite::dialect::{Dialect, Right};
 use crate::suite::test_case::TestCase;
@@ -73,7 +73,7 @@ pub fn judge<C: TestCase>(
             unsupported: &unsupported,
             spelling_known,
         };
-        let (outcome, says) = evidence.honest(offer);
+        let (outcome, says) = evidence.verdict(offer);
         Judged { outcome, says }
     };
     Judgement {
@@ -108,54 +108,67 @@ fn fail(says: impl Into<String>) -> Verdict {
 const PASS: Verdict = (Outcome::Pass, String::new());
 
 impl<C: TestCase> Evidence<'_, C> {
-    /// The verdict, with "unsupported" compared with what is offered.
-    fn honest(&self, offer: &Offer<C>) -> Verdict {
+    /// Returns the outcome and the reason: the table's, but for the exceptions that the README lists below it.
+    fn verdict(&self, offer: &Offer<C>) -> Verdict {
         let (case, observation) = (self.case, self.observation);
+        let expect = case.expect();
+        if let Some(how) = &observation.nondeterminism {
+            return fail(&*how.says);
+        }
         if offer.is_broken_by(case, observation, self.unsupported) {
             let kind = case.kind();
-            fail(format!(
+            return fail(format!(
                 "its capabilities declare {kind}, and it answers 69 (unsupported) and decodes no such file"
-            ))
-        } else if is_always_unsupported(case, observation)
-            && offer.lacks(&observation.view, &case.kind())
-        {
-            (Outcome::Unsupported, String::new())
-        } else {
-            self.verdict()
+            ));
         }
-    }
-
-    fn verdict(&self) -> Verdict {
-        if let Some(how) = &self.observation.nondeterminism {
-            return fail(&*how.says);
+        let outcome = outcome(expect, self.is_supported(offer), self.response_kind());
+        if outcome == Outcome::Unsupported {
+            return (outcome, String::new());
         }
         if let Some(says) = self.stands_on_nothing() {
             return (Outcome::Inconclusive, says);
         }
-        match (&self.observation.response, self.case.expect()) {
-            (Response::Violation(answer), _) => {
+        match &observation.response {
+            _ if outcome == Outcome::Pass => PASS,
+            Response::Violation(answer) => {
                 let what = answer.violation().unwrap_or_default();
                 fail(format!("{}: {what}", answer.name()))
             }
-            (Response::Rejected, expect) => self.of_refusal(expect),
-            (Response::Unsupported, expect) => self.of_unsupported(expect),
-            (
-                Response::Picture {
-                    right,
-                    difference,
-                    frame,
-                    ..
-                },
-                expect,
-            ) => {
-                if C::CHOICES.is_right(right, self.dialect) {
-                    return PASS;
-                }
+            Response::Rejected => (outcome, self.refusal_in_words()),
+            Response::Unsupported if expect == Expect::Reject => {
+                fail("answered 69 (unsupported) to a malformed file of a kind it decodes")
+            }
+            Response::Unsupported => fail(C::NOT_UNSUPPORTED),
+            Response::Picture {
+                right,
+                difference,
+                frame,
+                ..
+            } => {
                 let own = self.difference_in_own_dialect(frame.as_ref());
                 let differs = own.as_ref().or(difference.as_ref());
                 let differs = differs.map(ToString::to_string).unwrap_or_default();
-                self.of_wrong_picture(expect, right, differs)
+                self.of_wrong_picture(right, differs)
             }
+        }
+    }
+
+    /// Returns true if the decoder supports every feature that the case needs, and the view of such files.
+    fn is_supported(&self, offer: &Offer<C>) -> bool {
+        let view = &self.observation.view;
+        let features = self.case.features(view);
+        features.is_disjoint(self.unsupported) && !offer.lacks(view, &self.case.kind())
+    }
+
+    fn response_kind(&self) -> ResponseKind {
+        match &self.observation.response {
+            Response::Picture { .. } if is_right(self.observation, self.dialect) => {
+                ResponseKind::Expected
+            }
+            Response::Picture { .. } => ResponseKind::Different,
+            Response::Rejected => ResponseKind::Rejected,
+            Response::Unsupported => ResponseKind::Unsupported,
+            Response::Violation(_) => ResponseKind::Violation,
         }
     }
 
@@ -186,47 +199,25 @@ impl<C: TestCase> Evidence<'_, C> {
         }
     }
 
-    fn of_refusal(&self, expect: Expect) -> Verdict {
-        let expected = self.case.expected_in_words();
-        match (expect, expected) {
-            (Expect::Decode, Some(expected)) => {
-                fail(format!("expected {expected}, received a refusal"))
-            }
-            (Expect::Decode, None) => fail("refused a legal file"),
-            (Expect::ImplementationDefined, expected) => (
-                Outcome::ImplementationDefined,
-                format!(
-                    "the reference answers {}; received a refusal",
-                    expected.unwrap_or_default()
-                ),
+    /// Says what was expected instead of a refusal.
+    fn refusal_in_words(&self) -> String {
+        match (self.case.expect(), self.case.expected_in_words()) {
+            (Expect::ImplementationDefined, expected) => format!(
+                "the reference answers {}; received a refusal",
+                expected.unwrap_or_default()
             ),
-            _ => PASS,
+            (_, Some(expected)) => format!("expected {expected}, received a refusal"),
+            (_, None) => "refused a legal file".to_owned(),
         }
     }
 
-    fn of_unsupported(&self, expect: Expect) -> Verdict {
-        match expect {
-            Expect::Refuse | Expect::Lenient | Expect::Spelling => PASS,
-            Expect::Reject => {
-                fail("answered 69 (unsupported) to a malformed file of a kind it decodes")
-            }
-            Expect::Decode | Expect::ImplementationDefined => {
-                let features = self.case.features(&self.observation.view);
-                match features.is_disjoint(self.unsupported) {
-                    true => fail(C::NOT_UNSUPPORTED),
-                    false => (Outcome::Unsupported, String::new()),
-                }
-            }
-        }
-    }
-
-    fn of_wrong_picture(&self, expect: Expect, right: &Right, differs: String) -> Verdict {
+    fn of_wrong_picture(&self, right: &Right, differs: String) -> Verdict {
         let is_right = |twin: &Observation<C>| is_right(twin, self.dialect);
         let twin_is_wrong = || {
             let mut twins = self.twins.iter();
             !self.twins.is_empty() && !twins.any(|(_, twin)| twin.is_some_and(is_right))
         };
-        match (expect, right) {
+        match (self.case.expect(), right) {
             (Expect::Reject | Expect::Refuse, _) => {
                 fail(format!("{}: {}", C::ACCEPTED, self.case.fault()))
             }
@@ -290,11 +281,19 @@ fn features<C: TestCase>(
     let mut asked: BTreeMap<C::Feature, (usize, usize)> = BTreeMap::new();
     let mut decoded = BTreeSet::new();
     for (case, observation) in suite.cases.iter().zip(observations) {
-        let (Some(observation), Expect::Decode | Expect::ImplementationDefined) =
-            (observation, case.expect())
-        else {
+        let Some(observation) = observation else {
             continue;
         };
+        // A first file of its kind was answered 69, whether or not it is selected.
+        if offer.unsupported.contains(&case.kind()) {
+            asked.entry(case.kind()).or_insert((1, 1));
+        }
+        if !matches!(
+            case.expect(),
+            Expect::Decode | Expect::ImplementationDefined
+        ) {
+            continue;
+        }
         let unsupported = matches!(observation.response, Response::Unsupported);
         for feature in case.features(&observation.view) {
             // That it lacks this view of this kind says nothing of the kind.

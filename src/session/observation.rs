@@ -23,6 +23,11 @@ pub struct Observation<C: TestCase = Case> {
 }
 
 impl<C: TestCase> Observation<C> {
+    /// Returns true if the call ended in neither a frame nor a refusal, or a serving process did not answer.
+    pub(super) fn is_violation(&self) -> bool {
+        matches!(self.response, Response::Violation(_)) || self.nondeterminism.is_some()
+    }
+
     /// Whether it will fail, whatever else is seen: a difference between answers apart.
     #[must_use]
     pub fn is_wrong_for(&self, case: &C) -> bool {
@@ -86,9 +91,7 @@ impl<C: TestCase> Response<C> {
                 };
                 right == other_right && alike
             }
-            (Response::Violation(a), Response::Violation(b)) => {
-                std::mem::discriminant(a) == std::mem::discriminant(b)
-            }
+            (Response::Violation(a), Response::Violation(b)) => a.is_of_kind(b),
             _ => std::mem::discriminant(self) == std::mem::discriminant(other),
         }
     }

@@ -13,6 +13,8 @@ pub struct Offer<C: TestCase = Case> {
     pub views: Vec<&'static str>,
     /// Views that it lacks of a kind of case which it shows in others.
     pub lacking: Vec<(&'static str, C::Feature)>,
+    /// The kinds of case of which it answered 69 to every first file in every view.
+    pub unsupported: Vec<C::Feature>,
     /// The kinds of case that it declares to read.
     pub declared: Vec<C::Feature>,
 }
@@ -22,6 +24,7 @@ impl<C: TestCase> Default for Offer<C> {
         Offer {
             views: Vec::new(),
             lacking: Vec::new(),
+            unsupported: Vec::new(),
             declared: Vec::new(),
         }
     }
@@ -48,7 +51,8 @@ impl<C: TestCase> Offer<C> {
             .or_else(|| views.next())
     }
 
-    /// Whether it was answered 69 as every case of a kind is that the decoder declares to read.
+    /// Returns true if the decoder declares this kind of case, supports none of it, and answered 69 to this legal one each
+    /// time.
     #[must_use]
     pub fn is_broken_by(
         &self,
@@ -56,15 +60,10 @@ impl<C: TestCase> Offer<C> {
         observation: &Observation<C>,
         unsupported: &BTreeSet<C::Feature>,
     ) -> bool {
-        is_always_unsupported(case, observation)
+        matches!(observation.response, Response::Unsupported)
+            && case.expect() == Expect::Decode
+            && observation.nondeterminism.is_none()
             && self.declared.contains(&case.kind())
             && unsupported.contains(&case.kind())
     }
-}
-
-/// Whether a legal file was answered 69, each time it was asked for.
-pub(super) fn is_always_unsupported<C: TestCase>(case: &C, observation: &Observation<C>) -> bool {
-    matches!(observation.response, Response::Unsupported)
-        && case.expect() == Expect::Decode
-        && observation.nondeterminism.is_none()
 }

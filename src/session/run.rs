@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex};
 
 use crate::session::again::ask_again;
-use crate::session::asking::{Ask, Asking, Counting, Undo, side_by_side};
+use crate::session::asking::{Ask, Asking, Counting, Undo, is_hang, side_by_side};
 use crate::session::contact::{Contact, First, first_contact};
 use crate::session::judge::{Judgement, judge};
 use crate::session::lit_scene::LitScene;
@@ -15,7 +15,7 @@ use crate::session::outcome::Outcome;
 use crate::session::plan::RunPlan;
 use crate::session::remark::Remark;
 use crate::session::scores::{Fraction, Scores};
-use crate::session::tally::Tally;
+use crate::session::tally::{HangWatch, Tally};
 use crate::suite::cases::{Case, Expect, Suite, TableSpelling};
 use crate::suite::test_case::TestCase;
 
@@ -123,11 +123,14 @@ impl<'a, C: TestCase> Session<'a, C> {
     }
 
     /// Asks some cases once, each in the first of its views that is offered.
+    ///
+    /// Where the run ends because of hangs, what was asked side by side after the last of them is forgotten, so that the
+    /// number of jobs makes no difference.
     pub fn ask_some(
         &self,
         contact: &Contact<C>,
         places: &[usize],
-        observations: &mut Vec<Option<Observation<C>>>,
+        observations: &mut [Option<Observation<C>>],
         progress: &Progress<C>,
     ) {
         let Session {
@@ -135,24 +138,39 @@ impl<'a, C: TestCase> Session<'a, C> {
             plan,
             asking,
         } = self;
+        if asking.is_over() {
+            return;
+        }
+        let is_legal = |&place: &usize| suite.cases[places[place]].expect() == Expect::Decode;
+        let watch = HangWatch::new((0..places.len()).filter(is_legal).collect());
         let done = AtomicUsize::new(0);
-        let made = Mutex::new(std::mem::take(observations));
+        let made = Mutex::new(observations);
         side_by_side(plan, places.len(), |place, worker| {
             let i = places[place];
             let case = &suite.cases[i];
             let Some(view) = contact.offer.chosen_view(case) else {
                 return true;
             };
-            let (observation, _) = asking.observe(case, view, contact.table, worker);
+            if watch.is_over_at(place) || plan.stop.load(Ordering::Relaxed) {
+                return false;
+            }
+            let (observation, reply) = asking.observe(case, view, contact.table, worker);
             if plan.stop.load(Ordering::Relaxed) {
                 return false;
             }
             let done = done.fetch_add(1, Ordering::Relaxed) + 1;
             progress(case, &observation, done, places.len());
             made.lock().expect("no worker panics")[i] = Some(observation);
-            !asking.is_over()
+            watch.note(place, is_hang(&reply), &asking.tally);
+            true
         });
-        *observations = made.into_inner().expect("no worker panics");
+        let observations = made.into_inner().expect("no worker panics");
+        let Some(last) = watch.last() else { return };
+        for &i in &places[last + 1..] {
+            if let Some(observation) = observations[i].take() {
+                asking.tally.forget(observation.is_violation());
+            }
+        }
     }
 
     /// Asks every case that is on the agenda.
@@ -167,6 +185,12 @@ impl<'a, C: TestCase> Session<'a, C> {
         let all = [soonest, others].concat();
         self.ask_some(contact, &all, &mut observations, progress);
         observations
+    }
+
+    /// Returns true if nothing more is to be asked.
+    #[must_use]
+    pub fn is_over(&self) -> bool {
+        self.asking.is_over()
     }
 
     /// How many requests were sent so far.
@@ -223,9 +247,10 @@ impl<'a, C: TestCase> Session<'a, C> {
             None => &plan.selected,
         };
         let mut judgement = judge(suite, selected, &observations, &contact.offer);
+        let why_over = asking.tally.why_over();
         let ended_early = match contact.not_a_decoder {
-            Some(_) => None,
-            None => contact.ends.or_else(|| asking.tally.why_over()),
+            Some(_) => why_over,
+            None => contact.ends.or(why_over),
         };
         let table = contact.table;
         if ended_early.is_none()
@@ -260,6 +285,7 @@ impl<'a, C: TestCase> Session<'a, C> {
             stop: Arc::clone(&plan.stop),
         };
         run.explain_what_was_not_run(suite, &plan.withheld_in(suite, table));
+        run.state_why_it_ended_early();
         run
     }
 }
@@ -294,6 +320,22 @@ impl<C: TestCase> Run<C> {
                 judged.says = self.ended_early.map(str::to_owned).unwrap_or_default();
             }
         }
+    }
+
+    /// Says why the run ended early where every form of the report shows it: in the reason why the program is no decoder, or
+    /// else in a remark.
+    fn state_why_it_ended_early(&mut self) {
+        let Some(why) = self.ended_early else { return };
+        if let Some(reason) = &mut self.not_a_decoder {
+            *reason = format!("{reason}\n{why}");
+            return;
+        }
+        let not_run = self.judgement.with(Outcome::NotRun).count();
+        let says = format!(
+            "{why}; {not_run} cases were not run, after {} requests",
+            self.asked
+        );
+        self.remarks.push(Remark::failure(says));
     }
 
     /// The scores of this run.

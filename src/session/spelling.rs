@@ -1,5 +1,6 @@
 //! Which spelling of a table's count the decoder knows.
 
+use crate::protocol::frame::Answer;
 use crate::session::asking::Asking;
 use crate::session::observation::Response;
 use crate::session::offer::Offer;
@@ -48,7 +49,7 @@ pub(super) fn likely_spelling<C: TestCase>(
     probes.truncate(PROBES);
     let mut scores: Vec<(f64, TableSpelling)> = Vec::new();
     for table in TableSpelling::all() {
-        let (mut score, mut unsupported) = (0.0, 0);
+        let (mut score, mut silent) = (0.0, 0);
         for case in &probes {
             let Some(view) = offer.chosen_view(case) else {
                 continue;
@@ -58,8 +59,8 @@ pub(super) fn likely_spelling<C: TestCase>(
                 return None;
             }
             score += match observation.response {
-                Response::Unsupported => {
-                    unsupported += 1;
+                Response::Unsupported | Response::Violation(Answer::Hung(_)) => {
+                    silent += 1;
                     0.0
                 }
                 // A wrong picture tells more of the spelling than none: its values may be wrong for another reason.
@@ -69,7 +70,7 @@ pub(super) fn likely_spelling<C: TestCase>(
                 _ => 0.0,
             };
         }
-        if unsupported == probes.len() {
+        if silent == probes.len() {
             return None;
         }
         scores.push((score, table));

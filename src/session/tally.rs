@@ -1,16 +1,17 @@
 //! What a run counts while it goes on, and why it should not go on.
 
+use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
-/// So many hangs in a row end a run.
-const HANGS: usize = 3;
+/// Number of legal files in a row that have to hang for a run to end.
+const HANGS_THAT_END_A_RUN: usize = 3;
 
 /// Calls so far.
 pub(super) struct Tally<'a> {
     calls: AtomicUsize,
     violation: AtomicUsize,
-    /// Hangs in a row.
-    hangs: AtomicUsize,
+    /// Whether too many legal files in a row hung.
+    hung: AtomicBool,
     stop: &'a AtomicBool,
 }
 
@@ -20,7 +21,7 @@ impl<'a> Tally<'a> {
         Tally {
             calls: AtomicUsize::new(0),
             violation: AtomicUsize::new(0),
-            hangs: AtomicUsize::new(0),
+            hung: AtomicBool::new(false),
             stop,
         }
     }
@@ -33,24 +34,29 @@ impl<'a> Tally<'a> {
         }
     }
 
-    /// Counts how a call ended.
-    pub fn count(&self, violation: bool, hang: bool) {
-        if violation {
-            self.violation.fetch_add(1, Ordering::Relaxed);
-        }
-        if hang {
-            self.hangs.fetch_add(1, Ordering::Relaxed);
-        } else if self.why_over().is_none() {
-            self.hangs.store(0, Ordering::Relaxed);
-        }
+    /// Counts a call that ended in neither a frame nor a refusal.
+    pub fn count_violation(&self) {
+        self.violation.fetch_add(1, Ordering::Relaxed);
+    }
+
+    /// Takes a call back.
+    pub fn forget(&self, violation: bool) {
+        self.calls.fetch_sub(1, Ordering::Relaxed);
+        self.violation
+            .fetch_sub(usize::from(violation), Ordering::Relaxed);
+    }
+
+    /// Ends the run because of hangs.
+    fn end(&self) {
+        self.hung.store(true, Ordering::Relaxed);
     }
 
     /// Why the run should not go on, if it should not.
     pub fn why_over(&self) -> Option<&'static str> {
         if self.stop.load(Ordering::Relaxed) {
             Some("the run was ended by its user")
-        } else if self.hangs.load(Ordering::Relaxed) >= HANGS {
-            Some("the run ended after three hangs in a row")
+        } else if self.hung.load(Ordering::Relaxed) {
+            Some("the run ended early: three legal files in a row hung")
         } else {
             None
         }
@@ -61,5 +67,101 @@ impl<'a> Tally<'a> {
         let [calls, violation] =
             [&self.calls, &self.violation].map(|count| count.load(Ordering::Relaxed));
         (calls, violation)
+    }
+}
+
+/// Files that are asked one after the other or side by side, as far as they matter to the end of a run.
+pub(super) struct HangWatch {
+    /// The places of the legal files, in order.
+    legal: Vec<usize>,
+    /// Whether each of them hung, every time so far; nothing where it has not been answered.
+    hung: Mutex<Vec<Option<bool>>>,
+    /// The place of the last file that is asked.
+    last: AtomicUsize,
+}
+
+impl HangWatch {
+    /// Watches the files at these places, in ascending order.
+    pub fn new(legal: Vec<usize>) -> HangWatch {
+        HangWatch {
+            hung: Mutex::new(vec![None; legal.len()]),
+            legal,
+            last: AtomicUsize::new(usize::MAX),
+        }
+    }
+
+    /// Notes an answer, and ends the run where three legal files in a row hung: next to each other in order, whenever they
+    /// were answered.
+    pub fn note(&self, place: usize, is_hang: bool, tally: &Tally) {
+        let Ok(rank) = self.legal.binary_search(&place) else {
+            return;
+        };
+        let mut hung = self.hung.lock().expect("no worker panics");
+        hung[rank] = Some(is_hang && hung[rank] != Some(false));
+        let near = rank.saturating_sub(HANGS_THAT_END_A_RUN - 1);
+        let rows = hung[near..].windows(HANGS_THAT_END_A_RUN);
+        let mut rows = rows.take(HANGS_THAT_END_A_RUN);
+        if let Some(row) = rows.position(|row| row.iter().all(|hung| *hung == Some(true))) {
+            let last = self.legal[near + row + HANGS_THAT_END_A_RUN - 1];
+            self.last.fetch_min(last, Ordering::Relaxed);
+            tally.end();
+        }
+    }
+
+    /// The place of the last file that is asked; none if the run is not to end.
+    pub fn last(&self) -> Option<usize> {
+        Some(self.last.load(Ordering::Relaxed)).filter(|&last| last < usize::MAX)
+    }
+
+    /// Returns true if no file at this place is asked any more.
+    pub fn is_over_at(&self, place: usize) -> bool {
+        place > self.last.load(Ordering::Relaxed)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Where a run ends in which the files at `hanging` hang, answered in this order, of files of which those at even places
+    /// are legal.
+    fn end(answered: impl IntoIterator<Item = usize>, hanging: &[usize]) -> Option<usize> {
+        let stop = AtomicBool::new(false);
+        let tally = Tally::new(&stop);
+        let watch = HangWatch::new((0..20).step_by(2).collect());
+        for place in answered {
+            watch.note(place, hanging.contains(&place), &tally);
+        }
+        assert_eq!(tally.why_over().is_some(), watch.last().is_some());
+        watch.last()
+    }
+
+    #[test]
+    fn three_legal_files_in_a_row_that_hang_end_a_run_in_whatever_order_they_are_answered() {
+        assert_eq!(end(0..20, &[4, 6, 8]), Some(8));
+        assert_eq!(end((0..20).rev(), &[4, 6, 8]), Some(8));
+        assert_eq!(end(0..20, &[14, 16, 18]), Some(18));
+        assert_eq!(end([8, 0, 4, 2, 6], &[4, 6, 8]), Some(8));
+        assert_eq!(end((0..20).rev(), &[4, 6, 8, 10, 12, 14]), Some(8));
+    }
+
+    #[test]
+    fn other_hangs_do_not_end_a_run() {
+        assert_eq!(end(0..20, &[4, 6, 10, 12, 16, 18]), None);
+        assert_eq!(end([4, 6, 10, 8], &[4, 6, 10]), None);
+        let malformed: Vec<usize> = (1..20).step_by(2).collect();
+        assert_eq!(end(0..20, &malformed), None);
+    }
+
+    #[test]
+    fn a_file_that_is_answered_in_another_view_does_not_hang() {
+        assert_eq!(end([0, 2, 2, 4], &[0, 2, 4]), Some(4));
+        let stop = AtomicBool::new(false);
+        let tally = Tally::new(&stop);
+        let watch = HangWatch::new(vec![0, 1, 2]);
+        for (place, is_hang) in [(0, true), (1, true), (1, false), (1, true), (2, true)] {
+            watch.note(place, is_hang, &tally);
+        }
+        assert_eq!(watch.last(), None);
     }
 }

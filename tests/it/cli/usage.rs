@@ -70,6 +70,63 @@ fn wrong_usage_is_2() {
 }
 
 #[test]
+fn a_check_without_a_decoder_says_first_and_last_that_it_checks_the_reference() {
+    let scratch = tempfile::tempdir().expect("a scratch directory");
+    for suite in ["ptm", "texture"] {
+        let output = program()
+            .current_dir(scratch.path())
+            .args([
+                "check", "--quiet", "--suite", suite, "--case", "*lum*", "--case", "DEP-01",
+            ])
+            .output()
+            .expect("the program starts");
+        let said = String::from_utf8_lossy(&output.stdout).into_owned();
+        let lines: Vec<&str> = said.lines().collect();
+        for line in [lines[0], lines[lines.len() - 1]] {
+            assert!(line.contains("built-in reference"), "{suite}: {said}");
+        }
+    }
+    let checked = check_with(&["--case", "hand-lum"], &[&crate::common::zoo(), "right"]);
+    assert!(!checked.text.contains("reference"), "{}", checked.text);
+}
+
+#[test]
+fn two_hyphens_without_a_decoder_are_wrong_usage() {
+    for args in [&["check", "--"][..], &["check", "--case", "hand-lum", "--"]] {
+        let output = run(args);
+        assert_eq!(output.status.code(), Some(2), "{}", text(&output));
+        assert!(
+            text(&output).contains("ptm-conform check -- python3 decode.py"),
+            "{}",
+            text(&output)
+        );
+    }
+}
+
+#[test]
+fn a_run_that_ends_early_says_why_on_standard_error() {
+    let scratch = tempfile::tempdir().expect("a scratch directory");
+    let output = program()
+        .current_dir(scratch.path())
+        .args([
+            "check",
+            "--quiet",
+            "--timeout",
+            "0.3",
+            "--",
+            &crate::common::zoo(),
+            "hangs",
+        ])
+        .output()
+        .expect("the program starts");
+    let why = "the run ended early: three legal files in a row hung";
+    for said in [output.stdout, output.stderr] {
+        let said = String::from_utf8_lossy(&said);
+        assert!(said.contains(why), "{said}");
+    }
+}
+
+#[test]
 fn nothing_selected_is_5() {
     assert_eq!(
         run(&["check", "--case", "no-such-case"]).status.code(),

@@ -15,3 +15,6 @@ mod outputs;
 
 #[cfg(all(unix, feature = "cli"))]
 mod probe;
+
+#[cfg(all(unix, feature = "cli"))]
+mod verdicts;

@@ -1,0 +1,308 @@
+//! What a run makes of answers: the table of outcomes, features that are not supported, hangs and limits.
+
+use std::fs;
+
+use ptm_conform::Reading;
+use ptm_conform::misreadings::answer;
+use ptm_conform::protocol::frame::Answer;
+use ptm_conform::ptm::Format;
+use ptm_conform::report::Report;
+use ptm_conform::report::{html, junit};
+use ptm_conform::runner::run::{Reply, Request};
+use ptm_conform::session::outcome::{Outcome, ResponseKind, outcome};
+use ptm_conform::session::plan::{Repeat, RunPlan};
+use ptm_conform::session::run::{Run, check};
+use ptm_conform::suite::cases::{Case, Expect, Suite};
+
+use crate::common::repository;
+
+fn suite() -> Suite {
+    Suite::load().expect("the suite loads")
+}
+
+fn right(request: &Request) -> Answer {
+    answer(&[], Reading::SPEC, request.file, request.view)
+}
+
+/// A run against a decoder whose answers depend on the case; nothing is said where it answers rightly.
+fn run(suite: &Suite, plan: &RunPlan, decoder: impl Fn(&Case) -> Option<Answer> + Sync) -> Run {
+    let ask = |request: &Request<'_>, _: usize| {
+        let case = suite.case(request.name).expect("a case of the suite");
+        Reply::from(decoder(case).unwrap_or_else(|| right(request)))
+    };
+    check(suite, plan, &ask, &|_, _, _, _| ())
+}
+
+fn hang() -> Answer {
+    Answer::Hung("no end within 10 s".to_owned())
+}
+
+fn cases<'a>(suite: &'a Suite, run: &'a Run, outcome: Outcome) -> impl Iterator<Item = &'a Case> {
+    run.judgement.with(outcome).map(|place| &suite.cases[place])
+}
+
+/// The rows of the table of outcomes in a document: the words of a row, and its outcomes.
+fn table(document: &str) -> Vec<(String, Vec<String>)> {
+    let text = fs::read_to_string(repository(document)).expect("a document");
+    let lines = text
+        .lines()
+        .skip_while(|line| !line.starts_with("| response |"));
+    let rows = lines.skip(2).take_while(|line| line.starts_with('|'));
+    rows.map(|row| {
+        let mut cells = row
+            .trim_matches('|')
+            .split('|')
+            .map(|cell| cell.trim().to_owned());
+        (cells.next().expect("a first cell"), cells.collect())
+    })
+    .collect()
+}
+
+#[test]
+fn the_documents_show_the_table_that_decides() {
+    use Expect::{Decode, ImplementationDefined, Lenient, Refuse, Reject, Spelling};
+    use ResponseKind::{Different, Expected, Rejected, Unsupported, Violation};
+    let expects = [
+        Decode,
+        Reject,
+        Refuse,
+        Lenient,
+        Spelling,
+        ImplementationDefined,
+    ];
+    let rows: [(&str, ResponseKind, &[bool]); 7] = [
+        ("the expected image", Expected, &[true, false]),
+        ("another image", Different, &[true, false]),
+        ("65, features supported", Rejected, &[true]),
+        ("69, features supported", Unsupported, &[true]),
+        ("65, a feature not supported", Rejected, &[false]),
+        ("69, a feature not supported", Unsupported, &[false]),
+        (
+            "a crash, a hang or another violation",
+            Violation,
+            &[true, false],
+        ),
+    ];
+    for document in ["README.md", "spec-cases/README.md"] {
+        let written = table(document);
+        assert_eq!(written.len(), rows.len(), "{document}: {written:#?}");
+        for ((words, outcomes), (row, response, supported)) in written.iter().zip(rows) {
+            assert_eq!(words, row, "{document}");
+            for (expect, written) in expects.iter().zip(outcomes) {
+                for &is_supported in supported {
+                    let decided = outcome(*expect, is_supported, response).name();
+                    let has_none = written == "–" && response == Expected;
+                    assert!(
+                        has_none || written == decided,
+                        "{document}: {row}, {expect:?}"
+                    );
+                }
+            }
+            assert_eq!(outcomes.len(), expects.len(), "{document}: {row}");
+        }
+    }
+}
+
+#[test]
+fn a_decoder_without_tables_passes_no_case_with_a_table_and_fails_none() {
+    let suite = suite();
+    let plan = RunPlan::of(&suite, 2);
+    let run = run(&suite, &plan, |case| {
+        case.format().has_table().then_some(Answer::Unsupported)
+    });
+    let with_tables = suite.cases.iter().filter(|case| case.format().has_table());
+    let unsupported: Vec<&str> = cases(&suite, &run, Outcome::Unsupported)
+        .map(|case| case.id.as_str())
+        .collect();
+    assert_eq!(
+        unsupported,
+        with_tables.map(|case| &case.id).collect::<Vec<_>>()
+    );
+    for expect in [
+        Expect::Decode,
+        Expect::Reject,
+        Expect::Lenient,
+        Expect::Spelling,
+    ] {
+        assert!(cases(&suite, &run, Outcome::Unsupported).any(|case| case.expect == expect));
+    }
+    let others = suite.cases.len() - unsupported.len();
+    assert_eq!(run.judgement.with(Outcome::Pass).count(), others);
+    assert_eq!(run.exit_status(), 0);
+}
+
+#[test]
+fn a_decoder_that_refuses_tables_by_65_here_and_there_passes_no_case_with_a_table() {
+    let suite = suite();
+    let run = run(&suite, &RunPlan::of(&suite, 2), |case| {
+        let refused = match case.expect {
+            Expect::Decode => Answer::Unsupported,
+            _ => Answer::Rejected,
+        };
+        case.format().has_table().then_some(refused)
+    });
+    assert!(!cases(&suite, &run, Outcome::Pass).any(|case| case.format().has_table()));
+    assert_eq!(run.judgement.with(Outcome::Fail).count(), 0);
+}
+
+#[test]
+fn a_feature_is_known_not_to_be_supported_although_no_legal_file_with_it_is_selected() {
+    let suite = suite();
+    let selected = suite
+        .cases
+        .iter()
+        .map(|case| case.expect == Expect::Spelling);
+    let plan = RunPlan {
+        selected: selected.collect(),
+        ..RunPlan::of(&suite, 2)
+    };
+    let run = run(&suite, &plan, |case| {
+        case.format().has_table().then_some(Answer::Unsupported)
+    });
+    assert_eq!(run.judgement.with(Outcome::Pass).count(), 0);
+    assert!(run.judgement.with(Outcome::Unsupported).count() > 0);
+}
+
+#[test]
+fn unsupported_stays_right_for_refuse_and_lenient_cases_of_supported_features() {
+    let suite = suite();
+    let run = run(&suite, &RunPlan::of(&suite, 2), |case| {
+        matches!(case.expect, Expect::Refuse | Expect::Lenient).then_some(Answer::Unsupported)
+    });
+    for expect in [Expect::Refuse, Expect::Lenient] {
+        let of_kind = suite.cases.iter().filter(|case| case.expect == expect);
+        let passing = cases(&suite, &run, Outcome::Pass).filter(|case| case.expect == expect);
+        assert_eq!(passing.count(), of_kind.count(), "{expect:?}");
+    }
+    assert_eq!(run.exit_status(), 0);
+}
+
+#[test]
+fn hangs_on_files_that_need_not_be_decoded_end_no_run() {
+    let suite = suite();
+    let run = run(&suite, &RunPlan::of(&suite, 3), |case| {
+        (case.expect != Expect::Decode && case.expect != Expect::Spelling).then(hang)
+    });
+    assert_eq!(run.ended_early, None);
+    assert_eq!(run.judgement.with(Outcome::NotRun).count(), 0);
+    let hung = suite
+        .cases
+        .iter()
+        .filter(|case| !matches!(case.expect, Expect::Decode | Expect::Spelling));
+    assert_eq!(run.judgement.with(Outcome::Fail).count(), hung.count());
+}
+
+/// The places of the first legal cases after the first files and the spellings.
+fn some_legal(suite: &Suite) -> Vec<usize> {
+    let cases = suite.cases.iter().enumerate();
+    let legal = cases.filter(|(_, case)| case.expect == Expect::Decode && !case.first);
+    legal.map(|(place, _)| place).skip(40).collect()
+}
+
+#[test]
+fn two_legal_files_in_a_row_that_hang_end_no_run() {
+    let suite = suite();
+    let legal = some_legal(&suite);
+    let hanging = [legal[0], legal[1], legal[3], legal[4]].map(|place| &suite.cases[place].id);
+    let run = run(&suite, &RunPlan::of(&suite, 4), |case| {
+        hanging.contains(&&case.id).then(hang)
+    });
+    assert_eq!(run.ended_early, None);
+    assert_eq!(run.judgement.with(Outcome::Fail).count(), 4);
+}
+
+#[test]
+fn three_legal_files_in_a_row_that_hang_end_a_run_alike_for_any_number_of_jobs() {
+    let suite = suite();
+    let legal = some_legal(&suite);
+    let hanging: Vec<&String> = legal[..3]
+        .iter()
+        .map(|&place| &suite.cases[place].id)
+        .collect();
+    let reports = [1, 4].map(|jobs| {
+        let plan = RunPlan::of(&suite, jobs);
+        let run = run(&suite, &plan, |case| hanging.contains(&&case.id).then(hang));
+        let not_run: Vec<usize> = run.judgement.with(Outcome::NotRun).collect();
+        assert_eq!(
+            not_run,
+            (legal[2] + 1..suite.cases.len()).collect::<Vec<_>>()
+        );
+        assert_eq!(run.exit_status(), 1);
+        let report = Report::of(
+            &suite,
+            &run,
+            &["decoder".to_owned()],
+            vec!["none".to_owned()],
+        );
+        let xml = junit::junit(&report).expect("XML");
+        let page = html::page(&suite, &report, Some(&run)).expect("a page");
+        let text = report.to_text(&suite, 10);
+        for (form, text) in [("text", &text), ("JUnit", &xml), ("HTML", &page)] {
+            let why = "the run ended early: three legal files in a row hung; ";
+            let count = format!("{} cases were not run", not_run.len());
+            assert!(text.contains(&(why.to_owned() + &count)), "{form}: {text}");
+        }
+        report.to_yaml().expect("YAML")
+    });
+    assert_eq!(reports[0], reports[1]);
+}
+
+#[test]
+fn a_program_that_hangs_on_every_file_is_no_decoder_because_it_hangs() {
+    let suite = suite();
+    let run = run(&suite, &RunPlan::of(&suite, 2), |_| Some(hang()));
+    let reason = run.not_a_decoder.expect("it is no decoder");
+    assert!(reason.contains("hang: no end within 10 s"), "{reason}");
+    assert!(
+        reason.ends_with("the run ended early: three legal files in a row hung"),
+        "{reason}"
+    );
+    assert_eq!(run.asked, 3);
+}
+
+#[test]
+fn a_first_file_that_hangs_in_every_view_ends_no_run() {
+    let suite = suite();
+    for format in [Format::Rgb, Format::Lum] {
+        let run = run(&suite, &RunPlan::of(&suite, 2), |case| {
+            (case.first && case.format() == format).then(hang)
+        });
+        assert_eq!(
+            (run.ended_early, run.not_a_decoder),
+            (None, None),
+            "{format}"
+        );
+    }
+}
+
+#[test]
+fn which_limit_is_reached_first_is_no_nondeterminism() {
+    let suite = suite();
+    let hoards = |case: &Case| case.expect == Expect::Decode && case.id.starts_with("hand-lrgb");
+    let plan = RunPlan {
+        repeat: Repeat::FailuresAndSample,
+        ..RunPlan::of(&suite, 2)
+    };
+    for served in [false, true] {
+        let ask = |request: &Request<'_>, _: usize| {
+            let out_of_memory = Answer::OutOfMemory("more than 2048 MiB".to_owned());
+            let case = suite.case(request.name).expect("a case of the suite");
+            match hoards(case) {
+                true if request.alone => Reply::from(hang()),
+                true => Reply {
+                    served: served.then(hang),
+                    ..Reply::from(out_of_memory)
+                },
+                false => Reply::from(right(request)),
+            }
+        };
+        let run = check(&suite, &plan, &ask, &|_, _, _, _| ());
+        let mut failing = cases(&suite, &run, Outcome::Fail).peekable();
+        assert!(failing.peek().is_some() && failing.all(hoards));
+        let mut observed = run.observations.iter().flatten();
+        assert!(
+            observed.all(|seen| seen.nondeterminism.is_none()),
+            "{served}"
+        );
+    }
+}
