@@ -26,7 +26,10 @@ fn drop_strays(search: &Search, found: &mut Found) {
     let set = of(&found.members);
     let failing = failing(search.witnesses);
     let keep = search.each(&set, |&id| {
-        let misreading = search.mistakes[id].listed();
+        // Edits have been held against all that they change.
+        let Some(misreading) = search.mistakes[id].listed() else {
+            return true;
+        };
         let without = without(&set, id);
         let is_explained = |&w: &usize| {
             let explains = |set: &[Id]| search.agreement(w, set).explains();
@@ -38,9 +41,7 @@ fn drop_strays(search: &Search, found: &mut Found) {
         }
         let acting =
             (failing.iter()).filter(|&&w| search.made(w, &set) != search.made(w, &without));
-        let is_about = misreading.is_none_or(|misreading| {
-            (explained.iter()).any(|&w| is_about(&search.witnesses[w], misreading))
-        });
+        let is_about = (explained.iter()).any(|&w| is_about(&search.witnesses[w], misreading));
         is_about && explained.len() * 2 >= acting.count()
     });
     found.keep(&keep);
@@ -55,6 +56,9 @@ fn drop_rare(search: &Search, found: &mut Found) {
     let set = of(&found.members);
     let failing = failing(search.witnesses);
     let keep = search.each(&set, |&id| {
+        if search.mistakes[id].listed().is_none() {
+            return true;
+        }
         let without = without(&set, id);
         let (mut explained, mut other, mut far) = (0, 0, 0);
         for &w in &failing {

@@ -146,24 +146,28 @@ fn scoped(search: &Search, set: &Set, mistake: &Mistake, left: &[usize]) -> Opti
         channels: mistake.channels,
         scope,
     };
-    let denied = search.denied_with(set, mistake);
-    if denied.is_empty() {
-        return Some(with_scope(Scope::All));
-    }
-    let fits = |w: &usize| search.agreement_with(*w, set, mistake) == Agreement::Picture;
     let pictures = search.solvable(left);
+    let fits = |w: &usize| search.agreement_with(*w, set, mistake) == Agreement::Picture;
     let explained: Vec<usize> = pictures.iter().copied().filter(fits).collect();
-    let scope = scope_between(search.witnesses, &explained, &denied)?;
+    let denied = search.denied_with(set, mistake);
+    let scope = match denied.is_empty() {
+        true => Scope::All,
+        false => scope_between(search.witnesses, &explained, &denied)?,
+    };
     // Among so many edits, one fits the files of some property by chance.
-    if mistake.listed().is_none() && !matches!(scope, Scope::Formats(_)) {
+    if mistake.listed().is_none() && !matches!(scope, Scope::All | Scope::Formats(_)) {
         return None;
     }
+    let least = if scope == Scope::All {
+        1
+    } else {
+        MIN_CASES_OF_A_SCOPE
+    };
     let scoped = with_scope(scope);
-    // Most failing files in the scope that the mistake changes are explained by it.
+    // Most failing files that the mistake changes are explained by it.
     let acts = |w: &&usize| search.changes_with(**w, set, &scoped);
     let acting = pictures.iter().filter(acts).count();
-    let is_supported = explained.len() >= MIN_CASES_OF_A_SCOPE && 2 * explained.len() >= acting;
-    is_supported.then_some(scoped)
+    (explained.len() >= least && 2 * explained.len() >= acting).then_some(scoped)
 }
 
 /// Adds misreadings of the catalog that passing cases contradict, in the files in which they are made.

@@ -140,6 +140,7 @@ impl<'a> Search<'a> {
     /// Finds the mistakes that explain most, one after the other. `add_candidates` adds mistakes that the catalog lacks.
     pub fn run(&mut self, add_candidates: impl Fn(&mut Search, &Set, &[usize])) -> Found {
         let mut members: Vec<Member> = Vec::new();
+        let mut pairs_are_tried = false;
         while members.len() < MAX_MISTAKES && !self.is_interrupted() {
             let set = of(&members);
             let left = self.unexplained(&set);
@@ -149,21 +150,31 @@ impl<'a> Search<'a> {
             let mut single = self.best_single(&set, &left);
             // A misreading that explains much of what is left, and that nothing denies, needs no edits beside it.
             let explains_much = |member: &Member| {
-                let with = plus(&set, member.id);
-                let still = self.unexplained(&with).len();
-                left.len().saturating_sub(still) * MUCH >= left.len() && self.denied(&with).is_empty()
+                let gain = self.gain(&set, &[member.id], &left);
+                gain * MUCH >= left.len() && self.denied(&plus(&set, member.id)).is_empty()
             };
-            if !single.as_ref().is_some_and(explains_much) {
+            let is_enough = single.as_ref().is_some_and(explains_much);
+            if !is_enough {
                 let added = catch_unwind(AssertUnwindSafe(|| add_candidates(self, &set, &left)));
                 if let Err(panic) = added {
                     self.note(&*panic);
                 }
                 single = self.best_single(&set, &left);
             }
-            match single
-                .map(|single| vec![single])
-                .or_else(|| self.two_more(&set, &left))
-            {
+            let mut grown = single.map(|single| vec![single]);
+            if grown.is_none() || !is_enough && !pairs_are_tried {
+                pairs_are_tried = true;
+                let gain = |more: &Vec<Member>| self.gain(&set, &of(more), &left);
+                let pair = self.two_more(&set, &left);
+                // Two mistakes are believed if they explain more than twice as much as one.
+                let is_better = |pair: &Vec<Member>| {
+                    grown
+                        .as_ref()
+                        .is_none_or(|single| gain(pair) > 2 * gain(single))
+                };
+                grown = pair.filter(is_better).or(grown);
+            }
+            match grown {
                 Some(more) => members.extend(more),
                 None => break,
             }
@@ -205,7 +216,7 @@ impl<'a> Search<'a> {
             && self
                 .answers(w, set)
                 .iter()
-                .any(|answer| witness.contradicts(answer))
+                .all(|answer| witness.contradicts(answer))
     }
 
     /// The cases that the decoder passes and a set would fail.
@@ -461,7 +472,7 @@ impl<'a> Search<'a> {
                     agreement => worth(agreement),
                 });
             worths.max().unwrap_or_default()
-        } else if answers.iter().any(|answer| witness.contradicts(answer)) {
+        } else if answers.iter().all(|answer| witness.contradicts(answer)) {
             WORTH_OF_A_CONTRADICTION
         } else if matches!(witness.case.expect, Expect::Lenient | Expect::Spelling)
             && answers.iter().all(|answer| witness.leans_away(answer))
@@ -599,16 +610,31 @@ impl<'a> Search<'a> {
         let spent = || self.work.load(Ordering::Relaxed);
         let before_all = spent();
         let budget = || MAX_WORK_ON_PAIRS.saturating_sub(spent() - before_all);
-        for w in spread(&pictures, |w| self.witnesses[w].case.format()) {
-            let pairs = self.pairs_for(w, set, budget());
-            if let Some(members) = self.best_pair(set, pairs, left) {
-                return Some(members);
-            }
-            if budget() == 0 {
+        let format = |w: usize| self.witnesses[w].case.format();
+        let mut best: Option<Vec<Member>> = None;
+        let mut asked = HashSet::new();
+        for w in spread(&pictures, format) {
+            // One file of each format, and further ones if no pair explains these.
+            if budget() == 0 || best.is_some() && !asked.insert(format(w)) {
                 break;
             }
+            asked.insert(format(w));
+            let pairs = self.pairs_for(w, set, budget());
+            let Some(pair) = self.best_pair(set, pairs, left) else {
+                continue;
+            };
+            let gain = |pair: &Vec<Member>| self.gain(set, &of(pair), left);
+            if best.as_ref().is_none_or(|best| gain(&pair) > gain(best)) {
+                best = Some(pair);
+            }
         }
-        None
+        best
+    }
+
+    /// Returns how many of the failures in `left`, which a set leaves unexplained, it explains with more mistakes.
+    fn gain(&self, set: &[Id], more: &[Id], left: &[usize]) -> usize {
+        let still = self.unexplained(&[set, more].concat());
+        left.len().saturating_sub(still.len())
     }
 
     /// Pairs of mistakes that together explain `w`, of those that change its answer; no more than `most` are tried.

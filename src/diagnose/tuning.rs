@@ -18,8 +18,8 @@ pub(super) const WORTH_OF_A_CONTRADICTION: i64 = -16;
 pub(super) const WORTH_OF_ANOTHER_LENIENT_ANSWER: i64 = -1;
 
 // What the search tries
-/// Real readers make up to eight mistakes that show.
-pub(super) const MAX_MISTAKES: usize = 8;
+/// Real readers make up to ten mistakes that show.
+pub(super) const MAX_MISTAKES: usize = 12;
 /// Failing cases unlike each other on which every mistake is first tried.
 pub(super) const MAX_SAMPLE: usize = 40;
 /// Mistakes that are held against every case: of equal promise there may be dozens.

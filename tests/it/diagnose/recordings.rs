@@ -158,9 +158,13 @@ fn causes(suite: &Suite, reader: &str) -> Vec<Said> {
     );
     let said = found.diagnoses.into_iter().map(|diagnosis| {
         let (effect, example) = match diagnosis.cause {
-            Cause::Misreading { misreading, .. } => {
+            Cause::Misreading {
+                misreading, with, ..
+            } => {
                 let shows = diagnosis.shows.unwrap_or_default();
-                (format!("{} {shows}", misreading.slug), String::new())
+                let with = with.iter().map(|other| format!(" with {}", other.slug));
+                let with: String = with.collect();
+                (format!("{}{with} {shows}", misreading.slug), String::new())
             }
             Cause::Described {
                 effect, example, ..
