@@ -124,9 +124,12 @@ fn drop_refusals(search: &Search, found: &mut Found) {
         let crashes = (of_member.iter()).all(|(_, agreement)| *agreement == Agreement::Crash);
         let few = of_member.len() * if crashes { 1 } else { 3 } < refused.count();
         let is_coincidence = !refuses_by_itself(search, set[member]) && few;
+        // A file that is shown, and that the mistake would refuse.
+        let is_shown =
+            || (failing.iter()).any(|&w| search.agreement(w, &one) == Agreement::Against);
         of_member.is_empty()
             || !refuses
-            || !is_coincidence && !shared.iter().any(less) && !contradicted()
+            || !is_coincidence && !shared.iter().any(less) && !contradicted() && !is_shown()
     });
     found.keep(&keep);
 }
@@ -150,8 +153,10 @@ fn drop_acceptances(search: &Search, found: &mut Found) {
         .collect();
     let keep = search.each(&set, |&id| {
         let misreading = search.mistakes[id].misreading;
-        let of = failed.iter().copied().filter(|&w| explains(w, &[id]));
-        let of: Vec<usize> = of.collect();
+        let without = without(&set, id);
+        let is_explained =
+            |&w: &usize| explains(w, &[id]) || explains(w, &set) && !explains(w, &without);
+        let of: Vec<usize> = failed.iter().copied().filter(is_explained).collect();
         let is_legal = |w: usize| witnesses[w].case.expect == Expect::Decode;
         let accepts_only = !of.iter().any(|&w| is_legal(w));
         // What is said of many different faults is more than that.

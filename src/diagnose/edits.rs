@@ -18,7 +18,7 @@ use super::tuning::{
 };
 use super::witness::Agreement;
 use super::words::place::pair_of;
-use crate::formula::{Edit, Formula, edits};
+use crate::formula::{Change, Edit, Formula, edits};
 use crate::misreadings::{At, Misreading, Symptom};
 use crate::protocol::frame::Answer;
 
@@ -164,10 +164,18 @@ fn scoped(search: &Search, set: &Set, mistake: &Mistake, left: &[usize]) -> Opti
         MIN_CASES_OF_A_SCOPE
     };
     let scoped = with_scope(scope);
-    // Most failing files that the mistake changes are explained by it.
+    // Most failing files that the mistake changes are explained by it. A learned table was held against their texels.
     let acts = |w: &&usize| search.changes_with(**w, set, &scoped);
     let acting = pictures.iter().filter(acts).count();
-    (explained.len() >= least && 2 * explained.len() >= acting).then_some(scoped)
+    let is_learned = matches!(
+        mistake.misreading.at,
+        At::Edits([Edit {
+            change: Change::Table(_),
+            ..
+        }])
+    );
+    let is_supported = is_learned || 2 * explained.len() >= acting;
+    (explained.len() >= least && is_supported).then_some(scoped)
 }
 
 /// Adds misreadings of the catalog that passing cases contradict, in the files in which they are made.

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 
 use super::edits::misreading_of;
 use super::search::{Search, Set};
-use super::tuning::{MIN_TABLE_FILES, MIN_TABLE_TEXELS};
+use super::tuning::{MIN_SHARE_OF_A_TABLE, MIN_TABLE_FILES};
 use super::witness::Witness;
 use crate::formula::{Change, Edit, Formula};
 use crate::misreadings::Misreading;
@@ -81,19 +81,18 @@ fn table(search: &Search, set: &Set, pictures: &[usize], of_streams: bool) -> Op
     let mut table: [u8; 256] = std::array::from_fn(|value| value as u8);
     let mut differing = 0;
     for (&right, shown) in &shown {
-        // Inverse transforms differ by one here and there, so a few texels may disagree.
+        // Inverse transforms differ by one here and there, so a few texels disagree.
         let votes = |value: u8| shown.votes[usize::from(value)];
-        if 2 * votes(right) > shown.texels {
+        let best = (0..=255).max_by_key(|&value| (votes(value), Reverse(value.abs_diff(right))))?;
+        if (votes(best) - votes(right)) * MIN_SHARE_OF_A_TABLE <= shown.texels {
             continue;
         }
-        let best = (0..=255).max_by_key(|&value| (votes(value), Reverse(value.abs_diff(right))))?;
         if 2 * votes(best) <= shown.texels {
             return None;
         }
         table[usize::from(right)] = best;
         // A value seen once, or in one file, may be anything.
-        differing +=
-            usize::from(shown.texels >= MIN_TABLE_TEXELS && shown.files.len() >= MIN_TABLE_FILES);
+        differing += usize::from(shown.files.len() >= MIN_TABLE_FILES);
     }
     // A table is shorter than the data: most values of it are seen in several files.
     let changed = (0..256)

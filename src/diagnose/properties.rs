@@ -259,9 +259,10 @@ pub(super) const PROPERTIES: &[Property] = &[
     // Size
     of("of odd width", |f| f.has_size(|width, _| width % 2 == 1)),
     of("of odd height", |f| f.has_size(|_, height| height % 2 == 1)),
-    of("with a width that is not a multiple of 4", |f| {
-        f.has_size(|width, _| width % 4 != 0)
-    }),
+    of(
+        "of several rows with a width that is not a multiple of 4",
+        |f| f.has_size(|width, height| width % 4 != 0 && height > 1),
+    ),
     of("with a width or height that is not a multiple of 8", |f| {
         f.has_size(|width, height| width % 8 != 0 || height % 8 != 0)
     }),

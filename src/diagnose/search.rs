@@ -278,10 +278,16 @@ impl<'a> Search<'a> {
         self.work.fetch_add(units, Ordering::Relaxed);
     }
 
-    /// What a decoder with these mistakes answers, and the assumed ones.
+    /// Returns what a decoder with these mistakes and the assumed ones answers; of several answers the one that agrees best.
     pub fn made(&self, w: usize, set: &[Id]) -> Cow<'_, Answer> {
         let mut answers = self.answers(w, set);
-        answers.swap_remove(0)
+        let best = match answers.len() {
+            1 => 0,
+            count => (0..count)
+                .min_by_key(|&at| -self.value_of(w, &answers[at..=at]))
+                .unwrap_or(0),
+        };
+        answers.swap_remove(best)
     }
 
     /// What a decoder with these mistakes may answer: mistakes in one decision are made one at a time.

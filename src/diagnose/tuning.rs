@@ -29,7 +29,7 @@ pub(super) const MAX_SAMPLES_OF_A_SMALL_IMAGE: usize = 1 << 13;
 /// Samples of an image that are as much work as one small file.
 pub(super) const SAMPLES_OF_A_UNIT_OF_WORK: usize = 512;
 /// Units of work in all: about five seconds of processor time.
-pub(super) const MAX_WORK: usize = 400_000;
+pub(super) const MAX_WORK: usize = 700_000;
 /// Units of work in search of two mistakes that hide each other.
 pub(super) const MAX_WORK_ON_PAIRS: usize = 40_000;
 /// A misreading that explains one in so many failures is named before edits are tried.
@@ -48,9 +48,9 @@ pub(super) const MAX_EDITS: usize = 24;
 pub(super) const MAX_SCOPED_MISREADINGS: usize = 12;
 /// Failing files that support a scope.
 pub(super) const MIN_CASES_OF_A_SCOPE: usize = 3;
-/// Texels and files in which a value of a learned table must occur.
-pub(super) const MIN_TABLE_TEXELS: usize = 2;
-/// As above.
+/// A value changes in a learned table if one in so many of its texels says so; lossy planes differ by one in a few.
+pub(super) const MIN_SHARE_OF_A_TABLE: usize = 5;
+/// Files in which a value of a learned table must occur.
 pub(super) const MIN_TABLE_FILES: usize = 2;
 
 // Coincidences

@@ -8,7 +8,7 @@ use crate::diagnose::diagnosis::{Category, Diagnosis, Words};
 use crate::diagnose::pair::Pair;
 use crate::diagnose::scope::shared_scope;
 use crate::diagnose::search::{Id, Search, without};
-use crate::diagnose::tuning::MIN_SHARING_FILES;
+use crate::diagnose::tuning::{MIN_SHARE_OF_A_PROPERTY, MIN_SHARING_FILES};
 use crate::diagnose::witness::Witness;
 use crate::protocol::frame::{Answer, Frame, View};
 use crate::ptm::{Format, channel_name};
@@ -112,10 +112,56 @@ pub(in crate::diagnose) fn describe(search: &Search, set: &[Id], left: &[usize])
         let clause = step.clause(search.witnesses[w].case.format());
         groups.entry((step, clause)).or_default().push(w);
     }
-    let diagnosis = |((step, clause), of): ((Step, Option<&'static str>), Vec<usize>)| {
-        difference(search, set, step, clause, &of)
+    let mut diagnoses = Vec::new();
+    for ((step, clause), of) in groups {
+        for (of, place) in split_by_scope(search, set, of) {
+            diagnoses.push(difference(search, set, step, clause, &of, &place));
+        }
+    }
+    diagnoses
+}
+
+/// Splits files by what they share and no other file has, in all formats and then in one; the last part is the rest.
+fn split_by_scope(search: &Search, set: &[Id], mut open: Vec<usize>) -> Vec<(Vec<usize>, String)> {
+    let witnesses = search.witnesses;
+    // An image that is right, or wrong for a known reason, denies; a file without an image says nothing.
+    let is_known = |w: &usize| {
+        let witness = &witnesses[*w];
+        witness.case.expect == Expect::Decode
+            && matches!(witness.observation.response, Response::Picture { .. })
+            && (!witness.failed || search.agreement(*w, set).explains())
     };
-    groups.into_iter().map(diagnosis).collect()
+    let known: Vec<usize> = (0..witnesses.len()).filter(is_known).collect();
+    let format = |w: usize| witnesses[w].case.format();
+    let of_format = |of: &[usize], one: Option<Format>| -> Vec<usize> {
+        let is_of = |w: &usize| one.is_none_or(|one| format(*w) == one);
+        of.iter().copied().filter(is_of).collect()
+    };
+    let mut parts = Vec::new();
+    for one in [None].into_iter().chain(Format::ALL.map(Some)) {
+        loop {
+            let these = of_format(&open, one);
+            let shared = shared_scope(witnesses, &these, &of_format(&known, one), true);
+            let Some(shared) =
+                shared.filter(|shared| shared.of.len() * MIN_SHARE_OF_A_PROPERTY >= open.len())
+            else {
+                break;
+            };
+            open.retain(|w| !shared.of.contains(w));
+            let format = one.map_or(String::new(), |one| format!("of {} ", one.short_name()));
+            let place = format!(
+                ", in every file {format}{} ({} files)",
+                shared.scope.describe(),
+                shared.of.len()
+            );
+            parts.push((shared.of, place));
+        }
+    }
+    if !open.is_empty() {
+        let place = share_of_formats(witnesses, &open);
+        parts.push((open, place));
+    }
+    parts
 }
 
 fn difference(
@@ -124,22 +170,9 @@ fn difference(
     step: Step,
     clause: Option<&'static str>,
     of: &[usize],
+    place: &str,
 ) -> Diagnosis {
     let witnesses = search.witnesses;
-    // Files that fail in another way, or for another reason, do not fail in this one.
-    let is_other = |w: &usize| witnesses[*w].case.expect == Expect::Decode && !of.contains(w);
-    let others: Vec<usize> = (0..witnesses.len()).filter(is_other).collect();
-    let shared = shared_scope(witnesses, of, &others, true);
-    let place = match shared {
-        Some(shared) if shared.of.len() == of.len() => {
-            format!(
-                ", in every file {} ({} files)",
-                shared.scope.describe(),
-                of.len()
-            )
-        }
-        _ => share_of_formats(witnesses, of),
-    };
     let words = Words {
         effect: format!("{}{}{place}", step.effect(), channels(search, set, of)),
         fix: step.fix().to_owned(),
@@ -206,9 +239,15 @@ fn step(search: &Search, set: &[Id], w: usize) -> Step {
     if is_rearranged(&pair) {
         return Step::Places;
     }
+    let is_compressed = witness.case.format().is_compressed();
     match &witness.observation.view {
-        View::Raw if witness.case.format().is_compressed() => step_of_planes(&pair, witness),
+        View::Raw if is_compressed => step_of_planes(&pair, witness),
         View::Raw => Step::StoredValue,
+        // What comes after a stream may explain its samples.
+        View::Coef if is_compressed => match step_of_planes(&pair, witness) {
+            step @ (Step::Prediction | Step::Correction) => step,
+            _ => Step::FinalValue,
+        },
         View::Coef => Step::FinalValue,
         View::Rgb(_) => Step::Color,
     }
