@@ -426,7 +426,10 @@ fn conditional(node: &Expression, scope: Scope) -> Vec<Expression> {
             let variable = Expression::Variable(condition);
             let is_zero = call(
                 Function::AtMost,
-                &[call(Function::Abs, &[variable.clone()]), number(0.0)],
+                &[
+                    call(Function::Abs, std::slice::from_ref(&variable)),
+                    number(0.0),
+                ],
             );
             let is_over_255 = call(Function::AtMost, &[variable, number(255.0)]);
             all.push(call(

@@ -163,7 +163,11 @@ impl Expression {
             }
             Expression::Address(digits) => {
                 let (digit, radix) = &mut digits[place / 2];
-                *if place % 2 == 0 { digit } else { radix } = child;
+                *if place.is_multiple_of(2) {
+                    digit
+                } else {
+                    radix
+                } = child;
             }
         }
         changed
@@ -256,12 +260,12 @@ impl Expression {
                 }
                 text.push(')');
             }
-            Expression::Address(digits) => self.write_address(digits, text, scope),
+            Expression::Address(digits) => Expression::write_address(digits, text, scope),
         }
     }
 
     /// Writes the last digit, and before it the other digits times its radix.
-    fn write_address(&self, digits: &[(Expression, Expression)], text: &mut String, scope: Scope) {
+    fn write_address(digits: &[(Expression, Expression)], text: &mut String, scope: Scope) {
         if let [others @ .., (digit, radix)] = digits {
             if !others.is_empty() {
                 Expression::Address(others.to_vec()).write(text, scope, 2);

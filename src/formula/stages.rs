@@ -60,10 +60,9 @@ fn byte(value: f64) -> u8 {
 
 /// Decodes a file with some formulas edited.
 pub(crate) fn decode(file: &[u8], reading: &Reading, edits: Edits) -> Result<Ptm> {
-    let limits = Limits::default();
     let mut ptm = match edits.is_at(Stage::Decoding) {
-        true => decode_stages(file, reading, edits, &limits)?,
-        false => decode_as(file, reading, &limits)?,
+        true => decode_stages(file, reading, edits)?,
+        false => decode_as(file, reading, &Limits::default())?,
     };
     if edits.is_at(Stage::Planes) {
         let channels = ptm.planes.shape.channels();
@@ -80,7 +79,7 @@ fn coefficient(channel: usize) -> [f64; 2] {
     [channel % 6, channel / 6].map(|number| number as f64)
 }
 
-fn decode_stages(file: &[u8], reading: &Reading, edits: Edits, limits: &Limits) -> Result<Ptm> {
+fn decode_stages(file: &[u8], reading: &Reading, edits: Edits) -> Result<Ptm> {
     let mut input = Input::new(file);
     let header = decode::read_header(&mut input)?;
     let shape = match header.format {
@@ -99,7 +98,7 @@ fn decode_stages(file: &[u8], reading: &Reading, edits: Edits, limits: &Limits) 
         return Err(outside(input.at()));
     }
     let samples = if header.format.is_compressed() {
-        let streams = Streams::read(&header, &mut input, reading, limits)?;
+        let streams = Streams::read(&header, &mut input, reading, &Limits::default())?;
         let planes = CompressedPlanes {
             coded: streams.coded(),
             lists: &streams.lists,

@@ -1,6 +1,7 @@
 //! Wrong images of unknown cause: the step at which values first differ, in which channels and files, and one example.
 
 use std::collections::BTreeMap;
+use std::fmt::Write as _;
 
 use super::arithmetic::arithmetic;
 use super::formats::formats_of;
@@ -221,12 +222,12 @@ fn channels(search: &Search, set: &[Id], of: &[usize]) -> String {
 /// The step at which the values of an image first differ.
 fn step(search: &Search, set: &[Id], w: usize) -> Step {
     let witness = &search.witnesses[w];
-    let received = match &witness.observation.response {
-        Response::Picture {
-            frame: Some(received),
-            ..
-        } => received,
-        _ => return Step::Choice,
+    let Response::Picture {
+        frame: Some(received),
+        ..
+    } = &witness.observation.response
+    else {
+        return Step::Choice;
     };
     let made = search.made(w, set);
     let ((Answer::Decoded(wanted), _) | (_, Answer::Decoded(wanted))) = (&*made, &witness.right)
@@ -400,7 +401,11 @@ fn example_beside(search: &Search, set: &[Id], w: usize) -> String {
                 1 => format!("byte {start} (0x{start:x})"),
                 _ => format!("bytes {start}–{}", end - 1),
             };
-            text += &format!("; the expected value is from {bytes}, {}", origin.what);
+            let _ = write!(
+                text,
+                "; the expected value is from {bytes}, {}",
+                origin.what
+            );
         }
     }
     text
