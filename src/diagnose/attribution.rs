@@ -8,6 +8,7 @@ use super::words::acceptances;
 use super::words::formats::formats_of;
 use super::words::place;
 use super::words::refusals::{self, WholeFormats};
+use crate::formula::{Change, Edit};
 use crate::misreadings::{At, Misreading, Symptom};
 use crate::session::observation::Response;
 
@@ -210,15 +211,7 @@ fn of_found(search: &Search, mistake: &Mistake, share: &Share) -> Diagnosis {
         scope => format!(", only in files {}", scope.describe()),
     };
     let (effect, fix) = match (mistake.listed(), misreading.at) {
-        (None, At::Edits([edit])) => (
-            format!(
-                "computes {} as {} instead of {}",
-                edit.formula.stated().computes,
-                edit.computes(),
-                edit.stated()
-            ),
-            format!("compute {}", edit.stated()),
-        ),
+        (None, At::Edits([edit])) => computed(edit),
         _ => (
             misreading.effect.to_owned(),
             format!(
@@ -236,6 +229,25 @@ fn of_found(search: &Search, mistake: &Mistake, share: &Share) -> Diagnosis {
     Diagnosis {
         certain: true,
         ..described.about(misreading.clause)
+    }
+}
+
+/// Returns the effect and the fix of an edit.
+fn computed(edit: &Edit) -> (String, String) {
+    let (what, computes, stated) = (
+        edit.formula.stated().computes,
+        edit.computes(),
+        edit.stated(),
+    );
+    match edit.change {
+        Change::Table(_) => (
+            format!("shows other values for {what}: {computes}"),
+            "compare the example with the bytes that it comes from".to_owned(),
+        ),
+        Change::Expression(_) => (
+            format!("computes {what} as {computes} instead of {stated}"),
+            format!("compute {stated}"),
+        ),
     }
 }
 

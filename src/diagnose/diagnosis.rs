@@ -13,8 +13,8 @@ pub struct Diagnosis<A: 'static = At> {
     pub partly: Vec<usize>,
     /// Passing cases that a decoder with this mistake would fail: the mistake is made, but not everywhere.
     pub except: Vec<usize>,
-    /// All that can be observed of it, as a sentence without its subject, where the mistake is but one that would look so.
-    pub shows: Option<String>,
+    /// The observation in words, if other mistakes would look the same. A report states it instead of the cause.
+    pub shows: Option<Cause<A>>,
     /// Whether a decoder with this mistake was held against every case, and gives the answers that were received.
     pub certain: bool,
 }

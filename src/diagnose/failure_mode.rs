@@ -62,16 +62,16 @@ impl fmt::Display for FailureMode {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             FailureMode::Refuses => f.write_str("refuses"),
-            FailureMode::Unsupported => f.write_str("answers 69 (unsupported) to"),
+            FailureMode::Unsupported => f.write_str("exits with 69 (unsupported) on"),
             FailureMode::Crashes(how) => write!(f, "crashes ({how}) on"),
             FailureMode::Hangs => f.write_str("does not terminate on"),
             FailureMode::MalformedFrame(what) if what.is_empty() => {
-                f.write_str("gives no well-formed frame (its output is no frame) for")
+                f.write_str("writes no frame to standard output for")
             }
             FailureMode::MalformedFrame(what) => {
-                write!(f, "gives no well-formed frame ({what}) for")
+                write!(f, "writes a malformed frame ({what}) for")
             }
-            FailureMode::Other(name) => write!(f, "ends in {name} on"),
+            FailureMode::Other(name) => write!(f, "fails ({name}) on"),
         }
     }
 }

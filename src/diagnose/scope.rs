@@ -67,7 +67,7 @@ impl Scope {
             } => {
                 let [before, after] = QUANTITIES[*quantity].words;
                 let side = if *is_more { "more" } else { "less" };
-                format!("{before} {nearest} or {side} {after} (it reads {edge})")
+                format!("{before} {nearest} or {side} {after} (but not {edge})")
             }
         }
     }

@@ -112,7 +112,7 @@ pub(super) fn witnesses<'a>(
     all.into_iter().flatten().collect()
 }
 
-/// Whether it answered 69 here as to every file of a format that its capabilities declare.
+/// Returns true if the decoder exited with 69 on a file of a format that its capabilities declare and that it never reads.
 pub(super) fn breaks_its_promise(run: &Run, case: &Case, observation: &Observation) -> bool {
     run.offer
         .is_broken_by(case, observation, &run.judgement.unsupported)

@@ -27,7 +27,7 @@ pub(in crate::diagnose) fn describe(
         let is_wrong = |w: &&usize| FailureMode::of(&witnesses[**w]).is_none();
         let wrong = of.iter().filter(is_wrong).count();
         if wrong > 0 {
-            ways.push(format!("shows wrong pictures of {wrong}"));
+            ways.push(format!("shows wrong images for {wrong}"));
         }
         // Wrong pictures beside a few refusals tell more one by one.
         let mostly_wrong = wrong * 2 > of.len();
@@ -37,11 +37,11 @@ pub(in crate::diagnose) fn describe(
         left.retain(|w| !of.contains(w));
         let words = Words {
             effect: format!(
-                "reads no file of format {}: it {}",
+                "reads no file of format {} correctly: it {}",
                 format.short_name(),
                 ways.join(", ")
             ),
-            fix: "begin with the example, the smallest of these files".to_owned(),
+            fix: "start with the example, the smallest of these files".to_owned(),
             example: example(witnesses, &of),
         };
         let diagnosis = Diagnosis::described(Category::Difference, witnesses, &of, words);

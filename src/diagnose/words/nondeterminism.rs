@@ -46,18 +46,18 @@ pub(in crate::diagnose) fn describe(suite: &Suite, run: &Run) -> Vec<Diagnosis> 
     };
     let garbling = diagnosis(
         garbled,
-        "answers in serve mode otherwise than the protocol says",
-        "answer each request with one line and, where that is SEQ ok NBYTES, as many bytes; probe tries it step by step, and docs/check.md has the lines",
+        "violates the protocol in serve mode",
+        "answer each request with one line and, after SEQ ok NBYTES, that many bytes; probe tests this step by step, and docs/check.md lists the responses",
     );
     let serving = diagnosis(
         served,
-        "gives other answers in serve mode than one-shot",
-        "begin every request as if it were the first, and answer each once; check --one-shot asks every file of a process of its own",
+        "gives different responses in serve mode and one-shot mode",
+        "reset all state before each request, and answer each request once; check --one-shot starts one process per request",
     );
     let by_chance = diagnosis(
         chance,
-        "answers the same request differently each time",
-        "look for memory that is read before it is written, for threads, for clocks and for random numbers",
+        "gives different responses to the same request",
+        "look for uninitialized memory, data races, clocks and random numbers",
     );
     [garbling, serving, by_chance]
         .into_iter()

@@ -40,18 +40,14 @@ impl Step {
     fn effect(self) -> &'static str {
         match self {
             Step::Shape => "shows an image of another size or type",
-            Step::Choice => {
-                "shows images that another reading of an open question explains, but not the reading of its other images"
-            }
+            Step::Choice => "follows another reading of an open question than in its other images",
             Step::Malformed => "shows an image of a file that must be refused",
-            Step::Places => "shows the right values in wrong places",
+            Step::Places => "shows the correct values in the wrong places",
             Step::Stream => "shows wrong values in planes that are neither predicted nor corrected",
             Step::Prediction => {
-                "shows wrong values in predicted planes; planes that are not predicted are right"
+                "shows wrong values in predicted planes; planes that are not predicted are correct"
             }
-            Step::Correction => {
-                "shows wrong values at texels that side information corrects, and nowhere else"
-            }
+            Step::Correction => "shows wrong values only at texels that side information corrects",
             Step::StoredValue => "shows wrong stored values",
             Step::FinalValue => "shows wrong final values",
             Step::Color => "shows wrong colors",
@@ -61,21 +57,21 @@ impl Step {
     fn fix(self) -> &'static str {
         match self {
             Step::Shape => {
-                "compare width, height, channels and sample type with the frame that is expected"
+                "compare width, height, channels and sample type with the expected frame"
             }
-            Step::Choice => "keep to one reading of the question in all files",
+            Step::Choice => "use one reading of the question in all files",
             Step::Malformed => "refuse the file with exit status 65",
             Step::Places => "compare the order of rows, columns and blocks with the clause",
             Step::Stream => {
-                "decode the example's stream with another JPEG or JPEG-LS decoder, and compare; the standards' test images help"
+                "decode the example's stream with another JPEG or JPEG-LS decoder and compare; try the test images of the standard"
             }
             Step::Prediction => {
                 "compute the example's sample by hand from its residual and its reference"
             }
-            Step::Correction => {
-                "follow the example's record by hand: its bytes, its position, its value"
+            Step::Correction => "read the example's record by hand: bytes, position, value",
+            Step::StoredValue => {
+                "compare the bytes that the example names with the values that the decoder reads there"
             }
-            Step::StoredValue => "compare the bytes that the example names with what is read there",
             Step::FinalValue => "compute the example by hand: stored value, scale, bias",
             Step::Color => {
                 "compute the example by hand: final values first, then the polynomial, then the color"
@@ -133,7 +129,7 @@ fn difference(
     let place = match shared {
         Some(shared) if shared.of.len() == of.len() => {
             format!(
-                ", in every file {} ({} files)",
+                ", in every legal file {} ({} files)",
                 shared.scope.describe(),
                 of.len()
             )

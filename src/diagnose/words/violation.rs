@@ -1,7 +1,7 @@
 //! Files that must or may be refused, and that ended in a crash, a hang, a malformed frame or "unsupported" instead.
 
+use super::first_of;
 use super::refusals::example;
-use super::{NAMED, first_of};
 use crate::diagnose::diagnosis::{Category, Diagnosis, Words};
 use crate::diagnose::failure_mode::FailureMode;
 use crate::diagnose::witness::Witness;
@@ -51,10 +51,7 @@ fn files(witnesses: &[Witness], these: &[usize], refuses: bool) -> String {
         .collect();
     damages.sort_unstable();
     damages.dedup();
-    if damages.len() <= NAMED {
-        return format!("files that need not be read: {}", damages.join("; "));
-    }
-    let others = if refuses { "; others it refuses" } else { "" };
+    let others = if refuses { "; it refuses others" } else { "" };
     format!(
         "{} files that must or may be refused ({}){others}",
         these.len(),
@@ -64,11 +61,11 @@ fn files(witnesses: &[Witness], these: &[usize], refuses: bool) -> String {
 
 fn fix(mode: &FailureMode, may_be_read: bool) -> String {
     let end = match may_be_read {
-        true => "end with a picture or with exit status 65",
-        false => "end with exit status 65",
+        true => "show an image or exit with status 65",
+        false => "exit with status 65",
     };
     if *mode == FailureMode::Unsupported {
-        return "answer 65 to a malformed file of a kind that the decoder reads; 69 says that it reads no such files"
+        return "exit with 65 for a malformed file of a kind that the decoder reads; 69 means that it reads no such files"
             .to_owned();
     }
     let status = match mode {
@@ -78,8 +75,8 @@ fn fix(mode: &FailureMode, may_be_read: bool) -> String {
     match status {
         // How Rust and shells end that break down; nobody refuses so.
         Some(status) if !matches!(status, "101" | "126" | "127" | "134" | "139") => format!(
-            "{end} there; if {status} is how this decoder refuses, say --reject-exit {status}"
+            "{end}; if this decoder refuses files with status {status}, use --reject-exit {status}"
         ),
-        _ => format!("find the fault before it does harm, and {end}"),
+        _ => format!("detect the fault, and {end}"),
     }
 }
