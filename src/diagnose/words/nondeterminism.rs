@@ -1,5 +1,4 @@
-//! Requests that were answered in two ways: they tell of no misreading, only of state that is carried over or left to
-//! chance.
+//! Requests with different responses. They are no evidence for a misreading, only for state that is kept or left to chance.
 
 use crate::diagnose::diagnosis::{Category, Cause, Diagnosis};
 use crate::protocol::frame::Answer;
@@ -8,7 +7,7 @@ use crate::session::outcome::Outcome;
 use crate::session::run::Run;
 use crate::suite::cases::Suite;
 
-/// The cases whose answers differ, those of serve mode apart from those that differ each time.
+/// Describes the cases whose responses differ: between serve mode and one-shot mode, or from call to call.
 pub(in crate::diagnose) fn describe(suite: &Suite, run: &Run) -> Vec<Diagnosis> {
     let differing: Vec<(usize, &Nondeterminism)> = run
         .observations
@@ -65,7 +64,8 @@ pub(in crate::diagnose) fn describe(suite: &Suite, run: &Run) -> Vec<Diagnosis> 
         .collect()
 }
 
-/// Whether most failures are answered differently each time: what their pictures have in common is chance.
+/// Returns true if more than a third of the failures differ from call to call, so that common properties of their images are
+/// chance.
 pub(in crate::diagnose) fn prevails(run: &Run) -> bool {
     let failed = |place: &usize| {
         let judged = run.judgement.cases[*place].as_ref();

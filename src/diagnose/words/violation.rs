@@ -1,4 +1,4 @@
-//! Files that must or may be refused, and that ended in a crash, a hang, a malformed frame or "unsupported" instead.
+//! Files that must or may be refused, and whose response was a crash, a hang, a malformed frame or "unsupported".
 
 use super::first_of;
 use super::refusals::example;
@@ -8,7 +8,7 @@ use crate::diagnose::witness::Witness;
 use crate::session::observation::Response;
 use crate::suite::cases::Expect;
 
-/// Violations on files that need not be read, mode by mode. They are taken out of `left`.
+/// Describes violations on files that need not be read, by failure mode. Removes them from `left`.
 pub(in crate::diagnose) fn describe(
     witnesses: &[Witness],
     left: &mut Vec<usize>,
@@ -39,7 +39,7 @@ pub(in crate::diagnose) fn describe(
         .collect()
 }
 
-/// Which files they are: by their damages, where those are few.
+/// Describes the files by their damages.
 fn files(witnesses: &[Witness], these: &[usize], refuses: bool) -> String {
     let mut damages: Vec<&str> = these
         .iter()
@@ -59,6 +59,7 @@ fn files(witnesses: &[Witness], these: &[usize], refuses: bool) -> String {
     )
 }
 
+/// Returns the advice for a failure mode.
 fn fix(mode: &FailureMode, may_be_read: bool) -> String {
     let end = match may_be_read {
         true => "show an image or exit with status 65",
@@ -73,7 +74,7 @@ fn fix(mode: &FailureMode, may_be_read: bool) -> String {
         _ => None,
     };
     match status {
-        // How Rust and shells end that break down; nobody refuses so.
+        // Statuses of panics in Rust, of shells and of signals. No decoder refuses files with them.
         Some(status) if !matches!(status, "101" | "126" | "127" | "134" | "139") => format!(
             "{end}; if this decoder refuses files with status {status}, use --reject-exit {status}"
         ),
