@@ -241,7 +241,7 @@ fn computed(edit: &Edit) -> (String, String) {
     );
     match edit.change {
         Change::Table(_) => (
-            format!("shows other values for {what}: {computes}"),
+            format!("maps {what} through {computes}"),
             "compare the example with the bytes that it comes from".to_owned(),
         ),
         Change::Expression(_) => (

@@ -61,7 +61,7 @@ impl Edit {
                     most => format!(" by up to {most}"),
                 };
                 format!(
-                    "{} of 256 values differ{by}, for example {first} -> {}",
+                    "a table (at least {} of 256 values differ{by}, for example {first} -> {})",
                     differing.len(),
                     table[first]
                 )

@@ -123,14 +123,14 @@ fn difference(
     of: &[usize],
 ) -> Diagnosis {
     let witnesses = search.witnesses;
-    // Files that fail in another way count as files without this failure.
+    // Files that fail in another way, or for another reason, do not fail in this one.
     let is_other = |w: &usize| witnesses[*w].case.expect == Expect::Decode && !of.contains(w);
     let others: Vec<usize> = (0..witnesses.len()).filter(is_other).collect();
     let shared = shared_scope(witnesses, of, &others, true);
     let place = match shared {
         Some(shared) if shared.of.len() == of.len() => {
             format!(
-                ", in every legal file {} ({} files)",
+                ", in every file {} ({} files)",
                 shared.scope.describe(),
                 of.len()
             )
