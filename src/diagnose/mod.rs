@@ -79,7 +79,7 @@ fn diagnose_by(
     }
     let searched = |witnesses| {
         let mut search = Search::new(witnesses, assumed, threads, &run.stop);
-        let found = match words::nondeterminism::prevails(run) {
+        let found = match words::nondeterminism::is_prevalent(run) {
             true => search::Found::default(),
             false => search.run(&add_candidates),
         };
@@ -127,7 +127,7 @@ fn describe(search: &Search, found: &search::Found) -> Vec<Diagnosis> {
         attribution::attribute_in_part(search, found, &mut attributed, &mut left);
     });
     causes.extend(refusals);
-    causes.extend(search.guarded(|| words::refusals::rest(witnesses, &mut left)));
+    causes.extend(search.guarded(|| words::refusals::describe_unexplained(witnesses, &mut left)));
     causes.extend(violation);
     // Without a named mistake, images are compared with the reference alone.
     let is_cause = |(id, _): &(search::Id, Diagnosis)| *id < search.mistakes.len();

@@ -17,8 +17,8 @@ pub(super) struct Facts {
 }
 
 impl Facts {
-    pub fn of(witness: &Witness) -> Facts {
-        let file = File::of(witness);
+    pub fn new(witness: &Witness) -> Facts {
+        let file = File::new(witness);
         Facts {
             properties: PROPERTIES
                 .iter()
@@ -47,7 +47,7 @@ pub(super) struct File<'a> {
 }
 
 impl<'a> File<'a> {
-    fn of(witness: &'a Witness) -> File<'a> {
+    fn new(witness: &'a Witness) -> File<'a> {
         let file = &witness.built.file;
         let (header, data) = file.split_at(witness.payload().min(file.len()));
         let texts = |clause: &str| -> Vec<&str> {

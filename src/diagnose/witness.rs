@@ -127,7 +127,7 @@ const MIN_COLORS_OFF: usize = 6;
 impl Witness<'_> {
     /// Returns the properties of the file.
     pub fn facts(&self) -> &Facts {
-        self.facts.get_or_init(|| Facts::of(self))
+        self.facts.get_or_init(|| Facts::new(self))
     }
 
     /// Returns the response if it is the colors that these mistakes produce, rounded or truncated to bytes. This comparison is

@@ -39,7 +39,7 @@ fn acceptance(witnesses: &[Witness], of: &[usize]) -> Diagnosis {
         format!(", which is the legal {twin} with this one fault")
     });
     let words = Words {
-        effect: format!("accepts malformed files: {}", faults(witnesses, of)),
+        effect: format!("accepts malformed files: {}", list_faults(witnesses, of)),
         fix: "refuse such files with exit status 65".to_owned(),
         example: format!("for example {}{twin}", first.case.id),
     };
@@ -70,7 +70,7 @@ fn clause<'w>(witness: &'w Witness<'_>) -> &'w str {
 }
 
 /// Lists the faults of these files, each fault once.
-fn faults(witnesses: &[Witness], of: &[usize]) -> String {
+fn list_faults(witnesses: &[Witness], of: &[usize]) -> String {
     let mut faults: Vec<String> = Vec::new();
     for fault in of.iter().map(|&w| fault(&witnesses[w])) {
         if !faults.contains(&fault) {

@@ -66,7 +66,7 @@ pub(in crate::diagnose) fn describe(suite: &Suite, run: &Run) -> Vec<Diagnosis> 
 
 /// Returns true if more than a third of the failures differ from call to call, so that common properties of their images are
 /// chance.
-pub(in crate::diagnose) fn prevails(run: &Run) -> bool {
+pub(in crate::diagnose) fn is_prevalent(run: &Run) -> bool {
     let failed = |place: &usize| {
         let judged = run.judgement.cases[*place].as_ref();
         judged.is_some_and(|judged| judged.outcome == Outcome::Fail)

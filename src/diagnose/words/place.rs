@@ -211,7 +211,7 @@ fn step(search: &Search, set: &[Id], w: usize) -> Step {
     }
 }
 
-/// Returns true if an image has the right values, but not in their places.
+/// Returns true if an image has the correct values in wrong places.
 fn is_rearranged(pair: &Pair) -> bool {
     let sorted = |values: &[f64]| {
         let mut bits: Vec<u64> = values.iter().map(|value| value.to_bits()).collect();

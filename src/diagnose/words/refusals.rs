@@ -20,10 +20,10 @@ pub(in crate::diagnose) fn describe(
     left: &mut Vec<usize>,
 ) -> Vec<Diagnosis> {
     let mut diagnoses = Vec::new();
-    let accepted = accepted(witnesses);
+    let read = files_read(witnesses);
     for mode in FailureMode::among(witnesses, left) {
         let mut open = mode.select(witnesses, left);
-        while let Some(shared) = shared_scope(witnesses, &open, &accepted, true) {
+        while let Some(shared) = shared_scope(witnesses, &open, &read, true) {
             // A property that few of many share is a coincidence.
             if open.len() > shared.of.len() * MIN_SHARE_OF_A_PROPERTY {
                 break;
@@ -77,10 +77,10 @@ fn refusal(witnesses: &[Witness], of: &[usize], mode: &FailureMode, effect: Stri
 
 /// Returns, for each failure mode, the failures that one shared property explains.
 pub(in crate::diagnose) fn widest(witnesses: &[Witness], failing: &[usize]) -> Vec<Vec<usize>> {
-    let accepted = accepted(witnesses);
+    let read = files_read(witnesses);
     let of = |mode: FailureMode| {
         let of = mode.select(witnesses, failing);
-        shared_scope(witnesses, &of, &accepted, true).map(|shared| shared.of)
+        shared_scope(witnesses, &of, &read, true).map(|shared| shared.of)
     };
     FailureMode::among(witnesses, failing)
         .into_iter()
@@ -89,7 +89,7 @@ pub(in crate::diagnose) fn widest(witnesses: &[Witness], failing: &[usize]) -> V
 }
 
 /// Returns the legal files that the decoder reads, correctly or not. A file that crashes it in another way is no evidence.
-fn accepted(witnesses: &[Witness]) -> Vec<usize> {
+fn files_read(witnesses: &[Witness]) -> Vec<usize> {
     let is_read = |w: &usize| {
         witnesses[*w].case.expect == Expect::Decode
             && matches!(witnesses[*w].observation.response, Response::Picture { .. })
@@ -104,7 +104,10 @@ fn one_mode(witnesses: &[Witness], of: &[usize]) -> Option<FailureMode> {
 }
 
 /// Returns "refuses every legal file of RGB, LRGB" if these are all the legal files of some formats and fail in one way.
-pub(in crate::diagnose) fn of_whole_formats(witnesses: &[Witness], of: &[usize]) -> Option<String> {
+pub(in crate::diagnose) fn refusal_of_whole_formats(
+    witnesses: &[Witness],
+    of: &[usize],
+) -> Option<String> {
     let mode = one_mode(witnesses, of)?;
     let format = |w: usize| witnesses[w].case.format();
     let formats: Vec<Format> = Format::ALL
@@ -181,7 +184,7 @@ impl WholeFormats {
 /// Returns the observation if these are all the legal files of some formats, or with some property, and fail in one way.
 pub(in crate::diagnose) fn all_that_shows(witnesses: &[Witness], of: &[usize]) -> Option<String> {
     let mode = one_mode(witnesses, of)?;
-    of_whole_formats(witnesses, of).or_else(|| {
+    refusal_of_whole_formats(witnesses, of).or_else(|| {
         let is_other = |w: &usize| witnesses[*w].case.expect == Expect::Decode && !of.contains(w);
         let others: Vec<usize> = (0..witnesses.len()).filter(is_other).collect();
         let shared = shared_scope(witnesses, of, &others, false)?;
@@ -249,14 +252,17 @@ fn ways(witnesses: &[Witness], of: &[usize], modes: &[FailureMode]) -> String {
 }
 
 /// Describes refusals that no property explains, and removes them from `left`.
-pub(in crate::diagnose) fn rest(witnesses: &[Witness], left: &mut Vec<usize>) -> Vec<Diagnosis> {
+pub(in crate::diagnose) fn describe_unexplained(
+    witnesses: &[Witness],
+    left: &mut Vec<usize>,
+) -> Vec<Diagnosis> {
     let mut diagnoses = Vec::new();
     for mode in FailureMode::among(witnesses, left) {
         let of = mode.select(witnesses, left);
         left.retain(|w| !of.contains(w));
         let effect = match of.len() {
             1 => format!("{mode} a legal file; the cause is unknown"),
-            count if accepted(witnesses).len() < MIN_READ_FILES => format!(
+            count if files_read(witnesses).len() < MIN_READ_FILES => format!(
                 "{mode} {count} legal files; it reads too few others to find a property that separates them"
             ),
             _ => format!(

@@ -27,7 +27,7 @@ pub(in crate::diagnose) fn describe(
         let expect = |w: &usize| witnesses[*w].case.expect;
         let may_be_read = |w: &usize| matches!(expect(w), Expect::Lenient | Expect::Spelling);
         let words = Words {
-            effect: format!("{mode} {}", files(witnesses, &these, refuses)),
+            effect: format!("{mode} {}", describe_files(witnesses, &these, refuses)),
             fix: fix(&mode, these.iter().all(may_be_read)),
             example: example(witnesses, &these),
         };
@@ -40,7 +40,7 @@ pub(in crate::diagnose) fn describe(
 }
 
 /// Describes the files by their damages.
-fn files(witnesses: &[Witness], these: &[usize], refuses: bool) -> String {
+fn describe_files(witnesses: &[Witness], these: &[usize], refuses: bool) -> String {
     let mut damages: Vec<&str> = these
         .iter()
         .map(|&w| {
