@@ -29,7 +29,7 @@ pub(super) const MAX_SAMPLES_OF_A_SMALL_IMAGE: usize = 1 << 13;
 pub(super) const SAMPLES_OF_A_UNIT_OF_WORK: usize = 512;
 /// Units of work in all: about five seconds of processor time.
 pub(super) const MAX_WORK: usize = 400_000;
-/// Units of work for the search for pairs.
+/// Units of work in search of two mistakes that hide each other.
 pub(super) const MAX_WORK_ON_PAIRS: usize = 40_000;
 /// A misreading that explains one in so many failures is named before edits are tried.
 pub(super) const MUCH: usize = 4;
