@@ -9,7 +9,7 @@ Exit status: 0 decoded, 65 malformed, 69 unsupported (other views, other transfo
 The sections stand in the order of the text. Where the text leaves a question open, the name
 of the ruling is given in brackets, as in [rows]. Python 3.8 or later. The standard library is
 enough for the uncompressed formats; the streams of 2.9 are read by Pillow and, for JPEG-LS, by
-pillow-jpls besides (pip install pillow pillow-jpls). Without them those formats are answered 69.
+pillow-jpls besides (pip install pillow pillow-jpls). Without them it exits with 69 for those formats.
 """
 
 import array

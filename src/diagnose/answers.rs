@@ -1,4 +1,4 @@
-//! The answer of a decoder with some mistakes to one file.
+//! The answer of a decoder that makes some mistakes to one file.
 
 use std::borrow::Cow;
 
@@ -31,8 +31,8 @@ impl Witness<'_> {
         answer
     }
 
-    /// Returns true if a record lies outside its plane, as these mistakes read its position, and the file was refused. The
-    /// catalog ignores these records; many decoders refuse them.
+    /// Returns true if the file was refused and these mistakes move a record outside its plane. The catalog ignores these records;
+    /// many decoders refuse them.
     pub fn refuses_positions(&self, mistakes: &[&Mistake]) -> bool {
         let mut readers = mistakes.iter().filter_map(|mistake| {
             let misreading = mistake.misreading;
@@ -65,7 +65,7 @@ impl Witness<'_> {
         })
     }
 
-    /// Returns true if the mistake can show in the answer at all.
+    /// Returns true if the mistake can change the answer.
     pub fn concerns(&self, mistake: &Mistake) -> bool {
         let misreading = mistake.misreading;
         let last = match &self.observation.view {
@@ -85,7 +85,7 @@ impl Witness<'_> {
         is_used && misreading.at.stage() <= last && mistake.scope.holds(self)
     }
 
-    /// Returns true if the mistake may be the reason for the answer: a mistake that only changes values refuses nothing.
+    /// Returns true if the mistake can explain the response. A mistake that only changes values explains no refusal.
     pub fn could_be(&self, mistake: &Mistake) -> bool {
         let refused = !matches!(self.observation.response, Response::Picture { .. });
         self.concerns(mistake) && (!refused || mistake.misreading.at.may_refuse())

@@ -1,7 +1,7 @@
-//! Judging the rest: mistakes that the user knows of are taken as given.
+//! `--assume`: judges a decoder whose user takes some mistakes as given.
 //!
-//! A failure that is what a decoder with these mistakes shows is no news; every other answer is held against what such
-//! a decoder should have shown.
+//! A failure that a decoder with these mistakes reproduces becomes "as assumed". Every other failing image is compared with the
+//! image that such a decoder should show.
 
 use super::witness::{Agreement, Witness, witnesses};
 use crate::misreadings::{self, Misreading};
@@ -14,7 +14,7 @@ use crate::suite::cases::Suite;
 use crate::suite::choices::{CHOICES, concerned};
 use crate::suite::compare::Expected;
 
-/// Takes the mistakes `assumed` as given: failures that they explain are no failures any more.
+/// Changes the outcome of failures that the `assumed` mistakes explain, and the reason of the other failures.
 pub fn assume(suite: &Suite, run: &mut Run, assumed: &[&'static Misreading], threads: usize) {
     if assumed.is_empty() {
         return;
@@ -53,7 +53,7 @@ pub fn assume(suite: &Suite, run: &mut Run, assumed: &[&'static Misreading], thr
     }
 }
 
-/// Whether it is what such a decoder shows, in whatever way it reads the open questions.
+/// Returns true if a decoder with these mistakes reproduces the response, in any reading of the open questions.
 fn is_explained(witness: &Witness, made: &Answer, assumed: &[&'static Misreading]) -> bool {
     let explained = |answer: &Answer| {
         matches!(

@@ -1,4 +1,4 @@
-//! What each of the mistakes found explains.
+//! Attribution of failures to the mistakes that were found.
 
 use super::diagnosis::{Category, Cause, Diagnosis, Words};
 use super::mistake::Mistake;
@@ -8,20 +8,21 @@ use super::words::acceptances;
 use super::words::formats::formats_of;
 use super::words::place;
 use super::words::refusals::{self, WholeFormats};
+use crate::formula::{Change, Edit};
 use crate::misreadings::{At, Misreading, Symptom};
 use crate::session::observation::Response;
 
-/// Formats that are listed.
+/// Formats that are listed for a mistake; more are not mentioned.
 const MAX_FORMATS: usize = 4;
 
-/// What a mistake explains by itself or as the last of several, and the others.
+/// The failures listed under a mistake, and the other mistakes that they need.
 #[derive(Clone, Default)]
 struct Share {
     explains: Vec<usize>,
     with: Set,
 }
 
-/// What each of the mistakes found explains, and which failing cases none of them does.
+/// Returns a diagnosis for each mistake that explains failures, and the failures that none explains.
 pub(super) fn attribute(search: &Search, found: &Found) -> (Vec<(Id, Diagnosis)>, Vec<usize>) {
     let set = of(&found.members);
     let mut left = Vec::new();
@@ -31,7 +32,7 @@ pub(super) fn attribute(search: &Search, found: &Found) -> (Vec<(Id, Diagnosis)>
         .collect();
     let needed = search.each(&failed, |&w| needed(search, w, &set));
     for (w, needed) in failed.into_iter().zip(needed) {
-        // The case stands under the last of those that are indispensable.
+        // The case is listed under the last of the mistakes that it needs.
         let Some((&last, others)) = needed.split_last() else {
             left.push(w);
             continue;
@@ -66,8 +67,8 @@ pub(super) fn attribute(search: &Search, found: &Found) -> (Vec<(Id, Diagnosis)>
     (diagnoses, left)
 }
 
-/// Where whole formats fail in one way, that is all that can be seen: said instead of the mistakes that explain nothing
-/// else, unless one of them explains something else too.
+/// Describes whole formats that fail in one way, instead of the mistakes that explain nothing else. Returns `None` if one of
+/// these mistakes explains other failures too.
 fn of_whole(
     search: &Search,
     whole: &WholeFormats,
@@ -87,7 +88,7 @@ fn of_whole(
     for (member, share) in members.iter().zip(shares) {
         if share.explains.iter().any(is_of) {
             let ids = std::iter::once(&member.id).chain(&member.alike);
-            // Others may fail some of these files alone.
+            // Other mistakes may fail only some of these files.
             let explains = |&&id: &&Id| {
                 let agrees = |&w: &usize| search.agreement(w, &[id]).explains();
                 whole.of.iter().all(agrees)
@@ -100,11 +101,12 @@ fn of_whole(
         share.explains.retain(|w| !is_of(w));
     }
     left.retain(|w| !is_of(w));
-    // No mistake has this place: nothing else stands under it in part.
+    // No mistake has this id, so no failure is explained by it in part.
     Some((Id::MAX, whole.describe(search.witnesses, alike)))
 }
 
-/// Whether more files speak against a mistake of the catalog than for it, or malformed files alone for it and others against it.
+/// Returns true if more cases contradict a misreading than support it, or if only malformed files support it and some case
+/// contradicts it.
 fn is_denied_guess(search: &Search, member: &Member, share: &Share) -> bool {
     let Some(misreading) = search.mistakes[member.id].listed() else {
         return false;
@@ -115,11 +117,11 @@ fn is_denied_guess(search: &Search, member: &Member, share: &Share) -> bool {
     against > share.explains.len() || against > 0 && is_guess()
 }
 
-/// Failing files that are held against a mistake beside another.
+/// Failing files on which two mistakes are tried together.
 const MAX_FILES_ASKED: usize = 64;
 
-/// Whether more of the files that another mistake explains by itself speak against this one than files for it: in a decoder
-/// that made both, these would be wrong otherwise.
+/// Returns true if more of the files that another mistake explains alone contradict this mistake than support it. A decoder that
+/// makes both would show other values in these files.
 fn is_denied_beside(search: &Search, set: &[Id], shares: &[Share], place: usize) -> bool {
     let own = shares[place].explains.len();
     if own == 0 {
@@ -139,7 +141,7 @@ fn is_denied_beside(search: &Search, set: &[Id], shares: &[Share], place: usize)
     denied.into_iter().filter(|denied| *denied).count() > own
 }
 
-/// Pictures that are wrong otherwise than this mistake alone would make them, of the formats of those that it explains.
+/// Counts the wrong images that this mistake changes but does not reproduce, in the formats of the failures that it explains.
 fn otherwise(search: &Search, id: Id, share: &Share) -> usize {
     let witnesses = search.witnesses;
     let format = |w: usize| witnesses[w].case.format();
@@ -167,7 +169,7 @@ fn diagnosis(search: &Search, member: &Member, share: &Share) -> Diagnosis {
     let Some(misreading) = mistake.of_catalog() else {
         return of_found(search, mistake, share);
     };
-    // What is made in some files only is not what the catalog has.
+    // A mistake that is limited to some files is not the misreading of the catalog.
     let alike = member
         .alike
         .iter()
@@ -200,7 +202,7 @@ fn places(search: &Search, of: &[usize]) -> Vec<usize> {
     of.iter().map(|&w| search.witnesses[w].place).collect()
 }
 
-/// A mistake that was found by trying: an edit of a formula, or a misreading that is made in some files only.
+/// Returns the diagnosis of an edit of a formula, or of a misreading that is limited to some files or channels.
 fn of_found(search: &Search, mistake: &Mistake, share: &Share) -> Diagnosis {
     let witnesses = search.witnesses;
     let misreading = mistake.misreading;
@@ -210,15 +212,7 @@ fn of_found(search: &Search, mistake: &Mistake, share: &Share) -> Diagnosis {
         scope => format!(", only in files {}", scope.describe()),
     };
     let (effect, fix) = match (mistake.listed(), misreading.at) {
-        (None, At::Edits([edit])) => (
-            format!(
-                "computes {} as {} instead of {}",
-                edit.formula.stated().computes,
-                edit.computes(),
-                edit.stated()
-            ),
-            format!("compute {}", edit.stated()),
-        ),
+        (None, At::Edits([edit])) => computed(edit),
         _ => (
             misreading.effect.to_owned(),
             format!(
@@ -239,7 +233,26 @@ fn of_found(search: &Search, mistake: &Mistake, share: &Share) -> Diagnosis {
     }
 }
 
-/// Which of `set` explain a failure: one alone, or those that cannot be missed; none if all together do not.
+/// Returns the effect and the fix of an edit.
+fn computed(edit: &Edit) -> (String, String) {
+    let (what, computes, stated) = (
+        edit.formula.stated().computes,
+        edit.computes(),
+        edit.stated(),
+    );
+    match edit.change {
+        Change::Table(_) => (
+            format!("maps {what} through {computes}"),
+            "compare the example with the bytes that it comes from".to_owned(),
+        ),
+        Change::Expression(_) => (
+            format!("computes {what} as {computes} instead of {stated}"),
+            format!("compute {stated}"),
+        ),
+    }
+}
+
+/// Returns the places of the mistakes in `set` that a failure needs: one that explains it alone, or all that are indispensable.
 fn needed(search: &Search, w: usize, set: &[Id]) -> Vec<usize> {
     let explained = |set: &[Id]| search.agreement(w, set).explains();
     if let Some(alone) = (0..set.len()).find(|&member| explained(&[set[member]])) {
@@ -252,7 +265,7 @@ fn needed(search: &Search, w: usize, set: &[Id]) -> Vec<usize> {
     if needed.is_empty() { vec![0] } else { needed }
 }
 
-/// The members of `set` without each of which something no longer `holds` of it.
+/// Returns the places of the members without which `holds` is no longer true.
 pub(super) fn indispensable(set: &[Id], holds: impl Fn(&[Id]) -> bool) -> Vec<usize> {
     let is_needed = |&member: &usize| {
         let mut without = set.to_vec();
@@ -262,7 +275,7 @@ pub(super) fn indispensable(set: &[Id], holds: impl Fn(&[Id]) -> bool) -> Vec<us
     (0..set.len()).filter(is_needed).collect()
 }
 
-/// Failures that are near to one of the mistakes found stand under it, in part.
+/// Lists failures that a mistake explains in part under it, and removes them from `left`.
 pub(super) fn attribute_in_part(
     search: &Search,
     found: &Found,

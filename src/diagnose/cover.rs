@@ -3,7 +3,7 @@
 //! - The candidate that explains most failures is chosen first, and then the next for the failures that are left.
 //! - A candidate that explains no more failures than passing cases contradict is chosen after all others.
 //! - Of candidates that explain equally many, the one with fewer contradictions is chosen, then the earlier one.
-//! - Candidates that explain the same failures and have the same contradictions are alike: no case tells them apart.
+//! - Candidates that explain the same failures and have the same contradictions are alike: no case separates them.
 
 use std::cmp::Reverse;
 
@@ -17,7 +17,7 @@ pub(crate) struct CoverCandidate<T> {
     pub explains: Vec<usize>,
     /// Passing cases that it would have failed.
     pub contradicted: Vec<usize>,
-    /// Causes that no case tells from it. Filled in by [`cover`].
+    /// Causes that no case separates from it. Filled in by [`cover`].
     pub alike: Vec<T>,
 }
 

@@ -1,4 +1,4 @@
-//! What a mistake is worth that explains part of a picture.
+//! The worth of a mistake that explains part of an image.
 
 use super::pair::Pair;
 use super::tuning::WORTH_OF_PART_OF_AN_IMAGE;
@@ -6,8 +6,8 @@ use super::witness::Witness;
 use crate::protocol::frame::Answer;
 use crate::session::observation::Response;
 
-/// For each channel that the reference has wrong and this answer has right, its part of [`WORTH_OF_PART_OF_AN_IMAGE`]; nothing where another
-/// channel goes wrong instead.
+/// Returns the share of [`WORTH_OF_PART_OF_AN_IMAGE`] for the wrong channels that this answer reproduces, or 0 if it spoils a
+/// correct channel.
 pub(super) fn credit(witness: &Witness, answer: &Answer) -> i64 {
     let Response::Picture {
         frame: Some(received),
@@ -19,7 +19,7 @@ pub(super) fn credit(witness: &Witness, answer: &Answer) -> i64 {
     let (Answer::Decoded(right), Answer::Decoded(made)) = (&witness.right, answer) else {
         return 0;
     };
-    let (Some(right), Some(made)) = (Pair::of(right, received), Pair::of(made, received)) else {
+    let (Some(right), Some(made)) = (Pair::new(right, received), Pair::new(made, received)) else {
         return 0;
     };
     if right.width * right.height < 4 {

@@ -1,31 +1,31 @@
-//! What is said of a failing decoder: a cause, and the cases that it explains.
+//! The cause of a failure, and the cases that it explains.
 
 use super::witness::Witness;
 use crate::misreadings::{At, Misreading};
 
 /// A cause and what it explains.
 pub struct Diagnosis<A: 'static = At> {
-    /// What it is.
+    /// The cause.
     pub cause: Cause<A>,
-    /// Failing cases it reproduces, by their place in the suite.
+    /// Failing cases that it reproduces, by their places in the suite.
     pub explains: Vec<usize>,
-    /// Failing cases in which a decoder with this mistake would go wrong too, but not quite in this way.
+    /// Failing cases that it explains in part.
     pub partly: Vec<usize>,
-    /// Passing cases that a decoder with this mistake would fail: the mistake is made, but not everywhere.
+    /// Passing cases that a decoder with this mistake would fail.
     pub except: Vec<usize>,
-    /// All that can be observed of it, as a sentence without its subject, where the mistake is but one that would look so.
-    pub shows: Option<String>,
-    /// Whether a decoder with this mistake was held against every case, and gives the answers that were received.
+    /// The observation in words, if other mistakes would look the same. A report states it instead of the cause.
+    pub shows: Option<Cause<A>>,
+    /// True if a decoder with this mistake was compared with every case, and reproduces the responses.
     pub certain: bool,
 }
 
-/// What a search for causes brought.
+/// The result of a search for causes.
 pub struct Causes<A: 'static = At> {
-    /// Most telling first.
+    /// The diagnoses, the one that explains most first.
     pub diagnoses: Vec<Diagnosis<A>>,
-    /// What panicked in the search, a fault of ours: each cost the cause it was after.
+    /// Messages of panics in the search. Each is a bug in this program, and costs one cause.
     pub faults: Vec<String>,
-    /// How much work it was: answers of decoders with mistakes that were made.
+    /// The number of answers of decoders with mistakes that were computed.
     pub answered: usize,
 }
 
@@ -39,35 +39,35 @@ impl<A> From<Vec<Diagnosis<A>>> for Causes<A> {
     }
 }
 
-/// What is wrong.
+/// A cause of failures.
 pub enum Cause<A: 'static = At> {
     /// A mistake of the catalog.
     Misreading {
         /// The mistake.
         misreading: &'static Misreading<A>,
-        /// Others that explain the same cases as well.
+        /// Misreadings that explain the same cases equally well.
         alike: Vec<&'static Misreading<A>>,
-        /// Others that are made as well, in the same cases.
+        /// Misreadings that show in the same cases too.
         with: Vec<&'static Misreading<A>>,
     },
-    /// A difference that no mistake of the catalog makes.
+    /// A difference that no misreading of the catalog produces.
     Described {
-        /// What kind of failure it is.
+        /// The kind of failure.
         category: Category,
         /// The clause that the cases are about.
         clause: String,
-        /// What the decoder does, as a sentence without its subject: "refuses …".
+        /// The decoder's behavior, as a sentence without its subject: "refuses …".
         effect: String,
-        /// What to do about it.
+        /// The advice, as a command: "read …".
         fix: String,
-        /// The first example, down to the bytes of the file.
+        /// One failing case in detail, down to the bytes of the file.
         example: String,
-        /// Mistakes of the catalog that would look the same.
+        /// Misreadings that would look the same.
         alike: Vec<&'static Misreading<A>>,
     },
 }
 
-/// Kinds of failure that are told apart.
+/// The kinds of failure.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Category {
     /// Legal files were refused, or ended in a crash.
@@ -76,14 +76,14 @@ pub enum Category {
     Acceptance,
     /// Files that must or may be refused ended in a crash, a hang or a malformed frame.
     Violation,
-    /// Pictures are wrong.
+    /// Images are wrong.
     Difference,
-    /// The same request is answered in two ways.
+    /// The same request has different responses.
     Nondeterminism,
 }
 
 impl Category {
-    /// As it stands in a report.
+    /// Returns the name in a report.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -118,7 +118,7 @@ impl<A> Diagnosis<A> {
 }
 
 impl Diagnosis {
-    /// A cause in words, of `of` among the `witnesses`; about the clause that tells these from the others.
+    /// Returns the diagnosis that describes these witnesses, with the clause that they have more often than the others.
     pub(super) fn described(
         category: Category,
         witnesses: &[Witness],
@@ -136,7 +136,7 @@ impl Diagnosis {
         Diagnosis::of(cause, of.iter().map(|&w| witnesses[w].place).collect())
     }
 
-    /// The same, where these mistakes of the catalog would look the same.
+    /// Sets the misreadings that would look the same.
     pub(super) fn like(mut self, others: Vec<&'static Misreading>) -> Diagnosis {
         if let Cause::Described { alike, .. } = &mut self.cause {
             *alike = others;
@@ -144,7 +144,7 @@ impl Diagnosis {
         self
     }
 
-    /// The same, about a clause that is known better than by what the cases are about.
+    /// Sets the clause, if it is known better than from the clauses of the cases.
     pub(super) fn about(mut self, known: &str) -> Diagnosis {
         if let Cause::Described { clause, .. } = &mut self.cause {
             known.clone_into(clause);
@@ -153,7 +153,7 @@ impl Diagnosis {
     }
 }
 
-/// The clause that tells these cases from the others: most of them are about it, and few others are.
+/// Returns the clause that most of these cases are about and few others.
 fn common_clause(witnesses: &[Witness], of: &[usize]) -> Option<String> {
     let about = |clause: &String, w: &&usize| witnesses[**w].case.clauses.contains(clause);
     let all: Vec<usize> = (0..witnesses.len()).collect();

@@ -1,4 +1,4 @@
-//! What a decoder does instead of showing a picture.
+//! The ways in which a decoder fails to show an image.
 
 use std::fmt;
 
@@ -6,7 +6,7 @@ use super::witness::Witness;
 use crate::protocol::frame::Answer;
 use crate::session::observation::Response;
 
-/// One way not to show a picture. Two files fail alike if these are equal.
+/// A response without an image. Two files fail in the same way if their modes are equal.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) enum FailureMode {
     Refuses,
@@ -14,14 +14,14 @@ pub(super) enum FailureMode {
     /// With the exit status or the signal.
     Crashes(String),
     Hangs,
-    /// With what is wrong with the frame, but for the numbers, which differ from file to file.
+    /// With the error of the frame, up to its first number.
     MalformedFrame(String),
     /// Another violation of the protocol.
     Other(&'static str),
 }
 
 impl FailureMode {
-    /// How `witness` was answered; nothing where a picture was shown.
+    /// Returns the mode of a response, or `None` for an image.
     pub fn of(witness: &Witness) -> Option<FailureMode> {
         Some(match &witness.observation.response {
             Response::Picture { .. } => return None,
@@ -37,7 +37,7 @@ impl FailureMode {
         })
     }
 
-    /// The modes among these witnesses, the most frequent first.
+    /// Returns the modes of these witnesses, the most frequent first.
     pub fn among(witnesses: &[Witness], of: &[usize]) -> Vec<FailureMode> {
         let mut modes: Vec<(FailureMode, usize)> = Vec::new();
         for mode in of.iter().filter_map(|&w| FailureMode::of(&witnesses[w])) {
@@ -50,7 +50,7 @@ impl FailureMode {
         modes.into_iter().map(|(mode, _)| mode).collect()
     }
 
-    /// Those of these witnesses that fail so.
+    /// Returns the witnesses that fail in this way.
     pub fn select(&self, witnesses: &[Witness], of: &[usize]) -> Vec<usize> {
         let fails_so = |w: &usize| FailureMode::of(&witnesses[*w]).as_ref() == Some(self);
         of.iter().copied().filter(fails_so).collect()
@@ -58,20 +58,20 @@ impl FailureMode {
 }
 
 impl fmt::Display for FailureMode {
-    /// A verb that the files follow: "refuses", "crashes (exit status 1) on".
+    /// Writes a verb whose object is the files: "refuses", "crashes (exit status 1) on".
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             FailureMode::Refuses => f.write_str("refuses"),
-            FailureMode::Unsupported => f.write_str("answers 69 (unsupported) to"),
+            FailureMode::Unsupported => f.write_str("exits with 69 (unsupported) on"),
             FailureMode::Crashes(how) => write!(f, "crashes ({how}) on"),
             FailureMode::Hangs => f.write_str("does not terminate on"),
             FailureMode::MalformedFrame(what) if what.is_empty() => {
-                f.write_str("gives no well-formed frame (its output is no frame) for")
+                f.write_str("writes no frame to standard output for")
             }
             FailureMode::MalformedFrame(what) => {
-                write!(f, "gives no well-formed frame ({what}) for")
+                write!(f, "writes a malformed frame ({what}) for")
             }
-            FailureMode::Other(name) => write!(f, "ends in {name} on"),
+            FailureMode::Other(name) => write!(f, "fails ({name}) on"),
         }
     }
 }

@@ -1,14 +1,15 @@
-//! From failures to causes: what to fix, in a sentence.
+//! The search for the causes of failures.
 //!
-//! Before a cause is said it is held against every case: it must give the decoder's own picture or refusal, and no passing
-//! case may deny it. First the catalog: the smallest set of misreadings with which a decoder answers the same. What no
-//! misreading explains is solved from the pictures: right values in wrong places, values that are a function of the right
-//! ones, wrong numbers in a formula. What is then left is put into words: refusals by what the refused files share,
-//! acceptances by the damage, pictures by how they differ and where; and what is unknown is said to be.
+//! 1. `search` finds the smallest set of mistakes that reproduces the decoder's responses. Its candidates are the misreadings of
+//!    the catalog. If these explain too little, `edits` and `learned` add candidates: edits of one formula, and tables that are
+//!    read from the images.
+//! 2. `coincidences` removes mistakes that agree with a few responses by chance.
+//! 3. `attribution` lists each failing case under the mistake that explains it.
+//! 4. `words` describes the remaining failures: refusals by a property that the refused files share, acceptances by the damage,
+//!    images by the step at which their values first differ.
 //!
-//! `witness` holds a case against what a decoder with some mistakes would answer, `search` finds the mistakes, `solve`
-//! those that no list has: in `values`, in the `layout` of a file, in `planes`, in the `codecs`. `files` tells in
-//! which files; `attribution` what each explains; `words` what is left.
+//! `witness` compares a response with the answer of a decoder that makes some mistakes; `scope` and `properties` limit a mistake
+//! to some files.
 
 mod answers;
 mod assume;
@@ -46,8 +47,8 @@ use search::Search;
 use tuning::MIN_FAILURES_OF_A_READING;
 use witness::{reference_reading, witnesses};
 
-/// Why the failures of `run` failed; most telling first. `assumed` are mistakes that the user knows of. Where the user
-/// ends the search, most failures have no cause.
+/// Returns the causes of the failures of `run`, the one that explains most first. `assumed` are mistakes that the user takes as
+/// given. If the user interrupts the search, most failures have no cause.
 #[must_use]
 pub fn diagnose(
     suite: &Suite,
@@ -58,7 +59,7 @@ pub fn diagnose(
     diagnose_by(suite, run, assumed, threads, edits::add_candidates)
 }
 
-/// As [`diagnose`], with another way to add mistakes that the catalog lacks.
+/// Like [`diagnose`], with another source of mistakes that the catalog lacks.
 fn diagnose_by(
     suite: &Suite,
     run: &Run,
@@ -78,31 +79,31 @@ fn diagnose_by(
     }
     let searched = |witnesses| {
         let mut search = Search::new(witnesses, assumed, threads, &run.stop);
-        let found = match words::nondeterminism::prevails(run) {
+        let found = match words::nondeterminism::is_prevalent(run) {
             true => search::Found::default(),
             false => search.run(&add_candidates),
         };
         (search, found)
     };
     let (mut search, mut found) = searched(&by_dialect);
-    // A mistake may look like another reading of an open question: then it tells more beside the reference's own.
+    // A mistake may look like another reading of an open question. Then the reference's reading leaves less unexplained.
     let is_plain = found.members.is_empty() || search.cost(&found) <= MIN_FAILURES_OF_A_READING;
     let by_reference = reference_reading(run)
         .filter(|_| !is_plain)
         .map(|reading| witnesses(suite, run, Some(reading), threads));
     if let Some(by_reference) = &by_reference {
-        let (other, beside) = searched(by_reference);
-        if other.cost(&beside) < search.cost(&found) + MIN_FAILURES_OF_A_READING {
-            (search, found) = (other, beside);
+        let (other, other_found) = searched(by_reference);
+        if other.cost(&other_found) < search.cost(&found) + MIN_FAILURES_OF_A_READING {
+            (search, found) = (other, other_found);
         }
     }
     if search.is_interrupted() {
         return diagnoses.into();
     }
     search.guarded(|| coincidences::remove(&search, &mut found));
-    let mut causes = told(&search, &found);
+    let mut causes = describe(&search, &found);
     causes.append(&mut diagnoses);
-    // What explains most comes first; what is known for certain counts more than what is put into words.
+    // The cause that explains most comes first; a certain cause counts more than a description.
     causes.sort_by_key(|diagnosis| {
         let explained = diagnosis.explains.len() + diagnosis.partly.len();
         std::cmp::Reverse(explained * if diagnosis.certain { 4 } else { 1 })
@@ -114,8 +115,8 @@ fn diagnose_by(
     }
 }
 
-/// What each mistake that was found explains, and what is left, in words.
-fn told(search: &Search, found: &search::Found) -> Vec<Diagnosis> {
+/// Attributes failures to the mistakes that were found, and describes the other failures.
+fn describe(search: &Search, found: &search::Found) -> Vec<Diagnosis> {
     let witnesses = search.witnesses;
     let (mut attributed, mut left) = attribution::attribute(search, found);
     let mut causes = search.guarded(|| words::formats::describe(witnesses, &mut left));
@@ -126,9 +127,9 @@ fn told(search: &Search, found: &search::Found) -> Vec<Diagnosis> {
         attribution::attribute_in_part(search, found, &mut attributed, &mut left);
     });
     causes.extend(refusals);
-    causes.extend(search.guarded(|| words::refusals::rest(witnesses, &mut left)));
+    causes.extend(search.guarded(|| words::refusals::describe_unexplained(witnesses, &mut left)));
     causes.extend(violation);
-    // Where nothing is explained there is no cause above that others could stand beside.
+    // Without a named mistake, images are compared with the reference alone.
     let is_cause = |(id, _): &(search::Id, Diagnosis)| *id < search.mistakes.len();
     let set = match attributed.iter().any(is_cause) {
         true => search::of(&found.members),
@@ -150,7 +151,7 @@ mod tests {
     use crate::session::run::check;
 
     #[test]
-    fn a_fault_in_the_search_is_told_and_costs_only_what_it_was_after() {
+    fn a_panic_in_the_search_is_reported_and_costs_one_cause() {
         let mut suite = Suite::load().expect("the suite loads");
         suite.cases.retain(|case| case.first);
         let ask = |request: &Request<'_>, _: usize| {

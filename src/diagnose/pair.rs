@@ -1,10 +1,10 @@
-//! A picture as it was received, beside the one that was expected.
+//! An image as received, and the expected image.
 
 use crate::protocol::frame::{Frame, Samples};
 use crate::ptm::channel_name;
 use crate::suite::compare::{COLOR, is_close};
 
-/// A picture and what it should be, of the same shape.
+/// A received and an expected image of the same shape.
 pub(super) struct Pair {
     pub width: usize,
     pub height: usize,
@@ -15,7 +15,8 @@ pub(super) struct Pair {
 }
 
 impl Pair {
-    pub fn of(wanted: &Frame, shown: &Frame) -> Option<Pair> {
+    /// Returns the pair of two images, or `None` if their shapes differ.
+    pub fn new(wanted: &Frame, shown: &Frame) -> Option<Pair> {
         let numbers = |samples: &Samples| -> Vec<f64> {
             match samples {
                 Samples::U8(bytes) => bytes.iter().map(|&byte| f64::from(byte)).collect(),
@@ -41,7 +42,8 @@ impl Pair {
         })
     }
 
-    pub fn near(&self, a: f64, b: f64) -> bool {
+    /// Returns true if two samples are equal within the tolerance of the view.
+    pub fn is_near(&self, a: f64, b: f64) -> bool {
         match self.view {
             "raw" => a == b,
             "rgb" => (a - b).abs() <= COLOR,
@@ -49,18 +51,19 @@ impl Pair {
         }
     }
 
-    /// Samples that are not as they should be.
+    /// Returns the places of the wrong samples.
     pub fn wrong(&self) -> Vec<usize> {
         (0..self.want.len())
-            .filter(|&i| !self.near(self.want[i], self.got[i]))
+            .filter(|&i| !self.is_near(self.want[i], self.got[i]))
             .collect()
     }
 
-    pub fn name(&self, channel: usize) -> String {
+    /// Returns the name of a channel.
+    pub fn channel_name(&self, channel: usize) -> String {
         channel_name(self.channels, channel)
     }
 
-    /// For each channel, whether any of its samples is not as it should be.
+    /// Returns, for each channel, true if one of its samples is wrong.
     pub fn wrong_channels(&self) -> Vec<bool> {
         let mut wrong = vec![false; self.channels];
         for i in self.wrong() {

@@ -1,5 +1,4 @@
-//! Properties of a file, by which files that are treated alike can be described. Each was needed for a real reader, or is a key
-//! of `make:` in the cases.
+//! Properties that describe a set of files. Each was needed for a real reader, or is a key of `make:` in the cases.
 
 use super::witness::Witness;
 use crate::generate::Recipe;
@@ -9,17 +8,17 @@ use crate::generate::spelling::{Count, Line, Lists};
 use crate::protocol::frame::{Answer, View};
 use crate::ptm::{Field, Format};
 
-/// All that is known of one file.
+/// The properties and quantities of one file.
 pub(super) struct Facts {
-    /// For each of [`PROPERTIES`], whether the file has it.
+    /// For each of [`PROPERTIES`], true if the file has it.
     pub properties: Vec<bool>,
     /// For each of [`QUANTITIES`], its value.
     pub quantities: Vec<Option<f64>>,
 }
 
 impl Facts {
-    pub fn of(witness: &Witness) -> Facts {
-        let file = File::of(witness);
+    pub fn new(witness: &Witness) -> Facts {
+        let file = File::new(witness);
         Facts {
             properties: PROPERTIES
                 .iter()
@@ -33,7 +32,7 @@ impl Facts {
     }
 }
 
-/// A file as the properties see it.
+/// The parts of a file that the properties depend on.
 pub(super) struct File<'a> {
     view: &'a View,
     format: Format,
@@ -48,7 +47,7 @@ pub(super) struct File<'a> {
 }
 
 impl<'a> File<'a> {
-    fn of(witness: &'a Witness) -> File<'a> {
+    fn new(witness: &'a Witness) -> File<'a> {
         let file = &witness.built.file;
         let (header, data) = file.split_at(witness.payload().min(file.len()));
         let texts = |clause: &str| -> Vec<&str> {
@@ -113,7 +112,7 @@ impl<'a> File<'a> {
         }
     }
 
-    /// The motion vectors of predicted planes that are displaced.
+    /// Returns the motion vectors of the predicted planes.
     fn vectors(&self) -> Vec<(i32, i32)> {
         let Some(plan) = self.plan.filter(|plan| plan.moves()) else {
             return Vec::new();
@@ -133,109 +132,109 @@ impl<'a> File<'a> {
         })
     }
 
-    /// The largest position, or another number, of all records.
-    fn largest_of_records(&self, of: fn(&StoredPlane) -> Option<u32>) -> Option<f64> {
-        self.planes.iter().filter_map(of).max().map(f64::from)
+    /// Returns the largest number of a kind in the side information of all planes.
+    fn largest_of_records(&self, number: fn(&StoredPlane) -> Option<u32>) -> Option<f64> {
+        self.planes.iter().filter_map(number).max().map(f64::from)
     }
 }
 
-/// Words that complete "files …", whether it is the view that was asked for, and the condition.
+/// Words that complete "files …", true if it is the requested view, and the condition.
 type Property = (&'static str, bool, fn(&File) -> bool);
 
-const fn of(words: &'static str, holds: fn(&File) -> bool) -> Property {
+const fn property(words: &'static str, holds: fn(&File) -> bool) -> Property {
     (words, false, holds)
 }
 
 pub(super) const PROPERTIES: &[Property] = &[
-    // What is asked for
-    ("if stored values are asked for", true, |f| {
+    // Views
+    ("if stored values are requested", true, |f| {
         *f.view == View::Raw
     }),
-    ("if final values are asked for", true, |f| {
+    ("if final values are requested", true, |f| {
         *f.view == View::Coef
     }),
-    ("if colors are asked for", true, |f| f.light().is_some()),
-    of("under a light whose u is negative", |f| {
+    ("if colors are requested", true, |f| f.light().is_some()),
+    property("under a light whose u is negative", |f| {
         f.light().is_some_and(|(u, _)| u < 0.0)
     }),
-    of("under a light whose v is negative", |f| {
+    property("under a light whose v is negative", |f| {
         f.light().is_some_and(|(_, v)| v < 0.0)
     }),
-    of("under a light other than (0, 0)", |f| {
+    property("under a light other than (0, 0)", |f| {
         f.light().is_some_and(|light| light != (0.0, 0.0))
     }),
-    of("under a light outside the unit circle", |f| {
+    property("under a light outside the unit circle", |f| {
         f.light().is_some_and(|(u, v)| u * u + v * v > 1.0)
     }),
     // Formats
-    of("with compressed planes", |f| f.format.is_compressed()),
-    of("without compressed planes", |f| !f.format.is_compressed()),
-    of("with JPEG planes", |f| f.format.is_jpeg()),
-    of("with JPEG-LS planes", |f| f.format.is_jpeg_ls()),
-    of("with a lookup table", |f| f.format.has_table()),
-    of("with 18 channels", |f| f.format.channels() == 18),
-    of("with a table of more than 256 entries", |f| {
+    property("with compressed planes", |f| f.format.is_compressed()),
+    property("without compressed planes", |f| !f.format.is_compressed()),
+    property("with JPEG planes", |f| f.format.is_jpeg()),
+    property("with JPEG-LS planes", |f| f.format.is_jpeg_ls()),
+    property("with a lookup table", |f| f.format.has_table()),
+    property("with 18 channels", |f| f.format.channels() == 18),
+    property("with a table of more than 256 entries", |f| {
         f.entries().is_some_and(|n| n > 256)
     }),
-    of("with a table of 256 entries", |f| f.entries() == Some(256)),
+    property("with a table of 256 entries", |f| f.entries() == Some(256)),
     // Spelling
-    of("with width and height on one line", |f| {
+    property("with width and height on one line", |f| {
         f.is_made(|r| !r.spelling.size_on_two_lines)
     }),
-    of("with width and height on two lines", |f| {
+    property("with width and height on two lines", |f| {
         f.is_made(|r| r.spelling.size_on_two_lines)
     }),
-    of("with scales and biases on one line", |f| {
+    property("with scales and biases on one line", |f| {
         f.is_made(|r| !r.spelling.scale_bias_on_two_lines)
     }),
-    of("with scales and biases on two lines", |f| {
+    property("with scales and biases on two lines", |f| {
         f.is_made(|r| r.spelling.scale_bias_on_two_lines)
     }),
-    of("with several spaces between two numbers", |f| {
+    property("with several spaces between two numbers", |f| {
         f.is_made(|r| r.spelling.gap > 1)
     }),
-    of("with a space before a line feed", |f| {
+    property("with a space before a line feed", |f| {
         f.is_made(|r| !r.spelling.space_before_newline.is_empty())
     }),
-    of("with a space after the version", |f| {
+    property("with a space after the version", |f| {
         f.has_space(Line::Version)
     }),
-    of("with a space after the format", |f| {
+    property("with a space after the format", |f| {
         f.has_space(Line::Format)
     }),
-    of("with a space after the width", |f| f.has_space(Line::Width)),
-    of("with a space after the height", |f| {
+    property("with a space after the width", |f| f.has_space(Line::Width)),
+    property("with a space after the height", |f| {
         f.has_space(Line::Height)
     }),
-    of("with a space after the scales", |f| {
+    property("with a space after the scales", |f| {
         f.has_space(Line::Scale)
     }),
-    of("with a space after the biases", |f| f.has_space(Line::Bias)),
-    of("with the matrix on several lines", |f| {
+    property("with a space after the biases", |f| f.has_space(Line::Bias)),
+    property("with the matrix on several lines", |f| {
         f.format == Format::Lum && f.is_made(|r| r.spelling.matrix_line < 16)
     }),
-    of(
+    property(
         "with the number of entries written as a number alone",
         |f| f.format.has_table() && f.is_made(|r| r.spelling.count == Count::Number),
     ),
-    of(
+    property(
         "with the numbers of a list on several lines or of several lists on one",
         |f| f.format.is_compressed() && f.is_made(|r| r.spelling.lists != Lists::default()),
     ),
     // Numbers
-    of("with a negative bias", |f| {
+    property("with a negative bias", |f| {
         f.numbers[1].iter().any(|text| text.starts_with('-'))
     }),
-    of("with a negative scale", |f| {
+    property("with a negative scale", |f| {
         f.numbers[0].iter().any(|text| text.starts_with('-'))
     }),
-    of("with a number in scientific notation", |f| {
+    property("with a number in scientific notation", |f| {
         f.has_number(|text| text.contains(['e', 'E']))
     }),
-    of("with a number that starts with a plus sign", |f| {
+    property("with a number that starts with a plus sign", |f| {
         f.has_number(|text| text.starts_with('+'))
     }),
-    of(
+    property(
         "with a number that starts or ends with its decimal point",
         |f| {
             f.has_number(|text| {
@@ -243,61 +242,61 @@ pub(super) const PROPERTIES: &[Property] = &[
             })
         },
     ),
-    of("with a number too small for a float", |f| {
+    property("with a number too small for a float", |f| {
         f.has_number(|text| {
             text.parse()
                 .is_ok_and(|value: f64| value != 0.0 && value as f32 == 0.0)
         })
     }),
     // Data
-    of("with white space at the start of the binary data", |f| {
+    property("with white space at the start of the binary data", |f| {
         f.starts_with(|byte| matches!(byte, 9..=13 | b' '))
     }),
-    of("with a line feed at the start of the binary data", |f| {
+    property("with a line feed at the start of the binary data", |f| {
         f.starts_with(|byte| byte == b'\n')
     }),
     // Size
-    of("of odd width", |f| f.has_size(|width, _| width % 2 == 1)),
-    of("of odd height", |f| f.has_size(|_, height| height % 2 == 1)),
-    of(
+    property("of odd width", |f| f.has_size(|width, _| width % 2 == 1)),
+    property("of odd height", |f| f.has_size(|_, height| height % 2 == 1)),
+    property(
         "of several rows with a width that is not a multiple of 4",
         |f| f.has_size(|width, height| width % 4 != 0 && height > 1),
     ),
-    of("with a width or height that is not a multiple of 8", |f| {
+    property("with a width or height that is not a multiple of 8", |f| {
         f.has_size(|width, height| width % 8 != 0 || height % 8 != 0)
     }),
-    of("of unequal width and height", |f| {
+    property("of unequal width and height", |f| {
         f.has_size(|width, height| width != height)
     }),
-    of("wider than high", |f| {
+    property("wider than high", |f| {
         f.has_size(|width, height| width > height)
     }),
-    of("higher than wide", |f| {
+    property("higher than wide", |f| {
         f.has_size(|width, height| height > width)
     }),
     // Compression
-    of("with predicted planes", |f| {
+    property("with predicted planes", |f| {
         f.is_planned(Compression::predicts)
     }),
-    of("with a transform other than 0", |f| {
+    property("with a transform other than 0", |f| {
         f.is_planned(|plan| plan.transforms.iter().any(|&transform| transform != 0))
     }),
-    of("with inverted references", |f| {
+    property("with inverted references", |f| {
         f.is_planned(Compression::inverts)
     }),
-    of("with displaced references", |f| {
+    property("with displaced references", |f| {
         f.is_planned(Compression::moves)
     }),
-    of("with references that are inverted and displaced", |f| {
+    property("with references that are inverted and displaced", |f| {
         f.is_planned(|plan| plan.transforms.contains(&3))
     }),
-    of("with motion vectors of half texels", |f| {
+    property("with motion vectors of half texels", |f| {
         f.vectors().iter().any(|(x, y)| (x | y) & 1 == 1)
     }),
-    of("with negative motion vectors", |f| {
+    property("with negative motion vectors", |f| {
         f.vectors().iter().any(|(x, y)| *x < 0 || *y < 0)
     }),
-    of("with an order other than 0, 1, 2, …", |f| {
+    property("with an order other than 0, 1, 2, …", |f| {
         f.is_planned(|plan| {
             plan.order
                 .iter()
@@ -305,53 +304,53 @@ pub(super) const PROPERTIES: &[Property] = &[
                 .any(|(p, &rank)| rank != p as i64)
         })
     }),
-    of("with a plane predicted from a later one", |f| {
+    property("with a plane predicted from a later one", |f| {
         f.is_planned(|plan| {
             (0..plan.order.len()).any(|p| plan.reference(p).is_some_and(|other| other > p))
         })
     }),
-    of("with a plane predicted from a predicted one", |f| {
+    property("with a plane predicted from a predicted one", |f| {
         f.is_planned(|plan| {
             (0..plan.order.len())
                 .any(|p| plan.reference(p).and_then(|q| plan.reference(q)).is_some())
         })
     }),
-    of("with side information", |f| {
+    property("with side information", |f| {
         f.planes.iter().any(|plane| !plane.records.is_empty())
     }),
-    of("with side information of intra planes", |f| {
+    property("with side information of intra planes", |f| {
         f.has_records(false)
     }),
-    of("with side information of predicted planes", |f| {
+    property("with side information of predicted planes", |f| {
         f.has_records(true)
     }),
-    of("with a compression parameter of 0", |f| {
+    property("with a compression parameter of 0", |f| {
         f.is_planned(|plan| plan.parameter == 0)
     }),
-    of("with restart markers", |f| {
+    property("with restart markers", |f| {
         f.is_planned(|plan| plan.stream.restart_interval > 0)
     }),
-    of("with several tables in one marker segment", |f| {
+    property("with several tables in one marker segment", |f| {
         f.is_planned(|plan| plan.stream.tables_together)
     }),
-    of("with unused tables in their streams", |f| {
+    property("with unused tables in their streams", |f| {
         f.is_planned(|plan| plan.stream.table_numbers.is_some())
     }),
-    of("with optimized Huffman tables", |f| {
+    property("with optimized Huffman tables", |f| {
         f.is_planned(|plan| plan.stream.optimized)
     }),
-    of("with 16-bit quantization tables", |f| {
+    property("with 16-bit quantization tables", |f| {
         f.format.is_jpeg() && f.is_planned(|plan| !plan.stream.baseline && plan.parameter < 24)
     }),
-    of("with sampling factors other than 1x1", |f| {
+    property("with sampling factors other than 1x1", |f| {
         f.format.is_jpeg() && f.is_planned(|plan| plan.stream.sampling != (1, 1))
     }),
-    of("with preset parameters (LSE)", |f| {
+    property("with preset parameters (LSE)", |f| {
         f.is_planned(|plan| plan.stream.presets.is_some())
     }),
 ];
 
-/// A number that files have.
+/// A number of a file.
 pub(super) struct Quantity {
     /// The clause about it.
     pub clause: &'static str,

@@ -22,6 +22,7 @@ pub(super) enum Scope {
 }
 
 impl Scope {
+    /// Returns true if the file is in the scope.
     pub fn holds(&self, witness: &Witness) -> bool {
         match self {
             Scope::All => true,
@@ -67,7 +68,7 @@ impl Scope {
             } => {
                 let [before, after] = QUANTITIES[*quantity].words;
                 let side = if *is_more { "more" } else { "less" };
-                format!("{before} {nearest} or {side} {after} (it reads {edge})")
+                format!("{before} {nearest} or {side} {after} (but not {edge})")
             }
         }
     }
@@ -79,8 +80,8 @@ pub(super) struct Shared {
     pub of: Vec<usize>,
 }
 
-/// Returns the scope that has most of `these` files and none of `others`, if it is no coincidence. The view that was asked for
-/// is a property only if `with_view`.
+/// Returns the scope that has most of `these` files and none of `others`, unless it may be a coincidence. The requested view is
+/// a property only if `with_view`.
 pub(super) fn shared_scope(
     witnesses: &[Witness],
     these: &[usize],
@@ -121,7 +122,7 @@ pub(super) fn shared_scope(
     })
 }
 
-/// Quantities beyond which there is none of the others and all of these that have the quantity.
+/// Returns the scopes by a quantity that separate all of `these` files from all `others`.
 fn thresholds(witnesses: &[Witness], these: &[usize], others: &[usize]) -> Vec<Scope> {
     let mut found = Vec::new();
     for quantity in 0..QUANTITIES.len() {
@@ -134,7 +135,7 @@ fn thresholds(witnesses: &[Witness], these: &[usize], others: &[usize]) -> Vec<S
         let (mine, theirs) = (values(these), values(others));
         let least = |of: &[f64]| of.iter().copied().fold(f64::MAX, f64::min);
         let most = |of: &[f64]| of.iter().copied().fold(f64::MIN, f64::max);
-        // One size that is read bounds nothing unless several files have it.
+        // A single size of the others bounds nothing unless several files have it.
         let is_one = least(&theirs) == most(&theirs) && theirs.len() < MIN_FILES_OF_A_SIZE;
         if mine.is_empty() || theirs.is_empty() || is_one {
             continue;
@@ -160,8 +161,7 @@ fn thresholds(witnesses: &[Witness], these: &[usize], others: &[usize]) -> Vec<S
     found
 }
 
-/// Returns the scope of a mistake that explains some failing files and that some passing files deny: their formats, if these
-/// differ, or a property.
+/// Returns the scope that has the `explained` files and none of the `denied` ones: their formats, or a property.
 pub(super) fn scope_between(
     witnesses: &[Witness],
     explained: &[usize],

@@ -369,7 +369,7 @@ impl<'a> Search<'a> {
         let text = panic.downcast_ref::<&str>().map(|text| (*text).to_owned());
         let text = text.or_else(|| panic.downcast_ref::<String>().cloned());
         let mut faults = self.faults.lock().unwrap_or_else(PoisonError::into_inner);
-        let text = text.unwrap_or_else(|| "a panic without words".to_owned());
+        let text = text.unwrap_or_else(|| "a panic without a message".to_owned());
         // What one of several threads said is told once.
         let is_told = faults.contains(&text) || text == "a scoped thread panicked";
         if faults.len() < MAX_FAULTS && !is_told {

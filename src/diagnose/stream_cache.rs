@@ -1,4 +1,4 @@
-//! Streams of planes that were decoded before: hundreds of mistakes act later, on the same planes.
+//! A cache of decoded streams. Hundreds of mistakes act after decoding, on the same planes.
 
 use std::collections::HashMap;
 use std::sync::Mutex;
@@ -8,16 +8,16 @@ use crate::error::Result;
 use crate::parts::PlaneStream;
 use crate::ptm::{Format, Size};
 
-/// Bytes of streams and samples that are kept.
-const MOST: usize = 128 << 20;
+/// Bytes of streams and samples that the cache holds.
+const MAX_CACHED_BYTES: usize = 128 << 20;
 
 type Samples = HashMap<Box<[u8]>, Box<[u8]>>;
 
-/// Samples by format, size and stream, and how many bytes that is. A decision of [`Reading`](crate::Reading) is a plain
-/// function, so what it remembers has to stand beside it.
+/// Samples by format, size and stream, and their size in bytes. The cache is global because a decision of
+/// [`Reading`](crate::Reading) is a plain function.
 static DECODED: Mutex<Option<(usize, HashMap<(Format, Size), Samples>)>> = Mutex::new(None);
 
-/// As the reference decodes a stream, but each only once.
+/// Decodes a stream like the reference, but each stream only once.
 pub(crate) fn stream_once(stream: &PlaneStream) -> Result<Vec<u8>> {
     let (format, size) = (stream.format, stream.size);
     let known = |cache: &Option<(usize, HashMap<_, Samples>)>| {
@@ -36,7 +36,7 @@ pub(crate) fn stream_once(stream: &PlaneStream) -> Result<Vec<u8>> {
     let samples = planes::stream(stream)?;
     let mut cache = DECODED.lock().expect("no worker panics");
     let (bytes, decoded) = cache.get_or_insert_default();
-    if *bytes > MOST {
+    if *bytes > MAX_CACHED_BYTES {
         (*bytes, *decoded) = Default::default();
     }
     *bytes += samples.len() + stream.bytes.len();

@@ -1,28 +1,27 @@
-//! The numbers that decide what the diagnosis accepts, how it ranks, and how long it searches: one constant a line, its reason
-//! above it.
+//! The thresholds, weights and budgets of the diagnosis: one constant per line, with its reason above it.
 
-// Worth of an answer that a mistake reproduces
-/// An image that is equal to the byte is no accident.
+// Worth of a response that a mistake reproduces
+/// An image that is equal to the byte is no coincidence.
 pub(super) const WORTH_OF_AN_IMAGE: i64 = 16;
-/// Many mistakes end in a refusal, so it says half as much as an image.
+/// Many mistakes end in a refusal, so it counts half as much as an image.
 pub(super) const WORTH_OF_A_REFUSAL: i64 = 8;
-/// A crash where the mistake refuses says still less; it is the least for which a mistake is named.
+/// A crash instead of a refusal counts less; it is the minimum worth of a named mistake.
 pub(super) const WORTH_OF_A_CRASH: i64 = 3;
-/// Part of an image, where other channels stay wrong, says less than a refusal.
+/// Part of an image counts less than a refusal if other channels stay wrong.
 pub(super) const WORTH_OF_PART_OF_AN_IMAGE: usize = 6;
-/// A refusal where an image was shown: the mistake cannot be there.
+/// A refusal instead of an image: the decoder does not make the mistake.
 pub(super) const WORTH_OF_A_REFUSAL_OF_AN_IMAGE: i64 = -8;
-/// A passing case that the mistake would fail denies as much as an image confirms.
+/// A passing case that the mistake would fail counts against it as much as an image counts for it.
 pub(super) const WORTH_OF_A_CONTRADICTION: i64 = -16;
-/// Both answers to a lenient file are right, but the decoder gave the other one.
+/// Both responses to a lenient file are correct, but the decoder gave the other one.
 pub(super) const WORTH_OF_ANOTHER_LENIENT_ANSWER: i64 = -1;
 
-// What the search tries
+// Extent of the search
 /// Real readers make up to ten mistakes that show.
 pub(super) const MAX_MISTAKES: usize = 12;
 /// Failing cases unlike each other on which every mistake is first tried.
 pub(super) const MAX_SAMPLE: usize = 40;
-/// Mistakes that are held against every case: of equal promise there may be dozens.
+/// Mistakes that are compared with every case: dozens may look equally promising.
 pub(super) const MAX_FINALISTS: usize = 64;
 /// Samples of an image on which no mistake need be tried if smaller files fail alike.
 pub(super) const MAX_SAMPLES_OF_A_SMALL_IMAGE: usize = 1 << 13;
@@ -40,7 +39,7 @@ pub(super) const MIN_FAILURES_OF_A_READING: usize = 4;
 // Edits of formulas
 /// Failing files of one format and view on which every edit is tried.
 pub(super) const MAX_PROBES: usize = 3;
-/// Texels along each axis below which rows, columns and texels cannot be told apart.
+/// Texels along each axis that separate rows, columns and texels.
 pub(super) const MIN_PROBE_SIZE: u32 = 3;
 /// Edits that are held against every case.
 pub(super) const MAX_EDITS: usize = 24;
@@ -54,7 +53,7 @@ pub(super) const MIN_SHARE_OF_A_TABLE: usize = 5;
 pub(super) const MIN_TABLE_FILES: usize = 2;
 
 // Coincidences
-/// A property is named if one in so many suites would have it by chance.
+/// A property is named if at most one in so many suites would have it by chance.
 pub(super) const CHANCE_OF_A_PROPERTY: f64 = 50.0;
 /// Files that share a property.
 pub(super) const MIN_SHARING_FILES: usize = 2;

@@ -1,4 +1,4 @@
-//! What a decoder with some mistakes would answer, held against what the decoder under test did answer.
+//! The response to one case, compared with the answer of a decoder that makes some mistakes.
 
 use std::borrow::Cow;
 use std::sync::{Arc, OnceLock};
@@ -24,7 +24,7 @@ use crate::suite::dialect::Dialect;
 use crate::suite::dialect::Right;
 use crate::suite::values::Values;
 
-/// One case that was asked, and all that is known of it.
+/// A judged case: its file, the response, and the correct answer.
 pub(super) struct Witness<'a> {
     /// Its place in the suite.
     pub place: usize,
@@ -32,36 +32,36 @@ pub(super) struct Witness<'a> {
     pub observation: &'a Observation,
     pub built: Arc<Built>,
     pub failed: bool,
-    /// How the decoder reads the open questions, mistakes aside.
+    /// The reading of the open questions in which mistakes are made.
     pub reading: Reading,
-    /// What the reference answers in the dialect in which the decoder was judged.
+    /// The reference's answer in the dialect in which the decoder was judged.
     pub right: Answer,
-    /// What it answers in `reading`, where that is another.
+    /// The reference's answer in `reading`, if that is another dialect.
     unmistaken: Option<Answer>,
-    /// What the bytes of the file are, as far as they can be read.
+    /// The fields of the file, up to the first error.
     fields: OnceLock<Vec<Field>>,
     facts: OnceLock<Facts>,
-    /// What the reference finds in the file.
+    /// The map that the reference decodes.
     decoded: OnceLock<crate::error::Result<Ptm>>,
 }
 
-/// How well an answer agrees with what was shown.
+/// The agreement of an answer with the response.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Agreement {
-    /// The same picture.
+    /// The same image.
     Picture,
     /// The same refusal or acceptance.
     Word,
-    /// A refusal, where the decoder ended in another way without a picture.
+    /// A refusal, but the response is a crash.
     Crash,
-    /// Another picture or another outcome.
+    /// Another image or another outcome.
     None,
-    /// A refusal, where the decoder shows a picture: this mistake cannot be there.
+    /// A refusal, but the response is an image: the decoder does not make this mistake.
     Against,
 }
 
 impl Agreement {
-    /// Whether mistakes that agree so explain the answer.
+    /// Returns true if mistakes with this agreement explain the response.
     pub fn explains(self) -> bool {
         matches!(
             self,
@@ -70,8 +70,8 @@ impl Agreement {
     }
 }
 
-/// Every case that was asked and judged, and answered in one way. Mistakes are made in `reading`, or in the dialect that the
-/// decoder seems to read.
+/// Returns every case that passed or failed and whose responses do not differ. Mistakes are made in `reading`, or in the dialect
+/// that the decoder seems to read.
 pub(super) fn witnesses<'a>(
     suite: &'a Suite,
     run: &'a Run,
@@ -82,12 +82,12 @@ pub(super) fn witnesses<'a>(
     let witness = |place: usize| {
         let case = &suite.cases[place];
         let outcome = run.judgement.cases[place].as_ref()?.outcome;
-        // Of two answers neither tells of a mistake, and a broken promise tells of none in reading.
+        // Different responses and broken promises are no evidence for a misreading.
         let observation = run.observations[place]
             .as_ref()
             .filter(|observation| observation.nondeterminism.is_none())
             .filter(|observation| !breaks_its_promise(run, case, observation))?;
-        // An answer that proves nothing, or "unsupported", tells nothing of a mistake.
+        // Inconclusive and unsupported cases are no evidence either.
         if !matches!(outcome, Outcome::Pass | Outcome::Fail) {
             return None;
         }
@@ -112,26 +112,26 @@ pub(super) fn witnesses<'a>(
     all.into_iter().flatten().collect()
 }
 
-/// Whether it answered 69 here as to every file of a format that its capabilities declare.
+/// Returns true if the decoder exited with 69 on a file of a format that its capabilities declare and that it never reads.
 pub(super) fn breaks_its_promise(run: &Run, case: &Case, observation: &Observation) -> bool {
     run.offer
         .is_broken_by(case, observation, &run.judgement.unsupported)
 }
 
-/// How far a color computed in single precision may be from the exact one.
+/// The largest error of a color that is computed in single precision.
 const ROUNDING_SLACK: f64 = 0.02;
 
-/// Colors that are all off by one in one direction are not a matter of rounding if there are so many.
+/// Colors that are all off by one in one direction and that rounding does not explain.
 const MIN_COLORS_OFF: usize = 6;
 
 impl Witness<'_> {
-    /// Returns what is known of the file.
+    /// Returns the properties of the file.
     pub fn facts(&self) -> &Facts {
-        self.facts.get_or_init(|| Facts::of(self))
+        self.facts.get_or_init(|| Facts::new(self))
     }
 
-    /// Returns what the decoder showed if the colors that these mistakes make, rounded or cut off to bytes, are just that; so
-    /// a mistake is known by small differences too.
+    /// Returns the response if it is the colors that these mistakes produce, rounded or truncated to bytes. This comparison is
+    /// stricter than the tolerance, so it also separates mistakes with small effects.
     pub fn shown_by(&self, mistakes: &[&Mistake], made: &Answer) -> Option<Answer> {
         let View::Rgb(light) = &self.observation.view else {
             return None;
@@ -175,7 +175,7 @@ impl Witness<'_> {
         (is_rounded || is_cut_off()).then(|| Answer::Decoded(shown.clone()))
     }
 
-    /// Returns what a decoder with these mistakes shows of stored values.
+    /// Returns the image that a decoder with these mistakes shows for stored values.
     pub fn show(&self, mistakes: &[&Mistake], ptm: &Ptm) -> Answer {
         let made = mistakes.iter().filter(|mistake| mistake.scope.holds(self));
         let made: Vec<&Misreading> = made.map(|mistake| mistake.misreading).collect();
@@ -183,9 +183,9 @@ impl Witness<'_> {
         misreadings::show(&made, &reading, ptm, &self.observation.view)
     }
 
-    /// What a decoder with these mistakes of the catalog answers.
+    /// Returns the answer of a decoder with these misreadings.
     pub fn answer_of_listed(&self, mistakes: &[&Misreading]) -> Cow<'_, Answer> {
-        // Taken apart once; and most edits leave most files as they are.
+        // The file is parsed once, and most edits of bytes do not change most files.
         let [first, rest @ ..] = mistakes else {
             return Cow::Borrowed(self.unmistaken());
         };
@@ -213,34 +213,34 @@ impl Witness<'_> {
         }
     }
 
-    /// What a decoder without a mistake answers that otherwise reads so.
+    /// Returns the answer of a decoder without mistakes in this reading.
     fn unmistaken(&self) -> &Answer {
         self.unmistaken.as_ref().unwrap_or(&self.right)
     }
 
-    /// What a decoder with these mistakes answers to other bytes.
+    /// Returns the answer of a decoder with these mistakes to other bytes.
     fn answer_to(&self, mistakes: &[&Misreading], file: &[u8]) -> Answer {
         misreadings::answer(mistakes, self.reading, file, &self.observation.view)
     }
 
-    /// What the bytes of the file are, as far as they can be read.
+    /// Returns the fields of the file, up to the first error.
     pub fn fields(&self) -> &[Field] {
         self.fields
             .get_or_init(|| examine_as(&self.built.file, &self.reading).0)
     }
 
-    /// Whether colors were asked for.
+    /// Returns true if colors were requested.
     pub fn is_in_colors(&self) -> bool {
         matches!(self.observation.view, View::Rgb(_))
     }
 
-    /// What the reference finds in the file.
+    /// Returns the map that the reference decodes.
     pub fn decoded(&self) -> &crate::error::Result<Ptm> {
         self.decoded
             .get_or_init(|| decode_as(&self.built.file, &self.reading, &Limits::default()))
     }
 
-    /// Where the first byte stands that is not header text.
+    /// Returns the place of the first byte after the header text.
     pub fn payload(&self) -> usize {
         let anatomy = Anatomy {
             file: &self.built.file,
@@ -249,7 +249,7 @@ impl Witness<'_> {
         anatomy.payload()
     }
 
-    /// What was painted, where the generator wrote the file.
+    /// Returns the model from which the file was generated, if it was.
     pub fn model(&self) -> Option<&Model> {
         match &self.built.values {
             Values::Painted(model) => Some(model),
@@ -257,7 +257,7 @@ impl Witness<'_> {
         }
     }
 
-    /// Whether nothing but its stream makes a plane.
+    /// Returns true if a plane is neither predicted nor corrected.
     pub fn is_of_stream(&self, plane: usize) -> bool {
         let coded = self.model().and_then(|model| model.compressed.as_ref());
         coded.is_some_and(|coded| {
@@ -265,10 +265,10 @@ impl Witness<'_> {
         })
     }
 
-    /// Where the decoder failed: how well `answer` is what it did.
+    /// Returns the agreement of `answer` with the response to a failing case.
     pub fn agreement(&self, answer: &Answer) -> Agreement {
         match (&self.observation.response, answer) {
-            // To refuse what the reference refuses is no mistake.
+            // A refusal of a file that the reference refuses is no mistake.
             (_, Answer::Rejected) if self.right == Answer::Rejected => Agreement::None,
             (
                 Response::Picture {
@@ -281,7 +281,7 @@ impl Witness<'_> {
             {
                 Agreement::Picture
             }
-            // Of a file that must be refused no picture is kept: to accept it is the mistake.
+            // Images of files that must be refused are not stored. The acceptance is the mistake.
             (Response::Picture { frame: None, .. }, Answer::Decoded(_))
                 if matches!(self.case.expect, Expect::Reject | Expect::Refuse) =>
             {
@@ -303,8 +303,8 @@ impl Witness<'_> {
         }
     }
 
-    /// Whether two pictures that are alike are so by more than the tolerance of a color: among the colors that are wrong,
-    /// those at a limit are the same, and the others are not all off by one in one direction.
+    /// Returns true if two similar images do not agree by the tolerance of colors alone: wrong colors at 0 and 255 are equal, and
+    /// the other wrong colors are not all off by one in one direction.
     fn is_more_than_tolerance(&self, made: &Frame, shown: &Frame) -> bool {
         let Answer::Decoded(right) = &self.right else {
             return true;
@@ -334,7 +334,7 @@ impl Witness<'_> {
         !is_at_limits && !all_off(1) && !all_off(-1)
     }
 
-    /// Whether `made` is clearly nearer to what was shown than the reference's picture is.
+    /// Returns true if `made` is equal to the response, or differs in fewer than half as many samples as the reference's image.
     fn is_nearer(&self, made: &Frame, shown: &Frame) -> bool {
         let far = |other: &Frame| match (&other.samples, &shown.samples) {
             (Samples::U8(other), Samples::U8(shown)) => {
@@ -349,13 +349,13 @@ impl Witness<'_> {
         }
     }
 
-    /// Whether that is the reference's picture, but for rounding: it explains no other one that is alike, too.
+    /// Returns true if that is the reference's image up to rounding. Such an image explains no failure.
     fn is_right(&self, made: &Frame) -> bool {
         matches!(&self.right, Answer::Decoded(right) if alike(right, made))
     }
 
-    /// Where the decoder did not fail: whether `answer` would have been another outcome than the one it showed. What is answered
-    /// without a mistake contradicts none, though another dialect shows here.
+    /// Returns true if `answer` would fail a case that passes. The answer without mistakes contradicts nothing, even if another
+    /// dialect shows here.
     pub fn contradicts(&self, answer: &Answer) -> bool {
         if std::ptr::eq(answer, &raw const self.right) || self.unmistaken.as_ref() == Some(answer) {
             return false;
@@ -370,7 +370,7 @@ impl Witness<'_> {
         }
     }
 
-    /// On a file beyond the letter both are right, to refuse it and to decode it: whether `answer` is what it did.
+    /// Returns true if `answer` differs from the response to a lenient file, where a refusal and an image are both correct.
     pub fn leans_away(&self, answer: &Answer) -> bool {
         match (&self.observation.response, answer) {
             (Response::Rejected, Answer::Decoded(_))
@@ -380,10 +380,10 @@ impl Witness<'_> {
         }
     }
 
-    /// Whether that picture would be judged wrong.
+    /// Returns true if that image would fail.
     fn would_fail(&self, made: &Frame) -> bool {
         let right = match (&self.observation.response, &self.right) {
-            // A choice shows in it: right is what the decoder's own dialect makes of it.
+            // The image shows an open question. The decoder's own dialect gives the correct image.
             (
                 Response::Picture {
                     right: Right::In { .. },
@@ -397,12 +397,12 @@ impl Witness<'_> {
     }
 }
 
-/// Mistakes that find the right values in the file.
+/// Returns true if the mistake acts on correctly decoded values.
 pub(super) fn is_after_decoding(misreading: &Misreading) -> bool {
     misreading.at.stage() >= Stage::Planes
 }
 
-/// How the reference reads the open questions, where this decoder seems to read some otherwise.
+/// Returns the reference's reading of the open questions, if the decoder seems to read some in another way.
 pub(super) fn reference_reading(run: &Run) -> Option<Reading> {
     let judgement = &run.judgement;
     let mut followed = judgement.dialect.0.iter().zip(&judgement.certain);
@@ -414,7 +414,7 @@ pub(super) fn reference_reading(run: &Run) -> Option<Reading> {
     })
 }
 
-/// How the decoder reads the open questions.
+/// Returns the decoder's reading of the open questions.
 pub(crate) fn dialect_reading(run: &Run) -> Reading {
     let judgement = &run.judgement;
     let followed = judgement.dialect.0.iter().zip(&judgement.certain);
@@ -437,7 +437,7 @@ pub(crate) fn dialect_reading(run: &Run) -> Reading {
     }
 }
 
-/// Whether a mistake could act on a file: those of tables, matrices and compressed planes act where there are any.
+/// Returns true if a mistake can act on a file: the file has the table, matrix or compressed planes that the clause is about.
 #[must_use]
 pub fn applies(misreading: &Misreading, file: &[u8]) -> bool {
     let format = &file[..file.len().min(64)];
@@ -456,13 +456,13 @@ pub fn applies(misreading: &Misreading, file: &[u8]) -> bool {
     }
 }
 
-/// Whether two mistakes can be made at once: they act in different places or on different decisions.
+/// Returns true if two mistakes can be made together: they act in different places or on different decisions.
 #[must_use]
 pub fn composable(a: &Misreading, b: &Misreading) -> bool {
     !a.at.is_at(&b.at)
 }
 
-/// Whether two pictures are one, but for rounding.
+/// Returns true if two images are equal up to rounding.
 #[must_use]
 pub fn alike(a: &Frame, b: &Frame) -> bool {
     if (a.view, a.width, a.height, a.channels) != (b.view, b.width, b.height, b.channels) {

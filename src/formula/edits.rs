@@ -1,7 +1,7 @@
 //! All edits of a formula that a programmer is likely to make, the most natural first.
 //!
-//! A list of operators, applied at every node of the expression. Structural operators come first: loops in another order, a
-//! term dropped, a variable in the place of its neighbor. Arithmetic wrapped around a node comes last.
+//! Each operator is applied at every node of the expression. Structural operators come first: other loop orders, dropped terms,
+//! exchanged variables. Arithmetic around a node comes last.
 
 use std::collections::HashSet;
 use std::sync::LazyLock;
@@ -9,7 +9,7 @@ use std::sync::LazyLock;
 use super::expression::{Expression, Function, Scope, single_or};
 use super::{Change, Edit, Formula};
 
-/// Constants that are mistaken for each other.
+/// Constants that are commonly confused. The first of each row is replaced by the others.
 const RIVALS: [&[f64]; 5] = [
     &[255.0, 256.0, 254.0, 128.0, 127.0],
     &[128.0, 127.0, 129.0, 256.0, 255.0, 0.0, 64.0],
@@ -18,10 +18,10 @@ const RIVALS: [&[f64]; 5] = [
     &[65536.0, 65535.0, 32768.0],
 ];
 
-/// Factors that are multiplied in by mistake, or forgotten elsewhere.
+/// Factors that are added by mistake.
 const FACTORS: [f64; 4] = [2.0, 255.0, 256.0, 128.0];
 
-/// Formulas that are computed differently under a condition: about records, planes and coefficients.
+/// Formulas that may be computed differently under a condition on records, planes or coefficients.
 const CONDITIONAL: [Formula; 6] = [
     Formula::FinalCoefficient,
     Formula::StoredValue,
@@ -123,7 +123,7 @@ fn exchanged(node: &Expression, _: Scope) -> Vec<Expression> {
                 Expression::Sum(changed)
             };
             let mut all: Vec<Expression> = terms.iter().map(negative).collect();
-            // A positive term reads better in front.
+            // A positive term comes first, for readability.
             all.sort_by_key(|term| matches!(term, Expression::Negative(_)));
             let each = (0..terms.len()).rev().map(one);
             each.chain([Expression::Sum(all)]).collect()
@@ -173,7 +173,7 @@ fn renamed(node: &Expression, scope: Scope) -> Vec<Expression> {
             others.map(Expression::Variable).collect()
         }
         Expression::Element(list, index) => {
-            // Only scales and biases are alike.
+            // Only scales and biases are exchanged for each other.
             let lists =
                 (0..scope.lists.len()).filter(|other| other != list && scope.lists.len() == 2);
             let other_lists = lists.map(|other| Expression::Element(other, index.clone()));
@@ -275,14 +275,14 @@ fn reordered(node: &Expression, _: Scope) -> Vec<Expression> {
     all
 }
 
-/// `value` rounded up to a multiple.
+/// Returns `value` rounded up to a multiple.
 fn padded(value: &Expression, multiple: f64) -> Expression {
     let over = Expression::Sum(vec![value.clone(), number(multiple - 1.0)]);
     let quotient = Expression::Quotient(Box::new(over), Box::new(number(multiple)));
     Expression::Product(vec![call(Function::Floor, &[quotient]), number(multiple)])
 }
 
-/// All orders of so many things but the first, those that move little first.
+/// Returns all permutations of `count` elements except the identity.
 fn permutations(count: usize) -> Vec<Vec<usize>> {
     let mut all = vec![Vec::new()];
     for _ in 0..count {
@@ -300,7 +300,7 @@ fn permutations(count: usize) -> Vec<Vec<usize>> {
     all
 }
 
-/// Replaces a constant by its neighbors, its half and double, and the constants that it is mistaken for.
+/// Replaces a constant by its neighbors, its half and double, and the constants that it is commonly confused with.
 fn renumbered(node: &Expression, _: Scope) -> Vec<Expression> {
     let Expression::Number(value) = *node else {
         return Vec::new();
@@ -385,7 +385,7 @@ fn wrapped(node: &Expression, _: Scope) -> Vec<Expression> {
     ]
 }
 
-/// Drops, or applies a function to, two or more neighbors of three or more terms or factors.
+/// Drops two or more neighboring terms or factors, or applies a function to them.
 fn grouped(node: &Expression, scope: Scope) -> Vec<Expression> {
     let (all, node): (&[Expression], fn(Vec<Expression>) -> Expression) = match node {
         Expression::Sum(terms) => (terms, Expression::Sum),
@@ -414,7 +414,7 @@ fn grouped(node: &Expression, scope: Scope) -> Vec<Expression> {
     changed
 }
 
-/// Replaces a value by another where a variable of the scope is 0, or is not.
+/// Replaces a variable by another one under a condition: a variable of the scope is 0, or is at most 255, or is not.
 fn conditional(node: &Expression, scope: Scope) -> Vec<Expression> {
     let Expression::Variable(own) = node else {
         return Vec::new();

@@ -458,7 +458,7 @@ fn call(function: Function, a: f64, b: f64) -> f64 {
         Function::Power => a.powf(b),
         Function::Sin => a.sin(),
         Function::AtMost => f64::from(u8::from(a <= b)),
-        // Functions of whole planes and `select` are evaluated where they occur.
+        // The callers evaluate `select` and the functions of whole planes.
         Function::Select | Function::Invert | Function::Displace => a,
     }
 }

@@ -1,4 +1,4 @@
-//! The formulas of the specification: `spec-cases/formulas.yaml`, and what each of them may refer to.
+//! The formulas of the specification: `spec-cases/formulas.yaml`, and the names that each of them may use.
 
 use std::sync::LazyLock;
 
@@ -10,7 +10,7 @@ use crate::ptm::Format;
 
 /// A step from the bytes of a file to an image that the specification states, or implies, as arithmetic.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
-#[allow(missing_docs)] // `formulas.yaml` says what each computes
+#[allow(missing_docs)] // `formulas.yaml` describes each of them
 pub enum Formula {
     LightU,
     LightV,
@@ -57,7 +57,7 @@ pub enum Formula {
     Corrected,
 }
 
-/// The stages of decoding, in their order. What goes wrong at one shows there and at the later ones.
+/// The stages of decoding, in their order. A mistake at one stage shows there and at later stages.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Stage {
     /// The bytes that are read.
@@ -216,7 +216,7 @@ impl Formula {
         self.row().1
     }
 
-    /// Returns what the formula may refer to.
+    /// Returns the names that the formula may use.
     #[must_use]
     pub fn scope(self) -> Scope {
         self.row().2
@@ -295,7 +295,7 @@ impl Formula {
 pub struct Stated {
     /// The clause that states or implies it.
     pub clause: &'static str,
-    /// What it computes, as a noun phrase.
+    /// The computed value, as a noun phrase.
     pub computes: &'static str,
     /// The expression, in the formula's scope.
     pub expression: Expression,

@@ -18,18 +18,18 @@ pub(crate) use stages::{decode, finals, image};
 /// A formula that a decoder computes differently.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Edit {
-    /// Which formula.
+    /// The edited formula.
     pub formula: Formula,
-    /// How it is computed.
+    /// The replacement.
     pub change: Change,
 }
 
-/// How an edited formula is computed.
+/// The replacement of a formula.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Change {
-    /// By another expression, in the formula's scope.
+    /// Another expression, in the formula's scope.
     Expression(Expression),
-    /// By a table of the values that stand for 0 to 255, the formula's first variable.
+    /// A table of values, indexed by the formula's first variable from 0 to 255.
     Table(Box<[u8; 256]>),
 }
 

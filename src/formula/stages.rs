@@ -20,14 +20,14 @@ use crate::reading::Reading;
 pub struct Edits<'a>(pub &'a [&'a Edit]);
 
 impl Edits<'_> {
-    fn of(&self, formula: Formula) -> Option<&Change> {
+    fn change(&self, formula: Formula) -> Option<&Change> {
         let mut edits = self.0.iter();
         let edit = edits.find(|edit| edit.formula == formula);
         edit.map(|edit| &edit.change)
     }
 
     /// Returns true if one of these formulas is edited.
-    fn touch(&self, formulas: &[Formula]) -> bool {
+    fn affect(&self, formulas: &[Formula]) -> bool {
         self.0.iter().any(|edit| formulas.contains(&edit.formula))
     }
 
@@ -37,7 +37,7 @@ impl Edits<'_> {
 
     /// Evaluates a formula: its edit, or what the specification states.
     fn value(&self, formula: Formula, variables: &[f64], lists: &[&[f64]]) -> f64 {
-        match self.of(formula) {
+        match self.change(formula) {
             Some(Change::Expression(expression)) => expression.value(variables, lists),
             Some(Change::Table(table)) => f64::from(table[usize::from(byte(variables[0]))]),
             None => formula.stated().expression.value(variables, lists),
@@ -46,14 +46,14 @@ impl Edits<'_> {
 
     /// Evaluates the edit of a formula; calls `unedited` if there is none.
     fn value_or(&self, formula: Formula, variables: &[f64], unedited: impl FnOnce() -> f64) -> f64 {
-        match self.of(formula) {
+        match self.change(formula) {
             Some(_) => self.value(formula, variables, &[]),
             None => unedited(),
         }
     }
 }
 
-/// The value that a byte holds: rounded down, modulo 256.
+/// Returns the value that a byte holds: rounded down, modulo 256.
 fn byte(value: f64) -> u8 {
     value.floor().rem_euclid(256.0) as u8
 }
@@ -74,7 +74,7 @@ pub(crate) fn decode(file: &[u8], reading: &Reading, edits: Edits) -> Result<Ptm
     Ok(ptm)
 }
 
-/// The number of a coefficient and of its polynomial; colors, Cr and Cb count as coefficients of a second one.
+/// Returns the number of a coefficient and of its polynomial. Colors, Cr and Cb count as coefficients of a second polynomial.
 fn coefficient(channel: usize) -> [f64; 2] {
     [channel % 6, channel / 6].map(|number| number as f64)
 }
@@ -92,10 +92,10 @@ fn decode_stages(file: &[u8], reading: &Reading, edits: Edits) -> Result<Ptm> {
         reading,
         edits,
     };
-    // A texel takes one byte at least, so that no edited address makes a small file large.
+    // A texel takes at least one byte, so an edited address cannot make a small file large.
     let texels_at_most = input.rest().len() as u64;
     if !header.format.is_compressed() && header.size.bytes(1) > texels_at_most {
-        return Err(outside(input.at()));
+        return Err(outside_data(input.at()));
     }
     let samples = if header.format.is_compressed() {
         let streams = Streams::read(&header, &mut input, reading, &Limits::default())?;
@@ -105,11 +105,11 @@ fn decode_stages(file: &[u8], reading: &Reading, edits: Edits) -> Result<Ptm> {
             reading,
             edits,
         };
-        texels.of_planes(&planes.decode(streams.residuals())?)?
+        texels.samples_of_planes(&planes.decode(streams.residuals())?)?
     } else if header.format.has_table() {
-        texels.of_table(&mut input)?
+        texels.samples_of_table(&mut input)?
     } else {
-        texels.of_blocks(&input)?
+        texels.samples_of_blocks(&input)?
     };
     let planes = Planes {
         size: header.size,
@@ -119,15 +119,15 @@ fn decode_stages(file: &[u8], reading: &Reading, edits: Edits) -> Result<Ptm> {
     Ok(Ptm { header, planes })
 }
 
-/// Places in a file and the values there.
+/// The layout of a file: the address of each value.
 struct Texels<'a> {
     header: &'a Header,
     reading: &'a Reading,
     edits: Edits<'a>,
 }
 
-/// The error that a formula leads outside the data.
-fn outside(at: usize) -> Error {
+/// Returns the error for an address outside the data.
+fn outside_data(at: usize) -> Error {
     let kind = Kind::Short {
         what: "the values that an edited formula addresses",
         needs: 1,
@@ -136,11 +136,11 @@ fn outside(at: usize) -> Error {
     Error::new("2.7/3", at, kind)
 }
 
-/// The element at an address.
+/// Returns the element at an address.
 fn element<T: Copy>(data: &[T], address: f64) -> Result<T> {
     let is_address = address >= 0.0 && address.fract() == 0.0;
     let found = is_address.then(|| data.get(address as usize)).flatten();
-    found.copied().ok_or_else(|| outside(0))
+    found.copied().ok_or_else(|| outside_data(0))
 }
 
 impl Texels<'_> {
@@ -168,7 +168,7 @@ impl Texels<'_> {
         Ok(samples)
     }
 
-    /// The address of a value in the payload. `table` has the number of entries, their size and the bytes of an index.
+    /// Returns the address of a value in the payload. `table` is the number of entries, their size and the bytes of an index.
     fn address(&self, formula: Formula, at: [f64; 2], channel: usize, table: [f64; 3]) -> f64 {
         let [row, x] = at;
         let [width, height] = self.size();
@@ -186,7 +186,7 @@ impl Texels<'_> {
         self.edits.value(formula, &variables, &[])
     }
 
-    fn of_blocks(&self, input: &Input) -> Result<Vec<u8>> {
+    fn samples_of_blocks(&self, input: &Input) -> Result<Vec<u8>> {
         let payload = input.rest();
         self.collect(|row, column, channel| {
             let formula = match self.header.format {
@@ -202,11 +202,11 @@ impl Texels<'_> {
         })
     }
 
-    fn of_table(&self, input: &mut Input) -> Result<Vec<u8>> {
+    fn samples_of_table(&self, input: &mut Input) -> Result<Vec<u8>> {
         let count = (self.reading.entry_count)(input)?;
         let has_colors = self.header.format == Format::PtmCLut;
         let entry_size = if has_colors { 9 } else { 6 };
-        // A line feed after the table, where the reading has one, does not count.
+        // A line feed after the table, if the reading has one, does not count.
         let table = input.take("2.5/3", "the table's entries", count as u64 * entry_size)?;
         (self.reading.after_table)(input)?;
         let payload = [table, input.rest()].concat();
@@ -230,11 +230,10 @@ impl Texels<'_> {
             let own_index = || (self.reading.index)(&stored) as f64;
             let variables = [digit(0), digit(1), entries];
             let index = self.edits.value_or(Formula::Index, &variables, own_index);
-            // The fraction and the sign of an edited index stay, so that the address refuses them.
+            // An edited index keeps its fraction and its sign, so that its address is refused.
             let entry = match index >= 0.0 && index.fract() == 0.0 {
-                true => {
-                    (self.reading.entry)(index as usize, count).ok_or_else(|| outside(0))? as f64
-                }
+                true => (self.reading.entry)(index as usize, count)
+                    .ok_or_else(|| outside_data(0))? as f64,
                 false => index,
             };
             last.set((row, column, entry));
@@ -252,7 +251,7 @@ impl Texels<'_> {
         })
     }
 
-    fn of_planes(&self, planes: &[Vec<u8>]) -> Result<Vec<u8>> {
+    fn samples_of_planes(&self, planes: &[Vec<u8>]) -> Result<Vec<u8>> {
         let formula = match self.header.format.channels() {
             18 => Formula::RgbPlane,
             _ => Formula::LrgbPlane,
@@ -318,7 +317,7 @@ impl CompressedPlanes<'_> {
 
     fn stream_samples(&self, p: usize, residuals: &[u8], predicted: bool) -> Vec<u8> {
         let mut samples = residuals.to_vec();
-        if self.edits.touch(&[Formula::StreamSample]) {
+        if self.edits.affect(&[Formula::StreamSample]) {
             for sample in &mut samples {
                 let variables = [f64::from(*sample), p as f64, f64::from(u8::from(predicted))];
                 *sample = byte(self.edits.value(Formula::StreamSample, &variables, &[]));
@@ -327,7 +326,7 @@ impl CompressedPlanes<'_> {
         samples
     }
 
-    /// How plane `p` is predicted.
+    /// Returns the prediction step of plane `p`.
     fn step(&self, p: usize) -> Result<Step> {
         const OF_LISTS: [Formula; 6] = [
             Formula::Transform,
@@ -338,7 +337,7 @@ impl CompressedPlanes<'_> {
             Formula::Reference,
         ];
         let own = self.coded.plan.steps[p];
-        if !self.edits.touch(&OF_LISTS) {
+        if !self.edits.affect(&OF_LISTS) {
             return Ok(own);
         }
         let numbers = |list: &[crate::parts::Number]| -> Vec<f64> {
@@ -358,7 +357,7 @@ impl CompressedPlanes<'_> {
             self.lists.order[p].value as f64,
         ];
         let value = |formula| self.edits.value(formula, &variables, &lists);
-        let edited_or = |formula, own: i64| match self.edits.touch(&[formula]) {
+        let edited_or = |formula, own: i64| match self.edits.affect(&[formula]) {
             true => value(formula) as i64,
             false => own,
         };
@@ -369,7 +368,7 @@ impl CompressedPlanes<'_> {
             own.reference.map_or(-1, |plane| plane as i64),
         );
         if reference >= self.coded.plan.steps.len() as i64 {
-            return Err(outside(self.coded.at));
+            return Err(outside_data(self.coded.at));
         }
         Ok(Step {
             reference: usize::try_from(reference).ok(),
@@ -382,7 +381,8 @@ impl CompressedPlanes<'_> {
         })
     }
 
-    /// The predictor of a plane, made of its reference: corrected, uncorrected, as coded; or of the plane decoded before.
+    /// Returns the predictor of a plane. The sources are its reference (corrected, uncorrected, as coded) and the plane decoded
+    /// before.
     fn predictor(&self, sources: &[&Vec<u8>; 4], step: &Step) -> Result<Vec<u8>> {
         const OF_PREDICTORS: [Formula; 8] = [
             Formula::Predictor,
@@ -394,11 +394,11 @@ impl CompressedPlanes<'_> {
             Formula::EdgeX,
             Formula::EdgeY,
         ];
-        if !self.edits.touch(&OF_PREDICTORS) {
+        if !self.edits.affect(&OF_PREDICTORS) {
             let own = (self.reading.predictor)(sources[0], step, self.coded.size, self.reading);
             return Ok(own.into_owned());
         }
-        match self.edits.of(Formula::Predictor) {
+        match self.edits.change(Formula::Predictor) {
             Some(Change::Expression(expression)) => self.whole_plane(expression, sources, step),
             _ => self.whole_plane(&Formula::Predictor.stated().expression, sources, step),
         }
@@ -441,7 +441,7 @@ impl CompressedPlanes<'_> {
     }
 
     fn invert(&self, plane: &mut [u8]) {
-        if !self.edits.touch(&[Formula::Inversion]) {
+        if !self.edits.affect(&[Formula::Inversion]) {
             return (self.reading.invert)(plane);
         }
         for value in plane {
@@ -463,16 +463,16 @@ impl CompressedPlanes<'_> {
             let variables = [x, y, mx, my, width, height];
             let place = |formula| (2.0 * self.edits.value(formula, &variables, &[])).floor();
             let (x2, y2) = (place(Formula::DisplacedX), place(Formula::DisplacedY));
-            displaced.push(self.between(plane, x2, y2)?);
+            displaced.push(self.interpolated(plane, x2, y2)?);
         }
         Ok(displaced)
     }
 
-    /// The value at a place counted in half texels.
-    fn between(&self, plane: &[u8], x2: f64, y2: f64) -> Result<u8> {
+    /// Returns the value at a place in half texels.
+    fn interpolated(&self, plane: &[u8], x2: f64, y2: f64) -> Result<u8> {
         let (left, first) = ((x2 / 2.0).floor(), (y2 / 2.0).floor());
         let (right, second) = ((x2 / 2.0).ceil(), (y2 / 2.0).ceil());
-        let at = |x, y| self.at_edge(plane, x, y);
+        let at = |x, y| self.sample_at(plane, x, y);
         let corners = [
             at(left, first)?,
             at(right, first)?,
@@ -485,7 +485,7 @@ impl CompressedPlanes<'_> {
             (false, false) => return Ok(corners[0]),
             _ => Formula::MeanOfTwo,
         };
-        if !self.edits.touch(&[formula]) {
+        if !self.edits.affect(&[formula]) {
             return Ok((self.reading.motion_half)(corners));
         }
         Ok(byte(match formula {
@@ -496,10 +496,10 @@ impl CompressedPlanes<'_> {
         }))
     }
 
-    /// The value at a whole place, inside the plane or not.
-    fn at_edge(&self, plane: &[u8], x: f64, y: f64) -> Result<u8> {
+    /// Returns the sample of a texel, which may lie outside the plane.
+    fn sample_at(&self, plane: &[u8], x: f64, y: f64) -> Result<u8> {
         let size = self.coded.size;
-        if !self.edits.touch(&[Formula::EdgeX, Formula::EdgeY]) {
+        if !self.edits.affect(&[Formula::EdgeX, Formula::EdgeY]) {
             return Ok((self.reading.motion_border)(
                 plane, size, x as i64, y as i64,
             ));
@@ -513,7 +513,7 @@ impl CompressedPlanes<'_> {
 
     /// Adds the predictor to residuals.
     fn add(&self, plane: &mut [u8], predictor: &[u8], step: &Step) {
-        if !self.edits.touch(&[Formula::Plane]) {
+        if !self.edits.affect(&[Formula::Plane]) {
             return match self.coded.format.is_jpeg_ls() {
                 true => (self.reading.predict_jpeg_ls)(plane, predictor),
                 false => (self.reading.predict)(plane, predictor),
@@ -534,8 +534,8 @@ impl CompressedPlanes<'_> {
             Formula::RecordPlace,
             Formula::Corrected,
         ];
-        let is_of_bytes = self.edits.touch(&OF_BYTES);
-        if !is_of_bytes && !self.edits.touch(&OF_RECORDS) {
+        let is_of_bytes = self.edits.affect(&OF_BYTES);
+        if !is_of_bytes && !self.edits.affect(&OF_RECORDS) {
             return self.coded.correct(p, plane, self.reading);
         }
         let block = (self.reading.side_information)(&self.coded, p);
@@ -549,7 +549,7 @@ impl CompressedPlanes<'_> {
             .value(Formula::RecordCount, &size, &[])
             .max(0.0)
             .floor();
-        // An edited count may be anything; more records than bytes cannot be meant.
+        // An edited count may be any number. There are not more records than bytes.
         for r in 0..(count as usize).min(block.len()) {
             let stored = |k: f64| {
                 let address = self
@@ -584,7 +584,7 @@ impl CompressedPlanes<'_> {
     }
 }
 
-/// Final values with some formulas edited (2.4).
+/// Returns the final values with some formulas edited (2.4).
 pub(crate) fn finals(ptm: &Ptm, reading: &Reading, edits: Edits) -> Coefficients {
     let (set, planes) = (&ptm.header.scale_bias, &ptm.planes);
     let mut coefficients = evaluate::apply(set, planes, reading);
@@ -597,7 +597,7 @@ pub(crate) fn finals(ptm: &Ptm, reading: &Reading, edits: Edits) -> Coefficients
                 true => Formula::FinalCoefficient,
                 false => Formula::FinalColor,
             };
-            if edits.touch(&[formula]) {
+            if edits.affect(&[formula]) {
                 *value = final_value(formula, raw, channel, set, edits);
             }
         }
@@ -610,7 +610,7 @@ fn final_value(formula: Formula, raw: u8, channel: usize, set: &ScaleBias, edits
     edits.value(formula, &[f64::from(raw), i, c], &[&set.scale, &set.bias])
 }
 
-/// The image under a light with some formulas edited (1.0, 2.6, 2.7.3).
+/// Returns the image under a light with some formulas edited (1.0, 2.6, 2.7.3).
 pub(crate) fn image(
     coefficients: &Coefficients,
     lu: f64,
@@ -646,7 +646,7 @@ pub(crate) fn image(
                 texel[7],
                 reading,
             );
-            if !edits.touch(&[Formula::MatrixRow]) {
+            if !edits.affect(&[Formula::MatrixRow]) {
                 return own;
             }
             let y = polynomial(&texel[..6]);
@@ -661,7 +661,7 @@ pub(crate) fn image(
     };
     let shown = |value: f64| {
         let shown = edits.value_or(Formula::Shown, &[value], || (reading.clamp)(value));
-        // A byte of an image holds 0 to 255 whatever was computed.
+        // A byte of an image cannot hold NaN.
         if shown.is_nan() { 0.0 } else { shown }
     };
     let texels = coefficients

@@ -198,7 +198,7 @@ fn symptom(name: &str, words: Option<&str>) -> String {
     match name {
         "decoded" => "a wrong picture".to_owned(),
         "rejected" => "refuses a legal file".to_owned(),
-        "unsupported" => "answers 69 to a file of a kind it decodes".to_owned(),
+        "unsupported" => "exits with 69 on a file of a kind it decodes".to_owned(),
         "crash" => format!("crash: {}", words.unwrap_or_default()),
         other => other.to_owned(),
     }

@@ -69,10 +69,10 @@ impl Baseline {
         let mut listed = BTreeMap::new();
         for (number, Known { id, reason }) in records(text)? {
             if suite.case(&id).is_none() {
-                return Err(format!("line {number}: no case is called {id:?}"));
+                return Err(format!("line {number}: unknown case {id:?}"));
             }
             if listed.contains_key(&id) {
-                return Err(format!("line {number}: {id} is there twice"));
+                return Err(format!("line {number}: duplicate case {id}"));
             }
             listed.insert(id, reason);
         }

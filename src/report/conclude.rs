@@ -103,12 +103,12 @@ pub fn causes<C: TestCase, A: 'static>(
     let mut report = report.explained_by(suite, &causes.diagnoses);
     if !causes.faults.is_empty() {
         report.remarks.push(Remark::note(format!(
-            "the search for causes failed, a fault of ours and not of the decoder: {}; the verdicts stand",
+            "the search for causes failed because of a bug in ptm-conform: {}; the verdicts are not affected",
             causes.faults.join("; ")
         )));
     }
     if run.stop.load(Ordering::Relaxed) {
-        let says = "the search for causes was interrupted: failures stand without one";
+        let says = "the search for causes was interrupted; failures have no cause";
         report.remarks.push(Remark::note(says.to_owned()));
     }
     report
@@ -118,7 +118,7 @@ pub fn causes<C: TestCase, A: 'static>(
 fn in_words(panic: &(dyn Any + Send)) -> String {
     let text = panic.downcast_ref::<&str>().map(|text| (*text).to_owned());
     let text = text.or_else(|| panic.downcast_ref::<String>().cloned());
-    text.unwrap_or_else(|| "a panic without words".to_owned())
+    text.unwrap_or_else(|| "a panic without a message".to_owned())
 }
 
 #[cfg(test)]
@@ -144,7 +144,7 @@ mod tests {
         assert_eq!(report.verdict, verdicts.verdict);
         assert_eq!(report.diagnoses, []);
         let last = report.remarks.last().expect("a remark");
-        assert!(!last.failure && last.says.contains("a fault of ours"));
+        assert!(!last.failure && last.says.contains("a bug in ptm-conform"));
         assert!(last.says.contains("index 3 of 2"), "{}", last.says);
     }
 }

@@ -111,7 +111,7 @@ impl<'a> Changes<'a> {
         if out.is_empty() && old != new {
             writeln!(
                 out,
-                "the cases stand in another order, or one of them is there twice"
+                "the cases are in another order, or a case is duplicated"
             )?;
         }
         Ok(())

@@ -79,7 +79,7 @@ pub struct DecoderInfo {
     pub views: Vec<String>,
     /// What it decodes.
     pub decodes: Vec<String>,
-    /// What it answers 69 to, throughout.
+    /// Features for which it always exits with 69.
     pub unsupported: Vec<String>,
 }
 
@@ -98,36 +98,33 @@ pub struct FollowedReading {
 /// A likely cause.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct LikelyCause {
-    /// The misreading, where it is one of the catalogue.
+    /// The misreading, if the catalog has it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub misreading: Option<String>,
-    /// What kind of failure it is, where it is none: refusal, acceptance, violation, difference or nondeterminism.
+    /// The kind of failure, if no misreading is named: refusal, acceptance, violation, difference or nondeterminism.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub kind: Option<String>,
     /// The clause it misreads.
     pub clause: String,
     /// What the decoder does.
     pub effect: String,
-    /// What it may do, the misreading itself, where the effect is all that shows and other causes would show alike.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub perhaps: Option<String>,
     /// What to do about it.
     pub fix: String,
-    /// Other misreadings that explain the same cases.
+    /// Misreadings that would look the same.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub or: Vec<String>,
-    /// Other misreadings that are made too, and show in the same cases.
+    /// Other misreadings that show in the same cases.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub with: Vec<String>,
     /// The failing cases it reproduces exactly.
     pub explains: Vec<String>,
-    /// The failing cases in which it goes wrong too, which may not be all that is wrong there.
+    /// The failing cases that it explains in part.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub partly: Vec<String>,
     /// Cases that pass although a decoder with this mistake would fail them.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub except: Vec<String>,
-    /// One failure down to the bytes of the file, where the cause is not of the catalogue.
+    /// One failure in detail, down to the bytes of the file, if no misreading is named.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub example: Option<String>,
 }

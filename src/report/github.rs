@@ -125,7 +125,7 @@ fn write_diagnoses(
         let [known, new, fixed] = [&news.known, &news.new, &news.stale].map(Vec::len);
         writeln!(
             out,
-            "Of {all} failures {known} were known and {new} are new; {fixed} known ones were fixed.\n"
+            "{known} of {all} failures were known and {new} are new; {fixed} known failures were fixed.\n"
         )?;
     }
     if !report.diagnoses.is_empty() {

@@ -23,7 +23,7 @@ pub struct Leniency {
     pub decoded: usize,
     /// Files refused.
     pub refused: usize,
-    /// Files answered 69.
+    /// Files on which it exited with 69.
     pub unsupported: usize,
     /// Files that gave another picture or none.
     pub other: usize,

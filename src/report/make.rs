@@ -134,7 +134,7 @@ fn dialect<C: Reported>(suite: &Suite<C>, run: &Run<C>) -> Vec<FollowedReading> 
     readings
 }
 
-/// What it answers 69 to throughout: whole features, and views of single kinds of file.
+/// Returns everything for which the decoder always exits with 69: whole features, and views of single kinds of file.
 fn unsupported<C: Reported>(run: &Run<C>) -> Vec<String> {
     let features = run.judgement.unsupported.iter().map(ToString::to_string);
     let lacking = run.offer.lacking.iter();
@@ -156,10 +156,10 @@ fn allowances<C: TestCase>(run: &Run<C>) -> impl Iterator<Item = Remark> {
     let others = count(Allowance::AnotherTransform);
     let lossy = count(Allowance::Lossy);
     let others = (others > 0).then(|| format!(
-        "{others} raw pictures of lossy JPEG planes are within the tolerance and not equal to the reference's: another inverse DCT is off so little, and so are some mistakes"
+        "{others} raw images of lossy JPEG planes differ from the reference within the tolerance: other inverse DCTs differ so little, and so do some mistakes"
     ));
     let lossy = (lossy > 0).then(|| format!(
-        "{lossy} answers are JPEG pictures, which are lossy: a sample may be {LOSSY} farther from its color than in other pictures, so small mistakes pass unseen"
+        "{lossy} responses are JPEG images, which are lossy: their tolerance is larger by {LOSSY}, so small mistakes are not found"
     ));
     [others, lossy].into_iter().flatten().map(Remark::note)
 }
@@ -178,7 +178,30 @@ fn cause<C: TestCase, A: 'static>(suite: &Suite<C>, diagnosis: &Diagnosis<A>) ->
         let ids = places.iter().map(|&i| suite.cases[i].id().to_owned());
         ids.collect()
     };
-    let cause = match &diagnosis.cause {
+    let named = named_cause(&diagnosis.cause);
+    let cause = match &diagnosis.shows {
+        // The misreading is one of several mistakes that would look the same, unless passing cases contradict it.
+        Some(observation) if diagnosis.except.is_empty() => LikelyCause {
+            or: named.misreading.into_iter().chain(named.or).collect(),
+            with: named.with,
+            ..named_cause(observation)
+        },
+        Some(observation) => named_cause(observation),
+        None => LikelyCause {
+            except: ids(&diagnosis.except),
+            ..named
+        },
+    };
+    LikelyCause {
+        explains: ids(&diagnosis.explains),
+        partly: ids(&diagnosis.partly),
+        ..cause
+    }
+}
+
+/// Converts a cause to its fields in a report.
+fn named_cause<A: 'static>(cause: &Cause<A>) -> LikelyCause {
+    match cause {
         Cause::Misreading {
             misreading,
             alike,
@@ -186,8 +209,7 @@ fn cause<C: TestCase, A: 'static>(suite: &Suite<C>, diagnosis: &Diagnosis<A>) ->
         } => LikelyCause {
             misreading: Some(misreading.slug.to_owned()),
             clause: misreading.clause.to_owned(),
-            effect: (diagnosis.shows.clone()).unwrap_or_else(|| misreading.effect.to_owned()),
-            perhaps: (diagnosis.shows.as_ref()).map(|_| misreading.effect.to_owned()),
+            effect: misreading.effect.to_owned(),
             fix: misreading.fix.to_owned(),
             or: slugs(alike),
             with: slugs(with),
@@ -209,12 +231,6 @@ fn cause<C: TestCase, A: 'static>(suite: &Suite<C>, diagnosis: &Diagnosis<A>) ->
             or: slugs(alike),
             ..LikelyCause::default()
         },
-    };
-    LikelyCause {
-        explains: ids(&diagnosis.explains),
-        partly: ids(&diagnosis.partly),
-        except: ids(&diagnosis.except),
-        ..cause
     }
 }
 

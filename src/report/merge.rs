@@ -110,7 +110,7 @@ impl<C: Reported> KeptAnswers<C> {
         let mut run = session.verdicts(contact, observations, &|_, _| ());
         if let Some(what) = missing.into_inner().expect("no worker panics") {
             return Err(format!(
-                "no part of the run asked for {what}: does the decoder answer differently each time?"
+                "no part of the run asked for {what}: are the responses of the decoder nondeterministic?"
             ));
         }
         let report = conclude(suite, &mut run, &self.circumstances, &self.remarks, jobs)?;
@@ -202,7 +202,7 @@ fn read<T: DeserializeOwned>(path: &Path) -> Result<(Vec<Kept<T>>, End), String>
             Err(error) => return Err(format!("line {}: {error}", number + 1)),
         }
     }
-    Err("it has no last line; did the run not end?".to_owned())
+    Err("the last line is missing; was the run interrupted?".to_owned())
 }
 
 /// Whether these are the parts of one run, all of them.
@@ -225,7 +225,7 @@ fn check_parts(ends: &[(&Path, End)]) -> Result<(), String> {
         }
         if let Some(why) = &end.ended_early {
             return named(&format!(
-                "part {} did not end: {why}; run it again",
+                "part {} did not finish: {why}; run it again",
                 end.part
             ));
         }
@@ -238,7 +238,7 @@ fn check_parts(ends: &[(&Path, End)]) -> Result<(), String> {
         match ends.iter().filter(|(_, end)| end.part == part).count() {
             1 => {}
             0 => return Err(format!("part {part} is missing")),
-            _ => return Err(format!("part {part} is there twice")),
+            _ => return Err(format!("duplicate part {part}")),
         }
     }
     Ok(())

@@ -102,8 +102,7 @@ pub trait Reported: TestCase {
 /// A sentence with the first that is none.
 pub fn named(slugs: &[String]) -> Result<Vec<&'static Misreading>, String> {
     let one = |slug: &String| {
-        misreadings::named(slug)
-            .ok_or_else(|| format!("--assume {slug}: no misreading is called so"))
+        misreadings::named(slug).ok_or_else(|| format!("--assume {slug}: unknown misreading"))
     };
     slugs.iter().map(one).collect()
 }

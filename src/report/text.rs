@@ -6,7 +6,7 @@ use std::fmt::Write;
 use crate::kit::last_words::last_words;
 use crate::report::document::{CaseResult, DecoderInfo, FollowedReading, LikelyCause, Report};
 use crate::report::leniency::Leniency;
-use crate::report::words::{how_it_is_called, known_words};
+use crate::report::words::{MAX_ALIKE, how_it_is_called, known_words, more_alike, partly};
 use crate::session::outcome::Outcome;
 use crate::session::run::Run;
 use crate::suite::cases::Suite;
@@ -72,7 +72,7 @@ pub fn first_causes_to_text<C: TestCase>(run: &Run<C>, causes: &[LikelyCause]) -
         return None;
     }
     let mut text = format!(
-        "Of the first {judged} cases {failed} failed. Likely causes; the whole run confirms or corrects them:"
+        "{failed} of the first {judged} cases failed. Likely causes, to be confirmed or corrected by the whole run:"
     );
     let (told, few): (Vec<&LikelyCause>, Vec<&LikelyCause>) =
         (causes.iter()).partition(|cause| cause.explains.len() >= ENOUGH);
@@ -96,7 +96,7 @@ pub fn first_causes_to_text<C: TestCase>(run: &Run<C>, causes: &[LikelyCause]) -
     if few > 0 {
         let _ = write!(
             text,
-            "\n  {few} of {failed} failures: too few of a kind to tell their cause yet"
+            "\n  {few} of {failed} failures: too few similar failures to name a cause yet"
         );
     }
     if causes.is_empty() {
@@ -184,7 +184,7 @@ impl<C: TestCase> Page<'_, C> {
         writeln!(out, "Unexplained failures: {count} of {all}")?;
         let (alike, single) = by_kind(&unexplained);
         for (kind, cases) in &alike {
-            writeln!(out, "  {} times {kind}; for example", cases.len())?;
+            writeln!(out, "  {} times: {kind}; for example", cases.len())?;
             for case in cases.iter().take(2) {
                 self.write_failure(case, out)?;
             }
@@ -231,7 +231,7 @@ impl<C: TestCase> Page<'_, C> {
         )?;
         if !report.decoder.unsupported.is_empty() {
             let unsupported = report.decoder.unsupported.join(", ");
-            writeln!(out, "unsupported, as it says itself: {unsupported}")?;
+            writeln!(out, "unsupported (exit status 69): {unsupported}")?;
         }
         let (judged, all) = (report.cases.len(), self.suite.cases.len());
         let selection = match judged < all {
@@ -287,7 +287,7 @@ impl<C: TestCase> Page<'_, C> {
         let inconclusive = Outcome::Inconclusive.name();
         let twins = match self.failing.is_empty() {
             true => "the valid twin was not decoded",
-            false => "the valid twin was not decoded, or misread too",
+            false => "the valid twin was not decoded, or was misread too",
         };
         let count = self.report.with(Outcome::Inconclusive).count();
         if count > 0 {
@@ -313,33 +313,30 @@ fn write_list(out: &mut String, name: &str, items: &[String]) -> std::fmt::Resul
 /// What else is known of a cause, a line each.
 fn write_details(cause: &LikelyCause, suite: SuiteName, out: &mut String) -> std::fmt::Result {
     let subject = suite.subject();
-    if let Some(perhaps) = &cause.perhaps {
+    for (slug, words) in known_words(suite, &cause.or).take(MAX_ALIKE) {
         writeln!(
             out,
-            "  That is all that shows. Perhaps it {perhaps}; other causes would show alike"
-        )?;
-    }
-    for (slug, words) in known_words(suite, &cause.or).take(3) {
-        writeln!(
-            out,
-            "  or, which fails the same cases: it {} (clause {}; {slug})",
+            "  Would look the same: it {} (clause {}; {slug})",
             words.effect, words.clause
         )?;
     }
-    for (slug, words) in known_words(suite, &cause.with) {
-        writeln!(out, "  in some of them also: it {} ({slug})", words.effect)?;
+    if let Some(more) = more_alike(suite, &cause.or) {
+        writeln!(out, "  {more}")?;
     }
-    if !cause.partly.is_empty() {
+    for (slug, words) in known_words(suite, &cause.with) {
         writeln!(
             out,
-            "  {} more in part: this goes wrong there too, and may not be all",
-            cause.partly.len()
+            "  In some of these cases also: it {} ({slug})",
+            words.effect
         )?;
+    }
+    if let Some(partly) = partly(cause) {
+        writeln!(out, "  {partly}")?;
     }
     if let Some(passing) = cause.except.first() {
         writeln!(
             out,
-            "  But not everywhere: {} cases pass that such a {subject} would fail, for example {passing}",
+            "  But not everywhere: such a {subject} would fail {} cases that pass, for example {passing}",
             cause.except.len()
         )?;
     }

@@ -1,15 +1,16 @@
-//! What the catalogs say of a misreading that a report names.
+//! Sentences that the text and HTML reports share, and the catalogs' words for misreadings.
 
 use crate::misreadings::{self, texture, writing};
+use crate::report::document::LikelyCause;
 use crate::suite::name::SuiteName;
 
-/// A misreading in words, whichever suite it is of.
+/// The clause and the effect of a misreading of any suite.
 pub(super) struct Words {
     pub clause: &'static str,
     pub effect: &'static str,
 }
 
-/// Of these slugs those that a catalog knows, with its words.
+/// Returns the slugs that a catalog knows, with its words.
 pub(super) fn known_words(
     suite: SuiteName,
     slugs: &[String],
@@ -26,7 +27,30 @@ pub(super) fn known_words(
     })
 }
 
-/// How a program is called that is to speak the protocol, line by line.
+/// Misreadings that would look the same and are described; the others are counted.
+pub(super) const MAX_ALIKE: usize = 3;
+
+/// Counts the misreadings that would look the same beyond the first [`MAX_ALIKE`].
+pub(super) fn more_alike(suite: SuiteName, or: &[String]) -> Option<String> {
+    match known_words(suite, or).skip(MAX_ALIKE).count() {
+        0 => None,
+        1 => Some("Would look the same: 1 other misreading, see the report".to_owned()),
+        more => Some(format!(
+            "Would look the same: {more} other misreadings, see the report"
+        )),
+    }
+}
+
+/// Counts the failures that a cause explains in part.
+pub(super) fn partly(cause: &LikelyCause) -> Option<String> {
+    match cause.partly.len() {
+        0 => None,
+        1 => Some("1 other failure is explained in part".to_owned()),
+        count => Some(format!("{count} other failures are explained in part")),
+    }
+}
+
+/// Returns the lines that tell how a program has to be called.
 pub(super) fn how_it_is_called(suite: SuiteName, command: &str) -> String {
     match suite {
         SuiteName::Texture => format!(
@@ -42,7 +66,7 @@ pub(super) fn how_it_is_called(suite: SuiteName, command: &str) -> String {
             "A program called by --cmd reads the file {in} and writes a picture to {out}, or prints it; see docs/check.md.".to_owned()
         }
         SuiteName::Ptm => format!(
-            "A decoder is called as: DECODER VIEW FILE, for example: {command} raw x.ptm\nFor raw it prints \"PTM1 raw WIDTH HEIGHT CHANNELS u8\", a line feed and the samples; see the README.\nWhat keeps it from that, step by step: ptm-conform probe DECODER"
+            "A decoder is called as: DECODER VIEW FILE, for example: {command} raw x.ptm\nFor raw it prints \"PTM1 raw WIDTH HEIGHT CHANNELS u8\", a line feed and the samples; see the README.\nTo find out what is wrong, step by step: ptm-conform probe DECODER"
         ),
     }
 }

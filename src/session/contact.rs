@@ -198,7 +198,7 @@ fn no_decoder<C: TestCase>(first: &[First<C>]) -> Option<String> {
 }
 
 /// What is offered: each view in which a first file was decoded, and of each kind all but those in which every first file
-/// of it was answered 69.
+/// of it exited with 69.
 fn offered<C: TestCase>(
     suite: &Suite<C>,
     plan: &RunPlan<C>,
@@ -221,7 +221,7 @@ fn offered<C: TestCase>(
             )));
         } else if declared.contains(&view) && asked_for(view) {
             remarks.push(Remark::failure(format!(
-                "its capabilities declare the view {view}, and it answers 69 (unsupported) to every first file in it"
+                "its capabilities declare the view {view}, and it exits with 69 (unsupported) on every first file in it"
             )));
         }
     }
@@ -246,7 +246,7 @@ fn offered<C: TestCase>(
                 (plan.declared_kinds.as_ref()).is_some_and(|kinds| kinds.contains(&kind));
             if declared.contains(&view) && promised {
                 remarks.push(Remark::failure(format!(
-                    "its capabilities declare the view {view} and {kind}, and it answers 69 (unsupported) to such files in that view"
+                    "its capabilities declare the view {view} and {kind}, and it exits with 69 (unsupported) on such files in that view"
                 )));
             }
             offer.lacking.push((view, kind.clone()));

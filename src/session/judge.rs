@@ -118,7 +118,7 @@ impl<C: TestCase> Evidence<'_, C> {
         if offer.is_broken_by(case, observation, self.unsupported) {
             let kind = case.kind();
             return fail(format!(
-                "its capabilities declare {kind}, and it answers 69 (unsupported) and decodes no such file"
+                "its capabilities declare {kind}, and it exits with 69 (unsupported) and decodes no such file"
             ));
         }
         let outcome = outcome(expect, self.is_supported(offer), self.response_kind());
@@ -136,7 +136,7 @@ impl<C: TestCase> Evidence<'_, C> {
             }
             Response::Rejected => (outcome, self.refusal_in_words()),
             Response::Unsupported if expect == Expect::Reject => {
-                fail("answered 69 (unsupported) to a malformed file of a kind it decodes")
+                fail("exited with 69 (unsupported) on a malformed file of a kind it decodes")
             }
             Response::Unsupported => fail(C::NOT_UNSUPPORTED),
             Response::Picture {

@@ -303,7 +303,7 @@ fn nothing_decoded<C: TestCase>(
     let unsupported =
         |observation: &Observation<C>| matches!(observation.response, Response::Unsupported);
     (asked.peek().is_some() && asked.all(unsupported))
-        .then(|| "it answers every file that it should decode with 69 (unsupported)".to_owned())
+        .then(|| "it exits with 69 (unsupported) on every file that it should decode".to_owned())
 }
 
 impl<C: TestCase> Run<C> {

@@ -35,7 +35,7 @@ pub trait TestCase: Clone + Debug + Send + Sync + 'static {
     const ACCEPTED: &'static str = "accepted a file that must be refused";
     /// What is said of 69 where cases of the same features were answered.
     const NOT_UNSUPPORTED: &'static str =
-        "answered 69 (unsupported), but decodes other files of this kind";
+        "exited with 69 (unsupported), but decodes other files of this kind";
 
     /// A permanent name.
     fn id(&self) -> &str;

@@ -88,7 +88,7 @@ impl TestCase for WriterCase {
     const CHOICES: Choices<()> = Choices(&[]);
     const ACCEPTED: &'static str = "wrote a file where none is legal";
     const NOT_UNSUPPORTED: &'static str =
-        "answered 69 (unsupported), but writes other files of this kind";
+        "exited with 69 (unsupported), but writes other files of this kind";
 
     fn id(&self) -> &str {
         &self.id

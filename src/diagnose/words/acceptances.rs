@@ -1,14 +1,14 @@
-//! Malformed files that were accepted: the edit that made them malformed is what the decoder does not check.
+//! Malformed files that were accepted: the decoder does not check for the fault that each of them has.
 
 use super::first_of;
-use crate::diagnose::diagnosis::{Category, Diagnosis, Words};
+use crate::diagnose::diagnosis::{Category, Cause, Diagnosis, Words};
 use crate::diagnose::witness::Witness;
 use crate::misreadings::Misreading;
 use crate::protocol::frame::Answer;
 use crate::session::observation::Response;
 use crate::suite::cases::Expect;
 
-/// Acceptances, clause by clause. They are taken out of `left`.
+/// Describes acceptances by clause, and removes them from `left`.
 pub(in crate::diagnose) fn describe(
     witnesses: &[Witness],
     left: &mut Vec<usize>,
@@ -28,42 +28,49 @@ pub(in crate::diagnose) fn describe(
     }
     left.retain(|w| !accepted(w));
     clauses.sort_by_key(|(_, of)| std::cmp::Reverse(of.len()));
-    let diagnosis = |(clause, of): (&str, Vec<usize>)| {
-        let first = &witnesses[of[0]];
-        let twin = first.case.twin_of.as_ref().map_or(String::new(), |twin| {
-            format!(", which is the legal {twin} with this one fault")
-        });
-        let words = Words {
-            effect: format!("accepts malformed files: {}", faults(witnesses, &of)),
-            fix: "refuse such files with exit status 65".to_owned(),
-            example: format!("for example {}{twin}", first.case.id),
-        };
-        Diagnosis::described(Category::Acceptance, witnesses, &of, words).about(clause)
-    };
+    let diagnosis = |(clause, of): (&str, Vec<usize>)| acceptance(witnesses, &of).about(clause);
     clauses.into_iter().map(diagnosis).collect()
 }
 
-/// All that can be observed of a mistake that explains nothing but malformed files which are accepted: no picture of them is
-/// right, so that of what is made of them nothing is known.
+/// Describes these malformed files, which are accepted.
+fn acceptance(witnesses: &[Witness], of: &[usize]) -> Diagnosis {
+    let first = &witnesses[of[0]];
+    let twin = first.case.twin_of.as_ref().map_or(String::new(), |twin| {
+        format!(", which is the legal {twin} with this one fault")
+    });
+    let words = Words {
+        effect: format!("accepts malformed files: {}", list_faults(witnesses, of)),
+        fix: "refuse such files with exit status 65".to_owned(),
+        example: format!("for example {}{twin}", first.case.id),
+    };
+    Diagnosis::described(Category::Acceptance, witnesses, of, words)
+}
+
+/// Describes malformed files that are accepted, if a misreading explains nothing else. Malformed files have no correct image,
+/// so these cases do not show how the decoder reads them.
 pub(in crate::diagnose) fn all_that_shows(
     witnesses: &[Witness],
     of: &[usize],
     misreading: &Misreading,
-) -> Option<String> {
+) -> Option<Cause> {
     let is_accepted = |w: &usize| witnesses[*w].right == Answer::Rejected;
     let says_more = !misreading.effect.starts_with("accepts");
-    (says_more && of.iter().all(is_accepted))
-        .then(|| format!("accepts malformed files ({})", faults(witnesses, of)))
+    let is_observation = says_more && !of.is_empty() && of.iter().all(is_accepted);
+    is_observation.then(|| {
+        acceptance(witnesses, of)
+            .about(clause(&witnesses[of[0]]))
+            .cause
+    })
 }
 
-/// The clause that a malformed file breaks.
+/// Returns the clause that a malformed file breaks.
 fn clause<'w>(witness: &'w Witness<'_>) -> &'w str {
     let of_case = || witness.case.clauses.first().map_or("", String::as_str);
     (witness.case.damage()).map_or_else(of_case, |damage| &damage.clause)
 }
 
-/// What is wrong with these files, each fault once.
-fn faults(witnesses: &[Witness], of: &[usize]) -> String {
+/// Lists the faults of these files, each fault once.
+fn list_faults(witnesses: &[Witness], of: &[usize]) -> String {
     let mut faults: Vec<String> = Vec::new();
     for fault in of.iter().map(|&w| fault(&witnesses[w])) {
         if !faults.contains(&fault) {

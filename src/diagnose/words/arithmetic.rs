@@ -1,11 +1,11 @@
-//! How the text computes one value, with the numbers of the file.
+//! The arithmetic of one value, with the numbers of the file.
 
 use crate::diagnose::witness::Witness;
 use crate::protocol::frame::View;
 use crate::ptm::{Ptm, Shape};
 use crate::suite::compare;
 
-/// The steps from stored values to one value of a picture; nothing for stored values, which are what they are.
+/// Returns the steps from stored values to one value of an image, or `None` for stored values.
 pub(in crate::diagnose) fn arithmetic(
     witness: &Witness,
     texel: usize,
@@ -15,7 +15,7 @@ pub(in crate::diagnose) fn arithmetic(
     steps(ptm, &witness.observation.view, texel, channel)
 }
 
-/// The same of a view of a map.
+/// Returns the steps from stored values to one value in a view of a map, or `None` for stored values.
 #[must_use]
 pub fn steps(ptm: &Ptm, view: &View, texel: usize, channel: usize) -> Option<String> {
     let raw = ptm.planes.texels().nth(texel)?;
@@ -28,7 +28,7 @@ pub fn steps(ptm: &Ptm, view: &View, texel: usize, channel: usize) -> Option<Str
     }
 }
 
-/// (raw − bias) · scale.
+/// Returns `(raw − bias) · scale`.
 fn final_value(ptm: &Ptm, raw: &[u8], channel: usize) -> String {
     let numbers = &ptm.header.scale_bias;
     format!(
@@ -82,7 +82,7 @@ fn color(ptm: &Ptm, raw: &[u8], color: usize, (u, v): (f64, f64)) -> String {
     }
 }
 
-/// A number that may follow a sign.
+/// Formats a number, in parentheses if it is negative.
 fn signed(value: f64) -> String {
     match value < 0.0 {
         true => format!("(−{})", short(-value)),
@@ -90,7 +90,7 @@ fn signed(value: f64) -> String {
     }
 }
 
-/// A number with four digits after its point at most.
+/// Formats a number with at most four decimals.
 fn short(value: f64) -> String {
     compare::short(value, 4)
 }

@@ -1,4 +1,4 @@
-//! Formats of which nothing is read: their failures have one cause, or none that files could tell.
+//! Formats of which no file is read correctly. Their files cannot separate several causes.
 
 use super::refusals::example;
 use crate::diagnose::diagnosis::{Category, Diagnosis, Words};
@@ -7,7 +7,7 @@ use crate::diagnose::witness::Witness;
 use crate::ptm::Format;
 use crate::suite::cases::Expect;
 
-/// One diagnosis for each format that fails in more than one way. Its failures are taken out of `left`.
+/// Describes each format whose files all fail, in more than one way. Removes its failures from `left`.
 pub(in crate::diagnose) fn describe(
     witnesses: &[Witness],
     left: &mut Vec<usize>,
@@ -27,9 +27,9 @@ pub(in crate::diagnose) fn describe(
         let is_wrong = |w: &&usize| FailureMode::of(&witnesses[**w]).is_none();
         let wrong = of.iter().filter(is_wrong).count();
         if wrong > 0 {
-            ways.push(format!("shows wrong pictures of {wrong}"));
+            ways.push(format!("shows wrong images for {wrong}"));
         }
-        // Wrong pictures beside a few refusals tell more one by one.
+        // If most of them are wrong images, these are described one by one.
         let mostly_wrong = wrong * 2 > of.len();
         if !refuses || mostly_wrong || ways.len() < 2 || (0..witnesses.len()).any(|w| is_read(&w)) {
             continue;
@@ -37,11 +37,11 @@ pub(in crate::diagnose) fn describe(
         left.retain(|w| !of.contains(w));
         let words = Words {
             effect: format!(
-                "reads no file of format {}: it {}",
+                "reads no file of format {} correctly: it {}",
                 format.short_name(),
                 ways.join(", ")
             ),
-            fix: "begin with the example, the smallest of these files".to_owned(),
+            fix: "start with the example, the smallest of these files".to_owned(),
             example: example(witnesses, &of),
         };
         let diagnosis = Diagnosis::described(Category::Difference, witnesses, &of, words);
@@ -50,7 +50,7 @@ pub(in crate::diagnose) fn describe(
     diagnoses
 }
 
-/// Where the text says how a format's data lies.
+/// Returns the clause about the layout of a format.
 const fn clause(format: Format) -> &'static str {
     match format {
         Format::Rgb => "2.7.1/1",
@@ -62,7 +62,7 @@ const fn clause(format: Format) -> &'static str {
     }
 }
 
-/// ", in files of RGB", where a mistake that is made everywhere shows in at most so many formats.
+/// Returns ", in files of RGB" if a mistake that is made everywhere shows in at most `most` formats.
 pub(in crate::diagnose) fn formats_of(witnesses: &[Witness], of: &[usize], most: usize) -> String {
     let shown = |format: &Format| {
         let mut of = of.iter();

@@ -1,4 +1,4 @@
-//! What no mistake explains, put into words.
+//! Descriptions of the failures that no mistake explains.
 
 pub(super) mod acceptances;
 mod arithmetic;
@@ -11,16 +11,16 @@ pub(super) mod violation;
 
 pub use arithmetic::steps as arithmetic_steps;
 
-/// Different faults or kinds that are named, at most.
-const NAMED: usize = 6;
+/// Faults or kinds that are listed; the others are counted.
+const MAX_LISTED: usize = 6;
 
-/// The first of these, and how many more there are: "a; b; and one other fault".
+/// Lists the first of these and counts the others: "a; b; and 1 other fault".
 fn first_of(all: &[&str], noun: &str) -> String {
-    let (named, more) = all.split_at(all.len().min(NAMED));
+    let (named, more) = all.split_at(all.len().min(MAX_LISTED));
     let named = named.join("; ");
     match more.len() {
         0 => named,
-        1 => format!("{named}; and one other {noun}"),
+        1 => format!("{named}; and 1 other {noun}"),
         more => format!("{named}; and {more} other {noun}s"),
     }
 }

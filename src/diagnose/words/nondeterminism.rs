@@ -1,5 +1,4 @@
-//! Requests that were answered in two ways: they tell of no misreading, only of state that is carried over or left to
-//! chance.
+//! Requests with different responses. They are no evidence for a misreading, only for state that is kept or left to chance.
 
 use crate::diagnose::diagnosis::{Category, Cause, Diagnosis};
 use crate::protocol::frame::Answer;
@@ -8,7 +7,7 @@ use crate::session::outcome::Outcome;
 use crate::session::run::Run;
 use crate::suite::cases::Suite;
 
-/// The cases whose answers differ, those of serve mode apart from those that differ each time.
+/// Describes the cases whose responses differ: between serve mode and one-shot mode, or from call to call.
 pub(in crate::diagnose) fn describe(suite: &Suite, run: &Run) -> Vec<Diagnosis> {
     let differing: Vec<(usize, &Nondeterminism)> = run
         .observations
@@ -46,18 +45,18 @@ pub(in crate::diagnose) fn describe(suite: &Suite, run: &Run) -> Vec<Diagnosis> 
     };
     let garbling = diagnosis(
         garbled,
-        "answers in serve mode otherwise than the protocol says",
-        "answer each request with one line and, where that is SEQ ok NBYTES, as many bytes; probe tries it step by step, and docs/check.md has the lines",
+        "violates the protocol in serve mode",
+        "answer each request with one line and, after SEQ ok NBYTES, that many bytes; probe tests this step by step, and docs/check.md lists the responses",
     );
     let serving = diagnosis(
         served,
-        "gives other answers in serve mode than one-shot",
-        "begin every request as if it were the first, and answer each once; check --one-shot asks every file of a process of its own",
+        "gives different responses in serve mode and one-shot mode",
+        "reset all state before each request, and answer each request once; check --one-shot starts one process per request",
     );
     let by_chance = diagnosis(
         chance,
-        "answers the same request differently each time",
-        "look for memory that is read before it is written, for threads, for clocks and for random numbers",
+        "gives different responses to the same request",
+        "look for uninitialized memory, data races, clocks and random numbers",
     );
     [garbling, serving, by_chance]
         .into_iter()
@@ -65,8 +64,9 @@ pub(in crate::diagnose) fn describe(suite: &Suite, run: &Run) -> Vec<Diagnosis> 
         .collect()
 }
 
-/// Whether most failures are answered differently each time: what their pictures have in common is chance.
-pub(in crate::diagnose) fn prevails(run: &Run) -> bool {
+/// Returns true if more than a third of the failures differ from call to call, so that common properties of their images are
+/// chance.
+pub(in crate::diagnose) fn is_prevalent(run: &Run) -> bool {
     let failed = |place: &usize| {
         let judged = run.judgement.cases[*place].as_ref();
         judged.is_some_and(|judged| judged.outcome == Outcome::Fail)

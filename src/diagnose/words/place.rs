@@ -37,46 +37,43 @@ enum Step {
 }
 
 impl Step {
-    /// What a decoder shows, as a sentence without its subject.
+    /// Returns the decoder's behavior, as a sentence without its subject.
     fn effect(self) -> &'static str {
         match self {
             Step::Shape => "shows an image of another size or type",
-            Step::Choice => {
-                "shows images that another reading of an open question explains, but not the reading of its other images"
-            }
+            Step::Choice => "follows another reading of an open question than in its other images",
             Step::Malformed => "shows an image of a file that must be refused",
-            Step::Places => "shows the right values in wrong places",
+            Step::Places => "shows the correct values in the wrong places",
             Step::Stream => "shows wrong values in planes that are neither predicted nor corrected",
             Step::Prediction => {
-                "shows wrong values in predicted planes; planes that are not predicted are right"
+                "shows wrong values in predicted planes; planes that are not predicted are correct"
             }
-            Step::Correction => {
-                "shows wrong values at texels that side information corrects, and nowhere else"
-            }
+            Step::Correction => "shows wrong values only at texels that side information corrects",
             Step::StoredValue => "shows wrong stored values",
             Step::FinalValue => "shows wrong final values",
             Step::Color => "shows wrong colors",
         }
     }
 
+    /// Returns the advice.
     fn fix(self) -> &'static str {
         match self {
             Step::Shape => {
-                "compare width, height, channels and sample type with the frame that is expected"
+                "compare width, height, channels and sample type with the expected frame"
             }
-            Step::Choice => "keep to one reading of the question in all files",
+            Step::Choice => "use one reading of the question in all files",
             Step::Malformed => "refuse the file with exit status 65",
             Step::Places => "compare the order of rows, columns and blocks with the clause",
             Step::Stream => {
-                "decode the example's stream with another JPEG or JPEG-LS decoder, and compare; the standards' test images help"
+                "decode the example's stream with another JPEG or JPEG-LS decoder and compare; try the test images of the standard"
             }
             Step::Prediction => {
                 "compute the example's sample by hand from its residual and its reference"
             }
-            Step::Correction => {
-                "follow the example's record by hand: its bytes, its position, its value"
+            Step::Correction => "read the example's record by hand: bytes, position, value",
+            Step::StoredValue => {
+                "compare the bytes that the example names with the values that the decoder reads there"
             }
-            Step::StoredValue => "compare the bytes that the example names with what is read there",
             Step::FinalValue => "compute the example by hand: stored value, scale, bias",
             Step::Color => {
                 "compute the example by hand: final values first, then the polynomial, then the color"
@@ -105,7 +102,7 @@ impl Step {
     }
 }
 
-/// Describes the wrong images in `left`, those that first differ at one step together. `set` are the mistakes that were found.
+/// Describes the wrong images in `left`, grouped by the step at which they first differ. `set` are the mistakes that were found.
 pub(in crate::diagnose) fn describe(search: &Search, set: &[Id], left: &[usize]) -> Vec<Diagnosis> {
     let steps = search.each(left, |&w| step(search, set, w));
     let mut groups: BTreeMap<(Step, Option<&str>), Vec<usize>> = BTreeMap::new();
@@ -177,7 +174,7 @@ fn difference(
     let words = Words {
         effect: format!("{}{}{place}", step.effect(), channels(search, set, of)),
         fix: step.fix().to_owned(),
-        example: example_beside(search, set, smallest(witnesses, of)),
+        example: example_given(search, set, smallest(witnesses, of)),
     };
     let described = Diagnosis::described(Category::Difference, witnesses, of, words);
     match clause {
@@ -186,7 +183,7 @@ fn difference(
     }
 }
 
-/// ", in 12 of 160 files of LRGB, LUM".
+/// Returns ", in 12 of 160 files of LRGB, LUM".
 fn share_of_formats(witnesses: &[Witness], of: &[usize]) -> String {
     let format = |w: usize| witnesses[w].case.format();
     let is_of = |w: &usize| {
@@ -201,7 +198,7 @@ fn share_of_formats(witnesses: &[Witness], of: &[usize]) -> String {
     format!(", in {} of {all} files{formats}", of.len())
 }
 
-/// ", only in a3", if nothing else is wrong in several images.
+/// Returns ", only in a3" if no other channel is wrong in several images.
 fn channels(search: &Search, set: &[Id], of: &[usize]) -> String {
     let pairs: Vec<Pair> = of.iter().filter_map(|&w| pair_of(search, set, w)).collect();
     let count = pairs.first().map_or(0, |pair| pair.channels);
@@ -219,7 +216,7 @@ fn channels(search: &Search, set: &[Id], of: &[usize]) -> String {
     }
 }
 
-/// The step at which the values of an image first differ.
+/// Returns the step at which the values of an image first differ.
 fn step(search: &Search, set: &[Id], w: usize) -> Step {
     let witness = &search.witnesses[w];
     let Response::Picture {
@@ -234,7 +231,7 @@ fn step(search: &Search, set: &[Id], w: usize) -> Step {
     else {
         return Step::Malformed;
     };
-    let Some(pair) = Pair::of(wanted, received) else {
+    let Some(pair) = Pair::new(wanted, received) else {
         return Step::Shape;
     };
     if is_rearranged(&pair) {
@@ -254,7 +251,7 @@ fn step(search: &Search, set: &[Id], w: usize) -> Step {
     }
 }
 
-/// Returns true if an image has the right values, but not in their places.
+/// Returns true if an image has the correct values in wrong places.
 fn is_rearranged(pair: &Pair) -> bool {
     let sorted = |values: &[f64]| {
         let mut bits: Vec<u64> = values.iter().map(|value| value.to_bits()).collect();
@@ -264,7 +261,8 @@ fn is_rearranged(pair: &Pair) -> bool {
     pair.wrong().len() > 2 && sorted(&pair.want) == sorted(&pair.got)
 }
 
-/// A stream is blamed only if a plane that is neither predicted nor corrected has wrong values, and not merely in wrong places.
+/// Returns the step of a compressed file. A stream is named only if a plane that is neither predicted nor corrected has wrong
+/// values, and not the correct values in wrong places.
 fn step_of_planes(pair: &Pair, witness: &Witness) -> Step {
     let Some(coded) = witness.model().and_then(|model| model.compressed.as_ref()) else {
         return Step::StoredValue;
@@ -311,7 +309,7 @@ fn step_of_planes(pair: &Pair, witness: &Witness) -> Step {
     }
 }
 
-/// Returns true if the decoder goes wrong in `w` much as one with the mistake `member` does.
+/// Returns true if the mistake `member` more than halves the wrong samples of `w`, or may crash there.
 pub(in crate::diagnose) fn is_near(search: &Search, w: usize, set: &[Id], member: Id) -> bool {
     let witness = &search.witnesses[w];
     let (with, without) = (search.made(w, set), search.made(w, &without(set, member)));
@@ -325,10 +323,10 @@ pub(in crate::diagnose) fn is_near(search: &Search, w: usize, set: &[Id], member
         Response::Picture {
             frame: Some(shown), ..
         } => {
-            let wrong = |made: &Frame| Some(Pair::of(made, shown)?.wrong().len());
+            let wrong = |made: &Frame| Some(Pair::new(made, shown)?.wrong().len());
             matches!((wrong(with), wrong(without)), (Some(with), Some(without)) if with * 2 < without)
         }
-        // A decoder that reads outside its data ends in one way here and in another there.
+        // A decoder that reads outside its data may crash in one file and show wrong values in another.
         Response::Violation(Answer::Crashed(_)) => {
             let clause = search.mistakes[member].misreading.clause;
             ["2.5", "2.6", "2.8", "2.9"]
@@ -339,7 +337,7 @@ pub(in crate::diagnose) fn is_near(search: &Search, w: usize, set: &[Id], member
     }
 }
 
-/// What was shown, and what a decoder with these mistakes shows, if both are images of one shape.
+/// Returns the received image and the image of a decoder with these mistakes, if their shapes are equal.
 pub(in crate::diagnose) fn pair_of(search: &Search, set: &[Id], w: usize) -> Option<Pair> {
     match (
         &search.witnesses[w].observation.response,
@@ -350,25 +348,25 @@ pub(in crate::diagnose) fn pair_of(search: &Search, set: &[Id], w: usize) -> Opt
                 frame: Some(shown), ..
             },
             Answer::Decoded(wanted),
-        ) => Pair::of(wanted, shown),
+        ) => Pair::new(wanted, shown),
         _ => None,
     }
 }
 
-/// The smallest of these files, one that shows stored or final values if there is one.
+/// Returns the smallest of these files, preferring stored and final values to colors.
 pub(in crate::diagnose) fn smallest(witnesses: &[Witness], of: &[usize]) -> usize {
     let size = |w: &usize| (witnesses[*w].is_in_colors(), witnesses[*w].built.file.len());
     let smallest = of.iter().copied().min_by_key(size);
     smallest.expect("a diagnosis explains at least one case")
 }
 
-/// The first wrong sample of a file: received and expected, the arithmetic, and the bytes of the expected value.
+/// Describes the first wrong sample of a file: received and expected, the arithmetic, and the bytes of the expected value.
 pub(in crate::diagnose) fn example(search: &Search, w: usize) -> String {
-    example_beside(search, &[], w)
+    example_given(search, &[], w)
 }
 
-/// The same, of a sample that the mistakes of `set` do not explain.
-fn example_beside(search: &Search, set: &[Id], w: usize) -> String {
+/// Like [`example`], for the first sample that the mistakes of `set` do not explain.
+fn example_given(search: &Search, set: &[Id], w: usize) -> String {
     let witness = &search.witnesses[w];
     let id = &witness.case.id;
     let first = pair_of(search, &[], w).and_then(|mut pair| {
@@ -387,7 +385,7 @@ fn example_beside(search: &Search, set: &[Id], w: usize) -> String {
     let [got, want] = apart(pair.got[i], pair.want[i], 4);
     let mut text = format!(
         "for example {id}, texel ({x}, {y}), {}: received {got}, expected {want}",
-        pair.name(channel),
+        pair.channel_name(channel),
     );
     text.extend(arithmetic(witness, texel, channel).map(|steps| format!(" = {steps}")));
     if pair.view != "rgb"
@@ -411,7 +409,8 @@ fn example_beside(search: &Search, set: &[Id], w: usize) -> String {
     text
 }
 
-/// The first wrong sample; of a compressed file the first stored one of the first plane that is not predicted from a wrong one.
+/// Returns the first wrong sample. In a compressed file, it is the first stored one of the first plane that is not predicted from
+/// a wrong plane.
 fn first_wrong(pair: &Pair, witness: &Witness, open: &[usize]) -> Option<usize> {
     let mut wrong = pair.wrong();
     let is_open = |i: &usize| open.binary_search(i).is_ok();
@@ -439,7 +438,7 @@ fn first_wrong(pair: &Pair, witness: &Witness, open: &[usize]) -> Option<usize> 
     wrong.into_iter().min_by_key(stored)
 }
 
-/// The values that the suite expects, not rounded.
+/// Returns the expected values, not rounded.
 fn expected(witness: &Witness, pair: &Pair) -> Option<Vec<f64>> {
     let expected = Expected::of(&witness.built.values, &witness.observation.view)?;
     let values = match expected.values {

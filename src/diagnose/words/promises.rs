@@ -1,4 +1,4 @@
-//! Formats that a decoder declares and does not read: that is no mistake in reading, but in what it says of itself.
+//! Formats that a decoder declares and does not read: a mistake in its capabilities, not in its reading.
 
 use std::collections::BTreeSet;
 
@@ -7,7 +7,7 @@ use crate::diagnose::witness::breaks_its_promise;
 use crate::session::run::Run;
 use crate::suite::cases::Suite;
 
-/// All of them together.
+/// Describes all declared formats that are not read.
 pub(in crate::diagnose) fn describe(suite: &Suite, run: &Run) -> Option<Diagnosis> {
     let asked = suite.cases.iter().zip(&run.observations).enumerate();
     let of: Vec<usize> = asked
@@ -30,10 +30,11 @@ pub(in crate::diagnose) fn describe(suite: &Suite, run: &Run) -> Option<Diagnosi
             category: Category::Refusal,
             clause: "2.2/1".to_owned(),
             effect: format!(
-                "answers 69 (unsupported) to every file of {}, which its capabilities declare",
+                "exits with 69 (unsupported) on {} files of {}, which its capabilities declare",
+                of.len(),
                 formats.join(", ")
             ),
-            fix: "read these formats, or take them out of the capabilities".to_owned(),
+            fix: "read these formats, or remove them from the capabilities".to_owned(),
             example: format!("for example {}: {}", first.id, first.because),
             alike: Vec::new(),
         },

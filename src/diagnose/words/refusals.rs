@@ -1,8 +1,8 @@
-//! Legal files that were refused, or that brought the decoder down: what they share and no accepted file has.
+//! Legal files that were refused or crashed the decoder: the property that they share and that no accepted file has.
 
-use crate::diagnose::diagnosis::{Category, Diagnosis, Words};
+use crate::diagnose::diagnosis::{Category, Cause, Diagnosis, Words};
 use crate::diagnose::failure_mode::FailureMode;
-use crate::diagnose::scope::shared_scope;
+use crate::diagnose::scope::{Shared, shared_scope};
 use crate::diagnose::tuning::{MIN_SHARE_OF_A_PROPERTY, REFUSALS_PER_CHANCE_IMAGE};
 use crate::diagnose::witness::Witness;
 use crate::kit::last_words::last_words;
@@ -11,26 +11,26 @@ use crate::ptm::Format;
 use crate::session::observation::Response;
 use crate::suite::cases::Expect;
 
-/// So many files have to be read before it means something that those which are not share nothing else.
-const ENOUGH_READ: usize = 20;
+/// Files that must be read before it is meaningful that no property separates the others from them.
+const MIN_READ_FILES: usize = 20;
 
-/// Refusals that a trait explains: every file of the suite that has it is treated so. They are taken out of `left`.
+/// Describes refusals by a property that the refused files share and that no file that is read has. Removes them from `left`.
 pub(in crate::diagnose) fn describe(
     witnesses: &[Witness],
     left: &mut Vec<usize>,
 ) -> Vec<Diagnosis> {
     let mut diagnoses = Vec::new();
-    let accepted = accepted(witnesses);
+    let read = files_read(witnesses);
     for mode in FailureMode::among(witnesses, left) {
         let mut open = mode.select(witnesses, left);
-        while let Some(shared) = shared_scope(witnesses, &open, &accepted, true) {
-            // What few of many share is a coincidence.
+        while let Some(shared) = shared_scope(witnesses, &open, &read, true) {
+            // A property that few of many share is a coincidence.
             if open.len() > shared.of.len() * MIN_SHARE_OF_A_PROPERTY {
                 break;
             }
             open.retain(|w| !shared.of.contains(w));
             left.retain(|w| !shared.of.contains(w));
-            let effect = format!("{mode} every file {}", shared.scope.describe());
+            let effect = format!("{mode} {}", files_in(witnesses, &shared));
             let refusal = refusal(witnesses, &shared.of, &mode, effect);
             diagnoses.push(match shared.scope.clause() {
                 Some(clause) => refusal.about(clause),
@@ -41,13 +41,30 @@ pub(in crate::diagnose) fn describe(
     diagnoses
 }
 
-/// A diagnosis of files that are treated alike.
+/// Returns "every legal file with predicted planes", or "12 of 14 legal files with predicted planes" if some fail in another way.
+fn files_in(witnesses: &[Witness], shared: &Shared) -> String {
+    let is_other = |w: &usize| {
+        let witness = &witnesses[*w];
+        let is_legal = witness.case.expect == Expect::Decode;
+        is_legal && !shared.of.contains(w) && shared.scope.holds(witness)
+    };
+    let scope = shared.scope.describe();
+    match (0..witnesses.len()).filter(is_other).count() {
+        0 => format!("every legal file {scope}"),
+        others => {
+            let count = shared.of.len();
+            format!("{count} of {} legal files {scope}", count + others)
+        }
+    }
+}
+
+/// Returns the diagnosis of files that fail in one way.
 fn refusal(witnesses: &[Witness], of: &[usize], mode: &FailureMode, effect: String) -> Diagnosis {
     let fix = match mode {
         FailureMode::Refuses | FailureMode::Unsupported => {
-            "read such files, they are legal; if they are not meant to be read, answer 69 to all of them"
+            "read these legal files, or exit with 69 for all files of this kind"
         }
-        FailureMode::Hangs => "find the loop that does not end there",
+        FailureMode::Hangs => "find the loop that does not end",
         _ => "run the example under a debugger: these files are legal",
     };
     let words = Words {
@@ -58,12 +75,12 @@ fn refusal(witnesses: &[Witness], of: &[usize], mode: &FailureMode, effect: Stri
     Diagnosis::described(Category::Refusal, witnesses, of, words)
 }
 
-/// For each way not to show a picture, the failures that one shared trait explains.
+/// Returns, for each failure mode, the failures that one shared property explains.
 pub(in crate::diagnose) fn widest(witnesses: &[Witness], failing: &[usize]) -> Vec<Vec<usize>> {
-    let accepted = accepted(witnesses);
+    let read = files_read(witnesses);
     let of = |mode: FailureMode| {
         let of = mode.select(witnesses, failing);
-        shared_scope(witnesses, &of, &accepted, true).map(|shared| shared.of)
+        shared_scope(witnesses, &of, &read, true).map(|shared| shared.of)
     };
     FailureMode::among(witnesses, failing)
         .into_iter()
@@ -71,8 +88,8 @@ pub(in crate::diagnose) fn widest(witnesses: &[Witness], failing: &[usize]) -> V
         .collect()
 }
 
-/// Legal files that the decoder reads, rightly or wrongly. One that ends in another crash says nothing.
-fn accepted(witnesses: &[Witness]) -> Vec<usize> {
+/// Returns the legal files that the decoder reads, correctly or not. A file that crashes it in another way is no evidence.
+fn files_read(witnesses: &[Witness]) -> Vec<usize> {
     let is_read = |w: &usize| {
         witnesses[*w].case.expect == Expect::Decode
             && matches!(witnesses[*w].observation.response, Response::Picture { .. })
@@ -80,14 +97,17 @@ fn accepted(witnesses: &[Witness]) -> Vec<usize> {
     (0..witnesses.len()).filter(is_read).collect()
 }
 
-/// The one way in which all of these fail.
+/// Returns the failure mode that all of these share.
 fn one_mode(witnesses: &[Witness], of: &[usize]) -> Option<FailureMode> {
     let mode = FailureMode::of(&witnesses[*of.first()?])?;
     (mode.select(witnesses, of).len() == of.len()).then_some(mode)
 }
 
-/// "refuses every file of RGB, LRGB", where these are all the legal files of some formats and fail in one way.
-pub(in crate::diagnose) fn of_whole_formats(witnesses: &[Witness], of: &[usize]) -> Option<String> {
+/// Returns "refuses every legal file of RGB, LRGB" if these are all the legal files of some formats and fail in one way.
+pub(in crate::diagnose) fn refusal_of_whole_formats(
+    witnesses: &[Witness],
+    of: &[usize],
+) -> Option<String> {
     let mode = one_mode(witnesses, of)?;
     let format = |w: usize| witnesses[w].case.format();
     let formats: Vec<Format> = Format::ALL
@@ -103,21 +123,21 @@ pub(in crate::diagnose) fn of_whole_formats(witnesses: &[Witness], of: &[usize])
         return None;
     }
     let names: Vec<&str> = formats.iter().map(|format| format.short_name()).collect();
-    Some(format!("{mode} every file of {}", names.join(", ")))
+    Some(format!("{mode} every legal file of {}", names.join(", ")))
 }
 
-/// Formats of which every legal file fails in one and the same way, without a picture.
+/// Formats whose legal files all fail in one way, without an image.
 pub(in crate::diagnose) struct WholeFormats {
     mode: FailureMode,
     formats: Vec<Format>,
-    /// These files, and those that may be refused and fail so too.
+    /// These files, and other files of the formats that fail in the same way.
     pub of: Vec<usize>,
 }
 
-/// Fewer legal files of a format are no whole format.
-const WHOLE: usize = 4;
+/// Legal files of a format that support a statement about all of it.
+const MIN_FILES_OF_A_FORMAT: usize = 4;
 
-/// All of them, those of one way together.
+/// Returns the formats whose legal files all fail in one way, grouped by failure mode.
 pub(in crate::diagnose) fn whole_formats(witnesses: &[Witness]) -> Vec<WholeFormats> {
     let mut whole: Vec<WholeFormats> = Vec::new();
     for format in Format::ALL {
@@ -125,7 +145,7 @@ pub(in crate::diagnose) fn whole_formats(witnesses: &[Witness]) -> Vec<WholeForm
         let is_legal = |w: &usize| witnesses[*w].case.expect == Expect::Decode;
         let all: Vec<usize> = (0..witnesses.len()).filter(of_format).collect();
         let legal: Vec<usize> = all.iter().copied().filter(is_legal).collect();
-        if legal.len() < WHOLE || !legal.iter().all(|&w| witnesses[w].failed) {
+        if legal.len() < MIN_FILES_OF_A_FORMAT || !legal.iter().all(|&w| witnesses[w].failed) {
             continue;
         }
         let Some(mode) = one_mode(witnesses, &legal) else {
@@ -149,32 +169,30 @@ pub(in crate::diagnose) fn whole_formats(witnesses: &[Witness]) -> Vec<WholeForm
 }
 
 impl WholeFormats {
-    /// Just this, and the mistakes of the catalog that would look the same.
+    /// Describes the observation, with the misreadings that would look the same.
     pub fn describe(&self, witnesses: &[Witness], alike: Vec<&'static Misreading>) -> Diagnosis {
         let names: Vec<&str> = self
             .formats
             .iter()
             .map(|format| format.short_name())
             .collect();
-        let effect = format!("{} every file of {}", self.mode, names.join(", "));
+        let effect = format!("{} every legal file of {}", self.mode, names.join(", "));
         refusal(witnesses, &self.of, &self.mode, effect).like(alike)
     }
 }
 
-/// All that can be observed of a cause that explains these legal files, if that is nothing but not to show files that
-/// share something: their format, or one other thing.
+/// Returns the observation if these are all the legal files of some formats, or with some property, and fail in one way.
 pub(in crate::diagnose) fn all_that_shows(witnesses: &[Witness], of: &[usize]) -> Option<String> {
     let mode = one_mode(witnesses, of)?;
-    of_whole_formats(witnesses, of).or_else(|| {
+    refusal_of_whole_formats(witnesses, of).or_else(|| {
         let is_other = |w: &usize| witnesses[*w].case.expect == Expect::Decode && !of.contains(w);
         let others: Vec<usize> = (0..witnesses.len()).filter(is_other).collect();
         let shared = shared_scope(witnesses, of, &others, false)?;
-        (shared.of.len() == of.len())
-            .then(|| format!("{mode} every file {}", shared.scope.describe()))
+        (shared.of.len() == of.len()).then(|| format!("{mode} {}", files_in(witnesses, &shared)))
     })
 }
 
-/// These files in just these words.
+/// Returns the diagnosis of these files with this effect.
 pub(in crate::diagnose) fn of_effect(
     witnesses: &[Witness],
     of: &[usize],
@@ -184,14 +202,14 @@ pub(in crate::diagnose) fn of_effect(
     refusal(witnesses, of, &mode, effect)
 }
 
-/// How those of these files end that are legal, where hardly a picture is shown and nothing else speaks for a mistake;
-/// nothing where such refusals are the mistake. `otherwise` counts the pictures that are wrong otherwise than it would make them.
+/// Describes how the legal ones among these files end, if they have hardly any images and no other evidence supports the
+/// misreading. Returns `None` if the refusals are the misreading. `otherwise` counts the wrong images that it does not produce.
 pub(in crate::diagnose) fn no_picture(
     witnesses: &[Witness],
     of: &[usize],
     misreading: &Misreading,
     otherwise: impl Fn() -> usize,
-) -> Option<String> {
+) -> Option<Cause> {
     let is_legal = |w: &usize| witnesses[*w].case.expect == Expect::Decode;
     let of: Vec<usize> = of.iter().copied().filter(is_legal).collect();
     let is_refusal =
@@ -200,7 +218,7 @@ pub(in crate::diagnose) fn no_picture(
     let shown = of
         .iter()
         .filter(|&&w| FailureMode::of(&witnesses[w]).is_none());
-    // Which few of many files are refused tells what is done, which whole formats are does not.
+    // A few refused files of many show what the decoder does; whole formats do not.
     let is_of_formats = |w: &usize| {
         let mut formats = of.iter().map(|&w| witnesses[w].case.format());
         is_legal(w) && formats.any(|format| format == witnesses[*w].case.format())
@@ -212,36 +230,49 @@ pub(in crate::diagnose) fn no_picture(
     if of.is_empty() || shown.count() * REFUSALS_PER_CHANCE_IMAGE > of.len() || is_the_mistake {
         return None;
     }
-    let files = |mode: &FailureMode| match mode.select(witnesses, &of)[..] {
-        [only] => format!("{mode} a legal file, {}", witnesses[only].case.id),
-        ref all => format!(
-            "{mode} {} legal files, for example {}",
-            all.len(),
-            witnesses[all[0]].case.id
-        ),
-    };
-    Some(modes.iter().map(files).collect::<Vec<_>>().join(", and "))
+    let mode = modes.first()?;
+    let effect = ways(witnesses, &of, &modes);
+    Some(refusal(witnesses, &of, mode, effect).cause)
 }
 
-/// What no trait explains.
-pub(in crate::diagnose) fn rest(witnesses: &[Witness], left: &mut Vec<usize>) -> Vec<Diagnosis> {
+/// Returns "crashes (exit status 1) on 12 legal files, and refuses 1 legal file".
+fn ways(witnesses: &[Witness], of: &[usize], modes: &[FailureMode]) -> String {
+    let files = |count: usize| match count {
+        1 => "1 legal file".to_owned(),
+        count => format!("{count} legal files"),
+    };
+    let way = |mode: &FailureMode| format!("{mode} {}", files(mode.select(witnesses, of).len()));
+    let mut ways: Vec<String> = modes.iter().map(way).collect();
+    let is_image = |w: &&usize| FailureMode::of(&witnesses[**w]).is_none();
+    match of.iter().filter(is_image).count() {
+        0 => {}
+        count => ways.push(format!("shows a wrong image for {}", files(count))),
+    }
+    ways.join(", and ")
+}
+
+/// Describes refusals that no property explains, and removes them from `left`.
+pub(in crate::diagnose) fn describe_unexplained(
+    witnesses: &[Witness],
+    left: &mut Vec<usize>,
+) -> Vec<Diagnosis> {
     let mut diagnoses = Vec::new();
     for mode in FailureMode::among(witnesses, left) {
         let of = mode.select(witnesses, left);
         left.retain(|w| !of.contains(w));
         let effect = match of.len() {
             1 => format!("{mode} a legal file; the cause is unknown"),
-            count if accepted(witnesses).len() < ENOUGH_READ => {
-                format!("{mode} {count} legal files; too few others are read to tell these apart")
-            }
-            count => format!(
-                "{mode} {count} legal files{}; no known property separates these files from the ones it reads",
-                of_formats(witnesses, &of)
+            count if files_read(witnesses).len() < MIN_READ_FILES => format!(
+                "{mode} {count} legal files; it reads too few others to find a property that separates them"
+            ),
+            _ => format!(
+                "{mode} {}; no known property separates these files from the ones it reads",
+                share_of_formats(witnesses, &of)
             ),
         };
         let words = Words {
             effect,
-            fix: "begin with the example, the smallest of these files".to_owned(),
+            fix: "start with the example, the smallest of these files".to_owned(),
             example: example(witnesses, &of),
         };
         diagnoses.push(Diagnosis::described(
@@ -254,28 +285,29 @@ pub(in crate::diagnose) fn rest(witnesses: &[Witness], left: &mut Vec<usize>) ->
     diagnoses
 }
 
-/// " of the 160 of LRGB, LUM", where they are of some formats only.
-fn of_formats(witnesses: &[Witness], of: &[usize]) -> String {
+/// Returns "12 of 160 legal files of LRGB, LUM", or "12 legal files" if there are files of all formats among them.
+fn share_of_formats(witnesses: &[Witness], of: &[usize]) -> String {
     let is_of =
         |of: &[usize], format: Format| of.iter().any(|&w| witnesses[w].case.format() == format);
     let asked: Vec<usize> = (0..witnesses.len())
-        .filter(|&w| witnesses[w].case.expect == Expect::Decode)
+        .filter(|&w| witnesses[w].case.expect == Expect::Decode || of.contains(&w))
         .collect();
     let known = Format::ALL
         .into_iter()
         .filter(|&format| is_of(&asked, format));
     let (these, others): (Vec<Format>, Vec<Format>) = known.partition(|&format| is_of(of, format));
     if others.is_empty() {
-        return String::new();
+        return format!("{} legal files", of.len());
     }
     let all = asked
         .iter()
         .filter(|&&w| these.contains(&witnesses[w].case.format()));
     let names: Vec<&str> = these.iter().map(|format| format.short_name()).collect();
-    format!(" of the {} of {}", all.count(), names.join(", "))
+    let (count, all) = (of.len(), all.count());
+    format!("{count} of {all} legal files of {}", names.join(", "))
 }
 
-/// The smallest of these files, and what it is there for.
+/// Returns the smallest of these files, the reason for its case, and the end of its standard error.
 pub(in crate::diagnose) fn example(witnesses: &[Witness], of: &[usize]) -> String {
     let smallest = of
         .iter()

@@ -1,14 +1,14 @@
-//! Files that must or may be refused, and that ended in a crash, a hang, a malformed frame or "unsupported" instead.
+//! Files that must or may be refused, and whose response was a crash, a hang, a malformed frame or "unsupported".
 
+use super::first_of;
 use super::refusals::example;
-use super::{NAMED, first_of};
 use crate::diagnose::diagnosis::{Category, Diagnosis, Words};
 use crate::diagnose::failure_mode::FailureMode;
 use crate::diagnose::witness::Witness;
 use crate::session::observation::Response;
 use crate::suite::cases::Expect;
 
-/// Violations on files that need not be read, mode by mode. They are taken out of `left`.
+/// Describes violations on files that need not be read, by failure mode. Removes them from `left`.
 pub(in crate::diagnose) fn describe(
     witnesses: &[Witness],
     left: &mut Vec<usize>,
@@ -27,7 +27,7 @@ pub(in crate::diagnose) fn describe(
         let expect = |w: &usize| witnesses[*w].case.expect;
         let may_be_read = |w: &usize| matches!(expect(w), Expect::Lenient | Expect::Spelling);
         let words = Words {
-            effect: format!("{mode} {}", files(witnesses, &these, refuses)),
+            effect: format!("{mode} {}", describe_files(witnesses, &these, refuses)),
             fix: fix(&mode, these.iter().all(may_be_read)),
             example: example(witnesses, &these),
         };
@@ -39,8 +39,8 @@ pub(in crate::diagnose) fn describe(
         .collect()
 }
 
-/// Which files they are: by their damages, where those are few.
-fn files(witnesses: &[Witness], these: &[usize], refuses: bool) -> String {
+/// Describes the files by their damages.
+fn describe_files(witnesses: &[Witness], these: &[usize], refuses: bool) -> String {
     let mut damages: Vec<&str> = these
         .iter()
         .map(|&w| {
@@ -51,10 +51,7 @@ fn files(witnesses: &[Witness], these: &[usize], refuses: bool) -> String {
         .collect();
     damages.sort_unstable();
     damages.dedup();
-    if damages.len() <= NAMED {
-        return format!("files that need not be read: {}", damages.join("; "));
-    }
-    let others = if refuses { "; others it refuses" } else { "" };
+    let others = if refuses { "; it refuses others" } else { "" };
     format!(
         "{} files that must or may be refused ({}){others}",
         these.len(),
@@ -62,13 +59,14 @@ fn files(witnesses: &[Witness], these: &[usize], refuses: bool) -> String {
     )
 }
 
+/// Returns the advice for a failure mode.
 fn fix(mode: &FailureMode, may_be_read: bool) -> String {
     let end = match may_be_read {
-        true => "end with a picture or with exit status 65",
-        false => "end with exit status 65",
+        true => "show an image or exit with status 65",
+        false => "exit with status 65",
     };
     if *mode == FailureMode::Unsupported {
-        return "answer 65 to a malformed file of a kind that the decoder reads; 69 says that it reads no such files"
+        return "exit with 65 for a malformed file of a kind that the decoder reads; 69 means that it reads no such files"
             .to_owned();
     }
     let status = match mode {
@@ -76,10 +74,10 @@ fn fix(mode: &FailureMode, may_be_read: bool) -> String {
         _ => None,
     };
     match status {
-        // How Rust and shells end that break down; nobody refuses so.
+        // Statuses of panics in Rust, of shells and of signals. No decoder refuses files with them.
         Some(status) if !matches!(status, "101" | "126" | "127" | "134" | "139") => format!(
-            "{end} there; if {status} is how this decoder refuses, say --reject-exit {status}"
+            "{end}; if this decoder refuses files with status {status}, use --reject-exit {status}"
         ),
-        _ => format!("find the fault before it does harm, and {end}"),
+        _ => format!("detect the fault, and {end}"),
     }
 }

@@ -131,7 +131,7 @@ pub(super) fn failures<C: Reported>(
                 button #close type="button" { "Close all" }
             }
             @if failures > 0 && !pictures {
-                p.note { "Made from a report in YAML, which holds no pictures; “ptm-conform check --html” makes a page that does." }
+                p.note { "This page was made from a report in YAML, which contains no images. Use “ptm-conform check --html” for a page with images." }
             } @else if evidence.len() < failures {
                 p.note {
                     "Pictures and bytes are shown for " (evidence.len()) " of " (failures)

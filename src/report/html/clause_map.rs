@@ -76,7 +76,7 @@ pub(super) fn section(report: &Report, clauses: &[Clause]) -> Markup {
         section aria-labelledby="clauses" {
             h2 #clauses { "Clauses" }
             p {
-                "A case may be about several clauses; a failing one counts for each of them, so the mark ▸ shows what the diagnosis blames. "
+                "A case may test several clauses, and a failing case counts for each of them. The mark ▸ shows the clause that the diagnosis names. "
                 "A clause filters the cases above."
             }
             p.legend {

@@ -5,7 +5,7 @@ use maud::{Markup, html};
 use crate::report::document::{LikelyCause, Report};
 use crate::report::html::cases::{Group, failed};
 use crate::report::html::shell::linked;
-use crate::report::words::{how_it_is_called, known_words};
+use crate::report::words::{MAX_ALIKE, how_it_is_called, known_words, more_alike, partly};
 use crate::suite::address::published;
 use crate::suite::clauses::Clause;
 
@@ -18,7 +18,7 @@ pub(super) fn diagnosis(report: &Report, groups: &[Group], clauses: &[Clause]) -
             @if failures == 0 {
                 p.lead {
                     @if report.verdict == "pass" { "All judged cases passed." }
-                    @else { "No case failed, but the run does not count as passed: its head and the cases below say why." }
+                    @else { "No case failed, but the run does not count as passed. The top of this page and the cases below say why." }
                 }
             }
             @for group in groups {
@@ -51,18 +51,16 @@ fn diagnosed(cause: &LikelyCause, group: &Group, failures: usize, clauses: &[Cla
                         b { "Clause " (linked(group.suite.clause_page(&cause.clause), &html! { (cause.clause) })) } @if let Some(rule) = rule { ": " (rule.rule) }
                     }
                 }
-                @if let Some(perhaps) = &cause.perhaps { p { "That is all that shows. Perhaps it " (perhaps) "; other causes would show alike." } }
-                @for (slug, other) in known_words(group.suite, &cause.or).take(3) {
-                    p { "Or, which fails the same cases: it " (other.effect) " (clause " (other.clause) "; " (linked(Some(group.suite.misreading_page(slug)), &html! { code { (slug) } })) ")." }
+                @for (slug, other) in known_words(group.suite, &cause.or).take(MAX_ALIKE) {
+                    p { "Would look the same: it " (other.effect) " (clause " (other.clause) "; " (linked(Some(group.suite.misreading_page(slug)), &html! { code { (slug) } })) ")." }
                 }
+                @if let Some(more) = more_alike(group.suite, &cause.or) { p { (more) "." } }
                 @for (slug, other) in known_words(group.suite, &cause.with) {
-                    p { "In some of them also: it " (other.effect) " (" code { (slug) } ")." }
+                    p { "In some of these cases also: it " (other.effect) " (" code { (slug) } ")." }
                 }
-                @if !cause.partly.is_empty() {
-                    p { (cause.partly.len()) " more in part: this goes wrong there too, and may not be all." }
-                }
+                @if let Some(partly) = partly(cause) { p { (partly) "." } }
                 @if let Some(passing) = cause.except.first() {
-                    p { "But not everywhere: " (cause.except.len()) " cases pass that such a " (subject) " would fail, for example " code { (passing) } "." }
+                    p { "But not everywhere: such a " (subject) " would fail " (cause.except.len()) " cases that pass, for example " code { (passing) } "." }
                 }
                 @if let Some(example) = &cause.example { p { "For example " (example.strip_prefix("for example ").unwrap_or(example).trim_end_matches('.')) "." } }
                 p.quiet {
@@ -80,7 +78,7 @@ pub(super) fn next_steps(report: &Report) -> Markup {
     html! {
         section #main tabindex="-1" aria-labelledby="next" {
             h2 #next { "What to do next" }
-            p.lead { "No case was judged: first the program has to speak the protocol." }
+            p.lead { "No case was judged. The program must implement the protocol first." }
             ol.steps { @for line in called.lines() { li { (line) } } }
             p { a href=(published(report.suite.protocol_page())) { "The protocol" } " says what a call looks like and what each exit status means. "
                 "The directory " code { "examples/decoders" } " holds a wrapper to begin with." }

@@ -43,7 +43,7 @@ pub(in crate::report) fn of_case(
     );
     html! {
         @if several {
-            p.note { "The text leaves open how this file is read, and more than one picture is right; the reference's is shown." }
+            p.note { "The specification leaves open how to read this file. Several images are correct; the reference's image is shown." }
         }
         (shown)
         @if !observation.stderr.is_empty() { (standard_error(&observation.stderr)) }
@@ -81,7 +81,7 @@ pub(in crate::report) fn of_question(
             pre.bytes tabindex="0" { (text) }
         }
         @if !case.concerned().is_empty() {
-            p.note { "The text leaves open how this is read, and more than one answer is right; the reference's is shown." }
+            p.note { "The specification leaves open how to read this. Several answers are correct; the reference's answer is shown." }
         }
         @if !observation.stderr.is_empty() { (standard_error(&observation.stderr)) }
         (download(&format!("{}.json", case.id), case.question().to_string().as_bytes()))
@@ -208,7 +208,7 @@ fn of_sample(
 
 fn origins(name: &str, file: &[u8], origins: &[Origin]) -> Markup {
     html! {
-        @if !origins.is_empty() { p.label { "Where " (name) " of that texel comes from" } }
+        @if !origins.is_empty() { p.label { "Bytes of " (name) " of this texel" } }
         @for origin in origins {
             p.origin {
                 @if origin.range.len() == 1 { "Byte " (origin.range.start) } @else { "Bytes " (origin.range.start) "–" (origin.range.end.max(1) - 1) }
@@ -224,7 +224,7 @@ fn origins(name: &str, file: &[u8], origins: &[Origin]) -> Markup {
 fn accepted(built: &Built) -> Markup {
     match decode(&built.file) {
         Err(error) => html! {
-            p.label { "What the reference says" }
+            p.label { "Error of the reference" }
             p.origin { (error) }
             (excerpt(&built.file, &(error.offset()..error.offset() + 1)))
         },

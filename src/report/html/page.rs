@@ -89,7 +89,7 @@ fn results<C: Reported>(suite: &Suite<C>, report: &Report) -> Markup {
         dl.scores {
             (score("Correctness", report.scores.correctness, "cases passed, of those judged among what it supports"))
             (score("Breadth", report.scores.breadth, "features decoded, of those in the suite"))
-            (score("Robustness", report.scores.robustness, "calls that ended in a picture or a refusal"))
+            (score("Robustness", report.scores.robustness, "calls that ended with an image or a refusal"))
         }
         p.counts {
             @for outcome in Outcome::ALL {
@@ -161,7 +161,7 @@ fn dialect<C: Reported>(report: &Report) -> Result<Markup, String> {
     Ok(html! {
         section aria-labelledby="dialect" {
             h2 #dialect { "Dialect and breadth" }
-            p { "Where the text leaves a value open, each of these readings is right, if it is followed throughout." }
+            p { "The specification leaves some values open. Each of these readings is correct if it is followed in all files." }
             @if report.dialect.is_empty() { p.quiet { "No case showed any of them." } } @else {
                 table.list {
                     thead { tr { th scope="col" { "ruling" } th scope="col" { "the question" } th scope="col" { "this decoder" } } }
@@ -178,7 +178,7 @@ fn dialect<C: Reported>(report: &Report) -> Result<Markup, String> {
             }
             ul.features {
                 @for feature in &report.decoder.decodes { li { span.mark { (mark("pass")) } " " (feature) } }
-                @for feature in &report.decoder.unsupported { li.absent { span.mark { (mark("unsupported")) } " " (feature) " " small { "unsupported, as it says itself" } } }
+                @for feature in &report.decoder.unsupported { li.absent { span.mark { (mark("unsupported")) } " " (feature) " " small { "unsupported (exit status 69)" } } }
             }
             p.quiet { "Views offered: " (report.decoder.views.join(", ")) }
         }

@@ -72,10 +72,10 @@ fn in_words(scene: &LitScene) -> &'static str {
         mean_difference(&changed, received)
     };
     if right == received {
-        return "This decoder shows it right.";
+        return "This decoder shows it correctly.";
     }
     if differs(|x, y, c| (x, y, c)) < ALIKE {
-        return "This decoder shows it almost right.";
+        return "This decoder shows it almost correctly.";
     }
     if let Some((says, _)) = CHANGES.iter().find(|(_, from)| differs(*from) < ALIKE) {
         return says;

@@ -100,7 +100,7 @@ impl Calls<'_> {
             (
                 self.around(&[], &["{in}"]),
                 "it takes no VIEW",
-                "take VIEW (raw, coef or rgb:LU,LV) and FILE, and answer 69 to a view that it does not support",
+                "take VIEW (raw, coef or rgb:LU,LV) and FILE, and exit with 69 for a view that it does not support",
             ),
             (
                 self.around(&["sh", "-c", stdin, "{in}"], &[]),

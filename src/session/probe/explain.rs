@@ -37,7 +37,7 @@ pub(super) fn explain(reply: &Reply) -> (String, String) {
             "let it end after the frame: no window, no prompt, nothing read from standard input, which is empty"
         }
         Answer::Rejected => "this is an ordinary file: fix what its standard error says",
-        Answer::Unsupported => "answer 69 only to what it does not support",
+        Answer::Unsupported => "exit with 69 only for what it does not support",
         Answer::Flooded(_) => "print one frame and nothing else",
         Answer::OutOfMemory(_) => "allocate by the sizes in the file, or allow more by --memory",
         Answer::Tampered(_) => "open the file for reading only",
@@ -100,7 +100,7 @@ pub(super) fn not_refused(reply: &Reply) -> (String, String) {
             "compare sizes with what is there before reading, and exit with 65".to_owned(),
         ),
         (Answer::Unsupported, _) => (
-            "answered 69 (unsupported) instead of 65".to_owned(),
+            "exited with 69 (unsupported) instead of 65".to_owned(),
             "69 is for valid files that it does not read; a malformed file is 65".to_owned(),
         ),
         (Answer::ProtocolError(what), _) => (

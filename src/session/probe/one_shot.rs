@@ -151,7 +151,7 @@ pub(super) fn first_frame(calls: &Calls, list: &mut Checklist) -> Option<FirstFr
             list.bad(says, next, sample.repeat(&view));
         }
         None => list.bad(
-            "it answers 69 (unsupported) to an ordinary file of every format, in every view",
+            "it exits with 69 (unsupported) on an ordinary file of every format, in every view",
             "start with one format, for example LRGB, and one view, for example raw; 69 is for the rest",
             None,
         ),
@@ -188,7 +188,7 @@ fn judge_views(asked: &Asked, list: &mut Checklist) {
             },
             Answer::Unsupported => {
                 list.absent(format!(
-                    "{what}: answered 69, so this view is not offered, and not needed"
+                    "{what}: exited with 69, so this view is not offered, and not needed"
                 ));
                 continue;
             }
@@ -297,10 +297,10 @@ pub(super) fn unknown_view(calls: &Calls, sample: &Sample, list: &mut Checklist)
     const UNKNOWN: &str = "no-such-view";
     let reply = calls.ask_for(UNKNOWN, &["{in}"], &sample.file);
     let (says, next) = match &reply.answer {
-        Answer::Unsupported => return list.good("an unknown view: answered 69"),
+        Answer::Unsupported => return list.good("an unknown view: exited with 69"),
         Answer::Decoded(_) => (
             "it prints a frame all the same".to_owned(),
-            "look at VIEW, and answer 69 to one that it does not support",
+            "check VIEW, and exit with 69 if it is not supported",
         ),
         answer => (
             briefly(answer),

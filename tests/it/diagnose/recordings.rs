@@ -161,7 +161,10 @@ fn causes(suite: &Suite, reader: &str) -> Vec<Said> {
             Cause::Misreading {
                 misreading, with, ..
             } => {
-                let shows = diagnosis.shows.unwrap_or_default();
+                let shows = match diagnosis.shows {
+                    Some(Cause::Described { effect, .. }) => effect,
+                    _ => String::new(),
+                };
                 let with = with.iter().map(|other| format!(" with {}", other.slug));
                 let with: String = with.collect();
                 (format!("{}{with} {shows}", misreading.slug), String::new())

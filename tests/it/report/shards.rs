@@ -168,7 +168,7 @@ fn parts_that_make_no_whole_are_refused() {
     assert_eq!(refused(std::slice::from_ref(&first)), "part 2/2 is missing");
     assert_eq!(
         refused(&[first.clone(), second.clone(), first.clone()]),
-        "part 1/2 is there twice"
+        "duplicate part 1/2"
     );
     let other = run(3, 3);
     assert!(refused(&[first.clone(), other]).contains("not of the same run as "));
@@ -180,7 +180,7 @@ fn parts_that_make_no_whole_are_refused() {
     std::fs::write(&cut, without_end.join("\n")).expect("a file");
     assert!(
         refused(&[first.clone(), second.clone()])
-            .ends_with("it has no last line; did the run not end?")
+            .ends_with("the last line is missing; was the run interrupted?")
     );
     std::fs::write(&cut, "{\n").expect("a file");
     assert!(refused(&[first, second.clone()]).contains("line 1: "));

@@ -378,11 +378,11 @@ fn wrong_lists_are_wrong_usage() {
     for (list, says) in [
         (
             "- id: hand-lum\n- id: no-such-case\n",
-            "line 2: no case is called \"no-such-case\"",
+            "line 2: unknown case \"no-such-case\"",
         ),
         (
             "- id: hand-lum\n- id: hand-lum\n",
-            "line 2: hand-lum is there twice",
+            "line 2: duplicate case hand-lum",
         ),
         ("- id: hand-lum\n  because: x\n", "because"),
         ("hand-lum: x\n", "line 1"),

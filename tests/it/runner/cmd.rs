@@ -93,7 +93,7 @@ fn pictures_of_every_form_are_answers_and_those_of_jpeg_are_marked() {
         assert_eq!(checked.status, 0, "{suffix}: {}", checked.text);
         let marked = checked
             .text
-            .contains("answers are JPEG pictures, which are lossy");
+            .contains("responses are JPEG images, which are lossy");
         assert_eq!(marked, suffix == "jpg", "{suffix}: {}", checked.text);
         // Lit from elsewhere.
         let wrong = format!("{own} --light={{lv}},{{lu}} -o {{out}}.{suffix}");

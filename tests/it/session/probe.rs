@@ -66,7 +66,7 @@ fn a_right_decoder_is_ready() {
         &["ready. Next: ptm-conform check -- ./decoder"],
     );
     assert!(
-        !told.contains('✗') && told.contains("✓ an unknown view: answered 69"),
+        !told.contains('✗') && told.contains("✓ an unknown view: exited with 69"),
         "{told}"
     );
     if have("python3") {
@@ -215,7 +215,7 @@ fn decoders_that_show_nothing() {
     is_told(
         &shell("exit 69"),
         3,
-        &["answers 69 (unsupported) to an ordinary file of every format"],
+        &["exits with 69 (unsupported) on an ordinary file of every format"],
     );
     is_told(
         &shell("exit 65"),
@@ -468,7 +468,7 @@ fn refusals_that_are_none() {
     is_told(
         &shell("right \"$@\" || exit 69"),
         1,
-        &["answered 69 (unsupported) instead of 65"],
+        &["exited with 69 (unsupported) instead of 65"],
     );
     is_told(
         &shell("right \"$@\" || exit 0"),
@@ -496,7 +496,7 @@ fn a_decoder_of_one_view_and_one_format_is_ready() {
         &[
             "– not decoded: LRGB",
             "✓ RGB rgb:0.3125,-0.4375: decoded",
-            "– RGB raw: answered 69",
+            "– RGB raw: exited with 69",
         ],
     );
     assert!(told.contains("ready."), "{told}");
