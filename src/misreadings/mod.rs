@@ -63,7 +63,7 @@ mod answer;
 pub use crate::formula::Stage;
 pub use anatomy::{Anatomy, Seen};
 pub use answer::answer;
-#[cfg(any(unix, feature = "cli"))]
+#[cfg(feature = "cli")]
 pub(crate) use answer::edits_of_planes;
 #[cfg(any(unix, feature = "tools"))]
 pub(crate) use answer::read;
