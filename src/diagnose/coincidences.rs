@@ -1,4 +1,4 @@
-//! Mistakes that agree with some answers and are not made: many things end in a refusal, and colors are rounded.
+//! Mistakes that agree with some responses by chance: many mistakes end in a refusal, and colors are rounded.
 
 use std::collections::HashSet;
 
@@ -19,14 +19,13 @@ pub(super) fn remove(search: &Search, found: &mut Found) {
     drop_strays(search, found);
 }
 
-/// Takes away mistakes of the catalog that explain a few failures, none of which is about the clause that is misread, and
-/// such mistakes and slips in rebuilding planes as would change more than twice as many: where much is wrong, a few come out
-/// as of another mistake.
+/// Removes misreadings that explain few of the failures, if none of these is about the misread clause, or if the misreading
+/// changes more than twice as many: among many wrong images, a few agree with another mistake by chance.
 fn drop_strays(search: &Search, found: &mut Found) {
     let set = of(&found.members);
     let failing = failing(search.witnesses);
     let keep = search.each(&set, |&id| {
-        // Edits have been held against all that they change.
+        // Edits were compared with all images that they change.
         let Some(misreading) = search.mistakes[id].listed() else {
             return true;
         };
@@ -47,11 +46,11 @@ fn drop_strays(search: &Search, found: &mut Found) {
     found.keep(&keep);
 }
 
-/// One in so many pictures may agree with a mistake by chance; of colors, which are rounded, two in so many.
+/// One in so many images may agree with a mistake by chance, or two if they are colors, which are rounded.
 const RARE: usize = 3;
 
-/// Takes away mistakes of the catalog that explain a few pictures and would change many others otherwise than the decoder
-/// does; where passing files speak against them, those too that explain less than three in four.
+/// Removes misreadings that explain few images and change many others in another way than the decoder does. If passing files
+/// contradict a misreading, it must explain three in four.
 fn drop_rare(search: &Search, found: &mut Found) {
     let set = of(&found.members);
     let failing = failing(search.witnesses);
@@ -80,13 +79,13 @@ fn drop_rare(search: &Search, found: &mut Found) {
     found.keep(&keep);
 }
 
-/// Whether colors alone show it.
+/// Returns true if only colors show the misreading.
 fn is_of_colors(misreading: &Misreading) -> bool {
     misreading.at.stage() == Stage::Color
 }
 
-/// Takes away mistakes that only refuse, where one thing that the refused files share says more, or where passing cases
-/// speak against them: many things end in a refusal.
+/// Removes mistakes that only refuse files, if a shared property explains more of them, or if passing cases contradict them: many
+/// mistakes end in a refusal.
 fn drop_refusals(search: &Search, found: &mut Found) {
     let witnesses = search.witnesses;
     let set = of(&found.members);
@@ -102,7 +101,7 @@ fn drop_refusals(search: &Search, found: &mut Found) {
     let places: Vec<usize> = (0..set.len()).collect();
     let keep = search.each(&places, |&member| {
         let of_member = &explained[member];
-        // A few pictures among many refusals may agree by chance.
+        // A few images among many refusals may agree by chance.
         let pictures = (of_member.iter())
             .filter(|(_, agreement)| !matches!(agreement, Agreement::Word | Agreement::Crash));
         let refuses = pictures.count() * REFUSALS_PER_CHANCE_IMAGE <= of_member.len();
@@ -120,7 +119,7 @@ fn drop_refusals(search: &Search, found: &mut Found) {
             let alone = places.iter().all(|&other| other == member || !by(other, w));
             FailureMode::of(&witnesses[w]).is_some() && alone
         });
-        // What is no refusal by itself would show a picture somewhere; a crash says less of it than a refusal.
+        // A misreading that changes values would show an image somewhere. A crash is weaker evidence than a refusal.
         let crashes = (of_member.iter()).all(|(_, agreement)| *agreement == Agreement::Crash);
         let few = of_member.len() * if crashes { 1 } else { 3 } < refused.count();
         let is_coincidence = !refuses_by_itself(search, set[member]) && few;
@@ -134,12 +133,11 @@ fn drop_refusals(search: &Search, found: &mut Found) {
     found.keep(&keep);
 }
 
-/// Different faults that one missing check may share by chance with a mistake of the catalog.
+/// Different faults that a misreading may explain by chance, because one check is missing.
 const FEW_FAULTS: usize = 2;
 
-/// Takes away mistakes that explain nothing but malformed files which are accepted, where passing cases speak against them;
-/// and those of a few faults, where other failures that none explains are about the same clause: what is wrong there is more
-/// than that. Likewise other rules for indices, where legal files of the same formats are not explained.
+/// Removes mistakes that explain only accepted malformed files, if passing cases contradict them, or if they explain few faults
+/// and unexplained failures are about the same clause.
 fn drop_acceptances(search: &Search, found: &mut Found) {
     let witnesses = search.witnesses;
     let set = of(&found.members);
@@ -159,7 +157,7 @@ fn drop_acceptances(search: &Search, found: &mut Found) {
         let of: Vec<usize> = failed.iter().copied().filter(is_explained).collect();
         let is_legal = |w: usize| witnesses[w].case.expect == Expect::Decode;
         let accepts_only = !of.iter().any(|&w| is_legal(w));
-        // What is said of many different faults is more than that.
+        // A mistake that explains many different faults is no coincidence.
         let faults: HashSet<_> = (of.iter())
             .filter_map(|&w| Some(&witnesses[w].case.damage()?.effect))
             .collect();
@@ -170,20 +168,20 @@ fn drop_acceptances(search: &Search, found: &mut Found) {
     found.keep(&keep);
 }
 
-/// Whether a case is about the clause that is misread.
+/// Returns true if a case is about the misread clause.
 fn is_about(witness: &Witness, misreading: &Misreading) -> bool {
     let mut clauses = witness.case.clauses.iter();
     clauses.any(|clause| clause == misreading.clause)
 }
 
-/// Legal files that are not shown as they should be.
+/// Returns the legal files that fail.
 fn failing(witnesses: &[Witness]) -> Vec<usize> {
     (0..witnesses.len())
         .filter(|&w| witnesses[w].failed && witnesses[w].case.expect == Expect::Decode)
         .collect()
 }
 
-/// Whether all that a mistake shows are refusals.
+/// Returns true if the mistake shows only as refusals.
 fn refuses_by_itself(search: &Search, id: Id) -> bool {
     let listed = search.mistakes[id].listed();
     listed.is_some_and(|misreading| misreading.shows == Symptom::Refusals)

@@ -1,8 +1,7 @@
 //! Mistakes that the catalog lacks: one edit of one formula, or a mistake that is made in some files only.
 //!
-//! Every edit is tried on a few small failing files of each format. One that reproduces what was shown becomes a mistake that
-//! the search holds against all files. If passing files contradict it, it is kept only for the files that have a
-//! property none of these has.
+//! Every edit is tried on a few small failing files of each format. One that reproduces an image becomes a mistake that the
+//! search compares with all files. If passing files contradict it, it is kept only for formats in which none does.
 
 use std::cmp::Reverse;
 use std::collections::BTreeMap;
@@ -22,7 +21,7 @@ use crate::formula::{Change, Edit, Formula, edits};
 use crate::misreadings::{At, Misreading, Symptom};
 use crate::protocol::frame::Answer;
 
-/// Every edit of every formula as a misreading, formula after formula, the most natural edits first.
+/// Every edit of every formula as a misreading, by formula, the most natural edits first.
 static EDITS: LazyLock<Vec<Misreading>> = LazyLock::new(|| {
     let all = Formula::ALL
         .iter()
@@ -30,7 +29,7 @@ static EDITS: LazyLock<Vec<Misreading>> = LazyLock::new(|| {
     all.map(misreading_of).collect()
 });
 
-/// A misreading without a slug that makes one edit.
+/// Returns a misreading without a slug that makes one edit.
 pub(super) fn misreading_of(edit: &'static Edit) -> Misreading {
     Misreading {
         slug: "",
@@ -43,7 +42,7 @@ pub(super) fn misreading_of(edit: &'static Edit) -> Misreading {
     }
 }
 
-/// Adds mistakes to the search that explain some of `left` beside `set`.
+/// Adds mistakes to the search that explain some of `left` together with `set`.
 pub(super) fn add_candidates(search: &mut Search, set: &Set, left: &[usize]) {
     let probes = probes(search, left);
     let mut candidates = fitting(search, set, &probes);
@@ -56,7 +55,7 @@ pub(super) fn add_candidates(search: &mut Search, set: &Set, left: &[usize]) {
     add_scoped_misreadings(search, set, left);
 }
 
-/// Small failing images, several of each format and view, preferably of a size that tells rows from columns.
+/// Returns small failing images, several of each format and view, preferably of a size that separates rows from columns.
 fn probes(search: &Search, left: &[usize]) -> Vec<Vec<usize>> {
     let mut kinds: BTreeMap<_, Vec<usize>> = BTreeMap::new();
     for w in search.solvable(left) {
@@ -71,7 +70,7 @@ fn probes(search: &Search, left: &[usize]) -> Vec<Vec<usize>> {
     let mut probes: Vec<Vec<usize>> = kinds.into_values().collect();
     for of_kind in &mut probes {
         of_kind.sort_by_key(|&w| (is_small(w), search.samples(w)));
-        // Cases about different clauses differ in what they show.
+        // Cases about different clauses show different mistakes.
         *of_kind = spread(of_kind, |w| {
             search.witnesses[w].case.clauses.first().cloned()
         });
@@ -80,7 +79,7 @@ fn probes(search: &Search, left: &[usize]) -> Vec<Vec<usize>> {
     probes
 }
 
-/// The edits that reproduce a probe exactly, everywhere or in the channels that are wrong, those that reproduce most first.
+/// Returns the edits that reproduce a probe exactly, in all channels or in the wrong ones, those that reproduce most first.
 fn fitting(search: &Search, set: &Set, probes: &[Vec<usize>]) -> Vec<Mistake> {
     let taken: Vec<Formula> = set
         .iter()
@@ -110,7 +109,7 @@ fn fitting(search: &Search, set: &Set, probes: &[Vec<usize>]) -> Vec<Mistake> {
         }
         let mistake = mistake(candidate);
         let fits = |&w: &usize| search.agreement_with(w, set, &mistake) == Agreement::Picture;
-        // Most edits do not reproduce the first probe, and then the others say little.
+        // The other probes are compared only after one that the edit reproduces.
         let of_kind = |of_kind: &Vec<usize>| match of_kind.iter().position(fits) {
             Some(first) => 1 + of_kind[first + 1..].iter().filter(|w| fits(w)).count(),
             None => 0,
@@ -127,7 +126,7 @@ fn fitting(search: &Search, set: &Set, probes: &[Vec<usize>]) -> Vec<Mistake> {
         .collect()
 }
 
-/// The channels in which these images are wrong.
+/// Returns the channels in which these images are wrong.
 fn wrong_channels(search: &Search, set: &Set, probe: &[usize]) -> Channels {
     let pairs: Vec<Pair> = probe
         .iter()
@@ -139,7 +138,7 @@ fn wrong_channels(search: &Search, set: &Set, probe: &[usize]) -> Channels {
     Channels::of(&wrong)
 }
 
-/// The mistake in every file, or in the files where no passing case contradicts it.
+/// Returns the mistake in every file, or in the files in which no passing case contradicts it.
 fn scoped(search: &Search, set: &Set, mistake: &Mistake, left: &[usize]) -> Option<Mistake> {
     let with_scope = |scope| Mistake {
         misreading: mistake.misreading,
@@ -164,7 +163,7 @@ fn scoped(search: &Search, set: &Set, mistake: &Mistake, left: &[usize]) -> Opti
         MIN_CASES_OF_A_SCOPE
     };
     let scoped = with_scope(scope);
-    // Most failing files that the mistake changes are explained by it. A learned table was held against their texels.
+    // Most failing files that the mistake changes are explained by it. A learned table was compared with their texels.
     let acts = |w: &&usize| search.changes_with(**w, set, &scoped);
     let acting = pictures.iter().filter(acts).count();
     let is_learned = matches!(

@@ -16,7 +16,7 @@ use crate::session::observation::Response;
 /// The stored values that may have been shown as one value: a bit for each of 0 to 255.
 type Candidates = [bool; 256];
 
-/// What was shown for one correct value.
+/// The values that were shown for one correct value.
 struct Shown {
     /// For each stored value, the texels in which it may have been shown.
     votes: [usize; 256],
@@ -42,7 +42,7 @@ pub(super) fn tables(search: &Search, set: &Set, left: &[usize]) -> Vec<&'static
     tables.into_iter().flatten().map(misreading).collect()
 }
 
-/// The table by which every value of these images is explained, if each is a function of the correct value.
+/// Returns the table that explains every value of these images, if each is a function of the correct value.
 fn table(search: &Search, set: &Set, pictures: &[usize], of_streams: bool) -> Option<[u8; 256]> {
     let mut shown: BTreeMap<u8, Shown> = BTreeMap::new();
     for &w in pictures {
@@ -56,7 +56,7 @@ fn table(search: &Search, set: &Set, pictures: &[usize], of_streams: bool) -> Op
         else {
             continue;
         };
-        // Files that corrections or predictions change are held against the table later.
+        // Corrected and predicted planes are compared with the table later.
         let channels = ptm.planes.shape.channels();
         let is_plain = |channel: usize| !of_streams || witness.is_of_stream(channel);
         let sources = sources(search, set, witness, ptm, frame)?;
@@ -101,7 +101,7 @@ fn table(search: &Search, set: &Set, pictures: &[usize], of_streams: bool) -> Op
     (differing > 1 && 2 * differing >= changed).then_some(table)
 }
 
-/// For each sample of an image, the stored values of which a decoder with the mistakes of `set` makes it.
+/// Returns, for each sample of an image, the stored values for which a decoder with the mistakes of `set` shows it.
 fn sources(
     search: &Search,
     set: &Set,

@@ -1,8 +1,7 @@
-//! The smallest set of misreadings that answers as the decoder did.
+//! The smallest set of mistakes that reproduces the decoder's responses.
 //!
-//! Sets grow by one mistake at a time, the one that explains most of what is left and is contradicted by least; where no
-//! single mistake explains anything more, by two at once. At the end, mistakes without which as much is explained are
-//! dropped.
+//! The set grows by one mistake at a time: the one that explains most of the remaining failures and is contradicted least. If no
+//! single mistake explains more, it grows by a pair. At the end, mistakes that are not needed are dropped.
 
 use std::any::Any;
 use std::borrow::Cow;
@@ -27,60 +26,60 @@ use crate::protocol::frame::{Answer, Frame};
 use crate::session::observation::Response;
 use crate::suite::cases::Expect;
 
-/// Faults of this program that are kept.
+/// Panics of this program that are reported.
 const MAX_FAULTS: usize = 8;
 
-/// Mistakes that, made together, answer as the decoder did.
+/// Mistakes that together reproduce the decoder's responses.
 #[derive(Default)]
 pub(super) struct Found {
-    /// In the order in which they were found, the one that explains most first.
+    /// The mistakes in the order in which they were found, the one that explains most first.
     pub members: Vec<Member>,
 }
 
 impl Found {
-    /// Those members that are to be kept.
+    /// Removes the members whose flag is false.
     pub fn keep(&mut self, keep: &[bool]) {
         let mut keep = keep.iter();
         self.members.retain(|_| keep.next() == Some(&true));
     }
 }
 
-/// One of them.
+/// A mistake of a set, and its equivalents.
 pub(super) struct Member {
     pub id: Id,
-    /// Others that would explain the same cases.
+    /// Mistakes that explain the same cases.
     pub alike: Set,
 }
 
 /// The search for the mistakes of one decoder.
 pub(super) struct Search<'a> {
     pub witnesses: &'a [Witness<'a>],
-    /// All mistakes that may be made: those of the catalog, and those that were solved.
+    /// All candidates: the misreadings of the catalog, and the mistakes that were added.
     pub mistakes: Vec<Mistake>,
-    /// Mistakes taken for granted: made by every set, and never named.
+    /// Mistakes that the user takes as given: every set makes them, and they are never named.
     pub assumed: Set,
     pub threads: usize,
     stop: &'a AtomicBool,
-    /// Units of work done so far: answers, those of large maps counted more than once.
+    /// Units of work so far. An answer is one unit, or several if the map is large.
     work: AtomicUsize,
-    /// Answers made so far.
+    /// Answers computed so far.
     answered: AtomicUsize,
     /// Cases that the decoder passes, the smallest first.
     pub passing: Vec<usize>,
-    /// What panicked, each once.
+    /// Messages of panics, each once.
     faults: Mutex<Vec<String>>,
-    /// What the failing cases are about.
+    /// The clauses of the failing cases.
     clauses: HashSet<&'a str>,
-    /// What sets of several that show are worth on a case.
+    /// The worth of a set on a case, if several of its mistakes show there.
     together: Mutex<HashMap<(usize, Set), i64>>,
-    /// For each mistake and each case, what the mistake is worth alone, if it changes the answer.
+    /// For each mistake and each case, the worth of the mistake alone, if it changes the answer.
     alone: Vec<Vec<OnceLock<Option<i64>>>>,
 }
 
 /// The place of a mistake in [`Search::mistakes`].
 pub(super) type Id = usize;
 
-/// Mistakes that are made at once.
+/// Mistakes that are made together.
 pub(super) type Set = Vec<Id>;
 
 impl<'a> Search<'a> {
@@ -119,14 +118,14 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Adds a mistake that was solved.
+    /// Adds a candidate.
     pub fn add(&mut self, mistake: Mistake) -> Id {
         self.mistakes.push(mistake);
         self.alone.push(vec![OnceLock::new(); self.witnesses.len()]);
         self.mistakes.len() - 1
     }
 
-    /// The failing cases that a set does not explain.
+    /// Returns the failing cases that a set does not explain.
     pub fn unexplained(&self, set: &Set) -> Vec<usize> {
         let failing = (0..self.witnesses.len()).filter(|&w| self.witnesses[w].failed);
         let failing: Vec<usize> = failing.collect();
@@ -148,7 +147,7 @@ impl<'a> Search<'a> {
                 break;
             }
             let mut single = self.best_single(&set, &left);
-            // A misreading that explains much of what is left, and that nothing denies, needs no edits beside it.
+            // No edits are tried if an uncontradicted misreading explains much of the remaining failures.
             let explains_much = |member: &Member| {
                 let gain = self.gain(&set, &[member.id], &left);
                 gain * MUCH >= left.len() && self.denied(&plus(&set, member.id)).is_empty()
@@ -166,7 +165,7 @@ impl<'a> Search<'a> {
                 pairs_are_tried = true;
                 let gain = |more: &Vec<Member>| self.gain(&set, &of(more), &left);
                 let pair = self.two_more(&set, &left);
-                // Two mistakes are believed if they explain more than twice as much as one.
+                // A pair must explain more than twice as much as one mistake.
                 let is_better = |pair: &Vec<Member>| {
                     grown
                         .as_ref()
@@ -183,13 +182,13 @@ impl<'a> Search<'a> {
         Found { members }
     }
 
-    /// What mistakes cost that are to be believed: themselves, and what they leave unexplained.
+    /// Returns the cost of a result: its mistakes, and the failures that it leaves unexplained.
     pub fn cost(&self, found: &Found) -> usize {
         self.unexplained(&of(&found.members)).len()
             + MIN_FAILURES_OF_A_READING * found.members.len()
     }
 
-    /// The one mistake that is worth most beside `set`.
+    /// Returns the mistake that adds most to `set`.
     fn best_single(&self, set: &Set, left: &[usize]) -> Option<Member> {
         let mut all: Set = (0..self.mistakes.len())
             .filter(|id| !set.contains(id) && !self.assumed.contains(id))
@@ -198,7 +197,7 @@ impl<'a> Search<'a> {
             .or_else(|| self.one_more(set, &mut all, &self.affordable(left)))
     }
 
-    /// How well a set explains one case, for those who name what each of its members explains.
+    /// Returns the best agreement of a set with the response to one case.
     pub fn agreement(&self, w: usize, set: &[Id]) -> Agreement {
         let agreements = self
             .answers(w, set)
@@ -209,7 +208,7 @@ impl<'a> Search<'a> {
             .unwrap_or(Agreement::None)
     }
 
-    /// Whether a set would fail a case that the decoder passes.
+    /// Returns true if a set would fail a case that the decoder passes.
     pub fn contradicted(&self, w: usize, set: &[Id]) -> bool {
         let witness = &self.witnesses[w];
         !witness.failed
@@ -219,7 +218,7 @@ impl<'a> Search<'a> {
                 .all(|answer| witness.contradicts(answer))
     }
 
-    /// The cases that the decoder passes and a set would fail.
+    /// Returns the cases that the decoder passes and a set would fail.
     pub fn contradictions(&self, set: &[Id]) -> Vec<usize> {
         let passing: Vec<usize> = (0..self.witnesses.len())
             .filter(|&w| !self.witnesses[w].failed)
@@ -229,7 +228,7 @@ impl<'a> Search<'a> {
         pairs.filter_map(|(w, is)| is.then_some(w)).collect()
     }
 
-    /// Of the small files that the decoder passes, those that a set would fail.
+    /// Returns the small files that the decoder passes and a set would fail.
     pub fn denied(&self, set: &[Id]) -> Vec<usize> {
         let small = self.passing.iter().copied();
         let small: Vec<usize> = small
@@ -240,7 +239,7 @@ impl<'a> Search<'a> {
         pairs.filter_map(|(w, is)| is.then_some(w)).collect()
     }
 
-    /// Returns how well a set and one more mistake, which need not be in the list, explain one case.
+    /// Returns the agreement of a set and one more mistake, which need not be a candidate, with the response to one case.
     pub fn agreement_with(&self, w: usize, set: &[Id], mistake: &Mistake) -> Agreement {
         let witness = &self.witnesses[w];
         match witness.could_be(mistake) {
@@ -290,7 +289,7 @@ impl<'a> Search<'a> {
         answers.swap_remove(best)
     }
 
-    /// What a decoder with these mistakes may answer: mistakes in one decision are made one at a time.
+    /// Returns the possible answers of a decoder with these mistakes. Mistakes in one decision are made one at a time.
     fn answers(&self, w: usize, set: &[Id]) -> Vec<Cow<'_, Answer>> {
         let witness = &self.witnesses[w];
         let concerned = self
@@ -325,7 +324,7 @@ impl<'a> Search<'a> {
             .collect()
     }
 
-    /// What a decoder with these mistakes answers. One that panics here is a fault of ours, and taken for no mistake.
+    /// Returns the answer of a decoder with these mistakes. A panic is a bug in this program, and counts as no mistake.
     fn answer(&self, w: usize, mistakes: &[&Mistake]) -> Cow<'_, Answer> {
         let witness = &self.witnesses[w];
         self.answered.fetch_add(1, Ordering::Relaxed);
@@ -345,7 +344,7 @@ impl<'a> Search<'a> {
         })
     }
 
-    /// What `work` returns; nothing, and the words are kept, where it panics.
+    /// Returns the result of `work`. If it panics, keeps the message and returns the default.
     pub fn guarded<T: Default>(&self, work: impl FnOnce() -> T) -> T {
         catch_unwind(AssertUnwindSafe(work)).unwrap_or_else(|panic| {
             self.note(&*panic);
@@ -353,32 +352,32 @@ impl<'a> Search<'a> {
         })
     }
 
-    /// How many answers were made so far.
+    /// Returns the number of answers computed so far.
     pub fn answered(&self) -> usize {
         self.answered.load(Ordering::Relaxed)
     }
 
-    /// What panicked so far.
+    /// Returns the messages of panics so far.
     pub fn faults(&self) -> Vec<String> {
         let faults = self.faults.lock();
         faults.unwrap_or_else(PoisonError::into_inner).clone()
     }
 
-    /// Keeps the words of a panic.
+    /// Keeps the message of a panic.
     pub fn note(&self, panic: &(dyn Any + Send)) {
         let text = panic.downcast_ref::<&str>().map(|text| (*text).to_owned());
         let text = text.or_else(|| panic.downcast_ref::<String>().cloned());
         let mut faults = self.faults.lock().unwrap_or_else(PoisonError::into_inner);
         let text = text.unwrap_or_else(|| "a panic without a message".to_owned());
-        // What one of several threads said is told once.
+        // A panic of one thread is reported once.
         let is_told = faults.contains(&text) || text == "a scoped thread panicked";
         if faults.len() < MAX_FAULTS && !is_told {
             faults.push(text);
         }
     }
 
-    /// Adds the opposite order of mistakes that may hide each other: what is lost at the start of a payload is missing at its
-    /// end.
+    /// Adds the opposite order of mistakes that depend on their order: bytes that are lost at the start of a payload are missing at
+    /// its end.
     fn add_other_order(&self, variants: &mut Vec<Set>) {
         for at in 0..variants.len() {
             let variant = &variants[at];
@@ -406,24 +405,24 @@ impl<'a> Search<'a> {
         matches!(self.mistakes[id].misreading.at, At::Bytes(_))
     }
 
-    /// The mistakes of a set.
+    /// Returns the mistakes of a set.
     pub fn mistakes_of(&self, set: &[Id]) -> Vec<&Mistake> {
         set.iter().map(|&id| &self.mistakes[id]).collect()
     }
 
-    /// Whether both can act on one file: two changes of one decision cannot.
+    /// Returns true if both mistakes can act on one file. Two changes of one decision cannot.
     fn stackable(&self, a: Id, b: Id) -> bool {
         let [a, b] = [a, b].map(|id| &self.mistakes[id].misreading.at);
         !(a.is_decision() && a.is_at(b))
     }
 
-    /// Whether the user wants the search to end; what it finds from then on means nothing.
+    /// Returns true if the user interrupted the search. Results after that are meaningless.
     pub fn is_interrupted(&self) -> bool {
         self.stop.load(Ordering::Relaxed)
     }
 
-    /// What a set is worth on one case. Of mistakes of which at most one shows there alone, that one's worth: that others
-    /// show beside it only is rare, and to try it for every set takes most of the time.
+    /// Returns the worth of a set on one case. If at most one of its mistakes shows there alone, this is the worth of that mistake:
+    /// others rarely show only in combination, and trying all sets would take most of the time.
     pub fn value(&self, w: usize, set: &[Id]) -> i64 {
         if self.is_interrupted() {
             return 0;
@@ -432,14 +431,14 @@ impl<'a> Search<'a> {
         let mut shown = all.filter_map(|&id| self.alone(w, id));
         let edits = set.iter().filter(|&&id| self.edits_bytes(id)).count();
         match (shown.next(), shown.next()) {
-            // What the reference shows is right, and no failure.
+            // The reference's answer explains no failure.
             (None, _) => 0,
             (Some(worth), None) if edits < 2 || worth >= WORTH_OF_A_REFUSAL => worth,
             _ => self.value_together(w, set),
         }
     }
 
-    /// What mistakes of which several show are worth on one case.
+    /// Returns the worth of a set on one case where several of its mistakes show.
     fn value_together(&self, w: usize, set: &[Id]) -> i64 {
         let concerned = set.iter().copied();
         let concerned = concerned.filter(|&id| self.witnesses[w].concerns(&self.mistakes[id]));
@@ -453,7 +452,7 @@ impl<'a> Search<'a> {
         value
     }
 
-    /// What one mistake is worth alone on one case, the assumed ones aside; nothing if it does not show there.
+    /// Returns the worth of one mistake alone on one case, without the assumed mistakes, or `None` if it does not show there.
     fn alone(&self, w: usize, id: Id) -> Option<i64> {
         let witness = &self.witnesses[w];
         let mistake = &self.mistakes[id];
@@ -467,7 +466,7 @@ impl<'a> Search<'a> {
         })
     }
 
-    /// What these answers are worth, of which the decoder may give any.
+    /// Returns the worth of several possible answers.
     fn value_of(&self, w: usize, answers: &[Cow<'_, Answer>]) -> i64 {
         let witness = &self.witnesses[w];
         if witness.failed {
@@ -489,8 +488,8 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// The one mistake that is worth most besides `set`, of those that explain one of `tried`. If none is worth anything,
-    /// those that seemed to be are taken out of `all`.
+    /// Returns the mistake that adds most to `set`, among those that explain one of `tried`. If none adds anything, removes the
+    /// finalists from `all`.
     fn one_more(&self, set: &Set, all: &mut Set, tried: &[usize]) -> Option<Member> {
         let now: Vec<i64> = tried.iter().map(|&w| self.value(w, set)).collect();
         let promise = self.each(all, |&id| {
@@ -509,7 +508,7 @@ impl<'a> Search<'a> {
             .zip(all.iter().copied())
             .filter(|&(gain, _)| gain >= WORTH_OF_A_CRASH)
             .collect();
-        // Among equals what the cases are about, then the catalogue's order, from the general to the particular.
+        // Among equals, misreadings of the clauses under test come first, then the order of the catalog.
         promising.sort_by_key(|&(gain, id)| (-gain, !self.is_about(id)));
         promising.truncate(MAX_FINALISTS);
         let finalists: Set = promising.into_iter().map(|(_, id)| id).collect();
@@ -518,8 +517,7 @@ impl<'a> Search<'a> {
         best
     }
 
-    /// The cases on which mistakes are tried that shall explain some of `left`: all but large maps, unless these are all
-    /// that is left.
+    /// Marks the cases on which mistakes are tried: all but large maps, or all if only large maps are left.
     fn tried_for(&self, left: &[usize]) -> Vec<bool> {
         let with_large = left
             .iter()
@@ -529,7 +527,7 @@ impl<'a> Search<'a> {
             .collect()
     }
 
-    /// The best of `finalists`, tried on every case that is to be tried, and those that do as well.
+    /// Returns the best of `finalists` on every case that is marked in `tried`, with the equally good ones.
     fn best(&self, set: &Set, finalists: &Set, tried: &[bool]) -> Option<Member> {
         let now: Vec<i64> = (0..self.witnesses.len())
             .map(|w| if tried[w] { self.value(w, set) } else { 0 })
@@ -551,7 +549,7 @@ impl<'a> Search<'a> {
             .map(|(place, gains)| (gains.iter().sum(), place))
             .collect();
         ranked.sort_by_key(|&(gain, place)| (-gain, place));
-        // What is explained already, and then what passes, can only speak against a mistake.
+        // Explained and passing cases can only contradict a mistake.
         let explained = (0..now.len()).filter(|&w| self.witnesses[w].failed && !is_left(&w));
         let others: Vec<usize> = explained
             .chain(self.passing.iter().copied())
@@ -580,13 +578,13 @@ impl<'a> Search<'a> {
         })
     }
 
-    /// Whether a failing case is about the clause that is misread.
+    /// Returns true if a failing case is about the misread clause.
     fn is_about(&self, id: Id) -> bool {
         let listed = self.mistakes[id].listed();
         listed.is_some_and(|misreading| self.clauses.contains(misreading.clause))
     }
 
-    /// What it is worth in all, if it adds `gain` on the cases that are left; nothing if that is less than `least`.
+    /// Returns the total worth of a mistake that adds `gain` on the remaining cases, or `None` if it is less than `least`.
     fn total(
         &self,
         set: &Set,
@@ -609,7 +607,7 @@ impl<'a> Search<'a> {
         (total >= least).then_some(total)
     }
 
-    /// Two mistakes that only together explain a picture: of those that change it, every pair, on the smallest files.
+    /// Returns two mistakes that explain an image only together. Tries pairs of mistakes that change it, on the smallest files.
     fn two_more(&self, set: &Set, left: &[usize]) -> Option<Vec<Member>> {
         let mut pictures = self.solvable(left);
         pictures.sort_by_key(|&w| self.witnesses[w].built.file.len());
@@ -620,7 +618,7 @@ impl<'a> Search<'a> {
         let mut best: Option<Vec<Member>> = None;
         let mut asked = HashSet::new();
         for w in spread(&pictures, format) {
-            // One file of each format, and further ones if no pair explains these.
+            // One file of each format is tried, and more if no pair explains these.
             if budget() == 0 || best.is_some() && !asked.insert(format(w)) {
                 break;
             }
@@ -637,13 +635,13 @@ impl<'a> Search<'a> {
         best
     }
 
-    /// Returns how many of the failures in `left`, which a set leaves unexplained, it explains with more mistakes.
+    /// Counts the failures in `left`, unexplained by a set, that it explains with more mistakes.
     fn gain(&self, set: &[Id], more: &[Id], left: &[usize]) -> usize {
         let still = self.unexplained(&[set, more].concat());
         left.len().saturating_sub(still.len())
     }
 
-    /// Pairs of mistakes that together explain `w`, of those that change its answer; no more than `most` are tried.
+    /// Returns pairs of mistakes that together explain `w`. Tries at most `most` pairs of mistakes that change its answer.
     fn pairs_for(&self, w: usize, set: &Set, most: usize) -> Vec<[Id; 2]> {
         let before = self.answers(w, set);
         let concerned: Set = (0..self.mistakes.len())
@@ -673,7 +671,7 @@ impl<'a> Search<'a> {
             .collect()
     }
 
-    /// The pair that explains most of the rest, roughly and then exactly.
+    /// Returns the pair that explains most of the remaining failures. Tries all on a sample, and the best on every case.
     fn best_pair(&self, set: &Set, pairs: Vec<[Id; 2]>, left: &[usize]) -> Option<Vec<Member>> {
         let wanted = self.tried_for(left);
         let all: Vec<usize> = (0..wanted.len()).filter(|&w| wanted[w]).collect();
@@ -700,7 +698,7 @@ impl<'a> Search<'a> {
         Some(pair.map(member).into())
     }
 
-    /// Takes away every mistake without which as much is explained, of large maps too.
+    /// Removes every mistake without which as much is explained, including large maps.
     fn drop_needless(&self, members: &mut Vec<Member>) {
         let (small, large): (Vec<usize>, Vec<usize>) = (0..self.witnesses.len())
             .partition(|&w| self.samples(w) <= MAX_SAMPLES_OF_A_SMALL_IMAGE);
@@ -721,7 +719,7 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Pictures of the right shape that are not large: of others nothing can be solved.
+    /// Returns the small images of the correct shape.
     pub fn solvable(&self, left: &[usize]) -> Vec<usize> {
         let has_shape = |w: &usize| match (
             &self.witnesses[*w].observation.response,
@@ -746,7 +744,7 @@ impl<'a> Search<'a> {
         self.work.load(Ordering::Relaxed) > MAX_WORK
     }
 
-    /// Failing cases unlike each other, small ones first.
+    /// Returns a sample of failing cases of different kinds, small ones first.
     pub fn sample(&self, left: &[usize]) -> Vec<usize> {
         self.unlike(
             &self.smallest(left, 128 * MAX_SAMPLES_OF_A_SMALL_IMAGE),
@@ -754,7 +752,7 @@ impl<'a> Search<'a> {
         )
     }
 
-    /// So many of these cases, unlike each other.
+    /// Returns at most `most` of these cases, of different kinds.
     fn unlike(&self, cases: &[usize], most: usize) -> Vec<usize> {
         let kind = |w: usize| {
             let witness = &self.witnesses[w];
@@ -768,14 +766,14 @@ impl<'a> Search<'a> {
         unlike
     }
 
-    /// As many failing cases as there is time for.
+    /// Returns as many failing cases as the budget allows.
     fn affordable(&self, left: &[usize]) -> Vec<usize> {
         let mut smallest = self.smallest(left, 128 * MAX_SAMPLES_OF_A_SMALL_IMAGE);
         smallest.truncate(4 * MAX_SAMPLE);
         smallest
     }
 
-    /// How many samples the right answer has.
+    /// Returns the number of samples of the correct answer.
     pub fn samples(&self, w: usize) -> usize {
         match &self.witnesses[w].right {
             Answer::Decoded(frame) => {
@@ -785,7 +783,7 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// The smallest of these, so that all together they have no more samples than `most`; at least one.
+    /// Returns the smallest of these cases, with at most `most` samples and bytes together, but at least one.
     pub fn smallest(&self, left: &[usize], most: usize) -> Vec<usize> {
         let mut smallest = left.to_vec();
         smallest.sort_by_key(|&w| (self.samples(w), self.witnesses[w].built.file.len()));
@@ -799,7 +797,7 @@ impl<'a> Search<'a> {
         smallest
     }
 
-    /// `work` of every item, on all threads, in order.
+    /// Returns `work` of every item, in order, computed on all threads.
     pub fn each<T: Sync, R: Send>(&self, items: &[T], work: impl Fn(&T) -> R + Sync) -> Vec<R> {
         in_parallel(items.len(), self.threads, &|_, _| (), &|i| {
             let done = catch_unwind(AssertUnwindSafe(|| work(&items[i])));
@@ -825,7 +823,7 @@ pub(super) fn of(members: &[Member]) -> Set {
     members.iter().map(|member| member.id).collect()
 }
 
-/// The other members of a set.
+/// Returns the other members of a set.
 pub(super) fn without(set: &[Id], member: Id) -> Set {
     let others = set.iter().copied().filter(|&other| other != member);
     others.collect()
@@ -835,7 +833,7 @@ fn plus(set: &[Id], id: Id) -> Set {
     [set, &[id]].concat()
 }
 
-/// The first of each kind, then the second of each, and so on.
+/// Returns the first of each kind, then the second of each, and so on.
 pub(super) fn spread<K: Ord>(places: &[usize], kind: impl Fn(usize) -> K) -> Vec<usize> {
     let mut kinds: BTreeMap<K, Vec<usize>> = BTreeMap::new();
     for &place in places {

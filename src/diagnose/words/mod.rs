@@ -11,6 +11,34 @@ pub(super) mod violation;
 
 pub use arithmetic::steps as arithmetic_steps;
 
+use super::scope::Shared;
+use super::witness::Witness;
+use crate::ptm::Format;
+use crate::suite::cases::Expect;
+
+/// Returns "every legal file with predicted planes", or "12 of 14 legal files with predicted planes" if some of them are treated
+/// differently. The files are those of one format, or of all.
+fn files_in(witnesses: &[Witness], shared: &Shared, format: Option<Format>) -> String {
+    let is_other = |w: &usize| {
+        let witness = &witnesses[*w];
+        witness.case.expect == Expect::Decode
+            && format.is_none_or(|format| witness.case.format() == format)
+            && shared.scope.holds(witness)
+            && !shared.of.contains(w)
+    };
+    let of_format = format.map_or(String::new(), |format| {
+        format!("of {} ", format.short_name())
+    });
+    let scope = of_format + &shared.scope.describe();
+    match (0..witnesses.len()).filter(is_other).count() {
+        0 => format!("every legal file {scope}"),
+        others => {
+            let count = shared.of.len();
+            format!("{count} of {} legal files {scope}", count + others)
+        }
+    }
+}
+
 /// Faults or kinds that are listed; the others are counted.
 const MAX_LISTED: usize = 6;
 

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
 use super::arithmetic::arithmetic;
+use super::files_in;
 use super::formats::formats_of;
 use crate::diagnose::diagnosis::{Category, Diagnosis, Words};
 use crate::diagnose::pair::Pair;
@@ -119,10 +120,11 @@ pub(in crate::diagnose) fn describe(search: &Search, set: &[Id], left: &[usize])
     diagnoses
 }
 
-/// Splits files by what they share and no other file has, in all formats and then in one; the last part is the rest.
+/// Splits files by a property that no file of known behavior has, first in all formats and then in each. The last part is the
+/// rest.
 fn split_by_scope(search: &Search, set: &[Id], mut open: Vec<usize>) -> Vec<(Vec<usize>, String)> {
     let witnesses = search.witnesses;
-    // An image that is right, or wrong for a known reason, denies; a file without an image says nothing.
+    // A correct or an explained image contradicts a property. A file without an image is no evidence.
     let is_known = |w: &usize| {
         let witness = &witnesses[*w];
         witness.case.expect == Expect::Decode
@@ -146,12 +148,7 @@ fn split_by_scope(search: &Search, set: &[Id], mut open: Vec<usize>) -> Vec<(Vec
                 break;
             };
             open.retain(|w| !shared.of.contains(w));
-            let format = one.map_or(String::new(), |one| format!("of {} ", one.short_name()));
-            let place = format!(
-                ", in every file {format}{} ({} files)",
-                shared.scope.describe(),
-                shared.of.len()
-            );
+            let place = format!(", in {}", files_in(witnesses, &shared, one));
             parts.push((shared.of, place));
         }
     }

@@ -1,8 +1,9 @@
 //! Legal files that were refused or crashed the decoder: the property that they share and that no accepted file has.
 
+use super::files_in;
 use crate::diagnose::diagnosis::{Category, Cause, Diagnosis, Words};
 use crate::diagnose::failure_mode::FailureMode;
-use crate::diagnose::scope::{Shared, shared_scope};
+use crate::diagnose::scope::shared_scope;
 use crate::diagnose::tuning::{MIN_SHARE_OF_A_PROPERTY, REFUSALS_PER_CHANCE_IMAGE};
 use crate::diagnose::witness::Witness;
 use crate::kit::last_words::last_words;
@@ -30,7 +31,7 @@ pub(in crate::diagnose) fn describe(
             }
             open.retain(|w| !shared.of.contains(w));
             left.retain(|w| !shared.of.contains(w));
-            let effect = format!("{mode} {}", files_in(witnesses, &shared));
+            let effect = format!("{mode} {}", files_in(witnesses, &shared, None));
             let refusal = refusal(witnesses, &shared.of, &mode, effect);
             diagnoses.push(match shared.scope.clause() {
                 Some(clause) => refusal.about(clause),
@@ -39,23 +40,6 @@ pub(in crate::diagnose) fn describe(
         }
     }
     diagnoses
-}
-
-/// Returns "every legal file with predicted planes", or "12 of 14 legal files with predicted planes" if some fail in another way.
-fn files_in(witnesses: &[Witness], shared: &Shared) -> String {
-    let is_other = |w: &usize| {
-        let witness = &witnesses[*w];
-        let is_legal = witness.case.expect == Expect::Decode;
-        is_legal && !shared.of.contains(w) && shared.scope.holds(witness)
-    };
-    let scope = shared.scope.describe();
-    match (0..witnesses.len()).filter(is_other).count() {
-        0 => format!("every legal file {scope}"),
-        others => {
-            let count = shared.of.len();
-            format!("{count} of {} legal files {scope}", count + others)
-        }
-    }
 }
 
 /// Returns the diagnosis of files that fail in one way.
@@ -188,7 +172,8 @@ pub(in crate::diagnose) fn all_that_shows(witnesses: &[Witness], of: &[usize]) -
         let is_other = |w: &usize| witnesses[*w].case.expect == Expect::Decode && !of.contains(w);
         let others: Vec<usize> = (0..witnesses.len()).filter(is_other).collect();
         let shared = shared_scope(witnesses, of, &others, false)?;
-        (shared.of.len() == of.len()).then(|| format!("{mode} {}", files_in(witnesses, &shared)))
+        (shared.of.len() == of.len())
+            .then(|| format!("{mode} {}", files_in(witnesses, &shared, None)))
     })
 }
 
