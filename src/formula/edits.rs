@@ -101,7 +101,11 @@ fn dropped(node: &Expression, _: Scope) -> Vec<Expression> {
                 others.remove(place);
                 single_or(others, node)
             };
-            (0..all.len()).map(one).collect()
+            let alone = all.iter().map(|part| match part {
+                Expression::Negative(inner) => (**inner).clone(),
+                other => other.clone(),
+            });
+            (0..all.len()).map(one).chain(alone).collect()
         };
     match node {
         Expression::Sum(terms) => without(terms, Expression::Sum),

@@ -132,7 +132,7 @@ mod tests {
                 texels.flat_map(|rgb| [rgb[2], rgb[1], rgb[0]]).collect()
             };
             for (scene, says) in [
-                (scene(|scene| scene.right.clone()), "right."),
+                (scene(|scene| scene.right.clone()), "correctly."),
                 (scene(rows), "upside down."),
                 (scene(swapped), "Red and blue"),
                 (
