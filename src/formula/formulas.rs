@@ -72,160 +72,64 @@ pub enum Stage {
     Color,
 }
 
-const fn scope(variables: &'static [&'static str], lists: &'static [&'static str]) -> Scope {
-    Scope { variables, lists }
-}
-
-const LIGHT: Scope = scope(&["u", "v"], &[]);
-const FINAL: Scope = scope(&["raw", "i", "c"], &["scale", "bias"]);
-const TEXEL: Scope = scope(&["x", "y", "width", "height"], &[]);
-const OF_SAMPLES: &[&str] = &[
-    "row", "x", "width", "height", "i", "c", "k", "entries", "size", "bytes",
-];
-const LUM_SAMPLE: Scope = scope(OF_SAMPLES.split_at(5).0, &[]);
-const RGB_SAMPLE: Scope = scope(OF_SAMPLES.split_at(6).0, &[]);
-const LRGB_SAMPLE: Scope = scope(OF_SAMPLES.split_at(7).0, &[]);
-const TABLE_SAMPLE: Scope = scope(OF_SAMPLES, &[]);
-const PLANE: Scope = scope(&["p", "planes", "reference", "rank"], LISTS);
-const LISTS: &[&str] = &["transform", "motion", "references"];
-const DISPLACEMENT: Scope = scope(&["x", "y", "mx", "my", "width", "height"], &[]);
-const RECORD: Scope = scope(
-    &[
-        "position",
-        "row",
-        "column",
-        "width",
-        "height",
-        "r",
-        "value",
-        "predicted",
-    ],
-    &[],
-);
-
 impl Formula {
-    /// All formulas with their names and scopes, from the image back to the bytes.
-    pub const ALL: [(Formula, &'static str, Scope); 43] = [
-        (Formula::LightU, "light u", LIGHT),
-        (Formula::LightV, "light v", LIGHT),
-        (
-            Formula::Polynomial,
-            "polynomial",
-            scope(&["a0", "a1", "a2", "a3", "a4", "a5", "u", "v"], &[]),
-        ),
-        (Formula::Color, "color", scope(&["L", "rgb"], &[])),
-        (
-            Formula::MatrixRow,
-            "matrix row",
-            scope(&["Y", "Cr", "Cb", "k"], &["m"]),
-        ),
-        (Formula::Shown, "shown value", scope(&["value"], &[])),
-        (Formula::FinalCoefficient, "final coefficient", FINAL),
-        (Formula::FinalColor, "final color", FINAL),
-        (
-            Formula::StoredValue,
-            "stored value",
-            scope(&["raw", "i", "c"], &[]),
-        ),
-        (Formula::StoredRow, "stored row", TEXEL),
-        (Formula::StoredColumn, "stored column", TEXEL),
-        (Formula::RgbSample, "RGB sample", RGB_SAMPLE),
-        (Formula::LumSample, "LUM sample", LUM_SAMPLE),
-        (Formula::LrgbCoefficient, "LRGB coefficient", LUM_SAMPLE),
-        (Formula::LrgbColor, "LRGB color", LRGB_SAMPLE),
-        (Formula::IndexSize, "bytes of an index", TABLE_SAMPLE),
-        (Formula::IndexByte, "index byte", TABLE_SAMPLE),
-        (
-            Formula::Index,
-            "index",
-            scope(&["low", "high", "entries"], &[]),
-        ),
-        (
-            Formula::TableSample,
-            "table sample",
-            scope(&["index", "i", "size", "entries"], &[]),
-        ),
-        (Formula::TableColor, "PTM_LUT color", TABLE_SAMPLE),
-        (Formula::RgbPlane, "RGB plane", RGB_SAMPLE),
-        (Formula::LrgbPlane, "LRGB plane", LUM_SAMPLE),
-        (Formula::Transform, "transform", PLANE),
-        (
-            Formula::Inverted,
-            "inversion bit",
-            scope(&["transform"], &[]),
-        ),
-        (Formula::Displaced, "motion bit", scope(&["transform"], &[])),
-        (Formula::VectorX, "vector x", PLANE),
-        (Formula::VectorY, "vector y", PLANE),
-        (Formula::Reference, "reference", PLANE),
-        (
-            Formula::Predictor,
-            "predictor",
-            scope(&["reference", "uncorrected", "coded", "previous"], &[]),
-        ),
-        (Formula::Inversion, "inverted value", scope(&["v"], &[])),
-        (Formula::DisplacedX, "displaced x", DISPLACEMENT),
-        (Formula::DisplacedY, "displaced y", DISPLACEMENT),
-        (Formula::MeanOfTwo, "mean of two", scope(&["a", "b"], &[])),
-        (
-            Formula::MeanOfFour,
-            "mean of four",
-            scope(&["a", "b", "c", "d"], &[]),
-        ),
-        (Formula::EdgeX, "column at the edge", TEXEL),
-        (Formula::EdgeY, "row at the edge", TEXEL),
-        (
-            Formula::StreamSample,
-            "stream sample",
-            scope(&["sample", "p", "predicted"], &[]),
-        ),
-        (
-            Formula::Plane,
-            "plane",
-            scope(&["residual", "predictor", "inverted", "displaced"], &[]),
-        ),
-        (
-            Formula::RecordCount,
-            "number of records",
-            scope(&["size", "parameter"], &[]),
-        ),
-        (
-            Formula::RecordByte,
-            "record byte",
-            scope(&["r", "k", "count"], &[]),
-        ),
-        (
-            Formula::RecordPosition,
-            "record position",
-            scope(&["p3", "p2", "p1", "p0", "v"], &[]),
-        ),
-        (Formula::RecordPlace, "record place", RECORD),
-        (
-            Formula::Corrected,
-            "corrected value",
-            scope(
-                &["value", "plane", "residual", "position", "r", "predicted"],
-                &[],
-            ),
-        ),
+    /// All formulas with their names, from the image back to the bytes.
+    pub const ALL: [(Formula, &'static str); 43] = [
+        (Formula::LightU, "light u"),
+        (Formula::LightV, "light v"),
+        (Formula::Polynomial, "polynomial"),
+        (Formula::Color, "color"),
+        (Formula::MatrixRow, "matrix row"),
+        (Formula::Shown, "shown value"),
+        (Formula::FinalCoefficient, "final coefficient"),
+        (Formula::FinalColor, "final color"),
+        (Formula::StoredValue, "stored value"),
+        (Formula::StoredRow, "stored row"),
+        (Formula::StoredColumn, "stored column"),
+        (Formula::RgbSample, "RGB sample"),
+        (Formula::LumSample, "LUM sample"),
+        (Formula::LrgbCoefficient, "LRGB coefficient"),
+        (Formula::LrgbColor, "LRGB color"),
+        (Formula::IndexSize, "bytes of an index"),
+        (Formula::IndexByte, "index byte"),
+        (Formula::Index, "index"),
+        (Formula::TableSample, "table sample"),
+        (Formula::TableColor, "PTM_LUT color"),
+        (Formula::RgbPlane, "RGB plane"),
+        (Formula::LrgbPlane, "LRGB plane"),
+        (Formula::Transform, "transform"),
+        (Formula::Inverted, "inversion bit"),
+        (Formula::Displaced, "motion bit"),
+        (Formula::VectorX, "vector x"),
+        (Formula::VectorY, "vector y"),
+        (Formula::Reference, "reference"),
+        (Formula::Predictor, "predictor"),
+        (Formula::Inversion, "inverted value"),
+        (Formula::DisplacedX, "displaced x"),
+        (Formula::DisplacedY, "displaced y"),
+        (Formula::MeanOfTwo, "mean of two"),
+        (Formula::MeanOfFour, "mean of four"),
+        (Formula::EdgeX, "column at the edge"),
+        (Formula::EdgeY, "row at the edge"),
+        (Formula::StreamSample, "stream sample"),
+        (Formula::Plane, "plane"),
+        (Formula::RecordCount, "number of records"),
+        (Formula::RecordByte, "record byte"),
+        (Formula::RecordPosition, "record position"),
+        (Formula::RecordPlace, "record place"),
+        (Formula::Corrected, "corrected value"),
     ];
 
     /// Returns the name in `formulas.yaml` and in reports.
     #[must_use]
     pub fn name(self) -> &'static str {
-        self.row().1
+        Formula::ALL[self as usize].1
     }
 
     /// Returns the names that the formula may use.
     #[must_use]
     pub fn scope(self) -> Scope {
-        self.row().2
-    }
-
-    fn row(self) -> &'static (Formula, &'static str, Scope) {
-        let is_own = |row: &&(Formula, &str, Scope)| row.0 == self;
-        let row = Formula::ALL.iter().find(is_own);
-        row.expect("a test finds every formula in the list")
+        self.stated().scope
     }
 
     /// Returns the stage of decoding whose result the formula computes.
@@ -285,8 +189,7 @@ impl Formula {
     /// Returns the specification's clause and expression.
     #[must_use]
     pub fn stated(self) -> &'static Stated {
-        let place = Formula::ALL.iter().position(|row| row.0 == self);
-        &STATED[place.expect("a test finds every formula in the list")]
+        &STATED[self as usize]
     }
 }
 
@@ -297,7 +200,9 @@ pub struct Stated {
     pub clause: &'static str,
     /// The computed value, as a noun phrase.
     pub computes: &'static str,
-    /// The expression, in the formula's scope.
+    /// The names that it and its edits may use.
+    pub scope: Scope,
+    /// The expression, in that scope.
     pub expression: Expression,
 }
 
@@ -308,6 +213,9 @@ struct Record {
     clause: String,
     computes: String,
     formula: String,
+    variables: String,
+    #[serde(default)]
+    lists: String,
 }
 
 /// All formulas in the order of [`Formula::ALL`].
@@ -316,31 +224,43 @@ static STATED: LazyLock<Vec<Stated>> = LazyLock::new(|| {
     read(text).unwrap_or_else(|error| unreachable!("formulas.yaml, which a test reads: {error}"))
 });
 
+/// Reads the formulas. Their texts live as long as the program.
 fn read(text: &str) -> Result<Vec<Stated>, String> {
     let records = yaml::records::<Record>(text)?;
-    let stated = |&(_, name, scope): &(Formula, &str, Scope)| {
-        let (line, record) = records
-            .iter()
-            .find(|(_, record)| record.name == name)
-            .ok_or_else(|| format!("formula {name:?} is missing"))?;
-        let expression = parse(&record.formula, scope);
-        Ok(Stated {
-            clause: record.clause.clone().leak(),
-            computes: record.computes.clone().leak(),
-            expression: expression.map_err(|error| format!("line {line}: {error}"))?,
-        })
-    };
-    let all = Formula::ALL
-        .iter()
-        .map(stated)
-        .collect::<Result<Vec<_>, String>>()?;
-    match records
-        .iter()
-        .find(|(_, record)| Formula::named(&record.name).is_none())
-    {
-        Some((line, record)) => Err(format!("line {line}: unknown formula {:?}", record.name)),
-        None => Ok(all),
+    if records.len() != Formula::ALL.len() {
+        return Err(format!(
+            "{} formulas, expected {}",
+            records.len(),
+            Formula::ALL.len()
+        ));
     }
+    let names = |text: String| -> &'static [&'static str] {
+        let text: &'static str = text.leak();
+        text.split(' ')
+            .filter(|name| !name.is_empty())
+            .collect::<Vec<_>>()
+            .leak()
+    };
+    let stated = |((line, record), (_, name)): ((usize, Record), &(Formula, &str))| {
+        let scope = Scope {
+            variables: names(record.variables),
+            lists: names(record.lists),
+        };
+        let expression = parse(&record.formula, scope);
+        match record.name == *name {
+            true => Ok(Stated {
+                clause: record.clause.leak(),
+                computes: record.computes.leak(),
+                scope,
+                expression: expression.map_err(|error| format!("line {line}: {error}"))?,
+            }),
+            false => Err(format!(
+                "line {line}: expected {name:?}, found {:?}",
+                record.name
+            )),
+        }
+    };
+    records.into_iter().zip(&Formula::ALL).map(stated).collect()
 }
 
 #[cfg(test)]
@@ -351,7 +271,7 @@ mod tests {
     fn every_formula_is_stated_and_listed_once() {
         let stated = read(include_str!("../../spec-cases/formulas.yaml")).unwrap();
         assert_eq!(stated.len(), Formula::ALL.len());
-        for (place, &(formula, name, _)) in Formula::ALL.iter().enumerate() {
+        for (place, &(formula, name)) in Formula::ALL.iter().enumerate() {
             assert_eq!(formula as usize, place, "{name}");
             assert_eq!(Formula::named(name), Some(formula));
         }

@@ -105,7 +105,12 @@ impl Step {
 
 /// Describes the wrong images in `left`, grouped by the step at which they first differ. `set` are the mistakes that were found.
 pub(in crate::diagnose) fn describe(search: &Search, set: &[Id], left: &[usize]) -> Vec<Diagnosis> {
-    let steps = search.each(left, |&w| step(search, set, w));
+    let mut steps = search.each(left, |&w| step(search, set, w));
+    // Where values of files without streams are wrong too, something after the streams is.
+    if steps.contains(&Step::StoredValue) {
+        let streams = steps.iter_mut().filter(|step| **step == Step::Stream);
+        streams.for_each(|step| *step = Step::StoredValue);
+    }
     let mut groups: BTreeMap<(Step, Option<&str>), Vec<usize>> = BTreeMap::new();
     for (step, &w) in steps.into_iter().zip(left) {
         let clause = step.clause(search.witnesses[w].case.format());
