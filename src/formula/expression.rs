@@ -9,7 +9,6 @@
 //! Arithmetic is on real numbers. `mod` is never negative, and `floor` rounds toward minus infinity. An element outside its
 //! list and a division of zero by zero are not a number.
 
-use std::fmt;
 use std::iter::Peekable;
 use std::str::Chars;
 
@@ -178,16 +177,6 @@ impl Expression {
     pub fn uses(&self, place: usize) -> bool {
         *self == Expression::Variable(place)
             || self.children().iter().any(|child| child.uses(place))
-    }
-
-    /// Counts the nodes of the expression.
-    #[must_use]
-    pub fn size(&self) -> usize {
-        1 + self
-            .children()
-            .iter()
-            .map(|child| child.size())
-            .sum::<usize>()
     }
 
     /// Returns the expression as text that [`parse`] reads back, addresses as sums of products.
@@ -460,12 +449,6 @@ fn call(function: Function, a: f64, b: f64) -> f64 {
         Function::AtMost => f64::from(u8::from(a <= b)),
         // The callers evaluate `select` and the functions of whole planes.
         Function::Select | Function::Invert | Function::Displace => a,
-    }
-}
-
-impl fmt::Display for Function {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.name())
     }
 }
 

@@ -4,6 +4,7 @@
 //! questions and with misreadings that are functions.
 
 use std::cell::Cell;
+use std::ops::RangeInclusive;
 
 use super::expression::{Expression, Function};
 use super::{Change, Edit, Formula, Stage};
@@ -27,8 +28,12 @@ impl Edits<'_> {
     }
 
     /// Returns true if one of these formulas is edited.
-    fn affect(&self, formulas: &[Formula]) -> bool {
+    fn affect(&self, formulas: RangeInclusive<Formula>) -> bool {
         self.0.iter().any(|edit| formulas.contains(&edit.formula))
+    }
+
+    fn has(&self, formula: Formula) -> bool {
+        self.change(formula).is_some()
     }
 
     fn is_at(&self, stage: Stage) -> bool {
@@ -317,7 +322,7 @@ impl CompressedPlanes<'_> {
 
     fn stream_samples(&self, p: usize, residuals: &[u8], predicted: bool) -> Vec<u8> {
         let mut samples = residuals.to_vec();
-        if self.edits.affect(&[Formula::StreamSample]) {
+        if self.edits.has(Formula::StreamSample) {
             for sample in &mut samples {
                 let variables = [f64::from(*sample), p as f64, f64::from(u8::from(predicted))];
                 *sample = byte(self.edits.value(Formula::StreamSample, &variables, &[]));
@@ -328,16 +333,8 @@ impl CompressedPlanes<'_> {
 
     /// Returns the prediction step of plane `p`.
     fn step(&self, p: usize) -> Result<Step> {
-        const OF_LISTS: [Formula; 6] = [
-            Formula::Transform,
-            Formula::Inverted,
-            Formula::Displaced,
-            Formula::VectorX,
-            Formula::VectorY,
-            Formula::Reference,
-        ];
         let own = self.coded.plan.steps[p];
-        if !self.edits.affect(&OF_LISTS) {
+        if !self.edits.affect(Formula::Transform..=Formula::Reference) {
             return Ok(own);
         }
         let numbers = |list: &[crate::parts::Number]| -> Vec<f64> {
@@ -357,7 +354,7 @@ impl CompressedPlanes<'_> {
             self.lists.order[p].value as f64,
         ];
         let value = |formula| self.edits.value(formula, &variables, &lists);
-        let edited_or = |formula, own: i64| match self.edits.affect(&[formula]) {
+        let edited_or = |formula, own: i64| match self.edits.has(formula) {
             true => value(formula) as i64,
             false => own,
         };
@@ -384,17 +381,7 @@ impl CompressedPlanes<'_> {
     /// Returns the predictor of a plane. The sources are its reference (corrected, uncorrected, as coded) and the plane decoded
     /// before.
     fn predictor(&self, sources: &[&Vec<u8>; 4], step: &Step) -> Result<Vec<u8>> {
-        const OF_PREDICTORS: [Formula; 8] = [
-            Formula::Predictor,
-            Formula::Inversion,
-            Formula::DisplacedX,
-            Formula::DisplacedY,
-            Formula::MeanOfTwo,
-            Formula::MeanOfFour,
-            Formula::EdgeX,
-            Formula::EdgeY,
-        ];
-        if !self.edits.affect(&OF_PREDICTORS) {
+        if !self.edits.affect(Formula::Predictor..=Formula::EdgeY) {
             let own = (self.reading.predictor)(sources[0], step, self.coded.size, self.reading);
             return Ok(own.into_owned());
         }
@@ -441,7 +428,7 @@ impl CompressedPlanes<'_> {
     }
 
     fn invert(&self, plane: &mut [u8]) {
-        if !self.edits.affect(&[Formula::Inversion]) {
+        if !self.edits.has(Formula::Inversion) {
             return (self.reading.invert)(plane);
         }
         for value in plane {
@@ -485,7 +472,7 @@ impl CompressedPlanes<'_> {
             (false, false) => return Ok(corners[0]),
             _ => Formula::MeanOfTwo,
         };
-        if !self.edits.affect(&[formula]) {
+        if !self.edits.has(formula) {
             return Ok((self.reading.motion_half)(corners));
         }
         Ok(byte(match formula {
@@ -499,7 +486,7 @@ impl CompressedPlanes<'_> {
     /// Returns the sample of a texel, which may lie outside the plane.
     fn sample_at(&self, plane: &[u8], x: f64, y: f64) -> Result<u8> {
         let size = self.coded.size;
-        if !self.edits.affect(&[Formula::EdgeX, Formula::EdgeY]) {
+        if !self.edits.affect(Formula::EdgeX..=Formula::EdgeY) {
             return Ok((self.reading.motion_border)(
                 plane, size, x as i64, y as i64,
             ));
@@ -513,7 +500,7 @@ impl CompressedPlanes<'_> {
 
     /// Adds the predictor to residuals.
     fn add(&self, plane: &mut [u8], predictor: &[u8], step: &Step) {
-        if !self.edits.affect(&[Formula::Plane]) {
+        if !self.edits.has(Formula::Plane) {
             return match self.coded.format.is_jpeg_ls() {
                 true => (self.reading.predict_jpeg_ls)(plane, predictor),
                 false => (self.reading.predict)(plane, predictor),
@@ -528,14 +515,14 @@ impl CompressedPlanes<'_> {
 
     /// Applies the side information of plane `p`, whose stream holds `residuals`.
     fn correct(&self, p: usize, plane: &mut [u8], residuals: &[u8], predicted: bool) -> Result<()> {
-        const OF_BYTES: [Formula; 2] = [Formula::RecordCount, Formula::RecordByte];
-        const OF_RECORDS: [Formula; 3] = [
-            Formula::RecordPosition,
-            Formula::RecordPlace,
-            Formula::Corrected,
-        ];
-        let is_of_bytes = self.edits.affect(&OF_BYTES);
-        if !is_of_bytes && !self.edits.affect(&OF_RECORDS) {
+        let is_of_bytes = self
+            .edits
+            .affect(Formula::RecordCount..=Formula::RecordByte);
+        if !is_of_bytes
+            && !self
+                .edits
+                .affect(Formula::RecordPosition..=Formula::Corrected)
+        {
             return self.coded.correct(p, plane, self.reading);
         }
         let block = (self.reading.side_information)(&self.coded, p);
@@ -597,7 +584,7 @@ pub(crate) fn finals(ptm: &Ptm, reading: &Reading, edits: Edits) -> Coefficients
                 true => Formula::FinalCoefficient,
                 false => Formula::FinalColor,
             };
-            if edits.affect(&[formula]) {
+            if edits.has(formula) {
                 *value = final_value(formula, raw, channel, set, edits);
             }
         }
@@ -646,7 +633,7 @@ pub(crate) fn image(
                 texel[7],
                 reading,
             );
-            if !edits.affect(&[Formula::MatrixRow]) {
+            if !edits.has(Formula::MatrixRow) {
                 return own;
             }
             let y = polynomial(&texel[..6]);
