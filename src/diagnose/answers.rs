@@ -3,14 +3,18 @@
 use std::borrow::Cow;
 
 use super::mistake::{Channels, Mistake};
-use super::witness::{Witness, applies};
+use super::witness::{Witness, alike, applies, is_after_decoding};
 use crate::formula::Formula;
-use crate::misreadings::{At, Misreading, Stage};
-use crate::protocol::frame::{Answer, View};
+use crate::misreadings::{self, At, Misreading, Stage};
+use crate::protocol::frame::{Answer, Samples, View};
+use crate::ptm::Ptm;
 use crate::session::observation::Response;
 
 /// The clauses about the position of a record.
 const POSITIONS: [&str; 2] = ["2.9.8/5", "2.9.8/6"];
+
+/// The largest error of a color that is computed in single precision.
+const ROUNDING_SLACK: f64 = 0.02;
 
 impl Witness<'_> {
     /// Returns the answer of a decoder with these mistakes.
@@ -29,6 +33,59 @@ impl Witness<'_> {
             misreadings.pop();
         }
         answer
+    }
+
+    /// Returns the response if it is the colors that these mistakes produce, rounded or truncated to bytes. This comparison is
+    /// stricter than the tolerance, so it also separates mistakes with small effects.
+    pub fn shown_by(&self, mistakes: &[&Mistake], made: &Answer) -> Option<Answer> {
+        let View::Rgb(light) = &self.observation.view else {
+            return None;
+        };
+        let (
+            Response::Picture {
+                frame: Some(shown), ..
+            },
+            Answer::Decoded(made),
+        ) = (&self.observation.response, made)
+        else {
+            return None;
+        };
+        let is_in_part = |mistake: &&Mistake| mistake.channels != Channels::All;
+        if !self.failed || mistakes.iter().any(is_in_part) || !alike(shown, made) {
+            return None;
+        }
+        let made = mistakes.iter().filter(|mistake| mistake.scope.holds(self));
+        let made: Vec<&Misreading> = made.map(|mistake| mistake.misreading).collect();
+        let (ptm, reading) = match made.iter().all(|mistake| is_after_decoding(mistake)) {
+            true => {
+                let reading = misreadings::misread(&made, self.reading);
+                (self.decoded().as_ref().ok()?.clone(), reading)
+            }
+            false => misreadings::read(&made, self.reading, &self.built.file).ok()?,
+        };
+        let colors = misreadings::colors(&made, &reading, &ptm, light);
+        let Samples::U8(bytes) = &shown.samples else {
+            return None;
+        };
+        let is_all = |is: fn(f64, f64) -> bool| {
+            colors
+                .iter()
+                .zip(bytes)
+                .all(|(&color, &byte)| is(color, f64::from(byte)))
+        };
+        let is_rounded = is_all(|color, byte| (color - byte).abs() <= 0.5 + ROUNDING_SLACK);
+        let is_cut_off = || {
+            is_all(|color, byte| (-ROUNDING_SLACK..1.0 + ROUNDING_SLACK).contains(&(color - byte)))
+        };
+        (is_rounded || is_cut_off()).then(|| Answer::Decoded(shown.clone()))
+    }
+
+    /// Returns the image that a decoder with these mistakes shows for stored values.
+    pub fn show(&self, mistakes: &[&Mistake], ptm: &Ptm) -> Answer {
+        let made = mistakes.iter().filter(|mistake| mistake.scope.holds(self));
+        let made: Vec<&Misreading> = made.map(|mistake| mistake.misreading).collect();
+        let reading = misreadings::misread(&made, self.reading);
+        misreadings::show(&made, &reading, ptm, &self.observation.view)
     }
 
     /// Returns true if the file was refused and these mistakes move a record outside its plane. The catalog ignores these records;

@@ -8,7 +8,7 @@ use super::words::acceptances;
 use super::words::formats::formats_of;
 use super::words::place;
 use super::words::refusals::{self, WholeFormats};
-use crate::formula::{Change, Edit};
+use crate::formula::{Edit, EditedForm};
 use crate::misreadings::{At, Misreading, Symptom};
 use crate::session::observation::Response;
 
@@ -241,11 +241,11 @@ fn computed(edit: &Edit) -> (String, String) {
         edit.stated(),
     );
     match edit.change {
-        Change::Table(_) => (
+        EditedForm::Table(_) => (
             format!("maps {what} through {computes}"),
             "compare the example with the bytes that it comes from".to_owned(),
         ),
-        Change::Expression(_) => (
+        EditedForm::Expression(_) => (
             format!("computes {what} as {computes} instead of {stated}"),
             format!("compute {stated}"),
         ),

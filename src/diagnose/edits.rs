@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 use std::sync::LazyLock;
 
 use super::learned;
-use super::mistake::{Channels, Mistake};
+use super::mistake::{Channels, Mistake, misreading_of};
 use super::pair::Pair;
 use super::scope::{Scope, scope_between};
 use super::search::{Id, Search, Set, WORTH_OF_A_REFUSAL, spread};
@@ -17,8 +17,8 @@ use super::tuning::{
 };
 use super::witness::Agreement;
 use super::words::place::pair_of;
-use crate::formula::{Change, Edit, Formula, edits};
-use crate::misreadings::{At, Misreading, Symptom};
+use crate::formula::{Edit, EditedForm, Formula, edits};
+use crate::misreadings::{At, Misreading};
 use crate::protocol::frame::Answer;
 
 /// Every edit of every formula as a misreading, by formula, the most natural edits first.
@@ -28,19 +28,6 @@ static EDITS: LazyLock<Vec<Misreading>> = LazyLock::new(|| {
         .flat_map(|&(formula, ..)| edits::all(formula));
     all.map(misreading_of).collect()
 });
-
-/// Returns a misreading without a slug that makes one edit.
-pub(super) fn misreading_of(edit: &'static Edit) -> Misreading {
-    Misreading {
-        slug: "",
-        clause: edit.formula.stated().clause,
-        effect: "",
-        fix: "",
-        shows: Symptom::Values,
-        seen: Vec::new(),
-        at: At::Edits(std::slice::from_ref(edit)),
-    }
-}
 
 /// Adds mistakes to the search that explain some of `left` together with `set`.
 pub(super) fn add_candidates(search: &mut Search, set: &Set, left: &[usize]) {
@@ -169,7 +156,7 @@ fn scoped(search: &Search, set: &Set, mistake: &Mistake, left: &[usize]) -> Opti
     let is_learned = matches!(
         mistake.misreading.at,
         At::Edits([Edit {
-            change: Change::Table(_),
+            change: EditedForm::Table(_),
             ..
         }])
     );

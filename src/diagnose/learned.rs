@@ -3,11 +3,11 @@
 use std::cmp::Reverse;
 use std::collections::BTreeMap;
 
-use super::edits::misreading_of;
+use super::mistake::misreading_of;
 use super::search::{Search, Set};
-use super::tuning::{MIN_SHARE_OF_A_TABLE, MIN_TABLE_FILES};
+use super::tuning::{MIN_SHARE_OF_A_TABLE, MIN_SHARING_FILES};
 use super::witness::Witness;
-use crate::formula::{Change, Edit, Formula};
+use crate::formula::{Edit, EditedForm, Formula};
 use crate::misreadings::Misreading;
 use crate::protocol::frame::{Answer, Frame, Samples, View};
 use crate::ptm::Ptm;
@@ -34,7 +34,7 @@ pub(super) fn tables(search: &Search, set: &Set, left: &[usize]) -> Vec<&'static
         table(search, set, &values, false).map(|table| (Formula::StoredValue, table)),
     ];
     let misreading = |(formula, table)| -> &'static Misreading {
-        let change = Change::Table(Box::new(table));
+        let change = EditedForm::Table(Box::new(table));
         // Two tables for each diagnosis live as long as the program.
         let edit: &'static Edit = Box::leak(Box::new(Edit { formula, change }));
         Box::leak(Box::new(misreading_of(edit)))
@@ -92,7 +92,7 @@ fn table(search: &Search, set: &Set, pictures: &[usize], of_streams: bool) -> Op
         }
         table[usize::from(right)] = best;
         // A value seen once, or in one file, may be anything.
-        differing += usize::from(shown.files.len() >= MIN_TABLE_FILES);
+        differing += usize::from(shown.files.len() >= MIN_SHARING_FILES);
     }
     // A table is shorter than the data: most values of it are seen in several files.
     let changed = (0..256)

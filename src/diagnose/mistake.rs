@@ -1,7 +1,8 @@
 //! A mistake that a decoder may make: a misreading of the catalog or an edit of a formula, everywhere or in part.
 
 use super::scope::Scope;
-use crate::misreadings::Misreading;
+use crate::formula::Edit;
+use crate::misreadings::{At, Misreading, Symptom};
 use crate::protocol::frame::{Answer, Samples};
 
 /// A mistake, and the files and channels in which it is made.
@@ -101,5 +102,18 @@ impl Channels {
             }
             _ => {}
         }
+    }
+}
+
+/// Returns a misreading without a slug that makes one edit.
+pub(super) fn misreading_of(edit: &'static Edit) -> Misreading {
+    Misreading {
+        slug: "",
+        clause: edit.formula.stated().clause,
+        effect: "",
+        fix: "",
+        shows: Symptom::Values,
+        seen: Vec::new(),
+        at: At::Edits(std::slice::from_ref(edit)),
     }
 }

@@ -1,6 +1,6 @@
 //! Properties that describe a set of files. Each was needed for a real reader, or is a key of `make:` in the cases.
 
-use super::witness::Witness;
+use super::witness::{Facts, Witness};
 use crate::generate::Recipe;
 use crate::generate::plan::Compression;
 use crate::generate::planes::StoredPlane;
@@ -8,27 +8,19 @@ use crate::generate::spelling::{Count, Line, Lists};
 use crate::protocol::frame::{Answer, View};
 use crate::ptm::{Field, Format};
 
-/// The properties and quantities of one file.
-pub(super) struct Facts {
-    /// For each of [`PROPERTIES`], true if the file has it.
-    pub properties: Vec<bool>,
-    /// For each of [`QUANTITIES`], its value.
-    pub quantities: Vec<Option<f64>>,
-}
-
-impl Facts {
-    pub fn new(witness: &Witness) -> Facts {
-        let file = File::new(witness);
-        Facts {
-            properties: PROPERTIES
-                .iter()
-                .map(|(_, _, holds)| holds(&file))
-                .collect(),
-            quantities: QUANTITIES
-                .iter()
-                .map(|quantity| (quantity.value)(&file))
-                .collect(),
-        }
+impl Witness<'_> {
+    /// Returns the properties of the file.
+    pub fn facts(&self) -> &Facts {
+        self.facts.get_or_init(|| {
+            let file = File::new(self);
+            Facts {
+                properties: PROPERTIES.iter().map(|(.., holds)| holds(&file)).collect(),
+                quantities: QUANTITIES
+                    .iter()
+                    .map(|quantity| (quantity.value)(&file))
+                    .collect(),
+            }
+        })
     }
 }
 

@@ -14,8 +14,8 @@ use super::credit::credit;
 use super::mistake::Mistake;
 pub(super) use super::tuning::WORTH_OF_A_REFUSAL;
 use super::tuning::{
-    MAX_FINALISTS, MAX_MISTAKES, MAX_SAMPLE, MAX_SAMPLES_OF_A_SMALL_IMAGE, MAX_WORK,
-    MAX_WORK_ON_PAIRS, MIN_FAILURES_OF_A_READING, MUCH, SAMPLES_OF_A_UNIT_OF_WORK,
+    MAX_EDIT_PASSES, MAX_FINALISTS, MAX_MISTAKES, MAX_SAMPLE, MAX_SAMPLES_OF_A_SMALL_IMAGE,
+    MAX_WORK, MAX_WORK_ON_PAIRS, MIN_FAILURES_OF_A_READING, MUCH, SAMPLES_OF_A_UNIT_OF_WORK,
     WORTH_OF_A_CONTRADICTION, WORTH_OF_A_CRASH, WORTH_OF_A_REFUSAL_OF_AN_IMAGE, WORTH_OF_AN_IMAGE,
     WORTH_OF_ANOTHER_LENIENT_ANSWER,
 };
@@ -140,6 +140,7 @@ impl<'a> Search<'a> {
     pub fn run(&mut self, add_candidates: impl Fn(&mut Search, &Set, &[usize])) -> Found {
         let mut members: Vec<Member> = Vec::new();
         let mut pairs_are_tried = false;
+        let mut passes = 0;
         while members.len() < MAX_MISTAKES && !self.is_interrupted() {
             let set = of(&members);
             let left = self.unexplained(&set);
@@ -153,7 +154,8 @@ impl<'a> Search<'a> {
                 gain * MUCH >= left.len() && self.denied(&plus(&set, member.id)).is_empty()
             };
             let is_enough = single.as_ref().is_some_and(explains_much);
-            if !is_enough {
+            if !is_enough && passes < MAX_EDIT_PASSES {
+                passes += 1;
                 let added = catch_unwind(AssertUnwindSafe(|| add_candidates(self, &set, &left)));
                 if let Err(panic) = added {
                     self.note(&*panic);

@@ -22,21 +22,23 @@ pub(super) const MAX_MISTAKES: usize = 12;
 /// Failing cases unlike each other on which every mistake is first tried.
 pub(super) const MAX_SAMPLE: usize = 40;
 /// Mistakes that are compared with every case: dozens may look equally promising.
-pub(super) const MAX_FINALISTS: usize = 64;
+pub(super) const MAX_FINALISTS: usize = 32;
 /// Samples of an image on which no mistake need be tried if smaller files fail alike.
 pub(super) const MAX_SAMPLES_OF_A_SMALL_IMAGE: usize = 1 << 13;
 /// Samples of an image that are as much work as one small file.
 pub(super) const SAMPLES_OF_A_UNIT_OF_WORK: usize = 512;
 /// Units of work in all: about five seconds of processor time.
-pub(super) const MAX_WORK: usize = 700_000;
+pub(super) const MAX_WORK: usize = 150_000;
 /// Units of work in search of two mistakes that hide each other.
-pub(super) const MAX_WORK_ON_PAIRS: usize = 40_000;
+pub(super) const MAX_WORK_ON_PAIRS: usize = 20_000;
 /// A misreading that explains one in so many failures is named before edits are tried.
 pub(super) const MUCH: usize = 4;
 /// Failures that a further mistake, or another reading of the open questions, must explain to be believed.
 pub(super) const MIN_FAILURES_OF_A_READING: usize = 4;
 
 // Edits of formulas
+/// Times that every edit is tried: beside nothing, and beside the first mistakes that were found.
+pub(super) const MAX_EDIT_PASSES: usize = 2;
 /// Failing files of one format and view on which every edit is tried.
 pub(super) const MAX_PROBES: usize = 3;
 /// Texels along each axis that separate rows, columns and texels.
@@ -49,8 +51,6 @@ pub(super) const MAX_SCOPED_MISREADINGS: usize = 12;
 pub(super) const MIN_CASES_OF_A_SCOPE: usize = 3;
 /// A value changes in a learned table if one in so many of its texels says so; lossy planes differ by one in a few.
 pub(super) const MIN_SHARE_OF_A_TABLE: usize = 5;
-/// Files in which a value of a learned table must occur.
-pub(super) const MIN_TABLE_FILES: usize = 2;
 
 // Coincidences
 /// A property is named if at most one in so many suites would have it by chance.

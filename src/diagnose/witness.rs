@@ -3,8 +3,6 @@
 use std::borrow::Cow;
 use std::sync::{Arc, OnceLock};
 
-use super::mistake::{Channels, Mistake};
-use super::properties::Facts;
 use super::stream_cache::stream_once;
 use crate::decode::{decode_as, examine_as};
 use crate::generate::Model;
@@ -40,9 +38,17 @@ pub(super) struct Witness<'a> {
     unmistaken: Option<Answer>,
     /// The fields of the file, up to the first error.
     fields: OnceLock<Vec<Field>>,
-    facts: OnceLock<Facts>,
+    pub facts: OnceLock<Facts>,
     /// The map that the reference decodes.
     decoded: OnceLock<crate::error::Result<Ptm>>,
+}
+
+/// The properties of a file.
+pub(super) struct Facts {
+    /// For each known property, whether the file has it.
+    pub properties: Vec<bool>,
+    /// For each known quantity, its value.
+    pub quantities: Vec<Option<f64>>,
 }
 
 /// The agreement of an answer with the response.
@@ -118,71 +124,10 @@ pub(super) fn breaks_its_promise(run: &Run, case: &Case, observation: &Observati
         .is_broken_by(case, observation, &run.judgement.unsupported)
 }
 
-/// The largest error of a color that is computed in single precision.
-const ROUNDING_SLACK: f64 = 0.02;
-
 /// Colors that are all off by one in one direction and that rounding does not explain.
 const MIN_COLORS_OFF: usize = 6;
 
 impl Witness<'_> {
-    /// Returns the properties of the file.
-    pub fn facts(&self) -> &Facts {
-        self.facts.get_or_init(|| Facts::new(self))
-    }
-
-    /// Returns the response if it is the colors that these mistakes produce, rounded or truncated to bytes. This comparison is
-    /// stricter than the tolerance, so it also separates mistakes with small effects.
-    pub fn shown_by(&self, mistakes: &[&Mistake], made: &Answer) -> Option<Answer> {
-        let View::Rgb(light) = &self.observation.view else {
-            return None;
-        };
-        let (
-            Response::Picture {
-                frame: Some(shown), ..
-            },
-            Answer::Decoded(made),
-        ) = (&self.observation.response, made)
-        else {
-            return None;
-        };
-        let is_in_part = |mistake: &&Mistake| mistake.channels != Channels::All;
-        if !self.failed || mistakes.iter().any(is_in_part) || !alike(shown, made) {
-            return None;
-        }
-        let made = mistakes.iter().filter(|mistake| mistake.scope.holds(self));
-        let made: Vec<&Misreading> = made.map(|mistake| mistake.misreading).collect();
-        let (ptm, reading) = match made.iter().all(|mistake| is_after_decoding(mistake)) {
-            true => {
-                let reading = misreadings::misread(&made, self.reading);
-                (self.decoded().as_ref().ok()?.clone(), reading)
-            }
-            false => misreadings::read(&made, self.reading, &self.built.file).ok()?,
-        };
-        let colors = misreadings::colors(&made, &reading, &ptm, light);
-        let Samples::U8(bytes) = &shown.samples else {
-            return None;
-        };
-        let is_all = |is: fn(f64, f64) -> bool| {
-            colors
-                .iter()
-                .zip(bytes)
-                .all(|(&color, &byte)| is(color, f64::from(byte)))
-        };
-        let is_rounded = is_all(|color, byte| (color - byte).abs() <= 0.5 + ROUNDING_SLACK);
-        let is_cut_off = || {
-            is_all(|color, byte| (-ROUNDING_SLACK..1.0 + ROUNDING_SLACK).contains(&(color - byte)))
-        };
-        (is_rounded || is_cut_off()).then(|| Answer::Decoded(shown.clone()))
-    }
-
-    /// Returns the image that a decoder with these mistakes shows for stored values.
-    pub fn show(&self, mistakes: &[&Mistake], ptm: &Ptm) -> Answer {
-        let made = mistakes.iter().filter(|mistake| mistake.scope.holds(self));
-        let made: Vec<&Misreading> = made.map(|mistake| mistake.misreading).collect();
-        let reading = misreadings::misread(&made, self.reading);
-        misreadings::show(&made, &reading, ptm, &self.observation.view)
-    }
-
     /// Returns the answer of a decoder with these misreadings.
     pub fn answer_of_listed(&self, mistakes: &[&Misreading]) -> Cow<'_, Answer> {
         // The file is parsed once, and most edits of bytes do not change most files.

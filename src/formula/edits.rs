@@ -6,8 +6,9 @@
 use std::collections::HashSet;
 use std::sync::LazyLock;
 
+use super::edit::{Edit, EditedForm};
 use super::expression::{Expression, Function, Scope, single_or};
-use super::{Change, Edit, Formula};
+use super::formulas::Formula;
 
 /// Constants that are commonly confused. The first of each row is replaced by the others.
 const RIVALS: [&[f64]; 5] = [
@@ -62,7 +63,7 @@ fn generate(formula: Formula) -> Vec<Edit> {
     all.retain(|expression| known.insert(expression.display(scope)));
     let edit = |expression| Edit {
         formula,
-        change: Change::Expression(expression),
+        change: EditedForm::Expression(expression),
     };
     all.into_iter().map(edit).collect()
 }

@@ -6,8 +6,9 @@
 use std::cell::Cell;
 use std::ops::RangeInclusive;
 
+use super::edit::{Edit, EditedForm};
 use super::expression::{Expression, Function};
-use super::{Change, Edit, Formula, Stage};
+use super::formulas::{Formula, Stage};
 use crate::decode::{self, Streams, decode_as};
 use crate::error::{Error, Kind, Result};
 use crate::evaluate::{self, Coefficients, Picture};
@@ -21,7 +22,7 @@ use crate::reading::Reading;
 pub struct Edits<'a>(pub &'a [&'a Edit]);
 
 impl Edits<'_> {
-    fn change(&self, formula: Formula) -> Option<&Change> {
+    fn change(&self, formula: Formula) -> Option<&EditedForm> {
         let mut edits = self.0.iter();
         let edit = edits.find(|edit| edit.formula == formula);
         edit.map(|edit| &edit.change)
@@ -43,8 +44,8 @@ impl Edits<'_> {
     /// Evaluates a formula: its edit, or what the specification states.
     fn value(&self, formula: Formula, variables: &[f64], lists: &[&[f64]]) -> f64 {
         match self.change(formula) {
-            Some(Change::Expression(expression)) => expression.value(variables, lists),
-            Some(Change::Table(table)) => f64::from(table[usize::from(byte(variables[0]))]),
+            Some(EditedForm::Expression(expression)) => expression.value(variables, lists),
+            Some(EditedForm::Table(table)) => f64::from(table[usize::from(byte(variables[0]))]),
             None => formula.stated().expression.value(variables, lists),
         }
     }
@@ -386,7 +387,7 @@ impl CompressedPlanes<'_> {
             return Ok(own.into_owned());
         }
         match self.edits.change(Formula::Predictor) {
-            Some(Change::Expression(expression)) => self.whole_plane(expression, sources, step),
+            Some(EditedForm::Expression(expression)) => self.whole_plane(expression, sources, step),
             _ => self.whole_plane(&Formula::Predictor.stated().expression, sources, step),
         }
     }
@@ -531,11 +532,10 @@ impl CompressedPlanes<'_> {
             (self.reading.records)(block, at, plane.len())?;
         }
         let size = [block.len() as f64, self.coded.plan.parameter as f64];
-        let count = self
-            .edits
-            .value(Formula::RecordCount, &size, &[])
-            .max(0.0)
-            .floor();
+        let count = self.edits.value(Formula::RecordCount, &size, &[]);
+        if count.fract() != 0.0 {
+            return Err(outside_data(at));
+        }
         // An edited count may be any number. There are not more records than bytes.
         for r in 0..(count as usize).min(block.len()) {
             let stored = |k: f64| {

@@ -90,7 +90,7 @@ pub(crate) fn colors(
 }
 
 /// Returns the formulas that these mistakes compute differently; of two edits of one formula the later counts.
-fn edits_of(misreadings: &[&Misreading]) -> Vec<&'static Edit> {
+pub(crate) fn edits_of(misreadings: &[&Misreading]) -> Vec<&'static Edit> {
     let edits = misreadings
         .iter()
         .rev()

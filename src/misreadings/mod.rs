@@ -63,6 +63,8 @@ mod answer;
 pub use crate::formula::Stage;
 pub use anatomy::{Anatomy, Seen};
 pub use answer::answer;
+#[cfg(feature = "tools")]
+pub(crate) use answer::edits_of;
 #[cfg(feature = "cli")]
 pub(crate) use answer::edits_of_planes;
 #[cfg(any(unix, feature = "tools"))]

@@ -1,6 +1,6 @@
 //! How a wrong picture looks to somebody who knows the right one.
 
-use crate::evaluate::{apply, evaluate};
+use crate::formula::{self, Edits};
 use crate::ptm::{Planes, Ptm};
 use crate::reading::Reading;
 
@@ -24,8 +24,8 @@ pub(super) struct Pictures {
 }
 
 impl Pictures {
-    /// Both maps under the lights; the other one as `reading` evaluates it.
-    pub(super) fn new(truth: &Ptm, other: &Ptm, reading: &Reading) -> Pictures {
+    /// Shows both maps under the lights; the other one as `reading` and `edits` evaluate it.
+    pub(super) fn new(truth: &Ptm, other: &Ptm, reading: &Reading, edits: Edits) -> Pictures {
         let size = |ptm: &Ptm| {
             (
                 ptm.planes.size.width as usize,
@@ -40,18 +40,24 @@ impl Pictures {
         let mut coefficients_differ = !same;
         // Row by row, because coefficients and colors take far more room than what they are made of.
         for row in 0..sizes[0].1.max(sizes[1].1) {
-            let rows = [(truth, &Reading::SPEC), (other, reading)].map(|(ptm, reading)| {
-                let row = row_of(ptm, row)?;
-                Some((apply(&ptm.header.scale_bias, &row, reading), reading))
+            let readers = [(truth, &Reading::SPEC, Edits(&[])), (other, reading, edits)];
+            let rows = readers.map(|(ptm, reading, edits)| {
+                let row = Ptm {
+                    planes: row_of(ptm, row)?,
+                    header: ptm.header,
+                };
+                Some((formula::finals(&row, reading, edits), reading, edits))
             });
-            if let [Some((ours, _)), Some((theirs, _))] = &rows {
+            if let [Some((ours, ..)), Some((theirs, ..))] = &rows {
                 let mut pairs = ours.values.iter().zip(&theirs.values);
                 coefficients_differ |=
                     pairs.any(|(a, b)| (a - b).abs() > 1e-5 * a.abs().max(b.abs()) + 1e-6);
             }
             for (light, &(lu, lv)) in LIGHTS.iter().enumerate() {
                 let colors = rows.each_ref().map(|row| {
-                    let lit = |(row, reading): &(_, &Reading)| evaluate(row, lu, lv, reading);
+                    let lit = |(row, reading, edits): &(_, &Reading, Edits)| {
+                        formula::image(row, lu, lv, reading, *edits)
+                    };
                     row.as_ref().map(lit)
                 });
                 if let [Some(ours), Some(theirs)] = &colors {

@@ -7,6 +7,7 @@ use super::limits::{Marks, Struck};
 use super::profile::ReaderProfile;
 use crate::decode::decode;
 use crate::error::Error;
+use crate::formula::Edits;
 use crate::misreadings::{self, At, Misreading};
 use crate::ptm::Ptm;
 use crate::reading::Reading;
@@ -137,7 +138,8 @@ impl<'a> OpenedFile<'a> {
             };
         };
         let shown = edited(acting, shown);
-        match Pictures::new(truth, &shown, &reading).difference() {
+        let edits = misreadings::edits_of(acting);
+        match Pictures::new(truth, &shown, &reading, Edits(&edits)).difference() {
             None => (Shown::Right, String::new()),
             Some(how) => (Shown::Wrong, how),
         }

@@ -4,7 +4,8 @@
 //! has what such a reader makes of the right one.
 
 use crate::decode::fields;
-use crate::misreadings::{Anatomy, At, Misreading, Seen, Stage, edits_of_planes, read};
+use crate::formula::{self, Edit, Edits};
+use crate::misreadings::{Anatomy, At, Misreading, Seen, Stage, edits_of, edits_of_planes, read};
 use crate::protocol::frame::{Frame, Samples, View};
 use crate::ptm::{Ptm, ScaleBias, Shape};
 use crate::reading::Reading;
@@ -23,6 +24,7 @@ const LIGHTS: [&str; 4] = [
 /// A file as a reader sees it.
 pub(super) struct SeenFile {
     reading: Reading,
+    edits: Vec<&'static Edit>,
     /// The last stage at which the reader's mistakes act.
     stage: Stage,
     ptm: Ptm,
@@ -102,6 +104,7 @@ impl SeenFile {
         let stages = mistakes.iter().map(|mistake| mistake.at.stage());
         Some(SeenFile {
             reading,
+            edits: edits_of(mistakes),
             stage: stages.max().unwrap_or(Stage::File),
             ptm,
         })
@@ -138,11 +141,14 @@ impl SeenFile {
     pub fn into_effective_map(self) -> Ptm {
         let mut map = self.ptm;
         if self.stage == Stage::Coefficients {
-            let set = map.header.scale_bias;
-            let finals =
-                |i: usize| [0, 1].map(|raw| (self.reading.final_coefficient)(raw, i, &set));
+            let finals_of = |raw: u8| {
+                let mut uniform = map.clone();
+                uniform.planes.samples.fill(raw);
+                formula::finals(&uniform, &self.reading, Edits(&self.edits)).values
+            };
+            let [zeros, ones] = [0, 1].map(finals_of);
             for i in 0..6 {
-                let [zero, one] = finals(i);
+                let (zero, one) = (zeros[i], ones[i]);
                 map.header.scale_bias.scale[i] = one - zero;
                 map.header.scale_bias.bias[i] = zero / (zero - one);
             }
@@ -163,6 +169,7 @@ impl SeenFile {
         };
         SeenFile {
             reading: Reading::SPEC,
+            edits: Vec::new(),
             stage: Stage::File,
             ptm: map_of(
                 *format,
@@ -177,7 +184,8 @@ impl SeenFile {
     /// Returns true if both look the same in a view, within the rounding of `f32`.
     fn shows(&self, other: &SeenFile, view: &str) -> bool {
         let view: View = view.parse().expect("a view");
-        let frame = |of: &SeenFile| Frame::under(&of.ptm, &view, &of.reading).samples;
+        let frame =
+            |of: &SeenFile| Frame::edited(&of.ptm, &view, &of.reading, Edits(&of.edits)).samples;
         match (frame(self), frame(other)) {
             (Samples::U8(one), Samples::U8(other)) => {
                 let mut pairs = one.iter().zip(&other);

@@ -188,7 +188,7 @@ fn rows_that_turn_are_described_as_places() {
         Answer::Decoded(_) => Answer::Unsupported,
         other => other,
     });
-    let says = "the right values in wrong places";
+    let says = "the correct values in the wrong places";
     assert!(told[0].contains(says), "{told:#?}");
 }
 

@@ -1,7 +1,7 @@
 //! Every formula of `formulas.yaml` equals the function of the reference decoder, on every case of the suite.
 
 use ptm_conform::Reading;
-use ptm_conform::formula::{Change, Edit, Formula};
+use ptm_conform::formula::{Edit, EditedForm, Formula};
 use ptm_conform::misreadings::{self, At, Misreading, Symptom};
 use ptm_conform::protocol::frame::{Answer, Samples};
 use ptm_conform::suite::cases::{Suite, TableSpelling};
@@ -13,7 +13,7 @@ const MAX_SAMPLES: usize = 1 << 15;
 fn stated(formulas: &[Formula]) -> Misreading {
     let edit = |&formula: &Formula| Edit {
         formula,
-        change: Change::Expression(formula.stated().expression.clone()),
+        change: EditedForm::Expression(formula.stated().expression.clone()),
     };
     let edits: Vec<Edit> = formulas.iter().map(edit).collect();
     Misreading {
