@@ -91,7 +91,7 @@ fn fitting(search: &Search, set: &Set, probes: &[Vec<usize>]) -> Vec<Mistake> {
         ..Mistake::everywhere(misreading)
     };
     let counts = search.each(&candidates, |candidate| {
-        if search.is_interrupted() || search.is_spent() {
+        if search.is_interrupted() {
             return 0;
         }
         let mistake = mistake(candidate);

@@ -742,7 +742,7 @@ impl<'a> Search<'a> {
     }
 
     /// Returns true if the budget of work is used up.
-    pub fn is_spent(&self) -> bool {
+    fn is_spent(&self) -> bool {
         self.work.load(Ordering::Relaxed) > MAX_WORK
     }
 

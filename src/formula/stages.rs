@@ -235,7 +235,11 @@ impl Texels<'_> {
             let digit = |k: usize| stored.get(k).map_or(0.0, |&digit| f64::from(digit));
             let own_index = || (self.reading.index)(&stored) as f64;
             let variables = [digit(0), digit(1), entries];
-            let index = self.edits.value_or(Formula::Index, &variables, own_index);
+            // The formula is about indices of two bytes.
+            let index = match stored.len() {
+                1 => own_index(),
+                _ => self.edits.value_or(Formula::Index, &variables, own_index),
+            };
             // An edited index keeps its fraction and its sign, so that its address is refused.
             let entry = match index >= 0.0 && index.fract() == 0.0 {
                 true => (self.reading.entry)(index as usize, count)

@@ -109,7 +109,7 @@ fn told(suite: &Suite, wrong: impl Fn(&Request, Answer) -> Answer + Sync) -> Vec
 }
 
 /// Answers that a search may make for each case, however much fails.
-const WORK: usize = 200;
+const WORK: usize = 300;
 
 #[test]
 fn a_search_among_failures_that_share_nothing_ends() {
@@ -265,11 +265,15 @@ fn what_the_catalogue_does_not_know_is_put_into_words() {
             |_, answer| {
                 edited(answer, "raw", |frame, samples| {
                     for texel in samples.chunks_exact_mut(frame) {
-                        texel[3] ^= 0x80;
+                        texel
+                            .iter_mut()
+                            .skip(3)
+                            .step_by(6)
+                            .for_each(|a3| *a3 ^= 0x80);
                     }
                 })
             },
-            &["raw + 128", "only in a3"],
+            &["+ 128 instead of", "only in a3"],
         ),
         (
             "last texel lost",
@@ -392,6 +396,7 @@ fn edited(answer: Answer, view: &str, edit: fn(usize, &mut [u8])) -> Answer {
             }
             Answer::Decoded(Frame { ..frame })
         }
+        Answer::Decoded(_) => Answer::Unsupported,
         other => other,
     }
 }
