@@ -1,7 +1,7 @@
 //! Executable misreadings of the texture chapter: one for each, at the decision where it acts.
 //!
 //! The same catalog names the mistake of a failing decoder and measures the suite: every misreading must be caught, and
-//! every pair must be told apart. A misreading replaces one decision of [`Rules`], usually by an edit of the right one.
+//! every pair must be told apart. A misreading replaces one decision of [`Rules`](crate::texture::Rules), usually by an edit of the right one.
 
 use std::sync::LazyLock;
 
