@@ -3,6 +3,7 @@
 //! A formula without an edit is computed by the function of the [`Reading`], so edits combine with other readings of the open
 //! questions and with misreadings that are functions.
 
+use std::borrow::Cow;
 use std::cell::Cell;
 use std::ops::RangeInclusive;
 
@@ -66,18 +67,23 @@ fn byte(value: f64) -> u8 {
 
 /// Decodes a file with some formulas edited.
 pub(crate) fn decode(file: &[u8], reading: &Reading, edits: Edits) -> Result<Ptm> {
-    let mut ptm = match edits.is_at(Stage::Decoding) {
-        true => decode_stages(file, reading, edits)?,
-        false => decode_as(file, reading, &Limits::default())?,
-    };
+    match edits.is_at(Stage::Decoding) {
+        true => decode_stages(file, reading, edits),
+        false => decode_as(file, reading, &Limits::default()),
+    }
+}
+
+/// Computes the stored values of a decoded map with some formulas edited.
+pub(crate) fn stored<'a>(ptm: &'a Ptm, edits: Edits) -> Cow<'a, Ptm> {
+    let mut ptm = Cow::Borrowed(ptm);
     if edits.is_at(Stage::Planes) {
         let channels = ptm.planes.shape.channels();
-        for (at, sample) in ptm.planes.samples.iter_mut().enumerate() {
+        for (at, sample) in ptm.to_mut().planes.samples.iter_mut().enumerate() {
             let [i, c] = coefficient(at % channels);
             *sample = byte(edits.value(Formula::StoredValue, &[f64::from(*sample), i, c], &[]));
         }
     }
-    Ok(ptm)
+    ptm
 }
 
 /// Returns the number of a coefficient and of its polynomial. Colors, Cr and Cb count as coefficients of a second polynomial.

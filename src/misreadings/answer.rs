@@ -85,6 +85,7 @@ pub(crate) fn colors(
         edit(ptm.to_mut());
     }
     let edits = edits_of(misreadings);
+    let ptm = formula::stored(&ptm, Edits(&edits));
     let finals = formula::finals(&ptm, reading, Edits(&edits));
     formula::image(&finals, light.lu, light.lv, reading, Edits(&edits)).values
 }

@@ -195,6 +195,7 @@ impl Frame {
 
     /// Shows `ptm` in `view` under a reading, with some formulas edited.
     pub(crate) fn edited(ptm: &Ptm, view: &View, reading: &Reading, edits: Edits) -> Frame {
+        let ptm = &*formula::stored(ptm, edits);
         let coefficients = || formula::finals(ptm, reading, edits);
         let channels = ptm.planes.shape.channels() as u32;
         let (channels, samples) = match view {
