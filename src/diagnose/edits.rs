@@ -144,6 +144,10 @@ fn scoped(search: &Search, set: &Set, mistake: &Mistake, left: &[usize]) -> Opti
     if mistake.listed().is_none() && !matches!(scope, Scope::All | Scope::Formats(_)) {
         return None;
     }
+    // Two restrictions at once fit too many edits.
+    if mistake.channels != Channels::All && scope != Scope::All {
+        return None;
+    }
     let least = if scope == Scope::All {
         1
     } else {

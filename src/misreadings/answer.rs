@@ -7,7 +7,7 @@ use super::at::At;
 use super::misreading::Misreading;
 use crate::error::{Class, Error};
 use crate::formula::{self, Edit, Edits};
-use crate::protocol::frame::{Answer, Frame, Light, View};
+use crate::protocol::frame::{Answer, Frame, View};
 use crate::ptm::Ptm;
 use crate::reading::Reading;
 
@@ -78,7 +78,7 @@ pub(crate) fn colors(
     misreadings: &[&Misreading],
     reading: &Reading,
     ptm: &Ptm,
-    light: &Light,
+    light: &crate::protocol::frame::Light,
 ) -> Vec<f64> {
     let mut ptm = Cow::Borrowed(ptm);
     for edit in edits_of_planes(misreadings) {

@@ -22,6 +22,7 @@ mod load;
 
 pub mod name;
 
+#[cfg(unix)]
 pub(crate) mod origin;
 
 mod ptm;

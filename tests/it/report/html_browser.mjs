@@ -91,7 +91,7 @@ try {
   const id = await run("const f = document.querySelector('figure.preview[data-channels=\"9\"][data-kind=raw]'); for (let e = f; e; e = e.parentElement) if (e.tagName === 'DETAILS') e.open = true; return f.closest('details.case').id");
   await until("the preview", "return document.querySelectorAll('#' + arguments[0] + ' canvas').length === 3", id);
   const before = await pixels(`#${id} canvas`);
-  await drag(`#${id} canvas`, [0.5, 0.5], [0.1, 0.8]);
+  await drag(`#${id} canvas`, [0.5, 0.5], [0.6, 0.6]);
   const after = await pixels(`#${id} canvas`);
   assert.notEqual(before[0], after[0], "expected changes with the light");
   assert.notEqual(before[1], after[1], "received changes with the light");
