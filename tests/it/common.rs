@@ -26,7 +26,7 @@ impl Checked {
             .collect()
     }
 
-    /// The misreadings that are named, most telling first.
+    /// Returns the misreadings that are named or would look the same, the most telling first.
     pub fn diagnoses(&self) -> Vec<String> {
         let causes = self.report["diagnoses"]
             .as_array()
@@ -34,7 +34,11 @@ impl Checked {
             .unwrap_or_default();
         causes
             .iter()
-            .filter_map(|cause| cause["misreading"].as_str().map(str::to_owned))
+            .flat_map(|cause| {
+                let equivalents = cause["or"].as_array().cloned().unwrap_or_default();
+                std::iter::once(cause["misreading"].clone()).chain(equivalents)
+            })
+            .filter_map(|slug| slug.as_str().map(str::to_owned))
             .collect()
     }
 }
