@@ -379,13 +379,23 @@ impl<'a, C: Reported> Check<'a, C> {
         }
         progress.begin("searching for causes");
         let report = causes(suite, &run, report, |run| {
-            C::diagnose(suite, run, &assumed, plan.jobs)
+            let found = C::diagnose(suite, run, &assumed, plan.jobs);
+            if let Some(time) = found.cpu_time {
+                progress.say(&cost_to_text(found.answered, time));
+            }
+            found
         });
         drop(progress);
         let status = ending.finish(suite, &run, report)?;
         self.partial.remove();
         Ok(status)
     }
+}
+
+/// Returns the cost of a search for causes as a sentence.
+fn cost_to_text(answers: usize, cpu_time: Duration) -> String {
+    let seconds = cpu_time.as_secs_f64();
+    format!("searched for causes: {answers} answers compared in {seconds:.1} s of CPU time")
 }
 
 /// Does the work, and lets it `stop` when it has taken this long, or the user wants an `end`.

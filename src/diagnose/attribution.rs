@@ -134,7 +134,7 @@ fn is_denied_beside(search: &Search, set: &[Id], shares: &[Share], place: usize)
     });
     let denied = search.each(&pairs.collect::<Vec<_>>(), |&(other, w)| {
         let both = [set[other], set[place]];
-        search.made(w, &both) != search.made(w, &both[..1])
+        search.differ(w, &both, &both[..1])
             && search.agreement(w, &both[..1]).explains()
             && !search.agreement(w, &both).explains()
     });
@@ -153,7 +153,7 @@ fn otherwise(search: &Search, id: Id, share: &Share) -> usize {
     };
     let akin: Vec<usize> = (0..witnesses.len()).filter(is_akin).collect();
     let differs = search.each(&akin, |&w| {
-        let acts = search.made(w, &[id]) != search.made(w, &[]);
+        let acts = search.differ(w, &[id], &[]);
         acts && !search.agreement(w, &[id]).explains()
     });
     differs.into_iter().filter(|differs| *differs).count()
@@ -254,7 +254,7 @@ fn computed(edit: &Edit) -> (String, String) {
 
 /// Returns the places of the mistakes in `set` that a failure needs: one that explains it alone, or all that are indispensable.
 fn needed(search: &Search, w: usize, set: &[Id]) -> Vec<usize> {
-    let explained = |set: &[Id]| search.agreement(w, set).explains();
+    let explained = |set: &[Id]| search.explains(w, set);
     if let Some(alone) = (0..set.len()).find(|&member| explained(&[set[member]])) {
         return vec![alone];
     }

@@ -38,8 +38,7 @@ fn drop_strays(search: &Search, found: &mut Found) {
         if explained.is_empty() || explained.len() * STRAY_SHARE >= failing.len() {
             return true;
         }
-        let acting =
-            (failing.iter()).filter(|&&w| search.made(w, &set) != search.made(w, &without));
+        let acting = (failing.iter()).filter(|&&w| search.differ(w, &set, &without));
         let is_about = (explained.iter()).any(|&w| is_about(&search.witnesses[w], misreading));
         is_about && explained.len() * 2 >= acting.count()
     });
@@ -65,7 +64,7 @@ fn drop_rare(search: &Search, found: &mut Found) {
             if is_explained(&set) && !is_explained(&without) || is_explained(&[id]) {
                 explained += 1;
             } else if FailureMode::of(&search.witnesses[w]).is_none()
-                && search.made(w, &set) != search.made(w, &without)
+                && search.differ(w, &set, &without)
             {
                 other += 1;
                 far += usize::from(!is_near(search, w, &set, id));
@@ -145,7 +144,7 @@ fn drop_acceptances(search: &Search, found: &mut Found) {
         .filter(|&w| witnesses[w].failed)
         .collect();
     let explains = |w: usize, set: &[Id]| search.agreement(w, set).explains();
-    let open = search.each(&failed, |&w| !explains(w, &set));
+    let open = search.each(&failed, |&w| !search.explains(w, &set));
     let open: Vec<usize> = (failed.iter().zip(open))
         .filter_map(|(&w, open)| open.then_some(w))
         .collect();

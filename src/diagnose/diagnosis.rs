@@ -1,5 +1,7 @@
 //! The cause of a failure, and the cases that it explains.
 
+use std::time::Duration;
+
 use super::witness::Witness;
 use crate::misreadings::{At, Misreading};
 
@@ -27,6 +29,8 @@ pub struct Causes<A: 'static = At> {
     pub faults: Vec<String>,
     /// The number of answers of decoders with mistakes that were computed.
     pub answered: usize,
+    /// The CPU time that the search took, where the system can tell.
+    pub cpu_time: Option<Duration>,
 }
 
 impl<A> From<Vec<Diagnosis<A>>> for Causes<A> {
@@ -35,6 +39,7 @@ impl<A> From<Vec<Diagnosis<A>>> for Causes<A> {
             diagnoses,
             faults: Vec::new(),
             answered: 0,
+            cpu_time: None,
         }
     }
 }

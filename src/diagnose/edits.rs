@@ -3,6 +3,7 @@
 //! Every edit is tried on a few small failing files of each format. One that reproduces an image becomes a mistake that the
 //! search compares with all files. If passing files contradict it, it is kept only for formats in which none does.
 
+use std::borrow::Cow;
 use std::cmp::Reverse;
 use std::collections::BTreeMap;
 use std::sync::LazyLock;
@@ -31,7 +32,10 @@ static EDITS: LazyLock<Vec<Misreading>> = LazyLock::new(|| {
 
 /// Adds mistakes to the search that explain some of `left` together with `set`.
 pub(super) fn add_candidates(search: &mut Search, set: &Set, left: &[usize]) {
-    let probes = probes(search, left);
+    let mut probes = probes(search, left);
+    for of_kind in &mut probes {
+        of_kind.retain(|&w| search.probe(w, set));
+    }
     let mut candidates = fitting(search, set, &probes);
     let tables = learned::tables(search, set, left).into_iter();
     candidates.extend(tables.map(Mistake::everywhere));
@@ -76,41 +80,53 @@ fn fitting(search: &Search, set: &Set, probes: &[Vec<usize>]) -> Vec<Mistake> {
         let formulas = misreading.at.formulas();
         !formulas.iter().any(|formula| taken.contains(formula))
     };
-    let of_channels = |probe: &Vec<usize>| wrong_channels(search, set, probe);
-    let mut channels: Vec<Channels> = probes.iter().map(of_channels).collect();
-    channels.push(Channels::All);
-    let mut candidates: Vec<(&'static Misreading, Channels)> = Vec::new();
-    for channels in [Channels::All].into_iter().chain(channels) {
-        if !candidates.iter().any(|(_, known)| *known == channels) {
-            let free = EDITS.iter().filter(is_free);
-            candidates.extend(free.map(|misreading| (misreading, channels)));
+    let edits: Vec<&'static Misreading> = EDITS.iter().filter(is_free).collect();
+    let mut channels = vec![Channels::All];
+    for probe in probes {
+        let wrong = wrong_channels(search, set, probe);
+        if !channels.contains(&wrong) {
+            channels.push(wrong);
         }
     }
-    let mistake = |&(misreading, channels): &(&'static Misreading, Channels)| Mistake {
-        channels,
-        ..Mistake::everywhere(misreading)
-    };
-    let counts = search.each(&candidates, |candidate| {
-        if search.is_interrupted() {
-            return 0;
+    let probes: Vec<(usize, Cow<Answer>)> = probes
+        .iter()
+        .flatten()
+        .map(|&w| (w, search.made(w, set)))
+        .collect();
+    let counts = search.each(&edits, |&edit| {
+        let mut counts = vec![0; channels.len()];
+        let edit = Mistake::everywhere(edit);
+        for (w, made) in &probes {
+            let witness = &search.witnesses[*w];
+            if search.is_interrupted() || !witness.could_be(&edit) {
+                continue;
+            }
+            let answer = search.answer_with(*w, set, &edit);
+            for (channels, count) in channels.iter().zip(&mut counts) {
+                let mut image = made.clone();
+                channels.replace(image.to_mut(), &answer);
+                *count += usize::from(witness.agreement(&image) == Agreement::Picture);
+            }
         }
-        let mistake = mistake(candidate);
-        let fits = |&w: &usize| search.agreement_with(w, set, &mistake) == Agreement::Picture;
-        // The other probes are compared only after one that the edit reproduces.
-        let of_kind = |of_kind: &Vec<usize>| match of_kind.iter().position(fits) {
-            Some(first) => 1 + of_kind[first + 1..].iter().filter(|w| fits(w)).count(),
-            None => 0,
-        };
-        probes.iter().map(of_kind).sum::<usize>()
+        counts
     });
-    let mut ranked: Vec<(usize, usize)> = counts.into_iter().enumerate().collect();
-    ranked.retain(|&(_, count)| count > 0);
-    ranked.sort_by_key(|&(place, count)| (Reverse(count), place));
+    let mut ranked: Vec<(usize, usize, usize)> = Vec::new();
+    for (edit, counts) in counts.into_iter().enumerate() {
+        ranked.extend(
+            counts
+                .into_iter()
+                .enumerate()
+                .map(|(channels, count)| (count, channels, edit)),
+        );
+    }
+    ranked.retain(|&(count, ..)| count > 0);
+    ranked.sort_by_key(|&(count, channels, edit)| (Reverse(count), channels, edit));
     ranked.truncate(MAX_EDITS);
-    ranked
-        .into_iter()
-        .map(|(place, _)| mistake(&candidates[place]))
-        .collect()
+    let mistake = |&(_, channel, edit): &(usize, usize, usize)| Mistake {
+        channels: channels[channel],
+        ..Mistake::everywhere(edits[edit])
+    };
+    ranked.iter().map(mistake).collect()
 }
 
 /// Returns the channels in which these images are wrong.

@@ -39,13 +39,15 @@ pub(crate) use witness::dialect_reading;
 pub use witness::{alike, applies, composable};
 pub use words::arithmetic_steps;
 
+use std::time::Duration;
+
 use crate::misreadings::Misreading;
 use crate::session::outcome::Outcome;
 use crate::session::run::Run;
 use crate::suite::cases::Suite;
 use search::Search;
 use tuning::MIN_FAILURES_OF_A_READING;
-use witness::{reference_reading, witnesses};
+use witness::{could_be_misread, reference_reading, witnesses};
 
 /// Returns the causes of the failures of `run`, the one that explains most first. `assumed` are mistakes that the user takes as
 /// given. If the user interrupts the search, most failures have no cause.
@@ -56,7 +58,24 @@ pub fn diagnose(
     assumed: &[&'static Misreading],
     threads: usize,
 ) -> Causes {
-    diagnose_by(suite, run, assumed, threads, edits::add_candidates)
+    let began = cpu_time();
+    let mut causes = diagnose_by(suite, run, assumed, threads, edits::add_candidates);
+    causes.cpu_time = cpu_time()
+        .zip(began)
+        .map(|(now, began)| now.saturating_sub(began));
+    causes
+}
+
+/// Returns the CPU time of this process, where the system can tell.
+#[cfg(unix)]
+fn cpu_time() -> Option<Duration> {
+    let time = rustix::time::clock_gettime(rustix::time::ClockId::ProcessCPUTime);
+    Duration::try_from(time).ok()
+}
+
+#[cfg(not(unix))]
+fn cpu_time() -> Option<Duration> {
+    None
 }
 
 /// Like [`diagnose`], with another source of mistakes that the catalog lacks.
@@ -79,7 +98,9 @@ fn diagnose_by(
     }
     let searched = |witnesses| {
         let mut search = Search::new(witnesses, assumed, threads, &run.stop);
-        let found = match words::nondeterminism::is_prevalent(run) {
+        let is_hopeless =
+            words::nondeterminism::is_prevalent(run) || words::uniform::is_prevalent(witnesses);
+        let found = match is_hopeless {
             true => search::Found::default(),
             false => search.run(&add_candidates),
         };
@@ -87,10 +108,11 @@ fn diagnose_by(
     };
     let (mut search, mut found) = searched(&by_dialect);
     // A mistake may look like another reading of an open question. Then the reference's reading leaves less unexplained.
-    let is_plain = found.members.is_empty() || search.cost(&found) <= MIN_FAILURES_OF_A_READING;
+    let is_plain = search.cost(&found) <= MIN_FAILURES_OF_A_READING;
     let by_reference = reference_reading(run)
         .filter(|_| !is_plain)
-        .map(|reading| witnesses(suite, run, Some(reading), threads));
+        .map(|reading| witnesses(suite, run, Some(reading), threads))
+        .filter(|witnesses| could_be_misread(witnesses, threads));
     if let Some(by_reference) = &by_reference {
         let (other, other_found) = searched(by_reference);
         if other.cost(&other_found) < search.cost(&found) + MIN_FAILURES_OF_A_READING {
@@ -112,6 +134,7 @@ fn diagnose_by(
         diagnoses: causes,
         faults: search.faults(),
         answered: search.answered(),
+        cpu_time: None,
     }
 }
 
@@ -119,7 +142,8 @@ fn diagnose_by(
 fn describe(search: &Search, found: &search::Found) -> Vec<Diagnosis> {
     let witnesses = search.witnesses;
     let (mut attributed, mut left) = attribution::attribute(search, found);
-    let mut causes = search.guarded(|| words::formats::describe(witnesses, &mut left));
+    let mut causes = search.guarded(|| words::uniform::describe(witnesses, &mut left));
+    causes.extend(search.guarded(|| words::formats::describe(witnesses, &mut left)));
     causes.extend(search.guarded(|| words::acceptances::describe(witnesses, &mut left)));
     let violation = search.guarded(|| words::violation::describe(witnesses, &mut left));
     let refusals = search.guarded(|| words::refusals::describe(witnesses, &mut left));

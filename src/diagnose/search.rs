@@ -6,6 +6,7 @@
 use std::any::Any;
 use std::borrow::Cow;
 use std::collections::{BTreeMap, HashMap, HashSet};
+use std::hash::{DefaultHasher, Hash, Hasher};
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Mutex, OnceLock, PoisonError};
@@ -14,15 +15,15 @@ use super::credit::credit;
 use super::mistake::Mistake;
 pub(super) use super::tuning::WORTH_OF_A_REFUSAL;
 use super::tuning::{
-    MAX_EDIT_PASSES, MAX_FINALISTS, MAX_MISTAKES, MAX_SAMPLE, MAX_SAMPLES_OF_A_SMALL_IMAGE,
-    MAX_WORK, MAX_WORK_ON_PAIRS, MIN_FAILURES_OF_A_READING, MUCH, SAMPLES_OF_A_UNIT_OF_WORK,
-    WORTH_OF_A_CONTRADICTION, WORTH_OF_A_CRASH, WORTH_OF_A_REFUSAL_OF_AN_IMAGE, WORTH_OF_AN_IMAGE,
-    WORTH_OF_ANOTHER_LENIENT_ANSWER,
+    MAX_EDIT_PASSES, MAX_FINALISTS, MAX_MISTAKES, MAX_PAIRS, MAX_SAMPLE,
+    MAX_SAMPLES_OF_A_SMALL_IMAGE, MAX_WORK, MAX_WORK_ON_PAIRS, MIN_FAILURES_OF_A_READING, MUCH,
+    SAMPLES_OF_A_UNIT_OF_WORK, WORTH_OF_A_CONTRADICTION, WORTH_OF_A_CRASH,
+    WORTH_OF_A_REFUSAL_OF_AN_IMAGE, WORTH_OF_AN_IMAGE, WORTH_OF_ANOTHER_LENIENT_ANSWER,
 };
 use super::witness::{Agreement, Witness};
 use crate::kit::parallel::in_parallel;
 use crate::misreadings::{self, At, Misreading};
-use crate::protocol::frame::{Answer, Frame};
+use crate::protocol::frame::{Answer, Frame, Samples};
 use crate::session::observation::Response;
 use crate::suite::cases::Expect;
 
@@ -70,10 +71,31 @@ pub(super) struct Search<'a> {
     faults: Mutex<Vec<String>>,
     /// The clauses of the failing cases.
     clauses: HashSet<&'a str>,
-    /// The worth of a set on a case, if several of its mistakes show there.
-    together: Mutex<HashMap<(usize, Set), i64>>,
-    /// For each mistake and each case, the worth of the mistake alone, if it changes the answer.
-    alone: Vec<Vec<OnceLock<Option<i64>>>>,
+    /// Failing files on which every edit was tried, with the mistakes that show there.
+    probed: HashSet<(usize, Set)>,
+    /// What sets do to a case, if several of their mistakes show there.
+    together: Mutex<HashMap<(usize, Set), Effect>>,
+    /// For each mistake and each case, what the mistake alone does, if it changes the answer.
+    alone: Vec<Vec<OnceLock<Option<Effect>>>>,
+}
+
+/// What a set of mistakes does to the answer to one case.
+#[derive(Clone, Copy, PartialEq)]
+struct Effect {
+    worth: i64,
+    /// The best agreement of a possible answer with the response.
+    agreement: Agreement,
+    /// A hash of the answer that agrees best.
+    answer: u64,
+}
+
+impl Effect {
+    /// The reference's answer explains no failure.
+    const NONE: Effect = Effect {
+        worth: 0,
+        agreement: Agreement::None,
+        answer: 0,
+    };
 }
 
 /// The place of a mistake in [`Search::mistakes`].
@@ -112,6 +134,7 @@ impl<'a> Search<'a> {
             stop,
             work: AtomicUsize::new(0),
             answered: AtomicUsize::new(0),
+            probed: HashSet::new(),
             together: Mutex::new(HashMap::new()),
             faults: Mutex::new(Vec::new()),
             passing,
@@ -123,6 +146,12 @@ impl<'a> Search<'a> {
         self.mistakes.push(mistake);
         self.alone.push(vec![OnceLock::new(); self.witnesses.len()]);
         self.mistakes.len() - 1
+    }
+
+    /// Returns true if edits were not tried before on this case with the same mistakes.
+    pub fn probe(&mut self, w: usize, set: &[Id]) -> bool {
+        let showing = self.showing(w, set);
+        self.probed.insert((w, showing))
     }
 
     /// Returns the failing cases that a set does not explain.
@@ -201,23 +230,17 @@ impl<'a> Search<'a> {
 
     /// Returns the best agreement of a set with the response to one case.
     pub fn agreement(&self, w: usize, set: &[Id]) -> Agreement {
-        let agreements = self
-            .answers(w, set)
-            .into_iter()
-            .map(|answer| self.witnesses[w].agreement(&answer));
-        agreements
-            .max_by_key(|&agreement| worth(agreement))
-            .unwrap_or(Agreement::None)
+        self.effect(w, set).agreement
     }
 
     /// Returns true if a set would fail a case that the decoder passes.
     pub fn contradicted(&self, w: usize, set: &[Id]) -> bool {
-        let witness = &self.witnesses[w];
-        !witness.failed
-            && self
-                .answers(w, set)
-                .iter()
-                .all(|answer| witness.contradicts(answer))
+        self.value(w, set) == WORTH_OF_A_CONTRADICTION
+    }
+
+    /// Returns true if two sets have different answers.
+    pub fn differ(&self, w: usize, set: &[Id], other: &[Id]) -> bool {
+        self.effect(w, set).answer != self.effect(w, other).answer
     }
 
     /// Returns the cases that the decoder passes and a set would fail.
@@ -253,7 +276,7 @@ impl<'a> Search<'a> {
     /// Returns true if one more mistake changes what a decoder with a set of mistakes answers.
     pub fn changes_with(&self, w: usize, set: &[Id], mistake: &Mistake) -> bool {
         self.witnesses[w].concerns(mistake)
-            && *self.answer_with(w, set, mistake) != *self.answer(w, &self.mistakes_of(set))
+            && self.fingerprint(w, &self.answer_with(w, set, mistake)) != self.effect(w, set).answer
     }
 
     /// Returns the small passing files that a set and one more mistake would fail.
@@ -267,8 +290,8 @@ impl<'a> Search<'a> {
         self.passing.iter().copied().filter(is_denied).collect()
     }
 
-    fn answer_with(&self, w: usize, set: &[Id], mistake: &Mistake) -> Cow<'_, Answer> {
-        let mut mistakes = self.mistakes_of(set);
+    pub fn answer_with(&self, w: usize, set: &[Id], mistake: &Mistake) -> Cow<'_, Answer> {
+        let mut mistakes = self.mistakes_of(&self.showing(w, set));
         mistakes.push(mistake);
         self.count_work(w, 1);
         self.answer(w, &mistakes)
@@ -293,14 +316,36 @@ impl<'a> Search<'a> {
 
     /// Returns the possible answers of a decoder with these mistakes. Mistakes in one decision are made one at a time.
     fn answers(&self, w: usize, set: &[Id]) -> Vec<Cow<'_, Answer>> {
-        let witness = &self.witnesses[w];
-        let concerned = self
-            .assumed
+        self.answers_of(w, &self.showing(w, set))
+    }
+
+    /// Returns true if a set explains the response, or does so together with its mistakes that show only in combination.
+    pub fn explains(&self, w: usize, set: &[Id]) -> bool {
+        if self.agreement(w, set).explains() {
+            return true;
+        }
+        let concerned = self.concerned(w, set);
+        let showing = self.showing(w, set);
+        if showing.is_empty() || showing.len() == concerned.len() {
+            return false;
+        }
+        let answers = self.answers_of(w, &concerned);
+        let mut agreements = answers
             .iter()
-            .chain(set)
-            .filter(|&&id| witness.concerns(&self.mistakes[id]));
+            .map(|answer| self.witnesses[w].agreement(answer));
+        agreements.any(Agreement::explains)
+    }
+
+    /// Returns the mistakes of a set, and those that are assumed, that can change the answer.
+    fn concerned(&self, w: usize, set: &[Id]) -> Set {
+        let all = self.assumed.iter().chain(set).copied();
+        all.filter(|&id| self.witnesses[w].concerns(&self.mistakes[id]))
+            .collect()
+    }
+
+    fn answers_of(&self, w: usize, set: &[Id]) -> Vec<Cow<'_, Answer>> {
         let mut variants: Vec<Set> = vec![Vec::new()];
-        for &id in concerned {
+        for &id in set {
             let mut grown = Vec::new();
             for variant in variants {
                 let mut with = variant.clone();
@@ -423,39 +468,51 @@ impl<'a> Search<'a> {
         self.stop.load(Ordering::Relaxed)
     }
 
-    /// Returns the worth of a set on one case. If at most one of its mistakes shows there alone, this is the worth of that mistake:
-    /// others rarely show only in combination, and trying all sets would take most of the time.
+    /// Returns the worth of a set on one case.
     pub fn value(&self, w: usize, set: &[Id]) -> i64 {
+        self.effect(w, set).worth
+    }
+
+    /// Returns what a set does to one case.
+    fn effect(&self, w: usize, set: &[Id]) -> Effect {
         if self.is_interrupted() {
-            return 0;
+            return Effect::NONE;
         }
-        let all = self.assumed.iter().chain(set);
-        let mut shown = all.filter_map(|&id| self.alone(w, id));
-        let edits = set.iter().filter(|&&id| self.edits_bytes(id)).count();
-        match (shown.next(), shown.next()) {
-            // The reference's answer explains no failure.
-            (None, _) => 0,
-            (Some(worth), None) if edits < 2 || worth >= WORTH_OF_A_REFUSAL => worth,
-            _ => self.value_together(w, set),
+        let showing = self.showing(w, set);
+        if let [only] = showing[..] {
+            return self.alone(w, only).unwrap_or(Effect::NONE);
         }
-    }
-
-    /// Returns the worth of a set on one case where several of its mistakes show.
-    fn value_together(&self, w: usize, set: &[Id]) -> i64 {
-        let concerned = set.iter().copied();
-        let concerned = concerned.filter(|&id| self.witnesses[w].concerns(&self.mistakes[id]));
-        let key = (w, concerned.collect::<Set>());
+        if showing.is_empty() {
+            return Effect::NONE;
+        }
         let known = || self.together.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(&value) = known().get(&key) {
-            return value;
+        let key = (w, showing);
+        if let Some(&effect) = known().get(&key) {
+            return effect;
         }
-        let value = self.value_of(w, &self.answers(w, set));
-        known().insert(key, value);
-        value
+        let effect = self.effect_of(w, &self.answers(w, &key.1));
+        known().insert(key, effect);
+        effect
     }
 
-    /// Returns the worth of one mistake alone on one case, without the assumed mistakes, or `None` if it does not show there.
-    fn alone(&self, w: usize, id: Id) -> Option<i64> {
+    /// Returns the mistakes of a set, and those that are assumed, that change the answer alone. Others rarely show only in
+    /// combination, except changes of the bytes of a file.
+    fn showing(&self, w: usize, set: &[Id]) -> Set {
+        let concerned = self.concerned(w, set);
+        let alone = |&id: &Id| Some((id, self.alone(w, id)?));
+        let shown: Vec<(Id, Effect)> = concerned.iter().filter_map(alone).collect();
+        // Changes of the bytes of a file may show only after others.
+        let is_explained = matches!(shown[..], [(_, effect)] if effect.worth >= WORTH_OF_A_REFUSAL);
+        let are_bytes_changed = shown.iter().any(|&(id, _)| self.edits_bytes(id));
+        let is_kept = |id: &Id| {
+            shown.iter().any(|(shown, _)| shown == id)
+                || are_bytes_changed && !is_explained && self.edits_bytes(*id)
+        };
+        concerned.into_iter().filter(is_kept).collect()
+    }
+
+    /// Returns what one mistake does to one case, without the assumed mistakes, or `None` if it does not show there.
+    fn alone(&self, w: usize, id: Id) -> Option<Effect> {
         let witness = &self.witnesses[w];
         let mistake = &self.mistakes[id];
         *self.alone[id][w].get_or_init(|| {
@@ -464,8 +521,41 @@ impl<'a> Search<'a> {
             }
             self.count_work(w, 1);
             let answer = self.answer(w, &[mistake]);
-            (*answer != witness.right).then(|| self.value_of(w, &[answer]))
+            (*answer != witness.right).then(|| self.effect_of(w, &[answer]))
         })
+    }
+
+    /// Returns what several possible answers do to one case.
+    fn effect_of(&self, w: usize, answers: &[Cow<'_, Answer>]) -> Effect {
+        let witness = &self.witnesses[w];
+        let agreements = answers.iter().map(|answer| witness.agreement(answer));
+        let best = (0..answers.len()).max_by_key(|&at| self.value_of(w, &answers[at..=at]));
+        Effect {
+            worth: self.value_of(w, answers),
+            agreement: agreements
+                .max_by_key(|&one| worth(one))
+                .unwrap_or(Agreement::None),
+            answer: best.map_or(0, |best| self.fingerprint(w, &answers[best])),
+        }
+    }
+
+    /// Returns a hash of an answer, and 0 for the answer of a decoder without mistakes.
+    fn fingerprint(&self, w: usize, answer: &Answer) -> u64 {
+        if answer == self.witnesses[w].unmistaken() {
+            return 0;
+        }
+        let mut hasher = DefaultHasher::new();
+        std::mem::discriminant(answer).hash(&mut hasher);
+        if let Answer::Decoded(frame) = answer {
+            (frame.view, frame.width, frame.height, frame.channels).hash(&mut hasher);
+            match &frame.samples {
+                Samples::U8(samples) => samples.hash(&mut hasher),
+                Samples::F32(samples) => samples
+                    .iter()
+                    .for_each(|sample| sample.to_bits().hash(&mut hasher)),
+            }
+        }
+        hasher.finish()
     }
 
     /// Returns the worth of several possible answers.
@@ -645,7 +735,6 @@ impl<'a> Search<'a> {
 
     /// Returns pairs of mistakes that together explain `w`. Tries at most `most` pairs of mistakes that change its answer.
     fn pairs_for(&self, w: usize, set: &Set, most: usize) -> Vec<[Id; 2]> {
-        let before = self.answers(w, set);
         let concerned: Set = (0..self.mistakes.len())
             .filter(|id| {
                 !set.contains(id)
@@ -653,7 +742,7 @@ impl<'a> Search<'a> {
                     && self.witnesses[w].concerns(&self.mistakes[*id])
             })
             .collect();
-        let acts = self.each(&concerned, |&id| self.answers(w, &plus(set, id)) != before);
+        let acts = self.each(&concerned, |&id| self.differ(w, set, &plus(set, id)));
         let acting = concerned.into_iter().zip(acts);
         let acting: Set = acting.filter_map(|(id, acts)| acts.then_some(id)).collect();
         let pairs: Vec<[Id; 2]> = acting
@@ -688,7 +777,7 @@ impl<'a> Search<'a> {
                 pair.1 = total;
             }
             pairs.sort_by_key(|&(_, total)| -total);
-            pairs.truncate(8);
+            pairs.truncate(MAX_PAIRS);
         }
         let &(pair, _) = pairs
             .first()

@@ -27,10 +27,12 @@ pub(super) const MAX_FINALISTS: usize = 32;
 pub(super) const MAX_SAMPLES_OF_A_SMALL_IMAGE: usize = 1 << 13;
 /// Samples of an image that are as much work as one small file.
 pub(super) const SAMPLES_OF_A_UNIT_OF_WORK: usize = 512;
+/// Pairs of mistakes that are compared with every case.
+pub(super) const MAX_PAIRS: usize = 3;
 /// Units of work after which no further mistake is looked for.
 pub(super) const MAX_WORK: usize = 400_000;
 /// Units of work in search of two mistakes that hide each other.
-pub(super) const MAX_WORK_ON_PAIRS: usize = 20_000;
+pub(super) const MAX_WORK_ON_PAIRS: usize = 8_000;
 /// A misreading that explains one in so many failures is named before edits are tried.
 pub(super) const MUCH: usize = 4;
 /// Failures that a further mistake, or another reading of the open questions, must explain to be believed.

@@ -96,9 +96,8 @@ pub fn causes<C: TestCase, A: 'static>(
 ) -> Report {
     let found = catch_unwind(AssertUnwindSafe(|| search(run)));
     let causes = found.unwrap_or_else(|panic| Causes {
-        diagnoses: Vec::new(),
         faults: vec![in_words(&*panic)],
-        answered: 0,
+        ..Causes::from(Vec::new())
     });
     let mut report = report.explained_by(suite, &causes.diagnoses);
     if !causes.faults.is_empty() {

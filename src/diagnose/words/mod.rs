@@ -7,6 +7,7 @@ pub(super) mod nondeterminism;
 pub(super) mod place;
 pub(super) mod promises;
 pub(super) mod refusals;
+pub(super) mod uniform;
 pub(super) mod violation;
 
 pub use arithmetic::steps as arithmetic_steps;

@@ -109,7 +109,7 @@ fn told(suite: &Suite, wrong: impl Fn(&Request, Answer) -> Answer + Sync) -> Vec
 }
 
 /// Answers that a search may make for each case, however much fails.
-const WORK: usize = 300;
+const WORK: usize = 200;
 
 #[test]
 fn a_search_among_failures_that_share_nothing_ends() {

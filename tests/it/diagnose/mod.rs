@@ -3,3 +3,6 @@ mod causes;
 
 #[cfg(feature = "harness")]
 mod recordings;
+
+#[cfg(feature = "harness")]
+mod work;

@@ -153,8 +153,8 @@ fn causes(suite: &Suite, reader: &str) -> Vec<Said> {
     let found = diagnose(suite, &run, &[], 2);
     assert!(found.faults.is_empty(), "{:?}", found.faults);
     println!(
-        "\n{reader}: {failures} failures, {} answers computed",
-        found.answered
+        "\n{reader}: {failures} failures, {} answers computed in {:?}",
+        found.answered, found.cpu_time
     );
     let said = found.diagnoses.into_iter().map(|diagnosis| {
         let (effect, example) = match diagnosis.cause {

@@ -1,0 +1,98 @@
+//! The search for causes is bounded by work, whatever the decoder answers.
+
+use ptm_conform::Reading;
+use ptm_conform::diagnose::{Cause, diagnose};
+use ptm_conform::misreadings;
+use ptm_conform::protocol::frame::{Answer, Frame, Samples};
+use ptm_conform::runner::run::{Reply, Request};
+use ptm_conform::session::plan::RunPlan;
+use ptm_conform::session::run::check;
+use ptm_conform::suite::cases::Suite;
+
+/// Answers that the search may compute, about five seconds of CPU time.
+const MAX_ANSWERS: usize = 200_000;
+
+fn right(request: &Request) -> Answer {
+    misreadings::answer(&[], Reading::SPEC, request.file, request.view)
+}
+
+/// Returns one value for all samples.
+fn uniform(request: &Request) -> Answer {
+    let mut answer = right(request);
+    if let Answer::Decoded(frame) = &mut answer {
+        match &mut frame.samples {
+            Samples::U8(samples) => samples.fill(77),
+            Samples::F32(samples) => samples.fill(0.5),
+        }
+    }
+    answer
+}
+
+/// Returns the same image for every file, even a malformed one.
+fn the_same_image(request: &Request) -> Answer {
+    let mut frame = Frame {
+        view: request.view.name(),
+        width: 3,
+        height: 2,
+        channels: 9,
+        samples: Samples::U8(vec![0; 54]),
+        lossy: false,
+    };
+    match frame.view {
+        "coef" => frame.samples = Samples::F32(vec![0.0; 54]),
+        "rgb" => (frame.channels, frame.samples) = (3, Samples::U8(vec![0; 18])),
+        _ => {}
+    }
+    Answer::Decoded(frame)
+}
+
+fn exchanged_sizes(request: &Request) -> Answer {
+    let exchanged = misreadings::named("height-before-width").expect("a misreading");
+    misreadings::answer(&[exchanged], Reading::SPEC, request.file, request.view)
+}
+
+/// Keeps width and height in eight bits.
+fn sizes_in_bytes(request: &Request) -> Answer {
+    let text = String::from_utf8_lossy(request.file);
+    let mut tokens = text.split_ascii_whitespace().skip(2);
+    let mut file = request.file.to_vec();
+    for _ in 0..2 {
+        let Some(token) = tokens.next() else { break };
+        let Ok(size) = token.parse::<u32>() else {
+            break;
+        };
+        let at = token.as_ptr() as usize - text.as_ptr() as usize;
+        let low = format!("{:>1$}", size % 256, token.len());
+        file[at..at + token.len()].copy_from_slice(low.as_bytes());
+    }
+    misreadings::answer(&[], Reading::SPEC, &file, request.view)
+}
+
+#[test]
+fn the_search_is_bounded_whatever_is_wrong() {
+    let suite = Suite::load().expect("the suite loads").prepared();
+    let decoders: [(&str, fn(&Request) -> Answer, &str); 4] = [
+        ("uniform", uniform, ""),
+        ("the same image", the_same_image, ""),
+        ("sizes in bytes", sizes_in_bytes, ""),
+        ("exchanged sizes", exchanged_sizes, "height-before-width"),
+    ];
+    for (name, decoder, slug) in decoders {
+        let ask = |request: &Request<'_>, _: usize| Reply::from(decoder(request));
+        let run = check(&suite, &RunPlan::of(&suite, 2), &ask, &|_, _, _, _| ());
+        let causes = diagnose(&suite, &run, &[], 2);
+        println!("{name}: {} answers, {:?}", causes.answered, causes.cpu_time);
+        for one in &causes.diagnoses {
+            let said = match &one.cause {
+                Cause::Misreading { misreading, .. } => misreading.slug,
+                Cause::Described { effect, .. } => effect,
+            };
+            println!("  {} {said}", one.explains.len());
+        }
+        assert!(causes.answered <= MAX_ANSWERS, "{}", causes.answered);
+        let named = causes.diagnoses.iter().any(|one| {
+            matches!(&one.cause, Cause::Misreading { misreading, .. } if misreading.slug == slug)
+        });
+        assert!(named || slug.is_empty(), "{slug} is not named");
+    }
+}
