@@ -18,6 +18,7 @@ use super::progress::{self, ProgressLine};
 use super::subject::{self, Answers, Subject};
 use super::terminal::show;
 use super::{EXIT_NOTHING_SELECTED, own_files};
+use ptm_conform::diagnose::MAX_WORK;
 use ptm_conform::protocol::capabilities::Capabilities;
 use ptm_conform::report::conclude::{causes, first_causes, undo_common_transforms, verdicts};
 use ptm_conform::report::reported::{Reported, named};
@@ -332,10 +333,11 @@ impl<'a, C: Reported> Check<'a, C> {
 
     /// What the smoke subset shows, if it is found out in time: half a search may name what the rest of it denies.
     fn tell_first_causes(&self, mut run: Run<C>, patience: Duration) {
-        self.progress.begin("searching for first causes");
         let assumed = &self.circumstances.assumed;
         let stop = Arc::new(AtomicBool::new(false));
         run.stop = Arc::clone(&stop);
+        let (searched, what) = (&run.searched, "searching for first causes");
+        self.progress.begin_counted(what, searched, MAX_WORK);
         let causes = within(patience, &stop, &self.plan.stop, || {
             first_causes(self.suite, &run, |run| {
                 C::diagnose(self.suite, run, assumed, self.plan.jobs)
@@ -377,7 +379,7 @@ impl<'a, C: Reported> Check<'a, C> {
             let kept = keeper.finish(end);
             kept.map_err(|error| format!("{}: {error}", beside(ending.path).display()))?;
         }
-        progress.begin("searching for causes");
+        progress.begin_counted("searching for causes", &run.searched, MAX_WORK);
         let report = causes(suite, &run, report, |run| {
             let found = C::diagnose(suite, run, &assumed, plan.jobs);
             if let Some(time) = found.cpu_time {

@@ -1,6 +1,7 @@
 //! What a run is doing, on standard error: a line that moves on a terminal, a line every half minute elsewhere.
 
 use std::io::IsTerminal;
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
 use std::sync::{Arc, Mutex};
 use std::thread::JoinHandle;
@@ -22,6 +23,8 @@ struct Doing {
     done: usize,
     /// Nothing where that is not known.
     all: usize,
+    /// Counts what is done of at most `all`, instead of `done`.
+    counter: Option<Arc<AtomicUsize>>,
     wrong: usize,
     since: Instant,
 }
@@ -29,6 +32,7 @@ struct Doing {
 impl Doing {
     fn in_words(&self) -> String {
         let counted = match self.all {
+            _ if self.counter.is_some() => String::new(),
             0 => String::new(),
             all => format!(" {} of {all}", self.done),
         };
@@ -37,6 +41,7 @@ impl Doing {
             wrong => format!(", {wrong} wrong so far"),
         };
         let time = match self.left() {
+            Some(left) if self.counter.is_some() => format!(", at most {} left", in_words(left)),
             Some(left) => format!(", about {} left", in_words(left)),
             None => format!(", for {}", in_words(self.since.elapsed())),
         };
@@ -44,11 +49,15 @@ impl Doing {
     }
 
     fn left(&self) -> Option<Duration> {
-        let is_known = self.done >= TELLING && self.done <= self.all;
+        let done = match &self.counter {
+            Some(counter) => counter.load(Ordering::Relaxed),
+            None => self.done,
+        };
+        let is_known = done >= TELLING && done <= self.all;
         is_known.then(|| {
             self.since
                 .elapsed()
-                .mul_f64((self.all - self.done) as f64 / self.done as f64)
+                .mul_f64((self.all - done) as f64 / done as f64)
         })
     }
 }
@@ -75,6 +84,7 @@ impl ProgressLine {
             what,
             done: 0,
             all: 0,
+            counter: None,
             wrong: 0,
             since: Instant::now(),
         }));
@@ -105,11 +115,18 @@ impl ProgressLine {
     pub fn begin(&self, what: &'static str) {
         let mut doing = self.doing.lock().expect("no panic while it is held");
         doing.what = what;
-        (doing.done, doing.all) = (0, 0);
+        (doing.done, doing.all, doing.counter) = (0, 0, None);
         doing.since = Instant::now();
         self.bar.set_message(what);
         self.bar.set_length(0);
         self.bar.set_position(0);
+    }
+
+    /// Begins work that `counter` counts and that ends when at most `all` is done.
+    pub fn begin_counted(&self, what: &'static str, counter: &Arc<AtomicUsize>, all: usize) {
+        self.begin(what);
+        let mut doing = self.doing.lock().expect("no panic while it is held");
+        (doing.counter, doing.all) = (Some(Arc::clone(counter)), all);
     }
 
     /// So many of so many are done.
@@ -160,6 +177,7 @@ mod tests {
             done: 100,
             all: 300,
             wrong: 7,
+            counter: None,
             since: (Instant::now().checked_sub(Duration::from_secs(120))).expect("it is later"),
         };
         assert_eq!(
@@ -175,6 +193,15 @@ mod tests {
         assert_eq!(
             searching.in_words(),
             "searching for causes, 7 wrong so far, for 2 min"
+        );
+        let counted = Doing {
+            counter: Some(Arc::new(AtomicUsize::new(100))),
+            all: 150,
+            ..searching
+        };
+        assert_eq!(
+            counted.in_words(),
+            "searching for causes, 7 wrong so far, at most 60 s left"
         );
     }
 }

@@ -35,6 +35,7 @@ mod words;
 pub use assume::assume;
 pub use diagnosis::{Category, Cause, Causes, Diagnosis};
 pub(crate) use stream_cache::stream_once;
+pub use tuning::MAX_WORK;
 pub(crate) use witness::dialect_reading;
 pub use witness::{alike, applies, composable};
 pub use words::arithmetic_steps;
@@ -97,7 +98,7 @@ fn diagnose_by(
         return diagnoses.into();
     }
     let searched = |witnesses| {
-        let mut search = Search::new(witnesses, assumed, threads, &run.stop);
+        let mut search = Search::new(witnesses, assumed, threads, run);
         let is_hopeless =
             words::nondeterminism::is_prevalent(run) || words::uniform::is_prevalent(witnesses);
         let found = match is_hopeless {

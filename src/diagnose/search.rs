@@ -25,6 +25,7 @@ use crate::kit::parallel::in_parallel;
 use crate::misreadings::{self, At, Misreading};
 use crate::protocol::frame::{Answer, Frame, Samples};
 use crate::session::observation::Response;
+use crate::session::run::Run;
 use crate::suite::cases::Expect;
 
 /// Panics of this program that are reported.
@@ -62,7 +63,7 @@ pub(super) struct Search<'a> {
     pub threads: usize,
     stop: &'a AtomicBool,
     /// Units of work so far. An answer is one unit, or several if the map is large.
-    work: AtomicUsize,
+    work: &'a AtomicUsize,
     /// Answers computed so far.
     answered: AtomicUsize,
     /// Cases that the decoder passes, the smallest first.
@@ -109,7 +110,7 @@ impl<'a> Search<'a> {
         witnesses: &'a [Witness<'a>],
         assumed: &'a [&'static Misreading],
         threads: usize,
-        stop: &'a AtomicBool,
+        run: &'a Run,
     ) -> Search<'a> {
         let mut passing: Vec<usize> = (0..witnesses.len())
             .filter(|&w| !witnesses[w].failed)
@@ -131,8 +132,8 @@ impl<'a> Search<'a> {
             clauses: clauses.map(String::as_str).collect(),
             witnesses,
             threads,
-            stop,
-            work: AtomicUsize::new(0),
+            stop: &run.stop,
+            work: &run.searched,
             answered: AtomicUsize::new(0),
             probed: HashSet::new(),
             together: Mutex::new(HashMap::new()),

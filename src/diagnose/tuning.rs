@@ -30,7 +30,7 @@ pub(super) const SAMPLES_OF_A_UNIT_OF_WORK: usize = 512;
 /// Pairs of mistakes that are compared with every case.
 pub(super) const MAX_PAIRS: usize = 3;
 /// Units of work after which no further mistake is looked for.
-pub(super) const MAX_WORK: usize = 400_000;
+pub const MAX_WORK: usize = 400_000;
 /// Units of work in search of two mistakes that hide each other.
 pub(super) const MAX_WORK_ON_PAIRS: usize = 8_000;
 /// A misreading that explains one in so many failures is named before edits are tried.
@@ -81,6 +81,7 @@ mod tests {
                 reason = text;
             } else if let Some((name, value)) = line
                 .strip_prefix("pub(super) const ")
+                .or_else(|| line.strip_prefix("pub const "))
                 .and_then(|rest| rest.split_once(": "))
             {
                 let value = value.split_once("= ").map_or("", |parts| parts.1);

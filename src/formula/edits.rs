@@ -148,12 +148,9 @@ fn exchanged(node: &Expression, _: Scope) -> Vec<Expression> {
             ]
         }
         Expression::Call(outer @ (Function::Min | Function::Max), arguments) => {
-            let other = if *outer == Function::Min {
-                Function::Max
-            } else {
-                Function::Min
-            };
-            vec![call(other, arguments)]
+            let others = [Function::Min, Function::Max];
+            let others = others.iter().filter(|other| *other != outer);
+            others.map(|other| call(*other, arguments)).collect()
         }
         Expression::Call(
             outer @ (Function::Floor | Function::Round | Function::Truncate),
@@ -186,11 +183,8 @@ fn renamed(node: &Expression, scope: Scope) -> Vec<Expression> {
                 (0..scope.lists.len()).filter(|other| other != list && scope.lists.len() == 2);
             let other_lists = lists.map(|other| Expression::Element(other, index.clone()));
             let next = |by: f64| Expression::Sum(vec![(**index).clone(), number(by)]);
-            let last = if scope.lists == ["scale", "bias"] {
-                5.0
-            } else {
-                15.0
-            };
+            let is_of_six = scope.lists == ["scale", "bias"];
+            let last = if is_of_six { 5.0 } else { 15.0 };
             let cyclic = |by| call(Function::Mod, &[next(by), number(last + 1.0)]);
             let reversed = Expression::Sum(vec![number(last), negative(index)]);
             let double = Expression::Product(vec![(**index).clone(), number(2.0)]);
@@ -383,21 +377,15 @@ fn grouped(node: &Expression, scope: Scope) -> Vec<Expression> {
     };
     let mut changed = Vec::new();
     for start in 0..all.len() {
-        for end in start + 2..=all.len() {
-            if end - start == all.len() {
-                continue;
-            }
+        for end in (start + 2..=all.len()).filter(|end| end - start < all.len()) {
             let replaced = |by: Option<Expression>| {
                 let parts = [&all[..start], by.as_slice(), &all[end..]].concat();
                 single_or(parts, node)
             };
             let group = node(all[start..end].to_vec());
             changed.push(replaced(None));
-            changed.extend(
-                wrapped(&group, scope)
-                    .into_iter()
-                    .map(|by| replaced(Some(by))),
-            );
+            let wrapped = wrapped(&group, scope).into_iter();
+            changed.extend(wrapped.map(|by| replaced(Some(by))));
         }
     }
     changed
@@ -410,29 +398,19 @@ fn conditional(node: &Expression, scope: Scope) -> Vec<Expression> {
     };
     let mut all = Vec::new();
     for condition in 0..scope.variables.len() {
-        for other in (0..scope.variables.len()).filter(|other| other != own) {
-            let values = [node.clone(), Expression::Variable(other)];
-            let variable = Expression::Variable(condition);
-            let is_zero = call(
-                Function::AtMost,
-                &[
-                    call(Function::Abs, std::slice::from_ref(&variable)),
-                    number(0.0),
-                ],
-            );
-            let is_over_255 = call(Function::AtMost, &[variable, number(255.0)]);
-            all.push(call(
-                Function::Select,
-                &[is_zero.clone(), values[1].clone(), values[0].clone()],
-            ));
-            all.push(call(
-                Function::Select,
-                &[is_zero, values[0].clone(), values[1].clone()],
-            ));
-            all.push(call(
-                Function::Select,
-                &[is_over_255, values[0].clone(), values[1].clone()],
-            ));
+        let variable = Expression::Variable(condition);
+        let size = call(Function::Abs, std::slice::from_ref(&variable));
+        let is_zero = call(Function::AtMost, &[size, number(0.0)]);
+        let is_a_byte = call(Function::AtMost, &[variable, number(255.0)]);
+        let others = (0..scope.variables.len()).filter(|other| other != own);
+        for other in others.map(Expression::Variable) {
+            let choices = [
+                [is_zero.clone(), other.clone(), node.clone()],
+                [is_zero.clone(), node.clone(), other.clone()],
+                [is_a_byte.clone(), node.clone(), other],
+            ];
+            let choices = choices.iter();
+            all.extend(choices.map(|choice| call(Function::Select, choice)));
         }
     }
     all

@@ -227,40 +227,28 @@ static STATED: LazyLock<Vec<Stated>> = LazyLock::new(|| {
 /// Reads the formulas. Their texts live as long as the program.
 fn read(text: &str) -> Result<Vec<Stated>, String> {
     let records = yaml::records::<Record>(text)?;
-    if records.len() != Formula::ALL.len() {
-        return Err(format!(
-            "{} formulas, expected {}",
-            records.len(),
-            Formula::ALL.len()
-        ));
+    let all = Formula::ALL.iter().map(|row| row.1);
+    if !records.iter().map(|(_, record)| &*record.name).eq(all) {
+        return Err("the names are not those of Formula::ALL in its order".to_owned());
     }
     let names = |text: String| -> &'static [&'static str] {
         let text: &'static str = text.leak();
-        text.split(' ')
-            .filter(|name| !name.is_empty())
-            .collect::<Vec<_>>()
-            .leak()
+        text.split_whitespace().collect::<Vec<_>>().leak()
     };
-    let stated = |((line, record), (_, name)): ((usize, Record), &(Formula, &str))| {
+    let stated = |(line, record): (usize, Record)| {
         let scope = Scope {
             variables: names(record.variables),
             lists: names(record.lists),
         };
         let expression = parse(&record.formula, scope);
-        match record.name == *name {
-            true => Ok(Stated {
-                clause: record.clause.leak(),
-                computes: record.computes.leak(),
-                scope,
-                expression: expression.map_err(|error| format!("line {line}: {error}"))?,
-            }),
-            false => Err(format!(
-                "line {line}: expected {name:?}, found {:?}",
-                record.name
-            )),
-        }
+        Ok(Stated {
+            clause: record.clause.leak(),
+            computes: record.computes.leak(),
+            scope,
+            expression: expression.map_err(|error| format!("line {line}: {error}"))?,
+        })
     };
-    records.into_iter().zip(&Formula::ALL).map(stated).collect()
+    records.into_iter().map(stated).collect()
 }
 
 #[cfg(test)]

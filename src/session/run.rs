@@ -46,6 +46,8 @@ pub struct Run<C: TestCase = Case> {
     pub scene: Option<LitScene>,
     /// Set when the user wants the search for causes to end.
     pub stop: Arc<AtomicBool>,
+    /// Units of work that the search for causes has done, of at most [`MAX_WORK`](crate::diagnose::MAX_WORK).
+    pub searched: Arc<AtomicUsize>,
 }
 
 /// Is told of each case as it is done: what was observed, and how many of how many are done.
@@ -224,6 +226,7 @@ impl<'a, C: TestCase> Session<'a, C> {
             not_a_decoder: None,
             scene: None,
             stop: Arc::clone(&self.plan.stop),
+            searched: Arc::default(),
         }
     }
 
@@ -283,6 +286,7 @@ impl<'a, C: TestCase> Session<'a, C> {
             not_a_decoder,
             scene: None,
             stop: Arc::clone(&plan.stop),
+            searched: Arc::default(),
         };
         run.explain_what_was_not_run(suite, &plan.withheld_in(suite, table));
         run.state_why_it_ended_early();

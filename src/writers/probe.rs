@@ -70,17 +70,11 @@ fn look_at(list: &mut Checklist, case: &WriterCase, file: &WrittenFile) {
 fn explain(reply: &Reply<WrittenFile>) -> (String, &'static str) {
     let next = match &reply.answer {
         Answer::ProtocolError(_) if reply.stdout.starts_with(b"PTM_1.") => {
-            "the file came on its standard output: write it to the path that is the last argument, OUT"
+            "write to the file OUT, not to standard output"
         }
-        Answer::ProtocolError(_) => {
-            "write the file to the path that is the last argument, OUT; a relative name would be elsewhere"
-        }
-        Answer::Crashed(_) => {
-            "it is called as WRITER write REQUEST OUT; a status other than 0, 65 and 69 counts as a crash: fix what its standard error says"
-        }
-        Answer::Hung(_) => {
-            "let it end when the file is written: no window, no prompt, nothing read from standard input"
-        }
+        Answer::ProtocolError(_) => "write the file to OUT, the last argument",
+        Answer::Crashed(_) => "exit with 0, 65 or 69; any other status is a crash",
+        Answer::Hung(_) => "exit after writing the file, without waiting for input",
         Answer::Rejected => "these are ordinary values: fix what its standard error says",
         Answer::Flooded(_) => "write the file and nothing else",
         Answer::OutOfMemory(_) => "allocate by the sizes in the request",
