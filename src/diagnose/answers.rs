@@ -3,8 +3,10 @@
 use std::borrow::Cow;
 
 use super::mistake::{Channels, Mistake};
+use super::tuning::{MAX_SAMPLE, MIN_FAILURES_OF_A_READING};
 use super::witness::{Witness, alike, applies, is_after_decoding};
 use crate::formula::Formula;
+use crate::kit::parallel::in_parallel;
 use crate::misreadings::{self, At, Misreading, Stage};
 use crate::protocol::frame::{Answer, Samples, View};
 use crate::ptm::Ptm;
@@ -147,4 +149,25 @@ impl Witness<'_> {
         let refused = !matches!(self.observation.response, Response::Picture { .. });
         self.concerns(mistake) && (!refused || mistake.misreading.at.may_refuse())
     }
+}
+
+/// Returns true if a misreading gives the responses that show the decoder's reading of the open questions.
+pub(super) fn could_be_misread(witnesses: &[Witness], threads: usize) -> bool {
+    let gives = |witness: &Witness, answer: &Answer| match witness.observation.response {
+        Response::Rejected => *answer == Answer::Rejected,
+        _ => *answer == witness.right,
+    };
+    let is_telling = |witness: &&Witness| !witness.failed && !gives(witness, witness.unmistaken());
+    let telling = witnesses.iter().filter(is_telling).take(MAX_SAMPLE);
+    let telling: Vec<&Witness> = telling.collect();
+    let mistakes: Vec<Mistake> = misreadings::all().map(Mistake::everywhere).collect();
+    let reproduced = in_parallel(mistakes.len(), threads, &|_, _| (), &|at| {
+        let mistake = &mistakes[at];
+        let is_reproduced = |witness: &&&Witness| {
+            witness.concerns(mistake) && gives(witness, &witness.answer(&[mistake]))
+        };
+        telling.iter().filter(is_reproduced).count()
+    });
+    let most = reproduced.into_iter().max().unwrap_or_default();
+    most >= MIN_FAILURES_OF_A_READING.min(telling.len())
 }

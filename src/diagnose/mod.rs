@@ -46,9 +46,10 @@ use crate::misreadings::Misreading;
 use crate::session::outcome::Outcome;
 use crate::session::run::Run;
 use crate::suite::cases::Suite;
+use answers::could_be_misread;
 use search::Search;
 use tuning::MIN_FAILURES_OF_A_READING;
-use witness::{could_be_misread, reference_reading, witnesses};
+use witness::{reference_reading, witnesses};
 
 /// Returns the causes of the failures of `run`, the one that explains most first. `assumed` are mistakes that the user takes as
 /// given. If the user interrupts the search, most failures have no cause.

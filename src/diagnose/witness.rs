@@ -3,9 +3,7 @@
 use std::borrow::Cow;
 use std::sync::{Arc, OnceLock};
 
-use super::mistake::Mistake;
 use super::stream_cache::stream_once;
-use super::tuning::{MAX_SAMPLE, MIN_FAILURES_OF_A_READING};
 use crate::decode::{decode_as, examine_as};
 use crate::generate::Model;
 use crate::kit::parallel::in_parallel;
@@ -359,27 +357,6 @@ pub(super) fn reference_reading(run: &Run) -> Option<Reading> {
         stream: stream_once,
         ..Reading::SPEC
     })
-}
-
-/// Returns true if a misreading gives the responses that show the decoder's reading of the open questions.
-pub(super) fn could_be_misread(witnesses: &[Witness], threads: usize) -> bool {
-    let gives = |witness: &Witness, answer: &Answer| match witness.observation.response {
-        Response::Rejected => *answer == Answer::Rejected,
-        _ => *answer == witness.right,
-    };
-    let is_telling = |witness: &&Witness| !witness.failed && !gives(witness, witness.unmistaken());
-    let telling = witnesses.iter().filter(is_telling).take(MAX_SAMPLE);
-    let telling: Vec<&Witness> = telling.collect();
-    let mistakes: Vec<Mistake> = misreadings::all().map(Mistake::everywhere).collect();
-    let reproduced = in_parallel(mistakes.len(), threads, &|_, _| (), &|at| {
-        let mistake = &mistakes[at];
-        let is_reproduced = |witness: &&&Witness| {
-            witness.concerns(mistake) && gives(witness, &witness.answer(&[mistake]))
-        };
-        telling.iter().filter(is_reproduced).count()
-    });
-    let most = reproduced.into_iter().max().unwrap_or_default();
-    most >= MIN_FAILURES_OF_A_READING.min(telling.len())
 }
 
 /// Returns the decoder's reading of the open questions.

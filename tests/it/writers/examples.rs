@@ -88,7 +88,7 @@ fn a_probe_walks_a_writer_through_the_contract() {
     );
     let (status, text) = probed(&["sh", "-c", "printf 'PTM_1.2\\n'"]);
     assert_eq!(status, Some(3), "{text}");
-    assert!(text.contains("came on its standard output"), "{text}");
+    assert!(text.contains("not to standard output"), "{text}");
     let (status, text) = probed(&["sh", "-c", "exit 69"]);
     assert_eq!(status, Some(3), "{text}");
     assert!(text.contains("write at least one format"), "{text}");
