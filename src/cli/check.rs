@@ -336,8 +336,8 @@ impl<'a, C: Reported> Check<'a, C> {
         let assumed = &self.circumstances.assumed;
         let stop = Arc::new(AtomicBool::new(false));
         run.stop = Arc::clone(&stop);
-        let (searched, what) = (&run.searched, "searching for first causes");
-        self.progress.begin_counted(what, searched, MAX_WORK);
+        let what = "searching for first causes";
+        self.progress.begin_counted(what, &run.searched, MAX_WORK);
         let causes = within(patience, &stop, &self.plan.stop, || {
             first_causes(self.suite, &run, |run| {
                 C::diagnose(self.suite, run, assumed, self.plan.jobs)
@@ -382,7 +382,9 @@ impl<'a, C: Reported> Check<'a, C> {
         progress.begin_counted("searching for causes", &run.searched, MAX_WORK);
         let report = causes(suite, &run, report, |run| {
             let found = C::diagnose(suite, run, &assumed, plan.jobs);
-            if let Some(time) = found.cpu_time {
+            if let Some(time) = found.cpu_time
+                && !found.diagnoses.is_empty()
+            {
                 progress.say(&cost_to_text(found.answered, time));
             }
             found

@@ -70,17 +70,13 @@ fn drop_rare(search: &Search, found: &mut Found) {
                 far += usize::from(!is_near(search, w, &set, id));
             }
         }
-        let is_of_colors = is_of_colors(search.mistakes[id].misreading);
+        // Only colors show such a misreading.
+        let is_of_colors = search.mistakes[id].misreading.at.stage() == Stage::Color;
         let is_rare = explained * RARE <= far * if is_of_colors { 2 } else { 1 };
         let is_denied = || !search.denied(&[id]).is_empty() && !search.denied(&set).is_empty();
         explained == 0 || !is_rare && (explained > 3 * other || !is_denied())
     });
     found.keep(&keep);
-}
-
-/// Returns true if only colors show the misreading.
-fn is_of_colors(misreading: &Misreading) -> bool {
-    misreading.at.stage() == Stage::Color
 }
 
 /// Removes mistakes that only refuse files, if a shared property explains more of them, or if passing cases contradict them: many
@@ -121,7 +117,9 @@ fn drop_refusals(search: &Search, found: &mut Found) {
         // A misreading that changes values would show an image somewhere. A crash is weaker evidence than a refusal.
         let crashes = (of_member.iter()).all(|(_, agreement)| *agreement == Agreement::Crash);
         let few = of_member.len() * if crashes { 1 } else { 3 } < refused.count();
-        let is_coincidence = !refuses_by_itself(search, set[member]) && few;
+        let listed = search.mistakes[set[member]].listed();
+        let refuses_only = listed.is_some_and(|listed| listed.shows == Symptom::Refusals);
+        let is_coincidence = !refuses_only && few;
         // A file that is shown, and that the mistake would refuse.
         let is_shown =
             || (failing.iter()).any(|&w| search.agreement(w, &one) == Agreement::Against);
@@ -178,10 +176,4 @@ fn failing(witnesses: &[Witness]) -> Vec<usize> {
     (0..witnesses.len())
         .filter(|&w| witnesses[w].failed && witnesses[w].case.expect == Expect::Decode)
         .collect()
-}
-
-/// Returns true if the mistake shows only as refusals.
-fn refuses_by_itself(search: &Search, id: Id) -> bool {
-    let listed = search.mistakes[id].listed();
-    listed.is_some_and(|misreading| misreading.shows == Symptom::Refusals)
 }

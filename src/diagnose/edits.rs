@@ -34,7 +34,7 @@ static EDITS: LazyLock<Vec<Misreading>> = LazyLock::new(|| {
 pub(super) fn add_candidates(search: &mut Search, set: &Set, left: &[usize]) {
     let mut probes = probes(search, left);
     for of_kind in &mut probes {
-        of_kind.retain(|&w| search.probe(w, set));
+        of_kind.retain(|&w| search.is_new_probe(w, set));
     }
     let mut candidates = fitting(search, set, &probes);
     let tables = learned::tables(search, set, left).into_iter();

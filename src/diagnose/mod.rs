@@ -100,9 +100,9 @@ fn diagnose_by(
     }
     let searched = |witnesses| {
         let mut search = Search::new(witnesses, assumed, threads, run);
-        let is_hopeless =
+        let is_arbitrary =
             words::nondeterminism::is_prevalent(run) || words::uniform::is_prevalent(witnesses);
-        let found = match is_hopeless {
+        let found = match is_arbitrary {
             true => search::Found::default(),
             false => search.run(&add_candidates),
         };

@@ -74,19 +74,18 @@ pub(super) struct Search<'a> {
     clauses: HashSet<&'a str>,
     /// Failing files on which every edit was tried, with the mistakes that show there.
     probed: HashSet<(usize, Set)>,
-    /// What sets do to a case, if several of their mistakes show there.
-    together: Mutex<HashMap<(usize, Set), Effect>>,
-    /// For each mistake and each case, what the mistake alone does, if it changes the answer.
+    /// The effects of sets, by case and by the mistakes that show there.
+    effects: Mutex<HashMap<(usize, Set), Effect>>,
+    /// For each mistake and each case, the effect of the mistake alone, if it changes the answer.
     alone: Vec<Vec<OnceLock<Option<Effect>>>>,
 }
 
-/// What a set of mistakes does to the answer to one case.
+/// The effect of a set of mistakes on one case.
 #[derive(Clone, Copy, PartialEq)]
 struct Effect {
     worth: i64,
-    /// The best agreement of a possible answer with the response.
     agreement: Agreement,
-    /// A hash of the answer that agrees best.
+    /// A hash of the answer; of several possible answers the one with the greatest worth is used.
     answer: u64,
 }
 
@@ -136,7 +135,7 @@ impl<'a> Search<'a> {
             work: &run.searched,
             answered: AtomicUsize::new(0),
             probed: HashSet::new(),
-            together: Mutex::new(HashMap::new()),
+            effects: Mutex::new(HashMap::new()),
             faults: Mutex::new(Vec::new()),
             passing,
         }
@@ -149,8 +148,8 @@ impl<'a> Search<'a> {
         self.mistakes.len() - 1
     }
 
-    /// Returns true if edits were not tried before on this case with the same mistakes.
-    pub fn probe(&mut self, w: usize, set: &[Id]) -> bool {
+    /// Returns true if no edits were tried before on this case with the same mistakes, and remembers it.
+    pub fn is_new_probe(&mut self, w: usize, set: &[Id]) -> bool {
         let showing = self.showing(w, set);
         self.probed.insert((w, showing))
     }
@@ -306,12 +305,9 @@ impl<'a> Search<'a> {
     /// Returns what a decoder with these mistakes and the assumed ones answers; of several answers the one that agrees best.
     pub fn made(&self, w: usize, set: &[Id]) -> Cow<'_, Answer> {
         let mut answers = self.answers(w, set);
-        let best = match answers.len() {
-            1 => 0,
-            count => (0..count)
-                .min_by_key(|&at| -self.value_of(w, &answers[at..=at]))
-                .unwrap_or(0),
-        };
+        let best = (0..answers.len())
+            .min_by_key(|&at| -self.worth_of(w, &answers[at]))
+            .unwrap_or(0);
         answers.swap_remove(best)
     }
 
@@ -474,7 +470,7 @@ impl<'a> Search<'a> {
         self.effect(w, set).worth
     }
 
-    /// Returns what a set does to one case.
+    /// Returns the effect of a set on one case.
     fn effect(&self, w: usize, set: &[Id]) -> Effect {
         if self.is_interrupted() {
             return Effect::NONE;
@@ -486,12 +482,15 @@ impl<'a> Search<'a> {
         if showing.is_empty() {
             return Effect::NONE;
         }
-        let known = || self.together.lock().unwrap_or_else(PoisonError::into_inner);
+        let known = || self.effects.lock().unwrap_or_else(PoisonError::into_inner);
         let key = (w, showing);
         if let Some(&effect) = known().get(&key) {
             return effect;
         }
-        let effect = self.effect_of(w, &self.answers(w, &key.1));
+        let answers = self.answers(w, &key.1);
+        let effects = answers.iter().map(|answer| self.effect_of(w, answer));
+        let best = effects.min_by_key(|effect| -effect.worth);
+        let effect = best.unwrap_or(Effect::NONE);
         known().insert(key, effect);
         effect
     }
@@ -512,7 +511,7 @@ impl<'a> Search<'a> {
         concerned.into_iter().filter(is_kept).collect()
     }
 
-    /// Returns what one mistake does to one case, without the assumed mistakes, or `None` if it does not show there.
+    /// Returns the effect of one mistake, without the assumed mistakes, or `None` if it does not show in this case.
     fn alone(&self, w: usize, id: Id) -> Option<Effect> {
         let witness = &self.witnesses[w];
         let mistake = &self.mistakes[id];
@@ -522,21 +521,15 @@ impl<'a> Search<'a> {
             }
             self.count_work(w, 1);
             let answer = self.answer(w, &[mistake]);
-            (*answer != witness.right).then(|| self.effect_of(w, &[answer]))
+            (*answer != witness.right).then(|| self.effect_of(w, &answer))
         })
     }
 
-    /// Returns what several possible answers do to one case.
-    fn effect_of(&self, w: usize, answers: &[Cow<'_, Answer>]) -> Effect {
-        let witness = &self.witnesses[w];
-        let agreements = answers.iter().map(|answer| witness.agreement(answer));
-        let best = (0..answers.len()).max_by_key(|&at| self.value_of(w, &answers[at..=at]));
+    fn effect_of(&self, w: usize, answer: &Answer) -> Effect {
         Effect {
-            worth: self.value_of(w, answers),
-            agreement: agreements
-                .max_by_key(|&one| worth(one))
-                .unwrap_or(Agreement::None),
-            answer: best.map_or(0, |best| self.fingerprint(w, &answers[best])),
+            worth: self.worth_of(w, answer),
+            agreement: self.witnesses[w].agreement(answer),
+            answer: self.fingerprint(w, answer),
         }
     }
 
@@ -559,22 +552,18 @@ impl<'a> Search<'a> {
         hasher.finish()
     }
 
-    /// Returns the worth of several possible answers.
-    fn value_of(&self, w: usize, answers: &[Cow<'_, Answer>]) -> i64 {
+    /// Returns the worth of an answer to one case.
+    fn worth_of(&self, w: usize, answer: &Answer) -> i64 {
         let witness = &self.witnesses[w];
+        let is_open = matches!(witness.case.expect, Expect::Lenient | Expect::Spelling);
         if witness.failed {
-            let worths = answers
-                .iter()
-                .map(|answer| match witness.agreement(answer) {
-                    Agreement::None => credit(witness, answer),
-                    agreement => worth(agreement),
-                });
-            worths.max().unwrap_or_default()
-        } else if answers.iter().all(|answer| witness.contradicts(answer)) {
+            match witness.agreement(answer) {
+                Agreement::None => credit(witness, answer),
+                agreement => worth(agreement),
+            }
+        } else if witness.contradicts(answer) {
             WORTH_OF_A_CONTRADICTION
-        } else if matches!(witness.case.expect, Expect::Lenient | Expect::Spelling)
-            && answers.iter().all(|answer| witness.leans_away(answer))
-        {
+        } else if is_open && witness.leans_away(answer) {
             WORTH_OF_ANOTHER_LENIENT_ANSWER
         } else {
             0

@@ -2,19 +2,18 @@
 
 use super::refusals::example;
 use crate::diagnose::diagnosis::{Category, Diagnosis, Words};
+use crate::diagnose::tuning::MIN_FAILURES_OF_A_READING;
 use crate::diagnose::witness::Witness;
 use crate::protocol::frame::{Frame, Samples};
 use crate::session::observation::Response;
 use crate::suite::cases::Expect;
-
-/// Files whose images are compared: fewer may be alike by chance.
-const MIN_FILES: usize = 10;
 
 /// Describes views in which no image depends on the file, and removes their images from `left`.
 pub(in crate::diagnose) fn describe(
     witnesses: &[Witness],
     left: &mut Vec<usize>,
 ) -> Vec<Diagnosis> {
+    let found = find(witnesses, left);
     let diagnosis = |(effect, of): (String, Vec<usize>)| {
         left.retain(|w| !of.contains(w));
         let words = Words {
@@ -24,45 +23,48 @@ pub(in crate::diagnose) fn describe(
         };
         Diagnosis::described(Category::Difference, witnesses, &of, words)
     };
-    find(witnesses).into_iter().map(diagnosis).collect()
+    found.into_iter().map(diagnosis).collect()
 }
 
-/// Returns true if no image depends on the file in some view. Mistakes then agree with the images by chance.
+/// Returns true if most failures are such images. Mistakes then agree with them by chance.
 pub(in crate::diagnose) fn is_prevalent(witnesses: &[Witness]) -> bool {
-    !find(witnesses).is_empty()
+    let failing = (0..witnesses.len()).filter(|&w| witnesses[w].failed);
+    let failing: Vec<usize> = failing.collect();
+    let found = find(witnesses, &failing);
+    let count: usize = found.iter().map(|(_, of)| of.len()).sum();
+    count * 2 > failing.len()
 }
 
-/// Returns what the images of a view have in common, and their cases.
-fn find(witnesses: &[Witness]) -> Vec<(String, Vec<usize>)> {
-    let all: Vec<usize> = (0..witnesses.len()).collect();
+/// Returns the effect and the cases of each view in which these failing images do not depend on the file.
+fn find(witnesses: &[Witness], failing: &[usize]) -> Vec<(String, Vec<usize>)> {
     let mut found = Vec::new();
     for view in ["raw", "coef", "rgb"] {
-        let of_view: Vec<&usize> = (all.iter())
-            .filter(|&&w| witnesses[w].observation.view.name() == view)
-            .collect();
-        let frame = |&&w: &&usize| match &witnesses[w].observation.response {
-            Response::Picture { frame, .. } if witnesses[w].failed => Some((w, frame.as_ref()?)),
+        let is_of_view = |witness: &Witness| witness.observation.view.name() == view;
+        let frame = |&w: &usize| match &witnesses[w].observation.response {
+            Response::Picture { frame, .. } if is_of_view(&witnesses[w]) => {
+                Some((w, frame.as_ref()?))
+            }
             _ => None,
         };
-        let shown: Vec<(usize, &Frame)> = of_view.iter().filter_map(frame).collect();
-        let is_legal = |w: &&&usize| witnesses[***w].case.expect == Expect::Decode;
-        let legal = of_view.iter().filter(is_legal).count();
-        let Some(&(_, first)) = shown.first() else {
+        let shown: Vec<(usize, &Frame)> = failing.iter().filter_map(frame).collect();
+        let Some(&(first_case, first)) = shown.first() else {
             continue;
         };
-        // A few legal files have such an image.
-        if shown.len() < MIN_FILES || shown.len() * 2 < legal {
+        let is_legal =
+            |witness: &&Witness| is_of_view(witness) && witness.case.expect == Expect::Decode;
+        let legal = witnesses.iter().filter(is_legal).count();
+        let right = &witnesses[first_case].right;
+        let are_alike = (shown.iter()).all(|&(w, _)| witnesses[w].right == *right);
+        // A few legal files have such an image, and files with equal contents have equal images.
+        if are_alike || shown.len() < MIN_FAILURES_OF_A_READING || shown.len() * 2 < legal {
             continue;
         }
         let count = shown.len();
+        let is_value = |value| (shown.iter()).all(|(_, frame)| self::value(frame) == Some(value));
         let effect = if shown.iter().all(|(_, frame)| *frame == first) {
             let (width, height) = (first.width, first.height);
             format!("shows the same image of {width} × {height} for {count} files in view {view}")
-        } else if let Some(value) = value(first)
-            && shown
-                .iter()
-                .all(|(_, frame)| self::value(frame) == Some(value))
-        {
+        } else if let Some(value) = value(first).filter(|&value| is_value(value)) {
             format!("shows {value} in every sample of {count} images in view {view}")
         } else {
             continue;
@@ -74,20 +76,13 @@ fn find(witnesses: &[Witness]) -> Vec<(String, Vec<usize>)> {
 
 /// Returns the value of all samples of an image, if they are equal.
 fn value(frame: &Frame) -> Option<f32> {
+    fn uniform<T: Copy + PartialEq + Into<f32>>(samples: &[T]) -> Option<f32> {
+        let first = *samples.first()?;
+        let is_equal = samples.iter().all(|&sample| sample == first);
+        is_equal.then_some(first.into())
+    }
     match &frame.samples {
-        Samples::U8(samples) => {
-            let first = *samples.first()?;
-            samples
-                .iter()
-                .all(|&sample| sample == first)
-                .then(|| f32::from(first))
-        }
-        Samples::F32(samples) => {
-            let first = *samples.first()?;
-            samples
-                .iter()
-                .all(|&sample| sample == first)
-                .then_some(first)
-        }
+        Samples::U8(samples) => uniform(samples),
+        Samples::F32(samples) => uniform(samples),
     }
 }

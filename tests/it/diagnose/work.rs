@@ -9,14 +9,14 @@ use ptm_conform::session::plan::RunPlan;
 use ptm_conform::session::run::check;
 use ptm_conform::suite::cases::Suite;
 
-/// Answers that the search may compute, about five seconds of CPU time.
+/// Answers that the search may compute.
 const MAX_ANSWERS: usize = 200_000;
 
 fn right(request: &Request) -> Answer {
     misreadings::answer(&[], Reading::SPEC, request.file, request.view)
 }
 
-/// Returns one value for all samples.
+/// Returns one value in every sample.
 fn uniform(request: &Request) -> Answer {
     let mut answer = right(request);
     if let Answer::Decoded(frame) = &mut answer {
