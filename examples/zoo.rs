@@ -13,7 +13,7 @@ use std::process::{Command, Stdio, exit};
 use std::time::Duration;
 
 use ptm_conform::decode;
-use ptm_conform::protocol::frame::{Frame, Samples, View};
+use ptm_conform::protocol::frame::{Frame, Samples, View, ViewKind};
 
 fn main() {
     let words: Vec<String> = std::env::args().skip(1).collect();
@@ -235,7 +235,7 @@ fn upside_down(frame: &mut Frame) {
 }
 
 fn blue_first(frame: &mut Frame) {
-    if let ("rgb", Samples::U8(bytes)) = (frame.view, &mut frame.samples) {
+    if let (ViewKind::Rgb, Samples::U8(bytes)) = (frame.view, &mut frame.samples) {
         bytes.chunks_mut(3).for_each(<[u8]>::reverse);
     }
 }
@@ -257,7 +257,7 @@ fn brighten(frame: &mut Frame) {
         };
         (255.0 * value).round() as u8
     };
-    if let ("rgb", Samples::U8(bytes)) = (frame.view, &mut frame.samples) {
+    if let (ViewKind::Rgb, Samples::U8(bytes)) = (frame.view, &mut frame.samples) {
         for byte in bytes.iter_mut() {
             *byte = encoded(*byte);
         }

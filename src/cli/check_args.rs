@@ -9,6 +9,7 @@ use super::arguments::{globs, parse_refusal, parse_size};
 use super::files::can_be_written;
 use super::known_failures::KnownFailureArgs;
 use super::renderings::RenderingArgs;
+use ptm_conform::protocol::frame::ViewKind;
 use ptm_conform::report::shards::Shard;
 use ptm_conform::runner::processes;
 use ptm_conform::session::plan::SAMPLE;
@@ -50,7 +51,7 @@ pub struct CheckArgs {
     #[arg(long, value_name = "SUITE", default_value = "ptm", value_parser = ["ptm", "texture"])]
     pub suite: String,
     /// Ask in this view only. May be given more than once.
-    #[arg(long = "view", value_name = "VIEW", value_parser = ["raw", "coef", "rgb"])]
+    #[arg(long = "view", value_name = "VIEW", value_parser = ViewKind::NAMES)]
     pub views: Vec<String>,
     /// Only one part of so many of the suite, 3/8 for example; keeps all answers in FILE.answers for `report merge`.
     #[arg(long, value_name = "I/N")]

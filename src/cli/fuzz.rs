@@ -18,6 +18,7 @@ use ptm_conform::fuzz::find::Find;
 use ptm_conform::fuzz::write::{because, write};
 use ptm_conform::fuzz::{FuzzPlan, FuzzProgress, FuzzResult, fuzz};
 use ptm_conform::protocol::capabilities::Capabilities;
+use ptm_conform::protocol::frame::ViewKind;
 use ptm_conform::ptm::Format;
 use ptm_conform::runner::run::Request;
 use ptm_conform::runner::serve::Servers;
@@ -52,7 +53,7 @@ pub struct FuzzArgs {
     #[arg(long = "format", value_name = "FORMAT", value_parser = parse_format)]
     formats: Vec<Format>,
     /// Ask in this view only. May be given more than once.
-    #[arg(long = "view", value_name = "VIEW", value_parser = ["raw", "coef", "rgb"])]
+    #[arg(long = "view", value_name = "VIEW", value_parser = ViewKind::NAMES)]
     views: Vec<String>,
     /// Start a process for each call, even if the decoder's capabilities declare serve mode.
     #[arg(long)]
@@ -128,7 +129,7 @@ impl FuzzArgs {
             seed: self.seed,
             executions: self.executions,
             jobs: jobs(self.call.jobs)?,
-            views: ["raw", "coef", "rgb"].into_iter().filter(asked).collect(),
+            views: ViewKind::NAMES.into_iter().filter(asked).collect(),
             declared,
             formats: self.formats.clone(),
             stop: Arc::clone(stop),

@@ -8,6 +8,7 @@ use super::names::did_you_mean;
 use super::output::{jobs, note, progress_bar, show_progress};
 use super::{CommandResult, files};
 #[cfg(unix)]
+use ptm_conform::protocol::frame::ViewKind;
 use ptm_conform::session::outputs;
 use ptm_conform::suite::cases::{Suite, TableSpelling};
 use ptm_conform::suite::corpus;
@@ -31,7 +32,7 @@ pub struct GenerateArgs {
     ///
     /// Save the answers in outputs/ below DIR; check --outputs DIR judges them.
     #[cfg(unix)]
-    #[arg(long, value_name = "VIEW", value_parser = ["raw", "coef", "rgb"], conflicts_with_all = ["all", "profile"], num_args = 0..=1, default_missing_value = "rgb")]
+    #[arg(long, value_name = "VIEW", value_parser = ViewKind::NAMES, conflicts_with_all = ["all", "profile"], num_args = 0..=1, default_missing_value = "rgb")]
     requests: Option<String>,
     /// Write the file of one case alone: to FILE (-o), by default CASE.ptm.
     #[arg(long, value_name = "ID", conflicts_with_all = ["all", "profile", "out"])]

@@ -5,7 +5,7 @@ use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
-use ptm_conform::protocol::frame::Answer;
+use ptm_conform::protocol::frame::{Answer, ViewKind};
 use ptm_conform::runner::caller::Caller;
 use ptm_conform::runner::run::{Decoder, Reply, Request};
 use ptm_conform::runner::template::Template;
@@ -64,7 +64,7 @@ impl Subject {
 
     /// What the command line names.
     pub fn of(args: &CheckArgs, suite: &Suite, stop: &Arc<AtomicBool>) -> Result<Subject, String> {
-        let views = ["raw", "coef", "rgb"]
+        let views = ViewKind::NAMES
             .into_iter()
             .filter(|view| args.views.iter().any(|asked| asked == view))
             .collect();

@@ -1,6 +1,6 @@
 //! An image as received, and the expected image.
 
-use crate::protocol::frame::{Frame, Samples};
+use crate::protocol::frame::{Frame, Samples, ViewKind};
 use crate::ptm::channel_name;
 use crate::suite::compare::{COLOR, is_close};
 
@@ -11,18 +11,12 @@ pub(super) struct Pair {
     pub channels: usize,
     pub want: Vec<f64>,
     pub got: Vec<f64>,
-    pub view: &'static str,
+    pub view: ViewKind,
 }
 
 impl Pair {
     /// Returns the pair of two images, or `None` if their shapes differ.
     pub fn new(wanted: &Frame, shown: &Frame) -> Option<Pair> {
-        let numbers = |samples: &Samples| -> Vec<f64> {
-            match samples {
-                Samples::U8(bytes) => bytes.iter().map(|&byte| f64::from(byte)).collect(),
-                Samples::F32(values) => values.iter().map(|&value| f64::from(value)).collect(),
-            }
-        };
         let shape = |frame: &Frame| {
             (
                 frame.view,
@@ -36,8 +30,8 @@ impl Pair {
             width: wanted.width as usize,
             height: wanted.height as usize,
             channels: wanted.channels as usize,
-            want: numbers(&wanted.samples),
-            got: numbers(&shown.samples),
+            want: wanted.samples.to_reals(),
+            got: shown.samples.to_reals(),
             view: wanted.view,
         })
     }
@@ -45,9 +39,9 @@ impl Pair {
     /// Returns true if two samples are equal within the tolerance of the view.
     pub fn is_near(&self, a: f64, b: f64) -> bool {
         match self.view {
-            "raw" => a == b,
-            "rgb" => (a - b).abs() <= COLOR,
-            _ => is_close(a, b, 0.0),
+            ViewKind::Raw => a == b,
+            ViewKind::Rgb => (a - b).abs() <= COLOR,
+            ViewKind::Coef => is_close(a, b, 0.0),
         }
     }
 

@@ -8,7 +8,7 @@ use crate::decode::{decode_as, examine_as};
 use crate::generate::Model;
 use crate::kit::parallel::in_parallel;
 use crate::misreadings::{self, Anatomy, At, Misreading, Seen, Stage};
-use crate::protocol::frame::{Answer, Frame, Samples, View};
+use crate::protocol::frame::{Answer, Frame, Samples, View, ViewKind};
 use crate::ptm::{Field, Limits, Ptm};
 use crate::reading::Reading;
 use crate::session::dialect::Certainty;
@@ -414,7 +414,7 @@ pub fn alike(a: &Frame, b: &Frame) -> bool {
         return false;
     }
     match (&a.samples, &b.samples) {
-        (Samples::U8(x), Samples::U8(y)) if a.view == "rgb" => {
+        (Samples::U8(x), Samples::U8(y)) if a.view == ViewKind::Rgb => {
             x.iter().zip(y).all(|(x, y)| x.abs_diff(*y) <= 1)
         }
         (Samples::U8(x), Samples::U8(y)) => x == y,

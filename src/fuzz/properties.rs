@@ -20,7 +20,7 @@ use crate::generate::{Model, Recipe, Spelling, write};
 #[cfg(unix)]
 use crate::misreadings;
 #[cfg(unix)]
-use crate::protocol::frame::{Answer, Samples};
+use crate::protocol::frame::{Answer, Samples, ViewKind};
 use crate::protocol::frame::{Frame, View};
 use crate::ptm::{Format, Limits, Planes};
 use crate::reading::Reading;
@@ -307,7 +307,7 @@ pub fn frame(bytes: &[u8]) {
     }
 }
 
-fn shape(frame: &Frame) -> (&'static str, u32, u32, u32) {
+fn shape(frame: &Frame) -> (ViewKind, u32, u32, u32) {
     (frame.view, frame.width, frame.height, frame.channels)
 }
 

@@ -6,9 +6,9 @@ use std::io;
 use std::path::Path;
 
 use super::find::{Explanation, Find};
-use crate::protocol::frame::{Frame, Samples, View};
+use crate::protocol::frame::{Frame, View};
 use crate::suite::cases::{Built, TableSpelling};
-use crate::suite::compare::{Expected, ExpectedValues};
+use crate::suite::compare::Expected;
 
 /// Longest part of a field that is shown.
 const SHOWN: usize = 24;
@@ -33,7 +33,7 @@ pub fn write(find: &Find, table: TableSpelling, directory: &Path) -> io::Result<
         .as_ref()
         .and_then(|view| Expected::of(&built.values, view));
     if let Some(expected) = &expected {
-        write_frame(&frame(expected), &at("expected"))?;
+        write_frame(&expected.frame(), &at("expected"))?;
     }
     if let Some(received) = &find.received {
         write_frame(received, &at("received"))?;
@@ -46,29 +46,6 @@ fn write_frame(frame: &Frame, path: &Path) -> io::Result<()> {
     let mut file = io::BufWriter::new(fs::File::create(path)?);
     frame.write(&mut file)?;
     io::Write::flush(&mut file)
-}
-
-/// The frame of a decoder that is right.
-fn frame(expected: &Expected) -> Frame {
-    let (view, samples) = match &expected.values {
-        ExpectedValues::Raw(bytes) => ("raw", Samples::U8(bytes.clone())),
-        ExpectedValues::Coef(values) => {
-            let values = values.iter().map(|&value| value as f32).collect();
-            ("coef", Samples::F32(values))
-        }
-        ExpectedValues::Rgb(values) => {
-            let bytes = values.iter().map(|value| value.round() as u8).collect();
-            ("rgb", Samples::U8(bytes))
-        }
-    };
-    Frame {
-        view,
-        width: expected.size.width,
-        height: expected.size.height,
-        channels: expected.channels as u32,
-        samples,
-        lossy: false,
-    }
 }
 
 /// The cause in a sentence.

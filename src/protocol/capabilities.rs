@@ -6,7 +6,7 @@
 use serde::Deserialize;
 
 use crate::kit::yaml::from_yaml;
-use crate::protocol::frame::EXIT_UNSUPPORTED;
+use crate::protocol::frame::{EXIT_UNSUPPORTED, ViewKind};
 use crate::ptm::Format;
 
 /// Most characters of a name or version that are kept.
@@ -67,9 +67,7 @@ impl Capabilities {
         let mut remarks = Vec::new();
         let views = record.views.map(|words| {
             known(words, "view", &mut remarks, |word| {
-                ["raw", "coef", "rgb"]
-                    .into_iter()
-                    .find(|&view| view == word)
+                ViewKind::named(word).map(ViewKind::name)
             })
         });
         let formats = record.formats.map(|words| {

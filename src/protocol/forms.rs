@@ -13,7 +13,7 @@ use crate::protocol::frame::{Frame, View};
 /// A sentence that says what keeps `bytes` from being one.
 pub fn read(bytes: &[u8], view: &View, most: usize) -> Result<Frame, String> {
     if bytes.starts_with(b"\x93NUMPY") {
-        npy::read(bytes, view.name()).map_err(|error| format!("a NumPy array: {error}"))
+        npy::read(bytes, view.kind()).map_err(|error| format!("a NumPy array: {error}"))
     } else if let Some(picture) = picture::read(bytes, most) {
         picture
     } else if let Some(form) = known_but_not_read(bytes) {

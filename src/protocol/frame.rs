@@ -25,15 +25,78 @@ pub const EXIT_MALFORMED: i32 = 65;
 /// Exit status of a decoder that does not read such files (`EX_UNAVAILABLE`).
 pub const EXIT_UNSUPPORTED: i32 = 69;
 
-/// What a decoder is asked for.
+/// A view: the part of a map that a decoder is asked for.
 #[derive(Clone, Debug, PartialEq)]
 pub enum View {
-    /// The stored values; u8.
+    /// The stored values.
     Raw,
-    /// The final values; f32.
+    /// The final values.
     Coef,
-    /// The picture under a light; u8.
+    /// The image under a light.
     Rgb(Light),
+}
+
+/// A view without its light, as the PTM1 line names it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum ViewKind {
+    /// Stored values; `u8`.
+    Raw,
+    /// Final values; `f32`.
+    Coef,
+    /// Colors; `u8`.
+    Rgb,
+}
+
+impl ViewKind {
+    /// All kinds of views.
+    pub const ALL: [ViewKind; 3] = [ViewKind::Raw, ViewKind::Coef, ViewKind::Rgb];
+    /// Their names.
+    pub const NAMES: [&'static str; 3] = ["raw", "coef", "rgb"];
+
+    /// Returns `raw`, `coef` or `rgb`.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        ViewKind::NAMES[self as usize]
+    }
+
+    /// Returns the kind with this name.
+    #[must_use]
+    pub fn named(name: &str) -> Option<ViewKind> {
+        ViewKind::ALL.into_iter().find(|kind| kind.name() == name)
+    }
+
+    /// Returns the name of the sample type.
+    #[must_use]
+    pub const fn sample_type(self) -> &'static str {
+        match self {
+            ViewKind::Coef => "f32",
+            ViewKind::Raw | ViewKind::Rgb => "u8",
+        }
+    }
+
+    /// Returns the number of samples of a texel, of a map with `channels` channels.
+    #[must_use]
+    pub const fn channels(self, channels: usize) -> usize {
+        match self {
+            ViewKind::Rgb => 3,
+            ViewKind::Raw | ViewKind::Coef => channels,
+        }
+    }
+
+    /// Returns samples of this view, rounded to its sample type.
+    #[must_use]
+    pub fn samples(self, values: &[f64]) -> Samples {
+        match self.sample_type() {
+            "f32" => Samples::F32(values.iter().map(|&value| value as f32).collect()),
+            _ => Samples::U8(values.iter().map(|value| value.round() as u8).collect()),
+        }
+    }
+}
+
+impl fmt::Display for ViewKind {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
 }
 
 /// A direction of light.
@@ -59,14 +122,20 @@ impl View {
     /// A light that shows every coefficient.
     pub const ORDINARY_LIGHT: &'static str = "rgb:0.3125,-0.4375";
 
-    /// `raw`, `coef` or `rgb`.
+    /// Returns the view without its light.
+    #[must_use]
+    pub const fn kind(&self) -> ViewKind {
+        match self {
+            View::Raw => ViewKind::Raw,
+            View::Coef => ViewKind::Coef,
+            View::Rgb(_) => ViewKind::Rgb,
+        }
+    }
+
+    /// Returns `raw`, `coef` or `rgb`.
     #[must_use]
     pub const fn name(&self) -> &'static str {
-        match self {
-            View::Raw => "raw",
-            View::Coef => "coef",
-            View::Rgb(_) => "rgb",
-        }
+        self.kind().name()
     }
 }
 
@@ -113,8 +182,8 @@ const LONGEST_LINE: usize = 200;
 /// One answer.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Frame {
-    /// `raw`, `coef` or `rgb`.
-    pub view: &'static str,
+    /// The view that it shows.
+    pub view: ViewKind,
     /// Texels in a row.
     pub width: u32,
     /// Rows.
@@ -150,6 +219,24 @@ impl Samples {
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.len() == 0
+    }
+
+    /// Returns the values of the samples.
+    #[must_use]
+    pub fn to_reals(&self) -> Vec<f64> {
+        match self {
+            Samples::U8(bytes) => bytes.iter().copied().map(f64::from).collect(),
+            Samples::F32(values) => values.iter().copied().map(f64::from).collect(),
+        }
+    }
+
+    /// Returns `u8` or `f32`.
+    #[must_use]
+    pub const fn sample_type(&self) -> &'static str {
+        match self {
+            Samples::U8(_) => "u8",
+            Samples::F32(_) => "f32",
+        }
     }
 
     /// How many bytes they take.
@@ -216,7 +303,7 @@ impl Frame {
             }
         };
         Frame {
-            view: view.name(),
+            view: view.kind(),
             width: ptm.planes.size.width,
             height: ptm.planes.size.height,
             channels,
@@ -241,11 +328,7 @@ impl Frame {
     /// The line of a frame of that size.
     fn write_line(&self, size: Size, out: &mut impl Write) -> io::Result<()> {
         let Size { width, height } = size;
-        let kind = if matches!(self.samples, Samples::U8(_)) {
-            "u8"
-        } else {
-            "f32"
-        };
+        let kind = self.samples.sample_type();
         writeln!(
             out,
             "PTM1 {} {width} {height} {} {kind}",
@@ -323,10 +406,7 @@ impl Frame {
                 "{line:?} is not \"PTM1 VIEW WIDTH HEIGHT CHANNELS TYPE\""
             ));
         };
-        let view = ["raw", "coef", "rgb"]
-            .into_iter()
-            .find(|&known| known == view)
-            .ok_or_else(|| format!("unknown view in {line:?}"))?;
+        let view = ViewKind::named(view).ok_or_else(|| format!("unknown view in {line:?}"))?;
         let number = |word: &str| {
             let digits = word.bytes().all(|byte| byte.is_ascii_digit());
             let number = digits.then(|| word.parse::<u32>().ok()).flatten();

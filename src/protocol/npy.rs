@@ -1,10 +1,10 @@
 //! NumPy arrays: `\x93NUMPY`, a version, the length of a header, and the header: a Python dictionary of `descr`,
 //! `fortran_order` and `shape`. The shape is (height, width, channels), the type `u1` or `<f4`, in C order.
 
-use crate::protocol::frame::{Frame, Samples};
+use crate::protocol::frame::{Frame, Samples, ViewKind};
 
 /// Reads a whole file as a frame of `view`.
-pub(crate) fn read(bytes: &[u8], view: &'static str) -> Result<Frame, String> {
+pub(crate) fn read(bytes: &[u8], view: ViewKind) -> Result<Frame, String> {
     let (header, data) = split(bytes)?;
     let Header {
         descr,

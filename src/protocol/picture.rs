@@ -13,7 +13,7 @@ use std::panic::catch_unwind;
 use image::codecs::pnm::{PnmDecoder, PnmSubtype};
 use image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader, Limits};
 
-use crate::protocol::frame::{Frame, Samples};
+use crate::protocol::frame::{Frame, Samples, ViewKind};
 
 /// The largest quantization step of a JPEG that is read: that of libjpeg's quality 95.
 const LARGEST_STEP: u16 = 12;
@@ -76,7 +76,7 @@ fn read_as(format: ImageFormat, bytes: &[u8], most: usize) -> Result<Frame, Stri
         opaque(&picture)?;
     }
     Ok(Frame {
-        view: "rgb",
+        view: ViewKind::Rgb,
         width,
         height,
         channels: 3,

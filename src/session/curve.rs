@@ -1,7 +1,7 @@
 //! One function over all values of all pictures: a factor, or the curve of a picture library.
 
-use crate::protocol::frame::{Frame, Samples};
-use crate::suite::compare::{Expected, ExpectedValues};
+use crate::protocol::frame::{Frame, Samples, ViewKind};
+use crate::suite::compare::Expected;
 
 /// What is expected, and what came.
 type Pairs<'a> = [(&'a Expected, &'a Frame)];
@@ -50,9 +50,9 @@ const NO_CURVE: &str =
 
 impl Curve {
     /// Curves that these pictures may be under: of colors those with a name, and the one that they follow.
-    pub(super) fn candidates(view: &str, pairs: &Pairs) -> Vec<Curve> {
+    pub(super) fn candidates(view: ViewKind, pairs: &Pairs) -> Vec<Curve> {
         let points = points(pairs);
-        let slack = u8::from(view == "rgb");
+        let slack = u8::from(view == ViewKind::Rgb);
         let mut curves = Vec::new();
         if let Some(factor) = slope(&points) {
             curves.push(Curve {
@@ -62,7 +62,7 @@ impl Curve {
                 slack,
             });
         }
-        if view != "rgb" {
+        if view != ViewKind::Rgb {
             return curves;
         }
         curves.extend(NAMED.into_iter().map(|(says, curve)| {
@@ -122,19 +122,12 @@ impl Curve {
 fn points(pairs: &Pairs) -> Vec<(f64, f64)> {
     let mut points = Vec::new();
     for (expected, frame) in pairs {
-        let values: Vec<f64> = match &expected.values {
-            ExpectedValues::Raw(values) => values.iter().copied().map(f64::from).collect(),
-            ExpectedValues::Coef(values) | ExpectedValues::Rgb(values) => values.clone(),
-        };
         let Samples::U8(received) = &frame.samples else {
             continue;
         };
-        if values.len() == received.len() {
-            points.extend(
-                values
-                    .into_iter()
-                    .zip(received.iter().copied().map(f64::from)),
-            );
+        if expected.values.len() == received.len() {
+            let values = expected.values.iter().copied();
+            points.extend(values.zip(received.iter().copied().map(f64::from)));
         }
     }
     points
@@ -164,12 +157,10 @@ fn scale_in_words(factor: f64) -> String {
 pub(super) fn factor(pairs: &Pairs) -> Option<(f64, String)> {
     let (mut sum, mut square) = (0.0, 0.0);
     for (expected, frame) in pairs {
-        let (ExpectedValues::Coef(values), Samples::F32(received)) =
-            (&expected.values, &frame.samples)
-        else {
+        let Samples::F32(received) = &frame.samples else {
             return None;
         };
-        for (value, &received) in values.iter().zip(received) {
+        for (value, &received) in expected.values.iter().zip(received) {
             sum += value * f64::from(received);
             square += value * value;
         }

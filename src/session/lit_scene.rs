@@ -8,7 +8,7 @@ use crate::evaluate::Coefficients;
 use crate::generate::plan::Residuals;
 use crate::generate::spelling::Count;
 use crate::generate::{Model, Recipe, write};
-use crate::protocol::frame::{Answer, Frame, Samples, View};
+use crate::protocol::frame::{Answer, Frame, Samples, View, ViewKind};
 use crate::ptm::{Format, Ptm, Shape, Size};
 use crate::runner::run::Request;
 use crate::session::asking::Ask;
@@ -39,7 +39,7 @@ pub struct LitScene {
     /// The format of the file that was asked.
     pub format: Format,
     /// The view it was asked in.
-    pub view: &'static str,
+    pub view: ViewKind,
     /// As it is.
     pub right: Vec<u8>,
     /// As the decoder shows it.
@@ -60,8 +60,8 @@ impl LitScene {
 pub fn ask(offer: &Offer, decoded: &BTreeSet<Feature>, ask: &Ask) -> Option<LitScene> {
     let reads = |format: &&Format| decoded.contains(&Feature::Format(**format));
     let format = *FORMATS.iter().find(reads)?;
-    let mut views = ["rgb", "coef", "raw"].into_iter();
-    let view = views.find(|view| offer.views.contains(view))?;
+    let mut views = [ViewKind::Rgb, ViewKind::Coef, ViewKind::Raw].into_iter();
+    let view = views.find(|view| offer.views.contains(&view.name()))?;
     // lut-count: a decoder may know one spelling of the count only.
     let spellings = if format.has_table() {
         &Count::ALL[..]
@@ -91,10 +91,10 @@ pub fn ask(offer: &Offer, decoded: &BTreeSet<Feature>, ask: &Ask) -> Option<LitS
 }
 
 /// The view of the request.
-fn asked(view: &str) -> View {
+fn asked(view: ViewKind) -> View {
     let text = match view {
-        "rgb" => format!("rgb:{},{}", LIGHT.0, LIGHT.1),
-        view => view.to_owned(),
+        ViewKind::Rgb => format!("rgb:{},{}", LIGHT.0, LIGHT.1),
+        view => view.to_string(),
     };
     text.parse().expect("a view")
 }
@@ -107,15 +107,12 @@ fn lit(coefficients: &Coefficients) -> Vec<u8> {
 #[must_use]
 pub fn picture(file: &[u8], frame: &Frame) -> Option<Vec<u8>> {
     let Ptm { header, mut planes } = decode(file).ok()?;
-    let channels = match frame.view {
-        "rgb" => 3,
-        _ => planes.shape.channels(),
-    };
+    let channels = frame.view.channels(planes.shape.channels());
     if (frame.width, frame.height, frame.channels as usize) != (SIDE, SIDE, channels) {
         return None;
     }
     match &frame.samples {
-        Samples::U8(bytes) if frame.view == "rgb" => Some(bytes.clone()),
+        Samples::U8(bytes) if frame.view == ViewKind::Rgb => Some(bytes.clone()),
         Samples::U8(bytes) => {
             planes.samples.clone_from(bytes);
             Some(lit(&Ptm { header, planes }.coefficients()))
@@ -233,9 +230,9 @@ mod tests {
     fn every_format_and_view_shows_the_same_scene() {
         let wanted = lit(&ball(SIDE));
         for format in FORMATS {
-            for view in ["raw", "coef", "rgb"] {
+            for view in ViewKind::ALL {
                 let offer = Offer {
-                    views: vec![view],
+                    views: vec![view.name()],
                     ..Offer::default()
                 };
                 let decoded = BTreeSet::from([Feature::Format(format)]);
@@ -265,7 +262,7 @@ mod tests {
         assert_eq!(ask(&offer, &decoded, &refusing), None);
         let small = |_: &Request<'_>, _: usize| {
             Reply::from(Answer::Decoded(Frame {
-                view: "raw",
+                view: ViewKind::Raw,
                 width: 1,
                 height: 1,
                 channels: 9,

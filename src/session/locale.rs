@@ -5,7 +5,7 @@
 
 use std::process::{Command, Stdio};
 
-use crate::protocol::frame::{Answer, Frame, View};
+use crate::protocol::frame::{Answer, Frame, View, ViewKind};
 use crate::runner::run::{Decoder, Request};
 use crate::runner::scratch::Scratch;
 use crate::session::run::Run;
@@ -55,12 +55,12 @@ pub fn difference(
     locale.clone_into(&mut decoder.locale);
     for i in 0..suite.cases.len() {
         // Stored values need no numbers but the size: they are asked for only if there is nothing else.
-        let views = ["coef", "rgb", "raw"].into_iter();
-        let decoded = |view: &str| {
+        let views = [ViewKind::Coef, ViewKind::Rgb, ViewKind::Raw].into_iter();
+        let decoded = |view: ViewKind| {
             run.first
                 .iter()
                 .find_map(|first| match &first.reply.answer {
-                    Answer::Decoded(frame) if first.case == i && first.view.name() == view => {
+                    Answer::Decoded(frame) if first.case == i && first.view.kind() == view => {
                         Some((&first.view, frame, &first.reply.answer))
                     }
                     _ => None,

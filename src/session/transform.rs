@@ -6,7 +6,7 @@
 
 use std::sync::Arc;
 
-use crate::protocol::frame::{Answer, Frame, Samples};
+use crate::protocol::frame::{Answer, Frame, Samples, ViewKind};
 use crate::ptm::Format;
 use crate::session::asking::Undo;
 use crate::session::contact::Contact;
@@ -51,8 +51,8 @@ impl Picture<'_> {
 /// them.
 #[must_use]
 pub fn common(suite: &Suite, contact: &Contact) -> Vec<CommonTransform> {
-    let of_view = |view: &&'static str| in_common(view, &pictures(suite, contact, view));
-    ["raw", "coef", "rgb"].iter().filter_map(of_view).collect()
+    let of_view = |view| in_common(view, &pictures(suite, contact, view));
+    ViewKind::ALL.into_iter().filter_map(of_view).collect()
 }
 
 /// The same in words, what is the same in several views once.
@@ -76,11 +76,11 @@ pub fn in_words(transforms: &[CommonTransform]) -> Vec<Remark> {
     said.into_iter().map(words).collect()
 }
 
-fn pictures<'a>(suite: &Suite, contact: &'a Contact, view: &str) -> Vec<Picture<'a>> {
+fn pictures<'a>(suite: &Suite, contact: &'a Contact, view: ViewKind) -> Vec<Picture<'a>> {
     let of_view = contact
         .first
         .iter()
-        .filter(|first| first.view.name() == view);
+        .filter(|first| first.view.kind() == view);
     let decoded = of_view.filter_map(|first| {
         let Answer::Decoded(frame) = &first.reply.answer else {
             return None;
@@ -97,7 +97,7 @@ fn pictures<'a>(suite: &Suite, contact: &'a Contact, view: &str) -> Vec<Picture<
     decoded.collect()
 }
 
-fn in_common(view: &'static str, pictures: &[Picture]) -> Option<CommonTransform> {
+fn in_common(view: ViewKind, pictures: &[Picture]) -> Option<CommonTransform> {
     let (right, wrong): (Vec<&Picture>, Vec<&Picture>) =
         pictures.iter().partition(|picture| picture.is_right());
     // Of the wrong ones it must explain nearly all; one picture may be like a mistake by chance.
@@ -137,7 +137,7 @@ fn in_common(view: &'static str, pictures: &[Picture]) -> Option<CommonTransform
 }
 
 /// Changes that all pictures may have undergone: what to say, what to do, and how to undo each.
-fn candidates(view: &'static str, pictures: &[Picture]) -> Vec<(String, String, Undo<Case>)> {
+fn candidates(view: ViewKind, pictures: &[Picture]) -> Vec<(String, String, Undo<Case>)> {
     let arrangements = Arrangement::all().into_iter().skip(1);
     let mut all: Vec<_> = arrangements
         .map(|arrangement| {
@@ -146,7 +146,7 @@ fn candidates(view: &'static str, pictures: &[Picture]) -> Vec<(String, String, 
             let says = mistakes.iter().map(|mistake| &*mistake.says).collect();
             let next = mistakes.iter().map(|mistake| mistake.next).collect();
             let undo = Undo {
-                view,
+                view: view.name(),
                 undo: Arc::new(move |frame: &Frame, _| arrangement.undo(frame)),
             };
             (joined(says, "; and "), joined(next, "\n  "), undo)
@@ -160,7 +160,7 @@ fn candidates(view: &'static str, pictures: &[Picture]) -> Vec<(String, String, 
         .collect();
     if let Some((factor, says)) = factor(&pairs) {
         let undo = Undo {
-            view,
+            view: view.name(),
             undo: Arc::new(move |frame: &Frame, _| divided(frame, factor)),
         };
         all.push((says, "send the values as they are".to_owned(), undo));
@@ -168,7 +168,7 @@ fn candidates(view: &'static str, pictures: &[Picture]) -> Vec<(String, String, 
     for curve in Curve::candidates(view, &pairs) {
         let (says, next) = (curve.says.clone(), curve.next.to_owned());
         let undo = Undo {
-            view,
+            view: view.name(),
             undo: Arc::new(move |frame: &Frame, right| curve.undo(frame, right)),
         };
         all.push((says, next, undo));

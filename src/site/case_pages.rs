@@ -9,7 +9,7 @@ use crate::decode::decode;
 use crate::protocol::frame::{Light, View};
 use crate::ptm::channel_name;
 use crate::suite::cases::{Built, Case, Expect, TableSpelling};
-use crate::suite::compare::{Expected, ExpectedValues};
+use crate::suite::compare::Expected;
 use crate::tools::inspect::{Inspection, inspect};
 use crate::tools::lint::lint;
 
@@ -189,10 +189,7 @@ fn values(case: &Case, built: &Built) -> Markup {
 }
 
 fn number(expected: &Expected, i: usize) -> String {
-    let value = match &expected.values {
-        ExpectedValues::Raw(values) => return values[i].to_string(),
-        ExpectedValues::Coef(values) | ExpectedValues::Rgb(values) => values[i],
-    };
+    let value = expected.values[i];
     if value != 0.0 && (value.abs() < 1e-3 || value.abs() >= 1e7) {
         return format!("{value:.4e}");
     }

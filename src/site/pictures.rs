@@ -5,7 +5,7 @@ use image::ImageFormat;
 use maud::{Markup, html};
 
 use crate::evaluate::Coefficients;
-use crate::protocol::frame::{Frame, Samples};
+use crate::protocol::frame::{Frame, Samples, ViewKind};
 use crate::ptm::Ptm;
 use crate::tools::render::{Image, lit};
 
@@ -40,7 +40,7 @@ pub(super) fn of_frame(frame: &Frame, says: &str) -> Option<Markup> {
     if samples.len() != width * height * channels || samples.is_empty() {
         return None;
     }
-    if frame.view == "rgb" {
+    if frame.view == ViewKind::Rgb {
         let image = Image {
             width,
             height,

@@ -10,33 +10,24 @@ use std::fmt;
 
 use crate::decode::decode_as;
 use crate::evaluate;
-use crate::protocol::frame::{Frame, Samples, View};
+use crate::protocol::frame::{Frame, Light, Samples, View, ViewKind};
 use crate::ptm::{Ptm, Size, channel_name};
 use crate::reading::Reading;
 use crate::suite::values::{HandValues, Values};
 
-/// What a frame should hold.
+/// The samples that a frame should hold.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Expected {
+    /// The view that shows them.
+    pub view: ViewKind,
     /// Width and height.
     pub size: Size,
     /// Samples of a texel.
     pub channels: usize,
-    /// `height * width * channels` of them; colors are not rounded.
-    pub values: ExpectedValues,
-    /// How far each may be off because inverse DCTs differ; empty where none may.
+    /// `height * width * channels` values; colors are not rounded.
+    pub values: Vec<f64>,
+    /// How far each value may be off because inverse DCTs differ; empty if none may.
     pub slack: Vec<f64>,
-}
-
-/// The samples that a frame should hold.
-#[derive(Clone, Debug, PartialEq)]
-pub enum ExpectedValues {
-    /// Stored values.
-    Raw(Vec<u8>),
-    /// Final values.
-    Coef(Vec<f64>),
-    /// Colors from 0 to 255.
-    Rgb(Vec<f64>),
 }
 
 /// How far a byte may be from the exact color: one for any rounding, and a little for arithmetic in `f32`.
@@ -46,228 +37,163 @@ pub(crate) const COLOR: f64 = 1.0 + 1.0 / 64.0;
 /// for other encoders and their tables.
 pub const LOSSY: f64 = 48.0;
 
+fn reals(bytes: &[u8]) -> Vec<f64> {
+    bytes.iter().copied().map(f64::from).collect()
+}
+
 impl Expected {
-    /// What `values` look like in `view`; nothing where they do not say.
+    /// Returns what a file with these values shows in `view`, or `None` if they do not say.
     #[must_use]
     pub fn of(values: &Values, view: &View) -> Option<Expected> {
         match values {
             Values::None | Values::Any => None,
             Values::Painted(model) => {
-                let channels = model.format.channels();
-                let (channels, values, slack) = match view {
-                    View::Raw => (
-                        channels,
-                        ExpectedValues::Raw(model.samples.clone()),
-                        model.slack.iter().map(|&slack| f64::from(slack)).collect(),
-                    ),
-                    View::Coef => (
-                        channels,
-                        ExpectedValues::Coef(model.coefficients()),
-                        model.coefficient_slack(),
-                    ),
-                    View::Rgb(light) => (
-                        3,
-                        ExpectedValues::Rgb(model.picture(light.lu, light.lv)),
-                        model.picture_slack(light.lu, light.lv),
-                    ),
-                };
-                Some(Expected {
-                    size: model.size,
-                    channels,
-                    values,
-                    slack,
-                })
-            }
-            Values::Hand(hand) => {
-                let size: Size = hand.size.parse().ok()?;
-                let values = match view {
-                    View::Raw => ExpectedValues::Raw(
-                        HandValues::numbers(&hand.raw)
-                            .iter()
-                            .map(|&value| value as u8)
-                            .collect(),
-                    ),
-                    View::Coef => ExpectedValues::Coef(HandValues::numbers(hand.coef.as_ref()?)),
-                    View::Rgb(_) => {
-                        let picture = hand.rgb.as_ref().filter(|picture| {
-                            format!("rgb:{}", picture.light) == view.to_string()
-                        })?;
-                        ExpectedValues::Rgb(HandValues::numbers(&picture.texels))
+                let (values, slack) = match view {
+                    View::Raw => (reals(&model.samples), reals(&model.slack)),
+                    View::Coef => (model.coefficients(), model.coefficient_slack()),
+                    View::Rgb(Light { lu, lv, .. }) => {
+                        (model.picture(*lu, *lv), model.picture_slack(*lu, *lv))
                     }
                 };
-                let count = match &values {
-                    ExpectedValues::Raw(values) => values.len(),
-                    ExpectedValues::Coef(values) | ExpectedValues::Rgb(values) => values.len(),
+                let expected = Expected::exact(view.kind(), model.size, values);
+                Some(Expected { slack, ..expected })
+            }
+            Values::Hand(hand) => {
+                let lines = match view {
+                    View::Raw => &hand.raw,
+                    View::Coef => hand.coef.as_ref()?,
+                    View::Rgb(_) => {
+                        let image = hand.rgb.as_ref()?;
+                        let is_asked = format!("rgb:{}", image.light) == view.to_string();
+                        is_asked.then_some(&image.texels)?
+                    }
                 };
-                Some(Expected {
+                let size = hand.size.parse().ok()?;
+                Some(Expected::exact(
+                    view.kind(),
                     size,
-                    channels: count / size.texels(),
-                    values,
-                    slack: Vec::new(),
-                })
+                    HandValues::numbers(lines),
+                ))
             }
         }
     }
 
-    /// What `file` looks like in `view` under another reading; nothing where that reading refuses it.
+    /// Returns what `file` shows in `view` under another reading, or `None` if that reading refuses it.
     #[must_use]
     pub fn under(file: &[u8], view: &View, reading: &Reading) -> Option<Expected> {
         let Ptm { header, planes } =
             decode_as(file, reading, &crate::ptm::Limits::default()).ok()?;
-        let coefficients = evaluate::apply(&header.scale_bias, &planes, reading);
-        let (channels, values) = match view {
-            View::Raw => (
-                planes.shape.channels(),
-                ExpectedValues::Raw(planes.samples.clone()),
-            ),
-            View::Coef => (
-                planes.shape.channels(),
-                ExpectedValues::Coef(coefficients.values),
-            ),
-            View::Rgb(light) => (
-                3,
-                ExpectedValues::Rgb(
-                    evaluate::evaluate(&coefficients, light.lu, light.lv, reading).values,
-                ),
-            ),
-        };
-        Some(Expected {
-            size: header.size,
-            channels,
-            values,
-            slack: Vec::new(),
-        })
-    }
-
-    /// What a frame holds, expected of another one.
-    #[must_use]
-    pub fn of_frame(frame: &Frame) -> Expected {
-        let reals = |bytes: &[u8]| bytes.iter().map(|&byte| f64::from(byte)).collect();
-        let values = match &frame.samples {
-            Samples::U8(bytes) if frame.view == "rgb" => ExpectedValues::Rgb(reals(bytes)),
-            Samples::U8(bytes) => ExpectedValues::Raw(bytes.clone()),
-            Samples::F32(values) => {
-                ExpectedValues::Coef(values.iter().map(|&value| f64::from(value)).collect())
+        let coefficients = || evaluate::apply(&header.scale_bias, &planes, reading);
+        let values = match view {
+            View::Raw => reals(&planes.samples),
+            View::Coef => coefficients().values,
+            View::Rgb(light) => {
+                evaluate::evaluate(&coefficients(), light.lu, light.lv, reading).values
             }
         };
+        Some(Expected::exact(view.kind(), header.size, values))
+    }
+
+    /// Returns what a frame holds, expected of another frame.
+    #[must_use]
+    pub fn of_frame(frame: &Frame) -> Expected {
+        let size = Size {
+            width: frame.width,
+            height: frame.height,
+        };
+        Expected::exact(frame.view, size, frame.samples.to_reals())
+    }
+
+    /// Returns values without slack.
+    fn exact(view: ViewKind, size: Size, values: Vec<f64>) -> Expected {
         Expected {
-            size: Size {
-                width: frame.width,
-                height: frame.height,
-            },
-            channels: frame.channels as usize,
+            view,
+            size,
+            channels: values.len() / size.texels(),
             values,
             slack: Vec::new(),
         }
     }
 
-    /// Nothing where `frame` is right, and else where it first is not.
+    /// Returns the frame of a decoder that is right: colors are rounded to the nearest byte.
+    #[must_use]
+    pub fn frame(&self) -> Frame {
+        Frame {
+            view: self.view,
+            width: self.size.width,
+            height: self.size.height,
+            channels: self.channels as u32,
+            samples: self.view.samples(&self.values),
+            lossy: false,
+        }
+    }
+
+    /// Returns where `frame` first differs, or `None` if it is right.
     #[must_use]
     pub fn compare(&self, frame: &Frame) -> Option<Difference> {
         let expected = (
-            self.view(),
+            self.view,
             self.size.width,
             self.size.height,
             self.channels as u32,
         );
-        let received = (frame.view, frame.width, frame.height, frame.channels);
-        if expected != received {
+        if expected != (frame.view, frame.width, frame.height, frame.channels) {
             return Some(Difference::Shape {
-                expected: self.describe_shape(),
+                expected: format!(
+                    "{} {} with {} channels",
+                    self.view, self.size, self.channels
+                ),
                 received: format!(
                     "{} {}x{} with {} channels",
                     frame.view, frame.width, frame.height, frame.channels
                 ),
             });
         }
+        let (right_type, received_type) = (self.view.sample_type(), frame.samples.sample_type());
+        if right_type != received_type {
+            return Some(Difference::Shape {
+                expected: format!("samples of type {right_type}"),
+                received: received_type.to_owned(),
+            });
+        }
         let loss = if frame.lossy { LOSSY } else { 0.0 };
-        match (&self.values, &frame.samples) {
-            (ExpectedValues::Raw(expected), Samples::U8(received)) if expected == received => None,
-            (ExpectedValues::Raw(_) | ExpectedValues::Rgb(_), Samples::U8(received)) => {
-                self.difference(|i| f64::from(received[i]), loss)
-            }
-            (ExpectedValues::Coef(_), Samples::F32(received)) => {
-                self.difference(|i| f64::from(received[i]), loss)
-            }
-            (_, Samples::U8(_)) => Some(Difference::Shape {
-                expected: "samples of type f32".to_owned(),
-                received: "u8".to_owned(),
-            }),
-            (_, Samples::F32(_)) => Some(Difference::Shape {
-                expected: "samples of type u8".to_owned(),
-                received: "f32".to_owned(),
-            }),
+        match &frame.samples {
+            Samples::U8(received) => self.difference(|i| f64::from(received[i]), loss),
+            Samples::F32(received) => self.difference(|i| f64::from(received[i]), loss),
         }
     }
 
-    /// Whether `frame` has the stored values of lossy JPEG planes, but as another inverse DCT finds them.
+    /// Returns true if `frame` has the stored values of lossy JPEG planes, but as another inverse DCT finds them.
     #[must_use]
     pub fn is_another_transform(&self, frame: &Frame) -> bool {
-        match (&self.values, &frame.samples) {
-            (ExpectedValues::Raw(expected), Samples::U8(received)) => {
-                expected != received && self.compare(frame).is_none()
-            }
-            _ => false,
-        }
+        self.view == ViewKind::Raw
+            && self.values != frame.samples.to_reals()
+            && self.compare(frame).is_none()
     }
 
-    /// What sample `i` should be.
-    #[must_use]
-    pub fn value(&self, i: usize) -> f64 {
-        match &self.values {
-            ExpectedValues::Raw(values) => f64::from(values[i]),
-            ExpectedValues::Coef(values) | ExpectedValues::Rgb(values) => values[i],
-        }
-    }
-
-    /// Whether `received` will do for sample `i`.
+    /// Returns true if `received` is close enough to sample `i`.
     #[must_use]
     pub fn is_near(&self, i: usize, received: f64) -> bool {
         self.is_within(i, received, 0.0)
     }
 
-    /// The same of a picture that may have lost so much.
+    /// Returns true if `received` is close enough to sample `i` of an image that was compressed with some loss.
     fn is_within(&self, i: usize, received: f64, loss: f64) -> bool {
-        let expected = self.value(i);
+        let expected = self.values[i];
         let slack = self.slack.get(i).copied().unwrap_or_default();
         let apart = (expected - received).abs();
-        match self.values {
-            ExpectedValues::Raw(_) => apart.min(256.0 - apart) <= slack,
-            // Infinity is right where no f32 holds the number.
-            ExpectedValues::Coef(_) => {
+        match self.view {
+            ViewKind::Raw => apart.min(256.0 - apart) <= slack,
+            // Infinity is right if no f32 holds the number.
+            ViewKind::Coef => {
                 is_close(expected, received, slack) || f64::from(expected as f32) == received
             }
-            ExpectedValues::Rgb(_) => apart <= COLOR + slack + loss,
+            ViewKind::Rgb => apart <= COLOR + slack + loss,
         }
-    }
-
-    /// How many samples there are.
-    fn count(&self) -> usize {
-        match &self.values {
-            ExpectedValues::Raw(values) => values.len(),
-            ExpectedValues::Coef(values) | ExpectedValues::Rgb(values) => values.len(),
-        }
-    }
-
-    fn view(&self) -> &'static str {
-        match self.values {
-            ExpectedValues::Raw(_) => "raw",
-            ExpectedValues::Coef(_) => "coef",
-            ExpectedValues::Rgb(_) => "rgb",
-        }
-    }
-
-    fn describe_shape(&self) -> String {
-        format!(
-            "{} {} with {} channels",
-            self.view(),
-            self.size,
-            self.channels
-        )
     }
 
     fn difference(&self, received: impl Fn(usize) -> f64, loss: f64) -> Option<Difference> {
-        let samples = self.count();
+        let samples = self.values.len();
         let mut wrong = (0..samples).filter(|&i| !self.is_within(i, received(i), loss));
         let first = wrong.next()?;
         let texel = first / self.channels;
@@ -276,7 +202,7 @@ impl Expected {
             x: texel % self.size.width as usize,
             y: texel / self.size.width as usize,
             channel: channel_name(self.channels, first % self.channels),
-            expected: channels.clone().map(|i| self.value(i)).collect(),
+            expected: self.values[channels.clone()].to_vec(),
             received: channels.map(&received).collect(),
             wrong: 1 + wrong.count(),
             samples,
@@ -400,7 +326,8 @@ mod tests {
                 height: 1,
             },
             channels: 1,
-            values: ExpectedValues::Coef(vec![expected]),
+            view: ViewKind::Coef,
+            values: vec![expected],
             slack: Vec::new(),
         };
         assert_eq!(one.is_near(0, received), near, "{received} for {expected}");

@@ -9,9 +9,8 @@ use serde::{Deserialize, Serialize};
 use crate::kit::digest::sha256;
 use crate::kit::parallel::in_parallel;
 use crate::kit::yaml::to_yaml;
-use crate::protocol::frame::{Frame, Samples, View};
 use crate::suite::cases::{Case, Suite, TableSpelling};
-use crate::suite::compare::{Expected, ExpectedValues};
+use crate::suite::compare::Expected;
 
 /// Files above this size are not part of the committed corpus; the manifest has their digests.
 pub const COMMITTED: usize = 4 * 1024;
@@ -74,7 +73,11 @@ pub fn entry(case: &Case) -> (ManifestEntry, Vec<Output>) {
     let mut outputs = Vec::new();
     let view = &case.views[0];
     if let Some(expected) = Expected::of(&built.values, view) {
-        let frame = frame(&expected, view);
+        let mut frame = Vec::new();
+        expected
+            .frame()
+            .write(&mut frame)
+            .expect("writing to memory does not fail");
         let path = format!("{place}/{}.{}", case.id, view.name());
         entry.expected = Some(ExpectedFile {
             view: view.to_string(),
@@ -129,34 +132,4 @@ pub(crate) fn put(path: &Path, bytes: &[u8]) -> io::Result<()> {
         fs::create_dir_all(parent).map_err(named)?;
     }
     fs::write(path, bytes).map_err(named)
-}
-
-/// The frame of an expected output, as bytes.
-fn frame(expected: &Expected, view: &View) -> Vec<u8> {
-    let mut bytes = Vec::new();
-    picture(expected, view)
-        .write(&mut bytes)
-        .expect("writing to memory does not fail");
-    bytes
-}
-
-/// The frame of an expected output; colors rounded to the nearest byte.
-pub(crate) fn picture(expected: &Expected, view: &View) -> Frame {
-    let samples = match &expected.values {
-        ExpectedValues::Raw(values) => Samples::U8(values.clone()),
-        ExpectedValues::Coef(values) => {
-            Samples::F32(values.iter().map(|&value| value as f32).collect())
-        }
-        ExpectedValues::Rgb(values) => {
-            Samples::U8(values.iter().map(|&value| value.round() as u8).collect())
-        }
-    };
-    Frame {
-        view: view.name(),
-        width: expected.size.width,
-        height: expected.size.height,
-        channels: expected.channels as u32,
-        samples,
-        lossy: false,
-    }
 }

@@ -3,12 +3,11 @@
 use std::collections::{BTreeSet, HashMap};
 use std::sync::Arc;
 
-use crate::protocol::frame::{Frame, View};
+use crate::protocol::frame::{Frame, View, ViewKind};
 use crate::reading::Reading;
 use crate::suite::cases::{Built, Case, Expect, TableSpelling};
 use crate::suite::choices::{CHOICES, concerned, pictures};
 use crate::suite::compare::{Difference, Expected};
-use crate::suite::corpus;
 use crate::suite::dialect::{Choices, Dialect, Right};
 use crate::suite::features::Feature;
 use crate::suite::test_case::{Allowance, Comparison, TestCase};
@@ -22,7 +21,7 @@ impl TestCase for Case {
     type Built = Arc<Built>;
     type Decisions = Reading;
 
-    const VIEWS: &'static [&'static str] = &["raw", "coef", "rgb"];
+    const VIEWS: &'static [&'static str] = &ViewKind::NAMES;
     const CHOICES: Choices<Reading> = CHOICES;
 
     fn id(&self) -> &str {
@@ -165,7 +164,7 @@ impl TestCase for Case {
 
     fn expected_output(&self, view: &View) -> Option<Frame> {
         let built = self.build(TableSpelling::default());
-        Some(corpus::picture(&Expected::of(&built.values, view)?, view))
+        Some(Expected::of(&built.values, view)?.frame())
     }
 
     fn expected_in_words(&self) -> Option<String> {

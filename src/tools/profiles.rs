@@ -15,11 +15,11 @@ use serde::Serialize;
 use crate::kit::digest::sha256;
 use crate::kit::parallel::in_parallel;
 use crate::kit::yaml::to_yaml;
-use crate::protocol::frame::View;
+use crate::protocol::frame::{Samples, View, ViewKind};
 use crate::ptm::Size;
 use crate::suite::cases::{Case, Expect, Suite, TableSpelling};
 use crate::suite::choices::{CHOICES, concerned};
-use crate::suite::compare::{Expected, ExpectedValues};
+use crate::suite::compare::Expected;
 use crate::tools::export::{exr_of, npy_bytes, npy_floats, stacked_planes};
 use crate::tools::lint::codes::Code;
 use crate::tools::render::Image;
@@ -304,15 +304,19 @@ fn encoded(
 ) -> Result<Vec<(&'static str, Vec<u8>)>, String> {
     let (size, channels) = (expected.size, expected.channels);
     let png = |image: Image| Ok::<_, String>(("png", image.to_file(ImageFormat::Png)?));
-    Ok(match &expected.values {
-        ExpectedValues::Raw(values) => {
-            let npy = ("npy", npy_bytes(values, size, channels));
+    let values = &expected.values;
+    Ok(match expected.view {
+        ViewKind::Raw => {
+            let Samples::U8(bytes) = expected.view.samples(values) else {
+                return Err("stored values are bytes".to_owned());
+            };
+            let npy = ("npy", npy_bytes(&bytes, size, channels));
             match profile {
                 Profile::Minimal => vec![npy],
-                _ => vec![npy, png(stacked_planes(values, size, channels))?],
+                _ => vec![npy, png(stacked_planes(&bytes, size, channels))?],
             }
         }
-        ExpectedValues::Coef(values) => {
+        ViewKind::Coef => {
             let npy = ("npy", npy_floats(values, size, channels));
             match profile {
                 Profile::Exhaustive => {
@@ -321,7 +325,7 @@ fn encoded(
                 _ => vec![npy],
             }
         }
-        ExpectedValues::Rgb(values) => {
+        ViewKind::Rgb => {
             let npy = ("npy", npy_floats(values, size, channels));
             vec![npy, png(picture(values, size))?]
         }

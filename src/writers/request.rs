@@ -17,7 +17,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::protocol::frame::Samples;
+use crate::protocol::frame::{Samples, ViewKind};
 use crate::protocol::npy;
 use crate::ptm::{ColorMatrix, Format, Header, Planes, Ptm, ScaleBias, Shape, Size};
 use crate::tools::export::npy_bytes;
@@ -101,7 +101,8 @@ impl RequestHeader {
     /// What of the array or of the header does not fit the format, in a sentence.
     pub fn with_planes(self, array: &[u8]) -> Result<WriteRequest, String> {
         let format: Format = self.format.parse()?;
-        let frame = npy::read(array, "raw").map_err(|error| format!("the planes: {error}"))?;
+        let frame =
+            npy::read(array, ViewKind::Raw).map_err(|error| format!("the planes: {error}"))?;
         let Samples::U8(samples) = frame.samples else {
             return Err("the planes: their type is not u8".to_owned());
         };

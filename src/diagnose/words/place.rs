@@ -12,11 +12,11 @@ use crate::diagnose::scope::shared_scope;
 use crate::diagnose::search::{Id, Search, without};
 use crate::diagnose::tuning::{MIN_SHARE_OF_A_PROPERTY, MIN_SHARING_FILES};
 use crate::diagnose::witness::Witness;
-use crate::protocol::frame::{Answer, Frame, View};
+use crate::protocol::frame::{Answer, Frame, View, ViewKind};
 use crate::ptm::{Format, channel_name};
 use crate::session::observation::Response;
 use crate::suite::cases::Expect;
-use crate::suite::compare::{Expected, ExpectedValues, apart};
+use crate::suite::compare::{Expected, apart};
 use crate::suite::origin;
 
 /// Formats and channels that are listed.
@@ -390,7 +390,7 @@ fn example_given(search: &Search, set: &[Id], w: usize) -> String {
         pair.channel_name(channel),
     );
     text.extend(arithmetic(witness, texel, channel).map(|steps| format!(" = {steps}")));
-    if pair.view != "rgb"
+    if pair.view != ViewKind::Rgb
         && let Ok(ptm) = witness.decoded()
     {
         let (case, file) = (witness.case, &witness.built.file);
@@ -420,7 +420,7 @@ fn first_wrong(pair: &Pair, witness: &Witness, open: &[usize]) -> Option<usize> 
         wrong.retain(is_open);
     }
     let coded = witness.model().and_then(|model| model.compressed.as_ref());
-    let Some(coded) = coded.filter(|_| pair.view != "rgb") else {
+    let Some(coded) = coded.filter(|_| pair.view != ViewKind::Rgb) else {
         return wrong.first().copied();
     };
     let channels = pair.wrong_channels();
@@ -443,9 +443,6 @@ fn first_wrong(pair: &Pair, witness: &Witness, open: &[usize]) -> Option<usize> 
 /// Returns the expected values, not rounded.
 fn expected(witness: &Witness, pair: &Pair) -> Option<Vec<f64>> {
     let expected = Expected::of(&witness.built.values, &witness.observation.view)?;
-    let values = match expected.values {
-        ExpectedValues::Rgb(values) | ExpectedValues::Coef(values) => values,
-        ExpectedValues::Raw(_) => return None,
-    };
-    (values.len() == pair.want.len()).then_some(values)
+    let is_pair = expected.view != ViewKind::Raw && expected.values.len() == pair.want.len();
+    is_pair.then_some(expected.values)
 }

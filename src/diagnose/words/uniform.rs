@@ -4,7 +4,7 @@ use super::refusals::example;
 use crate::diagnose::diagnosis::{Category, Diagnosis, Words};
 use crate::diagnose::tuning::MIN_FAILURES_OF_A_READING;
 use crate::diagnose::witness::Witness;
-use crate::protocol::frame::{Frame, Samples};
+use crate::protocol::frame::{Frame, Samples, ViewKind};
 use crate::session::observation::Response;
 use crate::suite::cases::Expect;
 
@@ -38,8 +38,8 @@ pub(in crate::diagnose) fn is_prevalent(witnesses: &[Witness]) -> bool {
 /// Returns the effect and the cases of each view in which these failing images do not depend on the file.
 fn find(witnesses: &[Witness], failing: &[usize]) -> Vec<(String, Vec<usize>)> {
     let mut found = Vec::new();
-    for view in ["raw", "coef", "rgb"] {
-        let is_of_view = |witness: &Witness| witness.observation.view.name() == view;
+    for view in ViewKind::ALL {
+        let is_of_view = |witness: &Witness| witness.observation.view.kind() == view;
         let frame = |&w: &usize| match &witnesses[w].observation.response {
             Response::Picture { frame, .. } if is_of_view(&witnesses[w]) => {
                 Some((w, frame.as_ref()?))

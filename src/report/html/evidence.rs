@@ -131,7 +131,7 @@ fn of_picture(
                 } }
             }
             tbody {
-                tr { th scope="row" { "expected" } @for c in 0..expected.channels { td { (number(expected.value(first + c))) } } }
+                tr { th scope="row" { "expected" } @for c in 0..expected.channels { td { (number(expected.values[first + c])) } } }
                 tr { th scope="row" { "received" } @for c in 0..expected.channels {
                     @let value = received(first + c);
                     @if expected.is_near(first + c, value) { td { (number(value)) } } @else { td.wrong { "≠ " (number(value)) } }
@@ -154,7 +154,7 @@ fn arithmetic(
     name: &str,
 ) -> Markup {
     let texel = y * expected.size.width as usize + x;
-    let exact = expected.value(texel * expected.channels + channel);
+    let exact = expected.values[texel * expected.channels + channel];
     let ptm = decode(file).ok();
     let steps = ptm.and_then(|ptm| arithmetic_steps(&ptm, view, texel, channel));
     let ends = match view {

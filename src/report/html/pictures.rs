@@ -6,7 +6,7 @@
 
 use maud::{Markup, html};
 
-use crate::protocol::frame::{Frame, Samples};
+use crate::protocol::frame::{Frame, Samples, ViewKind};
 use crate::ptm::channel_name;
 use crate::report::html::compare::{Compared, png};
 use crate::suite::compare::Expected;
@@ -40,7 +40,7 @@ pub(super) fn figure(
 ) -> Option<Markup> {
     let channels = expected.channels;
     let pair = Pair::new(expected, frame, (spot.0, spot.1))?;
-    if frame.view == "rgb" && channels == 3 {
+    if frame.view == ViewKind::Rgb && channels == 3 {
         return Some(pair.colored(spot));
     }
     let groups = match channels {
@@ -99,7 +99,7 @@ impl<'a> Pair<'a> {
             },
             spans: Vec::new(),
         };
-        if frame.view == "coef" {
+        if frame.view == ViewKind::Coef {
             pair.spans = (0..expected.channels)
                 .map(|channel| pair.span(channel))
                 .collect();
@@ -136,7 +136,7 @@ impl<'a> Pair<'a> {
         html! {
             figure.colors {
                 (pictures.markup(RECEIVED))
-                (scale_of("rgb"))
+                (scale_of(ViewKind::Rgb))
                 figcaption {
                     (self.part())
                     @for (channel, name) in ["red", "green", "blue"].into_iter().enumerate() {
@@ -189,7 +189,7 @@ impl<'a> Pair<'a> {
         let texels = 0..self.expected.size.texels();
         let both = texels.flat_map(|texel| {
             let i = texel * self.expected.channels + channel;
-            [self.expected.value(i), self.received(i)]
+            [self.expected.values[i], self.received(i)]
         });
         both.filter(|value| value.is_finite())
             .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| {
@@ -207,14 +207,14 @@ impl<'a> Pair<'a> {
 
     /// How far apart, from 0 (near enough) to 1.
     fn apart(&self, i: usize, channel: usize) -> f64 {
-        let (expected, received) = (self.expected.value(i), self.received(i));
+        let (expected, received) = (self.expected.values[i], self.received(i));
         if self.expected.is_near(i, received) {
             return 0.0;
         }
         let apart = (expected - received).abs();
         let part = match self.spans.get(channel) {
             Some((low, high)) => apart / (high - low),
-            None if self.frame.view == "raw" => apart.min(256.0 - apart) / 128.0,
+            None if self.frame.view == ViewKind::Raw => apart.min(256.0 - apart) / 128.0,
             None => apart / 255.0,
         };
         // Something is to be seen of the least difference; and what is no number is as far off as can be.
@@ -233,7 +233,7 @@ impl<'a> Pair<'a> {
             [gray, gray, gray, 255]
         };
         match row {
-            EXPECTED => gray(self.expected.value(i)),
+            EXPECTED => gray(self.expected.values[i]),
             RECEIVED => gray(self.received(i)),
             _ => heat(self.apart(i, channel)),
         }
@@ -314,11 +314,11 @@ const RECEIVED: &str = "received";
 const DIFFERENCE: &str = "difference";
 
 /// What the colors of a difference mean.
-fn scale_of(view: &str) -> Markup {
+fn scale_of(view: ViewKind) -> Markup {
     let (least, most) = match view {
-        "raw" => ("1", "128, around the circle of 256 values"),
-        "rgb" => ("1", "255"),
-        _ => ("a little", "all that the plane spans"),
+        ViewKind::Raw => ("1", "128, around the circle of 256 values"),
+        ViewKind::Rgb => ("1", "255"),
+        ViewKind::Coef => ("a little", "all that the plane spans"),
     };
     html! { p.heat { "difference " (least) " " i {} " " (most) "; blank: near enough" } }
 }

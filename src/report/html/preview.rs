@@ -7,10 +7,10 @@ use data_encoding::BASE64;
 use maud::{Markup, html};
 
 use crate::decode::decode;
-use crate::protocol::frame::{Frame, Samples, View};
+use crate::protocol::frame::{Frame, Samples, View, ViewKind};
 use crate::ptm::{ColorMatrix, Ptm, Shape};
 use crate::suite::cases::Built;
-use crate::suite::compare::{Expected, ExpectedValues};
+use crate::suite::compare::Expected;
 
 /// The most samples a preview holds; larger maps have none.
 const SAMPLES: usize = 24 << 10;
@@ -19,7 +19,7 @@ const SAMPLES: usize = 24 << 10;
 /// anew, for other shapes, and for large maps.
 pub(super) fn figure(built: &Built, frame: &Frame) -> Option<Markup> {
     let expected = Expected::of(&built.values, &View::Raw)?;
-    let ExpectedValues::Raw(stored) = &expected.values else {
+    let Samples::U8(stored) = expected.frame().samples else {
         return None;
     };
     let shape = (
@@ -35,21 +35,21 @@ pub(super) fn figure(built: &Built, frame: &Frame) -> Option<Markup> {
         Shape::Lum(ColorMatrix(elements)) => numbers(&elements),
         _ => String::new(),
     };
-    let (kind, received) = match &frame.samples {
-        Samples::U8(samples) if frame.view == "raw" => ("raw", BASE64.encode(samples)),
-        Samples::F32(samples) if frame.view == "coef" => {
+    let received = match &frame.samples {
+        Samples::U8(samples) if frame.view == ViewKind::Raw => BASE64.encode(samples),
+        Samples::U8(_) => return None,
+        Samples::F32(samples) => {
             let bytes: Vec<u8> = samples
                 .iter()
                 .flat_map(|value| value.to_le_bytes())
                 .collect();
-            ("coef", BASE64.encode(&bytes))
+            BASE64.encode(&bytes)
         }
-        _ => return None,
     };
     Some(html! {
         figure.preview data-width=(frame.width) data-height=(frame.height) data-channels=(frame.channels)
             data-scale=(numbers(&header.scale_bias.scale)) data-bias=(numbers(&header.scale_bias.bias))
-            data-matrix=(matrix) data-expected=(BASE64.encode(stored)) data-kind=(kind) data-received=(received) {
+            data-matrix=(matrix) data-expected=(BASE64.encode(&stored)) data-kind=(frame.view) data-received=(received) {
             figcaption { "Under a light: drag over a picture, or use the sliders." }
         }
     })

@@ -107,6 +107,7 @@ fn in_words(scene: &LitScene) -> &'static str {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::protocol::frame::ViewKind;
     use crate::ptm::Format;
 
     #[test]
@@ -115,7 +116,7 @@ mod tests {
             let scene = |change: fn(&LitScene) -> Vec<u8>| {
                 let mut scene = LitScene {
                     format,
-                    view: "rgb",
+                    view: ViewKind::Rgb,
                     right: Vec::new(),
                     received: Vec::new(),
                 };

@@ -1,8 +1,8 @@
 //! The first line of a frame and its samples, in every way in which they may be meant.
 
 use crate::protocol::forms;
-use crate::protocol::frame::{Samples, View};
-use crate::suite::compare::{Expected, ExpectedValues};
+use crate::protocol::frame::{Samples, View, ViewKind};
+use crate::suite::compare::Expected;
 
 use super::mistake::{Interpretation, Mistake, mistake};
 
@@ -13,17 +13,17 @@ pub(super) fn body(
     view: &View,
 ) -> Option<(Vec<Mistake>, Vec<Interpretation>)> {
     if let Ok(frame) = forms::read(bytes, view, bytes.len().max(1 << 16)) {
-        let (kind, values): (_, Vec<f64>) = match &frame.samples {
-            Samples::U8(values) => ("u8", values.iter().map(|&value| value.into()).collect()),
-            Samples::F32(values) => ("f32", values.iter().map(|&value| value.into()).collect()),
-        };
+        let kind = frame.samples.sample_type();
         // A frame may be well-formed and its samples still be bytes of something else.
         let mut meant = interpretations(&bytes_of(&frame.samples), expected);
-        if kind == kind_of(expected) {
-            meant.push((values, Vec::new()));
+        if kind == expected.view.sample_type() {
+            meant.push((frame.samples.to_reals(), Vec::new()));
         }
         let shape = (frame.width, frame.height, frame.channels);
-        return Some((line_mistakes(frame.view, shape, kind, expected), meant));
+        return Some((
+            line_mistakes(frame.view.name(), shape, kind, expected),
+            meant,
+        ));
     }
     let end = bytes.iter().position(|&byte| byte == b'\n')?;
     let line = std::str::from_utf8(&bytes[..end]).ok()?;
@@ -56,14 +56,6 @@ fn bytes_of(samples: &Samples) -> Vec<u8> {
     }
 }
 
-/// The type of samples that is expected.
-fn kind_of(expected: &Expected) -> &'static str {
-    match expected.values {
-        ExpectedValues::Coef(_) => "f32",
-        ExpectedValues::Raw(_) | ExpectedValues::Rgb(_) => "u8",
-    }
-}
-
 /// What is wrong with the words of the first line.
 fn line_mistakes(
     name: &str,
@@ -71,7 +63,7 @@ fn line_mistakes(
     kind: &str,
     expected: &Expected,
 ) -> Vec<Mistake> {
-    let (size, right_kind) = (expected.size, kind_of(expected));
+    let (size, right_kind) = (expected.size, expected.view.sample_type());
     let mut mistakes: Vec<Mistake> = view_mistake(name, expected).into_iter().collect();
     if (width, height) == (size.height, size.width) && width != height {
         mistakes.push(mistake(
@@ -106,12 +98,8 @@ fn line_mistakes(
 }
 
 fn view_mistake(name: &str, expected: &Expected) -> Option<Mistake> {
-    let right = match expected.values {
-        ExpectedValues::Raw(_) => "raw",
-        ExpectedValues::Coef(_) => "coef",
-        ExpectedValues::Rgb(_) => "rgb",
-    };
-    if name.starts_with("rgb:") && right == "rgb" {
+    let right = expected.view.name();
+    if name.starts_with("rgb:") && expected.view == ViewKind::Rgb {
         return Some(mistake(
             format!("its first line says {name:?}"),
             "the line has rgb alone, without the light",
@@ -127,7 +115,7 @@ fn view_mistake(name: &str, expected: &Expected) -> Option<Mistake> {
 
 /// The numbers that the bytes of the samples may mean.
 fn interpretations(bytes: &[u8], expected: &Expected) -> Vec<Interpretation> {
-    let is_real = kind_of(expected) == "f32";
+    let is_real = expected.view.sample_type() == "f32";
     let count = expected.size.texels() * expected.channels;
     let ways = [
         plain(bytes, count, is_real),
@@ -203,7 +191,7 @@ fn doubles(bytes: &[u8], count: usize, is_real: bool) -> Vec<Interpretation> {
 
 /// Colors of four samples.
 fn with_alpha(bytes: &[u8], expected: &Expected) -> Vec<Interpretation> {
-    let is_color = matches!(expected.values, ExpectedValues::Rgb(_));
+    let is_color = expected.view == ViewKind::Rgb;
     if !is_color || bytes.len() != 4 * expected.size.texels() {
         return Vec::new();
     }

@@ -1,7 +1,7 @@
 //! What is wrong with an answer: the mistakes of wrappers, each undone, until the picture is right.
 
-use crate::protocol::frame::{Frame, Samples, View};
-use crate::suite::compare::{Expected, ExpectedValues};
+use crate::protocol::frame::{Frame, View};
+use crate::suite::compare::Expected;
 
 use super::arrangement::arrangements;
 use super::body::body;
@@ -147,28 +147,9 @@ fn without_carriage_returns(bytes: &[u8]) -> Vec<u8> {
 }
 
 fn is_right(values: &[f64], expected: &Expected) -> bool {
-    let (view, samples) = match expected.values {
-        ExpectedValues::Coef(_) => (
-            "coef",
-            Samples::F32(values.iter().map(|&value| value as f32).collect()),
-        ),
-        ExpectedValues::Raw(_) => ("raw", Samples::U8(to_bytes(values))),
-        ExpectedValues::Rgb(_) => ("rgb", Samples::U8(to_bytes(values))),
-    };
     let frame = Frame {
-        view,
-        width: expected.size.width,
-        height: expected.size.height,
-        channels: expected.channels as u32,
-        samples,
-        lossy: false,
+        samples: expected.view.samples(values),
+        ..expected.frame()
     };
     expected.compare(&frame).is_none()
-}
-
-fn to_bytes(values: &[f64]) -> Vec<u8> {
-    values
-        .iter()
-        .map(|value| value.clamp(0.0, 255.0) as u8)
-        .collect()
 }

@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use ptm_conform::Reading;
 use ptm_conform::diagnose::{Cause, Diagnosis, composable, diagnose};
 use ptm_conform::misreadings::{self, Misreading};
-use ptm_conform::protocol::frame::{Answer, Frame, Samples, View};
+use ptm_conform::protocol::frame::{Answer, Frame, Samples, View, ViewKind};
 use ptm_conform::ptm::Format;
 use ptm_conform::runner::run::{Reply, Request};
 use ptm_conform::session::outcome::Outcome;
@@ -118,7 +118,7 @@ fn a_search_among_failures_that_share_nothing_ends() {
     suite.cases.retain(is_quick);
     let run = run_of(&suite, |_, _| {
         Answer::Decoded(Frame {
-            view: "raw",
+            view: ViewKind::Raw,
             width: 1,
             height: 1,
             channels: 9,
@@ -143,7 +143,7 @@ fn a_mistake_in_one_color_is_named_with_it() {
     let told = told(&suite(), |request, answer| {
         let wrong = misreadings::answer(&[wraps], Reading::SPEC, request.file, request.view);
         match (answer, wrong) {
-            (Answer::Decoded(mut frame), Answer::Decoded(wrong)) if frame.view == "rgb" => {
+            (Answer::Decoded(mut frame), Answer::Decoded(wrong)) if frame.view == ViewKind::Rgb => {
                 if let (Samples::U8(right), Samples::U8(wrong)) =
                     (&mut frame.samples, wrong.samples)
                 {
@@ -184,7 +184,7 @@ fn rows_that_turn_are_described_as_places() {
     let mut suite = suite();
     suite.cases.retain(|case| case.format() == Format::Lrgb);
     let told = told(&suite, |_, answer| match answer {
-        Answer::Decoded(frame) if frame.view == "raw" => Answer::Decoded(snaking(&frame)),
+        Answer::Decoded(frame) if frame.view == ViewKind::Raw => Answer::Decoded(snaking(&frame)),
         Answer::Decoded(_) => Answer::Unsupported,
         other => other,
     });
@@ -263,7 +263,7 @@ fn what_the_catalogue_does_not_know_is_put_into_words() {
         (
             "highest bit of a3",
             |_, answer| {
-                edited(answer, "raw", |frame, samples| {
+                edited(answer, ViewKind::Raw, |frame, samples| {
                     for texel in samples.chunks_exact_mut(frame) {
                         texel
                             .iter_mut()
@@ -278,7 +278,7 @@ fn what_the_catalogue_does_not_know_is_put_into_words() {
         (
             "last texel lost",
             |_, answer| {
-                edited(answer, "raw", |channels, samples| {
+                edited(answer, ViewKind::Raw, |channels, samples| {
                     let last = samples.len() - channels;
                     samples[last..].fill(0);
                 })
@@ -288,7 +288,7 @@ fn what_the_catalogue_does_not_know_is_put_into_words() {
         (
             "one more",
             |_, answer| {
-                edited(answer, "raw", |_, samples| {
+                edited(answer, ViewKind::Raw, |_, samples| {
                     for sample in samples {
                         *sample = sample.wrapping_add(1);
                     }
@@ -299,7 +299,7 @@ fn what_the_catalogue_does_not_know_is_put_into_words() {
         (
             "a bias of −1 counts as none",
             |request, answer| match (answer, request.view) {
-                (Answer::Decoded(frame), view) if frame.view != "raw" => {
+                (Answer::Decoded(frame), view) if frame.view != ViewKind::Raw => {
                     with_samples(frame, |ptm| {
                         let mut ptm = ptm.clone();
                         for bias in &mut ptm.header.scale_bias.bias {
@@ -323,20 +323,22 @@ fn what_the_catalogue_does_not_know_is_put_into_words() {
         (
             "a4 is not scaled, in a decoder of final values",
             |request, answer| match answer {
-                Answer::Decoded(frame) if frame.view == "coef" => with_samples(frame, |ptm| {
-                    let bias = ptm.header.scale_bias.bias[4];
-                    let raw = ptm.planes.texels().flatten();
-                    let values = ptm.coefficients().values.into_iter().zip(raw).enumerate();
-                    let channels = ptm.planes.shape.channels();
-                    let polynomials = ptm.planes.shape.coefficients();
-                    let value = |(i, (value, &raw)): (usize, (f64, &u8))| match i % channels {
-                        channel if channel < polynomials && channel % 6 == 4 => {
-                            (f64::from(raw) - bias) as f32
-                        }
-                        _ => value as f32,
-                    };
-                    Samples::F32(values.map(value).collect())
-                })(request.file),
+                Answer::Decoded(frame) if frame.view == ViewKind::Coef => {
+                    with_samples(frame, |ptm| {
+                        let bias = ptm.header.scale_bias.bias[4];
+                        let raw = ptm.planes.texels().flatten();
+                        let values = ptm.coefficients().values.into_iter().zip(raw).enumerate();
+                        let channels = ptm.planes.shape.channels();
+                        let polynomials = ptm.planes.shape.coefficients();
+                        let value = |(i, (value, &raw)): (usize, (f64, &u8))| match i % channels {
+                            channel if channel < polynomials && channel % 6 == 4 => {
+                                (f64::from(raw) - bias) as f32
+                            }
+                            _ => value as f32,
+                        };
+                        Samples::F32(values.map(value).collect())
+                    })(request.file)
+                }
                 Answer::Decoded(_) => Answer::Unsupported,
                 other => other,
             },
@@ -387,7 +389,7 @@ fn with_samples(
 }
 
 /// The samples of a raw frame changed; other answers as they are.
-fn edited(answer: Answer, view: &str, edit: fn(usize, &mut [u8])) -> Answer {
+fn edited(answer: Answer, view: ViewKind, edit: fn(usize, &mut [u8])) -> Answer {
     match answer {
         Answer::Decoded(mut frame) if frame.view == view => {
             let channels = frame.channels as usize;

@@ -3,7 +3,7 @@
 use ptm_conform::Reading;
 use ptm_conform::diagnose::{Cause, diagnose};
 use ptm_conform::misreadings;
-use ptm_conform::protocol::frame::{Answer, Frame, Samples};
+use ptm_conform::protocol::frame::{Answer, Frame, Samples, ViewKind};
 use ptm_conform::runner::run::{Reply, Request};
 use ptm_conform::session::plan::RunPlan;
 use ptm_conform::session::run::check;
@@ -31,7 +31,7 @@ fn uniform(request: &Request) -> Answer {
 /// Returns the same image for every file, even a malformed one.
 fn the_same_image(request: &Request) -> Answer {
     let mut frame = Frame {
-        view: request.view.name(),
+        view: request.view.kind(),
         width: 3,
         height: 2,
         channels: 9,
@@ -39,9 +39,9 @@ fn the_same_image(request: &Request) -> Answer {
         lossy: false,
     };
     match frame.view {
-        "coef" => frame.samples = Samples::F32(vec![0.0; 54]),
-        "rgb" => (frame.channels, frame.samples) = (3, Samples::U8(vec![0; 18])),
-        _ => {}
+        ViewKind::Coef => frame.samples = Samples::F32(vec![0.0; 54]),
+        ViewKind::Rgb => (frame.channels, frame.samples) = (3, Samples::U8(vec![0; 18])),
+        ViewKind::Raw => {}
     }
     Answer::Decoded(frame)
 }

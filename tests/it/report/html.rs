@@ -7,7 +7,7 @@ use data_encoding::BASE64;
 use ptm_conform::Reading;
 use ptm_conform::diagnose::diagnose;
 use ptm_conform::misreadings;
-use ptm_conform::protocol::frame::{Answer, Samples};
+use ptm_conform::protocol::frame::{Answer, Samples, ViewKind};
 use ptm_conform::report::Report;
 use ptm_conform::report::badge;
 use ptm_conform::report::github;
@@ -311,7 +311,7 @@ fn colors_are_shown_with_their_arithmetic() {
         else {
             return Reply::from(Answer::Rejected);
         };
-        if frame.view != "rgb" {
+        if frame.view != ViewKind::Rgb {
             return Reply::from(Answer::Unsupported);
         }
         if let Samples::U8(bytes) = &mut frame.samples {
