@@ -108,7 +108,7 @@ def runnable(language, text, folder):
 def check(program, command, folder):
     """Returns the exit status of a check, whether an image of a legal file is wrong, and what the program printed."""
     report = os.path.join(folder, "report.yaml")
-    served = ["--serve"] if command[0] == sys.executable else []
+    served = ["--serve"] if len(command) > 1 else []
     run = subprocess.run([program, "check", "--jobs", "1", "--timeout", "3", "--report", report, *served, "--", *command],
                          capture_output=True, cwd=folder, timeout=1800, encoding="utf-8", errors="replace")
     with open(report, encoding="utf-8") as file:

@@ -3,6 +3,7 @@
 // Reads an uncompressed Polynomial Texture Map, version 1.2, and answers in PTM-CP 1. Node 18 or later, nothing else.
 //
 //     ptm_decoder.js VIEW FILE       VIEW is raw, coef or rgb:LU,LV; one frame on standard output
+//     ptm_decoder.js serve           requests "SEQ VIEW PATH" on standard input, one per line
 //
 // Exit status: 0 decoded, 65 malformed, 69 unsupported (the compressed formats, other views). The sections stand in the
 // order of the text; where it leaves a question open, the name of the ruling is given in brackets, as in [rows].
@@ -167,10 +168,41 @@ function frame(view, path) {
   return [line("coef", ptm.channels, "f32"), bytes];
 }
 
-try {
-  if (process.argv.length !== 4) unsupported("usage: ptm_decoder.js VIEW FILE");
+const CAPABILITIES = `protocol: 1
+name: ptm-decoder-javascript
+version: "1.0"
+views: [raw, coef, rgb]
+formats: [PTM_FORMAT_RGB, PTM_FORMAT_LUM, PTM_FORMAT_LRGB, PTM_FORMAT_PTM_LUT, PTM_FORMAT_PTM_C_LUT]
+modes: [one-shot, serve]
+`;
+
+// Answers requests "SEQ VIEW PATH" on standard input, one per line.
+function serve() {
+  require("readline").createInterface({ input: process.stdin }).on("line", (request) => {
+    const [, sequence, view, path] = /^(\S+) (\S+) (.*)$/.exec(request);
+    let answer;
+    try {
+      const parts = frame(view, path);
+      const size = parts.reduce((sum, part) => sum + part.length, 0);
+      answer = [Buffer.from(`${sequence} ok ${size}\n`), ...parts];
+    } catch (error) {
+      if (!(error instanceof Refusal)) throw error;
+      answer = [Buffer.from(`${sequence} ${error.status === 65 ? "reject 65" : "unsupported"}\n`)];
+    }
+    process.stdout.write(Buffer.concat(answer));
+  });
+}
+
+function main([view, path]) {
+  if (view === "capabilities") return process.stdout.write(CAPABILITIES);
+  if (view === "serve") return serve();
+  if (path === undefined) unsupported("usage: ptm_decoder.js VIEW FILE");
   // No process.exit: it would cut off what a pipe has not taken yet.
-  for (const part of frame(process.argv[2], process.argv[3])) process.stdout.write(part);
+  for (const part of frame(view, path)) process.stdout.write(part);
+}
+
+try {
+  main(process.argv.slice(2));
 } catch (error) {
   if (!(error instanceof Refusal)) throw error;
   console.error(error.message);
