@@ -108,7 +108,7 @@ fn fail(says: impl Into<String>) -> Verdict {
 const PASS: Verdict = (Outcome::Pass, String::new());
 
 impl<C: TestCase> Evidence<'_, C> {
-    /// Returns the outcome and the reason: the table's, but for the exceptions that the README lists below it.
+    /// Returns the outcome and the reason: the table's, but for the exceptions that docs/protocol.md lists below it.
     fn verdict(&self, offer: &Offer<C>) -> Verdict {
         let (case, observation) = (self.case, self.observation);
         let expect = case.expect();

@@ -80,7 +80,7 @@ pub enum ResponseKind {
     Violation,
 }
 
-/// Returns the outcome of a case. The README shows the same table under "What the verdicts mean", and the exceptions to it.
+/// Returns the outcome of a case. docs/protocol.md shows the same table, and the exceptions to it.
 ///
 /// `is_supported` says whether the decoder supports every feature that the case needs.
 #[must_use]

@@ -15,6 +15,7 @@ macro_rules! document {
 const DOCUMENTS: &[(&str, &str, &str)] = &[
     document!("README.md", "index"),
     document!("docs/install.md", "install"),
+    document!("docs/protocol.md", "protocol"),
     document!("docs/check.md", "check"),
     document!("docs/report.md", "report"),
     document!("docs/diagnosis.md", "diagnosis"),

@@ -100,7 +100,7 @@ impl SuiteName {
     #[must_use]
     pub fn protocol_page(self) -> &'static str {
         match self {
-            SuiteName::Ptm => "docs/index.html#the-decoder-protocol-ptm-cp-1",
+            SuiteName::Ptm => "docs/protocol.html",
             SuiteName::Texture => "docs/spec-cases-texture.html",
             SuiteName::Writers | SuiteName::Fitters => "docs/writers.html",
         }

@@ -46,7 +46,7 @@ fn counts_in_documents_are_those_of_the_program() {
             "README.md",
             format!("The suite has {cases} cases, and its catalog has {misreadings} *misreadings*"),
         ),
-        ("README.md", format!("`check --smoke` runs {smoke} cases")),
+        ("README.md", format!("`--smoke` | {smoke} cases")),
         (
             "docs/diagnosis.md",
             format!("`check --smoke` runs {smoke} cases"),

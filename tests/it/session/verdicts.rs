@@ -83,7 +83,7 @@ fn the_documents_show_the_table_that_decides() {
             &[true, false],
         ),
     ];
-    for document in ["README.md", "spec-cases/README.md"] {
+    for document in ["docs/protocol.md", "spec-cases/README.md"] {
         let written = table(document);
         assert_eq!(written.len(), rows.len(), "{document}: {written:#?}");
         for ((words, outcomes), (row, response, supported)) in written.iter().zip(rows) {
