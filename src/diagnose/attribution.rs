@@ -1,9 +1,11 @@
 //! Attribution of failures to the mistakes that were found.
 
 use super::diagnosis::{Category, Cause, Diagnosis, Words};
+use super::failure_mode::FailureMode;
 use super::mistake::Mistake;
 use super::scope::Scope;
-use super::search::{Found, Id, Member, Search, Set, of};
+use super::search::{Found, Id, Member, Search, Set, of, without};
+use super::tuning::STRAY_SHARE;
 use super::words::acceptances;
 use super::words::formats::formats_of;
 use super::words::place;
@@ -11,9 +13,6 @@ use super::words::refusals::{self, WholeFormats};
 use crate::formula::{Edit, EditedForm};
 use crate::misreadings::{At, Misreading, Symptom};
 use crate::session::observation::Response;
-
-/// Formats that are listed for a mistake; more are not mentioned.
-const MAX_FORMATS: usize = 4;
 
 /// The failures listed under a mistake, and the other mistakes that they need.
 #[derive(Clone, Default)]
@@ -208,7 +207,7 @@ fn of_found(search: &Search, mistake: &Mistake, share: &Share) -> Diagnosis {
     let misreading = mistake.misreading;
     let place = match &mistake.scope {
         // In other formats an edit may change nothing.
-        Scope::All => formats_of(witnesses, &share.explains, MAX_FORMATS),
+        Scope::All => formats_of(witnesses, &share.explains),
         scope => format!(", only in files {}", scope.describe()),
     };
     let (effect, fix) = match (mistake.listed(), misreading.at) {
@@ -283,10 +282,27 @@ pub(super) fn attribute_in_part(
     left: &mut Vec<usize>,
 ) {
     let set = of(&found.members);
+    let acts = |w: usize, member: Id| {
+        FailureMode::of(&search.witnesses[w]).is_none()
+            && search.differ(w, &set, &without(&set, member))
+    };
+    // A mistake that reproduces nearly all images that it changes is made in the others too.
+    let explains_nearly_all = |member: Id| {
+        let explained = diagnoses.iter().find(|(id, _)| *id == member);
+        let explained = explained.map_or(0, |(_, diagnosis)| diagnosis.explains.len());
+        let open = left.iter().filter(|&&w| acts(w, member)).count();
+        open * STRAY_SHARE <= explained
+    };
+    let thorough: Vec<Id> = set
+        .iter()
+        .copied()
+        .filter(|&id| explains_nearly_all(id))
+        .collect();
     left.retain(|&w| {
-        let near = set
-            .iter()
-            .find(|&&member| place::is_near(search, w, &set, member));
+        let is_partly = |&&member: &&Id| {
+            thorough.contains(&member) && acts(w, member) || place::is_near(search, w, &set, member)
+        };
+        let near = set.iter().find(is_partly);
         let known = near.and_then(|member| diagnoses.iter_mut().find(|(id, _)| id == member));
         let is_left = known.is_none();
         if let Some((_, diagnosis)) = known {

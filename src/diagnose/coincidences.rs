@@ -45,11 +45,11 @@ fn drop_strays(search: &Search, found: &mut Found) {
     found.keep(&keep);
 }
 
-/// One in so many images may agree with a mistake by chance, or two if they are colors, which are rounded.
+/// One in so many images may agree with a mistake by chance.
 const RARE: usize = 3;
 
-/// Removes misreadings that explain few images and change many others in another way than the decoder does. If passing files
-/// contradict a misreading, it must explain three in four.
+/// Removes misreadings that explain few images and change many others in another way than the decoder does. A misreading must
+/// explain three in four if passing files contradict it, or if only colors show it, because these are rounded.
 fn drop_rare(search: &Search, found: &mut Found) {
     let set = of(&found.members);
     let failing = failing(search.witnesses);
@@ -70,11 +70,10 @@ fn drop_rare(search: &Search, found: &mut Found) {
                 far += usize::from(!is_near(search, w, &set, id));
             }
         }
-        // Only colors show such a misreading.
         let is_of_colors = search.mistakes[id].misreading.at.stage() == Stage::Color;
-        let is_rare = explained * RARE <= far * if is_of_colors { 2 } else { 1 };
+        let is_rare = explained * RARE <= far;
         let is_denied = || !search.denied(&[id]).is_empty() && !search.denied(&set).is_empty();
-        explained == 0 || !is_rare && (explained > 3 * other || !is_denied())
+        explained == 0 || !is_rare && (explained > 3 * other || !is_of_colors && !is_denied())
     });
     found.keep(&keep);
 }

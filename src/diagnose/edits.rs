@@ -14,11 +14,11 @@ use super::pair::Pair;
 use super::scope::{Scope, scope_between};
 use super::search::{Id, Search, Set, WORTH_OF_A_REFUSAL, spread};
 use super::tuning::{
-    MAX_EDITS, MAX_PROBES, MAX_SCOPED_MISREADINGS, MIN_CASES_OF_A_SCOPE, MIN_PROBE_SIZE,
+    MAX_EDITS, MAX_PROBES, MAX_SCOPED_MISREADINGS, MIN_FAILURES_OF_A_READING, MIN_PROBE_SIZE,
 };
-use super::witness::Agreement;
+use super::witness::{Agreement, explains_a_view};
 use super::words::place::pair_of;
-use crate::formula::{Edit, EditedForm, Formula, edits};
+use crate::formula::{EditedForm, Formula, edits};
 use crate::misreadings::{At, Misreading};
 use crate::protocol::frame::Answer;
 
@@ -143,11 +143,6 @@ fn wrong_channels(search: &Search, set: &Set, probe: &[usize]) -> Channels {
 
 /// Returns the mistake in every file, or in the files in which no passing case contradicts it.
 fn scoped(search: &Search, set: &Set, mistake: &Mistake, left: &[usize]) -> Option<Mistake> {
-    let with_scope = |scope| Mistake {
-        misreading: mistake.misreading,
-        channels: mistake.channels,
-        scope,
-    };
     let pictures = search.solvable(left);
     let fits = |w: &usize| search.agreement_with(*w, set, mistake) == Agreement::Picture;
     let explained: Vec<usize> = pictures.iter().copied().filter(fits).collect();
@@ -164,24 +159,22 @@ fn scoped(search: &Search, set: &Set, mistake: &Mistake, left: &[usize]) -> Opti
     if mistake.channels != Channels::All && scope != Scope::All {
         return None;
     }
-    let least = if scope == Scope::All {
-        1
-    } else {
-        MIN_CASES_OF_A_SCOPE
+    let scoped = Mistake {
+        misreading: mistake.misreading,
+        channels: mistake.channels,
+        scope,
     };
-    let scoped = with_scope(scope);
-    // Most failing files that the mistake changes are explained by it. A learned table was compared with their texels.
+    // In one view, nearly all wrong images that the mistake changes are explained by it; in another view a later mistake may
+    // change them too. A learned table was compared with their texels.
     let acts = |w: &&usize| search.changes_with(**w, set, &scoped);
-    let acting = pictures.iter().filter(acts).count();
+    let acting: Vec<usize> = pictures.iter().filter(acts).copied().collect();
     let is_learned = matches!(
         mistake.misreading.at,
-        At::Edits([Edit {
-            change: EditedForm::Table(_),
-            ..
-        }])
+        At::Edits([edit]) if matches!(edit.change, EditedForm::Table(_))
     );
-    let is_supported = is_learned || 2 * explained.len() >= acting;
-    (explained.len() >= least && is_supported).then_some(scoped)
+    let is_supported = explained.len() >= MIN_FAILURES_OF_A_READING
+        && (is_learned || explains_a_view(search.witnesses, &explained, &acting));
+    is_supported.then_some(scoped)
 }
 
 /// Adds misreadings of the catalog that passing cases contradict, in the files in which they are made.

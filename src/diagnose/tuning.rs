@@ -35,7 +35,7 @@ pub const MAX_WORK: usize = 400_000;
 pub(super) const MAX_WORK_ON_PAIRS: usize = 8_000;
 /// A misreading that explains one in so many failures is named before edits are tried.
 pub(super) const MUCH: usize = 4;
-/// Failures that a further mistake, or another reading of the open questions, must explain to be believed.
+/// Failures that an edit, a scope, or another reading of the open questions must explain to be believed.
 pub(super) const MIN_FAILURES_OF_A_READING: usize = 4;
 
 // Edits of formulas
@@ -49,8 +49,6 @@ pub(super) const MIN_PROBE_SIZE: u32 = 3;
 pub(super) const MAX_EDITS: usize = 24;
 /// Misreadings for which the files in which they are made are looked for.
 pub(super) const MAX_SCOPED_MISREADINGS: usize = 12;
-/// Failing files that support a scope.
-pub(super) const MIN_CASES_OF_A_SCOPE: usize = 3;
 /// A value changes in a learned table if one in so many of its texels says so; lossy planes differ by one in a few.
 pub(super) const MIN_SHARE_OF_A_TABLE: usize = 5;
 

@@ -407,6 +407,19 @@ pub fn composable(a: &Misreading, b: &Misreading) -> bool {
     !a.at.is_at(&b.at)
 }
 
+/// Returns true if `explained` are at least three in four of the `acting` cases in one view.
+pub(super) fn explains_a_view(
+    witnesses: &[Witness],
+    explained: &[usize],
+    acting: &[usize],
+) -> bool {
+    ViewKind::ALL.into_iter().any(|view| {
+        let is_of = |w: &&usize| witnesses[**w].observation.view.kind() == view;
+        let count = explained.iter().filter(is_of).count();
+        count > 0 && 4 * count >= 3 * acting.iter().filter(is_of).count()
+    })
+}
+
 /// Returns true if two images are equal up to rounding.
 #[must_use]
 pub fn alike(a: &Frame, b: &Frame) -> bool {

@@ -19,6 +19,12 @@ const RIVALS: [&[f64]; 5] = [
     &[65536.0, 65535.0, 32768.0],
 ];
 
+/// Functions that are exchanged for each other.
+const SIBLINGS: [&[Function]; 2] = [
+    &[Function::Min, Function::Max],
+    &[Function::Round, Function::Truncate, Function::Floor],
+];
+
 /// Factors that are added by mistake.
 const FACTORS: [f64; 4] = [2.0, 255.0, 256.0, 128.0];
 
@@ -136,9 +142,14 @@ fn exchanged(node: &Expression, _: Scope) -> Vec<Expression> {
             let each = (0..terms.len()).rev().map(one);
             each.chain([Expression::Sum(all)]).collect()
         }
-        Expression::Product(factors) if factors.len() == 2 => {
-            let [a, b] = [&factors[0], &factors[1]].map(|factor| Box::new(factor.clone()));
-            vec![Expression::Quotient(a, b), Expression::Sum(factors.clone())]
+        Expression::Product(factors) => {
+            let split = |place: usize| {
+                let parts = [&factors[..place], &factors[place..]];
+                let [a, b] = parts.map(|part| single_or(part.to_vec(), Expression::Product));
+                let sum = Expression::Sum(vec![a.clone(), b.clone()]);
+                [Expression::Quotient(Box::new(a), Box::new(b)), sum]
+            };
+            (1..factors.len()).flat_map(split).collect()
         }
         Expression::Quotient(over, under) => {
             let both = [over, under].map(|part| (**part).clone());
@@ -147,25 +158,18 @@ fn exchanged(node: &Expression, _: Scope) -> Vec<Expression> {
                 Expression::Quotient(under.clone(), over.clone()),
             ]
         }
-        Expression::Call(outer @ (Function::Min | Function::Max), arguments) => {
-            let others = [Function::Min, Function::Max];
-            let others = others.iter().filter(|other| *other != outer);
-            others.map(|other| call(*other, arguments)).collect()
-        }
-        Expression::Call(
-            outer @ (Function::Floor | Function::Round | Function::Truncate),
-            arguments,
-        ) => {
-            let others = [Function::Round, Function::Truncate, Function::Floor];
-            let others = others.into_iter().filter(|function| function != outer);
-            others.map(|function| call(function, arguments)).collect()
-        }
-        Expression::Call(outer, arguments) => match &arguments[..] {
-            [Expression::Call(inner, innermost)] if innermost.len() == 1 => {
-                vec![call(*inner, &[call(*outer, innermost)])]
+        Expression::Call(outer, arguments) => {
+            let family = SIBLINGS.iter().find(|family| family.contains(outer));
+            let others = family.copied().into_iter().flatten();
+            let others = others.filter(|other| *other != outer);
+            let mut all: Vec<Expression> = others.map(|other| call(*other, arguments)).collect();
+            if let [Expression::Call(inner, innermost)] = &arguments[..]
+                && innermost.len() == 1
+            {
+                all.push(call(*inner, &[call(*outer, innermost)]));
             }
-            _ => Vec::new(),
-        },
+            all
+        }
         _ => Vec::new(),
     }
 }
@@ -206,44 +210,34 @@ fn exchanged_everywhere(expression: &Expression, scope: Scope) -> Vec<Expression
     for a in (0..count).filter(|&place| expression.uses(place)) {
         for b in 0..count {
             if b != a && (b > a || !expression.uses(b)) {
-                all.push(with_variables(expression, &|place| match place {
-                    _ if place == a => b,
-                    _ if place == b => a,
-                    other => other,
+                all.push(with_nodes(expression, &|node| match node {
+                    Expression::Variable(place) if *place == a => Some(Expression::Variable(b)),
+                    Expression::Variable(place) if *place == b => Some(Expression::Variable(a)),
+                    _ => None,
                 }));
             }
         }
     }
     if scope.lists.len() == 2 {
-        all.push(with_lists_exchanged(expression));
+        all.push(with_nodes(expression, &|node| match node {
+            Expression::Element(list, index) => Some(Expression::Element(1 - list, index.clone())),
+            _ => None,
+        }));
     }
     all
 }
 
-fn with_variables(expression: &Expression, rename: &dyn Fn(usize) -> usize) -> Expression {
-    match expression {
-        Expression::Variable(place) => Expression::Variable(rename(*place)),
-        other => with_children(other, &|child| with_variables(child, rename)),
-    }
-}
-
-fn with_lists_exchanged(expression: &Expression) -> Expression {
-    match expression {
-        Expression::Element(list, index) => Expression::Element(1 - list, index.clone()),
-        other => with_children(other, &with_lists_exchanged),
-    }
-}
-
-fn with_children(
+/// Replaces the nodes for which `change` returns another expression.
+fn with_nodes(
     expression: &Expression,
-    change: &dyn Fn(&Expression) -> Expression,
+    change: &dyn Fn(&Expression) -> Option<Expression>,
 ) -> Expression {
-    let children: Vec<Expression> = expression.children().into_iter().map(change).collect();
-    let mut changed = expression.clone();
-    for (place, child) in children.into_iter().enumerate() {
-        changed = changed.with_child(place, child);
-    }
-    changed
+    change(expression).unwrap_or_else(|| {
+        let children = expression.children().into_iter().enumerate();
+        children.fold(expression.clone(), |changed, (place, child)| {
+            changed.with_child(place, with_nodes(child, change))
+        })
+    })
 }
 
 /// Changes the loops of an address: their order, their direction, their length.

@@ -44,19 +44,22 @@ impl Edits<'_> {
 
     /// Evaluates a formula: its edit, or what the specification states.
     fn value(&self, formula: Formula, variables: &[f64], lists: &[&[f64]]) -> f64 {
-        match self.change(formula) {
-            Some(EditedForm::Expression(expression)) => expression.value(variables, lists),
-            Some(EditedForm::Table(table)) => f64::from(table[usize::from(byte(variables[0]))]),
-            None => formula.stated().expression.value(variables, lists),
-        }
+        let stated = || formula.stated().expression.value(variables, lists);
+        self.edited(formula, variables, lists)
+            .unwrap_or_else(stated)
     }
 
     /// Evaluates the edit of a formula; calls `unedited` if there is none.
     fn value_or(&self, formula: Formula, variables: &[f64], unedited: impl FnOnce() -> f64) -> f64 {
-        match self.change(formula) {
-            Some(_) => self.value(formula, variables, &[]),
-            None => unedited(),
-        }
+        let edited = self.edited(formula, variables, &[]);
+        edited.unwrap_or_else(unedited)
+    }
+
+    fn edited(&self, formula: Formula, variables: &[f64], lists: &[&[f64]]) -> Option<f64> {
+        Some(match self.change(formula)? {
+            EditedForm::Expression(expression) => expression.value(variables, lists),
+            EditedForm::Table(table) => f64::from(table[usize::from(byte(variables[0]))]),
+        })
     }
 }
 

@@ -62,16 +62,36 @@ const fn clause(format: Format) -> &'static str {
     }
 }
 
-/// Returns ", in files of RGB" if a mistake that is made everywhere shows in at most `most` formats.
-pub(in crate::diagnose) fn formats_of(witnesses: &[Witness], of: &[usize], most: usize) -> String {
-    let shown = |format: &Format| {
-        let mut of = of.iter();
-        of.any(|&w| witnesses[w].case.format() == *format)
-    };
-    let formats: Vec<Format> = Format::ALL.into_iter().filter(shown).collect();
-    let names: Vec<&str> = formats.iter().map(|format| format.short_name()).collect();
-    match (1..=most).contains(&names.len()) {
-        true => format!(", in files of {}", names.join(", ")),
+/// Formats that are listed; more are not mentioned.
+const MAX_LISTED: usize = 4;
+
+/// Returns " of RGB, LRGB", the formats of these files, or nothing if there are more than can be listed.
+fn names_of(witnesses: &[Witness], of: &[usize]) -> String {
+    let is_shown = |format: &Format| of.iter().any(|&w| witnesses[w].case.format() == *format);
+    let formats = Format::ALL.into_iter().filter(is_shown);
+    let names: Vec<&str> = formats.map(Format::short_name).collect();
+    match (1..=MAX_LISTED).contains(&names.len()) {
+        true => format!(" of {}", names.join(", ")),
         false => String::new(),
     }
+}
+
+/// Returns ", in files of RGB" if a mistake that is made everywhere shows in few formats.
+pub(in crate::diagnose) fn formats_of(witnesses: &[Witness], of: &[usize]) -> String {
+    match names_of(witnesses, of) {
+        names if names.is_empty() => names,
+        names => format!(", in files{names}"),
+    }
+}
+
+/// Returns "12 of 160 legal files of LRGB, LUM".
+pub(super) fn share_of_formats(witnesses: &[Witness], of: &[usize]) -> String {
+    let format = |w: usize| witnesses[w].case.format();
+    let is_akin = |w: &usize| {
+        witnesses[*w].case.expect == Expect::Decode
+            && of.iter().any(|&one| format(one) == format(*w))
+    };
+    let all = (0..witnesses.len()).filter(is_akin).count().max(of.len());
+    let names = names_of(witnesses, of);
+    format!("{} of {all} legal files{names}", of.len())
 }

@@ -5,12 +5,12 @@ use std::fmt::Write as _;
 
 use super::arithmetic::arithmetic;
 use super::files_in;
-use super::formats::formats_of;
+use super::formats::share_of_formats;
 use crate::diagnose::diagnosis::{Category, Diagnosis, Words};
 use crate::diagnose::pair::Pair;
 use crate::diagnose::scope::shared_scope;
 use crate::diagnose::search::{Id, Search, without};
-use crate::diagnose::tuning::{MIN_SHARE_OF_A_PROPERTY, MIN_SHARING_FILES};
+use crate::diagnose::tuning::MIN_SHARING_FILES;
 use crate::diagnose::witness::Witness;
 use crate::protocol::frame::{Answer, Frame, View, ViewKind};
 use crate::ptm::{Format, channel_name};
@@ -19,7 +19,7 @@ use crate::suite::cases::Expect;
 use crate::suite::compare::{Expected, apart};
 use crate::suite::origin;
 
-/// Formats and channels that are listed.
+/// Channels that are listed.
 const MAX_LISTED: usize = 3;
 
 /// The step at which the values of an image first differ, as far as one image shows.
@@ -111,10 +111,17 @@ pub(in crate::diagnose) fn describe(search: &Search, set: &[Id], left: &[usize])
         let streams = steps.iter_mut().filter(|step| **step == Step::Stream);
         streams.for_each(|step| *step = Step::StoredValue);
     }
+    follow_earlier_steps(search.witnesses, left, &mut steps);
+    let clause = |(step, &w): (&Step, &usize)| step.clause(search.witnesses[w].case.format());
+    let mut clauses: Vec<Option<&str>> = steps.iter().zip(left).map(clause).collect();
+    let colors = || (0..left.len()).filter(|&at| steps[at] == Step::Color);
+    // Colors of several shapes are computed from the same polynomial.
+    if colors().any(|at| colors().any(|other| clauses[other] != clauses[at])) {
+        colors().for_each(|at| clauses[at] = Step::Color.clause(Format::Rgb));
+    }
     let mut groups: BTreeMap<(Step, Option<&str>), Vec<usize>> = BTreeMap::new();
-    for (step, &w) in steps.into_iter().zip(left) {
-        let clause = step.clause(search.witnesses[w].case.format());
-        groups.entry((step, clause)).or_default().push(w);
+    for ((step, clause), &w) in steps.iter().zip(clauses).zip(left) {
+        groups.entry((*step, clause)).or_default().push(w);
     }
     let mut diagnoses = Vec::new();
     for ((step, clause), of) in groups {
@@ -125,8 +132,47 @@ pub(in crate::diagnose) fn describe(search: &Search, set: &[Id], left: &[usize])
     diagnoses
 }
 
-/// Splits files by a property that no file of known behavior has, first in all formats and then in each. The last part is the
-/// rest.
+/// Replaces the steps of final values and colors by the step of an earlier view, if about as many images of the format are wrong
+/// in that view: what comes before explains them.
+fn follow_earlier_steps(witnesses: &[Witness], left: &[usize], steps: &mut [Step]) {
+    let kind = |w: usize| {
+        let witness = &witnesses[w];
+        (witness.case.format(), witness.observation.view.kind())
+    };
+    let first_steps = steps.to_vec();
+    for format in Format::ALL {
+        let wrong = |view: ViewKind| -> Vec<usize> {
+            let is_wrong =
+                |&at: &usize| kind(left[at]) == (format, view) && first_steps[at] >= Step::Places;
+            (0..left.len()).filter(is_wrong).collect()
+        };
+        let legal = |view: ViewKind| {
+            let is_legal = |w: &usize| witnesses[*w].case.expect == Expect::Decode;
+            let all = (0..witnesses.len()).filter(is_legal);
+            all.filter(|&w| kind(w) == (format, view)).count()
+        };
+        for (late, view) in ViewKind::ALL.into_iter().enumerate().skip(1) {
+            let later = wrong(view);
+            let explains = |earlier: &ViewKind| {
+                let count = wrong(*earlier).len();
+                count >= MIN_SHARING_FILES
+                    && 2 * count * legal(view) >= later.len() * legal(*earlier)
+            };
+            let Some(earlier) = ViewKind::ALL[..late].iter().copied().find(explains) else {
+                continue;
+            };
+            let step = wrong(earlier).into_iter().map(|at| steps[at]).max();
+            for at in later {
+                if matches!(steps[at], Step::FinalValue | Step::Color) {
+                    steps[at] = step.unwrap_or(steps[at]);
+                }
+            }
+        }
+    }
+}
+
+/// Splits files by a property that most of them share and no file of known behavior has, in all formats or in one. The last part
+/// is the rest.
 fn split_by_scope(search: &Search, set: &[Id], mut open: Vec<usize>) -> Vec<(Vec<usize>, String)> {
     let witnesses = search.witnesses;
     // A correct or an explained image contradicts a property. A file without an image is no evidence.
@@ -147,9 +193,7 @@ fn split_by_scope(search: &Search, set: &[Id], mut open: Vec<usize>) -> Vec<(Vec
         loop {
             let these = of_format(&open, one);
             let shared = shared_scope(witnesses, &these, &of_format(&known, one), true);
-            let Some(shared) =
-                shared.filter(|shared| shared.of.len() * MIN_SHARE_OF_A_PROPERTY >= open.len())
-            else {
+            let Some(shared) = shared.filter(|shared| shared.of.len() * 2 > open.len()) else {
                 break;
             };
             open.retain(|w| !shared.of.contains(w));
@@ -158,7 +202,7 @@ fn split_by_scope(search: &Search, set: &[Id], mut open: Vec<usize>) -> Vec<(Vec
         }
     }
     if !open.is_empty() {
-        let place = share_of_formats(witnesses, &open);
+        let place = format!(", in {}", share_of_formats(witnesses, &open));
         parts.push((open, place));
     }
     parts
@@ -174,7 +218,12 @@ fn difference(
 ) -> Diagnosis {
     let witnesses = search.witnesses;
     let words = Words {
-        effect: format!("{}{}{place}", step.effect(), channels(search, set, of)),
+        effect: format!(
+            "{}{}{place}{}",
+            step.effect(),
+            channels(search, set, of),
+            views(witnesses, of)
+        ),
         fix: step.fix().to_owned(),
         example: example_given(search, set, smallest(witnesses, of)),
     };
@@ -185,24 +234,27 @@ fn difference(
     }
 }
 
-/// Returns ", in 12 of 160 files of LRGB, LUM".
-fn share_of_formats(witnesses: &[Witness], of: &[usize]) -> String {
-    let format = |w: usize| witnesses[w].case.format();
-    let is_of = |w: &usize| {
-        witnesses[*w].case.expect == Expect::Decode
-            && of.iter().any(|&one| format(one) == format(*w))
+/// Returns " (12 in view raw, 10 in view coef)" if the images are of several views.
+fn views(witnesses: &[Witness], of: &[usize]) -> String {
+    let count = |view: &ViewKind| {
+        let is_of = |w: &&usize| witnesses[**w].observation.view.kind() == *view;
+        of.iter().filter(is_of).count()
     };
-    let all = (0..witnesses.len()).filter(is_of).count().max(of.len());
-    let formats = formats_of(witnesses, of, MAX_LISTED);
-    let formats = formats
-        .strip_prefix(", in files of ")
-        .map_or(String::new(), |names| format!(" of {names}"));
-    format!(", in {} of {all} files{formats}", of.len())
+    let shown = ViewKind::ALL.iter().filter(|view| count(view) > 0);
+    let counts: Vec<String> = shown
+        .map(|view| format!("{} in view {view}", count(view)))
+        .collect();
+    match counts.len() {
+        0 | 1 => String::new(),
+        _ => format!(" ({})", counts.join(", ")),
+    }
 }
 
-/// Returns ", only in a3" if no other channel is wrong in several images.
+/// Returns ", only in a3" if no other channel is wrong in the images of the first view.
 fn channels(search: &Search, set: &[Id], of: &[usize]) -> String {
-    let pairs: Vec<Pair> = of.iter().filter_map(|&w| pair_of(search, set, w)).collect();
+    let mut pairs: Vec<Pair> = of.iter().filter_map(|&w| pair_of(search, set, w)).collect();
+    let first = pairs.iter().map(|pair| pair.view).min();
+    pairs.retain(|pair| Some(pair.view) == first);
     let count = pairs.first().map_or(0, |pair| pair.channels);
     if of.len() < MIN_SHARING_FILES || pairs.iter().any(|pair| pair.channels != count) {
         return String::new();

@@ -1,6 +1,7 @@
 //! Legal files that were refused or crashed the decoder: the property that they share and that no accepted file has.
 
 use super::files_in;
+use super::formats::share_of_formats;
 use crate::diagnose::diagnosis::{Category, Cause, Diagnosis, Words};
 use crate::diagnose::failure_mode::FailureMode;
 use crate::diagnose::scope::shared_scope;
@@ -251,7 +252,7 @@ pub(in crate::diagnose) fn describe_unexplained(
                 "{mode} {count} legal files; it reads too few others to find a property that separates them"
             ),
             _ => format!(
-                "{mode} {}; no known property separates these files from the ones it reads",
+                "{mode} {}; no known property separates these files from the others",
                 share_of_formats(witnesses, &of)
             ),
         };
@@ -268,28 +269,6 @@ pub(in crate::diagnose) fn describe_unexplained(
         ));
     }
     diagnoses
-}
-
-/// Returns "12 of 160 legal files of LRGB, LUM", or "12 legal files" if there are files of all formats among them.
-fn share_of_formats(witnesses: &[Witness], of: &[usize]) -> String {
-    let is_of =
-        |of: &[usize], format: Format| of.iter().any(|&w| witnesses[w].case.format() == format);
-    let asked: Vec<usize> = (0..witnesses.len())
-        .filter(|&w| witnesses[w].case.expect == Expect::Decode || of.contains(&w))
-        .collect();
-    let known = Format::ALL
-        .into_iter()
-        .filter(|&format| is_of(&asked, format));
-    let (these, others): (Vec<Format>, Vec<Format>) = known.partition(|&format| is_of(of, format));
-    if others.is_empty() {
-        return format!("{} legal files", of.len());
-    }
-    let all = asked
-        .iter()
-        .filter(|&&w| these.contains(&witnesses[w].case.format()));
-    let names: Vec<&str> = these.iter().map(|format| format.short_name()).collect();
-    let (count, all) = (of.len(), all.count());
-    format!("{count} of {all} legal files of {}", names.join(", "))
 }
 
 /// Returns the smallest of these files, the reason for its case, and the end of its standard error.
