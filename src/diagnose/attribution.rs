@@ -48,13 +48,10 @@ pub(super) fn attribute(search: &Search, found: &Found) -> (Vec<(Id, Diagnosis)>
         .into_iter()
         .filter_map(|whole| of_whole(search, &whole, &found.members, &mut shares, &mut left))
         .collect();
-    for (member, share) in found.members.iter().zip(&mut shares) {
-        if is_denied_guess(search, member, share) {
-            left.append(&mut share.explains);
-        }
-    }
-    for place in 0..shares.len() {
-        if is_denied_beside(search, &set, &shares, place) {
+    for (place, member) in found.members.iter().enumerate() {
+        if is_denied_guess(search, member, &shares[place])
+            || is_denied_beside(search, &set, &shares, place)
+        {
             left.append(&mut shares[place].explains);
         }
     }
@@ -104,8 +101,8 @@ fn of_whole(
     Some((Id::MAX, whole.describe(search.witnesses, alike)))
 }
 
-/// Returns true if more cases contradict a misreading than support it, or if only malformed files support it and some case
-/// contradicts it.
+/// Returns true if more cases contradict a misreading than support it, if only malformed files support it and some case
+/// contradicts it, or if it changes values and all that shows is crashes.
 fn is_denied_guess(search: &Search, member: &Member, share: &Share) -> bool {
     let Some(misreading) = search.mistakes[member.id].listed() else {
         return false;
@@ -113,7 +110,14 @@ fn is_denied_guess(search: &Search, member: &Member, share: &Share) -> bool {
     let against = search.contradictions(&[member.id]).len();
     let is_guess =
         || acceptances::all_that_shows(search.witnesses, &share.explains, misreading).is_some();
-    against > share.explains.len() || against > 0 && is_guess()
+    let is_crash = |&w: &usize| {
+        matches!(
+            FailureMode::of(&search.witnesses[w]),
+            Some(FailureMode::Crashes(_))
+        )
+    };
+    let only_crashes = misreading.shows == Symptom::Values && share.explains.iter().all(is_crash);
+    only_crashes || against > share.explains.len() || against > 0 && is_guess()
 }
 
 /// Failing files on which two mistakes are tried together.

@@ -42,7 +42,7 @@ pub(super) const MIN_FAILURES_OF_A_READING: usize = 4;
 /// Times that every edit is tried: beside nothing, and beside the first mistakes that were found.
 pub(super) const MAX_EDIT_PASSES: usize = 2;
 /// Failing files of one format and view on which every edit is tried.
-pub(super) const MAX_PROBES: usize = 3;
+pub(super) const MAX_PROBES: usize = 2;
 /// Texels along each axis that separate rows, columns and texels.
 pub(super) const MIN_PROBE_SIZE: u32 = 3;
 /// Edits that are held against every case.

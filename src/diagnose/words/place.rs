@@ -132,40 +132,32 @@ pub(in crate::diagnose) fn describe(search: &Search, set: &[Id], left: &[usize])
     diagnoses
 }
 
-/// Replaces the steps of final values and colors by the step of an earlier view, if about as many images of the format are wrong
-/// in that view: what comes before explains them.
+/// Replaces the steps of final values and colors by the step of an earlier view, if at least half as many images of the format are
+/// wrong in that view: what comes before explains them.
 fn follow_earlier_steps(witnesses: &[Witness], left: &[usize], steps: &mut [Step]) {
-    let kind = |w: usize| {
-        let witness = &witnesses[w];
-        (witness.case.format(), witness.observation.view.kind())
-    };
     let first_steps = steps.to_vec();
     for format in Format::ALL {
         let wrong = |view: ViewKind| -> Vec<usize> {
-            let is_wrong =
-                |&at: &usize| kind(left[at]) == (format, view) && first_steps[at] >= Step::Places;
+            let is_wrong = |&at: &usize| {
+                let witness = &witnesses[left[at]];
+                (witness.case.format(), witness.observation.view.kind()) == (format, view)
+                    && first_steps[at] >= Step::Places
+            };
             (0..left.len()).filter(is_wrong).collect()
-        };
-        let legal = |view: ViewKind| {
-            let is_legal = |w: &usize| witnesses[*w].case.expect == Expect::Decode;
-            let all = (0..witnesses.len()).filter(is_legal);
-            all.filter(|&w| kind(w) == (format, view)).count()
         };
         for (late, view) in ViewKind::ALL.into_iter().enumerate().skip(1) {
             let later = wrong(view);
-            let explains = |earlier: &ViewKind| {
-                let count = wrong(*earlier).len();
-                count >= MIN_SHARING_FILES
-                    && 2 * count * legal(view) >= later.len() * legal(*earlier)
-            };
-            let Some(earlier) = ViewKind::ALL[..late].iter().copied().find(explains) else {
-                continue;
-            };
-            let step = wrong(earlier).into_iter().map(|at| steps[at]).max();
-            for at in later {
-                if matches!(steps[at], Step::FinalValue | Step::Color) {
-                    steps[at] = step.unwrap_or(steps[at]);
-                }
+            let earlier = ViewKind::ALL[..late].iter().map(|&earlier| wrong(earlier));
+            let mut explaining = earlier
+                .filter(|wrong| wrong.len() >= MIN_SHARING_FILES && 2 * wrong.len() >= later.len());
+            let step = explaining
+                .next()
+                .and_then(|wrong| wrong.into_iter().map(|at| steps[at]).max());
+            if let Some(step) = step {
+                let later = later.into_iter();
+                later
+                    .filter(|&at| first_steps[at] >= Step::FinalValue)
+                    .for_each(|at| steps[at] = step);
             }
         }
     }
