@@ -13,6 +13,8 @@ mod misreadings;
 mod packages;
 mod protocol;
 mod readers;
+#[cfg(feature = "harness")]
+mod recordings;
 mod report;
 mod repository;
 mod runner;

@@ -4,26 +4,21 @@
 //! shows, the cause that must be named, and statements that must not be made because its author could refute them.
 
 use std::collections::HashMap;
-use std::fs::File;
-use std::io::Read;
-use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
-use flate2::read::GzDecoder;
+use crate::recordings::{digest, folder, recorded};
 use ptm_conform::Reading;
 use ptm_conform::diagnose::{Cause, diagnose};
 use ptm_conform::kit::yaml;
 use ptm_conform::misreadings;
-use ptm_conform::protocol::frame::{Answer, Frame};
-use ptm_conform::report::shards::Kept;
+use ptm_conform::protocol::frame::Answer;
 use ptm_conform::runner::run::{Reply, Request};
 use ptm_conform::session::outcome::Outcome;
 use ptm_conform::session::plan::{Repeat, RunPlan};
 use ptm_conform::session::run::{Run, check};
 use ptm_conform::suite::cases::{Case, Suite, TableSpelling};
 use serde::Deserialize;
-use sha2::{Digest, Sha256};
 
 /// A reader, and what must and must not be said of it.
 #[derive(Deserialize)]
@@ -69,36 +64,6 @@ impl Forbidden {
         let text = format!("{} {}", said.effect, said.example);
         said.effect.contains(&self.effect) && text.contains(&self.and)
     }
-}
-
-fn folder() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/it/recordings")
-}
-
-/// The beginning of a digest, as answers are kept under.
-fn digest(file: &[u8]) -> String {
-    let digest = Sha256::digest(file);
-    digest[..8]
-        .iter()
-        .map(|byte| format!("{byte:02x}"))
-        .collect()
-}
-
-/// The answers by file and view. Files that the suite no longer has are never asked for.
-fn recorded(reader: &str) -> HashMap<(String, String), Kept<Frame>> {
-    let path = folder().join(format!("{reader}.answers.gz"));
-    let mut text = String::new();
-    let file = File::open(path).expect("the recording is there");
-    GzDecoder::new(file)
-        .read_to_string(&mut text)
-        .expect("the recording is text");
-    let answers = text
-        .lines()
-        .filter_map(|line| serde_json::from_str(line).ok());
-    answers
-        .filter(|kept: &Kept<Frame>| !kept.alone)
-        .map(|kept| ((kept.file.clone(), kept.view.clone()), kept))
-        .collect()
 }
 
 /// The run as it was, of all cases whose answers were recorded.

@@ -1,10 +1,9 @@
 //! What is predicted of readers, against what they answered; and the file that a reader shows right, made for it.
 
 use std::collections::BTreeMap;
-use std::fs;
-use std::path::Path;
 
-use ptm_conform::protocol::frame::{Frame, View};
+use crate::recordings::{digest, recorded};
+use ptm_conform::protocol::frame::Answer;
 use ptm_conform::ptm::Format;
 use ptm_conform::readers::{OpenedFile, ReaderProfile, Shown, profiles, profiles_of};
 use ptm_conform::suite::cases::{Case, Expect, Suite, TableSpelling};
@@ -12,7 +11,6 @@ use ptm_conform::suite::compare::Expected;
 use ptm_conform::tools::convert_for::convert_for;
 use ptm_conform::tools::dissection::Dissection;
 use ptm_conform::{decode, misreadings};
-use serde::Deserialize;
 
 fn suite() -> Suite {
     Suite::load().unwrap_or_else(|why| panic!("{why}"))
@@ -60,87 +58,46 @@ fn a_profile_that_says_what_cannot_be_is_refused() {
     }
 }
 
-/// A line of `*.answers`.
-#[derive(Deserialize)]
-struct Line {
-    case: String,
-    view: String,
-    answer: Option<serde_json::Value>,
-}
-
-/// What a reader showed of each legal file, by the answers of a run; nothing where the evidence is not at hand.
-fn answered(name: &str, cases: &BTreeMap<&str, &Case>) -> Option<BTreeMap<String, Shown>> {
-    let path = format!("../shared/evidence/runs/{name}.answers");
-    let text = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join(path)).ok()?;
-    let lines = text
-        .lines()
-        .map(|line| serde_json::from_str::<Line>(line).expect("a line of answers"));
-    let mut shown = BTreeMap::new();
-    for line in lines {
-        // An answer that came again is not written again.
-        let (Some(answer), Some(case)) = (line.answer, cases.get(&*line.case)) else {
-            continue;
-        };
-        let view: View = line.view.parse().expect("a view");
-        let of_it = match answer["Decoded"].as_str() {
-            None => Shown::Nothing,
-            Some(hex) if is_right(case, &view, hex) => Shown::Right,
-            Some(_) => Shown::Wrong,
-        };
-        shown.insert(line.case, of_it);
-    }
-    Some(shown)
-}
-
-fn is_right(case: &Case, view: &View, hex: &str) -> bool {
-    let nibbles: Vec<u8> = hex
-        .chars()
-        .map(|digit| digit.to_digit(16).expect("hex") as u8)
-        .collect();
-    let bytes: Vec<u8> = nibbles
-        .chunks(2)
-        .map(|pair| pair[0] << 4 | pair[1])
-        .collect();
-    let built = case.build(TableSpelling::default());
-    let expected = Expected::of(&built.values, view).expect("a legal file has values");
-    Frame::read(&bytes).is_ok_and(|frame| expected.compare(&frame).is_none())
-}
-
-/// What a reader showed by the verdicts of a run: right, or not, or nothing where it says so.
-fn judged(name: &str, cases: &BTreeMap<&str, &Case>) -> Option<BTreeMap<String, Option<Shown>>> {
-    let path = format!("../shared/evidence/runs/{name}.csv");
-    let text = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join(path)).ok()?;
-    let row = |line: &str| {
-        let (case, outcome) = (line.split(',').next()?, line.rsplit(',').next()?);
-        cases.get(case)?;
-        let shown = match outcome {
-            "pass" => Some(Shown::Right),
-            "unsupported" => Some(Shown::Nothing),
-            "fail" => None,
-            _ => return None,
-        };
-        Some((case.to_owned(), shown))
+/// Returns what a reader showed of each legal file.
+fn answered(name: &str, cases: &[&Case]) -> Vec<(usize, Shown)> {
+    let known = recorded(name);
+    let shown = |place: usize| {
+        let built = cases[place].build(TableSpelling::default());
+        let file = digest(&built.file);
+        let mut views = cases[place].views.iter();
+        let (view, kept) = views.find_map(|view| {
+            let kept = known.get(&(file.clone(), view.to_string()))?;
+            Some((view, kept))
+        })?;
+        Some(match &kept.answer {
+            // An image that equals the expected one is not recorded.
+            None => Shown::Right,
+            Some(Answer::Decoded(frame)) => {
+                let expected = Expected::of(&built.values, view).expect("a legal file has values");
+                match expected.compare(frame) {
+                    None => Shown::Right,
+                    Some(_) => Shown::Wrong,
+                }
+            }
+            Some(_) => Shown::Nothing,
+        })
     };
-    Some(text.lines().skip(1).filter_map(row).collect())
+    let places = 0..cases.len();
+    places
+        .filter_map(|place| Some((place, shown(place)?)))
+        .collect()
 }
 
 /// Predictions against what was seen.
 #[derive(Default)]
 struct Tally {
-    /// Seen by predicted; of those of which is known only that they were not right, the prediction counts as seen if it says so.
+    /// The number of files by prediction and by what was seen.
     pairs: BTreeMap<(Shown, Shown), usize>,
 }
 
 impl Tally {
-    fn add(&mut self, predicted: Shown, seen: Option<Shown>) {
-        let fallback = match predicted {
-            Shown::Right => Shown::Wrong,
-            other => other,
-        };
-        *self
-            .pairs
-            .entry((predicted, seen.unwrap_or(fallback)))
-            .or_default() += 1;
+    fn add(&mut self, predicted: Shown, seen: Shown) {
+        *self.pairs.entry((predicted, seen)).or_default() += 1;
     }
 
     fn count(&self, matches: impl Fn(Shown, Shown) -> bool) -> usize {
@@ -165,43 +122,29 @@ impl Tally {
 #[test]
 fn predictions_are_what_the_readers_answered() {
     let suite = suite();
-    let legal = suite
-        .cases
-        .iter()
-        .filter(|case| case.expect == Expect::Decode);
-    let cases: BTreeMap<&str, &Case> = legal.map(|case| (&*case.id, case)).collect();
-    let some = |shown: BTreeMap<String, Shown>| {
-        shown
-            .into_iter()
-            .map(|(case, shown)| (case, Some(shown)))
-            .collect()
-    };
+    let is_small = |case: &Case| case.build(TableSpelling::default()).file.len() <= 4096;
+    let legal = suite.cases.iter();
+    let legal = legal.filter(|case| case.expect == Expect::Decode && is_small(case));
+    let cases: Vec<&Case> = legal.collect();
     let mut all = Tally::default();
-    for name in ["cceh", "relight", "ptmconvert", "rtiviewer"] {
-        let seen: Option<BTreeMap<String, Option<Shown>>> = match answered(name, &cases) {
-            Some(answered) => {
-                // What is left out of the answers, because it is long, has a verdict.
-                let mut seen = judged(name, &cases).unwrap_or_default();
-                seen.extend::<BTreeMap<_, _>>(some(answered));
-                Some(seen)
-            }
-            None => judged(name, &cases),
-        };
-        let Some(seen) = seen else {
-            println!("SKIPPED: the measured runs of readers are not there");
-            return;
-        };
+    for name in [
+        "cceh-rti",
+        "jedmills",
+        "oxrti",
+        "ptmconvert",
+        "relight",
+        "rtiprep",
+        "rtiviewer",
+    ] {
+        let profile = reader(name.trim_end_matches("-rti"));
         let mut tally = Tally::default();
-        for (case, seen) in seen {
-            let file = &cases[&*case].build(TableSpelling::default()).file;
-            if file.len() > 4096 {
-                continue;
-            }
-            let predicted = OpenedFile::of(file).predict(reader(name)).shows;
+        for (place, seen) in answered(name, &cases) {
+            let file = &cases[place].build(TableSpelling::default()).file;
+            let predicted = OpenedFile::of(file).predict(profile).shows;
             tally.add(predicted, seen);
             all.add(predicted, seen);
         }
-        // Which of them are right, and which are not, is what is asked of each.
+        // Users ask which files are shown right.
         let of_each = report(name, &tally);
         assert!(of_each[3] >= 0.95, "{name}: {:?}", tally.pairs);
     }

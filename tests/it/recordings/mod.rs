@@ -1,0 +1,42 @@
+//! The responses of seven public readers to this suite, compressed.
+
+use std::collections::HashMap;
+use std::fs::File;
+use std::io::Read;
+use std::path::{Path, PathBuf};
+
+use flate2::read::GzDecoder;
+use ptm_conform::protocol::frame::Frame;
+use ptm_conform::report::shards::Kept;
+use sha2::{Digest, Sha256};
+
+/// Returns the folder of the recordings.
+pub fn folder() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/it/recordings")
+}
+
+/// Returns the start of the digest of a file, by which recordings name it.
+pub fn digest(file: &[u8]) -> String {
+    let digest = Sha256::digest(file);
+    digest[..8]
+        .iter()
+        .map(|byte| format!("{byte:02x}"))
+        .collect()
+}
+
+/// Returns the responses of a reader by file and view. Files that the suite no longer has are never asked for.
+pub fn recorded(reader: &str) -> HashMap<(String, String), Kept<Frame>> {
+    let path = folder().join(format!("{reader}.answers.gz"));
+    let mut text = String::new();
+    let file = File::open(path).expect("the recording is there");
+    GzDecoder::new(file)
+        .read_to_string(&mut text)
+        .expect("the recording is text");
+    let answers = text
+        .lines()
+        .filter_map(|line| serde_json::from_str(line).ok());
+    answers
+        .filter(|kept: &Kept<Frame>| !kept.alone)
+        .map(|kept| ((kept.file.clone(), kept.view.clone()), kept))
+        .collect()
+}
