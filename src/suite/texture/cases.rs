@@ -169,7 +169,9 @@ impl TextureCase {
     /// # Errors
     /// If the case is not one.
     pub fn read(&self) -> Result<&Question, Refusal> {
-        let read = self.read.get_or_init(|| Question::of(&self.question()));
+        let read = self
+            .read
+            .get_or_init(|| Question::from_value(&self.question()));
         read.as_ref().map_err(Refusal::clone)
     }
 }
