@@ -2,7 +2,7 @@
 //!
 //! Each other reading is tried, and what differs is reported; nothing is guessed from what the file looks like.
 
-use super::codes::{self, Code};
+use super::codes::{self, Problem};
 use super::diagnostic::Diagnostic;
 use crate::decode::{Stored, Streams, open_as};
 use crate::evaluate;
@@ -40,11 +40,12 @@ pub(super) fn diagnose(dissection: &Dissection, streams: Option<&Streams>) -> Ve
 /// The choices whose subject the file has, each with its code and where the subject stands.
 fn open_choices(
     dissection: &Dissection,
-) -> impl Iterator<Item = (&'static Choice<Reading>, &'static Code, usize)> {
+) -> impl Iterator<Item = (&'static Choice<Reading>, Problem, usize)> {
     CHOICES.0.iter().filter_map(|choice| {
-        let (_, code) = codes::RULINGS.iter().find(|(of, _)| *of == choice.ruling)?;
+        let mut codes = codes::ALL.iter();
+        let code = codes.find(|code| code.ruling.as_deref() == Some(choice.ruling))?;
         let place = subject(dissection, choice.ruling)?;
-        Some((choice, *code, dissection.start(place)))
+        Some((choice, code.problem, dissection.start(place)))
     })
 }
 
@@ -65,7 +66,7 @@ fn colors(dissection: &Dissection, ptm: &Ptm) -> Vec<Diagnostic> {
         let ((_, code, at), (words, _)) = known;
         let difference = in_words(ptm, &differing)?;
         let found = format!("for a reader for whom {words}, {difference}");
-        Some(Diagnostic::new(code, *at, found))
+        Some(Diagnostic::new(*code, *at, found))
     });
     found.collect()
 }
@@ -110,12 +111,12 @@ fn tables(dissection: &Dissection, ptm: &Ptm) -> Vec<Diagnostic> {
         None => "the number alone",
     };
     let at = dissection.start(Role::Count);
-    let mut diagnostics = vec![Diagnostic::new(&codes::CHOICE_LUT_COUNT, at, spelled)];
+    let mut diagnostics = vec![Diagnostic::new(Problem::ChoiceLutCount, at, spelled)];
     let with_newline = Reading::SPEC.with_newline_after_table();
     if let Some(difference) = difference(dissection, ptm, None, &with_newline) {
         let at = dissection.start(Role::Indices);
         let found = format!("for a reader that expects a line feed, {difference}");
-        diagnostics.push(Diagnostic::new(&codes::CHOICE_LUT_NEWLINE, at, found));
+        diagnostics.push(Diagnostic::new(Problem::ChoiceLutNewline, at, found));
     }
     diagnostics
 }

@@ -2,12 +2,12 @@
 
 use serde::Serialize;
 
-use super::codes::{Code, Severity};
+use super::codes::{Problem, Severity};
 
 /// One thing said of a file, as it is written to YAML and JSON.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Diagnostic {
-    /// The id of its [`Code`], such as `PTM-E001`.
+    /// The id of its [`Code`](super::codes::Code), such as `PTM-E001`.
     pub code: &'static str,
     /// How bad it is.
     pub severity: Severity,
@@ -25,7 +25,8 @@ pub struct Diagnostic {
 }
 
 impl Diagnostic {
-    pub(super) fn new(code: &'static Code, offset: usize, found: impl Into<String>) -> Diagnostic {
+    pub(super) fn new(problem: Problem, offset: usize, found: impl Into<String>) -> Diagnostic {
+        let code = problem.code();
         Diagnostic {
             code: code.id,
             severity: code.severity,

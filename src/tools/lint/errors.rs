@@ -1,6 +1,6 @@
 //! Why the reference does not read a file, sorted into codes.
 
-use super::codes::{self, Code};
+use super::codes::Problem;
 use super::diagnostic::Diagnostic;
 use super::planes;
 use crate::error::{Class, Error, Kind};
@@ -38,52 +38,52 @@ fn too_large(dissection: &Dissection) -> Vec<Diagnostic> {
     }
     let found = format!("{size} texels of {channels} bytes, the limit is {limit} bytes");
     let at = dissection.start(Role::Width);
-    vec![Diagnostic::new(&codes::TOO_LARGE, at, found)]
+    vec![Diagnostic::new(Problem::TooLarge, at, found)]
 }
 
-fn code(dissection: &Dissection, error: &Error) -> &'static Code {
+fn code(dissection: &Dissection, error: &Error) -> Problem {
     if let Some(code) = white_space(dissection, error) {
         return code;
     }
     match (error.clause(), error.kind()) {
-        ("2.1/1", _) if dissection.file.starts_with(b"PTM_") => &codes::OTHER_VERSION,
-        ("2.1/1", _) => &codes::NOT_A_PTM,
-        (_, Kind::TooLarge { .. }) => &codes::TOO_LARGE,
-        (_, Kind::Short { .. }) => &codes::PAYLOAD_ENDS,
-        (_, Kind::IndexOutOfRange { .. }) => &codes::INDEX,
-        (_, Kind::NotAPlane { .. }) => &codes::NOT_A_PLANE,
-        (_, Kind::NotCausal { .. }) => &codes::NOT_CAUSAL,
-        (_, Kind::PartialRecord { .. }) => &codes::RECORD_CUT,
-        (_, Kind::PositionOutOfRange { .. }) => &codes::POSITION,
-        (_, Kind::NotRead { .. }) => &codes::TRANSFORM,
-        (_, Kind::Stream { .. }) => &codes::STREAM_DAMAGED,
-        (_, Kind::Ended { .. }) => &codes::HEADER_ENDS,
+        ("2.1/1", _) if dissection.file.starts_with(b"PTM_") => Problem::OtherVersion,
+        ("2.1/1", _) => Problem::NotAPtm,
+        (_, Kind::TooLarge { .. }) => Problem::TooLarge,
+        (_, Kind::Short { .. }) => Problem::PayloadEnds,
+        (_, Kind::IndexOutOfRange { .. }) => Problem::Index,
+        (_, Kind::NotAPlane { .. }) => Problem::NotAPlane,
+        (_, Kind::NotCausal { .. }) => Problem::NotCausal,
+        (_, Kind::PartialRecord { .. }) => Problem::RecordCut,
+        (_, Kind::PositionOutOfRange { .. }) => Problem::Position,
+        (_, Kind::NotRead { .. }) => Problem::Transform,
+        (_, Kind::Stream { .. }) => Problem::StreamDamaged,
+        (_, Kind::Ended { .. }) => Problem::HeaderEnds,
         (clause, Kind::Expected { .. }) => expected(clause, token(dissection.file, error.offset())),
     }
 }
 
 /// Where something else stands than should: by what should, and by the word that does.
-fn expected(clause: &str, token: &[u8]) -> &'static Code {
+fn expected(clause: &str, token: &[u8]) -> Problem {
     match clause {
-        "2.2/1" => &codes::UNKNOWN_FORMAT,
-        "2.3/1" | "2.3/3" if is_whole(token) => &codes::SIZE_OUT_OF_RANGE,
-        "2.3/1" | "2.3/2" | "2.3/3" => &codes::SIZE_NOT_A_NUMBER,
-        "2.4/3" => &codes::SCALE,
-        "2.4/4" => &codes::BIAS,
-        "2.4/5" | "2.4/6" => &codes::TOO_FEW_NUMBERS,
-        "2.5/2" => &codes::ENTRY_COUNT,
-        "2.6/2" if is_text(token) => &codes::MATRIX,
-        "2.6/2" => &codes::MATRIX_SHORT,
-        "2.9.6/2" | "2.9.7/3" => &codes::NEGATIVE_SIZE,
-        _ if !clause.starts_with("2.9") => &codes::LAYOUT,
-        _ if is_text(token) => &codes::LIST_NUMBER,
+        "2.2/1" => Problem::UnknownFormat,
+        "2.3/1" | "2.3/3" if is_whole(token) => Problem::SizeOutOfRange,
+        "2.3/1" | "2.3/2" | "2.3/3" => Problem::SizeNotANumber,
+        "2.4/3" => Problem::Scale,
+        "2.4/4" => Problem::Bias,
+        "2.4/5" | "2.4/6" => Problem::TooFewNumbers,
+        "2.5/2" => Problem::EntryCount,
+        "2.6/2" if is_text(token) => Problem::Matrix,
+        "2.6/2" => Problem::MatrixShort,
+        "2.9.6/2" | "2.9.7/3" => Problem::NegativeSize,
+        _ if !clause.starts_with("2.9") => Problem::Layout,
+        _ if is_text(token) => Problem::ListNumber,
         // A list ended where its last numbers should stand, and the planes were taken for them.
-        _ => &codes::LISTS_SHORT,
+        _ => Problem::ListsShort,
     }
 }
 
 /// White space that the text does not know (ruling `header-blanks`).
-fn white_space(dissection: &Dissection, error: &Error) -> Option<&'static Code> {
+fn white_space(dissection: &Dissection, error: &Error) -> Option<Problem> {
     if !matches!(error.kind(), Kind::Expected { .. }) {
         return None;
     }
@@ -95,14 +95,14 @@ fn white_space(dissection: &Dissection, error: &Error) -> Option<&'static Code> 
     // The first line is a version only if nothing but its end is odd.
     let known = error.clause() != "2.1/1" || there.starts_with(b"PTM_1.2\r");
     if readable && known && word.contains(&b'\r') {
-        return Some(&codes::CARRIAGE_RETURN);
+        return Some(Problem::CarriageReturn);
     }
     if readable && known && word.contains(&b'\t') {
-        return Some(&codes::TAB);
+        return Some(Problem::Tab);
     }
     let blank = matches!(there, [b' ' | b'\n', ..]);
     // Where a gap should stand and the line ends, a number is missing.
-    (blank && !matches!(error.clause(), "2.4/5" | "2.9/2")).then_some(&codes::LAYOUT)
+    (blank && !matches!(error.clause(), "2.4/5" | "2.9/2")).then_some(Problem::Layout)
 }
 
 /// The word that stands at `offset`: up to a space or a line feed.

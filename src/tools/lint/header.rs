@@ -2,7 +2,7 @@
 
 use std::collections::HashSet;
 
-use super::codes::{self, Code};
+use super::codes::Problem;
 use super::diagnostic::Diagnostic;
 use crate::tools::dissection::{Dissection, FilePart, Role};
 
@@ -21,17 +21,17 @@ pub(super) fn diagnose(dissection: &Dissection) -> Vec<Diagnostic> {
 fn gap(dissection: &Dissection, part: &FilePart, gap: &[u8]) -> Vec<Diagnostic> {
     // Words for what is odd, and mostly nothing is.
     let after = || format!("after the {}", part.role.name(dissection.format));
-    let mut odd: Vec<(&'static Code, String)> = Vec::new();
+    let mut odd: Vec<(Problem, String)> = Vec::new();
     if gap == b" \n" {
         let code = match part.role {
-            Role::Version | Role::Format => &codes::SPACE_AFTER_NAME,
-            _ => &codes::SPACE_BEFORE_NEWLINE,
+            Role::Version | Role::Format => Problem::SpaceAfterName,
+            _ => Problem::SpaceBeforeNewline,
         };
         odd.push((code, after()));
     }
     if gap.len() > 1 && gap.iter().all(|&byte| byte == b' ') {
         odd.push((
-            &codes::WIDE_GAP,
+            Problem::WideGap,
             format!("{} spaces {}", gap.len(), after()),
         ));
     }
@@ -43,12 +43,12 @@ fn gap(dissection: &Dissection, part: &FilePart, gap: &[u8]) -> Vec<Diagnostic> 
     };
     let last = |plane| plane + 1 == dissection.compressed_planes();
     match part.role {
-        Role::Width if one_line => odd.push((&codes::SIZE_ON_ONE_LINE, String::new())),
-        Role::Scale(5) if one_line => odd.push((&codes::SCALE_BIAS_ON_ONE_LINE, String::new())),
-        Role::Matrix(0..15) if ends => odd.push((&codes::MATRIX_LAYOUT, ending())),
-        Role::Parameter if one_line => odd.push((&codes::LIST_LAYOUT, ending())),
+        Role::Width if one_line => odd.push((Problem::SizeOnOneLine, String::new())),
+        Role::Scale(5) if one_line => odd.push((Problem::ScaleBiasOnOneLine, String::new())),
+        Role::Matrix(0..15) if ends => odd.push((Problem::MatrixLayout, ending())),
+        Role::Parameter if one_line => odd.push((Problem::ListLayout, ending())),
         role if role.list().is_some() && role.plane().map(last) == Some(one_line) => {
-            odd.push((&codes::LIST_LAYOUT, ending()));
+            odd.push((Problem::ListLayout, ending()));
         }
         _ => {}
     }

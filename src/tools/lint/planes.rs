@@ -1,6 +1,6 @@
 //! The planes of a compressed file: faults of each, and what their lists and streams have that is odd.
 
-use super::codes::{self, Code};
+use super::codes::Problem;
 use super::diagnostic::Diagnostic;
 use crate::codec::{self, jpeg, jpeg_ls};
 use crate::decode::Streams;
@@ -55,8 +55,8 @@ pub(super) fn faults(dissection: &Dissection) -> Vec<Diagnostic> {
             let block = &dissection.file[part.range.clone()];
             if let Err(error) = records(block, part.range.start, size.texels()) {
                 let code = match error.kind() {
-                    Kind::PartialRecord { .. } => &codes::RECORD_CUT,
-                    _ => &codes::POSITION,
+                    Kind::PartialRecord { .. } => Problem::RecordCut,
+                    _ => Problem::Position,
                 };
                 let found = format!("plane {plane}: {}", error.kind());
                 diagnostics.push(Diagnostic::new(code, error.offset(), found));
@@ -79,28 +79,23 @@ fn is_jpeg(format: Format) -> bool {
 }
 
 /// What is wrong with a stream that the codec refuses, by what its markers say.
-fn stream_code(
-    format: Format,
-    stream: &[u8],
-    size: Size,
-    error: &codec::StreamError,
-) -> &'static Code {
+fn stream_code(format: Format, stream: &[u8], size: Size, error: &codec::StreamError) -> Problem {
     if error.fault == codec::StreamFault::Unsupported {
-        return &codes::STREAM_KIND;
+        return Problem::StreamKind;
     }
     let parts = segments(stream);
     if !stream.starts_with(&[0xff, 0xd8]) {
-        return &codes::NOT_A_STREAM;
+        return Problem::NotAStream;
     }
     match frame(stream, &parts) {
-        Some((code, ..)) if (code == 0xf7) == is_jpeg(format) => &codes::NOT_A_STREAM,
+        Some((code, ..)) if (code == 0xf7) == is_jpeg(format) => Problem::NotAStream,
         Some((_, _, height, width, components))
             if (u32::from(width), u32::from(height), components)
                 != (size.width, size.height, 1) =>
         {
-            &codes::OTHER_PICTURE
+            Problem::OtherPicture
         }
-        _ => &codes::STREAM_DAMAGED,
+        _ => Problem::StreamDamaged,
     }
 }
 
@@ -114,7 +109,7 @@ fn ranks(dissection: &Dissection, count: usize) -> Vec<Diagnostic> {
     if !sorted.iter().copied().eq((0..).take(count)) {
         let words: Vec<String> = ranks.iter().map(i64::to_string).collect();
         diagnostics.push(Diagnostic::new(
-            &codes::RANKS,
+            Problem::Ranks,
             dissection.start(Role::Rank(0)),
             format!("ranks {}", words.join(" ")),
         ));
@@ -125,7 +120,7 @@ fn ranks(dissection: &Dissection, count: usize) -> Vec<Diagnostic> {
             number(Role::Reference(plane))
         );
         diagnostics.push(Diagnostic::new(
-            &codes::RANKS,
+            Problem::Ranks,
             dissection.start(Role::Reference(plane)),
             found,
         ));
@@ -142,7 +137,7 @@ fn parameter(dissection: &Dissection, format: Format) -> Vec<Diagnostic> {
     };
     let found = format!("{value}, expected {} to {}", range.start(), range.end());
     let at = dissection.start(Role::Parameter);
-    vec![Diagnostic::new(&codes::PARAMETER, at, found)]
+    vec![Diagnostic::new(Problem::Parameter, at, found)]
 }
 
 /// Transforms and vectors without an effect.
@@ -163,7 +158,7 @@ fn unused(dissection: &Dissection, count: usize) -> Vec<Diagnostic> {
     let words: Vec<String> = planes.iter().map(usize::to_string).collect();
     let at = dissection.start(Role::Transform(first));
     let found = format!("planes {}", words.join(", "));
-    vec![Diagnostic::new(&codes::PREDICTION_UNUSED, at, found)]
+    vec![Diagnostic::new(Problem::PredictionUnused, at, found)]
 }
 
 /// What a stream has besides what an encoder of planes writes (ruling `plane-odd`).
@@ -194,17 +189,17 @@ fn stream(dissection: &Dissection, plane: usize) -> Vec<Diagnostic> {
         .collect()
 }
 
-fn odd_segment(format: Format, segment: &Segment, stream: &[u8]) -> Option<&'static Code> {
+fn odd_segment(format: Format, segment: &Segment, stream: &[u8]) -> Option<Problem> {
     let jfif = is_jpeg(format) && segment.kind == SegmentKind::Marker(0xe0);
     match segment.kind {
-        SegmentKind::Marker(0xe0..=0xef | 0xfe) if !jfif => Some(&codes::STREAM_EXTRAS),
-        SegmentKind::Fill => Some(&codes::STREAM_EXTRAS),
-        SegmentKind::Marker(0xdd) => Some(&codes::RESTARTS),
-        SegmentKind::Behind => Some(&codes::STREAM_TRAILING),
+        SegmentKind::Marker(0xe0..=0xef | 0xfe) if !jfif => Some(Problem::StreamExtras),
+        SegmentKind::Fill => Some(Problem::StreamExtras),
+        SegmentKind::Marker(0xdd) => Some(Problem::Restarts),
+        SegmentKind::Behind => Some(Problem::StreamTrailing),
         // LSE of type 1 with MAXVAL below 255; 0 stands for the largest there is (T.87 C.2.4.1.1).
         SegmentKind::Marker(0xf8) => match stream[segment.range.clone()] {
             [_, _, _, _, 1, high, low, ..] => ((1..255).contains(&u16::from_be_bytes([high, low])))
-                .then_some(&codes::STREAM_MAXVAL),
+                .then_some(Problem::StreamMaxval),
             _ => None,
         },
         _ => None,
@@ -224,7 +219,7 @@ fn other_near(
     let parameter = dissection.number(Role::Parameter)?;
     (i64::from(near) != parameter).then(|| {
         let found = format!("plane {plane}: NEAR {near}, the parameter is {parameter}");
-        Diagnostic::new(&codes::NEAR, part.range.start, found)
+        Diagnostic::new(Problem::Near, part.range.start, found)
     })
 }
 
@@ -249,7 +244,7 @@ fn twice(dissection: &Dissection, plane: usize) -> Option<Diagnostic> {
         pair[0].1
     );
     Some(Diagnostic::new(
-        &codes::RECORD_TWICE,
+        Problem::RecordTwice,
         part.range.start + 5 * record,
         found,
     ))
@@ -284,7 +279,7 @@ fn other_transforms(dissection: &Dissection, streams: &Streams) -> Vec<Diagnosti
             let found = found.map(|texels| format!("plane {plane}: {texels}"));
             let at = dissection.start(Role::Stream(plane));
             diagnostics
-                .extend(found.map(|found| Diagnostic::new(&codes::OTHER_TRANSFORM, at, found)));
+                .extend(found.map(|found| Diagnostic::new(Problem::OtherTransform, at, found)));
         }
     }
     diagnostics

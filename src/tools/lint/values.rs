@@ -1,6 +1,6 @@
 //! Numbers and tables that are read and still odd.
 
-use super::codes;
+use super::codes::Problem;
 use super::diagnostic::Diagnostic;
 use crate::tools::dissection::{Dissection, Role};
 
@@ -23,15 +23,15 @@ fn scale_and_bias(dissection: &Dissection, i: usize) -> Vec<Diagnostic> {
             dissection.start(Role::Scale(i)),
             format!("the scale of a{i}"),
         );
-        diagnostics.push(Diagnostic::new(&codes::SCALE_ZERO, at, found));
+        diagnostics.push(Diagnostic::new(Problem::ScaleZero, at, found));
     }
     let whole = number(Role::Bias(i)).filter(|bias| bias.is_finite() && bias.fract() == 0.0);
     if let (Some(text), Some(bias)) = (dissection.text(Role::Bias(i)), whole) {
         let as_float = text.contains(['.', 'e', 'E']);
         let beyond = !(-32768.0..=32767.0).contains(&bias);
         let odd = [
-            (as_float, &codes::BIAS_AS_FLOAT),
-            (beyond, &codes::BIAS_BEYOND_16_BITS),
+            (as_float, Problem::BiasAsFloat),
+            (beyond, Problem::BiasBeyond16Bits),
         ];
         let at = dissection.start(Role::Bias(i));
         diagnostics.extend(
@@ -50,7 +50,7 @@ fn matrix(dissection: &Dissection) -> Vec<Diagnostic> {
         let at = dissection.start(Role::Matrix(element));
         (text.parse::<f64>().ok()? != usual).then(|| {
             let found = format!("element {element} is {text}");
-            Diagnostic::new(&codes::MATRIX_LAST_ROW, at, found)
+            Diagnostic::new(Problem::MatrixLastRow, at, found)
         })
     };
     let row = [(3, 0.0), (7, 0.0), (11, 0.0), (15, 1.0)];
@@ -67,7 +67,7 @@ fn table(dissection: &Dissection) -> Vec<Diagnostic> {
     let mut diagnostics = Vec::new();
     if entries > 65_536 {
         let found = format!("{entries} entries");
-        diagnostics.push(Diagnostic::new(&codes::HUGE_TABLE, at, found));
+        diagnostics.push(Diagnostic::new(Problem::HugeTable, at, found));
     }
     let (Ok(_), Some(indices)) = (&dissection.outcome, dissection.bytes(Role::Indices)) else {
         return diagnostics;
@@ -80,7 +80,7 @@ fn table(dissection: &Dissection) -> Vec<Diagnostic> {
     if let Some(first) = used.iter().position(|&used| !used) {
         let unused = used.iter().filter(|&&used| !used).count();
         let found = format!("{unused} of {entries} entries, the first is entry {first}");
-        diagnostics.push(Diagnostic::new(&codes::ENTRIES_UNUSED, at, found));
+        diagnostics.push(Diagnostic::new(Problem::EntriesUnused, at, found));
     }
     diagnostics
 }
@@ -92,5 +92,5 @@ fn trailing(dissection: &Dissection) -> Vec<Diagnostic> {
         return Vec::new();
     }
     let found = format!("{} bytes", length - end);
-    vec![Diagnostic::new(&codes::TRAILING, end, found)]
+    vec![Diagnostic::new(Problem::Trailing, end, found)]
 }
