@@ -182,7 +182,7 @@ fn stream(dissection: &Dissection, plane: usize) -> Vec<Diagnostic> {
         Some(Diagnostic::new(
             code,
             part.range.start + segment.range.start,
-            format!("plane {plane}: {}{says}", segment.kind.name()),
+            format!("plane {plane}: {}{says}", segment.kind.label().0),
         ))
     });
     odd.chain(other_near(dissection, plane, part, stream, &parts))
