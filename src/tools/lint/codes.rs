@@ -31,7 +31,7 @@ impl Severity {
 }
 
 /// A problem that lint can find in a file; [`Problem::code`] has its text.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 #[allow(missing_docs)] // the text says what each is
 pub enum Problem {

@@ -1,44 +1,45 @@
 //! Why the reference does not read a file, sorted into codes.
 
 use super::codes::Problem;
-use super::diagnostic::Diagnostic;
+use super::diagnostic::Findings;
 use super::planes;
 use crate::error::{Class, Error, Kind};
 use crate::ptm::{Limits, Size};
 use crate::tools::dissection::{Dissection, Role};
 
-pub(super) fn diagnose(dissection: &Dissection) -> Vec<Diagnostic> {
-    let mut diagnostics = too_large(dissection);
+pub(super) fn diagnose(findings: &mut Findings) {
+    let dissection = findings.dissection;
+    let is_too_large = too_large(findings);
     let Err(error) = &dissection.outcome else {
-        return diagnostics;
+        return;
     };
     match error.clause() {
-        // Every plane for itself, where one of them is at fault.
-        "2.9.8/3" | "2.9.8/5" | "2.9.8/6" => diagnostics.extend(planes::faults(dissection)),
-        clause if diagnostics.is_empty() || error.class() != Class::Limit => {
-            let code = code(dissection, error);
-            diagnostics.push(Diagnostic {
-                clause,
-                ..Diagnostic::new(code, error.offset(), error.kind().to_string())
-            });
+        // Every plane is checked, because the reference stops at the first fault.
+        "2.9.8/3" | "2.9.8/5" | "2.9.8/6" => planes::faults(findings),
+        clause if !is_too_large || error.class() != Class::Limit => {
+            let (problem, found) = (code(dissection, error), error.kind().to_string());
+            findings.add_at(problem, error.offset(), found);
+            if let Some(diagnostic) = findings.list.last_mut() {
+                diagnostic.clause = clause;
+            }
         }
         _ => {}
     }
-    diagnostics
 }
 
-/// Planes beyond the limit, whether the file holds them or not.
-fn too_large(dissection: &Dissection) -> Vec<Diagnostic> {
+/// Reports planes beyond the limit, whether the file holds them or not. Returns true if there are any.
+fn too_large(findings: &mut Findings) -> bool {
+    let dissection = findings.dissection;
     let (Some(format), Some(size)) = (dissection.format, dissection.size) else {
-        return Vec::new();
+        return false;
     };
     let (channels, limit) = (format.channels(), Limits::default().memory);
-    if Size::texels(size).saturating_mul(channels) <= limit {
-        return Vec::new();
+    let is_too_large = Size::texels(size).saturating_mul(channels) > limit;
+    if is_too_large {
+        let found = format!("{size} texels of {channels} bytes, the limit is {limit} bytes");
+        findings.add(Problem::TooLarge, Role::Width, found);
     }
-    let found = format!("{size} texels of {channels} bytes, the limit is {limit} bytes");
-    let at = dissection.start(Role::Width);
-    vec![Diagnostic::new(Problem::TooLarge, at, found)]
+    is_too_large
 }
 
 fn code(dissection: &Dissection, error: &Error) -> Problem {

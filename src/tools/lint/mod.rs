@@ -36,7 +36,7 @@ use anstyle::{AnsiColor, Style};
 use serde::Serialize;
 
 use self::codes::Severity;
-use self::diagnostic::Diagnostic;
+use self::diagnostic::{Diagnostic, Findings};
 use self::status::Status;
 use crate::ptm::Format;
 use crate::readers::ReaderPrediction;
@@ -88,21 +88,19 @@ impl Lint {
     #[must_use]
     pub fn of(name: &str, file: &[u8]) -> Lint {
         let (dissection, streams) = Dissection::with_streams(file);
-        let findings = [
-            errors::diagnose(&dissection),
-            header::diagnose(&dissection),
-            values::diagnose(&dissection),
-            planes::diagnose(&dissection, streams.as_ref()),
-            choices::diagnose(&dissection, streams.as_ref()),
-        ]
-        .concat();
+        let mut findings = Findings::new(&dissection);
+        errors::diagnose(&mut findings);
+        header::diagnose(&mut findings);
+        values::diagnose(&mut findings);
+        planes::diagnose(&mut findings, streams.as_ref());
+        choices::diagnose(&mut findings, streams.as_ref());
         let mut lint = Lint {
             status: Status::of(&dissection),
             format: dissection.format.map(Format::name),
             width: dissection.size.map(|size| size.width),
             height: dissection.size.map(|size| size.height),
             bytes: Some(file.len() as u64),
-            findings,
+            findings: findings.list,
             ..Lint::unread(name, None, None)
         };
         lint.sort_and_count();
