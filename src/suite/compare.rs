@@ -10,8 +10,9 @@ use std::fmt;
 
 use crate::decode::decode_as;
 use crate::evaluate;
+use crate::generate::Model;
 use crate::protocol::frame::{Frame, Samples, View};
-use crate::ptm::{Ptm, Size, channel_name};
+use crate::ptm::{Limits, Ptm, Size, channel_name};
 use crate::reading::Reading;
 use crate::suite::values::{HandValues, Values};
 
@@ -39,6 +40,16 @@ pub enum ExpectedValues {
     Rgb(Vec<f64>),
 }
 
+impl ExpectedValues {
+    /// Returns the number of samples.
+    fn len(&self) -> usize {
+        match self {
+            ExpectedValues::Raw(values) => values.len(),
+            ExpectedValues::Coef(values) | ExpectedValues::Rgb(values) => values.len(),
+        }
+    }
+}
+
 /// How far a byte may be from the exact color: one for any rounding, and a little for arithmetic in `f32`.
 pub(crate) const COLOR: f64 = 1.0 + 1.0 / 64.0;
 
@@ -47,96 +58,76 @@ pub(crate) const COLOR: f64 = 1.0 + 1.0 / 64.0;
 pub const LOSSY: f64 = 48.0;
 
 impl Expected {
-    /// What `values` look like in `view`; nothing where they do not say.
+    /// Returns the image of `values` in `view`, or nothing if they do not define it.
     #[must_use]
     pub fn of(values: &Values, view: &View) -> Option<Expected> {
         match values {
             Values::None | Values::Any => None,
-            Values::Painted(model) => {
-                let channels = model.format.channels();
-                let (channels, values, slack) = match view {
-                    View::Raw => (
-                        channels,
-                        ExpectedValues::Raw(model.samples.clone()),
-                        model.slack.iter().map(|&slack| f64::from(slack)).collect(),
-                    ),
-                    View::Coef => (
-                        channels,
-                        ExpectedValues::Coef(model.coefficients()),
-                        model.coefficient_slack(),
-                    ),
-                    View::Rgb(light) => (
-                        3,
-                        ExpectedValues::Rgb(model.picture(light.lu, light.lv)),
-                        model.picture_slack(light.lu, light.lv),
-                    ),
-                };
-                Some(Expected {
-                    size: model.size,
-                    channels,
-                    values,
-                    slack,
-                })
-            }
-            Values::Hand(hand) => {
-                let size: Size = hand.size.parse().ok()?;
-                let values = match view {
-                    View::Raw => ExpectedValues::Raw(
-                        HandValues::numbers(&hand.raw)
-                            .iter()
-                            .map(|&value| value as u8)
-                            .collect(),
-                    ),
-                    View::Coef => ExpectedValues::Coef(HandValues::numbers(hand.coef.as_ref()?)),
-                    View::Rgb(_) => {
-                        let picture = hand.rgb.as_ref().filter(|picture| {
-                            format!("rgb:{}", picture.light) == view.to_string()
-                        })?;
-                        ExpectedValues::Rgb(HandValues::numbers(&picture.texels))
-                    }
-                };
-                let count = match &values {
-                    ExpectedValues::Raw(values) => values.len(),
-                    ExpectedValues::Coef(values) | ExpectedValues::Rgb(values) => values.len(),
-                };
-                Some(Expected {
-                    size,
-                    channels: count / size.texels(),
-                    values,
-                    slack: Vec::new(),
-                })
-            }
+            Values::Painted(model) => Some(Expected::painted(model, view)),
+            Values::Hand(hand) => Expected::by_hand(hand, view),
         }
     }
 
-    /// What `file` looks like in `view` under another reading; nothing where that reading refuses it.
-    #[must_use]
-    pub fn under(file: &[u8], view: &View, reading: &Reading) -> Option<Expected> {
-        let Ptm { header, planes } =
-            decode_as(file, reading, &crate::ptm::Limits::default()).ok()?;
-        let coefficients = evaluate::apply(&header.scale_bias, &planes, reading);
-        let (channels, values) = match view {
-            View::Raw => (
-                planes.shape.channels(),
-                ExpectedValues::Raw(planes.samples.clone()),
-            ),
-            View::Coef => (
-                planes.shape.channels(),
-                ExpectedValues::Coef(coefficients.values),
-            ),
-            View::Rgb(light) => (
-                3,
-                ExpectedValues::Rgb(
-                    evaluate::evaluate(&coefficients, light.lu, light.lv, reading).values,
-                ),
-            ),
-        };
-        Some(Expected {
-            size: header.size,
-            channels,
+    fn new(size: Size, values: ExpectedValues) -> Expected {
+        Expected {
+            size,
+            channels: values.len() / size.texels(),
             values,
             slack: Vec::new(),
-        })
+        }
+    }
+
+    fn painted(model: &Model, view: &View) -> Expected {
+        let (values, slack) = match view {
+            View::Raw => (
+                ExpectedValues::Raw(model.samples.clone()),
+                model.slack.iter().map(|&slack| f64::from(slack)).collect(),
+            ),
+            View::Coef => (
+                ExpectedValues::Coef(model.coefficients()),
+                model.coefficient_slack(),
+            ),
+            View::Rgb(light) => (
+                ExpectedValues::Rgb(model.picture(light.lu, light.lv)),
+                model.picture_slack(light.lu, light.lv),
+            ),
+        };
+        Expected {
+            slack,
+            ..Expected::new(model.size, values)
+        }
+    }
+
+    fn by_hand(hand: &HandValues, view: &View) -> Option<Expected> {
+        let values = match view {
+            View::Raw => {
+                let values = HandValues::numbers(&hand.raw);
+                ExpectedValues::Raw(values.iter().map(|&value| value as u8).collect())
+            }
+            View::Coef => ExpectedValues::Coef(HandValues::numbers(hand.coef.as_ref()?)),
+            View::Rgb(_) => {
+                let image = hand.rgb.as_ref()?;
+                let is_it = format!("rgb:{}", image.light) == view.to_string();
+                ExpectedValues::Rgb(is_it.then(|| HandValues::numbers(&image.texels))?)
+            }
+        };
+        Some(Expected::new(hand.size.parse().ok()?, values))
+    }
+
+    /// Returns the image of `file` in `view` under another reading, or nothing if that reading refuses it.
+    #[must_use]
+    pub fn under(file: &[u8], view: &View, reading: &Reading) -> Option<Expected> {
+        let Ptm { header, planes } = decode_as(file, reading, &Limits::default()).ok()?;
+        let coefficients = evaluate::apply(&header.scale_bias, &planes, reading);
+        let values = match view {
+            View::Raw => ExpectedValues::Raw(planes.samples),
+            View::Coef => ExpectedValues::Coef(coefficients.values),
+            View::Rgb(light) => {
+                let image = evaluate::evaluate(&coefficients, light.lu, light.lv, reading);
+                ExpectedValues::Rgb(image.values)
+            }
+        };
+        Some(Expected::new(header.size, values))
     }
 
     /// What a frame holds, expected of another one.
@@ -189,14 +180,16 @@ impl Expected {
             (ExpectedValues::Coef(_), Samples::F32(received)) => {
                 self.difference(|i| f64::from(received[i]), loss)
             }
-            (_, Samples::U8(_)) => Some(Difference::Shape {
-                expected: "samples of type f32".to_owned(),
-                received: "u8".to_owned(),
-            }),
-            (_, Samples::F32(_)) => Some(Difference::Shape {
-                expected: "samples of type u8".to_owned(),
-                received: "f32".to_owned(),
-            }),
+            (_, samples) => {
+                let (expected, received) = match samples {
+                    Samples::U8(_) => ("f32", "u8"),
+                    Samples::F32(_) => ("u8", "f32"),
+                };
+                Some(Difference::Shape {
+                    expected: format!("samples of type {expected}"),
+                    received: received.to_owned(),
+                })
+            }
         }
     }
 
@@ -241,14 +234,6 @@ impl Expected {
         }
     }
 
-    /// How many samples there are.
-    fn count(&self) -> usize {
-        match &self.values {
-            ExpectedValues::Raw(values) => values.len(),
-            ExpectedValues::Coef(values) | ExpectedValues::Rgb(values) => values.len(),
-        }
-    }
-
     fn view(&self) -> &'static str {
         match self.values {
             ExpectedValues::Raw(_) => "raw",
@@ -267,7 +252,7 @@ impl Expected {
     }
 
     fn difference(&self, received: impl Fn(usize) -> f64, loss: f64) -> Option<Difference> {
-        let samples = self.count();
+        let samples = self.values.len();
         let mut wrong = (0..samples).filter(|&i| !self.is_within(i, received(i), loss));
         let first = wrong.next()?;
         let texel = first / self.channels;

@@ -20,6 +20,7 @@ use crate::ptm::Size;
 use crate::suite::cases::{Case, Expect, Suite, TableSpelling};
 use crate::suite::choices::{CHOICES, concerned};
 use crate::suite::compare::{Expected, ExpectedValues};
+use crate::suite::corpus::put;
 use crate::tools::export::{exr_of, npy_bytes, npy_floats, stacked_planes};
 use crate::tools::lint::codes::Code;
 use crate::tools::render::Image;
@@ -193,7 +194,7 @@ pub fn write(
     let entries = in_parallel(cases.len(), jobs, progress, &|place| {
         let (entry, outputs) = entry(cases[place], profile).map_err(io::Error::other)?;
         for (path, bytes) in outputs {
-            put(directory, &path, &bytes)?;
+            put(&directory.join(path), &bytes)?;
         }
         Ok(entry)
     });
@@ -205,17 +206,12 @@ pub fn write(
     };
     let yaml = to_yaml(&manifest).map_err(io::Error::other)?;
     let json = serde_json::to_string_pretty(&manifest).map_err(io::Error::other)?;
-    put(directory, "MANIFEST.yaml", yaml.as_bytes())?;
-    put(directory, "MANIFEST.json", (json + "\n").as_bytes())?;
-    put(
-        directory,
-        "README.md",
-        README
-            .replace("{profile}", profile.name())
-            .replace("{version}", manifest.version)
-            .as_bytes(),
-    )?;
-    put(directory, ".gitattributes", GITATTRIBUTES.as_bytes())?;
+    put(&directory.join("MANIFEST.yaml"), yaml.as_bytes())?;
+    put(&directory.join("MANIFEST.json"), (json + "\n").as_bytes())?;
+    let readme = README.replace("{profile}", profile.name());
+    let readme = readme.replace("{version}", manifest.version);
+    put(&directory.join("README.md"), readme.as_bytes())?;
+    put(&directory.join(".gitattributes"), GITATTRIBUTES.as_bytes())?;
     Ok(manifest)
 }
 
@@ -336,16 +332,6 @@ fn picture(values: &[f64], size: Size) -> Image {
         channels: 3,
         samples: values.iter().map(|value| value.round() as u8).collect(),
     }
-}
-
-fn put(directory: &Path, path: &str, bytes: &[u8]) -> io::Result<()> {
-    let path = directory.join(path);
-    let named =
-        |error: io::Error| io::Error::new(error.kind(), format!("{}: {error}", path.display()));
-    if let Some(parent) = path.parent() {
-        fs::create_dir_all(parent).map_err(named)?;
-    }
-    fs::write(&path, bytes).map_err(named)
 }
 
 /// Git is to leave every byte alone.
