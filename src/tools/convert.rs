@@ -13,6 +13,7 @@ use crate::generate::plan::Residuals;
 use crate::generate::{Model, Recipe, write};
 use crate::ptm::{Format, Ptm, Shape};
 use crate::tools::dissection::{Dissection, Role};
+use crate::tools::place_in_words;
 
 /// What to convert into.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -161,13 +162,11 @@ fn each_texel(ptm: &Ptm, target: Format, why: &str, convert: Texel) -> Result<Ve
     if misfits == 0 {
         return Ok(samples);
     }
-    let width = ptm.planes.size.width as usize;
     Err(format!(
-        "{} into {target}: {misfits} of {} texels do not fit, the first at column {}, row {} from the top: {why}",
+        "{} into {target}: {misfits} of {} texels do not fit, the first at {}: {why}",
         ptm.header.format,
         ptm.planes.size.texels(),
-        first % width,
-        first / width
+        place_in_words(ptm.planes.size, first)
     ))
 }
 

@@ -16,7 +16,6 @@ use crate::kit::digest::sha256;
 use crate::kit::parallel::in_parallel;
 use crate::kit::yaml::to_yaml;
 use crate::protocol::frame::View;
-use crate::ptm::Size;
 use crate::suite::cases::{Case, Expect, Suite, TableSpelling};
 use crate::suite::choices::{CHOICES, concerned};
 use crate::suite::compare::{Expected, ExpectedValues};
@@ -319,19 +318,10 @@ fn encoded(
         }
         ExpectedValues::Rgb(values) => {
             let npy = ("npy", npy_floats(values, size, channels));
-            vec![npy, png(picture(values, size))?]
+            let bytes = values.iter().map(|value| value.round() as u8);
+            vec![npy, png(Image::rgb(size, bytes.collect()))?]
         }
     })
-}
-
-/// Colors rounded to bytes.
-fn picture(values: &[f64], size: Size) -> Image {
-    Image {
-        width: size.width as usize,
-        height: size.height as usize,
-        channels: 3,
-        samples: values.iter().map(|value| value.round() as u8).collect(),
-    }
 }
 
 /// Git is to leave every byte alone.

@@ -11,6 +11,7 @@ use crate::reading::Reading;
 use crate::suite::choices::CHOICES;
 use crate::suite::dialect::Choice;
 use crate::tools::dissection::{Dissection, Role};
+use crate::tools::place_in_words;
 
 /// Lights under which colors are compared.
 const LIGHTS: [(f64, f64); 3] = [(0.0, 0.0), (0.3125, -0.4375), (-0.625, 0.5)];
@@ -133,14 +134,12 @@ fn difference(
 /// How many texels differ, and where the first is; nothing where none does.
 fn in_words(ptm: &Ptm, differing: &[bool]) -> Option<String> {
     let first = differing.iter().position(|&differs| differs)?;
-    let width = ptm.planes.size.width as usize;
     let count = differing.iter().filter(|&&differs| differs).count();
     Some(format!(
-        "{count} of {} texels {}, the first at column {}, row {} from the top",
+        "{count} of {} texels {}, the first at {}",
         differing.len(),
         if count == 1 { "differs" } else { "differ" },
-        first % width,
-        first / width
+        place_in_words(ptm.planes.size, first)
     ))
 }
 

@@ -72,7 +72,7 @@ pub enum Problem {
     ListLayout,
     MatrixLayout,
     BiasAsFloat,
-    BiasBeyond16Bits,
+    BiasTooLarge,
     Trailing,
     HugeTable,
     MatrixLastRow,

@@ -43,7 +43,7 @@ use crate::readers::ReaderPrediction;
 use crate::tools::dissection::Dissection;
 
 /// Everything said of a file.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Default, Serialize)]
 pub struct Lint {
     /// The file's name, as it was given, with what a terminal would obey as escapes.
     pub file: String,
@@ -121,17 +121,9 @@ impl Lint {
     pub fn unread(name: &str, bytes: Option<u64>, reason: Option<String>) -> Lint {
         Lint {
             file: name.to_owned(),
-            status: Status::NotJudged,
-            format: None,
-            width: None,
-            height: None,
             bytes,
             reason,
-            errors: 0,
-            warnings: 0,
-            infos: 0,
-            readers: Vec::new(),
-            findings: Vec::new(),
+            ..Lint::default()
         }
     }
 

@@ -8,6 +8,7 @@ use crate::decode::planes::records;
 use crate::error::Kind;
 use crate::ptm::{Format, Size};
 use crate::tools::dissection::Role;
+use crate::tools::place_in_words;
 use crate::tools::segments::{Segment, SegmentKind, frame, near, segments};
 
 /// Reports what is unusual about lists and streams.
@@ -264,12 +265,10 @@ fn near_an_end(
         texels[((size.height - 1 - y) * size.width + x) as usize] = false;
     }
     let first = texels.iter().position(|&near| near)?;
-    let width = size.width as usize;
+    let count = texels.iter().filter(|&&near| near).count();
+    let place = place_in_words(size, first);
     Some(format!(
-        "{} texels within {slack} of 0 or 255, the first at column {}, row {} from the top",
-        texels.iter().filter(|&&near| near).count(),
-        first % width,
-        first / width
+        "{count} texels within {slack} of 0 or 255, the first at {place}"
     ))
 }
 

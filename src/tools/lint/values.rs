@@ -29,7 +29,7 @@ fn scale_and_bias(findings: &mut Findings, i: usize) {
             findings.add(Problem::BiasAsFloat, Role::Bias(i), &*found);
         }
         if !(-32768.0..=32767.0).contains(&bias) {
-            findings.add(Problem::BiasBeyond16Bits, Role::Bias(i), found);
+            findings.add(Problem::BiasTooLarge, Role::Bias(i), found);
         }
     }
 }
