@@ -207,16 +207,22 @@ impl EntryGiven {
     }
 }
 
-/// The state of the pipeline that selects entries. An empty list selects nothing; there is no limit by default.
+/// The state of the pipeline that selects entries.
 #[derive(Debug, Default, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 struct SelectGiven {
+    /// The style of both sides, or of the front; Hollow by default.
     interior_style: Option<InteriorStyle>,
+    /// Active textures: indices of the table.
     active: Vec<i64>,
+    /// The style of the back; Hollow by default.
     bf_interior_style: Option<InteriorStyle>,
+    /// Active textures of the back.
     bf_active: Vec<i64>,
+    /// True if back-facing facets have attributes of their own.
     facet_distinguish: bool,
     back_facing: bool,
+    /// The limit of maps on a facet; none by default.
     max_texture_maps: Option<usize>,
 }
 
@@ -238,12 +244,14 @@ impl Operation for SelectGiven {
     }
 }
 
-/// A table and the index of the entry that is asked for.
+/// A table and an index.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct ResolveGiven {
+    /// Entries by index.
     #[serde(default)]
     table: BTreeMap<String, EntryGiven>,
+    /// The index to resolve.
     index: i64,
 }
 
@@ -269,19 +277,22 @@ enum Nurb {
     With(SplineGiven),
 }
 
-/// The parameters of a point of a spline surface, and the values of each data spline there.
-#[derive(Clone, Debug, Default, Deserialize)]
+/// A point of a spline surface.
+#[derive(Debug, Deserialize)]
 struct SplineGiven {
+    /// The first parameter.
     #[serde(default)]
     u: f64,
+    /// The second parameter.
     #[serde(default)]
     v: f64,
+    /// The values of each data spline at the point.
     #[serde(default)]
     data_splines: Vec<DataSpline>,
 }
 
 /// The values of a data spline at a point.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Debug, Deserialize)]
 #[serde(untagged)]
 enum DataSpline {
     One(f64),
@@ -337,32 +348,29 @@ impl PointGiven {
         }
     }
 
+    /// Returns the point of the spline surface: as `nurb` gives it, or as the fields beside it do.
     fn spline(&self) -> Option<SplinePoint> {
-        let beside = || SplineGiven {
-            u: self.u.unwrap_or_default(),
-            v: self.v.unwrap_or_default(),
-            data_splines: self.data_splines.clone(),
-        };
         let is_given = self.u.is_some() || self.v.is_some() || !self.data_splines.is_empty();
-        let spline = match &self.nurb {
-            Some(Nurb::With(spline)) => spline.clone(),
-            Some(Nurb::Is(true)) => beside(),
-            None if is_given => beside(),
-            Some(Nurb::Is(false)) | None => return None,
+        let (u, v, data_splines) = match &self.nurb {
+            Some(Nurb::With(spline)) => (spline.u, spline.v, &spline.data_splines),
+            Some(Nurb::Is(false)) => return None,
+            None if !is_given => return None,
+            Some(Nurb::Is(true)) | None => (
+                self.u.unwrap_or_default(),
+                self.v.unwrap_or_default(),
+                &self.data_splines,
+            ),
         };
-        let values = spline.data_splines.into_iter().map(|data| match data {
-            DataSpline::One(value) => vec![value],
-            DataSpline::Many(values) => values,
+        let values = data_splines.iter().map(|data| match data {
+            DataSpline::One(value) => vec![*value],
+            DataSpline::Many(values) => values.clone(),
         });
-        Some(SplinePoint {
-            u: spline.u,
-            v: spline.v,
-            data: values.collect(),
-        })
+        let data = values.collect();
+        Some(SplinePoint { u, v, data })
     }
 }
 
-/// An entry, a point, and the number of coordinates of the map: 1, 2 or 3.
+/// An entry, a point, and the number of coordinates of the map.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct ParameterizeGiven {
@@ -370,6 +378,7 @@ struct ParameterizeGiven {
     entry: EntryGiven,
     #[serde(default)]
     point: PointGiven,
+    /// 1, 2 or 3.
     #[serde(default = "two")]
     dim: usize,
 }
@@ -389,11 +398,13 @@ impl Operation for ParameterizeGiven {
     }
 }
 
-/// The unit vector from the eye, and a normal.
+/// A line of sight and a normal.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct ReflectGiven {
+    /// The unit vector from the eye.
     i: Vector,
+    /// The normal.
     n: Vector,
 }
 
@@ -417,12 +428,15 @@ impl Operation for OrientGiven {
     }
 }
 
-/// Corners of a facet: one to three coordinates each, their shares on the screen, and their w, 1 by default.
+/// Corners of a facet.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct InterpolateGiven {
+    /// One to three coordinates for each corner.
     ts: Vec<Vec<f64>>,
+    /// The share of each corner on the screen.
     b: Vec<f64>,
+    /// The w of each corner; 1 by default.
     w: Option<Vec<f64>>,
     correction: Correction,
 }
@@ -459,15 +473,20 @@ impl Operation for SitesGiven {
     }
 }
 
-/// A footprint on a map: its size in texels, and the change of the coordinates to the next pixel on the right and above.
+/// A footprint on a map.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct DepthGiven {
+    /// Texels of the base level in each direction.
     size: Vec<usize>,
+    /// The change of the coordinates to the next pixel on the right.
     dtdx: Vec<f64>,
+    /// The change to the next pixel above.
     dtdy: Vec<f64>,
+    /// The depth sampling bias hint.
     #[serde(default)]
     bias: f64,
+    /// The frequency hints.
     #[serde(default)]
     freq: Vec<f64>,
 }
@@ -523,30 +542,37 @@ enum MapGiven {
     Levels(LevelsGiven),
 }
 
-/// A PTM under a light: the file in hexadecimal digits, `rgb_float` or `rgb8`, and `none` or `box`.
+/// A PTM under a light.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct PtmGiven {
+    /// The file, in hexadecimal digits.
     ptm: String,
     light: [f64; 2],
+    /// `rgb_float` or `rgb8`.
     texel: Option<String>,
+    /// `none` or `box`.
     mipmap: Option<String>,
 }
 
-/// The texels of a map, from the base to the pinnacle.
+/// The texels of a map.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct LevelsGiven {
     kind: TexelKind,
+    /// From the base to the pinnacle.
     levels: Vec<LevelGiven>,
+    /// `none` or `box`.
     mipmap: Option<String>,
 }
 
-/// The texels of a level, t0 fastest; the size has one number for each direction of the map.
+/// The texels of a level.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct LevelGiven {
+    /// One number for each direction of the map.
     size: Vec<usize>,
+    /// The components of each texel, t0 fastest.
     texels: Vec<Vec<f64>>,
 }
 
@@ -626,8 +652,10 @@ impl LevelsGiven {
 struct SampleGiven {
     map: MapGiven,
     t: Vector,
+    /// The sample depth.
     #[serde(default)]
     depth: f64,
+    /// True if the map is enlarged.
     #[serde(default)]
     mag: bool,
     #[serde(default)]
@@ -665,16 +693,18 @@ impl TexelGiven {
     }
 }
 
-/// One map on the color of a primitive. `cw` is the light on white; it is present in the split form only.
+/// One map on the color of a primitive.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct ComposeGiven {
     #[serde(default)]
     entry: EntryGiven,
     texel: TexelGiven,
+    /// The primitive's color; in the split form, the lit one.
     color: Color,
     #[serde(default = "opaque")]
     alpha: f64,
+    /// The light on white; present in the split form only.
     cw: Option<Color>,
 }
 
@@ -695,15 +725,18 @@ impl Operation for ComposeGiven {
     }
 }
 
-/// A primitive before light, the ambient and diffuse light on white, and the specular light.
+/// A primitive and its light.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct SurfaceGiven {
+    /// The color before light.
     color: Color,
     #[serde(default = "opaque")]
     alpha: f64,
+    /// Ambient and diffuse light on white.
     #[serde(default = "white")]
     cw: Color,
+    /// The specular part.
     #[serde(default)]
     cs: Color,
 }
@@ -712,18 +745,24 @@ fn white() -> Color {
     [1.0; 3]
 }
 
-/// One map of a stage: a texel, or a map (by default the default map) with coordinates or with a point to derive them from.
+/// One map of a stage: a texel, or a map and the place where it is sampled.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct StageEntry {
     #[serde(default)]
     entry: EntryGiven,
+    /// What was sampled.
     texel: Option<TexelGiven>,
+    /// The map; the default map if left out.
     map: Option<MapGiven>,
+    /// The coordinates at which it is sampled, after orientation.
     t: Option<Vector>,
+    /// The point from which coordinates are derived.
     point: Option<PointGiven>,
+    /// The sample depth.
     #[serde(default)]
     depth: f64,
+    /// True if the map is enlarged.
     #[serde(default)]
     mag: bool,
 }
