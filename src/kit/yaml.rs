@@ -278,8 +278,11 @@ impl<'de> Deserializer<'de> for &Node {
 
     read! {
         deserialize_any() = |node, visitor| match (&node.value, node.meaning()) {
-            (Value::List(_), _) => node.deserialize_seq(visitor),
-            (Value::Map(_), _) => node.deserialize_map(visitor),
+            (Value::List(items), _) => visitor.visit_seq(SeqDeserializer::new(items.iter())),
+            (Value::Map(entries), _) => {
+                let entries = entries.iter().map(|(key, value)| (key, value));
+                visitor.visit_map(MapDeserializer::new(entries))
+            }
             (_, Unexpected::Unit) => visitor.visit_unit(),
             (_, Unexpected::Bool(value)) => visitor.visit_bool(value),
             (_, Unexpected::Unsigned(value)) => visitor.visit_u64(value),
@@ -297,29 +300,15 @@ impl<'de> Deserializer<'de> for &Node {
         };
         deserialize_string() = |node, visitor| node.deserialize_str(visitor);
         deserialize_identifier() = |node, visitor| node.deserialize_str(visitor);
-        deserialize_f64() = |node, visitor| match node.meaning() {
-            Unexpected::Unsigned(value) => visitor.visit_f64(value as f64),
-            Unexpected::Signed(value) => visitor.visit_f64(value as f64),
-            _ => node.deserialize_any(visitor),
-        };
         deserialize_option() = |node, visitor| match node.meaning() {
             Unexpected::Unit => visitor.visit_none(),
             _ => visitor.visit_some(node),
         };
-        deserialize_seq() = |node, visitor| match &node.value {
-            Value::List(items) => visitor.visit_seq(SeqDeserializer::new(items.iter())),
-            _ => Err(node.flaw(&visitor)),
-        };
-        deserialize_tuple(_length: usize) = |node, visitor| node.deserialize_seq(visitor);
-        deserialize_map() = |node, visitor| match &node.value {
-            Value::Map(entries) => {
-                let entries = entries.iter().map(|(key, value)| (key, value));
-                visitor.visit_map(MapDeserializer::new(entries))
-            }
-            _ => Err(node.flaw(&visitor)),
-        };
         deserialize_struct(_name: &'static str, _fields: &'static [&'static str]) = |node, visitor| {
-            node.deserialize_map(visitor)
+            match &node.value {
+                Value::Map(_) => node.deserialize_any(visitor),
+                _ => Err(node.flaw(&visitor)),
+            }
         };
         deserialize_enum(_name: &'static str, _variants: &'static [&'static str]) = |node, visitor| {
             match &node.value {
@@ -338,7 +327,8 @@ impl<'de> Deserializer<'de> for &Node {
     }
 
     forward_to_deserialize_any! {
-        bool i8 i16 i32 i64 i128 u8 u16 u32 u64 u128 f32 char bytes byte_buf unit unit_struct tuple_struct
+        bool i8 i16 i32 i64 i128 u8 u16 u32 u64 u128 f32 f64 char bytes byte_buf unit unit_struct
+        seq tuple tuple_struct map
     }
 }
 
