@@ -130,7 +130,7 @@ impl Expected {
         Some(Expected::new(header.size, values))
     }
 
-    /// What a frame holds, expected of another one.
+    /// Returns the image of a frame, to be expected of another one.
     #[must_use]
     pub fn of_frame(frame: &Frame) -> Expected {
         let reals = |bytes: &[u8]| bytes.iter().map(|&byte| f64::from(byte)).collect();
@@ -152,7 +152,7 @@ impl Expected {
         }
     }
 
-    /// Nothing where `frame` is right, and else where it first is not.
+    /// Returns the first difference of `frame` from this image, if there is one.
     #[must_use]
     pub fn compare(&self, frame: &Frame) -> Option<Difference> {
         let expected = (
@@ -193,7 +193,7 @@ impl Expected {
         }
     }
 
-    /// Whether `frame` has the stored values of lossy JPEG planes, but as another inverse DCT finds them.
+    /// Returns true if `frame` has the stored values of lossy JPEG planes as another inverse DCT computes them.
     #[must_use]
     pub fn is_another_transform(&self, frame: &Frame) -> bool {
         match (&self.values, &frame.samples) {
@@ -204,7 +204,7 @@ impl Expected {
         }
     }
 
-    /// What sample `i` should be.
+    /// Returns the expected value of sample `i`.
     #[must_use]
     pub fn value(&self, i: usize) -> f64 {
         match &self.values {
@@ -213,13 +213,13 @@ impl Expected {
         }
     }
 
-    /// Whether `received` will do for sample `i`.
+    /// Returns true if `received` is within the tolerance of sample `i`.
     #[must_use]
     pub fn is_near(&self, i: usize, received: f64) -> bool {
         self.is_within(i, received, 0.0)
     }
 
-    /// The same of a picture that may have lost so much.
+    /// Returns true if `received` is within the tolerance of sample `i`, plus a loss.
     fn is_within(&self, i: usize, received: f64, loss: f64) -> bool {
         let expected = self.value(i);
         let slack = self.slack.get(i).copied().unwrap_or_default();

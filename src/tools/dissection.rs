@@ -3,6 +3,7 @@
 //! A field gets a [`Role`]: which of the numbers of its list it is, and whose. Where the file is damaged, the dissection ends
 //! at the damage; a payload that is cut short is shown as far as it goes, because the header says where its parts lie.
 
+use std::collections::HashMap;
 use std::ops::Range;
 
 use crate::decode::{Streams, examine, examine_streams};
@@ -84,15 +85,9 @@ impl<'a> Dissection<'a> {
         let format = Format::ALL
             .into_iter()
             .find(|format| Some(format.name().as_bytes()) == name);
-        // A handful of clauses, of which the last is mostly the next.
-        let mut seen: Vec<(&str, usize)> = Vec::new();
+        let mut counts: HashMap<&str, usize> = HashMap::new();
         let parts = fields.iter().filter_map(|field| {
-            let known = seen.iter().rposition(|(clause, _)| *clause == field.clause);
-            let known = known.unwrap_or_else(|| {
-                seen.push((field.clause, 0));
-                seen.len() - 1
-            });
-            let nth = &mut seen[known].1;
+            let nth = counts.entry(field.clause).or_default();
             let role = role(field.clause, *nth, &file[field.range.clone()], format)?;
             *nth += 1;
             Some(FilePart {
@@ -116,13 +111,13 @@ impl<'a> Dissection<'a> {
         dissection
     }
 
-    /// The bytes of the first part of this role.
+    /// Returns the bytes of the first part of this role.
     #[must_use]
     pub fn bytes(&self, role: Role) -> Option<&'a [u8]> {
         self.part(role).map(|part| &self.file[part.range.clone()])
     }
 
-    /// The first part of this role.
+    /// Returns the first part of this role.
     #[must_use]
     pub fn part(&self, role: Role) -> Option<&FilePart> {
         self.parts.iter().find(|part| part.role == role)
@@ -203,7 +198,7 @@ impl<'a> Dissection<'a> {
         })
     }
 
-    /// Adds what the header announces and the file ends within.
+    /// Adds the parts that the header announces and within which the file ends.
     fn show_cut_parts(&mut self) {
         let Err(error) = &self.outcome else {
             return;
@@ -228,13 +223,10 @@ impl<'a> Dissection<'a> {
     /// Adds the planes from byte `at` on, as far as the file goes.
     fn show_cut_planes(&mut self, mut at: usize) {
         for plane in 0..self.compressed_planes() {
+            let (stream, side) = (Role::StreamSize(plane), Role::SideSize(plane));
             for (role, size, clause) in [
-                (
-                    Role::Stream(plane),
-                    Role::StreamSize(plane),
-                    COMPRESSED_PLANE,
-                ),
-                (Role::Side(plane), Role::SideSize(plane), SIDE_INFORMATION),
+                (Role::Stream(plane), stream, COMPRESSED_PLANE),
+                (Role::Side(plane), side, SIDE_INFORMATION),
             ] {
                 let size = self.number(size).and_then(|size| u64::try_from(size).ok());
                 let size = size.unwrap_or(0);

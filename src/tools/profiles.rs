@@ -230,10 +230,6 @@ fn entry(case: &Case, profile: Profile) -> Result<(ProfileCase, Vec<Output>), St
             outputs.extend(files);
         }
     }
-    let expect = match case.any_picture {
-        true => "robust",
-        false => case.expect.name(),
-    };
     let refused = matches!(case.expect, Expect::Reject | Expect::Refuse);
     let damage = case.damage();
     let code = damage.filter(|_| refused);
@@ -244,7 +240,7 @@ fn entry(case: &Case, profile: Profile) -> Result<(ProfileCase, Vec<Output>), St
         bytes: built.file.len(),
         sha256: sha256(&built.file),
         format: case.format().name(),
-        expect,
+        expect: case.expectation_name(),
         because: case.because.clone(),
         clauses: case.clauses.clone(),
         ruling: case.ruling.clone(),

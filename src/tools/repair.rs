@@ -108,7 +108,7 @@ impl<'a> Loose<'a> {
         })
     }
 
-    /// The file by the letter.
+    /// Returns the file as the text requires it.
     fn legal(mut self, changes: &mut Vec<String>) -> Result<Vec<u8>, String> {
         const BLANKS: &str =
             "the header has its numbers in lines, one space between two, and line feeds alone";
@@ -238,7 +238,7 @@ fn stream_length(stream: &[u8]) -> Option<usize> {
     }
 }
 
-/// The file without what follows its last value.
+/// Removes the bytes after the last value.
 fn without_rest(mut bytes: Vec<u8>, changes: &mut Vec<String>) -> Vec<u8> {
     let dissection = Dissection::of(&bytes);
     let (end, is_read) = (dissection.end(), dissection.outcome.is_ok());
@@ -252,7 +252,7 @@ fn without_rest(mut bytes: Vec<u8>, changes: &mut Vec<String>) -> Vec<u8> {
     bytes
 }
 
-/// The file without records that a later one of the same texel overrides.
+/// Removes the records that a later one of the same texel overrides.
 fn without_overridden_records(
     bytes: Vec<u8>,
     changes: &mut Vec<String>,

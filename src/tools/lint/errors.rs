@@ -63,7 +63,7 @@ fn code(dissection: &Dissection, error: &Error) -> Problem {
     }
 }
 
-/// Where something else stands than should: by what should, and by the word that does.
+/// Returns the problem of an unexpected word: by the clause that expects another one, and by the word.
 fn expected(clause: &str, token: &[u8]) -> Problem {
     match clause {
         "2.2/1" => Problem::UnknownFormat,

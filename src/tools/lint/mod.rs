@@ -84,7 +84,7 @@ pub fn lint(file: &[u8]) -> Vec<Diagnostic> {
 }
 
 impl Lint {
-    /// What is said of a file, with its name.
+    /// Returns the findings of a file, with its name.
     #[must_use]
     pub fn of(name: &str, file: &[u8]) -> Lint {
         let (dissection, streams) = Dissection::with_streams(file);
@@ -116,7 +116,7 @@ impl Lint {
         }
     }
 
-    /// What is said of a file that was not read, and why.
+    /// Returns the result for a file that was not read, with the reason.
     #[must_use]
     pub fn unread(name: &str, bytes: Option<u64>, reason: Option<String>) -> Lint {
         Lint {
