@@ -192,6 +192,8 @@ enumerants! {
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "harness", derive(serde::Deserialize, serde::Serialize))]
 #[cfg_attr(feature = "harness", serde(default, deny_unknown_fields))]
+// The name by which error messages of questions have always called it.
+#[cfg_attr(feature = "harness", serde(expecting = "struct EntryGiven"))]
 pub struct Entry {
     /// The resources that define the map, by name; none means the default map (R-SEL-11).
     pub map_ids: Vec<u32>,

@@ -183,7 +183,7 @@ impl TryFrom<Value> for EntryGiven {
         }
         Ok(EntryGiven {
             entry: Entry::deserialize(&value)?,
-            fields: Map::deserialize(value)?,
+            fields: value.as_object().cloned().unwrap_or_default(),
         })
     }
 }
@@ -288,13 +288,13 @@ struct SplineGiven {
     v: f64,
     /// The values of each data spline at the point.
     #[serde(default)]
-    data_splines: Vec<DataSpline>,
+    data_splines: Vec<Data>,
 }
 
 /// The values of a data spline at a point.
 #[derive(Debug, Deserialize)]
 #[serde(untagged)]
-enum DataSpline {
+enum Data {
     One(f64),
     Many(Vec<f64>),
 }
@@ -319,7 +319,7 @@ struct PointGiven {
     nurb: Option<Nurb>,
     u: Option<f64>,
     v: Option<f64>,
-    data_splines: Vec<DataSpline>,
+    data_splines: Vec<Data>,
     i: Option<Vector>,
     s: Option<Vector>,
 }
@@ -362,8 +362,8 @@ impl PointGiven {
             ),
         };
         let values = data_splines.iter().map(|data| match data {
-            DataSpline::One(value) => vec![*value],
-            DataSpline::Many(values) => values.clone(),
+            Data::One(value) => vec![*value],
+            Data::Many(values) => values.clone(),
         });
         let data = values.collect();
         Some(SplinePoint { u, v, data })
