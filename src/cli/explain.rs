@@ -301,8 +301,7 @@ fn unknown(id: &str, suite: &Suite) -> Result<String, String> {
 fn explain_code(code: &Code, suite: &Suite) -> String {
     let provokes = |case: &&Case| {
         let damage = case.damage().map(|damage| damage.name.as_str());
-        code.provoked_by.contains(&case.id.as_str())
-            || damage.is_some_and(|damage| code.provoked_by.contains(&damage))
+        code.is_provoked_by(&case.id) || damage.is_some_and(|damage| code.is_provoked_by(damage))
     };
     let fix = match code.fix {
         "" => String::new(),

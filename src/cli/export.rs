@@ -73,11 +73,16 @@ pub fn run(args: &ExportArgs) -> CommandResult {
         (ExportEncoding::Npy, false) => "stored bytes".to_owned(),
         (ExportEncoding::Png, _) => format!("{channels} stored planes below each other"),
     };
+    let (size, samples) = (ptm.planes.size, &ptm.planes.samples);
     let bytes = match (encoding, args.final_values) {
         (ExportEncoding::Exr, _) => export::exr(ptm)?,
-        (ExportEncoding::Npy, true) => export::npy_final(ptm),
-        (ExportEncoding::Npy, false) => export::npy_stored(ptm),
-        (ExportEncoding::Png, _) => export::stacked(ptm).to_file(ImageFormat::Png)?,
+        (ExportEncoding::Npy, true) => {
+            export::npy_floats(&ptm.coefficients().values, size, channels)
+        }
+        (ExportEncoding::Npy, false) => export::npy_bytes(samples, size, channels),
+        (ExportEncoding::Png, _) => {
+            export::stacked_planes(samples, size, channels).to_file(ImageFormat::Png)?
+        }
     };
     files::write_whole(&args.output, bytes)?;
     output::note(&format!(

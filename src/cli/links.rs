@@ -56,7 +56,7 @@ static PAGES: LazyLock<HashMap<String, String>> = LazyLock::new(|| {
     for misreading in misreadings::all() {
         put(misreading.slug, Some(ptm.misreading_page(misreading.slug)));
     }
-    for code in codes::ALL {
+    for code in codes::ALL.iter() {
         put(code.id, Some(address::code(code.id)));
     }
     pages

@@ -101,7 +101,7 @@ struct Listed {
     clause: &'static str,
     says: &'static str,
     fix: &'static str,
-    provoked_by: &'static [&'static str],
+    provoked_by: &'static [String],
 }
 
 /// What a worker makes of a file.
@@ -298,7 +298,7 @@ fn list_codes(args: &LintArgs) -> CommandResult {
             clause: code.clause,
             says: code.says,
             fix: code.fix,
-            provoked_by: code.provoked_by,
+            provoked_by: &code.provoked_by,
         })
         .collect();
     if !args.machine.print(&listed)? {

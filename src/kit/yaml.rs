@@ -16,12 +16,12 @@ use serde::de::value::{MapAccessDeserializer, MapDeserializer, SeqDeserializer};
 use serde::de::{self, DeserializeOwned, Deserializer, IntoDeserializer, Unexpected, Visitor};
 use serde::forward_to_deserialize_any;
 
-/// The largest file that is read: some two hundred thousand cases.
-const LARGEST: u64 = 64 << 20;
-/// The most nodes of a file.
-const MOST_NODES: usize = 8_000_000;
-/// The most lists and mappings one inside the other.
-const DEEPEST: usize = 16;
+/// Limit of the size of a file: some two hundred thousand cases.
+const MAX_BYTES: u64 = 64 << 20;
+/// Limit of the nodes of a file.
+const MAX_NODES: usize = 8_000_000;
+/// Limit of the depth of nested lists and mappings.
+const MAX_DEPTH: usize = 16;
 
 /// The text of a file that a user names.
 ///
@@ -35,13 +35,13 @@ pub fn text_of(path: &Path) -> Result<String, String> {
     let named = |error: &dyn fmt::Display| format!("{}: {error}", path.display());
     let mut bytes = Vec::new();
     let file = File::open(path).map_err(|error| named(&error))?;
-    file.take(LARGEST + 1)
+    file.take(MAX_BYTES + 1)
         .read_to_end(&mut bytes)
         .map_err(|error| named(&error))?;
-    if bytes.len() as u64 > LARGEST {
+    if bytes.len() as u64 > MAX_BYTES {
         return Err(named(&format!(
             "larger than {} MiB, which is no report",
-            LARGEST >> 20
+            MAX_BYTES >> 20
         )));
     }
     String::from_utf8(bytes).map_err(|error| {
@@ -164,14 +164,14 @@ fn parse(text: &str) -> Result<Node, String> {
             _ => continue,
         };
         nodes += 1;
-        if nodes > MOST_NODES {
+        if nodes > MAX_NODES {
             return refuse("too many values");
         }
         let is_scalar = matches!(value, Value::Scalar { .. });
         let node = Node { line, value };
         if is_scalar {
             put(node, &mut open, &mut root);
-        } else if open.len() == DEEPEST {
+        } else if open.len() == MAX_DEPTH {
             return refuse("too deeply nested");
         } else {
             open.push((node, None));
@@ -186,7 +186,7 @@ fn parse(text: &str) -> Result<Node, String> {
     }))
 }
 
-/// Puts a finished node into the innermost open one; of a mapping each has with it the key that waits for its value.
+/// Puts a finished node into the innermost open one. An open mapping comes with the key that waits for its value.
 fn put(node: Node, open: &mut [(Node, Option<Node>)], root: &mut Option<Node>) {
     let Some((parent, waiting)) = open.last_mut() else {
         *root = Some(node);
@@ -278,8 +278,11 @@ impl<'de> Deserializer<'de> for &Node {
 
     read! {
         deserialize_any() = |node, visitor| match (&node.value, node.meaning()) {
-            (Value::List(_), _) => node.deserialize_seq(visitor),
-            (Value::Map(_), _) => node.deserialize_map(visitor),
+            (Value::List(items), _) => visitor.visit_seq(SeqDeserializer::new(items.iter())),
+            (Value::Map(entries), _) => {
+                let entries = entries.iter().map(|(key, value)| (key, value));
+                visitor.visit_map(MapDeserializer::new(entries))
+            }
             (_, Unexpected::Unit) => visitor.visit_unit(),
             (_, Unexpected::Bool(value)) => visitor.visit_bool(value),
             (_, Unexpected::Unsigned(value)) => visitor.visit_u64(value),
@@ -295,25 +298,17 @@ impl<'de> Deserializer<'de> for &Node {
             Value::Scalar { text, .. } => visitor.visit_str(text),
             _ => Err(node.flaw(&visitor)),
         };
-        deserialize_f64() = |node, visitor| match node.meaning() {
-            Unexpected::Unsigned(value) => visitor.visit_f64(value as f64),
-            Unexpected::Signed(value) => visitor.visit_f64(value as f64),
-            _ => node.deserialize_any(visitor),
-        };
+        deserialize_string() = |node, visitor| node.deserialize_str(visitor);
+        deserialize_identifier() = |node, visitor| node.deserialize_str(visitor);
         deserialize_option() = |node, visitor| match node.meaning() {
             Unexpected::Unit => visitor.visit_none(),
             _ => visitor.visit_some(node),
         };
-        deserialize_seq() = |node, visitor| match &node.value {
-            Value::List(items) => visitor.visit_seq(SeqDeserializer::new(items.iter())),
-            _ => Err(node.flaw(&visitor)),
-        };
-        deserialize_map() = |node, visitor| match &node.value {
-            Value::Map(entries) => {
-                let entries = entries.iter().map(|(key, value)| (key, value));
-                visitor.visit_map(MapDeserializer::new(entries))
+        deserialize_struct(_name: &'static str, _fields: &'static [&'static str]) = |node, visitor| {
+            match &node.value {
+                Value::Map(_) => node.deserialize_any(visitor),
+                _ => Err(node.flaw(&visitor)),
             }
-            _ => Err(node.flaw(&visitor)),
         };
         deserialize_enum(_name: &'static str, _variants: &'static [&'static str]) = |node, visitor| {
             match &node.value {
@@ -328,35 +323,12 @@ impl<'de> Deserializer<'de> for &Node {
         deserialize_newtype_struct(_name: &'static str) = |node, visitor| {
             visitor.visit_newtype_struct(node)
         };
-    }
-
-    fn deserialize_string<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Flaw> {
-        self.deserialize_str(visitor)
-    }
-
-    fn deserialize_identifier<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Flaw> {
-        self.deserialize_str(visitor)
-    }
-
-    fn deserialize_tuple<V: Visitor<'de>>(self, _: usize, visitor: V) -> Result<V::Value, Flaw> {
-        self.deserialize_seq(visitor)
-    }
-
-    fn deserialize_struct<V: Visitor<'de>>(
-        self,
-        _: &'static str,
-        _: &'static [&'static str],
-        visitor: V,
-    ) -> Result<V::Value, Flaw> {
-        self.deserialize_map(visitor)
-    }
-
-    fn deserialize_ignored_any<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Flaw> {
-        visitor.visit_unit()
+        deserialize_ignored_any() = |_, visitor| visitor.visit_unit();
     }
 
     forward_to_deserialize_any! {
-        bool i8 i16 i32 i64 i128 u8 u16 u32 u64 u128 f32 char bytes byte_buf unit unit_struct tuple_struct
+        bool i8 i16 i32 i64 i128 u8 u16 u32 u64 u128 f32 f64 char bytes byte_buf unit unit_struct
+        seq tuple tuple_struct map
     }
 }
 

@@ -18,7 +18,7 @@ pub(super) fn pages(paper: Paper) -> Vec<SiteFile> {
         p.lead { code { "ptm-conform lint" } " reports these. E: the file breaks a rule, or the reference cannot read it. W: some readers refuse it or show another picture. I: for information." }
         div.scroll tabindex="0" { table.list {
             thead { tr { th scope="col" { "code" } th scope="col" { "clause" } th scope="col" { "what" } } }
-            tbody { @for code in codes::ALL { tr { td { (paper.link(code.id)) } td { (paper.link_as(code.clause, &html! { (code.clause) })) } td { (code.says) } } } }
+            tbody { @for code in codes::ALL.iter() { tr { td { (paper.link(code.id)) } td { (paper.link_as(code.clause, &html! { (code.clause) })) } td { (code.says) } } } }
         } }
     };
     let mut pages = vec![paper.page("codes/index.html", "Lint codes", "Lint codes", &list)];
@@ -29,8 +29,7 @@ pub(super) fn pages(paper: Paper) -> Vec<SiteFile> {
 fn page(paper: Paper, code: &Code) -> SiteFile {
     let provokes = |case: &&Case| {
         let damage = case.damage().map(|damage| damage.name.as_str());
-        code.provoked_by.contains(&case.id.as_str())
-            || damage.is_some_and(|damage| code.provoked_by.contains(&damage))
+        code.is_provoked_by(&case.id) || damage.is_some_and(|damage| code.is_provoked_by(damage))
     };
     let cases: Vec<&Case> = paper.library.suite.cases.iter().filter(provokes).collect();
     let body = html! {

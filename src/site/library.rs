@@ -79,7 +79,7 @@ impl Library {
         for misreading in misreadings::all() {
             put(misreading.slug, Some(ptm.misreading_page(misreading.slug)));
         }
-        for code in codes::ALL {
+        for code in codes::ALL.iter() {
             put(code.id, Some(address::code(code.id)));
         }
         for reader in self.readers() {

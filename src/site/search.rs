@@ -31,7 +31,7 @@ pub(super) fn index(library: &Library) -> SiteFile {
     for ruling in &library.rulings {
         put(&ruling.id, "ruling", ruling.question.trim());
     }
-    for code in codes::ALL {
+    for code in codes::ALL.iter() {
         put(code.id, "lint code", code.says);
     }
     for reader in library.readers() {

@@ -141,6 +141,15 @@ impl Case {
         }
     }
 
+    /// Returns the expectation as manifests name it.
+    #[must_use]
+    pub fn expectation_name(&self) -> &'static str {
+        match self.any_picture {
+            true => "robust",
+            false => self.expect.name(),
+        }
+    }
+
     /// The recipe, where the generator writes the file.
     #[must_use]
     pub fn recipe(&self) -> Option<&Recipe> {

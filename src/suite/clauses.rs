@@ -2,6 +2,7 @@
 
 use serde::Deserialize;
 
+use super::load::spec_file;
 use crate::kit::yaml::from_yaml;
 
 /// A rule of the text, in our words.
@@ -89,14 +90,8 @@ impl RulingKind {
 /// A sentence that names the line at fault.
 pub fn clauses() -> Result<Vec<Clause>, String> {
     let files = [
-        (
-            "clauses.yaml",
-            include_str!("../../spec-cases/clauses.yaml"),
-        ),
-        (
-            "clauses-2.9.yaml",
-            include_str!("../../spec-cases/clauses-2.9.yaml"),
-        ),
+        spec_file!("", "clauses.yaml"),
+        spec_file!("", "clauses-2.9.yaml"),
     ];
     let read = |(name, text): (&str, &str)| {
         from_yaml::<Vec<Clause>>(text).map_err(|error| format!("{name}: {error}"))

@@ -61,12 +61,7 @@ pub fn entry(case: &Case) -> (ManifestEntry, Vec<Output>) {
         file: file.clone(),
         bytes: built.file.len(),
         sha256: sha256(&built.file),
-        expect: if case.any_picture {
-            "robust"
-        } else {
-            case.expect.name()
-        }
-        .to_owned(),
+        expect: case.expectation_name().to_owned(),
         twin_of: case.twin_of.clone(),
         expected: None,
     };

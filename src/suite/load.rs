@@ -9,30 +9,36 @@ use super::record::CaseRecord;
 use super::words::Words;
 use crate::kit::yaml::records;
 
-/// A file of `spec-cases/cases/`: its name and its text.
-macro_rules! file {
-    ($name:literal) => {
+/// The name and the text of a file of a folder of `spec-cases/`.
+macro_rules! spec_file {
+    ($folder:literal, $name:literal) => {
         (
             $name,
-            include_str!(concat!("../../spec-cases/cases/", $name)),
+            include_str!(concat!(
+                env!("CARGO_MANIFEST_DIR"),
+                "/spec-cases/",
+                $folder,
+                $name
+            )),
         )
     };
 }
+pub(super) use spec_file;
 
 /// The files of `spec-cases/cases/`, in the order of the text.
 const FILES: &[(&str, &str)] = &[
-    file!("first.yaml"),
-    file!("header.yaml"),
-    file!("scale-bias.yaml"),
-    file!("lookup-table.yaml"),
-    file!("color-matrix.yaml"),
-    file!("texels.yaml"),
-    file!("compressed.yaml"),
-    file!("prediction.yaml"),
-    file!("side-information.yaml"),
-    file!("streams.yaml"),
-    file!("evaluate.yaml"),
-    file!("sweeps.yaml"),
+    spec_file!("cases/", "first.yaml"),
+    spec_file!("cases/", "header.yaml"),
+    spec_file!("cases/", "scale-bias.yaml"),
+    spec_file!("cases/", "lookup-table.yaml"),
+    spec_file!("cases/", "color-matrix.yaml"),
+    spec_file!("cases/", "texels.yaml"),
+    spec_file!("cases/", "compressed.yaml"),
+    spec_file!("cases/", "prediction.yaml"),
+    spec_file!("cases/", "side-information.yaml"),
+    spec_file!("cases/", "streams.yaml"),
+    spec_file!("cases/", "evaluate.yaml"),
+    spec_file!("cases/", "sweeps.yaml"),
 ];
 
 impl Suite {

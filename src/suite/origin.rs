@@ -54,21 +54,28 @@ pub(crate) fn of_samples(
 /// Returns the bytes that hold the scale and the bias of a coefficient.
 pub(crate) fn of_scale_and_bias(file: &[u8], channel: usize) -> Vec<Origin> {
     let (fields, _) = fields(file);
-    let one = |clause: &'static str, what: &str| {
-        let field = fields
-            .iter()
-            .filter(|field| field.clause == clause)
-            .nth(channel % 6)?;
-        Some(Origin {
-            what: format!("{what} of a{}", channel % 6),
+    let coefficient = channel % 6;
+    let one = |(clause, what): (&'static str, &str)| {
+        let mut numbers = fields.iter().filter(|field| field.clause == clause);
+        let range = numbers.nth(coefficient)?.range.clone();
+        Some(Origin::new(
+            format!("{what} of a{coefficient}"),
             clause,
-            range: field.range.clone(),
-        })
+            range,
+        ))
     };
-    [one("2.4/3", "scale"), one("2.4/4", "bias")]
-        .into_iter()
-        .flatten()
-        .collect()
+    let both = [("2.4/3", "scale"), ("2.4/4", "bias")];
+    both.into_iter().filter_map(one).collect()
+}
+
+impl Origin {
+    fn new(what: String, clause: &'static str, range: Range<usize>) -> Origin {
+        Origin {
+            what,
+            clause,
+            range,
+        }
+    }
 }
 
 struct Map<'a> {
@@ -80,14 +87,13 @@ struct Map<'a> {
 }
 
 impl Map<'_> {
-    fn named(&self, name: &str, which: usize) -> Option<&Field> {
-        self.fields
-            .iter()
-            .filter(|field| field.name == name)
-            .nth(which)
+    /// Returns the bytes of the field `which` with this name.
+    fn range(&self, name: &str, which: usize) -> Option<Range<usize>> {
+        let mut named = self.fields.iter().filter(|field| field.name == name);
+        Some(named.nth(which)?.range.clone())
     }
 
-    /// Bytes of block `which`, which holds `stride` for each texel.
+    /// Returns the bytes of block `which`, which holds `stride` for each texel.
     fn block(
         &self,
         which: usize,
@@ -95,87 +101,72 @@ impl Map<'_> {
         channels: Range<usize>,
         clause: &'static str,
     ) -> Option<Vec<Origin>> {
-        let field = self.named("the texels", which)?;
         let first = match stride {
             3 => channels.start - 6,
             6 => channels.start % 6,
             _ => channels.start,
         };
-        let start = field.range.start + self.texel * stride + first;
-        Some(vec![Origin {
-            what: format!(
-                "texel {} of {} as they are stored, the bottom row first",
-                self.texel, self.texels
-            ),
+        let start = self.range("the texels", which)?.start + self.texel * stride + first;
+        let what = format!(
+            "texel {} of {} as they are stored, the bottom row first",
+            self.texel, self.texels
+        );
+        Some(vec![Origin::new(
+            what,
             clause,
-            range: start..start + channels.len(),
-        }])
+            start..start + channels.len(),
+        )])
     }
 
-    /// An index, and bytes of the entry it names.
+    /// Returns the bytes of an index, and of the entry it names.
     fn entry(&self, stride: usize, channels: Range<usize>) -> Option<Vec<Origin>> {
-        let (table, indices) = (
-            self.named("the table's entries", 0)?,
-            self.named("the indices", 0)?,
+        let table = self.range("the table's entries", 0)?;
+        let indices = self.range("the indices", 0)?;
+        let width = indices.len() / self.texels;
+        let at = indices.start + self.texel * width;
+        let index = number(self.file.get(at..at + width)?.iter().rev());
+        let start = table.start + index * stride + channels.start;
+        let (index_clause, entry_clause) = match stride {
+            6 => ("2.8.1/1", "2.5/4"),
+            _ => ("2.8.2/1", "2.5/5"),
+        };
+        let (name, entry) = (
+            format!("the texel's index: entry {index}"),
+            format!("entry {index} of the table"),
         );
-        let width = indices.range.len() / self.texels;
-        let at = indices.range.start + self.texel * width;
-        let index = self
-            .file
-            .get(at..at + width)?
-            .iter()
-            .rev()
-            .fold(0, |index, &byte| index << 8 | usize::from(byte));
-        let start = table.range.start + index * stride + channels.start;
         Some(vec![
-            Origin {
-                what: format!("the texel's index: entry {index}"),
-                clause: if stride == 6 { "2.8.1/1" } else { "2.8.2/1" },
-                range: at..at + width,
-            },
-            Origin {
-                what: format!("entry {index} of the table"),
-                clause: if stride == 6 { "2.5/4" } else { "2.5/5" },
-                range: start..start + channels.len(),
-            },
+            Origin::new(name, index_clause, at..at + width),
+            Origin::new(entry, entry_clause, start..start + channels.len()),
         ])
     }
 
-    /// The stream of a plane, and the record that corrects this texel.
+    /// Returns the bytes of the stream of a plane, and of the record that corrects this texel.
     fn plane(&self, case: &Case, channel: usize) -> Option<Vec<Origin>> {
-        let stream = self.named("a compressed plane", channel)?;
+        let stream = self.range("a compressed plane", channel)?;
         let mut what = format!("the stream of plane {channel}");
-        if let Some(plan) = case.compression() {
-            let reference = plan.references.get(channel).copied().unwrap_or(-1);
-            if let Ok(reference) = usize::try_from(reference) {
-                let name = channel_name(case.format().channels(), reference);
-                let _ = write!(what, ", predicted from plane {reference} ({name})");
-            }
+        let plan = case.compression();
+        let reference = plan.and_then(|plan| plan.references.get(channel).copied());
+        if let Some(Ok(reference)) = reference.map(usize::try_from) {
+            let name = channel_name(case.format().channels(), reference);
+            let _ = write!(what, ", predicted from plane {reference} ({name})");
         }
-        let mut origins = vec![Origin {
-            what,
-            clause: "2.9.8/2",
-            range: stream.range.clone(),
-        }];
-        if let Some(side) = self.named("side information", channel) {
-            let records = self.file.get(side.range.clone())?.chunks_exact(5);
-            let here = |record: &[u8]| {
-                let position = record[..4]
-                    .iter()
-                    .fold(0, |position, &byte| position << 8 | usize::from(byte));
-                position == self.texel
-            };
-            for (i, _) in records.enumerate().filter(|(_, record)| here(record)) {
-                let start = side.range.start + 5 * i;
-                origins.push(Origin {
-                    what: format!("record {i} of its side information corrects this texel"),
-                    clause: "2.9.8/5",
-                    range: start..start + 5,
-                });
+        let mut origins = vec![Origin::new(what, "2.9.8/2", stream)];
+        if let Some(side) = self.range("side information", channel) {
+            let records = self.file.get(side.clone())?.chunks_exact(5).enumerate();
+            let here = records.filter(|(_, record)| number(record[..4].iter()) == self.texel);
+            for (i, _) in here {
+                let start = side.start + 5 * i;
+                let what = format!("record {i} of its side information corrects this texel");
+                origins.push(Origin::new(what, "2.9.8/5", start..start + 5));
             }
         }
         Some(origins)
     }
+}
+
+/// Returns the number with these bytes, the highest first.
+fn number<'a>(bytes: impl Iterator<Item = &'a u8>) -> usize {
+    bytes.fold(0, |number, &byte| number << 8 | usize::from(byte))
 }
 
 #[cfg(test)]

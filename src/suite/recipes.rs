@@ -1,11 +1,13 @@
 //! Recipes as cases write them.
 
+use std::str::FromStr;
+
 use serde::Deserialize;
 
-use super::words::{Words, number};
+use super::words::{FieldText, Words, number};
 use crate::codec::jpeg_ls::PresetParameters;
 use crate::generate::Recipe;
-use crate::generate::plan::Compression;
+use crate::generate::plan::{Compression, Stream};
 use crate::generate::recipe::Indices;
 use crate::generate::spelling::{Line, Spelling};
 
@@ -78,21 +80,21 @@ struct SpellingRecord {
 }
 
 impl MakeRecord {
-    /// The recipe with these words.
+    /// Returns the recipe with these words.
     pub fn recipe(&self, words: &Words) -> Result<Recipe, String> {
         let size = words.fill(&self.size).parse()?;
         let mut recipe = Recipe::ordinary(words.fill(&self.format).parse()?, size);
-        words.parse(&mut recipe.scene, self.scene.as_ref())?;
-        words.number("seed", &mut recipe.seed, self.seed.as_ref())?;
-        words.parse(&mut recipe.scale, self.scale.as_ref())?;
-        words.parse(&mut recipe.bias, self.bias.as_ref())?;
-        words.parse(&mut recipe.matrix, self.matrix.as_ref())?;
-        words.number("entries", &mut recipe.entries, self.entries.as_ref())?;
-        if let Some(indices) = &self.indices {
-            recipe.indices = parse_indices(&words.fill(indices))?;
+        self.scene.parse(words, &mut recipe.scene)?;
+        self.seed.number("seed", words, &mut recipe.seed)?;
+        self.scale.parse(words, &mut recipe.scale)?;
+        self.bias.parse(words, &mut recipe.bias)?;
+        self.matrix.parse(words, &mut recipe.matrix)?;
+        self.entries.number("entries", words, &mut recipe.entries)?;
+        if let Some(indices) = self.indices.filled(words) {
+            recipe.indices = parse_indices(&indices)?;
         }
-        if let Some(first) = &self.first_byte {
-            recipe.first = Some(number("first_byte", &words.fill(first))?);
+        if let Some(first) = self.first_byte.filled(words) {
+            recipe.first = Some(number("first_byte", &first)?);
         }
         self.compression.apply(&mut recipe.compression, words)?;
         self.spelling.apply(&mut recipe.spelling, words)?;
@@ -102,56 +104,43 @@ impl MakeRecord {
 }
 
 impl SpellingRecord {
-    fn apply(&self, spelling: &mut Spelling, words: &Words) -> Result<(), String> {
-        if let Some(lines) = &self.space_before_newline {
-            let lines = words.fill(lines);
-            let named: Result<Vec<Line>, String> = match lines.as_str() {
-                "all" => Ok(Line::ALL.to_vec()),
-                _ => lines.split_whitespace().map(str::parse).collect(),
+    fn apply(&self, to: &mut Spelling, words: &Words) -> Result<(), String> {
+        if let Some(lines) = self.space_before_newline.filled(words) {
+            to.space_before_newline = match lines.as_str() {
+                "all" => Line::ALL.to_vec(),
+                _ => parse_words(&lines)?,
             };
-            spelling.space_before_newline = named?;
         }
-        let two = |name, slot: &mut bool, text: &Option<String>| {
-            words.either(name, ["2", "1"], slot, text.as_ref())
-        };
-        two(
-            "size_lines",
-            &mut spelling.size_on_two_lines,
-            &self.size_lines,
-        )?;
-        two(
-            "scale_bias_lines",
-            &mut spelling.scale_bias_on_two_lines,
-            &self.scale_bias_lines,
-        )?;
-        words.number("gap", &mut spelling.gap, self.gap.as_ref())?;
-        words.parse(&mut spelling.count, self.count.as_ref())?;
-        let newline = &mut spelling.newline_after_table;
-        words.flag(
-            "newline_after_table",
-            newline,
-            self.newline_after_table.as_ref(),
-        )?;
-        words.number(
-            "matrix_line",
-            &mut spelling.matrix_line,
-            self.matrix_line.as_ref(),
-        )?;
-        words.parse(&mut spelling.lists, self.lists.as_ref())
+        let lines = ["2", "1"];
+        let two_lines = &mut to.size_on_two_lines;
+        self.size_lines
+            .either("size_lines", lines, words, two_lines)?;
+        let two_lines = &mut to.scale_bias_on_two_lines;
+        self.scale_bias_lines
+            .either("scale_bias_lines", lines, words, two_lines)?;
+        self.gap.number("gap", words, &mut to.gap)?;
+        self.count.parse(words, &mut to.count)?;
+        let newline = &mut to.newline_after_table;
+        self.newline_after_table
+            .flag("newline_after_table", words, newline)?;
+        self.matrix_line
+            .number("matrix_line", words, &mut to.matrix_line)?;
+        self.lists.parse(words, &mut to.lists)
     }
 }
 
 impl CompressionRecord {
     fn apply(&self, plan: &mut Compression, words: &Words) -> Result<(), String> {
         let planes = plan.order.len();
-        words.number("parameter", &mut plan.parameter, self.parameter.as_ref())?;
-        if let Some(structure) = &self.structure {
-            plan.set_structure(words.fill(structure).parse()?);
+        self.parameter
+            .number("parameter", words, &mut plan.parameter)?;
+        if let Some(structure) = self.structure.filled(words) {
+            plan.set_structure(structure.parse()?);
         }
-        if let Some(references) = words.numbers("references", self.references.as_ref())? {
+        if let Some(references) = self.references.numbers("references", words)? {
             plan.references = references;
         }
-        if let Some(order) = words.numbers("order", self.order.as_ref())? {
+        if let Some(order) = self.order.numbers("order", words)? {
             plan.order = order;
         }
         if plan.references.len() != planes || plan.order.len() != planes {
@@ -160,61 +149,56 @@ impl CompressionRecord {
             ));
         }
         let mut everywhere = false;
-        words.flag("everywhere", &mut everywhere, self.everywhere.as_ref())?;
-        if let Some(transforms) = words.numbers("transforms", self.transforms.as_ref())? {
+        self.everywhere.flag("everywhere", words, &mut everywhere)?;
+        if let Some(transforms) = self.transforms.numbers("transforms", words)? {
             plan.transforms = plan.cycled(&transforms, everywhere);
         }
-        if let Some(motion) = words.numbers("motion_x", self.motion_x.as_ref())? {
+        if let Some(motion) = self.motion_x.numbers("motion_x", words)? {
             plan.motion_x = plan.cycled(&motion, everywhere);
         }
-        if let Some(motion) = words.numbers("motion_y", self.motion_y.as_ref())? {
+        if let Some(motion) = self.motion_y.numbers("motion_y", words)? {
             plan.motion_y = plan.cycled(&motion, everywhere);
         }
-        if let Some(records) = &self.records {
-            let records = words.fill(records);
-            let records: Result<_, String> = records.split_whitespace().map(str::parse).collect();
-            plan.records = records?;
+        if let Some(records) = self.records.filled(words) {
+            plan.records = parse_words(&records)?;
         }
-        words.parse(&mut plan.residuals, self.residuals.as_ref())?;
-        words.flag("alternates", &mut plan.alternates, self.alternates.as_ref())?;
-        self.apply_to_streams(plan, words)
+        self.residuals.parse(words, &mut plan.residuals)?;
+        self.alternates
+            .flag("alternates", words, &mut plan.alternates)?;
+        self.apply_to_streams(&mut plan.stream, words)
     }
 
-    fn apply_to_streams(&self, plan: &mut Compression, words: &Words) -> Result<(), String> {
-        let stream = &mut plan.stream;
-        let interval = &mut stream.restart_interval;
-        words.number("restart_interval", interval, self.restart_interval.as_ref())?;
-        words.flag(
-            "optimised_tables",
-            &mut stream.optimized,
-            self.optimised_tables.as_ref(),
-        )?;
-        words.flag("baseline", &mut stream.baseline, self.baseline.as_ref())?;
-        words.flag("jfif", &mut stream.jfif, self.jfif.as_ref())?;
-        if let Some(sampling) = &self.sampling {
-            let sampling = words.fill(sampling);
+    fn apply_to_streams(&self, to: &mut Stream, words: &Words) -> Result<(), String> {
+        let interval = &mut to.restart_interval;
+        self.restart_interval
+            .number("restart_interval", words, interval)?;
+        self.optimised_tables
+            .flag("optimised_tables", words, &mut to.optimized)?;
+        self.baseline.flag("baseline", words, &mut to.baseline)?;
+        self.jfif.flag("jfif", words, &mut to.jfif)?;
+        if let Some(sampling) = self.sampling.filled(words) {
             let factors = sampling.split_once('x');
             let (across, down) = factors.ok_or("sampling factors are written 2x1")?;
-            stream.sampling = (number("sampling", across)?, number("sampling", down)?);
+            to.sampling = (number("sampling", across)?, number("sampling", down)?);
         }
-        if let Some(step) = &self.step {
-            stream.step = Some(number("step", &words.fill(step))?);
+        if let Some(step) = self.step.filled(words) {
+            to.step = Some(number("step", &step)?);
         }
-        if let Some(numbers) = words.numbers("table_numbers", self.table_numbers.as_ref())? {
+        if let Some(numbers) = self.table_numbers.numbers("table_numbers", words)? {
             let numbers = numbers.try_into();
-            stream.table_numbers = Some(numbers.map_err(|_| "table_numbers are three")?);
+            to.table_numbers = Some(numbers.map_err(|_| "table_numbers are three")?);
         }
-        let together = &mut stream.tables_together;
-        words.flag("tables_together", together, self.tables_together.as_ref())?;
-        let component = &mut stream.component;
-        words.number("component", component, self.component.as_ref())?;
-        let moved = &mut stream.frame_moved;
-        words.flag("frame_moved", moved, self.frame_moved.as_ref())?;
-        if let Some(presets) = words.numbers::<u16>("presets", self.presets.as_ref())? {
+        self.tables_together
+            .flag("tables_together", words, &mut to.tables_together)?;
+        self.component
+            .number("component", words, &mut to.component)?;
+        self.frame_moved
+            .flag("frame_moved", words, &mut to.frame_moved)?;
+        if let Some(presets) = self.presets.numbers("presets", words)? {
             let [maxval, t1, t2, t3, reset] = presets[..] else {
                 return Err("presets are MAXVAL T1 T2 T3 RESET".to_owned());
             };
-            stream.presets = Some(PresetParameters {
+            to.presets = Some(PresetParameters {
                 maxval,
                 t1,
                 t2,
@@ -226,21 +210,18 @@ impl CompressionRecord {
     }
 }
 
-/// `any`, `below-256`, `bytes-differ`, or a list of numbers.
+fn parse_words<T: FromStr<Err = String>>(text: &str) -> Result<Vec<T>, String> {
+    text.split_whitespace().map(str::parse).collect()
+}
+
+/// Parses `any`, `below-256`, `bytes-differ`, or a list of numbers.
 fn parse_indices(text: &str) -> Result<Indices, String> {
-    if let Some(limit) = text.strip_prefix("below-") {
-        return limit
-            .parse()
-            .map(Indices::Below)
-            .map_err(|_| format!("unknown indices {text:?}"));
-    }
-    match text {
-        "any" => Ok(Indices::Any),
-        "bytes-differ" => Ok(Indices::BytesDiffer),
-        _ => {
-            let list: Result<Vec<u32>, _> = text.split_whitespace().map(str::parse).collect();
-            list.map(Indices::These)
-                .map_err(|_| format!("unknown indices {text:?}"))
-        }
-    }
+    let numbers = || -> Result<Vec<u32>, _> { text.split_whitespace().map(str::parse).collect() };
+    let indices = match (text, text.strip_prefix("below-")) {
+        (_, Some(limit)) => limit.parse().map(Indices::Below),
+        ("any", _) => Ok(Indices::Any),
+        ("bytes-differ", _) => Ok(Indices::BytesDiffer),
+        _ => numbers().map(Indices::These),
+    };
+    indices.map_err(|_| format!("unknown indices {text:?}"))
 }

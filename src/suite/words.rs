@@ -38,51 +38,41 @@ impl<'a> Words<'a> {
         };
         self.0.iter().fold(text.to_owned(), fill)
     }
+}
 
-    /// Puts what a text says into `slot`, if there is a text.
-    pub fn parse<T: FromStr<Err = String>>(
-        &self,
-        slot: &mut T,
-        text: Option<&String>,
-    ) -> Result<(), String> {
-        if let Some(text) = text {
-            *slot = self.fill(text).parse()?;
-        }
-        Ok(())
+/// The text of a field of a record, if the record has the field.
+pub(crate) trait FieldText {
+    /// Returns the text with the words filled in.
+    fn filled(&self, words: &Words) -> Option<String>;
+
+    /// Parses the text, if any, into `slot`.
+    fn parse<T: FromStr<Err = String>>(&self, words: &Words, slot: &mut T) -> Result<(), String> {
+        self.filled(words)
+            .map_or(Ok(()), |text| text.parse().map(|value| *slot = value))
     }
 
-    /// Likewise a number, decimal or after `0x` hexadecimal.
-    pub fn number<T: FromStr>(
-        &self,
-        name: &str,
-        slot: &mut T,
-        text: Option<&String>,
-    ) -> Result<(), String> {
-        if let Some(text) = text {
-            *slot = number(name, &self.fill(text))?;
-        }
-        Ok(())
+    /// Reads a number, decimal or after `0x` hexadecimal, into `slot`.
+    fn number<T: FromStr>(&self, name: &str, words: &Words, slot: &mut T) -> Result<(), String> {
+        self.filled(words).map_or(Ok(()), |text| {
+            number(name, &text).map(|value| *slot = value)
+        })
     }
 
-    /// At least one number, if there is a text.
-    pub fn numbers<T: FromStr>(
-        &self,
-        name: &str,
-        text: Option<&String>,
-    ) -> Result<Option<Vec<T>>, String> {
-        text.map(|text| numbers(name, &self.fill(text))).transpose()
+    /// Reads at least one number.
+    fn numbers<T: FromStr>(&self, name: &str, words: &Words) -> Result<Option<Vec<T>>, String> {
+        let text = self.filled(words);
+        text.map(|text| numbers(name, &text)).transpose()
     }
 
-    /// One of two words, the first of which means yes.
-    pub fn either(
+    /// Reads one of two words, the first of which means yes, into `slot`.
+    fn either(
         &self,
         name: &str,
         [yes, no]: [&str; 2],
+        words: &Words,
         slot: &mut bool,
-        text: Option<&String>,
     ) -> Result<(), String> {
-        if let Some(text) = text {
-            let text = self.fill(text);
+        if let Some(text) = self.filled(words) {
             if ![yes, no].contains(&text.as_str()) {
                 return Err(format!("expected {yes} or {no} for {name}, found {text:?}"));
             }
@@ -91,9 +81,15 @@ impl<'a> Words<'a> {
         Ok(())
     }
 
-    /// `true` or `false`.
-    pub fn flag(&self, name: &str, slot: &mut bool, text: Option<&String>) -> Result<(), String> {
-        self.either(name, ["true", "false"], slot, text)
+    /// Reads `true` or `false` into `slot`.
+    fn flag(&self, name: &str, words: &Words, slot: &mut bool) -> Result<(), String> {
+        self.either(name, ["true", "false"], words, slot)
+    }
+}
+
+impl FieldText for Option<String> {
+    fn filled(&self, words: &Words) -> Option<String> {
+        self.as_ref().map(|text| words.fill(text))
     }
 }
 

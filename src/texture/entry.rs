@@ -34,6 +34,8 @@ macro_rules! enumerants {
     ($(#[$about:meta])* $name:ident [$($prefix:literal)*] { $($(#[$says:meta])* $variant:ident,)+ }) => {
         $(#[$about])*
         #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+        #[cfg_attr(feature = "harness", derive(serde::Deserialize, serde::Serialize))]
+        #[cfg_attr(feature = "harness", serde(try_from = "String"))]
         pub enum $name { $($(#[$says])* $variant,)+ }
 
         impl $name {
@@ -50,6 +52,14 @@ macro_rules! enumerants {
         impl fmt::Display for $name {
             fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
                 f.write_str(self.name())
+            }
+        }
+
+        impl TryFrom<String> for $name {
+            type Error = String;
+
+            fn try_from(text: String) -> Result<$name, String> {
+                text.parse()
             }
         }
 
@@ -180,6 +190,10 @@ enumerants! {
 
 /// An entry of the table.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "harness", derive(serde::Deserialize, serde::Serialize))]
+#[cfg_attr(feature = "harness", serde(default, deny_unknown_fields))]
+// The name by which error messages of questions have always called it.
+#[cfg_attr(feature = "harness", serde(expecting = "struct EntryGiven"))]
 pub struct Entry {
     /// The resources that define the map, by name; none means the default map (R-SEL-11).
     pub map_ids: Vec<u32>,

@@ -13,6 +13,7 @@ use crate::generate::plan::Residuals;
 use crate::generate::{Model, Recipe, write};
 use crate::ptm::{Format, Ptm, Shape};
 use crate::tools::dissection::{Dissection, Role};
+use crate::tools::place_in_words;
 
 /// What to convert into.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -133,9 +134,9 @@ fn samples(ptm: &Ptm, target: Format) -> Result<Vec<u8>, String> {
 /// Products of two numbers of this size are counted exactly.
 const LARGEST_BIAS: f64 = 1e9;
 
-type Texel = fn(&[u8], &[i64; 6], &[bool; 6]) -> Option<Vec<u8>>;
+type Texel = fn(&[u8], &[i64; 6], [bool; 6]) -> Option<Vec<u8>>;
 
-/// Every texel for itself; refused if there is one that the target cannot hold.
+/// Converts every texel, or reports the first one that the target cannot hold.
 fn each_texel(ptm: &Ptm, target: Format, why: &str, convert: Texel) -> Result<Vec<u8>, String> {
     let set = &ptm.header.scale_bias;
     if set.bias.iter().any(|bias| bias.abs() > LARGEST_BIAS) {
@@ -149,7 +150,7 @@ fn each_texel(ptm: &Ptm, target: Format, why: &str, convert: Texel) -> Result<Ve
     let mut samples = Vec::with_capacity(ptm.planes.size.texels() * target.channels());
     let (mut misfits, mut first) = (0, 0);
     for (place, texel) in ptm.planes.texels().enumerate() {
-        if let Some(texel) = convert(texel, &bias, &counts) {
+        if let Some(texel) = convert(texel, &bias, counts) {
             samples.extend(texel);
         } else {
             if misfits == 0 {
@@ -161,40 +162,28 @@ fn each_texel(ptm: &Ptm, target: Format, why: &str, convert: Texel) -> Result<Ve
     if misfits == 0 {
         return Ok(samples);
     }
-    let width = ptm.planes.size.width as usize;
     Err(format!(
-        "{} into {target}: {misfits} of {} texels do not fit, the first at column {}, row {} from the top: {why}",
+        "{} into {target}: {misfits} of {} texels do not fit, the first at {}: {why}",
         ptm.header.format,
         ptm.planes.size.texels(),
-        first % width,
-        first / width
+        place_in_words(ptm.planes.size, first)
     ))
 }
 
-/// Three polynomials as one times three colors: exactly, or not at all.
+/// Factors three polynomials into one times three colors, if that is exact.
 ///
 /// Without their biases the three are multiples m·d of one direction d without a common factor; the one polynomial is n·d for
 /// some n, and a color is 255·m/n.
-#[expect(
-    clippy::trivially_copy_pass_by_ref,
-    reason = "limits and headers are passed by reference whatever their size"
-)]
-fn factored(texel: &[u8], bias: &[i64; 6], counts: &[bool; 6]) -> Option<Vec<u8>> {
-    let value = |channel: usize, i: usize| {
-        if counts[i] {
-            i64::from(texel[6 * channel + i]) - bias[i]
-        } else {
-            0
-        }
+fn factored(texel: &[u8], bias: &[i64; 6], counts: [bool; 6]) -> Option<Vec<u8>> {
+    let value = |channel: usize, i: usize| match counts[i] {
+        true => i64::from(texel[6 * channel + i]) - bias[i],
+        false => 0,
     };
     let vectors = [0, 1, 2].map(|channel| std::array::from_fn::<i64, 6, _>(|i| value(channel, i)));
     // What stands where a coefficient does not count, or where the color is black anyway.
-    let whole = |i: usize, value: i64| {
-        if counts[i] {
-            u8::try_from(value + bias[i]).ok()
-        } else {
-            Some(texel[i])
-        }
+    let whole = |i: usize, value: i64| match counts[i] {
+        true => u8::try_from(value + bias[i]).ok(),
+        false => Some(texel[i]),
     };
     let Some(longest) = vectors.iter().find(|vector| vector.iter().any(|&x| x != 0)) else {
         return Some([&texel[..6], &[0, 0, 0]].concat());
@@ -226,12 +215,8 @@ fn factored(texel: &[u8], bias: &[i64; 6], counts: &[bool; 6]) -> Option<Vec<u8>
     })
 }
 
-/// One polynomial times three colors as three polynomials: exactly, or not at all.
-#[expect(
-    clippy::trivially_copy_pass_by_ref,
-    reason = "limits and headers are passed by reference whatever their size"
-)]
-fn multiplied(texel: &[u8], bias: &[i64; 6], counts: &[bool; 6]) -> Option<Vec<u8>> {
+/// Multiplies one polynomial by three colors, if that is exact.
+fn multiplied(texel: &[u8], bias: &[i64; 6], counts: [bool; 6]) -> Option<Vec<u8>> {
     let coefficient = |(color, i): (u8, usize)| {
         if !counts[i] {
             return Some(texel[i]);
@@ -247,14 +232,13 @@ fn multiplied(texel: &[u8], bias: &[i64; 6], counts: &[bool; 6]) -> Option<Vec<u
 }
 
 fn greatest_common_divisor(a: i64, b: i64) -> i64 {
-    if b == 0 {
-        a
-    } else {
-        greatest_common_divisor(b, a % b)
+    match b {
+        0 => a,
+        _ => greatest_common_divisor(b, a % b),
     }
 }
 
-/// Reads the file back and holds it against the map; the largest difference that the compression made.
+/// Reads the file back and compares it with the map. Returns the largest difference that the compression made.
 fn verify(bytes: &[u8], ptm: &Ptm, samples: &[u8], target: Target) -> Result<u8, String> {
     let wrong = |what: &str| {
         format!(
@@ -265,14 +249,8 @@ fn verify(bytes: &[u8], ptm: &Ptm, samples: &[u8], target: Target) -> Result<u8,
     if back.header.size != ptm.header.size || back.header.scale_bias != ptm.header.scale_bias {
         return Err(wrong("has another header"));
     }
-    let largest = back
-        .planes
-        .samples
-        .iter()
-        .zip(samples)
-        .map(|(a, b)| a.abs_diff(*b))
-        .max()
-        .unwrap_or(0);
+    let pairs = back.planes.samples.iter().zip(samples);
+    let largest = pairs.map(|(a, b)| a.abs_diff(*b)).max().unwrap_or(0);
     let lossy = matches!(target.format, Format::JpegRgb | Format::JpegLrgb);
     if !lossy && largest > target.loss {
         return Err(wrong("holds other values"));
@@ -320,12 +298,12 @@ mod tests {
         let bias = [100; 6];
         let at = |m: i64| [1, 2, -1, 0, 3, 1].map(|d: i64| (m * d + 100) as u8);
         let texel = [at(10), at(6), at(0)].concat();
-        let found = factored(&texel, &bias, &COUNTS).unwrap();
+        let found = factored(&texel, &bias, COUNTS).unwrap();
         assert_eq!(found[..6], at(10));
         assert_eq!(found[6..], [255, 153, 0]);
         // 5 of 10 needs a color of 127.5 or a polynomial that does not fit a byte: 255·5/n, n = 51 is 25 and 50.
         let texel = [at(10), at(5), at(0)].concat();
-        let found = factored(&texel, &bias, &COUNTS).unwrap();
+        let found = factored(&texel, &bias, COUNTS).unwrap();
         for (channel, m) in [(6, 10), (7, 5), (8, 0)] {
             for i in 0..6 {
                 let product = (i64::from(found[i]) - 100) * i64::from(found[channel]);
@@ -337,33 +315,30 @@ mod tests {
     #[test]
     fn polynomials_that_are_not_are_refused() {
         let texel: Vec<u8> = (0..18_u32).map(|i| (i * i % 251) as u8).collect();
-        assert_eq!(factored(&texel, &[0; 6], &COUNTS), None);
+        assert_eq!(factored(&texel, &[0; 6], COUNTS), None);
     }
 
     #[test]
     fn equal_polynomials_are_white_and_none_is_black() {
         let gray = [[1, 2, 3, 4, 5, 6]; 3].concat();
         assert_eq!(
-            factored(&gray, &[0; 6], &COUNTS).unwrap(),
+            factored(&gray, &[0; 6], COUNTS).unwrap(),
             [1, 2, 3, 4, 5, 6, 255, 255, 255]
         );
-        assert_eq!(
-            factored(&[7; 18], &[7; 6], &COUNTS).unwrap()[6..],
-            [0, 0, 0]
-        );
+        assert_eq!(factored(&[7; 18], &[7; 6], COUNTS).unwrap()[6..], [0, 0, 0]);
     }
 
     #[test]
     fn a_texel_is_multiplied_only_if_it_comes_out_whole() {
         assert_eq!(
-            multiplied(&[1, 2, 3, 4, 5, 6, 255, 0, 255], &[0; 6], &COUNTS).unwrap(),
+            multiplied(&[1, 2, 3, 4, 5, 6, 255, 0, 255], &[0; 6], COUNTS).unwrap(),
             [1, 2, 3, 4, 5, 6, 0, 0, 0, 0, 0, 0, 1, 2, 3, 4, 5, 6]
         );
         assert_eq!(
-            multiplied(&[1, 0, 0, 0, 0, 0, 128, 0, 0], &[0; 6], &COUNTS),
+            multiplied(&[1, 0, 0, 0, 0, 0, 128, 0, 0], &[0; 6], COUNTS),
             None
         );
-        assert!(multiplied(&[255, 0, 0, 0, 0, 0, 128, 0, 0], &[0; 6], &COUNTS).is_some());
+        assert!(multiplied(&[255, 0, 0, 0, 0, 0, 128, 0, 0], &[0; 6], COUNTS).is_some());
     }
 
     #[test]
@@ -380,12 +355,12 @@ mod tests {
                     (_, x) => x / 51 * 51,
                 })
                 .collect();
-            let Some(three) = multiplied(&texel, &bias, &COUNTS) else {
+            let Some(three) = multiplied(&texel, &bias, COUNTS) else {
                 continue;
             };
             fitting += 1;
-            let one = factored(&three, &bias, &COUNTS).expect("it came of one");
-            assert_eq!(multiplied(&one, &bias, &COUNTS), Some(three));
+            let one = factored(&three, &bias, COUNTS).expect("it came of one");
+            assert_eq!(multiplied(&one, &bias, COUNTS), Some(three));
         }
         assert!(fitting > 10, "{fitting}");
     }

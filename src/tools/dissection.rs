@@ -3,6 +3,7 @@
 //! A field gets a [`Role`]: which of the numbers of its list it is, and whose. Where the file is damaged, the dissection ends
 //! at the damage; a payload that is cut short is shown as far as it goes, because the header says where its parts lie.
 
+use std::collections::HashMap;
 use std::ops::Range;
 
 use crate::decode::{Streams, examine, examine_streams};
@@ -62,8 +63,6 @@ pub struct Dissection<'a> {
     pub parts: Vec<FilePart>,
     /// The map, or why there is none.
     pub outcome: Result<Ptm, Error>,
-    /// Every role, in order, and where in `parts` the first of it is.
-    places: Vec<(Role, usize)>,
 }
 
 impl<'a> Dissection<'a> {
@@ -86,15 +85,9 @@ impl<'a> Dissection<'a> {
         let format = Format::ALL
             .into_iter()
             .find(|format| Some(format.name().as_bytes()) == name);
-        // A handful of clauses, of which the last is mostly the next.
-        let mut seen: Vec<(&str, usize)> = Vec::new();
+        let mut counts: HashMap<&str, usize> = HashMap::new();
         let parts = fields.iter().filter_map(|field| {
-            let known = seen.iter().rposition(|(clause, _)| *clause == field.clause);
-            let known = known.unwrap_or_else(|| {
-                seen.push((field.clause, 0));
-                seen.len() - 1
-            });
-            let nth = &mut seen[known].1;
+            let nth = counts.entry(field.clause).or_default();
             let role = role(field.clause, *nth, &file[field.range.clone()], format)?;
             *nth += 1;
             Some(FilePart {
@@ -110,28 +103,24 @@ impl<'a> Dissection<'a> {
             size: None,
             parts: parts.collect(),
             outcome,
-            places: Vec::new(),
         };
-        dissection.note_places();
         dissection.size = dissection.read_size();
         if dissection.outcome.is_err() {
             dissection.show_cut_parts();
-            dissection.note_places();
         }
         dissection
     }
 
-    /// The bytes of the first part of this role.
+    /// Returns the bytes of the first part of this role.
     #[must_use]
     pub fn bytes(&self, role: Role) -> Option<&'a [u8]> {
         self.part(role).map(|part| &self.file[part.range.clone()])
     }
 
-    /// The first part of this role.
+    /// Returns the first part of this role.
     #[must_use]
     pub fn part(&self, role: Role) -> Option<&FilePart> {
-        let known = self.places.binary_search_by_key(&role, |&(role, _)| role);
-        known.ok().map(|known| &self.parts[self.places[known].1])
+        self.parts.iter().find(|part| part.role == role)
     }
 
     /// The byte where this role begins; 0 where the file has no such part.
@@ -197,13 +186,6 @@ impl<'a> Dissection<'a> {
         }
     }
 
-    fn note_places(&mut self) {
-        let parts = self.parts.iter().enumerate();
-        self.places = parts.map(|(place, part)| (part.role, place)).collect();
-        self.places.sort_unstable();
-        self.places.dedup_by_key(|&mut (role, _)| role);
-    }
-
     fn read_size(&self) -> Option<Size> {
         let side = |role| {
             u32::try_from(self.number(role)?)
@@ -216,7 +198,7 @@ impl<'a> Dissection<'a> {
         })
     }
 
-    /// Adds what the header announces and the file ends within.
+    /// Adds the parts that the header announces and within which the file ends.
     fn show_cut_parts(&mut self) {
         let Err(error) = &self.outcome else {
             return;
@@ -241,13 +223,10 @@ impl<'a> Dissection<'a> {
     /// Adds the planes from byte `at` on, as far as the file goes.
     fn show_cut_planes(&mut self, mut at: usize) {
         for plane in 0..self.compressed_planes() {
+            let (stream, side) = (Role::StreamSize(plane), Role::SideSize(plane));
             for (role, size, clause) in [
-                (
-                    Role::Stream(plane),
-                    Role::StreamSize(plane),
-                    COMPRESSED_PLANE,
-                ),
-                (Role::Side(plane), Role::SideSize(plane), SIDE_INFORMATION),
+                (Role::Stream(plane), stream, COMPRESSED_PLANE),
+                (Role::Side(plane), side, SIDE_INFORMATION),
             ] {
                 let size = self.number(size).and_then(|size| u64::try_from(size).ok());
                 let size = size.unwrap_or(0);
@@ -275,67 +254,53 @@ impl Role {
         )
     }
 
-    /// The plane it belongs to, in a compressed file.
+    /// Returns the plane it belongs to, in a compressed file.
     #[must_use]
-    pub const fn plane(self) -> Option<usize> {
-        match self {
-            Role::Transform(plane)
-            | Role::MotionX(plane)
-            | Role::MotionY(plane)
-            | Role::Rank(plane)
-            | Role::Reference(plane)
-            | Role::StreamSize(plane)
-            | Role::SideSize(plane)
-            | Role::Stream(plane)
-            | Role::Side(plane) => Some(plane),
-            _ => None,
-        }
+    pub fn plane(self) -> Option<usize> {
+        let (number, ..) = self.naming(None);
+        number.filter(|_| !matches!(self, Role::Scale(_) | Role::Bias(_) | Role::Matrix(_)))
     }
 
-    /// The list it is an element of; nothing for what stands alone.
+    /// Returns the name of the list it is an element of, if it is one.
     #[must_use]
-    pub const fn list(self) -> Option<&'static str> {
-        Some(match self {
-            Role::Scale(_) => "scales of a0…a5",
-            Role::Bias(_) => "biases of a0…a5",
-            Role::Matrix(_) => "color matrix",
-            Role::Transform(_) => "transforms",
-            Role::MotionX(_) => "vectors, x",
-            Role::MotionY(_) => "vectors, y",
-            Role::Rank(_) => "order",
-            Role::Reference(_) => "references",
-            Role::StreamSize(_) => "compressed sizes",
-            Role::SideSize(_) => "side sizes",
-            _ => return None,
-        })
+    pub fn list(self) -> Option<&'static str> {
+        self.naming(None).2
     }
 
-    /// What it is called; planes by their number.
+    /// Returns its name; planes are numbered.
     #[must_use]
     pub fn name(self, format: Option<Format>) -> String {
+        let (number, name, _) = self.naming(format);
+        number.map_or_else(|| name.to_owned(), |n| name.replace("{n}", &n.to_string()))
+    }
+
+    /// Returns its number among its kind, its name with the place of the number, and the name of its list.
+    fn naming(self, format: Option<Format>) -> (Option<usize>, &'static str, Option<&'static str>) {
+        let alone = |name| (None, name, None);
+        let element = |n, name, list| (Some(n), name, Some(list));
         match self {
-            Role::Version => "version".to_owned(),
-            Role::Format => "format".to_owned(),
-            Role::Width => "width".to_owned(),
-            Role::Height => "height".to_owned(),
-            Role::Scale(i) => format!("scale of a{i}"),
-            Role::Bias(i) => format!("bias of a{i}"),
-            Role::CountWord => "word at the number of entries".to_owned(),
-            Role::Count => "number of entries".to_owned(),
-            Role::Table => "lookup table".to_owned(),
-            Role::Matrix(i) => format!("matrix element {i}"),
-            Role::Indices => "indices".to_owned(),
-            Role::Block(i) => block_name(format, i).to_owned(),
-            Role::Parameter => "compression parameter".to_owned(),
-            Role::Transform(plane) => format!("transform of plane {plane}"),
-            Role::MotionX(plane) => format!("vector of plane {plane}, x"),
-            Role::MotionY(plane) => format!("vector of plane {plane}, y"),
-            Role::Rank(plane) => format!("rank of plane {plane}"),
-            Role::Reference(plane) => format!("reference of plane {plane}"),
-            Role::StreamSize(plane) => format!("compressed size of plane {plane}"),
-            Role::SideSize(plane) => format!("side information size of plane {plane}"),
-            Role::Stream(plane) => format!("plane {plane}"),
-            Role::Side(plane) => format!("side information of plane {plane}"),
+            Role::Version => alone("version"),
+            Role::Format => alone("format"),
+            Role::Width => alone("width"),
+            Role::Height => alone("height"),
+            Role::Scale(i) => element(i, "scale of a{n}", "scales of a0…a5"),
+            Role::Bias(i) => element(i, "bias of a{n}", "biases of a0…a5"),
+            Role::CountWord => alone("word at the number of entries"),
+            Role::Count => alone("number of entries"),
+            Role::Table => alone("lookup table"),
+            Role::Matrix(i) => element(i, "matrix element {n}", "color matrix"),
+            Role::Indices => alone("indices"),
+            Role::Block(i) => alone(block_name(format, i)),
+            Role::Parameter => alone("compression parameter"),
+            Role::Transform(i) => element(i, "transform of plane {n}", "transforms"),
+            Role::MotionX(i) => element(i, "vector of plane {n}, x", "vectors, x"),
+            Role::MotionY(i) => element(i, "vector of plane {n}, y", "vectors, y"),
+            Role::Rank(i) => element(i, "rank of plane {n}", "order"),
+            Role::Reference(i) => element(i, "reference of plane {n}", "references"),
+            Role::StreamSize(i) => element(i, "compressed size of plane {n}", "compressed sizes"),
+            Role::SideSize(i) => element(i, "side information size of plane {n}", "side sizes"),
+            Role::Stream(i) => (Some(i), "plane {n}", None),
+            Role::Side(i) => (Some(i), "side information of plane {n}", None),
         }
     }
 }

@@ -87,34 +87,13 @@ pub fn exr_of(values: &[f64], size: Size, channels: usize, about: &str) -> Resul
     Ok(bytes.into_inner())
 }
 
-/// The stored values as NPY: an array of bytes, height × width × channels.
-#[must_use]
-pub fn npy_stored(ptm: &Ptm) -> Vec<u8> {
-    npy_bytes(
-        &ptm.planes.samples,
-        ptm.planes.size,
-        ptm.planes.shape.channels(),
-    )
-}
-
-/// The final values as NPY: an array of 32-bit floats, height × width × channels.
-#[must_use]
-pub fn npy_final(ptm: &Ptm) -> Vec<u8> {
-    let coefficients = ptm.coefficients();
-    npy_floats(
-        &coefficients.values,
-        coefficients.size,
-        coefficients.shape.channels(),
-    )
-}
-
-/// An array of bytes, height × width × channels, top row first.
+/// Returns an NPY array of bytes, height × width × channels, top row first.
 #[must_use]
 pub fn npy_bytes(values: &[u8], size: Size, channels: usize) -> Vec<u8> {
     [&npy_header("|u1", size, channels), values].concat()
 }
 
-/// An array of 32-bit floats, height × width × channels, top row first.
+/// Returns an NPY array of 32-bit floats, height × width × channels, top row first.
 #[must_use]
 pub fn npy_floats(values: &[f64], size: Size, channels: usize) -> Vec<u8> {
     let mut bytes = npy_header("<f4", size, channels);
@@ -143,17 +122,7 @@ fn npy_header(kind: &str, size: Size, channels: usize) -> Vec<u8> {
     .concat()
 }
 
-/// The stored planes below each other, in the order of the text: a gray picture of `channels * height` rows.
-#[must_use]
-pub fn stacked(ptm: &Ptm) -> Image {
-    stacked_planes(
-        &ptm.planes.samples,
-        ptm.planes.size,
-        ptm.planes.shape.channels(),
-    )
-}
-
-/// Planes below each other, of samples that lie texel after texel.
+/// Stacks the planes of samples that lie texel after texel: a gray image of `channels * height` rows.
 #[must_use]
 pub fn stacked_planes(samples: &[u8], size: Size, channels: usize) -> Image {
     let plane = |channel: usize| samples.iter().skip(channel).step_by(channels).copied();

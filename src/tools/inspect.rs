@@ -1,15 +1,15 @@
 //! Every field of a file: where it is, which clause puts it there, what it says.
 
 use std::fmt::Write as _;
+use std::ops::Range;
 
 use anstyle::{AnsiColor, Style};
 use serde::Serialize;
 
 use crate::error::{Class, Kind};
-use crate::kit::yaml::to_yaml;
 use crate::ptm::{Format, Size};
 use crate::tools::dissection::{Dissection, FilePart, Role};
-use crate::tools::segments::{self, segments};
+use crate::tools::segments::{Segment, segments};
 
 /// How many entries of a table, or records, are shown unless all are asked for.
 const SOME: usize = 8;
@@ -47,7 +47,7 @@ pub struct Inspection {
 }
 
 /// A field.
-#[derive(Debug, Serialize)]
+#[derive(Debug, Default, Serialize)]
 pub struct InspectedField {
     /// Where it begins.
     pub offset: usize,
@@ -59,10 +59,10 @@ pub struct InspectedField {
     pub name: String,
     /// What it says.
     pub value: String,
-    /// White space up to the next field, made visible.
+    /// The white space up to the next field, made visible.
     #[serde(skip)]
-    behind: String,
-    /// What it is for; nothing within a part.
+    gap: String,
+    /// Its role; none within a part.
     #[serde(skip)]
     role: Option<Role>,
     /// Its first bytes, where it is not text.
@@ -84,12 +84,9 @@ pub struct Fault {
     pub class: &'static str,
     /// What is wrong.
     pub what: String,
-    /// Whether the file has ended too early: then it shows behind everything.
+    /// The kind of the error, which decides after which field it is shown.
     #[serde(skip)]
-    at_end: bool,
-    /// The plane whose stream is at fault.
-    #[serde(skip)]
-    plane: Option<usize>,
+    kind: Kind,
 }
 
 /// Bytes that belong to no field.
@@ -119,18 +116,10 @@ pub fn inspect(file: &[u8]) -> Inspection {
             Class::Limit => "limit",
         },
         what: error.kind().to_string(),
-        at_end: matches!(error.kind(), Kind::Short { .. }),
-        plane: match *error.kind() {
-            Kind::Stream { plane, .. } => Some(plane),
-            _ => None,
-        },
+        kind: error.kind().clone(),
     });
-    let end = dissection.end()
-        + dissection
-            .parts
-            .len()
-            .checked_sub(1)
-            .map_or(0, |last| dissection.gap_after(last).len());
+    let last = dissection.parts.len().checked_sub(1);
+    let end = dissection.end() + last.map_or(0, |last| dissection.gap_after(last).len());
     Inspection {
         bytes: file.len(),
         format: dissection.format.map(Format::name),
@@ -149,32 +138,23 @@ pub fn inspect(file: &[u8]) -> Inspection {
 fn show(dissection: &Dissection, place: usize) -> InspectedField {
     let part = &dissection.parts[place];
     let bytes = &dissection.file[part.range.clone()];
-    let (value, parts) = if let Some(whole) = part.cut_from {
-        (format!("cut: {} of {whole} bytes", bytes.len()), Vec::new())
-    } else if part.role.is_payload() {
-        describe(dissection, part, bytes)
-    } else {
-        (bytes.escape_ascii().to_string(), Vec::new())
+    let text = |bytes: &[u8]| bytes.escape_ascii().to_string();
+    let (is_payload, name) = (part.role.is_payload(), part.role.name(dissection.format));
+    let (value, parts) = match part.cut_from {
+        Some(whole) => (format!("cut: {} of {whole} bytes", bytes.len()), Vec::new()),
+        None if is_payload => describe(dissection, part, bytes),
+        None => (text(bytes), Vec::new()),
     };
-    InspectedField {
-        offset: part.range.start,
-        length: bytes.len(),
-        clause: part.clause,
-        name: part.role.name(dissection.format),
-        value,
-        behind: if part.role.is_payload() {
-            String::new()
-        } else {
-            visible(dissection.gap_after(place))
-        },
+    let mut field = InspectedField {
         role: Some(part.role),
-        begins: if part.role.is_payload() {
-            hexadecimal(bytes)
-        } else {
-            String::new()
-        },
         parts,
+        ..child(part, 0..bytes.len(), part.clause, name, value)
+    };
+    match is_payload {
+        true => field.begins = hexadecimal(bytes),
+        false => field.gap = visible(dissection.gap_after(place)),
     }
+    field
 }
 
 /// What a part of the payload is, and what it consists of.
@@ -207,7 +187,8 @@ fn table(dissection: &Dissection, part: &FilePart, bytes: &[u8]) -> (String, Vec
     let size = bytes.len().checked_div(entries).unwrap_or(0);
     let entry = |(i, entry): (usize, &[u8])| {
         let (name, value) = (format!("entry {i}"), decimal(entry));
-        child(part, i * size, entry.len(), part.clause, name, value)
+        let range = i * size..i * size + entry.len();
+        child(part, range, part.clause, name, value)
     };
     let parts = bytes.chunks(size.max(1)).enumerate().map(entry).collect();
     (format!("{entries} entries of {size} bytes"), parts)
@@ -229,24 +210,21 @@ fn indices(bytes: &[u8], texels: usize) -> String {
     format!("{texels} of {each}, from {smallest} to {largest}, bottom row first")
 }
 
+/// Returns the field of a range of bytes of `part`.
 fn child(
     part: &FilePart,
-    at: usize,
-    length: usize,
+    range: Range<usize>,
     clause: &'static str,
     name: String,
     value: String,
 ) -> InspectedField {
     InspectedField {
-        offset: part.range.start + at,
-        length,
+        offset: part.range.start + range.start,
+        length: range.len(),
         clause,
         name,
         value,
-        behind: String::new(),
-        role: None,
-        begins: String::new(),
-        parts: Vec::new(),
+        ..InspectedField::default()
     }
 }
 
@@ -281,15 +259,9 @@ fn plan(dissection: &Dissection, plane: usize) -> String {
 }
 
 fn stream_parts(part: &FilePart, stream: &[u8]) -> Vec<InspectedField> {
-    let shown = |segment: segments::Segment| {
-        child(
-            part,
-            segment.range.start,
-            segment.range.len(),
-            segment.kind.clause(),
-            segment.kind.name(),
-            segment.says,
-        )
+    let shown = |Segment { kind, range, says }| {
+        let (name, clause) = kind.label();
+        child(part, range, clause, name.into_owned(), says)
     };
     segments(stream).into_iter().map(shown).collect()
 }
@@ -306,12 +278,12 @@ fn records(
         let position = u32::from_be_bytes([p3, p2, p1, p0]);
         let place = place(dissection.size, position);
         let value = format!("position {position} ({place}) becomes {value}");
-        child(part, 5 * i, 5, CLAUSE, format!("record {i}"), value)
+        child(part, 5 * i..5 * i + 5, CLAUSE, format!("record {i}"), value)
     };
     let mut parts: Vec<InspectedField> = whole.iter().enumerate().map(record).collect();
     if !rest.is_empty() {
-        let (at, name) = (5 * whole.len(), "part of a record".to_owned());
-        parts.push(child(part, at, rest.len(), CLAUSE, name, decimal(rest)));
+        let (range, name) = (5 * whole.len()..block.len(), "part of a record".to_owned());
+        parts.push(child(part, range, CLAUSE, name, decimal(rest)));
     }
     let words = match whole.len() {
         0 if rest.is_empty() => "no records".to_owned(),
@@ -334,15 +306,7 @@ fn place(size: Option<Size>, position: u32) -> String {
 }
 
 impl Inspection {
-    /// The fields as YAML.
-    ///
-    /// # Errors
-    /// None that a file could cause.
-    pub fn to_yaml(&self) -> Result<String, String> {
-        to_yaml(self)
-    }
-
-    /// The fields as a table for a terminal, with its colors; `all` shows every entry, segment and record.
+    /// Returns the fields as a table for a terminal, with colors. `all` shows every entry, segment and record.
     #[must_use]
     pub fn to_text(&self, name: &str, all: bool) -> String {
         let mut out = format!("{NAME}{name}{NAME:#}: {}", self.summary());
@@ -351,36 +315,24 @@ impl Inspection {
             "\n\n{DIM}  offset   length  clause        what{:<29}value{DIM:#}",
             ""
         );
-        let mut shown = self.error.is_none();
-        let mut fields = self.fields.iter().peekable();
-        while let Some(first) = fields.next() {
-            let mut line = first.line();
-            while first.list().is_some()
-                && fields
-                    .peek()
-                    .is_some_and(|next| next.list() == first.list())
-            {
-                line.extend(fields.next().expect("it was just seen"));
-            }
+        let mut fault = self.error.as_ref();
+        let in_one_line =
+            |a: &InspectedField, b: &InspectedField| a.list().is_some() && a.list() == b.list();
+        for line in self.fields.chunk_by(in_one_line) {
+            let first = &line[0];
             if first.length == 0 && matches!(first.role, Some(Role::Side(_))) {
                 continue;
             }
-            line.write(&mut out, 0);
-            let hit = !shown && line.holds(first, self.error.as_ref());
-            first.write_parts(&mut out, all, hit);
-            if hit {
-                shown = true;
-                self.write_error(&mut out);
-            }
+            write_line(&mut out, line, 0);
+            let fault_here = fault.take_if(|fault| fault.is_in(line));
+            first.write_parts(&mut out, all, fault_here.is_some());
+            write_fault(&mut out, fault_here);
         }
-        if !shown {
-            self.write_error(&mut out);
-        }
+        write_fault(&mut out, fault);
         if let Some(rest) = &self.rest {
-            let why = if self.error.is_some() {
-                "not read"
-            } else {
-                "after the last value, read by nobody"
+            let why = match self.error {
+                Some(_) => "not read",
+                None => "after the last value, read by nobody",
             };
             let _ = writeln!(
                 out,
@@ -396,123 +348,93 @@ impl Inspection {
         let size = size.map_or_else(String::new, |(width, height)| {
             format!("{width} x {height} texels, ")
         });
-        let format = self.format.map_or_else(
-            || "no known format, ".to_owned(),
-            |format| format!("{format}, "),
-        );
-        format!("{format}{size}{} bytes", self.bytes)
+        let format = self.format.unwrap_or("no known format");
+        format!("{format}, {size}{} bytes", self.bytes)
     }
+}
 
-    fn write_error(&self, out: &mut String) {
-        if let Some(error) = &self.error {
-            let _ = writeln!(
-                out,
-                "{WRONG}{:>8} {:>8}  {:<12}  {}: {}{WRONG:#}",
-                error.offset, "", error.clause, error.class, error.what
-            );
+impl Fault {
+    /// Returns true if the fault is shown after this line: the line of its byte or, for a stream, of its plane.
+    fn is_in(&self, line: &[InspectedField]) -> bool {
+        let (start, end) = (line[0].offset, end(line));
+        match self.kind {
+            Kind::Stream { plane, .. } => line[0].role == Some(Role::Stream(plane)),
+            Kind::Short { .. } => false,
+            _ => (start..end.max(start + 1)).contains(&self.offset),
         }
     }
 }
 
-/// A row of the table: a field, or all of a list.
-struct Line {
-    offset: usize,
-    end: usize,
-    clause: &'static str,
-    name: String,
-    value: String,
-    begins: String,
-}
-
-impl Line {
-    fn extend(&mut self, next: &InspectedField) {
-        self.end = next.offset + next.length;
-        self.value += &next.styled();
-    }
-
-    /// Whether the error is to be told here: in it or, of a stream, in its plane.
-    fn holds(&self, first: &InspectedField, error: Option<&Fault>) -> bool {
-        error.is_some_and(|error| match error.plane {
-            Some(plane) => first.role == Some(Role::Stream(plane)),
-            None => {
-                !error.at_end
-                    && (self.offset..self.end.max(self.offset + 1)).contains(&error.offset)
-            }
-        })
-    }
-
-    fn write(&self, out: &mut String, indent: usize) {
-        let _ = write!(
+fn write_fault(out: &mut String, fault: Option<&Fault>) {
+    if let Some(fault) = fault {
+        let _ = writeln!(
             out,
-            "{DIM}{:>8} {:>8}{DIM:#}  {CLAUSE}{:<12}{CLAUSE:#}  {:indent$}{NAME}{}{NAME:#}",
-            self.offset,
-            self.end - self.offset,
-            self.clause,
-            "",
-            self.name
+            "{WRONG}{:>8} {:>8}  {:<12}  {}: {}{WRONG:#}",
+            fault.offset, "", fault.clause, fault.class, fault.what
         );
-        if !self.value.is_empty() {
-            let space = 33_usize
-                .saturating_sub(indent + self.name.chars().count())
-                .max(1);
-            let _ = write!(out, "{:space$}{}", "", self.value);
-        }
-        if !self.begins.is_empty() {
-            let _ = write!(out, "  {DIM}{}{DIM:#}", self.begins);
-        }
-        out.push('\n');
     }
+}
+
+/// Returns the byte after the last field of a line.
+fn end(line: &[InspectedField]) -> usize {
+    line.last().map_or(0, |last| last.offset + last.length)
+}
+
+/// Writes a row of the table: a field, or all elements of a list.
+fn write_line(out: &mut String, line: &[InspectedField], indent: usize) {
+    let first = &line[0];
+    let name = first.list().unwrap_or(&first.name);
+    let _ = write!(
+        out,
+        "{DIM}{:>8} {:>8}{DIM:#}  {CLAUSE}{:<12}{CLAUSE:#}  {:indent$}{NAME}{name}{NAME:#}",
+        first.offset,
+        end(line) - first.offset,
+        first.clause,
+        "",
+    );
+    let value: String = line.iter().map(InspectedField::styled).collect();
+    if !value.is_empty() {
+        let width = indent + name.chars().count();
+        let space = 33_usize.saturating_sub(width).max(1);
+        let _ = write!(out, "{:space$}{value}", "");
+    }
+    if !first.begins.is_empty() {
+        let _ = write!(out, "  {DIM}{}{DIM:#}", first.begins);
+    }
+    out.push('\n');
 }
 
 impl InspectedField {
-    /// The list it is an element of.
+    /// Returns the name of the list it is an element of, if it is one.
     fn list(&self) -> Option<&'static str> {
         self.role.and_then(Role::list)
-    }
-
-    fn line(&self) -> Line {
-        Line {
-            offset: self.offset,
-            end: self.offset + self.length,
-            clause: self.clause,
-            name: self.list().map_or_else(|| self.name.clone(), str::to_owned),
-            value: self.styled(),
-            begins: self.begins.clone(),
-        }
     }
 
     fn styled(&self) -> String {
         match self.value.as_str() {
             "" => String::new(),
-            value => format!("{VALUE}{value}{VALUE:#}{DIM}{}{DIM:#}", self.behind),
+            value => format!("{VALUE}{value}{VALUE:#}{DIM}{}{DIM:#}", self.gap),
         }
     }
 
-    /// Entries, segments and records: all, or some of them; segments of a sound stream on one line.
+    /// Writes the entries, segments or records, all or some of them. The segments of an intact stream share one line.
     fn write_parts(&self, out: &mut String, all: bool, damaged: bool) {
-        let of_a_stream = self
-            .parts
-            .first()
-            .is_some_and(|part| part.clause.starts_with('T'));
-        if of_a_stream && !all && !damaged {
-            let words: Vec<String> = self.parts.iter().map(|part| part.name.clone()).collect();
+        let is_stream = matches!(self.role, Some(Role::Stream(_))) && !self.parts.is_empty();
+        if is_stream && !all && !damaged {
+            let words: Vec<&str> = self.parts.iter().map(|part| part.name.as_str()).collect();
             let _ = writeln!(out, "{:33}{DIM}{}{DIM:#}", "", words.join(", "));
             return;
         }
-        let shown = if all || of_a_stream {
-            self.parts.len()
-        } else {
-            self.parts.len().min(SOME)
-        };
-        for part in &self.parts[..shown] {
-            part.line().write(out, 2);
+        let limit = if all || is_stream { usize::MAX } else { SOME };
+        for part in self.parts.iter().take(limit) {
+            write_line(out, std::slice::from_ref(part), 2);
         }
-        if shown < self.parts.len() {
+        let hidden = self.parts.len().saturating_sub(limit);
+        if hidden > 0 {
             let _ = writeln!(
                 out,
-                "{:33}{DIM}… and {} more; --all shows them{DIM:#}",
-                "",
-                self.parts.len() - shown
+                "{:33}{DIM}… and {hidden} more; --all shows them{DIM:#}",
+                ""
             );
         }
     }

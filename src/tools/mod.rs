@@ -3,6 +3,8 @@
 //! dissection → inspect, lint. decode → render, export, diff. decode → generate → convert. Nothing here judges a decoder, and
 //! nothing reads or writes a file: that is the program's part.
 
+use crate::ptm::Size;
+
 pub mod segments;
 
 pub mod dissection;
@@ -26,3 +28,10 @@ pub mod diff;
 
 #[cfg(feature = "cli")]
 pub mod profiles;
+
+/// Returns the place of a texel, counted from the top left, in words.
+fn place_in_words(size: Size, texel: usize) -> String {
+    let width = size.width as usize;
+    let (column, row) = (texel % width, texel / width);
+    format!("column {column}, row {row} from the top")
+}

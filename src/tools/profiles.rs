@@ -16,10 +16,10 @@ use crate::kit::digest::sha256;
 use crate::kit::parallel::in_parallel;
 use crate::kit::yaml::to_yaml;
 use crate::protocol::frame::{Samples, View, ViewKind};
-use crate::ptm::Size;
 use crate::suite::cases::{Case, Expect, Suite, TableSpelling};
 use crate::suite::choices::{CHOICES, concerned};
 use crate::suite::compare::Expected;
+use crate::suite::corpus::put;
 use crate::tools::export::{exr_of, npy_bytes, npy_floats, stacked_planes};
 use crate::tools::lint::codes::Code;
 use crate::tools::render::Image;
@@ -193,7 +193,7 @@ pub fn write(
     let entries = in_parallel(cases.len(), jobs, progress, &|place| {
         let (entry, outputs) = entry(cases[place], profile).map_err(io::Error::other)?;
         for (path, bytes) in outputs {
-            put(directory, &path, &bytes)?;
+            put(&directory.join(path), &bytes)?;
         }
         Ok(entry)
     });
@@ -205,17 +205,12 @@ pub fn write(
     };
     let yaml = to_yaml(&manifest).map_err(io::Error::other)?;
     let json = serde_json::to_string_pretty(&manifest).map_err(io::Error::other)?;
-    put(directory, "MANIFEST.yaml", yaml.as_bytes())?;
-    put(directory, "MANIFEST.json", (json + "\n").as_bytes())?;
-    put(
-        directory,
-        "README.md",
-        README
-            .replace("{profile}", profile.name())
-            .replace("{version}", manifest.version)
-            .as_bytes(),
-    )?;
-    put(directory, ".gitattributes", GITATTRIBUTES.as_bytes())?;
+    put(&directory.join("MANIFEST.yaml"), yaml.as_bytes())?;
+    put(&directory.join("MANIFEST.json"), (json + "\n").as_bytes())?;
+    let readme = README.replace("{profile}", profile.name());
+    let readme = readme.replace("{version}", manifest.version);
+    put(&directory.join("README.md"), readme.as_bytes())?;
+    put(&directory.join(".gitattributes"), GITATTRIBUTES.as_bytes())?;
     Ok(manifest)
 }
 
@@ -235,21 +230,17 @@ fn entry(case: &Case, profile: Profile) -> Result<(ProfileCase, Vec<Output>), St
             outputs.extend(files);
         }
     }
-    let expect = match case.any_picture {
-        true => "robust",
-        false => case.expect.name(),
-    };
     let refused = matches!(case.expect, Expect::Reject | Expect::Refuse);
     let damage = case.damage();
     let code = damage.filter(|_| refused);
-    let code = code.and_then(|damage| Code::of(&damage.name));
+    let code = code.and_then(|damage| Code::of_refused(&damage.name));
     let entry = ProfileCase {
         id: case.id.clone(),
         file,
         bytes: built.file.len(),
         sha256: sha256(&built.file),
         format: case.format().name(),
-        expect,
+        expect: case.expectation_name(),
         because: case.because.clone(),
         clauses: case.clauses.clone(),
         ruling: case.ruling.clone(),
@@ -327,29 +318,10 @@ fn encoded(
         }
         ViewKind::Rgb => {
             let npy = ("npy", npy_floats(values, size, channels));
-            vec![npy, png(picture(values, size))?]
+            let bytes = values.iter().map(|value| value.round() as u8);
+            vec![npy, png(Image::rgb(size, bytes.collect()))?]
         }
     })
-}
-
-/// Colors rounded to bytes.
-fn picture(values: &[f64], size: Size) -> Image {
-    Image {
-        width: size.width as usize,
-        height: size.height as usize,
-        channels: 3,
-        samples: values.iter().map(|value| value.round() as u8).collect(),
-    }
-}
-
-fn put(directory: &Path, path: &str, bytes: &[u8]) -> io::Result<()> {
-    let path = directory.join(path);
-    let named =
-        |error: io::Error| io::Error::new(error.kind(), format!("{}: {error}", path.display()));
-    if let Some(parent) = path.parent() {
-        fs::create_dir_all(parent).map_err(named)?;
-    }
-    fs::write(&path, bytes).map_err(named)
 }
 
 /// Git is to leave every byte alone.
@@ -364,48 +336,8 @@ MANIFEST.json text eol=lf
 .gitattributes text eol=lf
 ";
 
-/// How to use the corpus.
-const README: &str = "\
-# Polynomial Texture Maps for your tests
-
-Written by ptm-conform {version} with `ptm-conform generate --profile {profile}`. Every file of `files/` has one odd thing in
-it; `MANIFEST.yaml` (the same as `MANIFEST.json`) says which, by which clause of the format's text, and what a decoder owes it.
-
-| `expect` | a decoder |
-|---|---|
-| `decode` | finds the values in `expected/` |
-| `reject` | refuses the file as malformed; `twin_of` is the same file without the damage, and a decoder that does not read it proves nothing here |
-| `refuse` | refuses the file, as malformed or as more than it can do |
-| `lenient` | refuses the file, or finds the values; no other values |
-| `robust` | refuses the file or finds any values, and does not crash |
-| `spelling` | knows one of several spellings; the others may be refused |
-
-All arrays are rows x columns x channels, the **top row first**; files store the bottom row first.
-
-| `view` | holds | right if |
-|---|---|---|
-| `raw` | stored bytes: 18 channels for RGB (a0...a5 of red, of green, of blue), 9 for LRGB and tables (a0...a5, R, G, B), 8 for LUM (a0...a5, Cr, Cb) | equal |
-| `coef` | (raw - bias) * scale for coefficients, the other channels as plain numbers | within 1e-5 of the larger, plus 1e-6 |
-| `rgb:LU,LV` | red, green, blue under that light, +LU to the right, +LV up; not rounded in NPY | a byte within 1 + 1/64 of the number |
-
-NPY is read by NumPy and by a dozen lines in any language. A PNG of `raw` has the planes below each other; of `rgb` it is
-the picture, rounded. An EXR of `coef` has named float channels.
-
-`slack` names an array: how far each value may be off besides, because inverse DCTs differ; for `raw`, counted around the
-circle of 256 values, so that 255 and 0 are neighbours. `shows` names rulings: other readings of these have other right
-answers. `ptm-conform explain ID` explains a case, a clause, a ruling or a lint code.
-
-    import json, numpy
-    for case in json.load(open('MANIFEST.json'))['cases']:
-        if case['expect'] == 'decode':
-            answer = next(a for a in case['expected'] if a['view'] == 'raw' and a['encoding'] == 'npy')
-            if 'slack' not in answer and 'shows' not in answer:
-                assert (my_decoder(case['file']) == numpy.load(answer['file'])).all(), case['id']
-        elif case['expect'] == 'reject':
-            assert my_decoder_refuses(case['file']), case['id']
-
-Ids are permanent, and so is the file of an id. The files may be used as the program may: MIT or Apache-2.0, at your option.
-";
+/// Explains how to use the corpus.
+const README: &str = include_str!("../../spec-cases/profile.md");
 
 #[cfg(test)]
 mod tests {

@@ -7,7 +7,7 @@ use image::codecs::pnm::{PnmEncoder, PnmSubtype, SampleEncoding};
 use image::{ExtendedColorType, ImageEncoder, ImageFormat, write_buffer_with_format};
 
 use crate::evaluate::Coefficients;
-use crate::ptm::{Ptm, Shape};
+use crate::ptm::{Ptm, Shape, Size};
 
 /// A picture of 8 bits a sample, top row first.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -33,19 +33,15 @@ const LARGEST: usize = 1 << 30;
 /// The light at the rim of a contact sheet; at 1 it would graze the map.
 const RIM: f64 = 0.9;
 
-/// The map under one light.
+/// Returns the map under one light.
 #[must_use]
 pub fn lit(ptm: &Ptm, lu: f64, lv: f64) -> Image {
     picture(&ptm.coefficients(), lu, lv)
 }
 
 fn picture(coefficients: &Coefficients, lu: f64, lv: f64) -> Image {
-    Image {
-        width: coefficients.size.width as usize,
-        height: coefficients.size.height as usize,
-        channels: 3,
-        samples: coefficients.evaluate(lu, lv).to_bytes(),
-    }
+    let samples = coefficients.evaluate(lu, lv).to_bytes();
+    Image::rgb(coefficients.size, samples)
 }
 
 /// `side` × `side` lights over the hemisphere, light from the right on the right and from above at the top; the pictures at
@@ -114,16 +110,8 @@ pub fn normals(ptm: &Ptm) -> Image {
     let color = |texel: &[f64]| {
         normal(&luminance(texel)).map(|axis| (f64::midpoint(axis, 1.0) * 255.0).round() as u8)
     };
-    Image {
-        width: coefficients.size.width as usize,
-        height: coefficients.size.height as usize,
-        channels: 3,
-        samples: coefficients
-            .values
-            .chunks(channels)
-            .flat_map(color)
-            .collect(),
-    }
+    let texels = coefficients.values.chunks(channels);
+    Image::rgb(coefficients.size, texels.flat_map(color).collect())
 }
 
 /// The direction of the light under which the polynomial is largest.
@@ -180,6 +168,17 @@ fn brightest_angle(brightness: &impl Fn(f64) -> f64) -> f64 {
 }
 
 impl Image {
+    /// Returns an image of three samples a pixel.
+    #[must_use]
+    pub fn rgb(size: Size, samples: Vec<u8>) -> Image {
+        Image {
+            width: size.width as usize,
+            height: size.height as usize,
+            channels: 3,
+            samples,
+        }
+    }
+
     /// As a file of that format; as JPEG in the quality in which `check` takes it for an answer.
     ///
     /// # Errors

@@ -10,8 +10,9 @@
 
 use std::collections::HashSet;
 
+use super::dissection::{Dissection, Role};
 use super::lint::Lint;
-use crate::decode::{decode, examine};
+use crate::decode::decode;
 use crate::ptm::Format;
 
 /// A file, repaired.
@@ -107,18 +108,13 @@ impl<'a> Loose<'a> {
         })
     }
 
-    /// The file by the letter.
+    /// Returns the file as the text requires it.
     fn legal(mut self, changes: &mut Vec<String>) -> Result<Vec<u8>, String> {
         const BLANKS: &str =
             "the header has its numbers in lines, one space between two, and line feeds alone";
         let as_lines = self.written();
         if let Ok(ptm) = decode(&as_lines) {
-            let is_exact = examine(&as_lines)
-                .0
-                .iter()
-                .map(|field| field.range.end)
-                .max()
-                == Some(as_lines.len());
+            let is_exact = Dissection::of(&as_lines).end() == as_lines.len();
             if self.line_end != "\n" && !is_exact {
                 return Err(format!(
                     "its lines do not end in a line feed alone, and its payload is longer than {} texels need: it was copied in text mode, which changed the payload too",
@@ -242,15 +238,11 @@ fn stream_length(stream: &[u8]) -> Option<usize> {
     }
 }
 
-/// The file without what follows its last value.
+/// Removes the bytes after the last value.
 fn without_rest(mut bytes: Vec<u8>, changes: &mut Vec<String>) -> Vec<u8> {
-    let (fields, outcome) = examine(&bytes);
-    let end = fields
-        .iter()
-        .map(|field| field.range.end)
-        .max()
-        .unwrap_or(0);
-    if outcome.is_ok() && end < bytes.len() {
+    let dissection = Dissection::of(&bytes);
+    let (end, is_read) = (dissection.end(), dissection.outcome.is_ok());
+    if is_read && end < bytes.len() {
         changes.push(format!(
             "{} bytes after the last value are left out",
             bytes.len() - end
@@ -260,18 +252,24 @@ fn without_rest(mut bytes: Vec<u8>, changes: &mut Vec<String>) -> Vec<u8> {
     bytes
 }
 
-/// The file without records that a later one of the same texel overrides.
+/// Removes the records that a later one of the same texel overrides.
 fn without_overridden_records(
     bytes: Vec<u8>,
     changes: &mut Vec<String>,
 ) -> Result<Vec<u8>, String> {
-    let (fields, outcome) = examine(&bytes);
-    outcome.map_err(|error| error.to_string())?;
-    let of_clause = |clause| fields.iter().filter(move |field| field.clause == clause);
+    let dissection = Dissection::of(&bytes);
+    if let Err(error) = &dissection.outcome {
+        return Err(error.to_string());
+    }
     let mut edits = Vec::new();
-    for (plane, (size, side)) in of_clause("2.9.7/1").zip(of_clause("2.9.8/4")).enumerate() {
+    for plane in 0..dissection.compressed_planes() {
+        let part = |role| dissection.part(role).map(|part| part.range.clone());
+        let (Some(size), Some(side)) = (part(Role::SideSize(plane)), part(Role::Side(plane)))
+        else {
+            continue;
+        };
         let mut seen = HashSet::new();
-        let mut kept: Vec<&[u8]> = bytes[side.range.clone()].chunks(5).collect();
+        let mut kept: Vec<&[u8]> = bytes[side.clone()].chunks(5).collect();
         let all = kept.len();
         kept.reverse();
         kept.retain(|record| seen.insert(record[..4].to_vec()));
@@ -282,8 +280,8 @@ fn without_overridden_records(
                 "plane {plane}: {left_out} records that a later one overrides are left out"
             ));
             let kept = kept.concat();
-            edits.push((size.range.clone(), kept.len().to_string().into_bytes()));
-            edits.push((side.range.clone(), kept));
+            edits.push((size, kept.len().to_string().into_bytes()));
+            edits.push((side, kept));
         }
     }
     // From the end, so that what comes before stays where it is.

@@ -3,6 +3,7 @@
 //! A walk over a stream that never refuses: what is damaged is shown as what it is. Whether a stream is in order is the
 //! codecs' business.
 
+use std::borrow::Cow;
 use std::ops::Range;
 
 /// A part of a stream.
@@ -37,60 +38,33 @@ const SOS: u8 = 0xda;
 const SOF55: u8 = 0xf7;
 
 impl SegmentKind {
-    /// What it is called by its standard.
+    /// Returns its name in its standard, and the clause of the standard that describes it.
     #[must_use]
-    pub fn name(self) -> String {
-        let SegmentKind::Marker(code) = self else {
-            return match self {
-                SegmentKind::Fill => "fill bytes",
-                SegmentKind::Data => "entropy-coded data",
-                SegmentKind::Behind => "bytes behind the end",
-                _ => "no marker",
-            }
-            .to_owned();
-        };
-        match code {
-            SOI => "SOI".to_owned(),
-            EOI => "EOI".to_owned(),
-            SOS => "SOS".to_owned(),
-            0xc4 => "DHT".to_owned(),
-            0xcc => "DAC".to_owned(),
-            SOF55 => "SOF55".to_owned(),
-            0xf8 => "LSE".to_owned(),
-            0xc0..=0xcf => format!("SOF{}", code - 0xc0),
-            0xd0..=0xd7 => format!("RST{}", code - 0xd0),
-            0xdb => "DQT".to_owned(),
-            0xdc => "DNL".to_owned(),
-            0xdd => "DRI".to_owned(),
-            0xe0..=0xef => format!("APP{}", code - 0xe0),
-            0xfe => "COM".to_owned(),
-            _ => format!("marker FF{code:02X}"),
-        }
-    }
-
-    /// Where its standard describes it.
-    #[must_use]
-    pub const fn clause(self) -> &'static str {
-        match self {
+    pub fn label(self) -> (Cow<'static, str>, &'static str) {
+        let (name, clause) = match self {
+            SegmentKind::Fill => ("fill bytes", "T.81 B.1.1.2"),
+            SegmentKind::Data => ("entropy-coded data", "T.81 B.1.1.5"),
+            SegmentKind::Behind => ("bytes behind the end", "T.81 B.1.1.3"),
+            SegmentKind::Stray => ("no marker", "T.81 B.1.1.3"),
             SegmentKind::Marker(code) => match code {
-                SOI | EOI => "T.81 B.2.1",
-                SOF55 => "T.87 C.2.2",
-                0xf8 => "T.87 C.2.4.1",
-                0xc4 => "T.81 B.2.4.2",
-                0xcc => "T.81 B.2.4.3",
-                0xc0..=0xcf => "T.81 B.2.2",
-                SOS => "T.81 B.2.3",
-                0xdb => "T.81 B.2.4.1",
-                0xdc => "T.81 B.2.5",
-                0xdd => "T.81 B.2.4.4",
-                0xe0..=0xef => "T.81 B.2.4.6",
-                0xfe => "T.81 B.2.4.5",
-                _ => "T.81 B.1.1.3",
+                SOI => ("SOI", "T.81 B.2.1"),
+                EOI => ("EOI", "T.81 B.2.1"),
+                SOS => ("SOS", "T.81 B.2.3"),
+                SOF55 => ("SOF55", "T.87 C.2.2"),
+                0xf8 => ("LSE", "T.87 C.2.4.1"),
+                0xc4 => ("DHT", "T.81 B.2.4.2"),
+                0xcc => ("DAC", "T.81 B.2.4.3"),
+                0xdb => ("DQT", "T.81 B.2.4.1"),
+                0xdc => ("DNL", "T.81 B.2.5"),
+                0xdd => ("DRI", "T.81 B.2.4.4"),
+                0xfe => ("COM", "T.81 B.2.4.5"),
+                0xc0..=0xcf => return (format!("SOF{}", code - 0xc0).into(), "T.81 B.2.2"),
+                0xe0..=0xef => return (format!("APP{}", code - 0xe0).into(), "T.81 B.2.4.6"),
+                0xd0..=0xd7 => return (format!("RST{}", code - 0xd0).into(), "T.81 B.1.1.3"),
+                _ => return (format!("marker FF{code:02X}").into(), "T.81 B.1.1.3"),
             },
-            SegmentKind::Fill => "T.81 B.1.1.2",
-            SegmentKind::Data => "T.81 B.1.1.5",
-            SegmentKind::Behind | SegmentKind::Stray => "T.81 B.1.1.3",
-        }
+        };
+        (name.into(), clause)
     }
 }
 
@@ -331,11 +305,9 @@ mod tests {
     use super::*;
     use crate::codec::{jpeg, jpeg_ls};
 
-    fn names(stream: &[u8]) -> Vec<String> {
-        segments(stream)
-            .iter()
-            .map(|part| part.kind.name())
-            .collect()
+    fn names(stream: &[u8]) -> Vec<Cow<'static, str>> {
+        let parts = segments(stream);
+        parts.iter().map(|part| part.kind.label().0).collect()
     }
 
     fn whole(stream: &[u8]) {

@@ -9,42 +9,19 @@ use crate::kit::yaml::from_yaml;
 use crate::suite::cases::Suite;
 use crate::suite::clauses::{Clause, Ruling};
 use crate::suite::dialect::Axis;
+use crate::suite::load::spec_file;
 use crate::suite::texture::fixtures;
 use crate::suite::texture::question::{Question, Refusal};
 
 const FILES: &[(&str, &str)] = &[
-    (
-        "table.yaml",
-        include_str!("../../../spec-cases/texture/cases/table.yaml"),
-    ),
-    (
-        "parameterization.yaml",
-        include_str!("../../../spec-cases/texture/cases/parameterization.yaml"),
-    ),
-    (
-        "orientation.yaml",
-        include_str!("../../../spec-cases/texture/cases/orientation.yaml"),
-    ),
-    (
-        "sampling.yaml",
-        include_str!("../../../spec-cases/texture/cases/sampling.yaml"),
-    ),
-    (
-        "boundary.yaml",
-        include_str!("../../../spec-cases/texture/cases/boundary.yaml"),
-    ),
-    (
-        "composition.yaml",
-        include_str!("../../../spec-cases/texture/cases/composition.yaml"),
-    ),
-    (
-        "stage.yaml",
-        include_str!("../../../spec-cases/texture/cases/stage.yaml"),
-    ),
-    (
-        "ptm.yaml",
-        include_str!("../../../spec-cases/texture/cases/ptm.yaml"),
-    ),
+    spec_file!("texture/cases/", "table.yaml"),
+    spec_file!("texture/cases/", "parameterization.yaml"),
+    spec_file!("texture/cases/", "orientation.yaml"),
+    spec_file!("texture/cases/", "sampling.yaml"),
+    spec_file!("texture/cases/", "boundary.yaml"),
+    spec_file!("texture/cases/", "composition.yaml"),
+    spec_file!("texture/cases/", "stage.yaml"),
+    spec_file!("texture/cases/", "ptm.yaml"),
 ];
 
 /// One question with its answer.
@@ -169,7 +146,9 @@ impl TextureCase {
     /// # Errors
     /// If the case is not one.
     pub fn read(&self) -> Result<&Question, Refusal> {
-        let read = self.read.get_or_init(|| Question::of(&self.question()));
+        let read = self
+            .read
+            .get_or_init(|| Question::from_value(&self.question()));
         read.as_ref().map_err(Refusal::clone)
     }
 }

@@ -3,6 +3,7 @@
 //! Only the fields that are expected are looked at. Numbers may differ by 1e-5 of the larger one and 1e-6, so that single
 //! precision passes; words may be written with the chapter's prefixes. A color may be limited to 0…1 (ruling `color-range`).
 
+use std::fmt::Display;
 use std::str::FromStr;
 
 use serde_json::Value;
@@ -72,25 +73,25 @@ fn equal(name: &str, expected: &Value, received: &Value, tolerance: Tolerance) -
         (Value::Array(a), Value::Array(b)) => {
             a.len() == b.len() && a.iter().zip(b).all(|(a, b)| equal(name, a, b, tolerance))
         }
-        (Value::String(a), Value::String(b)) => a == b || bare(name, b) == Some(a.as_str()),
+        (Value::String(a), Value::String(b)) => a == b || bare(name, b).as_ref() == Some(a),
         (a, b) => a == b,
     }
 }
 
-/// The name of an enumerant without the prefix it was written with.
-fn bare(field: &str, word: &str) -> Option<&'static str> {
+/// Returns the name of an enumerant without the prefix it was written with.
+fn bare(field: &str, word: &str) -> Option<String> {
     match field {
-        "rendering_control" => RenderingControl::from_str(word)
-            .ok()
-            .map(RenderingControl::name),
-        "parameterization" => Parameterization::from_str(word)
-            .ok()
-            .map(Parameterization::name),
-        "composition" => Composition::from_str(word).ok().map(Composition::name),
-        "channel" => Channel::from_str(word).ok().map(Channel::name),
-        "min_sample" | "mag_sample" => SampleMethod::from_str(word).ok().map(SampleMethod::name),
-        "boundary" => Boundary::from_str(word).ok().map(Boundary::name),
-        "clamp_method" => ClampMethod::from_str(word).ok().map(ClampMethod::name),
+        "rendering_control" => canonical::<RenderingControl>(word),
+        "parameterization" => canonical::<Parameterization>(word),
+        "composition" => canonical::<Composition>(word),
+        "channel" => canonical::<Channel>(word),
+        "min_sample" | "mag_sample" => canonical::<SampleMethod>(word),
+        "boundary" => canonical::<Boundary>(word),
+        "clamp_method" => canonical::<ClampMethod>(word),
         _ => None,
     }
+}
+
+fn canonical<T: FromStr + Display>(word: &str) -> Option<String> {
+    word.parse::<T>().ok().map(|named| named.to_string())
 }

@@ -8,7 +8,7 @@
 //!
 //! FILE is a question in JSON, the answer on standard output is a JSON object, because nearly every language reads and
 //! writes JSON without a library. Exit status: 0 answered, 65 the question is out of the valid range, 69 not supported.
-//! [`question`] has every field.
+//! `spec-cases/texture/README.md` lists every field.
 
 pub mod question;
 

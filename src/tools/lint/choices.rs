@@ -2,8 +2,8 @@
 //!
 //! Each other reading is tried, and what differs is reported; nothing is guessed from what the file looks like.
 
-use super::codes::{self, Code};
-use super::diagnostic::Diagnostic;
+use super::codes::{self, Problem};
+use super::diagnostic::Findings;
 use crate::decode::{Stored, Streams, open_as};
 use crate::evaluate;
 use crate::ptm::{Format, Limits, Planes, Ptm, Shape, Size};
@@ -11,6 +11,7 @@ use crate::reading::Reading;
 use crate::suite::choices::CHOICES;
 use crate::suite::dialect::Choice;
 use crate::tools::dissection::{Dissection, Role};
+use crate::tools::place_in_words;
 
 /// Lights under which colors are compared.
 const LIGHTS: [(f64, f64); 3] = [(0.0, 0.0), (0.3125, -0.4375), (-0.625, 0.5)];
@@ -18,56 +19,51 @@ const LIGHTS: [(f64, f64); 3] = [(0.0, 0.0), (0.3125, -0.4375), (-0.625, 0.5)];
 /// Texels whose colors are held at a time.
 const PIECE: usize = 4096;
 
-pub(super) fn diagnose(dissection: &Dissection, streams: Option<&Streams>) -> Vec<Diagnostic> {
+pub(super) fn diagnose(findings: &mut Findings, streams: Option<&Streams>) {
+    let dissection = findings.dissection;
     let Ok(ptm) = &dissection.outcome else {
-        return Vec::new();
+        return;
     };
-    // Planes of LUM are alike under all readings; their colors are not.
+    // Planes of LUM are equal under all readings; their colors are not.
     if let Shape::Lum(_) = ptm.planes.shape {
-        return colors(dissection, ptm);
+        return colors(findings, ptm);
     }
-    let mut diagnostics = tables(dissection, ptm);
-    for (choice, code, at) in open_choices(dissection) {
+    tables(findings, ptm);
+    for (choice, problem, place) in open_choices(dissection) {
         let differing = choice.readings[1..].iter().find_map(|(words, change)| {
             let difference = difference(dissection, ptm, streams, &change(Reading::SPEC))?;
             Some(format!("for a reader for whom {words}, {difference}"))
         });
-        diagnostics.extend(differing.map(|found| Diagnostic::new(code, at, found)));
+        if let Some(found) = differing {
+            findings.add(problem, place, found);
+        }
     }
-    diagnostics
 }
 
-/// The choices whose subject the file has, each with its code and where the subject stands.
+/// Returns the choices whose subject the file has, each with its problem and the role of the subject.
 fn open_choices(
     dissection: &Dissection,
-) -> impl Iterator<Item = (&'static Choice<Reading>, &'static Code, usize)> {
+) -> impl Iterator<Item = (&'static Choice<Reading>, Problem, Role)> {
     CHOICES.0.iter().filter_map(|choice| {
-        let (_, code) = codes::RULINGS.iter().find(|(of, _)| *of == choice.ruling)?;
+        let mut codes = codes::ALL.iter();
+        let code = codes.find(|code| code.ruling.as_deref() == Some(choice.ruling))?;
         let place = subject(dissection, choice.ruling)?;
-        Some((choice, *code, dissection.start(place)))
+        Some((choice, code.problem, place))
     })
 }
 
-/// The choices of a LUM file.
-fn colors(dissection: &Dissection, ptm: &Ptm) -> Vec<Diagnostic> {
-    let choices: Vec<_> = open_choices(dissection).collect();
-    // Each has one other reading.
-    let others: Vec<_> = choices
-        .iter()
-        .map(|(choice, ..)| choice.readings[1])
-        .collect();
-    let readings: Vec<Reading> = others
-        .iter()
-        .map(|(_, change)| change(Reading::SPEC))
-        .collect();
-    let differing = colors_differ(ptm, &readings);
-    let found = (choices.iter().zip(others).zip(differing)).filter_map(|(known, differing)| {
-        let ((_, code, at), (words, _)) = known;
-        let difference = in_words(ptm, &differing)?;
-        let found = format!("for a reader for whom {words}, {difference}");
-        Some(Diagnostic::new(code, *at, found))
-    });
-    found.collect()
+/// Reports the choices of a LUM file; each has one other reading.
+fn colors(findings: &mut Findings, ptm: &Ptm) {
+    let choices: Vec<_> = open_choices(findings.dissection).collect();
+    let other = |(choice, ..): &(&Choice<Reading>, _, _)| choice.readings[1].1(Reading::SPEC);
+    let others: Vec<Reading> = choices.iter().map(other).collect();
+    for ((choice, problem, place), differing) in choices.iter().zip(colors_differ(ptm, &others)) {
+        if let Some(difference) = in_words(ptm, &differing) {
+            let words = choice.readings[1].0;
+            let found = format!("for a reader for whom {words}, {difference}");
+            findings.add(*problem, *place, found);
+        }
+    }
 }
 
 /// Where the numbers stand that the ruling is about; nothing in a file that lacks its subject, which all readings read alike.
@@ -99,25 +95,23 @@ fn subject(dissection: &Dissection, ruling: &str) -> Option<Role> {
     is_there.then_some(place)
 }
 
-/// The count of a lookup table and what follows it.
-fn tables(dissection: &Dissection, ptm: &Ptm) -> Vec<Diagnostic> {
+/// Reports the spelling of the count of a lookup table, and what follows the table.
+fn tables(findings: &mut Findings, ptm: &Ptm) {
+    let dissection = findings.dissection;
     if dissection.part(Role::Count).is_none() {
-        return Vec::new();
+        return;
     }
     let spelled = match dissection.bytes(Role::CountWord) {
         Some(b"nentries") => "nentries, then the number",
         Some(_) => "the number, then N_LUT_ENTRIES",
         None => "the number alone",
     };
-    let at = dissection.start(Role::Count);
-    let mut diagnostics = vec![Diagnostic::new(&codes::CHOICE_LUT_COUNT, at, spelled)];
+    findings.add(Problem::ChoiceLutCount, Role::Count, spelled);
     let with_newline = Reading::SPEC.with_newline_after_table();
     if let Some(difference) = difference(dissection, ptm, None, &with_newline) {
-        let at = dissection.start(Role::Indices);
         let found = format!("for a reader that expects a line feed, {difference}");
-        diagnostics.push(Diagnostic::new(&codes::CHOICE_LUT_NEWLINE, at, found));
+        findings.add(Problem::ChoiceLutNewline, Role::Indices, found);
     }
-    diagnostics
 }
 
 /// What another reading makes of the file, where that differs.
@@ -140,14 +134,12 @@ fn difference(
 /// How many texels differ, and where the first is; nothing where none does.
 fn in_words(ptm: &Ptm, differing: &[bool]) -> Option<String> {
     let first = differing.iter().position(|&differs| differs)?;
-    let width = ptm.planes.size.width as usize;
     let count = differing.iter().filter(|&&differs| differs).count();
     Some(format!(
-        "{count} of {} texels {}, the first at column {}, row {} from the top",
+        "{count} of {} texels {}, the first at {}",
         differing.len(),
         if count == 1 { "differs" } else { "differ" },
-        first % width,
-        first / width
+        place_in_words(ptm.planes.size, first)
     ))
 }
 

@@ -1,13 +1,14 @@
-//! One thing that lint says of a file.
+//! What lint says of a file.
 
 use serde::Serialize;
 
-use super::codes::{Code, Severity};
+use super::codes::{Problem, Severity};
+use crate::tools::dissection::{Dissection, Role};
 
 /// One thing said of a file, as it is written to YAML and JSON.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Diagnostic {
-    /// The id of its [`Code`], such as `PTM-E001`.
+    /// The id of its [`Code`](super::codes::Code), such as `PTM-E001`.
     pub code: &'static str,
     /// How bad it is.
     pub severity: Severity,
@@ -24,9 +25,27 @@ pub struct Diagnostic {
     pub fix: &'static str,
 }
 
-impl Diagnostic {
-    pub(super) fn new(code: &'static Code, offset: usize, found: impl Into<String>) -> Diagnostic {
-        Diagnostic {
+/// The diagnostics of a file, as they are collected.
+pub(super) struct Findings<'a> {
+    pub dissection: &'a Dissection<'a>,
+    pub list: Vec<Diagnostic>,
+}
+
+impl<'a> Findings<'a> {
+    pub fn new(dissection: &'a Dissection<'a>) -> Findings<'a> {
+        let list = Vec::new();
+        Findings { dissection, list }
+    }
+
+    /// Adds a problem at the first part of a role.
+    pub fn add(&mut self, problem: Problem, role: Role, found: impl Into<String>) {
+        self.add_at(problem, self.dissection.start(role), found);
+    }
+
+    /// Adds a problem at a byte.
+    pub fn add_at(&mut self, problem: Problem, offset: usize, found: impl Into<String>) {
+        let code = problem.code();
+        self.list.push(Diagnostic {
             code: code.id,
             severity: code.severity,
             offset,
@@ -34,6 +53,6 @@ impl Diagnostic {
             says: code.says,
             found: found.into(),
             fix: code.fix,
-        }
+        });
     }
 }

@@ -1,89 +1,90 @@
 //! Why the reference does not read a file, sorted into codes.
 
-use super::codes::{self, Code};
-use super::diagnostic::Diagnostic;
+use super::codes::Problem;
+use super::diagnostic::Findings;
 use super::planes;
 use crate::error::{Class, Error, Kind};
 use crate::ptm::{Limits, Size};
 use crate::tools::dissection::{Dissection, Role};
 
-pub(super) fn diagnose(dissection: &Dissection) -> Vec<Diagnostic> {
-    let mut diagnostics = too_large(dissection);
+pub(super) fn diagnose(findings: &mut Findings) {
+    let dissection = findings.dissection;
+    let is_too_large = too_large(findings);
     let Err(error) = &dissection.outcome else {
-        return diagnostics;
+        return;
     };
     match error.clause() {
-        // Every plane for itself, where one of them is at fault.
-        "2.9.8/3" | "2.9.8/5" | "2.9.8/6" => diagnostics.extend(planes::faults(dissection)),
-        clause if diagnostics.is_empty() || error.class() != Class::Limit => {
-            let code = code(dissection, error);
-            diagnostics.push(Diagnostic {
-                clause,
-                ..Diagnostic::new(code, error.offset(), error.kind().to_string())
-            });
+        // Every plane is checked, because the reference stops at the first fault.
+        "2.9.8/3" | "2.9.8/5" | "2.9.8/6" => planes::faults(findings),
+        clause if !is_too_large || error.class() != Class::Limit => {
+            let (problem, found) = (code(dissection, error), error.kind().to_string());
+            findings.add_at(problem, error.offset(), found);
+            if let Some(diagnostic) = findings.list.last_mut() {
+                diagnostic.clause = clause;
+            }
         }
         _ => {}
     }
-    diagnostics
 }
 
-/// Planes beyond the limit, whether the file holds them or not.
-fn too_large(dissection: &Dissection) -> Vec<Diagnostic> {
+/// Reports planes beyond the limit, whether the file holds them or not. Returns true if there are any.
+fn too_large(findings: &mut Findings) -> bool {
+    let dissection = findings.dissection;
     let (Some(format), Some(size)) = (dissection.format, dissection.size) else {
-        return Vec::new();
+        return false;
     };
     let (channels, limit) = (format.channels(), Limits::default().memory);
-    if Size::texels(size).saturating_mul(channels) <= limit {
-        return Vec::new();
+    let is_too_large = Size::texels(size).saturating_mul(channels) > limit;
+    if is_too_large {
+        let found = format!("{size} texels of {channels} bytes, the limit is {limit} bytes");
+        findings.add(Problem::TooLarge, Role::Width, found);
     }
-    let found = format!("{size} texels of {channels} bytes, the limit is {limit} bytes");
-    let at = dissection.start(Role::Width);
-    vec![Diagnostic::new(&codes::TOO_LARGE, at, found)]
+    is_too_large
 }
 
-fn code(dissection: &Dissection, error: &Error) -> &'static Code {
+fn code(dissection: &Dissection, error: &Error) -> Problem {
     if let Some(code) = white_space(dissection, error) {
         return code;
     }
     match (error.clause(), error.kind()) {
-        ("2.1/1", _) if dissection.file.starts_with(b"PTM_") => &codes::OTHER_VERSION,
-        ("2.1/1", _) => &codes::NOT_A_PTM,
-        (_, Kind::TooLarge { .. }) => &codes::TOO_LARGE,
-        (_, Kind::Short { .. }) => &codes::PAYLOAD_ENDS,
-        (_, Kind::IndexOutOfRange { .. }) => &codes::INDEX,
-        (_, Kind::NotAPlane { .. }) => &codes::NOT_A_PLANE,
-        (_, Kind::NotCausal { .. }) => &codes::NOT_CAUSAL,
-        (_, Kind::PartialRecord { .. }) => &codes::RECORD_CUT,
-        (_, Kind::PositionOutOfRange { .. }) => &codes::POSITION,
-        (_, Kind::NotRead { .. }) => &codes::TRANSFORM,
-        (_, Kind::Stream { .. }) => &codes::STREAM_DAMAGED,
-        (_, Kind::Ended { .. }) => &codes::HEADER_ENDS,
+        ("2.1/1", _) if dissection.file.starts_with(b"PTM_") => Problem::OtherVersion,
+        ("2.1/1", _) => Problem::NotAPtm,
+        (_, Kind::TooLarge { .. }) => Problem::TooLarge,
+        (_, Kind::Short { .. }) => Problem::PayloadEnds,
+        (_, Kind::IndexOutOfRange { .. }) => Problem::Index,
+        (_, Kind::NotAPlane { .. }) => Problem::NotAPlane,
+        (_, Kind::NotCausal { .. }) => Problem::NotCausal,
+        (_, Kind::PartialRecord { .. }) => Problem::RecordCut,
+        (_, Kind::PositionOutOfRange { .. }) => Problem::Position,
+        (_, Kind::NotRead { .. }) => Problem::Transform,
+        (_, Kind::Stream { .. }) => Problem::StreamDamaged,
+        (_, Kind::Ended { .. }) => Problem::HeaderEnds,
         (clause, Kind::Expected { .. }) => expected(clause, token(dissection.file, error.offset())),
     }
 }
 
-/// Where something else stands than should: by what should, and by the word that does.
-fn expected(clause: &str, token: &[u8]) -> &'static Code {
+/// Returns the problem of an unexpected word: by the clause that expects another one, and by the word.
+fn expected(clause: &str, token: &[u8]) -> Problem {
     match clause {
-        "2.2/1" => &codes::UNKNOWN_FORMAT,
-        "2.3/1" | "2.3/3" if is_whole(token) => &codes::SIZE_OUT_OF_RANGE,
-        "2.3/1" | "2.3/2" | "2.3/3" => &codes::SIZE_NOT_A_NUMBER,
-        "2.4/3" => &codes::SCALE,
-        "2.4/4" => &codes::BIAS,
-        "2.4/5" | "2.4/6" => &codes::TOO_FEW_NUMBERS,
-        "2.5/2" => &codes::ENTRY_COUNT,
-        "2.6/2" if is_text(token) => &codes::MATRIX,
-        "2.6/2" => &codes::MATRIX_SHORT,
-        "2.9.6/2" | "2.9.7/3" => &codes::NEGATIVE_SIZE,
-        _ if !clause.starts_with("2.9") => &codes::LAYOUT,
-        _ if is_text(token) => &codes::LIST_NUMBER,
+        "2.2/1" => Problem::UnknownFormat,
+        "2.3/1" | "2.3/3" if is_whole(token) => Problem::SizeOutOfRange,
+        "2.3/1" | "2.3/2" | "2.3/3" => Problem::SizeNotANumber,
+        "2.4/3" => Problem::Scale,
+        "2.4/4" => Problem::Bias,
+        "2.4/5" | "2.4/6" => Problem::TooFewNumbers,
+        "2.5/2" => Problem::EntryCount,
+        "2.6/2" if is_text(token) => Problem::Matrix,
+        "2.6/2" => Problem::MatrixShort,
+        "2.9.6/2" | "2.9.7/3" => Problem::NegativeSize,
+        _ if !clause.starts_with("2.9") => Problem::Layout,
+        _ if is_text(token) => Problem::ListNumber,
         // A list ended where its last numbers should stand, and the planes were taken for them.
-        _ => &codes::LISTS_SHORT,
+        _ => Problem::ListsShort,
     }
 }
 
 /// White space that the text does not know (ruling `header-blanks`).
-fn white_space(dissection: &Dissection, error: &Error) -> Option<&'static Code> {
+fn white_space(dissection: &Dissection, error: &Error) -> Option<Problem> {
     if !matches!(error.kind(), Kind::Expected { .. }) {
         return None;
     }
@@ -95,14 +96,14 @@ fn white_space(dissection: &Dissection, error: &Error) -> Option<&'static Code> 
     // The first line is a version only if nothing but its end is odd.
     let known = error.clause() != "2.1/1" || there.starts_with(b"PTM_1.2\r");
     if readable && known && word.contains(&b'\r') {
-        return Some(&codes::CARRIAGE_RETURN);
+        return Some(Problem::CarriageReturn);
     }
     if readable && known && word.contains(&b'\t') {
-        return Some(&codes::TAB);
+        return Some(Problem::Tab);
     }
     let blank = matches!(there, [b' ' | b'\n', ..]);
     // Where a gap should stand and the line ends, a number is missing.
-    (blank && !matches!(error.clause(), "2.4/5" | "2.9/2")).then_some(&codes::LAYOUT)
+    (blank && !matches!(error.clause(), "2.4/5" | "2.9/2")).then_some(Problem::Layout)
 }
 
 /// The word that stands at `offset`: up to a space or a line feed.

@@ -2,38 +2,39 @@
 
 use std::collections::HashSet;
 
-use super::codes::{self, Code};
-use super::diagnostic::Diagnostic;
+use super::codes::Problem;
+use super::diagnostic::Findings;
 use crate::tools::dissection::{Dissection, FilePart, Role};
 
-/// Each code once, where it shows first.
-pub(super) fn diagnose(dissection: &Dissection) -> Vec<Diagnostic> {
+/// Reports each problem once, at its first place.
+pub(super) fn diagnose(findings: &mut Findings) {
+    let dissection = findings.dissection;
     let header = dissection.parts.iter().enumerate();
-    let header = header.take_while(|(_, part)| !part.role.is_payload());
     let mut seen = HashSet::new();
-    header
-        .flat_map(|(place, part)| gap(dissection, part, dissection.gap_after(place)))
-        .filter(|diagnostic| seen.insert(diagnostic.code))
-        .collect()
+    for (place, part) in header.take_while(|(_, part)| !part.role.is_payload()) {
+        for (problem, found) in odd_gap(dissection, part, dissection.gap_after(place)) {
+            if seen.insert(problem) {
+                findings.add_at(problem, part.range.end, found);
+            }
+        }
+    }
 }
 
-/// What is odd about the white space after a part of the header.
-fn gap(dissection: &Dissection, part: &FilePart, gap: &[u8]) -> Vec<Diagnostic> {
-    // Words for what is odd, and mostly nothing is.
+/// Returns what is unusual about the white space after a part of the header.
+fn odd_gap(dissection: &Dissection, part: &FilePart, gap: &[u8]) -> Vec<(Problem, String)> {
     let after = || format!("after the {}", part.role.name(dissection.format));
-    let mut odd: Vec<(&'static Code, String)> = Vec::new();
+    let mut odd = Vec::new();
     if gap == b" \n" {
-        let code = match part.role {
-            Role::Version | Role::Format => &codes::SPACE_AFTER_NAME,
-            _ => &codes::SPACE_BEFORE_NEWLINE,
+        let is_name = matches!(part.role, Role::Version | Role::Format);
+        let problem = match is_name {
+            true => Problem::SpaceAfterName,
+            false => Problem::SpaceBeforeNewline,
         };
-        odd.push((code, after()));
+        odd.push((problem, after()));
     }
     if gap.len() > 1 && gap.iter().all(|&byte| byte == b' ') {
-        odd.push((
-            &codes::WIDE_GAP,
-            format!("{} spaces {}", gap.len(), after()),
-        ));
+        let found = format!("{} spaces {}", gap.len(), after());
+        odd.push((Problem::WideGap, found));
     }
     let ends = gap.contains(&b'\n');
     let one_line = !ends && !gap.is_empty();
@@ -43,17 +44,14 @@ fn gap(dissection: &Dissection, part: &FilePart, gap: &[u8]) -> Vec<Diagnostic> 
     };
     let last = |plane| plane + 1 == dissection.compressed_planes();
     match part.role {
-        Role::Width if one_line => odd.push((&codes::SIZE_ON_ONE_LINE, String::new())),
-        Role::Scale(5) if one_line => odd.push((&codes::SCALE_BIAS_ON_ONE_LINE, String::new())),
-        Role::Matrix(0..15) if ends => odd.push((&codes::MATRIX_LAYOUT, ending())),
-        Role::Parameter if one_line => odd.push((&codes::LIST_LAYOUT, ending())),
+        Role::Width if one_line => odd.push((Problem::SizeOnOneLine, String::new())),
+        Role::Scale(5) if one_line => odd.push((Problem::ScaleBiasOnOneLine, String::new())),
+        Role::Matrix(0..15) if ends => odd.push((Problem::MatrixLayout, ending())),
+        Role::Parameter if one_line => odd.push((Problem::ListLayout, ending())),
         role if role.list().is_some() && role.plane().map(last) == Some(one_line) => {
-            odd.push((&codes::LIST_LAYOUT, ending()));
+            odd.push((Problem::ListLayout, ending()));
         }
         _ => {}
     }
-    let at = part.range.end;
-    odd.into_iter()
-        .map(|(code, found)| Diagnostic::new(code, at, found))
-        .collect()
+    odd
 }

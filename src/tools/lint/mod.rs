@@ -36,14 +36,14 @@ use anstyle::{AnsiColor, Style};
 use serde::Serialize;
 
 use self::codes::Severity;
-use self::diagnostic::Diagnostic;
+use self::diagnostic::{Diagnostic, Findings};
 use self::status::Status;
 use crate::ptm::Format;
 use crate::readers::ReaderPrediction;
 use crate::tools::dissection::Dissection;
 
 /// Everything said of a file.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Default, Serialize)]
 pub struct Lint {
     /// The file's name, as it was given, with what a terminal would obey as escapes.
     pub file: String,
@@ -84,25 +84,23 @@ pub fn lint(file: &[u8]) -> Vec<Diagnostic> {
 }
 
 impl Lint {
-    /// What is said of a file, with its name.
+    /// Returns the findings of a file, with its name.
     #[must_use]
     pub fn of(name: &str, file: &[u8]) -> Lint {
         let (dissection, streams) = Dissection::with_streams(file);
-        let findings = [
-            errors::diagnose(&dissection),
-            header::diagnose(&dissection),
-            values::diagnose(&dissection),
-            planes::diagnose(&dissection, streams.as_ref()),
-            choices::diagnose(&dissection, streams.as_ref()),
-        ]
-        .concat();
+        let mut findings = Findings::new(&dissection);
+        errors::diagnose(&mut findings);
+        header::diagnose(&mut findings);
+        values::diagnose(&mut findings);
+        planes::diagnose(&mut findings, streams.as_ref());
+        choices::diagnose(&mut findings, streams.as_ref());
         let mut lint = Lint {
             status: Status::of(&dissection),
             format: dissection.format.map(Format::name),
             width: dissection.size.map(|size| size.width),
             height: dissection.size.map(|size| size.height),
             bytes: Some(file.len() as u64),
-            findings,
+            findings: findings.list,
             ..Lint::unread(name, None, None)
         };
         lint.sort_and_count();
@@ -118,22 +116,14 @@ impl Lint {
         }
     }
 
-    /// What is said of a file that was not read, and why.
+    /// Returns the result for a file that was not read, with the reason.
     #[must_use]
     pub fn unread(name: &str, bytes: Option<u64>, reason: Option<String>) -> Lint {
         Lint {
             file: name.to_owned(),
-            status: Status::NotJudged,
-            format: None,
-            width: None,
-            height: None,
             bytes,
             reason,
-            errors: 0,
-            warnings: 0,
-            infos: 0,
-            readers: Vec::new(),
-            findings: Vec::new(),
+            ..Lint::default()
         }
     }
 

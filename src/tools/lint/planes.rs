@@ -1,69 +1,66 @@
 //! The planes of a compressed file: faults of each, and what their lists and streams have that is odd.
 
-use super::codes::{self, Code};
-use super::diagnostic::Diagnostic;
+use super::codes::Problem;
+use super::diagnostic::{Diagnostic, Findings};
 use crate::codec::{self, jpeg, jpeg_ls};
 use crate::decode::Streams;
 use crate::decode::planes::records;
 use crate::error::Kind;
 use crate::ptm::{Format, Size};
-use crate::tools::dissection::{Dissection, FilePart, Role};
+use crate::tools::dissection::Role;
+use crate::tools::place_in_words;
 use crate::tools::segments::{Segment, SegmentKind, frame, near, segments};
 
-/// What is odd about lists and streams.
-pub(super) fn diagnose(dissection: &Dissection, streams: Option<&Streams>) -> Vec<Diagnostic> {
+/// Reports what is unusual about lists and streams.
+pub(super) fn diagnose(findings: &mut Findings, streams: Option<&Streams>) {
+    let dissection = findings.dissection;
     let count = dissection.compressed_planes();
-    let (Some(format), true) = (
-        dissection.format,
-        count > 0 && dissection.part(Role::SideSize(count - 1)).is_some(),
-    ) else {
-        return Vec::new();
+    let Some(format) = dissection.format.filter(|_| count > 0) else {
+        return;
     };
-    let mut diagnostics = [
-        ranks(dissection, count),
-        parameter(dissection, format),
-        unused(dissection, count),
-    ]
-    .concat();
+    if dissection.part(Role::SideSize(count - 1)).is_none() {
+        return;
+    }
+    let mut all = Findings::new(dissection);
+    ranks(&mut all, count);
+    parameter(&mut all, format);
+    unused(&mut all, count);
     for plane in 0..count {
-        diagnostics.extend(stream(dissection, plane));
-        diagnostics.extend(twice(dissection, plane));
+        stream(&mut all, format, plane);
+        twice(&mut all, plane);
     }
     if let Some(streams) = streams.filter(|_| is_jpeg(format)) {
-        diagnostics.extend(other_transforms(dissection, streams));
+        other_transforms(&mut all, streams);
     }
-    first_of_each(diagnostics)
+    findings.list.extend(first_of_each(all.list));
 }
 
-/// The faults of all planes, where the reference stops at the first.
-pub(super) fn faults(dissection: &Dissection) -> Vec<Diagnostic> {
+/// Reports the faults of all planes; the reference stops at the first.
+pub(super) fn faults(findings: &mut Findings) {
+    let dissection = findings.dissection;
     let (Some(format), Some(size)) = (dissection.format, dissection.size) else {
-        return Vec::new();
+        return;
     };
-    let mut diagnostics = Vec::new();
     for plane in 0..dissection.compressed_planes() {
-        if let Some(part) = dissection.part(Role::Stream(plane)) {
-            let stream = &dissection.file[part.range.clone()];
-            if let Err(error) = decode(format, stream, size) {
-                let code = stream_code(format, stream, size, &error);
-                let at = part.range.start + error.offset;
-                let found = format!("plane {plane}: {}", error.what);
-                diagnostics.push(Diagnostic::new(code, at, found));
-            }
+        if let Some(stream) = dissection.bytes(Role::Stream(plane))
+            && let Err(error) = decode(format, stream, size)
+        {
+            let problem = stream_problem(format, stream, size, &error);
+            let at = dissection.start(Role::Stream(plane)) + error.offset;
+            findings.add_at(problem, at, format!("plane {plane}: {}", error.what));
         }
-        if let Some(part) = dissection.part(Role::Side(plane)) {
-            let block = &dissection.file[part.range.clone()];
-            if let Err(error) = records(block, part.range.start, size.texels()) {
-                let code = match error.kind() {
-                    Kind::PartialRecord { .. } => &codes::RECORD_CUT,
-                    _ => &codes::POSITION,
-                };
-                let found = format!("plane {plane}: {}", error.kind());
-                diagnostics.push(Diagnostic::new(code, error.offset(), found));
-            }
+        let start = dissection.start(Role::Side(plane));
+        if let Some(block) = dissection.bytes(Role::Side(plane))
+            && let Err(error) = records(block, start, size.texels())
+        {
+            let problem = match error.kind() {
+                Kind::PartialRecord { .. } => Problem::RecordCut,
+                _ => Problem::Position,
+            };
+            let found = format!("plane {plane}: {}", error.kind());
+            findings.add_at(problem, error.offset(), found);
         }
     }
-    diagnostics
 }
 
 fn decode(format: Format, stream: &[u8], size: Size) -> Result<Vec<u8>, codec::StreamError> {
@@ -78,216 +75,180 @@ fn is_jpeg(format: Format) -> bool {
     matches!(format, Format::JpegRgb | Format::JpegLrgb)
 }
 
-/// What is wrong with a stream that the codec refuses, by what its markers say.
-fn stream_code(
+/// Returns the problem of a stream that the codec refuses, as its markers show it.
+fn stream_problem(
     format: Format,
     stream: &[u8],
     size: Size,
     error: &codec::StreamError,
-) -> &'static Code {
+) -> Problem {
     if error.fault == codec::StreamFault::Unsupported {
-        return &codes::STREAM_KIND;
+        return Problem::StreamKind;
     }
     let parts = segments(stream);
     if !stream.starts_with(&[0xff, 0xd8]) {
-        return &codes::NOT_A_STREAM;
+        return Problem::NotAStream;
     }
     match frame(stream, &parts) {
-        Some((code, ..)) if (code == 0xf7) == is_jpeg(format) => &codes::NOT_A_STREAM,
+        Some((code, ..)) if (code == 0xf7) == is_jpeg(format) => Problem::NotAStream,
         Some((_, _, height, width, components))
             if (u32::from(width), u32::from(height), components)
                 != (size.width, size.height, 1) =>
         {
-            &codes::OTHER_PICTURE
+            Problem::OtherPicture
         }
-        _ => &codes::STREAM_DAMAGED,
+        _ => Problem::StreamDamaged,
     }
 }
 
-/// Ranks that repeat, leave gaps or begin elsewhere; references below −1 (ruling `ranks`).
-fn ranks(dissection: &Dissection, count: usize) -> Vec<Diagnostic> {
+/// Reports ranks that repeat, leave gaps or do not begin at 0, and references below −1 (ruling `ranks`).
+fn ranks(findings: &mut Findings, count: usize) {
+    let dissection = findings.dissection;
     let number = |role| dissection.number(role).unwrap_or_default();
     let ranks: Vec<i64> = (0..count).map(|plane| number(Role::Rank(plane))).collect();
     let mut sorted = ranks.clone();
     sorted.sort_unstable();
-    let mut diagnostics = Vec::new();
     if !sorted.iter().copied().eq((0..).take(count)) {
         let words: Vec<String> = ranks.iter().map(i64::to_string).collect();
-        diagnostics.push(Diagnostic::new(
-            &codes::RANKS,
-            dissection.start(Role::Rank(0)),
+        findings.add(
+            Problem::Ranks,
+            Role::Rank(0),
             format!("ranks {}", words.join(" ")),
-        ));
-    }
-    if let Some(plane) = (0..count).find(|&plane| number(Role::Reference(plane)) < -1) {
-        let found = format!(
-            "the reference of plane {plane} is {}",
-            number(Role::Reference(plane))
         );
-        diagnostics.push(Diagnostic::new(
-            &codes::RANKS,
-            dissection.start(Role::Reference(plane)),
-            found,
-        ));
     }
-    diagnostics
+    let reference = |plane| number(Role::Reference(plane));
+    if let Some(plane) = (0..count).find(|&plane| reference(plane) < -1) {
+        let found = format!("the reference of plane {plane} is {}", reference(plane));
+        findings.add(Problem::Ranks, Role::Reference(plane), found);
+    }
 }
 
-/// The parameter (clause 2.9.1/2).
-fn parameter(dissection: &Dissection, format: Format) -> Vec<Diagnostic> {
+/// Checks the range of the parameter (clause 2.9.1/2).
+fn parameter(findings: &mut Findings, format: Format) {
     let range = if is_jpeg(format) { 20..=100 } else { 0..=127 };
-    let value = dissection.number(Role::Parameter);
-    let Some(value) = value.filter(|value| !range.contains(value)) else {
-        return Vec::new();
-    };
-    let found = format!("{value}, expected {} to {}", range.start(), range.end());
-    let at = dissection.start(Role::Parameter);
-    vec![Diagnostic::new(&codes::PARAMETER, at, found)]
+    let value = findings.dissection.number(Role::Parameter);
+    if let Some(value) = value.filter(|value| !range.contains(value)) {
+        let found = format!("{value}, expected {} to {}", range.start(), range.end());
+        findings.add(Problem::Parameter, Role::Parameter, found);
+    }
 }
 
-/// Transforms and vectors without an effect.
-fn unused(dissection: &Dissection, count: usize) -> Vec<Diagnostic> {
+/// Reports transforms and vectors without an effect.
+fn unused(findings: &mut Findings, count: usize) {
+    let dissection = findings.dissection;
     let number = |role| dissection.number(role).unwrap_or_default();
-    let idle = |plane: usize| {
-        let (transform, intra) = (
-            number(Role::Transform(plane)),
-            number(Role::Reference(plane)) < 0,
-        );
-        let vector = (number(Role::MotionX(plane)), number(Role::MotionY(plane)));
+    let idle = |plane: &usize| {
+        let transform = number(Role::Transform(*plane));
+        let intra = number(Role::Reference(*plane)) < 0;
+        let vector = (number(Role::MotionX(*plane)), number(Role::MotionY(*plane)));
         (intra && transform != 0) || (vector != (0, 0) && (intra || transform & 2 == 0))
     };
-    let planes: Vec<usize> = (0..count).filter(|&plane| idle(plane)).collect();
-    let Some(&first) = planes.first() else {
-        return Vec::new();
-    };
-    let words: Vec<String> = planes.iter().map(usize::to_string).collect();
-    let at = dissection.start(Role::Transform(first));
-    let found = format!("planes {}", words.join(", "));
-    vec![Diagnostic::new(&codes::PREDICTION_UNUSED, at, found)]
-}
-
-/// What a stream has besides what an encoder of planes writes (ruling `plane-odd`).
-fn stream(dissection: &Dissection, plane: usize) -> Vec<Diagnostic> {
-    let (Some(part), Some(format)) = (dissection.part(Role::Stream(plane)), dissection.format)
-    else {
-        return Vec::new();
-    };
-    let stream = &dissection.file[part.range.clone()];
-    if !stream.starts_with(&[0xff, 0xd8]) {
-        return Vec::new();
+    let planes: Vec<usize> = (0..count).filter(idle).collect();
+    if let Some(&first) = planes.first() {
+        let words: Vec<String> = planes.iter().map(usize::to_string).collect();
+        let found = format!("planes {}", words.join(", "));
+        findings.add(Problem::PredictionUnused, Role::Transform(first), found);
     }
-    let parts = segments(stream);
-    let odd = parts.iter().filter_map(|segment| {
-        let code = odd_segment(format, segment, stream)?;
-        let says = if segment.says.is_empty() {
-            String::new()
-        } else {
-            format!(" ({})", segment.says)
-        };
-        Some(Diagnostic::new(
-            code,
-            part.range.start + segment.range.start,
-            format!("plane {plane}: {}{says}", segment.kind.name()),
-        ))
-    });
-    odd.chain(other_near(dissection, plane, part, stream, &parts))
-        .collect()
 }
 
-fn odd_segment(format: Format, segment: &Segment, stream: &[u8]) -> Option<&'static Code> {
+/// Reports what a stream has that an encoder of planes does not write (ruling `plane-odd`).
+fn stream(findings: &mut Findings, format: Format, plane: usize) {
+    let role = Role::Stream(plane);
+    let stream = findings.dissection.bytes(role).unwrap_or_default();
+    if !stream.starts_with(&[0xff, 0xd8]) {
+        return;
+    }
+    let (start, parts) = (findings.dissection.start(role), segments(stream));
+    for segment in &parts {
+        if let Some(problem) = odd_segment(format, segment, stream) {
+            let says = match segment.says.as_str() {
+                "" => String::new(),
+                says => format!(" ({says})"),
+            };
+            let found = format!("plane {plane}: {}{says}", segment.kind.label().0);
+            findings.add_at(problem, start + segment.range.start, found);
+        }
+    }
+    other_near(findings, plane, stream, &parts);
+}
+
+fn odd_segment(format: Format, segment: &Segment, stream: &[u8]) -> Option<Problem> {
     let jfif = is_jpeg(format) && segment.kind == SegmentKind::Marker(0xe0);
     match segment.kind {
-        SegmentKind::Marker(0xe0..=0xef | 0xfe) if !jfif => Some(&codes::STREAM_EXTRAS),
-        SegmentKind::Fill => Some(&codes::STREAM_EXTRAS),
-        SegmentKind::Marker(0xdd) => Some(&codes::RESTARTS),
-        SegmentKind::Behind => Some(&codes::STREAM_TRAILING),
+        SegmentKind::Marker(0xe0..=0xef | 0xfe) if !jfif => Some(Problem::StreamExtras),
+        SegmentKind::Fill => Some(Problem::StreamExtras),
+        SegmentKind::Marker(0xdd) => Some(Problem::Restarts),
+        SegmentKind::Behind => Some(Problem::StreamTrailing),
         // LSE of type 1 with MAXVAL below 255; 0 stands for the largest there is (T.87 C.2.4.1.1).
         SegmentKind::Marker(0xf8) => match stream[segment.range.clone()] {
             [_, _, _, _, 1, high, low, ..] => ((1..255).contains(&u16::from_be_bytes([high, low])))
-                .then_some(&codes::STREAM_MAXVAL),
+                .then_some(Problem::StreamMaxval),
             _ => None,
         },
         _ => None,
     }
 }
 
-/// A JPEG-LS stream whose NEAR is not the parameter.
-fn other_near(
-    dissection: &Dissection,
-    plane: usize,
-    part: &FilePart,
-    stream: &[u8],
-    parts: &[Segment],
-) -> Option<Diagnostic> {
-    let near = near(stream, parts)
-        .filter(|_| frame(stream, parts).is_some_and(|(code, ..)| code == 0xf7))?;
-    let parameter = dissection.number(Role::Parameter)?;
-    (i64::from(near) != parameter).then(|| {
+/// Reports a JPEG-LS stream whose NEAR is not the parameter.
+fn other_near(findings: &mut Findings, plane: usize, stream: &[u8], parts: &[Segment]) {
+    let is_jpeg_ls = frame(stream, parts).is_some_and(|(code, ..)| code == 0xf7);
+    let near = near(stream, parts).filter(|_| is_jpeg_ls);
+    let parameter = findings.dissection.number(Role::Parameter);
+    if let (Some(near), Some(parameter)) = (near, parameter)
+        && i64::from(near) != parameter
+    {
         let found = format!("plane {plane}: NEAR {near}, the parameter is {parameter}");
-        Diagnostic::new(&codes::NEAR, part.range.start, found)
-    })
+        findings.add(Problem::Near, Role::Stream(plane), found);
+    }
 }
 
-/// A texel with two records (ruling `side-twice`).
-fn twice(dissection: &Dissection, plane: usize) -> Option<Diagnostic> {
-    let part = dissection.part(Role::Side(plane))?;
-    let mut positions: Vec<(u32, usize)> =
-        records(&dissection.file[part.range.clone()], 0, usize::MAX)
-            .ok()?
-            .iter()
-            .enumerate()
-            .map(|(record, &(position, _))| (position, record))
-            .collect();
+/// Reports the first texel with two records (ruling `side-twice`).
+fn twice(findings: &mut Findings, plane: usize) {
+    let role = Role::Side(plane);
+    let block = findings.dissection.bytes(role).unwrap_or_default();
+    let records = records(block, 0, usize::MAX).unwrap_or_default();
+    let numbered = records.iter().enumerate();
+    let mut positions: Vec<(u32, usize)> = numbered.map(|(i, &(at, _))| (at, i)).collect();
     positions.sort_unstable();
-    let pair = positions
-        .windows(2)
-        .filter(|pair| pair[0].0 == pair[1].0)
-        .min_by_key(|pair| pair[1].1)?;
-    let (position, record) = pair[1];
-    let found = format!(
-        "plane {plane}: records {} and {record} are both of position {position}",
-        pair[0].1
-    );
-    Some(Diagnostic::new(
-        &codes::RECORD_TWICE,
-        part.range.start + 5 * record,
-        found,
-    ))
+    let pairs = positions.windows(2).filter(|pair| pair[0].0 == pair[1].0);
+    if let Some(&[(_, first), (position, second)]) = pairs.min_by_key(|pair| pair[1].1) {
+        let found =
+            format!("plane {plane}: records {first} and {second} are both of position {position}");
+        let start = findings.dissection.start(role);
+        findings.add_at(Problem::RecordTwice, start + 5 * second, found);
+    }
 }
 
-/// Texels of predicted JPEG planes so close to an end of the range that another inverse DCT may carry them to the other.
+/// Reports texels of predicted JPEG planes so close to 0 or 255 that another inverse DCT may carry them to the other end.
 ///
-/// An inverse DCT may be off by one in every plane on the way, except in blocks of one value, which all decode alike;
-/// and a corrected texel is certain.
-fn other_transforms(dissection: &Dissection, streams: &Streams) -> Vec<Diagnostic> {
+/// An inverse DCT may be off by one in every plane on the way, except in blocks of one value, which all decode to the same
+/// samples. A corrected texel is certain.
+fn other_transforms(findings: &mut Findings, streams: &Streams) {
+    let dissection = findings.dissection;
     let (Ok(ptm), Some(size)) = (&dissection.outcome, dissection.size) else {
-        return Vec::new();
+        return;
     };
     let channels = ptm.planes.shape.channels();
     let reference = |plane| usize::try_from(dissection.number(Role::Reference(plane))?).ok();
     if (0..channels).all(|plane| reference(plane).is_none()) {
-        return Vec::new();
+        return;
     }
     let mut slack = vec![0u8; channels];
-    let mut diagnostics = Vec::new();
     for (plane, residuals) in streams.residuals() {
-        let (reference, exact) = (
-            reference(plane),
-            in_blocks_of_one_value(residuals, size.width as usize),
-        );
+        let exact = in_blocks_of_one_value(residuals, size.width as usize);
+        let reference = reference(plane);
         slack[plane] = u8::from(!exact) + reference.map_or(0, |reference| slack[reference]);
-        if reference.is_some() && slack[plane] > 0 {
-            let samples = ptm.planes.samples.iter().skip(plane);
-            let samples = samples.step_by(channels).copied();
-            let side = dissection.bytes(Role::Side(plane)).unwrap_or_default();
-            let found = near_an_end(samples, slack[plane], side, size);
-            let found = found.map(|texels| format!("plane {plane}: {texels}"));
-            let at = dissection.start(Role::Stream(plane));
-            diagnostics
-                .extend(found.map(|found| Diagnostic::new(&codes::OTHER_TRANSFORM, at, found)));
+        if reference.is_none() || slack[plane] == 0 {
+            continue;
+        }
+        let samples = ptm.planes.samples.iter().skip(plane);
+        let samples = samples.step_by(channels).copied();
+        let side = dissection.bytes(Role::Side(plane)).unwrap_or_default();
+        if let Some(texels) = near_an_end(samples, slack[plane], side, size) {
+            let found = format!("plane {plane}: {texels}");
+            findings.add(Problem::OtherTransform, Role::Stream(plane), found);
         }
     }
-    diagnostics
 }
 
 /// The texels of a plane, top row first, that are within `slack` of 0 or 255 and that no record corrects.
@@ -304,12 +265,10 @@ fn near_an_end(
         texels[((size.height - 1 - y) * size.width + x) as usize] = false;
     }
     let first = texels.iter().position(|&near| near)?;
-    let width = size.width as usize;
+    let count = texels.iter().filter(|&&near| near).count();
+    let place = place_in_words(size, first);
     Some(format!(
-        "{} texels within {slack} of 0 or 255, the first at column {}, row {} from the top",
-        texels.iter().filter(|&&near| near).count(),
-        first % width,
-        first / width
+        "{count} texels within {slack} of 0 or 255, the first at {place}"
     ))
 }
 
@@ -318,24 +277,18 @@ fn in_blocks_of_one_value(samples: &[u8], width: usize) -> bool {
     (0..samples.len()).all(|at| samples[at] == first_of_block(at))
 }
 
-/// One diagnostic of each code, with the number of its like: eighteen planes mostly have the same oddity.
-#[expect(
-    clippy::format_push_string,
-    reason = "texts are short where they are put together"
-)]
+/// Keeps one diagnostic of each code, with the number of the others: eighteen planes mostly have the same oddity.
 fn first_of_each(diagnostics: Vec<Diagnostic>) -> Vec<Diagnostic> {
     let mut kept: Vec<(Diagnostic, usize)> = Vec::new();
     for diagnostic in diagnostics {
-        match kept
-            .iter_mut()
-            .find(|(first, _)| first.code == diagnostic.code)
-        {
-            Some((_, like)) => *like += 1,
+        let mut known = kept.iter_mut();
+        match known.find(|(first, _)| first.code == diagnostic.code) {
+            Some((_, others)) => *others += 1,
             None => kept.push((diagnostic, 0)),
         }
     }
-    for (diagnostic, like) in kept.iter_mut().filter(|(_, like)| *like > 0) {
-        diagnostic.found += &format!("; and {like} more such places");
+    for (diagnostic, others) in kept.iter_mut().filter(|(_, others)| *others > 0) {
+        diagnostic.found = format!("{}; and {others} more such places", diagnostic.found);
     }
     kept.into_iter().map(|(diagnostic, _)| diagnostic).collect()
 }

@@ -9,7 +9,7 @@ use crate::tools::dissection::Dissection;
 pub const MAGIC: &[u8] = b"PTM_";
 
 /// What a file is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Default, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Status {
     /// A PTM that the reference reads.
@@ -19,6 +19,7 @@ pub enum Status {
     /// It begins as a PTM and breaks a rule of the format.
     Damaged,
     /// It was not read, or it is a PTM of another version, or one beyond what the reference supports.
+    #[default]
     NotJudged,
 }
 

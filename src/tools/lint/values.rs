@@ -1,76 +1,67 @@
-//! Numbers and tables that are read and still odd.
+//! Numbers and tables that are valid but unusual.
 
-use super::codes;
-use super::diagnostic::Diagnostic;
-use crate::tools::dissection::{Dissection, Role};
+use super::codes::Problem;
+use super::diagnostic::Findings;
+use crate::tools::dissection::Role;
 
-pub(super) fn diagnose(dissection: &Dissection) -> Vec<Diagnostic> {
-    [
-        (0..6).flat_map(|i| scale_and_bias(dissection, i)).collect(),
-        matrix(dissection),
-        table(dissection),
-        trailing(dissection),
-    ]
-    .concat()
+pub(super) fn diagnose(findings: &mut Findings) {
+    (0..6).for_each(|i| scale_and_bias(findings, i));
+    matrix(findings);
+    table(findings);
+    trailing(findings);
 }
 
-/// The scale and the bias of coefficient `i`.
-fn scale_and_bias(dissection: &Dissection, i: usize) -> Vec<Diagnostic> {
-    let mut diagnostics = Vec::new();
+/// Checks the scale and the bias of coefficient `i`.
+fn scale_and_bias(findings: &mut Findings, i: usize) {
+    let dissection = findings.dissection;
     let number = |role| dissection.text(role)?.parse::<f64>().ok();
     if number(Role::Scale(i)) == Some(0.0) {
-        let (at, found) = (
-            dissection.start(Role::Scale(i)),
+        findings.add(
+            Problem::ScaleZero,
+            Role::Scale(i),
             format!("the scale of a{i}"),
         );
-        diagnostics.push(Diagnostic::new(&codes::SCALE_ZERO, at, found));
     }
-    let whole = number(Role::Bias(i)).filter(|bias| bias.is_finite() && bias.fract() == 0.0);
-    if let (Some(text), Some(bias)) = (dissection.text(Role::Bias(i)), whole) {
-        let as_float = text.contains(['.', 'e', 'E']);
-        let beyond = !(-32768.0..=32767.0).contains(&bias);
-        let odd = [
-            (as_float, &codes::BIAS_AS_FLOAT),
-            (beyond, &codes::BIAS_BEYOND_16_BITS),
-        ];
-        let at = dissection.start(Role::Bias(i));
-        diagnostics.extend(
-            odd.into_iter()
-                .filter(|(is_so, _)| *is_so)
-                .map(|(_, code)| Diagnostic::new(code, at, format!("the bias of a{i} is {text}"))),
-        );
+    let bias = number(Role::Bias(i)).filter(|bias| bias.is_finite() && bias.fract() == 0.0);
+    if let (Some(text), Some(bias)) = (dissection.text(Role::Bias(i)), bias) {
+        let found = format!("the bias of a{i} is {text}");
+        if text.contains(['.', 'e', 'E']) {
+            findings.add(Problem::BiasAsFloat, Role::Bias(i), &*found);
+        }
+        if !(-32768.0..=32767.0).contains(&bias) {
+            findings.add(Problem::BiasTooLarge, Role::Bias(i), found);
+        }
     }
-    diagnostics
 }
 
-/// The last row of the color matrix.
-fn matrix(dissection: &Dissection) -> Vec<Diagnostic> {
-    let odd = |(element, usual): (usize, f64)| {
-        let text = dissection.text(Role::Matrix(element))?;
-        let at = dissection.start(Role::Matrix(element));
-        (text.parse::<f64>().ok()? != usual).then(|| {
+/// Checks the last row of the color matrix; the first unusual element is reported.
+fn matrix(findings: &mut Findings) {
+    for (element, usual) in [(3, 0.0), (7, 0.0), (11, 0.0), (15, 1.0)] {
+        let role = Role::Matrix(element);
+        let text = findings.dissection.text(role).unwrap_or_default();
+        if text.parse::<f64>().is_ok_and(|number| number != usual) {
             let found = format!("element {element} is {text}");
-            Diagnostic::new(&codes::MATRIX_LAST_ROW, at, found)
-        })
-    };
-    let row = [(3, 0.0), (7, 0.0), (11, 0.0), (15, 1.0)];
-    row.into_iter().find_map(odd).into_iter().collect()
+            return findings.add(Problem::MatrixLastRow, role, found);
+        }
+    }
 }
 
-/// The lookup table: its size, and whether all of it is used.
-fn table(dissection: &Dissection) -> Vec<Diagnostic> {
-    let at = dissection.start(Role::Count);
+/// Checks the size of the lookup table, and whether all of it is used.
+fn table(findings: &mut Findings) {
+    let dissection = findings.dissection;
     let entries = dissection.number(Role::Count);
     let Some(entries) = entries.and_then(|entries| usize::try_from(entries).ok()) else {
-        return Vec::new();
+        return;
     };
-    let mut diagnostics = Vec::new();
     if entries > 65_536 {
-        let found = format!("{entries} entries");
-        diagnostics.push(Diagnostic::new(&codes::HUGE_TABLE, at, found));
+        findings.add(
+            Problem::HugeTable,
+            Role::Count,
+            format!("{entries} entries"),
+        );
     }
     let (Ok(_), Some(indices)) = (&dissection.outcome, dissection.bytes(Role::Indices)) else {
-        return diagnostics;
+        return;
     };
     let mut used = vec![false; entries];
     for index in indices.chunks(if entries <= 256 { 1 } else { 2 }) {
@@ -80,17 +71,14 @@ fn table(dissection: &Dissection) -> Vec<Diagnostic> {
     if let Some(first) = used.iter().position(|&used| !used) {
         let unused = used.iter().filter(|&&used| !used).count();
         let found = format!("{unused} of {entries} entries, the first is entry {first}");
-        diagnostics.push(Diagnostic::new(&codes::ENTRIES_UNUSED, at, found));
+        findings.add(Problem::EntriesUnused, Role::Count, found);
     }
-    diagnostics
 }
 
-/// Bytes after the last value (ruling `trailing`).
-fn trailing(dissection: &Dissection) -> Vec<Diagnostic> {
-    let (end, length) = (dissection.end(), dissection.file.len());
-    if dissection.outcome.is_err() || end == length {
-        return Vec::new();
+/// Reports bytes after the last value (ruling `trailing`).
+fn trailing(findings: &mut Findings) {
+    let (end, length) = (findings.dissection.end(), findings.dissection.file.len());
+    if findings.dissection.outcome.is_ok() && end < length {
+        findings.add_at(Problem::Trailing, end, format!("{} bytes", length - end));
     }
-    let found = format!("{} bytes", length - end);
-    vec![Diagnostic::new(&codes::TRAILING, end, found)]
 }

@@ -73,12 +73,7 @@ impl Photograph {
     /// Never for photographs of a set.
     #[must_use]
     pub fn png(&self, size: Size) -> Vec<u8> {
-        let image = Image {
-            width: size.width as usize,
-            height: size.height as usize,
-            channels: 3,
-            samples: self.pixels.clone(),
-        };
+        let image = Image::rgb(size, self.pixels.clone());
         image.to_file(ImageFormat::Png).expect("a small picture")
     }
 }

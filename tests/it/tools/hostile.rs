@@ -2,6 +2,7 @@
 
 use proptest::prelude::*;
 use ptm_conform::generate::{Model, Recipe, write};
+use ptm_conform::kit::yaml::to_yaml;
 use ptm_conform::ptm::Format;
 use ptm_conform::suite::cases::{Suite, TableSpelling};
 use ptm_conform::tools::convert::{Target, convert};
@@ -22,7 +23,7 @@ fn ask_everything(file: &[u8]) {
         inspection.to_text("x", false),
         inspection.to_text("x", true),
     );
-    inspection.to_yaml().expect("any file has its YAML");
+    to_yaml(&inspection).expect("any file has its YAML");
     let errors = lint(file)
         .iter()
         .any(|observation| observation.severity == Severity::Error);
