@@ -83,8 +83,8 @@ impl<'a> Changes<'a> {
             ("dialect", listed(&old.dialect), listed(&new.dialect)),
             (
                 "outside the specification",
-                yaml(&old.lenient),
-                yaml(&new.lenient),
+                leniencies(old),
+                leniencies(new),
             ),
             ("known failures", yaml(&old.baseline), yaml(&new.baseline)),
         ];
@@ -131,7 +131,7 @@ impl<'a> Changes<'a> {
             let clause = new.clauses.first().map_or("", String::as_str);
             let section = section_of(clause);
             let about = match cause {
-                Some(cause) => format!("{} (clause {})", cause.name(), cause.clause),
+                Some(cause) => format!("{} (clause {})", cause.title(), cause.clause),
                 None if fails(old) || fails(new) => format!("no cause, section {section}"),
                 None => format!("section {section}"),
             };
@@ -275,6 +275,12 @@ fn write_lines(
 fn listed(dialect: &[FollowedReading]) -> String {
     let line = |known: &FollowedReading| format!("{}: {}\n", known.ruling, known.reading);
     dialect.iter().map(line).collect()
+}
+
+/// Returns one line for each ruling outside the specification.
+fn leniencies(report: &Report) -> String {
+    let rulings = report.lenient.iter();
+    rulings.map(|one| one.in_words() + "\n").collect()
 }
 
 /// What is said of a case besides its name and outcome, a line or more for each field.

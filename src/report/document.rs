@@ -167,6 +167,12 @@ impl LikelyCause {
         let name = self.misreading.as_deref().or(self.kind.as_deref());
         name.unwrap_or("unknown")
     }
+
+    /// Returns the misreading, or the effect in words.
+    #[must_use]
+    pub fn title(&self) -> &str {
+        self.misreading.as_deref().unwrap_or(&self.effect)
+    }
 }
 
 impl Report {

@@ -90,29 +90,20 @@ fn name(reports: &[Report], i: usize) -> Markup {
     }
 }
 
-/// Each mistake of the catalogue by its name; each kind of all others in words, once.
-fn mistakes(causes: &[LikelyCause]) -> Markup {
-    let mut kinds: Vec<&str> = causes
-        .iter()
-        .filter(|cause| cause.misreading.is_none())
-        .map(|cause| in_words(cause.name()))
-        .collect();
-    kinds.sort_unstable();
-    kinds.dedup();
-    html! {
-        @for slug in causes.iter().filter_map(|cause| cause.misreading.as_deref()) { code.cause { (slug) } " " }
-        @for kind in kinds { span.cause { (kind) } " " }
-    }
-}
+/// Causes of one report that are shown; the page of the report has all of them.
+const MAX_CAUSES: usize = 4;
 
-fn in_words(kind: &str) -> &str {
-    match kind {
-        "refusal" => "does not read some legal files",
-        "acceptance" => "reads malformed files",
-        "violation" => "crashes or hangs on files that need not be read",
-        "difference" => "returns wrong pictures",
-        "nondeterminism" => "answers the same request in two ways",
-        other => other,
+/// Lists the first causes: misreadings of the catalog by their names, others in words.
+fn mistakes(causes: &[LikelyCause]) -> Markup {
+    html! {
+        @for cause in causes.iter().take(MAX_CAUSES) {
+            @match &cause.misreading {
+                Some(slug) => code.cause { (slug) },
+                None => span.cause { (cause.effect) },
+            }
+            " "
+        }
+        @if causes.len() > MAX_CAUSES { span.quiet { "and " (causes.len() - MAX_CAUSES) " more" } }
     }
 }
 
