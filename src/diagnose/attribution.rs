@@ -5,7 +5,8 @@ use super::failure_mode::FailureMode;
 use super::mistake::Mistake;
 use super::scope::Scope;
 use super::search::{Found, Id, Member, Search, Set, of, without};
-use super::tuning::STRAY_SHARE;
+use super::tuning::{MIN_SHARING_FILES, STRAY_SHARE};
+use super::witness::Witness;
 use super::words::acceptances;
 use super::words::formats::formats_of;
 use super::words::place;
@@ -13,6 +14,7 @@ use super::words::refusals::{self, WholeFormats};
 use crate::formula::{Edit, EditedForm};
 use crate::misreadings::{At, Misreading, Symptom};
 use crate::session::observation::Response;
+use crate::suite::cases::Expect;
 
 /// The failures listed under a mistake, and the other mistakes that they need.
 #[derive(Clone, Default)]
@@ -51,6 +53,7 @@ pub(super) fn attribute(search: &Search, found: &Found) -> (Vec<(Id, Diagnosis)>
     for (place, member) in found.members.iter().enumerate() {
         if is_denied_guess(search, member, &shares[place])
             || is_denied_beside(search, &set, &shares, place)
+            || is_preceded(search.witnesses, &shares[place].explains, &left)
         {
             left.append(&mut shares[place].explains);
         }
@@ -61,6 +64,22 @@ pub(super) fn attribute(search: &Search, found: &Found) -> (Vec<(Id, Diagnosis)>
         .map(|(member, share)| (member.id, diagnosis(search, member, &share)));
     diagnoses.extend(others);
     (diagnoses, left)
+}
+
+/// Returns true if no stored value supports a mistake, and at least half as many unexplained images of the same formats are wrong in
+/// an earlier view: what comes before may explain its images.
+fn is_preceded(witnesses: &[Witness], explained: &[usize], left: &[usize]) -> bool {
+    let kind = |&w: &usize| witnesses[w].observation.view.kind();
+    let format = |&w: &usize| witnesses[w].case.format();
+    let earliest = explained.iter().map(kind).min();
+    let is_earlier = |w: &&usize| {
+        Some(kind(w)) < earliest
+            && FailureMode::of(&witnesses[**w]).is_none()
+            && witnesses[**w].case.expect == Expect::Decode
+            && explained.iter().any(|of| format(of) == format(w))
+    };
+    let earlier = left.iter().filter(is_earlier).count();
+    earlier >= MIN_SHARING_FILES && 2 * earlier >= explained.len()
 }
 
 /// Describes whole formats that fail in one way, instead of the mistakes that explain nothing else. Returns `None` if one of

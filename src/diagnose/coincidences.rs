@@ -141,10 +141,7 @@ fn drop_acceptances(search: &Search, found: &mut Found) {
         .filter(|&w| witnesses[w].failed)
         .collect();
     let explains = |w: usize, set: &[Id]| search.agreement(w, set).explains();
-    let open = search.each(&failed, |&w| !search.explains(w, &set));
-    let open: Vec<usize> = (failed.iter().zip(open))
-        .filter_map(|(&w, open)| open.then_some(w))
-        .collect();
+    let open = search.select(failed.clone(), |w| !search.explains(w, &set));
     let keep = search.each(&set, |&id| {
         let misreading = search.mistakes[id].misreading;
         let without = without(&set, id);

@@ -157,12 +157,8 @@ impl<'a> Search<'a> {
     /// Returns the failing cases that a set does not explain.
     pub fn unexplained(&self, set: &Set) -> Vec<usize> {
         let failing = (0..self.witnesses.len()).filter(|&w| self.witnesses[w].failed);
-        let failing: Vec<usize> = failing.collect();
-        let values = self.each(&failing, |&w| self.value(w, set));
-        let pairs = failing.into_iter().zip(values);
-        pairs
-            .filter_map(|(w, value)| (value < WORTH_OF_A_REFUSAL).then_some(w))
-            .collect()
+        let is_open = |w| self.value(w, set) < WORTH_OF_A_REFUSAL;
+        self.select(failing.collect(), is_open)
     }
 
     /// Finds the mistakes that explain most, one after the other. `add_candidates` adds mistakes that the catalog lacks.
@@ -245,23 +241,15 @@ impl<'a> Search<'a> {
 
     /// Returns the cases that the decoder passes and a set would fail.
     pub fn contradictions(&self, set: &[Id]) -> Vec<usize> {
-        let passing: Vec<usize> = (0..self.witnesses.len())
-            .filter(|&w| !self.witnesses[w].failed)
-            .collect();
-        let contradicted = self.each(&passing, |&w| self.contradicted(w, set));
-        let pairs = passing.into_iter().zip(contradicted);
-        pairs.filter_map(|(w, is)| is.then_some(w)).collect()
+        let passing = (0..self.witnesses.len()).filter(|&w| !self.witnesses[w].failed);
+        self.select(passing.collect(), |w| self.contradicted(w, set))
     }
 
     /// Returns the small files that the decoder passes and a set would fail.
     pub fn denied(&self, set: &[Id]) -> Vec<usize> {
-        let small = self.passing.iter().copied();
-        let small: Vec<usize> = small
-            .filter(|&w| self.samples(w) <= MAX_SAMPLES_OF_A_SMALL_IMAGE)
-            .collect();
-        let denied = self.each(&small, |&w| self.contradicted(w, set));
-        let pairs = small.into_iter().zip(denied);
-        pairs.filter_map(|(w, is)| is.then_some(w)).collect()
+        let small = |&w: &usize| self.samples(w) <= MAX_SAMPLES_OF_A_SMALL_IMAGE;
+        let small = self.passing.iter().copied().filter(small);
+        self.select(small.collect(), |w| self.contradicted(w, set))
     }
 
     /// Returns the agreement of a set and one more mistake, which need not be a candidate, with the response to one case.
@@ -732,9 +720,7 @@ impl<'a> Search<'a> {
                     && self.witnesses[w].concerns(&self.mistakes[*id])
             })
             .collect();
-        let acts = self.each(&concerned, |&id| self.differ(w, set, &plus(set, id)));
-        let acting = concerned.into_iter().zip(acts);
-        let acting: Set = acting.filter_map(|(id, acts)| acts.then_some(id)).collect();
+        let acting = self.select(concerned, |id| self.differ(w, set, &plus(set, id)));
         let pairs: Vec<[Id; 2]> = acting
             .iter()
             .enumerate()
@@ -827,14 +813,6 @@ impl<'a> Search<'a> {
 
     /// Returns a sample of failing cases of different kinds, small ones first.
     pub fn sample(&self, left: &[usize]) -> Vec<usize> {
-        self.unlike(
-            &self.smallest(left, 128 * MAX_SAMPLES_OF_A_SMALL_IMAGE),
-            MAX_SAMPLE,
-        )
-    }
-
-    /// Returns at most `most` of these cases, of different kinds.
-    fn unlike(&self, cases: &[usize], most: usize) -> Vec<usize> {
         let kind = |w: usize| {
             let witness = &self.witnesses[w];
             (
@@ -842,9 +820,10 @@ impl<'a> Search<'a> {
                 witness.case.clauses.first().cloned(),
             )
         };
-        let mut unlike = spread(cases, kind);
-        unlike.truncate(most);
-        unlike
+        let smallest = self.smallest(left, 128 * MAX_SAMPLES_OF_A_SMALL_IMAGE);
+        let mut sample = spread(&smallest, kind);
+        sample.truncate(MAX_SAMPLE);
+        sample
     }
 
     /// Returns as many failing cases as the budget allows.
@@ -876,6 +855,13 @@ impl<'a> Search<'a> {
         let count = taken.count();
         smallest.truncate(count);
         smallest
+    }
+
+    /// Returns the cases or mistakes for which `holds` returns true.
+    pub fn select(&self, all: Vec<usize>, holds: impl Fn(usize) -> bool + Sync) -> Vec<usize> {
+        let flags = self.each(&all, |&one| holds(one));
+        let pairs = all.into_iter().zip(flags);
+        pairs.filter_map(|(one, is)| is.then_some(one)).collect()
     }
 
     /// Returns `work` of every item, in order, computed on all threads.

@@ -45,13 +45,13 @@ pub(in crate::diagnose) fn describe(
             example: example(witnesses, &of),
         };
         let diagnosis = Diagnosis::described(Category::Difference, witnesses, &of, words);
-        diagnoses.push(diagnosis.about(clause(format)));
+        diagnoses.push(diagnosis.about(layout_clause(format)));
     }
     diagnoses
 }
 
 /// Returns the clause about the layout of a format.
-const fn clause(format: Format) -> &'static str {
+pub(super) const fn layout_clause(format: Format) -> &'static str {
     match format {
         Format::Rgb => "2.7.1/1",
         Format::Lum => "2.7.2/1",

@@ -182,12 +182,9 @@ fn split_by_scope(search: &Search, set: &[Id], mut open: Vec<usize>) -> Vec<(Vec
     };
     let mut parts = Vec::new();
     for one in [None].into_iter().chain(Format::ALL.map(Some)) {
-        loop {
-            let these = of_format(&open, one);
-            let shared = shared_scope(witnesses, &these, &of_format(&known, one), true);
-            let Some(shared) = shared.filter(|shared| shared.of.len() * 2 > open.len()) else {
-                break;
-            };
+        let these = of_format(&open, one);
+        let shared = shared_scope(witnesses, &these, &of_format(&known, one), true);
+        if let Some(shared) = shared.filter(|shared| shared.of.len() * 2 > open.len()) {
             open.retain(|w| !shared.of.contains(w));
             let place = format!(", in {}", files_in(witnesses, &shared, one));
             parts.push((shared.of, place));

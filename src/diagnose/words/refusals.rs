@@ -1,7 +1,7 @@
 //! Legal files that were refused or crashed the decoder: the property that they share and that no accepted file has.
 
 use super::files_in;
-use super::formats::share_of_formats;
+use super::formats::{layout_clause, share_of_formats};
 use crate::diagnose::diagnosis::{Category, Cause, Diagnosis, Words};
 use crate::diagnose::failure_mode::FailureMode;
 use crate::diagnose::scope::shared_scope;
@@ -261,12 +261,8 @@ pub(in crate::diagnose) fn describe_unexplained(
             fix: "start with the example, the smallest of these files".to_owned(),
             example: example(witnesses, &of),
         };
-        diagnoses.push(Diagnosis::described(
-            Category::Refusal,
-            witnesses,
-            &of,
-            words,
-        ));
+        let described = Diagnosis::described(Category::Refusal, witnesses, &of, words);
+        diagnoses.push(described.about(layout_clause(witnesses[of[0]].case.format())));
     }
     diagnoses
 }

@@ -2,7 +2,7 @@
 
 use super::refusals::example;
 use crate::diagnose::diagnosis::{Category, Diagnosis, Words};
-use crate::diagnose::tuning::MIN_FAILURES_OF_A_READING;
+use crate::diagnose::tuning::{MIN_FAILURES_OF_A_READING, STRAY_SHARE};
 use crate::diagnose::witness::Witness;
 use crate::protocol::frame::{Frame, Samples, ViewKind};
 use crate::session::observation::Response;
@@ -60,16 +60,25 @@ fn find(witnesses: &[Witness], failing: &[usize]) -> Vec<(String, Vec<usize>)> {
             continue;
         }
         let count = shown.len();
-        let is_value = |value| (shown.iter()).all(|(_, frame)| self::value(frame) == Some(value));
-        let effect = if shown.iter().all(|(_, frame)| *frame == first) {
+        if shown.iter().all(|(_, frame)| *frame == first) {
             let (width, height) = (first.width, first.height);
-            format!("shows the same image of {width} × {height} for {count} files in view {view}")
-        } else if let Some(value) = value(first).filter(|&value| is_value(value)) {
-            format!("shows {value} in every sample of {count} images in view {view}")
-        } else {
+            let effect = format!(
+                "shows the same image of {width} × {height} for {count} files in view {view}"
+            );
+            found.push((effect, shown.into_iter().map(|(w, _)| w).collect()));
             continue;
-        };
-        found.push((effect, shown.into_iter().map(|(w, _)| w).collect()));
+        }
+        // A few images may show something else.
+        let common = shown.iter().find_map(|(_, frame)| value(frame));
+        let is_common = |(_, frame): &&(usize, &Frame)| common.is_some() && value(frame) == common;
+        let of: Vec<usize> = shown.iter().filter(is_common).map(|&(w, _)| w).collect();
+        if let Some(value) = common.filter(|_| (count - of.len()) * STRAY_SHARE <= count) {
+            let effect = format!(
+                "shows {value} in every sample of {} images in view {view}",
+                of.len()
+            );
+            found.push((effect, of));
+        }
     }
     found
 }
