@@ -84,7 +84,7 @@ fn main() -> ExitCode {
         Command::Check(args) => cli::elsewhere::run(&args),
         #[cfg(unix)]
         Command::CheckWriter(args) => cli::check_writer::run(&args),
-        Command::Reference(args) => Ok(cli::reference::run(&args)),
+        Command::Reference(args) => cli::reference::run(&args),
         Command::Generate(args) => cli::generate::run(&args),
         Command::Explain(args) => cli::explain::run(&args),
         #[cfg(unix)]

@@ -12,6 +12,24 @@ pub fn positive_seconds(seconds: f64) -> Result<Duration, String> {
         .ok_or_else(|| "a time limit is a positive number of seconds".to_owned())
 }
 
+/// Describes a time limit for the report.
+#[cfg(unix)]
+pub fn time_limit_to_text(seconds: f64) -> String {
+    format!("wall clock: {seconds} s a call, three times that for the first")
+}
+
+/// Describes a memory limit for the report.
+#[cfg(unix)]
+pub fn memory_limit_to_text(bytes: u64) -> String {
+    match ptm_conform::runner::processes::can_be_watched() {
+        true => {
+            let size = bytes >> 20;
+            format!("memory: {size} MiB, the resident sets of a call's processes, sampled")
+        }
+        false => "memory: not limited, because this system has no /proc".to_owned(),
+    }
+}
+
 /// An exit status that may mean a refusal: 0 and 69 mean something else.
 pub fn parse_refusal(text: &str) -> Result<i32, String> {
     let status = text
@@ -39,6 +57,12 @@ pub fn parse_size(text: &str) -> Result<u64, String> {
         .filter(|&size| size > 0)
         .and_then(|size| size.checked_mul(1 << shift));
     bytes.ok_or_else(|| format!("expected a size such as 500M or 2G, found {text:?}"))
+}
+
+/// Parses two numbers with a comma between them.
+pub fn parse_pair(text: &str) -> Option<(f64, f64)> {
+    let (first, second) = text.split_once(',')?;
+    Some((first.trim().parse().ok()?, second.trim().parse().ok()?))
 }
 
 /// Patterns for the ids of cases.

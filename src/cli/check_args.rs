@@ -1,12 +1,14 @@
 //! The arguments of `check`, and what follows of them alone.
 
 use std::ffi::OsString;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use clap::Args;
 
-use super::arguments::{globs, parse_refusal, parse_size};
-use super::files::can_be_written;
+use super::arguments::{
+    globs, memory_limit_to_text, parse_refusal, parse_size, time_limit_to_text,
+};
+use super::ending::Ending;
 use super::known_failures::KnownFailureArgs;
 use super::renderings::RenderingArgs;
 use ptm_conform::report::shards::Shard;
@@ -130,18 +132,15 @@ impl CheckArgs {
         Ok(())
     }
 
-    /// Refuses before long work what cannot be written, or would be written twice.
-    pub fn check_outputs(&self) -> Result<(), String> {
-        let report = [self.report.as_path()].into_iter();
-        let renderings = report.chain(self.renderings.files());
-        let outputs: Vec<&Path> = renderings.chain(self.known.written()).collect();
-        for (i, path) in outputs.iter().enumerate() {
-            can_be_written(path)?;
-            if outputs[..i].contains(path) {
-                return Err(format!("{} is to be written twice", path.display()));
-            }
-        }
-        Ok(())
+    /// Returns where the report goes.
+    pub fn ending<C: TestCase>(&self, suite: &Suite<C>) -> Result<Ending<'_>, String> {
+        Ending::new(
+            suite,
+            &self.report,
+            self.show,
+            &self.renderings,
+            &self.known,
+        )
     }
 
     /// Which cases match the globs, the clauses and the shard, of those among which `also` is; all if nothing is asked for.
@@ -174,26 +173,15 @@ impl CheckArgs {
         if self.caller.is_some() {
             return vec!["none: the decoder is a function of the calling process".to_owned()];
         }
-        let watched = processes::can_be_watched();
-        let memory = if watched {
-            format!(
-                "memory: {} MiB, the resident sets of a call's processes, sampled",
-                self.memory >> 20
-            )
-        } else {
-            "memory: not limited, because this system has no /proc".to_owned()
-        };
-        let left = if watched {
-            "processes: the group of a call, and what has left it, are killed when the call is over"
-        } else {
-            "processes: the group of a call is killed when the call is over"
+        let left = match processes::can_be_watched() {
+            true => {
+                "processes: the group of a call, and what has left it, are killed when the call is over"
+            }
+            false => "processes: the group of a call is killed when the call is over",
         };
         let mut limits = vec![
-            format!(
-                "wall clock: {} s a call, three times that for the first",
-                self.timeout
-            ),
-            memory,
+            time_limit_to_text(self.timeout),
+            memory_limit_to_text(self.memory),
             "standard output: 4 times the largest frame of the file and 64 KiB".to_owned(),
             "files: 4 GiB each, no core dumps".to_owned(),
             left.to_owned(),

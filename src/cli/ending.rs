@@ -12,22 +12,38 @@ use ptm_conform::report::baseline::Baseline;
 use ptm_conform::report::reported::Reported;
 use ptm_conform::session::run::Run;
 use ptm_conform::suite::cases::Suite;
+use ptm_conform::suite::test_case::TestCase;
 
 /// Where a report goes, and in which forms.
 pub struct Ending<'a> {
     /// The report.
     pub path: &'a Path,
     /// How many failures are printed in full.
-    pub show: usize,
-    /// Other forms of it.
-    pub renderings: &'a RenderingArgs,
-    /// Lists of known failures.
-    pub args: &'a KnownFailureArgs,
-    /// The list that was given.
-    pub known: Option<Baseline>,
+    show: usize,
+    renderings: &'a RenderingArgs,
+    args: &'a KnownFailureArgs,
+    known: Option<Baseline>,
 }
 
-impl Ending<'_> {
+impl<'a> Ending<'a> {
+    /// Reads the list of known failures, if one is given.
+    pub fn new<C: TestCase>(
+        suite: &Suite<C>,
+        path: &'a Path,
+        show: usize,
+        renderings: &'a RenderingArgs,
+        args: &'a KnownFailureArgs,
+    ) -> Result<Ending<'a>, String> {
+        let known = args.read(suite)?;
+        Ok(Ending {
+            path,
+            show,
+            renderings,
+            args,
+            known,
+        })
+    }
+
     /// Writes the report as it stands, whole or not at all, with what is known and what is new.
     pub fn write<C: Reported>(
         &self,

@@ -3,15 +3,17 @@
 #[cfg(unix)]
 use std::collections::HashMap;
 use std::fmt::Write as _;
+#[cfg(unix)]
+use std::time::Duration;
 
 use clap::Args;
 
 use super::CommandResult;
 use super::links::page_line;
 use super::names::nearest;
-use super::terminal::show;
 #[cfg(unix)]
-use super::{output::jobs, texture};
+use super::output::{bar, jobs};
+use super::terminal::show;
 use ptm_conform::kit::digest::sha256;
 use ptm_conform::misreadings::{self, Misreading, writing};
 #[cfg(unix)]
@@ -156,26 +158,30 @@ fn explain(id: &str) -> Result<Option<String>, String> {
         text += &page_line(Some(address::code(known.id)));
     }
     #[cfg(unix)]
-    text.push_str(&texture::explain(id)?);
+    text.push_str(&super::texture::explain(id)?);
     Ok(Some(text).filter(|text| !text.is_empty()))
 }
 
 fn explain_clause(clause: &Clause, suite: &Suite) -> String {
     let about = |case: &&Case| case.clauses.contains(&clause.id);
-    let ruling = clause.ruling.as_ref();
-    let why = clause.why.as_ref();
-    format!(
-        "clause {}: {}{}{}\n  {}\n",
-        clause.id,
-        clause.rule,
-        ruling.map_or_else(String::new, |ruling| format!(" Ruling: {ruling}.")),
-        why.map_or_else(String::new, |why| format!(" Not tested: it {why}.")),
-        abbreviated(suite.cases.iter().filter(about), "cases")
-    )
+    let cases = abbreviated(suite.cases.iter().filter(about), "cases");
+    format!("clause {}  {cases}\n", rule_to_text(clause, "it "))
+}
+
+/// Returns a clause with its ruling, and why it is not tested if it is not; `untested` begins that reason.
+pub fn rule_to_text(clause: &Clause, untested: &str) -> String {
+    let mut text = format!("{}: {}", clause.id, clause.rule);
+    if let Some(ruling) = &clause.ruling {
+        let _ = write!(text, " Ruling: {ruling}.");
+    }
+    if let Some(why) = &clause.why {
+        let _ = write!(text, " Not tested: {untested}{why}.");
+    }
+    text + "\n"
 }
 
 fn explain_ruling(ruling: &Ruling) -> String {
-    let mut text = format!(
+    let text = format!(
         "ruling {} ({:?}), clauses {}\n  open: {}\n  the reference: {}\n",
         ruling.id,
         ruling.kind,
@@ -183,11 +189,14 @@ fn explain_ruling(ruling: &Ruling) -> String {
         ruling.question.trim(),
         ruling.reading.trim()
     );
-    for also in &ruling.also {
-        let _ = writeln!(text, "  also right: {also}");
-    }
-    let _ = writeln!(text, "  evidence: {}", ruling.evidence.trim());
-    text
+    text + &evidence_to_text(ruling)
+}
+
+/// Returns the other correct readings of a ruling, and its evidence.
+pub fn evidence_to_text(ruling: &Ruling) -> String {
+    let also = ruling.also.iter();
+    let also: String = also.map(|also| format!("  also right: {also}\n")).collect();
+    format!("{also}  evidence: {}\n", ruling.evidence.trim())
 }
 
 fn explain_misreading(misreading: &Misreading, clause: Option<&Clause>) -> String {
@@ -208,9 +217,10 @@ fn explain_misreading(misreading: &Misreading, clause: Option<&Clause>) -> Strin
 /// The cases that a decoder with this mistake fails, and what it makes of the smallest file among them.
 #[cfg(unix)]
 fn shown_by(misreading: &Misreading, suite: &Suite) -> Result<String, String> {
-    let spinner = super::output::spinner("reading every case with this mistake");
+    let bar = bar(None, "{spinner} reading every case with this mistake");
+    bar.enable_steady_tick(Duration::from_millis(200));
     let (run, _) = ask_all(suite, &[misreading], &[], jobs(None)?, &HashMap::new());
-    spinner.finish_and_clear();
+    bar.finish_and_clear();
     let failing: Vec<usize> = run.judgement.with(Outcome::Fail).collect();
     let size = |&place: &usize| {
         let spelling = cases::TableSpelling::default();

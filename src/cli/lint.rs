@@ -217,7 +217,7 @@ fn is_list(path: &Path) -> bool {
 
 /// A bar whose length a walk of its own finds out, so that it can say how much time is left.
 fn progress(args: &LintArgs) -> ProgressBar {
-    let bar = output::counting_bar();
+    let bar = output::bar(None, "{pos}/{len} files, {per_sec}, {eta} left");
     // A list can be read once only.
     if bar.is_hidden() || args.files.iter().any(|path| is_list(path)) {
         return bar;

@@ -7,9 +7,9 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use super::call::CallArgs;
-use super::fuzz::bar;
+use super::fuzz::CALLS;
 use super::guard::{Guarded, stop_on_signals};
-use super::output::print;
+use super::output::{bar, print};
 use super::{CommandResult, EXIT_USAGE};
 use ptm_conform::fuzz::reduce;
 use ptm_conform::protocol::frame::{Answer, Frame, View};
@@ -65,7 +65,7 @@ pub fn run(args: &MinimiseArgs) -> CommandResult {
         print("the decoder answers as the reference does; there is nothing to reduce\n");
         return Ok(1);
     };
-    let bar = bar(0);
+    let bar = bar(Some(0), CALLS);
     let fails = |file: &[u8]| {
         bar.inc(1);
         Symptom::of(file, &args.view, &ask(file)) == Some(symptom)

@@ -4,106 +4,69 @@
 
 #![allow(clippy::doc_markdown, reason = "help is printed as it stands")]
 
-pub mod files;
-
-pub mod output;
-
-mod terminal;
-
-mod wrapping;
-
-mod links;
-
-mod names;
-
 #[cfg_attr(not(unix), allow(dead_code))]
 mod arguments;
-
 #[cfg(unix)]
 mod call;
-
-#[cfg(unix)]
-pub mod guard;
-
-#[cfg(unix)]
-mod partial;
-
-#[cfg(unix)]
-mod progress;
-
-#[cfg(unix)]
-pub mod check_args;
-
 #[cfg(unix)]
 pub mod check;
-
+#[cfg(unix)]
+pub mod check_args;
 #[cfg(unix)]
 pub mod check_writer;
-
-#[cfg(unix)]
-mod ending;
-
-#[cfg(unix)]
-mod subject;
-
-#[cfg(unix)]
-mod own_files;
-
-#[cfg(unix)]
-mod known_failures;
-
-#[cfg(unix)]
-mod renderings;
-
-#[cfg(not(unix))]
-pub mod elsewhere;
-
-pub mod reference;
-
-pub mod generate;
-
-pub mod explain;
-
-#[cfg(unix)]
-pub mod probe;
-
-#[cfg(unix)]
-pub mod report;
-
-#[cfg(unix)]
-pub mod fuzz;
-
-#[cfg(unix)]
-pub mod minimise;
-
+mod collection;
+pub mod completions;
+pub mod convert;
 #[cfg(unix)]
 pub mod coverage;
-
+pub mod diff;
 #[cfg(unix)]
-pub mod texture;
-
+mod driver;
+#[cfg(not(unix))]
+pub mod elsewhere;
+#[cfg(unix)]
+mod ending;
+pub mod explain;
+pub mod export;
+pub mod files;
+#[cfg(unix)]
+pub mod fuzz;
+pub mod generate;
+#[cfg(unix)]
+pub mod guard;
+pub mod inspect;
+#[cfg(unix)]
+mod known_failures;
+mod links;
+pub mod lint;
+mod lint_rows;
+#[cfg(unix)]
+pub mod minimise;
+mod names;
+pub mod output;
+#[cfg(unix)]
+mod own_files;
+#[cfg(unix)]
+mod partial;
+#[cfg(unix)]
+pub mod probe;
+#[cfg(unix)]
+mod progress;
+mod readers;
+pub mod reference;
+pub mod render;
+#[cfg(unix)]
+mod renderings;
+#[cfg(unix)]
+pub mod report;
 #[cfg(unix)]
 pub mod site;
-
-pub mod inspect;
-
-mod collection;
-
-mod readers;
-
-mod lint_rows;
-
-pub mod lint;
-
-pub mod render;
-
-pub mod export;
-
-pub mod convert;
-
-pub mod diff;
-
-pub mod completions;
+#[cfg(unix)]
+mod subject;
+mod terminal;
+#[cfg(unix)]
+pub mod texture;
+mod wrapping;
 
 /// What a subcommand ends with: its exit status, or a sentence for wrong usage.
 pub type CommandResult = Result<u8, String>;

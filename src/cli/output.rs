@@ -2,8 +2,6 @@
 
 use std::io::Write;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
-#[cfg(unix)]
-use std::time::Duration;
 
 use clap::{Args, ValueEnum};
 use indicatif::{ProgressBar, ProgressStyle};
@@ -115,40 +113,24 @@ pub fn jobs(asked: Option<usize>) -> Result<usize, String> {
     }
 }
 
-/// A bar on standard error, where that is a terminal.
-pub fn progress_bar() -> ProgressBar {
-    let style = ProgressStyle::with_template("{bar:40} {pos}/{len} {elapsed}")
-        .expect("the template is well-formed");
-    if quiet() {
-        return ProgressBar::hidden();
-    }
-    ProgressBar::new(0).with_style(style)
-}
-
-/// A bar for files that are counted while the work goes on: as long as its length is not known, it shows how many are done.
-pub fn counting_bar() -> ProgressBar {
-    let bar = match quiet() {
-        true => ProgressBar::hidden(),
-        false => ProgressBar::no_length(),
+/// Returns a progress bar on standard error, if that is a terminal and progress is wanted.
+pub fn bar(length: Option<u64>, template: &str) -> ProgressBar {
+    let bar = match (quiet(), length) {
+        (true, _) => ProgressBar::hidden(),
+        (false, Some(length)) => ProgressBar::new(length),
+        (false, None) => ProgressBar::no_length(),
     };
-    let style = ProgressStyle::with_template("{pos}/{len} files, {per_sec}, {eta} left")
-        .expect("the template is well-formed");
+    let style = ProgressStyle::with_template(template).expect("the template is well-formed");
     bar.with_style(style)
 }
 
-/// Shows that work goes on whose length is not known.
-#[cfg(unix)]
-pub fn spinner(work: &'static str) -> ProgressBar {
-    if quiet() {
-        return ProgressBar::hidden();
-    }
-    let spinner = ProgressBar::new_spinner().with_message(work);
-    spinner.enable_steady_tick(Duration::from_millis(200));
-    spinner
-}
-
-/// Moves the bar to `done` of `all`.
-pub fn show_progress(bar: &ProgressBar, done: usize, all: usize) {
-    bar.set_length(all as u64);
-    bar.set_position(done as u64);
+/// Does `work`, which reports how many of how many are done, and shows a progress bar for it.
+pub fn with_progress<T>(work: impl FnOnce(&(dyn Fn(usize, usize) + Sync)) -> T) -> T {
+    let bar = bar(Some(0), "{bar:40} {pos}/{len} {elapsed}");
+    let result = work(&|done, all| {
+        bar.set_length(all as u64);
+        bar.set_position(done as u64);
+    });
+    bar.finish_and_clear();
+    result
 }

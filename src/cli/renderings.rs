@@ -7,6 +7,9 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
+use super::files::{can_be_written, write_whole};
+use super::known_failures::KnownFailureArgs;
+use super::output::print;
 use ptm_conform::report::Report;
 use ptm_conform::report::github;
 use ptm_conform::report::html;
@@ -33,13 +36,18 @@ pub struct RenderingArgs {
 }
 
 impl RenderingArgs {
-    /// The files that are asked for.
-    pub fn files(&self) -> impl Iterator<Item = &Path> {
-        self.html
-            .iter()
-            .chain(&self.junit)
-            .chain(&self.json)
-            .map(PathBuf::as_path)
+    /// Refuses before long work a file that cannot be written, or would be written twice.
+    pub fn check_outputs(&self, report: &Path, known: &KnownFailureArgs) -> Result<(), String> {
+        let renderings = [&self.html, &self.junit, &self.json].into_iter().flatten();
+        let others = renderings.map(PathBuf::as_path).chain(known.written());
+        let outputs: Vec<&Path> = std::iter::once(report).chain(others).collect();
+        for (i, path) in outputs.iter().enumerate() {
+            can_be_written(path)?;
+            if outputs[..i].contains(path) {
+                return Err(format!("{} is to be written twice", path.display()));
+            }
+        }
+        Ok(())
     }
 
     /// Whether there is to be a page with pictures.
@@ -64,20 +72,18 @@ impl RenderingArgs {
         run: &Run<C>,
     ) -> Result<(), String> {
         if let Some(path) = &self.html {
-            super::files::write_whole(path, &html::page(suite, report, Some(run))?)?;
-            super::output::print(&format!("page: {}\n", path.display()));
+            write_whole(path, html::page(suite, report, Some(run))?)?;
+            print(&format!("page: {}\n", path.display()));
         }
         if let Some(path) = &self.junit {
-            super::files::write_whole(path, &junit::junit(report)?)?;
+            write_whole(path, junit::junit(report)?)?;
         }
         if let Some(path) = &self.json {
-            super::files::write_whole(
-                path,
-                serde_json::to_string(report).map_err(|error| error.to_string())?,
-            )?;
+            let json = serde_json::to_string(report).map_err(|error| error.to_string())?;
+            write_whole(path, json)?;
         }
         if self.github {
-            super::output::print(&github::annotations(report));
+            print(&github::annotations(report));
             let summary = std::env::var_os("GITHUB_STEP_SUMMARY").filter(|path| !path.is_empty());
             if let Some(path) = summary {
                 append(&path, &github::summary(report, suite.cases.len()))?;

@@ -121,9 +121,6 @@ impl Made {
     }
 }
 
-/// The reports differ.
-const EXIT_DIFFERENT: u8 = 1;
-
 pub fn run(args: &ReportArgs) -> Result<u8, String> {
     match &args.command {
         ReportCommand::Show { file, cases, show } => {
@@ -146,12 +143,12 @@ pub fn run(args: &ReportArgs) -> Result<u8, String> {
             let reports = files.iter().map(|file| Report::read(file));
             let reports: Vec<Report> = reports.collect::<Result<_, _>>()?;
             let page = match reports[0].suite {
-                SuiteName::Ptm => html_page::<Case>(&reports)?,
-                SuiteName::Texture => html_page::<TextureCase>(&reports)?,
-                SuiteName::Writers => html_page::<WriterCase>(&reports)?,
-                SuiteName::Fitters => html_page::<FitCase>(&reports)?,
+                SuiteName::Ptm => html_page::<Case>(&reports),
+                SuiteName::Texture => html_page::<TextureCase>(&reports),
+                SuiteName::Writers => html_page::<WriterCase>(&reports),
+                SuiteName::Fitters => html_page::<FitCase>(&reports),
             };
-            super::files::write_whole(output, &page)?;
+            super::files::write_whole(output, page?)?;
             Ok(0)
         }
         ReportCommand::Junit(made) => made.write(&junit::junit(&Report::read(&made.file)?)?),
@@ -169,10 +166,7 @@ pub fn run(args: &ReportArgs) -> Result<u8, String> {
         ReportCommand::Diff { old, new, cases } => {
             let changes = Report::read(old)?.changes_to(&Report::read(new)?, *cases);
             super::terminal::show(&printable(&changes));
-            Ok(match changes.is_empty() {
-                true => 0,
-                false => EXIT_DIFFERENT,
-            })
+            Ok(u8::from(!changes.is_empty()))
         }
     }
 }
@@ -203,20 +197,18 @@ fn html_page<C: Reported>(reports: &[Report]) -> Result<String, String> {
 
 fn merge<C: Reported>(args: &MergeArgs) -> Result<u8, String> {
     let suite = C::suite()?;
-    let ending = Ending {
-        path: &args.report,
-        show: args.show,
-        renderings: &args.renderings,
-        args: &args.known,
-        known: args.known.read(&suite)?,
-    };
+    let ending = Ending::new(
+        &suite,
+        &args.report,
+        args.show,
+        &args.renderings,
+        &args.known,
+    )?;
     let answers = KeptAnswers::read(&suite, &args.parts)?;
-    let bar = super::output::progress_bar();
-    let merged = answers.merge(&suite, super::output::jobs(None)?, &|_, _, done, all| {
-        super::output::show_progress(&bar, done, all);
-    });
-    bar.finish_and_clear();
-    let (run, report) = merged?;
+    let jobs = super::output::jobs(None)?;
+    let (run, report) = super::output::with_progress(|progress| {
+        answers.merge(&suite, jobs, &|_, _, done, all| progress(done, all))
+    })?;
     ending.finish(&suite, &run, report)
 }
 
