@@ -141,7 +141,7 @@ fn candidates(view: &'static str, pictures: &[Picture]) -> Vec<(String, String, 
         .map(|arrangement| {
             let mistakes = arrangement.mistakes();
             let says: Vec<&str> = mistakes.iter().map(|mistake| &*mistake.says).collect();
-            let next: Vec<&str> = mistakes.iter().map(|mistake| mistake.next).collect();
+            let next: Vec<&str> = mistakes.iter().map(|mistake| &*mistake.next).collect();
             let undo = Arc::new(move |frame: &Frame, _: Option<&Frame>| arrangement.undo(frame));
             (says.join("; and "), next.join("\n  "), Undo { view, undo })
         })

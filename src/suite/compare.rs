@@ -249,7 +249,7 @@ impl Expected {
         }
     }
 
-    fn view(&self) -> &'static str {
+    pub(crate) fn view(&self) -> &'static str {
         match self.values {
             ExpectedValues::Raw(_) => "raw",
             ExpectedValues::Coef(_) => "coef",

@@ -15,6 +15,7 @@ use crate::runner::call::A_YEAR;
 use crate::runner::processes;
 
 use super::calls::Calls;
+use super::message::{Fault, Slots, fault};
 
 /// One answer: its line, and the bytes it announces.
 pub(super) struct ServedAnswer {
@@ -30,7 +31,7 @@ pub(super) enum Served {
     /// The process has ended; whether with status 0.
     Gone(bool),
     /// Something else: what is wrong, and what to do.
-    Wrong((String, &'static str)),
+    Wrong(Fault),
 }
 
 /// A directory for files to be asked for.
@@ -68,8 +69,8 @@ pub(super) struct Dialog {
     timeout: Duration,
 }
 
-/// Most bytes that are kept of its output.
-const MOST: usize = 1 << 20;
+/// The most bytes that are kept of its output.
+const MAX_OUTPUT: usize = 1 << 20;
 
 impl Dialog {
     #[expect(clippy::large_stack_arrays, reason = "a buffer of a pipe's size")]
@@ -98,7 +99,7 @@ impl Dialog {
                 let mut kept = 0;
                 while let Ok(count @ 1..) = stdout.read(&mut buffer) {
                     kept += count;
-                    if kept > MOST || sender.send(buffer[..count].to_vec()).is_err() {
+                    if kept > MAX_OUTPUT || sender.send(buffer[..count].to_vec()).is_err() {
                         break;
                     }
                 }
@@ -124,10 +125,9 @@ impl Dialog {
         let served = self.wait();
         match served {
             Served::Answer(answer) if !answer.line.starts_with(&format!("{sequence} ")) => {
-                Served::Wrong((
-                    format!("request {sequence} is answered {:?}", answer.line),
-                    "an answer begins with the SEQ of its request",
-                ))
+                let line = format!("{:?}", answer.line);
+                let slots: &Slots = &[("sequence", &sequence), ("line", &line)];
+                Served::Wrong(fault("serve-sequence", slots))
             }
             served => served,
         }
@@ -169,23 +169,19 @@ impl Dialog {
         let end = self.unread.iter().position(|&byte| byte == b'\n')?;
         let line = String::from_utf8_lossy(&self.unread[..end]).into_owned();
         let words: Vec<&str> = line.split(' ').collect();
+        let wrong = |name| {
+            Some(Served::Wrong(fault(
+                name,
+                &[("line", &format!("{line:?}"))],
+            )))
+        };
         let size = match words[..] {
             [_, "ok", size] => match size.parse::<usize>() {
-                Ok(size) if size <= MOST => size,
-                _ => {
-                    return Some(Served::Wrong((
-                        format!("it answers {line:?}"),
-                        "after ok stands the number of bytes of the frame",
-                    )));
-                }
+                Ok(size) if size <= MAX_OUTPUT => size,
+                _ => return wrong("serve-size"),
             },
             [_, "reject" | "unsupported", ..] => 0,
-            _ => {
-                return Some(Served::Wrong((
-                    format!("it answers {line:?}"),
-                    "answers are SEQ ok NBYTES, SEQ reject 65 and SEQ unsupported FEATURE",
-                )));
-            }
+            _ => return wrong("serve-words"),
         };
         if self.unread.len() < end + 1 + size {
             return None;

@@ -23,7 +23,7 @@ mod checklist;
 mod command;
 mod dialog;
 mod explain;
-mod mistake;
+mod message;
 mod one_shot;
 mod repair;
 mod sample;

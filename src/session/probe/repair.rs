@@ -5,20 +5,16 @@ use crate::suite::compare::{Expected, ExpectedValues};
 
 use super::arrangement::arrangements;
 use super::body::body;
-use super::mistake::{Mistake, mistake};
+use super::message::{Fault, Mistake, mistake};
 
 /// The mistakes that, undone, leave the right picture.
 pub(super) struct Repair(pub(super) Vec<Mistake>);
 
 impl Repair {
-    pub(super) fn says(&self) -> String {
-        let says: Vec<&str> = self.0.iter().map(|mistake| mistake.says.as_str()).collect();
-        says.join("; and ")
-    }
-
-    pub(super) fn next(&self) -> String {
-        let next: Vec<&str> = self.0.iter().map(|mistake| mistake.next).collect();
-        next.join("\n")
+    pub(super) fn fault(&self) -> Fault {
+        let says: Vec<&str> = self.0.iter().map(|mistake| &*mistake.says).collect();
+        let next: Vec<&str> = self.0.iter().map(|mistake| &*mistake.next).collect();
+        (says.join("; and "), next.join("\n"))
     }
 }
 
@@ -65,13 +61,7 @@ fn streams(bytes: &[u8]) -> Vec<Stream> {
 fn from_utf16(bytes: &[u8]) -> Option<Stream> {
     let pairs = bytes.strip_prefix(b"\xff\xfe")?.as_chunks::<2>().0;
     let narrow = pairs.iter().map(|&pair| u16::from_le_bytes(pair) as u8);
-    Some((
-        narrow.collect(),
-        vec![mistake(
-            "its output is text in UTF-16, as PowerShell writes it",
-            "write bytes; do not send them through PowerShell's > or |",
-        )],
-    ))
+    Some((narrow.collect(), vec![mistake("utf-16", &[])]))
 }
 
 fn from_utf8(bytes: &[u8]) -> Option<Stream> {
@@ -80,60 +70,48 @@ fn from_utf8(bytes: &[u8]) -> Option<Stream> {
         return None;
     }
     let narrow = text.chars().map(|c| u32::from(c) as u8);
-    Some((
-        narrow.collect(),
-        vec![mistake(
-            "its samples are printed as text: every byte from 128 on has become two (UTF-8)",
-            "write bytes, not characters: in Python sys.stdout.buffer, in Java System.out.write, in Node a Buffer",
-        )],
-    ))
+    Some((narrow.collect(), vec![mistake("utf-8", &[])]))
 }
 
-/// The stream from its PTM1 line on, if something else stands before that.
+/// Returns the stream from its PTM1 line on, if there is something else before that.
 fn without_text_before((bytes, mistakes): &Stream) -> Option<Stream> {
     let line = bytes.windows(5).position(|word| word == b"PTM1 ");
     let line = line.filter(|&line| line > 0)?;
-    let shown = bytes[..line.min(60)].escape_ascii();
     let text = mistake(
-        format!("it prints text before the frame: \"{shown}\""),
-        "print messages to standard error; standard output has the frame and nothing else",
+        "text-before",
+        &[("text", &bytes[..line.min(60)].escape_ascii())],
     );
     Some((bytes[line..].to_vec(), [&mistakes[..], &[text]].concat()))
 }
 
-/// The bytes without the carriage returns that text mode puts before line feeds: those of the first line, those after it,
-/// or all of them.
+/// Returns the bytes without the carriage returns that text mode puts before line feeds: those of the first line, those
+/// after it, or all of them.
 fn line_ends(bytes: &[u8]) -> Vec<Stream> {
-    let next = "set standard output to binary mode and end the line with a line feed alone: in C on Windows \
-                _setmode(_fileno(stdout), _O_BINARY), in Python sys.stdout.buffer, in Perl binmode STDOUT";
     let Some(end) = bytes.iter().position(|&byte| byte == b'\n') else {
         return Vec::new();
     };
     let (line, samples) = bytes.split_at(end + 1);
-    let fixed_line = without_carriage_returns(line);
-    let fixed = without_carriage_returns(samples);
+    let (fixed_line, fixed) = (
+        without_carriage_returns(line),
+        without_carriage_returns(samples),
+    );
+    let (line_changed, changed) = (fixed_line != line, fixed != samples);
     let candidates = [
         (
+            line_changed,
             [&fixed_line[..], samples].concat(),
-            fixed_line != line,
-            "its first line ends in CR LF",
+            "crlf-line",
         ),
+        (changed, [line, &fixed].concat(), "crlf-samples"),
         (
-            [line, &fixed].concat(),
-            fixed != samples,
-            "every line feed among the samples has become CR LF: text mode",
-        ),
-        (
-            [fixed_line.clone(), fixed.clone()].concat(),
-            fixed_line != line && fixed != samples,
-            "CR LF ends its first line, and every line feed among the samples has become CR LF: text mode",
+            line_changed && changed,
+            [fixed_line, fixed].concat(),
+            "crlf",
         ),
     ];
-    candidates
-        .into_iter()
-        .filter(|(_, changed, _)| *changed)
-        .map(|(bytes, _, says)| (bytes, vec![mistake(says, next)]))
-        .collect()
+    let changed = candidates.into_iter().filter(|(changed, ..)| *changed);
+    let fixed = changed.map(|(_, bytes, name)| (bytes, vec![mistake(name, &[])]));
+    fixed.collect()
 }
 
 fn without_carriage_returns(bytes: &[u8]) -> Vec<u8> {
@@ -147,16 +125,15 @@ fn without_carriage_returns(bytes: &[u8]) -> Vec<u8> {
 }
 
 fn is_right(values: &[f64], expected: &Expected) -> bool {
-    let (view, samples) = match expected.values {
-        ExpectedValues::Coef(_) => (
-            "coef",
-            Samples::F32(values.iter().map(|&value| value as f32).collect()),
-        ),
-        ExpectedValues::Raw(_) => ("raw", Samples::U8(to_bytes(values))),
-        ExpectedValues::Rgb(_) => ("rgb", Samples::U8(to_bytes(values))),
+    let samples = match expected.values {
+        ExpectedValues::Coef(_) => Samples::F32(values.iter().map(|&value| value as f32).collect()),
+        ExpectedValues::Raw(_) | ExpectedValues::Rgb(_) => {
+            let bytes = values.iter().map(|value| value.clamp(0.0, 255.0) as u8);
+            Samples::U8(bytes.collect())
+        }
     };
     let frame = Frame {
-        view,
+        view: expected.view(),
         width: expected.size.width,
         height: expected.size.height,
         channels: expected.channels as u32,
@@ -164,11 +141,4 @@ fn is_right(values: &[f64], expected: &Expected) -> bool {
         lossy: false,
     };
     expected.compare(&frame).is_none()
-}
-
-fn to_bytes(values: &[f64]) -> Vec<u8> {
-    values
-        .iter()
-        .map(|value| value.clamp(0.0, 255.0) as u8)
-        .collect()
 }
