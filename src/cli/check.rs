@@ -7,6 +7,7 @@ use std::sync::atomic::AtomicBool;
 use super::arguments::positive_seconds;
 use super::check_args::CheckArgs;
 use super::driver::Check;
+use super::ending::Ending;
 use super::guard::{Guarded, stop_on_signals, untroubled};
 use super::names::did_you_mean;
 use super::output::{jobs, print};
@@ -36,7 +37,7 @@ pub fn run(args: &CheckArgs) -> Result<u8, String> {
     args.refuse_bare_hyphens()?;
     let stop = stop_on_signals()?;
     processes::prepare();
-    args.renderings.check_outputs(&args.report, &args.known)?;
+    args.written.check(&args.report)?;
     let is_reference = args.is_of_reference();
     if is_reference {
         print("No decoder is given: checking the built-in reference.\n");
@@ -89,13 +90,8 @@ fn check_decoder(args: &CheckArgs, stop: &Arc<AtomicBool>) -> Result<u8, String>
         ..Circumstances::of(&suite, &plan, &subject.words, &args.assumed)
     };
 
-    let mut check = Check::new(
-        &suite,
-        &plan,
-        circumstances,
-        args.ending(&suite)?,
-        args.shard,
-    )?;
+    let ending = Ending::new(&suite, &args.report, args.show, &args.written)?;
+    let mut check = Check::new(&suite, &plan, circumstances, ending, args.shard)?;
     if !serves && args.cmd.is_none() {
         check.faster = SERVE_MODE_IS_FASTER;
     }
@@ -114,7 +110,7 @@ fn check_decoder(args: &CheckArgs, stop: &Arc<AtomicBool>) -> Result<u8, String>
         let _ = faults.set(found);
     });
     subject.program().map_or(Ok(()), untroubled)?;
-    if args.renderings.has_page() && run.ended_early.is_none() {
+    if args.written.has_page() && run.ended_early.is_none() {
         run.scene = lit_scene::ask(&run.offer, &run.judgement.decoded, &ask);
     }
     let given_up = servers.as_ref().is_some_and(Servers::have_given_up);
@@ -183,13 +179,8 @@ fn check_stage(args: &CheckArgs, stop: &Arc<AtomicBool>) -> Result<u8, String> {
         ..Circumstances::of(&suite, &plan, &words, &args.assumed)
     };
 
-    let check = Check::new(
-        &suite,
-        &plan,
-        circumstances,
-        args.ending(&suite)?,
-        args.shard,
-    )?;
+    let ending = Ending::new(&suite, &args.report, args.show, &args.written)?;
+    let check = Check::new(&suite, &plan, circumstances, ending, args.shard)?;
     let run = check.ask(
         &|request, _| texture_stage::ask(&decoder, request, &guarded.scratch),
         &|_| (),

@@ -8,9 +8,7 @@ use clap::Args;
 use super::arguments::{
     globs, memory_limit_to_text, parse_refusal, parse_size, time_limit_to_text,
 };
-use super::ending::Ending;
-use super::known_failures::KnownFailureArgs;
-use super::renderings::RenderingArgs;
+use super::ending::OutputArgs;
 use ptm_conform::report::shards::Shard;
 use ptm_conform::runner::processes;
 use ptm_conform::session::plan::SAMPLE;
@@ -100,9 +98,7 @@ pub struct CheckArgs {
     #[arg(long, value_name = "SOCKET", hide = true, conflicts_with_all = ["decoder", "cmd", "serve", "one_shot", "outputs", "files", "shard"])]
     pub caller: Option<PathBuf>,
     #[command(flatten)]
-    pub renderings: RenderingArgs,
-    #[command(flatten)]
-    pub known: KnownFailureArgs,
+    pub written: OutputArgs,
     /// Failures to print in full; the report has all of them.
     #[arg(long, value_name = "N", default_value_t = 10)]
     pub show: usize,
@@ -130,17 +126,6 @@ impl CheckArgs {
             );
         }
         Ok(())
-    }
-
-    /// Returns where the report goes.
-    pub fn ending<C: TestCase>(&self, suite: &Suite<C>) -> Result<Ending<'_>, String> {
-        Ending::new(
-            suite,
-            &self.report,
-            self.show,
-            &self.renderings,
-            &self.known,
-        )
     }
 
     /// Which cases match the globs, the clauses and the shard, of those among which `also` is; all if nothing is asked for.

@@ -12,11 +12,9 @@ use super::arguments::{
     globs, memory_limit_to_text, parse_size, positive_seconds, time_limit_to_text,
 };
 use super::driver::Check;
-use super::ending::Ending;
+use super::ending::{Ending, OutputArgs};
 use super::guard::{Guarded, stop_on_signals, untroubled};
-use super::known_failures::KnownFailureArgs;
 use super::output::{complain, jobs};
-use super::renderings::RenderingArgs;
 use super::subject;
 use ptm_conform::ptm::Format;
 use ptm_conform::report::shards::{Circumstances, OtherRemarks};
@@ -81,9 +79,7 @@ pub struct CheckWriterArgs {
     #[arg(long, value_name = "TEMPLATE", conflicts_with = "writer")]
     cmd: Option<String>,
     #[command(flatten)]
-    renderings: RenderingArgs,
-    #[command(flatten)]
-    known: KnownFailureArgs,
+    written: OutputArgs,
     /// Failures to print in full; the report has all of them.
     #[arg(long, value_name = "N", default_value_t = 10)]
     show: usize,
@@ -99,7 +95,7 @@ pub const MAX_FILE_SIZE: u64 = 64 << 20;
 pub fn run(args: &CheckWriterArgs) -> Result<u8, String> {
     let stop = stop_on_signals()?;
     processes::prepare_for(MAX_FILE_SIZE);
-    args.renderings.check_outputs(&args.report, &args.known)?;
+    args.written.check(&args.report)?;
     if args.fitter {
         let own = args.lp.as_deref().map(PictureSet::read).transpose()?;
         check(args, &Suite::of_photographs(own.as_ref()), &stop)
@@ -126,13 +122,7 @@ fn check<C: WritingCase>(
         stop: Arc::clone(stop),
         ..RunPlan::of(suite, jobs(args.jobs)?)
     };
-    let ending = Ending::new(
-        suite,
-        &args.report,
-        args.show,
-        &args.renderings,
-        &args.known,
-    )?;
+    let ending = Ending::new(suite, &args.report, args.show, &args.written)?;
     let guarded = Guarded::new()?;
     let circumstances = Circumstances {
         limits: args.limits(),

@@ -35,8 +35,6 @@ pub mod generate;
 #[cfg(unix)]
 pub mod guard;
 pub mod inspect;
-#[cfg(unix)]
-mod known_failures;
 mod links;
 pub mod lint;
 mod lint_rows;
@@ -55,8 +53,6 @@ mod progress;
 mod readers;
 pub mod reference;
 pub mod render;
-#[cfg(unix)]
-mod renderings;
 #[cfg(unix)]
 pub mod report;
 #[cfg(unix)]

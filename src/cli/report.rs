@@ -4,9 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, Subcommand};
 
-use super::ending::Ending;
-use super::known_failures::KnownFailureArgs;
-use super::renderings::RenderingArgs;
+use super::ending::{Ending, OutputArgs};
 use ptm_conform::report::Report;
 use ptm_conform::report::badge;
 use ptm_conform::report::github;
@@ -97,9 +95,7 @@ struct MergeArgs {
     #[arg(long, value_name = "N", default_value_t = 10)]
     show: usize,
     #[command(flatten)]
-    renderings: RenderingArgs,
-    #[command(flatten)]
-    known: KnownFailureArgs,
+    outputs: OutputArgs,
 }
 
 #[derive(Args)]
@@ -197,13 +193,7 @@ fn html_page<C: Reported>(reports: &[Report]) -> Result<String, String> {
 
 fn merge<C: Reported>(args: &MergeArgs) -> Result<u8, String> {
     let suite = C::suite()?;
-    let ending = Ending::new(
-        &suite,
-        &args.report,
-        args.show,
-        &args.renderings,
-        &args.known,
-    )?;
+    let ending = Ending::new(&suite, &args.report, args.show, &args.outputs)?;
     let answers = KeptAnswers::read(&suite, &args.parts)?;
     let jobs = super::output::jobs(None)?;
     let (run, report) = super::output::with_progress(|progress| {
