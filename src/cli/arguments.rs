@@ -1,8 +1,12 @@
 //! Values of options: times, sizes, exit statuses, patterns.
 
+#[cfg(unix)]
+use std::sync::{Arc, atomic::AtomicBool};
 use std::time::Duration;
 
 use ptm_conform::protocol::frame::EXIT_UNSUPPORTED;
+#[cfg(unix)]
+use ptm_conform::runner::run::Decoder;
 
 /// A time limit.
 pub fn positive_seconds(seconds: f64) -> Result<Duration, String> {
@@ -10,6 +14,20 @@ pub fn positive_seconds(seconds: f64) -> Result<Duration, String> {
         .ok()
         .filter(|time| !time.is_zero())
         .ok_or_else(|| "a time limit is a positive number of seconds".to_owned())
+}
+
+/// Puts the limits of the command line on a program, which gives up when `stop` is set.
+#[cfg(unix)]
+pub fn limit(
+    program: &mut Decoder,
+    seconds: f64,
+    memory: u64,
+    stop: &Arc<AtomicBool>,
+) -> Result<(), String> {
+    program.timeout = positive_seconds(seconds)?;
+    program.memory = memory;
+    program.stop = Arc::clone(stop);
+    Ok(())
 }
 
 /// Describes a time limit for the report.

@@ -31,10 +31,8 @@ impl CallArgs {
     pub fn decoder(&self, command: &[OsString], stop: &Arc<AtomicBool>) -> Result<Decoder, String> {
         processes::prepare();
         let mut decoder = Decoder::new(command).map_err(|error| error.to_string())?;
-        decoder.timeout = super::arguments::positive_seconds(self.timeout)?;
-        decoder.memory = self.memory;
+        super::arguments::limit(&mut decoder, self.timeout, self.memory, stop)?;
         decoder.reject_exit = self.reject_exit;
-        decoder.stop = Arc::clone(stop);
         Ok(decoder)
     }
 }

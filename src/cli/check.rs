@@ -4,7 +4,7 @@ use std::cell::OnceCell;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
-use super::arguments::positive_seconds;
+use super::arguments::limit;
 use super::check_args::CheckArgs;
 use super::driver::Check;
 use super::ending::Ending;
@@ -19,7 +19,7 @@ use ptm_conform::protocol::capabilities::Capabilities;
 use ptm_conform::report::reported::named;
 use ptm_conform::report::shards::{Circumstances, OtherRemarks};
 use ptm_conform::runner::processes;
-use ptm_conform::runner::run::{Decoder, Request};
+use ptm_conform::runner::run::Request;
 use ptm_conform::runner::scratch::Scratch;
 use ptm_conform::runner::serve::Servers;
 use ptm_conform::session::contact::Contact;
@@ -57,14 +57,18 @@ pub fn run(args: &CheckArgs) -> Result<u8, String> {
 /// `check` of a program that reads PTM files.
 fn check_decoder(args: &CheckArgs, stop: &Arc<AtomicBool>) -> Result<u8, String> {
     let suite = Suite::load()?;
-    let Some(selected) = selected(args, &suite, &smoke(args, &suite)?)? else {
+    let among = match args.smoke {
+        true => smoke::selection(&suite)?,
+        false => vec![true; suite.cases.len()],
+    };
+    let Some(selected) = selected(args, &suite, &among)? else {
         return Ok(EXIT_NOTHING_SELECTED);
     };
     named(&args.assumed)?;
-    let mut subject = Subject::of(args, &suite, stop)?;
+    let mut subject = Subject::new(args, &suite, stop)?;
     let guarded = Guarded::new()?;
     let scratch = &guarded.scratch;
-    let (capabilities, notes) = introduce(&mut subject, args, stop, scratch)?;
+    let capabilities = capabilities(&mut subject, args, scratch);
     if let (Some(directory), Some(decoder)) = (&args.files, subject.program()) {
         return own_files::check(directory, &args.views, &args.report, decoder, scratch);
     }
@@ -100,12 +104,8 @@ fn check_decoder(args: &CheckArgs, stop: &Arc<AtomicBool>) -> Result<u8, String>
         let Some(decoder) = subject.program() else {
             return;
         };
-        let command = if args.cmd.is_some() {
-            &[][..]
-        } else {
-            &args.decoder
-        };
-        let found = wrapper_faults(command, decoder, scratch, &suite, &plan, contact);
+        // A template has its own arguments; without a decoder, the reference is checked.
+        let found = wrapper_faults(&args.decoder, decoder, scratch, &suite, &plan, contact);
         tell(contact, &found);
         let _ = faults.set(found);
     });
@@ -115,13 +115,14 @@ fn check_decoder(args: &CheckArgs, stop: &Arc<AtomicBool>) -> Result<u8, String>
     }
     let given_up = servers.as_ref().is_some_and(Servers::have_given_up);
     drop(servers);
-    let comma = comma(&suite, &run, &subject, scratch);
+    let not_served = given_up.then(|| Remark::failure(NOT_SERVED.to_owned()));
+    let notes = capabilities.remarks.iter();
+    let notes = notes.map(|says| Remark::note(format!("capabilities: {says}")));
     let others = OtherRemarks {
-        before: given_up
-            .then(|| Remark::failure(NOT_SERVED.to_owned()))
-            .into_iter()
+        before: not_served.into_iter().collect(),
+        after: notes
+            .chain(comma(&suite, &run, &subject, scratch))
             .collect(),
-        after: notes.into_iter().chain(comma).collect(),
     };
     let status = check.conclude(run, others)?;
     print_commands(args, &faults.into_inner().unwrap_or_default());
@@ -146,10 +147,10 @@ fn tell(contact: &mut Contact, faults: &[ProbeStep]) {
 /// How to see again what is wrong with the wrapper.
 fn print_commands(args: &CheckArgs, faults: &[ProbeStep]) {
     let directory = args.report.with_file_name("ptm-conform-probe");
-    let command = match &args.cmd {
-        Some(_) => return,
-        None => in_one_line(&args.decoder),
-    };
+    if args.cmd.is_some() {
+        return;
+    }
+    let command = in_one_line(&args.decoder);
     for repeat in faults.iter().filter_map(|fault| fault.repeat.as_ref()) {
         if let Some(command) = kept(repeat, &command, &directory) {
             show(&format!("see it again:\n  $ {command}\n"));
@@ -165,8 +166,9 @@ fn check_stage(args: &CheckArgs, stop: &Arc<AtomicBool>) -> Result<u8, String> {
     let Some(selected) = selected(args, &suite, &all)? else {
         return Ok(EXIT_NOTHING_SELECTED);
     };
-    let (mut decoder, words) = subject::program(&args.decoder)?;
-    limit(&mut decoder, args, stop)?;
+    let mut decoder = subject::program(&args.decoder)?;
+    limit(&mut decoder, args.timeout, args.memory, stop)?;
+    let words = subject::words_of(&args.decoder)?;
     let guarded = Guarded::new()?;
     let plan = RunPlan {
         selected,
@@ -208,14 +210,6 @@ fn selected<C: TestCase>(
     Ok(any.then_some(selected))
 }
 
-/// The smoke subset where that is asked for, else all.
-fn smoke(args: &CheckArgs, suite: &Suite) -> Result<Vec<bool>, String> {
-    match args.smoke {
-        true => smoke::selection(suite),
-        false => Ok(vec![true; suite.cases.len()]),
-    }
-}
-
 /// Options that mean nothing where texture questions are asked.
 fn refuse_options_of_files(args: &CheckArgs) -> Result<(), String> {
     let options = [
@@ -233,32 +227,14 @@ fn refuse_options_of_files(args: &CheckArgs) -> Result<(), String> {
     }
 }
 
-/// Puts the limits of the command line on a program.
-fn limit(decoder: &mut Decoder, args: &CheckArgs, stop: &Arc<AtomicBool>) -> Result<(), String> {
-    decoder.timeout = positive_seconds(args.timeout)?;
-    decoder.memory = args.memory;
-    decoder.stop = Arc::clone(stop);
-    Ok(())
-}
-
-/// Puts the limits on the program, if there is one, and asks what it says of itself and what there is to note about that.
-fn introduce(
-    subject: &mut Subject,
-    args: &CheckArgs,
-    stop: &Arc<AtomicBool>,
-    scratch: &Scratch,
-) -> Result<(Capabilities, Vec<Remark>), String> {
+/// Asks a program what it says about itself; most say nothing.
+fn capabilities(subject: &mut Subject, args: &CheckArgs, scratch: &Scratch) -> Capabilities {
     let Answers::Program(decoder) = &mut subject.answers else {
-        return Ok((Capabilities::default(), Vec::new()));
+        return Capabilities::default();
     };
-    limit(decoder, args, stop)?;
-    // Most decoders say nothing of themselves.
     let capabilities = decoder.capabilities(scratch).unwrap_or_default();
     decoder.reject_exit = args.reject_exit.or(capabilities.reject_exit);
-    let notes = capabilities.remarks.iter();
-    let notes = notes.map(|says| Remark::note(format!("capabilities: {says}")));
-    let notes = notes.collect();
-    Ok((capabilities, notes))
+    capabilities
 }
 
 fn plan(

@@ -8,9 +8,7 @@ use std::sync::atomic::AtomicBool;
 use clap::Args;
 
 use super::EXIT_NOTHING_SELECTED;
-use super::arguments::{
-    globs, memory_limit_to_text, parse_size, positive_seconds, time_limit_to_text,
-};
+use super::arguments::{globs, limit, memory_limit_to_text, parse_size, time_limit_to_text};
 use super::driver::Check;
 use super::ending::{Ending, OutputArgs};
 use super::guard::{Guarded, stop_on_signals, untroubled};
@@ -159,12 +157,10 @@ impl CheckWriterArgs {
             let writer = Decoder::with_template(template).map_err(|error| error.to_string())?;
             (writer, shlex::split(text).unwrap_or_default())
         } else {
-            let (program, words) = subject::program(&self.writer)?;
-            (program.as_writer(verb), words)
+            let program = subject::program(&self.writer)?;
+            (program.as_writer(verb), subject::words_of(&self.writer)?)
         };
-        writer.timeout = positive_seconds(self.timeout)?;
-        writer.memory = self.memory;
-        writer.stop = Arc::clone(stop);
+        limit(&mut writer, self.timeout, self.memory, stop)?;
         Ok((writer, words))
     }
 
