@@ -36,13 +36,6 @@ pub enum Met {
     Unreadable(PathBuf, io::Error),
 }
 
-/// A folder whose entries are being handed out.
-struct Folder {
-    path: PathBuf,
-    entries: Option<ReadDir>,
-    chunk: VecDeque<io::Result<(OsString, FileType)>>,
-}
-
 /// What was named, and where.
 pub enum Source {
     /// On the command line: read whatever it is, a pipe too.
@@ -51,121 +44,76 @@ pub enum Source {
     Listed(PathBuf),
 }
 
-/// A walk through everything that was named.
-pub struct Walk<N> {
-    named: N,
-    folders: Vec<Folder>,
+/// The entries of a walk, one after the other.
+type Entries = Box<dyn Iterator<Item = Met> + Send>;
+
+/// Returns all files that are named, and the files of folders; with `recursive` those of the folders inside too.
+pub fn walk(
+    named: impl Iterator<Item = Source> + Send,
     recursive: bool,
-}
-
-impl<N: Iterator<Item = Source>> Walk<N> {
-    /// Files, and the files of folders; with `recursive` those of the folders inside too.
-    pub fn new(named: N, recursive: bool) -> Walk<N> {
-        Walk {
-            named,
-            folders: Vec::new(),
-            recursive,
-        }
-    }
-
-    /// Enters a folder, or says why not.
-    fn enter(&mut self, path: PathBuf) -> Option<Met> {
-        match fs::read_dir(&path) {
-            Ok(entries) => {
-                self.folders.push(Folder {
-                    path,
-                    entries: Some(entries),
-                    chunk: VecDeque::new(),
-                });
-                None
-            }
-            Err(error) => Some(Met::Unreadable(path, error)),
-        }
-    }
-
-    /// What is named, links followed; nothing where it is a folder.
-    fn meet_named(&mut self, named: &Source) -> Option<Met> {
-        let (Source::Directly(path) | Source::Listed(path)) = named;
-        match (fs::metadata(path), named) {
-            (Ok(data), _) if data.is_dir() => self.enter(path.clone()),
+) -> impl Iterator<Item = Met> + Send {
+    named.flat_map(move |named| {
+        let (Source::Directly(path) | Source::Listed(path)) = &named;
+        match (fs::metadata(path), &named) {
+            (Ok(data), _) if data.is_dir() => entries(path.clone(), recursive),
             // To open a pipe is to wait for whoever writes to it.
             (Ok(data), Source::Listed(_)) if !data.is_file() => {
-                Some(Met::Skipped(path.clone(), NO_FILE))
+                one(Met::Skipped(path.clone(), NO_FILE))
             }
-            _ => Some(Met::File(path.clone())),
+            _ => one(Met::File(path.clone())),
         }
-    }
-
-    /// What an entry of a folder is; nothing where the walk goes on elsewhere.
-    fn meet(&mut self, path: PathBuf, kind: FileType) -> Option<Met> {
-        if kind.is_symlink() {
-            Some(Met::Skipped(path, "a symbolic link, which is not followed"))
-        } else if kind.is_file() {
-            Some(Met::File(path))
-        } else if !kind.is_dir() {
-            Some(Met::Skipped(path, NO_FILE))
-        } else if self.recursive {
-            self.enter(path)
-        } else {
-            None
-        }
-    }
+    })
 }
 
-impl<N: Iterator<Item = Source>> Iterator for Walk<N> {
-    type Item = Met;
-
-    fn next(&mut self) -> Option<Met> {
-        loop {
-            let Some(folder) = self.folders.last_mut() else {
-                let named = self.named.next()?;
-                match self.meet_named(&named) {
-                    Some(met) => return Some(met),
-                    None => continue,
-                }
-            };
-            let met = match folder.next() {
-                None => {
-                    self.folders.pop();
-                    None
-                }
-                Some(Ok((name, kind))) => {
-                    let path = folder.path.join(name);
-                    self.meet(path, kind)
-                }
-                Some(Err(error)) => Some(Met::Unreadable(folder.path.clone(), error)),
-            };
-            if met.is_some() {
-                return met;
-            }
-        }
-    }
+fn one(met: Met) -> Entries {
+    Box::new(std::iter::once(met))
 }
 
-impl Iterator for Folder {
-    type Item = io::Result<(OsString, FileType)>;
-
-    fn next(&mut self) -> Option<Self::Item> {
-        if self.chunk.is_empty()
-            && let Some(entries) = &mut self.entries
+/// Returns the files of a folder, sorted by name in chunks.
+fn entries(path: PathBuf, recursive: bool) -> Entries {
+    let mut folder = match fs::read_dir(&path) {
+        Ok(folder) => Some(folder),
+        Err(error) => return one(Met::Unreadable(path, error)),
+    };
+    let mut chunk = VecDeque::new();
+    let next = move || {
+        if chunk.is_empty()
+            && let Some(open) = &mut folder
         {
-            let named = |entry: io::Result<fs::DirEntry>| {
-                let entry = entry?;
-                Ok((entry.file_name(), entry.file_type()?))
-            };
-            let mut chunk: Vec<_> = entries.take(CHUNK).map(named).collect();
+            chunk = next_chunk(open);
             // Closed as soon as all is known, so that a deep walk holds no folder open.
             if chunk.len() < CHUNK {
-                self.entries = None;
+                folder = None;
             }
-            chunk.sort_by(|a, b| match (a, b) {
-                (Ok((a, _)), Ok((b, _))) => a.cmp(b),
-                (a, b) => a.is_ok().cmp(&b.is_ok()),
-            });
-            self.chunk = chunk.into();
         }
-        self.chunk.pop_front()
-    }
+        chunk.pop_front()
+    };
+    let met = move |entry: io::Result<(OsString, FileType)>| match entry {
+        Ok((name, kind)) if kind.is_symlink() => {
+            let why = "a symbolic link, which is not followed";
+            one(Met::Skipped(path.join(name), why))
+        }
+        Ok((name, kind)) if kind.is_file() => one(Met::File(path.join(name))),
+        Ok((name, kind)) if !kind.is_dir() => one(Met::Skipped(path.join(name), NO_FILE)),
+        Ok((name, _)) if recursive => entries(path.join(name), recursive),
+        Ok(_) => Box::new(std::iter::empty()),
+        Err(error) => one(Met::Unreadable(path.clone(), error)),
+    };
+    Box::new(std::iter::from_fn(next).flat_map(met))
+}
+
+/// Reads the next entries of a folder, sorted by name, those that cannot be read first.
+fn next_chunk(folder: &mut ReadDir) -> VecDeque<io::Result<(OsString, FileType)>> {
+    let named = |entry: io::Result<fs::DirEntry>| {
+        let entry = entry?;
+        Ok((entry.file_name(), entry.file_type()?))
+    };
+    let mut chunk: Vec<io::Result<_>> = folder.take(CHUNK).map(named).collect();
+    chunk.sort_by(|a, b| match (a, b) {
+        (Ok((a, _)), Ok((b, _))) => a.cmp(b),
+        (a, b) => a.is_ok().cmp(&b.is_ok()),
+    });
+    chunk.into()
 }
 
 /// The paths of a list, each ended by `end`; a line that is too long for a path ends the list.
