@@ -113,9 +113,9 @@ fn main() -> ExitCode {
         Command::Watch { run, directories } => Ok(cli::guard::watch(run, &directories)),
     };
     outcome.map_or_else(
-        |error| {
-            cli::output::complain(&format!("ptm-conform: {error}"));
-            ExitCode::from(cli::EXIT_USAGE)
+        |failed| {
+            cli::output::complain(&failed.says);
+            ExitCode::from(failed.status)
         },
         ExitCode::from,
     )

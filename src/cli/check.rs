@@ -14,7 +14,7 @@ use super::output::{jobs, print};
 use super::probe::{in_one_line, kept};
 use super::subject::{self, Answers, Subject};
 use super::terminal::show;
-use super::{EXIT_NOTHING_SELECTED, own_files};
+use super::{CommandResult, EXIT_NOTHING_SELECTED, Failed, own_files};
 use ptm_conform::protocol::capabilities::Capabilities;
 use ptm_conform::report::reported::named;
 use ptm_conform::report::shards::{Circumstances, OtherRemarks};
@@ -33,7 +33,7 @@ use ptm_conform::suite::cases::Suite;
 use ptm_conform::suite::test_case::TestCase;
 
 /// Runs a suite.
-pub fn run(args: &CheckArgs) -> Result<u8, String> {
+pub fn run(args: &CheckArgs) -> CommandResult {
     args.refuse_bare_hyphens()?;
     let stop = stop_on_signals()?;
     processes::prepare();
@@ -55,15 +55,13 @@ pub fn run(args: &CheckArgs) -> Result<u8, String> {
 }
 
 /// `check` of a program that reads PTM files.
-fn check_decoder(args: &CheckArgs, stop: &Arc<AtomicBool>) -> Result<u8, String> {
+fn check_decoder(args: &CheckArgs, stop: &Arc<AtomicBool>) -> CommandResult {
     let suite = Suite::load()?;
     let among = match args.smoke {
         true => smoke::selection(&suite)?,
         false => vec![true; suite.cases.len()],
     };
-    let Some(selected) = selected(args, &suite, &among)? else {
-        return Ok(EXIT_NOTHING_SELECTED);
-    };
+    let selected = selected(args, &suite, &among)?;
     named(&args.assumed)?;
     let mut subject = Subject::new(args, &suite, stop)?;
     let guarded = Guarded::new()?;
@@ -159,13 +157,10 @@ fn print_commands(args: &CheckArgs, faults: &[ProbeStep]) {
 }
 
 /// `check --suite texture`.
-fn check_stage(args: &CheckArgs, stop: &Arc<AtomicBool>) -> Result<u8, String> {
+fn check_stage(args: &CheckArgs, stop: &Arc<AtomicBool>) -> CommandResult {
     refuse_options_of_files(args)?;
     let suite = Suite::of_textures()?;
-    let all = vec![true; suite.cases.len()];
-    let Some(selected) = selected(args, &suite, &all)? else {
-        return Ok(EXIT_NOTHING_SELECTED);
-    };
+    let selected = selected(args, &suite, &vec![true; suite.cases.len()])?;
     let mut decoder = subject::program(&args.decoder)?;
     limit(&mut decoder, args.timeout, args.memory, stop)?;
     let words = subject::words_of(&args.decoder)?;
@@ -188,26 +183,28 @@ fn check_stage(args: &CheckArgs, stop: &Arc<AtomicBool>) -> Result<u8, String> {
         &|_| (),
     );
     untroubled(&decoder)?;
-    check.conclude(run, OtherRemarks::default())
+    Ok(check.conclude(run, OtherRemarks::default())?)
 }
 
-/// The cases that are selected, or word that none is.
+/// Returns the cases that are selected; it is a failure if there are none.
 fn selected<C: TestCase>(
     args: &CheckArgs,
     suite: &Suite<C>,
     among: &[bool],
-) -> Result<Option<Vec<bool>>, String> {
+) -> Result<Vec<bool>, Failed> {
     let selected = args.selection(suite, among)?;
-    let any = selected.contains(&true);
-    if !any {
-        let ids = || suite.cases.iter().map(TestCase::id);
-        let meant = (args.cases.iter()).map(|name| did_you_mean(name, ids()));
-        super::output::complain(&format!(
-            "ptm-conform: no case matches what --case, --clause and --shard ask for{}; ptm-conform explain 2.5 lists clauses and cases",
-            meant.collect::<String>()
-        ));
+    if selected.contains(&true) {
+        return Ok(selected);
     }
-    Ok(any.then_some(selected))
+    let ids = || suite.cases.iter().map(TestCase::id);
+    let meant = (args.cases.iter()).map(|name| did_you_mean(name, ids()));
+    let meant: String = meant.collect();
+    Err(Failed::new(
+        EXIT_NOTHING_SELECTED,
+        &format!(
+            "no case matches what --case, --clause and --shard ask for{meant}; ptm-conform explain 2.5 lists clauses and cases"
+        ),
+    ))
 }
 
 /// Options that mean nothing where texture questions are asked.

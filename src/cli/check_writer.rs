@@ -7,13 +7,13 @@ use std::sync::atomic::AtomicBool;
 
 use clap::Args;
 
-use super::EXIT_NOTHING_SELECTED;
 use super::arguments::{globs, limit, memory_limit_to_text, parse_size, time_limit_to_text};
 use super::driver::Check;
 use super::ending::{Ending, OutputArgs};
 use super::guard::{Guarded, stop_on_signals, untroubled};
-use super::output::{complain, jobs};
+use super::output::jobs;
 use super::subject;
+use super::{CommandResult, EXIT_NOTHING_SELECTED, Failed};
 use ptm_conform::ptm::Format;
 use ptm_conform::report::shards::{Circumstances, OtherRemarks};
 use ptm_conform::runner::processes;
@@ -90,7 +90,7 @@ pub struct CheckWriterArgs {
 pub const MAX_FILE_SIZE: u64 = 64 << 20;
 
 /// Runs the suite of requests.
-pub fn run(args: &CheckWriterArgs) -> Result<u8, String> {
+pub fn run(args: &CheckWriterArgs) -> CommandResult {
     let stop = stop_on_signals()?;
     processes::prepare_for(MAX_FILE_SIZE);
     args.written.check(&args.report)?;
@@ -107,11 +107,11 @@ fn check<C: WritingCase>(
     args: &CheckWriterArgs,
     suite: &Suite<C>,
     stop: &Arc<AtomicBool>,
-) -> Result<u8, String> {
+) -> CommandResult {
     let selected = args.selected(suite)?;
     if !selected.contains(&true) {
-        complain("ptm-conform: no request matches what --case, --format and --smoke ask for");
-        return Ok(EXIT_NOTHING_SELECTED);
+        let says = "no request matches what --case, --format and --smoke ask for";
+        return Err(Failed::new(EXIT_NOTHING_SELECTED, says));
     }
     let (writer, words) = args.writer(C::VERB, stop)?;
     let plan = RunPlan {
@@ -134,7 +134,7 @@ fn check<C: WritingCase>(
     let mut run = check.ask(&ask, &|_| ());
     untroubled(&writer)?;
     asking::reword(&mut run);
-    check.conclude(run, OtherRemarks::default())
+    Ok(check.conclude(run, OtherRemarks::default())?)
 }
 
 impl CheckWriterArgs {

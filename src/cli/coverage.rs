@@ -9,6 +9,7 @@ use ptm_conform::strength::matrix::matrix;
 use ptm_conform::strength::smoke;
 use ptm_conform::suite::cases::Suite;
 
+use super::CommandResult;
 use super::files::write_whole;
 use super::output::{jobs, print, with_progress};
 
@@ -28,7 +29,7 @@ pub struct CoverageArgs {
 }
 
 /// Runs every misreading, and prints what the suite makes of them.
-pub fn run(args: &CoverageArgs) -> Result<u8, String> {
+pub fn run(args: &CoverageArgs) -> CommandResult {
     let suite = Suite::load()?.prepared();
     let jobs = jobs(args.jobs)?;
     let rows = with_progress(|progress| matrix(&suite, jobs, progress));

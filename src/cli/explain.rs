@@ -42,7 +42,7 @@ pub fn run(args: &ExplainArgs) -> CommandResult {
         return Ok(0);
     };
     let Some(text) = explain(id)? else {
-        return Err(unknown(id, &Suite::load()?)?);
+        return Err(unknown(id, &Suite::load()?)?.into());
     };
     show(&text);
     Ok(0)

@@ -9,10 +9,10 @@ use std::time::Duration;
 
 use clap::Args;
 
-use super::CommandResult;
 use super::call::CallArgs;
 use super::guard::{Guarded, stop_on_signals, untroubled};
-use super::output::{bar, complain, jobs, print};
+use super::output::{bar, jobs, print};
+use super::{CommandResult, Failed};
 use ptm_conform::fuzz::find::Find;
 use ptm_conform::fuzz::write::{because, write};
 use ptm_conform::fuzz::{FuzzPlan, FuzzProgress, FuzzResult, fuzz};
@@ -98,8 +98,7 @@ pub fn run(args: &FuzzArgs) -> CommandResult {
     bar.finish_and_clear();
     untroubled(&decoder)?;
     if let Some(why) = result.not_a_decoder {
-        complain(&format!("ptm-conform: not a decoder: {why}"));
-        return Ok(3);
+        return Err(Failed::new(3, &format!("not a decoder: {why}")));
     }
     let end = match result.ended_early {
         _ if decoder.stop.load(Ordering::Relaxed) => "; the run was ended by its user",

@@ -6,11 +6,11 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
+use super::CommandResult;
 use super::call::CallArgs;
 use super::fuzz::CALLS;
 use super::guard::{Guarded, stop_on_signals};
 use super::output::{bar, print};
-use super::{CommandResult, EXIT_USAGE};
 use ptm_conform::fuzz::reduce;
 use ptm_conform::protocol::frame::{Answer, Frame, View};
 use ptm_conform::runner::run::Request;
@@ -77,7 +77,7 @@ pub fn run(args: &MinimiseArgs) -> CommandResult {
         print(
             "the failure depends on how the header is written: the file cannot be made smaller\n",
         );
-        return Ok(EXIT_USAGE);
+        return Ok(2);
     };
     let out = args.out.clone().unwrap_or_else(|| beside(&args.file));
     std::fs::write(&out, &small).map_err(|error| format!("{}: {error}", out.display()))?;

@@ -64,11 +64,31 @@ mod terminal;
 pub mod texture;
 mod wrapping;
 
-/// What a subcommand ends with: its exit status, or a sentence for wrong usage.
-pub type CommandResult = Result<u8, String>;
+/// The exit status of a subcommand, or why it fails.
+pub type CommandResult = Result<u8, Failed>;
+
+/// Why a subcommand fails.
+pub struct Failed {
+    /// What it prints to standard error.
+    pub says: String,
+    /// Its exit status.
+    pub status: u8,
+}
+
+impl Failed {
+    /// Creates a failure with a sentence and an exit status.
+    pub fn new(status: u8, says: &str) -> Failed {
+        let says = format!("ptm-conform: {says}");
+        Failed { says, status }
+    }
+}
 
 /// Wrong arguments, or a file that cannot be read or written.
-pub const EXIT_USAGE: u8 = 2;
+impl From<String> for Failed {
+    fn from(says: String) -> Failed {
+        Failed::new(2, &says)
+    }
+}
 
 /// Nothing was selected, so nothing was checked.
 #[cfg(unix)]

@@ -10,10 +10,10 @@ use ptm_conform::runner::run::{Decoder, Request};
 use ptm_conform::runner::scratch::Scratch;
 use ptm_conform::session::files::{FilesReport, check_file};
 
-use super::EXIT_NOTHING_SELECTED;
 use super::files::write_whole;
 use super::guard::untroubled;
 use super::output::{print, with_progress};
+use super::{CommandResult, EXIT_NOTHING_SELECTED, Failed};
 
 /// Checks the PTM files of `directory` in the views that are `asked` for, or in all, and writes the `report`.
 pub fn check(
@@ -22,14 +22,11 @@ pub fn check(
     report: &Path,
     decoder: &Decoder,
     scratch: &Scratch,
-) -> Result<u8, String> {
+) -> CommandResult {
     let paths = maps_in(directory)?;
     if paths.is_empty() {
-        super::output::complain(&format!(
-            "ptm-conform: no .ptm file in {}",
-            directory.display()
-        ));
-        return Ok(EXIT_NOTHING_SELECTED);
+        let says = format!("no .ptm file in {}", directory.display());
+        return Err(Failed::new(EXIT_NOTHING_SELECTED, &says));
     }
     let views: Vec<View> = ["raw", "coef", View::ORDINARY_LIGHT]
         .iter()

@@ -11,7 +11,7 @@ use ptm_conform::writers::fitting::pictures::{FORMATS, FitRequest, PictureSet};
 use ptm_conform::writers::reference::{self, NotWritten};
 use ptm_conform::writers::request::{RequestHeader, WriteRequest};
 
-use super::{CommandResult, files};
+use super::{CommandResult, Failed, files};
 
 /// Decode FILE as the reference does and print the frame: the reference speaking the decoder protocol.
 ///
@@ -32,7 +32,7 @@ pub struct Args {
 
 /// Answers in the way that `args` ask for, and returns the exit status.
 pub fn run(args: &Args) -> CommandResult {
-    let wrong = |what: &str| Err(what.to_owned());
+    let wrong = |what: &str| Err(what.to_owned().into());
     match (args.view.as_str(), &args.file, &args.out) {
         ("write", Some(request), Some(out)) => write(request, out),
         ("write", Some(_), None) => wrong("write needs a request and the file to write"),
@@ -51,7 +51,7 @@ pub fn run(args: &Args) -> CommandResult {
 fn status(outcome: io::Result<()>) -> CommandResult {
     match outcome {
         // The reader has what it wanted.
-        Err(error) if error.kind() != io::ErrorKind::BrokenPipe => Err(error.to_string()),
+        Err(error) if error.kind() != io::ErrorKind::BrokenPipe => Err(error.to_string().into()),
         _ => Ok(0),
     }
 }
@@ -65,54 +65,51 @@ fn one(view: &View, path: &Path) -> CommandResult {
             let written = write_view(&map, view, &mut out);
             status(written.and_then(|()| out.flush()))
         }
-        Err(error) => refused(path, files::status(&error), &error.to_string()),
+        Err(error) => Err(refused(path, files::status(&error), &error.to_string())),
     }
 }
 
 /// `reference write REQUEST OUT`
 fn write(path: &Path, out: &Path) -> CommandResult {
-    let request = files::read(path)
-        .and_then(|json| RequestHeader::read(&json))
-        .and_then(|header| {
-            let planes = files::read(Path::new(&header.planes))?;
-            header.with_planes(&planes)
-        });
-    match request {
-        Ok(request) => put(path, out, &request),
-        Err(error) => refused(path, EXIT_MALFORMED as u8, &error),
-    }
+    let malformed = |error: String| refused(path, EXIT_MALFORMED as u8, &error);
+    let request = files::read(path).and_then(|json| {
+        let header = RequestHeader::read(&json)?;
+        let planes = files::read(Path::new(&header.planes))?;
+        header.with_planes(&planes)
+    });
+    put(path, out, &request.map_err(malformed)?)
 }
 
 /// `reference fit REQUEST OUT`
 fn fit(path: &Path, out: &Path) -> CommandResult {
+    let malformed = |error: String| refused(path, EXIT_MALFORMED as u8, &error);
     let request = files::read(path).and_then(|json| FitRequest::read(&json));
-    let (format, set) = match request {
-        Ok((format, _)) if !FORMATS.contains(&format) => {
-            return refused(path, EXIT_UNSUPPORTED as u8, "fits are LRGB or RGB");
-        }
-        Ok((format, request)) => (format, PictureSet::read(Path::new(&request.lp))),
-        Err(error) => return refused(path, EXIT_MALFORMED as u8, &error),
-    };
-    match set {
-        Ok(set) => put(path, out, &WriteRequest::of(&optimum(&set, format))),
-        Err(error) => refused(path, EXIT_MALFORMED as u8, &error),
+    let (format, request) = request.map_err(malformed)?;
+    if !FORMATS.contains(&format) {
+        return Err(refused(
+            path,
+            EXIT_UNSUPPORTED as u8,
+            "fits are LRGB or RGB",
+        ));
     }
+    let set = PictureSet::read(Path::new(&request.lp)).map_err(malformed)?;
+    put(path, out, &WriteRequest::of(&optimum(&set, format)))
 }
 
 /// Writes the file that is asked for, or says why not.
 fn put(path: &Path, out: &Path, request: &WriteRequest) -> CommandResult {
-    match reference::written(request) {
-        Ok(bytes) => files::write_whole(out, bytes).map(|()| 0),
-        Err(NotWritten::Impossible(says)) => refused(path, EXIT_MALFORMED as u8, &says),
-        Err(NotWritten::Unsupported(says)) => refused(path, EXIT_UNSUPPORTED as u8, &says),
-    }
+    let (status, says) = match reference::written(request) {
+        Ok(bytes) => return Ok(files::write_whole(out, bytes).map(|()| 0)?),
+        Err(NotWritten::Impossible(says)) => (EXIT_MALFORMED, says),
+        Err(NotWritten::Unsupported(says)) => (EXIT_UNSUPPORTED, says),
+    };
+    Err(refused(path, status as u8, &says))
 }
 
-/// Says why a file is refused, and returns the exit status.
-#[expect(clippy::unnecessary_wraps, reason = "callers return what it returns")]
-pub fn refused(path: &Path, status: u8, says: &str) -> CommandResult {
-    super::output::complain(&format!("{}: {says}", path.display()));
-    Ok(status)
+/// Returns the failure of a file that is refused.
+pub fn refused(path: &Path, status: u8, says: &str) -> Failed {
+    let says = format!("{}: {says}", path.display());
+    Failed { says, status }
 }
 
 /// Answers request after request until there are no more.

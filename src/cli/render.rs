@@ -51,10 +51,7 @@ pub fn run(args: &RenderArgs) -> CommandResult {
     let format = format_of(&args.output)?;
     let file = files::read(&args.file)?;
     let dissection = Dissection::of(&file);
-    let ptm = match files::map(&args.file, &dissection) {
-        Ok(ptm) => ptm,
-        Err(status) => return Ok(status),
-    };
+    let ptm = files::map(&args.file, &dissection)?;
     let (image, what) = match (args.sheet, args.normals, args.light) {
         (Some(side), ..) => (
             sheet(ptm, side.into(), args.cell.into())?,

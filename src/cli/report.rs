@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, Subcommand};
 
 use super::ending::{Ending, OutputArgs};
+use super::{CommandResult, EXIT_NOTHING_SELECTED, Failed};
 use ptm_conform::report::Report;
 use ptm_conform::report::badge;
 use ptm_conform::report::github;
@@ -108,7 +109,7 @@ struct Made {
 }
 
 impl Made {
-    fn write(&self, text: &str) -> Result<u8, String> {
+    fn write(&self, text: &str) -> CommandResult {
         match &self.output {
             Some(path) => super::files::write_whole(path, text)?,
             None => super::output::print(text),
@@ -117,7 +118,7 @@ impl Made {
     }
 }
 
-pub fn run(args: &ReportArgs) -> Result<u8, String> {
+pub fn run(args: &ReportArgs) -> CommandResult {
     match &args.command {
         ReportCommand::Show { file, cases, show } => {
             let report = Report::read(file)?;
@@ -167,7 +168,7 @@ pub fn run(args: &ReportArgs) -> Result<u8, String> {
     }
 }
 
-fn show_report<C: Reported>(report: &Report, cases: &[String], show: usize) -> Result<u8, String> {
+fn show_report<C: Reported>(report: &Report, cases: &[String], show: usize) -> CommandResult {
     let suite = C::suite()?;
     if cases.is_empty() {
         super::terminal::show(&printable(&report.to_text(&suite, show)));
@@ -176,8 +177,8 @@ fn show_report<C: Reported>(report: &Report, cases: &[String], show: usize) -> R
     let globs = super::arguments::globs(cases)?;
     let text = report.cases_to_text(&suite, |id| globs.iter().any(|glob| glob.matches(id)));
     if text.is_empty() {
-        super::output::complain("ptm-conform: no case of the report matches");
-        return Ok(super::EXIT_NOTHING_SELECTED);
+        let says = "no case of the report matches";
+        return Err(Failed::new(EXIT_NOTHING_SELECTED, says));
     }
     super::terminal::show(&printable(&text));
     Ok(0)
@@ -191,7 +192,7 @@ fn html_page<C: Reported>(reports: &[Report]) -> Result<String, String> {
     }
 }
 
-fn merge<C: Reported>(args: &MergeArgs) -> Result<u8, String> {
+fn merge<C: Reported>(args: &MergeArgs) -> CommandResult {
     let suite = C::suite()?;
     let ending = Ending::new(&suite, &args.report, args.show, &args.outputs)?;
     let answers = KeptAnswers::read(&suite, &args.parts)?;
@@ -199,7 +200,7 @@ fn merge<C: Reported>(args: &MergeArgs) -> Result<u8, String> {
     let (run, report) = super::output::with_progress(|progress| {
         answers.merge(&suite, jobs, &|_, _, done, all| progress(done, all))
     })?;
-    ending.finish(&suite, &run, report)
+    Ok(ending.finish(&suite, &run, report)?)
 }
 
 /// What may be shown on a terminal, whoever wrote the report: control characters but line feeds and tabs are escaped.

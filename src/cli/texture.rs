@@ -121,14 +121,14 @@ fn parse_color(text: &str) -> Result<[f64; 3], String> {
 }
 
 /// `ptm-conform texture …`
-pub fn run(args: &TextureArgs) -> Result<u8, String> {
+pub fn run(args: &TextureArgs) -> CommandResult {
     match &args.command {
         Command::Cases(args) => run_cases(args),
         Command::Render(args) => run_render(args),
     }
 }
 
-fn run_cases(args: &CasesArgs) -> Result<u8, String> {
+fn run_cases(args: &CasesArgs) -> CommandResult {
     let named = |error: String| format!("{}: {error}", args.file.display());
     let text =
         String::from_utf8(files::read(&args.file)?).map_err(|error| named(error.to_string()))?;
@@ -167,13 +167,11 @@ fn run_cases(args: &CasesArgs) -> Result<u8, String> {
 /// `ptm-conform reference texture FILE`
 pub fn answer(file: &Path) -> CommandResult {
     let question = Question::read(&files::read(file)?);
-    match question.and_then(|question| question.answer(&Rules::SPEC)) {
-        Ok(answer) => {
-            print(&format!("{answer}\n"));
-            Ok(0)
-        }
-        Err(refusal) => refused(file, refusal.exit_status() as u8, &refusal.message()),
-    }
+    let answer = question.and_then(|question| question.answer(&Rules::SPEC));
+    let answer =
+        answer.map_err(|refusal| refused(file, refusal.exit_status() as u8, &refusal.message()));
+    print(&format!("{}\n", answer?));
+    Ok(0)
 }
 
 /// What is known of texture mapping under that id.
@@ -249,7 +247,7 @@ fn explain_ruling(ruling: &Ruling) -> String {
     text + &evidence_to_text(ruling)
 }
 
-fn run_render(args: &RenderArgs) -> Result<u8, String> {
+fn run_render(args: &RenderArgs) -> CommandResult {
     let mut fields: serde_json::Value =
         from_yaml(&args.entry).map_err(|error| format!("--entry: {error}"))?;
     if let Some(fields) = fields.as_object_mut() {
