@@ -8,7 +8,7 @@ use crate::protocol::frame::{Answer, EXIT_MALFORMED, Frame, View};
 
 use super::calls::Calls;
 use super::checklist::{Checklist, ProbeRequest, Reproduction};
-use super::dialog::{Desk, Dialog, Served, ServedAnswer};
+use super::dialog::{Dialog, Served, ServedAnswer};
 use super::message::{Fault, fault};
 use super::sample::Sample;
 
@@ -26,11 +26,10 @@ enum Stop {
 /// Takes the steps of serve mode: two frames and a refusal, each answered before the next is asked for, then the end.
 pub(super) fn look(calls: &Calls, sample: &Sample, view: &View, list: &mut Checklist) {
     let one_shot = calls.ask(view, &sample.file);
-    let (Answer::Decoded(right), Ok(desk)) = (one_shot.answer, Desk::new(calls.scratch.works()))
-    else {
+    let Answer::Decoded(right) = one_shot.answer else {
         return;
     };
-    match steps(calls, &desk, sample, view, &right, list) {
+    match steps(calls, sample, view, &right, list) {
         Ok(()) => {}
         Err(Stop::NotOffered) => list.absent(NOT_OFFERED),
         Err(Stop::Fault(count, (says, next))) => {
@@ -42,15 +41,14 @@ pub(super) fn look(calls: &Calls, sample: &Sample, view: &View, list: &mut Check
 
 fn steps(
     calls: &Calls,
-    desk: &Desk,
     sample: &Sample,
     view: &View,
     right: &Frame,
     list: &mut Checklist,
 ) -> Result<(), Stop> {
-    let mut dialog = Dialog::start(calls, desk).map_err(|_| Stop::NotOffered)?;
-    let whole = desk.lay_down("one file.ptm", &sample.file);
-    let malformed = desk.lay_down("malformed.ptm", MALFORMED);
+    let mut dialog = Dialog::start(calls).ok_or(Stop::NotOffered)?;
+    let whole = dialog.lay_down("one file.ptm", &sample.file);
+    let malformed = dialog.lay_down("malformed.ptm", MALFORMED);
     let at = |count| move |fault| Stop::Fault(count, fault);
     match dialog.ask(1, view, &whole) {
         Served::Answer(answer) => judge(&answer, view, right).map_err(at(1))?,
