@@ -120,7 +120,7 @@ fn explain(id: &str) -> Result<Option<String>, String> {
     let clauses = clauses::clauses()?;
     let mut text = String::new();
     if let Some(case) = suite.case(id) {
-        explain_case(case, &mut text).map_err(|error| error.to_string())?;
+        text += &explain_case(case);
         text += &page_line(SuiteName::Ptm.case_page(id));
     }
     #[cfg(unix)]
@@ -242,48 +242,43 @@ fn shown_by(misreading: &Misreading, suite: &Suite) -> Result<String, String> {
     ))
 }
 
-fn explain_case(case: &Case, out: &mut String) -> std::fmt::Result {
-    writeln!(
-        out,
-        "case {} (clauses {}): {}",
-        case.id,
-        case.clauses.join(", "),
-        case.because
-    )?;
-    writeln!(out, "  expected: {}", case.expect.name())?;
-    if let (Some(twin), Some(damage)) = (&case.twin_of, case.damage()) {
-        writeln!(out, "  it is {twin}, in which {}", damage.effect)?;
-    }
+fn explain_case(case: &Case) -> String {
+    let (id, clauses, because) = (&case.id, case.clauses.join(", "), &case.because);
     let views: Vec<String> = case.views.iter().map(ToString::to_string).collect();
-    writeln!(
-        out,
+    let built = case.build(cases::TableSpelling::default());
+    let mut lines = vec![
+        format!("case {id} (clauses {clauses}): {because}"),
+        format!("  expected: {}", case.expect.name()),
+    ];
+    if let (Some(twin), Some(damage)) = (&case.twin_of, case.damage()) {
+        lines.push(format!("  it is {twin}, in which {}", damage.effect));
+    }
+    lines.push(format!(
         "  asked in the first of these views that the decoder offers: {}",
         views.join(", ")
-    )?;
-    if let Some(ruling) = &case.ruling {
-        writeln!(out, "  ruling: {ruling}")?;
-    }
-    let built = case.build(cases::TableSpelling::default());
-    writeln!(
-        out,
-        "  file: {} bytes, sha-256 {}",
-        built.file.len(),
-        sha256(&built.file)
-    )?;
-    for (is, bytes) in case.pieces() {
-        writeln!(out, "    {is:<40} {}", bytes.escape_ascii())?;
-    }
-    for field in &built.fields {
+    ));
+    lines.extend(
+        case.ruling
+            .iter()
+            .map(|ruling| format!("  ruling: {ruling}")),
+    );
+    let (size, digest) = (built.file.len(), sha256(&built.file));
+    lines.push(format!("  file: {size} bytes, sha-256 {digest}"));
+    let pieces = case.pieces();
+    let pieces = pieces
+        .iter()
+        .map(|(is, bytes)| format!("    {is:<40} {}", bytes.escape_ascii()));
+    lines.extend(pieces);
+    lines.extend(built.fields.iter().map(|field| {
         let bytes = &built.file[field.range.clone()];
         let shown = bytes[..bytes.len().min(24)].escape_ascii();
         let more = if bytes.len() > 24 { "…" } else { "" };
-        writeln!(
-            out,
+        format!(
             "    byte {:>5}  {:<22} {:<8} {shown}{more}",
             field.range.start, field.name, field.clause
-        )?;
-    }
-    Ok(())
+        )
+    }));
+    lines.join("\n") + "\n"
 }
 
 /// Nothing is called that; what may have been meant.

@@ -59,24 +59,7 @@ impl Listed {
 }
 
 /// What the exported directory says of itself.
-const READ_ME: &str = "\
-Open each file of files/, show it as requests.tsv says, and save the answer in outputs/ under the name that stands there.
-
-requests.tsv has a line for each file: case, file, view, output, parted by tabs; requests.yaml says the same.
-A view is
-  rgb:LU,LV  the picture under the light from LU (to the right) and LV (up), each from -1 to 1, in the size of the file
-  raw        the stored bytes of all channels, texel after texel, top row first
-  coef       the final values of all channels, the same way
-An answer is a PNG, PNM, TIFF, BMP or lossless WebP of 8 bits for rgb, without color management, or a JPEG of quality 95 or more
-without subsampling; a NumPy array of (height, width, channels), u1 for raw and rgb, <f4 for coef; or a frame of the decoder protocol. Its suffix does not matter.
-
-What is refused as malformed: list its case in outputs/rejected.txt. What is sound but not read, such as a whole format:
-list it in outputs/unsupported.txt. One case a line; * and ? are wild cards: *-lum. An empty file outputs/CASE.reject or
-outputs/CASE.unsupported says the same of one case. An answer goes before a list.
-A case without an answer is not judged, so you may begin with a few.
-
-Then: ptm-conform check --outputs THIS-DIRECTORY
-";
+const READ_ME: &str = include_str!("../../spec-cases/outputs.txt");
 
 /// Writes the files that can be asked about in `view` (`raw`, `coef` or `rgb`) to `directory`, and the list of requests.
 /// Returns how many there are.

@@ -274,23 +274,17 @@ impl<C: TestCase> Run<C> {
     #[must_use]
     pub fn scores(&self, suite: &Suite<C>) -> Scores {
         let count = |outcome: Outcome| self.judgement.with(outcome).count();
-        let features: BTreeSet<C::Feature> = suite
-            .cases
-            .iter()
-            .zip(&self.judgement.cases)
-            .filter(|(_, judged)| judged.is_some())
+        let judged = suite.cases.iter().zip(&self.judgement.cases);
+        let judged = judged.filter(|(_, judged)| judged.is_some());
+        let features: BTreeSet<C::Feature> = judged
             .flat_map(|(case, _)| case.views().iter().flat_map(|view| case.features(view)))
             .collect();
+        let passed = count(Outcome::Pass);
+        let decoded = self.judgement.decoded.intersection(&features).count();
         let fraction = |part, whole| Fraction { part, whole };
         Scores {
-            correctness: fraction(
-                count(Outcome::Pass),
-                count(Outcome::Pass) + count(Outcome::Fail),
-            ),
-            breadth: fraction(
-                self.judgement.decoded.intersection(&features).count(),
-                features.len(),
-            ),
+            correctness: fraction(passed, passed + count(Outcome::Fail)),
+            breadth: fraction(decoded, features.len()),
             robustness: fraction(self.asked - self.violation, self.asked),
         }
     }
