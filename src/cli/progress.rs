@@ -1,5 +1,6 @@
 //! What a run is doing, on standard error: a line that moves on a terminal, a line every half minute elsewhere.
 
+use std::fmt::Write;
 use std::io::IsTerminal;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
@@ -34,10 +35,10 @@ impl Doing {
         let done = self.done.load(Ordering::Relaxed);
         let mut words = self.what.to_owned();
         if self.all > 0 && !self.is_limit {
-            words += &format!(" {done} of {}", self.all);
+            let _ = write!(words, " {done} of {}", self.all);
         }
         if self.wrong > 0 {
-            words += &format!(", {} wrong so far", self.wrong);
+            let _ = write!(words, ", {} wrong so far", self.wrong);
         }
         let elapsed = self.since.elapsed();
         if done < MIN_DONE || done > self.all {

@@ -169,7 +169,7 @@ pub fn answer(file: &Path) -> CommandResult {
     let question = Question::read(&files::read(file)?);
     let answer = question.and_then(|question| question.answer(&Rules::SPEC));
     let answer =
-        answer.map_err(|refusal| refused(file, refusal.exit_status() as u8, &refusal.message()));
+        answer.map_err(|refusal| refused(file, refusal.exit_status() as u8, refusal.message()));
     print(&format!("{}\n", answer?));
     Ok(0)
 }

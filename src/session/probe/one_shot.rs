@@ -144,23 +144,20 @@ pub(super) fn first_frame(calls: &Calls, list: &mut Checklist) -> Option<FirstFr
             break;
         }
     }
-    match troubled {
-        Some((sample, view, reply)) => {
-            let known = why_no_frame(
-                calls,
-                (&sample.file, &sample.expected(&view)),
-                &view,
-                &reply,
-            );
-            let (says, next) = known.unwrap_or_else(|| explain(&reply));
-            let says = format!("{} {view}: {says}", sample.format.short_name());
-            list.bad(says, next, sample.repeat(&view));
-        }
-        None => {
-            let (says, next) = fault("nothing-supported", &[]);
-            list.bad(says, next, None);
-        }
-    }
+    let Some((sample, view, reply)) = troubled else {
+        let (says, next) = fault("nothing-supported", &[]);
+        list.bad(says, next, None);
+        return None;
+    };
+    let known = why_no_frame(
+        calls,
+        (&sample.file, &sample.expected(&view)),
+        &view,
+        &reply,
+    );
+    let (says, next) = known.unwrap_or_else(|| explain(&reply));
+    let says = format!("{} {view}: {says}", sample.format.short_name());
+    list.bad(says, next, sample.repeat(&view));
     None
 }
 
