@@ -202,10 +202,9 @@ pub(super) fn trouble_of_serving<T>(reply: &Reply<T>) -> Option<Nondeterminism> 
         return None;
     }
     let says = format!(
-        "in serve mode{}: {}: {}; asked alone it answers ({})",
+        "in serve mode{}: {}; asked alone it answers ({})",
         after(reply.after.as_ref()),
-        served.name(),
-        served.violation().unwrap_or_default(),
+        served.describe(),
         reply.answer.name()
     );
     Some(Nondeterminism { served: true, says })

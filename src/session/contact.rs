@@ -253,9 +253,8 @@ fn no_decoder<C: TestCase>(first: &[First<C>]) -> Option<String> {
             )
         }
         (answer, _) => format!(
-            "it answers no first file with a well-formed frame, in any view; the first of its answers: {}: {}",
-            answer.name(),
-            answer.violation().unwrap_or_default()
+            "it answers no first file with a well-formed frame, in any view; the first of its answers: {}",
+            answer.describe()
         ),
     };
     Some(if reply.stderr.is_empty() {

@@ -181,11 +181,7 @@ fn held_against_reference(file: &[u8], view: &View, shown: &Answer) -> Result<St
         (Answer::Decoded(_), Err(error)) => Ok(format!("the reference does not read it: {error}")),
         (Answer::Rejected, Ok(_)) => Err("refuses a file that the reference reads".to_owned()),
         (Answer::Rejected, Err(_)) => Ok("refused, as the reference does".to_owned()),
-        (answer, _) => Err(format!(
-            "{}: {}",
-            answer.name(),
-            answer.violation().unwrap_or_default()
-        )),
+        (answer, _) => Err(answer.describe()),
     }
 }
 

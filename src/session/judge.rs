@@ -133,10 +133,7 @@ impl<C: TestCase> Evidence<'_, C> {
         }
         match &observation.response {
             _ if outcome == Outcome::Pass => PASS,
-            Response::Violation(answer) => {
-                let what = answer.violation().unwrap_or_default();
-                fail(format!("{}: {what}", answer.name()))
-            }
+            Response::Violation(answer) => fail(answer.describe()),
             Response::Rejected => (outcome, self.refusal_in_words()),
             Response::Unsupported if expect == Expect::Reject => {
                 fail("exited with 69 (unsupported) on a malformed file of a kind it decodes")

@@ -87,10 +87,7 @@ fn words(locale: &str, id: &str, view: &View, answer: &Answer, frame: &Frame) ->
             format!("a picture of {}x{}", other.width, other.height)
         }
         Answer::Decoded(_) => "another picture".to_owned(),
-        other => match other.violation() {
-            Some(what) => format!("{}: {what}", other.name()),
-            None => other.name().to_owned(),
-        },
+        other => other.describe(),
     };
     format!(
         "in the locale {locale}, which writes numbers with a comma, {id} in {view} gives {got}: numbers of PTM files have a point whatever the locale (LC_NUMERIC)"

@@ -6,14 +6,6 @@ use crate::runner::run::Reply;
 
 use super::message::{Fault, fault};
 
-/// Returns an answer in a few words.
-pub(super) fn briefly(answer: &Answer) -> String {
-    match answer.violation() {
-        Some(what) => format!("{}: {what}", answer.name()),
-        None => answer.name().to_owned(),
-    }
-}
-
 /// Returns the last line of the decoder's standard error, as a line of its own.
 fn its_last_words(reply: &Reply) -> String {
     last_words(&reply.stderr).map_or(String::new(), |line| {
@@ -38,7 +30,7 @@ pub(super) fn explain(reply: &Reply) -> Fault {
         Answer::Tampered(_) => "changed-input",
         Answer::NotStarted(_) | Answer::NotAsked(_) | Answer::Decoded(_) => "by-hand",
     };
-    let (answer, stderr) = (briefly(&reply.answer), its_last_words(reply));
+    let (answer, stderr) = (reply.answer.describe(), its_last_words(reply));
     fault(name, &[("answer", &answer), ("stderr", &stderr)])
 }
 
@@ -56,7 +48,7 @@ pub(super) fn is_cut(reply: &Reply) -> bool {
 }
 
 fn protocol_error(reply: &Reply) -> Fault {
-    let (answer, size) = (briefly(&reply.answer), reply.stdout.len());
+    let (answer, size) = (reply.answer.describe(), reply.stdout.len());
     let begins = reply.stdout.starts_with(b"PTM1 ");
     let (name, step) = match buffer_size(reply) {
         _ if size == 0 && reply.stderr.contains("PTM1 ") => ("frame-on-stderr", 0),

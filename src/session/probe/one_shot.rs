@@ -8,7 +8,7 @@ use crate::suite::compare::Expected;
 
 use super::calls::Calls;
 use super::checklist::{Checklist, Reproduction};
-use super::explain::{briefly, explain, not_refused};
+use super::explain::{explain, not_refused};
 use super::message::{Fault, Slots, fault};
 use super::sample::Sample;
 use super::{command, repair};
@@ -191,7 +191,7 @@ fn judge_views(asked: &Asked, list: &mut Checklist) {
                 ));
                 continue;
             }
-            answer => fault("no-image", &[("answer", &briefly(answer))]),
+            answer => fault("no-image", &[("answer", &answer.describe())]),
         };
         let repair = repair::repair(&reply.stdout, &sample.expected(view), view);
         let (says, next) = repair.map_or(wrong, |repair| repair.fault());
@@ -278,7 +278,7 @@ pub(super) fn unknown_view(calls: &Calls, sample: &Sample, list: &mut Checklist)
     let (says, next) = match &reply.answer {
         Answer::Unsupported => return list.good("an unknown view: exited with 69"),
         Answer::Decoded(_) => fault("unknown-view-shown", &[]),
-        answer => fault("unknown-view", &[("answer", &briefly(answer))]),
+        answer => fault("unknown-view", &[("answer", &answer.describe())]),
     };
     let repeat = Reproduction::one_shot(&UNKNOWN, sample.file_name(), &sample.file);
     list.bad(format!("an unknown view: {says}"), next, repeat);
