@@ -89,3 +89,37 @@ pub fn globs(texts: &[String]) -> Result<Vec<glob::Pattern>, String> {
         |text: &String| glob::Pattern::new(text).map_err(|error| format!("--case {text}: {error}"));
     texts.iter().map(pattern).collect()
 }
+
+/// How a decoder is called.
+#[cfg(unix)]
+#[derive(clap::Args)]
+pub struct CallArgs {
+    /// Calls at a time; by default as many as there are processors.
+    #[arg(long, value_name = "N")]
+    pub jobs: Option<usize>,
+    /// Wall-clock limit of a call.
+    #[arg(long, value_name = "SECONDS", default_value_t = 10.0)]
+    timeout: f64,
+    /// Memory that a call may hold, all its processes together: bytes, or with K, M or G.
+    #[arg(long, value_name = "SIZE", default_value = "2G", value_parser = parse_size)]
+    memory: u64,
+    /// An exit status that means "malformed" besides 65.
+    #[arg(long, value_name = "N", value_parser = parse_refusal)]
+    reject_exit: Option<i32>,
+}
+
+#[cfg(unix)]
+impl CallArgs {
+    /// The decoder that `command` starts; it gives up when `stop` is set.
+    pub fn decoder(
+        &self,
+        command: &[std::ffi::OsString],
+        stop: &Arc<AtomicBool>,
+    ) -> Result<Decoder, String> {
+        ptm_conform::runner::processes::prepare();
+        let mut decoder = Decoder::new(command).map_err(|error| error.to_string())?;
+        limit(&mut decoder, self.timeout, self.memory, stop)?;
+        decoder.reject_exit = self.reject_exit;
+        Ok(decoder)
+    }
+}

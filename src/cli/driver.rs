@@ -1,12 +1,14 @@
 //! The driver of a run: first contact, cases, verdicts, report, causes. All suites share it.
 
-use std::sync::Arc;
+use std::fs;
+use std::io::Write;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::mpsc::{self, RecvTimeoutError};
+use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
 use super::ending::Ending;
-use super::partial::Partial;
 use super::progress::{self, ProgressLine};
 use ptm_conform::diagnose::MAX_WORK;
 use ptm_conform::report::conclude::{causes, first_causes, undo_common_transforms, verdicts};
@@ -251,4 +253,41 @@ fn within<T>(
         drop(working);
         result
     })
+}
+
+/// The results so far, next to the report: a list in YAML, valid after every case.
+struct Partial {
+    path: PathBuf,
+    file: Mutex<fs::File>,
+}
+
+impl Partial {
+    /// Begins the list of a run whose report is to be `report`.
+    fn new(report: &Path) -> Result<Partial, String> {
+        let mut path = report.as_os_str().to_owned();
+        path.push(".partial");
+        let path = PathBuf::from(path);
+        let file =
+            fs::File::create(&path).map_err(|error| format!("{}: {error}", path.display()))?;
+        Ok(Partial {
+            path,
+            file: Mutex::new(file),
+        })
+    }
+
+    /// Adds a case.
+    fn append(&self, id: &str, view: &str, answer: &str) {
+        let line = format!("- {{ id: {id}, view: \"{view}\", answer: {answer} }}\n");
+        // One write for a line; what cannot be written is still in the report.
+        let _ = self
+            .file
+            .lock()
+            .expect("no worker panics")
+            .write_all(line.as_bytes());
+    }
+
+    /// Removes the list: the report is written.
+    fn remove(self) {
+        let _ = fs::remove_file(self.path);
+    }
 }

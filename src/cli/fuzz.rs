@@ -9,7 +9,7 @@ use std::time::Duration;
 
 use clap::Args;
 
-use super::call::CallArgs;
+use super::arguments::CallArgs;
 use super::guard::{Guarded, stop_on_signals, untroubled};
 use super::output::{bar, jobs, print};
 use super::{CommandResult, Failed};

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use super::CommandResult;
-use super::call::CallArgs;
+use super::arguments::CallArgs;
 use super::fuzz::CALLS;
 use super::guard::{Guarded, stop_on_signals};
 use super::output::{bar, print};

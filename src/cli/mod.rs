@@ -7,8 +7,6 @@
 #[cfg_attr(not(unix), allow(dead_code))]
 mod arguments;
 #[cfg(unix)]
-mod call;
-#[cfg(unix)]
 pub mod check;
 #[cfg(unix)]
 pub mod check_args;
@@ -45,8 +43,6 @@ pub mod output;
 #[cfg(unix)]
 mod own_files;
 #[cfg(unix)]
-mod partial;
-#[cfg(unix)]
 pub mod probe;
 #[cfg(unix)]
 mod progress;
@@ -62,7 +58,6 @@ mod subject;
 mod terminal;
 #[cfg(unix)]
 pub mod texture;
-mod wrapping;
 
 /// The exit status of a subcommand, or why it fails.
 pub type CommandResult = Result<u8, Failed>;

@@ -1,13 +1,15 @@
 //! What is printed: text, in color where that is wanted; YAML or JSON for other programs; the progress of long work.
 
+use std::borrow::Cow;
 use std::io::Write;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 
 use clap::{Args, ValueEnum};
 use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
+use terminal_size::{Height, Width};
+use textwrap::{Options, WordSeparator, WordSplitter};
 
-use super::wrapping::{columns, folded};
 use ptm_conform::kit::yaml::to_yaml;
 
 /// When to use color.
@@ -133,4 +135,29 @@ pub fn with_progress<T>(work: impl FnOnce(&(dyn Fn(usize, usize) + Sync)) -> T) 
     });
     bar.finish_and_clear();
     result
+}
+
+/// The narrowest page that text is wrapped for.
+const NARROWEST: usize = 40;
+
+/// The columns of a terminal that lines are wrapped for; none where there is no terminal.
+pub fn columns(size: Option<(Width, Height)>) -> Option<usize> {
+    size.map(|(width, _)| usize::from(width.0).max(NARROWEST))
+}
+
+/// A line that is longer than `width` in parts that are not, all but the first further in.
+pub fn folded(line: &str, width: Option<usize>) -> Vec<Cow<'_, str>> {
+    let indent = line.len() - line.trim_start_matches(' ').len();
+    // A command is copied as a whole.
+    let Some(width) = width.filter(|_| !line[indent..].starts_with("$ ")) else {
+        return vec![line.into()];
+    };
+    let hanging = " ".repeat(indent + 2);
+    let options = Options::new(width)
+        .subsequent_indent(&hanging)
+        .word_separator(WordSeparator::AsciiSpace)
+        .word_splitter(WordSplitter::NoHyphenation)
+        .break_words(false);
+    let lines = textwrap::wrap(line, options).into_iter();
+    lines.map(|line| Cow::Owned(line.into_owned())).collect()
 }

@@ -8,8 +8,7 @@ use std::fmt::Write;
 use anstyle::{AnsiColor, Style};
 
 use super::links::linked;
-use super::output::print;
-use super::wrapping::{columns, folded};
+use super::output::{columns, folded, print};
 
 const HEADING: Style = Style::new().bold();
 const BAD: Style = AnsiColor::Red.on_default().bold();
