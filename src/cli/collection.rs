@@ -44,62 +44,83 @@ pub enum Source {
     Listed(PathBuf),
 }
 
-/// The entries of a walk, one after the other.
-type Entries = Box<dyn Iterator<Item = Met> + Send>;
+/// The entries of a folder.
+type Entries = Box<dyn Iterator<Item = io::Result<(OsString, FileType)>> + Send>;
+
+/// Something that a walk meets; the error is a folder to enter.
+type WalkStep = Result<Met, PathBuf>;
 
 /// Returns all files that are named, and the files of folders; with `recursive` those of the folders inside too.
 pub fn walk(
-    named: impl Iterator<Item = Source> + Send,
+    mut named: impl Iterator<Item = Source> + Send,
     recursive: bool,
 ) -> impl Iterator<Item = Met> + Send {
-    named.flat_map(move |named| {
-        let (Source::Directly(path) | Source::Listed(path)) = &named;
-        match (fs::metadata(path), &named) {
-            (Ok(data), _) if data.is_dir() => entries(path.clone(), recursive),
-            // To open a pipe is to wait for whoever writes to it.
-            (Ok(data), Source::Listed(_)) if !data.is_file() => {
-                one(Met::Skipped(path.clone(), NO_FILE))
+    let mut folders: Vec<(PathBuf, Entries)> = Vec::new();
+    std::iter::from_fn(move || {
+        loop {
+            let step = match folders.last_mut() {
+                None => meet_named(named.next()?),
+                Some((path, entries)) => {
+                    let Some(entry) = entries.next() else {
+                        folders.pop();
+                        continue;
+                    };
+                    meet(path, entry)
+                }
+            };
+            match step {
+                Ok(met) => return Some(met),
+                Err(_) if !recursive && !folders.is_empty() => {}
+                Err(path) => match fs::read_dir(&path) {
+                    Ok(folder) => folders.push((path, Box::new(sorted(folder)))),
+                    Err(error) => return Some(Met::Unreadable(path, error)),
+                },
             }
-            _ => one(Met::File(path.clone())),
         }
     })
 }
 
-fn one(met: Met) -> Entries {
-    Box::new(std::iter::once(met))
+/// Returns what is named; links are followed.
+fn meet_named(named: Source) -> WalkStep {
+    let is_listed = matches!(named, Source::Listed(_));
+    let (Source::Directly(path) | Source::Listed(path)) = named;
+    match fs::metadata(&path) {
+        Ok(data) if data.is_dir() => Err(path),
+        // To open a pipe is to wait for whoever writes to it.
+        Ok(data) if is_listed && !data.is_file() => Ok(Met::Skipped(path, NO_FILE)),
+        _ => Ok(Met::File(path)),
+    }
 }
 
-/// Returns the files of a folder, sorted by name in chunks.
-fn entries(path: PathBuf, recursive: bool) -> Entries {
-    let mut folder = match fs::read_dir(&path) {
-        Ok(folder) => Some(folder),
-        Err(error) => return one(Met::Unreadable(path, error)),
-    };
-    let mut chunk = VecDeque::new();
-    let next = move || {
+/// Returns what an entry of a folder is.
+fn meet(folder: &Path, entry: io::Result<(OsString, FileType)>) -> WalkStep {
+    match entry {
+        Ok((name, kind)) if kind.is_symlink() => {
+            let why = "a symbolic link, which is not followed";
+            Ok(Met::Skipped(folder.join(name), why))
+        }
+        Ok((name, kind)) if kind.is_file() => Ok(Met::File(folder.join(name))),
+        Ok((name, kind)) if kind.is_dir() => Err(folder.join(name)),
+        Ok((name, _)) => Ok(Met::Skipped(folder.join(name), NO_FILE)),
+        Err(error) => Ok(Met::Unreadable(folder.to_owned(), error)),
+    }
+}
+
+/// Returns the entries of a folder, sorted by name in chunks. The folder is closed as soon as all is known, so that a deep
+/// walk holds no folder open.
+fn sorted(folder: ReadDir) -> impl Iterator<Item = io::Result<(OsString, FileType)>> + Send {
+    let (mut folder, mut chunk) = (Some(folder), VecDeque::new());
+    std::iter::from_fn(move || {
         if chunk.is_empty()
             && let Some(open) = &mut folder
         {
             chunk = next_chunk(open);
-            // Closed as soon as all is known, so that a deep walk holds no folder open.
             if chunk.len() < CHUNK {
                 folder = None;
             }
         }
         chunk.pop_front()
-    };
-    let met = move |entry: io::Result<(OsString, FileType)>| match entry {
-        Ok((name, kind)) if kind.is_symlink() => {
-            let why = "a symbolic link, which is not followed";
-            one(Met::Skipped(path.join(name), why))
-        }
-        Ok((name, kind)) if kind.is_file() => one(Met::File(path.join(name))),
-        Ok((name, kind)) if !kind.is_dir() => one(Met::Skipped(path.join(name), NO_FILE)),
-        Ok((name, _)) if recursive => entries(path.join(name), recursive),
-        Ok(_) => Box::new(std::iter::empty()),
-        Err(error) => one(Met::Unreadable(path.clone(), error)),
-    };
-    Box::new(std::iter::from_fn(next).flat_map(met))
+    })
 }
 
 /// Reads the next entries of a folder, sorted by name, those that cannot be read first.

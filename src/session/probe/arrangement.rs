@@ -3,7 +3,7 @@
 use crate::protocol::frame::{Frame, Samples};
 use crate::suite::compare::Expected;
 
-use super::message::{Interpretation, Mistake, mistake};
+use super::message::{Interpretation, WrapperMistake, mistake};
 
 /// Where the sample of (x, y, channel) is in a raster of (width, height, channels).
 type Position = fn((usize, usize, usize), (usize, usize, usize)) -> usize;
@@ -90,14 +90,14 @@ impl Arrangement {
     }
 
     /// Returns what is wrong with it; nothing for the right one.
-    pub(in crate::session) fn mistakes(&self) -> Vec<Mistake> {
+    pub(in crate::session) fn mistakes(&self) -> Vec<WrapperMistake> {
         let names = [
             self.layout.0,
             self.order,
             self.upside_down.then_some("upside-down"),
             self.mirrored.then_some("mirrored"),
         ];
-        let order = |name| Mistake {
+        let order = |name| WrapperMistake {
             is_order: true,
             ..mistake(name, &[])
         };

@@ -4,14 +4,14 @@ use crate::protocol::forms;
 use crate::protocol::frame::{Samples, View};
 use crate::suite::compare::{Expected, ExpectedValues};
 
-use super::message::{Interpretation, Mistake, Slots, mistake};
+use super::message::{Interpretation, Slots, WrapperMistake, mistake};
 
 /// Returns what is wrong with the first line, and the samples in every way in which they may be meant.
 pub(super) fn body(
     bytes: &[u8],
     expected: &Expected,
     view: &View,
-) -> Option<(Vec<Mistake>, Vec<Interpretation>)> {
+) -> Option<(Vec<WrapperMistake>, Vec<Interpretation>)> {
     if let Ok(frame) = forms::read(bytes, view, bytes.len().max(1 << 16)) {
         let (kind, values, bytes): (_, Vec<f64>, Vec<u8>) = match &frame.samples {
             Samples::U8(values) => {
@@ -64,7 +64,7 @@ fn line_mistakes(
     (width, height, channels): (u32, u32, u32),
     kind: &str,
     expected: &Expected,
-) -> Vec<Mistake> {
+) -> Vec<WrapperMistake> {
     let (size, view, right_kind) = (expected.size, expected.view(), kind_of(expected));
     let is_light = name.starts_with("rgb:") && view == "rgb";
     let is_exchanged = (width, height) == (size.height, size.width) && width != height;

@@ -8,7 +8,7 @@ use crate::runner::scratch::Scratch;
 use crate::runner::template::Template;
 use crate::suite::compare::Expected;
 
-use super::message::{Fault, fault};
+use super::message::{ProbeFault, fault};
 use super::repair;
 
 /// The decoder under probe, and where it works.
@@ -56,7 +56,12 @@ impl Calls<'_> {
     }
 
     /// Finds a way of calling the decoder that gives a frame although that of the protocol gives none.
-    pub(super) fn other_way(&self, file: &[u8], expected: &Expected, view: &View) -> Option<Fault> {
+    pub(super) fn other_way(
+        &self,
+        file: &[u8],
+        expected: &Expected,
+        view: &View,
+    ) -> Option<ProbeFault> {
         let here = std::env::current_dir().ok()?;
         let (here, stdin) = (here.to_string_lossy(), "exec \"$@\" < \"$0\"");
         let home = ["sh", "-c", "cd \"$0\" && exec \"$@\"", &here];

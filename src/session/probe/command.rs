@@ -7,10 +7,10 @@ use crate::protocol::frame::Answer;
 use crate::runner::run::Reply;
 use crate::runner::start::{self, is_script_name};
 
-use super::message::{Fault, fault};
+use super::message::{ProbeFault, fault};
 
 /// Looks at the command before it is run.
-pub(super) fn look(command: &[OsString]) -> Result<(), Fault> {
+pub(super) fn look(command: &[OsString]) -> Result<(), ProbeFault> {
     let Some(word) = command.first() else {
         return Err(fault("no-command", &[]));
     };
@@ -26,7 +26,7 @@ pub(super) fn look(command: &[OsString]) -> Result<(), Fault> {
 }
 
 /// Returns why the system or a shell did not run the command; `None` if it did.
-pub(super) fn not_run(command: &[OsString], reply: &Reply) -> Option<Fault> {
+pub(super) fn not_run(command: &[OsString], reply: &Reply) -> Option<ProbeFault> {
     command.first()?;
     let last = reply.stderr.lines().last().unwrap_or_default();
     match (&reply.answer, reply.exit) {

@@ -11,7 +11,7 @@ use crate::runner::call::{A_YEAR, Call, LOOK};
 use crate::runner::scratch::Workspace;
 
 use super::calls::Calls;
-use super::message::{Fault, Slots, fault};
+use super::message::{ProbeFault, Slots, fault};
 
 /// One answer: its line, and the bytes it announces.
 pub(super) struct ServedAnswer {
@@ -27,7 +27,7 @@ pub(super) enum Served {
     /// It has ended; whether with status 0.
     Gone(bool),
     /// It wrote something else.
-    Wrong(Fault),
+    Wrong(ProbeFault),
 }
 
 /// A process in serve mode.

@@ -4,7 +4,7 @@ use crate::kit::last_words::last_words;
 use crate::protocol::frame::Answer;
 use crate::runner::run::Reply;
 
-use super::message::{Fault, fault};
+use super::message::{ProbeFault, fault};
 
 /// Returns the last line of the decoder's standard error, as a line of its own.
 fn its_last_words(reply: &Reply) -> String {
@@ -14,7 +14,7 @@ fn its_last_words(reply: &Reply) -> String {
 }
 
 /// Explains an answer that is not a frame.
-pub(super) fn explain(reply: &Reply) -> Fault {
+pub(super) fn explain(reply: &Reply) -> ProbeFault {
     let name = match &reply.answer {
         Answer::ProtocolError(_) => return protocol_error(reply),
         Answer::Crashed(_) => match reply.exit {
@@ -47,7 +47,7 @@ pub(super) fn is_cut(reply: &Reply) -> bool {
     matches!(reply.answer, Answer::ProtocolError(_)) && buffer_size(reply).is_some()
 }
 
-fn protocol_error(reply: &Reply) -> Fault {
+fn protocol_error(reply: &Reply) -> ProbeFault {
     let (answer, size) = (reply.answer.describe(), reply.stdout.len());
     let begins = reply.stdout.starts_with(b"PTM1 ");
     let (name, step) = match buffer_size(reply) {
@@ -64,7 +64,7 @@ fn protocol_error(reply: &Reply) -> Fault {
 }
 
 /// Explains why a malformed file was not refused.
-pub(super) fn not_refused(reply: &Reply) -> Fault {
+pub(super) fn not_refused(reply: &Reply) -> ProbeFault {
     match (&reply.answer, reply.exit) {
         (Answer::Decoded(_), _) => fault("accepted", &[]),
         (Answer::Unsupported, _) => fault("unsupported-malformed", &[]),

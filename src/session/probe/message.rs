@@ -9,18 +9,18 @@ use serde::Deserialize;
 use crate::kit::yaml::from_yaml;
 
 #[derive(Deserialize)]
-struct Template {
+struct ProbeMessage {
     says: String,
     next: String,
 }
 
-static TEMPLATES: LazyLock<BTreeMap<String, Template>> = LazyLock::new(|| {
+static TEMPLATES: LazyLock<BTreeMap<String, ProbeMessage>> = LazyLock::new(|| {
     from_yaml(include_str!("../../../spec-cases/probe.yaml")).expect("a test reads them")
 });
 
 /// A mistake of a wrapper.
 #[derive(Clone, Debug)]
-pub(in crate::session) struct Mistake {
+pub(in crate::session) struct WrapperMistake {
     /// What is observed.
     pub(in crate::session) says: String,
     /// What to do about it.
@@ -30,17 +30,17 @@ pub(in crate::session) struct Mistake {
 }
 
 /// Samples as numbers, and the mistakes that had to be undone to read them so.
-pub(super) type Interpretation = (Vec<f64>, Vec<Mistake>);
+pub(super) type Interpretation = (Vec<f64>, Vec<WrapperMistake>);
 
 /// What is observed, and what to do about it.
-pub(super) type Fault = (String, String);
+pub(super) type ProbeFault = (String, String);
 
 /// The values of the names in braces.
 pub(super) type Slots<'a> = [(&'static str, &'a dyn Display)];
 
 /// Returns the message of this name, with its slots filled in.
-pub(super) fn fault(name: &str, slots: &Slots) -> Fault {
-    let Template { says, next } = &TEMPLATES[name];
+pub(super) fn fault(name: &str, slots: &Slots) -> ProbeFault {
+    let ProbeMessage { says, next } = &TEMPLATES[name];
     let fill = |text: &String| {
         let mut text = text.clone();
         for (slot, value) in slots {
@@ -52,9 +52,9 @@ pub(super) fn fault(name: &str, slots: &Slots) -> Fault {
 }
 
 /// Returns the mistake with the message of this name.
-pub(super) fn mistake(name: &str, slots: &Slots) -> Mistake {
+pub(super) fn mistake(name: &str, slots: &Slots) -> WrapperMistake {
     let (says, next) = fault(name, slots);
-    Mistake {
+    WrapperMistake {
         says,
         next,
         is_order: false,

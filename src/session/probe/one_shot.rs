@@ -9,7 +9,7 @@ use crate::suite::compare::Expected;
 use super::calls::Calls;
 use super::checklist::{Checklist, Reproduction};
 use super::explain::{explain, not_refused};
-use super::message::{Fault, Slots, fault};
+use super::message::{ProbeFault, Slots, fault};
 use super::sample::Sample;
 use super::{command, repair};
 
@@ -205,7 +205,7 @@ pub(super) fn why_no_frame(
     (file, expected): (&[u8], &Expected),
     view: &View,
     reply: &Reply,
-) -> Option<Fault> {
+) -> Option<ProbeFault> {
     let repair = repair::repair(&reply.stdout, expected, view).map(|repair| repair.fault());
     let known = repair.or_else(|| command::not_run(calls.command, reply));
     // A decoder that hangs takes its time in every way of being called.

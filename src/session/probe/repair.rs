@@ -5,13 +5,13 @@ use crate::suite::compare::{Expected, ExpectedValues};
 
 use super::arrangement::arrangements;
 use super::body::body;
-use super::message::{Fault, Mistake, mistake};
+use super::message::{ProbeFault, WrapperMistake, mistake};
 
 /// The mistakes that, undone, leave the right picture.
-pub(super) struct Repair(pub(super) Vec<Mistake>);
+pub(super) struct Repair(pub(super) Vec<WrapperMistake>);
 
 impl Repair {
-    pub(super) fn fault(&self) -> Fault {
+    pub(super) fn fault(&self) -> ProbeFault {
         let says: Vec<&str> = self.0.iter().map(|mistake| &*mistake.says).collect();
         let next: Vec<&str> = self.0.iter().map(|mistake| &*mistake.next).collect();
         (says.join("; and "), next.join("\n"))
@@ -34,7 +34,8 @@ pub(super) fn repairs(bytes: &[u8], expected: &Expected, view: &View) -> Vec<Rep
         };
         for (values, encoded) in values {
             for (values, arranged) in arrangements(&values, expected) {
-                let all: Vec<Mistake> = [&mistakes[..], &shape, &encoded, &arranged].concat();
+                let all: Vec<WrapperMistake> =
+                    [&mistakes[..], &shape, &encoded, &arranged].concat();
                 if !all.is_empty() && is_right(&values, expected) {
                     repairs.push(Repair(all));
                 }
@@ -45,7 +46,7 @@ pub(super) fn repairs(bytes: &[u8], expected: &Expected, view: &View) -> Vec<Rep
 }
 
 /// Bytes, and what had to be undone to get them.
-type Stream = (Vec<u8>, Vec<Mistake>);
+type Stream = (Vec<u8>, Vec<WrapperMistake>);
 
 /// The bytes as they are, and without what text mode, encodings and messages do to them.
 fn streams(bytes: &[u8]) -> Vec<Stream> {

@@ -9,7 +9,7 @@ use crate::protocol::frame::{Answer, EXIT_MALFORMED, Frame, View};
 use super::calls::Calls;
 use super::checklist::{Checklist, ProbeRequest, Reproduction};
 use super::dialog::{Dialog, Served, ServedAnswer};
-use super::message::{Fault, fault};
+use super::message::{ProbeFault, fault};
 use super::sample::Sample;
 
 const NOT_OFFERED: &str = "serve: not offered, and not needed";
@@ -20,7 +20,7 @@ const MALFORMED: &[u8] = b"PTM_1.2\n";
 enum Stop {
     NotOffered,
     /// A fault that shows after so many requests.
-    Fault(usize, Fault),
+    Fault(usize, ProbeFault),
 }
 
 /// Takes the steps of serve mode: two frames and a refusal, each answered before the next is asked for, then the end.
@@ -97,7 +97,7 @@ fn kept_back(mut dialog: Dialog) -> Stop {
 }
 
 /// Checks that an answer is the frame of one-shot mode.
-fn judge(answer: &ServedAnswer, view: &View, right: &Frame) -> Result<(), Fault> {
+fn judge(answer: &ServedAnswer, view: &View, right: &Frame) -> Result<(), ProbeFault> {
     let most = answer.bytes.len().max(1 << 16);
     let frame = forms::read(&answer.bytes, view, most).map_err(|error| {
         let name = match answer.bytes.contains(&b'\n') {
@@ -115,7 +115,7 @@ fn judge(answer: &ServedAnswer, view: &View, right: &Frame) -> Result<(), Fault>
     }
 }
 
-fn refused(served: Served, reject_exit: Option<i32>) -> Result<(), Fault> {
+fn refused(served: Served, reject_exit: Option<i32>) -> Result<(), ProbeFault> {
     let is_refusal = |line: &str| {
         let code = line.trim_end().strip_prefix("2 reject ");
         let code = code.and_then(|code| code.parse().ok());
@@ -132,7 +132,7 @@ fn refused(served: Served, reject_exit: Option<i32>) -> Result<(), Fault> {
     }
 }
 
-fn answered_again(served: &Served, view: &View, right: &Frame) -> Result<(), Fault> {
+fn answered_again(served: &Served, view: &View, right: &Frame) -> Result<(), ProbeFault> {
     match served {
         Served::Answer(answer) if judge(answer, view, right).is_ok() => Ok(()),
         Served::Answer(_) => Err(fault("serve-state", &[])),

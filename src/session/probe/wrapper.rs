@@ -15,7 +15,7 @@ use crate::suite::compare::Expected;
 use super::calls::Calls;
 use super::checklist::{Mark, ProbeStep, Reproduction};
 use super::explain::{explain, is_cut, not_refused};
-use super::message::Fault;
+use super::message::ProbeFault;
 use super::one_shot::{malformed, why_no_frame};
 use super::repair::{Repair, repairs};
 use super::sample::Sample;
@@ -128,7 +128,7 @@ impl<'a> FirstReply<'a> {
         self.expected.compare(frame).is_none()
     }
 
-    fn step(&self, (says, next): Fault) -> ProbeStep {
+    fn step(&self, (says, next): ProbeFault) -> ProbeStep {
         let file_name = format!("{}.ptm", self.case.id);
         let repeat = Reproduction::one_shot(self.view, file_name, &self.file);
         step(format!("{}: {says}", self.view), next, repeat)
