@@ -13,6 +13,7 @@ use super::links::page_line;
 use super::names::nearest;
 #[cfg(unix)]
 use super::output::{bar, jobs};
+use super::rules::{evidence_to_text, rule_to_text};
 use super::terminal::show;
 use ptm_conform::kit::digest::sha256;
 use ptm_conform::misreadings::{self, Misreading, writing};
@@ -168,18 +169,6 @@ fn explain_clause(clause: &Clause, suite: &Suite) -> String {
     format!("clause {}  {cases}\n", rule_to_text(clause, "it "))
 }
 
-/// Returns a clause with its ruling, and why it is not tested if it is not; `untested` begins that reason.
-pub fn rule_to_text(clause: &Clause, untested: &str) -> String {
-    let mut text = format!("{}: {}", clause.id, clause.rule);
-    if let Some(ruling) = &clause.ruling {
-        let _ = write!(text, " Ruling: {ruling}.");
-    }
-    if let Some(why) = &clause.why {
-        let _ = write!(text, " Not tested: {untested}{why}.");
-    }
-    text + "\n"
-}
-
 fn explain_ruling(ruling: &Ruling) -> String {
     let text = format!(
         "ruling {} ({:?}), clauses {}\n  open: {}\n  the reference: {}\n",
@@ -190,13 +179,6 @@ fn explain_ruling(ruling: &Ruling) -> String {
         ruling.reading.trim()
     );
     text + &evidence_to_text(ruling)
-}
-
-/// Returns the other correct readings of a ruling, and its evidence.
-pub fn evidence_to_text(ruling: &Ruling) -> String {
-    let also = ruling.also.iter();
-    let also: String = also.map(|also| format!("  also right: {also}\n")).collect();
-    format!("{also}  evidence: {}\n", ruling.evidence.trim())
 }
 
 fn explain_misreading(misreading: &Misreading, clause: Option<&Clause>) -> String {

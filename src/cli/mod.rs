@@ -4,6 +4,8 @@
 
 #![allow(clippy::doc_markdown, reason = "help is printed as it stands")]
 
+use std::path::Path;
+
 #[cfg_attr(not(unix), allow(dead_code))]
 mod arguments;
 #[cfg(unix)]
@@ -51,6 +53,7 @@ pub mod reference;
 pub mod render;
 #[cfg(unix)]
 pub mod report;
+mod rules;
 #[cfg(unix)]
 pub mod site;
 #[cfg(unix)]
@@ -74,6 +77,12 @@ impl Failed {
     /// Creates a failure with a sentence and an exit status.
     pub fn new(status: u8, says: &str) -> Failed {
         let says = format!("ptm-conform: {says}");
+        Failed { says, status }
+    }
+
+    /// Creates the failure of a file that is refused.
+    pub fn refused(path: &Path, status: u8, says: &str) -> Failed {
+        let says = format!("{}: {says}", path.display());
         Failed { says, status }
     }
 }

@@ -65,13 +65,17 @@ fn one(view: &View, path: &Path) -> CommandResult {
             let written = write_view(&map, view, &mut out);
             status(written.and_then(|()| out.flush()))
         }
-        Err(error) => Err(refused(path, files::status(&error), &error.to_string())),
+        Err(error) => Err(Failed::refused(
+            path,
+            files::status(&error),
+            &error.to_string(),
+        )),
     }
 }
 
 /// `reference write REQUEST OUT`
 fn write(path: &Path, out: &Path) -> CommandResult {
-    let malformed = |error: String| refused(path, EXIT_MALFORMED as u8, &error);
+    let malformed = |error: String| Failed::refused(path, EXIT_MALFORMED as u8, &error);
     let request = files::read(path).and_then(|json| {
         let header = RequestHeader::read(&json)?;
         let planes = files::read(Path::new(&header.planes))?;
@@ -82,11 +86,11 @@ fn write(path: &Path, out: &Path) -> CommandResult {
 
 /// `reference fit REQUEST OUT`
 fn fit(path: &Path, out: &Path) -> CommandResult {
-    let malformed = |error: String| refused(path, EXIT_MALFORMED as u8, &error);
+    let malformed = |error: String| Failed::refused(path, EXIT_MALFORMED as u8, &error);
     let request = files::read(path).and_then(|json| FitRequest::read(&json));
     let (format, request) = request.map_err(malformed)?;
     if !FORMATS.contains(&format) {
-        return Err(refused(
+        return Err(Failed::refused(
             path,
             EXIT_UNSUPPORTED as u8,
             "fits are LRGB or RGB",
@@ -103,13 +107,7 @@ fn put(path: &Path, out: &Path, request: &WriteRequest) -> CommandResult {
         Err(NotWritten::Impossible(says)) => (EXIT_MALFORMED, says),
         Err(NotWritten::Unsupported(says)) => (EXIT_UNSUPPORTED, says),
     };
-    Err(refused(path, status as u8, &says))
-}
-
-/// Returns the failure of a file that is refused.
-pub fn refused(path: &Path, status: u8, says: &str) -> Failed {
-    let says = format!("{}: {says}", path.display());
-    Failed { says, status }
+    Err(Failed::refused(path, status as u8, &says))
 }
 
 /// Answers request after request until there are no more.

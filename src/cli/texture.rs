@@ -6,8 +6,8 @@ use std::path::{Path, PathBuf};
 use clap::{Args, Subcommand};
 
 use super::arguments::parse_pair;
-use super::explain::{evidence_to_text, rule_to_text};
 use super::links::page_line;
+use super::rules::{evidence_to_text, rule_to_text};
 
 use ptm_conform::kit::yaml::from_yaml;
 use ptm_conform::misreadings::texture as misreadings;
@@ -22,8 +22,7 @@ use ptm_conform::tools::render::Image;
 
 use super::files::{self, write_whole};
 use super::output::print;
-use super::reference::refused;
-use super::{CommandResult, EXIT_NOTHING_SELECTED};
+use super::{CommandResult, EXIT_NOTHING_SELECTED, Failed};
 
 /// Texture mapping: hold a file of cases against the reference, or draw what a table entry does.
 #[derive(Args)]
@@ -168,8 +167,8 @@ fn run_cases(args: &CasesArgs) -> CommandResult {
 pub fn answer(file: &Path) -> CommandResult {
     let question = Question::read(&files::read(file)?);
     let answer = question.and_then(|question| question.answer(&Rules::SPEC));
-    let answer =
-        answer.map_err(|refusal| refused(file, refusal.exit_status() as u8, refusal.message()));
+    let answer = answer
+        .map_err(|refusal| Failed::refused(file, refusal.exit_status() as u8, refusal.message()));
     print(&format!("{}\n", answer?));
     Ok(0)
 }
