@@ -84,7 +84,7 @@ fn main() -> ExitCode {
         Command::Check(args) => cli::elsewhere::run(&args),
         #[cfg(unix)]
         Command::CheckWriter(args) => cli::check_writer::run(&args),
-        Command::Reference(args) => Ok(cli::reference::run(&args)),
+        Command::Reference(args) => cli::reference::run(&args),
         Command::Generate(args) => cli::generate::run(&args),
         Command::Explain(args) => cli::explain::run(&args),
         #[cfg(unix)]
@@ -113,9 +113,9 @@ fn main() -> ExitCode {
         Command::Watch { run, directories } => Ok(cli::guard::watch(run, &directories)),
     };
     outcome.map_or_else(
-        |error| {
-            cli::output::complain(&format!("ptm-conform: {error}"));
-            ExitCode::from(cli::EXIT_USAGE)
+        |failed| {
+            cli::output::complain(&failed.says);
+            ExitCode::from(failed.status)
         },
         ExitCode::from,
     )

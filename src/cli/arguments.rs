@@ -1,8 +1,12 @@
 //! Values of options: times, sizes, exit statuses, patterns.
 
+#[cfg(unix)]
+use std::sync::{Arc, atomic::AtomicBool};
 use std::time::Duration;
 
 use ptm_conform::protocol::frame::EXIT_UNSUPPORTED;
+#[cfg(unix)]
+use ptm_conform::runner::run::Decoder;
 
 /// A time limit.
 pub fn positive_seconds(seconds: f64) -> Result<Duration, String> {
@@ -10,6 +14,38 @@ pub fn positive_seconds(seconds: f64) -> Result<Duration, String> {
         .ok()
         .filter(|time| !time.is_zero())
         .ok_or_else(|| "a time limit is a positive number of seconds".to_owned())
+}
+
+/// Puts the limits of the command line on a program, which gives up when `stop` is set.
+#[cfg(unix)]
+pub fn limit(
+    program: &mut Decoder,
+    seconds: f64,
+    memory: u64,
+    stop: &Arc<AtomicBool>,
+) -> Result<(), String> {
+    program.timeout = positive_seconds(seconds)?;
+    program.memory = memory;
+    program.stop = Arc::clone(stop);
+    Ok(())
+}
+
+/// Describes a time limit for the report.
+#[cfg(unix)]
+pub fn time_limit_to_text(seconds: f64) -> String {
+    format!("wall clock: {seconds} s a call, three times that for the first")
+}
+
+/// Describes a memory limit for the report.
+#[cfg(unix)]
+pub fn memory_limit_to_text(bytes: u64) -> String {
+    match ptm_conform::runner::processes::can_be_watched() {
+        true => {
+            let size = bytes >> 20;
+            format!("memory: {size} MiB, the resident sets of a call's processes, sampled")
+        }
+        false => "memory: not limited, because this system has no /proc".to_owned(),
+    }
 }
 
 /// An exit status that may mean a refusal: 0 and 69 mean something else.
@@ -41,9 +77,49 @@ pub fn parse_size(text: &str) -> Result<u64, String> {
     bytes.ok_or_else(|| format!("expected a size such as 500M or 2G, found {text:?}"))
 }
 
+/// Parses two numbers with a comma between them.
+pub fn parse_pair(text: &str) -> Option<(f64, f64)> {
+    let (first, second) = text.split_once(',')?;
+    Some((first.trim().parse().ok()?, second.trim().parse().ok()?))
+}
+
 /// Patterns for the ids of cases.
 pub fn globs(texts: &[String]) -> Result<Vec<glob::Pattern>, String> {
     let pattern =
         |text: &String| glob::Pattern::new(text).map_err(|error| format!("--case {text}: {error}"));
     texts.iter().map(pattern).collect()
+}
+
+/// How a decoder is called.
+#[cfg(unix)]
+#[derive(clap::Args)]
+pub struct CallArgs {
+    /// Calls at a time; by default as many as there are processors.
+    #[arg(long, value_name = "N")]
+    pub jobs: Option<usize>,
+    /// Wall-clock limit of a call.
+    #[arg(long, value_name = "SECONDS", default_value_t = 10.0)]
+    timeout: f64,
+    /// Memory that a call may hold, all its processes together: bytes, or with K, M or G.
+    #[arg(long, value_name = "SIZE", default_value = "2G", value_parser = parse_size)]
+    memory: u64,
+    /// An exit status that means "malformed" besides 65.
+    #[arg(long, value_name = "N", value_parser = parse_refusal)]
+    reject_exit: Option<i32>,
+}
+
+#[cfg(unix)]
+impl CallArgs {
+    /// The decoder that `command` starts; it gives up when `stop` is set.
+    pub fn decoder(
+        &self,
+        command: &[std::ffi::OsString],
+        stop: &Arc<AtomicBool>,
+    ) -> Result<Decoder, String> {
+        ptm_conform::runner::processes::prepare();
+        let mut decoder = Decoder::new(command).map_err(|error| error.to_string())?;
+        limit(&mut decoder, self.timeout, self.memory, stop)?;
+        decoder.reject_exit = self.reject_exit;
+        Ok(decoder)
+    }
 }

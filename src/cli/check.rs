@@ -2,52 +2,42 @@
 
 use std::cell::OnceCell;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
-use std::sync::mpsc::{self, RecvTimeoutError};
-use std::time::{Duration, Instant};
+use std::sync::atomic::AtomicBool;
 
-use super::arguments::positive_seconds;
+use super::arguments::limit;
 use super::check_args::CheckArgs;
+use super::driver::Check;
 use super::ending::Ending;
 use super::guard::{Guarded, stop_on_signals, untroubled};
 use super::names::did_you_mean;
 use super::output::{jobs, print};
-use super::partial::Partial;
 use super::probe::{in_one_line, kept};
-use super::progress::{self, ProgressLine};
 use super::subject::{self, Answers, Subject};
 use super::terminal::show;
-use super::{EXIT_NOTHING_SELECTED, own_files};
-use ptm_conform::diagnose::MAX_WORK;
+use super::{CommandResult, EXIT_NOTHING_SELECTED, Failed, own_files};
 use ptm_conform::protocol::capabilities::Capabilities;
-use ptm_conform::report::conclude::{causes, first_causes, undo_common_transforms, verdicts};
-use ptm_conform::report::reported::{Reported, named};
-use ptm_conform::report::shards::{Circumstances, End, Keeper, OtherRemarks, Shard, beside};
-use ptm_conform::report::text::first_causes_to_text;
+use ptm_conform::report::reported::named;
+use ptm_conform::report::shards::{Circumstances, OtherRemarks};
 use ptm_conform::runner::processes;
-use ptm_conform::runner::run::{Decoder, Request};
+use ptm_conform::runner::run::Request;
 use ptm_conform::runner::scratch::Scratch;
 use ptm_conform::runner::serve::Servers;
-use ptm_conform::session::asking::Ask;
 use ptm_conform::session::contact::Contact;
-use ptm_conform::session::observation::Observation;
 use ptm_conform::session::plan::{Repeat, RunPlan};
 use ptm_conform::session::probe::{ProbeStep, wrapper_faults};
 use ptm_conform::session::remark::Remark;
-use ptm_conform::session::run::{Run, Session};
+use ptm_conform::session::run::Run;
 use ptm_conform::session::{lit_scene, locale, texture_stage};
 use ptm_conform::strength::smoke;
 use ptm_conform::suite::cases::Suite;
-use ptm_conform::suite::name::SuiteName;
 use ptm_conform::suite::test_case::TestCase;
-use ptm_conform::suite::texture::cases::TextureCase;
 
 /// Runs a suite.
-pub fn run(args: &CheckArgs) -> Result<u8, String> {
+pub fn run(args: &CheckArgs) -> CommandResult {
     args.refuse_bare_hyphens()?;
     let stop = stop_on_signals()?;
     processes::prepare();
-    args.check_outputs()?;
+    args.written.check(&args.report)?;
     let is_reference = args.is_of_reference();
     if is_reference {
         print("No decoder is given: checking the built-in reference.\n");
@@ -65,16 +55,18 @@ pub fn run(args: &CheckArgs) -> Result<u8, String> {
 }
 
 /// `check` of a program that reads PTM files.
-fn check_decoder(args: &CheckArgs, stop: &Arc<AtomicBool>) -> Result<u8, String> {
+fn check_decoder(args: &CheckArgs, stop: &Arc<AtomicBool>) -> CommandResult {
     let suite = Suite::load()?;
-    let Some(selected) = selected(args, &suite, &smoke(args, &suite)?)? else {
-        return Ok(EXIT_NOTHING_SELECTED);
+    let among = match args.smoke {
+        true => smoke::selection(&suite)?,
+        false => vec![true; suite.cases.len()],
     };
+    let selected = selected(args, &suite, &among)?;
     named(&args.assumed)?;
-    let mut subject = Subject::of(args, &suite, stop)?;
+    let mut subject = Subject::new(args, &suite, stop)?;
     let guarded = Guarded::new()?;
     let scratch = &guarded.scratch;
-    let (capabilities, notes) = introduce(&mut subject, args, stop, scratch)?;
+    let capabilities = capabilities(&mut subject, args, scratch);
     if let (Some(directory), Some(decoder)) = (&args.files, subject.program()) {
         return own_files::check(directory, &args.views, &args.report, decoder, scratch);
     }
@@ -100,34 +92,35 @@ fn check_decoder(args: &CheckArgs, stop: &Arc<AtomicBool>) -> Result<u8, String>
         ..Circumstances::of(&suite, &plan, &subject.words, &args.assumed)
     };
 
-    let check = Check::new(args, &suite, &plan, circumstances)?;
+    let ending = Ending::new(&suite, &args.report, args.show, &args.written)?;
+    let mut check = Check::new(&suite, &plan, circumstances, ending, args.shard)?;
+    if !serves && args.cmd.is_none() {
+        check.faster = SERVE_MODE_IS_FASTER;
+    }
     let faults = OnceCell::new();
     let mut run = check.ask(&ask, &|contact| {
         let Some(decoder) = subject.program() else {
             return;
         };
-        let command = if args.cmd.is_some() {
-            &[][..]
-        } else {
-            &args.decoder
-        };
-        let found = wrapper_faults(command, decoder, scratch, &suite, &plan, contact);
+        // A template has its own arguments; without a decoder, the reference is checked.
+        let found = wrapper_faults(&args.decoder, decoder, scratch, &suite, &plan, contact);
         tell(contact, &found);
         let _ = faults.set(found);
     });
     subject.program().map_or(Ok(()), untroubled)?;
-    if args.renderings.has_page() && run.ended_early.is_none() {
+    if args.written.has_page() && run.ended_early.is_none() {
         run.scene = lit_scene::ask(&run.offer, &run.judgement.decoded, &ask);
     }
     let given_up = servers.as_ref().is_some_and(Servers::have_given_up);
     drop(servers);
-    let comma = comma(&suite, &run, &subject, scratch);
+    let not_served = given_up.then(|| Remark::failure(NOT_SERVED.to_owned()));
+    let notes = capabilities.remarks.iter();
+    let notes = notes.map(|says| Remark::note(format!("capabilities: {says}")));
     let others = OtherRemarks {
-        before: given_up
-            .then(|| Remark::failure(NOT_SERVED.to_owned()))
-            .into_iter()
+        before: not_served.into_iter().collect(),
+        after: notes
+            .chain(comma(&suite, &run, &subject, scratch))
             .collect(),
-        after: notes.into_iter().chain(comma).collect(),
     };
     let status = check.conclude(run, others)?;
     print_commands(args, &faults.into_inner().unwrap_or_default());
@@ -152,10 +145,10 @@ fn tell(contact: &mut Contact, faults: &[ProbeStep]) {
 /// How to see again what is wrong with the wrapper.
 fn print_commands(args: &CheckArgs, faults: &[ProbeStep]) {
     let directory = args.report.with_file_name("ptm-conform-probe");
-    let command = match &args.cmd {
-        Some(_) => return,
-        None => in_one_line(&args.decoder),
-    };
+    if args.cmd.is_some() {
+        return;
+    }
+    let command = in_one_line(&args.decoder);
     for repeat in faults.iter().filter_map(|fault| fault.repeat.as_ref()) {
         if let Some(command) = kept(repeat, &command, &directory) {
             show(&format!("see it again:\n  $ {command}\n"));
@@ -164,15 +157,13 @@ fn print_commands(args: &CheckArgs, faults: &[ProbeStep]) {
 }
 
 /// `check --suite texture`.
-fn check_stage(args: &CheckArgs, stop: &Arc<AtomicBool>) -> Result<u8, String> {
+fn check_stage(args: &CheckArgs, stop: &Arc<AtomicBool>) -> CommandResult {
     refuse_options_of_files(args)?;
     let suite = Suite::of_textures()?;
-    let all = vec![true; suite.cases.len()];
-    let Some(selected) = selected(args, &suite, &all)? else {
-        return Ok(EXIT_NOTHING_SELECTED);
-    };
-    let (mut decoder, words) = subject::program(&args.decoder)?;
-    limit(&mut decoder, args, stop)?;
+    let selected = selected(args, &suite, &vec![true; suite.cases.len()])?;
+    let mut decoder = subject::program(&args.decoder)?;
+    limit(&mut decoder, args.timeout, args.memory, stop)?;
+    let words = subject::words_of(&args.decoder)?;
     let guarded = Guarded::new()?;
     let plan = RunPlan {
         selected,
@@ -185,271 +176,35 @@ fn check_stage(args: &CheckArgs, stop: &Arc<AtomicBool>) -> Result<u8, String> {
         ..Circumstances::of(&suite, &plan, &words, &args.assumed)
     };
 
-    let check: Check<TextureCase> = Check::new(args, &suite, &plan, circumstances)?;
+    let ending = Ending::new(&suite, &args.report, args.show, &args.written)?;
+    let check = Check::new(&suite, &plan, circumstances, ending, args.shard)?;
     let run = check.ask(
         &|request, _| texture_stage::ask(&decoder, request, &guarded.scratch),
         &|_| (),
     );
     untroubled(&decoder)?;
-    check.conclude(run, OtherRemarks::default())
+    Ok(check.conclude(run, OtherRemarks::default())?)
 }
 
-/// A run against somebody, and where it is written.
-struct Check<'a, C: Reported> {
-    suite: &'a Suite<C>,
-    plan: &'a RunPlan<C>,
-    circumstances: Circumstances,
-    ending: Ending<'a>,
-    partial: Partial,
-    progress: ProgressLine,
-    /// Whether the decoder could have a serve mode.
-    may_serve: bool,
-    /// What keeps the answers, where this is a part of a run.
-    keeper: Option<(Shard, Keeper<C>)>,
-}
-
-impl<'a, C: Reported> Check<'a, C> {
-    fn new(
-        args: &'a CheckArgs,
-        suite: &'a Suite<C>,
-        plan: &'a RunPlan<C>,
-        circumstances: Circumstances,
-    ) -> Result<Check<'a, C>, String> {
-        let path = beside(&args.report);
-        let keeper = args
-            .shard
-            .map(|shard| Keeper::new(&path).map(|keeper| (shard, keeper)))
-            .transpose();
-        Ok(Check {
-            suite,
-            plan,
-            circumstances,
-            ending: Ending {
-                path: &args.report,
-                show: args.show,
-                renderings: &args.renderings,
-                args: &args.known,
-                known: args.known.read(suite)?,
-            },
-            partial: Partial::new(&args.report)?,
-            progress: ProgressLine::new("meeting the decoder"),
-            may_serve: args.cmd.is_none() && C::SUITE == SuiteName::Ptm,
-            keeper: keeper.map_err(|error| format!("{}: {error}", path.display()))?,
-        })
-    }
-
-    /// First contact, cases, verdicts.
-    fn ask(&self, ask: &Ask<C>, look: &dyn Fn(&mut Contact<C>)) -> Run<C> {
-        let keeper = self.keeper.as_ref().map(|(_, keeper)| keeper);
-        let recording = |request: &Request<'_, C::View>, job: usize| {
-            let reply = ask(request, job);
-            if let Some(keeper) = keeper {
-                keeper.answered(request, &reply);
-            }
-            reply
-        };
-        let began = Instant::now();
-        let mut session = Session::new(self.suite, self.plan, &recording);
-        let mut contact = session.first_contact();
-        let pace = began.elapsed().div_f64(session.asked().max(1) as f64);
-        look(&mut contact);
-        if contact.is_ready() {
-            let assumed = &self.circumstances.assumed;
-            undo_common_transforms(self.suite, &mut session, &mut contact, assumed);
-        }
-        let observations = self.ask_soonest_first(&session, &contact, pace);
-        self.progress.begin("asking again");
-        let again = |done, all| self.progress.show(done, all);
-        let run = session.verdicts(contact, observations, &again);
-        // One signal ends the calls, another one the search for causes.
-        self.plan.stop.store(false, Ordering::Relaxed);
-        run
-    }
-
-    /// The smoke subset, its likely causes, and the rest. A request takes about as long as `pace`.
-    fn ask_soonest_first(
-        &self,
-        session: &Session<C>,
-        contact: &Contact<C>,
-        pace: Duration,
-    ) -> Vec<Option<Observation<C>>> {
-        let keeper = self.keeper.as_ref().map(|(_, keeper)| keeper);
-        let (soonest, others) = session.agenda(contact);
-        let all = soonest.len() + others.len();
-        let done = AtomicUsize::new(0);
-        let progress = |case: &C, observation: &Observation<C>, _: usize, _: usize| {
-            let view = observation.view.to_string();
-            self.partial
-                .append(case.id(), &view, observation.response.name());
-            // What was changed before it was compared is kept as it came.
-            if let Some(keeper) = keeper.filter(|_| !session.undoes_changes()) {
-                keeper.observed(case, observation);
-            }
-            if observation.is_wrong_for(case) {
-                self.progress.one_wrong();
-            }
-            self.progress
-                .show(done.fetch_add(1, Ordering::Relaxed) + 1, all);
-        };
-        let mut observations = vec![None; self.suite.cases.len()];
-        // A short run is over before its first causes would be read.
-        if soonest.is_empty() || others.len() < SHORT {
-            let all = [soonest, others].concat();
-            self.progress.begin("asking");
-            session.ask_some(contact, &all, &mut observations, &progress);
-            return observations;
-        }
-        self.foretell(pace, soonest.len(), all);
-        self.progress.begin("asking the smoke subset:");
-        session.ask_some(contact, &soonest, &mut observations, &progress);
-        if !session.is_over() {
-            let run = session.so_far(contact, &soonest, &observations);
-            let patience = pace.mul_f64(all as f64 / 10.0).max(LEAST_PATIENCE);
-            self.tell_first_causes(run, patience);
-        }
-        self.progress.begin("asking");
-        session.ask_some(contact, &others, &mut observations, &progress);
-        observations
-    }
-
-    /// Says beforehand how long a slow decoder will take.
-    fn foretell(&self, pace: Duration, soonest: usize, all: usize) {
-        let of = |count: usize| progress::in_words(pace.mul_f64(count as f64));
-        if pace.mul_f64(all as f64) < LONG {
-            return;
-        }
-        let faster = match self.circumstances.serves || !self.may_serve {
-            true => "",
-            false => {
-                "\nFaster: serve mode, in which one process answers all requests. See docs/check.md; it takes a loop around what you have."
-            }
-        };
-        self.progress.say(&format!(
-            "{all} requests will take about {}; the first causes come after {soonest}, in about {}.{faster}",
-            of(all),
-            of(soonest),
-        ));
-    }
-
-    /// What the smoke subset shows, if it is found out in time: half a search may name what the rest of it denies.
-    fn tell_first_causes(&self, mut run: Run<C>, patience: Duration) {
-        let assumed = &self.circumstances.assumed;
-        let stop = Arc::new(AtomicBool::new(false));
-        run.stop = Arc::clone(&stop);
-        let what = "searching for first causes";
-        self.progress.begin_counted(what, &run.searched, MAX_WORK);
-        let causes = within(patience, &stop, &self.plan.stop, || {
-            first_causes(self.suite, &run, |run| {
-                C::diagnose(self.suite, run, assumed, self.plan.jobs)
-            })
-        });
-        if stop.load(Ordering::Relaxed) {
-            return;
-        }
-        if let Some(text) = first_causes_to_text(&run, &causes) {
-            self.progress.say(&text);
-        }
-    }
-
-    /// Report, causes.
-    fn conclude(self, mut run: Run<C>, others: OtherRemarks) -> Result<u8, String> {
-        let Check {
-            suite,
-            plan,
-            circumstances,
-            ending,
-            progress,
-            ..
-        } = self;
-        progress.begin("writing the report");
-        let mut report = verdicts(suite, &mut run, &circumstances, &others, plan.jobs)?;
-        // The verdicts do not wait for the search for causes: it may take long, or fail.
-        ending.write(suite, &run, &mut report)?;
-        let assumed = circumstances.assumed.clone();
-        if let Some((shard, keeper)) = self.keeper {
-            let end = End::of(
-                suite,
-                plan,
-                &run,
-                &report.tool,
-                shard,
-                circumstances,
-                others,
-            );
-            let kept = keeper.finish(end);
-            kept.map_err(|error| format!("{}: {error}", beside(ending.path).display()))?;
-        }
-        progress.begin_counted("searching for causes", &run.searched, MAX_WORK);
-        let report = causes(suite, &run, report, |run| {
-            let found = C::diagnose(suite, run, &assumed, plan.jobs);
-            if let Some(time) = found.cpu_time
-                && !found.diagnoses.is_empty()
-            {
-                progress.say(&cost_to_text(found.answered, time));
-            }
-            found
-        });
-        drop(progress);
-        let status = ending.finish(suite, &run, report)?;
-        self.partial.remove();
-        Ok(status)
-    }
-}
-
-/// Returns the cost of a search for causes as a sentence.
-fn cost_to_text(answers: usize, cpu_time: Duration) -> String {
-    let seconds = cpu_time.as_secs_f64();
-    format!("searched for causes: {answers} answers compared in {seconds:.1} s of CPU time")
-}
-
-/// Does the work, and lets it `stop` when it has taken this long, or the user wants an `end`.
-fn within<T>(
-    patience: Duration,
-    stop: &AtomicBool,
-    end: &AtomicBool,
-    work: impl FnOnce() -> T,
-) -> T {
-    let (working, ended) = mpsc::channel::<()>();
-    let began = Instant::now();
-    std::thread::scope(|scope| {
-        scope.spawn(move || {
-            while ended.recv_timeout(Duration::from_millis(20)) == Err(RecvTimeoutError::Timeout) {
-                if began.elapsed() > patience || end.load(Ordering::Relaxed) {
-                    return stop.store(true, Ordering::Relaxed);
-                }
-            }
-        });
-        let result = work();
-        drop(working);
-        result
-    })
-}
-
-/// The cases that are selected, or word that none is.
+/// Returns the cases that are selected; it is a failure if there are none.
 fn selected<C: TestCase>(
     args: &CheckArgs,
     suite: &Suite<C>,
     among: &[bool],
-) -> Result<Option<Vec<bool>>, String> {
+) -> Result<Vec<bool>, Failed> {
     let selected = args.selection(suite, among)?;
-    let any = selected.contains(&true);
-    if !any {
-        let ids = || suite.cases.iter().map(TestCase::id);
-        let meant = (args.cases.iter()).map(|name| did_you_mean(name, ids()));
-        super::output::complain(&format!(
-            "ptm-conform: no case matches what --case, --clause and --shard ask for{}; ptm-conform explain 2.5 lists clauses and cases",
-            meant.collect::<String>()
-        ));
+    if selected.contains(&true) {
+        return Ok(selected);
     }
-    Ok(any.then_some(selected))
-}
-
-/// The smoke subset where that is asked for, else all.
-fn smoke(args: &CheckArgs, suite: &Suite) -> Result<Vec<bool>, String> {
-    match args.smoke {
-        true => smoke::selection(suite),
-        false => Ok(vec![true; suite.cases.len()]),
-    }
+    let ids = || suite.cases.iter().map(TestCase::id);
+    let meant = (args.cases.iter()).map(|name| did_you_mean(name, ids()));
+    let meant: String = meant.collect();
+    Err(Failed::new(
+        EXIT_NOTHING_SELECTED,
+        &format!(
+            "no case matches what --case, --clause and --shard ask for{meant}; ptm-conform explain 2.5 lists clauses and cases"
+        ),
+    ))
 }
 
 /// Options that mean nothing where texture questions are asked.
@@ -469,32 +224,14 @@ fn refuse_options_of_files(args: &CheckArgs) -> Result<(), String> {
     }
 }
 
-/// Puts the limits of the command line on a program.
-fn limit(decoder: &mut Decoder, args: &CheckArgs, stop: &Arc<AtomicBool>) -> Result<(), String> {
-    decoder.timeout = positive_seconds(args.timeout)?;
-    decoder.memory = args.memory;
-    decoder.stop = Arc::clone(stop);
-    Ok(())
-}
-
-/// Puts the limits on the program, if there is one, and asks what it says of itself and what there is to note about that.
-fn introduce(
-    subject: &mut Subject,
-    args: &CheckArgs,
-    stop: &Arc<AtomicBool>,
-    scratch: &Scratch,
-) -> Result<(Capabilities, Vec<Remark>), String> {
+/// Asks a program what it says about itself; most say nothing.
+fn capabilities(subject: &mut Subject, args: &CheckArgs, scratch: &Scratch) -> Capabilities {
     let Answers::Program(decoder) = &mut subject.answers else {
-        return Ok((Capabilities::default(), Vec::new()));
+        return Capabilities::default();
     };
-    limit(decoder, args, stop)?;
-    // Most decoders say nothing of themselves.
     let capabilities = decoder.capabilities(scratch).unwrap_or_default();
     decoder.reject_exit = args.reject_exit.or(capabilities.reject_exit);
-    let notes = capabilities.remarks.iter();
-    let notes = notes.map(|says| Remark::note(format!("capabilities: {says}")));
-    let notes = notes.collect();
-    Ok((capabilities, notes))
+    capabilities
 }
 
 fn plan(
@@ -533,14 +270,8 @@ fn comma(suite: &Suite, run: &Run, subject: &Subject, scratch: &Scratch) -> Opti
 /// Why no case is asked of a decoder whose wrapper spoils what it answers.
 const FIX_THE_WRAPPER: &str = "the run ended at first contact: what is wrong with the wrapper has to be fixed before cases say anything";
 
-/// Where fewer cases than these follow the smoke subset, nothing is said between.
-const SHORT: usize = 200;
-
-/// The search for first causes may take a tenth of the run, or this long.
-const LEAST_PATIENCE: Duration = Duration::from_secs(2);
-
-/// A run that takes longer is foretold.
-const LONG: Duration = Duration::from_secs(60);
-
 /// What is said of a decoder whose processes never answered.
 const NOT_SERVED: &str = "serve mode does not work: its first requests went unanswered, and all others were asked of a process of their own";
+
+/// How a decoder that starts slowly can answer faster.
+const SERVE_MODE_IS_FASTER: &str = "\nFaster: serve mode, in which one process answers all requests. See docs/check.md; it takes a loop around what you have.";

@@ -1,14 +1,14 @@
 //! The arguments of `check`, and what follows of them alone.
 
 use std::ffi::OsString;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use clap::Args;
 
-use super::arguments::{globs, parse_refusal, parse_size};
-use super::files::can_be_written;
-use super::known_failures::KnownFailureArgs;
-use super::renderings::RenderingArgs;
+use super::arguments::{
+    globs, memory_limit_to_text, parse_refusal, parse_size, time_limit_to_text,
+};
+use super::ending::OutputArgs;
 use ptm_conform::protocol::frame::ViewKind;
 use ptm_conform::report::shards::Shard;
 use ptm_conform::runner::processes;
@@ -99,9 +99,7 @@ pub struct CheckArgs {
     #[arg(long, value_name = "SOCKET", hide = true, conflicts_with_all = ["decoder", "cmd", "serve", "one_shot", "outputs", "files", "shard"])]
     pub caller: Option<PathBuf>,
     #[command(flatten)]
-    pub renderings: RenderingArgs,
-    #[command(flatten)]
-    pub known: KnownFailureArgs,
+    pub written: OutputArgs,
     /// Failures to print in full; the report has all of them.
     #[arg(long, value_name = "N", default_value_t = 10)]
     pub show: usize,
@@ -127,20 +125,6 @@ impl CheckArgs {
                 "check: no decoder follows --; try: ptm-conform check -- python3 decode.py (without -- and a decoder, check runs the built-in reference)"
                     .to_owned(),
             );
-        }
-        Ok(())
-    }
-
-    /// Refuses before long work what cannot be written, or would be written twice.
-    pub fn check_outputs(&self) -> Result<(), String> {
-        let report = [self.report.as_path()].into_iter();
-        let renderings = report.chain(self.renderings.files());
-        let outputs: Vec<&Path> = renderings.chain(self.known.written()).collect();
-        for (i, path) in outputs.iter().enumerate() {
-            can_be_written(path)?;
-            if outputs[..i].contains(path) {
-                return Err(format!("{} is to be written twice", path.display()));
-            }
         }
         Ok(())
     }
@@ -175,26 +159,15 @@ impl CheckArgs {
         if self.caller.is_some() {
             return vec!["none: the decoder is a function of the calling process".to_owned()];
         }
-        let watched = processes::can_be_watched();
-        let memory = if watched {
-            format!(
-                "memory: {} MiB, the resident sets of a call's processes, sampled",
-                self.memory >> 20
-            )
-        } else {
-            "memory: not limited, because this system has no /proc".to_owned()
-        };
-        let left = if watched {
-            "processes: the group of a call, and what has left it, are killed when the call is over"
-        } else {
-            "processes: the group of a call is killed when the call is over"
+        let left = match processes::can_be_watched() {
+            true => {
+                "processes: the group of a call, and what has left it, are killed when the call is over"
+            }
+            false => "processes: the group of a call is killed when the call is over",
         };
         let mut limits = vec![
-            format!(
-                "wall clock: {} s a call, three times that for the first",
-                self.timeout
-            ),
-            memory,
+            time_limit_to_text(self.timeout),
+            memory_limit_to_text(self.memory),
             "standard output: 4 times the largest frame of the file and 64 KiB".to_owned(),
             "files: 4 GiB each, no core dumps".to_owned(),
             left.to_owned(),

@@ -3,29 +3,23 @@
 use std::ffi::OsString;
 use std::path::PathBuf;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::AtomicBool;
 
 use clap::Args;
 
-use super::EXIT_NOTHING_SELECTED;
-use super::arguments::{globs, parse_size, positive_seconds};
-use super::ending::Ending;
-use super::files::can_be_written;
+use super::arguments::{globs, limit, memory_limit_to_text, parse_size, time_limit_to_text};
+use super::driver::Check;
+use super::ending::{Ending, OutputArgs};
 use super::guard::{Guarded, stop_on_signals, untroubled};
-use super::known_failures::KnownFailureArgs;
-use super::output::{complain, jobs, progress_bar, show_progress, spinner};
-use super::partial::Partial;
-use super::renderings::RenderingArgs;
+use super::output::jobs;
 use super::subject;
+use super::{CommandResult, EXIT_NOTHING_SELECTED, Failed};
 use ptm_conform::ptm::Format;
-use ptm_conform::report::conclude::{causes, verdicts};
 use ptm_conform::report::shards::{Circumstances, OtherRemarks};
 use ptm_conform::runner::processes;
 use ptm_conform::runner::run::{Decoder, Request};
-use ptm_conform::runner::scratch::Scratch;
 use ptm_conform::runner::template::Template;
 use ptm_conform::session::plan::{Repeat, RunPlan};
-use ptm_conform::session::run::{Run, Session};
 use ptm_conform::suite::cases::Suite;
 use ptm_conform::writers::asking::{self, VALUES, WritingCase};
 use ptm_conform::writers::fitting::pictures::PictureSet;
@@ -83,9 +77,7 @@ pub struct CheckWriterArgs {
     #[arg(long, value_name = "TEMPLATE", conflicts_with = "writer")]
     cmd: Option<String>,
     #[command(flatten)]
-    renderings: RenderingArgs,
-    #[command(flatten)]
-    known: KnownFailureArgs,
+    written: OutputArgs,
     /// Failures to print in full; the report has all of them.
     #[arg(long, value_name = "N", default_value_t = 10)]
     show: usize,
@@ -94,17 +86,14 @@ pub struct CheckWriterArgs {
     writer: Vec<OsString>,
 }
 
-/// The largest file that a writer may write: far more than any request needs, and little enough to be written in vain.
-pub const LARGEST_FILE: u64 = 64 << 20;
+/// The largest file that a writer may write; no request needs nearly as much.
+pub const MAX_FILE_SIZE: u64 = 64 << 20;
 
 /// Runs the suite of requests.
-pub fn run(args: &CheckWriterArgs) -> Result<u8, String> {
+pub fn run(args: &CheckWriterArgs) -> CommandResult {
     let stop = stop_on_signals()?;
-    processes::prepare_for(LARGEST_FILE);
-    let written = args.renderings.files().chain(args.known.written());
-    for path in [args.report.as_path()].into_iter().chain(written) {
-        can_be_written(path)?;
-    }
+    processes::prepare_for(MAX_FILE_SIZE);
+    args.written.check(&args.report)?;
     if args.fitter {
         let own = args.lp.as_deref().map(PictureSet::read).transpose()?;
         check(args, &Suite::of_photographs(own.as_ref()), &stop)
@@ -118,11 +107,11 @@ fn check<C: WritingCase>(
     args: &CheckWriterArgs,
     suite: &Suite<C>,
     stop: &Arc<AtomicBool>,
-) -> Result<u8, String> {
+) -> CommandResult {
     let selected = args.selected(suite)?;
     if !selected.contains(&true) {
-        complain("ptm-conform: no request matches what --case, --format and --smoke ask for");
-        return Ok(EXIT_NOTHING_SELECTED);
+        let says = "no request matches what --case, --format and --smoke ask for";
+        return Err(Failed::new(EXIT_NOTHING_SELECTED, says));
     }
     let (writer, words) = args.writer(C::VERB, stop)?;
     let plan = RunPlan {
@@ -131,60 +120,21 @@ fn check<C: WritingCase>(
         stop: Arc::clone(stop),
         ..RunPlan::of(suite, jobs(args.jobs)?)
     };
-    let ending = Ending {
-        path: &args.report,
-        show: args.show,
-        renderings: &args.renderings,
-        args: &args.known,
-        known: args.known.read(suite)?,
-    };
-    let partial = Partial::new(&args.report)?;
+    let ending = Ending::new(suite, &args.report, args.show, &args.written)?;
     let guarded = Guarded::new()?;
-
-    let mut run = ask(suite, &plan, &writer, &guarded.scratch, &partial);
-    untroubled(&writer)?;
     let circumstances = Circumstances {
         limits: args.limits(),
         ..Circumstances::of(suite, &plan, &words, &[])
     };
-    let others = OtherRemarks::default();
-    let mut report = verdicts(suite, &mut run, &circumstances, &others, plan.jobs)?;
-    ending.write(suite, &run, &mut report)?;
-    let spinner = spinner("looking for causes");
-    let report = causes(suite, &run, report, |run| {
-        C::diagnose(suite, run, &[], plan.jobs)
-    });
-    spinner.finish_and_clear();
-    let status = ending.finish(suite, &run, report)?;
-    partial.remove();
-    Ok(status)
-}
-
-/// First contact, requests, verdicts.
-fn ask<C: WritingCase>(
-    suite: &Suite<C>,
-    plan: &RunPlan<C>,
-    writer: &Decoder,
-    scratch: &Scratch,
-    partial: &Partial,
-) -> Run<C> {
+    let check = Check::new(suite, &plan, circumstances, ending, None)?;
     let ask = |request: &Request<'_, WriteView>, _: usize| {
         let case = suite.case(request.name).expect("a case of this suite");
-        asking::ask(writer, case, request.timeout_factor, scratch)
+        asking::ask(&writer, case, request.timeout_factor, &guarded.scratch)
     };
-    let bar = progress_bar();
-    let session = Session::new(suite, plan, &ask);
-    let contact = session.first_contact();
-    let observations = session.ask_cases(&contact, &|case, observation, done, all| {
-        partial.append(case.id(), "write", observation.response.name());
-        show_progress(&bar, done, all);
-    });
-    let mut run = session.verdicts(contact, observations, &|_, _| ());
-    bar.finish_and_clear();
-    // One signal ends the calls, another one the search for causes.
-    plan.stop.store(false, Ordering::Relaxed);
+    let mut run = check.ask(&ask, &|_| ());
+    untroubled(&writer)?;
     asking::reword(&mut run);
-    run
+    Ok(check.conclude(run, OtherRemarks::default())?)
 }
 
 impl CheckWriterArgs {
@@ -207,33 +157,21 @@ impl CheckWriterArgs {
             let writer = Decoder::with_template(template).map_err(|error| error.to_string())?;
             (writer, shlex::split(text).unwrap_or_default())
         } else {
-            let (program, words) = subject::program(&self.writer)?;
-            (program.as_writer(verb), words)
+            let program = subject::program(&self.writer)?;
+            (program.as_writer(verb), subject::words_of(&self.writer)?)
         };
-        writer.timeout = positive_seconds(self.timeout)?;
-        writer.memory = self.memory;
-        writer.stop = Arc::clone(stop);
+        limit(&mut writer, self.timeout, self.memory, stop)?;
         Ok((writer, words))
     }
 
     /// The limits in force, in words.
     fn limits(&self) -> Vec<String> {
-        let memory = match processes::can_be_watched() {
-            true => format!(
-                "memory: {} MiB, the resident sets of a call's processes, sampled",
-                self.memory >> 20
-            ),
-            false => "memory: not limited, because this system has no /proc".to_owned(),
-        };
         vec![
-            format!(
-                "wall clock: {} s a call, three times that for the first",
-                self.timeout
-            ),
-            memory,
+            time_limit_to_text(self.timeout),
+            memory_limit_to_text(self.memory),
             "the file: twice the bytes of its planes and 64 KiB; larger ones are not read"
                 .to_owned(),
-            format!("files: {} MiB each, no core dumps", LARGEST_FILE >> 20),
+            format!("files: {} MiB each, no core dumps", MAX_FILE_SIZE >> 20),
             "input: the request and its files are held against their bytes after the call"
                 .to_owned(),
         ]

@@ -36,13 +36,6 @@ pub enum Met {
     Unreadable(PathBuf, io::Error),
 }
 
-/// A folder whose entries are being handed out.
-struct Folder {
-    path: PathBuf,
-    entries: Option<ReadDir>,
-    chunk: VecDeque<io::Result<(OsString, FileType)>>,
-}
-
 /// What was named, and where.
 pub enum Source {
     /// On the command line: read whatever it is, a pipe too.
@@ -51,121 +44,97 @@ pub enum Source {
     Listed(PathBuf),
 }
 
-/// A walk through everything that was named.
-pub struct Walk<N> {
-    named: N,
-    folders: Vec<Folder>,
+/// The entries of a folder.
+type Entries = Box<dyn Iterator<Item = io::Result<(OsString, FileType)>> + Send>;
+
+/// Something that a walk meets; the error is a folder to enter.
+type WalkStep = Result<Met, PathBuf>;
+
+/// Returns all files that are named, and the files of folders; with `recursive` those of the folders inside too.
+pub fn walk(
+    mut named: impl Iterator<Item = Source> + Send,
     recursive: bool,
-}
-
-impl<N: Iterator<Item = Source>> Walk<N> {
-    /// Files, and the files of folders; with `recursive` those of the folders inside too.
-    pub fn new(named: N, recursive: bool) -> Walk<N> {
-        Walk {
-            named,
-            folders: Vec::new(),
-            recursive,
-        }
-    }
-
-    /// Enters a folder, or says why not.
-    fn enter(&mut self, path: PathBuf) -> Option<Met> {
-        match fs::read_dir(&path) {
-            Ok(entries) => {
-                self.folders.push(Folder {
-                    path,
-                    entries: Some(entries),
-                    chunk: VecDeque::new(),
-                });
-                None
-            }
-            Err(error) => Some(Met::Unreadable(path, error)),
-        }
-    }
-
-    /// What is named, links followed; nothing where it is a folder.
-    fn meet_named(&mut self, named: &Source) -> Option<Met> {
-        let (Source::Directly(path) | Source::Listed(path)) = named;
-        match (fs::metadata(path), named) {
-            (Ok(data), _) if data.is_dir() => self.enter(path.clone()),
-            // To open a pipe is to wait for whoever writes to it.
-            (Ok(data), Source::Listed(_)) if !data.is_file() => {
-                Some(Met::Skipped(path.clone(), NO_FILE))
-            }
-            _ => Some(Met::File(path.clone())),
-        }
-    }
-
-    /// What an entry of a folder is; nothing where the walk goes on elsewhere.
-    fn meet(&mut self, path: PathBuf, kind: FileType) -> Option<Met> {
-        if kind.is_symlink() {
-            Some(Met::Skipped(path, "a symbolic link, which is not followed"))
-        } else if kind.is_file() {
-            Some(Met::File(path))
-        } else if !kind.is_dir() {
-            Some(Met::Skipped(path, NO_FILE))
-        } else if self.recursive {
-            self.enter(path)
-        } else {
-            None
-        }
-    }
-}
-
-impl<N: Iterator<Item = Source>> Iterator for Walk<N> {
-    type Item = Met;
-
-    fn next(&mut self) -> Option<Met> {
+) -> impl Iterator<Item = Met> + Send {
+    let mut folders: Vec<(PathBuf, Entries)> = Vec::new();
+    std::iter::from_fn(move || {
         loop {
-            let Some(folder) = self.folders.last_mut() else {
-                let named = self.named.next()?;
-                match self.meet_named(&named) {
-                    Some(met) => return Some(met),
-                    None => continue,
+            let step = match folders.last_mut() {
+                None => meet_named(named.next()?),
+                Some((path, entries)) => {
+                    let Some(entry) = entries.next() else {
+                        folders.pop();
+                        continue;
+                    };
+                    meet(path, entry)
                 }
             };
-            let met = match folder.next() {
-                None => {
-                    self.folders.pop();
-                    None
-                }
-                Some(Ok((name, kind))) => {
-                    let path = folder.path.join(name);
-                    self.meet(path, kind)
-                }
-                Some(Err(error)) => Some(Met::Unreadable(folder.path.clone(), error)),
-            };
-            if met.is_some() {
-                return met;
+            match step {
+                Ok(met) => return Some(met),
+                Err(_) if !recursive && !folders.is_empty() => {}
+                Err(path) => match fs::read_dir(&path) {
+                    Ok(folder) => folders.push((path, Box::new(sorted(folder)))),
+                    Err(error) => return Some(Met::Unreadable(path, error)),
+                },
             }
         }
+    })
+}
+
+/// Returns what is named; links are followed.
+fn meet_named(named: Source) -> WalkStep {
+    let is_listed = matches!(named, Source::Listed(_));
+    let (Source::Directly(path) | Source::Listed(path)) = named;
+    match fs::metadata(&path) {
+        Ok(data) if data.is_dir() => Err(path),
+        // To open a pipe is to wait for whoever writes to it.
+        Ok(data) if is_listed && !data.is_file() => Ok(Met::Skipped(path, NO_FILE)),
+        _ => Ok(Met::File(path)),
     }
 }
 
-impl Iterator for Folder {
-    type Item = io::Result<(OsString, FileType)>;
-
-    fn next(&mut self) -> Option<Self::Item> {
-        if self.chunk.is_empty()
-            && let Some(entries) = &mut self.entries
-        {
-            let named = |entry: io::Result<fs::DirEntry>| {
-                let entry = entry?;
-                Ok((entry.file_name(), entry.file_type()?))
-            };
-            let mut chunk: Vec<_> = entries.take(CHUNK).map(named).collect();
-            // Closed as soon as all is known, so that a deep walk holds no folder open.
-            if chunk.len() < CHUNK {
-                self.entries = None;
-            }
-            chunk.sort_by(|a, b| match (a, b) {
-                (Ok((a, _)), Ok((b, _))) => a.cmp(b),
-                (a, b) => a.is_ok().cmp(&b.is_ok()),
-            });
-            self.chunk = chunk.into();
+/// Returns what an entry of a folder is.
+fn meet(folder: &Path, entry: io::Result<(OsString, FileType)>) -> WalkStep {
+    match entry {
+        Ok((name, kind)) if kind.is_symlink() => {
+            let why = "a symbolic link, which is not followed";
+            Ok(Met::Skipped(folder.join(name), why))
         }
-        self.chunk.pop_front()
+        Ok((name, kind)) if kind.is_file() => Ok(Met::File(folder.join(name))),
+        Ok((name, kind)) if kind.is_dir() => Err(folder.join(name)),
+        Ok((name, _)) => Ok(Met::Skipped(folder.join(name), NO_FILE)),
+        Err(error) => Ok(Met::Unreadable(folder.to_owned(), error)),
     }
+}
+
+/// Returns the entries of a folder, sorted by name in chunks. The folder is closed as soon as all is known, so that a deep
+/// walk holds no folder open.
+fn sorted(folder: ReadDir) -> impl Iterator<Item = io::Result<(OsString, FileType)>> + Send {
+    let (mut folder, mut chunk) = (Some(folder), VecDeque::new());
+    std::iter::from_fn(move || {
+        if chunk.is_empty()
+            && let Some(open) = &mut folder
+        {
+            chunk = next_chunk(open);
+            if chunk.len() < CHUNK {
+                folder = None;
+            }
+        }
+        chunk.pop_front()
+    })
+}
+
+/// Reads the next entries of a folder, sorted by name, those that cannot be read first.
+fn next_chunk(folder: &mut ReadDir) -> VecDeque<io::Result<(OsString, FileType)>> {
+    let named = |entry: io::Result<fs::DirEntry>| {
+        let entry = entry?;
+        Ok((entry.file_name(), entry.file_type()?))
+    };
+    let mut chunk: Vec<io::Result<_>> = folder.take(CHUNK).map(named).collect();
+    chunk.sort_by(|a, b| match (a, b) {
+        (Ok((a, _)), Ok((b, _))) => a.cmp(b),
+        (a, b) => a.is_ok().cmp(&b.is_ok()),
+    });
+    chunk.into()
 }
 
 /// The paths of a list, each ended by `end`; a line that is too long for a path ends the list.

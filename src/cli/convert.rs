@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::{CommandResult, files, output, readers};
+use super::{CommandResult, Failed, files, output, readers};
 use ptm_conform::ptm::Format;
 use ptm_conform::tools::convert::{Converted, Target, convert};
 use ptm_conform::tools::convert_for::convert_for;
@@ -63,23 +63,14 @@ pub fn run(args: &ConvertArgs) -> CommandResult {
     let readers = readers::asked(&profiles, &args.readers)?;
     let file = files::read(&args.file)?;
     let dissection = Dissection::of(&file);
-    let ptm = match files::map(&args.file, &dissection) {
-        Ok(ptm) => ptm,
-        Err(status) => return Ok(status),
-    };
+    let ptm = files::map(&args.file, &dissection)?;
     let converted = match target {
         Some(target) => {
             convert(&dissection, ptm, target).map(|converted| (target.format, converted))
         }
         None => convert_for(&dissection, ptm, &readers),
     };
-    let (format, converted) = match converted {
-        Ok(converted) => converted,
-        Err(why) => {
-            output::complain(&format!("ptm-conform: {why}"));
-            return Ok(1);
-        }
-    };
+    let (format, converted) = converted.map_err(|why| Failed::new(1, &why))?;
     files::write_whole(&args.output, &converted.bytes)?;
     let sizes = format!("{} -> {} bytes", file.len(), converted.bytes.len());
     output::note(&format!(
@@ -95,17 +86,10 @@ pub fn run(args: &ConvertArgs) -> CommandResult {
 fn repaired(args: &ConvertArgs) -> CommandResult {
     if args.output.symlink_metadata().is_ok() {
         let there = args.output.display();
-        return Err(format!(
-            "{there} is there already; a repaired file is a new file"
-        ));
+        return Err(format!("{there} is there already; a repaired file is a new file").into());
     }
-    let repaired = match repair(&files::read(&args.file)?) {
-        Ok(repaired) => repaired,
-        Err(why) => {
-            output::complain(&format!("ptm-conform: {}: {why}", args.file.display()));
-            return Ok(1);
-        }
-    };
+    let unrepaired = |why| Failed::new(1, &format!("{}: {why}", args.file.display()));
+    let repaired = repair(&files::read(&args.file)?).map_err(unrepaired)?;
     files::write_whole(&args.output, &repaired.bytes)?;
     for change in &repaired.changes {
         output::note(&format!("{}: {change}\n", args.output.display()));

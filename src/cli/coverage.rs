@@ -9,8 +9,9 @@ use ptm_conform::strength::matrix::matrix;
 use ptm_conform::strength::smoke;
 use ptm_conform::suite::cases::Suite;
 
+use super::CommandResult;
 use super::files::write_whole;
-use super::output::{jobs, print, progress_bar, show_progress};
+use super::output::{jobs, print, with_progress};
 
 /// Measure the suite: which clauses it covers, which misreadings it catches and tells apart, which pairs of parameters
 /// occur, which cases are redundant. Takes minutes.
@@ -28,13 +29,10 @@ pub struct CoverageArgs {
 }
 
 /// Runs every misreading, and prints what the suite makes of them.
-pub fn run(args: &CoverageArgs) -> Result<u8, String> {
+pub fn run(args: &CoverageArgs) -> CommandResult {
     let suite = Suite::load()?.prepared();
-    let bar = progress_bar();
-    let rows = matrix(&suite, jobs(args.jobs)?, &|done, all| {
-        show_progress(&bar, done, all);
-    });
-    bar.finish_and_clear();
+    let jobs = jobs(args.jobs)?;
+    let rows = with_progress(|progress| matrix(&suite, jobs, progress));
     let coverage = Coverage::new(&suite, &rows)?;
     print(&if args.yaml {
         coverage.to_yaml()?

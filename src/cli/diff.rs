@@ -36,8 +36,14 @@ pub fn run(args: &DiffArgs) -> CommandResult {
         files::map(&args.a, &a_anatomy),
         files::map(&args.b, &b_anatomy),
     );
-    let (Ok(a), Ok(b)) = (a, b) else {
-        return Ok(2);
+    let (a, b) = match (a, b) {
+        (Ok(a), Ok(b)) => (a, b),
+        (a, b) => {
+            for failed in [a.err(), b.err()].into_iter().flatten() {
+                output::complain(&failed.says);
+            }
+            return Ok(2);
+        }
     };
     let difference = diff((&a_file, a), (&b_file, b));
     if !args.machine.print(&difference)? {

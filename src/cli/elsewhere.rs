@@ -23,5 +23,6 @@ pub fn run(args: &UnsupportedArgs) -> CommandResult {
     Err(format!(
         "`check {}` limits the decoder that it runs by means that this system lacks; it works on Linux, macOS and WSL. For your own tests, `ptm-conform generate --profile standard` writes files and right answers on this system, too",
         words.join(" ")
-    ))
+    )
+    .into())
 }

@@ -1,34 +1,108 @@
-//! The end of a run, of one machine or of many: the report is written and printed in all its forms.
+//! The end of a run, on one machine or many: the report is written and printed in all its forms, and compared with a list
+//! of known failures.
 
-use std::path::Path;
+use std::fs;
+use std::io::Write;
+use std::path::{Path, PathBuf};
 
-use super::files::write_whole;
-use super::known_failures::{self, KnownFailureArgs};
+use clap::Args;
+
+use super::files::{can_be_written, write_whole};
 use super::output::{complain, print};
-use super::renderings::RenderingArgs;
 use super::terminal::show;
 use ptm_conform::report::Report;
-use ptm_conform::report::baseline::Baseline;
+use ptm_conform::report::baseline::{Baseline, BaselineNews};
+use ptm_conform::report::github;
+use ptm_conform::report::html;
+use ptm_conform::report::junit;
 use ptm_conform::report::reported::Reported;
 use ptm_conform::session::run::Run;
 use ptm_conform::suite::cases::Suite;
+use ptm_conform::suite::test_case::TestCase;
+
+/// Other forms of the report, and lists of known failures.
+#[derive(Args)]
+pub struct OutputArgs {
+    /// Also write the report as a page with pictures of every failure, for a browser; it needs no network.
+    #[arg(long, value_name = "FILE")]
+    html: Option<PathBuf>,
+    /// Also write the report as `JUnit` XML.
+    #[arg(long, value_name = "FILE")]
+    junit: Option<PathBuf>,
+    /// Write the report as JSON, too.
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+    /// Print GitHub annotations, and append the job's summary to the file named by `GITHUB_STEP_SUMMARY`.
+    #[arg(long)]
+    github: bool,
+    /// Cases that are known to fail, so that only new failures fail the run.
+    ///
+    /// A YAML list of "- id: CASE", with a "reason:" below it where there is one. A listed case that fails is known and no
+    /// failure of the run. A failing case that is not listed is new: exit status 1. If nothing is new, but a listed case
+    /// passes, the list is stale: exit status 4, with the names; remove them, or write the list again. Listed cases that
+    /// are not selected, or are unsupported, inconclusive or not judged, are left alone. An unknown or
+    /// repeated name is a usage error. The verdicts in the report do not change: a known failure is a failure.
+    #[arg(long, value_name = "FILE")]
+    baseline: Option<PathBuf>,
+    /// Write the list that makes all failures of this run known.
+    ///
+    /// It holds the cases that failed, with the reasons that --baseline gives them, and the cases of --baseline that
+    /// neither failed nor passed. It may be the same FILE. The exit status is the same with and without it. A run that ended
+    /// early, or of a program that is not a decoder, writes none.
+    #[arg(long, value_name = "FILE")]
+    write_baseline: Option<PathBuf>,
+}
+
+impl OutputArgs {
+    /// Refuses before long work a file that cannot be written, or would be written twice.
+    pub fn check(&self, report: &Path) -> Result<(), String> {
+        let others = [&self.html, &self.junit, &self.json, &self.write_baseline];
+        let others = others.into_iter().flatten().map(PathBuf::as_path);
+        let outputs: Vec<&Path> = std::iter::once(report).chain(others).collect();
+        for (i, path) in outputs.iter().enumerate() {
+            can_be_written(path)?;
+            if outputs[..i].contains(path) {
+                return Err(format!("{} is to be written twice", path.display()));
+            }
+        }
+        Ok(())
+    }
+
+    /// Returns true if there is to be a page with images.
+    pub fn has_page(&self) -> bool {
+        self.html.is_some()
+    }
+}
 
 /// Where a report goes, and in which forms.
 pub struct Ending<'a> {
     /// The report.
     pub path: &'a Path,
     /// How many failures are printed in full.
-    pub show: usize,
-    /// Other forms of it.
-    pub renderings: &'a RenderingArgs,
-    /// Lists of known failures.
-    pub args: &'a KnownFailureArgs,
-    /// The list that was given.
-    pub known: Option<Baseline>,
+    show: usize,
+    args: &'a OutputArgs,
+    known: Option<Baseline>,
 }
 
-impl Ending<'_> {
-    /// Writes the report as it stands, whole or not at all, with what is known and what is new.
+impl<'a> Ending<'a> {
+    /// Reads the list of known failures, if one is given.
+    pub fn new<C: TestCase>(
+        suite: &Suite<C>,
+        path: &'a Path,
+        show: usize,
+        args: &'a OutputArgs,
+    ) -> Result<Ending<'a>, String> {
+        let known = args.baseline.as_ref();
+        let known = known.map(|path| Baseline::read(path, suite)).transpose()?;
+        Ok(Ending {
+            path,
+            show,
+            args,
+            known,
+        })
+    }
+
+    /// Writes the report as it stands, whole or not at all, with the known and the new failures.
     pub fn write<C: Reported>(
         &self,
         suite: &Suite<C>,
@@ -40,7 +114,7 @@ impl Ending<'_> {
         write_whole(self.path, report.to_yaml()?)
     }
 
-    /// Writes and prints the report in all its forms; the exit status.
+    /// Writes and prints the report in all its forms; returns the exit status.
     pub fn finish<C: Reported>(
         &self,
         suite: &Suite<C>,
@@ -51,14 +125,87 @@ impl Ending<'_> {
         if let Some(why) = run.ended_early {
             complain(&format!("ptm-conform: {why}"));
         }
-        show(&self.renderings.printable(report.to_text(suite, self.show)));
+        let text = report.to_text(suite, self.show);
+        // The runner of GitHub takes some words of a decoder for commands.
+        show(&match self.args.github {
+            true => github::without_commands(&text),
+            false => text,
+        });
         print(&format!("report: {}\n", self.path.display()));
-        self.renderings.write(suite, &report, run)?;
-        self.args.write(suite, run, self.known.as_ref())?;
+        self.write_renderings(suite, run, &report)?;
+        self.write_baseline(suite, run)?;
         let Some(news) = report.baseline else {
             return Ok(run.exit_status());
         };
-        print(&known_failures::in_words(&news));
+        print(&news_to_text(&news));
         Ok(news.exit_status(run))
     }
+
+    /// Writes the other forms of the report that are asked for.
+    fn write_renderings<C: Reported>(
+        &self,
+        suite: &Suite<C>,
+        run: &Run<C>,
+        report: &Report,
+    ) -> Result<(), String> {
+        if let Some(path) = &self.args.html {
+            write_whole(path, html::page(suite, report, Some(run))?)?;
+            print(&format!("page: {}\n", path.display()));
+        }
+        if let Some(path) = &self.args.junit {
+            write_whole(path, junit::junit(report)?)?;
+        }
+        if let Some(path) = &self.args.json {
+            let json = serde_json::to_string(report).map_err(|error| error.to_string())?;
+            write_whole(path, json)?;
+        }
+        if self.args.github {
+            print(&github::annotations(report));
+            let summary = std::env::var_os("GITHUB_STEP_SUMMARY").filter(|path| !path.is_empty());
+            if let Some(path) = summary {
+                // The steps of a job append to one file.
+                let file = fs::OpenOptions::new().append(true).create(true).open(&path);
+                let text = github::summary(report, suite.cases.len());
+                file.and_then(|mut file| file.write_all(text.as_bytes()))
+                    .map_err(|error| format!("{}: {error}", Path::new(&path).display()))?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Writes the list of known failures again if that was asked for.
+    fn write_baseline<C: TestCase>(&self, suite: &Suite<C>, run: &Run<C>) -> Result<(), String> {
+        let Some(path) = &self.args.write_baseline else {
+            return Ok(());
+        };
+        if run.ended_early.is_some() || run.not_a_decoder.is_some() {
+            let path = path.display();
+            complain(&format!(
+                "ptm-conform: the run is incomplete, so {path} is not written"
+            ));
+            return Ok(());
+        }
+        let list = self.known.clone().unwrap_or_default();
+        write_whole(path, list.renewed(suite, &run.judgement.cases))?;
+        print(&format!("known failures: {}\n", path.display()));
+        Ok(())
+    }
+}
+
+/// Describes the failures that are not known, and the known ones that no longer fail.
+#[expect(
+    clippy::format_push_string,
+    reason = "texts are short where they are put together"
+)]
+fn news_to_text(news: &BaselineNews) -> String {
+    let mut text = format!("known failures: {}", news.known.len());
+    for (what, ids) in [
+        ("new, not in the list", &news.new),
+        ("stale, listed but passing", &news.stale),
+    ] {
+        if !ids.is_empty() {
+            text += &format!("; {what}: {}\n  {}", ids.len(), ids.join("\n  "));
+        }
+    }
+    text + "\n"
 }

@@ -3,15 +3,18 @@
 #[cfg(unix)]
 use std::collections::HashMap;
 use std::fmt::Write as _;
+#[cfg(unix)]
+use std::time::Duration;
 
 use clap::Args;
 
 use super::CommandResult;
 use super::links::page_line;
 use super::names::nearest;
-use super::terminal::show;
 #[cfg(unix)]
-use super::{output::jobs, texture};
+use super::output::{bar, jobs};
+use super::rules::{evidence_to_text, rule_to_text};
+use super::terminal::show;
 use ptm_conform::kit::digest::sha256;
 use ptm_conform::misreadings::{self, Misreading, writing};
 #[cfg(unix)]
@@ -40,7 +43,7 @@ pub fn run(args: &ExplainArgs) -> CommandResult {
         return Ok(0);
     };
     let Some(text) = explain(id)? else {
-        return Err(unknown(id, &Suite::load()?)?);
+        return Err(unknown(id, &Suite::load()?)?.into());
     };
     show(&text);
     Ok(0)
@@ -118,7 +121,7 @@ fn explain(id: &str) -> Result<Option<String>, String> {
     let clauses = clauses::clauses()?;
     let mut text = String::new();
     if let Some(case) = suite.case(id) {
-        explain_case(case, &mut text).map_err(|error| error.to_string())?;
+        text += &explain_case(case);
         text += &page_line(SuiteName::Ptm.case_page(id));
     }
     #[cfg(unix)]
@@ -156,26 +159,18 @@ fn explain(id: &str) -> Result<Option<String>, String> {
         text += &page_line(Some(address::code(known.id)));
     }
     #[cfg(unix)]
-    text.push_str(&texture::explain(id)?);
+    text.push_str(&super::texture::explain(id)?);
     Ok(Some(text).filter(|text| !text.is_empty()))
 }
 
 fn explain_clause(clause: &Clause, suite: &Suite) -> String {
     let about = |case: &&Case| case.clauses.contains(&clause.id);
-    let ruling = clause.ruling.as_ref();
-    let why = clause.why.as_ref();
-    format!(
-        "clause {}: {}{}{}\n  {}\n",
-        clause.id,
-        clause.rule,
-        ruling.map_or_else(String::new, |ruling| format!(" Ruling: {ruling}.")),
-        why.map_or_else(String::new, |why| format!(" Not tested: it {why}.")),
-        abbreviated(suite.cases.iter().filter(about), "cases")
-    )
+    let cases = abbreviated(suite.cases.iter().filter(about), "cases");
+    format!("clause {}  {cases}\n", rule_to_text(clause, "it "))
 }
 
 fn explain_ruling(ruling: &Ruling) -> String {
-    let mut text = format!(
+    let text = format!(
         "ruling {} ({:?}), clauses {}\n  open: {}\n  the reference: {}\n",
         ruling.id,
         ruling.kind,
@@ -183,11 +178,7 @@ fn explain_ruling(ruling: &Ruling) -> String {
         ruling.question.trim(),
         ruling.reading.trim()
     );
-    for also in &ruling.also {
-        let _ = writeln!(text, "  also right: {also}");
-    }
-    let _ = writeln!(text, "  evidence: {}", ruling.evidence.trim());
-    text
+    text + &evidence_to_text(ruling)
 }
 
 fn explain_misreading(misreading: &Misreading, clause: Option<&Clause>) -> String {
@@ -208,9 +199,10 @@ fn explain_misreading(misreading: &Misreading, clause: Option<&Clause>) -> Strin
 /// The cases that a decoder with this mistake fails, and what it makes of the smallest file among them.
 #[cfg(unix)]
 fn shown_by(misreading: &Misreading, suite: &Suite) -> Result<String, String> {
-    let spinner = super::output::spinner("reading every case with this mistake");
+    let bar = bar(None, "{spinner} reading every case with this mistake");
+    bar.enable_steady_tick(Duration::from_millis(200));
     let (run, _) = ask_all(suite, &[misreading], &[], jobs(None)?, &HashMap::new());
-    spinner.finish_and_clear();
+    bar.finish_and_clear();
     let failing: Vec<usize> = run.judgement.with(Outcome::Fail).collect();
     let size = |&place: &usize| {
         let spelling = cases::TableSpelling::default();
@@ -232,48 +224,43 @@ fn shown_by(misreading: &Misreading, suite: &Suite) -> Result<String, String> {
     ))
 }
 
-fn explain_case(case: &Case, out: &mut String) -> std::fmt::Result {
-    writeln!(
-        out,
-        "case {} (clauses {}): {}",
-        case.id,
-        case.clauses.join(", "),
-        case.because
-    )?;
-    writeln!(out, "  expected: {}", case.expect.name())?;
-    if let (Some(twin), Some(damage)) = (&case.twin_of, case.damage()) {
-        writeln!(out, "  it is {twin}, in which {}", damage.effect)?;
-    }
+fn explain_case(case: &Case) -> String {
+    let (id, clauses, because) = (&case.id, case.clauses.join(", "), &case.because);
     let views: Vec<String> = case.views.iter().map(ToString::to_string).collect();
-    writeln!(
-        out,
+    let built = case.build(cases::TableSpelling::default());
+    let mut lines = vec![
+        format!("case {id} (clauses {clauses}): {because}"),
+        format!("  expected: {}", case.expect.name()),
+    ];
+    if let (Some(twin), Some(damage)) = (&case.twin_of, case.damage()) {
+        lines.push(format!("  it is {twin}, in which {}", damage.effect));
+    }
+    lines.push(format!(
         "  asked in the first of these views that the decoder offers: {}",
         views.join(", ")
-    )?;
-    if let Some(ruling) = &case.ruling {
-        writeln!(out, "  ruling: {ruling}")?;
-    }
-    let built = case.build(cases::TableSpelling::default());
-    writeln!(
-        out,
-        "  file: {} bytes, sha-256 {}",
-        built.file.len(),
-        sha256(&built.file)
-    )?;
-    for (is, bytes) in case.pieces() {
-        writeln!(out, "    {is:<40} {}", bytes.escape_ascii())?;
-    }
-    for field in &built.fields {
+    ));
+    lines.extend(
+        case.ruling
+            .iter()
+            .map(|ruling| format!("  ruling: {ruling}")),
+    );
+    let (size, digest) = (built.file.len(), sha256(&built.file));
+    lines.push(format!("  file: {size} bytes, sha-256 {digest}"));
+    let pieces = case.pieces();
+    let pieces = pieces
+        .iter()
+        .map(|(is, bytes)| format!("    {is:<40} {}", bytes.escape_ascii()));
+    lines.extend(pieces);
+    lines.extend(built.fields.iter().map(|field| {
         let bytes = &built.file[field.range.clone()];
         let shown = bytes[..bytes.len().min(24)].escape_ascii();
         let more = if bytes.len() > 24 { "…" } else { "" };
-        writeln!(
-            out,
+        format!(
             "    byte {:>5}  {:<22} {:<8} {shown}{more}",
             field.range.start, field.name, field.clause
-        )?;
-    }
-    Ok(())
+        )
+    }));
+    lines.join("\n") + "\n"
 }
 
 /// Nothing is called that; what may have been meant.

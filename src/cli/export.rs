@@ -58,14 +58,11 @@ impl ExportEncoding {
 pub fn run(args: &ExportArgs) -> CommandResult {
     let encoding = ExportEncoding::of(&args.output)?;
     if args.final_values && encoding == ExportEncoding::Png {
-        return Err("final coefficients are real numbers, which PNG cannot hold; name the output .exr or .npy".to_owned());
+        return Err("final coefficients are real numbers, which PNG cannot hold; name the output .exr or .npy".to_owned().into());
     }
     let file = files::read(&args.file)?;
     let dissection = Dissection::of(&file);
-    let ptm = match files::map(&args.file, &dissection) {
-        Ok(ptm) => ptm,
-        Err(status) => return Ok(status),
-    };
+    let ptm = files::map(&args.file, &dissection)?;
     let channels = ptm.planes.shape.channels();
     let what = match (encoding, args.final_values) {
         (ExportEncoding::Exr, _) => format!("final coefficients in {channels} float channels"),

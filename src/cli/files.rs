@@ -4,6 +4,7 @@ use std::fs;
 use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
 
+use super::Failed;
 use ptm_conform::error::Class;
 use ptm_conform::protocol::frame::{EXIT_MALFORMED, EXIT_UNSUPPORTED};
 use ptm_conform::ptm::Ptm;
@@ -58,12 +59,12 @@ fn directory_of(path: &Path) -> &Path {
         .unwrap_or(Path::new("."))
 }
 
-/// The map in a file; where there is none, says why and what to try next, and returns the exit status.
-pub fn map<'a>(path: &Path, dissection: &'a Dissection) -> Result<&'a Ptm, u8> {
+/// Returns the map in a file, or says why there is none and what to try next.
+pub fn map<'a>(path: &Path, dissection: &'a Dissection) -> Result<&'a Ptm, Failed> {
     dissection.outcome.as_ref().map_err(|error| {
-        super::output::complain(&format!("ptm-conform: {}: {error}", path.display()));
-        super::output::complain(&format!("  `ptm-conform inspect {0}` shows the file up to there, `ptm-conform lint {0}` what to fix", path.display()));
-        status(error)
+        let path = path.display();
+        let next = format!("`ptm-conform inspect {path}` shows the file up to there, `ptm-conform lint {path}` what to fix");
+        Failed::new(status(error), &format!("{path}: {error}\n  {next}"))
     })
 }
 

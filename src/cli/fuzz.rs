@@ -8,12 +8,11 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use clap::Args;
-use indicatif::{ProgressBar, ProgressStyle};
 
-use super::CommandResult;
-use super::call::CallArgs;
+use super::arguments::CallArgs;
 use super::guard::{Guarded, stop_on_signals, untroubled};
-use super::output::{complain, jobs, print};
+use super::output::{bar, jobs, print};
+use super::{CommandResult, Failed};
 use ptm_conform::fuzz::find::Find;
 use ptm_conform::fuzz::write::{because, write};
 use ptm_conform::fuzz::{FuzzPlan, FuzzProgress, FuzzResult, fuzz};
@@ -24,9 +23,8 @@ use ptm_conform::runner::run::Request;
 use ptm_conform::runner::serve::Servers;
 use ptm_conform::suite::cases::{Suite, TableSpelling};
 
-/// A mistake was found; the program is no decoder.
-const EXIT_FOUND: u8 = 1;
-const EXIT_NO_DECODER: u8 = 3;
+/// The template of a bar that counts calls.
+pub const CALLS: &str = "{bar:40} {pos}/{len} calls {per_sec} {elapsed}";
 
 /// Draw random files of all formats, ask a decoder for them, and keep the smallest file that shows each of its mistakes.
 ///
@@ -50,7 +48,7 @@ pub struct FuzzArgs {
     #[arg(long, value_name = "SECONDS")]
     seconds: Option<f64>,
     /// Only files of this format, such as LRGB or `JPEG_RGB`. May be given more than once.
-    #[arg(long = "format", value_name = "FORMAT", value_parser = parse_format)]
+    #[arg(long = "format", value_name = "FORMAT")]
     formats: Vec<Format>,
     /// Ask in this view only. May be given more than once.
     #[arg(long = "view", value_name = "VIEW", value_parser = ViewKind::NAMES)]
@@ -68,10 +66,6 @@ pub struct FuzzArgs {
     decoder: Vec<OsString>,
 }
 
-fn parse_format(text: &str) -> Result<Format, String> {
-    text.parse()
-}
-
 /// Draws files, asks the decoder for them, and writes what it finds.
 pub fn run(args: &FuzzArgs) -> CommandResult {
     let suite = Suite::load()?;
@@ -86,7 +80,7 @@ pub fn run(args: &FuzzArgs) -> CommandResult {
     if let Some(seconds) = args.seconds {
         stop_after(super::arguments::positive_seconds(seconds)?, &stop);
     }
-    let bar = bar(args.executions as u64);
+    let bar = bar(Some(args.executions as u64), CALLS);
     let servers = Servers::new(&decoder, scratch, plan.jobs);
     let ask = |request: &Request<'_>, job: usize| {
         let reply = match serves {
@@ -105,8 +99,7 @@ pub fn run(args: &FuzzArgs) -> CommandResult {
     bar.finish_and_clear();
     untroubled(&decoder)?;
     if let Some(why) = result.not_a_decoder {
-        complain(&format!("ptm-conform: not a decoder: {why}"));
-        return Ok(EXIT_NO_DECODER);
+        return Err(Failed::new(3, &format!("not a decoder: {why}")));
     }
     let end = match result.ended_early {
         _ if decoder.stop.load(Ordering::Relaxed) => "; the run was ended by its user",
@@ -115,11 +108,7 @@ pub fn run(args: &FuzzArgs) -> CommandResult {
         None => "",
     };
     print(&summary(&result, end));
-    Ok(if result.finds.is_empty() {
-        0
-    } else {
-        EXIT_FOUND
-    })
+    Ok(u8::from(!result.finds.is_empty()))
 }
 
 impl FuzzArgs {
@@ -168,11 +157,4 @@ fn stop_after(time: Duration, stop: &Arc<AtomicBool>) {
         std::thread::sleep(time);
         stop.store(true, Ordering::Relaxed);
     });
-}
-
-/// A bar that counts calls.
-pub fn bar(length: u64) -> ProgressBar {
-    let style = ProgressStyle::with_template("{bar:40} {pos}/{len} calls {per_sec} {elapsed}")
-        .expect("the template is well-formed");
-    ProgressBar::new(length).with_style(style)
 }

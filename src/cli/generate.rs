@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use super::names::did_you_mean;
-use super::output::{jobs, note, progress_bar, show_progress};
+use super::output::{jobs, note, with_progress};
 use super::{CommandResult, files};
 #[cfg(unix)]
 use ptm_conform::protocol::frame::ViewKind;
@@ -66,17 +66,13 @@ pub fn run(args: &GenerateArgs) -> CommandResult {
     if let Some(profile) = args.profile {
         return write_profile(&suite, profile, out, jobs(args.jobs)?);
     }
-    let largest = if args.all {
-        usize::MAX
-    } else {
-        corpus::COMMITTED
+    let largest = match args.all {
+        true => usize::MAX,
+        false => corpus::COMMITTED,
     };
-    let bar = progress_bar();
-    let entries = corpus::write(&suite, out, largest, jobs(args.jobs)?, &|done, all| {
-        show_progress(&bar, done, all);
-    });
-    bar.finish_and_clear();
-    let entries = entries.map_err(|error| error.to_string())?;
+    let jobs = jobs(args.jobs)?;
+    let entries = with_progress(|progress| corpus::write(&suite, out, largest, jobs, &progress))
+        .map_err(|error| error.to_string())?;
     let bytes: usize = entries
         .iter()
         .map(|entry| entry.bytes)
@@ -86,10 +82,9 @@ pub fn run(args: &GenerateArgs) -> CommandResult {
         "{} cases, {bytes} bytes of PTM files in {}{}\n",
         entries.len(),
         out.display(),
-        if args.all {
-            ""
-        } else {
-            "; larger files are only listed, --all writes them"
+        match args.all {
+            true => "",
+            false => "; larger files are only listed, --all writes them",
         }
     ));
     Ok(0)
@@ -115,12 +110,8 @@ fn write_case(suite: &Suite, id: &str, path: Option<&Path>) -> CommandResult {
 
 #[cfg(unix)]
 fn export_requests(suite: &Suite, view: &str, out: &Path) -> CommandResult {
-    let bar = progress_bar();
-    let count = outputs::export(suite, view, out, &|done, all| {
-        show_progress(&bar, done, all);
-    });
-    bar.finish_and_clear();
-    let count = count.map_err(|error| error.to_string())?;
+    let count = with_progress(|progress| outputs::export(suite, view, out, &progress))
+        .map_err(|error| error.to_string())?;
     let out = out.display();
     note(&format!(
         "{count} requests for {view} in {out}; next steps: {out}/README.txt\n"
@@ -129,12 +120,8 @@ fn export_requests(suite: &Suite, view: &str, out: &Path) -> CommandResult {
 }
 
 fn write_profile(suite: &Suite, profile: Profile, out: &Path, jobs: usize) -> CommandResult {
-    let bar = progress_bar();
-    let manifest = profiles::write(suite, out, profile, jobs, &|done, all| {
-        show_progress(&bar, done, all);
-    });
-    bar.finish_and_clear();
-    let manifest = manifest.map_err(|error| error.to_string())?;
+    let manifest = with_progress(|progress| profiles::write(suite, out, profile, jobs, &progress))
+        .map_err(|error| error.to_string())?;
     let answers: usize = manifest.cases.iter().map(|case| case.expected.len()).sum();
     note(&format!(
         "{} files and {answers} right answers in {}; its README.md says how to use them\n",

@@ -11,7 +11,7 @@ use serde::Serialize;
 
 use super::CommandResult;
 use super::arguments::parse_size;
-use super::collection::{Met, Opened, Room, Source, Walk, listed, open};
+use super::collection::{Met, Opened, Room, Source, listed, open, walk};
 use super::lint_rows::{RowFormat, Rows};
 use super::output::{self, Machine};
 use super::readers;
@@ -151,7 +151,7 @@ pub fn run(args: &LintArgs) -> CommandResult {
         Row { lint, ..row }
     };
     let mut worst = 0;
-    let walk = Walk::new(named(args), args.recursive);
+    let walk = walk(named(args), args.recursive);
     let walk = walk.take_while(|_| !closed.load(Relaxed));
     in_turn(walk, jobs, &work, |row| {
         let status = status(&row, &settings);
@@ -217,14 +217,14 @@ fn is_list(path: &Path) -> bool {
 
 /// A bar whose length a walk of its own finds out, so that it can say how much time is left.
 fn progress(args: &LintArgs) -> ProgressBar {
-    let bar = output::counting_bar();
+    let bar = output::bar(None, "{pos}/{len} files, {per_sec}, {eta} left");
     // A list can be read once only.
     if bar.is_hidden() || args.files.iter().any(|path| is_list(path)) {
         return bar;
     }
     let (files, recursive, counted) = (args.files.clone(), args.recursive, bar.clone());
     std::thread::spawn(move || {
-        let walk = Walk::new(files.into_iter().map(Source::Directly), recursive);
+        let walk = walk(files.into_iter().map(Source::Directly), recursive);
         let files = walk.take_while(|_| !counted.is_finished()).count();
         counted.set_length(files as u64);
     });
@@ -233,31 +233,26 @@ fn progress(args: &LintArgs) -> ProgressBar {
 
 /// Reads a file and says what there is to say of it. A mistake of ours costs the one file.
 fn look(met: Met, judge: &Judge) -> Row {
-    let unread = |path: PathBuf, bytes, reason: String, failed| Row {
-        lint: Lint::unread(&printable(path.as_os_str()), bytes, Some(reason)),
-        path,
-        failed,
+    let unread = |path: &Path, reason: String| {
+        Lint::unread(&printable(path.as_os_str()), None, Some(reason))
     };
-    let path = match met {
-        Met::File(path) => path,
-        Met::Skipped(path, why) => return unread(path, None, why.to_owned(), false),
-        Met::Unreadable(path, error) => return unread(path, None, error.to_string(), true),
+    let (path, lint, failed) = match met {
+        Met::File(path) => {
+            let judged = catch_unwind(AssertUnwindSafe(|| judge.judge(&path)));
+            let (lint, failed) = match judged {
+                Ok(Ok(lint)) => (lint, false),
+                Ok(Err(error)) => (unread(&path, error.to_string()), true),
+                Err(_) => (
+                    unread(&path, "a mistake of ptm-conform's own".to_owned()),
+                    true,
+                ),
+            };
+            (path, lint, failed)
+        }
+        Met::Skipped(path, why) => (path.clone(), unread(&path, why.to_owned()), false),
+        Met::Unreadable(path, error) => (path.clone(), unread(&path, error.to_string()), true),
     };
-    let judged = catch_unwind(AssertUnwindSafe(|| judge.judge(&path)));
-    match judged {
-        Ok(Ok(lint)) => Row {
-            path,
-            lint,
-            failed: false,
-        },
-        Ok(Err(error)) => unread(path, None, error.to_string(), true),
-        Err(_) => unread(
-            path,
-            None,
-            "a mistake of ptm-conform's own".to_owned(),
-            true,
-        ),
-    }
+    Row { path, lint, failed }
 }
 
 /// What every file is judged by.
@@ -314,13 +309,9 @@ fn list_codes(args: &LintArgs) -> CommandResult {
 
 /// `PTM-W301=error`
 fn parse_severity(text: &str) -> Result<(String, Severity), String> {
-    let words = [
-        ("error", Severity::Error),
-        ("warning", Severity::Warning),
-        ("info", Severity::Info),
-    ];
+    let severities = [Severity::Error, Severity::Warning, Severity::Info];
     let pair = text.split_once('=').and_then(|(code, level)| {
-        let severity = words.iter().find(|(word, _)| *word == level)?.1;
+        let severity = severities.into_iter().find(|one| one.name() == level)?;
         Some((code.to_owned(), severity))
     });
     pair.ok_or_else(|| {

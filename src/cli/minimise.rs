@@ -1,16 +1,15 @@
 //! `ptm-conform minimise`
 
 use std::ffi::OsString;
-use std::fmt;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
 
-use super::call::CallArgs;
-use super::fuzz::bar;
+use super::CommandResult;
+use super::arguments::CallArgs;
+use super::fuzz::CALLS;
 use super::guard::{Guarded, stop_on_signals};
-use super::output::print;
-use super::{CommandResult, EXIT_USAGE};
+use super::output::{bar, print};
 use ptm_conform::fuzz::reduce;
 use ptm_conform::protocol::frame::{Answer, Frame, View};
 use ptm_conform::runner::run::Request;
@@ -61,14 +60,14 @@ pub fn run(args: &MinimiseArgs) -> CommandResult {
         };
         decoder.ask(&request, scratch).answer
     };
-    let Some(symptom) = Symptom::of(&file, &args.view, &ask(&file)) else {
+    let Some(found) = symptom(&file, &args.view, &ask(&file)) else {
         print("the decoder answers as the reference does; there is nothing to reduce\n");
         return Ok(1);
     };
-    let bar = bar(0);
+    let bar = bar(Some(0), CALLS);
     let fails = |file: &[u8]| {
         bar.inc(1);
-        Symptom::of(file, &args.view, &ask(file)) == Some(symptom)
+        symptom(file, &args.view, &ask(file)) == Some(found)
     };
     let small = reduce::reduce(&file, &stop, &fails);
     bar.finish_and_clear();
@@ -77,12 +76,12 @@ pub fn run(args: &MinimiseArgs) -> CommandResult {
         print(
             "the failure depends on how the header is written: the file cannot be made smaller\n",
         );
-        return Ok(EXIT_USAGE);
+        return Ok(2);
     };
     let out = args.out.clone().unwrap_or_else(|| beside(&args.file));
     std::fs::write(&out, &small).map_err(|error| format!("{}: {error}", out.display()))?;
     print(&format!(
-        "{symptom}: {} bytes instead of {}, in {}\n",
+        "{found}: {} bytes instead of {}, in {}\n",
         small.len(),
         file.len(),
         out.display()
@@ -105,42 +104,19 @@ fn beside(name: &str) -> PathBuf {
     PathBuf::from(format!("{}.small.ptm", stem.to_string_lossy()))
 }
 
-/// How an answer differs from the reference's.
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum Symptom {
-    OtherPicture,
-    PictureOfMalformed,
-    LegalRefused,
-    /// A crash, a hang or another violation, by its name.
-    Violation(&'static str),
-}
-
-impl Symptom {
-    /// Nothing where the answer is right.
-    fn of(file: &[u8], view: &View, answer: &Answer) -> Option<Symptom> {
-        let expected = ptm_conform::decode(file)
-            .ok()
-            .map(|ptm| Frame::of(&ptm, view));
-        match (expected, answer) {
-            (Some(expected), Answer::Decoded(frame)) => {
-                let alike = ptm_conform::diagnose::alike(&expected, frame);
-                (!alike).then_some(Symptom::OtherPicture)
-            }
-            (None, Answer::Decoded(_)) => Some(Symptom::PictureOfMalformed),
-            (Some(_), Answer::Rejected) => Some(Symptom::LegalRefused),
-            (_, Answer::Rejected | Answer::Unsupported) => None,
-            (_, other) => Some(Symptom::Violation(other.name())),
+/// Describes how an answer differs from the reference's; returns `None` if it does not.
+fn symptom(file: &[u8], view: &View, answer: &Answer) -> Option<&'static str> {
+    let expected = ptm_conform::decode(file)
+        .ok()
+        .map(|ptm| Frame::of(&ptm, view));
+    match (expected, answer) {
+        (Some(expected), Answer::Decoded(frame)) => {
+            let alike = ptm_conform::diagnose::alike(&expected, frame);
+            (!alike).then_some("another picture")
         }
-    }
-}
-
-impl fmt::Display for Symptom {
-    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        f.write_str(match self {
-            Symptom::OtherPicture => "another picture",
-            Symptom::PictureOfMalformed => "a picture of a malformed file",
-            Symptom::LegalRefused => "a refusal of a legal file",
-            Symptom::Violation(name) => name,
-        })
+        (None, Answer::Decoded(_)) => Some("a picture of a malformed file"),
+        (Some(_), Answer::Rejected) => Some("a refusal of a legal file"),
+        (_, Answer::Rejected | Answer::Unsupported) => None,
+        (_, other) => Some(other.name()),
     }
 }

@@ -4,112 +4,95 @@
 
 #![allow(clippy::doc_markdown, reason = "help is printed as it stands")]
 
-pub mod files;
-
-pub mod output;
-
-mod terminal;
-
-mod wrapping;
-
-mod links;
-
-mod names;
+use std::path::Path;
 
 #[cfg_attr(not(unix), allow(dead_code))]
 mod arguments;
-
-#[cfg(unix)]
-mod call;
-
-#[cfg(unix)]
-pub mod guard;
-
-#[cfg(unix)]
-mod partial;
-
-#[cfg(unix)]
-mod progress;
-
-#[cfg(unix)]
-pub mod check_args;
-
 #[cfg(unix)]
 pub mod check;
-
+#[cfg(unix)]
+pub mod check_args;
 #[cfg(unix)]
 pub mod check_writer;
-
-#[cfg(unix)]
-mod ending;
-
-#[cfg(unix)]
-mod subject;
-
-#[cfg(unix)]
-mod own_files;
-
-#[cfg(unix)]
-mod known_failures;
-
-#[cfg(unix)]
-mod renderings;
-
-#[cfg(not(unix))]
-pub mod elsewhere;
-
-pub mod reference;
-
-pub mod generate;
-
-pub mod explain;
-
-#[cfg(unix)]
-pub mod probe;
-
-#[cfg(unix)]
-pub mod report;
-
-#[cfg(unix)]
-pub mod fuzz;
-
-#[cfg(unix)]
-pub mod minimise;
-
+mod collection;
+pub mod completions;
+pub mod convert;
 #[cfg(unix)]
 pub mod coverage;
-
+pub mod diff;
+#[cfg(unix)]
+mod driver;
+#[cfg(not(unix))]
+pub mod elsewhere;
+#[cfg(unix)]
+mod ending;
+pub mod explain;
+pub mod export;
+pub mod files;
+#[cfg(unix)]
+pub mod fuzz;
+pub mod generate;
+#[cfg(unix)]
+pub mod guard;
+pub mod inspect;
+mod links;
+pub mod lint;
+mod lint_rows;
+#[cfg(unix)]
+pub mod minimise;
+mod names;
+pub mod output;
+#[cfg(unix)]
+mod own_files;
+#[cfg(unix)]
+pub mod probe;
+#[cfg(unix)]
+mod progress;
+mod readers;
+pub mod reference;
+pub mod render;
+#[cfg(unix)]
+pub mod report;
+mod rules;
+#[cfg(unix)]
+pub mod site;
+#[cfg(unix)]
+mod subject;
+mod terminal;
 #[cfg(unix)]
 pub mod texture;
 
-#[cfg(unix)]
-pub mod site;
+/// The exit status of a subcommand, or why it fails.
+pub type CommandResult = Result<u8, Failed>;
 
-pub mod inspect;
+/// Why a subcommand fails.
+pub struct Failed {
+    /// What it prints to standard error.
+    pub says: String,
+    /// Its exit status.
+    pub status: u8,
+}
 
-mod collection;
+impl Failed {
+    /// Creates a failure with a sentence and an exit status.
+    pub fn new(status: u8, says: &str) -> Failed {
+        let says = format!("ptm-conform: {says}");
+        Failed { says, status }
+    }
 
-mod readers;
-
-mod lint_rows;
-
-pub mod lint;
-
-pub mod render;
-
-pub mod export;
-
-pub mod convert;
-
-pub mod diff;
-
-pub mod completions;
-
-/// What a subcommand ends with: its exit status, or a sentence for wrong usage.
-pub type CommandResult = Result<u8, String>;
+    /// Creates the failure of a file that is refused.
+    pub fn refused(path: &Path, status: u8, says: &str) -> Failed {
+        let says = format!("{}: {says}", path.display());
+        Failed { says, status }
+    }
+}
 
 /// Wrong arguments, or a file that cannot be read or written.
-pub const EXIT_USAGE: u8 = 2;
+impl From<String> for Failed {
+    fn from(says: String) -> Failed {
+        Failed::new(2, &says)
+    }
+}
 
 /// Nothing was selected, so nothing was checked.
 #[cfg(unix)]

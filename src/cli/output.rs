@@ -1,15 +1,15 @@
 //! What is printed: text, in color where that is wanted; YAML or JSON for other programs; the progress of long work.
 
+use std::borrow::Cow;
 use std::io::Write;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
-#[cfg(unix)]
-use std::time::Duration;
 
 use clap::{Args, ValueEnum};
 use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
+use terminal_size::{Height, Width};
+use textwrap::{Options, WordSeparator, WordSplitter};
 
-use super::wrapping::{columns, folded};
 use ptm_conform::kit::yaml::to_yaml;
 
 /// When to use color.
@@ -115,40 +115,49 @@ pub fn jobs(asked: Option<usize>) -> Result<usize, String> {
     }
 }
 
-/// A bar on standard error, where that is a terminal.
-pub fn progress_bar() -> ProgressBar {
-    let style = ProgressStyle::with_template("{bar:40} {pos}/{len} {elapsed}")
-        .expect("the template is well-formed");
-    if quiet() {
-        return ProgressBar::hidden();
-    }
-    ProgressBar::new(0).with_style(style)
-}
-
-/// A bar for files that are counted while the work goes on: as long as its length is not known, it shows how many are done.
-pub fn counting_bar() -> ProgressBar {
-    let bar = match quiet() {
-        true => ProgressBar::hidden(),
-        false => ProgressBar::no_length(),
+/// Returns a progress bar on standard error, if that is a terminal and progress is wanted.
+pub fn bar(length: Option<u64>, template: &str) -> ProgressBar {
+    let bar = match (quiet(), length) {
+        (true, _) => ProgressBar::hidden(),
+        (false, Some(length)) => ProgressBar::new(length),
+        (false, None) => ProgressBar::no_length(),
     };
-    let style = ProgressStyle::with_template("{pos}/{len} files, {per_sec}, {eta} left")
-        .expect("the template is well-formed");
+    let style = ProgressStyle::with_template(template).expect("the template is well-formed");
     bar.with_style(style)
 }
 
-/// Shows that work goes on whose length is not known.
-#[cfg(unix)]
-pub fn spinner(work: &'static str) -> ProgressBar {
-    if quiet() {
-        return ProgressBar::hidden();
-    }
-    let spinner = ProgressBar::new_spinner().with_message(work);
-    spinner.enable_steady_tick(Duration::from_millis(200));
-    spinner
+/// Does `work`, which reports how many of how many are done, and shows a progress bar for it.
+pub fn with_progress<T>(work: impl FnOnce(&(dyn Fn(usize, usize) + Sync)) -> T) -> T {
+    let bar = bar(Some(0), "{bar:40} {pos}/{len} {elapsed}");
+    let result = work(&|done, all| {
+        bar.set_length(all as u64);
+        bar.set_position(done as u64);
+    });
+    bar.finish_and_clear();
+    result
 }
 
-/// Moves the bar to `done` of `all`.
-pub fn show_progress(bar: &ProgressBar, done: usize, all: usize) {
-    bar.set_length(all as u64);
-    bar.set_position(done as u64);
+/// The narrowest page that text is wrapped for.
+const NARROWEST: usize = 40;
+
+/// The columns of a terminal that lines are wrapped for; none where there is no terminal.
+pub fn columns(size: Option<(Width, Height)>) -> Option<usize> {
+    size.map(|(width, _)| usize::from(width.0).max(NARROWEST))
+}
+
+/// A line that is longer than `width` in parts that are not, all but the first further in.
+pub fn folded(line: &str, width: Option<usize>) -> Vec<Cow<'_, str>> {
+    let indent = line.len() - line.trim_start_matches(' ').len();
+    // A command is copied as a whole.
+    let Some(width) = width.filter(|_| !line[indent..].starts_with("$ ")) else {
+        return vec![line.into()];
+    };
+    let hanging = " ".repeat(indent + 2);
+    let options = Options::new(width)
+        .subsequent_indent(&hanging)
+        .word_separator(WordSeparator::AsciiSpace)
+        .word_splitter(WordSplitter::NoHyphenation)
+        .break_words(false);
+    let lines = textwrap::wrap(line, options).into_iter();
+    lines.map(|line| Cow::Owned(line.into_owned())).collect()
 }

@@ -4,15 +4,16 @@ use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
+use ptm_conform::kit::yaml::to_yaml;
 use ptm_conform::protocol::frame::View;
 use ptm_conform::runner::run::{Decoder, Request};
 use ptm_conform::runner::scratch::Scratch;
 use ptm_conform::session::files::{FilesReport, check_file};
 
-use super::EXIT_NOTHING_SELECTED;
 use super::files::write_whole;
 use super::guard::untroubled;
-use super::output::{print, progress_bar, show_progress};
+use super::output::{print, with_progress};
+use super::{CommandResult, EXIT_NOTHING_SELECTED, Failed};
 
 /// Checks the PTM files of `directory` in the views that are `asked` for, or in all, and writes the `report`.
 pub fn check(
@@ -21,36 +22,30 @@ pub fn check(
     report: &Path,
     decoder: &Decoder,
     scratch: &Scratch,
-) -> Result<u8, String> {
+) -> CommandResult {
     let paths = maps_in(directory)?;
     if paths.is_empty() {
-        super::output::complain(&format!(
-            "ptm-conform: no .ptm file in {}",
-            directory.display()
-        ));
-        return Ok(EXIT_NOTHING_SELECTED);
+        let says = format!("no .ptm file in {}", directory.display());
+        return Err(Failed::new(EXIT_NOTHING_SELECTED, &says));
     }
     let views: Vec<View> = ["raw", "coef", View::ORDINARY_LIGHT]
         .iter()
-        .map(|view| view.parse::<View>())
-        .collect::<Result<_, _>>()?;
-    let views: Vec<View> = views
-        .into_iter()
+        .map(|view| view.parse::<View>().expect("a view"))
         .filter(|view| asked.is_empty() || asked.iter().any(|asked| asked == view.name()))
         .collect();
-    let bar = progress_bar();
-    let mut results = Vec::new();
-    for (i, path) in paths.iter().enumerate() {
-        let file = super::files::read(path)?;
-        let name = path.file_name().unwrap_or_default().to_string_lossy();
-        let ask = |request: &Request<'_>| decoder.ask(request, scratch);
-        results.push(check_file(&name, &file, &views, &ask));
-        untroubled(decoder)?;
-        show_progress(&bar, i + 1, paths.len());
-    }
-    bar.finish_and_clear();
-    let results = FilesReport::new(results);
-    write_whole(report, &results.to_yaml()?)?;
+    let ask = |request: &Request<'_>| decoder.ask(request, scratch);
+    let results: Result<Vec<_>, String> = with_progress(|progress| {
+        let results = paths.iter().enumerate().map(|(i, path)| {
+            let name = path.file_name().unwrap_or_default().to_string_lossy();
+            let result = check_file(&name, &super::files::read(path)?, &views, &ask);
+            untroubled(decoder)?;
+            progress(i + 1, paths.len());
+            Ok(result)
+        });
+        results.collect()
+    });
+    let results = FilesReport::new(results?);
+    write_whole(report, to_yaml(&results)?)?;
     print(&results.to_text());
     print(&format!("report: {}\n", report.display()));
     Ok(results.exit_status())

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
+use super::CommandResult;
 use ptm_conform::runner::processes;
 use ptm_conform::runner::run::Decoder;
 use ptm_conform::session::probe::{Reproduction, probe};
@@ -40,42 +41,37 @@ pub struct ProbeArgs {
     decoder: Vec<OsString>,
 }
 
-pub fn run(args: &ProbeArgs) -> Result<u8, String> {
-    if args.writer {
-        return of_writer(args);
+/// Takes the steps of a probe, and prints the checklist.
+pub fn run(args: &ProbeArgs) -> CommandResult {
+    match args.writer {
+        true => processes::prepare_for(super::check_writer::MAX_FILE_SIZE),
+        false => processes::prepare(),
     }
-    processes::prepare();
-    let mut decoder = Decoder::new(&args.decoder).map_err(|error| error.to_string())?;
-    decoder.timeout = super::arguments::positive_seconds(args.timeout)?;
+    let mut program = Decoder::new(&args.decoder).map_err(|error| error.to_string())?;
+    if args.writer {
+        program = program.as_writer("write");
+    }
+    program.timeout = super::arguments::positive_seconds(args.timeout)?;
     let guarded = super::guard::Guarded::new()?;
-    let list = probe(&args.decoder, &decoder, &guarded.scratch);
-    super::guard::untroubled(&decoder)?;
+    let list = match args.writer {
+        true => ptm_conform::writers::probe::probe(&program, &guarded.scratch)?,
+        false => probe(&args.decoder, &program, &guarded.scratch),
+    };
+    super::guard::untroubled(&program)?;
     let command = in_one_line(&args.decoder);
-    let repeat = |repeat: &Reproduction| kept(repeat, &command, &args.keep);
+    let repeat = |repeat: &Reproduction| match args.writer {
+        true => None,
+        false => kept(repeat, &command, &args.keep),
+    };
+    let next = match (list.faults(), args.writer) {
+        (0, true) => format!("ready. Next: ptm-conform check-writer -- {command}\n"),
+        (faults, true) => format!("to fix: {faults}; then probe again\n"),
+        (0, false) => format!("ready. Next: ptm-conform check -- {command}\n"),
+        (1, false) => "1 thing to fix; then probe again\n".to_owned(),
+        (faults, false) => format!("{faults} things to fix; then probe again\n"),
+    };
     super::terminal::show(&list.to_text(&repeat));
-    super::terminal::show(&match list.faults() {
-        0 => format!("ready. Next: ptm-conform check -- {command}\n"),
-        1 => "1 thing to fix; then probe again\n".to_owned(),
-        faults => format!("{faults} things to fix; then probe again\n"),
-    });
-    Ok(list.exit_status())
-}
-
-/// The checklist of a writer.
-fn of_writer(args: &ProbeArgs) -> Result<u8, String> {
-    processes::prepare_for(super::check_writer::LARGEST_FILE);
-    let program = Decoder::new(&args.decoder).map_err(|error| error.to_string())?;
-    let mut writer = program.as_writer("write");
-    writer.timeout = super::arguments::positive_seconds(args.timeout)?;
-    let guarded = super::guard::Guarded::new()?;
-    let list = ptm_conform::writers::probe::probe(&writer, &guarded.scratch)?;
-    super::guard::untroubled(&writer)?;
-    super::terminal::show(&list.to_text(&|_| None));
-    let command = in_one_line(&args.decoder);
-    super::terminal::show(&match list.faults() {
-        0 => format!("ready. Next: ptm-conform check-writer -- {command}\n"),
-        faults => format!("to fix: {faults}; then probe again\n"),
-    });
+    super::terminal::show(&next);
     Ok(list.exit_status())
 }
 

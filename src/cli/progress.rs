@@ -1,64 +1,52 @@
 //! What a run is doing, on standard error: a line that moves on a terminal, a line every half minute elsewhere.
 
+use std::fmt::Write;
 use std::io::IsTerminal;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
-use std::sync::{Arc, Mutex};
+use std::sync::{Arc, Mutex, MutexGuard};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-use indicatif::{ProgressBar, ProgressStyle};
+use indicatif::ProgressBar;
 
-use super::output::{complain, quiet};
+use super::output::{bar, complain, quiet};
 
 /// How often the line is renewed on a terminal, and how often there is a new one elsewhere.
 const TICKS: (Duration, Duration) = (Duration::from_millis(500), Duration::from_secs(30));
 
-/// A run of which so much is done is judged by it.
-const TELLING: usize = 10;
+/// The time left is estimated when so much is done.
+const MIN_DONE: usize = 10;
 
 /// What a run is doing.
 struct Doing {
     what: &'static str,
-    done: usize,
-    /// Nothing where that is not known.
+    done: Arc<AtomicUsize>,
+    /// 0 if that is not known.
     all: usize,
-    /// Counts what is done of at most `all`, instead of `done`.
-    counter: Option<Arc<AtomicUsize>>,
+    /// Whether `all` is a limit, and `done` says nothing to a user.
+    is_limit: bool,
     wrong: usize,
     since: Instant,
 }
 
 impl Doing {
     fn in_words(&self) -> String {
-        let counted = match self.all {
-            _ if self.counter.is_some() => String::new(),
-            0 => String::new(),
-            all => format!(" {} of {all}", self.done),
-        };
-        let wrong = match self.wrong {
-            0 => String::new(),
-            wrong => format!(", {wrong} wrong so far"),
-        };
-        let time = match self.left() {
-            Some(left) if self.counter.is_some() => format!(", at most {} left", in_words(left)),
-            Some(left) => format!(", about {} left", in_words(left)),
-            None => format!(", for {}", in_words(self.since.elapsed())),
-        };
-        format!("{}{counted}{wrong}{time}", self.what)
-    }
-
-    fn left(&self) -> Option<Duration> {
-        let done = match &self.counter {
-            Some(counter) => counter.load(Ordering::Relaxed),
-            None => self.done,
-        };
-        let is_known = done >= TELLING && done <= self.all;
-        is_known.then(|| {
-            self.since
-                .elapsed()
-                .mul_f64((self.all - done) as f64 / done as f64)
-        })
+        let done = self.done.load(Ordering::Relaxed);
+        let mut words = self.what.to_owned();
+        if self.all > 0 && !self.is_limit {
+            let _ = write!(words, " {done} of {}", self.all);
+        }
+        if self.wrong > 0 {
+            let _ = write!(words, ", {} wrong so far", self.wrong);
+        }
+        let elapsed = self.since.elapsed();
+        if done < MIN_DONE || done > self.all {
+            return words + ", for " + &in_words(elapsed);
+        }
+        let bound = if self.is_limit { "at most" } else { "about" };
+        let left = elapsed.mul_f64((self.all - done) as f64 / done as f64);
+        format!("{words}, {bound} {} left", in_words(left))
     }
 }
 
@@ -82,16 +70,13 @@ impl ProgressLine {
     pub fn new(what: &'static str) -> ProgressLine {
         let doing = Arc::new(Mutex::new(Doing {
             what,
-            done: 0,
+            done: Arc::default(),
             all: 0,
-            counter: None,
+            is_limit: false,
             wrong: 0,
             since: Instant::now(),
         }));
-        let bar = match quiet() {
-            true => ProgressBar::hidden(),
-            false => ProgressBar::new(0).with_style(style()),
-        };
+        let bar = bar(Some(0), "{bar:30} {msg}");
         let ticker = (!quiet()).then(|| {
             let (bar, doing) = (bar.clone(), Arc::clone(&doing));
             let (end, ended) = channel();
@@ -111,12 +96,15 @@ impl ProgressLine {
         ProgressLine { bar, doing, ticker }
     }
 
-    /// Something else begins.
+    fn doing(&self) -> MutexGuard<'_, Doing> {
+        self.doing.lock().expect("no panic while it is held")
+    }
+
+    /// Begins other work.
     pub fn begin(&self, what: &'static str) {
-        let mut doing = self.doing.lock().expect("no panic while it is held");
-        doing.what = what;
-        (doing.done, doing.all, doing.counter) = (0, 0, None);
-        doing.since = Instant::now();
+        let mut doing = self.doing();
+        (doing.done, doing.all, doing.is_limit) = (Arc::default(), 0, false);
+        (doing.what, doing.since) = (what, Instant::now());
         self.bar.set_message(what);
         self.bar.set_length(0);
         self.bar.set_position(0);
@@ -125,23 +113,22 @@ impl ProgressLine {
     /// Begins work that `counter` counts and that ends when at most `all` is done.
     pub fn begin_counted(&self, what: &'static str, counter: &Arc<AtomicUsize>, all: usize) {
         self.begin(what);
-        let mut doing = self.doing.lock().expect("no panic while it is held");
-        (doing.counter, doing.all) = (Some(Arc::clone(counter)), all);
+        let mut doing = self.doing();
+        (doing.done, doing.all, doing.is_limit) = (Arc::clone(counter), all, true);
     }
 
-    /// So many of so many are done.
+    /// Shows that `done` of `all` are done. Of concurrent callers, the one who is ahead may be first.
     pub fn show(&self, done: usize, all: usize) {
-        let mut doing = self.doing.lock().expect("no panic while it is held");
-        // Of those who report at once the one who is ahead may be first.
-        doing.done = doing.done.max(done);
+        let mut doing = self.doing();
+        let before = doing.done.fetch_max(done, Ordering::Relaxed);
         doing.all = all;
         self.bar.set_length(all as u64);
-        self.bar.set_position(doing.done as u64);
+        self.bar.set_position(before.max(done) as u64);
     }
 
     /// One more answer is wrong.
     pub fn one_wrong(&self) {
-        self.doing.lock().expect("no panic while it is held").wrong += 1;
+        self.doing().wrong += 1;
     }
 
     /// Says something between two lines of progress.
@@ -162,10 +149,6 @@ impl Drop for ProgressLine {
     }
 }
 
-fn style() -> ProgressStyle {
-    ProgressStyle::with_template("{bar:30} {msg}").expect("the template is well-formed")
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -174,10 +157,10 @@ mod tests {
     fn the_line_says_what_is_done_and_what_is_left() {
         let doing = Doing {
             what: "asking",
-            done: 100,
+            done: Arc::new(AtomicUsize::new(100)),
             all: 300,
+            is_limit: false,
             wrong: 7,
-            counter: None,
             since: (Instant::now().checked_sub(Duration::from_secs(120))).expect("it is later"),
         };
         assert_eq!(
@@ -187,7 +170,7 @@ mod tests {
         let searching = Doing {
             what: "searching for causes",
             all: 0,
-            done: 0,
+            done: Arc::default(),
             ..doing
         };
         assert_eq!(
@@ -195,7 +178,8 @@ mod tests {
             "searching for causes, 7 wrong so far, for 2 min"
         );
         let counted = Doing {
-            counter: Some(Arc::new(AtomicUsize::new(100))),
+            done: Arc::new(AtomicUsize::new(100)),
+            is_limit: true,
             all: 150,
             ..searching
         };

@@ -11,9 +11,7 @@ use ptm_conform::writers::fitting::pictures::{FORMATS, FitRequest, PictureSet};
 use ptm_conform::writers::reference::{self, NotWritten};
 use ptm_conform::writers::request::{RequestHeader, WriteRequest};
 
-#[cfg(unix)]
-use super::texture;
-use super::{EXIT_USAGE, files};
+use super::{CommandResult, Failed, files};
 
 /// Decode FILE as the reference does and print the frame: the reference speaking the decoder protocol.
 ///
@@ -33,48 +31,33 @@ pub struct Args {
 }
 
 /// Answers in the way that `args` ask for, and returns the exit status.
-pub fn run(args: &Args) -> u8 {
-    match (args.view.as_str(), &args.file) {
-        ("write", Some(request)) => match &args.out {
-            Some(out) => write(request, out),
-            None => usage("write needs a request and the file to write"),
-        },
-        ("fit", Some(request)) => match &args.out {
-            Some(out) => fit(request, out),
-            None => usage("fit needs a request and the file to write"),
-        },
-        (_, Some(_)) if args.out.is_some() => usage("a view has one file"),
-        ("serve", None) => status(serve(io::stdin().lock(), io::stdout().lock())),
-        ("capabilities", None) => status(io::stdout().write_all(capabilities().as_bytes())),
-        (_, None) => usage("a view needs a file"),
+pub fn run(args: &Args) -> CommandResult {
+    let wrong = |what: &str| Err(what.to_owned().into());
+    match (args.view.as_str(), &args.file, &args.out) {
+        ("write", Some(request), Some(out)) => write(request, out),
+        ("write", Some(_), None) => wrong("write needs a request and the file to write"),
+        ("fit", Some(request), Some(out)) => fit(request, out),
+        ("fit", Some(_), None) => wrong("fit needs a request and the file to write"),
+        (_, Some(_), Some(_)) => wrong("a view has one file"),
+        ("serve", None, _) => status(serve(io::stdin().lock(), io::stdout().lock())),
+        ("capabilities", None, _) => status(io::stdout().write_all(capabilities().as_bytes())),
+        (_, None, _) => wrong("a view needs a file"),
         #[cfg(unix)]
-        ("texture", Some(file)) => texture::answer(file),
-        (view, Some(file)) => match view.parse::<View>() {
-            Ok(view) => one(&view, file),
-            Err(error) => usage(&error),
-        },
+        ("texture", Some(file), None) => super::texture::answer(file),
+        (view, Some(file), None) => one(&view.parse()?, file),
     }
 }
 
-fn usage(what: &str) -> u8 {
-    super::output::complain(&format!("ptm-conform: {what}"));
-    EXIT_USAGE
-}
-
-fn status(outcome: io::Result<()>) -> u8 {
+fn status(outcome: io::Result<()>) -> CommandResult {
     match outcome {
-        Ok(()) => 0,
         // The reader has what it wanted.
-        Err(error) if error.kind() == io::ErrorKind::BrokenPipe => 0,
-        Err(error) => usage(&error.to_string()),
+        Err(error) if error.kind() != io::ErrorKind::BrokenPipe => Err(error.to_string().into()),
+        _ => Ok(0),
     }
 }
 
-fn one(view: &View, path: &Path) -> u8 {
-    let file = match files::read(path) {
-        Ok(file) => file,
-        Err(error) => return usage(&error),
-    };
+fn one(view: &View, path: &Path) -> CommandResult {
+    let file = files::read(path)?;
     match ptm_conform::decode::open(&file) {
         Ok(map) => {
             // In large chunks: standard output itself would look for line ends.
@@ -82,58 +65,49 @@ fn one(view: &View, path: &Path) -> u8 {
             let written = write_view(&map, view, &mut out);
             status(written.and_then(|()| out.flush()))
         }
-        Err(error) => {
-            super::output::complain(&format!("{}: {error}", path.display()));
-            files::status(&error)
-        }
+        Err(error) => Err(Failed::refused(
+            path,
+            files::status(&error),
+            &error.to_string(),
+        )),
     }
 }
 
 /// `reference write REQUEST OUT`
-fn write(path: &Path, out: &Path) -> u8 {
-    let request = files::read(path)
-        .and_then(|json| RequestHeader::read(&json))
-        .and_then(|header| {
-            let planes = files::read(Path::new(&header.planes))?;
-            header.with_planes(&planes)
-        });
-    match request {
-        Ok(request) => put(path, out, &request),
-        Err(error) => refused(path, EXIT_MALFORMED, &error),
-    }
+fn write(path: &Path, out: &Path) -> CommandResult {
+    let malformed = |error: String| Failed::refused(path, EXIT_MALFORMED as u8, &error);
+    let request = files::read(path).and_then(|json| {
+        let header = RequestHeader::read(&json)?;
+        let planes = files::read(Path::new(&header.planes))?;
+        header.with_planes(&planes)
+    });
+    put(path, out, &request.map_err(malformed)?)
 }
 
 /// `reference fit REQUEST OUT`
-fn fit(path: &Path, out: &Path) -> u8 {
+fn fit(path: &Path, out: &Path) -> CommandResult {
+    let malformed = |error: String| Failed::refused(path, EXIT_MALFORMED as u8, &error);
     let request = files::read(path).and_then(|json| FitRequest::read(&json));
-    let (format, request) = match request {
-        Ok(request) => request,
-        Err(error) => return refused(path, EXIT_MALFORMED, &error),
-    };
+    let (format, request) = request.map_err(malformed)?;
     if !FORMATS.contains(&format) {
-        return refused(path, EXIT_UNSUPPORTED, "fits are LRGB or RGB");
+        return Err(Failed::refused(
+            path,
+            EXIT_UNSUPPORTED as u8,
+            "fits are LRGB or RGB",
+        ));
     }
-    match PictureSet::read(Path::new(&request.lp)) {
-        Ok(set) => put(path, out, &WriteRequest::of(&optimum(&set, format))),
-        Err(error) => refused(path, EXIT_MALFORMED, &error),
-    }
+    let set = PictureSet::read(Path::new(&request.lp)).map_err(malformed)?;
+    put(path, out, &WriteRequest::of(&optimum(&set, format)))
 }
 
-/// Writes what is asked for, or says why not.
-fn put(path: &Path, out: &Path, request: &WriteRequest) -> u8 {
-    match reference::written(request) {
-        Ok(bytes) => match files::write_whole(out, bytes) {
-            Ok(()) => 0,
-            Err(error) => usage(&error),
-        },
-        Err(NotWritten::Impossible(says)) => refused(path, EXIT_MALFORMED, &says),
-        Err(NotWritten::Unsupported(says)) => refused(path, EXIT_UNSUPPORTED, &says),
-    }
-}
-
-fn refused(path: &Path, status: i32, says: &str) -> u8 {
-    super::output::complain(&format!("{}: {says}", path.display()));
-    status as u8
+/// Writes the file that is asked for, or says why not.
+fn put(path: &Path, out: &Path, request: &WriteRequest) -> CommandResult {
+    let (status, says) = match reference::written(request) {
+        Ok(bytes) => return Ok(files::write_whole(out, bytes).map(|()| 0)?),
+        Err(NotWritten::Impossible(says)) => (EXIT_MALFORMED, says),
+        Err(NotWritten::Unsupported(says)) => (EXIT_UNSUPPORTED, says),
+    };
+    Err(Failed::refused(path, status as u8, &says))
 }
 
 /// Answers request after request until there are no more.

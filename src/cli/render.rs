@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use image::ImageFormat;
 
+use super::arguments::parse_pair;
 use super::{CommandResult, files, output};
 use ptm_conform::tools::dissection::Dissection;
 use ptm_conform::tools::render::{lit, normals, sheet};
@@ -50,10 +51,7 @@ pub fn run(args: &RenderArgs) -> CommandResult {
     let format = format_of(&args.output)?;
     let file = files::read(&args.file)?;
     let dissection = Dissection::of(&file);
-    let ptm = match files::map(&args.file, &dissection) {
-        Ok(ptm) => ptm,
-        Err(status) => return Ok(status),
-    };
+    let ptm = files::map(&args.file, &dissection)?;
     let (image, what) = match (args.sheet, args.normals, args.light) {
         (Some(side), ..) => (
             sheet(ptm, side.into(), args.cell.into())?,
@@ -95,10 +93,7 @@ fn format_of(path: &Path) -> Result<ImageFormat, String> {
 
 /// A direction within the hemisphere.
 fn parse_light(text: &str) -> Result<(f64, f64), String> {
-    let light = text
-        .split_once(',')
-        .and_then(|(lu, lv)| Some((lu.trim().parse().ok()?, lv.trim().parse().ok()?)));
-    match light {
+    match parse_pair(text) {
         Some((lu, lv)) if f64::hypot(lu, lv) <= 1.0 => Ok((lu, lv)),
         Some((lu, lv)) if lu.is_finite() && lv.is_finite() => Err(format!(
             "the light {lu},{lv} is below the horizon: LU² + LV² is at most 1"

@@ -4,9 +4,8 @@ use std::path::PathBuf;
 
 use clap::{Args, Subcommand};
 
-use super::ending::Ending;
-use super::known_failures::KnownFailureArgs;
-use super::renderings::RenderingArgs;
+use super::ending::{Ending, OutputArgs};
+use super::{CommandResult, EXIT_NOTHING_SELECTED, Failed};
 use ptm_conform::report::Report;
 use ptm_conform::report::badge;
 use ptm_conform::report::github;
@@ -97,9 +96,7 @@ struct MergeArgs {
     #[arg(long, value_name = "N", default_value_t = 10)]
     show: usize,
     #[command(flatten)]
-    renderings: RenderingArgs,
-    #[command(flatten)]
-    known: KnownFailureArgs,
+    outputs: OutputArgs,
 }
 
 #[derive(Args)]
@@ -112,7 +109,7 @@ struct Made {
 }
 
 impl Made {
-    fn write(&self, text: &str) -> Result<u8, String> {
+    fn write(&self, text: &str) -> CommandResult {
         match &self.output {
             Some(path) => super::files::write_whole(path, text)?,
             None => super::output::print(text),
@@ -121,10 +118,7 @@ impl Made {
     }
 }
 
-/// The reports differ.
-const EXIT_DIFFERENT: u8 = 1;
-
-pub fn run(args: &ReportArgs) -> Result<u8, String> {
+pub fn run(args: &ReportArgs) -> CommandResult {
     match &args.command {
         ReportCommand::Show { file, cases, show } => {
             let report = Report::read(file)?;
@@ -146,12 +140,12 @@ pub fn run(args: &ReportArgs) -> Result<u8, String> {
             let reports = files.iter().map(|file| Report::read(file));
             let reports: Vec<Report> = reports.collect::<Result<_, _>>()?;
             let page = match reports[0].suite {
-                SuiteName::Ptm => html_page::<Case>(&reports)?,
-                SuiteName::Texture => html_page::<TextureCase>(&reports)?,
-                SuiteName::Writers => html_page::<WriterCase>(&reports)?,
-                SuiteName::Fitters => html_page::<FitCase>(&reports)?,
+                SuiteName::Ptm => html_page::<Case>(&reports),
+                SuiteName::Texture => html_page::<TextureCase>(&reports),
+                SuiteName::Writers => html_page::<WriterCase>(&reports),
+                SuiteName::Fitters => html_page::<FitCase>(&reports),
             };
-            super::files::write_whole(output, &page)?;
+            super::files::write_whole(output, page?)?;
             Ok(0)
         }
         ReportCommand::Junit(made) => made.write(&junit::junit(&Report::read(&made.file)?)?),
@@ -169,15 +163,12 @@ pub fn run(args: &ReportArgs) -> Result<u8, String> {
         ReportCommand::Diff { old, new, cases } => {
             let changes = Report::read(old)?.changes_to(&Report::read(new)?, *cases);
             super::terminal::show(&printable(&changes));
-            Ok(match changes.is_empty() {
-                true => 0,
-                false => EXIT_DIFFERENT,
-            })
+            Ok(u8::from(!changes.is_empty()))
         }
     }
 }
 
-fn show_report<C: Reported>(report: &Report, cases: &[String], show: usize) -> Result<u8, String> {
+fn show_report<C: Reported>(report: &Report, cases: &[String], show: usize) -> CommandResult {
     let suite = C::suite()?;
     if cases.is_empty() {
         super::terminal::show(&printable(&report.to_text(&suite, show)));
@@ -186,8 +177,8 @@ fn show_report<C: Reported>(report: &Report, cases: &[String], show: usize) -> R
     let globs = super::arguments::globs(cases)?;
     let text = report.cases_to_text(&suite, |id| globs.iter().any(|glob| glob.matches(id)));
     if text.is_empty() {
-        super::output::complain("ptm-conform: no case of the report matches");
-        return Ok(super::EXIT_NOTHING_SELECTED);
+        let says = "no case of the report matches";
+        return Err(Failed::new(EXIT_NOTHING_SELECTED, says));
     }
     super::terminal::show(&printable(&text));
     Ok(0)
@@ -201,23 +192,15 @@ fn html_page<C: Reported>(reports: &[Report]) -> Result<String, String> {
     }
 }
 
-fn merge<C: Reported>(args: &MergeArgs) -> Result<u8, String> {
+fn merge<C: Reported>(args: &MergeArgs) -> CommandResult {
     let suite = C::suite()?;
-    let ending = Ending {
-        path: &args.report,
-        show: args.show,
-        renderings: &args.renderings,
-        args: &args.known,
-        known: args.known.read(&suite)?,
-    };
+    let ending = Ending::new(&suite, &args.report, args.show, &args.outputs)?;
     let answers = KeptAnswers::read(&suite, &args.parts)?;
-    let bar = super::output::progress_bar();
-    let merged = answers.merge(&suite, super::output::jobs(None)?, &|_, _, done, all| {
-        super::output::show_progress(&bar, done, all);
-    });
-    bar.finish_and_clear();
-    let (run, report) = merged?;
-    ending.finish(&suite, &run, report)
+    let jobs = super::output::jobs(None)?;
+    let (run, report) = super::output::with_progress(|progress| {
+        answers.merge(&suite, jobs, &|_, _, done, all| progress(done, all))
+    })?;
+    Ok(ending.finish(&suite, &run, report)?)
 }
 
 /// What may be shown on a terminal, whoever wrote the report: control characters but line feeds and tabs are escaped.

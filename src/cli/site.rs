@@ -6,6 +6,7 @@ use clap::Args;
 
 use ptm_conform::site::build;
 
+use super::CommandResult;
 use super::files::read;
 use super::output::{jobs, print};
 
@@ -27,7 +28,7 @@ pub struct SiteArgs {
 }
 
 /// Builds the site and writes it.
-pub fn run(args: &SiteArgs) -> Result<u8, String> {
+pub fn run(args: &SiteArgs) -> CommandResult {
     let module = args.module.as_deref().map(read).transpose()?;
     let files = build(None, module.as_deref(), jobs(args.jobs)?)?;
     let mut bytes = 0;

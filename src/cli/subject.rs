@@ -1,5 +1,6 @@
 //! Who is checked: a decoder, this program, a program that a template calls, or precomputed answers.
 
+use std::borrow::Cow;
 use std::ffi::OsString;
 use std::path::Path;
 use std::sync::Arc;
@@ -10,8 +11,9 @@ use ptm_conform::runner::caller::Caller;
 use ptm_conform::runner::run::{Decoder, Reply, Request};
 use ptm_conform::runner::template::Template;
 use ptm_conform::session::outputs::Outputs;
-use ptm_conform::suite::cases::{Expect, Suite};
+use ptm_conform::suite::cases::{Case, Expect, Suite};
 
+use super::arguments::limit;
 use super::check_args::CheckArgs;
 
 /// Who is checked, and what of the suite can be asked.
@@ -45,140 +47,130 @@ impl Subject {
         }
     }
 
-    /// What a reply means of this program.
+    /// Returns what a reply means: if a refusal looks like a crash, a crash may be a refusal, because no decoder has to read
+    /// every spelling of a table.
     pub fn understand(&self, suite: &Suite, request: &Request, mut reply: Reply) -> Reply {
-        // No decoder has to read every spelling of a table; where a refusal looks like a crash, this is one.
-        let one_of_several = || {
-            suite
-                .case(request.name)
-                .is_some_and(|case| case.expect == Expect::Spelling)
-        };
+        let is_spelling = |case: &Case| case.expect == Expect::Spelling;
         if !self.withheld.is_empty()
             && matches!(reply.answer, Answer::Crashed(_))
-            && one_of_several()
+            && suite.case(request.name).is_some_and(is_spelling)
         {
             reply.answer = Answer::Rejected;
         }
         reply
     }
 
-    /// What the command line names.
-    pub fn of(args: &CheckArgs, suite: &Suite, stop: &Arc<AtomicBool>) -> Result<Subject, String> {
-        let views = ViewKind::NAMES
-            .into_iter()
-            .filter(|view| args.views.iter().any(|asked| asked == view))
-            .collect();
-        if let Some(socket) = &args.caller {
-            let caller = Caller::connect(socket, stop);
-            return Ok(Subject {
-                answers: Answers::Caller(
-                    caller.map_err(|error| format!("{}: {error}", socket.display()))?,
+    /// Returns the subject that the command line names, under the limits that it gives.
+    pub fn new(args: &CheckArgs, suite: &Suite, stop: &Arc<AtomicBool>) -> Result<Subject, String> {
+        let is_asked = |view: &&str| args.views.iter().any(|asked| asked == view);
+        let mut subject = Subject {
+            views: ViewKind::NAMES.into_iter().filter(is_asked).collect(),
+            withheld: Vec::new(),
+            words: Vec::new(),
+            answers: match (&args.caller, &args.cmd, &args.outputs) {
+                (Some(socket), ..) => Answers::Caller(
+                    Caller::connect(socket, stop)
+                        .map_err(|error| format!("{}: {error}", socket.display()))?,
                 ),
-                words: vec!["a function of the caller".to_owned()],
-                views,
-                withheld: Vec::new(),
-            });
+                (None, Some(text), _) => Answers::Program(called_by(text)?),
+                (None, None, Some(directory)) => Answers::Precomputed(outputs(directory, suite)?),
+                (None, None, None) => Answers::Program(program(&args.decoder)?),
+            },
+        };
+        match (&mut subject.answers, &args.cmd, &args.outputs) {
+            (Answers::Program(decoder), cmd, _) => {
+                limit(decoder, args.timeout, args.memory, stop)?;
+                subject.words = match cmd {
+                    Some(text) => shlex::split(text).unwrap_or_default(),
+                    None => words_of(&args.decoder)?,
+                };
+            }
+            (Answers::Precomputed(outputs), _, Some(directory)) => {
+                subject.views = vec![outputs.view];
+                subject.withheld = outputs.withheld(suite);
+                let directory = directory.to_string_lossy().into_owned();
+                subject.words = vec!["--outputs".to_owned(), directory];
+            }
+            _ => subject.words = vec!["a function of the caller".to_owned()],
         }
-        match (&args.cmd, &args.outputs) {
-            (Some(text), _) => Subject::of_template(text, views, args.reject_exit, suite),
-            (None, Some(directory)) => Subject::of_outputs(directory, suite),
-            (None, None) => {
-                let (decoder, words) = program(&args.decoder)?;
-                Ok(Subject {
-                    answers: Answers::Program(decoder),
-                    words,
-                    views,
-                    withheld: Vec::new(),
-                })
+        if let Some(text) = &args.cmd {
+            subject.restrict_to(&Template::parse(text)?, args, suite)?;
+        }
+        Ok(subject)
+    }
+
+    /// Asks a program that a template calls only what the template can ask and what its answers can show.
+    fn restrict_to(
+        &mut self,
+        template: &Template,
+        args: &CheckArgs,
+        suite: &Suite,
+    ) -> Result<(), String> {
+        if !template.names_view() {
+            if self.views.is_empty() {
+                self.views.push("rgb");
+            }
+            if self.views.len() > 1 {
+                return Err(
+                    "--cmd: without {view} it answers one view only; name one by --view".to_owned(),
+                );
+            }
+            if self.views == ["rgb"] && !template.names_light() {
+                return Err("--cmd: a picture needs its light: {lu} and {lv}, or {view}".to_owned());
             }
         }
-    }
-
-    fn of_outputs(directory: &Path, suite: &Suite) -> Result<Subject, String> {
-        let matches = |pattern: &str, id: &str| {
-            let pattern = glob::Pattern::new(pattern).map_err(|error| error.to_string())?;
-            Ok(pattern.matches(id))
-        };
-        let outputs = Outputs::open(directory, suite, matches)?;
-        if !outputs.strangers.is_empty() {
-            super::output::complain(&format!(
-                "ptm-conform: {} files in the outputs belong to no request: {}",
-                outputs.strangers.len(),
-                outputs.strangers[..outputs.strangers.len().min(5)].join(", ")
-            ));
+        if args.reject_exit.is_none() {
+            let refusal = |case: &Case| {
+                (case.expect != Expect::Decode && case.expect != Expect::Spelling).then(|| {
+                    "a program called by --cmd shows no refusal without --reject-exit".to_owned()
+                })
+            };
+            self.withheld = suite.cases.iter().map(refusal).collect();
         }
-        Ok(Subject {
-            words: vec![
-                "--outputs".to_owned(),
-                directory.to_string_lossy().into_owned(),
-            ],
-            views: vec![outputs.view],
-            withheld: outputs.withheld(suite),
-            answers: Answers::Precomputed(outputs),
-        })
-    }
-
-    fn of_template(
-        text: &str,
-        views: Vec<&'static str>,
-        reject_exit: Option<i32>,
-        suite: &Suite,
-    ) -> Result<Subject, String> {
-        let template = Template::parse(text).map_err(|error| format!("--cmd: {error}"))?;
-        let views = match (template.names_view(), views.is_empty()) {
-            (false, true) => vec!["rgb"],
-            _ => views,
-        };
-        if !template.names_view() && views.len() > 1 {
-            return Err(
-                "--cmd: without {view} it answers one view only; name one by --view".to_owned(),
-            );
-        }
-        if !template.names_view() && views == ["rgb"] && !template.names_light() {
-            return Err("--cmd: a picture needs its light: {lu} and {lv}, or {view}".to_owned());
-        }
-        let refusal = |expect: Expect| {
-            (expect != Expect::Decode && expect != Expect::Spelling).then(|| {
-                "a program called by --cmd shows no refusal without --reject-exit".to_owned()
-            })
-        };
-        let withheld = match reject_exit {
-            Some(_) => Vec::new(),
-            None => suite
-                .cases
-                .iter()
-                .map(|case| refusal(case.expect))
-                .collect(),
-        };
-        Ok(Subject {
-            answers: Answers::Program(
-                Decoder::with_template(template).map_err(|error| error.to_string())?,
-            ),
-            words: shlex::split(text).unwrap_or_default(),
-            views,
-            withheld,
-        })
+        Ok(())
     }
 }
 
-/// A program and its arguments, and its words as the report has them; this program if there are none.
-pub fn program(command: &[OsString]) -> Result<(Decoder, Vec<String>), String> {
-    let reference;
-    let command = if command.is_empty() {
-        reference = reference_command()?;
-        &reference
-    } else {
-        command
+/// Reads answers that were made elsewhere, and says which files are none.
+fn outputs(directory: &Path, suite: &Suite) -> Result<Outputs, String> {
+    let matches = |pattern: &str, id: &str| {
+        let pattern = glob::Pattern::new(pattern).map_err(|error| error.to_string())?;
+        Ok(pattern.matches(id))
     };
-    let decoder = Decoder::new(command).map_err(|error| error.to_string())?;
-    let words = command
-        .iter()
-        .map(|word| word.to_string_lossy().into_owned());
-    Ok((decoder, words.collect()))
+    let outputs = Outputs::open(directory, suite, matches)?;
+    let strangers = &outputs.strangers;
+    if !strangers.is_empty() {
+        super::output::complain(&format!(
+            "ptm-conform: {} files in the outputs belong to no request: {}",
+            strangers.len(),
+            strangers[..strangers.len().min(5)].join(", ")
+        ));
+    }
+    Ok(outputs)
 }
 
-/// This program, asked as any other decoder.
-fn reference_command() -> Result<Vec<OsString>, String> {
+/// Returns a program that a template calls.
+fn called_by(text: &str) -> Result<Decoder, String> {
+    let template = Template::parse(text).map_err(|error| format!("--cmd: {error}"))?;
+    Decoder::with_template(template).map_err(|error| error.to_string())
+}
+
+/// Returns the program that a command starts; this program if the command is empty.
+pub fn program(command: &[OsString]) -> Result<Decoder, String> {
+    Decoder::new(&command_or_reference(command)?).map_err(|error| error.to_string())
+}
+
+/// Returns the words of a command as the report has them.
+pub fn words_of(command: &[OsString]) -> Result<Vec<String>, String> {
+    let command = command_or_reference(command)?;
+    let words = command.iter().map(|word| word.to_string_lossy());
+    Ok(words.map(Cow::into_owned).collect())
+}
+
+fn command_or_reference(command: &[OsString]) -> Result<Vec<OsString>, String> {
+    if !command.is_empty() {
+        return Ok(command.to_vec());
+    }
     let program =
         std::env::current_exe().map_err(|error| format!("cannot find this program: {error}"))?;
     Ok(vec![program.into(), "reference".into()])

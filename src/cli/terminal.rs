@@ -8,8 +8,7 @@ use std::fmt::Write;
 use anstyle::{AnsiColor, Style};
 
 use super::links::linked;
-use super::output::print;
-use super::wrapping::{columns, folded};
+use super::output::{columns, folded, print};
 
 const HEADING: Style = Style::new().bold();
 const BAD: Style = AnsiColor::Red.on_default().bold();
@@ -19,24 +18,24 @@ const REMARK: Style = AnsiColor::Yellow.on_default();
 const FAINT: Style = Style::new().dimmed();
 
 /// How lines begin, and how that is shown.
-const BEGINNINGS: [(&str, Style); 17] = [
-    ("FAIL", BAD),
-    ("fail:", BAD),
-    ("✗", BAD),
-    ("pass:", GOOD),
-    ("✓", GOOD),
-    ("Fix:", GOOD),
-    ("→", NEXT),
-    ("note:", REMARK),
-    ("–", FAINT),
-    ("$", FAINT),
-    ("Unexplained failures:", HEADING),
-    ("case ", HEADING),
-    ("clause ", HEADING),
-    ("ruling ", HEADING),
-    ("misreading ", HEADING),
-    ("code ", HEADING),
-    ("plane ", HEADING),
+const BEGINNINGS: [(&[&str], Style); 6] = [
+    (&["FAIL", "fail:", "✗"], BAD),
+    (&["pass:", "✓", "Fix:"], GOOD),
+    (&["→"], NEXT),
+    (&["note:"], REMARK),
+    (&["–", "$"], FAINT),
+    (
+        &[
+            "Unexplained failures:",
+            "case ",
+            "clause ",
+            "ruling ",
+            "misreading ",
+            "code ",
+            "plane ",
+        ],
+        HEADING,
+    ),
 ];
 
 /// Prints text for people.
@@ -80,18 +79,20 @@ fn beginning(line: &str) -> Option<(usize, Style)> {
     {
         return Some((indent + counts.len() + " failures:".len(), HEADING));
     }
-    let (start, style) = (BEGINNINGS.iter()).find(|(start, _)| text.starts_with(start))?;
+    let (start, style) = BEGINNINGS.iter().find_map(|(starts, style)| {
+        let start = starts.iter().find(|start| text.starts_with(**start))?;
+        Some((start, style))
+    })?;
     // A heading is the word and the name after it.
-    let named = start.ends_with(' ') && indent == 0;
-    let length = match named {
-        true => {
+    let length = match (start.ends_with(' '), indent) {
+        (false, _) => start.len(),
+        (true, 0) => {
             start.len()
                 + text[start.len()..]
                     .find(' ')
                     .unwrap_or(text.len() - start.len())
         }
-        false if start.ends_with(' ') => return None,
-        false => start.len(),
+        (true, _) => return None,
     };
     Some((indent + length, *style))
 }

@@ -5,7 +5,9 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, Subcommand};
 
+use super::arguments::parse_pair;
 use super::links::page_line;
+use super::rules::{evidence_to_text, rule_to_text};
 
 use ptm_conform::kit::yaml::from_yaml;
 use ptm_conform::misreadings::texture as misreadings;
@@ -20,7 +22,7 @@ use ptm_conform::tools::render::Image;
 
 use super::files::{self, write_whole};
 use super::output::print;
-use super::{EXIT_NOTHING_SELECTED, EXIT_USAGE};
+use super::{CommandResult, EXIT_NOTHING_SELECTED, Failed};
 
 /// Texture mapping: hold a file of cases against the reference, or draw what a table entry does.
 #[derive(Args)]
@@ -101,13 +103,10 @@ fn parse_around(text: &str) -> Result<f64, String> {
 }
 
 fn parse_light(text: &str) -> Result<(f64, f64), String> {
-    let wrong =
-        || format!("expected a light such as 0.25,-0.5 within the unit circle, found {text:?}");
-    let (lu, lv) = text.split_once(',').ok_or_else(wrong)?;
-    match (lu.parse::<f64>(), lv.parse::<f64>()) {
-        (Ok(lu), Ok(lv)) if lu.hypot(lv) <= 1.0 => Ok((lu, lv)),
-        _ => Err(wrong()),
-    }
+    let light = parse_pair(text).filter(|(lu, lv)| lu.hypot(*lv) <= 1.0);
+    light.ok_or_else(|| {
+        format!("expected a light such as 0.25,-0.5 within the unit circle, found {text:?}")
+    })
 }
 
 fn parse_color(text: &str) -> Result<[f64; 3], String> {
@@ -121,14 +120,14 @@ fn parse_color(text: &str) -> Result<[f64; 3], String> {
 }
 
 /// `ptm-conform texture …`
-pub fn run(args: &TextureArgs) -> Result<u8, String> {
+pub fn run(args: &TextureArgs) -> CommandResult {
     match &args.command {
         Command::Cases(args) => run_cases(args),
         Command::Render(args) => run_render(args),
     }
 }
 
-fn run_cases(args: &CasesArgs) -> Result<u8, String> {
+fn run_cases(args: &CasesArgs) -> CommandResult {
     let named = |error: String| format!("{}: {error}", args.file.display());
     let text =
         String::from_utf8(files::read(&args.file)?).map_err(|error| named(error.to_string()))?;
@@ -136,20 +135,12 @@ fn run_cases(args: &CasesArgs) -> Result<u8, String> {
     let (mut held, mut wrong, mut unknown) = (0, 0, 0);
     let mut out = String::new();
     for line in cases.iter().flat_map(verify) {
-        let word = match line.holds {
-            Some(true) => {
-                held += 1;
-                "pass"
-            }
-            Some(false) => {
-                wrong += 1;
-                "FAIL"
-            }
-            None => {
-                unknown += 1;
-                "----"
-            }
+        let (word, count) = match line.holds {
+            Some(true) => ("pass", &mut held),
+            Some(false) => ("FAIL", &mut wrong),
+            None => ("----", &mut unknown),
         };
+        *count += 1;
         let reading = line.reading.map(|name| format!(" under {name}"));
         if line.holds == Some(false) || !args.quiet {
             let reading = reading.unwrap_or_default();
@@ -173,25 +164,13 @@ fn run_cases(args: &CasesArgs) -> Result<u8, String> {
 }
 
 /// `ptm-conform reference texture FILE`
-pub fn answer(file: &Path) -> u8 {
-    let bytes = match files::read(file) {
-        Ok(bytes) => bytes,
-        Err(error) => {
-            super::output::complain(&format!("ptm-conform: {error}"));
-            return EXIT_USAGE;
-        }
-    };
-    let answer = Question::read(&bytes).and_then(|question| question.answer(&Rules::SPEC));
-    match answer {
-        Ok(answer) => {
-            print(&format!("{answer}\n"));
-            0
-        }
-        Err(refusal) => {
-            super::output::complain(&format!("{}: {}", file.display(), refusal.message()));
-            refusal.exit_status() as u8
-        }
-    }
+pub fn answer(file: &Path) -> CommandResult {
+    let question = Question::read(&files::read(file)?);
+    let answer = question.and_then(|question| question.answer(&Rules::SPEC));
+    let answer = answer
+        .map_err(|refusal| Failed::refused(file, refusal.exit_status() as u8, refusal.message()));
+    print(&format!("{}\n", answer?));
+    Ok(0)
 }
 
 /// What is known of texture mapping under that id.
@@ -248,22 +227,15 @@ fn explain_clause(clause: &Clause, suite: &Suite<TextureCase>) -> String {
     let about = suite.cases.iter();
     let about = about.filter(|case| case.clauses.contains(&clause.id));
     let about: Vec<&str> = about.map(|case| case.id.as_str()).collect();
-    let why = clause.why.as_ref();
-    let why = why.map(|why| format!(" Not tested: {why}."));
-    let ruling = clause.ruling.as_ref();
-    let ruling = ruling.map(|id| format!(" Ruling: {id}."));
     format!(
-        "requirement {}: {}{}{}\n  cases: {}\n",
-        clause.id,
-        clause.rule,
-        ruling.unwrap_or_default(),
-        why.unwrap_or_default(),
+        "requirement {}  cases: {}\n",
+        rule_to_text(clause, ""),
         about.join(", ")
     )
 }
 
 fn explain_ruling(ruling: &Ruling) -> String {
-    let mut text = format!(
+    let text = format!(
         "ruling {} ({}), requirements {}\n  {}\n  reading: {}\n",
         ruling.id,
         ruling.kind.name(),
@@ -271,14 +243,10 @@ fn explain_ruling(ruling: &Ruling) -> String {
         ruling.question.trim(),
         ruling.reading.trim()
     );
-    for also in &ruling.also {
-        let _ = writeln!(text, "  also right: {also}");
-    }
-    let _ = writeln!(text, "  evidence: {}", ruling.evidence.trim());
-    text
+    text + &evidence_to_text(ruling)
 }
 
-fn run_render(args: &RenderArgs) -> Result<u8, String> {
+fn run_render(args: &RenderArgs) -> CommandResult {
     let mut fields: serde_json::Value =
         from_yaml(&args.entry).map_err(|error| format!("--entry: {error}"))?;
     if let Some(fields) = fields.as_object_mut() {
@@ -297,15 +265,13 @@ fn run_render(args: &RenderArgs) -> Result<u8, String> {
         Some(path) => ptm_map(path, args.ptm_light)?,
     };
     let scene = Preview {
-        shape: if args.shape == "sphere" {
-            PreviewShape::Sphere
-        } else {
-            PreviewShape::Plane
+        shape: match args.shape.as_str() {
+            "sphere" => PreviewShape::Sphere,
+            _ => PreviewShape::Plane,
         },
-        map: if args.mipmap {
-            map.with_box_levels()
-        } else {
-            map
+        map: match args.mipmap {
+            true => map.with_box_levels(),
+            false => map,
         },
         entry,
         light: args.light,

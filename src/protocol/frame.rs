@@ -517,6 +517,15 @@ impl<T> Answer<T> {
         }
     }
 
+    /// Returns the name of the answer, and what went wrong if something did.
+    #[must_use]
+    pub fn describe(&self) -> String {
+        match self.violation() {
+            Some(what) => format!("{}: {what}", self.name()),
+            None => self.name().to_owned(),
+        }
+    }
+
     /// What went wrong, where that is neither a picture nor a refusal.
     #[must_use]
     pub fn violation(&self) -> Option<&str> {

@@ -141,6 +141,34 @@ pub struct CallResult {
     pub stdout: Vec<u8>,
 }
 
+impl CallResult {
+    /// Returns the reply, given what `read` makes of the output.
+    pub(crate) fn into_reply<T>(
+        self,
+        read: impl FnOnce(&[u8]) -> std::result::Result<T, String>,
+    ) -> Reply<T> {
+        let (answer, stdout) = match self.output {
+            Ok(bytes) => {
+                let read = read(&bytes);
+                (
+                    read.map_or_else(Answer::ProtocolError, Answer::Decoded),
+                    bytes,
+                )
+            }
+            Err(answer) => {
+                let decoded = "what was decoded is the output";
+                (answer.decoded().expect_err(decoded), self.stdout)
+            }
+        };
+        Reply {
+            stderr: self.stderr,
+            exit: self.exit,
+            stdout,
+            ..answer.into()
+        }
+    }
+}
+
 impl From<Answer> for CallResult {
     /// A result without any output.
     fn from(answer: Answer) -> CallResult {
@@ -236,19 +264,7 @@ impl Decoder {
             },
             scratch,
         );
-        let (answer, stdout) = match result.output {
-            Ok(bytes) => match forms::read(&bytes, request.view, most) {
-                Ok(frame) => (Answer::Decoded(frame), bytes),
-                Err(what) => (Answer::ProtocolError(what), bytes),
-            },
-            Err(answer) => (answer, result.stdout),
-        };
-        Reply {
-            stderr: result.stderr,
-            exit: result.exit,
-            stdout,
-            ..answer.into()
-        }
+        result.into_reply(|bytes| forms::read(bytes, request.view, most))
     }
 
     /// Starts the decoder once and returns what it did, whatever that means.

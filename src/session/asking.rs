@@ -12,7 +12,7 @@ use crate::runner::run::{Reply, Request};
 use crate::session::observation::{Nondeterminism, Observation, Response};
 use crate::session::plan::{Repeat, RunPlan};
 use crate::session::tally::Tally;
-use crate::suite::cases::{Case, TableSpelling};
+use crate::suite::cases::{Case, Suite, TableSpelling};
 use crate::suite::dialect::Right;
 use crate::suite::test_case::{Comparison, TestCase};
 
@@ -38,21 +38,53 @@ pub struct Undo<C: TestCase> {
     pub undo: Arc<Undoing<C::Output>>,
 }
 
-/// The decoder, and a count of what it was asked.
-pub(super) struct Asking<'a, C: TestCase> {
-    pub ask: &'a Ask<'a, C>,
-    pub tally: Tally<'a>,
-    pub undo: Vec<Undo<C>>,
+/// A run in progress, step by step: the decoder, what to ask it, and a count of the requests.
+pub struct Session<'a, C: TestCase> {
+    pub(super) suite: &'a Suite<C>,
+    pub(super) plan: &'a RunPlan<C>,
+    pub(super) tally: Tally<'a>,
+    ask: &'a Ask<'a, C>,
+    undo: Vec<Undo<C>>,
 }
 
-impl<C: TestCase> Asking<'_, C> {
-    /// Whether the run should not go on.
+impl<'a, C: TestCase> Session<'a, C> {
+    /// Creates a session in which nothing has been asked yet.
+    #[must_use]
+    pub fn new(suite: &'a Suite<C>, plan: &'a RunPlan<C>, ask: &'a Ask<'a, C>) -> Session<'a, C> {
+        Session {
+            suite,
+            plan,
+            tally: Tally::new(&plan.stop),
+            ask,
+            undo: Vec::new(),
+        }
+    }
+
+    /// Undoes these changes in every image before it is compared, from now on.
+    pub fn undo(&mut self, changes: Vec<Undo<C>>) {
+        self.undo = changes;
+    }
+
+    /// Returns true if a change is undone.
+    #[must_use]
+    pub fn undoes_changes(&self) -> bool {
+        !self.undo.is_empty()
+    }
+
+    /// Returns true if nothing more is to be asked.
+    #[must_use]
     pub fn is_over(&self) -> bool {
         self.tally.why_over().is_some()
     }
 
-    /// Asks for `case` in `view` and compares the answer with what is expected. `worker` numbers those who ask at once.
-    pub fn observe(
+    /// Returns the number of requests so far.
+    #[must_use]
+    pub fn asked(&self) -> usize {
+        self.tally.counts().0
+    }
+
+    /// Asks for `case` in `view` and compares the answer with the expected one. `worker` numbers concurrent callers.
+    pub(super) fn observe(
         &self,
         case: &C,
         view: &C::View,
@@ -61,14 +93,14 @@ impl<C: TestCase> Asking<'_, C> {
     ) -> (Observation<C>, ReplyTo<C>) {
         let timeout_factor = self.tally.call();
         let (observation, reply) = self.request(case, view, table, worker, timeout_factor, false);
-        if is_violation(&reply) {
+        if reply.answer.violation().is_some() || reply.served.is_some() {
             self.tally.count_violation();
         }
         (observation, reply)
     }
 
-    /// Asks a process of its own, without counting.
-    pub fn observe_alone(
+    /// Asks a new process, without counting the request.
+    pub(super) fn observe_alone(
         &self,
         case: &C,
         view: &C::View,
@@ -76,12 +108,6 @@ impl<C: TestCase> Asking<'_, C> {
         worker: usize,
     ) -> Observation<C> {
         self.request(case, view, table, worker, 1, true).0
-    }
-
-    /// The change that is undone in a view, if there is one.
-    fn undo_of(&self, view: &C::View) -> Option<&Undo<C>> {
-        let mut undo = self.undo.iter();
-        undo.find(|undo| undo.view == C::view_name(view))
     }
 
     fn request(
@@ -106,14 +132,17 @@ impl<C: TestCase> Asking<'_, C> {
         let response = match &reply.answer {
             Answer::Rejected => Response::Rejected,
             Answer::Unsupported => Response::Unsupported,
-            Answer::Decoded(output) => match self.undo_of(view) {
-                None => picture(case.compare(&built, view, output), output),
-                Some(undo) => {
-                    let right = case.expected_output(view);
-                    let output = (undo.undo)(output, right.as_ref());
-                    picture(case.compare(&built, view, &output), &output)
+            Answer::Decoded(output) => {
+                let mut undo = self.undo.iter();
+                match undo.find(|undo| undo.view == C::view_name(view)) {
+                    None => picture(case.compare(&built, view, output), output),
+                    Some(undo) => {
+                        let right = case.expected_output(view);
+                        let output = (undo.undo)(output, right.as_ref());
+                        picture(case.compare(&built, view, &output), &output)
+                    }
                 }
-            },
+            }
             _ => Response::Violation(reply.answer.clone()),
         };
         let observation = Observation {
@@ -125,6 +154,23 @@ impl<C: TestCase> Asking<'_, C> {
             nondeterminism: trouble_of_serving(&reply),
         };
         (observation, reply)
+    }
+
+    /// Calls `one` with each number below `count`, as many at a time as there are jobs. A worker stops when `one` returns
+    /// false.
+    pub(super) fn side_by_side(&self, count: usize, one: impl Fn(usize, usize) -> bool + Sync) {
+        let (jobs, next) = (self.plan.jobs, AtomicUsize::new(0));
+        // A serving process gets the same files in the same order in every run, so that leaked state is found again.
+        let fixed = self.plan.repeat == Repeat::FailuresAndSample;
+        on_threads(jobs, &|worker| {
+            let mut mine = (worker..count).step_by(jobs);
+            let any = || Some(next.fetch_add(1, Ordering::Relaxed)).filter(|&place| place < count);
+            while let Some(place) = if fixed { mine.next() } else { any() } {
+                if !one(place, worker) {
+                    return;
+                }
+            }
+        });
     }
 }
 
@@ -143,11 +189,6 @@ fn picture<C: TestCase>(comparison: Comparison<C>, output: &C::Output) -> Respon
     }
 }
 
-/// Returns true if a call ended in neither a frame nor a refusal.
-pub(super) fn is_violation<T>(reply: &Reply<T>) -> bool {
-    reply.answer.violation().is_some() || reply.served.is_some()
-}
-
 /// Returns true if a call did not end within its time, whether or not a process of its own answered then.
 pub(super) fn is_hang<T>(reply: &Reply<T>) -> bool {
     let mut answers = reply.served.iter().chain([&reply.answer]);
@@ -161,10 +202,9 @@ pub(super) fn trouble_of_serving<T>(reply: &Reply<T>) -> Option<Nondeterminism> 
         return None;
     }
     let says = format!(
-        "in serve mode{}: {}: {}; asked alone it answers ({})",
+        "in serve mode{}: {}; asked alone it answers ({})",
         after(reply.after.as_ref()),
-        served.name(),
-        served.violation().unwrap_or_default(),
+        served.describe(),
         reply.answer.name()
     );
     Some(Nondeterminism { served: true, says })
@@ -176,24 +216,4 @@ pub(super) fn after(before: Option<&String>) -> String {
         Some(case) => format!(", after {case}"),
         None => ", as the first request".to_owned(),
     }
-}
-
-/// Does `count` things, as many at a time as there are jobs; a worker stops where one says that it should not go on.
-pub(super) fn side_by_side<C: TestCase>(
-    plan: &RunPlan<C>,
-    count: usize,
-    one: impl Fn(usize, usize) -> bool + Sync,
-) {
-    let next = AtomicUsize::new(0);
-    // A serving process gets the same files in the same order in every run, so that what it carries over is found again.
-    let fixed = plan.repeat == Repeat::FailuresAndSample;
-    on_threads(plan.jobs, &|worker| {
-        let mut mine = (worker..count).step_by(plan.jobs);
-        let any = || Some(next.fetch_add(1, Ordering::Relaxed)).filter(|&place| place < count);
-        while let Some(place) = if fixed { mine.next() } else { any() } {
-            if !one(place, worker) {
-                break;
-            }
-        }
-    });
 }

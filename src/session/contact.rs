@@ -1,14 +1,14 @@
 //! First contact: the first files in every view, and what follows of what the decoder offers.
 
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Mutex;
 
 use crate::protocol::frame::Answer;
-use crate::session::asking::{Asking, ReplyTo, is_hang, side_by_side, trouble_of_serving};
+use crate::session::asking::{ReplyTo, Session, is_hang, trouble_of_serving};
 use crate::session::observation::Response;
 use crate::session::offer::Offer;
-use crate::session::plan::{Repeat, RunPlan};
+use crate::session::plan::Repeat;
 use crate::session::remark::Remark;
-use crate::session::spelling::{likely_spelling, table_spelling};
 use crate::session::tally::HangWatch;
 use crate::suite::cases::{Case, Expect, Suite, TableSpelling};
 use crate::suite::test_case::TestCase;
@@ -25,8 +25,8 @@ pub struct First<C: TestCase = Case> {
 }
 
 impl<C: TestCase> First<C> {
-    fn is_unsupported(&self) -> bool {
-        matches!(self.reply.answer, Answer::Unsupported)
+    fn is_decoded(&self) -> bool {
+        matches!(self.reply.answer, Answer::Decoded(_))
     }
 }
 
@@ -55,95 +55,163 @@ impl<C: TestCase> Contact<C> {
     }
 }
 
-/// Asks the first files, what is offered, and the spelling of tables.
-pub(super) fn first_contact<C: TestCase>(
-    suite: &Suite<C>,
-    plan: &RunPlan<C>,
-    asking: &Asking<C>,
-) -> Contact<C> {
-    let mut contact = Contact {
-        first: first_files(suite, plan, asking),
-        offer: Offer::default(),
-        table: TableSpelling::default(),
-        remarks: Vec::new(),
-        not_a_decoder: None,
-        ends: None,
-    };
-    contact.remarks.extend(first_trouble(suite, &contact.first));
-    contact.offer = offered(suite, plan, &contact.first, asking, &mut contact.remarks);
-    // Where no first file could be asked, the views are those that were asked for.
-    if contact.first.is_empty() {
-        contact.offer.views.clone_from(&plan.views);
+impl<C: TestCase> Session<'_, C> {
+    /// Asks the first files: whether the program is a decoder at all, what it offers, how it spells tables.
+    #[must_use]
+    pub fn first_contact(&self) -> Contact<C> {
+        let first = self.first_files();
+        let mut remarks: Vec<Remark> = first_trouble(self.suite, &first).into_iter().collect();
+        let mut contact = Contact {
+            offer: self.offered(&first, &mut remarks),
+            first,
+            table: TableSpelling::default(),
+            remarks,
+            not_a_decoder: None,
+            ends: None,
+        };
+        // If no first file could be asked, the views are those that the user names.
+        if contact.first.is_empty() {
+            contact.offer.views.clone_from(&self.plan.views);
+        }
+        if self.is_over() {
+            contact.not_a_decoder = no_decoder(&contact.first);
+            return contact;
+        }
+        // A decoder of tables only may refuse all first files because it knows another spelling of the count.
+        let answers = contact.first.is_empty()
+            || (contact.first.iter())
+                .any(|first| matches!(first.reply.answer, Answer::Decoded(_) | Answer::Rejected));
+        let mut table = answers.then(|| self.table_spelling(&contact.offer));
+        if answers && !self.plan.precomputed && table.flatten().is_none() {
+            table = Some(self.likely_spelling(&contact.offer));
+        }
+        match table.flatten() {
+            Some(table) => contact.table = table,
+            None => contact.not_a_decoder = no_decoder(&contact.first),
+        }
+        contact
     }
-    if asking.is_over() {
-        contact.not_a_decoder = no_decoder(&contact.first);
-        return contact;
-    }
-    // A decoder of tables only may refuse all first files because it knows another spelling of the count.
-    let answers = contact.first.is_empty()
-        || (contact.first.iter())
-            .any(|first| matches!(first.reply.answer, Answer::Decoded(_) | Answer::Rejected));
-    let known = answers.then(|| table_spelling(suite, plan, &contact.offer, asking));
-    let likely = || match answers && !plan.precomputed {
-        true => likely_spelling(suite, &contact.offer, asking),
-        false => None,
-    };
-    match known.flatten().or_else(likely) {
-        Some(table) => contact.table = table,
-        None => contact.not_a_decoder = no_decoder(&contact.first),
-    }
-    contact
-}
 
-/// The first files in every view that may be asked for: one after the other until one is decoded, then as many at a time as
-/// there are jobs. A serving process gets them all in order. A file that hangs in one view is asked in the others last.
-fn first_files<C: TestCase>(
-    suite: &Suite<C>,
-    plan: &RunPlan<C>,
-    asking: &Asking<C>,
-) -> Vec<First<C>> {
-    let cases = suite.cases.iter().enumerate();
-    let first = cases.filter(|&(i, case)| case.is_first() && plan.asks(i) && !plan.precomputed);
-    let in_views = first.flat_map(|(i, case)| case.views().iter().map(move |view| (i, view)));
-    let work: Vec<(usize, &C::View)> = in_views
-        .filter(|(_, view)| plan.may_ask(C::view_name(view)))
-        .collect();
-    let mut cases: Vec<usize> = work.iter().map(|&(case, _)| case).collect();
-    cases.dedup();
-    let watch = HangWatch::new(cases);
-    let ask = |(case, view): (usize, &C::View), worker| {
-        let (_, reply) = asking.observe(&suite.cases[case], view, TableSpelling::default(), worker);
-        watch.note(case, is_hang(&reply), &asking.tally);
-        let view = view.clone();
-        First { case, view, reply }
-    };
-    let in_order = plan.repeat == Repeat::FailuresAndSample;
-    let mut replies: Vec<First<C>> = Vec::new();
-    let mut left = Vec::new();
-    let mut decoded = false;
-    for (case, view) in work {
-        let hung = |first: &First<C>| first.case == case && is_hang(&first.reply);
-        if decoded && !in_order || replies.last().is_some_and(hung) {
-            left.push((case, view));
-            continue;
+    /// Asks the first files in every view that may be asked for: one after the other until one is decoded, then as many at
+    /// a time as there are jobs. A serving process gets them all in order. A file that hangs in one view is asked in the
+    /// others last.
+    fn first_files(&self) -> Vec<First<C>> {
+        let (suite, plan) = (self.suite, self.plan);
+        let cases = suite.cases.iter().enumerate();
+        let first = cases.filter(|&(i, case)| case.is_first() && plan.asks(i) && !plan.precomputed);
+        let in_views = first.flat_map(|(i, case)| case.views().iter().map(move |view| (i, view)));
+        let work: Vec<(usize, &C::View)> = in_views
+            .filter(|(_, view)| plan.may_ask(C::view_name(view)))
+            .collect();
+        let mut cases: Vec<usize> = work.iter().map(|&(case, _)| case).collect();
+        cases.dedup();
+        let watch = HangWatch::new(cases);
+        let ask = |(case, view): (usize, &C::View), worker| {
+            let (_, reply) =
+                self.observe(&suite.cases[case], view, TableSpelling::default(), worker);
+            watch.note(case, is_hang(&reply), &self.tally);
+            let view = view.clone();
+            First { case, view, reply }
+        };
+        let in_order = plan.repeat == Repeat::FailuresAndSample;
+        let mut replies: Vec<First<C>> = Vec::new();
+        let mut left = Vec::new();
+        let mut decoded = false;
+        for (case, view) in work {
+            let hung = |first: &First<C>| first.case == case && is_hang(&first.reply);
+            if decoded && !in_order || replies.last().is_some_and(hung) {
+                left.push((case, view));
+                continue;
+            }
+            let first = ask((case, view), 0);
+            let hopeless = matches!(first.reply.answer, Answer::NotStarted(_)) || self.is_over();
+            decoded |= first.is_decoded();
+            replies.push(first);
+            if hopeless {
+                return replies;
+            }
         }
-        let first = ask((case, view), 0);
-        let hopeless = matches!(first.reply.answer, Answer::NotStarted(_)) || asking.is_over();
-        decoded |= matches!(first.reply.answer, Answer::Decoded(_));
-        replies.push(first);
-        if hopeless {
-            return replies;
-        }
+        let others = Mutex::new(BTreeMap::new());
+        self.side_by_side(left.len(), |place, worker| {
+            let first = ask(left[place], worker);
+            others
+                .lock()
+                .expect("no worker panics")
+                .insert(place, first);
+            !self.is_over()
+        });
+        replies.extend(others.into_inner().expect("no worker panics").into_values());
+        replies
     }
-    let others: Mutex<Vec<Option<First<C>>>> = Mutex::new(left.iter().map(|_| None).collect());
-    side_by_side(plan, left.len(), |place, worker| {
-        let first = ask(left[place], worker);
-        others.lock().expect("no worker panics")[place] = Some(first);
-        !asking.is_over()
-    });
-    let others = others.into_inner().expect("no worker panics");
-    replies.extend(others.into_iter().flatten());
-    replies
+
+    /// Returns what the decoder offers: each view in which it decoded a first file, and of each kind every view but those
+    /// in which every first file of that kind exited with 69.
+    fn offered(&self, first: &[First<C>], remarks: &mut Vec<Remark>) -> Offer<C> {
+        let (suite, plan) = (self.suite, self.plan);
+        let declared = plan.declared_views.clone().unwrap_or_default();
+        let asked_for = |view: &str| first.iter().any(|first| C::view_name(&first.view) == view);
+        let mut offer = Offer {
+            declared: plan.declared_kinds.clone().unwrap_or_default(),
+            ..Offer::default()
+        };
+        for &view in C::VIEWS {
+            if is_offered(first, view) {
+                offer.views.push(view);
+            } else if answered(suite, first, view, None) {
+                remarks.push(Remark::failure(format!(
+                    "in the view {view} it decodes none of the first files, which it decodes in another view; it is not asked in {view}"
+                )));
+            } else if declared.contains(&view) && asked_for(view) {
+                remarks.push(Remark::failure(format!(
+                    "its capabilities declare the view {view}, and it exits with 69 (unsupported) on every first file in it"
+                )));
+            }
+        }
+        if self.is_over() {
+            return offer;
+        }
+        let kinds = suite.cases.iter().filter(|case| case.is_first());
+        let kinds: BTreeSet<C::Feature> = kinds.map(C::kind).collect();
+        for kind in kinds {
+            let has = |view: &&str| answered(suite, first, view, Some(&kind));
+            if !offer.views.iter().any(has) {
+                let is_of_kind = |one: &&First<C>| suite.cases[one.case].kind() == kind;
+                let mut of_kind = first.iter().filter(is_of_kind).peekable();
+                let is_unsupported =
+                    |first: &First<C>| matches!(first.reply.answer, Answer::Unsupported);
+                if of_kind.peek().is_some() && of_kind.all(is_unsupported) {
+                    offer.unsupported.push(kind);
+                }
+                continue;
+            }
+            for view in offer.views.clone() {
+                if has(&view) || self.shows_others(view, &kind) {
+                    continue;
+                }
+                if declared.contains(&view) && offer.declared.contains(&kind) {
+                    remarks.push(Remark::failure(format!(
+                        "its capabilities declare the view {view} and {kind}, and it exits with 69 (unsupported) on such files in that view"
+                    )));
+                }
+                offer.lacking.push((view, kind.clone()));
+            }
+        }
+        offer
+    }
+
+    /// Returns true if the decoder shows another case of this kind in this view: a view is lacking as a whole.
+    fn shows_others(&self, view: &str, kind: &C::Feature) -> bool {
+        let is_other =
+            |case: &&C| case.expect() == Expect::Decode && !case.is_first() && case.kind() == *kind;
+        let others = self.suite.cases.iter().filter(is_other).filter_map(|case| {
+            let mut views = case.views().iter();
+            Some((case, views.find(|of| C::view_name(of) == view)?))
+        });
+        others.take(3).any(|(case, view)| {
+            let (observation, _) = self.observe(case, view, TableSpelling::default(), 0);
+            !matches!(observation.response, Response::Unsupported)
+        })
+    }
 }
 
 /// The first of the first files that was not answered in serve mode.
@@ -185,9 +253,8 @@ fn no_decoder<C: TestCase>(first: &[First<C>]) -> Option<String> {
             )
         }
         (answer, _) => format!(
-            "it answers no first file with a well-formed frame, in any view; the first of its answers: {}: {}",
-            answer.name(),
-            answer.violation().unwrap_or_default()
+            "it answers no first file with a well-formed frame, in any view; the first of its answers: {}",
+            answer.describe()
         ),
     };
     Some(if reply.stderr.is_empty() {
@@ -197,73 +264,15 @@ fn no_decoder<C: TestCase>(first: &[First<C>]) -> Option<String> {
     })
 }
 
-/// What is offered: each view in which a first file was decoded, and of each kind all but those in which every first file
-/// of it exited with 69.
-fn offered<C: TestCase>(
-    suite: &Suite<C>,
-    plan: &RunPlan<C>,
-    first: &[First<C>],
-    asking: &Asking<C>,
-    remarks: &mut Vec<Remark>,
-) -> Offer<C> {
-    let declared = plan.declared_views.clone().unwrap_or_default();
-    let asked_for = |view: &str| first.iter().any(|first| C::view_name(&first.view) == view);
-    let mut offer = Offer {
-        declared: plan.declared_kinds.clone().unwrap_or_default(),
-        ..Offer::default()
-    };
-    for &view in C::VIEWS {
-        if is_offered(first, view) {
-            offer.views.push(view);
-        } else if answered(suite, first, view, None) {
-            remarks.push(Remark::failure(format!(
-                "in the view {view} it decodes none of the first files, which it decodes in another view; it is not asked in {view}"
-            )));
-        } else if declared.contains(&view) && asked_for(view) {
-            remarks.push(Remark::failure(format!(
-                "its capabilities declare the view {view}, and it exits with 69 (unsupported) on every first file in it"
-            )));
-        }
-    }
-    if asking.is_over() {
-        return offer;
-    }
-    for kind in kinds(suite) {
-        let has = |view: &&str| answered(suite, first, view, Some(&kind));
-        if !offer.views.iter().any(has) {
-            let is_of_kind = |one: &&First<C>| suite.cases[one.case].kind() == kind;
-            let mut of_kind = first.iter().filter(is_of_kind).peekable();
-            if of_kind.peek().is_some() && of_kind.all(First::is_unsupported) {
-                offer.unsupported.push(kind);
-            }
-            continue;
-        }
-        for view in offer.views.clone() {
-            if has(&view) || shows_others(suite, view, &kind, asking) {
-                continue;
-            }
-            let promised =
-                (plan.declared_kinds.as_ref()).is_some_and(|kinds| kinds.contains(&kind));
-            if declared.contains(&view) && promised {
-                remarks.push(Remark::failure(format!(
-                    "its capabilities declare the view {view} and {kind}, and it exits with 69 (unsupported) on such files in that view"
-                )));
-            }
-            offer.lacking.push((view, kind.clone()));
-        }
-    }
-    offer
-}
-
 /// Whether a first file was decoded in this view. A refusal offers nothing; but where no view decodes any first file,
 /// each that is not answered 69 is offered, so that the run can say what is wrong.
 fn is_offered<C: TestCase>(first: &[First<C>], view: &str) -> bool {
-    let decoded = |first: &&First<C>| matches!(first.reply.answer, Answer::Decoded(_));
-    let in_view = |first: &&First<C>| C::view_name(&first.view) == view;
-    match first.iter().any(|first| decoded(&first)) {
-        true => first.iter().filter(in_view).any(|first| decoded(&first)),
-        false => (first.iter().filter(in_view))
-            .any(|first| !matches!(first.reply.answer, Answer::Unsupported)),
+    let mut in_view = first
+        .iter()
+        .filter(|first| C::view_name(&first.view) == view);
+    match first.iter().any(First::is_decoded) {
+        true => in_view.any(First::is_decoded),
+        false => in_view.any(|first| !matches!(first.reply.answer, Answer::Unsupported)),
     }
 }
 
@@ -278,35 +287,5 @@ fn answered<C: TestCase>(
         C::view_name(&first.view) == view
             && kind.is_none_or(|kind| suite.cases[first.case].kind() == *kind)
             && !matches!(first.reply.answer, Answer::Unsupported)
-    })
-}
-
-/// The kinds of the first files, each once.
-fn kinds<C: TestCase>(suite: &Suite<C>) -> Vec<C::Feature> {
-    let first = suite.cases.iter().filter(|case| case.is_first());
-    let mut kinds: Vec<C::Feature> = first.map(C::kind).collect();
-    kinds.sort();
-    kinds.dedup();
-    kinds
-}
-
-/// Whether it shows a case of this kind in this view although it did not show the first: a view is lacking as a whole.
-fn shows_others<C: TestCase>(
-    suite: &Suite<C>,
-    view: &str,
-    kind: &C::Feature,
-    asking: &Asking<C>,
-) -> bool {
-    let others = suite
-        .cases
-        .iter()
-        .filter(|case| case.expect() == Expect::Decode && !case.is_first() && case.kind() == *kind)
-        .filter_map(|case| {
-            let mut views = case.views().iter();
-            Some((case, views.find(|of| C::view_name(of) == view)?))
-        });
-    others.take(3).any(|(case, view)| {
-        let (observation, _) = asking.observe(case, view, TableSpelling::default(), 0);
-        !matches!(observation.response, Response::Unsupported)
     })
 }

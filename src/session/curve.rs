@@ -1,21 +1,20 @@
-//! One function over all values of all pictures: a factor, or the curve of a picture library.
+//! Tone curves: one function over all values of all images.
 
 use crate::protocol::frame::{Frame, Samples, ViewKind};
 use crate::suite::compare::Expected;
 
-/// What is expected, and what came.
-type Pairs<'a> = [(&'a Expected, &'a Frame)];
-
-/// A curve over bytes.
+/// A curve over bytes; over real numbers a factor.
 #[derive(Clone, Debug)]
 pub(super) struct Curve {
-    /// What it does to all pictures.
+    /// What it does to all images.
     pub(super) says: String,
     /// What to do about it.
     pub(super) next: &'static str,
-    /// What becomes of each right value.
+    /// The value that each right byte becomes.
     table: Vec<f64>,
-    /// How far a right value may be from the reference's: colors may be rounded in any way.
+    /// The factor of real values.
+    factor: f64,
+    /// How far a right byte may be from the reference: colors may be rounded in any way.
     slack: u8,
 }
 
@@ -49,53 +48,56 @@ const NO_CURVE: &str =
     "a color is a linear number from 0 to 255: no gamma, no color management, no auto-contrast";
 
 impl Curve {
-    /// Curves that these pictures may be under: of colors those with a name, and the one that they follow.
-    pub(super) fn candidates(view: ViewKind, pairs: &Pairs) -> Vec<Curve> {
+    fn new(says: String, next: &'static str, slack: u8, curve: impl Fn(f64) -> f64) -> Curve {
+        Curve {
+            says,
+            next,
+            table: (0..256).map(|v| curve(f64::from(v))).collect(),
+            factor: 1.0,
+            slack,
+        }
+    }
+
+    /// Returns the curves that these images may be under: a factor, and for colors the named curves and the fitted one.
+    pub(super) fn candidates(view: ViewKind, pairs: &[(&Expected, &Frame)]) -> Vec<Curve> {
         let points = points(pairs);
         let slack = u8::from(view == ViewKind::Rgb);
-        let mut curves = Vec::new();
-        if let Some(factor) = slope(&points) {
-            curves.push(Curve {
-                says: scale_in_words(factor),
-                next: "send the values as they are, from 0 to 255",
-                table: (0..256).map(|v| f64::from(v) * factor).collect(),
-                slack,
-            });
+        let mut curves: Vec<Curve> = factor(view, &points).into_iter().collect();
+        if view == ViewKind::Rgb {
+            curves.extend(NAMED.into_iter().map(|(says, curve)| {
+                Curve::new(says.to_owned(), NO_CURVE, slack, |v| {
+                    255.0 * curve(v / 255.0)
+                })
+            }));
+            curves.extend(fitted(points));
         }
-        if view != ViewKind::Rgb {
-            return curves;
-        }
-        curves.extend(NAMED.into_iter().map(|(says, curve)| {
-            Curve {
-                says: says.to_owned(),
-                next: NO_CURVE,
-                table: (0..256)
-                    .map(|v| 255.0 * curve(f64::from(v) / 255.0))
-                    .collect(),
-                slack,
-            }
-        }));
-        curves.extend(followed(points));
         curves
     }
 
-    /// The values before the curve: the right ones where they explain what came.
+    /// Returns the frame before the curve: with the right values if they explain what came.
     pub(super) fn undo(&self, frame: &Frame, right: Option<&Frame>) -> Frame {
-        let Samples::U8(bytes) = &frame.samples else {
-            return frame.clone();
+        let samples = match (&frame.samples, right.map(|right| &right.samples)) {
+            (Samples::F32(values), _) => {
+                let divided = values
+                    .iter()
+                    .map(|&value| (f64::from(value) / self.factor) as f32);
+                Samples::F32(divided.collect())
+            }
+            (Samples::U8(bytes), right) => {
+                let nearest: Vec<u8> = (0..=255).map(|byte| self.before(byte)).collect();
+                let right = |i: usize| match right {
+                    Some(Samples::U8(right)) if right.len() == bytes.len() => Some(right[i]),
+                    _ => None,
+                };
+                let undone = bytes.iter().enumerate().map(|(i, &byte)| {
+                    let right = right(i).filter(|&right| self.explains(right, byte));
+                    right.unwrap_or(nearest[usize::from(byte)])
+                });
+                Samples::U8(undone.collect())
+            }
         };
-        let expected = right.and_then(|right| match &right.samples {
-            Samples::U8(right) if right.len() == bytes.len() => Some(right),
-            _ => None,
-        });
-        let nearest: Vec<u8> = (0..=255).map(|byte| self.before(byte)).collect();
-        let undone = bytes.iter().enumerate().map(|(i, &byte)| {
-            let right = expected.map(|right| right[i]);
-            let explains = |right: &u8| self.explains(*right, byte);
-            right.filter(explains).unwrap_or(nearest[usize::from(byte)])
-        });
         Frame {
-            samples: Samples::U8(undone.collect()),
+            samples,
             ..frame.clone()
         }
     }
@@ -118,77 +120,59 @@ impl Curve {
     }
 }
 
-/// Expected and received values, one beside the other; none where a picture has another shape.
-fn points(pairs: &Pairs) -> Vec<(f64, f64)> {
+/// Returns pairs of expected and received values, without images of another shape.
+fn points(pairs: &[(&Expected, &Frame)]) -> Vec<(f64, f64)> {
     let mut points = Vec::new();
     for (expected, frame) in pairs {
-        let Samples::U8(received) = &frame.samples else {
-            continue;
-        };
+        let received = frame.samples.to_reals();
         if expected.values.len() == received.len() {
-            let values = expected.values.iter().copied();
-            points.extend(values.zip(received.iter().copied().map(f64::from)));
+            points.extend(expected.values.iter().copied().zip(received));
         }
     }
     points
 }
 
-/// The factor between what was expected and what came, by least squares, where it is far enough from 1 to matter. Values at
-/// the ends of the range tell nothing of it.
-fn slope(points: &[(f64, f64)]) -> Option<f64> {
-    let told = points
-        .iter()
-        .filter(|&&(_, received)| received > 0.0 && received < 255.0);
-    let (sum, square) = told.fold((0.0, 0.0), |(sum, square), (expected, received)| {
+/// Returns the factor between expected and received values, by least squares, if it is far enough from 1 to matter. Bytes
+/// at the ends of the range are no evidence.
+fn factor(view: ViewKind, points: &[(f64, f64)]) -> Option<Curve> {
+    let is_real = view == ViewKind::Coef;
+    let is_evidence = |received: f64| is_real || received > 0.0 && received < 255.0;
+    let evidence = points.iter().filter(|point| is_evidence(point.1));
+    let (sum, square) = evidence.fold((0.0, 0.0), |(sum, square), (expected, received)| {
         (sum + expected * received, square + expected * expected)
     });
     let factor = sum / square;
-    (factor.is_finite() && factor > 0.0 && (factor - 1.0).abs() >= 0.02).then_some(factor)
-}
-
-fn scale_in_words(factor: f64) -> String {
-    match factor < 1.0 {
-        true => format!("all values are divided by about {:.3}", 1.0 / factor),
-        false => format!("all values are multiplied by about {factor:.3}"),
-    }
-}
-
-/// The factor between real values, and what to say of it.
-pub(super) fn factor(pairs: &Pairs) -> Option<(f64, String)> {
-    let (mut sum, mut square) = (0.0, 0.0);
-    for (expected, frame) in pairs {
-        let Samples::F32(received) = &frame.samples else {
-            return None;
-        };
-        for (value, &received) in expected.values.iter().zip(received) {
-            sum += value * f64::from(received);
-            square += value * value;
-        }
-    }
-    let factor = sum / square;
-    let is_known = factor.is_finite() && factor > 0.0 && (factor - 1.0).abs() >= 1e-3;
-    is_known.then(|| (factor, scale_in_words(factor)))
-}
-
-/// The monotone curve that all colors follow, whatever it is: nothing where they follow none, or too few tell.
-fn followed(mut points: Vec<(f64, f64)>) -> Option<Curve> {
-    const FEW: usize = 24;
-    points.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let steps = rising_steps(&points);
-    let is_inner = |value: f64| value > 1.0 && value < 254.0;
-    let inner = steps.iter().filter(|step| is_inner(step.1)).count();
-    let off = points.iter().filter(|(e, r)| (e - r).abs() > 4.0).count();
-    if inner < FEW || 4 * off < points.len() {
+    let least = if is_real { 1e-3 } else { 0.02 };
+    if !factor.is_finite() || factor <= 0.0 || (factor - 1.0).abs() < least {
         return None;
     }
-    let table: Vec<f64> = (0..256).map(|v| between(&steps, f64::from(v))).collect();
-    let shown = [32, 64, 128, 192].map(|v: usize| format!("{v} → {:.0}", table[v]));
+    let says = match factor < 1.0 {
+        true => format!("all values are divided by about {:.3}", 1.0 / factor),
+        false => format!("all values are multiplied by about {factor:.3}"),
+    };
+    let next = match is_real {
+        true => "send the values as they are",
+        false => "send the values as they are, from 0 to 255",
+    };
     Some(Curve {
-        says: format!("one curve is over all values: {}", shown.join(", ")),
-        next: NO_CURVE,
-        table,
-        slack: 1,
+        factor,
+        ..Curve::new(says, next, u8::from(view == ViewKind::Rgb), |v| v * factor)
     })
+}
+
+/// Returns the monotone curve that all colors follow; `None` if they follow none, or the evidence is weak.
+fn fitted(mut points: Vec<(f64, f64)>) -> Option<Curve> {
+    const MIN_INNER_STEPS: usize = 24;
+    points.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let steps = rising_steps(&points);
+    let inner = steps.iter().filter(|step| step.1 > 1.0 && step.1 < 254.0);
+    let off = points.iter().filter(|(e, r)| (e - r).abs() > 4.0).count();
+    if inner.count() < MIN_INNER_STEPS || 4 * off < points.len() {
+        return None;
+    }
+    let shown = [32.0, 64.0, 128.0, 192.0].map(|v| format!("{v} → {:.0}", between(&steps, v)));
+    let says = format!("one curve is over all values: {}", shown.join(", "));
+    Some(Curve::new(says, NO_CURVE, 1, |v| between(&steps, v)))
 }
 
 /// The rising steps that come nearest to points in order of their first number: neighbors that fall are one step, at their

@@ -15,21 +15,9 @@ pub enum Certainty {
     Settled,
 }
 
-/// What the answers show of choices that some case shows together: an answer for these axes and for no other.
-struct Evidence {
-    axes: Vec<Axis>,
-    /// The combinations of these axes in which most answers are right, the nearest to the reference's first; all of them
-    /// where there is no evidence.
-    best: Vec<Dialect>,
-    /// Whether there is any.
-    any: bool,
-    /// Of each of the axes, whether the reading of it in the first of these combinations is believed.
-    believed: Vec<bool>,
-}
-
-/// A reading other than the reference's is believed where so many answers speak for it to each that is wrong in it: where a
-/// decoder is mistaken, some come out as in another reading.
-const FEW: usize = 8;
+/// The least number of answers for a reading other than the reference's to each answer that is wrong in it. A few answers of
+/// a mistaken decoder are right in another reading by chance.
+const MIN_ANSWERS_TO_ONE: usize = 8;
 
 /// The dialect in which most answers are right, among equals the one nearest to the reference's; and of each choice how well
 /// the evidence tells its reading from every other.
@@ -38,26 +26,6 @@ pub(super) fn dialect_of<C: TestCase>(
 ) -> (Dialect, Vec<Certainty>) {
     let mut dialect = C::CHOICES.reference();
     let mut certain = vec![Certainty::Open; dialect.0.len()];
-    for group in evidence(observations) {
-        for (axis, is_believed) in group.axes.into_iter().zip(group.believed) {
-            let taken = group.best[0].0[axis];
-            dialect.0[axis] = taken;
-            let is_alone = group.best.iter().all(|other| other.0[axis] == taken);
-            certain[axis] = match group.any && is_alone {
-                false => Certainty::Open,
-                true if is_believed => Certainty::Settled,
-                true => Certainty::Likely,
-            };
-        }
-    }
-    (dialect, certain)
-}
-
-/// The evidence of the dialect, group by group.
-///
-/// Choices that no case shows together are independent: the answers right in a dialect are the sum over the groups, so
-/// most are right where most are right in every group, and nobody has to look at all dialects.
-fn evidence<C: TestCase>(observations: &[Option<Observation<C>>]) -> Vec<Evidence> {
     let shown: Vec<(&[Axis], &[bool])> = observations
         .iter()
         .flatten()
@@ -70,47 +38,54 @@ fn evidence<C: TestCase>(observations: &[Option<Observation<C>>]) -> Vec<Evidenc
             _ => None,
         })
         .collect();
-    groups(C::CHOICES.len(), shown.iter().map(|&(axes, _)| axes))
-        .into_iter()
-        .map(|axes| weighed::<C>(axes, &shown))
-        .collect()
+    // Choices that no case shows together are independent: the answers that are right in a dialect are the sum over the
+    // groups, so most are right where most are right in every group.
+    for axes in groups(C::CHOICES.len(), shown.iter().map(|&(axes, _)| axes)) {
+        for (axis, reading, certainty) in evidence::<C>(&axes, &shown) {
+            (dialect.0[axis], certain[axis]) = (reading, certainty);
+        }
+    }
+    (dialect, certain)
 }
 
-/// In which combinations of `axes` most of the answers that show any of them are right.
-fn weighed<C: TestCase>(axes: Vec<Axis>, shown: &[(&[Axis], &[bool])]) -> Evidence {
-    let all = C::CHOICES.combinations(&axes);
-    let about: Vec<_> = shown
-        .iter()
+/// Returns, for each of these axes, the reading in which most of the answers that show any of them are right, and how well
+/// they tell it from the others.
+fn evidence<C: TestCase>(
+    axes: &[Axis],
+    shown: &[(&[Axis], &[bool])],
+) -> Vec<(Axis, usize, Certainty)> {
+    let about = shown.iter();
+    let about: Vec<_> = about
         .filter(|(of, _)| of.iter().any(|axis| axes.contains(axis)))
         .collect();
-    let right_in = |dialect: &Dialect| {
-        let right = about.iter();
-        right
-            .filter(|(of, right)| right[C::CHOICES.place(dialect, of)])
-            .count()
-    };
+    let is_right =
+        |dialect: &Dialect, (of, right): &(&[Axis], &[bool])| right[C::CHOICES.place(dialect, of)];
+    let all = C::CHOICES.combinations(axes);
+    let right_in = |dialect| about.iter().filter(|one| is_right(dialect, one)).count();
     let counts: Vec<usize> = all.iter().map(right_in).collect();
     let most = counts.iter().max().copied().unwrap_or_default();
-    let best: Vec<Dialect> = (all.into_iter().zip(counts))
+    // The nearest to the reference first.
+    let best: Vec<&Dialect> = (all.iter().zip(counts))
         .filter_map(|(dialect, count)| (count == most).then_some(dialect))
         .collect();
-    let is_believed = |&axis: &Axis| {
+    let certainty = |&axis: &Axis| {
+        let taken = best[0].0[axis];
+        if most == 0 || best.iter().any(|other| other.0[axis] != taken) {
+            return (axis, taken, Certainty::Open);
+        }
         let mut plain = best[0].clone();
         plain.0[axis] = 0;
         let of_axis = || about.iter().filter(|(of, _)| of.contains(&axis));
-        let is_right = |dialect: &Dialect, (of, right): &(&[Axis], &[bool])| {
-            right[C::CHOICES.place(dialect, of)]
+        let against = of_axis().filter(|one| !is_right(best[0], one)).count();
+        let alone = of_axis().filter(|one| is_right(best[0], one) && !is_right(&plain, one));
+        let is_believed = taken == 0 || alone.count() >= MIN_ANSWERS_TO_ONE * against;
+        let certainty = match is_believed {
+            true => Certainty::Settled,
+            false => Certainty::Likely,
         };
-        let against = of_axis().filter(|one| !is_right(&best[0], one)).count();
-        let alone = of_axis().filter(|one| is_right(&best[0], one) && !is_right(&plain, one));
-        best[0].0[axis] == 0 || alone.count() >= FEW * against
+        (axis, taken, certainty)
     };
-    Evidence {
-        any: most > 0,
-        believed: axes.iter().map(is_believed).collect(),
-        axes,
-        best,
-    }
+    axes.iter().map(certainty).collect()
 }
 
 /// The choices, grouped so that those which stand together in any of `together` stand together.

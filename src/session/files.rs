@@ -10,9 +10,8 @@ use serde::Serialize;
 use crate::decode::{decode_as, fields};
 use crate::error::Class;
 use crate::generate::Model;
-use crate::kit::yaml::to_yaml;
-use crate::protocol::frame::{Answer, Frame, View};
-use crate::ptm::{Format, Limits};
+use crate::protocol::frame::{Answer, View};
+use crate::ptm::{Field, Format, Limits};
 use crate::reading::Reading;
 use crate::runner::run::{Reply, Request};
 use crate::session::metamorphic::encodings;
@@ -26,7 +25,7 @@ use crate::suite::values::Values;
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct FilesReport {
     /// `pass` or `fail`.
-    pub verdict: String,
+    pub verdict: &'static str,
     /// File by file.
     pub files: Vec<FileResult>,
 }
@@ -40,7 +39,7 @@ pub struct FileResult {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub view: Option<String>,
     /// Against the reference: pass, fail, unsupported.
-    pub outcome: String,
+    pub outcome: &'static str,
     /// Why.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub says: Option<String>,
@@ -72,14 +71,13 @@ pub fn check_file(
     let mut result = FileResult {
         file: name.to_owned(),
         view: None,
-        outcome: Outcome::Unsupported.name().to_owned(),
+        outcome: Outcome::Unsupported.name(),
         says: None,
         relations: Vec::new(),
         encodings: 0,
     };
-    let answered = views.iter().map(|view| (view, answer(view, file)));
-    let mut supported = answered.filter(|(_, shown)| *shown != Answer::Unsupported);
-    let Some((view, shown)) = supported.next() else {
+    let mut answered = views.iter().map(|view| (view, answer(view, file)));
+    let Some((view, shown)) = answered.find(|(_, shown)| *shown != Answer::Unsupported) else {
         return result;
     };
     result.view = Some(view.to_string());
@@ -90,12 +88,15 @@ pub fn check_file(
     result.says = Some(says).filter(|says| !says.is_empty());
     if let (Answer::Decoded(shown), Ok(ptm)) = (&shown, crate::decode(file)) {
         let slack = expected(file, view, &Reading::SPEC).map(|right| right.slack);
-        let slack = slack.unwrap_or_default();
+        let first = Expected {
+            slack: slack.unwrap_or_default(),
+            ..Expected::of_frame(shown)
+        };
         for encoding in encodings(&ptm) {
             let again = answer(view, &encoding.file);
             if again != Answer::Unsupported {
                 result.encodings += 1;
-                let broken = relation(shown, slack.clone(), &again);
+                let broken = relation(&first, &again);
                 let broken = broken.map(|says| format!("{}: {says}", encoding.how));
                 result.relations.extend(broken);
             }
@@ -104,7 +105,7 @@ pub fn check_file(
     if !result.relations.is_empty() {
         outcome = Outcome::Fail;
     }
-    outcome.name().clone_into(&mut result.outcome);
+    result.outcome = outcome.name();
     result
 }
 
@@ -133,23 +134,15 @@ fn expected(file: &[u8], view: &View, reading: &Reading) -> Option<Expected> {
 /// For each plane how many inverse DCTs its values come from: its own, and those of the planes that it is predicted from.
 fn transforms_in_a_row(file: &[u8]) -> Vec<u8> {
     let (fields, _) = fields(file);
-    let references: Vec<Option<usize>> = fields
-        .iter()
-        .filter(|field| field.clause == "2.9.5/1")
-        .map(|field| {
-            std::str::from_utf8(&file[field.range.clone()])
-                .ok()?
-                .parse()
-                .ok()
-        })
-        .collect();
+    let reference_of = |field: &Field| {
+        let text = std::str::from_utf8(&file[field.range.clone()]).ok()?;
+        text.parse::<usize>().ok()
+    };
+    let fields = fields.iter().filter(|field| field.clause == "2.9.5/1");
+    let references: Vec<Option<usize>> = fields.map(reference_of).collect();
     let count = |plane: usize| {
-        let mut next = Some(plane);
-        let row = std::iter::from_fn(|| {
-            let plane = next?;
-            next = references.get(plane).copied().flatten();
-            Some(plane)
-        });
+        let reference = |&plane: &usize| references.get(plane).copied().flatten();
+        let row = std::iter::successors(Some(plane), reference);
         row.take(references.len()).count() as u8
     };
     (0..references.len()).map(count).collect()
@@ -176,12 +169,8 @@ fn held_against_reference(file: &[u8], view: &View, shown: &Answer) -> Result<St
                 expected(file, view, &CHOICES.under(dialect, Reading::SPEC))
                     .is_some_and(|right| right.compare(shown).is_none())
             };
-            match CHOICES
-                .combinations(&open)
-                .iter()
-                .skip(1)
-                .find(|dialect| fits(dialect))
-            {
+            let dialects = CHOICES.combinations(&open);
+            match dialects.iter().skip(1).find(|dialect| fits(dialect)) {
                 Some(dialect) => Ok(format!("right in its own reading: {}", other(dialect))),
                 None => Err(difference.to_string()),
             }
@@ -192,34 +181,24 @@ fn held_against_reference(file: &[u8], view: &View, shown: &Answer) -> Result<St
         (Answer::Decoded(_), Err(error)) => Ok(format!("the reference does not read it: {error}")),
         (Answer::Rejected, Ok(_)) => Err("refuses a file that the reference reads".to_owned()),
         (Answer::Rejected, Err(_)) => Ok("refused, as the reference does".to_owned()),
-        (answer, _) => Err(format!(
-            "{}: {}",
-            answer.name(),
-            answer.violation().unwrap_or_default()
-        )),
+        (answer, _) => Err(answer.describe()),
     }
 }
 
-/// The readings in which a dialect is not the reference's.
+/// Returns the readings in which a dialect differs from the reference.
 fn other(dialect: &Dialect) -> String {
-    let others = CHOICES
-        .iter()
-        .zip(&dialect.0)
-        .filter(|&(_, &taken)| taken > 0);
-    let readings: Vec<&str> = others
+    let readings = CHOICES.iter().zip(&dialect.0);
+    let others = readings.filter(|&(_, &taken)| taken > 0);
+    let names: Vec<&str> = others
         .map(|(choice, &taken)| choice.readings[taken].0)
         .collect();
-    readings.join("; ")
+    names.join("; ")
 }
 
-/// How the picture of another encoding differs from the first one.
-fn relation(shown: &Frame, slack: Vec<f64>, again: &Answer) -> Option<String> {
+/// Describes how the image of another encoding differs from the first one.
+fn relation(first: &Expected, again: &Answer) -> Option<String> {
     match again {
         Answer::Decoded(again) => {
-            let first = Expected {
-                slack,
-                ..Expected::of_frame(shown)
-            };
             let difference = first.compare(again)?;
             Some(format!("another picture: {difference}"))
         }
@@ -233,35 +212,26 @@ fn largest_frame(file: &[u8]) -> usize {
 }
 
 impl FilesReport {
-    /// The report of some files.
+    /// Creates the report of some files.
     #[must_use]
     pub fn new(files: Vec<FileResult>) -> FilesReport {
-        let failed = files
-            .iter()
-            .any(|file| file.outcome == Outcome::Fail.name());
-        FilesReport {
-            verdict: if failed { "fail" } else { "pass" }.to_owned(),
-            files,
-        }
+        let has_failed = |file: &FileResult| file.outcome == Outcome::Fail.name();
+        let verdict = match files.iter().any(has_failed) {
+            true => "fail",
+            false => "pass",
+        };
+        FilesReport { verdict, files }
     }
 
-    /// 0, 1, or 3 if no file was read at all.
+    /// Returns 0, 1, or 3 if no file was read at all.
     #[must_use]
     pub fn exit_status(&self) -> u8 {
-        let unread = |file: &FileResult| file.outcome == Outcome::Unsupported.name();
-        match self.verdict.as_str() {
-            _ if self.files.iter().all(unread) => 3,
+        let is_unread = |file: &FileResult| file.outcome == Outcome::Unsupported.name();
+        match self.verdict {
+            _ if self.files.iter().all(is_unread) => 3,
             "pass" => 0,
             _ => 1,
         }
-    }
-
-    /// As YAML.
-    ///
-    /// # Errors
-    /// None that a report can cause.
-    pub fn to_yaml(&self) -> Result<String, String> {
-        to_yaml(self)
     }
 
     /// As text for a terminal.

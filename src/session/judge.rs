@@ -57,23 +57,26 @@ pub fn judge<C: TestCase>(
     });
     let judged = |i: usize| {
         let case = &suite.cases[i];
-        let Some(observation) = &observations[i] else {
-            return Judged {
-                outcome: Outcome::NotJudged,
-                says: "none of its views is offered".to_owned(),
+        let twins = twins[i].iter();
+        let twins = twins.map(|&twin| (suite.cases[twin].id(), observations[twin].as_ref()));
+        let verdict = |observation| {
+            let evidence = Evidence {
+                case,
+                observation,
+                twins: twins.collect(),
+                dialect: &dialect,
+                unsupported: &unsupported,
+                spelling_known,
             };
+            evidence.verdict(offer)
         };
-        let evidence = Evidence {
-            case,
-            observation,
-            twins: (twins[i].iter())
-                .map(|&twin| (suite.cases[twin].id(), observations[twin].as_ref()))
-                .collect(),
-            dialect: &dialect,
-            unsupported: &unsupported,
-            spelling_known,
+        let not_judged = || {
+            (
+                Outcome::NotJudged,
+                "none of its views is offered".to_owned(),
+            )
         };
-        let (outcome, says) = evidence.verdict(offer);
+        let (outcome, says) = observations[i].as_ref().map_or_else(not_judged, verdict);
         Judged { outcome, says }
     };
     Judgement {
@@ -130,10 +133,7 @@ impl<C: TestCase> Evidence<'_, C> {
         }
         match &observation.response {
             _ if outcome == Outcome::Pass => PASS,
-            Response::Violation(answer) => {
-                let what = answer.violation().unwrap_or_default();
-                fail(format!("{}: {what}", answer.name()))
-            }
+            Response::Violation(answer) => fail(answer.describe()),
             Response::Rejected => (outcome, self.refusal_in_words()),
             Response::Unsupported if expect == Expect::Reject => {
                 fail("exited with 69 (unsupported) on a malformed file of a kind it decodes")
@@ -231,13 +231,9 @@ impl<C: TestCase> Evidence<'_, C> {
                 format!("left to the implementation; the reference differs: {differs}"),
             ),
             (_, Right::In { axes, combinations }) => {
-                let dialects = C::CHOICES.combinations(axes).into_iter().zip(combinations);
-                match dialects
-                    .filter(|(_, right)| **right)
-                    .map(|(other, _)| other)
-                    .next()
-                {
-                    Some(other) => fail(format!("{}: {differs}", self.mixed(axes, &other))),
+                let mut dialects = C::CHOICES.combinations(axes).into_iter().zip(combinations);
+                match dialects.find(|(_, right)| **right) {
+                    Some((other, _)) => fail(format!("{}: {differs}", self.mixed(axes, &other))),
                     None => fail(differs),
                 }
             }
@@ -245,7 +241,7 @@ impl<C: TestCase> Evidence<'_, C> {
         }
     }
 
-    /// Which readings it mixes, where the answer is right in another dialect.
+    /// Describes the readings that the decoder mixes if the answer is right in another dialect.
     fn mixed(&self, axes: &[usize], other: &Dialect) -> String {
         let differing = axes
             .iter()
@@ -256,10 +252,8 @@ impl<C: TestCase> Evidence<'_, C> {
             let (here, elsewhere) = (name(other), name(self.dialect));
             format!("{}: {here} here, {elsewhere} elsewhere", choice.ruling)
         });
-        format!(
-            "mixes readings ({})",
-            readings.collect::<Vec<_>>().join("; ")
-        )
+        let readings: Vec<String> = readings.collect();
+        format!("mixes readings ({})", readings.join("; "))
     }
 }
 

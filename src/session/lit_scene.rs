@@ -8,7 +8,7 @@ use crate::evaluate::Coefficients;
 use crate::generate::plan::Residuals;
 use crate::generate::spelling::Count;
 use crate::generate::{Model, Recipe, write};
-use crate::protocol::frame::{Answer, Frame, Samples, View, ViewKind};
+use crate::protocol::frame::{Answer, Frame, Samples, ViewKind};
 use crate::ptm::{Format, Ptm, Shape, Size};
 use crate::runner::run::Request;
 use crate::session::asking::Ask;
@@ -19,6 +19,8 @@ use crate::suite::features::Feature;
 pub const SIDE: u32 = 64;
 /// The light, from the upper left.
 pub const LIGHT: (f64, f64) = (-0.5, 0.5);
+/// The view under that light.
+const VIEW: &str = "rgb:-0.5,0.5";
 /// The formats, in the order in which they are asked for: the plainest first, then those without a loss, then those whose scene
 /// has a loss or other colors.
 const FORMATS: [Format; 9] = [
@@ -55,24 +57,29 @@ impl LitScene {
     }
 }
 
-/// Asks for the scene in a format and a view that the decoder has; nothing where it has none, or where no picture comes.
+/// Asks for the scene in a format and a view that the decoder has; `None` if it has none, or shows no image.
 #[must_use]
 pub fn ask(offer: &Offer, decoded: &BTreeSet<Feature>, ask: &Ask) -> Option<LitScene> {
-    let reads = |format: &&Format| decoded.contains(&Feature::Format(**format));
-    let format = *FORMATS.iter().find(reads)?;
+    let reads = |format: &Format| decoded.contains(&Feature::Format(*format));
+    let format = FORMATS.into_iter().find(reads)?;
     let mut views = [ViewKind::Rgb, ViewKind::Coef, ViewKind::Raw].into_iter();
     let view = views.find(|view| offer.views.contains(&view.name()))?;
+    let asked = if view == ViewKind::Rgb {
+        VIEW
+    } else {
+        view.name()
+    };
     // lut-count: a decoder may know one spelling of the count only.
     let spellings = if format.has_table() {
-        &Count::ALL[..]
+        Count::ALL.len()
     } else {
-        &Count::ALL[..1]
+        1
     };
-    spellings.iter().find_map(|&count| {
+    Count::ALL[..spellings].iter().find_map(|&count| {
         let file = spelled(format, count);
         let request = Request {
             name: "lit-scene",
-            view: &asked(view),
+            view: &asked.parse().expect("a view"),
             file: &file,
             largest_frame: (SIDE * SIDE) as usize * 18 * 4,
             timeout_factor: 1,
@@ -88,15 +95,6 @@ pub fn ask(offer: &Offer, decoded: &BTreeSet<Feature>, ask: &Ask) -> Option<LitS
             received: picture(&file, &frame)?,
         })
     })
-}
-
-/// The view of the request.
-fn asked(view: ViewKind) -> View {
-    let text = match view {
-        ViewKind::Rgb => format!("rgb:{},{}", LIGHT.0, LIGHT.1),
-        view => view.to_string(),
-    };
-    text.parse().expect("a view")
 }
 
 fn lit(coefficients: &Coefficients) -> Vec<u8> {
@@ -138,10 +136,8 @@ pub fn file(format: Format) -> Vec<u8> {
 fn spelled(format: Format, count: Count) -> Vec<u8> {
     let map = ball(SIDE);
     let mut recipe = Recipe::ordinary(format, map.size);
-    (recipe.scale, recipe.bias) = (
-        "2 2 2 2 2 2".parse().expect("numbers"),
-        "128 128 128 128 128 128".parse().expect("numbers"),
-    );
+    recipe.scale = "2 2 2 2 2 2".parse().expect("numbers");
+    recipe.bias = "128 128 128 128 128 128".parse().expect("numbers");
     recipe.spelling.count = count;
     recipe.compression.residuals = Residuals::Natural;
     if matches!(format, Format::JpegRgb | Format::JpegLrgb) {

@@ -17,28 +17,22 @@ const WITH_COMMA: [&str; 12] = [
     "fi_FI", "cs_CZ",
 ];
 
-/// A locale of this machine that writes a decimal comma, as `locale -a` lists it.
+/// Returns a locale of this machine that writes a decimal comma, as `locale -a` lists it.
 #[must_use]
 pub fn with_comma() -> Option<String> {
-    let output = Command::new("locale")
-        .arg("-a")
-        .stdin(Stdio::null())
-        .stderr(Stdio::null())
-        .output()
-        .ok()?;
-    choose(&String::from_utf8_lossy(&output.stdout))
+    let mut list = Command::new("locale");
+    let list = list.arg("-a").stdin(Stdio::null()).stderr(Stdio::null());
+    choose(&String::from_utf8_lossy(&list.output().ok()?.stdout))
 }
 
 fn choose(list: &str) -> Option<String> {
     WITH_COMMA.iter().find_map(|language| {
-        let of_language = |name: &&str| {
-            name.strip_prefix(language)
-                .is_some_and(|rest| rest.is_empty() || rest.starts_with(['.', '@']))
+        let is_of_language = |name: &&str| {
+            let rest = name.strip_prefix(language);
+            rest.is_some_and(|rest| rest.is_empty() || rest.starts_with(['.', '@']))
         };
-        list.lines()
-            .map(str::trim)
-            .find(of_language)
-            .map(str::to_owned)
+        let mut names = list.lines().map(str::trim);
+        names.find(is_of_language).map(str::to_owned)
     })
 }
 
@@ -53,23 +47,24 @@ pub fn difference(
 ) -> Option<String> {
     let mut decoder = decoder.clone();
     locale.clone_into(&mut decoder.locale);
-    for i in 0..suite.cases.len() {
-        // Stored values need no numbers but the size: they are asked for only if there is nothing else.
-        let views = [ViewKind::Coef, ViewKind::Rgb, ViewKind::Raw].into_iter();
+    for (i, case) in suite.cases.iter().enumerate() {
         let decoded = |view: ViewKind| {
             run.first
                 .iter()
                 .find_map(|first| match &first.reply.answer {
-                    Answer::Decoded(frame) if first.case == i && first.view.kind() == view => {
-                        Some((&first.view, frame, &first.reply.answer))
+                    before @ Answer::Decoded(frame)
+                        if first.case == i && first.view.kind() == view =>
+                    {
+                        Some((&first.view, frame, before))
                     }
                     _ => None,
                 })
         };
-        let Some((view, frame, before)) = views.into_iter().find_map(decoded) else {
+        // Stored values need no numbers but the size: they are asked for only if there is nothing else.
+        let mut views = [ViewKind::Coef, ViewKind::Rgb, ViewKind::Raw].into_iter();
+        let Some((view, frame, before)) = views.find_map(decoded) else {
             continue;
         };
-        let case = &suite.cases[i];
         let request = Request {
             name: &case.id,
             view,
@@ -92,10 +87,7 @@ fn words(locale: &str, id: &str, view: &View, answer: &Answer, frame: &Frame) ->
             format!("a picture of {}x{}", other.width, other.height)
         }
         Answer::Decoded(_) => "another picture".to_owned(),
-        other => match other.violation() {
-            Some(what) => format!("{}: {what}", other.name()),
-            None => other.name().to_owned(),
-        },
+        other => other.describe(),
     };
     format!(
         "in the locale {locale}, which writes numbers with a comma, {id} in {view} gives {got}: numbers of PTM files have a point whatever the locale (LC_NUMERIC)"

@@ -2,13 +2,8 @@
 //!
 //! These checks need no expected output. They catch mistakes that reference and decoder share, and they work on any file.
 
-use std::collections::HashMap;
-
-use crate::codec::jpeg_ls;
-use crate::generate::model::Model;
-use crate::generate::planes::{Compressed, StoredPlane};
 use crate::generate::spelling::Line;
-use crate::generate::{Compression, Numbers, Recipe, Spelling, write};
+use crate::generate::{Model, Numbers, Recipe, Spelling, write};
 use crate::ptm::{Format, Ptm, Shape};
 
 /// Another file with the same stored values.
@@ -65,37 +60,25 @@ pub fn encodings(ptm: &Ptm) -> Vec<OtherFile> {
     encodings
 }
 
-/// The values of `ptm` in another format of the same shape; nothing where they do not fit into one.
+/// Returns the values of `ptm` in another format of the same shape, or `None` if they do not fit into it.
 fn encode(ptm: &Ptm, format: Format, spelling: Spelling) -> Option<Vec<u8>> {
     let size = ptm.planes.size;
+    // A JPEG-LS stream has at most 65,535 columns and rows.
+    if format.is_compressed() && size.width.max(size.height) > 65_535 {
+        return None;
+    }
+    let ordinary = Recipe::ordinary(format, size);
     let recipe = Recipe {
         scale: numbers(&ptm.header.scale_bias.scale)?,
         bias: numbers(&ptm.header.scale_bias.bias)?,
         matrix: match ptm.planes.shape {
             Shape::Lum(matrix) => numbers(&matrix.0)?,
-            _ => Recipe::ordinary(format, size).matrix,
+            _ => ordinary.matrix,
         },
         spelling,
-        ..Recipe::ordinary(format, size)
+        ..ordinary
     };
-    let mut model = Model {
-        format,
-        size,
-        samples: ptm.planes.samples.clone(),
-        table: Vec::new(),
-        indices: Vec::new(),
-        scale: recipe.scale.values,
-        bias: recipe.bias.values,
-        matrix: recipe.matrix.values,
-        compressed: None,
-        slack: Vec::new(),
-    };
-    if format.has_table() {
-        tabulate(&mut model)?;
-    }
-    if format.is_compressed() {
-        compress(&mut model)?;
-    }
+    let model = Model::of(&recipe, &ptm.planes.samples).ok()?;
     Some(write(&recipe, &model).bytes)
 }
 
@@ -103,53 +86,6 @@ fn encode(ptm: &Ptm, format: Format, spelling: Spelling) -> Option<Vec<u8>> {
 fn numbers<const N: usize>(values: &[f64; N]) -> Option<Numbers<N>> {
     let texts: Vec<String> = values.iter().map(f64::to_string).collect();
     texts.join(" ").parse().ok()
-}
-
-/// Every different entry once, in the order in which they occur; nothing if there are more than indices reach.
-fn tabulate(model: &mut Model) -> Option<()> {
-    let entry_size = if model.format == Format::PtmLut { 6 } else { 9 };
-    let mut known: HashMap<Vec<u8>, u32> = HashMap::new();
-    for texel in model.samples.chunks_exact(9) {
-        let entry = texel[..entry_size].to_vec();
-        let next = known.len() as u32;
-        let index = *known.entry(entry).or_insert_with_key(|entry| {
-            model.table.extend_from_slice(entry);
-            next
-        });
-        model.indices.push(index);
-    }
-    (known.len() <= 65_536).then_some(())
-}
-
-/// Every channel a JPEG-LS stream of its own, without loss or prediction.
-fn compress(model: &mut Model) -> Option<()> {
-    let (width, height) = (model.size.width, model.size.height);
-    if width > 65_535 || height > 65_535 {
-        return None;
-    }
-    let channels = model.format.channels();
-    let options = jpeg_ls::JpegLsOptions {
-        near: 0,
-        presets: None,
-    };
-    let row = width as usize * channels;
-    let plane = |channel: usize| -> StoredPlane {
-        // The bottom row is stored first.
-        let rows = model.samples.chunks(row).rev();
-        let samples: Vec<u8> = rows
-            .flat_map(|row| row.iter().skip(channel).step_by(channels))
-            .copied()
-            .collect();
-        StoredPlane {
-            stream: jpeg_ls::encode(&samples, width, height, &options).stream,
-            records: Vec::new(),
-        }
-    };
-    model.compressed = Some(Compressed {
-        plan: Compression::ordinary(model.format),
-        planes: (0..channels).map(plane).collect(),
-    });
-    Some(())
 }
 
 #[cfg(test)]

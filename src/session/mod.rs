@@ -3,51 +3,28 @@
 //! [`run::check`] is the contents page. Whatever is asked, PTM files or texture questions, is a
 //! [`TestCase`](crate::suite::test_case::TestCase).
 
-pub mod run;
-
-pub mod plan;
-
-pub mod asking;
-
-pub mod contact;
-
-mod spelling;
-
 mod again;
-
-pub mod observation;
-
-pub mod offer;
-
-pub mod outcome;
-
-pub mod judge;
-
-pub mod dialect;
-
-pub mod scores;
-
-pub mod remark;
-
-mod tally;
-
-pub mod lit_scene;
-
-pub mod texture_stage;
-
-pub mod transform;
-
+pub mod asking;
+pub mod contact;
 mod curve;
-
-pub mod locale;
-
-pub mod outputs;
-
+pub mod dialect;
 pub mod files;
-
+pub mod judge;
+pub mod lit_scene;
+pub mod locale;
 pub mod metamorphic;
-
+pub mod observation;
+pub mod offer;
 #[cfg(test)]
 mod other_transforms;
-
+pub mod outcome;
+pub mod outputs;
+pub mod plan;
 pub mod probe;
+pub mod remark;
+pub mod run;
+pub mod scores;
+mod spelling;
+mod tally;
+pub mod texture_stage;
+pub mod transform;

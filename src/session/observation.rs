@@ -107,13 +107,7 @@ impl<C: TestCase> Response<C> {
             Response::Picture { .. } => "a picture".to_owned(),
             Response::Rejected => "a refusal".to_owned(),
             Response::Unsupported => "\"unsupported\"".to_owned(),
-            Response::Violation(answer) => {
-                format!(
-                    "{}: {}",
-                    answer.name(),
-                    answer.violation().unwrap_or_default()
-                )
-            }
+            Response::Violation(answer) => answer.describe(),
         }
     }
 

@@ -4,8 +4,7 @@
 //! comes back: for each file a picture, a frame or an array under the name of the case, whatever the suffix; or word that
 //! it was refused. It answers requests as a decoder does, so the verdicts are the same.
 
-use std::collections::{BTreeMap, HashMap};
-use std::fmt::Write as _;
+use std::collections::BTreeMap;
 use std::fs;
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
@@ -45,10 +44,9 @@ struct Listed {
 
 impl Listed {
     fn of(case: &Case, view: &View, file: &[u8]) -> Listed {
-        let suffix = if matches!(view, View::Rgb(_)) {
-            "png"
-        } else {
-            "npy"
+        let suffix = match view {
+            View::Rgb(_) => "png",
+            View::Raw | View::Coef => "npy",
         };
         Listed {
             id: case.id.clone(),
@@ -61,24 +59,7 @@ impl Listed {
 }
 
 /// What the exported directory says of itself.
-const READ_ME: &str = "\
-Open each file of files/, show it as requests.tsv says, and save the answer in outputs/ under the name that stands there.
-
-requests.tsv has a line for each file: case, file, view, output, parted by tabs; requests.yaml says the same.
-A view is
-  rgb:LU,LV  the picture under the light from LU (to the right) and LV (up), each from -1 to 1, in the size of the file
-  raw        the stored bytes of all channels, texel after texel, top row first
-  coef       the final values of all channels, the same way
-An answer is a PNG, PNM, TIFF, BMP or lossless WebP of 8 bits for rgb, without color management, or a JPEG of quality 95 or more
-without subsampling; a NumPy array of (height, width, channels), u1 for raw and rgb, <f4 for coef; or a frame of the decoder protocol. Its suffix does not matter.
-
-What is refused as malformed: list its case in outputs/rejected.txt. What is sound but not read, such as a whole format:
-list it in outputs/unsupported.txt. One case a line; * and ? are wild cards: *-lum. An empty file outputs/CASE.reject or
-outputs/CASE.unsupported says the same of one case. An answer goes before a list.
-A case without an answer is not judged, so you may begin with a few.
-
-Then: ptm-conform check --outputs THIS-DIRECTORY
-";
+const READ_ME: &str = include_str!("../../spec-cases/outputs.txt");
 
 /// Writes the files that can be asked about in `view` (`raw`, `coef` or `rgb`) to `directory`, and the list of requests.
 /// Returns how many there are.
@@ -103,15 +84,9 @@ pub fn export(
     }
     let yaml = to_yaml(&list).map_err(io::Error::other)?;
     let mut table = "case\tfile\tview\toutput\n".to_owned();
-    for Listed {
-        id,
-        file,
-        view,
-        output,
-        ..
-    } in &list
-    {
-        let _ = writeln!(table, "{id}\t{file}\t{view}\t{output}");
+    for one in &list {
+        let fields = [&*one.id, &one.file, &one.view, &one.output];
+        table += &(fields.join("\t") + "\n");
     }
     put(&directory.join("README.txt"), READ_ME.as_bytes())?;
     put(&directory.join(TABLE), table.as_bytes())?;
@@ -132,7 +107,7 @@ enum Given {
 /// Answers made elsewhere.
 #[derive(Clone, Debug)]
 pub struct Outputs {
-    given: HashMap<String, Given>,
+    given: BTreeMap<String, Given>,
     /// The view of all requests.
     pub view: &'static str,
     /// Files among the answers that belong to no request.
@@ -158,34 +133,8 @@ impl Outputs {
             ("rejected.txt", Given::Rejected),
             ("unsupported.txt", Given::Unsupported),
         ] {
-            let path = directory.join(ANSWERS).join(name);
-            if !path.exists() {
-                continue;
-            }
-            for (number, pattern) in text_of(&path)?.lines().enumerate() {
-                let fault = |what: &str| {
-                    format!(
-                        "{}: line {}: {what}: {pattern:?}",
-                        path.display(),
-                        number + 1
-                    )
-                };
-                let pattern = pattern.trim();
-                if pattern.is_empty() || pattern.starts_with('#') {
-                    continue;
-                }
-                let mut any = false;
-                for listed in &list {
-                    if matches(pattern, &listed.id).map_err(|error| fault(&error))? {
-                        any = true;
-                        given
-                            .entry(listed.id.clone())
-                            .or_insert_with(|| meaning.clone());
-                    }
-                }
-                if !any {
-                    return Err(fault("no request matches"));
-                }
+            for id in listed_ids(&directory.join(ANSWERS).join(name), &list, &matches)? {
+                given.entry(id).or_insert_with(|| meaning.clone());
             }
         }
         if given.is_empty() {
@@ -195,7 +144,7 @@ impl Outputs {
             ));
         }
         Ok(Outputs {
-            given: given.into_iter().collect(),
+            given,
             view,
             strangers,
         })
@@ -229,19 +178,50 @@ impl Outputs {
     }
 }
 
-/// The view of all requests, whose files are those of `suite`.
+/// Returns the ids that the patterns of a list match; none if there is no such list.
+fn listed_ids(
+    path: &Path,
+    list: &[Listed],
+    matches: impl Fn(&str, &str) -> Result<bool, String>,
+) -> Result<Vec<String>, String> {
+    let text = match path.exists() {
+        true => text_of(path)?,
+        false => String::new(),
+    };
+    let mut ids = Vec::new();
+    for (number, line) in text.lines().enumerate() {
+        let fault = |what: &str| {
+            let number = number + 1;
+            format!("{}: line {number}: {what}: {line:?}", path.display())
+        };
+        let pattern = line.trim();
+        if pattern.is_empty() || pattern.starts_with('#') {
+            continue;
+        }
+        let known = ids.len();
+        for Listed { id, .. } in list {
+            if matches(pattern, id).map_err(|error| fault(&error))? {
+                ids.push(id.clone());
+            }
+        }
+        if ids.len() == known {
+            return Err(fault("no request matches"));
+        }
+    }
+    Ok(ids)
+}
+
+/// Returns the view of all requests, whose files are those of `suite`.
 fn view_of(list: &[Listed], suite: &Suite) -> Result<&'static str, String> {
     let other = "these requests are of another version of this program; export them anew";
     let mut view = None;
     for listed in list {
         let case = suite.case(&listed.id).ok_or(other)?;
-        let asked = case
-            .views
-            .iter()
+        let mut views = case.views.iter();
+        let asked = views
             .find(|view| view.to_string() == listed.view)
             .ok_or(other)?;
-        let file = &case.build(TableSpelling::default()).file;
-        if *listed != Listed::of(case, asked, file) {
+        if *listed != Listed::of(case, asked, &case.build(TableSpelling::default()).file) {
             return Err(other.to_owned());
         }
         if *view.get_or_insert(asked.name()) != asked.name() {

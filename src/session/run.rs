@@ -4,9 +4,9 @@ use std::collections::BTreeSet;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex};
 
-use crate::session::again::ask_again;
-use crate::session::asking::{Ask, Asking, Counting, Undo, is_hang, side_by_side};
-use crate::session::contact::{Contact, First, first_contact};
+pub use crate::session::asking::Session;
+use crate::session::asking::{Ask, Counting, is_hang};
+use crate::session::contact::{Contact, First};
 use crate::session::judge::{Judgement, judge};
 use crate::session::lit_scene::LitScene;
 use crate::session::observation::{Observation, Response};
@@ -15,7 +15,7 @@ use crate::session::outcome::Outcome;
 use crate::session::plan::RunPlan;
 use crate::session::remark::Remark;
 use crate::session::scores::{Fraction, Scores};
-use crate::session::tally::{HangWatch, Tally};
+use crate::session::tally::HangWatch;
 use crate::suite::cases::{Case, Expect, Suite, TableSpelling};
 use crate::suite::test_case::TestCase;
 
@@ -66,51 +66,12 @@ pub fn check<C: TestCase>(
     session.verdicts(contact, observations, &|_, _| ())
 }
 
-/// A run that goes on, step by step.
-pub struct Session<'a, C: TestCase> {
-    suite: &'a Suite<C>,
-    plan: &'a RunPlan<C>,
-    asking: Asking<'a, C>,
-}
-
-impl<'a, C: TestCase> Session<'a, C> {
-    /// Nothing has been asked yet.
-    #[must_use]
-    pub fn new(suite: &'a Suite<C>, plan: &'a RunPlan<C>, ask: &'a Ask<'a, C>) -> Session<'a, C> {
-        let tally = Tally::new(&plan.stop);
-        Session {
-            suite,
-            plan,
-            asking: Asking {
-                ask,
-                tally,
-                undo: Vec::new(),
-            },
-        }
-    }
-
-    /// From now on these changes are undone in every picture before it is compared.
-    pub fn undo(&mut self, changes: Vec<Undo<C>>) {
-        self.asking.undo = changes;
-    }
-
-    /// Whether any change is undone.
-    #[must_use]
-    pub fn undoes_changes(&self) -> bool {
-        !self.asking.undo.is_empty()
-    }
-
-    /// Asks the first files: whether it is a decoder at all, what it offers, how it spells tables.
-    #[must_use]
-    pub fn first_contact(&self) -> Contact<C> {
-        first_contact(self.suite, self.plan, &self.asking)
-    }
-
+impl<C: TestCase> Session<'_, C> {
     /// What there is to ask: every selected case and its twins, in the first of its views that is offered; nothing of a
     /// program that is no decoder. The cases that are to be asked soonest, and the others.
     #[must_use]
     pub fn agenda(&self, contact: &Contact<C>) -> (Vec<usize>, Vec<usize>) {
-        let Session { suite, plan, .. } = self;
+        let (suite, plan) = (self.suite, self.plan);
         let withheld = plan.withheld_in(suite, contact.table);
         let (wanted, soonest) = plan.with_twins(suite);
         let is_asked = |&i: &usize| {
@@ -135,42 +96,37 @@ impl<'a, C: TestCase> Session<'a, C> {
         observations: &mut [Option<Observation<C>>],
         progress: &Progress<C>,
     ) {
-        let Session {
-            suite,
-            plan,
-            asking,
-        } = self;
-        if asking.is_over() {
+        let (cases, stop) = (&self.suite.cases, &self.plan.stop);
+        if self.is_over() {
             return;
         }
-        let is_legal = |&place: &usize| suite.cases[places[place]].expect() == Expect::Decode;
+        let is_legal = |&place: &usize| cases[places[place]].expect() == Expect::Decode;
         let watch = HangWatch::new((0..places.len()).filter(is_legal).collect());
         let done = AtomicUsize::new(0);
         let made = Mutex::new(observations);
-        side_by_side(plan, places.len(), |place, worker| {
+        self.side_by_side(places.len(), |place, worker| {
             let i = places[place];
-            let case = &suite.cases[i];
-            let Some(view) = contact.offer.chosen_view(case) else {
+            let Some(view) = contact.offer.chosen_view(&cases[i]) else {
                 return true;
             };
-            if watch.is_over_at(place) || plan.stop.load(Ordering::Relaxed) {
+            if watch.is_over_at(place) || stop.load(Ordering::Relaxed) {
                 return false;
             }
-            let (observation, reply) = asking.observe(case, view, contact.table, worker);
-            if plan.stop.load(Ordering::Relaxed) {
+            let (observation, reply) = self.observe(&cases[i], view, contact.table, worker);
+            if stop.load(Ordering::Relaxed) {
                 return false;
             }
             let done = done.fetch_add(1, Ordering::Relaxed) + 1;
-            progress(case, &observation, done, places.len());
+            progress(&cases[i], &observation, done, places.len());
             made.lock().expect("no worker panics")[i] = Some(observation);
-            watch.note(place, is_hang(&reply), &asking.tally);
+            watch.note(place, is_hang(&reply), &self.tally);
             true
         });
         let observations = made.into_inner().expect("no worker panics");
         let Some(last) = watch.last() else { return };
         for &i in &places[last + 1..] {
             if let Some(observation) = observations[i].take() {
-                asking.tally.forget(observation.is_violation());
+                self.tally.forget(observation.is_violation());
             }
         }
     }
@@ -189,19 +145,7 @@ impl<'a, C: TestCase> Session<'a, C> {
         observations
     }
 
-    /// Returns true if nothing more is to be asked.
-    #[must_use]
-    pub fn is_over(&self) -> bool {
-        self.asking.is_over()
-    }
-
-    /// How many requests were sent so far.
-    #[must_use]
-    pub fn asked(&self) -> usize {
-        self.asking.tally.counts().0
-    }
-
-    /// The run as it would stand if only these cases had been selected; nothing is asked again.
+    /// Returns the run as it would stand if only these cases had been selected; nothing is repeated.
     #[must_use]
     pub fn so_far(
         &self,
@@ -212,14 +156,61 @@ impl<'a, C: TestCase> Session<'a, C> {
         let selected = &self.plan.selected;
         let is_seen = |i: usize| selected[i] && places.contains(&i) && observations[i].is_some();
         let selected: Vec<bool> = (0..selected.len()).map(is_seen).collect();
-        let (asked, violation) = self.asking.tally.counts();
+        let judgement = judge(self.suite, &selected, observations, &contact.offer);
+        self.run(contact.clone(), observations.to_vec(), judgement)
+    }
+
+    /// Judges, repeats failures, and judges again if a response differed. `again` is told of each repeated request: how
+    /// many of how many are done.
+    #[must_use]
+    pub fn verdicts(
+        self,
+        contact: Contact<C>,
+        mut observations: Vec<Option<Observation<C>>>,
+        again: &Counting,
+    ) -> Run<C> {
+        let (suite, table) = (self.suite, contact.table);
+        let nothing = vec![false; suite.cases.len()];
+        let selected = match contact.not_a_decoder {
+            Some(_) => &nothing,
+            None => &self.plan.selected,
+        };
+        let mut judgement = judge(suite, selected, &observations, &contact.offer);
+        let why_over = self.tally.why_over();
+        let ended_early = match contact.not_a_decoder {
+            Some(_) => why_over,
+            None => contact.ends.or(why_over),
+        };
+        if ended_early.is_none() && self.ask_again(table, &mut observations, &judgement, again) {
+            judgement = judge(suite, selected, &observations, &contact.offer);
+        }
+        let nothing_decoded = || nothing_decoded(suite, &observations);
+        let not_a_decoder = contact.not_a_decoder.clone().or_else(nothing_decoded);
+        let mut run = Run {
+            ended_early,
+            not_a_decoder,
+            ..self.run(contact, observations, judgement)
+        };
+        run.explain_what_was_not_run(suite, &self.plan.withheld_in(suite, table));
+        run.state_why_it_ended_early();
+        run
+    }
+
+    /// Returns a run that did not end early, with these observations.
+    fn run(
+        &self,
+        contact: Contact<C>,
+        observations: Vec<Option<Observation<C>>>,
+        judgement: Judgement<C>,
+    ) -> Run<C> {
+        let (asked, violation) = self.tally.counts();
         Run {
-            judgement: judge(self.suite, &selected, observations, &contact.offer),
-            observations: observations.to_vec(),
-            first: contact.first.clone(),
-            offer: contact.offer.clone(),
+            observations,
+            judgement,
+            first: contact.first,
+            offer: contact.offer,
             table: contact.table,
-            remarks: contact.remarks.clone(),
+            remarks: contact.remarks,
             asked,
             violation,
             ended_early: None,
@@ -228,69 +219,6 @@ impl<'a, C: TestCase> Session<'a, C> {
             stop: Arc::clone(&self.plan.stop),
             searched: Arc::default(),
         }
-    }
-
-    /// Judges, asks failures again, and judges once more where an answer differed. `again` is told of each request that is
-    /// repeated: how many of how many are done.
-    #[must_use]
-    pub fn verdicts(
-        self,
-        contact: Contact<C>,
-        mut observations: Vec<Option<Observation<C>>>,
-        again: &Counting,
-    ) -> Run<C> {
-        let Session {
-            suite,
-            plan,
-            asking,
-        } = self;
-        let nothing = vec![false; suite.cases.len()];
-        let selected = match contact.not_a_decoder {
-            Some(_) => &nothing,
-            None => &plan.selected,
-        };
-        let mut judgement = judge(suite, selected, &observations, &contact.offer);
-        let why_over = asking.tally.why_over();
-        let ended_early = match contact.not_a_decoder {
-            Some(_) => why_over,
-            None => contact.ends.or(why_over),
-        };
-        let table = contact.table;
-        if ended_early.is_none()
-            && ask_again(
-                suite,
-                plan,
-                table,
-                &mut observations,
-                &judgement,
-                &asking,
-                again,
-            )
-        {
-            judgement = judge(suite, selected, &observations, &contact.offer);
-        }
-        let (asked, violation) = asking.tally.counts();
-        let not_a_decoder = contact
-            .not_a_decoder
-            .or_else(|| nothing_decoded(suite, &observations));
-        let mut run = Run {
-            observations,
-            judgement,
-            first: contact.first,
-            offer: contact.offer,
-            table,
-            remarks: contact.remarks,
-            asked,
-            violation,
-            ended_early,
-            not_a_decoder,
-            scene: None,
-            stop: Arc::clone(&plan.stop),
-            searched: Arc::default(),
-        };
-        run.explain_what_was_not_run(suite, &plan.withheld_in(suite, table));
-        run.state_why_it_ended_early();
-        run
     }
 }
 
@@ -346,23 +274,17 @@ impl<C: TestCase> Run<C> {
     #[must_use]
     pub fn scores(&self, suite: &Suite<C>) -> Scores {
         let count = |outcome: Outcome| self.judgement.with(outcome).count();
-        let features: BTreeSet<C::Feature> = suite
-            .cases
-            .iter()
-            .zip(&self.judgement.cases)
-            .filter(|(_, judged)| judged.is_some())
+        let judged = suite.cases.iter().zip(&self.judgement.cases);
+        let judged = judged.filter(|(_, judged)| judged.is_some());
+        let features: BTreeSet<C::Feature> = judged
             .flat_map(|(case, _)| case.views().iter().flat_map(|view| case.features(view)))
             .collect();
+        let passed = count(Outcome::Pass);
+        let decoded = self.judgement.decoded.intersection(&features).count();
         let fraction = |part, whole| Fraction { part, whole };
         Scores {
-            correctness: fraction(
-                count(Outcome::Pass),
-                count(Outcome::Pass) + count(Outcome::Fail),
-            ),
-            breadth: fraction(
-                self.judgement.decoded.intersection(&features).count(),
-                features.len(),
-            ),
+            correctness: fraction(passed, passed + count(Outcome::Fail)),
+            breadth: fraction(decoded, features.len()),
             robustness: fraction(self.asked - self.violation, self.asked),
         }
     }

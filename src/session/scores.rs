@@ -1,9 +1,8 @@
 //! The three scores; never one percentage.
 
 use std::fmt;
-use std::str::FromStr;
 
-use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
+use serde::{Deserialize, Serialize};
 
 /// The three scores; never one percentage.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -17,7 +16,8 @@ pub struct Scores {
 }
 
 /// A part of a whole, written `3/4`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(into = "String", try_from = "String")]
 pub struct Fraction {
     /// How many.
     pub part: usize,
@@ -31,26 +31,19 @@ impl fmt::Display for Fraction {
     }
 }
 
-impl FromStr for Fraction {
-    type Err = String;
+impl From<Fraction> for String {
+    fn from(fraction: Fraction) -> String {
+        fraction.to_string()
+    }
+}
 
-    fn from_str(text: &str) -> Result<Fraction, String> {
+impl TryFrom<String> for Fraction {
+    type Error = String;
+
+    fn try_from(text: String) -> Result<Fraction, String> {
         let parts = text.split_once('/');
         let parts = parts.and_then(|(part, whole)| Some((part.parse().ok()?, whole.parse().ok()?)));
         let (part, whole) = parts.ok_or_else(|| format!("expected 3/4 or so, found {text:?}"))?;
         Ok(Fraction { part, whole })
-    }
-}
-
-impl Serialize for Fraction {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.collect_str(self)
-    }
-}
-
-impl<'de> Deserialize<'de> for Fraction {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Fraction, D::Error> {
-        let text = String::deserialize(deserializer)?;
-        text.parse().map_err(de::Error::custom)
     }
 }

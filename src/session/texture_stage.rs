@@ -2,7 +2,6 @@
 
 use serde_json::Value;
 
-use crate::protocol::frame::Answer;
 use crate::runner::run::{Decoder, Invocation, Reply, Request};
 use crate::runner::scratch::Scratch;
 use crate::suite::texture::test_case::TextureView;
@@ -14,31 +13,17 @@ pub fn ask(
     request: &Request<'_, TextureView>,
     scratch: &Scratch,
 ) -> Reply<Value> {
-    let result = decoder.invoke(
-        &Invocation {
-            view: &request.view.to_string(),
-            file_name: "case.json",
-            file: request.file,
-            most: request.largest_frame,
-            timeout_factor: request.timeout_factor,
-        },
-        scratch,
-    );
-    let answer = match result.output {
-        Ok(bytes) => match serde_json::from_slice::<Value>(&bytes) {
-            Ok(value) if value.is_object() => Answer::Decoded(value),
-            Ok(other) => Answer::ProtocolError(format!("expected a JSON object, found {other}")),
-            Err(error) => Answer::ProtocolError(format!("expected a JSON object: {error}")),
-        },
-        Err(answer) => match answer.decoded() {
-            Err(answer) => answer,
-            Ok(_) => unreachable!("what was decoded is what it said"),
-        },
+    let invocation = Invocation {
+        view: &request.view.to_string(),
+        file_name: "case.json",
+        file: request.file,
+        most: request.largest_frame,
+        timeout_factor: request.timeout_factor,
     };
-    Reply {
-        stderr: result.stderr,
-        exit: result.exit,
-        stdout: result.stdout,
-        ..answer.into()
-    }
+    let result = decoder.invoke(&invocation, scratch);
+    result.into_reply(|bytes| match serde_json::from_slice::<Value>(bytes) {
+        Ok(value) if value.is_object() => Ok(value),
+        Ok(other) => Err(format!("expected a JSON object, found {other}")),
+        Err(error) => Err(format!("expected a JSON object: {error}")),
+    })
 }

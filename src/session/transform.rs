@@ -6,11 +6,11 @@
 
 use std::sync::Arc;
 
-use crate::protocol::frame::{Answer, Frame, Samples, ViewKind};
+use crate::protocol::frame::{Answer, Frame, ViewKind};
 use crate::ptm::Format;
 use crate::session::asking::Undo;
 use crate::session::contact::Contact;
-use crate::session::curve::{Curve, factor};
+use crate::session::curve::Curve;
 use crate::session::probe::Arrangement;
 use crate::session::remark::Remark;
 use crate::suite::cases::{Case, Suite};
@@ -41,8 +41,8 @@ impl Picture<'_> {
         self.expected.compare(self.frame).is_none()
     }
 
-    fn is_put_right_by(&self, undo: impl Fn(&Frame, Option<&Frame>) -> Frame) -> bool {
-        let undone = undo(self.frame, self.right.as_ref());
+    fn is_explained_by(&self, undo: &Undo<Case>) -> bool {
+        let undone = (undo.undo)(self.frame, self.right.as_ref());
         self.expected.compare(&undone).is_none()
     }
 }
@@ -105,25 +105,22 @@ fn in_common(view: ViewKind, pictures: &[Picture]) -> Option<CommonTransform> {
     if !enough(wrong.len()) {
         return None;
     }
-    // What is right must look the same either way.
     let explained = |undo: &Undo<Case>| {
-        let explains =
-            |picture: &&&Picture| picture.is_put_right_by(|frame, right| (undo.undo)(frame, right));
         let (explained, open): (Vec<&Picture>, Vec<&Picture>) = wrong
             .iter()
-            .copied()
-            .partition(|picture| explains(&picture));
-        // Of a format it explains all sizes or none: what small pictures undergo, larger ones do too.
+            .partition(|picture| picture.is_explained_by(undo));
+        // A format is explained in all sizes or in none: what small images undergo, larger ones do too.
         let is_whole = |picture: &&Picture| open.iter().all(|other| other.format != picture.format);
-        // What one format of several undergoes is a mistake about that format.
+        // A change of one format of several is a mistake about that format.
         let is_common = || {
             let of_another = |picture: &&Picture| picture.format != explained[0].format;
             right.is_empty() || explained.iter().any(of_another)
         };
+        // A right image must look the same either way.
         let is_said = enough(explained.len())
             && is_common()
             && explained.iter().all(is_whole)
-            && right.iter().all(|picture| explains(&picture));
+            && right.iter().all(|picture| picture.is_explained_by(undo));
         is_said.then_some(right.len() + explained.len())
     };
     let (count, says, next, undo) = candidates(view, pictures)
@@ -136,58 +133,36 @@ fn in_common(view: ViewKind, pictures: &[Picture]) -> Option<CommonTransform> {
     Some(CommonTransform { undo, says, next })
 }
 
-/// Changes that all pictures may have undergone: what to say, what to do, and how to undo each.
+/// Returns the changes that all images may have undergone, those with the fewest mistakes first: what to say, what to do,
+/// and how to undo each.
 fn candidates(view: ViewKind, pictures: &[Picture]) -> Vec<(String, String, Undo<Case>)> {
     let arrangements = Arrangement::all().into_iter().skip(1);
     let mut all: Vec<_> = arrangements
         .map(|arrangement| {
             let mistakes = arrangement.mistakes();
-            let joined = |words: Vec<&str>, between| words.join(between);
-            let says = mistakes.iter().map(|mistake| &*mistake.says).collect();
-            let next = mistakes.iter().map(|mistake| mistake.next).collect();
-            let undo = Undo {
-                view: view.name(),
-                undo: Arc::new(move |frame: &Frame, _| arrangement.undo(frame)),
-            };
-            (joined(says, "; and "), joined(next, "\n  "), undo)
+            let says: Vec<&str> = mistakes.iter().map(|mistake| &*mistake.says).collect();
+            let next: Vec<&str> = mistakes.iter().map(|mistake| &*mistake.next).collect();
+            let undo = Arc::new(move |frame: &Frame, _: Option<&Frame>| arrangement.undo(frame));
+            let view = view.name();
+            (says.join("; and "), next.join("\n  "), Undo { view, undo })
         })
         .collect();
-    // The fewest mistakes first.
     all.sort_by_key(|(says, ..)| says.matches("; and ").count());
-    let pairs: Vec<(&Expected, &Frame)> = pictures
-        .iter()
+    let pairs = pictures.iter();
+    let pairs: Vec<_> = pairs
         .map(|picture| (&picture.expected, picture.frame))
         .collect();
-    if let Some((factor, says)) = factor(&pairs) {
-        let undo = Undo {
-            view: view.name(),
-            undo: Arc::new(move |frame: &Frame, _| divided(frame, factor)),
-        };
-        all.push((says, "send the values as they are".to_owned(), undo));
-    }
-    for curve in Curve::candidates(view, &pairs) {
+    all.extend(Curve::candidates(view, &pairs).into_iter().map(|curve| {
         let (says, next) = (curve.says.clone(), curve.next.to_owned());
-        let undo = Undo {
-            view: view.name(),
-            undo: Arc::new(move |frame: &Frame, right| curve.undo(frame, right)),
-        };
-        all.push((says, next, undo));
-    }
+        let undo = Arc::new(move |frame: &Frame, right: Option<&Frame>| curve.undo(frame, right));
+        (
+            says,
+            next,
+            Undo {
+                view: view.name(),
+                undo,
+            },
+        )
+    }));
     all
-}
-
-fn divided(frame: &Frame, factor: f64) -> Frame {
-    let samples = match &frame.samples {
-        Samples::U8(bytes) => Samples::U8(bytes.clone()),
-        Samples::F32(values) => {
-            let divided = values
-                .iter()
-                .map(|&value| (f64::from(value) / factor) as f32);
-            Samples::F32(divided.collect())
-        }
-    };
-    Frame {
-        samples,
-        ..frame.clone()
-    }
 }

@@ -4,18 +4,25 @@ use crate::protocol::forms;
 use crate::protocol::frame::{Samples, View, ViewKind};
 use crate::suite::compare::Expected;
 
-use super::mistake::{Interpretation, Mistake, mistake};
+use super::message::{Interpretation, Slots, WrapperMistake, mistake};
 
-/// What is wrong with the first line, and the samples in every way in which they may be meant.
+/// Returns what is wrong with the first line, and the samples in every way in which they may be meant.
 pub(super) fn body(
     bytes: &[u8],
     expected: &Expected,
     view: &View,
-) -> Option<(Vec<Mistake>, Vec<Interpretation>)> {
+) -> Option<(Vec<WrapperMistake>, Vec<Interpretation>)> {
     if let Ok(frame) = forms::read(bytes, view, bytes.len().max(1 << 16)) {
         let kind = frame.samples.sample_type();
+        let bytes = match &frame.samples {
+            Samples::U8(values) => values.clone(),
+            Samples::F32(values) => values
+                .iter()
+                .flat_map(|value| value.to_le_bytes())
+                .collect(),
+        };
         // A frame may be well-formed and its samples still be bytes of something else.
-        let mut meant = interpretations(&bytes_of(&frame.samples), expected);
+        let mut meant = interpretations(&bytes, expected);
         if kind == expected.view.sample_type() {
             meant.push((frame.samples.to_reals(), Vec::new()));
         }
@@ -34,86 +41,57 @@ pub(super) fn body(
     let ["PTM1", name, width, height, channels, kind] = words[..] else {
         return None;
     };
-    let shape = (
-        width.parse().ok()?,
-        height.parse().ok()?,
-        channels.parse().ok()?,
-    );
+    let (width, height) = (width.parse().ok()?, height.parse().ok()?);
+    let shape = (width, height, channels.parse().ok()?);
     let mut mistakes = line_mistakes(name, shape, kind, expected);
     if line != words.join(" ") {
-        mistakes.push(mistake(
-            "the words of its first line are not separated by single spaces",
-            "write \"PTM1 VIEW WIDTH HEIGHT CHANNELS TYPE\" with exactly one space between two words",
-        ));
+        mistakes.push(mistake("spaces", &[]));
     }
     Some((mistakes, interpretations(&bytes[end + 1..], expected)))
 }
 
-fn bytes_of(samples: &Samples) -> Vec<u8> {
-    match samples {
-        Samples::U8(values) => values.clone(),
-        Samples::F32(values) => values.iter().flat_map(|v| v.to_le_bytes()).collect(),
-    }
-}
-
-/// What is wrong with the words of the first line.
+/// Returns what is wrong with the words of the first line.
 fn line_mistakes(
     name: &str,
     (width, height, channels): (u32, u32, u32),
     kind: &str,
     expected: &Expected,
-) -> Vec<Mistake> {
-    let (size, right_kind) = (expected.size, expected.view.sample_type());
-    let mut mistakes: Vec<Mistake> = view_mistake(name, expected).into_iter().collect();
-    if (width, height) == (size.height, size.width) && width != height {
-        mistakes.push(mistake(
-            "its first line has height and width exchanged",
-            "the width stands before the height",
-        ));
-    } else if (width, height) != (size.width, size.height) {
-        mistakes.push(mistake(
-            format!(
-                "its first line says {width} x {height} where the file is {} x {}",
-                size.width, size.height
-            ),
-            "width and height are those of the file",
-        ));
-    }
-    if channels != expected.channels as u32 {
-        mistakes.push(mistake(
-            format!(
-                "its first line says {channels} channels instead of {}",
-                expected.channels
-            ),
-            "channels: 18 for RGB, 9 for LRGB and tables, 8 for LUM; 3 for rgb",
-        ));
-    }
-    if kind != right_kind {
-        mistakes.push(mistake(
-            format!("its first line says the type is {kind} instead of {right_kind}"),
-            "types: u8 for raw and rgb, f32 for coef",
-        ));
-    }
-    mistakes
+) -> Vec<WrapperMistake> {
+    let (size, view, right_kind) = (
+        expected.size,
+        expected.view.name(),
+        expected.view.sample_type(),
+    );
+    let is_light = name.starts_with("rgb:") && view == "rgb";
+    let is_exchanged = (width, height) == (size.height, size.width) && width != height;
+    let is_wrong_size = !is_exchanged && (width, height) != (size.width, size.height);
+    let shown = format!("{name:?}");
+    let right_size = format!("{} x {}", size.width, size.height);
+    let named: &Slots = &[("expected", &view), ("name", &shown)];
+    let sized: &Slots = &[
+        ("width", &width),
+        ("height", &height),
+        ("size", &right_size),
+    ];
+    let counted: &Slots = &[("channels", &channels), ("expected", &expected.channels)];
+    let typed: &Slots = &[("expected", &right_kind), ("kind", &kind)];
+    let mistakes = [
+        (is_light, "view-with-light", named),
+        (!is_light && name != view, "wrong-view", named),
+        (is_exchanged, "size-exchanged", &[]),
+        (is_wrong_size, "wrong-size", sized),
+        (
+            channels != expected.channels as u32,
+            "wrong-channels",
+            counted,
+        ),
+        (kind != right_kind, "wrong-type", typed),
+    ];
+    let made = mistakes.into_iter().filter(|(is_made, ..)| *is_made);
+    made.map(|(_, name, slots)| mistake(name, slots)).collect()
 }
 
-fn view_mistake(name: &str, expected: &Expected) -> Option<Mistake> {
-    let right = expected.view.name();
-    if name.starts_with("rgb:") && expected.view == ViewKind::Rgb {
-        return Some(mistake(
-            format!("its first line says {name:?}"),
-            "the line has rgb alone, without the light",
-        ));
-    }
-    (name != right).then(|| {
-        mistake(
-            format!("its first line says {name:?} where {right} is asked for"),
-            "the line names the view that was asked for: raw, coef or rgb",
-        )
-    })
-}
-
-/// The numbers that the bytes of the samples may mean.
+/// Returns the numbers that the bytes of the samples may mean.
 fn interpretations(bytes: &[u8], expected: &Expected) -> Vec<Interpretation> {
     let is_real = expected.view.sample_type() == "f32";
     let count = expected.size.texels() * expected.channels;
@@ -127,48 +105,38 @@ fn interpretations(bytes: &[u8], expected: &Expected) -> Vec<Interpretation> {
     ways.concat()
 }
 
-const LITTLE_ENDIAN_FLOATS: &str = "samples are 4-byte floats, low byte first: '<f4' in NumPy, \"<f\" in Python's struct, LITTLE_ENDIAN in Java";
-
-/// The right type, perhaps with a line end after the samples.
+/// Reads samples of the right type, perhaps with a line end after them.
 fn plain(bytes: &[u8], count: usize, is_real: bool) -> Vec<Interpretation> {
-    let values = |bytes: &[u8]| -> Vec<f64> {
-        match is_real {
-            true => floats(bytes, f32::from_le_bytes),
-            false => bytes.iter().map(|&byte| byte.into()).collect(),
-        }
-    };
     let size = if is_real { 4 * count } else { count };
-    match bytes.len().checked_sub(size) {
-        Some(0) => vec![(values(bytes), Vec::new())],
-        Some(1 | 2) => {
-            let (samples, rest) = bytes.split_at(size);
-            let says = format!("it prints \"{}\" after the samples", rest.escape_ascii());
-            let next = "print nothing after the samples: write, not println or puts";
-            vec![(values(samples), vec![mistake(says, next)])]
-        }
-        _ => Vec::new(),
-    }
+    let Some(rest @ 0..=2) = bytes.len().checked_sub(size) else {
+        return Vec::new();
+    };
+    let (samples, trailing) = bytes.split_at(size);
+    let values = match is_real {
+        true => floats(samples, f32::from_le_bytes),
+        false => samples.iter().map(|&byte| byte.into()).collect(),
+    };
+    let says = || mistake("trailing-bytes", &[("rest", &trailing.escape_ascii())]);
+    vec![(values, (rest > 0).then(says).into_iter().collect())]
 }
 
-/// Four bytes a sample: floats in the other byte order, or floats where bytes are right, perhaps from 0 to 1.
+/// Reads four bytes a sample: big-endian floats, or floats where bytes are right, perhaps from 0 to 1.
 fn wide(bytes: &[u8], count: usize, is_real: bool) -> Vec<Interpretation> {
     if bytes.len() != 4 * count {
         return Vec::new();
     }
     if is_real {
-        let says = mistake("its f32 have the high byte first", LITTLE_ENDIAN_FLOATS);
+        let says = mistake("big-endian", &[]);
         return vec![(floats(bytes, f32::from_be_bytes), vec![says])];
     }
     let orders: [(fn([u8; 4]) -> f32, _); 2] =
         [(f32::from_le_bytes, "low"), (f32::from_be_bytes, "high")];
-    let next = "one byte for each sample, from 0 to 255";
     let both = orders.into_iter().flat_map(|(read, order)| {
-        let says = format!("its samples are f32, {order} byte first, where u8 is asked for");
         let values = floats(bytes, read);
-        let full = values.iter().map(|value| (value * 255.0).round()).collect();
-        let fraction = mistake(format!("{says}, from 0 to 1"), next);
-        let rounded = values.iter().map(|value| value.round()).collect();
-        [(rounded, vec![mistake(says, next)]), (full, vec![fraction])]
+        [("floats", 1.0), ("fractions", 255.0)].map(|(name, factor)| {
+            let rounded = values.iter().map(|value| (value * factor).round());
+            (rounded.collect(), vec![mistake(name, &[("order", &order)])])
+        })
     });
     both.collect()
 }
@@ -183,25 +151,25 @@ fn doubles(bytes: &[u8], count: usize, is_real: bool) -> Vec<Interpretation> {
         let samples = bytes.as_chunks::<8>().0.iter();
         let samples = samples.map(|&sample| read(sample));
         let values = samples.map(|value| if is_real { value } else { value.round() });
-        let says = format!("its samples are f64, {order} byte first");
-        (values.collect(), vec![mistake(says, LITTLE_ENDIAN_FLOATS)])
+        (
+            values.collect(),
+            vec![mistake("doubles", &[("order", &order)])],
+        )
     });
     both.collect()
 }
 
-/// Colors of four samples.
+/// Reads colors of four samples.
 fn with_alpha(bytes: &[u8], expected: &Expected) -> Vec<Interpretation> {
-    let is_color = expected.view == ViewKind::Rgb;
-    if !is_color || bytes.len() != 4 * expected.size.texels() {
+    if expected.view != ViewKind::Rgb || bytes.len() != 4 * expected.size.texels() {
         return Vec::new();
     }
     let both = [(3, "last"), (0, "first")]
         .into_iter()
-        .map(|(alpha, name)| {
+        .map(|(alpha, place)| {
             let kept = bytes.iter().enumerate().filter(|(i, _)| i % 4 != alpha);
-            let says = format!("its texels have four samples; the {name} is no color (alpha?)");
-            let mistake = mistake(says, "three samples a texel: red, green, blue");
-            (kept.map(|(_, &byte)| byte.into()).collect(), vec![mistake])
+            let says = mistake("alpha", &[("place", &place)]);
+            (kept.map(|(_, &byte)| byte.into()).collect(), vec![says])
         });
     both.collect()
 }
@@ -209,12 +177,9 @@ fn with_alpha(bytes: &[u8], expected: &Expected) -> Vec<Interpretation> {
 fn in_ascii(bytes: &[u8]) -> Option<Interpretation> {
     let text = std::str::from_utf8(bytes).ok()?;
     let words = text.split(|c: char| c.is_whitespace() || c == ',');
-    let values: Result<Vec<f64>, _> = words
-        .filter(|word| !word.is_empty())
-        .map(str::parse)
-        .collect();
-    let says = mistake("its samples are numbers in ASCII", "write samples as bytes");
-    Some((values.ok()?, vec![says]))
+    let words = words.filter(|word| !word.is_empty());
+    let values: Result<Vec<f64>, _> = words.map(str::parse).collect();
+    Some((values.ok()?, vec![mistake("ascii", &[])]))
 }
 
 fn floats(bytes: &[u8], read: fn([u8; 4]) -> f32) -> Vec<f64> {

@@ -8,6 +8,7 @@ use crate::runner::scratch::Scratch;
 use crate::runner::template::Template;
 use crate::suite::compare::Expected;
 
+use super::message::{ProbeFault, fault};
 use super::repair;
 
 /// The decoder under probe, and where it works.
@@ -54,59 +55,30 @@ impl Calls<'_> {
         Template::of_words(&before.chain(command).chain(after).collect::<Vec<_>>())
     }
 
-    /// The way of calling it that gives a frame where the protocol's gives none: what to say, and what to do.
+    /// Finds a way of calling the decoder that gives a frame although that of the protocol gives none.
     pub(super) fn other_way(
         &self,
         file: &[u8],
         expected: &Expected,
         view: &View,
-    ) -> Option<(&str, &str)> {
+    ) -> Option<ProbeFault> {
         let here = std::env::current_dir().ok()?;
-        let ways = self.other_ways(&here.to_string_lossy());
-        let mut ways = ways.into_iter();
-        let (_, says, next) = ways.find(|(template, ..)| {
-            let reply = self.ask_by(Some(template.clone()), view, file);
+        let (here, stdin) = (here.to_string_lossy(), "exec \"$@\" < \"$0\"");
+        let home = ["sh", "-c", "cd \"$0\" && exec \"$@\"", &here];
+        let from_stdin = ["sh", "-c", stdin, "{in}"];
+        let ways: [(&[&str], &[&str], &str); 6] = [
+            (&home, &["{view}", "{in}"], "own-directory"),
+            (&from_stdin, &["{view}", "{in}"], "stdin"),
+            (&from_stdin, &["{view}"], "stdin-and-view"),
+            (&[], &["{in}", "{view}"], "arguments-exchanged"),
+            (&[], &["{in}"], "no-view"),
+            (&from_stdin, &[], "stdin-alone"),
+        ];
+        let (.., name) = ways.into_iter().find(|(before, after, _)| {
+            let reply = self.ask_by(Some(self.around(before, after)), view, file);
             matches!(reply.answer, Answer::Decoded(_))
                 || repair::repair(&reply.stdout, expected, view).is_some()
         })?;
-        Some((says, next))
-    }
-
-    fn other_ways(&self, here: &str) -> [(Template, &'static str, &'static str); 6] {
-        let stdin = "exec \"$@\" < \"$0\"";
-        let home = "cd \"$0\" && exec \"$@\"";
-        [
-            (
-                self.around(&["sh", "-c", home, here], &["{view}", "{in}"]),
-                "it works in your directory only: calls run in an empty directory of their own",
-                "let it find its own files beside itself and not in the working directory; words of the command that name \
-                 existing files are made absolute, but not paths within words such as --lib=path",
-            ),
-            (
-                self.around(&["sh", "-c", stdin, "{in}"], &["{view}", "{in}"]),
-                "it reads the PTM from standard input, which is empty",
-                "open the file whose path is the last argument",
-            ),
-            (
-                self.around(&["sh", "-c", stdin, "{in}"], &["{view}"]),
-                "it reads the PTM from standard input and takes no FILE",
-                "open the file whose path is the last argument",
-            ),
-            (
-                self.around(&[], &["{in}", "{view}"]),
-                "it takes its arguments the other way round",
-                "the first is the VIEW, the second the FILE",
-            ),
-            (
-                self.around(&[], &["{in}"]),
-                "it takes no VIEW",
-                "take VIEW (raw, coef or rgb:LU,LV) and FILE, and exit with 69 for a view that it does not support",
-            ),
-            (
-                self.around(&["sh", "-c", stdin, "{in}"], &[]),
-                "it reads the PTM from standard input and takes no arguments",
-                "take VIEW and FILE, and open the file",
-            ),
-        ]
+        Some(fault(name, &[]))
     }
 }

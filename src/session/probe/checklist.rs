@@ -1,6 +1,7 @@
 //! The steps of a probe and how each ended.
 
-use std::fmt::Write;
+use std::borrow::Cow;
+use std::fmt::{Display, Write};
 use std::path::Path;
 
 /// How a step ended.
@@ -27,6 +28,17 @@ pub struct ProbeStep {
     pub repeat: Option<Reproduction>,
 }
 
+impl ProbeStep {
+    fn new(mark: Mark, says: impl Into<String>) -> ProbeStep {
+        ProbeStep {
+            mark,
+            says: says.into(),
+            next: None,
+            repeat: None,
+        }
+    }
+}
+
 /// Requests that show again what was observed.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Reproduction {
@@ -48,10 +60,19 @@ pub struct ProbeRequest {
 }
 
 impl Reproduction {
-    pub(super) fn one_shot(request: ProbeRequest) -> Reproduction {
+    /// Creates a reproduction with one request for a file.
+    pub(super) fn one_shot(
+        view: &dyn Display,
+        file_name: impl Into<String>,
+        file: &[u8],
+    ) -> Reproduction {
         Reproduction {
             serve: false,
-            requests: vec![request],
+            requests: vec![ProbeRequest {
+                view: view.to_string(),
+                file_name: file_name.into(),
+                file: file.to_vec(),
+            }],
         }
     }
 
@@ -60,9 +81,8 @@ impl Reproduction {
     pub fn command(&self, decoder: &str, directory: &Path) -> String {
         let shown = "xxd | head";
         let quoted = |path: &Path| {
-            let path = path.to_string_lossy();
-            shlex::try_quote(&path)
-                .map_or_else(|_| path.clone().into_owned(), std::borrow::Cow::into_owned)
+            let path = path.to_string_lossy().into_owned();
+            shlex::try_quote(&path).map_or(path.clone(), Cow::into_owned)
         };
         if !self.serve {
             let one = |request: &ProbeRequest| {
@@ -92,36 +112,25 @@ pub struct Checklist {
 
 impl Checklist {
     pub(crate) fn good(&mut self, says: impl Into<String>) {
-        self.add(Mark::Good, says, None, None);
+        self.steps.push(ProbeStep::new(Mark::Good, says));
     }
 
-    /// Something to fix, what to do about it, and how to see it again.
+    /// Adds something to fix, what to do about it, and how to see it again.
     pub(crate) fn bad(
         &mut self,
         says: impl Into<String>,
         next: impl Into<String>,
         repeat: impl Into<Option<Reproduction>>,
     ) {
-        self.add(Mark::Bad, says, Some(next.into()), repeat.into());
+        self.steps.push(ProbeStep {
+            next: Some(next.into()),
+            repeat: repeat.into(),
+            ..ProbeStep::new(Mark::Bad, says)
+        });
     }
 
     pub(crate) fn absent(&mut self, says: impl Into<String>) {
-        self.add(Mark::Absent, says, None, None);
-    }
-
-    fn add(
-        &mut self,
-        mark: Mark,
-        says: impl Into<String>,
-        next: Option<String>,
-        repeat: Option<Reproduction>,
-    ) {
-        self.steps.push(ProbeStep {
-            mark,
-            says: says.into(),
-            next,
-            repeat,
-        });
+        self.steps.push(ProbeStep::new(Mark::Absent, says));
     }
 
     /// 0 if the decoder is ready for `check`, 3 if it is no decoder yet, 1 otherwise.

@@ -16,30 +16,18 @@ use crate::suite::cases::{Case, Expect, Suite};
 pub(super) use arrangement::Arrangement;
 pub use checklist::{Checklist, Mark, ProbeRequest, ProbeStep, Reproduction};
 
-mod checklist;
-
-mod sample;
-
-mod command;
-
-mod calls;
-
-mod one_shot;
-
-mod serve;
-
-mod dialog;
-
-mod explain;
-
-mod repair;
-
-mod mistake;
-
-mod body;
-
 mod arrangement;
-
+mod body;
+mod calls;
+mod checklist;
+mod command;
+mod dialog;
+mod explain;
+mod message;
+mod one_shot;
+mod repair;
+mod sample;
+mod serve;
 mod wrapper;
 
 /// What is wrong with the wrapper of `decoder`, by what it did with the first files, a large one and malformed ones: nothing

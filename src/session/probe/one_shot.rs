@@ -7,8 +7,9 @@ use crate::suite::cases::TableSpelling;
 use crate::suite::compare::Expected;
 
 use super::calls::Calls;
-use super::checklist::{Checklist, ProbeRequest, Reproduction};
-use super::explain::{briefly, explain, not_refused};
+use super::checklist::{Checklist, Reproduction};
+use super::explain::{explain, not_refused};
+use super::message::{ProbeFault, Slots, fault};
 use super::sample::Sample;
 use super::{command, repair};
 
@@ -143,19 +144,20 @@ pub(super) fn first_frame(calls: &Calls, list: &mut Checklist) -> Option<FirstFr
             break;
         }
     }
-    match troubled {
-        Some((sample, view, reply)) => {
-            let known = why_no_frame(calls, (&sample.file, &sample.expected(&view)), &view, &reply);
-            let (says, next) = known.unwrap_or_else(|| explain(&reply));
-            let says = format!("{} {view}: {says}", sample.format.short_name());
-            list.bad(says, next, sample.repeat(&view));
-        }
-        None => list.bad(
-            "it exits with 69 (unsupported) on an ordinary file of every format, in every view",
-            "start with one format, for example LRGB, and one view, for example raw; 69 is for the rest",
-            None,
-        ),
-    }
+    let Some((sample, view, reply)) = troubled else {
+        let (says, next) = fault("nothing-supported", &[]);
+        list.bad(says, next, None);
+        return None;
+    };
+    let known = why_no_frame(
+        calls,
+        (&sample.file, &sample.expected(&view)),
+        &view,
+        &reply,
+    );
+    let (says, next) = known.unwrap_or_else(|| explain(&reply));
+    let says = format!("{} {view}: {says}", sample.format.short_name());
+    list.bad(says, next, sample.repeat(&view));
     None
 }
 
@@ -181,10 +183,7 @@ fn judge_views(asked: &Asked, list: &mut Checklist) {
                     list.good(format!("{what}: decoded, and the picture is right"));
                     continue;
                 }
-                Some(difference) => (
-                    format!("the frame is well-formed, but the picture is wrong: {difference}"),
-                    "the mistake is not one of wrappers; ptm-conform check names the clause that is misread",
-                ),
+                Some(difference) => fault("wrong-image", &[("difference", &difference)]),
             },
             Answer::Unsupported => {
                 list.absent(format!(
@@ -192,38 +191,28 @@ fn judge_views(asked: &Asked, list: &mut Checklist) {
                 ));
                 continue;
             }
-            answer => (
-                briefly(answer),
-                "exit with 69 if it does not support this view; otherwise fix what standard error says",
-            ),
+            answer => fault("no-image", &[("answer", &answer.describe())]),
         };
-        let (says, next) = match repair::repair(&reply.stdout, &sample.expected(view), view) {
-            Some(repair) => (repair.says(), repair.next()),
-            None => (wrong.0, wrong.1.to_owned()),
-        };
+        let repair = repair::repair(&reply.stdout, &sample.expected(view), view);
+        let (says, next) = repair.map_or(wrong, |repair| repair.fault());
         list.bad(format!("{what}: {says}"), next, sample.repeat(view));
     }
 }
 
-/// What is known to give such an answer, which is no frame, and what to do.
+/// Explains an answer that is not a frame, if its cause is known.
 pub(super) fn why_no_frame(
     calls: &Calls,
     (file, expected): (&[u8], &Expected),
     view: &View,
     reply: &Reply,
-) -> Option<(String, String)> {
-    if let Some(repair) = repair::repair(&reply.stdout, expected, view) {
-        return Some((repair.says(), repair.next()));
+) -> Option<ProbeFault> {
+    let repair = repair::repair(&reply.stdout, expected, view).map(|repair| repair.fault());
+    let known = repair.or_else(|| command::not_run(calls.command, reply));
+    // A decoder that hangs takes its time in every way of being called.
+    if known.is_some() || matches!(reply.answer, Answer::Hung(_)) {
+        return known;
     }
-    if let Some(obstacle) = command::not_run(calls.command, reply) {
-        return Some(obstacle);
-    }
-    // Who hangs takes his time in every way of being called.
-    if matches!(reply.answer, Answer::Hung(_)) {
-        return None;
-    }
-    let (says, next) = calls.other_way(file, expected, view)?;
-    Some((says.to_owned(), next.to_owned()))
+    calls.other_way(file, expected, view)
 }
 
 /// A frame that does not fit into a pipe at once.
@@ -239,13 +228,11 @@ pub(super) fn large_frame(calls: &Calls, first: &FirstFrame, list: &mut Checklis
                 list.good(format!("{what}: complete"));
                 continue;
             }
-            Answer::Decoded(frame) => (
-                format!(
-                    "the frame says {} x {} instead of {}",
-                    frame.width, frame.height, sample.size
-                ),
-                "width and height are those of the file".to_owned(),
-            ),
+            Answer::Decoded(frame) => {
+                let (width, height, size) = (frame.width, frame.height, sample.size);
+                let slots: &Slots = &[("width", &width), ("height", &height), ("size", &size)];
+                fault("large-size", slots)
+            }
             _ => explain(&reply),
         };
         list.bad(format!("{what}: {says}"), next, sample.repeat(view));
@@ -262,16 +249,8 @@ pub(super) fn refusals(calls: &Calls, first: &FirstFrame, list: &mut Checklist) 
             continue;
         }
         let (says, next) = not_refused(&reply);
-        let request = ProbeRequest {
-            view: view.to_string(),
-            file_name: file_name.to_owned(),
-            file: file.to_vec(),
-        };
-        list.bad(
-            format!("{what}: {says}"),
-            next,
-            Reproduction::one_shot(request),
-        );
+        let repeat = Reproduction::one_shot(view, file_name, file);
+        list.bad(format!("{what}: {says}"), next, repeat);
     }
 }
 
@@ -298,24 +277,11 @@ pub(super) fn unknown_view(calls: &Calls, sample: &Sample, list: &mut Checklist)
     let reply = calls.ask_for(UNKNOWN, &["{in}"], &sample.file);
     let (says, next) = match &reply.answer {
         Answer::Unsupported => return list.good("an unknown view: exited with 69"),
-        Answer::Decoded(_) => (
-            "it prints a frame all the same".to_owned(),
-            "check VIEW, and exit with 69 if it is not supported",
-        ),
-        answer => (
-            briefly(answer),
-            "exit with 69 where VIEW is one that it does not support",
-        ),
+        Answer::Decoded(_) => fault("unknown-view-shown", &[]),
+        answer => fault("unknown-view", &[("answer", &answer.describe())]),
     };
-    let request = ProbeRequest {
-        view: UNKNOWN.to_owned(),
-        ..sample.request(&View::Raw)
-    };
-    list.bad(
-        format!("an unknown view: {says}"),
-        next,
-        Reproduction::one_shot(request),
-    );
+    let repeat = Reproduction::one_shot(&UNKNOWN, sample.file_name(), &sample.file);
+    list.bad(format!("an unknown view: {says}"), next, repeat);
 }
 
 /// What it says about itself.

@@ -5,20 +5,16 @@ use crate::suite::compare::Expected;
 
 use super::arrangement::arrangements;
 use super::body::body;
-use super::mistake::{Mistake, mistake};
+use super::message::{ProbeFault, WrapperMistake, mistake};
 
 /// The mistakes that, undone, leave the right picture.
-pub(super) struct Repair(pub(super) Vec<Mistake>);
+pub(super) struct Repair(pub(super) Vec<WrapperMistake>);
 
 impl Repair {
-    pub(super) fn says(&self) -> String {
-        let says: Vec<&str> = self.0.iter().map(|mistake| mistake.says.as_str()).collect();
-        says.join("; and ")
-    }
-
-    pub(super) fn next(&self) -> String {
-        let next: Vec<&str> = self.0.iter().map(|mistake| mistake.next).collect();
-        next.join("\n")
+    pub(super) fn fault(&self) -> ProbeFault {
+        let says: Vec<&str> = self.0.iter().map(|mistake| &*mistake.says).collect();
+        let next: Vec<&str> = self.0.iter().map(|mistake| &*mistake.next).collect();
+        (says.join("; and "), next.join("\n"))
     }
 }
 
@@ -38,7 +34,8 @@ pub(super) fn repairs(bytes: &[u8], expected: &Expected, view: &View) -> Vec<Rep
         };
         for (values, encoded) in values {
             for (values, arranged) in arrangements(&values, expected) {
-                let all: Vec<Mistake> = [&mistakes[..], &shape, &encoded, &arranged].concat();
+                let all: Vec<WrapperMistake> =
+                    [&mistakes[..], &shape, &encoded, &arranged].concat();
                 if !all.is_empty() && is_right(&values, expected) {
                     repairs.push(Repair(all));
                 }
@@ -49,7 +46,7 @@ pub(super) fn repairs(bytes: &[u8], expected: &Expected, view: &View) -> Vec<Rep
 }
 
 /// Bytes, and what had to be undone to get them.
-type Stream = (Vec<u8>, Vec<Mistake>);
+type Stream = (Vec<u8>, Vec<WrapperMistake>);
 
 /// The bytes as they are, and without what text mode, encodings and messages do to them.
 fn streams(bytes: &[u8]) -> Vec<Stream> {
@@ -65,13 +62,7 @@ fn streams(bytes: &[u8]) -> Vec<Stream> {
 fn from_utf16(bytes: &[u8]) -> Option<Stream> {
     let pairs = bytes.strip_prefix(b"\xff\xfe")?.as_chunks::<2>().0;
     let narrow = pairs.iter().map(|&pair| u16::from_le_bytes(pair) as u8);
-    Some((
-        narrow.collect(),
-        vec![mistake(
-            "its output is text in UTF-16, as PowerShell writes it",
-            "write bytes; do not send them through PowerShell's > or |",
-        )],
-    ))
+    Some((narrow.collect(), vec![mistake("utf-16", &[])]))
 }
 
 fn from_utf8(bytes: &[u8]) -> Option<Stream> {
@@ -80,60 +71,48 @@ fn from_utf8(bytes: &[u8]) -> Option<Stream> {
         return None;
     }
     let narrow = text.chars().map(|c| u32::from(c) as u8);
-    Some((
-        narrow.collect(),
-        vec![mistake(
-            "its samples are printed as text: every byte from 128 on has become two (UTF-8)",
-            "write bytes, not characters: in Python sys.stdout.buffer, in Java System.out.write, in Node a Buffer",
-        )],
-    ))
+    Some((narrow.collect(), vec![mistake("utf-8", &[])]))
 }
 
-/// The stream from its PTM1 line on, if something else stands before that.
+/// Returns the stream from its PTM1 line on, if there is something else before that.
 fn without_text_before((bytes, mistakes): &Stream) -> Option<Stream> {
     let line = bytes.windows(5).position(|word| word == b"PTM1 ");
     let line = line.filter(|&line| line > 0)?;
-    let shown = bytes[..line.min(60)].escape_ascii();
     let text = mistake(
-        format!("it prints text before the frame: \"{shown}\""),
-        "print messages to standard error; standard output has the frame and nothing else",
+        "text-before",
+        &[("text", &bytes[..line.min(60)].escape_ascii())],
     );
     Some((bytes[line..].to_vec(), [&mistakes[..], &[text]].concat()))
 }
 
-/// The bytes without the carriage returns that text mode puts before line feeds: those of the first line, those after it,
-/// or all of them.
+/// Returns the bytes without the carriage returns that text mode puts before line feeds: those of the first line, those
+/// after it, or all of them.
 fn line_ends(bytes: &[u8]) -> Vec<Stream> {
-    let next = "set standard output to binary mode and end the line with a line feed alone: in C on Windows \
-                _setmode(_fileno(stdout), _O_BINARY), in Python sys.stdout.buffer, in Perl binmode STDOUT";
     let Some(end) = bytes.iter().position(|&byte| byte == b'\n') else {
         return Vec::new();
     };
     let (line, samples) = bytes.split_at(end + 1);
-    let fixed_line = without_carriage_returns(line);
-    let fixed = without_carriage_returns(samples);
+    let (fixed_line, fixed) = (
+        without_carriage_returns(line),
+        without_carriage_returns(samples),
+    );
+    let (line_changed, changed) = (fixed_line != line, fixed != samples);
     let candidates = [
         (
+            line_changed,
             [&fixed_line[..], samples].concat(),
-            fixed_line != line,
-            "its first line ends in CR LF",
+            "crlf-line",
         ),
+        (changed, [line, &fixed].concat(), "crlf-samples"),
         (
-            [line, &fixed].concat(),
-            fixed != samples,
-            "every line feed among the samples has become CR LF: text mode",
-        ),
-        (
-            [fixed_line.clone(), fixed.clone()].concat(),
-            fixed_line != line && fixed != samples,
-            "CR LF ends its first line, and every line feed among the samples has become CR LF: text mode",
+            line_changed && changed,
+            [fixed_line, fixed].concat(),
+            "crlf",
         ),
     ];
-    candidates
-        .into_iter()
-        .filter(|(_, changed, _)| *changed)
-        .map(|(bytes, _, says)| (bytes, vec![mistake(says, next)]))
-        .collect()
+    let changed = candidates.into_iter().filter(|(changed, ..)| *changed);
+    let fixed = changed.map(|(_, bytes, name)| (bytes, vec![mistake(name, &[])]));
+    fixed.collect()
 }
 
 fn without_carriage_returns(bytes: &[u8]) -> Vec<u8> {

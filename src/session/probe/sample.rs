@@ -7,7 +7,7 @@ use crate::suite::cases::TableSpelling;
 use crate::suite::compare::Expected;
 use crate::suite::values::Values;
 
-use super::checklist::{ProbeRequest, Reproduction};
+use super::checklist::Reproduction;
 
 /// A file, and what a right decoder makes of it.
 pub(super) struct Sample {
@@ -68,15 +68,7 @@ impl Sample {
         )
     }
 
-    pub(super) fn request(&self, view: &View) -> ProbeRequest {
-        ProbeRequest {
-            view: view.to_string(),
-            file_name: self.file_name(),
-            file: self.file.clone(),
-        }
-    }
-
     pub(super) fn repeat(&self, view: &View) -> Reproduction {
-        Reproduction::one_shot(self.request(view))
+        Reproduction::one_shot(view, self.file_name(), &self.file)
     }
 }

@@ -8,31 +8,28 @@ use crate::protocol::frame::{Answer, EXIT_MALFORMED, Frame, View};
 
 use super::calls::Calls;
 use super::checklist::{Checklist, ProbeRequest, Reproduction};
-use super::dialog::{Desk, Dialog, Served, ServedAnswer};
+use super::dialog::{Dialog, Served, ServedAnswer};
+use super::message::{ProbeFault, fault};
 use super::sample::Sample;
 
 const NOT_OFFERED: &str = "serve: not offered, and not needed";
 
 const MALFORMED: &[u8] = b"PTM_1.2\n";
 
-/// What is wrong, and what to do.
-type Fault = (String, &'static str);
-
 /// Why the steps end before the last one.
 enum Stop {
     NotOffered,
     /// A fault that shows after so many requests.
-    Fault(usize, Fault),
+    Fault(usize, ProbeFault),
 }
 
 /// Takes the steps of serve mode: two frames and a refusal, each answered before the next is asked for, then the end.
 pub(super) fn look(calls: &Calls, sample: &Sample, view: &View, list: &mut Checklist) {
     let one_shot = calls.ask(view, &sample.file);
-    let (Answer::Decoded(right), Ok(desk)) = (one_shot.answer, Desk::new(calls.scratch.works()))
-    else {
+    let Answer::Decoded(right) = one_shot.answer else {
         return;
     };
-    match steps(calls, &desk, sample, view, &right, list) {
+    match steps(calls, sample, view, &right, list) {
         Ok(()) => {}
         Err(Stop::NotOffered) => list.absent(NOT_OFFERED),
         Err(Stop::Fault(count, (says, next))) => {
@@ -44,15 +41,14 @@ pub(super) fn look(calls: &Calls, sample: &Sample, view: &View, list: &mut Check
 
 fn steps(
     calls: &Calls,
-    desk: &Desk,
     sample: &Sample,
     view: &View,
     right: &Frame,
     list: &mut Checklist,
 ) -> Result<(), Stop> {
-    let mut dialog = Dialog::start(calls, desk).map_err(|_| Stop::NotOffered)?;
-    let whole = desk.lay_down("one file.ptm", &sample.file);
-    let malformed = desk.lay_down("malformed.ptm", MALFORMED);
+    let mut dialog = Dialog::start(calls).ok_or(Stop::NotOffered)?;
+    let whole = dialog.lay_down("one file.ptm", &sample.file);
+    let malformed = dialog.lay_down("malformed.ptm", MALFORMED);
     let at = |count| move |fault| Stop::Fault(count, fault);
     match dialog.ask(1, view, &whole) {
         Served::Answer(answer) => judge(&answer, view, right).map_err(at(1))?,
@@ -70,19 +66,13 @@ fn steps(
             list.good("serve: it ends when its input ends");
             Ok(())
         }
-        _ => Err(Stop::Fault(
-            3,
-            (
-                "it does not end with status 0 when its standard input ends".to_owned(),
-                "leave the loop at the end of standard input",
-            ),
-        )),
+        _ => Err(Stop::Fault(3, fault("serve-end", &[]))),
     }
 }
 
 /// The first requests of the dialog.
 fn requests(sample: &Sample, view: &View, count: usize) -> Reproduction {
-    let whole = sample.request(view);
+    let whole = sample.repeat(view).requests.remove(0);
     let malformed = ProbeRequest {
         file_name: "malformed.ptm".to_owned(),
         file: MALFORMED.to_vec(),
@@ -96,74 +86,56 @@ fn requests(sample: &Sample, view: &View, count: usize) -> Reproduction {
     }
 }
 
-/// Nothing has come. Some programs take the word for a view and wait; some answer when their input ends.
+/// Explains that nothing has come. Some programs take the word for a view and wait; some answer when their input ends.
 fn kept_back(mut dialog: Dialog) -> Stop {
     match dialog.end() {
-        Served::Answer(answer) if answer.line.starts_with("1 ") => Stop::Fault(
-            1,
-            (
-                "it answers only when its standard input ends".to_owned(),
-                "flush standard output after each answer, and read line by line: in Python sys.stdout.flush() and \
-                 for line in sys.stdin.buffer; in C fflush(stdout)",
-            ),
-        ),
+        Served::Answer(answer) if answer.line.starts_with("1 ") => {
+            Stop::Fault(1, fault("serve-buffered", &[]))
+        }
         _ => Stop::NotOffered,
     }
 }
 
-/// Whether an answer is the frame of one-shot mode.
-fn judge(answer: &ServedAnswer, view: &View, right: &Frame) -> Result<(), Fault> {
+/// Checks that an answer is the frame of one-shot mode.
+fn judge(answer: &ServedAnswer, view: &View, right: &Frame) -> Result<(), ProbeFault> {
     let most = answer.bytes.len().max(1 << 16);
     let frame = forms::read(&answer.bytes, view, most).map_err(|error| {
-        let next = match answer.bytes.contains(&b'\n') {
-            true => "NBYTES counts the PTM1 line as well as the samples",
-            false => "after SEQ ok NBYTES and a line feed comes the frame as in one-shot mode, PTM1 line and samples",
+        let name = match answer.bytes.contains(&b'\n') {
+            true => "serve-count",
+            false => "serve-frame",
         };
-        let says = format!("answered {:?}, and then no frame: {error}", answer.line);
-        (says, next)
+        fault(
+            name,
+            &[("error", &error), ("line", &format!("{:?}", answer.line))],
+        )
     })?;
     match frame.is_like(right) {
         true => Ok(()),
-        false => Err((
-            "the answer differs from that of one-shot mode".to_owned(),
-            "both modes should share all but the reading of the request",
-        )),
+        false => Err(fault("serve-differs", &[])),
     }
 }
 
-fn refused(served: Served, reject_exit: Option<i32>) -> Result<(), Fault> {
-    let reject = "the answer is: SEQ reject 65";
+fn refused(served: Served, reject_exit: Option<i32>) -> Result<(), ProbeFault> {
     let is_refusal = |line: &str| {
         let code = line.trim_end().strip_prefix("2 reject ");
         let code = code.and_then(|code| code.parse().ok());
         code.is_some() && (code == Some(EXIT_MALFORMED) || code == reject_exit)
     };
-    Err(match served {
-        Served::Answer(answer) if is_refusal(&answer.line) => return Ok(()),
-        Served::Answer(answer) => (
-            format!("a malformed file is answered {:?}", answer.line),
-            reject,
-        ),
-        Served::Gone(_) => (
-            "it ends at a malformed file".to_owned(),
-            "answer SEQ reject 65 and go on with the next line",
-        ),
-        Served::Nothing | Served::Wrong(_) => {
-            ("a malformed file is not answered".to_owned(), reject)
+    match served {
+        Served::Answer(answer) if is_refusal(&answer.line) => Ok(()),
+        Served::Answer(answer) => {
+            let line = format!("{:?}", answer.line);
+            Err(fault("serve-wrong-refusal", &[("line", &line)]))
         }
-    })
+        Served::Gone(_) => Err(fault("serve-gone", &[])),
+        Served::Nothing | Served::Wrong(_) => Err(fault("serve-no-refusal", &[])),
+    }
 }
 
-fn answered_again(served: &Served, view: &View, right: &Frame) -> Result<(), Fault> {
-    Err(match served {
-        Served::Answer(answer) if judge(answer, view, right).is_ok() => return Ok(()),
-        Served::Answer(_) => (
-            "after a refusal, the first file is answered differently from before".to_owned(),
-            "begin every request anew: no state may pass from one file to the next",
-        ),
-        _ => (
-            "it does not answer a third request".to_owned(),
-            "go on until standard input ends",
-        ),
-    })
+fn answered_again(served: &Served, view: &View, right: &Frame) -> Result<(), ProbeFault> {
+    match served {
+        Served::Answer(answer) if judge(answer, view, right).is_ok() => Ok(()),
+        Served::Answer(_) => Err(fault("serve-state", &[])),
+        _ => Err(fault("serve-third", &[])),
+    }
 }

@@ -13,8 +13,9 @@ use crate::suite::cases::{Case, Suite, TableSpelling};
 use crate::suite::compare::Expected;
 
 use super::calls::Calls;
-use super::checklist::{Mark, ProbeRequest, ProbeStep, Reproduction};
-use super::explain::{cut, explain, not_refused};
+use super::checklist::{Mark, ProbeStep, Reproduction};
+use super::explain::{explain, is_cut, not_refused};
+use super::message::ProbeFault;
 use super::one_shot::{malformed, why_no_frame};
 use super::repair::{Repair, repairs};
 use super::sample::Sample;
@@ -127,22 +128,19 @@ impl<'a> FirstReply<'a> {
         self.expected.compare(frame).is_none()
     }
 
-    fn step(&self, says: &str, next: String) -> ProbeStep {
-        let request = ProbeRequest {
-            view: self.view.to_string(),
-            file_name: format!("{}.ptm", self.case.id),
-            file: self.file.clone(),
-        };
-        step(format!("{}: {says}", self.view), next, request)
+    fn step(&self, (says, next): ProbeFault) -> ProbeStep {
+        let file_name = format!("{}.ptm", self.case.id);
+        let repeat = Reproduction::one_shot(self.view, file_name, &self.file);
+        step(format!("{}: {says}", self.view), next, repeat)
     }
 }
 
-fn step(says: String, next: String, request: ProbeRequest) -> ProbeStep {
+fn step(says: String, next: String, repeat: Reproduction) -> ProbeStep {
     ProbeStep {
         mark: Mark::Bad,
         says,
         next: Some(next),
-        repeat: Some(Reproduction::one_shot(request)),
+        repeat: Some(repeat),
     }
 }
 
@@ -157,10 +155,14 @@ fn of_frames(view: &View, replies: &[FirstReply]) -> Option<ProbeStep> {
         .filter(|(_, bytes)| !bytes.is_empty())
         .collect();
     // What is to be done about a set of mistakes names it; what shows of it differs from file to file.
-    let mut explained: BTreeMap<Vec<&str>, Vec<(&FirstReply, Repair)>> = BTreeMap::new();
+    let mut explained: BTreeMap<Vec<String>, Vec<(&FirstReply, Repair)>> = BTreeMap::new();
     for (reply, bytes) in &printed {
         for repair in repairs(bytes, &reply.expected, view) {
-            let key = repair.0.iter().map(|mistake| mistake.next).collect();
+            let key: Vec<String> = repair
+                .0
+                .iter()
+                .map(|mistake| mistake.next.clone())
+                .collect();
             let of_key = explained.entry(key).or_default();
             if of_key
                 .last()
@@ -170,11 +172,11 @@ fn of_frames(view: &View, replies: &[FirstReply]) -> Option<ProbeStep> {
             }
         }
     }
-    let by_count = |(key, of): &(&Vec<&str>, &Vec<_>)| (of.len(), std::cmp::Reverse(key.len()));
+    let by_count = |(key, of): &(&Vec<String>, &Vec<_>)| (of.len(), std::cmp::Reverse(key.len()));
     let (_, of) = explained.iter().max_by_key(by_count)?;
     let (reply, repair) = of.first()?;
     let of_wrapper = repair.0.iter().any(|mistake| !mistake.is_order);
-    (of_wrapper && 2 * of.len() > printed.len()).then(|| reply.step(&repair.says(), repair.next()))
+    (of_wrapper && 2 * of.len() > printed.len()).then(|| reply.step(repair.fault()))
 }
 
 /// Why no first file gave a frame, by the first that tells.
@@ -189,11 +191,15 @@ fn no_frame(calls: &Calls, replies: &[FirstReply]) -> Option<ProbeStep> {
         return None;
     }
     let file = (&first.file[..], &first.expected);
-    Some(match why_no_frame(calls, file, first.view, first.reply) {
-        Some((says, next)) => first.step(&says, next),
-        // The answer itself has been told.
-        None => first.step("this is an ordinary file", explain(first.reply).1),
-    })
+    let known = why_no_frame(calls, file, first.view, first.reply);
+    // The answer itself has been reported.
+    let unknown = || {
+        (
+            "this is an ordinary file".to_owned(),
+            explain(first.reply).1,
+        )
+    };
+    Some(first.step(known.unwrap_or_else(unknown)))
 }
 
 /// The first file that was decoded in a view.
@@ -206,7 +212,7 @@ fn first_decoded<'a>(view: &View, replies: &'a [FirstReply]) -> Option<&'a First
 fn cut_frame(calls: &Calls, first: &FirstReply, table: TableSpelling) -> Option<ProbeStep> {
     let sample = Sample::new(first.case.format(), "201x149", table);
     let reply = calls.ask(first.view, &sample.file);
-    if !cut(&reply) {
+    if !is_cut(&reply) {
         return None;
     }
     let (says, next) = explain(&reply);
@@ -215,7 +221,7 @@ fn cut_frame(calls: &Calls, first: &FirstReply, table: TableSpelling) -> Option<
         sample.size.texels(),
         first.view
     );
-    Some(step(says, next, sample.request(first.view)))
+    Some(step(says, next, sample.repeat(first.view)))
 }
 
 /// Malformed files that all end in one exit status, and not in that of a refusal.
@@ -231,11 +237,7 @@ fn no_refusal(calls: &Calls, first: &FirstReply, jobs: usize) -> Option<ProbeSte
     }
     let (says, next) = not_refused(&replies[0]);
     let (what, file_name, file) = files[0];
-    let request = ProbeRequest {
-        view: first.view.to_string(),
-        file_name: file_name.to_owned(),
-        file: file.to_vec(),
-    };
     let says = format!("{what}, and other malformed ones: {says}");
-    Some(step(says, next, request))
+    let repeat = Reproduction::one_shot(first.view, file_name, file);
+    Some(step(says, next, repeat))
 }

@@ -1,0 +1,293 @@
+//! The driver of a run: first contact, cases, verdicts, report, causes. All suites share it.
+
+use std::fs;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::mpsc::{self, RecvTimeoutError};
+use std::sync::{Arc, Mutex};
+use std::time::{Duration, Instant};
+
+use super::ending::Ending;
+use super::progress::{self, ProgressLine};
+use ptm_conform::diagnose::MAX_WORK;
+use ptm_conform::report::conclude::{causes, first_causes, undo_common_transforms, verdicts};
+use ptm_conform::report::reported::Reported;
+use ptm_conform::report::shards::{Circumstances, End, Keeper, OtherRemarks, Shard, beside};
+use ptm_conform::report::text::first_causes_to_text;
+use ptm_conform::runner::run::Request;
+use ptm_conform::session::asking::Ask;
+use ptm_conform::session::contact::Contact;
+use ptm_conform::session::observation::Observation;
+use ptm_conform::session::plan::RunPlan;
+use ptm_conform::session::run::{Run, Session};
+use ptm_conform::suite::cases::Suite;
+
+/// Where fewer cases than these follow the smoke subset, nothing is said between.
+const SHORT: usize = 200;
+
+/// The search for first causes may take a tenth of the run, or this long.
+const LEAST_PATIENCE: Duration = Duration::from_secs(2);
+
+/// A run that takes longer is foretold.
+const LONG: Duration = Duration::from_secs(60);
+
+/// A run of a suite, and where its report goes.
+pub struct Check<'a, C: Reported> {
+    suite: &'a Suite<C>,
+    plan: &'a RunPlan<C>,
+    circumstances: Circumstances,
+    ending: Ending<'a>,
+    partial: Partial,
+    progress: ProgressLine,
+    /// How the decoder could answer faster; empty if it could not.
+    pub faster: &'static str,
+    /// Keeps the answers if this is a part of a run.
+    keeper: Option<(Shard, Keeper<C>)>,
+}
+
+impl<'a, C: Reported> Check<'a, C> {
+    /// Creates the files of a run.
+    pub fn new(
+        suite: &'a Suite<C>,
+        plan: &'a RunPlan<C>,
+        circumstances: Circumstances,
+        ending: Ending<'a>,
+        shard: Option<Shard>,
+    ) -> Result<Check<'a, C>, String> {
+        let path = beside(ending.path);
+        let keeper = shard
+            .map(|shard| Keeper::new(&path).map(|keeper| (shard, keeper)))
+            .transpose();
+        Ok(Check {
+            suite,
+            plan,
+            circumstances,
+            partial: Partial::new(ending.path)?,
+            ending,
+            progress: ProgressLine::new("first contact"),
+            faster: "",
+            keeper: keeper.map_err(|error| format!("{}: {error}", path.display()))?,
+        })
+    }
+
+    /// First contact, cases, verdicts.
+    pub fn ask(&self, ask: &Ask<C>, look: &dyn Fn(&mut Contact<C>)) -> Run<C> {
+        let keeper = self.keeper.as_ref().map(|(_, keeper)| keeper);
+        let recording = |request: &Request<'_, C::View>, job: usize| {
+            let reply = ask(request, job);
+            if let Some(keeper) = keeper {
+                keeper.answered(request, &reply);
+            }
+            reply
+        };
+        let began = Instant::now();
+        let mut session = Session::new(self.suite, self.plan, &recording);
+        let mut contact = session.first_contact();
+        let pace = began.elapsed().div_f64(session.asked().max(1) as f64);
+        look(&mut contact);
+        if contact.is_ready() {
+            let assumed = &self.circumstances.assumed;
+            undo_common_transforms(self.suite, &mut session, &mut contact, assumed);
+        }
+        let observations = self.ask_soonest_first(&session, &contact, pace);
+        self.progress.begin("asking again");
+        let again = |done, all| self.progress.show(done, all);
+        let run = session.verdicts(contact, observations, &again);
+        // One signal ends the calls, another one the search for causes.
+        self.plan.stop.store(false, Ordering::Relaxed);
+        run
+    }
+
+    /// The smoke subset, its likely causes, and the rest. A request takes about as long as `pace`.
+    fn ask_soonest_first(
+        &self,
+        session: &Session<C>,
+        contact: &Contact<C>,
+        pace: Duration,
+    ) -> Vec<Option<Observation<C>>> {
+        let keeper = self.keeper.as_ref().map(|(_, keeper)| keeper);
+        let (soonest, others) = session.agenda(contact);
+        let all = soonest.len() + others.len();
+        let done = AtomicUsize::new(0);
+        let progress = |case: &C, observation: &Observation<C>, _: usize, _: usize| {
+            let view = observation.view.to_string();
+            self.partial
+                .append(case.id(), &view, observation.response.name());
+            // What was changed before it was compared is kept as it came.
+            if let Some(keeper) = keeper.filter(|_| !session.undoes_changes()) {
+                keeper.observed(case, observation);
+            }
+            if observation.is_wrong_for(case) {
+                self.progress.one_wrong();
+            }
+            self.progress
+                .show(done.fetch_add(1, Ordering::Relaxed) + 1, all);
+        };
+        let mut observations = vec![None; self.suite.cases.len()];
+        // A short run is over before its first causes would be read.
+        if soonest.is_empty() || others.len() < SHORT {
+            let all = [soonest, others].concat();
+            self.progress.begin("asking");
+            session.ask_some(contact, &all, &mut observations, &progress);
+            return observations;
+        }
+        self.foretell(pace, soonest.len(), all);
+        self.progress.begin("asking the smoke subset:");
+        session.ask_some(contact, &soonest, &mut observations, &progress);
+        if !session.is_over() {
+            let run = session.so_far(contact, &soonest, &observations);
+            let patience = pace.mul_f64(all as f64 / 10.0).max(LEAST_PATIENCE);
+            self.tell_first_causes(run, patience);
+        }
+        self.progress.begin("asking");
+        session.ask_some(contact, &others, &mut observations, &progress);
+        observations
+    }
+
+    /// Says beforehand how long a slow decoder will take.
+    fn foretell(&self, pace: Duration, soonest: usize, all: usize) {
+        let of = |count: usize| progress::in_words(pace.mul_f64(count as f64));
+        if pace.mul_f64(all as f64) < LONG {
+            return;
+        }
+        let faster = self.faster;
+        self.progress.say(&format!(
+            "{all} requests will take about {}; the first causes come after {soonest}, in about {}.{faster}",
+            of(all),
+            of(soonest),
+        ));
+    }
+
+    /// What the smoke subset shows, if it is found out in time: half a search may name what the rest of it denies.
+    fn tell_first_causes(&self, mut run: Run<C>, patience: Duration) {
+        let assumed = &self.circumstances.assumed;
+        let stop = Arc::new(AtomicBool::new(false));
+        run.stop = Arc::clone(&stop);
+        let what = "searching for first causes";
+        self.progress.begin_counted(what, &run.searched, MAX_WORK);
+        let causes = within(patience, &stop, &self.plan.stop, || {
+            first_causes(self.suite, &run, |run| {
+                C::diagnose(self.suite, run, assumed, self.plan.jobs)
+            })
+        });
+        if stop.load(Ordering::Relaxed) {
+            return;
+        }
+        if let Some(text) = first_causes_to_text(&run, &causes) {
+            self.progress.say(&text);
+        }
+    }
+
+    /// Report, causes.
+    pub fn conclude(self, mut run: Run<C>, others: OtherRemarks) -> Result<u8, String> {
+        let Check {
+            suite,
+            plan,
+            circumstances,
+            ending,
+            progress,
+            partial,
+            keeper,
+            ..
+        } = self;
+        progress.begin("writing the report");
+        let mut report = verdicts(suite, &mut run, &circumstances, &others, plan.jobs)?;
+        // The verdicts do not wait for the search for causes: it may take long, or fail.
+        ending.write(suite, &run, &mut report)?;
+        let assumed = circumstances.assumed.clone();
+        if let Some((shard, keeper)) = keeper {
+            let end = End::of(
+                suite,
+                plan,
+                &run,
+                &report.tool,
+                shard,
+                circumstances,
+                others,
+            );
+            let kept = keeper.finish(end);
+            kept.map_err(|error| format!("{}: {error}", beside(ending.path).display()))?;
+        }
+        progress.begin_counted("searching for causes", &run.searched, MAX_WORK);
+        let report = causes(suite, &run, report, |run| {
+            let found = C::diagnose(suite, run, &assumed, plan.jobs);
+            if let Some(time) = found.cpu_time
+                && !found.diagnoses.is_empty()
+            {
+                progress.say(&cost_to_text(found.answered, time));
+            }
+            found
+        });
+        drop(progress);
+        let status = ending.finish(suite, &run, report)?;
+        partial.remove();
+        Ok(status)
+    }
+}
+
+/// Returns the cost of a search for causes as a sentence.
+fn cost_to_text(answers: usize, cpu_time: Duration) -> String {
+    let seconds = cpu_time.as_secs_f64();
+    format!("searched for causes: {answers} answers compared in {seconds:.1} s of CPU time")
+}
+
+/// Does the work, and lets it `stop` when it has taken this long, or the user wants an `end`.
+fn within<T>(
+    patience: Duration,
+    stop: &AtomicBool,
+    end: &AtomicBool,
+    work: impl FnOnce() -> T,
+) -> T {
+    let (working, ended) = mpsc::channel::<()>();
+    let began = Instant::now();
+    std::thread::scope(|scope| {
+        scope.spawn(move || {
+            while ended.recv_timeout(Duration::from_millis(20)) == Err(RecvTimeoutError::Timeout) {
+                if began.elapsed() > patience || end.load(Ordering::Relaxed) {
+                    return stop.store(true, Ordering::Relaxed);
+                }
+            }
+        });
+        let result = work();
+        drop(working);
+        result
+    })
+}
+
+/// The results so far, next to the report: a list in YAML, valid after every case.
+struct Partial {
+    path: PathBuf,
+    file: Mutex<fs::File>,
+}
+
+impl Partial {
+    /// Begins the list of a run whose report is to be `report`.
+    fn new(report: &Path) -> Result<Partial, String> {
+        let mut path = report.as_os_str().to_owned();
+        path.push(".partial");
+        let path = PathBuf::from(path);
+        let file =
+            fs::File::create(&path).map_err(|error| format!("{}: {error}", path.display()))?;
+        Ok(Partial {
+            path,
+            file: Mutex::new(file),
+        })
+    }
+
+    /// Adds a case.
+    fn append(&self, id: &str, view: &str, answer: &str) {
+        let line = format!("- {{ id: {id}, view: \"{view}\", answer: {answer} }}\n");
+        // One write for a line; what cannot be written is still in the report.
+        let _ = self
+            .file
+            .lock()
+            .expect("no worker panics")
+            .write_all(line.as_bytes());
+    }
+
+    /// Removes the list: the report is written.
+    fn remove(self) {
+        let _ = fs::remove_file(self.path);
+    }
+}
