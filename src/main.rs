@@ -44,6 +44,7 @@ enum Command {
     #[cfg(unix)]
     Fuzz(cli::fuzz::FuzzArgs),
     #[cfg(unix)]
+    #[command(name = "minimize", alias = "minimise")]
     Minimise(cli::minimise::MinimiseArgs),
     Inspect(InspectArgs),
     Lint(LintArgs),

@@ -15,6 +15,7 @@ use super::probe::{in_one_line, kept};
 use super::subject::{self, Answers, Subject};
 use super::terminal::show;
 use super::{CommandResult, EXIT_NOTHING_SELECTED, Failed, own_files};
+use ptm_conform::misreadings;
 use ptm_conform::protocol::capabilities::Capabilities;
 use ptm_conform::report::reported::named;
 use ptm_conform::report::shards::{Circumstances, OtherRemarks};
@@ -62,7 +63,11 @@ fn check_decoder(args: &CheckArgs, stop: &Arc<AtomicBool>) -> CommandResult {
         false => vec![true; suite.cases.len()],
     };
     let selected = selected(args, &suite, &among)?;
-    named(&args.assumed)?;
+    for slug in &args.assumed {
+        let slugs = misreadings::all().map(|misreading| misreading.slug);
+        let meant = did_you_mean(slug, slugs);
+        named(std::slice::from_ref(slug)).map_err(|error| error + &meant)?;
+    }
     let mut subject = Subject::new(args, &suite, stop)?;
     let guarded = Guarded::new()?;
     let scratch = &guarded.scratch;
@@ -105,6 +110,9 @@ fn check_decoder(args: &CheckArgs, stop: &Arc<AtomicBool>) -> CommandResult {
         // A template has its own arguments; without a decoder, the reference is checked.
         let found = wrapper_faults(&args.decoder, decoder, scratch, &suite, &plan, contact);
         tell(contact, &found);
+        if let (Some(why), Some(command)) = (&mut contact.not_a_decoder, args.reordered()) {
+            *why = format!("{why}\n→ options come before the decoder: {command}");
+        }
         let _ = faults.set(found);
     });
     subject.program().map_or(Ok(()), untroubled)?;

@@ -9,6 +9,7 @@ use super::arguments::{
     globs, memory_limit_to_text, parse_refusal, parse_size, time_limit_to_text,
 };
 use super::ending::OutputArgs;
+use super::probe::in_one_line;
 use ptm_conform::protocol::frame::ViewKind;
 use ptm_conform::report::shards::Shard;
 use ptm_conform::runner::processes;
@@ -127,6 +128,21 @@ impl CheckArgs {
             );
         }
         Ok(())
+    }
+
+    /// Returns the command line with options of `check` before the decoder, if some follow it.
+    pub fn reordered(&self) -> Option<String> {
+        let options = CheckArgs::augment_args(clap::Command::new("check"));
+        let is_option = |word: &&OsString| {
+            let word = word.to_string_lossy();
+            let name = word.strip_prefix("--").map(|word| word.split('=').next());
+            let mut known = options.get_arguments().map(clap::Arg::get_long);
+            name.is_some_and(|name| known.any(|long| long.is_some() && long == name))
+        };
+        let first = self.decoder.iter().position(|word| is_option(&word))?;
+        let (decoder, misplaced) = self.decoder.split_at(first);
+        let words = [misplaced, &["--".into()], decoder].concat();
+        Some(format!("ptm-conform check {}", in_one_line(&words)))
     }
 
     /// Which cases match the globs, the clauses and the shard, of those among which `also` is; all if nothing is asked for.

@@ -9,12 +9,12 @@ use clap::Args;
 use indicatif::ProgressBar;
 use serde::Serialize;
 
-use super::CommandResult;
 use super::arguments::parse_size;
 use super::collection::{Met, Opened, Room, Source, listed, open, walk};
 use super::lint_rows::{RowFormat, Rows};
 use super::output::{self, Machine};
 use super::readers;
+use super::{CommandResult, EXIT_NOTHING_SELECTED};
 use ptm_conform::kit::parallel::in_turn;
 use ptm_conform::kit::yaml;
 use ptm_conform::readers::ReaderProfile;
@@ -24,17 +24,16 @@ use ptm_conform::tools::lint::names::printable;
 use ptm_conform::tools::lint::settings::Settings;
 use ptm_conform::tools::lint::status::Status;
 
-/// Say what is wrong with files, what other readers may show, and what their writer can fix.
+/// Check files: errors, what other readers may show, and fixes.
 ///
-/// Every file gets one row and one of three statuses: sound, damaged, or not a PTM. What could not be read, symbolic links
-/// inside folders, files over --limit, and PTMs of another version or beyond what the reference supports are rows too, and
-/// not judged.
+/// Every file gets one row and one of four statuses: sound, damaged, not a PTM, or not judged. Not judged are files that cannot be
+/// read, symbolic links inside folders, files over --limit, and PTMs of another version or beyond the limits of the reference.
 ///
 /// Codes are stable: PTM-E… the file breaks a rule or the reference cannot read it, PTM-W… some readers refuse it or show
-/// another picture, PTM-I… for information. `ptm-conform explain PTM-W102` describes one.
+/// another image, PTM-I… information. `ptm-conform explain PTM-W102` describes one.
 ///
-/// Exit status, the first that holds: 2 usage error, or something cannot be read; 1 errors in a PTM (or warnings, with
-/// --deny-warnings); 3 a file is not a PTM; 4 a file was not judged; 0 all files are sound.
+/// Exit status, the first that applies: 2 usage error, or a file cannot be read; 1 errors in a PTM (or warnings, with
+/// --deny-warnings); 3 a file is not a PTM; 4 a file was not judged; 5 there is no file; 0 all files are sound.
 #[derive(Args)]
 #[command(
     after_help = "Examples:\n  ptm-conform lint coin.ptm\n  ptm-conform lint -r --format csv /archive > archive.csv\n  find /archive -name '*.ptm' -print0 | ptm-conform lint -0 -\n  ptm-conform lint --only PTM-W301 --severity PTM-W301=error table.ptm"
@@ -163,8 +162,18 @@ pub fn run(args: &LintArgs) -> CommandResult {
         closed.fetch_or(shown.is_err(), Relaxed);
         bar.inc(1);
     });
+    let count = bar.position();
     bar.finish_and_clear();
     let _ = rows.end();
+    if count == 0 {
+        let hint = if args.recursive {
+            ""
+        } else {
+            "; -r includes subfolders"
+        };
+        output::complain(&format!("ptm-conform: no file to check{hint}"));
+        return Ok(EXIT_NOTHING_SELECTED);
+    }
     Ok(worst)
 }
 

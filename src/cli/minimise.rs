@@ -1,4 +1,4 @@
-//! `ptm-conform minimise`
+//! `ptm-conform minimize`
 
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
@@ -23,7 +23,7 @@ use ptm_conform::suite::cases::{Suite, TableSpelling};
 /// Exit status: 0 a smaller file was written, 1 the decoder does not fail on it, 2 usage error.
 #[derive(Args)]
 #[command(
-    after_help = "Example:\n  ptm-conform minimise --view raw -o small.ptm large.ptm -- ./my-decoder"
+    after_help = "Example:\n  ptm-conform minimize --view raw -o small.ptm large.ptm -- ./my-decoder"
 )]
 pub struct MinimiseArgs {
     /// raw, coef or rgb:LU,LV
