@@ -14,7 +14,7 @@ use super::pair::Pair;
 use super::scope::{Scope, scope_between};
 use super::search::{Id, Search, Set, WORTH_OF_A_REFUSAL, spread};
 use super::tuning::{
-    MAX_EDITS, MAX_PROBES, MAX_SCOPED_MISREADINGS, MIN_FAILURES_OF_A_READING, MIN_PROBE_SIZE,
+    MAX_EDITS, MAX_PROBES, MAX_SCOPED_MISREADINGS, MIN_FAILURES_OF_A_READING, MIN_PROBE_SIZE, MUCH,
 };
 use super::witness::{Agreement, explains_a_view};
 use super::words::place::pair_of;
@@ -151,8 +151,9 @@ fn scoped(search: &Search, set: &Set, mistake: &Mistake, left: &[usize]) -> Opti
         true => Scope::All,
         false => scope_between(search.witnesses, &explained, &denied)?,
     };
-    // Among so many edits, one fits the files of some property by chance.
-    if mistake.listed().is_none() && !matches!(scope, Scope::All | Scope::Formats(_)) {
+    // Among so many mistakes, one fits the files of some property by chance.
+    let is_by_property = !matches!(scope, Scope::All | Scope::Formats(_));
+    if is_by_property && (mistake.listed().is_none() || explained.len() * MUCH < left.len()) {
         return None;
     }
     // Two restrictions at once fit too many edits.

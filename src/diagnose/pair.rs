@@ -1,7 +1,6 @@
 //! An image as received, and the expected image.
 
 use crate::protocol::frame::{Frame, Samples, ViewKind};
-use crate::ptm::channel_name;
 use crate::suite::compare::{COLOR, is_close};
 
 /// A received and an expected image of the same shape.
@@ -50,11 +49,6 @@ impl Pair {
         (0..self.want.len())
             .filter(|&i| !self.is_near(self.want[i], self.got[i]))
             .collect()
-    }
-
-    /// Returns the name of a channel.
-    pub fn channel_name(&self, channel: usize) -> String {
-        channel_name(self.channels, channel)
     }
 
     /// Returns, for each channel, true if one of its samples is wrong.

@@ -17,9 +17,9 @@ use super::witness::Witness;
 use crate::ptm::Format;
 use crate::suite::cases::Expect;
 
-/// Returns "every legal file with predicted planes", or "12 of 14 legal files with predicted planes" if some of them are treated
-/// differently. The files are those of one format, or of all.
-fn files_in(witnesses: &[Witness], shared: &Shared, format: Option<Format>) -> String {
+/// Returns "every legal file with predicted planes", "12 of 14 legal files with predicted planes" if some of them are treated
+/// differently, or `None` if most are. The files are those of one format, or of all.
+fn files_in(witnesses: &[Witness], shared: &Shared, format: Option<Format>) -> Option<String> {
     let is_other = |w: &usize| {
         let witness = &witnesses[*w];
         witness.case.expect == Expect::Decode
@@ -31,12 +31,11 @@ fn files_in(witnesses: &[Witness], shared: &Shared, format: Option<Format>) -> S
         format!("of {} ", format.short_name())
     });
     let scope = of_format + &shared.scope.describe();
+    let count = shared.of.len();
     match (0..witnesses.len()).filter(is_other).count() {
-        0 => format!("every legal file {scope}"),
-        others => {
-            let count = shared.of.len();
-            format!("{count} of {} legal files {scope}", count + others)
-        }
+        0 => Some(format!("every legal file {scope}")),
+        others if others > count => None,
+        others => Some(format!("{count} of {} legal files {scope}", count + others)),
     }
 }
 

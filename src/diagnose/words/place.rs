@@ -184,10 +184,11 @@ fn split_by_scope(search: &Search, set: &[Id], mut open: Vec<usize>) -> Vec<(Vec
     for one in [None].into_iter().chain(Format::ALL.map(Some)) {
         let these = of_format(&open, one);
         let shared = shared_scope(witnesses, &these, &of_format(&known, one), true);
-        if let Some(shared) = shared.filter(|shared| shared.of.len() * 2 > open.len()) {
+        if let Some(shared) = shared.filter(|shared| shared.of.len() * 2 > open.len())
+            && let Some(files) = files_in(witnesses, &shared, one)
+        {
             open.retain(|w| !shared.of.contains(w));
-            let place = format!(", in {}", files_in(witnesses, &shared, one));
-            parts.push((shared.of, place));
+            parts.push((shared.of, format!(", in {files}")));
         }
     }
     if !open.is_empty() {
@@ -428,7 +429,7 @@ fn example_given(search: &Search, set: &[Id], w: usize) -> String {
     let [got, want] = apart(pair.got[i], pair.want[i], 4);
     let mut text = format!(
         "for example {id}, texel ({x}, {y}), {}: received {got}, expected {want}",
-        pair.channel_name(channel),
+        channel_name(pair.channels, channel),
     );
     text.extend(arithmetic(witness, texel, channel).map(|steps| format!(" = {steps}")));
     if pair.view != ViewKind::Rgb

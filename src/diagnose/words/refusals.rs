@@ -30,9 +30,12 @@ pub(in crate::diagnose) fn describe(
             if open.len() > shared.of.len() * MIN_SHARE_OF_A_PROPERTY {
                 break;
             }
+            let Some(files) = files_in(witnesses, &shared, None) else {
+                break;
+            };
             open.retain(|w| !shared.of.contains(w));
             left.retain(|w| !shared.of.contains(w));
-            let effect = format!("{mode} {}", files_in(witnesses, &shared, None));
+            let effect = format!("{mode} {files}");
             let refusal = refusal(witnesses, &shared.of, &mode, effect);
             diagnoses.push(match shared.scope.clause() {
                 Some(clause) => refusal.about(clause),
@@ -162,7 +165,8 @@ impl WholeFormats {
             .map(|format| format.short_name())
             .collect();
         let effect = format!("{} every legal file of {}", self.mode, names.join(", "));
-        refusal(witnesses, &self.of, &self.mode, effect).like(alike)
+        let refusal = refusal(witnesses, &self.of, &self.mode, effect).like(alike);
+        refusal.about(layout_clause(self.formats[0]))
     }
 }
 
@@ -173,8 +177,8 @@ pub(in crate::diagnose) fn all_that_shows(witnesses: &[Witness], of: &[usize]) -
         let is_other = |w: &usize| witnesses[*w].case.expect == Expect::Decode && !of.contains(w);
         let others: Vec<usize> = (0..witnesses.len()).filter(is_other).collect();
         let shared = shared_scope(witnesses, of, &others, false)?;
-        (shared.of.len() == of.len())
-            .then(|| format!("{mode} {}", files_in(witnesses, &shared, None)))
+        let files = files_in(witnesses, &shared, None)?;
+        (shared.of.len() == of.len()).then(|| format!("{mode} {files}"))
     })
 }
 
