@@ -25,7 +25,12 @@ use cli::render::RenderArgs;
 
 /// Conformance suite and reference decoder for Polynomial Texture Maps (PTM 1.2).
 #[derive(Parser)]
-#[command(version, about, max_term_width = 100)]
+#[command(
+    version,
+    about,
+    max_term_width = 100,
+    after_help = "Examples:\n  ptm-conform probe ./my-decoder             test a new wrapper step by step\n  ptm-conform check ./my-decoder             run the suite\n  ptm-conform lint -r archive/               check a collection of files\n  ptm-conform generate --profile minimal --out tests/ptm\n\nDocumentation: https://ptm-conform.github.io/ptm-conform/"
+)]
 struct Cli {
     #[command(flatten)]
     global: Global,
@@ -35,6 +40,8 @@ struct Cli {
 
 #[derive(Subcommand)]
 enum Command {
+    #[cfg(unix)]
+    Probe(cli::probe::ProbeArgs),
     Check(CheckArgs),
     #[cfg(unix)]
     CheckWriter(cli::check_writer::CheckWriterArgs),
@@ -60,8 +67,6 @@ enum Command {
     Site(cli::site::SiteArgs),
     #[cfg(unix)]
     Report(cli::report::ReportArgs),
-    #[cfg(unix)]
-    Probe(cli::probe::ProbeArgs),
     #[cfg(unix)]
     Coverage(cli::coverage::CoverageArgs),
     /// Waits until its standard input ends, then ends what is left of process RUN and in DIRECTORIES, and removes them.

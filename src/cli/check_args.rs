@@ -17,83 +17,82 @@ use ptm_conform::session::plan::SAMPLE;
 use ptm_conform::suite::cases::Suite;
 use ptm_conform::suite::test_case::TestCase;
 
-/// Run every case against a decoder and say which clauses it misreads.
+/// Run the suite on a decoder, and name the clauses that it misreads.
 ///
-/// The decoder is called as `DECODER [ARG…] VIEW FILE` once for each case, where VIEW is raw, coef or rgb:LU,LV. It
-/// prints one line, "PTM1 VIEW WIDTH HEIGHT CHANNELS u8" (f32 for coef), then the samples, texel after texel, top row
-/// first; and exits with 0, with 65 if the file is malformed, or with 69 if it does not read such files or views.
+/// The decoder is called as `DECODER [ARG…] VIEW FILE` once per case, where VIEW is raw, coef or rgb:LU,LV. It prints one line,
+/// "PTM1 VIEW WIDTH HEIGHT CHANNELS u8" (f32 for coef), then the samples, texel by texel, top row first. It exits with 0, with 65
+/// if the file is malformed, or with 69 if it does not support such files or views.
 ///
-/// Exit status: 0 the decoder passes, 1 it fails, 2 wrong usage, 3 it is not a decoder, 4 known failures
-/// were fixed and should be taken off the list, 5 no case was selected.
+/// Exit status: 0 no case fails, 1 a case fails, 2 usage error, 3 not a decoder, 4 baseline entries pass and should be removed,
+/// 5 no case was selected.
 #[derive(Args)]
 #[command(
     after_help = "Examples:\n  ptm-conform check ./my-decoder\n  ptm-conform check -- python3 decode.py --strict\n  ptm-conform check --case '*lut*' --jobs 1 ./my-decoder\n  ptm-conform check --cmd 'viewer -u {lu} -v {lv} {in} -o {out}.png' --reject-exit 1\n  ptm-conform check --baseline known-failures.yaml ./my-decoder"
 )]
 pub struct CheckArgs {
-    /// Where to write the report.
+    /// The file for the YAML report.
     #[arg(long, value_name = "FILE", default_value = "ptm-conform-report.yaml")]
     pub report: PathBuf,
-    /// Calls at a time; as many as there are processors by default.
+    /// Calls in parallel; by default one per processor.
     #[arg(long, value_name = "N")]
     pub jobs: Option<usize>,
-    /// Wall-clock limit of a call; the first one gets three times as much.
+    /// Wall-clock limit of a call; the first call gets three times as much.
     #[arg(long, value_name = "SECONDS", default_value_t = 10.0)]
     pub timeout: f64,
-    /// Memory that a call may hold, all its processes together: bytes, or with K, M or G.
+    /// Memory limit of a call, all its processes together: bytes, or with K, M or G.
     #[arg(long, value_name = "SIZE", default_value = "2G", value_parser = parse_size)]
     pub memory: u64,
-    /// Only cases whose id matches; * and ? are wild cards. May be given more than once.
+    /// Run only cases whose id matches; * and ? are wildcards. Repeatable.
     #[arg(long = "case", value_name = "GLOB")]
     pub cases: Vec<String>,
-    /// Only cases about this clause or section: 2.4/8, or 2.4. May be given more than once.
+    /// Run only cases about this clause or section: 2.4/8, or 2.4. Repeatable.
     #[arg(long = "clause", value_name = "ID")]
     pub clauses: Vec<String>,
-    /// Which cases: those of PTM files, or those of the texture mapping table, asked as `DECODER texture FILE`.
+    /// The suite: PTM files, or the texture mapping table (called as `DECODER texture FILE`).
     #[arg(long, value_name = "SUITE", default_value = "ptm", value_parser = ["ptm", "texture"])]
     pub suite: String,
-    /// Ask in this view only. May be given more than once.
+    /// Request only this view. Repeatable.
     #[arg(long = "view", value_name = "VIEW", value_parser = ViewKind::NAMES)]
     pub views: Vec<String>,
-    /// Only one part of so many of the suite, 3/8 for example; keeps all answers in FILE.answers for `report merge`.
+    /// Run only one part of the suite, for example 3/8; keeps all responses in FILE.answers for `report merge`.
     #[arg(long, value_name = "I/N")]
     pub shard: Option<Shard>,
-    /// Ask processes that stay (`DECODER serve`); without this or --one-shot if the decoder's capabilities say so.
+    /// Use serve mode (`DECODER serve`); by default if the decoder's capabilities declare it.
     #[arg(long, conflicts_with = "one_shot")]
     pub serve: bool,
-    /// Ask a process of its own each time.
+    /// Start a new process for each call.
     #[arg(long)]
     pub one_shot: bool,
-    /// An exit status that means "malformed" besides 65.
+    /// Another exit status that means "malformed", in addition to 65.
     ///
-    /// Uncaught exceptions end many languages with 1, so a refusal through another status than 65 is marked weak in the
-    /// report: a decoder that breaks down on every malformed file would pass such cases too.
+    /// Uncaught exceptions exit with 1 in many languages. Refusals by another status than 65 are therefore marked weak in the
+    /// report: a decoder that crashes on every malformed file would pass such cases, too.
     #[arg(long, value_name = "N", value_parser = parse_refusal)]
     pub reject_exit: Option<i32>,
-    /// Instead of the suite, check every .ptm file in DIR: against the reference, and against other encodings of the
-    /// same values.
+    /// Check every .ptm file in DIR instead of the suite: against the reference, and against other encodings of the same
+    /// values.
     #[arg(long, value_name = "DIR")]
     pub files: Option<PathBuf>,
-    /// Only the smoke subset: few cases that still catch every misreading of the catalogue.
+    /// Run only the smoke subset: a few cases that still catch every misreading of the catalog.
     #[arg(long)]
     pub smoke: bool,
-    /// Take this misreading as given and judge the rest; its name is in the diagnosis. May be given more than once.
+    /// Take this misreading as given and judge the rest; the diagnosis prints its name. Repeatable.
     #[arg(long = "assume", value_name = "SLUG")]
     pub assumed: Vec<String>,
-    /// Check a program that does not speak the protocol, by a line that calls it.
+    /// Check a program that does not speak the protocol, through its command line.
     ///
-    /// The line is split as a shell splits it, but no shell runs. {in} is the PTM file; {out} the file to write, which may
-    /// have a suffix ({out}.png), without it the answer is read from standard output; {lu} and {lv} are the light; {view}
-    /// is raw, coef or rgb:LU,LV. {{ and }} are braces. The answer is a picture (PNG, PNM, TIFF, BMP, WebP or JPEG), a NumPy
-    /// array or a PTM1 frame.
-    /// Asked in rgb alone unless {view} is there or --view names one view. Unless --reject-exit tells a refusal from
-    /// a breakdown, files that must or may be refused are not judged.
+    /// The line is split into words as a shell would, but no shell runs. {in} is the PTM file. {out} is the output file and may
+    /// have a suffix ({out}.png); without it, standard output is read. {lu} and {lv} are the light; {view} is raw, coef or
+    /// rgb:LU,LV. {{ and }} are braces. The output is an image (PNG, PNM, TIFF, BMP, WebP or JPEG), a NumPy array or a PTM1
+    /// frame. Only rgb is requested, unless the line has {view} or --view names one view. Without --reject-exit, files that must
+    /// or may be refused are not judged.
     #[arg(long, value_name = "TEMPLATE", conflicts_with_all = ["decoder", "serve"])]
     pub cmd: Option<String>,
-    /// Judge answers that were made elsewhere: by hand in a viewer, in a browser, on another system.
+    /// Judge images that were made elsewhere: in a viewer, in a browser, on another system.
     ///
-    /// DIR is a directory that `generate --requests` has written, to whose outputs/ the answers have come: for each
-    /// case a file named after it, picture, NumPy array or PTM1 frame, or its line in rejected.txt or unsupported.txt. What
-    /// has no answer is not judged.
+    /// DIR is a directory written by `generate --requests`. Its outputs/ has one file per case, named after the case: an image, a
+    /// NumPy array or a PTM1 frame. Refused and unsupported files are listed in rejected.txt and unsupported.txt. Cases without
+    /// an output are not judged.
     #[arg(long, value_name = "DIR", conflicts_with_all = ["decoder", "cmd", "serve", "reject_exit", "views", "files", "shard"])]
     pub outputs: Option<PathBuf>,
     /// Ask the process that listens at this Unix socket, and answers by a function of its own: for packages of other languages.
@@ -101,10 +100,10 @@ pub struct CheckArgs {
     pub caller: Option<PathBuf>,
     #[command(flatten)]
     pub written: OutputArgs,
-    /// Failures to print in full; the report has all of them.
+    /// Number of failures to print in full; the report has all of them.
     #[arg(long, value_name = "N", default_value_t = 10)]
     pub show: usize,
-    /// The decoder and its arguments; without one, and without --, the built-in reference is checked.
+    /// The decoder and its arguments. Without a decoder, the built-in reference is checked.
     #[arg(value_name = "DECODER", trailing_var_arg = true)]
     pub decoder: Vec<OsString>,
 }

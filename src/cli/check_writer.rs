@@ -25,63 +25,63 @@ use ptm_conform::writers::asking::{self, VALUES, WritingCase};
 use ptm_conform::writers::fitting::pictures::PictureSet;
 use ptm_conform::writers::test_case::WriteView;
 
-/// Have a writer write PTM files from given values, and say which clauses it gets wrong.
+/// Check a program that writes PTM files: name the clauses that it gets wrong.
 ///
-/// The writer is called as `WRITER [ARG…] write REQUEST OUT` once for each request. REQUEST is a JSON file with format,
-/// width, height, scale, bias and so on, and the path of the planes: a NumPy array, height × width × channels, u8, top row
-/// first. The writer puts a PTM file at OUT and exits with 0; or it exits with 69 if it does not write such files, with 65
-/// if no file can hold the values. --fitter asks for fits of pictures instead; see docs/writers.md.
+/// The writer is called as `WRITER [ARG…] write REQUEST OUT` once per request. REQUEST is a JSON file with format, width, height,
+/// scale, bias and so on, and the path of the planes: a NumPy array, height × width × channels, u8, top row first. The writer
+/// writes a PTM file to OUT and exits with 0. It exits with 69 if it does not write such files, and with 65 if no file can hold
+/// the values. --fitter requests fits of images instead; see docs/writers.md.
 ///
-/// Exit status: 0 the writer passes, 1 it fails, 2 wrong usage, 3 it is not a writer, 4 known failures were fixed and
-/// should be taken off the list, 5 no request was selected.
+/// Exit status: 0 no request fails, 1 a request fails, 2 usage error, 3 not a writer, 4 baseline entries pass and should be
+/// removed, 5 no request was selected.
 #[derive(Args)]
 #[command(
     after_help = "Examples:\n  ptm-conform check-writer ./my-writer\n  ptm-conform check-writer --format LRGB -- python3 write.py\n  ptm-conform check-writer --format LRGB --cmd 'convert-to-ptm --size {width}x{height} --scale {scale} --bias {bias} {planes} {out}.ptm'"
 )]
 pub struct CheckWriterArgs {
-    /// Where to write the report.
+    /// The file for the YAML report.
     #[arg(long, value_name = "FILE", default_value = "ptm-conform-report.yaml")]
     report: PathBuf,
-    /// Calls at a time; as many as there are processors by default.
+    /// Calls in parallel; by default one per processor.
     #[arg(long, value_name = "N")]
     jobs: Option<usize>,
-    /// Wall-clock limit of a call; the first one gets three times as much.
+    /// Wall-clock limit of a call; the first call gets three times as much.
     #[arg(long, value_name = "SECONDS", default_value_t = 10.0)]
     timeout: f64,
-    /// Memory that a call may hold, all its processes together: bytes, or with K, M or G.
+    /// Memory limit of a call, all its processes together: bytes, or with K, M or G.
     #[arg(long, value_name = "SIZE", default_value = "2G", value_parser = parse_size)]
     memory: u64,
-    /// Only requests for this format: LRGB, JPEG_RGB, … May be given more than once.
+    /// Run only requests for this format: LRGB, JPEG_RGB, … Repeatable.
     #[arg(long = "format", value_name = "FORMAT")]
     formats: Vec<Format>,
-    /// Only requests whose id matches; * and ? are wild cards. May be given more than once.
+    /// Run only requests whose id matches; * and ? are wildcards. Repeatable.
     #[arg(long = "case", value_name = "GLOB")]
     cases: Vec<String>,
-    /// Only the smoke subset: few requests of every format.
+    /// Run only the smoke subset: a few requests of every format.
     #[arg(long)]
     smoke: bool,
-    /// Check a fitter: a program that makes a PTM of pictures under known lights.
+    /// Check a fitter: a program that makes a PTM from images under known lights.
     ///
     /// It is called as `FITTER [ARG…] fit REQUEST OUT`. REQUEST is a JSON file with format (LRGB or RGB), width, height and
-    /// the path of an .lp file. How far its map is from the pictures is held against the least-squares optimum.
+    /// the path of an .lp file. The error of its map is compared with the least-squares optimum.
     #[arg(long)]
     fitter: bool,
-    /// Have a fitter fit these pictures, too.
+    /// Also request a fit of these images.
     #[arg(long, value_name = "FILE", requires = "fitter")]
     lp: Option<PathBuf>,
-    /// Check a program that does not speak the protocol, by a line that calls it.
+    /// Check a program that does not speak the protocol, through its command line.
     ///
-    /// The line is split as a shell splits it, but no shell runs. {out} is the file to write, which may have a suffix
+    /// The line is split into words as a shell would, but no shell runs. {out} is the output file and may have a suffix
     /// ({out}.ptm); {in} is the request in JSON; {planes} is the NumPy array, {lp} the .lp file of a fitter; {format}, {width}, {height}, {scale}, {bias},
     /// {matrix}, {quality} and {near} are values, lists with commas between their numbers. {{ and }} are braces.
     #[arg(long, value_name = "TEMPLATE", conflicts_with = "writer")]
     cmd: Option<String>,
     #[command(flatten)]
     written: OutputArgs,
-    /// Failures to print in full; the report has all of them.
+    /// Number of failures to print in full; the report has all of them.
     #[arg(long, value_name = "N", default_value_t = 10)]
     show: usize,
-    /// The writer and its arguments; the reference itself if there is none.
+    /// The writer and its arguments. Without a writer, the built-in writer is checked.
     #[arg(value_name = "WRITER", trailing_var_arg = true)]
     writer: Vec<OsString>,
 }

@@ -11,12 +11,11 @@ use ptm_conform::tools::convert_for::convert_for;
 use ptm_conform::tools::dissection::Dissection;
 use ptm_conform::tools::repair::repair;
 
-/// Write the same map in another format, exactly or not at all.
+/// Convert a map to another format, losslessly or not at all.
 ///
-/// RGB and LRGB are converted into each other if every texel can be represented exactly; LRGB becomes a table of at most
-/// 65,536 distinct texels; every format becomes its JPEGLS counterpart without loss, and its JPEG counterpart with the loss
-/// that --quality allows. The result is read back and compared before it is written. Conversion into the file's own format
-/// writes it in its plainest spelling.
+/// RGB and LRGB are converted into each other if every texel can be represented exactly. LRGB becomes a table of at most 65,536
+/// distinct texels. Every format has a lossless JPEGLS counterpart and a JPEG counterpart with the loss that --quality allows. The
+/// result is read back and compared before it is written. Conversion to the file's own format normalizes its header.
 ///
 /// Exit status: 0, 1 if the target cannot hold the map or nothing can be repaired, 65 if the file is malformed, 69 if it is not supported, 2 usage error.
 #[derive(Args)]
@@ -29,20 +28,20 @@ pub struct ConvertArgs {
     /// RGB, LUM, LRGB, PTM_LUT, PTM_C_LUT, JPEG_RGB, JPEG_LRGB, JPEGLS_RGB or JPEGLS_LRGB.
     #[arg(long, value_name = "FORMAT", value_parser = parse_format, required_unless_present_any = ["readers", "repair"])]
     to: Option<Format>,
-    /// Write the map, without loss, in a format and a spelling that these readers show right; or say why there is none.
+    /// Write the map losslessly in a format and a spelling that these readers show correctly, or explain why there is none.
     #[arg(long = "for", value_name = "READER,…", value_delimiter = ',', conflicts_with_all = ["to", "quality", "loss"])]
     readers: Vec<String>,
-    /// Put right what can be put right without guessing, and say what was: blanks and line ends of the header, bytes after the
-    /// end, compressed sizes that the streams settle, records that a later one overrides. The output must not exist yet.
+    /// Repair what needs no guess, and list the changes: blanks and line ends of the header, trailing bytes, compressed sizes
+    /// that the streams determine, overridden records. The output file must not exist.
     #[arg(long, conflicts_with_all = ["to", "readers", "quality", "loss"])]
     repair: bool,
     /// The quality of JPEG formats, from 20 to 100.
     #[arg(long, value_name = "Q", value_parser = clap::value_parser!(u8).range(20..=100))]
     quality: Option<u8>,
-    /// The largest loss of JPEGLS formats; 0 is exact.
+    /// The maximum loss of JPEGLS formats; 0 is lossless.
     #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u8).range(0..=127))]
     loss: u8,
-    /// Where to write the file.
+    /// The output file.
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
 }

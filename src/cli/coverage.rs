@@ -13,22 +13,22 @@ use super::CommandResult;
 use super::files::write_whole;
 use super::output::{jobs, print, with_progress};
 
-/// Measure the suite: which clauses it covers, which misreadings it catches and tells apart, which pairs of parameters
-/// occur, which cases are redundant. Takes minutes.
+/// Measure the suite: covered clauses, misreadings that it catches and tells apart, parameter pairs, redundant cases. Takes
+/// minutes.
 #[derive(Args)]
 pub struct CoverageArgs {
-    /// Print YAML, with everything in it, instead of a summary.
+    /// Print everything as YAML instead of a summary.
     #[arg(long)]
     yaml: bool,
-    /// Compute the smoke subset anew and write its list to FILE.
+    /// Compute the smoke subset, and write its list to FILE.
     #[arg(long, value_name = "FILE")]
     write_smoke: Option<PathBuf>,
-    /// Files decoded at a time; the result does not depend on it.
+    /// Files decoded in parallel; the result does not depend on it.
     #[arg(long, value_name = "N")]
     jobs: Option<usize>,
 }
 
-/// Runs every misreading, and prints what the suite makes of them.
+/// Runs every misreading, and prints which cases catch it.
 pub fn run(args: &CoverageArgs) -> CommandResult {
     let suite = Suite::load()?.prepared();
     let jobs = jobs(args.jobs)?;

@@ -10,10 +10,10 @@ use super::{CommandResult, files};
 use ptm_conform::tools::diff::diff;
 use ptm_conform::tools::dissection::Dissection;
 
-/// Compare two maps: header fields, planes, how many texels differ, by how much, where first.
+/// Compare two maps: header fields, planes, number of texels that differ, size and place of the first difference.
 ///
-/// Files that hold the same map are equal however they are written: spelling, compression and the order of table entries
-/// are noted and do not count as differences.
+/// Files with the same map are equal. Differences in spelling, compression and the order of table entries are mentioned but do
+/// not count.
 ///
 /// Exit status: 0 the same map, 1 different maps, 2 a file cannot be opened or decoded, or usage error.
 #[derive(Args)]

@@ -23,32 +23,31 @@ use ptm_conform::suite::test_case::TestCase;
 /// Other forms of the report, and lists of known failures.
 #[derive(Args)]
 pub struct OutputArgs {
-    /// Also write the report as a page with pictures of every failure, for a browser; it needs no network.
+    /// Also write the report as an HTML page with images of the failures.
     #[arg(long, value_name = "FILE")]
     html: Option<PathBuf>,
     /// Also write the report as `JUnit` XML.
     #[arg(long, value_name = "FILE")]
     junit: Option<PathBuf>,
-    /// Write the report as JSON, too.
+    /// Also write the report as JSON.
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
-    /// Print GitHub annotations, and append the job's summary to the file named by `GITHUB_STEP_SUMMARY`.
+    /// Print GitHub annotations, and append the job summary to the file named by `GITHUB_STEP_SUMMARY`.
     #[arg(long)]
     github: bool,
-    /// Cases that are known to fail, so that only new failures fail the run.
+    /// A list of known failures; only new failures fail the run.
     ///
-    /// A YAML list of "- id: CASE", with a "reason:" below it where there is one. A listed case that fails is known and no
-    /// failure of the run. A failing case that is not listed is new: exit status 1. If nothing is new, but a listed case
-    /// passes, the list is stale: exit status 4, with the names; remove them, or write the list again. Listed cases that
-    /// are not selected, or are unsupported, inconclusive or not judged, are left alone. An unknown or
-    /// repeated name is a usage error. The verdicts in the report do not change: a known failure is a failure.
+    /// A YAML list of "- id: CASE" with an optional "reason:". A listed case that fails does not fail the run. A failing case that
+    /// is not listed is new: exit status 1. If there are no new failures but a listed case passes, the list is out of date: exit
+    /// status 4, with the names. Listed cases that are not selected, unsupported, inconclusive or not judged are ignored. An
+    /// unknown or repeated id is a usage error. The verdicts in the report do not change.
     #[arg(long, value_name = "FILE")]
     baseline: Option<PathBuf>,
-    /// Write the list that makes all failures of this run known.
+    /// Write a list of all failures of this run, for --baseline.
     ///
-    /// It holds the cases that failed, with the reasons that --baseline gives them, and the cases of --baseline that
-    /// neither failed nor passed. It may be the same FILE. The exit status is the same with and without it. A run that ended
-    /// early, or of a program that is not a decoder, writes none.
+    /// It contains the failing cases, with their reasons in --baseline, and the cases of --baseline that neither failed nor
+    /// passed. FILE may be the same. The exit status does not change. Nothing is written if the run ended early or the program
+    /// is not a decoder.
     #[arg(long, value_name = "FILE")]
     write_baseline: Option<PathBuf>,
 }

@@ -32,11 +32,11 @@ use ptm_conform::tools::lint::codes::{self, Code};
 /// Explain a case, a clause, a ruling, a misreading or a lint code.
 #[derive(Args)]
 pub struct ExplainArgs {
-    /// An id such as hand-rgb-blocks, 2.4/8, lut-count, rows-top-down or PTM-W102; a list of all ids if there is none.
+    /// An id such as hand-rgb-blocks, 2.4/8, lut-count, rows-top-down or PTM-W102; without one, all ids are listed.
     id: Option<String>,
 }
 
-/// Explains it, or says what may have been meant.
+/// Explains an id, or suggests similar ones.
 pub fn run(args: &ExplainArgs) -> CommandResult {
     let Some(id) = &args.id else {
         show(&list(&Suite::load()?)?);
@@ -49,7 +49,7 @@ pub fn run(args: &ExplainArgs) -> CommandResult {
     Ok(0)
 }
 
-/// What a writer is asked to write under that id.
+/// Describes a request of `check-writer`.
 #[cfg(unix)]
 fn explain_request(id: &str) -> Result<String, String> {
     let suite = Suite::of_requests()?;
@@ -72,7 +72,7 @@ fn explain_request(id: &str) -> Result<String, String> {
     ))
 }
 
-/// All ids but those of cases, which are many.
+/// Lists all ids except those of cases.
 fn list(suite: &Suite) -> Result<String, String> {
     let section = |clause: &str| clause.split('/').next().unwrap_or_default().to_owned();
     let clauses = clauses::clauses()?;
@@ -115,7 +115,7 @@ fn list(suite: &Suite) -> Result<String, String> {
     Ok(text)
 }
 
-/// What is known under that id.
+/// Describes an id, if it is known.
 fn explain(id: &str) -> Result<Option<String>, String> {
     let suite = Suite::load()?;
     let clauses = clauses::clauses()?;
@@ -196,7 +196,7 @@ fn explain_misreading(misreading: &Misreading, clause: Option<&Clause>) -> Strin
     )
 }
 
-/// The cases that a decoder with this mistake fails, and what it makes of the smallest file among them.
+/// Lists the cases that a decoder with this mistake fails, and its response to the smallest file among them.
 #[cfg(unix)]
 fn shown_by(misreading: &Misreading, suite: &Suite) -> Result<String, String> {
     let bar = bar(None, "{spinner} reading every case with this mistake");
@@ -263,7 +263,7 @@ fn explain_case(case: &Case) -> String {
     lines.join("\n") + "\n"
 }
 
-/// Nothing is called that; what may have been meant.
+/// Returns the message for an unknown id, with similar ids.
 fn unknown(id: &str, suite: &Suite) -> Result<String, String> {
     let (clauses, rulings) = (clauses::clauses()?, clauses::rulings()?);
     let known = suite
@@ -284,7 +284,7 @@ fn unknown(id: &str, suite: &Suite) -> Result<String, String> {
     ))
 }
 
-/// What a code of lint means, and which cases provoke it.
+/// Describes a lint code, and the cases that provoke it.
 fn explain_code(code: &Code, suite: &Suite) -> String {
     let provokes = |case: &&Case| {
         let damage = case.damage().map(|damage| damage.name.as_str());
@@ -304,7 +304,7 @@ fn explain_code(code: &Code, suite: &Suite) -> String {
     )
 }
 
-/// How many cases there are, and the first six.
+/// Returns the number of cases, and the first six.
 fn abbreviated<'a>(cases: impl Iterator<Item = &'a Case>, what: &str) -> String {
     let ids: Vec<&str> = cases.map(|case| case.id.as_str()).collect();
     let more = if ids.len() > 6 { ", …" } else { "" };

@@ -9,12 +9,12 @@ use super::{CommandResult, files, output};
 use ptm_conform::tools::dissection::Dissection;
 use ptm_conform::tools::export;
 
-/// Write the values of a map as OpenEXR, NPY or PNG; the name of the output decides.
+/// Export the values of a map as OpenEXR, NPY or PNG, selected by the suffix of the output.
 ///
 /// .exr has the final coefficients, (raw - bias) * scale, as named float channels (a0 … a5, R, G, B; of RGB maps red.a0 …
 /// blue.a5; of LUM maps Cr, Cb). .npy has the stored bytes as an array of height x width x channels, or with --final the
-/// final coefficients as 32-bit floats. .png has the stored planes below each other, in the order of the text. Top row
-/// first in all of them.
+/// final coefficients as 32-bit floats. .png has the stored planes stacked vertically, in specification order. All
+/// have the top row first.
 ///
 /// Exit status: 0, 65 if the file is malformed, 69 if it is not supported, 2 usage error.
 #[derive(Args)]
@@ -24,7 +24,7 @@ use ptm_conform::tools::export;
 pub struct ExportArgs {
     /// A PTM file.
     file: PathBuf,
-    /// Where to write: .exr, .npy or .png.
+    /// The output file: .exr, .npy or .png.
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
     /// Write final coefficients instead of stored bytes (NPY).
@@ -32,7 +32,7 @@ pub struct ExportArgs {
     final_values: bool,
 }
 
-/// What the name of the output asks for.
+/// The format that the suffix of the output selects.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum ExportEncoding {
     Exr,

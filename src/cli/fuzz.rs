@@ -26,11 +26,11 @@ use ptm_conform::suite::cases::{Suite, TableSpelling};
 /// The template of a bar that counts calls.
 pub const CALLS: &str = "{bar:40} {pos}/{len} calls {per_sec} {elapsed}";
 
-/// Draw random files of all formats, ask a decoder for them, and keep the smallest file that shows each of its mistakes.
+/// Fuzz a decoder: generate random files of all formats, and keep the smallest file for each mistake.
 ///
-/// Files are judged as cases are. Failures with one cause are one find: the cause is named, the file is made small, and a ready
-/// case is written to the directory of finds at once: NAME.yaml (the case), NAME.ptm (its file), NAME.expected and
-/// NAME.received (frames), NAME.txt (the cause, and what each byte of the file is).
+/// Responses are judged like cases. Failures with the same cause count as one find: the cause is named, the file is reduced, and a
+/// case is written to the output directory: NAME.yaml (the case), NAME.ptm (its file), NAME.expected and NAME.received
+/// (frames), NAME.txt (the cause, and the meaning of each byte of the file).
 ///
 /// Exit status: 0 nothing found, 1 mistakes found, 2 usage error, 3 not a decoder.
 #[derive(Args)]
@@ -38,7 +38,7 @@ pub const CALLS: &str = "{bar:40} {pos}/{len} calls {per_sec} {elapsed}";
     after_help = "Examples:\n  ptm-conform fuzz ./my-decoder\n  ptm-conform fuzz --seconds 60 --format LRGB --seed 7 -- python3 decode.py"
 )]
 pub struct FuzzArgs {
-    /// Where the draws start; the same seed draws the same files.
+    /// Random seed; the same seed generates the same files.
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
     /// Stop after about this many calls.
@@ -47,16 +47,16 @@ pub struct FuzzArgs {
     /// Stop after this many seconds.
     #[arg(long, value_name = "SECONDS")]
     seconds: Option<f64>,
-    /// Only files of this format, such as LRGB or `JPEG_RGB`. May be given more than once.
+    /// Only files of this format, such as LRGB or `JPEG_RGB`. Repeatable.
     #[arg(long = "format", value_name = "FORMAT")]
     formats: Vec<Format>,
-    /// Ask in this view only. May be given more than once.
+    /// Request only this view. Repeatable.
     #[arg(long = "view", value_name = "VIEW", value_parser = ViewKind::NAMES)]
     views: Vec<String>,
     /// Start a process for each call, even if the decoder's capabilities declare serve mode.
     #[arg(long)]
     one_shot: bool,
-    /// The directory to write finds to.
+    /// The output directory.
     #[arg(long, value_name = "DIR", default_value = "ptm-conform-finds")]
     out: PathBuf,
     #[command(flatten)]
@@ -66,7 +66,7 @@ pub struct FuzzArgs {
     decoder: Vec<OsString>,
 }
 
-/// Draws files, asks the decoder for them, and writes what it finds.
+/// Runs the fuzzer, and writes what it finds.
 pub fn run(args: &FuzzArgs) -> CommandResult {
     let suite = Suite::load()?;
     let decoder = args.call.decoder(&args.decoder, &stop_on_signals()?)?;
@@ -135,7 +135,7 @@ impl FuzzArgs {
     }
 }
 
-/// How much was asked, and what was found how often.
+/// Returns the number of calls and of finds.
 fn summary(result: &FuzzResult, end: &str) -> String {
     let count = result.finds.len();
     let mut text = format!(
@@ -150,7 +150,7 @@ fn summary(result: &FuzzResult, end: &str) -> String {
     text
 }
 
-/// Ends the run when the time is over.
+/// Ends the run when the time is up.
 fn stop_after(time: Duration, stop: &Arc<AtomicBool>) {
     let stop = Arc::clone(stop);
     std::thread::spawn(move || {

@@ -14,33 +14,33 @@ use ptm_conform::suite::cases::{Suite, TableSpelling};
 use ptm_conform::suite::corpus;
 use ptm_conform::tools::profiles::{self, Profile};
 
-/// Write the corpus: every file of the suite, the frame that a decoder should print, and a manifest with digests.
+/// Write test files: every file of the suite, the expected frame, and a manifest with digests.
 ///
-/// With a profile it is a corpus for other projects: right answers as arrays and pictures, a manifest in YAML and JSON, and
-/// a README that says how to use them. minimal has small files for every clause and NPY, standard every file up to 64 KiB
-/// and PNG too, exhaustive every file and EXR too. The same version writes the same bytes on every machine.
+/// A profile writes a corpus for other projects: expected images as arrays and pictures, a manifest in YAML and JSON, and a README.
+/// minimal has small files for every clause and NPY; standard adds every file up to 64 KiB and PNG; exhaustive has every
+/// file and adds EXR. A version writes the same bytes on every machine.
 #[derive(Args)]
 #[command(
     after_help = "Examples:\n  ptm-conform generate --out corpus\n  ptm-conform generate --profile minimal --out tests/ptm\n  ptm-conform generate --case hand-lum -o lum.ptm"
 )]
 pub struct GenerateArgs {
-    /// The directory to write to, by default corpus, or requests with --requests; with a profile, an empty or a new one.
+    /// The output directory; by default corpus, or requests with --requests. With a profile, it must be new or empty.
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// Write requests for a viewer that check cannot call: every file that VIEW (raw, coef or rgb; by default rgb) can show,
-    /// a list of requests, and a README.
+    /// Write requests for a viewer that check cannot call: the files, a list of requests, and a README. VIEW is raw, coef or rgb
+    /// (default).
     ///
-    /// Save the answers in outputs/ below DIR; check --outputs DIR judges them.
+    /// Save the images in DIR/outputs/; `check --outputs DIR` judges them.
     #[cfg(unix)]
     #[arg(long, value_name = "VIEW", value_parser = ViewKind::NAMES, conflicts_with_all = ["all", "profile"], num_args = 0..=1, default_missing_value = "rgb")]
     requests: Option<String>,
-    /// Write the file of one case alone: to FILE (-o), by default CASE.ptm.
+    /// Write only the file of one case, to FILE (-o) or CASE.ptm.
     #[arg(long, value_name = "ID", conflicts_with_all = ["all", "profile", "out"])]
     case: Option<String>,
-    /// Where to write the file of --case.
+    /// The output file of --case.
     #[arg(short, long, value_name = "FILE", requires = "case")]
     output: Option<PathBuf>,
-    /// A corpus for other projects: minimal, standard or exhaustive.
+    /// Write a corpus for other projects: minimal, standard or exhaustive.
     #[arg(long, value_name = "PROFILE", conflicts_with = "all")]
     profile: Option<Profile>,
     /// Write the files over 4 KiB, too.

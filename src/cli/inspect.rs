@@ -9,10 +9,10 @@ use super::{CommandResult, files};
 use ptm_conform::tools::dissection::Dissection;
 use ptm_conform::tools::inspect::inspect;
 
-/// Show every field of a file: its place, its clause, its value.
+/// Show every field of a file: offset, clause and value.
 ///
-/// A damaged file is shown up to the damage, with what is wrong there. Within the planes of compressed files, the marker
-/// segments of JPEG and JPEG-LS and the records of side information are shown.
+/// A damaged file is shown up to the damage, with an error message. For compressed files, the marker segments of JPEG and JPEG-LS
+/// streams and the records of side information are shown, too.
 ///
 /// Exit status: 0, 65 if the file is malformed, 69 if it is not supported, 2 usage error.
 #[derive(Args)]

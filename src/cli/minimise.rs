@@ -15,12 +15,12 @@ use ptm_conform::protocol::frame::{Answer, Frame, View};
 use ptm_conform::runner::run::Request;
 use ptm_conform::suite::cases::{Suite, TableSpelling};
 
-/// Make a file small while a decoder fails on it in the same way.
+/// Reduce a file while a decoder fails on it in the same way.
 ///
-/// The file is taken apart, made narrower, lower and simpler step by step, and written again; a step is kept if the
-/// decoder's answer still differs from the reference's in the same way: a wrong picture, a refusal or a crash.
+/// The file is decoded, made narrower, lower and simpler step by step, and written again. A step is kept if the decoder's response
+/// still differs from the reference in the same way: a wrong image, a refusal or a crash.
 ///
-/// Exit status: 0 a smaller file was written, 1 the decoder does not fail on it, 2 usage error.
+/// Exit status: 0 a smaller file was written, 1 the decoder does not fail on the file, 2 usage error.
 #[derive(Args)]
 #[command(
     after_help = "Example:\n  ptm-conform minimize --view raw -o small.ptm large.ptm -- ./my-decoder"
@@ -29,7 +29,7 @@ pub struct MinimiseArgs {
     /// raw, coef or rgb:LU,LV
     #[arg(long, default_value = "raw")]
     view: View,
-    /// Where to write the small file; by default FILE with the suffix .small.ptm.
+    /// The output file; by default FILE with the suffix .small.ptm.
     #[arg(short, long, value_name = "FILE")]
     out: Option<PathBuf>,
     #[command(flatten)]

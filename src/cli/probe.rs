@@ -11,29 +11,28 @@ use ptm_conform::runner::processes;
 use ptm_conform::runner::run::Decoder;
 use ptm_conform::session::probe::{Reproduction, probe};
 
-/// Walk a new decoder through the contract, and say what is wrong and what to do.
+/// Test a new wrapper step by step, and say what to fix.
 ///
-/// It is asked for ordinary files in every view, a large one, malformed ones and an unknown view, and for its serve mode
-/// and capabilities, if it has any. A wrong picture is compared with what wrappers get wrong: rows upside down, BGR, whole
-/// planes, the wrong byte order. Where nothing comes at all, it is also called in other ways (from this directory, with the
-/// file on standard input, FILE before VIEW) to find out which one it expects. The files behind what is wrong are kept, and
-/// a command shows each observation again.
+/// The decoder is called for ordinary files in every view, for a large file, malformed files and an unknown view, and in serve
+/// mode, if it has one. Wrong images are compared with common wrapper mistakes: flipped rows, BGR, planar samples, wrong byte
+/// order. If nothing is decoded, other ways to call it are tried (the current directory, the file on standard input, FILE before
+/// VIEW). The files that show a fault are kept, and a command repeats each observation.
 ///
-/// With --writer, it is a writer that is asked for a file of each format, and each file is looked at.
+/// With --writer, the program is a writer, and one file of each format is requested.
 ///
-/// Exit status: 0 it is ready for check, 1 something is to be fixed, 2 wrong usage, 3 it is not a decoder, or writer, yet.
+/// Exit status: 0 ready for check, 1 something needs fixing, 2 usage error, 3 not a decoder (or writer) yet.
 #[derive(Args)]
 #[command(
     after_help = "Examples:\n  ptm-conform probe ./my-decoder\n  ptm-conform probe -- python3 decode.py\n  ptm-conform probe --writer ./my-writer"
 )]
 pub struct ProbeArgs {
-    /// The program is a writer, as check-writer calls it.
+    /// The program is a writer (see check-writer).
     #[arg(long)]
     writer: bool,
     /// Wall-clock limit of a call.
     #[arg(long, value_name = "SECONDS", default_value_t = 10.0)]
     timeout: f64,
-    /// Where to keep the files behind what is wrong; made if there are any.
+    /// The directory for files that show a fault; created if there are any.
     #[arg(long, value_name = "DIR", default_value = "ptm-conform-probe")]
     keep: PathBuf,
     /// The decoder and its arguments.
@@ -41,7 +40,7 @@ pub struct ProbeArgs {
     decoder: Vec<OsString>,
 }
 
-/// Takes the steps of a probe, and prints the checklist.
+/// Runs the steps of a probe, and prints the checklist.
 pub fn run(args: &ProbeArgs) -> CommandResult {
     match args.writer {
         true => processes::prepare_for(super::check_writer::MAX_FILE_SIZE),
@@ -75,14 +74,13 @@ pub fn run(args: &ProbeArgs) -> CommandResult {
     Ok(list.exit_status())
 }
 
-/// A command as a shell reads it.
+/// Returns a command quoted for a shell.
 pub fn in_one_line(command: &[OsString]) -> String {
     let words: Vec<_> = command.iter().map(|word| word.to_string_lossy()).collect();
     shlex::try_join(words.iter().map(AsRef::as_ref)).unwrap_or_default()
 }
 
-/// Keeps the files of some requests; the command line that sends them again. Where files cannot be kept, there is nothing to
-/// repeat.
+/// Keeps the files of some requests, and returns the command line that repeats them, or `None` if they cannot be kept.
 pub fn kept(repeat: &Reproduction, command: &str, directory: &Path) -> Option<String> {
     keep(repeat, directory).ok()?;
     Some(repeat.command(command, directory))

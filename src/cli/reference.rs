@@ -13,11 +13,11 @@ use ptm_conform::writers::request::{RequestHeader, WriteRequest};
 
 use super::{CommandResult, Failed, files};
 
-/// Decode FILE as the reference does and print the frame: the reference speaking the decoder protocol.
+/// Decode FILE with the reference decoder, and print the frame (the decoder protocol).
 ///
-/// `reference serve` answers lines "SEQ VIEW PATH" on standard input; `reference capabilities` lists its views and formats;
-/// `reference texture FILE` answers a question about texture mapping, in JSON; `reference write REQUEST OUT` writes the file
-/// that a request of check-writer asks for; `reference fit REQUEST OUT` the one that fits pictures best.
+/// `reference serve` answers requests "SEQ VIEW PATH" on standard input. `reference capabilities` lists its views and formats.
+/// `reference texture FILE` answers a texture mapping question in JSON. `reference write REQUEST OUT` writes the file for a
+/// request of check-writer, `reference fit REQUEST OUT` the best fit of images.
 ///
 /// Exit status: 0, 65 if the file is malformed, 69 if it is not supported.
 #[derive(clap::Args)]

@@ -10,11 +10,11 @@ use super::{CommandResult, files, output};
 use ptm_conform::tools::dissection::Dissection;
 use ptm_conform::tools::render::{lit, normals, sheet};
 
-/// Show a map as a picture: under one light, under many, or its normals.
+/// Render a map: under one light, under many lights, or its normals.
 ///
-/// A light is LU,LV, its direction projected into the picture plane: LU to the right, LV up, 0,0 is the zenith. Colors are
-/// those of the reference, rounded to the nearest byte. The name of the picture says which form it has: .png, .ppm, .tiff, .bmp,
-/// .webp (lossless) or .jpg (quality 95, all colors).
+/// A light is LU,LV, its direction projected onto the image plane: LU to the right, LV up; 0,0 is the zenith. Colors are rounded
+/// to the nearest byte. The suffix of the output selects the format: .png, .ppm, .tiff, .bmp, .webp (lossless) or .jpg (quality
+/// 95, no chroma subsampling).
 ///
 /// Exit status: 0, 65 if the file is malformed, 69 if it is not supported, 2 usage error.
 #[derive(Args)]
@@ -24,22 +24,22 @@ use ptm_conform::tools::render::{lit, normals, sheet};
 pub struct RenderArgs {
     /// A PTM file.
     file: PathBuf,
-    /// One picture under this light.
+    /// Render under this light.
     #[arg(long, value_name = "LU,LV", value_parser = parse_light, allow_hyphen_values = true, default_value = "0,0")]
     light: (f64, f64),
-    /// A sheet of N x N pictures, by default 5 x 5, lit from all over the hemisphere.
+    /// Render a sheet of N x N images (default 5) with lights from the whole hemisphere.
     #[arg(long, value_name = "N", num_args = 0..=1, default_missing_value = "5", conflicts_with_all = ["light", "normals"], value_parser = clap::value_parser!(u8).range(1..=25))]
     sheet: Option<u8>,
-    /// The longest side of a picture on the sheet; larger maps are scaled down.
+    /// The longest side of an image on the sheet; larger maps are scaled down.
     #[arg(long, value_name = "PIXELS", default_value_t = 256, requires = "sheet", value_parser = clap::value_parser!(u16).range(1..))]
     cell: u16,
-    /// The normals as colors, each pointing to its brightest light; x, y and z from -1 to 1 as 0 to 255, x to the right, y up.
+    /// Render the normals as colors: the direction of the brightest light, x, y and z from -1 to 1 as 0 to 255, x to the right, y up.
     #[arg(long, conflicts_with = "light")]
     normals: bool,
     /// Show every texel as a square of N x N pixels.
     #[arg(long, value_name = "N", default_value_t = 1, conflicts_with = "sheet", value_parser = clap::value_parser!(u16).range(1..))]
     zoom: u16,
-    /// Where to write the picture.
+    /// The output file.
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
 }
@@ -80,7 +80,7 @@ pub fn run(args: &RenderArgs) -> CommandResult {
     Ok(0)
 }
 
-/// The form of a picture, by its name.
+/// Returns the image format for a file name.
 fn format_of(path: &Path) -> Result<ImageFormat, String> {
     let format = ImageFormat::from_path(path).ok();
     format.filter(ImageFormat::writing_enabled).ok_or_else(|| {

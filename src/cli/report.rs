@@ -19,7 +19,7 @@ use ptm_conform::suite::texture::cases::TextureCase;
 use ptm_conform::writers::cases::WriterCase;
 use ptm_conform::writers::fitting::cases::FitCase;
 
-/// Read reports that check has written.
+/// Show, compare, merge and convert reports of check.
 #[derive(Args)]
 pub struct ReportArgs {
     #[command(subcommand)]
@@ -28,59 +28,59 @@ pub struct ReportArgs {
 
 #[derive(Subcommand)]
 enum ReportCommand {
-    /// Print a report as check prints it.
+    /// Print a report like check does.
     Show {
         /// The report.
         file: PathBuf,
-        /// Say all of the cases whose id matches instead; * and ? are wild cards. May be given more than once.
+        /// Print the cases whose id matches in full; * and ? are wildcards. Repeatable.
         #[arg(long = "case", value_name = "GLOB")]
         cases: Vec<String>,
-        /// Failures to print in full.
+        /// Number of failures to print in full.
         #[arg(long, value_name = "N", default_value_t = 10)]
         show: usize,
     },
-    /// Make a page for a browser: of one report, or of several a table of decoders and clauses.
+    /// Write an HTML page: of one report, or a table of decoders and clauses of several.
     ///
-    /// A report holds no pictures; check --html makes a page that does.
+    /// A report contains no images; `check --html` writes a page with images.
     Html {
         /// The reports.
         #[arg(required = true, value_name = "FILE")]
         files: Vec<PathBuf>,
-        /// Where to write the page.
+        /// The output file.
         #[arg(short, long, value_name = "FILE")]
         output: PathBuf,
     },
     /// Write a report as `JUnit` XML.
     Junit(Made),
-    /// Draw a badge in SVG with the three scores.
+    /// Write an SVG badge with the three scores.
     Badge(Made),
     /// Write a summary in Markdown.
     Markdown(Made),
-    /// Say exactly what changed from one report to another.
+    /// Show what changed between two reports.
     ///
-    /// Cases that began to fail, were fixed, changed their outcome, have other details, appeared or vanished; and the
-    /// decoder, its scores, dialect and diagnoses. Where many cases changed, they are grouped by cause and clause.
+    /// Lists the cases that began to fail, were fixed, changed otherwise, were added or removed, and changes in the decoder, its
+    /// scores, dialect and causes. Many changed cases are grouped by cause and clause.
     ///
     /// Exit status: 0 the reports are equal, 1 they differ, 2 one of them cannot be read.
     Diff {
-        /// The report before.
+        /// The old report.
         old: PathBuf,
-        /// The report after.
+        /// The new report.
         new: PathBuf,
-        /// Say of every changed case what changed.
+        /// List every changed case.
         #[arg(long)]
         cases: bool,
     },
     Merge(MergeArgs),
 }
 
-/// Make the report of a whole run from its parts.
+/// Merge the parts of a sharded run into one report.
 ///
-/// Each part is run by `check --shard I/N --report PART`, on any machine, with the same decoder and the same arguments;
-/// that keeps the decoder's answers in PART.answers, which must lie beside PART. All N parts are needed. Verdicts,
-/// dialect and diagnoses are made anew from all answers, so the report is that of the run in one piece.
+/// Each part is written by `check --shard I/N --report PART`, on any machine, with the same decoder and arguments. The responses are
+/// kept in PART.answers next to PART. All N parts are needed. Verdicts, dialect and causes are computed again from all
+/// responses, so the result equals the report of an undivided run.
 ///
-/// Exit status: that of check; 2 if a part is missing, damaged, of another run or did not end.
+/// Exit status: that of check; 2 if a part is missing, damaged, unfinished or of another run.
 #[derive(Args)]
 #[command(
     after_help = "Example:\n  ptm-conform check --shard 1/2 --report part-1.yaml ./my-decoder\n  ptm-conform check --shard 2/2 --report part-2.yaml ./my-decoder\n  ptm-conform report merge part-1.yaml part-2.yaml"
@@ -89,10 +89,10 @@ struct MergeArgs {
     /// The reports of all parts.
     #[arg(value_name = "PART", required = true)]
     parts: Vec<PathBuf>,
-    /// Where to write the report.
+    /// The output file.
     #[arg(long, value_name = "FILE", default_value = "ptm-conform-report.yaml")]
     report: PathBuf,
-    /// Failures to print in full; the report has all of them.
+    /// Number of failures to print in full; the report has all of them.
     #[arg(long, value_name = "N", default_value_t = 10)]
     show: usize,
     #[command(flatten)]
@@ -103,7 +103,7 @@ struct MergeArgs {
 struct Made {
     /// The report.
     file: PathBuf,
-    /// Where to write; standard output by default.
+    /// The output file; standard output by default.
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
 }

@@ -10,19 +10,19 @@ use super::CommandResult;
 use super::files::read;
 use super::output::{jobs, print};
 
-/// Write the site: the annotated format, a page for each case, misreading, ruling, lint code and reader.
+/// Write the website: the annotated format, and a page for each case, misreading, ruling, lint code and reader.
 ///
-/// Its pages need no server and ask none for anything; begin with index.html. Every example of the annotated format is
-/// executed, and the site is not written if one does not hold.
+/// The pages need no server; open index.html. Every example of the annotated format is executed, and nothing is written if one
+/// does not hold.
 #[derive(Args)]
 pub struct SiteArgs {
-    /// Where to write it; what lies there stays, except files of the same names.
+    /// The output directory; other files in it are kept.
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
-    /// The reference as WebAssembly, built from packages/wasm: adds a page on which files are dropped.
+    /// The reference decoder as WebAssembly, built from packages/wasm; adds a page on which files can be dropped.
     #[arg(long, value_name = "FILE")]
     module: Option<PathBuf>,
-    /// Files decoded at a time; the result does not depend on it.
+    /// Files decoded in parallel; the result does not depend on it.
     #[arg(long, value_name = "N")]
     jobs: Option<usize>,
 }

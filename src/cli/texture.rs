@@ -24,7 +24,7 @@ use super::files::{self, write_whole};
 use super::output::print;
 use super::{CommandResult, EXIT_NOTHING_SELECTED, Failed};
 
-/// Texture mapping: hold a file of cases against the reference, or draw what a table entry does.
+/// Texture mapping: check a file of cases, or render a table entry.
 #[derive(Args)]
 pub struct TextureArgs {
     #[command(subcommand)]
@@ -37,41 +37,41 @@ enum Command {
     Render(RenderArgs),
 }
 
-/// Answer every case of a file as the reference does, and say whether that is what the file expects.
+/// Check that the reference answers every case of a file as the file expects.
 ///
 /// The file has the form of spec-cases/texture/cases: a list of cases in YAML, or a document with such a list under "cases".
-/// Numbers are compared within 1e-9, or the case's own tolerance. What other readings expect is computed under those readings.
+/// Numbers are compared within 1e-9, or the case's tolerance. Other readings are computed, too.
 ///
-/// Exit status: 0 all hold, 1 some do not, 2 the file cannot be read, 5 it has no cases.
+/// Exit status: 0 all cases hold, 1 a case does not, 2 the file cannot be read, 5 it has no cases.
 #[derive(Args)]
 struct CasesArgs {
     /// A file of cases.
     file: PathBuf,
-    /// Print only what does not hold.
+    /// Print only the cases that do not hold.
     #[arg(long)]
     quiet: bool,
 }
 
-/// Draw a textured plane or sphere under a light, to see what a table entry does.
+/// Render a textured plane or sphere under a light, to show the effect of a table entry.
 ///
-/// The map lies in the middle of the shape, and as much around it as --around says, so that boundary conditions can be seen.
-/// Methods that need a reflection show one of an eye before the shape. The lamp at --light lights the surface; a PTM becomes a
-/// picture under --ptm-light.
+/// The map is in the middle of the shape; --around controls how much is shown around it, to make boundary conditions visible.
+/// Methods that need a reflection use an eye in front of the shape. The lamp at --light lights the surface; a PTM is rendered
+/// under --ptm-light.
 #[derive(Args)]
 #[command(
     after_help = "Examples:\n  ptm-conform texture render -o wrap.png\n  ptm-conform texture render --shape sphere --map coin.ptm --ptm-light 0.4,0.3 -o sphere.png\n  ptm-conform texture render --map coin.ptm --entry '{boundary: [Mirror, Wrap, Wrap], composition: Modulate}' -o mirror.png"
 )]
 struct RenderArgs {
-    /// The picture to write, a PNG.
+    /// The output file, a PNG.
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
-    /// What is textured.
+    /// The textured shape.
     #[arg(long, value_name = "SHAPE", default_value = "plane", value_parser = ["plane", "sphere"])]
     shape: String,
-    /// A PTM as the texture map; the default checkerboard if left out.
+    /// A PTM as the texture map; by default a checkerboard.
     #[arg(long, value_name = "PTM")]
     map: Option<PathBuf>,
-    /// The light under which the PTM becomes a picture.
+    /// The light under which the PTM is rendered.
     #[arg(long, value_name = "LU,LV", default_value = "0.3,0.4", allow_hyphen_values = true, value_parser = parse_light)]
     ptm_light: (f64, f64),
     /// The light on the surface.
@@ -90,7 +90,7 @@ struct RenderArgs {
     /// The surface's own color: red, green, blue from 0 to 1.
     #[arg(long, value_name = "R,G,B", default_value = "0.85,0.75,0.6", value_parser = parse_color)]
     surface_color: [f64; 3],
-    /// Width and height of the picture.
+    /// Width and height of the image.
     #[arg(long, value_name = "PIXELS", default_value_t = 512, value_parser = clap::value_parser!(u32).range(1..=8192))]
     size: u32,
 }
