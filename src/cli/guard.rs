@@ -57,7 +57,7 @@ impl Drop for Guarded {
 }
 
 /// How often the watcher looks for processes that would be nobody's.
-const LOOK: Timespec = Timespec {
+const POLL_INTERVAL: Timespec = Timespec {
     tv_sec: 0,
     tv_nsec: 100_000_000,
 };
@@ -71,7 +71,7 @@ pub fn watch(run: u32, directories: &[PathBuf]) -> u8 {
     let mut children = Descendants::default();
     loop {
         let mut input = [PollFd::new(&stdin, PollFlags::IN)];
-        match poll(&mut input, Some(&LOOK)) {
+        match poll(&mut input, Some(&POLL_INTERVAL)) {
             Ok(0) => children = Descendants::of(run),
             Ok(_) => break,
             Err(_) => std::thread::sleep(Duration::from_millis(100)),
@@ -85,7 +85,7 @@ pub fn watch(run: u32, directories: &[PathBuf]) -> u8 {
     0
 }
 
-/// Whether this program could do its part of a run. The error says why the run was stopped: it has no verdict then.
+/// Returns true if this program could do its part of a run. The error says why the run was stopped: it has no verdict then.
 pub fn untroubled(decoder: &Decoder) -> Result<(), String> {
     decoder.trouble().map_or(Ok(()), |trouble| {
         Err(format!(

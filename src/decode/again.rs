@@ -1,8 +1,8 @@
-//! Streams that are decoded once, for all readings that differ only in what they make of them
+//! Streams that are decoded once for all readings that differ only after the codec
 //!
-//! Most open points of §2.9 are about what happens after a stream has been decoded: how its plane is predicted, and which
-//! records correct it. To see whether a file looks another way to another reader, prediction and correction are done again
-//! and the streams, which take most of the time, are not.
+//! Most open points of §2.9 concern steps after a stream has been decoded: how its plane is predicted, and which records
+//! correct it. To see whether a file looks different to another reader, prediction and correction are repeated; decoding the
+//! streams, which takes most of the time, is not.
 //!
 //! ```text
 //! stream ── codec ──> residuals ──┬── Reading::SPEC ──> planes of the reference
@@ -17,7 +17,7 @@ use crate::ptm::{Format, Shape};
 use crate::reading::Reading;
 
 impl Streams<'_> {
-    /// The map under a reading that differs only in what it makes of the streams.
+    /// Returns the map under a reading that differs only after the streams are decoded.
     pub(crate) fn stored<'r>(&self, reading: &'r Reading) -> Result<Stored<'r>> {
         let parts = self.channels(self.residuals.clone(), reading)?;
         // All compressed formats have the planes of RGB or those of LRGB (clause 2.9/3).
@@ -29,7 +29,7 @@ impl Streams<'_> {
             header: self.header,
             shape,
             parts,
-            // The end of the last plane, where too large a map is refused.
+            // The end of the last plane, where a map that is too large is refused.
             at: self.at + self.payload.len(),
             reading,
         })

@@ -1,7 +1,7 @@
-//! Compressed files made by hand: the lists as they are to stand in the file, the planes as they are to be stored.
+//! Compressed files made by hand: lists as they are written to the file, planes as they are stored.
 //!
-//! Nothing here predicts. A test says what residuals a stream holds and what plane it expects, and works out one from the
-//! other on paper.
+//! Nothing here predicts. A test states the residuals of a stream and the plane that it expects, and derives one from the other
+//! on paper.
 
 use crate::codec::{jpeg, jpeg_ls};
 use crate::ptm::{Format, Size};
@@ -21,7 +21,7 @@ pub struct ByHand {
 }
 
 impl ByHand {
-    /// A file of intra coded planes, plane i full of the value 10 · i, without side information.
+    /// Makes a file of intra coded planes, plane i full of the value 10 · i, without side information.
     pub fn new(format: Format, width: u32, height: u32) -> ByHand {
         let planes = format.channels();
         let mut file = ByHand {
@@ -41,7 +41,7 @@ impl ByHand {
         file
     }
 
-    /// Gives plane `plane` a stream of these samples, the bottom row of the picture first.
+    /// Gives plane `plane` a stream of these samples, the bottom row of the image first.
     pub fn stream(&mut self, plane: usize, samples: &[u8]) {
         let Size { width, height } = self.size;
         let encoded = if jpeg(self.format) {
@@ -57,7 +57,7 @@ impl ByHand {
                 },
             )
         };
-        // At quality 100 a flat block comes back as it was; tests with JPEG planes use nothing else.
+        // At quality 100 a flat block is restored exactly; tests with JPEG planes use nothing else.
         assert_eq!(encoded.samples, samples, "the samples of plane {plane}");
         self.streams[plane] = encoded.stream;
     }
@@ -89,7 +89,7 @@ impl ByHand {
         self.sides[plane].push(value);
     }
 
-    /// The header up to the biases.
+    /// Returns the header up to the biases.
     pub fn header(&self) -> String {
         let Size { width, height } = self.size;
         format!(
@@ -98,7 +98,7 @@ impl ByHand {
         )
     }
 
-    /// The lists, a line each.
+    /// Returns the lists, one line each.
     pub fn lists(&self) -> Vec<String> {
         let line = |numbers: &[i64]| {
             numbers
@@ -128,12 +128,12 @@ impl ByHand {
         ]
     }
 
-    /// The file.
+    /// Returns the file.
     pub fn bytes(&self) -> Vec<u8> {
         self.with(&self.header(), &self.lists())
     }
 
-    /// The file with another header or other lists.
+    /// Returns the file with another header or other lists.
     pub fn with(&self, header: &str, lists: &[String]) -> Vec<u8> {
         let payload = self
             .streams
@@ -150,7 +150,7 @@ fn jpeg(format: Format) -> bool {
     matches!(format, Format::JpegRgb | Format::JpegLrgb)
 }
 
-/// What a file decodes to, plane `plane` alone, the bottom row of the picture first: as it is stored.
+/// Decodes a file and returns plane `plane` as it is stored, the bottom row of the image first.
 #[track_caller]
 pub fn stored(file: &[u8], plane: usize) -> Vec<u8> {
     let ptm = crate::decode(file).expect("a file that decodes");
@@ -164,7 +164,7 @@ pub fn stored(file: &[u8], plane: usize) -> Vec<u8> {
         .collect()
 }
 
-/// That a file is refused, and in which words.
+/// Asserts that a file is refused with a message that contains `words`.
 #[track_caller]
 pub fn rejects(file: &[u8], words: &str) {
     assert_eq!(

@@ -1,8 +1,8 @@
-//! Some channels of every texel: what each part of §2.7, §2.8 and §2.9.8 provides
+//! Some channels of every texel: the common form of the parts of §2.7, §2.8 and §2.9.8
 //!
-//! A file has its values in up to eighteen parts: blocks of a few channels (2.7), indices that stand for entries of a
-//! table (2.8), planes (2.9.8). What they have in common: each part has
-//! some channels of every texel, and its texels lie row after row, in the order in which the rows are stored.
+//! A file has its values in up to eighteen parts: blocks of a few channels (2.7), indices that stand for entries of a table
+//! (2.8), planes (2.9.8). Each part has some channels of every texel, and its texels lie row after row, in the order in which
+//! the rows are stored.
 //!
 //! ```text
 //! RGB            0…5  6…11  12…17          three blocks
@@ -21,22 +21,22 @@ use crate::reading::Reading;
 
 /// Some channels of every texel.
 pub(super) struct Channels<'a> {
-    /// Which.
+    /// The channels.
     pub block: Block,
     /// Their values.
     pub values: Values<'a>,
 }
 
-/// How the values lie: texel after texel, row after stored row.
+/// The form of the values: texel after texel, row after stored row.
 pub(super) enum Values<'a> {
-    /// As they are.
+    /// Plain bytes.
     Bytes(Cow<'a, [u8]>),
-    /// As entries of a table. Every index has been checked.
+    /// Entries of a table. Every index has been checked.
     Entries(IndexBlock<'a>, LookupTable<'a>),
 }
 
 impl Channels<'_> {
-    /// The values of the stored texel `at`.
+    /// Returns the values of the stored texel `at`.
     pub fn of_texel(&self, at: usize, reading: &Reading) -> &[u8] {
         match &self.values {
             Values::Bytes(bytes) => &bytes[at * self.block.channels..][..self.block.channels],
@@ -47,7 +47,7 @@ impl Channels<'_> {
         }
     }
 
-    /// Puts the values of the stored texels of `run` where they belong in `texels`, which have `size` channels each.
+    /// Copies the values of the stored texels of `run` to their places in `texels`, which have `size` channels each.
     pub fn put(&self, run: Range<usize>, texels: &mut [u8], size: usize, reading: &Reading) {
         for (at, texel) in run.zip(texels.chunks_exact_mut(size)) {
             let values = self.of_texel(at, reading);
@@ -55,7 +55,7 @@ impl Channels<'_> {
         }
     }
 
-    /// Bytes that it takes besides the file.
+    /// Returns the number of bytes that it holds in addition to the file.
     pub fn held(&self) -> usize {
         match &self.values {
             Values::Bytes(Cow::Owned(bytes)) => bytes.len(),
@@ -64,7 +64,7 @@ impl Channels<'_> {
     }
 }
 
-/// The number of the entry that the index of the stored texel `at` names, if there is one.
+/// Returns the number of the entry that the index of the stored texel `at` names, if there is one.
 pub(super) fn entry(
     indices: &IndexBlock,
     table: &LookupTable,

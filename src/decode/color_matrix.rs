@@ -11,9 +11,9 @@
 //!
 //! Format notes
 //! - On one line; other splits into lines are read too (ruling `lum-layout`).
-//! - The last row, elements 3, 7, 11 and 15, is printed as 0 0 0 1 and is not looked at (ruling `lum-last-row`).
-//! - No LUM file by the authors is known. What the matrix multiplies, how its numbers lie and what range the values have are
-//!   three choices (rulings `lum-vector`, `lum-major`, `lum-range`).
+//! - The last row, elements 3, 7, 11 and 15, is printed as 0 0 0 1 and is ignored (ruling `lum-last-row`).
+//! - No LUM file by the authors is known. The vector that the matrix multiplies, the order of its numbers and the range of
+//!   the values are three choices (rulings `lum-vector`, `lum-major`, `lum-range`).
 
 use crate::error::Result;
 use crate::input::Input;
@@ -32,12 +32,12 @@ pub(crate) fn read(input: &mut Input) -> Result<ColorMatrix> {
     Ok(ColorMatrix(elements))
 }
 
-/// The three rows that make red, green and blue, read columns first (clause 2.6/3, ruling `lum-major`).
+/// Returns the rows for red, green and blue, read column-major (clause 2.6/3, ruling `lum-major`).
 pub(crate) fn columns_first(ColorMatrix(m): &ColorMatrix) -> [[f64; 4]; 3] {
     [0, 1, 2].map(|row| [m[row], m[4 + row], m[8 + row], m[12 + row]])
 }
 
-/// The same, read rows first: the other reading of `lum-major`.
+/// Returns the rows for red, green and blue, read row-major: the other reading of `lum-major`.
 pub(crate) fn rows_first(ColorMatrix(m): &ColorMatrix) -> [[f64; 4]; 3] {
     [0, 4, 8].map(|row| [m[row], m[row + 1], m[row + 2], m[row + 3]])
 }

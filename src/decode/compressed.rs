@@ -18,21 +18,21 @@
 //! Format notes
 //! - The text does not say where lines end. The one real file has a line for each list and two for the motion vectors;
 //!   any other split into lines is read as well (clause 2.9/2, ruling `list-layout`).
-//! - A number of the order list is a *rank*: it stands at the plane, not at the step (ruling `order`). Two planes of one
-//!   rank, gaps between ranks and a missing rank 0 do no harm as long as every reference ranks lower (clause 2.9.4/3,
-//!   ruling `ranks`).
-//! - The parameter is for the encoder (clause 2.9.1/2). A stream carries its own quantization tables or its own NEAR, and these count.
-//! - The lists stand in plane order, all of them, whatever the order of decoding; so do the planes (clause 2.9.8/1).
+//! - A number of the order list is a *rank*: its position in the list is that of the plane, not of the step (ruling
+//!   `order`). Two planes of one rank, gaps between ranks and a missing rank 0 are accepted as long as every reference ranks
+//!   lower (clause 2.9.4/3, ruling `ranks`).
+//! - The parameter is for the encoder (clause 2.9.1/2). A decoder uses the quantization tables or the NEAR of each stream.
+//! - All lists are in plane order, whatever the order of decoding; so are the planes (clause 2.9.8/1).
 //! - A reference counts planes from 0, and 0 is a plane: only −1 means that there is no reference (clause 2.9.5/2).
-//! - Transform and vector stand at the plane that is predicted, not at its reference; those of an intra coded plane mean
-//!   nothing (ruling `prediction`).
-//! - A side information size of 0 is no side information at all (clause 2.9.7/2), and that is an empty block here.
+//! - Transform and vector belong to the plane that is predicted, not to its reference; those of an intra coded plane have
+//!   no meaning (ruling `prediction`).
+//! - A side information size of 0 means no side information (clause 2.9.7/2), which is an empty block here.
 
 use std::ops::Range;
 
 use super::channels::Channels;
 use super::planes;
-// What the streams hold is the same, read one after another or on all threads; the second is sooner.
+// Both versions return the same residuals, one sequentially and the other, faster, on all threads.
 #[cfg(not(feature = "parallel"))]
 use super::planes::residuals;
 #[cfg(feature = "parallel")]
@@ -43,23 +43,23 @@ use crate::parts::{Coded, Extent, Number, Plan, RawLists, Step};
 use crate::ptm::{Format, Header, Limits};
 use crate::reading::Reading;
 
-/// A compressed file whose streams are decoded, and nothing more: its planes are still to be predicted and corrected.
+/// A compressed file with decoded streams, before its planes are predicted and corrected.
 pub(crate) struct Streams<'a> {
     pub(super) header: Header,
     /// The numbers of 2.9.1–2.9.7 as they stand in the file.
     #[cfg(feature = "harness")]
     pub(crate) lists: RawLists,
     pub(super) plan: Plan,
-    /// Where in the file `payload` starts.
+    /// The position of `payload` in the file.
     pub(super) at: usize,
     /// All streams and their side information.
     pub(super) payload: &'a [u8],
-    /// What each stream holds, in the order in which the planes are decoded.
+    /// The residuals of each stream, in the order in which the planes are decoded.
     pub(super) residuals: Vec<Vec<u8>>,
 }
 
 impl<'a> Streams<'a> {
-    /// From the parameter to the last stream.
+    /// Reads from the parameter to the last stream.
     #[expect(
         clippy::trivially_copy_pass_by_ref,
         reason = "limits and headers are passed by reference whatever their size"
@@ -86,7 +86,7 @@ impl<'a> Streams<'a> {
         Ok(streams)
     }
 
-    /// As the decisions of a reading see it.
+    /// Returns the file as the decisions of a reading see it.
     pub(crate) fn coded(&self) -> Coded<'_> {
         Coded {
             format: self.header.format,
@@ -97,14 +97,14 @@ impl<'a> Streams<'a> {
         }
     }
 
-    /// What the stream of each plane holds, in the order in which they are decoded.
+    /// Returns each plane and the residuals of its stream, in the order of decoding.
     #[cfg(feature = "harness")]
     pub(crate) fn residuals(&self) -> impl Iterator<Item = (usize, &[u8])> {
         let residuals = self.residuals.iter().map(Vec::as_slice);
         self.plan.sequence.iter().copied().zip(residuals)
     }
 
-    /// The planes: `residuals`, which are those of the streams, predicted and corrected.
+    /// Returns the planes: `residuals`, which are those of the streams, predicted and corrected.
     pub(super) fn channels(
         &self,
         residuals: Vec<Vec<u8>>,
@@ -126,12 +126,12 @@ pub(super) fn read(
     limits: &Limits,
 ) -> Result<Vec<Channels<'static>>> {
     let mut streams = Streams::read(header, input, reading, limits)?;
-    // Each becomes its plane in its place, so there is one copy of them.
+    // Residuals become planes in place, so there is only one copy.
     let residuals = std::mem::take(&mut streams.residuals);
     streams.channels(residuals, reading)
 }
 
-/// The parameter and the seven lists in the order of the file (clause 2.9/1).
+/// Reads the parameter and the seven lists in the order of the file (clause 2.9/1).
 fn read_lists(format: Format, input: &mut Input) -> Result<RawLists> {
     // Clause 2.9/3: a number for each plane, 18 or 9; motion has two.
     let planes = format.channels();
@@ -158,7 +158,7 @@ fn read_lists(format: Format, input: &mut Input) -> Result<RawLists> {
     Ok(lists)
 }
 
-/// One number of a list. Where it stands is kept, because what is wrong with it may show only beside other lists.
+/// Reads one number of a list and keeps its position, because an error may be found only by comparison with other lists.
 fn number(input: &mut Input, clause: &'static str, name: &'static str) -> Result<Number> {
     let at = input.at();
     Ok(Number {
@@ -167,13 +167,13 @@ fn number(input: &mut Input, clause: &'static str, name: &'static str) -> Result
     })
 }
 
-/// What the lists say to do, or why it cannot be done.
+/// Makes the plan that the lists describe, or returns why it cannot be carried out.
 pub(crate) fn plan(lists: &RawLists) -> Result<Plan> {
     let planes = lists.format.channels();
     let steps = (0..planes)
         .map(|plane| step(lists, plane))
         .collect::<Result<_>>()?;
-    // The plane of the lowest rank first (clause 2.9.4/2); among equal ranks, where neither can need the other, by index.
+    // The plane of the lowest rank first (clause 2.9.4/2); planes of equal rank do not depend on each other and go by index.
     let mut sequence: Vec<usize> = (0..planes).collect();
     sequence.sort_by_key(|&plane| lists.order[plane].value);
     let extents = extents(lists)?;
@@ -185,12 +185,12 @@ pub(crate) fn plan(lists: &RawLists) -> Result<Plan> {
     })
 }
 
-/// How plane `plane` is predicted (clauses 2.9.2/1, 2.9.3/1, 2.9.5/1).
+/// Returns the prediction step of plane `plane` (clauses 2.9.2/1, 2.9.3/1, 2.9.5/1).
 fn step(lists: &RawLists, plane: usize) -> Result<Step> {
     let planes = lists.format.channels();
     let transform = lists.transforms[plane];
     if !(0..=3).contains(&transform.value) {
-        // Bits that are not defined (clause 2.9.2/5, ruling `transforms`), on intra planes too: the list is not the text's.
+        // Undefined bits (clause 2.9.2/5, ruling `transforms`), on intra planes too: the list is not the text's.
         return Err(Error::new(
             "2.9.2/5",
             transform.at,
@@ -202,7 +202,7 @@ fn step(lists: &RawLists, plane: usize) -> Result<Step> {
     // Bits of one number (clause 2.9.2/2).
     Ok(Step {
         reference: reference(lists, plane)?,
-        // An unset bit leaves the reference as it is, a vector beside it or not.
+        // An unset bit leaves the reference as it is, even if there is a vector.
         inverted: transform.value & 1 != 0, // clause 2.9.2/3
         moved: transform.value & 2 != 0,    // clause 2.9.2/4
         motion: (
@@ -212,7 +212,7 @@ fn step(lists: &RawLists, plane: usize) -> Result<Step> {
     })
 }
 
-/// The plane that plane `plane` is predicted from: it exists and has a lower rank (clauses 2.9.4/2, 2.9.5/3).
+/// Returns the reference of plane `plane`: it exists and has a lower rank (clauses 2.9.4/2, 2.9.5/3).
 fn reference(lists: &RawLists, plane: usize) -> Result<Option<usize>> {
     let planes = lists.format.channels();
     let named = lists.references[plane];
@@ -241,16 +241,16 @@ fn reference(lists: &RawLists, plane: usize) -> Result<Option<usize>> {
     Ok(Some(reference))
 }
 
-/// The bytes of all planes and their side information, which a file may say to be more than this machine can count.
+/// Returns the bytes of all planes and their side information; the file may declare more than this machine can count.
 fn announced(lists: &RawLists) -> u64 {
     let sizes = lists.sizes.iter().chain(&lists.side_sizes);
     let sizes = sizes.filter_map(|number| u64::try_from(number.value).ok());
     sizes.fold(0, u64::saturating_add)
 }
 
-/// Where the planes lie: in plane order, each stream directly followed by its side information (clauses 2.9.8/1, 2.9.8/4).
+/// Returns the place of each plane: in plane order, each stream followed by its side information (clauses 2.9.8/1, 2.9.8/4).
 fn extents(lists: &RawLists) -> Result<Vec<Extent>> {
-    // A sum that cannot be counted stays at the largest number; no file is that long.
+    // A sum that overflows saturates; no file is that long.
     let mut end = 0;
     let mut next = |number: &Number, clause, what| -> Result<Range<usize>> {
         let wrong = |_| {
@@ -289,7 +289,7 @@ mod tests {
         ByHand::new(Format::JpeglsLrgb, 1, 1)
     }
 
-    /// Where list `list` stands in the file; 0 is the parameter, 2 and 3 are the motion vectors.
+    /// Returns the position of list `list` in the file; 0 is the parameter, 2 and 3 are the motion vectors.
     fn start(file: &ByHand, list: usize) -> usize {
         file.header().len()
             + file.lists()[..list]
@@ -486,7 +486,7 @@ mod tests {
                 start(&file, 5) + 3
             ),
         );
-        // Of its own rank, of a higher one, and from itself.
+        // Same rank, higher rank, and itself.
         let cases = [(0, 3, 4, 4), (0, 3, 4, 5), (0, 0, 4, 4)];
         for (plane, reference, rank, reference_rank) in cases {
             let mut file = dot();

@@ -13,8 +13,8 @@
 //! ```
 //!
 //! Format notes
-//! - Names begin and end alike (`…_RGB`, `…_LRGB`, `…_JPEG_RGB`): only the whole token tells them apart.
-//! - Upper case only; a name in any other spelling is no name.
+//! - Several names share prefixes and suffixes (`…_RGB`, `…_LRGB`, `…_JPEG_RGB`): only the whole token tells them apart.
+//! - Upper case only; a name in any other spelling is invalid.
 
 use crate::error::Result;
 use crate::input::Input;
@@ -27,7 +27,7 @@ pub(super) fn read(input: &mut Input) -> Result<Format> {
         .into_iter()
         .find(|format| format.name().as_bytes() == name)
         .ok_or(unknown)?;
-    // For most formats the payload is still five lines away, but this line ends as all of them do.
+    // For most formats the payload is still five lines away, but this line ends like all others.
     input.line_end("2.0/2")?;
     Ok(format)
 }

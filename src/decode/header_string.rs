@@ -10,14 +10,14 @@
 //! Format notes
 //! - `PTM_1.1` files exist; they interleave nine bytes for each texel and must not be read as 1.2 (ruling `version`).
 //! - A carriage return before the line feed is refused (ruling `header-blanks`): a file that was transferred as text has
-//!   one before every 0x0A of its payload too, and no picture any more.
-//! - This line is all that identifies a PTM. The suffix of the file name is not looked at.
+//!   one before every 0x0A of its payload too, so its image is destroyed.
+//! - This line is the only identification of a PTM. The suffix of the file name is ignored.
 
 use crate::error::Result;
 use crate::input::Input;
 
 pub(super) fn read(input: &mut Input) -> Result<()> {
-    // A token ends at a space or a line feed, so that "PTM_1.25" is not taken for a PTM_1.2.
+    // A token ends at a space or a line feed, so that "PTM_1.25" is not mistaken for PTM_1.2.
     input.word("2.1/1", "PTM_1.2")?;
     input.line_end("2.0/2")
 }

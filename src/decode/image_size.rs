@@ -10,10 +10,10 @@
 //! Format notes
 //! - HP's own programs write two lines; the text's first form is one line. Both are read.
 //! - A size without texels is refused (ruling `dimensions`).
-//! - What is no number in digits breaks clause 2.3/1; a number below 1 or beyond 32 bits breaks clause 2.3/3.
-//! - No file needs a number beyond 32 bits; a reader that lets one wrap around takes 4294967297 for 1.
-//! - Both numbers may be as large as 2³² − 1, and their product larger than any memory. No room is made for texels here:
-//!   what they need is first compared with what is left of the file, then with the limits the caller set.
+//! - A token that is not a number in digits breaks clause 2.3/1; a number below 1 or beyond 32 bits breaks clause 2.3/3.
+//! - No file needs a number beyond 32 bits; a reader that lets one wrap around reads 4294967297 as 1.
+//! - Both numbers may be as large as 2³² − 1, and their product larger than any memory. No memory is allocated for texels
+//!   here: the size is first compared with the rest of the file, then with the limits that the caller set.
 
 use crate::error::Result;
 use crate::input::Input;
@@ -35,7 +35,7 @@ fn positive(input: &mut Input, name: &'static str) -> Result<u32> {
     let end = input.at() + digits.count();
     match input.integer("2.3/1", name) {
         Ok(0) => Err(too_small),
-        // A token of digits alone was read to its end, and no `u32` holds it; an empty token begins at its end.
+        // A token of digits alone was read to its end, and its value does not fit in a `u32`; an empty token begins at its end.
         Err(error) if input.at() == end && error.offset() < end => Err(too_large),
         read => read,
     }

@@ -9,11 +9,11 @@
 //! ```
 //!
 //! Format notes
-//! - The number of entries decides the width, not the largest index that occurs.
+//! - The number of entries decides the width, not the largest index in the file.
 //! - An index equal to the number of entries is already out of range (ruling `lut-range`).
 //! - 257 is the first count with two bytes, and the first whose last index shows which byte comes first.
 //! - The colors of `PTM_LUT` follow the indices of *all* texels: the two are not interleaved (clause 2.8.1/4).
-//! - Every index is checked before there is a first texel, so that a file is either refused or decoded whole.
+//! - Every index is checked before the first texel is made, so that a file is either refused or decoded whole.
 
 use super::channels::{Channels, Values, entry as entry_of};
 use super::texels;
@@ -29,7 +29,7 @@ pub(super) fn read<'a>(
     input: &mut Input<'a>,
     reading: &Reading,
 ) -> Result<Vec<Channels<'a>>> {
-    // For errors, which name the index that is out of range and not the first one.
+    // For errors, which report the index that is out of range and not the first one.
     let start = input.at();
     let indices = (reading.indices)(&table, header.size, input)?;
     let colors = texels::read(header, input, reading)?;
@@ -44,7 +44,7 @@ pub(super) fn read<'a>(
     Ok(std::iter::once(looked_up).chain(colors).collect())
 }
 
-/// Whether each index names an entry (clause 2.8/1); `start` is where they start, for the error.
+/// Checks that each index names an entry (clause 2.8/1); `start` is the position of the first, for the error.
 fn check(indices: &IndexBlock, table: &LookupTable, start: usize, reading: &Reading) -> Result<()> {
     let stored = indices.bytes.chunks_exact(indices.width);
     for (at, index) in stored.enumerate() {
@@ -59,7 +59,7 @@ fn check(indices: &IndexBlock, table: &LookupTable, start: usize, reading: &Read
     Ok(())
 }
 
-/// One byte for an index of a table of at most 256 entries (clauses 2.8.1/2, 2.8.2/2), else two (clauses 2.8.1/3, 2.8.2/3).
+/// Reads indices of one byte for at most 256 entries (clauses 2.8.1/2, 2.8.2/2), else of two (clauses 2.8.1/3, 2.8.2/3).
 pub(crate) fn one_or_two_bytes<'a>(
     table: &LookupTable,
     size: Size,
@@ -68,13 +68,13 @@ pub(crate) fn one_or_two_bytes<'a>(
     take(if table.entries <= 256 { 1 } else { 2 }, size, input)
 }
 
-/// Indices of `width` bytes for so many texels.
+/// Reads one index of `width` bytes for each texel.
 pub(crate) fn take<'a>(width: usize, size: Size, input: &mut Input<'a>) -> Result<IndexBlock<'a>> {
     let bytes = input.take("2.8.1/1", "the indices", size.bytes(width))?;
     Ok(IndexBlock { bytes, width })
 }
 
-/// Low byte first (clauses 1.0/3, 2.8.1/3, 2.8.2/3).
+/// Decodes an index, low byte first (clauses 1.0/3, 2.8.1/3, 2.8.2/3).
 pub(crate) fn little_endian(stored: &[u8]) -> usize {
     stored
         .iter()
@@ -82,7 +82,7 @@ pub(crate) fn little_endian(stored: &[u8]) -> usize {
         .fold(0, |index, &byte| index << 8 | usize::from(byte))
 }
 
-/// The entry an index names, if there is one (ruling `lut-range`).
+/// Returns the entry that an index names, if there is one (ruling `lut-range`).
 pub(crate) fn entry(index: usize, entries: usize) -> Option<usize> {
     (index < entries).then_some(index)
 }

@@ -1,13 +1,13 @@
-//! A displaced plane, row by row where all four samples of a mean lie inside the plane
+//! Displacement of a plane, row by row where all four samples of a mean lie inside the plane
 //!
-//! Inside, where most texels are, no edge is in the way: four slices of the plane run side by side. What is left, a frame
-//! as wide as the displacement, is made texel by texel as [`super::predict`] says; a test below holds the two equal.
+//! Inside, where most texels are, there are no edges to handle: four slices of the plane are processed in parallel. The rest, a
+//! frame as wide as the displacement, is made texel by texel as in [`super::predict`]; a test below compares the two.
 
 use std::ops::Range;
 
 use crate::ptm::Size;
 
-/// `sample` at every texel, row by row, where `sample` is `half` of the four samples around a place half a vector away.
+/// Computes `sample` at every texel, row by row; `sample` is `half` of the four samples around a place half a vector away.
 pub(super) fn every_texel(
     plane: &[u8],
     size: Size,
@@ -25,7 +25,7 @@ pub(super) fn every_texel(
         } else {
             0..0
         };
-        // The left of the frame, or the whole row where the row above or below it is outside.
+        // The left of the frame, or the whole row if the row above or below it is outside.
         texels.extend((0..run.start).map(|x| sample(x, y)));
         if !run.is_empty() {
             // a b in the first row, c d in the second: the order in which `half` has them.
@@ -43,9 +43,9 @@ pub(super) fn every_texel(
 
 /// One axis of a plane and the displacement along it.
 struct Axis {
-    /// How far the first of two samples is away, and the second.
+    /// The offsets of the first and the second of two samples.
     offsets: [i64; 2],
-    /// Where both lie inside the plane.
+    /// The positions at which both samples lie inside the plane.
     inside: Range<i64>,
 }
 
@@ -73,7 +73,7 @@ mod tests {
 
     use super::*;
 
-    /// The edge, replicated.
+    /// Replicates the edge.
     fn edge(plane: &[u8], size: Size, x: i64, y: i64) -> u8 {
         let x = x.clamp(0, i64::from(size.width) - 1);
         let y = y.clamp(0, i64::from(size.height) - 1);
@@ -92,7 +92,7 @@ mod tests {
             let size = Size { width, height };
             let plane = &samples[..size.texels()];
             let (mx, my) = [near, far, (near.0, far.1), (far.0, near.1)][which as usize];
-            // Not symmetrical, so that exchanged samples show.
+            // Not symmetrical, so that exchanged samples are noticed.
             let half = |[a, b, c, d]: [u8; 4]| a ^ b.rotate_left(1) ^ c.rotate_left(2) ^ d.rotate_left(3);
             let sample = |x: i64, y: i64| {
                 let (x, y) = (mx.saturating_add(2 * x), my.saturating_add(2 * y));

@@ -12,8 +12,8 @@
 //!
 //! Format notes
 //! - The text shows the count as two words and does not say which of them is literal. `256 N_LUT_ENTRIES`, `256` and
-//!   `nentries 256` cannot be mistaken for one another, so all three are read (ruling `lut-count`).
-//! - Nothing stands between the table and the indices (ruling `lut-newline`).
+//!   `nentries 256` cannot be confused, so all three are read (ruling `lut-count`).
+//! - Nothing separates the table from the indices (ruling `lut-newline`).
 //! - The table is not padded: it has as many entries as the count says, not 256.
 //! - A count of 0 is read, and then every index is out of range (ruling `lut-range`). A count above 65,536 is read too,
 //!   although two bytes cannot name the last entries (ruling `lut-huge`).
@@ -45,9 +45,9 @@ pub(super) fn read<'a>(
     })
 }
 
-/// `256 N_LUT_ENTRIES`, `256` or `nentries 256`, alone on a line (clause 2.5/2, ruling `lut-count`).
+/// Reads `256 N_LUT_ENTRIES`, `256` or `nentries 256`, alone on a line (clause 2.5/2, ruling `lut-count`).
 pub(crate) fn entry_count(input: &mut Input) -> Result<usize> {
-    // lut-count: a digit or a sign cannot be taken for the keyword, so the first bytes tell the spellings apart.
+    // lut-count: a digit or a sign cannot begin the keyword, so the first bytes distinguish the spellings.
     let keyword_first = input.rest().starts_with(b"nentries ");
     if keyword_first {
         input.word("2.5/2", "nentries")?;
@@ -62,13 +62,13 @@ pub(crate) fn entry_count(input: &mut Input) -> Result<usize> {
     Ok(entries as usize)
 }
 
-/// Nothing (ruling `lut-newline`).
+/// Reads nothing (ruling `lut-newline`).
 #[allow(clippy::unnecessary_wraps)] // the other reading can fail
 pub(crate) fn after_table(_: &mut Input) -> Result<()> {
     Ok(())
 }
 
-/// One line feed: the other reading of `lut-newline`.
+/// Reads one line feed: the other reading of `lut-newline`.
 pub(crate) fn newline_after_table(input: &mut Input) -> Result<()> {
     match input.take("2.5/3", "a line end after the table", 1)? {
         b"\n" => Ok(()),

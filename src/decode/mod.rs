@@ -9,7 +9,7 @@
 //! 01 02 03 04 05 06 72 67 62                 a0 … a5, R, G, B           texels            §2.7
 //! ```
 //!
-//! [`decode`] is the contents page. Nothing here does I/O, looks at a file name, or asks about mistakes.
+//! [`decode`] is the table of contents. Nothing here does I/O, depends on a file name, or knows about mistakes.
 
 /// §2.1 Header String
 mod header_string;
@@ -38,33 +38,33 @@ pub(crate) mod indices;
 /// §2.9 Compressed Data: the parameter and the lists (§2.9.1 – 2.9.7)
 pub(crate) mod compressed;
 
-/// §2.9.2 – 2.9.5 put to work: a plane from its reference
+/// §2.9.2 – 2.9.5 applied: a plane from its reference
 pub(crate) mod predict;
 
 /// §2.9.8 Compressed Coefficient Planes
 pub(crate) mod planes;
 
-/// The streams of 2.9.8 once, and their planes under several readings
+/// Planes of one decoding of the streams of 2.9.8, under several readings
 #[cfg(feature = "tools")]
 mod again;
 
-/// The streams of 2.9.8 on all threads
+/// Decoding of the streams of 2.9.8 on all threads
 #[cfg(feature = "parallel")]
 mod threads;
 
-/// 2.9.3 put to work: the inside of a plane, row by row
+/// 2.9.3 applied: the inside of a plane, row by row
 mod inside;
 
-/// What each part of 2.7, 2.8 and 2.9.8 provides: some channels of every texel
+/// Some channels of every texel: the common form of the parts of 2.7, 2.8 and 2.9.8
 mod channels;
 
-/// The same, put in place a run of texels at a time
+/// Copying of channels, one run of texels at a time
 mod runs;
 
-/// The rows of the picture from what 2.7, 2.8 and 2.9.8 store
+/// The rows of the image, from the values that 2.7, 2.8 and 2.9.8 store
 mod stored;
 
-/// [`Reading::SPEC`] and the other readings of what the text leaves open
+/// [`Reading::SPEC`] and the other readings of the open points
 mod spec;
 
 /// Compressed files made by hand, for tests.
@@ -91,7 +91,7 @@ use crate::reading::Reading;
 /// ```
 ///
 /// # Errors
-/// What is wrong with the file: which clause, at which byte, what was found there.
+/// The clause that the file breaks, the byte, and what was found there.
 pub fn decode(file: &[u8]) -> Result<Ptm> {
     decode_as(file, &Reading::SPEC, &Limits::default())
 }
@@ -99,7 +99,7 @@ pub fn decode(file: &[u8]) -> Result<Ptm> {
 /// Decodes `file` under another reading of the open points, or other limits.
 ///
 /// # Errors
-/// What is wrong with the file: which clause, at which byte, what was found there.
+/// The clause that the file breaks, the byte, and what was found there.
 pub fn decode_as(file: &[u8], reading: &Reading, limits: &Limits) -> Result<Ptm> {
     let stored = open_as(file, reading, limits)?;
     Ok(Ptm {
@@ -108,8 +108,8 @@ pub fn decode_as(file: &[u8], reading: &Reading, limits: &Limits) -> Result<Ptm>
     })
 }
 
-/// Reads `file` as the reference does and leaves its values where they are stored: for maps that are passed on in
-/// pieces. What [`decode`] refuses, this refuses too, before there is a first piece.
+/// Reads `file` as the reference does and leaves its values where they are stored, for maps that are processed in pieces. A
+/// file that [`decode`] refuses is refused here too, before the first piece.
 ///
 /// ```
 /// let file = b"PTM_1.2\nPTM_FORMAT_LRGB\n1\n2\n1 1 1 1 1 1\n0 0 0 0 0 0\nbottomupper.botTOP";
@@ -120,7 +120,7 @@ pub fn decode_as(file: &[u8], reading: &Reading, limits: &Limits) -> Result<Ptm>
 /// ```
 ///
 /// # Errors
-/// What is wrong with the file: which clause, at which byte, what was found there.
+/// The clause that the file breaks, the byte, and what was found there.
 pub fn open(file: &[u8]) -> Result<Stored<'_>> {
     open_as(file, &Reading::SPEC, &Limits::default())
 }
@@ -128,26 +128,26 @@ pub fn open(file: &[u8]) -> Result<Stored<'_>> {
 /// Reads `file` under another reading of the open points, or other limits, and leaves its values where they are stored.
 ///
 /// # Errors
-/// What is wrong with the file: which clause, at which byte, what was found there.
+/// The clause that the file breaks, the byte, and what was found there.
 pub fn open_as<'a>(file: &'a [u8], reading: &'a Reading, limits: &Limits) -> Result<Stored<'a>> {
     let mut input = Input::new(file);
     let header = read_header(&mut input)?;
     read_values(&header, &mut input, reading, limits)
 }
 
-/// The fields of `file` as far as they can be read, in file order; and the error that ended the reading, if one did.
+/// Returns the fields of `file` as far as they can be read, in file order, and the error that ended the reading, if any.
 #[must_use]
 pub fn fields(file: &[u8]) -> (Vec<Field>, Option<Error>) {
     let (fields, outcome) = examine(file);
     (fields, outcome.err())
 }
 
-/// The fields of `file` as far as they can be read, in file order; and what [`decode`] makes of it.
+/// Returns the fields of `file` as far as they can be read, in file order, and the result of [`decode`].
 pub fn examine(file: &[u8]) -> (Vec<Field>, Result<Ptm>) {
     examine_as(file, &Reading::SPEC)
 }
 
-/// The fields of `file` under another reading of the open points, and what [`decode_as`] makes of it.
+/// Returns the fields of `file` under another reading of the open points, and the result of [`decode_as`].
 pub fn examine_as(file: &[u8], reading: &Reading) -> (Vec<Field>, Result<Ptm>) {
     let mut input = Input::new(file);
     let outcome = read_header(&mut input).and_then(|header| {
@@ -160,8 +160,8 @@ pub fn examine_as(file: &[u8], reading: &Reading) -> (Vec<Field>, Result<Ptm>) {
     (input.into_fields(), outcome)
 }
 
-/// The fields of `file`, what [`decode`] makes of it, and its streams, decoded, if it is a compressed file that
-/// has them all.
+/// Returns the fields of `file`, the result of [`decode`], and the decoded streams if it is a compressed file that has all of
+/// them.
 #[cfg(feature = "tools")]
 pub(crate) fn examine_streams(file: &[u8]) -> (Vec<Field>, Result<Ptm>, Option<Streams<'_>>) {
     const SPEC: &Reading = &Reading::SPEC;
@@ -182,7 +182,7 @@ pub(crate) fn examine_streams(file: &[u8]) -> (Vec<Field>, Result<Ptm>, Option<S
     (input.into_fields(), outcome, kept)
 }
 
-/// 2.1–2.4.
+/// Reads 2.1–2.4.
 pub(crate) fn read_header(input: &mut Input) -> Result<Header> {
     header_string::read(input)?;
     let format = format_string::read(input)?;
@@ -195,7 +195,7 @@ pub(crate) fn read_header(input: &mut Input) -> Result<Header> {
     })
 }
 
-/// 2.5–2.9. What follows the last value belongs to nobody and is left alone (ruling `trailing`).
+/// Reads 2.5–2.9. Bytes after the last value are ignored (ruling `trailing`).
 #[expect(
     clippy::trivially_copy_pass_by_ref,
     reason = "limits and headers are passed by reference whatever their size"
@@ -206,7 +206,7 @@ fn read_values<'a>(
     reading: &'a Reading,
     limits: &Limits,
 ) -> Result<Stored<'a>> {
-    // Nine formats become three shapes; after this nobody asks for the format again.
+    // Nine formats become three shapes; the code after this does not use the format.
     let (shape, parts) = match header.format {
         Format::Rgb => (Shape::Rgb, texels::read(header, input, reading)?),
         Format::Lrgb => (Shape::Lrgb, texels::read(header, input, reading)?),

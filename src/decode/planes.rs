@@ -1,8 +1,8 @@
 //! §2.9.8 Compressed Coefficient Planes
 //!
-//! The planes lie one after another in the order of the format, whatever the order in which they are decoded (clause
-//! 2.9.8/1). Each is a whole JPEG or JPEG-LS stream (clause 2.9.8/3), directly followed by its side information (clause
-//! 2.9.8/4): records of five bytes, a position with its high byte first and the value that belongs there (clause 2.9.8/5).
+//! The planes lie one after another in the order of the format, whatever the order in which they are decoded (clause 2.9.8/1).
+//! Each is a whole JPEG or JPEG-LS stream (clause 2.9.8/3), directly followed by its side information (clause 2.9.8/4): records
+//! of five bytes, a position (big-endian) and the value of that texel (clause 2.9.8/5).
 //!
 //! ```text
 //! stream 0 │ side information 0 │ stream 1 │ side information 1 │ …        sizes from §2.9.6 and §2.9.7
@@ -11,18 +11,18 @@
 //! ```
 //!
 //! Why there are records: let a texel be 255 and its predictor 200, so that its residual is 255 − 200 + 128 = 183. A lossy
-//! codec may return 184 for it. That is an error of one, but the texel becomes 184 + 200 − 128 = 256, which is 0.
+//! codec may return 184 for it. That is an error of one, but the texel becomes 184 + 200 − 128 = 256, which wraps to 0.
 //!
 //! Format notes
-//! - Lossy coding of numbers that wrap turns a 255 into a 0 now and then. The records put that right, so they overwrite;
-//!   and they do so before any other plane is predicted from this one (clause 2.9.8/7), intra planes included.
-//! - A position counts texels as they are stored, and the first stored row is the bottom row of the picture (clause
+//! - Lossy coding of numbers that wrap sometimes turns a 255 into a 0. Records overwrite such texels, intra planes
+//!   included, before any other plane is predicted from this one (clause 2.9.8/7).
+//! - A position counts texels as they are stored, and the first stored row is the bottom row of the image (clause
 //!   2.9.8/6, ruling `side-information`).
 //! - A stream decides its own tables, sampling factors and NEAR. The file prescribes only its size, its one component and
 //!   its 8 bits (ruling `plane-stream`).
-//! - A stream is complete: its tables and parameters hold for no other plane.
-//! - Records are applied whatever the parameter says, in lossless files as well (ruling `side-lossless`); of two records for
-//!   one texel the later counts (ruling `side-twice`).
+//! - A stream is complete: its tables and parameters do not apply to other planes.
+//! - Records are applied whatever the parameter is, in lossless files as well (ruling `side-lossless`); of two records
+//!   for one texel the later counts (ruling `side-twice`).
 
 use std::borrow::Cow;
 
@@ -35,8 +35,8 @@ use crate::parts::{Block, Coded, Plan, PlaneStream, Record};
 use crate::ptm::{Header, Limits};
 use crate::reading::Reading;
 
-/// The payload of a compressed file, if it is there (clause 2.9.8/2, ruling `payload-end`) and its planes are not too large.
-/// `announced` are its bytes where the plan could not count so far.
+/// Takes the payload of a compressed file, if it is complete (clause 2.9.8/2, ruling `payload-end`) and its planes are not too
+/// large. `announced` is its size if the plan could not count it.
 #[expect(
     clippy::trivially_copy_pass_by_ref,
     reason = "limits and headers are passed by reference whatever their size"
@@ -60,20 +60,20 @@ pub(super) fn take<'a>(
     };
     let what = "the compressed planes and their side information";
     let payload = input.take_parts("2.9.8/2", what, end, parts)?;
-    // Every plane is held, for those that may be predicted from it and until the texels are made of them.
+    // Every plane is kept, because others may be predicted from it and the texels are made at the end.
     let planes = header.size.bytes(plan.steps.len());
     limits.check(planes, input.at())?;
     Ok(payload)
 }
 
-/// What the streams hold, in the order in which the planes are decoded (clause 2.9.8/3).
+/// Decodes the streams, in the order in which the planes are decoded (clause 2.9.8/3).
 pub(crate) fn residuals(coded: &Coded, reading: &Reading) -> Result<Vec<Vec<u8>>> {
     let one = |&plane: &usize| (reading.stream)(&coded.stream(plane));
     coded.plan.sequence.iter().map(one).collect()
 }
 
-/// All planes as they are stored, bottom row first: predicted and corrected one after another, lowest rank first (clause
-/// 2.9.4/2). `residuals` are what their streams hold, in that order.
+/// Returns all planes as they are stored, bottom row first: predicted and corrected one after another, lowest rank first
+/// (clause 2.9.4/2). `residuals` are the decoded streams, in that order.
 pub(crate) fn reconstruct(
     coded: &Coded,
     residuals: Vec<Vec<u8>>,
@@ -83,14 +83,14 @@ pub(crate) fn reconstruct(
     let mut planes = coded.blank_planes();
     for (&i, mut plane) in coded.plan.sequence.iter().zip(residuals) {
         coded.predict(i, &mut plane, &planes, reading);
-        // Corrected before anyone predicts from it (clause 2.9.8/7).
+        // Corrected before another plane is predicted from it (clause 2.9.8/7).
         coded.correct(i, &mut plane, reading)?;
         planes[i] = plane;
     }
     Ok(planes)
 }
 
-/// The planes as channels of every texel, a plane each.
+/// Converts planes to channels of every texel, one plane each.
 pub(super) fn channels(planes: Vec<Vec<u8>>) -> Vec<Channels<'static>> {
     let one = |(channel, plane)| Channels {
         block: Block {
@@ -103,7 +103,7 @@ pub(super) fn channels(planes: Vec<Vec<u8>>) -> Vec<Channels<'static>> {
 }
 
 impl<'a> Coded<'a> {
-    /// The stream of plane `plane`.
+    /// Returns the stream of plane `plane`.
     pub(crate) fn stream(&self, plane: usize) -> PlaneStream<'a> {
         let extent = self.plan.extents[plane].stream.clone();
         PlaneStream {
@@ -115,14 +115,13 @@ impl<'a> Coded<'a> {
         }
     }
 
-    /// A plane full of zeros for each plane to come.
+    /// Returns a plane of zeros for each plane to be decoded.
     pub(crate) fn blank_planes(&self) -> Vec<Vec<u8>> {
         let blank = |_| vec![0; self.size.texels()];
         self.plan.steps.iter().map(blank).collect()
     }
 
-    /// Adds to `plane`, the residuals of plane `i`, what is predicted from its reference; nothing if it has none (clause
-    /// 2.9.5/2).
+    /// Adds the predictor to `plane`, the residuals of plane `i`; does nothing if it has no reference (clause 2.9.5/2).
     pub(crate) fn predict(
         &self,
         i: usize,
@@ -137,7 +136,7 @@ impl<'a> Coded<'a> {
         }
     }
 
-    /// Puts the values of the side information of plane `i` in their places.
+    /// Writes the values of the side information of plane `i` to their places.
     pub(crate) fn correct(&self, i: usize, plane: &mut [u8], reading: &Reading) -> Result<()> {
         let at = self.at + self.plan.extents[i].side.start;
         let block = (reading.side_information)(self, i);
@@ -147,12 +146,12 @@ impl<'a> Coded<'a> {
     }
 }
 
-/// The samples of a stream, in the order in which they are stored (clause 2.9.8/3).
+/// Returns the samples of a stream, in the order in which they are stored (clause 2.9.8/3).
 pub(crate) fn stream(stream: &PlaneStream) -> Result<Vec<u8>> {
     let (width, height) = (stream.size.width, stream.size.height);
-    // plane-stream: a stream of another size is refused before room is made for it.
+    // plane-stream: a stream of another size is refused before memory is allocated for it.
     let samples = if stream.format.is_jpeg() {
-        // By the integer inverse transform of the IJG (clause 2.9.8/11).
+        // With the integer inverse transform of the IJG (clause 2.9.8/11).
         jpeg::decode(stream.bytes, width, height)
     } else {
         jpeg_ls::decode(stream.bytes, width, height)
@@ -167,12 +166,12 @@ pub(crate) fn stream(stream: &PlaneStream) -> Result<Vec<u8>> {
     })
 }
 
-/// The side information of a plane: all of it, whatever the parameter says (clause 2.9.8/10, ruling `side-lossless`).
+/// Returns the side information of a plane: all of it, whatever the parameter is (clause 2.9.8/10, ruling `side-lossless`).
 pub(crate) fn side_information<'a>(coded: &Coded<'a>, plane: usize) -> &'a [u8] {
     &coded.payload[coded.plan.extents[plane].side.clone()]
 }
 
-/// Lossless JPEG-LS has no side information to apply; its bytes are skipped: the other reading of `side-lossless`.
+/// Returns no side information for lossless JPEG-LS, so that its bytes are skipped: the other reading of `side-lossless`.
 pub(crate) fn side_information_if_lossy<'a>(coded: &Coded<'a>, plane: usize) -> &'a [u8] {
     if coded.format.is_jpeg_ls() && coded.plan.parameter == 0 {
         &[]
@@ -181,9 +180,9 @@ pub(crate) fn side_information_if_lossy<'a>(coded: &Coded<'a>, plane: usize) -> 
     }
 }
 
-/// The records of a block of side information: positions and values (clause 2.9.8/5).
+/// Reads the records of a block of side information: positions and values (clause 2.9.8/5).
 ///
-/// `at` is where in the file the block starts, for errors.
+/// `at` is the position of the block in the file, for errors.
 pub(crate) fn records(block: &[u8], at: usize, texels: usize) -> Result<Vec<Record>> {
     // P3, P2, P1, P0, V, and nothing between records.
     let (whole, rest) = block.as_chunks::<5>();
@@ -210,7 +209,7 @@ pub(crate) fn records(block: &[u8], at: usize, texels: usize) -> Result<Vec<Reco
     whole.iter().enumerate().map(one).collect()
 }
 
-/// A record's value takes the place of what was decoded (clause 2.9.8/8); of two records, the later counts (ruling `side-twice`).
+/// Replaces decoded values by those of records (clause 2.9.8/8); of two records, the later counts (ruling `side-twice`).
 pub(crate) fn overwrite(plane: &mut [u8], records: &[Record]) {
     for &(position, value) in records {
         plane[position as usize] = value;
@@ -227,14 +226,14 @@ mod tests {
     use crate::ptm::{Format, Limits};
     use crate::{Reading, decode};
 
-    /// Two columns, three rows; plane 0 counts from 1 to 6 as it is stored.
+    /// Returns a file of two columns and three rows; plane 0 counts from 1 to 6 in stored order.
     fn counted() -> ByHand {
         let mut file = ByHand::new(Format::JpeglsLrgb, 2, 3);
         file.stream(0, &[1, 2, 3, 4, 5, 6]);
         file
     }
 
-    /// Where the stream of plane `plane` starts.
+    /// Returns the position of the stream of plane `plane`.
     fn start(file: &ByHand, plane: usize) -> usize {
         let parts = file.streams[plane..].iter().chain(&file.sides[plane..]);
         file.bytes().len() - parts.map(Vec::len).sum::<usize>()
@@ -261,7 +260,7 @@ mod tests {
         file.record(0, 0, 77);
         file.record(0, 5, 99);
         assert_eq!(stored(&file.bytes(), 0), [77, 2, 3, 4, 5, 99]);
-        // The planes after it are where they belong.
+        // The planes after it are in their places.
         assert_eq!(stored(&file.bytes(), 1), [10; 6]);
     }
 

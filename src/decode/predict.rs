@@ -1,4 +1,4 @@
-//! §2.9.2 – 2.9.5 put to work: a plane from its reference
+//! §2.9.2 – 2.9.5 applied: a plane from its reference
 //!
 //! The stream of a predicted plane holds *residuals*. The plane is residual + predictor − 128, modulo 256 (clause 2.9.5/4,
 //! ruling `prediction`); the predictor is the reference, inverted (clause 2.9.2/3) and displaced (clause 2.9.2/4) as the
@@ -12,12 +12,12 @@
 //! Format notes
 //! - The text says "modular arithmetic" and no more. The 128 and the inversion 255 − v were measured on HP's own file, and
 //!   every reader agrees.
-//! - Nobody public displaces a reference. The reading here is the first of five choices (rulings `motion-…`): the predictor
-//!   at (x, y) is the reference at (x + mx/2, y + my/2) in the *stored* raster, where row 0 is the bottom row of the picture;
-//!   halves are rounded up, and outside the plane its edge is replicated.
-//! - A vector stands in the list for every plane. It counts only where the transform has bit 2.
-//! - Both transforms act on the reference, not on the residual and not on the result; and the reference itself, a plane of
-//!   its own, stays as it is.
+//! - No public file displaces a reference. The reading here is the first of five choices (rulings `motion-…`): the
+//!   predictor at (x, y) is the reference at (x + mx/2, y + my/2) in the *stored* raster, where row 0 is the bottom row of
+//!   the image; halves are rounded up, and outside the plane its edge is replicated.
+//! - The list has a vector for every plane. It counts only if the transform has bit 2.
+//! - Both transforms act on the reference, not on the residual and not on the result. The reference itself, which is also
+//!   a plane of the file, is not changed.
 
 use std::borrow::Cow;
 
@@ -26,7 +26,7 @@ use crate::parts::Step;
 use crate::ptm::{Format, Size};
 use crate::reading::Reading;
 
-/// Makes the plane of its residuals, in place.
+/// Turns residuals into the plane, in place.
 pub(crate) fn apply(
     format: Format,
     residuals: &mut [u8],
@@ -43,7 +43,7 @@ pub(crate) fn apply(
     }
 }
 
-/// The reference, inverted and then displaced (clauses 2.9.2/1, 2.9.2/6, ruling `motion-inversion`).
+/// Returns the reference, inverted and then displaced (clauses 2.9.2/1, 2.9.2/6, ruling `motion-inversion`).
 pub(crate) fn inverted_then_moved<'a>(
     reference: &'a [u8],
     step: &Step,
@@ -60,7 +60,7 @@ pub(crate) fn inverted_then_moved<'a>(
     predictor
 }
 
-/// The reference, displaced and then inverted: the other reading of `motion-inversion`.
+/// Returns the reference, displaced and then inverted: the other reading of `motion-inversion`.
 pub(crate) fn moved_then_inverted<'a>(
     reference: &'a [u8],
     step: &Step,
@@ -77,46 +77,46 @@ pub(crate) fn moved_then_inverted<'a>(
     predictor
 }
 
-/// 255 − v (clause 2.9.2/3).
+/// Computes 255 − v (clause 2.9.2/3).
 pub(crate) fn invert(plane: &mut [u8]) {
     for value in plane {
         *value = 255 - *value;
     }
 }
 
-/// Residual + predictor − 128, modulo 256: in JPEG planes (clause 2.9.5/4), and in JPEG-LS planes as well (clause 2.9.5/5,
-/// ruling `jpeg-ls-offset`).
+/// Computes residual + predictor − 128, modulo 256: in JPEG planes (clause 2.9.5/4), and in JPEG-LS planes as well (clause
+/// 2.9.5/5, ruling `jpeg-ls-offset`).
 pub(crate) fn predict(residuals: &mut [u8], predictor: &[u8]) {
     for (value, &predicted) in residuals.iter_mut().zip(predictor) {
         *value = value.wrapping_add(predicted).wrapping_sub(128);
     }
 }
 
-/// Residual + predictor, modulo 256: the other reading of `jpeg-ls-offset`, for JPEG-LS planes.
+/// Computes residual + predictor, modulo 256: the other reading of `jpeg-ls-offset`, for JPEG-LS planes.
 pub(crate) fn predict_without_offset(residuals: &mut [u8], predictor: &[u8]) {
     for (value, &predicted) in residuals.iter_mut().zip(predictor) {
         *value = value.wrapping_add(predicted);
     }
 }
 
-/// The plane as seen from half a vector away: at (x, y) stands what was at (x + mx/2, y + my/2) (clause 2.9.3/2).
+/// Returns the plane displaced by half a vector: its value at (x, y) is that at (x + mx/2, y + my/2) (clause 2.9.3/2).
 pub(crate) fn moved(plane: &[u8], size: Size, (mx, my): (i64, i64), reading: &Reading) -> Vec<u8> {
     let mx = (reading.motion_sign)(mx);
     let my = (reading.motion_sign)((reading.motion_vertical)(my));
-    // For every x of every y, row by row; `inside` does so sooner.
+    // Every x of every y, row by row; `inside` is a faster version.
     inside::every_texel(plane, size, (mx, my), reading.motion_half, |x, y| {
-        // Twice the place, so that halves are whole numbers. A vector that leaves every plane may be as long as it likes.
+        // Coordinates are doubled, so that halves are whole numbers. A vector may be so long that it leaves every plane.
         let (x2, y2) = (mx.saturating_add(2 * x), my.saturating_add(2 * y));
         between(plane, size, x2, y2, reading)
     })
 }
 
-/// The sample at a place counted in half texels: a texel's own, or the mean of two or four (clause 2.9.3/5).
+/// Returns the sample at a position in half texels: that of a texel, or the mean of two or four (clause 2.9.3/5).
 fn between(plane: &[u8], size: Size, x2: i64, y2: i64, reading: &Reading) -> u8 {
-    // A half lies between a texel and the next one, left of zero too: −1/2 is between −1 and 0.
+    // A half lies between a texel and the next one, also left of zero: −1/2 is between −1 and 0.
     let (left, first) = (x2.div_euclid(2), y2.div_euclid(2));
     let (right, second) = (left + x2.rem_euclid(2), first + y2.rem_euclid(2));
-    // Where a coordinate is whole, two or all of the four are the same texel.
+    // If a coordinate is whole, two or all of the four are the same texel.
     let corners = [
         (left, first),
         (right, first),
@@ -126,33 +126,33 @@ fn between(plane: &[u8], size: Size, x2: i64, y2: i64, reading: &Reading) -> u8 
     (reading.motion_half)(corners.map(|(x, y)| (reading.motion_border)(plane, size, x, y)))
 }
 
-/// A vector points from the texel to where its predictor is (clause 2.9.3/3, ruling `motion-sign`).
+/// Points a vector from the texel to its predictor (clause 2.9.3/3, ruling `motion-sign`).
 pub(crate) fn sign_plus(displacement: i64) -> i64 {
     displacement
 }
 
-/// A vector points from the predictor to the texel: the other reading of `motion-sign`.
+/// Points a vector from the predictor to the texel: the other reading of `motion-sign`.
 pub(crate) fn sign_minus(displacement: i64) -> i64 {
     displacement.saturating_neg()
 }
 
-/// y grows along the rows as they are stored (clause 2.9.3/4, ruling `motion-vertical`).
+/// Lets y grow along the rows as they are stored (clause 2.9.3/4, ruling `motion-vertical`).
 pub(crate) fn along_stored_rows(my: i64) -> i64 {
     my
 }
 
-/// y grows against the rows as they are stored, downward in the picture: the other reading of `motion-vertical`.
+/// Lets y grow against the rows as they are stored, downward in the image: the other reading of `motion-vertical`.
 pub(crate) fn against_stored_rows(my: i64) -> i64 {
     my.saturating_neg()
 }
 
-/// (a + b + c + d + 2) >> 2; of two equal pairs that is (a + b + 1) >> 1, of four equal samples the sample (clause 2.9.3/5,
-/// ruling `motion-half`).
+/// Computes (a + b + c + d + 2) >> 2. For two equal pairs that is (a + b + 1) >> 1, for four equal samples the sample (clause
+/// 2.9.3/5, ruling `motion-half`).
 pub(crate) fn half_up(samples: [u8; 4]) -> u8 {
     ((sum(samples) + 2) >> 2) as u8
 }
 
-/// Halves rounded down: the other reading of `motion-half`.
+/// Rounds halves down: the other reading of `motion-half`.
 pub(crate) fn half_down(samples: [u8; 4]) -> u8 {
     (sum(samples) >> 2) as u8
 }
@@ -161,19 +161,19 @@ fn sum(samples: [u8; 4]) -> u16 {
     samples.into_iter().map(u16::from).sum()
 }
 
-/// Outside the plane stands the nearest sample of its edge (clause 2.9.3/6, ruling `motion-border`).
+/// Returns the nearest sample of the edge outside the plane (clause 2.9.3/6, ruling `motion-border`).
 pub(crate) fn border_edge(plane: &[u8], size: Size, x: i64, y: i64) -> u8 {
     let (width, height) = (i64::from(size.width), i64::from(size.height));
     plane[(y.clamp(0, height - 1) * width + x.clamp(0, width - 1)) as usize]
 }
 
-/// Outside the plane it begins again at the other side: the second reading of `motion-border`.
+/// Wraps around to the other side outside the plane: the second reading of `motion-border`.
 pub(crate) fn border_wrapped(plane: &[u8], size: Size, x: i64, y: i64) -> u8 {
     let (width, height) = (i64::from(size.width), i64::from(size.height));
     plane[(y.rem_euclid(height) * width + x.rem_euclid(width)) as usize]
 }
 
-/// Outside the plane is 128: the third reading of `motion-border`.
+/// Returns 128 outside the plane: the third reading of `motion-border`.
 pub(crate) fn border_gray(plane: &[u8], size: Size, x: i64, y: i64) -> u8 {
     let (width, height) = (i64::from(size.width), i64::from(size.height));
     if (0..width).contains(&x) && (0..height).contains(&y) {
@@ -208,7 +208,7 @@ mod tests {
         plane[0]
     }
 
-    /// A plane of `width` columns seen through a vector.
+    /// Displaces a plane of `width` columns by a vector.
     fn moved(plane: &[u8], width: u32, motion: (i64, i64), reading: &Reading) -> Vec<u8> {
         let height = plane.len() as u32 / width;
         super::moved(plane, Size { width, height }, motion, reading)
@@ -289,7 +289,7 @@ mod tests {
         assert_eq!(moved(&plane, 3, (-1, 0), &Reading::SPEC), [10, 16, 26]);
         assert_eq!(moved(&plane, 3, (3, 0), &Reading::SPEC), [26, 30, 30]);
         assert_eq!(moved(&plane, 1, (0, 1), &Reading::SPEC), [16, 26, 30]);
-        // Four samples are added up before they are rounded, once: (1 + 2 + 2 + 2 + 2) >> 2 = 2.
+        // Four samples are added before they are rounded, once: (1 + 2 + 2 + 2 + 2) >> 2 = 2.
         assert_eq!(
             moved(&[1, 2, 2, 2], 2, (1, 1), &Reading::SPEC),
             [2, 2, 2, 2]

@@ -1,14 +1,14 @@
-//! [`Channels::put`] with a loop of its own for each number of channels that the text has
+//! [`Channels::put`] with a separate loop for each number of channels that the text has
 //!
-//! A copy of six bytes is two moves where the compiler knows that there are six, and a call where it does not. The result
-//! is the same; a test below holds the two equal.
+//! A copy of six bytes is two moves if the compiler knows that there are six, and a call if it does not. The result is the
+//! same; a test below compares the two.
 
 use std::ops::Range;
 
 use super::channels::{Channels, Values, entry};
 use crate::reading::Reading;
 
-/// As [`Channels::put`].
+/// Does the same as [`Channels::put`].
 pub(super) fn put(
     channels: &Channels,
     run: Range<usize>,
@@ -42,7 +42,7 @@ pub(super) fn put(
     }
 }
 
-/// Puts `N` values of each texel after its first `channel`.
+/// Copies `N` values of each texel to its channels from `channel` on.
 fn spread<'a, const N: usize>(
     values: impl Iterator<Item = &'a [u8; N]>,
     channel: usize,
@@ -63,7 +63,7 @@ mod tests {
     use super::*;
     use crate::parts::{Block, IndexBlock, LookupTable};
 
-    /// What both make of a run, where what they do not fill is 99.
+    /// Returns the results of both for a run; bytes that they do not fill are 99.
     fn both(channels: &Channels, run: &Range<usize>, size: usize) -> [Vec<u8>; 2] {
         let blank = vec![99; run.len() * size];
         let (mut plain, mut soon) = (blank.clone(), blank);

@@ -14,7 +14,7 @@
 //! - Scales come with exponents, signs and bare points; zero and negative ones are legal (ruling `numbers`).
 //! - Biases below 0 and above 255 occur in real files. A whole number written `3.0` is read (ruling `odd-numbers`).
 //! - In the uncompressed formats without a table this is the last line of the header. The payload starts right after its
-//!   line feed, and its first byte may well be 0x0A or 0x20: a reader that skips blanks here loses texels (ruling
+//!   line feed, and its first byte may be 0x0A or 0x20: a reader that skips blanks here loses texels (ruling
 //!   `header-line-end`).
 
 use crate::error::Result;
@@ -24,7 +24,7 @@ use crate::ptm::ScaleBias;
 pub(super) fn read(input: &mut Input) -> Result<ScaleBias> {
     let scale = six(input, |input| input.number("2.4/3", "a scale"))?;
     input.gap_or_line_end("2.4/6")?;
-    // odd-numbers: read as a number and then held to be whole, so that "3.0" is read and "1.5" is not.
+    // odd-numbers: read as a number and then required to be whole, so that "3.0" is read and "1.5" is not.
     let bias = six(input, |input| {
         let fraction = input.wrong("2.4/4", "an integer bias");
         let value = input.number("2.4/4", "an integer bias")?;
@@ -39,7 +39,7 @@ pub(super) fn read(input: &mut Input) -> Result<ScaleBias> {
 }
 
 fn six(input: &mut Input, read: fn(&mut Input) -> Result<f64>) -> Result<[f64; 6]> {
-    // Between the numbers of one kind stand spaces only; the one line end that is allowed is between the kinds.
+    // Numbers of one kind are separated by spaces only; the one line end that is allowed is between the kinds.
     let mut values = [read(input)?, 0.0, 0.0, 0.0, 0.0, 0.0];
     for value in &mut values[1..] {
         input.gap("2.4/5")?;

@@ -1,8 +1,8 @@
-//! The reading of the reference, and the other readings of what the text leaves open.
+//! The reading of the reference, and the other readings of the open points.
 //!
-//! Each line of [`Reading::SPEC`] leads from a decision to the function that obeys its clause. The constructors after it
-//! exchange one of them each: they are the other readings of the rulings of kind *choice* in `spec-cases/rulings.yaml`,
-//! as right as the first.
+//! Each line of [`Reading::SPEC`] maps a decision to the function that implements its clause. Each constructor after it
+//! exchanges one of them for another reading of a ruling of kind *choice* in `spec-cases/rulings.yaml`. All readings are
+//! equally correct.
 
 use super::{color_matrix, compressed, indices, lookup_table, planes, predict, texels};
 use crate::evaluate::{self, Coefficients, Picture};
@@ -10,7 +10,7 @@ use crate::ptm::Ptm;
 use crate::reading::Reading;
 
 impl Ptm {
-    /// The final coefficients (clause 2.4/8).
+    /// Returns the final coefficients (clause 2.4/8).
     #[must_use]
     pub fn coefficients(&self) -> Coefficients {
         evaluate::apply(&self.header.scale_bias, &self.planes, &Reading::SPEC)
@@ -18,7 +18,7 @@ impl Ptm {
 }
 
 impl Coefficients {
-    /// The picture under the light (`lu`, `lv`), each from −1 to 1: +u to the right, +v up.
+    /// Returns the image under the light (`lu`, `lv`), each from −1 to 1: +u to the right, +v up.
     #[must_use]
     pub fn evaluate(&self, lu: f64, lv: f64) -> Picture {
         evaluate::evaluate(self, lu, lv, &Reading::SPEC)
@@ -26,22 +26,22 @@ impl Coefficients {
 }
 
 impl Reading {
-    /// The reading of the reference: the text where it speaks, and the rulings of `spec-cases/rulings.yaml` where it does not.
+    /// The reading of the reference: the text, and the rulings of `spec-cases/rulings.yaml` where the text is silent.
     pub const SPEC: Reading = Reading {
-        // §1.0: the light as it is given, and the polynomial in it
+        // §1.0: the light, unchanged, and the polynomial in it
         light: evaluate::light,
         polynomial: evaluate::polynomial,
         // §2.4: (raw − bias) · scale, for coefficients only
         final_coefficient: evaluate::final_coefficient,
         finals: evaluate::finals,
-        // §2.5: how the count is spelled, and that nothing follows the table
+        // §2.5: the spelling of the count; nothing follows the table
         entry_count: lookup_table::entry_count,
         after_table: lookup_table::after_table,
         // §2.6: M · (Y, Cr, Cb, 1)
         lum_vector: evaluate::lum_vector,
         lum_matrix: color_matrix::columns_first,
         lum_translation: evaluate::lum_translation,
-        // §2.7: blocks, rows from the bottom; L · RGB / 255, and 0 … 255 at the very end
+        // §2.7: blocks, rows from the bottom; L · RGB / 255, clamped to 0 … 255 at the end
         blocks: texels::blocks,
         stored_row: texels::bottom_row_first,
         modulate: evaluate::modulate,
@@ -50,9 +50,9 @@ impl Reading {
         indices: indices::one_or_two_bytes,
         index: indices::little_endian,
         entry: indices::entry,
-        // §2.9.1 – 2.9.7: which lists make sense, and what they say to do
+        // §2.9.1 – 2.9.7: valid lists, and the plan that they describe
         plan: compressed::plan,
-        // §2.9.2, §2.9.3: what a transform makes of the reference
+        // §2.9.2, §2.9.3: the predictor, a transformed reference
         predictor: predict::inverted_then_moved,
         invert: predict::invert,
         motion_sign: predict::sign_plus,
@@ -70,7 +70,7 @@ impl Reading {
         correct: planes::overwrite,
     };
 
-    /// Ruling `lut-newline`, the other reading: one line end stands between the table and the indices.
+    /// Ruling `lut-newline`, the other reading: one line end separates the table from the indices.
     #[must_use]
     pub const fn with_newline_after_table(self) -> Reading {
         Reading {
@@ -79,7 +79,7 @@ impl Reading {
         }
     }
 
-    /// Ruling `lum-vector`, the other reading: the matrix multiplies (Cr, Y, Cb, 1), as the name of the color space runs.
+    /// Ruling `lum-vector`, the other reading: the matrix multiplies (Cr, Y, Cb, 1), the order in the color space's name.
     #[must_use]
     pub const fn with_cr_first(self) -> Reading {
         Reading {
@@ -88,7 +88,7 @@ impl Reading {
         }
     }
 
-    /// Ruling `lum-major`, the other reading: the sixteen numbers stand row after row, as the text prints the matrix.
+    /// Ruling `lum-major`, the other reading: the sixteen numbers are row-major, as the text prints the matrix.
     #[must_use]
     pub const fn with_rows_first(self) -> Reading {
         Reading {
@@ -97,7 +97,7 @@ impl Reading {
         }
     }
 
-    /// Ruling `lum-range`, the other reading: values and translation run from 0 to 1.
+    /// Ruling `lum-range`, the other reading: values and translation range from 0 to 1.
     #[must_use]
     pub const fn with_unit_range(self) -> Reading {
         Reading {
@@ -142,7 +142,7 @@ impl Reading {
         }
     }
 
-    /// Ruling `motion-border`, a third reading: outside the plane is 128.
+    /// Ruling `motion-border`, a third reading: samples outside the plane are 128.
     #[must_use]
     pub const fn with_border_gray(self) -> Reading {
         Reading {
@@ -160,7 +160,7 @@ impl Reading {
         }
     }
 
-    /// Ruling `jpeg-ls-offset`, the other reading: residuals of JPEG-LS planes are added without taking 128 off.
+    /// Ruling `jpeg-ls-offset`, the other reading: residuals of JPEG-LS planes are added without subtracting 128.
     #[must_use]
     pub const fn without_jpeg_ls_offset(self) -> Reading {
         Reading {

@@ -1,5 +1,4 @@
-//! The values of every texel, wherever in the file they lie: §2.7, §2.8 and §2.9.8 end here, and here alone rows are
-//! turned
+//! The values of every texel, from §2.7, §2.8 or §2.9.8. Rows are turned here and nowhere else.
 //!
 //! ```text
 //! file, LRGB, two rows:  coefficients of the lower row, of the upper row, colors of the lower row, of the upper row
@@ -10,10 +9,10 @@
 //! Format notes
 //! - In every format, the compressed ones included, the first stored row is the bottom row of the picture (ruling `rows`).
 //!   Everything before this file counts rows as they are stored, everything after it from the top.
-//! - All that can be wrong with a file has been found before: no index is out of range and no byte is missing any more.
+//! - All errors of a file have been found before: no index is out of range and no byte is missing.
 //!
-//! Rows are made when they are asked for, so that a large map needs no more memory than its file, and a compressed one no
-//! more than its planes.
+//! Rows are made on demand, so that a large map needs no more memory than its file, and a compressed one no more than its
+//! planes.
 
 use std::ops::Range;
 
@@ -23,30 +22,30 @@ use crate::error::Result;
 use crate::ptm::{Header, Limits, Planes, Ptm, Shape, Size};
 use crate::reading::Reading;
 
-/// Texels of a piece, at most: so few that a piece with eighteen channels stays in the nearest cache while it is made.
+/// Maximum number of texels of a piece: a piece with eighteen channels stays in the L1 cache while it is made.
 const PIECE: u32 = 1 << 10;
 
-/// A map of which everything has been checked and nothing put together yet.
+/// A map that has been checked but not yet assembled.
 pub struct Stored<'a> {
-    /// What 2.1–2.4 say of it.
+    /// The header, 2.1–2.4.
     pub header: Header,
-    /// What its channels mean.
+    /// The meaning of its channels.
     pub shape: Shape,
     pub(super) parts: Vec<Channels<'a>>,
-    /// Where the values end in the file.
+    /// The end of the values in the file.
     pub(super) at: usize,
     pub(super) reading: &'a Reading,
 }
 
 impl Stored<'_> {
-    /// Puts all texels together.
+    /// Assembles all texels.
     ///
     /// # Errors
-    /// [`Kind::TooLarge`](crate::error::Kind::TooLarge) if they need more room than the limit allows.
+    /// [`Kind::TooLarge`](crate::error::Kind::TooLarge) if they need more memory than the limit allows.
     pub fn planes(&self, limits: &Limits) -> Result<Planes> {
         let Size { width, height } = self.header.size;
         let channels = self.shape.channels();
-        // What the parts hold besides the file, the planes of a compressed one, is there at the same time.
+        // The memory that the parts hold in addition to the file (planes of a compressed file) is in use at the same time.
         let held: usize = self.parts.iter().map(Channels::held).sum();
         let needs = self.header.size.bytes(channels);
         limits.check(needs.saturating_add(held as u64), self.at)?;
@@ -62,7 +61,7 @@ impl Stored<'_> {
         })
     }
 
-    /// The map in pieces of a row or less, from left to right and from top to bottom: little maps.
+    /// Returns the map in pieces of a row or less, from left to right and from top to bottom, as small maps.
     pub fn pieces(&self) -> impl Iterator<Item = Ptm> {
         let Size { width, height } = self.header.size;
         let columns = move || {
@@ -93,13 +92,13 @@ impl Stored<'_> {
         }
     }
 
-    /// Puts together some texels of row `row` from the top.
+    /// Assembles some texels of row `row`, counted from the top.
     fn read(&self, row: u32, columns: Range<u32>, texels: &mut [u8]) {
         let width = self.header.size.width as usize;
         let start = (self.reading.stored_row)(&self.header, row as usize) * width;
         let run = start + columns.start as usize..start + columns.end as usize;
         for part in &self.parts {
-            // As [`Channels::put`], sooner.
+            // A faster version of [`Channels::put`].
             runs::put(
                 part,
                 run.clone(),

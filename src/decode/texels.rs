@@ -1,7 +1,7 @@
 //! §2.7 Uncompressed Per Texel Data
 //!
-//! One byte for each value and nothing between them (clauses 2.7/1–2), in one to three *blocks*; within a block texel
-//! after texel, rows from bottom to top.
+//! One byte for each value, without separators (clauses 2.7/1–2), in one to three *blocks*; within a block texel after texel,
+//! rows from bottom to top.
 //!
 //! - `RGB` (§2.7.1): a block for red, one for green, one for blue, each a0…a5 of every texel.
 //! - `LUM` (§2.7.2): one block, a0…a5, Cr, Cb of every texel.
@@ -14,11 +14,11 @@
 //! ```
 //!
 //! Format notes
-//! - The first byte of the first block follows the last header line's line feed, whatever byte it is.
-//! - Blocks are whole: all coefficients of all texels stand before the first color. `PTM_1.1` interleaved the nine bytes of
-//!   a texel, and readers that grew out of it still do.
-//! - The six coefficients of a texel stand side by side in every uncompressed format; only §2.9 has planes.
-//! - Which stored row is which row of the picture is decided here, for all formats; rows are turned in [`super::stored`].
+//! - The first byte of the first block follows the last header line's line feed, whatever its value.
+//! - Blocks are whole: all coefficients of all texels precede the first color. `PTM_1.1` interleaved the nine bytes of
+//!   a texel, and readers derived from readers of 1.1 still do.
+//! - The six coefficients of a texel are adjacent in every uncompressed format; only §2.9 has planes.
+//! - The map from stored rows to image rows is decided here, for all formats; rows are turned in [`super::stored`].
 
 use std::borrow::Cow;
 
@@ -29,7 +29,7 @@ use crate::parts::Block;
 use crate::ptm::{Format, Header};
 use crate::reading::Reading;
 
-/// The blocks of a format in the order of the file (clauses 2.7.1/1–2, 2.7.2/1, 2.7.3/1–2).
+/// Returns the blocks of a format in the order of the file (clauses 2.7.1/1–2, 2.7.2/1, 2.7.3/1–2).
 pub(crate) fn blocks(format: Format) -> &'static [Block] {
     const fn block(channel: usize, channels: usize) -> Block {
         Block { channel, channels }
@@ -38,19 +38,19 @@ pub(crate) fn blocks(format: Format) -> &'static [Block] {
         Format::Rgb => const { &[block(0, 6), block(6, 6), block(12, 6)] },
         Format::Lum => const { &[block(0, 8)] },
         Format::Lrgb => const { &[block(0, 6), block(6, 3)] },
-        // The colors that follow the indices (clause 2.8.1/4); a PTM_C_LUT has them in its table.
+        // The colors after the indices (clause 2.8.1/4); a PTM_C_LUT has them in its table.
         Format::PtmLut => const { &[block(6, 3)] },
         _ => &[],
     }
 }
 
-/// Which stored row holds row `row` from the top: the bottom row is stored first (clauses 2.7.1/3, 2.7.2/3, 2.7.3/3,
+/// Returns the stored row for row `row` from the top: the bottom row is stored first (clauses 2.7.1/3, 2.7.2/3, 2.7.3/3,
 /// 2.8.1/5, 2.8.2/4), in compressed planes too (clause 2.9.8/9, ruling `rows`).
 pub(crate) fn bottom_row_first(header: &Header, row: usize) -> usize {
     header.size.height as usize - 1 - row
 }
 
-/// The blocks of the format and their bytes.
+/// Reads the blocks of the format.
 pub(super) fn read<'a>(
     header: &Header,
     input: &mut Input<'a>,

@@ -1,8 +1,8 @@
-//! The streams of 2.9.8 on all threads
+//! Decoding of the streams of 2.9.8 on all threads
 //!
-//! A stream depends on nothing but itself, so all of them can be decoded at once; prediction and correction, which go from
-//! plane to plane, come after. The result is that of [`planes::residuals`], its error included: the error of the plane
-//! that is decoded first.
+//! Streams are independent, so all of them can be decoded at once; prediction and correction, which go from plane to plane,
+//! come after. The result is that of [`planes::residuals`], including its error: that of the first plane in the order of
+//! decoding.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -11,15 +11,15 @@ use crate::error::Result;
 use crate::parts::Coded;
 use crate::reading::Reading;
 
-/// Planes of fewer texels are done before a thread has started.
+/// Minimum number of texels of a plane for threads: smaller planes are decoded faster than a thread starts.
 const WORTH_A_THREAD: usize = 1 << 16;
 
-/// As [`planes::residuals`].
+/// Does the same as [`planes::residuals`].
 pub(super) fn residuals(coded: &Coded, reading: &Reading) -> Result<Vec<Vec<u8>>> {
     if coded.size.texels() < WORTH_A_THREAD {
         return planes::residuals(coded, reading);
     }
-    // Some systems read files to find that out, so it is not asked for small planes.
+    // Some systems read files to find the number of threads, so it is not requested for small planes.
     match std::thread::available_parallelism().map_or(1, usize::from) {
         1 => planes::residuals(coded, reading),
         threads => residuals_by(threads, coded, reading),
@@ -29,7 +29,7 @@ pub(super) fn residuals(coded: &Coded, reading: &Reading) -> Result<Vec<Vec<u8>>
 fn residuals_by(threads: usize, coded: &Coded, reading: &Reading) -> Result<Vec<Vec<u8>>> {
     let sequence = &coded.plan.sequence;
     let next = AtomicUsize::new(0);
-    // Each thread takes the next plane that nobody has taken yet, until there is none.
+    // Each thread takes the next plane, until there is none.
     let decode_some = || {
         let mut decoded = Vec::new();
         let mut place = next.fetch_add(1, Ordering::Relaxed);
@@ -40,7 +40,7 @@ fn residuals_by(threads: usize, coded: &Coded, reading: &Reading) -> Result<Vec<
         decoded
     };
     let mut all: Vec<_> = std::thread::scope(|scope| {
-        // This thread takes part, so that a system without more threads decodes the planes all the same.
+        // This thread takes part, so that planes are decoded even if no thread can be started.
         let start = |_| std::thread::Builder::new().spawn_scoped(scope, decode_some);
         let workers: Vec<_> = (1..threads.min(sequence.len()))
             .map_while(|i| start(i).ok())
@@ -63,7 +63,7 @@ mod tests {
     use crate::parts::{Extent, Plan, PlaneStream};
     use crate::ptm::{Format, Size};
 
-    /// A "stream" of one byte is its plane; 255 is refused, below 8 only after a while.
+    /// A "stream" of one byte is its plane; 255 is refused, and values below 8 only after a delay.
     fn stream(stream: &PlaneStream) -> Result<Vec<u8>> {
         if stream.bytes[0] < 8 {
             std::thread::sleep(std::time::Duration::from_micros(200));

@@ -1,7 +1,7 @@
-//! What a decoder says about itself: `DECODER capabilities` (PTM-CP 1, optional).
+//! Capabilities that a decoder declares: `DECODER capabilities` (PTM-CP 1, optional).
 //!
-//! It counts only if the program exits with 0 after YAML that says `protocol: 1`. Any other result, crash, hang or
-//! flood included, is no fault: the program never promised to know the question.
+//! They count only if the program exits with 0 after YAML that says `protocol: 1`. Any other result, including a crash, a
+//! timeout or too much output, is not a failure, because the command is optional.
 
 use serde::Deserialize;
 
@@ -9,13 +9,13 @@ use crate::kit::yaml::from_yaml;
 use crate::protocol::frame::{EXIT_UNSUPPORTED, ViewKind};
 use crate::ptm::Format;
 
-/// Most characters of a name or version that are kept.
-const LONGEST_NAME: usize = 100;
+/// Maximum number of characters of a name or version.
+const MAX_NAME_LENGTH: usize = 100;
 
-/// What a decoder can do, by its own word; nothing where it does not say.
+/// The capabilities that a decoder declares; None for those that it does not mention.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Capabilities {
-    /// What it is called.
+    /// The name of the decoder.
     pub name: Option<String>,
     /// Its version.
     pub version: Option<String>,
@@ -23,15 +23,15 @@ pub struct Capabilities {
     pub views: Option<Vec<&'static str>>,
     /// The formats it reads.
     pub formats: Option<Vec<Format>>,
-    /// Whether it answers `serve`.
+    /// True if it supports `serve`.
     pub serves: bool,
-    /// Its exit status for malformed files, besides 65.
+    /// Its exit status for malformed files, in addition to 65.
     pub reject_exit: Option<i32>,
-    /// A sentence for each word of its answer that means nothing.
+    /// A sentence for each unknown word of its answer.
     pub remarks: Vec<String>,
 }
 
-/// The answer as it is written; what is not named here is ignored.
+/// The answer as it is written; other keys are ignored.
 #[derive(Deserialize)]
 struct Record {
     protocol: i64,
@@ -43,17 +43,17 @@ struct Record {
     reject_exit: Option<i64>,
 }
 
-/// A word as it is kept; people write versions without quotation marks, which is no matter where a text is read.
+/// Returns a word without unprintable characters. Unquoted versions are read as text.
 fn printable(word: &str) -> String {
     let printable = word.chars().filter(|c| !c.is_control());
-    printable.take(LONGEST_NAME).collect()
+    printable.take(MAX_NAME_LENGTH).collect()
 }
 
 impl Capabilities {
     /// Reads an answer.
     ///
     /// # Errors
-    /// A sentence that says why it does not count.
+    /// A sentence that says why the answer does not count.
     pub fn read(answer: &[u8]) -> Result<Capabilities, String> {
         let text = std::str::from_utf8(answer).map_err(|_| "its answer is not UTF-8".to_owned())?;
         let record: Record =
@@ -66,17 +66,17 @@ impl Capabilities {
         }
         let mut remarks = Vec::new();
         let views = record.views.map(|words| {
-            known(words, "view", &mut remarks, |word| {
+            known_words(words, "view", &mut remarks, |word| {
                 ViewKind::named(word).map(ViewKind::name)
             })
         });
         let formats = record.formats.map(|words| {
-            known(words, "format", &mut remarks, |word| {
+            known_words(words, "format", &mut remarks, |word| {
                 word.parse::<Format>().ok()
             })
         });
         let modes = record.modes.map(|words| {
-            known(words, "mode", &mut remarks, |word| {
+            known_words(words, "mode", &mut remarks, |word| {
                 ["one-shot", "serve"].into_iter().find(|&mode| mode == word)
             })
         });
@@ -100,7 +100,7 @@ impl Capabilities {
         })
     }
 
-    /// Whether it says that it reads `format`.
+    /// Returns true if it declares that it reads `format`.
     #[must_use]
     pub fn declares(&self, format: Format) -> bool {
         self.formats
@@ -109,7 +109,7 @@ impl Capabilities {
     }
 }
 
-fn known<T>(
+fn known_words<T>(
     words: Vec<String>,
     what: &str,
     remarks: &mut Vec<String>,

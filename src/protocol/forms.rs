@@ -1,22 +1,21 @@
-//! One answer, in whatever form it comes: a PTM1 frame, a picture or a NumPy array, distinguished by its first bytes.
+//! One answer in any of its forms: a PTM1 frame, an image or a NumPy array, distinguished by their first bytes.
 //!
-//! Programs that nobody will change write pictures; those become frames of the view `rgb`. An array says nothing of its
-//! view, so it is one of the view that was asked for. Whatever the form, there is exactly one of it, whole, with nothing
-//! after it.
+//! Programs that cannot be changed write images, which become frames of the view `rgb`. An array does not name its view, so it
+//! counts as the requested view. An answer in any form must be complete, and no bytes may follow it.
 
 use super::{npy, picture};
 use crate::protocol::frame::{Frame, View};
 
-/// Reads the one answer that `bytes` are, to a request for `view`. Nothing above `most` bytes is unpacked.
+/// Reads the single answer in `bytes` to a request for `view`. Nothing larger than `most` bytes is decompressed.
 ///
 /// # Errors
-/// A sentence that says what keeps `bytes` from being one.
+/// A sentence that says why `bytes` is not an answer.
 pub fn read(bytes: &[u8], view: &View, most: usize) -> Result<Frame, String> {
     if bytes.starts_with(b"\x93NUMPY") {
         npy::read(bytes, view.kind()).map_err(|error| format!("a NumPy array: {error}"))
     } else if let Some(picture) = picture::read(bytes, most) {
         picture
-    } else if let Some(form) = known_but_not_read(bytes) {
+    } else if let Some(form) = unsupported_form(bytes) {
         Err(format!(
             "{form}; a picture is a PNG, PNM, TIFF, BMP, WebP or JPEG, or a PTM1 line and samples"
         ))
@@ -25,8 +24,8 @@ pub fn read(bytes: &[u8], view: &View, most: usize) -> Result<Frame, String> {
     }
 }
 
-/// Forms that are known by their first bytes and are no answers.
-fn known_but_not_read(bytes: &[u8]) -> Option<&'static str> {
+/// Returns the name of a known form that is not an answer, by its first bytes.
+fn unsupported_form(bytes: &[u8]) -> Option<&'static str> {
     let forms: [(&[u8], &str); 2] = [
         (b"GIF8", "a GIF picture"),
         (b"PTM_1.", "the PTM file itself"),

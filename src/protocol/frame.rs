@@ -1,12 +1,12 @@
-//! PTM-CP 1: what a decoder is asked and how it answers.
+//! PTM-CP 1: requests to a decoder and its answers.
 //!
-//! `DECODER [ARG…] VIEW FILE`; on standard output one line and the samples,
+//! `DECODER [ARG…] VIEW FILE` writes one line and the samples to standard output,
 //!
 //! ```text
 //! PTM1 <raw|coef|rgb> <width> <height> <channels> <u8|f32>\n
 //! ```
 //!
-//! texel after texel, top row first, `f32` low byte first; and an exit status: 0, 65 (malformed) or 69 (unsupported).
+//! texel after texel, top row first, `f32` little-endian; and exits with 0, 65 (malformed) or 69 (unsupported).
 
 use std::fmt;
 use std::io::{self, Write};
@@ -20,9 +20,9 @@ use crate::formula::{self, Edits};
 use crate::ptm::{Ptm, Size};
 use crate::reading::Reading;
 
-/// Exit status of a decoder that finds the file malformed (`EX_DATAERR`).
+/// Exit status of a decoder for a malformed file (`EX_DATAERR`).
 pub const EXIT_MALFORMED: i32 = 65;
-/// Exit status of a decoder that does not read such files (`EX_UNAVAILABLE`).
+/// Exit status of a decoder for a file that it does not support (`EX_UNAVAILABLE`).
 pub const EXIT_UNSUPPORTED: i32 = 69;
 
 /// A view: the part of a map that a decoder is asked for.
@@ -74,7 +74,7 @@ impl ViewKind {
         }
     }
 
-    /// Returns the number of samples of a texel, of a map with `channels` channels.
+    /// Returns the number of samples per texel of a map with `channels` channels.
     #[must_use]
     pub const fn channels(self, channels: usize) -> usize {
         match self {
@@ -102,15 +102,15 @@ impl fmt::Display for ViewKind {
 /// A direction of light.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Light {
-    /// To the right.
+    /// Coordinate to the right.
     pub lu: f64,
-    /// Up.
+    /// Coordinate upward.
     pub lv: f64,
     text: String,
 }
 
 impl Light {
-    /// u and v as they were written.
+    /// Returns u and v as they were written.
     #[must_use]
     pub fn texts(&self) -> [&str; 2] {
         let (u, v) = self.text.split_once(',').unwrap_or((&self.text, ""));
@@ -119,7 +119,7 @@ impl Light {
 }
 
 impl View {
-    /// A light that shows every coefficient.
+    /// A view with a light that shows every coefficient.
     pub const ORDINARY_LIGHT: &'static str = "rgb:0.3125,-0.4375";
 
     /// Returns the view without its light.
@@ -176,23 +176,23 @@ impl FromStr for View {
     }
 }
 
-/// Longest PTM1 line.
-const LONGEST_LINE: usize = 200;
+/// Maximum length of a PTM1 line.
+const MAX_LINE_LENGTH: usize = 200;
 
 /// One answer.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Frame {
     /// The view that it shows.
     pub view: ViewKind,
-    /// Texels in a row.
+    /// Number of texels in a row.
     pub width: u32,
-    /// Rows.
+    /// Number of rows.
     pub height: u32,
-    /// Samples of a texel.
+    /// Number of samples per texel.
     pub channels: u32,
-    /// `height * width * channels` of them.
+    /// `height * width * channels` samples.
     pub samples: Samples,
-    /// Whether they were compressed with loss on the way here, as in a JPEG picture.
+    /// True if the samples were compressed with loss, as in a JPEG image.
     pub lossy: bool,
 }
 
@@ -206,7 +206,7 @@ pub enum Samples {
 }
 
 impl Samples {
-    /// How many there are.
+    /// Returns the number of samples.
     #[must_use]
     pub fn len(&self) -> usize {
         match self {
@@ -215,7 +215,7 @@ impl Samples {
         }
     }
 
-    /// Whether there are none.
+    /// Returns true if there are none.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.len() == 0
@@ -239,7 +239,7 @@ impl Samples {
         }
     }
 
-    /// How many bytes they take.
+    /// Returns the number of bytes of the samples.
     #[must_use]
     pub fn bytes(&self) -> usize {
         match self {
@@ -248,7 +248,7 @@ impl Samples {
         }
     }
 
-    /// Whether they are bit for bit the same.
+    /// Returns true if both are bitwise equal.
     #[must_use]
     pub fn are_like(&self, other: &Samples) -> bool {
         match (self, other) {
@@ -262,25 +262,25 @@ impl Samples {
 }
 
 impl Frame {
-    /// Whether it is bit for bit the same; no number but itself is like one that is none.
+    /// Returns true if both are bitwise equal; a NaN equals only a NaN with the same bits.
     #[must_use]
     pub fn is_like(&self, other: &Frame) -> bool {
         let shape = |frame: &Frame| (frame.view, frame.width, frame.height, frame.channels);
         shape(self) == shape(other) && self.samples.are_like(&other.samples)
     }
 
-    /// What `ptm` looks like in `view`, under the reading of the reference.
+    /// Renders `ptm` in `view`, under the reading of the reference.
     #[must_use]
     pub fn of(ptm: &Ptm, view: &View) -> Frame {
         Frame::under(ptm, view, &Reading::SPEC)
     }
 
-    /// Shows `ptm` in `view` under a reading.
+    /// Renders `ptm` in `view` under a reading.
     pub(crate) fn under(ptm: &Ptm, view: &View, reading: &Reading) -> Frame {
         Frame::edited(ptm, view, reading, Edits(&[]))
     }
 
-    /// Shows `ptm` in `view` under a reading, with some formulas edited.
+    /// Renders `ptm` in `view` under a reading, with some formulas edited.
     pub(crate) fn edited(ptm: &Ptm, view: &View, reading: &Reading, edits: Edits) -> Frame {
         let ptm = &*formula::stored(ptm, edits);
         let coefficients = || formula::finals(ptm, reading, edits);
@@ -315,7 +315,7 @@ impl Frame {
     /// Writes the line and the samples.
     ///
     /// # Errors
-    /// Those of `out`.
+    /// Errors of `out`.
     pub fn write(&self, out: &mut impl Write) -> io::Result<()> {
         let size = Size {
             width: self.width,
@@ -325,7 +325,7 @@ impl Frame {
         self.write_samples(out)
     }
 
-    /// The line of a frame of that size.
+    /// Writes the line of a frame of that size.
     fn write_line(&self, size: Size, out: &mut impl Write) -> io::Result<()> {
         let Size { width, height } = size;
         let kind = self.samples.sample_type();
@@ -348,7 +348,7 @@ impl Frame {
     /// Reads exactly one frame.
     ///
     /// # Errors
-    /// A sentence that says what keeps `bytes` from being one.
+    /// A sentence that says why `bytes` is not a frame.
     pub fn read(bytes: &[u8]) -> Result<Frame, String> {
         if bytes.is_empty() {
             return Err("standard output is empty".to_owned());
@@ -359,11 +359,11 @@ impl Frame {
                 "standard output begins with \"{beginning}\" instead of a PTM1 line"
             ));
         }
-        let mut beginning = bytes.iter().take(LONGEST_LINE);
+        let mut beginning = bytes.iter().take(MAX_LINE_LENGTH);
         let end = beginning.position(|&byte| byte == b'\n');
         let end = end.ok_or("the PTM1 line has no end")?;
         let line = std::str::from_utf8(&bytes[..end]).map_err(|_| "the PTM1 line is not ASCII")?;
-        let mut frame = Frame::announced(line)?;
+        let mut frame = Frame::parse_line(line)?;
         let samples = &bytes[end + 1..];
         let shape = [frame.width, frame.height, frame.channels];
         let size = if frame.is_real() { 4 } else { 1 };
@@ -395,8 +395,8 @@ impl Frame {
         Ok(frame)
     }
 
-    /// The frame that a PTM1 line announces, still without samples.
-    fn announced(line: &str) -> Result<Frame, String> {
+    /// Parses a PTM1 line into a frame without samples.
+    fn parse_line(line: &str) -> Result<Frame, String> {
         if line.ends_with('\r') {
             return Err("the PTM1 line ends in CR LF: is standard output in text mode?".to_owned());
         }
@@ -436,10 +436,10 @@ impl Frame {
     }
 }
 
-/// Writes the frame of a map in `view`, piece by piece: the samples of a frame are those of its pieces, one after another.
+/// Writes the frame of a map in `view` piece by piece: the samples of a frame are those of its pieces, in sequence.
 ///
 /// # Errors
-/// Those of `out`.
+/// Errors of `out`.
 pub fn write_view(map: &Stored<'_>, view: &View, out: &mut impl Write) -> io::Result<()> {
     for (i, piece) in map.pieces().enumerate() {
         let frame = Frame::of(&piece, view);
@@ -451,24 +451,24 @@ pub fn write_view(map: &Stored<'_>, view: &View, out: &mut impl Write) -> io::Re
     Ok(())
 }
 
-/// What a decoder did with a request: for a PTM file a frame, for another question what stands in its place.
+/// The answer of a decoder to a request: a frame for a PTM file, or `T` for another question.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Answer<T = Frame> {
-    /// Exit status 0 and what was asked for.
+    /// Exit status 0 and the requested output.
     Decoded(T),
     /// Exit status 65.
     Rejected,
     /// Exit status 69.
     Unsupported,
-    /// Exit status 0 and something else than one frame.
+    /// Exit status 0 and output that is not one frame.
     ProtocolError(String),
     /// A signal, or any other exit status.
     Crashed(String),
-    /// No end within the time limit.
+    /// Timeout.
     Hung(String),
-    /// More output than any frame of that file could have.
+    /// More output than the largest frame of that file.
     Flooded(String),
-    /// More memory than it may hold.
+    /// More memory than the limit.
     OutOfMemory(String),
     /// It changed or removed the file it was given.
     Tampered(String),
@@ -479,10 +479,10 @@ pub enum Answer<T = Frame> {
 }
 
 impl<T> Answer<T> {
-    /// The same of something else, if nothing was decoded; else what was.
+    /// Returns what was decoded, or the same answer with another type.
     ///
     /// # Errors
-    /// Whatever is no [`Answer::Decoded`].
+    /// Any answer other than [`Answer::Decoded`].
     pub fn decoded<U>(self) -> Result<T, Answer<U>> {
         Err(match self {
             Answer::Decoded(decoded) => return Ok(decoded),
@@ -499,7 +499,7 @@ impl<T> Answer<T> {
         })
     }
 
-    /// One or two words for a report.
+    /// Returns one or two words for a report.
     #[must_use]
     pub const fn name(&self) -> &'static str {
         match self {
@@ -526,7 +526,7 @@ impl<T> Answer<T> {
         }
     }
 
-    /// What went wrong, where that is neither a picture nor a refusal.
+    /// Returns what went wrong, if it is neither an image nor a refusal.
     #[must_use]
     pub fn violation(&self) -> Option<&str> {
         match self {
@@ -544,7 +544,7 @@ impl<T> Answer<T> {
 }
 
 impl<T> Answer<T> {
-    /// Returns true if both are of one kind. All limits are one kind: which of them is reached first depends on the machine.
+    /// Returns true if both are of one kind. All limits are one kind, because the first one reached depends on the machine.
     #[must_use]
     pub fn is_of_kind(&self, other: &Answer<T>) -> bool {
         let is_limit = |answer: &Answer<T>| {
@@ -559,7 +559,7 @@ impl<T> Answer<T> {
 }
 
 impl Answer {
-    /// Whether it is the same in all that a decoder is responsible for: pictures bit for bit, mishaps by their kind.
+    /// Returns true if the answers agree in all that a decoder controls: images bit for bit, failures by their kind.
     #[must_use]
     pub fn is_like(&self, other: &Answer) -> bool {
         match (self, other) {
@@ -569,7 +569,7 @@ impl Answer {
     }
 }
 
-/// Before the text of a lossy frame.
+/// Prefix of the text of a lossy frame.
 const LOSSY: &str = "lossy ";
 
 /// A frame as text: its bytes in hexadecimal.

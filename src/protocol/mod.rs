@@ -1,4 +1,4 @@
-//! How a decoder is asked and how it answers: views, frames, other files that are understood, capabilities.
+//! Requests to a decoder and its answers: views, frames, other file formats of answers, capabilities.
 
 pub mod capabilities;
 

@@ -63,7 +63,7 @@ pub(crate) fn read(bytes: &[u8], view: ViewKind) -> Result<Frame, String> {
     })
 }
 
-/// The header and what follows it.
+/// Splits a file into its header and the rest.
 fn split(bytes: &[u8]) -> Result<(&str, &[u8]), String> {
     let cut = || "it ends within its header".to_owned();
     let version = bytes.get(6..8).ok_or_else(cut)?;
@@ -90,7 +90,7 @@ fn split(bytes: &[u8]) -> Result<(&str, &[u8]), String> {
     Ok((header, &bytes[end..]))
 }
 
-/// What the dictionary says.
+/// The entries of the dictionary.
 struct Header {
     descr: String,
     fortran_order: bool,
@@ -133,7 +133,7 @@ impl Header {
     }
 }
 
-/// What of the dictionary is still to be read.
+/// The part of the dictionary that is still to be read.
 struct Rest<'a>(&'a str);
 
 impl<'a> Rest<'a> {
@@ -152,7 +152,7 @@ impl<'a> Rest<'a> {
         }
     }
 
-    /// Text between quotes; no escapes.
+    /// Reads text between quotes, without escapes.
     fn string(&mut self) -> Result<&'a str, String> {
         let quote = ["'", "\""].into_iter().find(|quote| self.accept(quote));
         let quote =

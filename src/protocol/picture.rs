@@ -1,11 +1,11 @@
-//! Pictures: PNG, Netpbm, TIFF, BMP, WebP and JPEG, gray or color of 8 bits, taken as the samples that they are.
+//! Images: PNG, Netpbm, TIFF, BMP, WebP and JPEG, 8-bit gray or color; their samples are used unchanged.
 //!
 //! The `image` crate reads them. There is no color management: gamma, profiles and chromaticities are ignored, because the
-//! samples are what the decoder computed. Gray stands for three equal channels. Alpha is left out where it hides nothing.
+//! samples are what the decoder computed. Gray stands for three equal channels. Alpha is dropped if it is opaque.
 //!
-//! A JPEG has lost some of what the decoder computed, so its frame is marked as lossy. It is read only if it is fine: with
-//! small quantization steps and all of its colors, no sample of it is far from what was saved; a coarser one says as little of
-//! a single texel as a lossy WebP does.
+//! A JPEG has lost some of what the decoder computed, so its frame is marked as lossy. It must have small quantization steps
+//! and no chroma subsampling, so that each sample is near the saved one. A coarser JPEG says as little about a single texel as
+//! a lossy WebP does.
 
 use std::io::Cursor;
 use std::panic::catch_unwind;
@@ -15,12 +15,12 @@ use image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader, Limits};
 
 use crate::protocol::frame::{Frame, Samples, ViewKind};
 
-/// The largest quantization step of a JPEG that is read: that of libjpeg's quality 95.
-const LARGEST_STEP: u16 = 12;
-/// What a reader may need besides the samples, in bytes: its tables, and profiles that come with the picture.
-const WORK: usize = 64 << 20;
+/// The largest quantization step of a JPEG that is accepted: that of libjpeg's quality 95.
+const MAX_QUANTIZATION_STEP: u16 = 12;
+/// Memory in bytes that an image decoder may need in addition to the samples: its tables, and embedded profiles.
+const WORKING_MEMORY: usize = 64 << 20;
 
-/// The forms that are read.
+/// The accepted file formats.
 const FORMS: [(ImageFormat, &str); 6] = [
     (ImageFormat::Png, "a PNG"),
     (ImageFormat::Pnm, "a Netpbm file"),
@@ -30,11 +30,11 @@ const FORMS: [(ImageFormat, &str); 6] = [
     (ImageFormat::Jpeg, "a JPEG"),
 ];
 
-/// Reads the picture that `bytes` are, if they begin as one does; no more than `most` bytes of samples are unpacked.
+/// Reads `bytes` as an image, if they begin like one; at most `most` bytes of samples are decompressed.
 pub(crate) fn read(bytes: &[u8], most: usize) -> Option<Result<Frame, String>> {
     let found = image::guess_format(bytes).ok()?;
     let (format, name) = FORMS.into_iter().find(|(format, _)| *format == found)?;
-    // Whatever a program under test wrote, the run goes on.
+    // The run goes on whatever a program under test writes.
     let read = catch_unwind(|| read_as(format, bytes, most));
     let read = read.unwrap_or_else(|_| Err("its reader does not cope with it".to_owned()));
     Some(read.map_err(|error| format!("{name}: {error}")))
@@ -45,11 +45,11 @@ fn read_as(format: ImageFormat, bytes: &[u8], most: usize) -> Result<Frame, Stri
     let mut cursor = Cursor::new(bytes);
     let mut reader = ImageReader::with_format(&mut cursor, format);
     let mut limits = Limits::no_limits();
-    limits.max_alloc = Some(most.saturating_add(WORK) as u64);
+    limits.max_alloc = Some(most.saturating_add(WORKING_MEMORY) as u64);
     reader.limits(limits);
     let decoder = reader.into_decoder().map_err(say)?;
     let (width, height) = decoder.dimensions();
-    // Before there is room for a single texel.
+    // Checked before memory for a single texel is allocated.
     if decoder.total_bytes() > most as u64 {
         return Err(format!(
             "{width} x {height} texels are more than the file can have"
@@ -61,8 +61,8 @@ fn read_as(format: ImageFormat, bytes: &[u8], most: usize) -> Result<Frame, Stri
         return Err(format!("it has {bits} bits a sample, not 8"));
     }
     match format {
-        ImageFormat::Pnm => full_range(bytes)?,
-        ImageFormat::Jpeg => fine(bytes)?,
+        ImageFormat::Pnm => check_full_range(bytes)?,
+        ImageFormat::Jpeg => check_quality(bytes)?,
         ImageFormat::WebP if is_lossy_webp(bytes) => {
             return Err(
                 "it is lossy, with a color for four texels; write a lossless one".to_owned(),
@@ -71,9 +71,9 @@ fn read_as(format: ImageFormat, bytes: &[u8], most: usize) -> Result<Frame, Stri
         _ => {}
     }
     let picture = DynamicImage::from_decoder(decoder).map_err(say)?;
-    whole(format, bytes, cursor.position() as usize)?;
+    check_end(format, bytes, cursor.position() as usize)?;
     if color.has_alpha() {
-        opaque(&picture)?;
+        check_opaque(&picture)?;
     }
     Ok(Frame {
         view: ViewKind::Rgb,
@@ -85,8 +85,8 @@ fn read_as(format: ImageFormat, bytes: &[u8], most: usize) -> Result<Frame, Stri
     })
 }
 
-/// Samples of Netpbm files are read as they are, so the largest is that of a byte.
-fn full_range(bytes: &[u8]) -> Result<(), String> {
+/// Rejects Netpbm files whose maximum is not 255, because their samples are used unscaled.
+fn check_full_range(bytes: &[u8]) -> Result<(), String> {
     let decoder = PnmDecoder::new(bytes).map_err(|error| error.to_string())?;
     let header = decoder.header();
     match (header.subtype(), header.maximal_sample()) {
@@ -95,7 +95,7 @@ fn full_range(bytes: &[u8]) -> Result<(), String> {
     }
 }
 
-/// Whether a WebP has a lossy picture, right after the header or in a chunk of its own.
+/// Returns true if a WebP has a lossy image, right after the header or in a separate chunk.
 fn is_lossy_webp(bytes: &[u8]) -> bool {
     let mut rest = bytes.get(12..).unwrap_or_default();
     while let [a, b, c, d, s0, s1, s2, s3, chunk @ ..] = rest {
@@ -110,17 +110,17 @@ fn is_lossy_webp(bytes: &[u8]) -> bool {
     false
 }
 
-/// A JPEG that has kept its colors, and whose samples are near to what was saved.
-fn fine(bytes: &[u8]) -> Result<(), String> {
+/// Accepts a JPEG without chroma subsampling whose samples are near the saved ones.
+fn check_quality(bytes: &[u8]) -> Result<(), String> {
     let advice = "write quality 95 or more without subsampling, or another form";
     for (code, content) in segments(bytes) {
         match (code, content) {
-            (0xdb, tables) if largest_step(tables) > LARGEST_STEP => {
+            (0xdb, tables) if largest_step(tables) > MAX_QUANTIZATION_STEP => {
                 let step = largest_step(tables);
                 return Err(format!("it is too coarse, with steps of {step}; {advice}"));
             }
             (0xc4 | 0xc8 | 0xcc, _) => {}
-            // The sampling factors of each component stand beside its name.
+            // The sampling factors of each component follow its id.
             (0xc0..=0xcf, [_, _, _, _, _, _, components @ ..]) => {
                 let mut factors = components.chunks(3).map(|component| component.get(1));
                 let first = factors.next();
@@ -134,7 +134,7 @@ fn fine(bytes: &[u8]) -> Result<(), String> {
     Ok(())
 }
 
-/// The marker segments of a JPEG before its first scan: code and content (T.81 B.1.1.4).
+/// Returns the marker segments of a JPEG before its first scan: code and content (T.81 B.1.1.4).
 fn segments(bytes: &[u8]) -> impl Iterator<Item = (u8, &[u8])> {
     let mut rest = bytes.get(2..).unwrap_or_default();
     std::iter::from_fn(move || {
@@ -151,7 +151,7 @@ fn segments(bytes: &[u8]) -> impl Iterator<Item = (u8, &[u8])> {
     })
 }
 
-/// The largest step of the quantization tables of a segment (T.81 B.2.4.1).
+/// Returns the largest step of the quantization tables of a segment (T.81 B.2.4.1).
 fn largest_step(mut tables: &[u8]) -> u16 {
     let mut largest = 0;
     while let [kind, rest @ ..] = tables {
@@ -169,16 +169,16 @@ fn largest_step(mut tables: &[u8]) -> u16 {
     largest
 }
 
-/// The one picture is all there is; `end` is where its samples ended. Containers that say themselves how long they are are
-/// checked by their readers.
-fn whole(format: ImageFormat, bytes: &[u8], end: usize) -> Result<(), String> {
+/// Rejects bytes after the image; `end` is where its samples ended. Formats that declare their own length are checked by their
+/// decoders.
+fn check_end(format: ImageFormat, bytes: &[u8], end: usize) -> Result<(), String> {
     const IEND: &[u8] = b"\0\0\0\0IEND\xae\x42\x60\x82";
     let end = match format {
         ImageFormat::Png => {
             let last = bytes.windows(IEND.len()).position(|bytes| bytes == IEND);
             last.ok_or("it has no end")? + IEND.len()
         }
-        // Nothing but white space may follow numbers that are written out.
+        // Only whitespace may follow numbers in ASCII.
         ImageFormat::Pnm
             if matches!(bytes[1], b'1'..=b'3') && bytes[end..].trim_ascii().is_empty() =>
         {
@@ -196,8 +196,8 @@ fn whole(format: ImageFormat, bytes: &[u8], end: usize) -> Result<(), String> {
     }
 }
 
-/// Alpha must be 255 throughout.
-fn opaque(picture: &DynamicImage) -> Result<(), String> {
+/// Rejects an image with alpha other than 255.
+fn check_opaque(picture: &DynamicImage) -> Result<(), String> {
     let picture = picture.to_rgba8();
     let mut texels = picture.enumerate_pixels();
     match texels.find(|(_, _, texel)| texel.0[3] != 255) {

@@ -1,4 +1,4 @@
-//! A running decoder: what it writes, whether it has ended, and its end.
+//! A running decoder: its output, its limits and its end.
 
 use std::io;
 use std::os::fd::{AsFd, BorrowedFd, OwnedFd};
@@ -12,16 +12,16 @@ use rustix::process::{Pid, Signal, WaitId, WaitIdOptions, kill_process_group, wa
 
 use crate::runner::processes;
 
-/// How much of standard error is kept for the report.
-const STDERR_KEPT: usize = 2000;
+/// Bytes of standard error that are kept for the report.
+const MAX_STDERR_BYTES: usize = 2000;
 
-/// Longer than anybody waits, and short enough to be added to a clock.
-pub(crate) const A_YEAR: Duration = Duration::from_secs(365 * 24 * 3600);
+/// A wait longer than any timeout, yet short enough to be added to a point in time.
+pub(crate) const MAX_WAIT: Duration = Duration::from_secs(365 * 24 * 3600);
 
-/// How often memory is measured and the stop flag is read.
-pub(crate) const LOOK: Duration = Duration::from_millis(50);
+/// The interval at which memory is measured and the stop flag is read.
+pub(crate) const POLL_INTERVAL: Duration = Duration::from_millis(50);
 
-/// What a call must not exceed.
+/// The limits of a call.
 pub(crate) struct CallLimits<'a> {
     /// Bytes on standard output.
     pub(crate) output: usize,
@@ -40,27 +40,27 @@ pub(crate) struct Call {
     exit_event: Option<ExitEvent>,
     stdout: Option<OwnedFd>,
     stderr: Option<OwnedFd>,
-    /// What it has written to standard output and nobody has taken yet.
+    /// Standard output that has been read from the decoder and not yet consumed.
     pub(crate) output: Vec<u8>,
-    /// The beginning of what it has written to standard error.
+    /// The beginning of its standard error.
     pub(crate) errors: Vec<u8>,
 }
 
-/// How a call ended.
+/// The way a call ended.
 pub(crate) enum Ended {
-    /// By itself.
+    /// The process exited.
     Exited(ExitStatus),
-    /// It was killed: out of time.
+    /// Killed: timeout.
     OutOfTime,
-    /// It was killed: too much memory.
+    /// Killed: too much memory.
     OutOfMemory,
-    /// It was killed: too much output.
+    /// Killed: too much output.
     Flood,
-    /// It was killed: the user ended the run.
+    /// Killed: the user ended the run.
     Stopped,
 }
 
-/// What a call left.
+/// What remains of a call: its output and its end.
 pub(crate) struct Remains {
     pub(crate) ended: Ended,
     pub(crate) stdout: Vec<u8>,
@@ -91,7 +91,7 @@ impl Call {
         Ok(call)
     }
 
-    /// Reads until the process has ended or a limit is reached; then kills what is left of it.
+    /// Reads until the process has ended or a limit is reached, and then kills all that is left of it.
     pub(crate) fn finish(mut self, limits: &CallLimits, workplace: &Path) -> io::Result<Remains> {
         let killed_for = self.watch(limits, workplace)?;
         let status = self.end(workplace)?;
@@ -107,11 +107,11 @@ impl Call {
         })
     }
 
-    /// Reads until the process has ended, or returns why it has to be killed.
+    /// Reads until the process has ended, or returns the reason to kill it.
     fn watch(&mut self, limits: &CallLimits, workplace: &Path) -> io::Result<Option<Ended>> {
-        let deadline = Instant::now() + limits.time.min(A_YEAR);
+        let deadline = Instant::now() + limits.time.min(MAX_WAIT);
         let watched = processes::can_be_watched();
-        let mut next_look = Instant::now() + LOOK;
+        let mut next_look = Instant::now() + POLL_INTERVAL;
         loop {
             let now = Instant::now();
             let left = deadline.saturating_duration_since(now);
@@ -125,12 +125,12 @@ impl Call {
                 return Ok(Some(Ended::Stopped));
             }
             if now >= next_look {
-                next_look = now + LOOK;
+                next_look = now + POLL_INTERVAL;
                 if watched && processes::memory_of(self.group, workplace) > limits.memory {
                     return Ok(Some(Ended::OutOfMemory));
                 }
             }
-            self.wait_for_news(None, left.min(LOOK))?;
+            self.wait_for_news(None, left.min(POLL_INTERVAL))?;
             self.read_what_is_there(limits.output)?;
             if self.has_ended() {
                 self.read_what_is_there(limits.output)?;
@@ -139,14 +139,14 @@ impl Call {
         }
     }
 
-    /// Whether the process has ended. It keeps its number until it is waited for, so that no other can be mistaken for it.
+    /// Returns true if the process has ended. Its id stays reserved until it is waited for, so no other process can have it.
     pub(crate) fn has_ended(&self) -> bool {
         let options = WaitIdOptions::EXITED | WaitIdOptions::NOHANG | WaitIdOptions::NOWAIT;
         let pid = Pid::from_child(&self.child);
         !matches!(waitid(WaitId::Pid(pid), options), Ok(None))
     }
 
-    /// Kills the process if it still runs, its group, and whatever else works for it in `workplace`; returns its status.
+    /// Kills the process if it still runs, its group, and what else works for it in `workplace`; returns its status.
     pub(crate) fn end(&mut self, workplace: &Path) -> io::Result<ExitStatus> {
         let status = self.kill();
         processes::kill_orphans(workplace);
@@ -155,9 +155,9 @@ impl Call {
 
     fn kill(&mut self) -> io::Result<ExitStatus> {
         if !self.waited_for {
-            // An error means that nobody is left.
+            // An error means that no process is left.
             let _ = kill_process_group(self.group, Signal::KILL);
-            // It may have left its group; itself it cannot leave.
+            // The process may have left its group, so it is killed by its id too.
             let _ = self.child.kill();
         }
         let status = self.child.wait();
@@ -167,7 +167,7 @@ impl Call {
         status
     }
 
-    /// Sleeps until there is output, room in `writing`, the process has ended, or `left` is over.
+    /// Sleeps until there is output, room in `writing`, the process has ended, or `left` has passed.
     pub(crate) fn wait_for_news(
         &self,
         writing: Option<BorrowedFd>,
@@ -184,7 +184,7 @@ impl Call {
             .map(|fd| PollFd::from_borrowed_fd(*fd, PollFlags::IN))
             .chain(writing.map(|fd| PollFd::from_borrowed_fd(fd, PollFlags::OUT)))
             .collect();
-        // Where the end of a process cannot be waited for, it is looked for every two milliseconds.
+        // Without an event for the end of the process, poll every two milliseconds.
         let nap = if self.exit_event.is_some() {
             left
         } else {
@@ -200,7 +200,7 @@ impl Call {
         }
     }
 
-    /// Takes what lies in the pipes, until there are more than `most` bytes of output.
+    /// Reads what the pipes hold, until `output` has more than `most` bytes.
     #[expect(clippy::large_stack_arrays, reason = "a buffer of a pipe's size")]
     pub(crate) fn read_what_is_there(&mut self, most: usize) -> io::Result<()> {
         let mut buffer = [0; 65_536];
@@ -210,12 +210,12 @@ impl Call {
                 count => self.output.extend_from_slice(&buffer[..count]),
             }
         }
-        // A bounded share each time, so that a stream of errors cannot keep the clock from being read.
+        // A bounded number of reads, so that a flood on standard error cannot delay the check of the timeout.
         for _ in 0..16 {
             match read_some(&mut self.stderr, &mut buffer)? {
                 0 => break,
                 count => {
-                    let kept = count.min(STDERR_KEPT.saturating_sub(self.errors.len()));
+                    let kept = count.min(MAX_STDERR_BYTES.saturating_sub(self.errors.len()));
                     self.errors.extend_from_slice(&buffer[..kept]);
                 }
             }
@@ -230,7 +230,7 @@ impl Drop for Call {
     }
 }
 
-/// Reads from a pipe that does not block; forgets it at its end. 0 means that nothing is there.
+/// Reads from a non-blocking pipe and drops it at its end. Returns 0 if there is nothing to read.
 fn read_some(pipe: &mut Option<OwnedFd>, buffer: &mut [u8]) -> io::Result<usize> {
     let Some(fd) = pipe else { return Ok(0) };
     match rustix::io::read(&*fd, buffer) {
@@ -244,7 +244,7 @@ fn read_some(pipe: &mut Option<OwnedFd>, buffer: &mut [u8]) -> io::Result<usize>
     }
 }
 
-/// Something that becomes readable when a process ends.
+/// A file descriptor that becomes readable when a process ends.
 struct ExitEvent(OwnedFd);
 
 impl ExitEvent {

@@ -1,13 +1,13 @@
-//! Asks a function instead of a program: the process that started this one listens at a Unix socket and answers there.
+//! Asks a function instead of a program: the parent process listens at a Unix socket and answers there.
 //!
 //! ```text
 //! to the caller     NAME VIEW NBYTES, a line feed and the PTM file
 //! from it           WORD NBYTES, a line feed and so many bytes
 //! ```
 //!
-//! WORD is `ok` before an answer (a frame, an array or a picture); `reject`, `unsupported`, `crash` or `error` before a
-//! message. `error` is an answer of another kind than was asked for. There is no time limit, because a function cannot be
-//! ended without its process; the caller can end itself.
+//! WORD is `ok` before an answer (a frame, an array or an image); `reject`, `unsupported`, `crash` or `error` before a message.
+//! `error` is an answer of another kind than the one requested. There is no timeout, because a function cannot be ended without
+//! its process; the caller can end itself.
 
 use std::io::{self, BufRead, BufReader, Read, Write};
 use std::os::unix::net::UnixStream;
@@ -19,23 +19,23 @@ use crate::protocol::forms;
 use crate::protocol::frame::{Answer, View};
 use crate::runner::run::{Reply, Request};
 
-/// Longest first line of an answer.
-const LONGEST_LINE: u64 = 100;
-/// Most bytes of a message that are kept.
-const LONGEST_MESSAGE: u64 = 4096;
+/// Maximum length of the first line of an answer.
+const MAX_LINE_LENGTH: u64 = 100;
+/// Maximum number of bytes of a message.
+const MAX_MESSAGE_LENGTH: u64 = 4096;
 
-/// A process that answers by a function of its own.
+/// A parent process that answers with one of its functions.
 pub struct Caller {
     stream: Mutex<BufReader<UnixStream>>,
-    /// Set when the caller is gone, and the run is to end.
+    /// Set when the caller is gone, which ends the run.
     stop: Arc<AtomicBool>,
 }
 
 impl Caller {
-    /// Connects to the process that listens at `socket`. `stop` is set when it has gone away.
+    /// Connects to the process that listens at `socket`. `stop` is set when that process closes the connection.
     ///
     /// # Errors
-    /// If nobody listens there.
+    /// If no process listens at `socket`.
     pub fn connect(socket: &Path, stop: &Arc<AtomicBool>) -> io::Result<Caller> {
         Ok(Caller {
             stream: Mutex::new(BufReader::new(UnixStream::connect(socket)?)),
@@ -43,7 +43,7 @@ impl Caller {
         })
     }
 
-    /// Asks for one view of a file.
+    /// Requests one view of a file.
     ///
     /// # Panics
     /// Never: no request panics while it holds the stream.
@@ -59,7 +59,7 @@ impl Caller {
     }
 }
 
-/// One request and its answer.
+/// Sends one request and reads its answer.
 fn exchange(stream: &mut BufReader<UnixStream>, request: &Request) -> io::Result<Reply> {
     let Request {
         name, view, file, ..
@@ -70,7 +70,7 @@ fn exchange(stream: &mut BufReader<UnixStream>, request: &Request) -> io::Result
     let (word, length) = first_line(stream)?;
     let most = match word.as_str() {
         "ok" => request.most() as u64,
-        _ => LONGEST_MESSAGE,
+        _ => MAX_MESSAGE_LENGTH,
     };
     let mut bytes = Vec::new();
     let read = stream
@@ -86,7 +86,7 @@ fn exchange(stream: &mut BufReader<UnixStream>, request: &Request) -> io::Result
         "ok" if length > most => {
             Answer::Flooded(format!("{length} bytes, at most {most} are read"))
         }
-        "ok" => of_bytes(&bytes, request.view, request.most()),
+        "ok" => answer_from_bytes(&bytes, request.view, request.most()),
         "reject" => Answer::Rejected,
         "unsupported" => Answer::Unsupported,
         "crash" => Answer::Crashed(message()),
@@ -104,17 +104,17 @@ fn exchange(stream: &mut BufReader<UnixStream>, request: &Request) -> io::Result
     })
 }
 
-fn of_bytes(bytes: &[u8], view: &View, most: usize) -> Answer {
+fn answer_from_bytes(bytes: &[u8], view: &View, most: usize) -> Answer {
     match forms::read(bytes, view, most) {
         Ok(frame) => Answer::Decoded(frame),
         Err(what) => Answer::ProtocolError(what),
     }
 }
 
-/// The word of an answer, and how many bytes follow.
+/// Reads the word of an answer and the number of bytes that follow.
 fn first_line(stream: &mut BufReader<UnixStream>) -> io::Result<(String, u64)> {
     let mut line = String::new();
-    stream.by_ref().take(LONGEST_LINE).read_line(&mut line)?;
+    stream.by_ref().take(MAX_LINE_LENGTH).read_line(&mut line)?;
     if line.is_empty() {
         return Err(io::ErrorKind::UnexpectedEof.into());
     }
@@ -130,7 +130,7 @@ mod tests {
     use super::*;
     use crate::protocol::frame::Samples;
 
-    /// What is made of `answer` to a request for the stored values of one texel, and whether the run is to end.
+    /// Returns the reply to a request for the stored values of one texel, given `answer`, and true if the run ends.
     fn reply_to(answer: &[u8]) -> (Reply, bool) {
         let (ours, mut theirs) = UnixStream::pair().expect("a pair of sockets");
         theirs.write_all(answer).expect("the answer fits");

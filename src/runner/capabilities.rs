@@ -4,16 +4,15 @@ use crate::protocol::capabilities::Capabilities;
 use crate::runner::run::Decoder;
 use crate::runner::scratch::Scratch;
 
-/// Most bytes of an answer that are read.
-const LONGEST: usize = 16 * 1024;
+/// Maximum number of bytes of an answer.
+const MAX_ANSWER_BYTES: usize = 16 * 1024;
 
 impl Decoder {
-    /// Asks for the capabilities. The error says why there are none that count; it is no fault, because the program never
-    /// promised to know the question.
+    /// Asks for the capabilities. An error is not a failure of the decoder, because the command is optional.
     ///
     /// # Errors
-    /// A sentence that says what came instead.
+    /// A sentence that says what came instead of capabilities.
     pub fn capabilities(&self, scratch: &Scratch) -> Result<Capabilities, String> {
-        Capabilities::read(&self.print_out("capabilities", LONGEST, scratch)?)
+        Capabilities::read(&self.print_out("capabilities", MAX_ANSWER_BYTES, scratch)?)
     }
 }

@@ -1,6 +1,6 @@
-//! Other people's programs: how they are started, limited, asked and ended.
+//! Programs under test: how they are started, limited, asked and ended.
 //!
-//! Needs a Unix system.
+//! Requires a Unix system.
 
 pub(crate) mod trouble;
 

@@ -1,8 +1,8 @@
-//! What the system tells about other processes: how much memory a call holds, and which of its processes are left.
+//! Information from the system about other processes: the memory that a call holds, and its processes that are left.
 //!
-//! A decoder may start processes that leave its group and outlive it. This process asks to inherit such orphans, and
-//! every process carries the mark of its call: the directory it works in, as its `TMPDIR` or as its working directory.
-//! On systems without `/proc` none of this is in force, and the report says so.
+//! A decoder may start processes that leave its group and outlive it. This process asks to inherit such orphans, and every
+//! process carries the mark of its call: its working directory, or the value of its `TMPDIR`. Systems without `/proc` offer
+//! none of this, and the report says so.
 
 use std::fs;
 use std::io;
@@ -16,27 +16,27 @@ use rustix::process::{
 };
 
 /// Largest file that a decoder, or this process, may write.
-const LARGEST_FILE: u64 = 4 << 30;
+const MAX_FILE_BYTES: u64 = 4 << 30;
 
-/// The processes that this one has started itself and not yet waited for; its other children are orphans.
+/// Processes that this one has started and not yet waited for; its other children are orphans.
 static STARTED: Mutex<Vec<u32>> = Mutex::new(Vec::new());
 
-/// Held while a process is started, until it is among [`STARTED`]; whoever takes it alone sees no process in between.
+/// Read-locked while a process is started, until it is in [`STARTED`]; the write lock excludes processes between the two.
 static STARTING: RwLock<()> = RwLock::new(());
 
-/// Whether memory can be measured and orphans found.
+/// Returns true if memory can be measured and orphans found.
 #[must_use]
 pub fn can_be_watched() -> bool {
     let this = std::process::id();
     Path::new(&format!("/proc/self/task/{this}/children")).exists()
 }
 
-/// Prepares this process: orphans come to it, and what it starts inherits no core dumps and no endless files.
+/// Prepares this process: it inherits orphans, and its children get no core dumps and a limit on file sizes.
 pub fn prepare() {
-    prepare_for(LARGEST_FILE);
+    prepare_for(MAX_FILE_BYTES);
 }
 
-/// The same where no file of more than `largest_file` bytes may be written.
+/// Like [`prepare`], but limits files to `largest_file` bytes.
 pub fn prepare_for(largest_file: u64) {
     #[cfg(target_os = "linux")]
     let _ = rustix::process::set_child_subreaper(Some(rustix::process::getpid()));
@@ -45,21 +45,21 @@ pub fn prepare_for(largest_file: u64) {
             current: Some(limit),
             maximum: Some(limit),
         };
-        // Where a limit cannot be set, because a lower one is in force, that one holds.
+        // Setting a limit fails if a lower one is in force; then that one holds.
         let _ = setrlimit(resource, both);
     }
 }
 
-/// Whether files are limited to less than [`prepare`] asks for.
+/// Returns true if the environment limits files to less than [`prepare`] does.
 pub(crate) fn files_are_limited_from_outside() -> bool {
     let limit = getrlimit(Resource::Fsize).current;
-    limit.is_some_and(|limit| limit < LARGEST_FILE)
+    limit.is_some_and(|limit| limit < MAX_FILE_BYTES)
 }
 
-/// Starts a process of this program's own.
+/// Starts a process for this program itself.
 ///
 /// # Errors
-/// Those of the system.
+/// Errors of the system.
 pub fn start(command: &mut Command) -> io::Result<Child> {
     let _starting = STARTING.read().unwrap_or_else(PoisonError::into_inner);
     let child = command.spawn()?;
@@ -67,10 +67,10 @@ pub fn start(command: &mut Command) -> io::Result<Child> {
     Ok(child)
 }
 
-/// Says that a process that was [started](start) has been waited for.
+/// Records that a process that was [started](start) has been waited for.
 pub fn has_been_waited_for(pid: u32) {
     let mut started = started();
-    // The number may already be that of another process, which is listed too.
+    // The id may already be that of another process, which is listed too.
     if let Some(i) = started.iter().position(|&known| known == pid) {
         started.swap_remove(i);
     }
@@ -80,7 +80,7 @@ fn started() -> std::sync::MutexGuard<'static, Vec<u32>> {
     STARTED.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Bytes of memory that a process, its descendants and the orphans of its call hold, all together.
+/// Returns the bytes of memory that a process, its descendants and the orphans of its call hold together.
 #[must_use]
 pub fn memory_of(root: Pid, workplace: &Path) -> u64 {
     let page = rustix::param::page_size() as u64;
@@ -99,8 +99,8 @@ fn resident_pages(pid: u32) -> Option<u64> {
     sizes.split(' ').nth(1)?.parse().ok()
 }
 
-/// Kills every orphan that works for the call in `workplace`, wherever it has gone to, until none is left; and takes
-/// leave of all orphans that have ended, so that none of them counts against the limit on processes.
+/// Kills every orphan that works for the call in `workplace`, until none is left. Reaps all orphans that have ended, so that
+/// none of them counts against the limit on processes.
 pub fn kill_orphans(workplace: &Path) {
     kill_while_any(|| orphans(|pid| works_in(pid, workplace)));
     for pid in orphans(has_ended).into_iter().filter_map(to_pid) {
@@ -108,7 +108,7 @@ pub fn kill_orphans(workplace: &Path) {
     }
 }
 
-/// Kills every process that works anywhere below `scratch`, and every orphan that hides where it works.
+/// Kills every process that works below `scratch`, and every orphan whose working directory cannot be read.
 pub fn kill_all(scratch: &Path) {
     kill_while_any(|| {
         let marked = processes().filter(|&pid| works_in(pid, scratch));
@@ -124,7 +124,7 @@ fn kill_while_any(those: impl Fn() -> Vec<u32>) {
         }
         for pid in left.into_iter().filter_map(to_pid) {
             let _ = kill_process(pid, Signal::KILL);
-            // Only children can be waited for; others are somebody else's to wait for.
+            // Only children can be waited for.
             let _ = waitpid(Some(pid), WaitOptions::NOHANG);
         }
         if round > 0 {
@@ -133,10 +133,10 @@ fn kill_while_any(those: impl Fn() -> Vec<u32>) {
     }
 }
 
-/// The processes that this one has inherited, as far as they are `wanted`.
+/// Returns the processes that this one has inherited and that are `wanted`.
 fn orphans(wanted: impl Fn(u32) -> bool) -> Vec<u32> {
     let this = std::process::id();
-    // Orphans come to the first thread; what other threads start is theirs.
+    // Orphans become children of the first thread; children of other threads belong to those threads.
     let inherited = || {
         let mut children = children_of_thread(this, this);
         if !children.is_empty() {
@@ -148,19 +148,19 @@ fn orphans(wanted: impl Fn(u32) -> bool) -> Vec<u32> {
     if inherited().is_empty() {
         return Vec::new();
     }
-    // What looks like an orphan may be a process that is just being started.
+    // An apparent orphan may be a process that is just being started.
     let _nothing_starts = STARTING.write().unwrap_or_else(PoisonError::into_inner);
     let mut orphans = inherited();
     orphans.retain(|&pid| wanted(pid));
     orphans
 }
 
-/// Whether a process has ended and only its number is left.
+/// Returns true if a process is a zombie.
 fn has_ended(pid: u32) -> bool {
     state_and_start(pid).is_some_and(|(state, _)| state == 'Z')
 }
 
-/// The state of a process, and when it was started: with its number, this tells it from all others.
+/// Returns the state of a process and its start time, which together with its id identifies it.
 fn state_and_start(pid: u32) -> Option<(char, u64)> {
     let text = fs::read_to_string(format!("/proc/{pid}/stat")).ok()?;
     // The name in parentheses may contain anything.
@@ -171,19 +171,19 @@ fn state_and_start(pid: u32) -> Option<(char, u64)> {
     ))
 }
 
-/// Processes as they were seen at one moment, for a watcher that must end them when their parent is gone.
+/// Processes as they were at one moment, for a watcher that must end them when their parent is gone.
 #[derive(Default)]
 pub struct Descendants(Vec<(u32, u64)>);
 
 impl Descendants {
-    /// The children of a process, orphans that it has inherited among them, but this process.
+    /// Lists the children of a process, inherited orphans included, except this process.
     #[must_use]
     pub fn of(parent: u32) -> Descendants {
         let children = children_of(parent).filter(|&pid| pid != std::process::id());
         Descendants(children.filter_map(identified).collect())
     }
 
-    /// Kills all that still run, and what they have started.
+    /// Kills those that still run, and their descendants.
     pub fn kill(self) {
         let mut left = self.0;
         while let Some((pid, start)) = left.pop() {
@@ -197,7 +197,7 @@ impl Descendants {
     }
 }
 
-/// A process with the time of its start.
+/// Returns the id and the start time of a process.
 fn identified(pid: u32) -> Option<(u32, u64)> {
     state_and_start(pid).map(|(_, start)| (pid, start))
 }
@@ -223,7 +223,7 @@ fn processes() -> impl Iterator<Item = u32> {
     entries.filter_map(|entry| entry.file_name().to_str()?.parse().ok())
 }
 
-/// Whether a process was started with its temporary directory in or below `place`, or works there; and is no zombie.
+/// Returns true if a process has its temporary directory in or below `place`, or works there, and is not a zombie.
 fn works_in(pid: u32, place: &Path) -> bool {
     let directory = fs::read_link(format!("/proc/{pid}/cwd"));
     if directory.is_ok_and(|directory| directory.starts_with(place)) {

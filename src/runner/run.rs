@@ -1,11 +1,11 @@
-//! Starts a decoder, bounds it, and says what it did.
+//! Starts a decoder, limits it, and returns what it did.
 //!
-//! Every call has a process group of its own, which is killed as a whole when the call is over; a wall-clock limit; a
-//! limit on standard output; an empty standard input; its own working directory; and the caller's environment with
-//! `LC_ALL`, `TZ` and `TMPDIR` set. Standard error is read and never changes a verdict.
+//! Every call has its own process group, which is killed as a whole when the call is over; a wall-clock limit; a limit on
+//! standard output; an empty standard input; its own working directory; and the caller's environment with `LC_ALL`, `TZ` and
+//! `TMPDIR` set. Standard error is read and never changes a verdict.
 //!
-//! What this program itself cannot do for a call (write the input, start a process) is no answer of the decoder: the call
-//! is repeated, and if the trouble persists, the run is stopped and [`Decoder::trouble`] says why.
+//! If this program cannot do its part of a call (write the input, start a process), that is not an answer of the decoder: the
+//! call is repeated. If the trouble persists, the run is stopped and [`Decoder::trouble`] says why.
 
 use std::ffi::{OsStr, OsString};
 use std::io;
@@ -27,24 +27,24 @@ use crate::runner::start;
 use crate::runner::template::{Template, absolute};
 use crate::runner::trouble::{Trouble, is_shortage};
 
-/// How long trouble of this program's own may last before the run is stopped.
-const TROUBLE_LASTS: Duration = Duration::from_secs(5);
+/// Maximum time that calls are repeated because of trouble in this program, before the run is stopped.
+const MAX_TROUBLE_TIME: Duration = Duration::from_secs(5);
 
 /// A decoder and the limits it runs under.
 #[derive(Clone, Debug)]
 pub struct Decoder {
     command: Vec<OsString>,
-    /// How a call is written where it is not `command… VIEW FILE`.
+    /// The template of a call, if it is not `command… VIEW FILE`.
     pub(crate) template: Option<Template>,
-    /// Wall-clock time for one call.
+    /// Wall-clock limit of one call.
     pub timeout: Duration,
-    /// Bytes of memory that a call may hold, all its processes together.
+    /// Bytes of memory that all processes of a call may hold together.
     pub memory: u64,
-    /// Set when the run is to end: by the user, or because of trouble.
+    /// Set to end the run: by the user, or because of trouble.
     pub stop: Arc<AtomicBool>,
-    /// An exit status that means a refusal besides 65.
+    /// An exit status that means a refusal, in addition to 65.
     pub reject_exit: Option<i32>,
-    /// The locale it runs in: `C` by default.
+    /// The locale of the decoder: `C` by default.
     pub locale: String,
     trouble: Arc<OnceLock<String>>,
 }
@@ -54,20 +54,20 @@ pub struct Decoder {
 pub struct Request<'a, V = View> {
     /// A name for the file, without its suffix.
     pub name: &'a str,
-    /// What is asked for.
+    /// The requested view.
     pub view: &'a V,
     /// The file.
     pub file: &'a [u8],
-    /// The most bytes a frame of that file can have.
+    /// Maximum size of a frame of that file, in bytes.
     pub largest_frame: usize,
-    /// How many times the ordinary time limit the decoder gets: the first call may have to warm up.
+    /// Factor for the timeout: the first call may have to warm up.
     pub timeout_factor: u32,
-    /// Whether a process of its own is to answer, even where others are served.
+    /// True if a new process is to answer, even in serve mode.
     pub alone: bool,
 }
 
 impl<V> Request<'_, V> {
-    /// The most bytes that are read of an answer.
+    /// Returns the maximum number of bytes that are read of an answer.
     pub(crate) fn most(&self) -> usize {
         4 * self.largest_frame + 65_536
     }
@@ -82,16 +82,16 @@ pub struct Reply<T = Frame> {
     pub stderr: String,
     /// Its exit status, if it had one.
     pub exit: Option<i32>,
-    /// The request that the same process answered before, by its name.
+    /// The name of the request that the same process answered before.
     pub after: Option<String>,
-    /// What a serving process did instead of answering; the answer is then that of a process of its own.
+    /// Answer of a serving process that failed; `answer` is then that of a process started for this request.
     pub served: Option<Answer<T>>,
     /// Its standard output, as far as it was read.
     pub stdout: Vec<u8>,
 }
 
 impl<T> From<Answer<T>> for Reply<T> {
-    /// A reply of which nothing but the answer is known.
+    /// Makes a reply with nothing but an answer.
     fn from(answer: Answer<T>) -> Reply<T> {
         Reply {
             answer,
@@ -105,7 +105,7 @@ impl<T> From<Answer<T>> for Reply<T> {
 }
 
 impl<T> Reply<T> {
-    /// Whether it refuses by an exit status that also means something else.
+    /// Returns true if it refuses by an exit status that also has another meaning.
     #[must_use]
     pub fn is_weak(&self) -> bool {
         matches!(self.answer, Answer::Rejected)
@@ -113,36 +113,36 @@ impl<T> Reply<T> {
     }
 }
 
-/// One start of a decoder, whatever it is asked for.
+/// One start of a decoder, for any purpose.
 #[derive(Clone, Debug)]
 pub struct Invocation<'a> {
     /// The word before the file.
     pub view: &'a str,
-    /// What the file is called.
+    /// The name of the file.
     pub file_name: &'a str,
     /// The file.
     pub file: &'a [u8],
-    /// Most bytes of an answer.
+    /// Maximum number of bytes of an answer.
     pub most: usize,
-    /// How many times the ordinary time limit it gets.
+    /// Factor for the timeout.
     pub timeout_factor: u32,
 }
 
 /// The result of an invocation.
 #[derive(Clone, Debug)]
 pub struct CallResult {
-    /// Its answer, if the exit status is 0; otherwise what it did instead.
+    /// Its answer, if the exit status is 0; else what it did instead.
     pub output: Result<Vec<u8>, Answer>,
     /// The beginning of its standard error.
     pub stderr: String,
     /// Its exit status, if it had one.
     pub exit: Option<i32>,
-    /// Its standard output, where that is not the answer.
+    /// Its standard output, if that is not the answer.
     pub stdout: Vec<u8>,
 }
 
 impl CallResult {
-    /// Returns the reply, given what `read` makes of the output.
+    /// Returns the reply, with `read` applied to the output.
     pub(crate) fn into_reply<T>(
         self,
         read: impl FnOnce(&[u8]) -> std::result::Result<T, String>,
@@ -170,7 +170,7 @@ impl CallResult {
 }
 
 impl From<Answer> for CallResult {
-    /// A result without any output.
+    /// Makes a result without any output.
     fn from(answer: Answer) -> CallResult {
         CallResult {
             output: Err(answer),
@@ -181,9 +181,9 @@ impl From<Answer> for CallResult {
     }
 }
 
-/// Why a call has no result.
+/// The reason why a call has no result.
 pub(crate) enum Failure {
-    /// The program cannot be started, and why.
+    /// The program cannot be started, with the reason.
     NotStarted(String),
     /// This program could not do its part.
     Trouble(Trouble),
@@ -196,8 +196,8 @@ impl From<Trouble> for Failure {
 }
 
 impl Decoder {
-    /// A decoder under the ordinary limits, started as `program args… VIEW FILE`; words that name existing files are made
-    /// absolute, because calls run in directories of their own.
+    /// Makes a decoder with the default limits, started as `program args… VIEW FILE`. Words that name existing files are made
+    /// absolute, because calls run in their own directories.
     ///
     /// # Errors
     /// If the working directory is not known.
@@ -219,7 +219,7 @@ impl Decoder {
         })
     }
 
-    /// A program that is called as `template` says, under the same limits.
+    /// Makes a decoder with the default limits that is called by `template`.
     ///
     /// # Errors
     /// If the working directory is not known.
@@ -230,7 +230,7 @@ impl Decoder {
         })
     }
 
-    /// The same decoder under the same limits, called by a template.
+    /// Returns the same decoder with the same limits, called by a template.
     #[must_use]
     pub(crate) fn called_by(&self, template: Template) -> Decoder {
         Decoder {
@@ -239,18 +239,18 @@ impl Decoder {
         }
     }
 
-    /// Its command, with absolute paths.
+    /// Returns its command, with absolute paths.
     pub(crate) fn command(&self) -> &[OsString] {
         &self.command
     }
 
-    /// Why the run was stopped, if this program could not do its part; the run says nothing about the decoder then.
+    /// Returns why this program could not do its part and stopped the run, which then says nothing about the decoder.
     #[must_use]
     pub fn trouble(&self) -> Option<&str> {
         self.trouble.get().map(String::as_str)
     }
 
-    /// Asks once. `scratch` has the place where the file is laid down and the decoder runs.
+    /// Asks once. `scratch` provides the directories for the file and the decoder.
     #[must_use]
     pub fn ask(&self, request: &Request, scratch: &Scratch) -> Reply {
         let most = request.most();
@@ -267,17 +267,14 @@ impl Decoder {
         result.into_reply(|bytes| forms::read(bytes, request.view, most))
     }
 
-    /// Starts the decoder once and returns what it did, whatever that means.
+    /// Starts the decoder once and returns what it did.
     #[must_use]
     pub fn invoke(&self, invocation: &Invocation, scratch: &Scratch) -> CallResult {
-        self.persistently(|| self.attempt(invocation, scratch))
+        self.retry(|| self.attempt(invocation, scratch))
     }
 
-    /// Repeats a call while this program cannot do its part; stops the run if that lasts.
-    pub(crate) fn persistently(
-        &self,
-        attempt: impl Fn() -> Result<CallResult, Failure>,
-    ) -> CallResult {
+    /// Repeats a call while this program cannot do its part; stops the run if that persists.
+    pub(crate) fn retry(&self, attempt: impl Fn() -> Result<CallResult, Failure>) -> CallResult {
         let begin = Instant::now();
         let mut pause = Duration::from_millis(5);
         loop {
@@ -286,7 +283,7 @@ impl Decoder {
                 Err(Failure::NotStarted(why)) => return Answer::NotStarted(why).into(),
                 Err(Failure::Trouble(trouble)) => trouble.into_text(),
             };
-            if begin.elapsed() > TROUBLE_LASTS {
+            if begin.elapsed() > MAX_TROUBLE_TIME {
                 let _ = self.trouble.set(trouble.clone());
                 self.stop.store(true, Ordering::Relaxed);
             }
@@ -300,7 +297,7 @@ impl Decoder {
 
     fn attempt(&self, invocation: &Invocation, scratch: &Scratch) -> Result<CallResult, Failure> {
         let mut workspace = scratch.workspace()?;
-        // Its name says nothing of what is expected.
+        // The name of the file does not reveal what is expected.
         let input = workspace.lay_down(invocation.file_name, invocation.file)?;
         let workplace = &workspace.workplace;
         let output_file = match &self.template {
@@ -321,7 +318,7 @@ impl Decoder {
         Ok(result)
     }
 
-    /// The words of a call, the program's own among them.
+    /// Returns the words of a call, including the program.
     fn words(&self, view: &str, input: &Path, workplace: &Path) -> Vec<OsString> {
         match &self.template {
             Some(template) => template.words(view, input, workplace),
@@ -329,13 +326,13 @@ impl Decoder {
         }
     }
 
-    /// Its command with more words after it.
+    /// Returns its command, followed by more words.
     pub(crate) fn followed_by(&self, words: &[&OsStr]) -> Vec<OsString> {
         let more = words.iter().map(|&word| word.to_owned());
         self.command.iter().cloned().chain(more).collect()
     }
 
-    /// Runs a process of these words to its end.
+    /// Runs a process with these words to its end.
     pub(crate) fn call(
         &self,
         words: &[OsString],
@@ -355,7 +352,7 @@ impl Decoder {
         Ok(self.result(remains, &limits)?)
     }
 
-    /// Starts a process of these words.
+    /// Starts a process with these words.
     pub(crate) fn start(
         &self,
         words: &[OsString],
@@ -374,20 +371,20 @@ impl Decoder {
             .stderr(Stdio::piped())
             .process_group(0);
         let child = processes::start(&mut command).map_err(|error| {
-            // Another decoder may have taken the directory away.
+            // Another decoder may have removed the directory.
             if is_shortage(&error) || !workplace.is_dir() {
                 Trouble::new("start a process", &error).into()
             } else {
-                Failure::NotStarted(start::why_not(&words[0], &error))
+                Failure::NotStarted(start::start_failure(&words[0], &error))
             }
         })?;
         Ok(Call::new(child).map_err(|error| Trouble::new("follow a call", &error))?)
     }
 
-    /// What it prints, at most `most` bytes, if it is called with one word that is no view.
+    /// Calls it with one word that is not a view, and returns what it prints, at most `most` bytes.
     ///
     /// # Errors
-    /// What it did instead of printing and exiting with 0, in words.
+    /// A sentence that says what it did instead of printing and exiting with 0.
     pub(crate) fn print_out(
         &self,
         word: &str,
@@ -397,7 +394,7 @@ impl Decoder {
         if self.template.is_some() {
             return Err("its command line has no place for such a word".to_owned());
         }
-        let result = self.persistently(|| {
+        let result = self.retry(|| {
             let workspace = scratch.workspace()?;
             let words = self.followed_by(&[OsStr::new(word)]);
             self.call(&words, most, self.timeout, &workspace.workplace)
@@ -408,18 +405,18 @@ impl Decoder {
         })
     }
 
-    pub(crate) fn held_too_much(&self) -> Answer {
+    pub(crate) fn out_of_memory(&self) -> Answer {
         Answer::OutOfMemory(format!(
             "its processes held more than {} MiB",
             self.memory >> 20
         ))
     }
 
-    /// What the end of a call means.
+    /// Interprets the end of a call.
     fn result(&self, remains: Remains, limits: &CallLimits) -> Result<CallResult, Trouble> {
         let mut exit = None;
         let output = match remains.ended {
-            Ended::OutOfMemory => Err(self.held_too_much()),
+            Ended::OutOfMemory => Err(self.out_of_memory()),
             Ended::Stopped => Err(Answer::Hung(STOPPED.to_owned())),
             Ended::Flood => Err(Answer::Flooded(format!(
                 "more than {} bytes on standard output",
@@ -445,7 +442,7 @@ impl Decoder {
         })
     }
 
-    /// What an exit status means that is not 0.
+    /// Interprets an exit status other than 0.
     fn refusal(&self, status: ExitStatus) -> Result<Option<Answer>, Trouble> {
         let too_large = status.signal() == Some(Signal::XFSZ.as_raw());
         if too_large && processes::files_are_limited_from_outside() {
@@ -462,13 +459,13 @@ impl Decoder {
     }
 }
 
-/// What is said of a decoder whose input is not what it was.
+/// Message for a decoder that changed or removed its input.
 pub(crate) const TAMPERED: &str = "the file it was given is changed or gone";
 
-/// What is said of a call that was cut short.
+/// Message for a call that was cut short.
 pub(crate) const STOPPED: &str = "the run was ended by the user";
 
-/// How a process ended.
+/// Describes the end of a process.
 pub(crate) fn describe(status: ExitStatus) -> String {
     match status.signal() {
         Some(signal) => format!("killed by signal {signal}"),
@@ -476,7 +473,7 @@ pub(crate) fn describe(status: ExitStatus) -> String {
     }
 }
 
-/// What may be shown on a terminal: control characters but line feeds and tabs are escaped.
+/// Returns text that is safe on a terminal: control characters other than line feeds and tabs are escaped.
 pub(crate) fn printable(bytes: &[u8]) -> String {
     let text = String::from_utf8_lossy(bytes);
     let shown = |c: char| {

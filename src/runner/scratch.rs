@@ -1,8 +1,7 @@
-//! Where inputs lie and decoders work: directories that nobody else uses, gone when the run is over.
+//! Directories for inputs and for decoders, used by one run only and removed when it is over.
 //!
-//! Inputs lie in memory where the system has a place for that and the file fits, because files come and go there without
-//! waiting for a disk. Decoders work, and have their `TMPDIR`, where temporary files usually go: programs may be started
-//! from there.
+//! Inputs are written to a file system in memory if there is one and the file fits, because that needs no wait for a disk.
+//! Decoders work, and have their `TMPDIR`, in the usual place for temporary files, because programs may be started from there.
 
 use std::fs;
 use std::io::{self, Read, Write};
@@ -17,36 +16,36 @@ use tempfile::TempDir;
 
 use crate::runner::trouble::{Trouble, is_lack_of_room};
 
-/// A file system in memory, where there is one.
-const MEMORY: &str = "/dev/shm";
+/// A file system in memory, on systems that have one.
+const MEMORY_DIRECTORY: &str = "/dev/shm";
 
-/// Free bytes that a decoder may expect where it works.
-const ROOM_TO_WORK: u64 = 64 << 20;
+/// Minimum number of free bytes in the working directory of a decoder.
+const MIN_FREE_BYTES: u64 = 64 << 20;
 
-/// The directories of a run, each on a file system of its own.
+/// The directories of a run, each on a different file system.
 #[derive(Debug)]
 pub struct Scratch {
-    /// Where inputs go, best first: to the first one that has room.
+    /// Directories for inputs, best first; the first one that has room is used.
     roots: Vec<TempDir>,
-    /// Which of the roots decoders work in.
+    /// Index of the root that decoders work in.
     works: usize,
-    /// Workplaces that were left as they were found.
+    /// Workplaces that were left unchanged.
     free: Mutex<Vec<PathBuf>>,
     next: AtomicU64,
 }
 
 impl Scratch {
-    /// Makes the directories: in `TMPDIR` if it is set, else in memory and in `/tmp`; on other file systems too, for files
-    /// that do not fit there.
+    /// Makes the directories: in `TMPDIR` if it is set, else in memory and in `/tmp`; on other file systems too, for files that
+    /// do not fit there.
     ///
     /// # Errors
-    /// Those of the file system, if no directory can be made.
+    /// Errors of the file system, if no directory can be made.
     pub fn new() -> io::Result<Scratch> {
         let usual = std::env::temp_dir();
         let others = ["/var/tmp", "/tmp"].map(PathBuf::from);
         let candidates = match std::env::var_os("TMPDIR") {
-            Some(_) => [&[usual][..], &others, &[MEMORY.into()]].concat(),
-            None => [&[MEMORY.into(), usual][..], &others].concat(),
+            Some(_) => [&[usual][..], &others, &[MEMORY_DIRECTORY.into()]].concat(),
+            None => [&[MEMORY_DIRECTORY.into(), usual][..], &others].concat(),
         };
         let mut roots: Vec<TempDir> = Vec::new();
         let mut failure = None;
@@ -72,18 +71,18 @@ impl Scratch {
         })
     }
 
-    /// All directories.
+    /// Returns all directories.
     pub fn directories(&self) -> impl Iterator<Item = &Path> {
         self.roots.iter().map(TempDir::path)
     }
 
-    /// Where decoders work.
+    /// Returns the directory in which decoders work.
     #[must_use]
     pub fn works(&self) -> &Path {
         self.roots[self.works].path()
     }
 
-    /// A place for one process.
+    /// Returns a place for one process.
     pub(crate) fn workspace(&self) -> Result<Workspace<'_>, Trouble> {
         let name = self.next.fetch_add(1, Ordering::Relaxed).to_string();
         let known = self.free.lock().expect("nothing panics here").pop();
@@ -106,13 +105,13 @@ impl Scratch {
     }
 }
 
-/// The first root outside memory in which there is room to work; memory may not be executable, so it comes last.
+/// Returns the first root outside memory with enough free space; memory may not be executable, so it comes last.
 fn place_to_work(roots: &[TempDir]) -> usize {
     let has_room = |root: &TempDir| {
         rustix::fs::statvfs(root.path())
-            .is_ok_and(|system| system.f_bavail.saturating_mul(system.f_frsize) >= ROOM_TO_WORK)
+            .is_ok_and(|system| system.f_bavail.saturating_mul(system.f_frsize) >= MIN_FREE_BYTES)
     };
-    let on_disk = |&i: &usize| !roots[i].path().starts_with(MEMORY);
+    let on_disk = |&i: &usize| !roots[i].path().starts_with(MEMORY_DIRECTORY);
     (0..roots.len())
         .filter(on_disk)
         .find(|&i| has_room(&roots[i]))
@@ -128,18 +127,18 @@ impl Drop for Scratch {
     }
 }
 
-/// Directories for one process: what one leaves behind, even if it cannot be removed, meets no other.
+/// Directories for one process, which no other process uses, so that files that it leaves there affect no other.
 pub(crate) struct Workspace<'a> {
     scratch: &'a Scratch,
     name: String,
-    /// Where its inputs lie: a directory in each root that was needed.
+    /// The directories of its inputs, one in each root that was needed.
     directories: Vec<PathBuf>,
-    /// Where it works.
+    /// Its working directory.
     pub(crate) workplace: PathBuf,
 }
 
 impl Workspace<'_> {
-    /// Writes an input, read-only, where there is room for it.
+    /// Writes an input, read-only, to the first root with room for it.
     pub(crate) fn lay_down(&mut self, file_name: &str, bytes: &[u8]) -> Result<PathBuf, Trouble> {
         let mut failure = None;
         for root in self.scratch.directories() {
@@ -169,7 +168,7 @@ impl Workspace<'_> {
         Err(Trouble::new(&what, &error))
     }
 
-    /// `text` without the directories of its inputs: where a file lay is nothing to report; its name is.
+    /// Returns `text` without the directories of its inputs: reports have file names, but not temporary directories.
     pub(crate) fn without_directories(&self, text: &str) -> String {
         let directories = self.directories.iter();
         directories.fold(text.to_owned(), |text, directory| {
@@ -180,7 +179,7 @@ impl Workspace<'_> {
 
 impl Drop for Workspace<'_> {
     fn drop(&mut self) {
-        // What cannot be removed stays: it is no fault of the answer.
+        // What cannot be removed stays; the answer is not affected.
         for directory in &self.directories {
             remove(directory);
         }
@@ -202,7 +201,7 @@ fn write_read_only(path: &Path, bytes: &[u8]) -> io::Result<()> {
     file.write_all(bytes)
 }
 
-/// Whether an input is still the file it was. It may have become anything, a pipe or a link too, and may still change.
+/// Returns true if an input is unchanged. It may have become a pipe, a link or anything else, and may still change.
 pub(crate) fn is_untouched(path: &Path, bytes: &[u8]) -> Result<bool, Trouble> {
     let carefully = OFlags::NOFOLLOW | OFlags::NONBLOCK;
     let open = fs::OpenOptions::new()
@@ -232,14 +231,14 @@ pub(crate) fn is_untouched(path: &Path, bytes: &[u8]) -> Result<bool, Trouble> {
             .is_ok_and(|_| read == bytes))
 }
 
-/// Whether it is still an empty directory, and ours.
+/// Returns true if it is still an empty directory with our owner and mode.
 fn is_untouched_directory(directory: &Path) -> bool {
     let ours = |file: fs::Metadata| file.is_dir() && file.permissions().mode() & 0o700 == 0o700;
     fs::symlink_metadata(directory).is_ok_and(ours)
         && fs::read_dir(directory).is_ok_and(|mut entries| entries.next().is_none())
 }
 
-/// Removes a directory, and what a decoder has locked in it; what cannot be removed stays.
+/// Removes a directory and its contents, even if a decoder has locked some. What cannot be removed stays.
 pub fn remove(directory: &Path) {
     if fs::remove_dir_all(directory).is_err() {
         unlock(directory);
@@ -247,7 +246,7 @@ pub fn remove(directory: &Path) {
     }
 }
 
-/// Makes all directories below this one ours again; links are not followed.
+/// Restores the permissions of all directories below this one; links are not followed.
 fn unlock(directory: &Path) {
     let is_directory = |path: &Path| fs::symlink_metadata(path).is_ok_and(|file| file.is_dir());
     if is_directory(directory) {

@@ -2,13 +2,13 @@
 //!
 //! ```text
 //! to the decoder    SEQ VIEW PATH
-//! from it           SEQ ok NBYTES, a line feed and a frame of NBYTES bytes, its own line included
+//! from it           SEQ ok NBYTES, a line feed and a frame of NBYTES bytes, including the line of the frame
 //!                   SEQ reject 65
 //!                   SEQ unsupported FEATURE
 //! ```
 //!
-//! Each job has a process of its own with one request in flight. A process that dies, hangs or answers out of order is
-//! ended, the request is charged to it and asked again of a process of its own, and the next request starts another one.
+//! Each job has its own process with one request in flight. A process that dies, hangs or answers out of order is ended. Its
+//! request is repeated with a new process, and the next request starts another serving process.
 
 use std::ffi::OsStr;
 use std::fs;
@@ -21,7 +21,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
 
 use crate::protocol::frame::{Answer, EXIT_MALFORMED, Frame};
-use crate::runner::call::{A_YEAR, Call, LOOK};
+use crate::runner::call::{Call, MAX_WAIT, POLL_INTERVAL};
 use crate::runner::processes;
 use crate::runner::run::{
     Decoder, Failure, Reply, Request, STOPPED, TAMPERED, describe, printable,
@@ -29,9 +29,9 @@ use crate::runner::run::{
 use crate::runner::scratch::{Scratch, Workspace, is_untouched};
 use crate::runner::trouble::Trouble;
 
-/// Why a request has no answer from the process that was asked.
+/// The reason why a request has no answer from the serving process.
 enum Unanswered {
-    /// What it did instead.
+    /// The serving process did this instead.
     Violation(Answer),
     /// This program could not do its part.
     Trouble,
@@ -44,7 +44,7 @@ impl From<Answer> for Unanswered {
 }
 
 impl From<Trouble> for Unanswered {
-    /// The request is repeated one-shot, where trouble that persists stops the run.
+    /// Ignores trouble: the request is repeated one-shot, where persistent trouble stops the run.
     fn from(_: Trouble) -> Unanswered {
         Unanswered::Trouble
     }
@@ -56,26 +56,26 @@ impl From<std::io::Error> for Unanswered {
     }
 }
 
-/// Longest first line of an answer.
-const LONGEST_LINE: usize = 1000;
-/// So many requests without a single answer, and nobody is served any more.
-const BARREN: usize = 2;
-/// How long a process may take to end, or to show what it has kept back, when its standard input is closed.
-const GRACE: Duration = Duration::from_secs(2);
+/// Maximum length of the first line of an answer.
+const MAX_LINE_LENGTH: usize = 1000;
+/// Number of requests without a single answer after which serve mode is given up.
+const MAX_UNANSWERED: usize = 2;
+/// Time for a process to end, or to flush its output, after its standard input is closed.
+const GRACE_PERIOD: Duration = Duration::from_secs(2);
 
 /// The serving processes of a run, one for each job.
 pub struct Servers<'a> {
     decoder: &'a Decoder,
     scratch: &'a Scratch,
     jobs: Vec<Mutex<Option<Server<'a>>>>,
-    /// Requests answered by any of them.
+    /// Requests answered by any of the processes.
     answered: AtomicUsize,
-    /// Requests that none has answered, while no request has been.
+    /// Requests without an answer, counted until the first answer.
     barren: AtomicUsize,
 }
 
 impl<'a> Servers<'a> {
-    /// No process is started before it is needed.
+    /// Starts no process yet; each is started when it is needed.
     #[must_use]
     pub fn new(decoder: &'a Decoder, scratch: &'a Scratch, jobs: usize) -> Servers<'a> {
         Servers {
@@ -87,7 +87,7 @@ impl<'a> Servers<'a> {
         }
     }
 
-    /// Asks the process of `job`; or a process of its own if the request says so, or if serving leads nowhere.
+    /// Asks the process of `job`, or a new process if the request wants that or serve mode was given up.
     #[must_use]
     pub fn ask(&self, request: &Request, job: usize) -> Reply {
         if request.alone || self.have_given_up() {
@@ -98,7 +98,7 @@ impl<'a> Servers<'a> {
             Some(server) => Ok(server),
             None => Server::start(self.decoder, self.scratch),
         };
-        // What cannot be started cannot be started alone either, and says why.
+        // If a server cannot be started, neither can a single process, which reports the reason.
         let Ok(mut server) = started else {
             return self.decoder.ask(request, self.scratch);
         };
@@ -124,7 +124,7 @@ impl<'a> Servers<'a> {
             true => served.clone().into(),
             false => self.decoder.ask(request, self.scratch),
         };
-        // A file that it cannot bear alone either is no matter of serving.
+        // If the decoder fails alone on this file too, serve mode is not the cause.
         let served = alone.answer.violation().is_none().then_some(served);
         Reply {
             after,
@@ -133,17 +133,17 @@ impl<'a> Servers<'a> {
         }
     }
 
-    /// Whether the first requests went unanswered, so that nobody is served any more.
+    /// Returns true if the first requests had no answer, so that serve mode was given up.
     #[must_use]
     pub fn have_given_up(&self) -> bool {
-        self.barren.load(Ordering::Relaxed) >= BARREN
+        self.barren.load(Ordering::Relaxed) >= MAX_UNANSWERED
     }
 }
 
 /// A serving process.
 struct Server<'a> {
     call: Call,
-    /// Nothing once it is closed.
+    /// None after it is closed.
     stdin: Option<OwnedFd>,
     workspace: Workspace<'a>,
     /// The file of the last request.
@@ -152,7 +152,7 @@ struct Server<'a> {
     sequence: u64,
     /// The name of the last request.
     before: Option<String>,
-    /// When its memory was measured last.
+    /// Time of the last memory measurement.
     measured: Instant,
 }
 
@@ -177,17 +177,17 @@ impl<'a> Server<'a> {
         })
     }
 
-    /// Asks once. After an error the process is of no use.
+    /// Asks once. After an error the process is of no further use.
     fn ask(&mut self, request: &Request, decoder: &Decoder) -> Result<Reply, Unanswered> {
         self.sequence += 1;
         self.call.errors.clear();
-        self.call.read_what_is_there(LONGEST_LINE)?;
+        self.call.read_what_is_there(MAX_LINE_LENGTH)?;
         self.expect_silence("it wrote", "before it was asked")?;
         let name = format!("{}.ptm", self.sequence);
         let input = self.workspace.lay_down(&name, request.file)?;
         let outcome = self.exchange(&input, request, decoder);
         let untouched = is_untouched(&input, request.file);
-        // An answer may have come too early, and the file be read later; what stays is removed with its directory.
+        // The decoder may answer too early and read the file later; what is left is removed with its directory.
         if let Some(last) = self.input.replace(input) {
             let _ = fs::remove_file(last);
         }
@@ -203,7 +203,7 @@ impl<'a> Server<'a> {
         })
     }
 
-    /// Nothing may have been written that is not an answer.
+    /// Fails if the process has written anything that is not an answer.
     fn expect_silence(&self, before: &str, after: &str) -> Result<(), Answer> {
         if self.call.output.is_empty() {
             Ok(())
@@ -222,7 +222,7 @@ impl<'a> Server<'a> {
     ) -> Result<Answer, Unanswered> {
         let most = request.most();
         let limit = decoder.timeout.saturating_mul(request.timeout_factor);
-        let deadline = Instant::now() + limit.min(A_YEAR);
+        let deadline = Instant::now() + limit.min(MAX_WAIT);
         let line = [
             format!("{} {} ", self.sequence, request.view).as_bytes(),
             input.as_os_str().as_bytes(),
@@ -236,7 +236,7 @@ impl<'a> Server<'a> {
                 return Ok(answer);
             }
             if self.call.has_ended() {
-                // It may have written its last words since.
+                // The process may have written its last words since.
                 return match self.read_answer(most, decoder)? {
                     Some(answer) => Ok(answer),
                     None => Err(self.ended().into()),
@@ -252,12 +252,12 @@ impl<'a> Server<'a> {
             self.measure(decoder)?;
             let writing = self.stdin.as_ref().filter(|_| !unsent.is_empty());
             self.call
-                .wait_for_news(writing.map(AsFd::as_fd), left.min(LOOK))?;
-            self.call.read_what_is_there(most + LONGEST_LINE)?;
+                .wait_for_news(writing.map(AsFd::as_fd), left.min(POLL_INTERVAL))?;
+            self.call.read_what_is_there(most + MAX_LINE_LENGTH)?;
         }
     }
 
-    /// Sends what can be sent without waiting. A process that takes nothing any more shows in other ways.
+    /// Sends what can be sent without waiting. A process that does not read its input is noticed by the timeout.
     fn send(&self, unsent: &mut &[u8]) -> std::io::Result<()> {
         while let (false, Some(stdin)) = (unsent.is_empty(), &self.stdin) {
             match rustix::io::write(stdin, unsent) {
@@ -276,11 +276,11 @@ impl<'a> Server<'a> {
         most: usize,
         decoder: &Decoder,
     ) -> Result<Option<Answer>, Unanswered> {
-        self.call.read_what_is_there(most + LONGEST_LINE)?;
+        self.call.read_what_is_there(most + MAX_LINE_LENGTH)?;
         Ok(self.answer(most, decoder)?)
     }
 
-    /// Takes the answer out of what has been read, if it is there as a whole.
+    /// Takes the answer from what has been read, if it is complete.
     fn answer(&mut self, most: usize, decoder: &Decoder) -> Result<Option<Answer>, Answer> {
         let read = read_answer(&self.call.output, self.sequence, most, decoder.reject_exit);
         let taken = read.map_err(Answer::ProtocolError)?;
@@ -290,19 +290,19 @@ impl<'a> Server<'a> {
         }))
     }
 
-    /// Whether it holds too much memory; looked at now and then.
+    /// Fails if the process holds too much memory; measures at intervals.
     fn measure(&mut self, decoder: &Decoder) -> Result<(), Answer> {
-        if self.measured.elapsed() < LOOK || !processes::can_be_watched() {
+        if self.measured.elapsed() < POLL_INTERVAL || !processes::can_be_watched() {
             return Ok(());
         }
         self.measured = Instant::now();
         if processes::memory_of(self.call.group, &self.workspace.workplace) > decoder.memory {
-            return Err(decoder.held_too_much());
+            return Err(decoder.out_of_memory());
         }
         Ok(())
     }
 
-    /// It has ended and owes an answer.
+    /// Returns the answer for a process that ended before it answered.
     fn ended(&mut self) -> Answer {
         let answered = self.sequence - 1;
         let how = self.call.end(&self.workspace.workplace).map(describe);
@@ -312,15 +312,15 @@ impl<'a> Server<'a> {
         ))
     }
 
-    /// It has not answered in time. What it shows when its input is closed, it had kept back.
+    /// Returns the answer after a timeout. If the process answers when its input is closed, it had buffered its output.
     fn hung(&mut self, most: usize, limit: Duration, decoder: &Decoder) -> Answer {
         drop(self.stdin.take());
-        let deadline = Instant::now() + GRACE;
+        let deadline = Instant::now() + GRACE_PERIOD;
         let mut kept_back = false;
         while !kept_back && Instant::now() < deadline {
             let ended = self.call.has_ended();
             kept_back = matches!(self.read_answer(most, decoder), Ok(Some(_)));
-            if ended || self.call.wait_for_news(None, LOOK).is_err() {
+            if ended || self.call.wait_for_news(None, POLL_INTERVAL).is_err() {
                 break;
             }
         }
@@ -337,13 +337,13 @@ impl<'a> Server<'a> {
 
 impl Drop for Server<'_> {
     fn drop(&mut self) {
-        // The end of its input is the end of its work; who does not heed it is killed.
+        // A server ends when its input ends; a process that does not is killed.
         drop(self.stdin.take());
-        let deadline = Instant::now() + GRACE / 4;
+        let deadline = Instant::now() + GRACE_PERIOD / 4;
         while !self.call.has_ended() && Instant::now() < deadline {
-            let _ = self.call.wait_for_news(None, LOOK);
-            let _ = self.call.read_what_is_there(LONGEST_LINE);
-            if self.call.output.len() > LONGEST_LINE {
+            let _ = self.call.wait_for_news(None, POLL_INTERVAL);
+            let _ = self.call.read_what_is_there(MAX_LINE_LENGTH);
+            if self.call.output.len() > MAX_LINE_LENGTH {
                 break;
             }
         }
@@ -351,17 +351,17 @@ impl Drop for Server<'_> {
     }
 }
 
-/// The answer to request `sequence` at the beginning of `bytes`, and its length; nothing while it is not there as a
-/// whole. The error is a sentence.
+/// Reads the answer to request `sequence` at the beginning of `bytes`, and its length; returns None while it is incomplete. The
+/// error is a sentence.
 fn read_answer(
     bytes: &[u8],
     sequence: u64,
     most: usize,
     reject_exit: Option<i32>,
 ) -> Result<Option<(Answer, usize)>, String> {
-    let mut beginning = bytes.iter().take(LONGEST_LINE);
+    let mut beginning = bytes.iter().take(MAX_LINE_LENGTH);
     let Some(end) = beginning.position(|&byte| byte == b'\n') else {
-        return match bytes.len() >= LONGEST_LINE {
+        return match bytes.len() >= MAX_LINE_LENGTH {
             true => Err(format!(
                 "its answer begins with {} and has no line end",
                 quoted(bytes)
@@ -400,7 +400,7 @@ fn read_answer(
     }
 }
 
-/// The frame of `length` bytes at the beginning of `bytes`; nothing while it is not there as a whole.
+/// Reads the frame of `length` bytes at the beginning of `bytes`; returns None while it is incomplete.
 fn read_frame(bytes: &[u8], length: u64, most: usize) -> Result<Option<Answer>, String> {
     if length > most as u64 {
         return Err(format!(
@@ -416,7 +416,7 @@ fn read_frame(bytes: &[u8], length: u64, most: usize) -> Result<Option<Answer>, 
     Ok(Some(Answer::Decoded(frame)))
 }
 
-/// What to say of a line that is no answer.
+/// Returns the message for a line that is not an answer.
 fn unexpected(line: &[u8], sequence: u64) -> String {
     let hint = match line {
         [.., b'\r'] => "; is standard output in text mode?",
@@ -435,7 +435,7 @@ fn digits(word: &[u8]) -> Option<u64> {
     number.parse().ok().filter(|_| plain)
 }
 
-/// The beginning of some bytes, for a sentence.
+/// Quotes the beginning of `bytes` for a message.
 fn quoted(bytes: &[u8]) -> String {
     let shown = &bytes[..bytes.len().min(40)];
     let more = if bytes.len() > shown.len() { "…" } else { "" };

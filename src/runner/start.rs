@@ -1,7 +1,6 @@
-//! Why a program does not start, and what to do about it.
+//! Reasons why a program does not start, and what to do about them.
 //!
-//! The system's own word for it ("no such file or directory") often names the wrong thing: the file is there, and what
-//! is missing is its interpreter.
+//! The system's own message ("no such file or directory") is often misleading: the file exists, but its interpreter does not.
 
 use std::ffi::OsStr;
 use std::fs;
@@ -9,14 +8,14 @@ use std::io::{self, Read};
 use std::os::unix::fs::PermissionsExt;
 use std::path::{Path, PathBuf};
 
-/// What keeps a program from being started, and what to do.
+/// The reason why a program cannot be started, and what to do.
 pub(crate) type Obstacle = (String, String);
 
-/// What to say of `program`, which did not start because of `error`.
-pub(crate) fn why_not(program: &OsStr, error: &io::Error) -> String {
-    // Where it lies is nothing to report; its name is.
+/// Returns the message for `program`, which did not start because of `error`.
+pub(crate) fn start_failure(program: &OsStr, error: &io::Error) -> String {
+    // The report shows its name, but not its directory.
     let name = Path::new(program).file_name().unwrap_or(program);
-    match look(program, &name.to_string_lossy()) {
+    match check_program(program, &name.to_string_lossy()) {
         Err((says, next)) => format!("{says}; {next}"),
         Ok(()) if error.kind() == io::ErrorKind::NotFound => format!(
             "{}: the file is there, so its loader is missing: is it built for another C library? See ldd",
@@ -26,11 +25,11 @@ pub(crate) fn why_not(program: &OsStr, error: &io::Error) -> String {
     }
 }
 
-/// Looks at a program before it is started. `text` is what to call it.
+/// Checks a program before it is started. `text` is its name in messages.
 ///
 /// # Errors
-/// What keeps it from being started, and what to do.
-pub(crate) fn look(word: &OsStr, text: &str) -> Result<(), Obstacle> {
+/// The reason why it cannot be started, and what to do.
+pub(crate) fn check_program(word: &OsStr, text: &str) -> Result<(), Obstacle> {
     let here = Path::new(word);
     let is_path = word.as_encoded_bytes().contains(&b'/');
     if here.is_dir() {
@@ -67,7 +66,7 @@ pub(crate) fn look(word: &OsStr, text: &str) -> Result<(), Obstacle> {
     }
     let beginning = beginning(&program);
     if about.permissions().mode() & 0o111 == 0 {
-        if let Some(language) = source_of(text) {
+        if let Some(language) = source_language(text) {
             return Err(source(text, language));
         }
         return Err((
@@ -80,10 +79,10 @@ pub(crate) fn look(word: &OsStr, text: &str) -> Result<(), Obstacle> {
             },
         ));
     }
-    look_at_beginning(text, &beginning)
+    check_beginning(text, &beginning)
 }
 
-/// A command that was not found: perhaps it is several words in one.
+/// Returns the message for a command that was not found, which may be several words in one.
 fn missing(text: &str, says: &str) -> Obstacle {
     let next = if text.contains(' ') {
         format!("the command is several words: write them without quotation marks, -- {text}")
@@ -100,7 +99,7 @@ fn in_path(word: &OsStr) -> Option<PathBuf> {
         .find(|path| path.is_file())
 }
 
-/// The first bytes of a file; none of one that cannot be read, which can run all the same.
+/// Returns the first bytes of a file; none if it cannot be read, in which case it may still be executable.
 fn beginning(path: &Path) -> Vec<u8> {
     let mut bytes = Vec::new();
     if fs::metadata(path).is_ok_and(|about| about.is_file()) {
@@ -109,7 +108,7 @@ fn beginning(path: &Path) -> Vec<u8> {
     bytes
 }
 
-/// Beginnings of files that this system cannot run by themselves: what they are, and what to do.
+/// First bytes of files that this system cannot run by themselves: their kind, and what to do.
 const OTHER_KINDS: [(&[u8], &str, &str); 6] = [
     (
         b"MZ",
@@ -134,8 +133,8 @@ const OTHER_KINDS: [(&[u8], &str, &str); 6] = [
 const MACH: &str = "a macOS program, or a Java class";
 const MACH_REMEDY: &str = "build it for this system; run a class by java";
 
-/// What the system needs to know to run a file stands at its beginning.
-fn look_at_beginning(text: &str, beginning: &[u8]) -> Result<(), Obstacle> {
+/// Checks the beginning of a file, which tells the system how to run it.
+fn check_beginning(text: &str, beginning: &[u8]) -> Result<(), Obstacle> {
     if beginning.is_empty() {
         return Err((
             format!("{text} is empty"),
@@ -143,10 +142,10 @@ fn look_at_beginning(text: &str, beginning: &[u8]) -> Result<(), Obstacle> {
         ));
     }
     if let Some(line) = beginning.strip_prefix(b"#!") {
-        return look_at_first_line(text, line);
+        return check_first_line(text, line);
     }
     if let [0x7f, b'E', b'L', b'F', ..] = beginning {
-        return look_at_elf(text, beginning);
+        return check_elf(text, beginning);
     }
     let mut kinds = OTHER_KINDS.iter();
     let kind = kinds.find(|(first, what, _)| {
@@ -154,7 +153,7 @@ fn look_at_beginning(text: &str, beginning: &[u8]) -> Result<(), Obstacle> {
     });
     Err(if let Some((_, what, next)) = kind {
         (format!("{text} is {what}"), (*next).to_owned())
-    } else if let Some(language) = source_of(text) {
+    } else if let Some(language) = source_language(text) {
         source(text, language)
     } else {
         let interpreter = interpreter_for(text).unwrap_or("python3");
@@ -167,8 +166,8 @@ fn look_at_beginning(text: &str, beginning: &[u8]) -> Result<(), Obstacle> {
     })
 }
 
-/// `line` is what follows `#!`, and more.
-fn look_at_first_line(text: &str, line: &[u8]) -> Result<(), Obstacle> {
+/// Checks the line after `#!`; `line` may contain more than that line.
+fn check_first_line(text: &str, line: &[u8]) -> Result<(), Obstacle> {
     let end = line.iter().position(|&byte| byte == b'\n');
     let line = &line[..end.unwrap_or(line.len())];
     if line.ends_with(b"\r") {
@@ -192,7 +191,7 @@ fn look_at_first_line(text: &str, line: &[u8]) -> Result<(), Obstacle> {
     Ok(())
 }
 
-fn look_at_elf(text: &str, beginning: &[u8]) -> Result<(), Obstacle> {
+fn check_elf(text: &str, beginning: &[u8]) -> Result<(), Obstacle> {
     let Some(&[low, high]) = beginning.get(18..20) else {
         return Ok(());
     };
@@ -212,7 +211,7 @@ fn look_at_elf(text: &str, beginning: &[u8]) -> Result<(), Obstacle> {
     ))
 }
 
-/// The name of an ELF machine, and whether this program is of it.
+/// Returns the name of an ELF machine, and true if this system runs its programs.
 fn machine_name(machine: u16) -> (String, bool) {
     let known = [
         (3, "x86"),
@@ -230,7 +229,7 @@ fn machine_name(machine: u16) -> (String, bool) {
         .iter()
         .find(|&&(number, _)| number == machine)
         .map(|&(_, name)| name);
-    // A machine of 64 bits runs the programs of its predecessor too; what is not known is left to the system.
+    // 64-bit machines run the programs of their 32-bit predecessors too. Unknown machines are left to the system.
     let runs = [("x86_64", "x86"), ("aarch64", "arm")]
         .contains(&(std::env::consts::ARCH, name.unwrap_or_default()));
     let ours = name.is_none_or(|name| name == std::env::consts::ARCH) || runs;
@@ -240,7 +239,7 @@ fn machine_name(machine: u16) -> (String, bool) {
     )
 }
 
-/// What runs a script, by its suffix.
+/// Returns the interpreter for a script, by its suffix.
 fn interpreter_for(text: &str) -> Option<&'static str> {
     let suffixes = [
         (".py", "python3"),
@@ -267,8 +266,8 @@ fn source(text: &str, language: &str) -> Obstacle {
     )
 }
 
-/// The language of a file that is compiled before it runs, by its suffix.
-fn source_of(text: &str) -> Option<&'static str> {
+/// Returns the language of a source file that must be compiled, by its suffix.
+fn source_language(text: &str) -> Option<&'static str> {
     let languages = [
         (".c", "C"),
         (".cc", "C++"),

@@ -1,7 +1,7 @@
 //! Command lines for programs that do not speak the decoder protocol: `viewer -u {lu} -v {lv} {in} -o {out}.png`.
 //!
-//! The text is split as a shell splits it, and no shell sees it. A placeholder may stand anywhere in a word, so paths with
-//! spaces stay one word. `{{` and `}}` are braces.
+//! The text is split as a shell would split it, without a shell. A placeholder may be anywhere in a word, so paths with spaces
+//! stay one word. `{{` and `}}` are braces.
 
 use std::ffi::{OsStr, OsString};
 use std::fs::File;
@@ -15,7 +15,7 @@ use rustix::io::Errno;
 use crate::protocol::frame::Answer;
 use crate::runner::trouble::{Trouble, is_shortage};
 
-/// A command line with places for what changes from call to call.
+/// A command line with placeholders for the values that change from call to call.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Template {
     words: Vec<Vec<Piece>>,
@@ -26,12 +26,12 @@ pub struct Template {
 enum Piece {
     Text(OsString),
     In,
-    /// The file to be written, with what follows in the word: viewers go by the suffix.
+    /// The file to be written, with the rest of the word: viewers choose the format by the suffix.
     Out(String),
     Lu,
     Lv,
     View,
-    /// A value of what is asked, by its name.
+    /// A named value of the request.
     Value(String),
 }
 
@@ -39,7 +39,7 @@ enum Piece {
 const OUTPUT: &str = "picture";
 
 impl Template {
-    /// Reads a template. Words that name existing files are made absolute, because calls run in directories of their own.
+    /// Parses a template. Words that name existing files are made absolute, because calls run in their own directories.
     ///
     /// # Errors
     /// A sentence that says what is wrong with it.
@@ -54,7 +54,7 @@ impl Template {
         Ok(template)
     }
 
-    /// Reads a template for a program that writes `{out}`. Besides it, placeholders are `{in}` and `names`.
+    /// Parses a template for a program that writes `{out}`. Other placeholders are `{in}` and `names`.
     ///
     /// # Errors
     /// A sentence that says what is wrong with it.
@@ -79,7 +79,7 @@ impl Template {
         Ok(template)
     }
 
-    /// The words of a template, the first of which is a program.
+    /// Splits a template into words, the first of which is a program.
     fn split(text: &str, names: &[&str]) -> Result<Template, String> {
         let words =
             shlex::split(text).ok_or("a quotation in it has no end, or a backslash ends it")?;
@@ -95,7 +95,7 @@ impl Template {
         }
     }
 
-    /// The words of `command`, each as it is; a placeholder is a word by itself.
+    /// Makes a template of the words of `command`, unchanged; a placeholder is a word by itself.
     #[must_use]
     pub fn of_words(command: &[OsString]) -> Template {
         let piece = |word: &OsString| match word.to_str() {
@@ -109,13 +109,13 @@ impl Template {
         }
     }
 
-    /// Whether the view is a word of the call, so that a call can ask for any.
+    /// Returns true if the view is a word of the call, so that a call can ask for any view.
     #[must_use]
     pub fn names_view(&self) -> bool {
         self.pieces().any(|piece| *piece == Piece::View)
     }
 
-    /// Whether both directions of the light are there.
+    /// Returns true if both coordinates of the light occur.
     #[must_use]
     pub fn names_light(&self) -> bool {
         [Piece::Lu, Piece::Lv]
@@ -123,26 +123,26 @@ impl Template {
             .all(|wanted| self.pieces().any(|piece| piece == wanted))
     }
 
-    /// The words of a call that asks for `view`, reads `input` and works in `workplace`. A view without a light has the
+    /// Returns the words of a call that asks for `view`, reads `input` and works in `workplace`. A view without a light has the
     /// light 0, 0.
     pub(crate) fn words(&self, view: &str, input: &Path, workplace: &Path) -> Vec<OsString> {
         let light = view.strip_prefix("rgb:").unwrap_or("0,0");
         let (lu, lv) = light.split_once(',').unwrap_or((light, "0"));
-        self.filled(input, workplace, &|piece| match piece {
+        self.fill(input, workplace, &|piece| match piece {
             Piece::Lu => lu.into(),
             Piece::Lv => lv.into(),
             _ => view.into(),
         })
     }
 
-    /// The words of a call that carries out the request in `input`, whose values have names.
+    /// Returns the words of a call that carries out the request in `input`, with named values.
     pub(crate) fn words_of_values(
         &self,
         input: &Path,
         workplace: &Path,
         values: &[(&str, OsString)],
     ) -> Vec<OsString> {
-        self.filled(input, workplace, &|piece| {
+        self.fill(input, workplace, &|piece| {
             let of_name = values
                 .iter()
                 .find(|(name, _)| matches!(piece, Piece::Value(of) if of == name));
@@ -150,7 +150,7 @@ impl Template {
         })
     }
 
-    fn filled(
+    fn fill(
         &self,
         input: &Path,
         workplace: &Path,
@@ -166,8 +166,8 @@ impl Template {
         self.words.iter().map(joined).collect()
     }
 
-    /// The file that a call writes, if it writes one. To be asked before the call: `workplace` is opened and kept, so
-    /// that what the program puts in its place meets nobody.
+    /// Returns the file that a call writes, if it writes one. Called before the call: `workplace` is opened and kept open, so
+    /// that a directory that the program puts in its place has no effect.
     pub(crate) fn output_file(&self, workplace: &Path) -> Result<Option<OutputFile>, Trouble> {
         let Some(suffix) = self.outputs().next() else {
             return Ok(None);
@@ -193,7 +193,7 @@ impl Template {
     }
 }
 
-/// The pieces of a word.
+/// Splits a word into pieces.
 fn pieces(word: &str, is_program: bool, names: &[&str]) -> Result<Vec<Piece>, String> {
     let mut pieces = Vec::new();
     let mut text = String::new();
@@ -249,7 +249,7 @@ fn pieces(word: &str, is_program: bool, names: &[&str]) -> Result<Vec<Piece>, St
     Ok(pieces)
 }
 
-/// The name of the placeholder at the beginning of `text`, and what follows it.
+/// Returns the name of the placeholder at the beginning of `text`, and the rest of `text`.
 fn placeholder(text: &str) -> Option<(&str, &str)> {
     let (name, after) = text.strip_prefix('{')?.split_once('}')?;
     let is_name = !name.is_empty()
@@ -259,8 +259,7 @@ fn placeholder(text: &str) -> Option<(&str, &str)> {
     is_name.then_some((name, after))
 }
 
-/// A word of a command; if it names an existing file, from the root on. A bare program name is looked up in PATH and
-/// nowhere else.
+/// Makes a word of a command absolute if it names an existing file. A bare program name is looked up in PATH only.
 pub(crate) fn absolute(word: &OsStr, is_program: bool) -> Result<OsString, String> {
     let path = Path::new(word);
     let names_file = path.exists() && (!is_program || path.components().count() > 1);
@@ -280,7 +279,7 @@ pub(crate) struct OutputFile {
 }
 
 impl OutputFile {
-    /// Whether there is a regular file of more than `most` bytes.
+    /// Returns true if there is a regular file of more than `most` bytes.
     pub(crate) fn is_longer_than(&self, most: usize) -> bool {
         let about = rustix::fs::statat(&self.directory, &self.name, AtFlags::SYMLINK_NOFOLLOW);
         about.is_ok_and(|about| {
@@ -289,7 +288,7 @@ impl OutputFile {
         })
     }
 
-    /// What is in it, at most `most` bytes. No link is followed and nothing but a plain file opened.
+    /// Reads at most `most` bytes of it. Follows no link and opens nothing but a regular file.
     pub(crate) fn read(&self, most: usize) -> Result<Result<Vec<u8>, Answer>, Trouble> {
         let fault = |what: &str| {
             Ok(Err(Answer::ProtocolError(format!(

@@ -1,4 +1,4 @@
-//! What this program could not do for a call: no space on a disk, no open files, no more processes.
+//! Failures of this program to do its part of a call: a full disk, too many open files or processes.
 //!
 //! Such trouble says nothing about the decoder. The call is repeated, and if the trouble persists, the run ends.
 
@@ -6,11 +6,11 @@ use std::io;
 
 use rustix::io::Errno;
 
-/// Something that this program could not do, with what helps.
+/// Something that this program could not do, with a remedy.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Trouble(String);
 
-/// What helps against the shortages that are known.
+/// Remedies for known shortages.
 const REMEDIES: [(&[Errno], &str); 6] = [
     (
         &[Errno::NOSPC, Errno::DQUOT],
@@ -33,7 +33,7 @@ const REMEDIES: [(&[Errno], &str); 6] = [
 ];
 
 impl Trouble {
-    /// `what` could not be done because of `error`.
+    /// Makes the message for `what`, which could not be done because of `error`.
     pub(crate) fn new(what: &str, error: &io::Error) -> Trouble {
         let known = Errno::from_io_error(error).and_then(|error| {
             let mut remedies = REMEDIES.iter();
@@ -43,13 +43,13 @@ impl Trouble {
         Trouble(format!("cannot {what}: {error}{remedy}"))
     }
 
-    /// The sentence.
+    /// Returns the sentence.
     pub(crate) fn into_text(self) -> String {
         self.0
     }
 }
 
-/// Whether starting a program failed for want of something that every program needs.
+/// Returns true if a program could not be started because of a shortage that affects every program.
 pub(crate) fn is_shortage(error: &io::Error) -> bool {
     let shortages = [
         Errno::AGAIN,
@@ -62,7 +62,7 @@ pub(crate) fn is_shortage(error: &io::Error) -> bool {
     Errno::from_io_error(error).is_some_and(|error| shortages.contains(&error))
 }
 
-/// Whether another file system may have room for a file that could not be written.
+/// Returns true if another file system may have room for a file that could not be written.
 pub(crate) fn is_lack_of_room(error: &io::Error) -> bool {
     let errors = [Errno::NOSPC, Errno::DQUOT, Errno::ROFS, Errno::IO];
     Errno::from_io_error(error).is_some_and(|error| errors.contains(&error))

@@ -1,7 +1,7 @@
-//! A call that writes a file: a request and what lies beside it in, a file out.
+//! A call that writes a file: its inputs are a request and attachments, its output is a file.
 //!
-//! The limits are those of every call. The file is looked for in the working directory, opened without following links,
-//! and read only as far as a right one goes.
+//! The limits are those of every call. The file is expected in the working directory, opened without following links, and read
+//! only up to the maximum size of a correct file.
 
 use std::ffi::OsString;
 use std::path::PathBuf;
@@ -14,15 +14,15 @@ use crate::runner::template::Template;
 /// A file that a request names.
 #[derive(Clone, Debug)]
 pub struct Attachment {
-    /// What a template calls it, and the request's text, both in braces.
+    /// Its name in a template and in the request's text, where it is in braces.
     pub name: String,
-    /// What the file is called.
+    /// The name of the file.
     pub file_name: String,
-    /// What is in it.
+    /// Its contents.
     pub bytes: Vec<u8>,
 }
 
-/// One file to be written.
+/// A request to write one file.
 #[derive(Clone, Debug)]
 pub struct WriteCall<'a> {
     /// The request in JSON. A string `"{name}"` in it stands for the path of the attachment of that name.
@@ -31,14 +31,14 @@ pub struct WriteCall<'a> {
     pub attachments: &'a [Attachment],
     /// Values that a template may name.
     pub values: &'a [(&'static str, String)],
-    /// Most bytes of the file that comes.
+    /// Maximum size of the written file, in bytes.
     pub most: usize,
-    /// How many times the ordinary time limit it gets.
+    /// Factor for the timeout.
     pub timeout_factor: u32,
 }
 
 impl Decoder {
-    /// The same program, called as `program args… VERB REQUEST OUT` unless a template calls it.
+    /// Returns the same program, called as `program args… VERB REQUEST OUT` unless a template calls it.
     #[must_use]
     pub fn as_writer(&self, verb: &str) -> Decoder {
         let words = [verb, "{in}", "{out}"].map(OsString::from);
@@ -49,13 +49,13 @@ impl Decoder {
         }
     }
 
-    /// Has a file written; the output of the call is the file.
+    /// Requests a file; the output of the call is the file.
     ///
     /// # Panics
     /// If the program is not called [as a writer](Decoder::as_writer).
     #[must_use]
     pub fn write(&self, call: &WriteCall, scratch: &Scratch) -> CallResult {
-        self.persistently(|| self.attempt_to_write(call, scratch))
+        self.retry(|| self.attempt_to_write(call, scratch))
     }
 
     fn attempt_to_write(
@@ -105,7 +105,7 @@ impl Decoder {
     }
 }
 
-/// Text as a string of JSON.
+/// Returns text as a JSON string.
 fn in_json(text: &str) -> String {
     serde_json::to_string(text).expect("text is JSON")
 }

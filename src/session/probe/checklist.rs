@@ -42,7 +42,7 @@ impl ProbeStep {
 /// Requests that show again what was observed.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Reproduction {
-    /// Whether they go to one process in serve mode.
+    /// True if they go to one process in serve mode.
     pub serve: bool,
     /// One after the other.
     pub requests: Vec<ProbeRequest>,
@@ -106,7 +106,7 @@ impl Reproduction {
 pub struct Checklist {
     /// In the order in which they were taken.
     pub steps: Vec<ProbeStep>,
-    /// Whether any first file gave a well-formed frame.
+    /// True if any first file gave a well-formed frame.
     pub answers: bool,
 }
 

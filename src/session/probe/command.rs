@@ -14,7 +14,7 @@ pub(super) fn look(command: &[OsString]) -> Result<(), ProbeFault> {
     let Some(word) = command.first() else {
         return Err(fault("no-command", &[]));
     };
-    start::look(word, &word.to_string_lossy())?;
+    start::check_program(word, &word.to_string_lossy())?;
     for word in &command[1..] {
         let text = word.to_string_lossy();
         let is_script = is_script_name(&text) && !text.starts_with('-');

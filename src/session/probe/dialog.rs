@@ -7,7 +7,7 @@ use std::process::{ChildStdin, Stdio};
 use std::time::{Duration, Instant};
 
 use crate::protocol::frame::View;
-use crate::runner::call::{A_YEAR, Call, LOOK};
+use crate::runner::call::{Call, MAX_WAIT, POLL_INTERVAL};
 use crate::runner::scratch::Workspace;
 
 use super::calls::Calls;
@@ -85,7 +85,7 @@ impl<'a> Dialog<'a> {
     }
 
     fn wait(&mut self) -> Served {
-        let deadline = Instant::now() + self.timeout.min(A_YEAR);
+        let deadline = Instant::now() + self.timeout.min(MAX_WAIT);
         loop {
             let has_ended = self.call.has_ended();
             let read = self.call.read_what_is_there(MAX_ANSWER);
@@ -101,7 +101,7 @@ impl<'a> Dialog<'a> {
                 return Served::Nothing;
             }
             // An error is met again in the next reading.
-            let _ = self.call.wait_for_news(None, left.min(LOOK));
+            let _ = self.call.wait_for_news(None, left.min(POLL_INTERVAL));
         }
     }
 

@@ -25,7 +25,7 @@ pub(in crate::session) struct WrapperMistake {
     pub(in crate::session) says: String,
     /// What to do about it.
     pub(in crate::session) next: String,
-    /// Whether all samples are right and only their order is wrong.
+    /// True if all samples are right and only their order is wrong.
     pub(in crate::session) is_order: bool,
 }
 

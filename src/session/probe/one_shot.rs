@@ -94,7 +94,7 @@ impl Asked {
         self.replies.iter().map(one).max().unwrap_or(Rank::Nothing)
     }
 
-    /// Whether more files would only take time.
+    /// Returns true if more files would only take time.
     fn is_hopeless(&self) -> bool {
         self.replies.iter().any(|(_, reply)| {
             matches!(
