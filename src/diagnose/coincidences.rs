@@ -132,31 +132,33 @@ fn drop_refusals(search: &Search, found: &mut Found) {
 /// Different faults that a misreading may explain by chance, because one check is missing.
 const FEW_FAULTS: usize = 2;
 
-/// Removes mistakes that explain only accepted malformed files, if passing cases contradict them, or if they explain few faults
-/// and unexplained failures are about the same clause.
+/// Removes mistakes that explain only accepted malformed files, if passing cases contradict them, if they explain few faults and
+/// unexplained failures are about the same clause, or if most failures of legal files are unexplained.
 fn drop_acceptances(search: &Search, found: &mut Found) {
     let witnesses = search.witnesses;
     let set = of(&found.members);
-    let failed: Vec<usize> = (0..witnesses.len())
-        .filter(|&w| witnesses[w].failed)
-        .collect();
+    let failed = (0..witnesses.len()).filter(|&w| witnesses[w].failed);
+    let failed: Vec<usize> = failed.collect();
     let explains = |w: usize, set: &[Id]| search.agreement(w, set).explains();
     let open = search.select(failed.clone(), |w| !search.explains(w, &set));
+    let is_legal = |w: &&usize| witnesses[**w].case.expect == Expect::Decode;
+    let legal = |of: &[usize]| of.iter().filter(is_legal).count();
+    let is_unknown = 4 * legal(&open) > 3 * legal(&failed);
     let keep = search.each(&set, |&id| {
         let misreading = search.mistakes[id].misreading;
         let without = without(&set, id);
         let is_explained =
             |&w: &usize| explains(w, &[id]) || explains(w, &set) && !explains(w, &without);
         let of: Vec<usize> = failed.iter().copied().filter(is_explained).collect();
-        let is_legal = |w: usize| witnesses[w].case.expect == Expect::Decode;
-        let accepts_only = !of.iter().any(|&w| is_legal(w));
+        let accepts_only = !of.iter().any(|w| is_legal(&w));
         // A mistake that explains many different faults is no coincidence.
         let faults: HashSet<_> = (of.iter())
             .filter_map(|&w| Some(&witnesses[w].case.damage()?.effect))
             .collect();
         let is_denied = || !search.denied(&[id]).is_empty();
         let is_clause_open = || (open.iter()).any(|&w| is_about(&witnesses[w], misreading));
-        !accepts_only || !is_denied() && (faults.len() > FEW_FAULTS || !is_clause_open())
+        let is_coincidence = is_unknown || faults.len() <= FEW_FAULTS && is_clause_open();
+        !accepts_only || !is_coincidence && !is_denied()
     });
     found.keep(&keep);
 }
@@ -169,7 +171,6 @@ fn is_about(witness: &Witness, misreading: &Misreading) -> bool {
 
 /// Returns the legal files that fail.
 fn failing(witnesses: &[Witness]) -> Vec<usize> {
-    (0..witnesses.len())
-        .filter(|&w| witnesses[w].failed && witnesses[w].case.expect == Expect::Decode)
-        .collect()
+    let is_one = |&w: &usize| witnesses[w].failed && witnesses[w].case.expect == Expect::Decode;
+    (0..witnesses.len()).filter(is_one).collect()
 }

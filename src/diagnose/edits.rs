@@ -22,12 +22,15 @@ use crate::formula::{EditedForm, Formula, edits};
 use crate::misreadings::{At, Misreading};
 use crate::protocol::frame::Answer;
 
-/// Every edit of every formula as a misreading, by formula, the most natural edits first.
+/// Every edit of every formula as a misreading, the most natural edits first.
 static EDITS: LazyLock<Vec<Misreading>> = LazyLock::new(|| {
-    let all = Formula::ALL
-        .iter()
-        .flat_map(|&(formula, ..)| edits::all(formula));
-    all.map(misreading_of).collect()
+    let formulas = Formula::ALL.iter();
+    let ranked = formulas.flat_map(|&(formula, ..)| edits::all(formula).iter().enumerate());
+    let mut all: Vec<_> = ranked.collect();
+    all.sort_by_key(|(rank, _)| *rank);
+    all.into_iter()
+        .map(|(_, edit)| misreading_of(edit))
+        .collect()
 });
 
 /// Adds mistakes to the search that explain some of `left` together with `set`.

@@ -111,9 +111,8 @@ impl<'a> Search<'a> {
         threads: usize,
         run: &'a Run,
     ) -> Search<'a> {
-        let mut passing: Vec<usize> = (0..witnesses.len())
-            .filter(|&w| !witnesses[w].failed)
-            .collect();
+        let passing = (0..witnesses.len()).filter(|&w| !witnesses[w].failed);
+        let mut passing: Vec<usize> = passing.collect();
         passing.sort_by_key(|&w| witnesses[w].built.file.len());
         let failing = witnesses.iter().filter(|witness| witness.failed);
         let clauses = failing.flat_map(|witness| &witness.case.clauses);

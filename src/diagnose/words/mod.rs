@@ -34,7 +34,7 @@ fn files_in(witnesses: &[Witness], shared: &Shared, format: Option<Format>) -> O
     let count = shared.of.len();
     match (0..witnesses.len()).filter(is_other).count() {
         0 => Some(format!("every legal file {scope}")),
-        others if others > count => None,
+        others if others >= count => None,
         others => Some(format!("{count} of {} legal files {scope}", count + others)),
     }
 }

@@ -62,10 +62,9 @@ fn find(witnesses: &[Witness], failing: &[usize]) -> Vec<(String, Vec<usize>)> {
         let count = shown.len();
         if shown.iter().all(|(_, frame)| *frame == first) {
             let (width, height) = (first.width, first.height);
-            let effect = format!(
-                "shows the same image of {width} × {height} for {count} files in view {view}"
-            );
-            found.push((effect, shown.into_iter().map(|(w, _)| w).collect()));
+            let what = format!("the same image of {width} × {height} for {count} files");
+            let of = shown.into_iter().map(|(w, _)| w).collect();
+            found.push((format!("shows {what} in view {view}"), of));
             continue;
         }
         // A few images may show something else.
