@@ -1,4 +1,4 @@
-//! `coverage`: how strong the suite is.
+//! `coverage`: the strength of the suite.
 
 use std::path::PathBuf;
 
@@ -28,7 +28,7 @@ pub struct CoverageArgs {
     jobs: Option<usize>,
 }
 
-/// Runs every misreading, and prints what the suite makes of them.
+/// Runs every misreading, and prints the results of the suite.
 pub fn run(args: &CoverageArgs) -> CommandResult {
     let suite = Suite::load()?.prepared();
     let jobs = jobs(args.jobs)?;

@@ -1,4 +1,4 @@
-//! `ptm-conform explain`: what is known about a case, a clause, a ruling, a misreading or a code; or all that is known.
+//! `ptm-conform explain`: information about a case, a clause, a ruling, a misreading or a code; or about all of them.
 
 #[cfg(unix)]
 use std::collections::HashMap;
@@ -36,7 +36,7 @@ pub struct ExplainArgs {
     id: Option<String>,
 }
 
-/// Explains it, or says what may have been meant.
+/// Explains an id, or suggests similar ones.
 pub fn run(args: &ExplainArgs) -> CommandResult {
     let Some(id) = &args.id else {
         show(&list(&Suite::load()?)?);
@@ -49,7 +49,7 @@ pub fn run(args: &ExplainArgs) -> CommandResult {
     Ok(0)
 }
 
-/// What a writer is asked to write under that id.
+/// Explains a request to a writer.
 #[cfg(unix)]
 fn explain_request(id: &str) -> Result<String, String> {
     let suite = Suite::of_requests()?;
@@ -72,7 +72,7 @@ fn explain_request(id: &str) -> Result<String, String> {
     ))
 }
 
-/// All ids but those of cases, which are many.
+/// Lists all ids except those of cases, which are many.
 fn list(suite: &Suite) -> Result<String, String> {
     let section = |clause: &str| clause.split('/').next().unwrap_or_default().to_owned();
     let clauses = clauses::clauses()?;
@@ -115,7 +115,7 @@ fn list(suite: &Suite) -> Result<String, String> {
     Ok(text)
 }
 
-/// What is known under that id.
+/// Explains an id; None if it is unknown.
 fn explain(id: &str) -> Result<Option<String>, String> {
     let suite = Suite::load()?;
     let clauses = clauses::clauses()?;
@@ -196,7 +196,7 @@ fn explain_misreading(misreading: &Misreading, clause: Option<&Clause>) -> Strin
     )
 }
 
-/// The cases that a decoder with this mistake fails, and what it makes of the smallest file among them.
+/// Lists the cases that a decoder with this mistake fails, and its result for the smallest file among them.
 #[cfg(unix)]
 fn shown_by(misreading: &Misreading, suite: &Suite) -> Result<String, String> {
     let bar = bar(None, "{spinner} reading every case with this mistake");
@@ -263,7 +263,7 @@ fn explain_case(case: &Case) -> String {
     lines.join("\n") + "\n"
 }
 
-/// Nothing is called that; what may have been meant.
+/// Returns the message for an unknown id, with suggestions.
 fn unknown(id: &str, suite: &Suite) -> Result<String, String> {
     let (clauses, rulings) = (clauses::clauses()?, clauses::rulings()?);
     let known = suite
@@ -284,7 +284,7 @@ fn unknown(id: &str, suite: &Suite) -> Result<String, String> {
     ))
 }
 
-/// What a code of lint means, and which cases provoke it.
+/// Explains a code of lint, with the cases that provoke it.
 fn explain_code(code: &Code, suite: &Suite) -> String {
     let provokes = |case: &&Case| {
         let damage = case.damage().map(|damage| damage.name.as_str());
@@ -304,7 +304,7 @@ fn explain_code(code: &Code, suite: &Suite) -> String {
     )
 }
 
-/// How many cases there are, and the first six.
+/// Returns the number of cases and the first six ids.
 fn abbreviated<'a>(cases: impl Iterator<Item = &'a Case>, what: &str) -> String {
     let ids: Vec<&str> = cases.map(|case| case.id.as_str()).collect();
     let more = if ids.len() > 6 { ", …" } else { "" };

@@ -32,7 +32,7 @@ pub struct ExportArgs {
     final_values: bool,
 }
 
-/// What the name of the output asks for.
+/// The format of the output, from its file name.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum ExportEncoding {
     Exr,

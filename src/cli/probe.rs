@@ -57,7 +57,7 @@ pub fn run(args: &ProbeArgs) -> CommandResult {
         true => ptm_conform::writers::probe::probe(&program, &guarded.scratch)?,
         false => probe(&args.decoder, &program, &guarded.scratch),
     };
-    super::guard::untroubled(&program)?;
+    super::guard::check_trouble(&program)?;
     let command = in_one_line(&args.decoder);
     let repeat = |repeat: &Reproduction| match args.writer {
         true => None,
@@ -75,14 +75,13 @@ pub fn run(args: &ProbeArgs) -> CommandResult {
     Ok(list.exit_status())
 }
 
-/// A command as a shell reads it.
+/// Returns a command quoted for a shell.
 pub fn in_one_line(command: &[OsString]) -> String {
     let words: Vec<_> = command.iter().map(|word| word.to_string_lossy()).collect();
     shlex::try_join(words.iter().map(AsRef::as_ref)).unwrap_or_default()
 }
 
-/// Keeps the files of some requests; the command line that sends them again. Where files cannot be kept, there is nothing to
-/// repeat.
+/// Writes the files of some requests, and returns the command line that sends them again; None if the files cannot be written.
 pub fn kept(repeat: &Reproduction, command: &str, directory: &Path) -> Option<String> {
     keep(repeat, directory).ok()?;
     Some(repeat.command(command, directory))
