@@ -40,8 +40,8 @@ pub trait Reported: TestCase {
     fn suite() -> Result<Suite<Self>, String>;
     /// Returns the clauses of the text: of the PTM specification, unless the suite has another text.
     ///
+    /// # Errors
     /// A sentence that names the error in the file.
-    /// What is wrong with the file.
     fn all_clauses() -> Result<Vec<Clause>, String> {
         clauses::clauses()
     }
