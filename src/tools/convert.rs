@@ -1,12 +1,12 @@
-//! The same map in another format, written by the generator and read back before anybody gets it.
+//! Conversion of a map to another format, written by the generator and verified by reading it back.
 //!
-//! What a format can hold is converted without a loss, and what it cannot is refused with the reason: a map is never
-//! bent to fit. Only JPEG loses something, as much as its quality says, and JPEG-LS if it is told to.
+//! Conversion is lossless, or refused with the reason: a map is never changed to fit. Only JPEG is lossy, as much as its
+//! quality allows, and JPEG-LS on request.
 //!
 //! Format notes
 //! - A color of LRGB is polynomial · color / 255. Three polynomials have that form if all are multiples of one; an LRGB
 //!   map is three polynomials if each product, over 255, is a whole number that fits a byte with its bias.
-//! - The colors of LUM hang on three open points, so LUM is not converted into anything else.
+//! - The colors of LUM depend on three open points, so LUM is not converted to any other format.
 
 use crate::decode::decode;
 use crate::generate::plan::Residuals;
@@ -15,22 +15,22 @@ use crate::ptm::{Format, Ptm, Shape};
 use crate::tools::dissection::{Dissection, Role};
 use crate::tools::place_in_words;
 
-/// What to convert into.
+/// The target of a conversion.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Target {
     /// The format.
     pub format: Format,
     /// The quality of JPEG, 1 to 100; needed for JPEG formats.
     pub quality: Option<u8>,
-    /// The largest loss of JPEG-LS, 0 to 127.
+    /// The maximum error of JPEG-LS, 0 to 127.
     pub loss: u8,
 }
 
 impl Target {
-    /// Whether quality and loss are those of the format; else the sentence begins with the one that is not.
+    /// Checks that quality and loss apply to the format; the error begins with the one that does not.
     ///
     /// # Errors
-    /// A JPEG format without a quality, another one with a quality, and a loss of any but JPEG-LS.
+    /// A JPEG format without a quality, another format with a quality, or a loss for a format other than JPEG-LS.
     pub fn check(self) -> Result<(), String> {
         let format = self.format;
         let is_jpeg = matches!(format, Format::JpegRgb | Format::JpegLrgb);
@@ -47,21 +47,21 @@ impl Target {
     }
 }
 
-/// A map, converted.
+/// A converted map.
 #[derive(Debug)]
 pub struct Converted {
     /// The file.
     pub bytes: Vec<u8>,
-    /// The largest difference of two stored values that the compression made; 0 if it lost nothing.
+    /// The largest difference of two stored values after compression; 0 if it is lossless.
     pub largest: u8,
-    /// Entries of the lookup table, if there is one.
+    /// Number of entries of the lookup table, if there is one.
     pub entries: Option<usize>,
 }
 
 /// Converts the file that `dissection` describes.
 ///
 /// # Errors
-/// Why the target cannot hold the map, in a sentence; or what the file read back shows, should it not be the same map.
+/// Why the target cannot hold the map, in a sentence; or the difference that was found when the file was read back.
 pub fn convert(dissection: &Dissection, ptm: &Ptm, target: Target) -> Result<Converted, String> {
     let source = ptm.header.format;
     let samples = samples(ptm, target.format)?;
@@ -78,7 +78,7 @@ pub fn convert(dissection: &Dissection, ptm: &Ptm, target: Target) -> Result<Con
     })
 }
 
-/// Header and spelling: scales as they were written, biases as integers, the rest as every known reader accepts it.
+/// Returns header and spelling: scales as they were written, biases as integers, the rest as every known reader accepts it.
 fn recipe(dissection: &Dissection, ptm: &Ptm, target: Target) -> Result<Recipe, String> {
     let texts = |role: fn(usize) -> Role, count: usize| {
         let texts: Vec<String> = (0..count)
@@ -103,7 +103,7 @@ fn recipe(dissection: &Dissection, ptm: &Ptm, target: Target) -> Result<Recipe, 
     Ok(recipe)
 }
 
-/// The map's values as the planes of the target.
+/// Returns the map's values as planes of the target.
 fn samples(ptm: &Ptm, target: Format) -> Result<Vec<u8>, String> {
     let source = ptm.header.format;
     match (ptm.planes.shape, target) {
@@ -131,7 +131,7 @@ fn samples(ptm: &Ptm, target: Format) -> Result<Vec<u8>, String> {
     }
 }
 
-/// Products of two numbers of this size are counted exactly.
+/// Products of two numbers of this size are exact.
 const LARGEST_BIAS: f64 = 1e9;
 
 type Texel = fn(&[u8], &[i64; 6], [bool; 6]) -> Option<Vec<u8>>;
@@ -180,7 +180,7 @@ fn factored(texel: &[u8], bias: &[i64; 6], counts: [bool; 6]) -> Option<Vec<u8>>
         false => 0,
     };
     let vectors = [0, 1, 2].map(|channel| std::array::from_fn::<i64, 6, _>(|i| value(channel, i)));
-    // What stands where a coefficient does not count, or where the color is black anyway.
+    // The value of a coefficient that does not count, or of a black texel.
     let whole = |i: usize, value: i64| match counts[i] {
         true => u8::try_from(value + bias[i]).ok(),
         false => Some(texel[i]),
@@ -238,7 +238,7 @@ fn greatest_common_divisor(a: i64, b: i64) -> i64 {
     }
 }
 
-/// Reads the file back and compares it with the map. Returns the largest difference that the compression made.
+/// Reads the file back and compares it with the map. Returns the largest difference after compression.
 fn verify(bytes: &[u8], ptm: &Ptm, samples: &[u8], target: Target) -> Result<u8, String> {
     let wrong = |what: &str| {
         format!(
@@ -261,7 +261,7 @@ fn verify(bytes: &[u8], ptm: &Ptm, samples: &[u8], target: Target) -> Result<u8,
     Ok(largest)
 }
 
-/// Whether two maps of different shapes have the same colors: a polynomial has six coefficients, so six lights decide.
+/// Checks that two maps of different shapes have the same colors: a polynomial has six coefficients, so six lights decide.
 fn same_colors(a: &Ptm, b: &Ptm) -> Result<(), String> {
     const LIGHTS: [(f64, f64); 6] = [
         (0.0, 0.0),
@@ -347,7 +347,7 @@ mod tests {
         let mut fitting = 0;
         for seed in 0..4000_u32 {
             let byte = |i: u32| (seed.wrapping_mul(2_654_435_761).rotate_left(5 * i) >> 24) as u8;
-            // In every second texel the colors are fifths and what they multiply has the factor 5.
+            // In every second texel the colors are fifths and their factors are multiples of 5.
             let texel: Vec<u8> = (0..9)
                 .map(|i| match (seed % 2, byte(i)) {
                     (0, x) => x,
