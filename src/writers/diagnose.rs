@@ -1,8 +1,8 @@
-//! From wrong files to causes: the mistakes of a writer that would have written these files.
+//! From wrong files to causes: mistakes with which a writer would have written these files.
 //!
-//! A mistake explains a file if only a reader with this misreading has the right values of it, or if the file has what such
-//! a reader makes of the right one. It is contradicted by every correctly written request whose reference file a reader
-//! with this misreading misreads. Single mistakes come first, then pairs of mistakes, then descriptions.
+//! A mistake explains a file if only a reader with this misreading gets the right values from it, or if the file has the values
+//! that such a reader gets from the right one. It is contradicted by every correctly written request whose reference file such
+//! a reader misreads. Single mistakes come first, then pairs of mistakes, then descriptions.
 
 use std::cmp::Reverse;
 use std::collections::BTreeMap;
@@ -44,10 +44,10 @@ struct Exhibit {
     file: Vec<u8>,
 }
 
-/// The exhibits that are small enough to be searched, by their places in the suite.
+/// The exhibits that are small enough to be searched, by their indices in the suite.
 type Exhibits = BTreeMap<usize, Exhibit>;
 
-/// Returns why the failures of `run` failed; the cause that explains most is first.
+/// Returns the causes of the failures of `run`; the one that explains most is first.
 #[must_use]
 pub fn diagnose(
     suite: &Suite<WriterCase>,
@@ -214,7 +214,7 @@ pub(super) fn describe<A>(clause: &str, (effect, fix): (&str, &str), example: St
     }
 }
 
-/// Returns what a writer does whose files differ in this clause, and what to do about it.
+/// Returns the behavior of a writer whose files differ in this clause, and a fix.
 fn words_of(clause: &str, fault: &WriterFault) -> (&'static str, &'static str) {
     let clause = match fault.says.starts_with("the reference refuses") {
         true => "refused",

@@ -1,4 +1,4 @@
-//! What a report says of a writer.
+//! The part of the writer suite that only reports need.
 
 use maud::{Markup, html};
 
@@ -15,7 +15,7 @@ use crate::writers::cases::WriterCase;
 use crate::writers::diagnose::diagnose;
 use crate::writers::test_case::wrong_file;
 
-/// Bytes of a wrong file that a page shows.
+/// Maximum number of bytes of a wrong file that a page shows.
 const SHOWN: usize = 512;
 
 impl Reported for WriterCase {
