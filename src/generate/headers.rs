@@ -1,7 +1,7 @@
 //! Rewriting of the headers of a stream: another order, another component id.
 
 use super::plan::Stream;
-use crate::codec::segments::{Segment, apart, together};
+use crate::codec::segments::{Segment, join_segments, split_segments};
 
 // A marker, and offsets after the length of a segment.
 const JFIF: u8 = 0xe0;
@@ -10,7 +10,7 @@ const COMPONENT_OF_SCAN: usize = 1;
 
 /// Returns the stream with the headers that `style` requests.
 pub(super) fn with_headers(stream: &[u8], style: &Stream) -> Vec<u8> {
-    let (mut segments, data) = apart(stream).expect("a stream of our encoders");
+    let (mut segments, data) = split_segments(stream).expect("a stream of our encoders");
     if !style.jfif {
         segments.retain(|segment| segment.code != JFIF);
     }
@@ -27,7 +27,7 @@ pub(super) fn with_headers(stream: &[u8], style: &Stream) -> Vec<u8> {
     if let Some(scan) = segments.last_mut() {
         scan.content[COMPONENT_OF_SCAN] = style.component;
     }
-    together(&segments, data)
+    join_segments(&segments, data)
 }
 
 #[cfg(test)]
@@ -38,7 +38,7 @@ mod tests {
 
     /// Returns the markers of the segments up to the scan header.
     fn markers(stream: &[u8]) -> Vec<u8> {
-        let (segments, _) = apart(stream).expect("a stream of our encoders");
+        let (segments, _) = split_segments(stream).expect("a stream of our encoders");
         segments.iter().map(|segment| segment.code).collect()
     }
 
