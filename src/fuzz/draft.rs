@@ -80,16 +80,16 @@ impl Draft {
     /// Draws scale, bias, matrix and scene.
     fn draw_numbers(&mut self, u: &mut Unstructured) -> Result<()> {
         if u.ratio(2, 3)? {
-            self.make.insert("scale", several(6, u, draw_scale)?);
+            self.make.insert("scale", draw_list(6, u, draw_scale)?);
         }
         if u.ratio(2, 3)? {
-            self.make.insert("bias", several(6, u, draw_bias)?);
+            self.make.insert("bias", draw_list(6, u, draw_bias)?);
         }
         if self.format == Format::Lum && u.ratio(1, 2)? {
             // Column-major; the last row is 0 0 0 1 and there is no translation, because its place is an open question.
             let mut matrix = Vec::new();
             for _ in 0..3 {
-                matrix.push(several(3, u, draw_factor)? + " 0");
+                matrix.push(draw_list(3, u, draw_factor)? + " 0");
             }
             self.make
                 .insert("matrix", format!("{} 0 0 0 1", matrix.join(" ")));
@@ -196,8 +196,8 @@ impl Draft {
                 references[plane] = by_rank[u.int_in_range(0..=rank - 1)?] as i64;
             }
         }
-        self.compression.insert("references", joined(&references));
-        self.compression.insert("order", joined(&order));
+        self.compression.insert("references", join(&references));
+        self.compression.insert("order", join(&order));
         Ok(())
     }
 
@@ -209,7 +209,7 @@ impl Draft {
         let with_motion = u.ratio(1, 2)?;
         let pool: &[u32] = if with_motion { &[0, 1, 2, 3] } else { &[0, 1] };
         let length = u.int_in_range(1..=5)?;
-        let transforms = several(length, u, |u| Ok(u.choose(pool)?.to_string()))?;
+        let transforms = draw_list(length, u, |u| Ok(u.choose(pool)?.to_string()))?;
         self.compression.insert("transforms", transforms);
         if u.ratio(1, 5)? {
             self.compression.insert("everywhere", "true".to_owned());
@@ -217,7 +217,7 @@ impl Draft {
         for axis in ["motion_x", "motion_y"] {
             if with_motion && u.ratio(3, 4)? {
                 let length = u.int_in_range(1..=5)?;
-                let vectors = several(length, u, |u| {
+                let vectors = draw_list(length, u, |u| {
                     // Also beyond the plane, and beyond a byte.
                     let most = *u.choose(&[7, 7, 7, 7, 7, 7, 7, 7, 7, 80, 300])?;
                     Ok(u.int_in_range(-most..=most)?.to_string())
@@ -248,7 +248,7 @@ impl Draft {
                 3 if self.texels() <= 400 => "border".to_owned(),
                 _ => {
                     let most = self.texels() - 1;
-                    several(u.int_in_range(1..=3)?, u, |u| {
+                    draw_list(u.int_in_range(1..=3)?, u, |u| {
                         Ok(u.int_in_range(0..=most)?.to_string())
                     })?
                     .replace(' ', "+")
@@ -408,7 +408,7 @@ fn draw_spelling(u: &mut Unstructured) -> Result<Words> {
             "all".to_owned()
         } else {
             let length = u.int_in_range(1..=2)?;
-            several(length, u, |u| Ok((*u.choose(&LINES)?).to_owned()))?
+            draw_list(length, u, |u| Ok((*u.choose(&LINES)?).to_owned()))?
         };
         words.insert("space_before_newline", lines);
     }
@@ -461,7 +461,7 @@ fn draw_factor(u: &mut Unstructured) -> Result<String> {
 }
 
 /// Draws `count` numbers separated by spaces.
-fn several(
+fn draw_list(
     count: usize,
     u: &mut Unstructured,
     mut one: impl FnMut(&mut Unstructured) -> Result<String>,
@@ -470,7 +470,7 @@ fn several(
     Ok(words?.join(" "))
 }
 
-fn joined(numbers: &[impl ToString]) -> String {
+fn join(numbers: &[impl ToString]) -> String {
     let words: Vec<String> = numbers.iter().map(ToString::to_string).collect();
     words.join(" ")
 }

@@ -9,9 +9,9 @@ use crate::ptm::Format;
 use crate::suite::cases::{Expect, Suite};
 
 /// One in this number of files is damaged, and must be refused.
-const DAMAGED: u32 = 6;
+const FILES_PER_DAMAGE: u32 = 6;
 /// Number of random bytes for one file.
-const BYTES: usize = 2048;
+const RANDOM_BYTES: usize = 2048;
 
 /// The source of files.
 pub struct Draws {
@@ -50,7 +50,7 @@ impl Draws {
 
     fn draw(&self, u: &mut Unstructured) -> arbitrary::Result<Draft> {
         let mut draft = Draft::draw(u)?;
-        if u.ratio(1, DAMAGED)? {
+        if u.ratio(1, FILES_PER_DAMAGE)? {
             let fitting: Vec<DraftDamage> = self
                 .damages
                 .iter()
@@ -75,5 +75,7 @@ pub(super) fn random_bytes(seed: u64, number: u64) -> Vec<u8> {
         z = (z ^ z >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
         z ^ z >> 31
     };
-    (0..BYTES / 8).flat_map(|_| next().to_le_bytes()).collect()
+    (0..RANDOM_BYTES / 8)
+        .flat_map(|_| next().to_le_bytes())
+        .collect()
 }

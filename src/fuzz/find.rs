@@ -20,7 +20,7 @@ use crate::suite::cases::{Built, Case, Expect, TableSpelling};
 use crate::suite::compare::Expected;
 
 /// Maximum number of passing files against which a suspected misreading is tested.
-const WITNESSES: usize = 200;
+const MAX_WITNESSES: usize = 200;
 /// Number of files that are drawn to distinguish suspects, and of those that are requested.
 const DRAWN_TO_TELL_APART: u64 = 3000;
 const ASKED_TO_TELL_APART: usize = 24;
@@ -131,7 +131,7 @@ impl Explanation {
             .collect();
         for question in passed
             .iter()
-            .take(WITNESSES)
+            .take(MAX_WITNESSES)
             .filter_map(|draft| decoder.question(draft))
         {
             if suspects.is_empty() {
@@ -311,20 +311,20 @@ fn tell_apart(draft: &Draft, cause: &mut Explanation, decoder: &KnownDecoder) {
             .iter()
             .map(|suspect| decoder.answer_with(&[suspect], &question))
             .collect();
-        if answers.windows(2).all(|pair| same(&pair[0], &pair[1])) {
+        if answers.windows(2).all(|pair| are_equal(&pair[0], &pair[1])) {
             continue;
         }
         asked += 1;
         let answer = decoder.answer(&question);
-        if answers.iter().any(|made| same(made, &answer)) {
+        if answers.iter().any(|made| are_equal(made, &answer)) {
             let mut made = answers.iter();
-            suspects.retain(|_| made.next().is_some_and(|made| same(made, &answer)));
+            suspects.retain(|_| made.next().is_some_and(|made| are_equal(made, &answer)));
         }
     }
 }
 
 /// Returns true if two answers are equal.
-fn same(a: &Answer, b: &Answer) -> bool {
+fn are_equal(a: &Answer, b: &Answer) -> bool {
     match (a, b) {
         (Answer::Decoded(a), Answer::Decoded(b)) => alike(a, b),
         (a, b) => a.name() == b.name(),
@@ -349,7 +349,7 @@ pub(super) fn fails_alike(draft: &Draft, cause: &Explanation, decoder: &KnownDec
     };
     let answer = decoder.answer(&question);
     match (cause, &answer) {
-        (Explanation::Misreading(_), answer) => made.is_some_and(|made| same(&made, answer)),
+        (Explanation::Misreading(_), answer) => made.is_some_and(|made| are_equal(&made, answer)),
         (Explanation::Accepts(_), Answer::Decoded(_)) => decoder
             .question(&draft.whole())
             .is_some_and(|whole| matches!(decoder.answer(&whole), Answer::Decoded(_))),

@@ -30,7 +30,7 @@ use draws::Draws;
 use find::{Explanation, Find, KnownDecoder};
 
 /// Number of files that are drawn and judged together.
-const BATCH: usize = 500;
+const BATCH_SIZE: usize = 500;
 
 /// The plan of a run.
 #[derive(Clone, Debug)]
@@ -147,8 +147,8 @@ impl Batch {
     fn draw(plan: &FuzzPlan, opening: &[Case], draws: &Draws, number: u64) -> Batch {
         let mut cases = opening.to_vec();
         let mut drafts = Vec::new();
-        for place in 0..BATCH as u64 {
-            let Some(draft) = draws.file(plan.seed, number * BATCH as u64 + place) else {
+        for place in 0..BATCH_SIZE as u64 {
+            let Some(draft) = draws.file(plan.seed, number * BATCH_SIZE as u64 + place) else {
                 continue;
             };
             if !plan.formats.is_empty() && !plan.formats.contains(&draft.format) {

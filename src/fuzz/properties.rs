@@ -35,9 +35,9 @@ use crate::suite::dialect::{Choice, Dialect};
 use crate::suite::values::Values;
 
 /// Maximum number of texels of a drawn file, so that a target runs thousands of files per second.
-const TEXELS: u32 = 3000;
+const MAX_TEXELS: u32 = 3000;
 /// Limit on the bytes of planes of arbitrary files.
-const MEMORY: usize = 1 << 24;
+const MAX_MEMORY: usize = 1 << 24;
 
 /// Checks that decoding any bytes, in any reading of open questions, ends in planes or in an error that names a clause and a
 /// byte of the file.
@@ -45,7 +45,7 @@ const MEMORY: usize = 1 << 24;
 /// # Panics
 /// If it does not.
 pub fn file(bytes: &[u8]) {
-    let limits = Limits { memory: MEMORY };
+    let limits = Limits { memory: MAX_MEMORY };
     // The first, the second and the third reading of every choice, or the last if there are fewer.
     let [first, second, third] = [0, 1, 2].map(|place| {
         let of = |choice: &Choice<Reading>| place.min(choice.readings.len() - 1);
@@ -54,7 +54,7 @@ pub fn file(bytes: &[u8]) {
     for reading in [first, second.with_newline_after_table(), third] {
         match decode_as(bytes, &reading, &limits) {
             Ok(ptm) => {
-                assert!(ptm.planes.samples.len() <= MEMORY, "over its limit");
+                assert!(ptm.planes.samples.len() <= MAX_MEMORY, "over its limit");
                 let coefficients = apply(&ptm.header.scale_bias, &ptm.planes, &reading);
                 let _ = evaluate(&coefficients, 0.5, -0.25, &reading).to_bytes();
             }
@@ -329,7 +329,7 @@ pub fn case_file(bytes: &[u8]) {
 
 fn drawn(bytes: &[u8]) -> Option<(Draft, Case)> {
     let draft = Draft::draw(&mut Unstructured::new(bytes)).ok()?;
-    if draft.width * draft.height > TEXELS {
+    if draft.width * draft.height > MAX_TEXELS {
         return None;
     }
     let case = draft
@@ -359,7 +359,7 @@ pub fn diagnosis(bytes: &[u8]) {
             .cases
             .iter()
             .enumerate()
-            .filter(|(place, case)| case.first || place % EVERY == 0 && small(case));
+            .filter(|(place, case)| case.first || place % CASE_STRIDE == 0 && small(case));
         let chosen: HashSet<String> = chosen
             .flat_map(|(_, case)| [Some(case.id.clone()), case.twin_of.clone()])
             .flatten()
@@ -391,7 +391,7 @@ pub fn diagnosis(bytes: &[u8]) {
 
 /// One in this number of cases of the suite with small files is used.
 #[cfg(unix)]
-const EVERY: usize = 40;
+const CASE_STRIDE: usize = 40;
 #[cfg(unix)]
 const SMALL: usize = 2000;
 

@@ -3,7 +3,7 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Maximum number of requests for one file.
-const MOST_REQUESTS: usize = 3000;
+const MAX_REQUESTS: usize = 3000;
 
 /// Returns the lightest candidate reached from `best` by steps after each of which it still `fails`.
 ///
@@ -27,7 +27,7 @@ pub(super) fn shrink<T, W: Ord>(
         lighter.sort_by(|a, b| a.0.cmp(&b.0));
         let next = lighter.into_iter().find(|(_, candidate)| {
             asked += 1;
-            asked <= MOST_REQUESTS && !stop.load(Ordering::Relaxed) && fails(candidate)
+            asked <= MAX_REQUESTS && !stop.load(Ordering::Relaxed) && fails(candidate)
         });
         match next {
             Some((lighter, candidate)) => (weight, best) = (Some(lighter), candidate),

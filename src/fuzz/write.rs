@@ -11,7 +11,7 @@ use crate::suite::cases::{Built, TableSpelling};
 use crate::suite::compare::Expected;
 
 /// Maximum number of bytes of a field that are shown.
-const SHOWN: usize = 24;
+const MAX_SHOWN: usize = 24;
 
 /// Writes `NAME.yaml` (the case), `NAME.ptm`, `NAME.expected` and `NAME.received` (frames, if there are any), and `NAME.txt`
 /// (cause, difference, annotated bytes) into `directory`. Returns `NAME`.
@@ -96,14 +96,14 @@ fn annotated(built: &Built) -> String {
     let mut out = format!("\nThe file, {} bytes:\n", built.file.len());
     for field in &built.fields {
         let bytes = &built.file[field.range.clone()];
-        let more = if bytes.len() > SHOWN { "…" } else { "" };
+        let more = if bytes.len() > MAX_SHOWN { "…" } else { "" };
         let _ = writeln!(
             out,
             "  byte {:>6}  {:<20} {:<8} {}{more}",
             field.range.start,
             field.name,
             field.clause,
-            bytes[..bytes.len().min(SHOWN)].escape_ascii()
+            bytes[..bytes.len().min(MAX_SHOWN)].escape_ascii()
         );
     }
     if built.fields.is_empty() {

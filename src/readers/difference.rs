@@ -7,9 +7,9 @@ use crate::reading::Reading;
 /// Lights under which images are compared: vertical and oblique.
 const LIGHTS: [(f64, f64); 3] = [(0.0, 0.0), (0.3125, -0.4375), (-0.625, 0.5)];
 /// Tolerance for two roundings of a color, as for decoders.
-const ROUNDING: f64 = 1.0 + 1.0 / 64.0;
+const ROUNDING_TOLERANCE: f64 = 1.0 + 1.0 / 64.0;
 /// Maximum difference of colors that is invisible.
-const UNSEEN: u8 = 2;
+const MAX_INVISIBLE_DIFFERENCE: u8 = 2;
 
 /// A map under the lights, in its right form and as a reader shows it.
 pub(super) struct Pictures {
@@ -62,7 +62,7 @@ impl Pictures {
                 });
                 if let [Some(ours), Some(theirs)] = &colors {
                     let mut pairs = ours.values.iter().zip(&theirs.values);
-                    differ[light] |= pairs.any(|(a, b)| (a - b).abs() > ROUNDING);
+                    differ[light] |= pairs.any(|(a, b)| (a - b).abs() > ROUNDING_TOLERANCE);
                 }
                 for (picture, row) in lit[light].iter_mut().zip(colors) {
                     picture.extend(row.map(|row| row.to_bytes()).unwrap_or_default());
@@ -90,9 +90,9 @@ impl Pictures {
         }
         let [truth, other] = &self.lit[light];
         let words = self
-            .turned(truth, other)
-            .or_else(|| exchanged(truth, other));
-        let words = words.unwrap_or_else(|| weighed(truth, other));
+            .orientation_fault(truth, other)
+            .or_else(|| exchanged_channels(truth, other));
+        let words = words.unwrap_or_else(|| visible_properties(truth, other));
         Some(match light {
             0 => words,
             _ => format!("wrong as the light moves: {words}"),
@@ -100,7 +100,7 @@ impl Pictures {
     }
 
     /// Describes an image that is upside down, mirrored, or both.
-    fn turned(&self, truth: &[u8], other: &[u8]) -> Option<String> {
+    fn orientation_fault(&self, truth: &[u8], other: &[u8]) -> Option<String> {
         let (width, height) = self.sizes[0];
         let is = |place: &dyn Fn(usize, usize) -> (usize, usize)| {
             (0..height).all(|y| {
@@ -137,7 +137,7 @@ fn row_of(ptm: &Ptm, row: usize) -> Option<Planes> {
 }
 
 /// Describes exchanged color channels.
-fn exchanged(truth: &[u8], other: &[u8]) -> Option<String> {
+fn exchanged_channels(truth: &[u8], other: &[u8]) -> Option<String> {
     let orders = [
         ([2, 1, 0], "red and blue exchanged"),
         ([1, 0, 2], "red and green exchanged"),
@@ -172,7 +172,7 @@ struct Sums {
 }
 
 /// Describes other visible properties: the affected part, brighter or darker, noise and its place.
-fn weighed(truth: &[u8], other: &[u8]) -> String {
+fn visible_properties(truth: &[u8], other: &[u8]) -> String {
     let mut sums = Sums::default();
     for (a, b) in truth.chunks(3).zip(other.chunks(3)) {
         let light = |texel: &[u8]| texel.iter().map(|&value| f64::from(value)).sum::<f64>() / 3.0;
@@ -203,7 +203,7 @@ impl Sums {
         let percent = format!("{:.0} % of the picture", (100.0 * share).max(1.0));
         let spread = |mean: f64, square: f64| (square - mean * mean).max(0.0).sqrt();
         let likeness = (xy - x * y) / (spread(x, xx) * spread(y, yy)).max(1e-9);
-        if self.largest <= UNSEEN {
+        if self.largest <= MAX_INVISIBLE_DIFFERENCE {
             return format!(
                 "off by {} of 255 at most, which is hardly to be seen",
                 self.largest

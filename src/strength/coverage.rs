@@ -136,11 +136,11 @@ impl Coverage {
             out,
             "pairs of recipe parameters: {covered} of {pairs} occur in a file that must be decoded"
         )?;
-        for pair in missing.iter().take(MISSING) {
+        for pair in missing.iter().take(MAX_MISSING) {
             writeln!(out, "  missing: {pair}")?;
         }
-        if missing.len() > MISSING {
-            let more = missing.len() - MISSING;
+        if missing.len() > MAX_MISSING {
+            let more = missing.len() - MAX_MISSING;
             writeln!(out, "  … and {more} more; --yaml lists them")?;
         }
         writeln!(
@@ -205,7 +205,7 @@ impl Coverage {
 }
 
 /// Maximum number of missing pairs of parameters in the summary.
-const MISSING: usize = 20;
+const MAX_MISSING: usize = 20;
 
 fn clauses(suite: &Suite, rows: &[MatrixRow]) -> Result<Vec<ClauseCoverage>, String> {
     let one = |clause: clauses::Clause| ClauseCoverage {
@@ -348,7 +348,7 @@ fn kind_of_size(size: Size) -> &'static str {
 }
 
 /// Returns true if two values can occur in one file.
-fn possible(a: (&str, &str), b: (&str, &str)) -> bool {
+fn can_occur_together(a: (&str, &str), b: (&str, &str)) -> bool {
     let rules_out = |format: (&str, &str), other: (&str, &str)| {
         format.0 == "format"
             && format
@@ -384,7 +384,7 @@ fn pairwise(suite: &Suite) -> Pairwise {
     for (a, xs) in &values {
         for (b, ys) in values.range(*a..).skip(1) {
             for (x, y) in xs.iter().flat_map(|x| ys.iter().map(move |y| (x, y))) {
-                if !possible((a, x), (b, y)) {
+                if !can_occur_together((a, x), (b, y)) {
                     continue;
                 }
                 pairs += 1;

@@ -60,7 +60,7 @@ pub fn texture_matrix(suite: &Suite<TextureCase>, jobs: usize) -> Vec<MatrixRow<
             let case = suite.case(request.name).expect("its own case is asked");
             case.answer(&rules)
         };
-        let (run, answers) = recorded(suite, &RunPlan::of(suite, jobs), &ask);
+        let (run, answers) = run_and_answers(suite, &RunPlan::of(suite, jobs), &ask);
         row(suite, misreading, &run, &answers, |answer, hasher| {
             answer.to_string().hash(hasher);
         })
@@ -121,11 +121,11 @@ pub fn ask_all(
         views: views.to_vec(),
         ..RunPlan::of(suite, jobs)
     };
-    recorded(suite, &plan, &ask)
+    run_and_answers(suite, &plan, &ask)
 }
 
 /// Returns a run, and every answer in it.
-fn recorded<C: TestCase>(
+fn run_and_answers<C: TestCase>(
     suite: &Suite<C>,
     plan: &RunPlan<C>,
     ask: &(dyn Fn(&Request<'_, C::View>) -> Answer<C::Output> + Sync),

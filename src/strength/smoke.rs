@@ -10,14 +10,14 @@ use crate::strength::matrix::MatrixRow;
 use crate::suite::cases::Suite;
 
 /// The embedded list.
-const LIST: &str = include_str!("../../spec-cases/smoke.yaml");
+const SMOKE_LIST: &str = include_str!("../../spec-cases/smoke.yaml");
 
 /// Returns the ids of the subset.
 ///
 /// # Errors
 /// A sentence that names the line at fault.
 pub fn ids() -> Result<Vec<String>, String> {
-    from_yaml(LIST).map_err(|error| format!("smoke.yaml: {error}"))
+    from_yaml(SMOKE_LIST).map_err(|error| format!("smoke.yaml: {error}"))
 }
 
 /// Returns true for each case of a suite that is in the subset.

@@ -120,28 +120,28 @@ fn samples(ptm: &Ptm, target: Format) -> Result<Vec<u8>, String> {
             ptm,
             target,
             "its three polynomials are not multiples of one that fits",
-            factored,
+            factor_colors,
         ),
         (Shape::Lrgb, _) => each_texel(
             ptm,
             target,
             "a coefficient times its color, over 255, is no whole number that fits",
-            multiplied,
+            multiply_colors,
         ),
     }
 }
 
 /// Products of two numbers of this size are exact.
-const LARGEST_BIAS: f64 = 1e9;
+const MAX_EXACT_BIAS: f64 = 1e9;
 
 type Texel = fn(&[u8], &[i64; 6], [bool; 6]) -> Option<Vec<u8>>;
 
 /// Converts every texel, or reports the first one that the target cannot hold.
 fn each_texel(ptm: &Ptm, target: Format, why: &str, convert: Texel) -> Result<Vec<u8>, String> {
     let set = &ptm.header.scale_bias;
-    if set.bias.iter().any(|bias| bias.abs() > LARGEST_BIAS) {
+    if set.bias.iter().any(|bias| bias.abs() > MAX_EXACT_BIAS) {
         return Err(format!(
-            "{} into {target}: a bias is beyond {LARGEST_BIAS}",
+            "{} into {target}: a bias is beyond {MAX_EXACT_BIAS}",
             ptm.header.format
         ));
     }
@@ -174,7 +174,7 @@ fn each_texel(ptm: &Ptm, target: Format, why: &str, convert: Texel) -> Result<Ve
 ///
 /// Without their biases the three are multiples m·d of one direction d without a common factor; the one polynomial is n·d for
 /// some n, and a color is 255·m/n.
-fn factored(texel: &[u8], bias: &[i64; 6], counts: [bool; 6]) -> Option<Vec<u8>> {
+fn factor_colors(texel: &[u8], bias: &[i64; 6], counts: [bool; 6]) -> Option<Vec<u8>> {
     let value = |channel: usize, i: usize| match counts[i] {
         true => i64::from(texel[6 * channel + i]) - bias[i],
         false => 0,
@@ -216,7 +216,7 @@ fn factored(texel: &[u8], bias: &[i64; 6], counts: [bool; 6]) -> Option<Vec<u8>>
 }
 
 /// Multiplies one polynomial by three colors, if that is exact.
-fn multiplied(texel: &[u8], bias: &[i64; 6], counts: [bool; 6]) -> Option<Vec<u8>> {
+fn multiply_colors(texel: &[u8], bias: &[i64; 6], counts: [bool; 6]) -> Option<Vec<u8>> {
     let coefficient = |(color, i): (u8, usize)| {
         if !counts[i] {
             return Some(texel[i]);
@@ -298,12 +298,12 @@ mod tests {
         let bias = [100; 6];
         let at = |m: i64| [1, 2, -1, 0, 3, 1].map(|d: i64| (m * d + 100) as u8);
         let texel = [at(10), at(6), at(0)].concat();
-        let found = factored(&texel, &bias, COUNTS).unwrap();
+        let found = factor_colors(&texel, &bias, COUNTS).unwrap();
         assert_eq!(found[..6], at(10));
         assert_eq!(found[6..], [255, 153, 0]);
         // 5 of 10 needs a color of 127.5 or a polynomial that does not fit a byte: 255·5/n, n = 51 is 25 and 50.
         let texel = [at(10), at(5), at(0)].concat();
-        let found = factored(&texel, &bias, COUNTS).unwrap();
+        let found = factor_colors(&texel, &bias, COUNTS).unwrap();
         for (channel, m) in [(6, 10), (7, 5), (8, 0)] {
             for i in 0..6 {
                 let product = (i64::from(found[i]) - 100) * i64::from(found[channel]);
@@ -315,30 +315,33 @@ mod tests {
     #[test]
     fn polynomials_that_are_not_are_refused() {
         let texel: Vec<u8> = (0..18_u32).map(|i| (i * i % 251) as u8).collect();
-        assert_eq!(factored(&texel, &[0; 6], COUNTS), None);
+        assert_eq!(factor_colors(&texel, &[0; 6], COUNTS), None);
     }
 
     #[test]
     fn equal_polynomials_are_white_and_none_is_black() {
         let gray = [[1, 2, 3, 4, 5, 6]; 3].concat();
         assert_eq!(
-            factored(&gray, &[0; 6], COUNTS).unwrap(),
+            factor_colors(&gray, &[0; 6], COUNTS).unwrap(),
             [1, 2, 3, 4, 5, 6, 255, 255, 255]
         );
-        assert_eq!(factored(&[7; 18], &[7; 6], COUNTS).unwrap()[6..], [0, 0, 0]);
+        assert_eq!(
+            factor_colors(&[7; 18], &[7; 6], COUNTS).unwrap()[6..],
+            [0, 0, 0]
+        );
     }
 
     #[test]
     fn a_texel_is_multiplied_only_if_it_comes_out_whole() {
         assert_eq!(
-            multiplied(&[1, 2, 3, 4, 5, 6, 255, 0, 255], &[0; 6], COUNTS).unwrap(),
+            multiply_colors(&[1, 2, 3, 4, 5, 6, 255, 0, 255], &[0; 6], COUNTS).unwrap(),
             [1, 2, 3, 4, 5, 6, 0, 0, 0, 0, 0, 0, 1, 2, 3, 4, 5, 6]
         );
         assert_eq!(
-            multiplied(&[1, 0, 0, 0, 0, 0, 128, 0, 0], &[0; 6], COUNTS),
+            multiply_colors(&[1, 0, 0, 0, 0, 0, 128, 0, 0], &[0; 6], COUNTS),
             None
         );
-        assert!(multiplied(&[255, 0, 0, 0, 0, 0, 128, 0, 0], &[0; 6], COUNTS).is_some());
+        assert!(multiply_colors(&[255, 0, 0, 0, 0, 0, 128, 0, 0], &[0; 6], COUNTS).is_some());
     }
 
     #[test]
@@ -355,12 +358,12 @@ mod tests {
                     (_, x) => x / 51 * 51,
                 })
                 .collect();
-            let Some(three) = multiplied(&texel, &bias, COUNTS) else {
+            let Some(three) = multiply_colors(&texel, &bias, COUNTS) else {
                 continue;
             };
             fitting += 1;
-            let one = factored(&three, &bias, COUNTS).expect("it came of one");
-            assert_eq!(multiplied(&one, &bias, COUNTS), Some(three));
+            let one = factor_colors(&three, &bias, COUNTS).expect("it came of one");
+            assert_eq!(multiply_colors(&one, &bias, COUNTS), Some(three));
         }
         assert!(fitting > 10, "{fitting}");
     }

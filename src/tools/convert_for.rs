@@ -9,7 +9,7 @@ use crate::ptm::{Format, Ptm};
 use crate::readers::{OpenedFile, ReaderProfile, Shown};
 
 /// Formats to try after that of the file: most widely supported first.
-const TRIED: [Format; 7] = [
+const FORMATS_TO_TRY: [Format; 7] = [
     Format::Lrgb,
     Format::Rgb,
     Format::PtmLut,
@@ -29,7 +29,7 @@ pub fn convert_for(
     readers: &[&ReaderProfile],
 ) -> Result<(Format, Converted), String> {
     let own = ptm.header.format;
-    let others = TRIED.into_iter().filter(|&format| format != own);
+    let others = FORMATS_TO_TRY.into_iter().filter(|&format| format != own);
     let read_by_all = |format: &Format| readers.iter().all(|reader| reader.reads(*format));
     let formats: Vec<Format> = std::iter::once(own)
         .chain(others)

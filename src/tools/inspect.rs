@@ -12,9 +12,9 @@ use crate::tools::dissection::{Dissection, FilePart, Role};
 use crate::tools::segments::{Segment, segments};
 
 /// Number of entries of a table, or of records, that are shown unless all are requested.
-const SOME: usize = 8;
+const MAX_ENTRIES: usize = 8;
 /// Number of bytes of a payload that are shown.
-const PREVIEW: usize = 8;
+const PREVIEW_BYTES: usize = 8;
 
 const DIM: Style = Style::new().dimmed();
 const CLAUSE: Style = AnsiColor::Cyan.on_default();
@@ -425,7 +425,11 @@ impl InspectedField {
             let _ = writeln!(out, "{:33}{DIM}{}{DIM:#}", "", words.join(", "));
             return;
         }
-        let limit = if all || is_stream { usize::MAX } else { SOME };
+        let limit = if all || is_stream {
+            usize::MAX
+        } else {
+            MAX_ENTRIES
+        };
         for part in self.parts.iter().take(limit) {
             write_line(out, std::slice::from_ref(part), 2);
         }
@@ -455,10 +459,14 @@ fn visible(bytes: &[u8]) -> String {
 fn hexadecimal(bytes: &[u8]) -> String {
     let shown: Vec<String> = bytes
         .iter()
-        .take(PREVIEW)
+        .take(PREVIEW_BYTES)
         .map(|byte| format!("{byte:02x}"))
         .collect();
-    let more = if bytes.len() > PREVIEW { " …" } else { "" };
+    let more = if bytes.len() > PREVIEW_BYTES {
+        " …"
+    } else {
+        ""
+    };
     format!("{}{more}", shown.join(" "))
 }
 

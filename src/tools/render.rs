@@ -29,9 +29,9 @@ const MARGIN: usize = 4;
 /// A gray that differs from black and white images.
 const BACKGROUND: u8 = 48;
 /// Maximum number of bytes of a contact sheet, or of an enlarged image.
-const LARGEST: usize = 1 << 30;
+const MAX_IMAGE_BYTES: usize = 1 << 30;
 /// The radius of the lights at the edge of a contact sheet; at 1 they would be in the plane of the map.
-const RIM: f64 = 0.9;
+const RIM_RADIUS: f64 = 0.9;
 
 /// Returns the map under one light.
 #[must_use]
@@ -45,7 +45,7 @@ fn picture(coefficients: &Coefficients, lu: f64, lv: f64) -> Image {
 }
 
 /// Returns images under `side` × `side` lights over the hemisphere, from the right on the right and from above at the top;
-/// those at the edge have lights at `RIM`. Images larger than `cell` are reduced.
+/// those at the edge have lights at `RIM_RADIUS`. Images larger than `cell` are reduced.
 ///
 /// # Errors
 /// If the sheet needs more than 1 GiB.
@@ -65,7 +65,7 @@ pub fn sheet(ptm: &Ptm, side: usize, cell: usize) -> Result<Image, String> {
     let bytes = place(side, cell_width)
         .saturating_mul(place(side, cell_height))
         .saturating_mul(3);
-    if bytes > LARGEST {
+    if bytes > MAX_IMAGE_BYTES {
         return Err(format!(
             "a sheet of {bytes} bytes is too large; ask for fewer or smaller pictures"
         ));
@@ -78,7 +78,7 @@ pub fn sheet(ptm: &Ptm, side: usize, cell: usize) -> Result<Image, String> {
     };
     for row in 0..side {
         for column in 0..side {
-            let (lu, lv) = on_disc(step(column), step(side - 1 - row));
+            let (lu, lv) = square_to_disc(step(column), step(side - 1 - row));
             let small = picture(&coefficients, lu, lv).shrunk(factor);
             sheet.paste(&small, place(column, cell_width), place(row, cell_height));
         }
@@ -87,10 +87,10 @@ pub fn sheet(ptm: &Ptm, side: usize, cell: usize) -> Result<Image, String> {
 }
 
 /// Maps the square from −1 to 1 to the disc of the lights, its edge to the rim.
-fn on_disc(x: f64, y: f64) -> (f64, f64) {
+fn square_to_disc(x: f64, y: f64) -> (f64, f64) {
     (
-        x * (1.0 - y * y / 2.0).sqrt() * RIM,
-        y * (1.0 - x * x / 2.0).sqrt() * RIM,
+        x * (1.0 - y * y / 2.0).sqrt() * RIM_RADIUS,
+        y * (1.0 - x * x / 2.0).sqrt() * RIM_RADIUS,
     )
 }
 
@@ -219,7 +219,7 @@ impl Image {
             .samples
             .len()
             .saturating_mul(factor.saturating_mul(factor));
-        if bytes > LARGEST {
+        if bytes > MAX_IMAGE_BYTES {
             return Err(format!(
                 "a picture of {bytes} bytes is too large; enlarge it less"
             ));
@@ -328,10 +328,10 @@ mod tests {
     #[test]
     fn the_edge_of_a_sheet_is_lit_from_the_rim() {
         for (x, y) in [(1.0, 0.0), (1.0, 1.0), (-0.5, 1.0), (1.0, -0.25)] {
-            let (lu, lv) = on_disc(x, y);
-            assert!((lu.hypot(lv) - RIM).abs() < 1e-9, "{x}, {y}");
+            let (lu, lv) = square_to_disc(x, y);
+            assert!((lu.hypot(lv) - RIM_RADIUS).abs() < 1e-9, "{x}, {y}");
         }
-        assert_eq!(on_disc(0.0, 0.0), (0.0, 0.0));
+        assert_eq!(square_to_disc(0.0, 0.0), (0.0, 0.0));
     }
 
     #[test]

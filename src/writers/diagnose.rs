@@ -76,7 +76,7 @@ pub fn diagnose(
         };
         Diagnosis::of(cause, pair.explains)
     }));
-    diagnoses.extend(described(suite, run, &failing));
+    diagnoses.extend(describe_differences(suite, run, &failing));
     diagnoses
 }
 
@@ -95,7 +95,7 @@ fn exhibit(suite: &Suite<WriterCase>, run: &Run<WriterCase>, place: usize) -> Op
 }
 
 /// Returns the smallest files of failing requests, a few of each format.
-fn smallest<'a>(exhibits: &'a Exhibits, failing: &[usize]) -> Vec<&'a Exhibit> {
+fn smallest_exhibits<'a>(exhibits: &'a Exhibits, failing: &[usize]) -> Vec<&'a Exhibit> {
     let mut smallest: Vec<&Exhibit> = failing.iter().filter_map(|i| exhibits.get(i)).collect();
     smallest.sort_by_key(|exhibit| exhibit.right.len());
     let mut counts: BTreeMap<Format, usize> = BTreeMap::new();
@@ -115,7 +115,7 @@ fn single(
     threads: usize,
 ) -> Vec<CoverCandidate<&'static Miswriting>> {
     let mistakes: Vec<&'static Miswriting> = writing::all().collect();
-    let screen = smallest(exhibits, failing);
+    let screen = smallest_exhibits(exhibits, failing);
     let candidate = |i: usize| {
         let mistake = mistakes[i];
         let explains = |exhibit: &Exhibit| {
@@ -166,7 +166,7 @@ fn pairs(
         let explains = |place: usize| exhibits.get(&place).is_some_and(is_explained);
         CoverCandidate::of((first, second), failing, explains, &[], |_| false)
     };
-    let smallest = smallest(exhibits, failing).into_iter();
+    let smallest = smallest_exhibits(exhibits, failing).into_iter();
     smallest
         .take(PAIR_SEARCHED_FILES)
         .filter_map(pair)
@@ -174,7 +174,7 @@ fn pairs(
 }
 
 /// Describes the failures that no mistake of the catalog explains, by the clause of their first difference.
-pub(super) fn described<C>(
+pub(super) fn describe_differences<C>(
     suite: &Suite<C>,
     run: &Run<C>,
     failing: &[usize],

@@ -15,7 +15,7 @@ use crate::writers::fault::WriterFault;
 use crate::writers::request::WriteRequest;
 
 /// The relative tolerance of a number in the header: one rounding to `f32`.
-pub(super) const NUMBERS: f64 = 1e-6;
+pub(super) const NUMBER_TOLERANCE: f64 = 1e-6;
 
 /// Judges the file that was written for `request`.
 ///
@@ -115,7 +115,7 @@ fn compare_numbers(
 }
 
 pub(super) fn is_same_number(wanted: f64, found: f64) -> bool {
-    (wanted - found).abs() <= NUMBERS * wanted.abs()
+    (wanted - found).abs() <= NUMBER_TOLERANCE * wanted.abs()
 }
 
 fn listed(numbers: &[f64]) -> String {

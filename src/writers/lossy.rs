@@ -18,7 +18,7 @@ use crate::writers::fault::WriterFault;
 use crate::writers::request::WriteRequest;
 
 /// Additional tolerance for each sample: the integer transforms of an encoder and of a decoder.
-const ROUNDING: f64 = 1.0;
+const ROUNDING_TOLERANCE: f64 = 1.0;
 
 /// Compares the planes of a lossy file with the requested ones.
 ///
@@ -123,7 +123,7 @@ impl<'a> LossyPlane<'a> {
     /// Checks in JPEG-LS that no sample is off by more than `near`.
     fn check_near(&self, near: u8) -> Result<(), WriterFault> {
         let mut pairs = self.wanted.iter().zip(&self.found);
-        let place = pairs.position(|(&wanted, &found)| on_the_circle(wanted, found) > near);
+        let place = pairs.position(|(&wanted, &found)| distance_modulo_256(wanted, found) > near);
         let why = format!("a loss of at most {near} was asked for");
         place.map_or(Ok(()), |place| Err(self.fault("2.9.1/1", place, &why)))
     }
@@ -132,14 +132,14 @@ impl<'a> LossyPlane<'a> {
     fn check_blocks(&self, quality: u8) -> Result<(), WriterFault> {
         let steps = scaled_steps(quality, false).map(f64::from);
         let of_steps = steps.iter().map(|step| step * step / 4.0).sum::<f64>();
-        let allowed = (of_steps.sqrt() + 8.0 * ROUNDING).powi(2);
+        let allowed = (of_steps.sqrt() + 8.0 * ROUNDING_TOLERANCE).powi(2);
         let width = self.request.header.width as usize;
         let columns = width.div_ceil(8);
         let rows = (self.request.header.height as usize).div_ceil(8);
         let mut lost = vec![0.0; columns * rows];
         for (place, (&wanted, &found)) in self.wanted.iter().zip(&self.found).enumerate() {
             let block = place / width / 8 * columns + place % width / 8;
-            lost[block] += f64::from(on_the_circle(wanted, found)).powi(2);
+            lost[block] += f64::from(distance_modulo_256(wanted, found)).powi(2);
         }
         match lost.iter().position(|&lost| lost > allowed) {
             None => Ok(()),
@@ -169,6 +169,6 @@ impl<'a> LossyPlane<'a> {
 }
 
 /// Returns the distance of two values modulo 256.
-fn on_the_circle(a: u8, b: u8) -> u8 {
+fn distance_modulo_256(a: u8, b: u8) -> u8 {
     a.wrapping_sub(b).min(b.wrapping_sub(a))
 }

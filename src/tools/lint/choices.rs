@@ -17,7 +17,7 @@ use crate::tools::place_in_words;
 const LIGHTS: [(f64, f64); 3] = [(0.0, 0.0), (0.3125, -0.4375), (-0.625, 0.5)];
 
 /// Number of texels whose colors are in memory at a time.
-const PIECE: usize = 4096;
+const PIECE_TEXELS: usize = 4096;
 
 pub(super) fn diagnose(findings: &mut Findings, streams: Option<&Streams>) {
     let dissection = findings.dissection;
@@ -160,7 +160,7 @@ fn planes_differ(ptm: &Ptm, other: &Stored) -> Vec<bool> {
 fn colors_differ(ptm: &Ptm, readings: &[Reading]) -> Vec<Vec<bool>> {
     let shape = ptm.planes.shape;
     let mut all = vec![Vec::new(); readings.len()];
-    for samples in ptm.planes.samples.chunks(PIECE * shape.channels()) {
+    for samples in ptm.planes.samples.chunks(PIECE_TEXELS * shape.channels()) {
         let size = Size {
             width: (samples.len() / shape.channels()) as u32,
             height: 1,

@@ -12,7 +12,7 @@ pub fn printable(name: &OsStr) -> String {
         for character in chunk.valid().chars() {
             match character {
                 '\\' if !cfg!(windows) => out.push_str("\\\\"),
-                _ if acts(character) => out.extend(character.escape_default()),
+                _ if is_control_character(character) => out.extend(character.escape_default()),
                 _ => out.push(character),
             }
         }
@@ -24,7 +24,7 @@ pub fn printable(name: &OsStr) -> String {
 }
 
 /// Returns true if a terminal or an editor interprets this character instead of showing it.
-fn acts(character: char) -> bool {
+fn is_control_character(character: char) -> bool {
     character.is_control()
         || matches!(character, '\u{200b}'..='\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{2069}' | '\u{feff}')
 }

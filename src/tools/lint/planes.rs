@@ -24,10 +24,10 @@ pub(super) fn diagnose(findings: &mut Findings, streams: Option<&Streams>) {
     let mut all = Findings::new(dissection);
     ranks(&mut all, count);
     parameter(&mut all, format);
-    unused(&mut all, count);
+    unused_transforms(&mut all, count);
     for plane in 0..count {
         stream(&mut all, format, plane);
-        twice(&mut all, plane);
+        duplicate_records(&mut all, plane);
     }
     if let Some(streams) = streams.filter(|_| is_jpeg(format)) {
         other_transforms(&mut all, streams);
@@ -134,7 +134,7 @@ fn parameter(findings: &mut Findings, format: Format) {
 }
 
 /// Reports transforms and vectors without an effect.
-fn unused(findings: &mut Findings, count: usize) {
+fn unused_transforms(findings: &mut Findings, count: usize) {
     let dissection = findings.dissection;
     let number = |role| dissection.number(role).unwrap_or_default();
     let idle = |plane: &usize| {
@@ -203,7 +203,7 @@ fn other_near(findings: &mut Findings, plane: usize, stream: &[u8], parts: &[Seg
 }
 
 /// Reports the first texel with two records (ruling `side-twice`).
-fn twice(findings: &mut Findings, plane: usize) {
+fn duplicate_records(findings: &mut Findings, plane: usize) {
     let role = Role::Side(plane);
     let block = findings.dissection.bytes(role).unwrap_or_default();
     let records = records(block, 0, usize::MAX).unwrap_or_default();

@@ -6,7 +6,7 @@ fn terms([u, v]: [f64; 2]) -> [f64; 6] {
 }
 
 /// Directions whose share in all lights is smaller, as a fraction of the largest, are undetermined.
-const DETERMINED: f64 = 1e-10;
+const MIN_DETERMINED: f64 = 1e-10;
 
 /// The least-squares coefficients of polynomials are these rows times the values under the lights; if the lights leave several
 /// solutions, the smallest one.
@@ -26,7 +26,7 @@ impl LeastSquares {
         let normal: [[f64; 6]; 6] = std::array::from_fn(|i| std::array::from_fn(|j| product(i, j)));
         let (values, vectors) = eigen(normal);
         let largest = values.iter().copied().fold(0.0, f64::max);
-        let kept = |k: &usize| values[*k] > DETERMINED * largest;
+        let kept = |k: &usize| values[*k] > MIN_DETERMINED * largest;
         let row = |light: &[f64; 6]| {
             let mut row = [0.0; 6];
             for k in (0..6).filter(kept) {

@@ -12,7 +12,7 @@ use crate::suite::cases::{Expect, Suite, TableSpelling};
 use crate::suite::dialect::{Choices, Right};
 use crate::suite::features::Feature;
 use crate::suite::test_case::{Allowance, Comparison, TestCase};
-use crate::writers::diagnose::{describe, described};
+use crate::writers::diagnose::{describe, describe_differences};
 use crate::writers::fault::WriterFault;
 use crate::writers::fitting::judge::judge;
 use crate::writers::fitting::mistakes::{Evidence, MISTAKES};
@@ -201,6 +201,6 @@ pub(super) fn diagnose(
             Diagnosis::of(cause, chosen.explains)
         })
         .collect();
-    diagnoses.extend(described(suite, run, &failing));
+    diagnoses.extend(describe_differences(suite, run, &failing));
     diagnoses
 }

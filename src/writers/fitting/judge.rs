@@ -13,11 +13,11 @@ use crate::writers::fitting::polynomials::Polynomials;
 use crate::writers::judge::{check_lint, compare_map, refusal};
 
 /// A fit may be worse than the best by this factor plus this number of levels.
-const ROOM: (f64, f64) = (1.25, 1.0);
+const FIT_TOLERANCE: (f64, f64) = (1.25, 1.0);
 
 /// Returns the maximum error, given that of the optimum.
-pub(super) fn allowed(best: f64) -> f64 {
-    best * ROOM.0 + ROOM.1
+pub(super) fn max_error(best: f64) -> f64 {
+    best * FIT_TOLERANCE.0 + FIT_TOLERANCE.1
 }
 
 /// Judges the file that was fitted to `set`.
@@ -36,7 +36,7 @@ pub fn judge(set: &PictureSet, format: Format, file: &[u8]) -> Result<(), Writer
 fn compare(set: &PictureSet, format: Format, found: &Polynomials) -> Result<(), WriterFault> {
     let best = Polynomials::of(&optimum(set, format)).expect("RGB or LRGB");
     let (errors, best) = (found.errors(set), best.errors(set));
-    let excess = |k: &usize| errors[*k] - allowed(best[*k]);
+    let excess = |k: &usize| errors[*k] - max_error(best[*k]);
     let worst = (0..errors.len()).max_by(|i, j| excess(i).total_cmp(&excess(j)));
     let Some(worst) = worst.filter(|k| excess(k) > 0.0) else {
         return Ok(());
@@ -51,7 +51,7 @@ fn compare(set: &PictureSet, format: Format, found: &Polynomials) -> Result<(), 
             set.photographs[worst].name,
             errors[worst],
             best[worst],
-            allowed(best[worst]),
+            max_error(best[worst]),
             errors.len()
         ),
     ))

@@ -7,7 +7,7 @@
 use crate::decode::decode;
 use crate::ptm::{Format, Ptm, Shape};
 use crate::writers::fitting::algebra::LeastSquares;
-use crate::writers::fitting::judge::allowed;
+use crate::writers::fitting::judge::max_error;
 use crate::writers::fitting::optimum::{Fitted, directions};
 use crate::writers::fitting::pictures::{Photograph, PictureSet};
 use crate::writers::fitting::polynomials::{Polynomials, root_mean_square};
@@ -91,7 +91,7 @@ impl Evidence {
         found.is_some_and(|found| {
             // An integer offset rounds more than a bias does.
             let mut pairs = found.iter().zip(best);
-            pairs.all(|(&found, best)| found <= allowed(best) + 2.0)
+            pairs.all(|(&found, best)| found <= max_error(best) + 2.0)
         })
     }
 
