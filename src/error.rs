@@ -88,7 +88,7 @@ pub enum Kind {
         plane: usize,
         /// True if the stream may be legal but is of an unsupported kind.
         unsupported: bool,
-        /// What is wrong with it.
+        /// The fault of the stream.
         what: String,
     },
     /// Side information that does not consist of whole records.

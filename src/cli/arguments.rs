@@ -90,7 +90,7 @@ pub fn globs(texts: &[String]) -> Result<Vec<glob::Pattern>, String> {
     texts.iter().map(pattern).collect()
 }
 
-/// How a decoder is called.
+/// Options for calls of a decoder.
 #[cfg(unix)]
 #[derive(clap::Args)]
 pub struct CallArgs {

@@ -29,7 +29,7 @@ use ptm_conform::suite::test_case::TestCase;
     after_help = "Examples:\n  ptm-conform check ./my-decoder\n  ptm-conform check -- python3 decode.py --strict\n  ptm-conform check --case '*lut*' --jobs 1 ./my-decoder\n  ptm-conform check --cmd 'viewer -u {lu} -v {lv} {in} -o {out}.png' --reject-exit 1\n  ptm-conform check --baseline known-failures.yaml ./my-decoder"
 )]
 pub struct CheckArgs {
-    /// Where to write the report.
+    /// The path of the report.
     #[arg(long, value_name = "FILE", default_value = "ptm-conform-report.yaml")]
     pub report: PathBuf,
     /// Calls at a time; as many as there are processors by default.
@@ -47,7 +47,7 @@ pub struct CheckArgs {
     /// Only cases about this clause or section: 2.4/8, or 2.4. May be given more than once.
     #[arg(long = "clause", value_name = "ID")]
     pub clauses: Vec<String>,
-    /// Which cases: those of PTM files, or those of the texture mapping table, asked as `DECODER texture FILE`.
+    /// The suite: cases of PTM files, or of the texture mapping table, asked as `DECODER texture FILE`.
     #[arg(long, value_name = "SUITE", default_value = "ptm", value_parser = ["ptm", "texture"])]
     pub suite: String,
     /// Ask in this view only. May be given more than once.

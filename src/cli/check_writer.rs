@@ -39,7 +39,7 @@ use ptm_conform::writers::test_case::WriteView;
     after_help = "Examples:\n  ptm-conform check-writer ./my-writer\n  ptm-conform check-writer --format LRGB -- python3 write.py\n  ptm-conform check-writer --format LRGB --cmd 'convert-to-ptm --size {width}x{height} --scale {scale} --bias {bias} {planes} {out}.ptm'"
 )]
 pub struct CheckWriterArgs {
-    /// Where to write the report.
+    /// The path of the report.
     #[arg(long, value_name = "FILE", default_value = "ptm-conform-report.yaml")]
     report: PathBuf,
     /// Calls at a time; as many as there are processors by default.

@@ -42,7 +42,7 @@ pub struct ConvertArgs {
     /// The largest loss of JPEGLS formats; 0 is exact.
     #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u8).range(0..=127))]
     loss: u8,
-    /// Where to write the file.
+    /// The path of the output.
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
 }

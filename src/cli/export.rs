@@ -24,7 +24,7 @@ use ptm_conform::tools::export;
 pub struct ExportArgs {
     /// A PTM file.
     file: PathBuf,
-    /// Where to write: .exr, .npy or .png.
+    /// The path of the output: .exr, .npy or .png.
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
     /// Write final coefficients instead of stored bytes (NPY).

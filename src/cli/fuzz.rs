@@ -38,7 +38,7 @@ pub const CALLS_TEMPLATE: &str = "{bar:40} {pos}/{len} calls {per_sec} {elapsed}
     after_help = "Examples:\n  ptm-conform fuzz ./my-decoder\n  ptm-conform fuzz --seconds 60 --format LRGB --seed 7 -- python3 decode.py"
 )]
 pub struct FuzzArgs {
-    /// Where the draws start; the same seed draws the same files.
+    /// The seed of the random files; the same seed draws the same files.
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
     /// Stop after about this many calls.

@@ -37,7 +37,7 @@ pub struct GenerateArgs {
     /// Write the file of one case alone: to FILE (-o), by default CASE.ptm.
     #[arg(long, value_name = "ID", conflicts_with_all = ["all", "profile", "out"])]
     case: Option<String>,
-    /// Where to write the file of --case.
+    /// The path for the file of --case.
     #[arg(short, long, value_name = "FILE", requires = "case")]
     output: Option<PathBuf>,
     /// A corpus for other projects: minimal, standard or exhaustive.

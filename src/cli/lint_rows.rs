@@ -21,7 +21,7 @@ pub enum RowFormat {
     Text,
     /// A list with a record for each file
     Json,
-    /// The same as YAML
+    /// A list in YAML
     Yaml,
     /// A row for each file
     Csv,

@@ -29,7 +29,7 @@ pub struct MinimiseArgs {
     /// raw, coef or rgb:LU,LV
     #[arg(long, default_value = "raw")]
     view: View,
-    /// Where to write the small file; by default FILE with the suffix .small.ptm.
+    /// The path of the small file; by default FILE with the suffix .small.ptm.
     #[arg(short, long, value_name = "FILE")]
     out: Option<PathBuf>,
     #[command(flatten)]

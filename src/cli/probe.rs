@@ -33,7 +33,7 @@ pub struct ProbeArgs {
     /// Wall-clock limit of a call.
     #[arg(long, value_name = "SECONDS", default_value_t = 10.0)]
     timeout: f64,
-    /// Where to keep the files behind what is wrong; made if there are any.
+    /// The directory for files that show faults; created if there are any.
     #[arg(long, value_name = "DIR", default_value = "ptm-conform-probe")]
     keep: PathBuf,
     /// The decoder and its arguments.

@@ -39,7 +39,7 @@ pub struct RenderArgs {
     /// Show every texel as a square of N x N pixels.
     #[arg(long, value_name = "N", default_value_t = 1, conflicts_with = "sheet", value_parser = clap::value_parser!(u16).range(1..))]
     zoom: u16,
-    /// Where to write the picture.
+    /// The path of the picture.
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
 }

@@ -46,7 +46,7 @@ enum ReportCommand {
         /// The reports.
         #[arg(required = true, value_name = "FILE")]
         files: Vec<PathBuf>,
-        /// Where to write the page.
+        /// The path of the page.
         #[arg(short, long, value_name = "FILE")]
         output: PathBuf,
     },
@@ -89,7 +89,7 @@ struct MergeArgs {
     /// The reports of all parts.
     #[arg(value_name = "PART", required = true)]
     parts: Vec<PathBuf>,
-    /// Where to write the report.
+    /// The path of the report.
     #[arg(long, value_name = "FILE", default_value = "ptm-conform-report.yaml")]
     report: PathBuf,
     /// Failures to print in full; the report has all of them.
@@ -103,7 +103,7 @@ struct MergeArgs {
 struct Made {
     /// The report.
     file: PathBuf,
-    /// Where to write; standard output by default.
+    /// The path of the output; standard output by default.
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
 }

@@ -16,7 +16,7 @@ use super::output::{jobs, print};
 /// executed, and the site is not written if one does not hold.
 #[derive(Args)]
 pub struct SiteArgs {
-    /// Where to write it; what lies there stays, except files of the same names.
+    /// The output directory; existing files are kept, except those with the same names.
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
     /// The reference as WebAssembly, built from packages/wasm: adds a page on which files are dropped.

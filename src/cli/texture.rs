@@ -65,7 +65,7 @@ struct RenderArgs {
     /// The picture to write, a PNG.
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
-    /// What is textured.
+    /// The shape to texture.
     #[arg(long, value_name = "SHAPE", default_value = "plane", value_parser = ["plane", "sphere"])]
     shape: String,
     /// A PTM as the texture map; the default checkerboard if left out.
@@ -84,7 +84,7 @@ struct RenderArgs {
     /// Give the map levels by box filter.
     #[arg(long)]
     mipmap: bool,
-    /// How much beyond the map is shown on each side, in maps: the shape's coordinates run from -N to 1 + N.
+    /// The visible area beyond the map on each side, in maps: the shape's coordinates run from -N to 1 + N.
     #[arg(long, value_name = "N", default_value_t = 0.5, value_parser = parse_around)]
     around: f64,
     /// The surface's own color: red, green, blue from 0 to 1.

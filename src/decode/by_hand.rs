@@ -1,7 +1,7 @@
 //! Compressed files made by hand: lists as they are written to the file, planes as they are stored.
 //!
-//! Nothing here predicts. A test states the residuals of a stream and the plane that it expects, and derives one from the other
-//! on paper.
+//! Nothing here predicts. A test states the residuals of a stream and the plane that it expects,
+//! and derives one from the other on paper.
 
 use crate::codec::{jpeg, jpeg_ls};
 use crate::ptm::{Format, Size};

@@ -1,8 +1,9 @@
 //! §2.9 Compressed Data: the parameter and the lists (§2.9.1 – 2.9.7)
 //!
-//! After the biases stand, in ASCII and in this order (clause 2.9/1): the compression parameter, the transforms, the
-//! motion vectors (all x, then all y), the order, the references, the sizes of the streams and the sizes of their side
-//! information. A list has a number for each plane, 18 or 9 (clause 2.9/3); the planes follow (§2.9.8).
+//! After the biases come, in ASCII and in this order (clause 2.9/1): the compression parameter,
+//! the transforms, the motion vectors (all x, then all y), the order, the references, the sizes of
+//! the streams and the sizes of their side information. A list has a number for each plane, 18 or 9
+//! (clause 2.9/3); the planes follow (§2.9.8).
 //!
 //! ```text
 //! 90                              the encoder's quality                                        §2.9.1

@@ -1,7 +1,8 @@
 //! Displacement of a plane, row by row where all four samples of a mean lie inside the plane
 //!
-//! Inside, where most texels are, there are no edges to handle: four slices of the plane are processed in parallel. The rest, a
-//! frame as wide as the displacement, is made texel by texel as in [`super::predict`]; a test below compares the two.
+//! Inside, where most texels are, there are no edges to handle: four slices of the plane are
+//! processed in parallel. The rest, a frame as wide as the displacement, is made texel by texel as
+//! in [`super::predict`]; a test below compares the two.
 
 use std::ops::Range;
 

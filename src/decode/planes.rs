@@ -1,8 +1,9 @@
 //! §2.9.8 Compressed Coefficient Planes
 //!
-//! The planes lie one after another in the order of the format, whatever the order in which they are decoded (clause 2.9.8/1).
-//! Each is a whole JPEG or JPEG-LS stream (clause 2.9.8/3), directly followed by its side information (clause 2.9.8/4): records
-//! of five bytes, a position (big-endian) and the value of that texel (clause 2.9.8/5).
+//! The planes lie one after another in the order of the format, whatever the order in which they
+//! are decoded (clause 2.9.8/1). Each is a whole JPEG or JPEG-LS stream (clause 2.9.8/3), directly
+//! followed by its side information (clause 2.9.8/4): records of five bytes, a position
+//! (big-endian) and the value of that texel (clause 2.9.8/5).
 //!
 //! ```text
 //! stream 0 │ side information 0 │ stream 1 │ side information 1 │ …        sizes from §2.9.6 and §2.9.7
@@ -10,8 +11,9 @@
 //! 00 00 01 02 FF     a record: the stored texel 258 is 255
 //! ```
 //!
-//! Why there are records: let a texel be 255 and its predictor 200, so that its residual is 255 − 200 + 128 = 183. A lossy
-//! codec may return 184 for it. That is an error of one, but the texel becomes 184 + 200 − 128 = 256, which wraps to 0.
+//! Why there are records: let a texel be 255 and its predictor 200, so that its residual is 255 −
+//! 200 + 128 = 183. A lossy codec may return 184 for it. That is an error of one, but the texel
+//! becomes 184 + 200 − 128 = 256, which wraps to 0.
 //!
 //! Format notes
 //! - Lossy coding of numbers that wrap sometimes turns a 255 into a 0. Records overwrite such texels, intra planes

@@ -1,8 +1,8 @@
 //! §2.9.2 – 2.9.5 applied: a plane from its reference
 //!
-//! The stream of a predicted plane holds *residuals*. The plane is residual + predictor − 128, modulo 256 (clause 2.9.5/4,
-//! ruling `prediction`); the predictor is the reference, inverted (clause 2.9.2/3) and displaced (clause 2.9.2/4) as the
-//! plane's transform says.
+//! The stream of a predicted plane holds *residuals*. The plane is residual + predictor − 128,
+//! modulo 256 (clause 2.9.5/4, ruling `prediction`); the predictor is the reference, inverted
+//! (clause 2.9.2/3) and displaced (clause 2.9.2/4) as the plane's transform says.
 //!
 //! ```text
 //! reference   10 21 30     inverted   245 234 225     and moved by (1, 0)   240 230 225

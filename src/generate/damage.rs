@@ -123,7 +123,7 @@ enum Index {
     allow(dead_code, reason = "the suite reads them from damages.yaml")
 )]
 enum Change {
-    /// Those of LRGB, read as version 1.1: nine adjacent bytes per texel, from the bottom left.
+    /// LRGB values, read as version 1.1: nine adjacent bytes per texel, from the bottom left.
     InterleavedTexels,
     #[cfg_attr(feature = "harness", serde(rename = "plane-1-is-128"))]
     PlaneOneIs128,

@@ -106,7 +106,7 @@ pub struct LikelyCause {
     pub kind: Option<String>,
     /// The clause that it misreads.
     pub clause: String,
-    /// What the decoder does.
+    /// The behavior of the decoder.
     pub effect: String,
     /// The suggested fix.
     pub fix: String,

@@ -137,9 +137,9 @@ impl Circumstances {
 /// Remarks on the run as a whole that do not follow from answers.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct OtherRemarks {
-    /// Those before the other remarks.
+    /// Remarks to put before the others.
     pub before: Vec<Remark>,
-    /// Those after the other remarks.
+    /// Remarks to put after the others.
     pub after: Vec<Remark>,
 }
 

@@ -1,4 +1,4 @@
-//! The same image in other files: the results of a decoder must not differ.
+//! Files with the same image, for which the results of a decoder must not differ.
 //!
 //! These checks need no expected output. They catch mistakes that reference and decoder share, and they work on any file.
 

@@ -21,7 +21,7 @@ use crate::suite::corpus::put;
 
 /// The list of requests, for programs.
 const LIST_NAME: &str = "requests.yaml";
-/// The same list, for spreadsheets and scripts.
+/// The list of requests, for spreadsheets and scripts.
 const TABLE_NAME: &str = "requests.tsv";
 /// The directory for the answers.
 const ANSWERS_DIRECTORY: &str = "outputs";

@@ -28,7 +28,7 @@ pub struct Run<C: TestCase = Case> {
     pub judgement: Judgement<C>,
     /// The decoder's replies to the first files.
     pub first: Vec<First<C>>,
-    /// What the decoder offers.
+    /// The offer of the decoder.
     pub offer: Offer<C>,
     /// The spelling of tables for the decoder.
     pub table: TableSpelling,

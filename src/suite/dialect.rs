@@ -28,7 +28,7 @@ pub struct Dialect(pub Vec<usize>);
 pub enum Right {
     /// All or none: no choice affects the case.
     Anyway(bool),
-    /// Those with certain readings of the choices that affect the case.
+    /// Dialects with certain readings of the choices that affect the case.
     In {
         /// The choices.
         axes: Vec<Axis>,

@@ -15,7 +15,7 @@ use crate::evaluate::{Coefficients, Picture};
 /// The rounding of the values of an image.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Rounding {
-    /// As real numbers.
+    /// No rounding.
     None,
     /// To 256 levels.
     EightBits,

@@ -126,7 +126,7 @@ enumerants! {
     Frequency ["PEXTMSampleFrequency"] {
         /// At every pixel.
         Pixel,
-        /// As often as the reflectance calculation is done.
+        /// At the frequency of the reflectance calculation.
         InterpDep,
     }
 }
