@@ -1,11 +1,11 @@
-//! What is wrong × which clause × which byte.
+//! Errors: what is wrong, which clause, which byte.
 //!
-//! The file's fault ([`Class::Malformed`]), a thing this reader does not do ([`Class::Unsupported`]) and a limit it was
-//! given ([`Class::Limit`]) are three different things, and the program's exit status keeps them apart.
+//! A fault of the file ([`Class::Malformed`]), a feature that this reader lacks ([`Class::Unsupported`]) and an exceeded limit
+//! ([`Class::Limit`]) are separate classes, with separate exit statuses of the program.
 
 use std::fmt;
 
-/// Why a file was not decoded.
+/// The reason why a file was not decoded.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Error {
     clause: &'static str,
@@ -13,37 +13,37 @@ pub struct Error {
     kind: Kind,
 }
 
-/// Whose fault an [`Error`] is.
+/// The kind of fault of an [`Error`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Class {
     /// The file breaks a rule of the text.
     Malformed,
-    /// The file may be in order, but this reader does not read its kind.
+    /// The file may be valid, but this reader does not support its kind.
     Unsupported,
-    /// The file asks for more memory than [`crate::ptm::Limits`] allow.
+    /// The file needs more memory than [`crate::ptm::Limits`] allow.
     Limit,
 }
 
-/// What is wrong, with what was found.
+/// The fault, with what was found.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Kind {
-    /// Something else stands where `what` should; `found` is its beginning, printable.
+    /// Something else was found instead of `what`; `found` is its beginning, printable.
     Expected {
-        /// What should stand here.
+        /// The expected part.
         what: &'static str,
-        /// What does.
+        /// The beginning of what was found.
         found: String,
     },
-    /// The file ends where `what` should stand.
+    /// The file ends before `what`.
     Ended {
-        /// What should stand here.
+        /// The expected part.
         what: &'static str,
     },
     /// `what` needs more bytes than the file has left.
     Short {
         /// The part of the file.
         what: &'static str,
-        /// Bytes it takes; 2⁶⁴ − 1 where that cannot be counted.
+        /// Bytes it needs; 2⁶⁴ − 1 on overflow.
         needs: u64,
         /// Bytes from here to the end of the file.
         remain: usize,
@@ -57,7 +57,7 @@ pub enum Kind {
     },
     /// The planes would take more memory than allowed.
     TooLarge {
-        /// Bytes needed; 2⁶⁴ − 1 where that cannot be counted.
+        /// Bytes needed; 2⁶⁴ − 1 on overflow.
         needs: u64,
         /// Bytes allowed.
         limit: usize,
@@ -68,7 +68,7 @@ pub enum Kind {
         plane: usize,
         /// The plane it names as its reference.
         reference: i64,
-        /// How many planes there are.
+        /// Number of planes.
         planes: usize,
     },
     /// A plane is predicted from one that is not decoded before it.
@@ -82,13 +82,13 @@ pub enum Kind {
         /// The reference's rank.
         reference_rank: i64,
     },
-    /// The stream of a plane is not what its standard says or not what a plane is.
+    /// The stream of a plane violates its standard, or does not fit the plane.
     Stream {
         /// The plane.
         plane: usize,
-        /// Whether the stream may be legal, of a kind that is not read.
+        /// True if the stream may be legal but is of an unsupported kind.
         unsupported: bool,
-        /// What is wrong with it.
+        /// The fault of the stream.
         what: String,
     },
     /// Side information that does not consist of whole records.
@@ -100,12 +100,12 @@ pub enum Kind {
     PositionOutOfRange {
         /// The position.
         position: u32,
-        /// How many texels there are.
+        /// Number of texels.
         texels: usize,
     },
-    /// A legal thing that this reader does not read.
+    /// A legal feature that this reader does not support.
     NotRead {
-        /// The thing.
+        /// The feature.
         what: &'static str,
     },
 }
@@ -119,19 +119,19 @@ impl Error {
         }
     }
 
-    /// The same, where another clause is broken than the one that says what stands there.
+    /// Returns the error with another clause, if the clause of the field is not the one that is broken.
     pub(crate) const fn about(mut self, clause: &'static str) -> Error {
         self.clause = clause;
         self
     }
 
-    /// The clause that is broken, as numbered in `spec-cases/clauses.yaml`: `2.5/2`.
+    /// Returns the clause that is broken, as numbered in `spec-cases/clauses.yaml`: `2.5/2`.
     #[must_use]
     pub const fn clause(&self) -> &'static str {
         self.clause
     }
 
-    /// The section of that clause: `2.5`.
+    /// Returns the section of that clause: `2.5`.
     #[must_use]
     pub fn section(&self) -> &'static str {
         self.clause
@@ -139,19 +139,19 @@ impl Error {
             .map_or(self.clause, |(section, _)| section)
     }
 
-    /// The byte of the file, counted from 0, at which it shows.
+    /// Returns the byte of the file, counted from 0, at which the error was found.
     #[must_use]
     pub const fn offset(&self) -> usize {
         self.offset
     }
 
-    /// What is wrong.
+    /// Returns the fault.
     #[must_use]
     pub const fn kind(&self) -> &Kind {
         &self.kind
     }
 
-    /// Whose doing it is.
+    /// Returns the class of the fault.
     #[must_use]
     pub const fn class(&self) -> Class {
         match self.kind {
@@ -175,7 +175,7 @@ impl Error {
     }
 }
 
-/// The title of a section, in the words of the text.
+/// Returns the title of a section, in the words of the text.
 #[must_use]
 pub fn section_title(section: &str) -> &'static str {
     match section {
@@ -208,7 +208,7 @@ impl fmt::Display for Error {
 
 impl fmt::Display for Kind {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        // A number of bytes that does not fit a u64 is not printed as if it did.
+        // A saturated number of bytes is not printed as a number.
         let bytes = |n: u64| {
             if n == u64::MAX {
                 "more bytes than can be counted".to_owned()
@@ -267,5 +267,5 @@ impl fmt::Display for Kind {
 
 impl std::error::Error for Error {}
 
-/// What the decoder returns.
+/// The result of the decoder.
 pub type Result<T> = std::result::Result<T, Error>;

@@ -1,8 +1,8 @@
 //! Planes → final coefficients (2.4) → color under a light (1.0).
 //!
 //! Format notes
-//! - A final coefficient is a real number; nothing is rounded before the very end (ruling `final-coefficient`).
-//! - One set of scales and biases serves all polynomials; colors, Cr and Cb are taken as they are.
+//! - A final coefficient is a real number; nothing is rounded before the end (ruling `final-coefficient`).
+//! - One set of scales and biases applies to all polynomials; colors, Cr and Cb are used unscaled.
 //! - Luminance times color is divided by 255, and only then clamped (ruling `color`).
 
 use crate::ptm::{ColorMatrix, Planes, ScaleBias, Shape, Size};
@@ -13,7 +13,7 @@ use crate::reading::Reading;
 pub struct Coefficients {
     /// Width and height.
     pub size: Size,
-    /// What the channels mean.
+    /// The meaning of the channels.
     pub shape: Shape,
     /// `height * width * channels` values in the order of [`Planes::samples`].
     pub values: Vec<f64>,
@@ -29,7 +29,7 @@ pub struct Picture {
 }
 
 impl Picture {
-    /// The picture in whole numbers, rounded to the nearest; the text names no rounding, so no verdict depends on it.
+    /// Returns the image in whole numbers, rounded to nearest. The text names no rounding, so no verdict depends on it.
     #[must_use]
     pub fn to_bytes(&self) -> Vec<u8> {
         self.values
@@ -39,7 +39,7 @@ impl Picture {
     }
 }
 
-/// Planes → coefficients.
+/// Computes coefficients from planes.
 pub(crate) fn apply(scale_bias: &ScaleBias, planes: &Planes, reading: &Reading) -> Coefficients {
     Coefficients {
         size: planes.size,
@@ -48,7 +48,7 @@ pub(crate) fn apply(scale_bias: &ScaleBias, planes: &Planes, reading: &Reading) 
     }
 }
 
-/// Coefficients → picture.
+/// Computes an image from coefficients.
 pub(crate) fn evaluate(
     coefficients: &Coefficients,
     lu: f64,
@@ -81,7 +81,7 @@ pub(crate) fn evaluate(
     }
 }
 
-/// Matrix times (Y, Cr, Cb, 1) (clauses 2.6/4–5).
+/// Computes matrix times (Y, Cr, Cb, 1) (clauses 2.6/4–5).
 pub(crate) fn lum_color(
     matrix: &ColorMatrix,
     y: f64,
@@ -94,22 +94,22 @@ pub(crate) fn lum_color(
         .map(|[m0, m1, m2, t]| m0 * p + m1 * q + m2 * r + (reading.lum_translation)(t))
 }
 
-/// The light as it is given: +u right, +v up (clause 1.0/2, ruling `light`).
+/// Returns the light unchanged: +u right, +v up (clause 1.0/2, ruling `light`).
 pub(crate) fn light(lu: f64, lv: f64) -> (f64, f64) {
     (lu, lv)
 }
 
-/// The polynomial of 1.0 (clause 1.0/1).
+/// Evaluates the polynomial of 1.0 (clause 1.0/1).
 pub(crate) fn polynomial(a: &[f64], lu: f64, lv: f64) -> f64 {
     a[0] * lu * lu + a[1] * lv * lv + a[2] * lu * lv + a[3] * lu + a[4] * lv + a[5]
 }
 
-/// (raw − bias) · scale (clause 2.4/8), the same six for all polynomials (clause 2.4/9).
+/// Computes (raw − bias) · scale (clause 2.4/8), with the same six for all polynomials (clause 2.4/9).
 pub(crate) fn final_coefficient(raw: u8, channel: usize, set: &ScaleBias) -> f64 {
     (f64::from(raw) - set.bias[channel % 6]) * set.scale[channel % 6]
 }
 
-/// Scale and bias for coefficients; colors, Cr and Cb are plain numbers (clause 2.4/9).
+/// Applies scale and bias to coefficients; colors, Cr and Cb are plain numbers (clause 2.4/9).
 pub(crate) fn finals(set: &ScaleBias, planes: &Planes, reading: &Reading) -> Vec<f64> {
     let coefficients = planes.shape.coefficients();
     let mut values = Vec::with_capacity(planes.samples.len());
@@ -125,32 +125,32 @@ pub(crate) fn finals(set: &ScaleBias, planes: &Planes, reading: &Reading) -> Vec
     values
 }
 
-/// Y, Cr, Cb (ruling `lum-vector`).
+/// Returns Y, Cr, Cb (ruling `lum-vector`).
 pub(crate) fn lum_vector(y: f64, cr: f64, cb: f64) -> [f64; 3] {
     [y, cr, cb]
 }
 
-/// Cr, Y, Cb: the other reading of `lum-vector`.
+/// Returns Cr, Y, Cb: the other reading of `lum-vector`.
 pub(crate) fn lum_vector_cr_first(y: f64, cr: f64, cb: f64) -> [f64; 3] {
     [cr, y, cb]
 }
 
-/// The translation counts as the values do, 0 to 255 (ruling `lum-range`).
+/// Returns the translation in the range of the values, 0 to 255 (ruling `lum-range`).
 pub(crate) fn lum_translation(t: f64) -> f64 {
     t
 }
 
-/// Values and translation from 0 to 1, shown from 0 to 255: the other reading of `lum-range`.
+/// Scales a translation from 0 … 1 to 0 … 255: the other reading of `lum-range`.
 pub(crate) fn lum_translation_unit(t: f64) -> f64 {
     t * 255.0
 }
 
-/// Luminance times color, over 255 (clause 2.7.3/4, ruling `color`).
+/// Computes luminance times color, divided by 255 (clause 2.7.3/4, ruling `color`).
 pub(crate) fn modulate(luminance: f64, color: f64) -> f64 {
     luminance * color / 255.0
 }
 
-/// 0 to 255, at the very end (clause 2.7.3/5, ruling `color`).
+/// Clamps to 0 … 255, at the end (clause 2.7.3/5, ruling `color`).
 pub(crate) fn clamp(value: f64) -> f64 {
     value.clamp(0.0, 255.0)
 }

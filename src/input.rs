@@ -1,4 +1,4 @@
-//! Reading verbs over a file that always know where they are.
+//! Reading methods over a file that keep track of the position.
 //!
 //! A header line is made of *tokens* separated by *gaps* and ended by a *line end*:
 //!
@@ -6,14 +6,14 @@
 //! - a gap is one or more spaces (ruling `size-spelling`);
 //! - a line end is one line feed, before which one space may stand (clause 2.0/2, ruling `header-line-end`).
 //!
-//! Tabs, carriage returns, leading blanks, empty lines and further spaces are none of these (ruling `header-blanks`).
+//! Tabs, carriage returns, leading blanks, empty lines and additional spaces are not allowed (ruling `header-blanks`).
 
 use std::ops::Range;
 
 use crate::error::{Error, Kind, Result};
 use crate::ptm::Field;
 
-/// A file and how far it has been read.
+/// A file and the current position.
 #[derive(Debug)]
 pub struct Input<'a> {
     file: &'a [u8],
@@ -38,12 +38,12 @@ impl<'a> Input<'a> {
         self.fields
     }
 
-    /// Everything not yet read.
+    /// Returns the rest of the file.
     pub(crate) fn rest(&self) -> &'a [u8] {
         &self.file[self.at..]
     }
 
-    /// The next token.
+    /// Reads the next token.
     pub(crate) fn token(&mut self, clause: &'static str, name: &'static str) -> Result<&'a [u8]> {
         let rest = self.rest();
         let length = rest
@@ -62,7 +62,7 @@ impl<'a> Input<'a> {
         Ok(&rest[..length])
     }
 
-    /// The token `word`, and no other.
+    /// Reads the token `word`, and no other.
     pub(crate) fn word(&mut self, clause: &'static str, word: &'static str) -> Result<()> {
         let start = self.at;
         if self.token(clause, word)? == word.as_bytes() {
@@ -72,14 +72,14 @@ impl<'a> Input<'a> {
         Err(self.wrong(clause, word))
     }
 
-    /// A finite decimal number (ruling `numbers`).
+    /// Reads a finite decimal number (ruling `numbers`).
     pub(crate) fn number(&mut self, clause: &'static str, name: &'static str) -> Result<f64> {
         let start = self.at;
         let value = decimal(self.token(clause, name)?);
         value.ok_or_else(|| self.wrong_at(start, clause, name))
     }
 
-    /// A whole number from 0 to 2³² − 1, written in digits with or without a sign.
+    /// Reads a whole number from 0 to 2³² − 1, written in digits with or without a sign.
     pub(crate) fn integer(&mut self, clause: &'static str, name: &'static str) -> Result<u32> {
         let start = self.at;
         let token = self.token(clause, name)?;
@@ -89,7 +89,7 @@ impl<'a> Input<'a> {
         value.ok_or_else(|| self.wrong_at(start, clause, name))
     }
 
-    /// A whole number of any sign.
+    /// Reads a whole number of any sign.
     pub(crate) fn signed(&mut self, clause: &'static str, name: &'static str) -> Result<i64> {
         let start = self.at;
         let token = self.token(clause, name)?;
@@ -99,7 +99,7 @@ impl<'a> Input<'a> {
         value.ok_or_else(|| self.wrong_at(start, clause, name))
     }
 
-    /// One or more spaces.
+    /// Reads one or more spaces.
     pub(crate) fn gap(&mut self, clause: &'static str) -> Result<()> {
         let spaces = self.rest().iter().take_while(|&&byte| byte == b' ').count();
         if spaces == 0 {
@@ -109,7 +109,7 @@ impl<'a> Input<'a> {
         Ok(())
     }
 
-    /// One line feed, before which one space may stand.
+    /// Reads one line feed, which one space may precede.
     pub(crate) fn line_end(&mut self, clause: &'static str) -> Result<()> {
         if !self.skip_line_end() {
             return Err(self.wrong(clause, "the end of the line"));
@@ -117,7 +117,7 @@ impl<'a> Input<'a> {
         Ok(())
     }
 
-    /// A gap, or a line end where the text allows either.
+    /// Reads a gap, or a line end where the text allows either.
     pub(crate) fn gap_or_line_end(&mut self, clause: &'static str) -> Result<()> {
         if self.skip_line_end() {
             Ok(())
@@ -126,7 +126,7 @@ impl<'a> Input<'a> {
         }
     }
 
-    /// The next `count` bytes of the payload.
+    /// Reads the next `count` bytes of the payload.
     pub(crate) fn take(
         &mut self,
         clause: &'static str,
@@ -143,7 +143,7 @@ impl<'a> Input<'a> {
         Ok(rest)
     }
 
-    /// The next `count` bytes of the payload, and what some of them are: ranges that count from here.
+    /// Reads the next `count` bytes of the payload and records the meaning of some: ranges relative to the current position.
     pub(crate) fn take_parts(
         &mut self,
         clause: &'static str,
@@ -162,7 +162,7 @@ impl<'a> Input<'a> {
         Ok(rest)
     }
 
-    /// The next `count` bytes, if the file has so many. A file may announce more than this machine can count in memory.
+    /// Returns the next `needs` bytes, if the file has so many. A file may declare more than this machine can count in memory.
     fn announced(&self, clause: &'static str, what: &'static str, needs: u64) -> Result<&'a [u8]> {
         let rest = self.rest();
         let remain = rest.len();
@@ -179,13 +179,13 @@ impl<'a> Input<'a> {
         })
     }
 
-    /// The error that something else than `what` stands here.
+    /// Returns the error that something other than `what` was found here.
     pub(crate) fn wrong(&self, clause: &'static str, what: &'static str) -> Error {
         self.wrong_at(self.at, clause, what)
     }
 
     fn wrong_at(&self, offset: usize, clause: &'static str, what: &'static str) -> Error {
-        // Enough of what stands there to recognise it: its line, at most 24 bytes of it, and never nothing.
+        // Enough of the line to recognize it: at most 24 bytes, and at least one.
         let there = &self.file[offset..];
         let end = there
             .iter()
@@ -202,7 +202,7 @@ impl<'a> Input<'a> {
         Error::new(clause, offset, kind)
     }
 
-    /// Whether a line end stands here.
+    /// Returns true if the next bytes are a line end.
     pub(crate) fn at_line_end(&self) -> bool {
         self.rest().starts_with(b"\n") || self.rest().starts_with(b" \n")
     }
@@ -216,9 +216,9 @@ impl<'a> Input<'a> {
     }
 }
 
-/// `[+-]?(d+.?d*|.d+)([eE][+-]?d+)?`, and finite.
+/// Parses `[+-]?(d+.?d*|.d+)([eE][+-]?d+)?` with a finite value.
 fn decimal(token: &[u8]) -> Option<f64> {
-    // The standard library reads this grammar and, besides it, only names: `inf`, `infinity`, `nan`.
+    // The standard library accepts this grammar and, in addition, only names: `inf`, `infinity`, `nan`.
     let text = std::str::from_utf8(token).ok()?;
     if text
         .bytes()

@@ -1,7 +1,7 @@
 //! Reference decoder, generator and conformance harness for Polynomial Texture Maps (PTM 1.2, HP Labs 2001).
 //!
-//! A PTM stores six coefficients of a polynomial for each texel, so that a picture can be lit anew. Reading one is
-//! four steps, each a public function and a place where two decoders can be compared:
+//! A PTM stores six coefficients of a polynomial for each texel, so that an image can be relit. Reading one takes four steps,
+//! each a public function and a point at which two decoders can be compared:
 //!
 //! ```text
 //! &[u8] ──decode──→ Header, Planes ──coefficients──→ Coefficients ──evaluate──→ Picture
@@ -18,25 +18,25 @@
 //!
 //! # The map, in reading order
 //!
-//! - [`ptm`]: the nouns and the glossary. [`error`]: what × which clause × which byte.
-//! - [`reading`]: the decisions that the text asks of its reader, each a function that can be exchanged; `parts` and `input`
-//!   are what these functions are given.
+//! - [`ptm`]: the types and the glossary. [`error`]: what is wrong, which clause, which byte.
+//! - [`reading`]: the decisions that the text requires of a reader, each an exchangeable function; `parts` and `input` are
+//!   the arguments of these functions.
 //! - [`evaluate`]: planes → coefficients → color.
 //! - [`decode`](mod@decode): bytes → header → planes, a file for each section of the text. `decode/spec.rs` is the reading of
 //!   the reference.
 //! - [`codec`]: JPEG and JPEG-LS, the standards that the text borrows for planes.
-//! - [`texture`]: what the `PEXlib` texture mapping table makes of a picture, such as a PTM under a light.
+//! - [`texture`]: results of the `PEXlib` texture mapping table for an image, such as a PTM under a light.
 //! - `generate` (feature `generate`): the mirror of `decode`, values → bytes; recipes, spellings, damage.
 //! - `harness` (feature `harness`): cases → run → compare → judge → diagnose → report.
-//! - `readers` (feature `tools`): what public readers make of a file.
-//! - `tools` (feature `tools`): what a file is made of, what is odd about it, how it looks; the same map written otherwise.
-//! - `writers` (feature `cli`): the suite turned round, for programs that write the files.
-//! - `site` (feature `cli`): all of that as pages, with the format explained clause by clause.
+//! - `readers` (feature `tools`): predicted results of public readers for a file.
+//! - `tools` (feature `tools`): the parts of a file, its oddities, its appearance, and conversion to other formats.
+//! - `writers` (feature `cli`): the inverse of the suite, for programs that write files.
+//! - `site` (feature `cli`): all of that as web pages, with the format explained clause by clause.
 //!
-//! # What is never there
+//! # Guarantees
 //!
-//! `decode` does no I/O and never looks at a file name. `generate` never mentions `decode`. Nothing is `unsafe`. The
-//! same recipe gives the same bytes everywhere. The harness judges output, never speed.
+//! `decode` does no I/O and never uses a file name. `generate` never uses `decode`. There is no `unsafe` code. The same recipe
+//! gives the same bytes everywhere. The harness judges output, never speed.
 
 pub mod ptm;
 

@@ -1,4 +1,4 @@
-//! The program: its commands, and the file of [`cli`] that carries out each.
+//! The program: its commands, each carried out by a file of [`cli`].
 
 mod cli;
 
@@ -69,7 +69,7 @@ enum Command {
     Report(cli::report::ReportArgs),
     #[cfg(unix)]
     Coverage(cli::coverage::CoverageArgs),
-    /// Waits until its standard input ends, then ends what is left of process RUN and in DIRECTORIES, and removes them.
+    /// Waits until standard input ends, then kills the rest of process RUN and of DIRECTORIES, and removes the directories.
     #[cfg(unix)]
     #[command(hide = true)]
     Watch {

@@ -1,4 +1,4 @@
-//! The nouns of the format, one glossary.
+//! The types of the format, with a glossary.
 //!
 //! - **texel**: one position of the map.
 //! - **plane**: one byte for every texel; the planes of a map come in the order of the text.
@@ -74,31 +74,31 @@ impl Format {
         &self.name()["PTM_FORMAT_".len()..]
     }
 
-    /// Whether the file carries a lookup table (2.5) and indices (2.8).
+    /// Returns true if the file carries a lookup table (2.5) and indices (2.8).
     #[must_use]
     pub const fn has_table(self) -> bool {
         matches!(self, Format::PtmLut | Format::PtmCLut)
     }
 
-    /// Whether the planes are compressed streams (2.9).
+    /// Returns true if the planes are compressed streams (2.9).
     #[must_use]
     pub const fn is_compressed(self) -> bool {
         self.is_jpeg() || self.is_jpeg_ls()
     }
 
-    /// Whether the planes are JPEG streams (2.9).
+    /// Returns true if the planes are JPEG streams (2.9).
     #[must_use]
     pub const fn is_jpeg(self) -> bool {
         matches!(self, Format::JpegRgb | Format::JpegLrgb)
     }
 
-    /// Whether the planes are JPEG-LS streams (2.9).
+    /// Returns true if the planes are JPEG-LS streams (2.9).
     #[must_use]
     pub const fn is_jpeg_ls(self) -> bool {
         matches!(self, Format::JpeglsRgb | Format::JpeglsLrgb)
     }
 
-    /// How many planes a map of this format has: 18, 9 or 8.
+    /// Returns the number of planes of a map of this format: 18, 9 or 8.
     #[must_use]
     pub const fn channels(self) -> usize {
         match self {
@@ -118,7 +118,7 @@ impl fmt::Display for Format {
 impl FromStr for Format {
     type Err = String;
 
-    /// Knows the names of 2.2, with or without their prefix.
+    /// Parses a name of 2.2, with or without its prefix.
     fn from_str(name: &str) -> Result<Format, String> {
         Format::ALL
             .into_iter()
@@ -130,20 +130,20 @@ impl FromStr for Format {
 /// Width and height in texels, both at least 1 (2.3).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Size {
-    /// Texels in a row.
+    /// Number of texels in a row.
     pub width: u32,
-    /// Rows.
+    /// Number of rows.
     pub height: u32,
 }
 
 impl Size {
-    /// How many texels there are; 2⁶⁴ − 1 where that cannot be counted in memory.
+    /// Returns the number of texels; the largest `usize` on overflow.
     #[must_use]
     pub fn texels(self) -> usize {
         (self.width as usize).saturating_mul(self.height as usize)
     }
 
-    /// How many bytes `each` for every texel are, counted alike on every machine; 2⁶⁴ − 1 where they are more.
+    /// Returns the number of bytes of `each` bytes per texel, as a `u64` on every machine; 2⁶⁴ − 1 on overflow.
     pub(crate) fn bytes(self, each: usize) -> u64 {
         (u64::from(self.width) * u64::from(self.height)).saturating_mul(each as u64)
     }
@@ -158,7 +158,7 @@ impl fmt::Display for Size {
 impl FromStr for Size {
     type Err = String;
 
-    /// Knows `WIDTHxHEIGHT`, both at least 1.
+    /// Parses `WIDTHxHEIGHT`, both at least 1.
     fn from_str(text: &str) -> Result<Size, String> {
         let wrong = || format!("expected a size such as 8x5, found {text:?}");
         let (width, height) = text.split_once('x').ok_or_else(wrong)?;
@@ -172,42 +172,42 @@ impl FromStr for Size {
 /// The six scales and six biases of 2.4; element i belongs to coefficient a*i* of every polynomial.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ScaleBias {
-    /// Any finite real, zero and negative ones too.
+    /// Any finite reals, including zero and negative ones.
     pub scale: [f64; 6],
     /// Whole numbers of any sign.
     pub bias: [f64; 6],
 }
 
-/// The sixteen numbers of 2.6 as they stand in the file.
+/// The sixteen numbers of 2.6 as stored in the file.
 ///
-/// Columns first: element `4 * column + row`; the translation is elements 12, 13 and 14.
+/// Column-major: element `4 * column + row`; the translation is elements 12, 13 and 14.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ColorMatrix(pub [f64; 16]);
 
-/// What 2.1–2.4 say of a map. A header that exists is legal.
+/// The values of 2.1–2.4 of a map. Every `Header` is legal.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Header {
-    /// Which of the nine formats (2.2).
+    /// The format (2.2).
     pub format: Format,
     /// Width and height (2.3).
     pub size: Size,
-    /// What makes final coefficients of raw ones (2.4).
+    /// Scale and bias, which turn raw coefficients into final ones (2.4).
     pub scale_bias: ScaleBias,
 }
 
-/// Nine formats are three shapes; after the planes nobody asks for the format again.
+/// The shape of a texel. Nine formats have three shapes; the code after the planes does not use the format.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Shape {
     /// 18 channels: a0…a5 of red, of green, of blue.
     Rgb,
     /// 9 channels: a0…a5 of luminance, then R, G, B.
     Lrgb,
-    /// 8 channels: a0…a5 of Y, then Cr and Cb; and the matrix that makes a color of them.
+    /// 8 channels: a0…a5 of Y, then Cr and Cb; with the matrix that computes a color.
     Lum(ColorMatrix),
 }
 
 impl Shape {
-    /// How many channels a texel has.
+    /// Returns the number of channels of a texel.
     #[must_use]
     pub const fn channels(self) -> usize {
         match self {
@@ -217,7 +217,7 @@ impl Shape {
         }
     }
 
-    /// How many of the channels are coefficients of polynomials; they come first.
+    /// Returns the number of coefficients among the channels; they come first.
     #[must_use]
     pub const fn coefficients(self) -> usize {
         match self {
@@ -227,7 +227,7 @@ impl Shape {
     }
 }
 
-/// What channel `channel` of a texel with `channels` of them is called: `a3 of green`, `a0`, `R`, `Cb`.
+/// Returns the name of channel `channel` of a texel with `channels` channels: `a3 of green`, `a0`, `R`, `Cb`.
 #[must_use]
 pub fn channel_name(channels: usize, channel: usize) -> String {
     match (channels, channel) {
@@ -243,19 +243,19 @@ pub fn channel_name(channels: usize, channel: usize) -> String {
     }
 }
 
-/// The stored values of a map: what is left when tables are looked up and planes decompressed, predicted and fixed.
+/// The stored values of a map, after table lookup, decompression, prediction and correction.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Planes {
     /// Width and height.
     pub size: Size,
-    /// What the channels mean.
+    /// The meaning of the channels.
     pub shape: Shape,
-    /// `height * width * channels` bytes: texel after texel, top row first, the channels of a texel side by side.
+    /// `height * width * channels` bytes: texel after texel, top row first, the channels of a texel adjacent.
     pub samples: Vec<u8>,
 }
 
 impl Planes {
-    /// The channels of every texel, top row first.
+    /// Returns the channels of every texel, top row first.
     pub fn texels(&self) -> impl Iterator<Item = &[u8]> {
         self.samples.chunks_exact(self.shape.channels())
     }
@@ -270,7 +270,7 @@ pub struct Ptm {
     pub planes: Planes,
 }
 
-/// How much a file may ask for.
+/// Limits on the resources that a file may need.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Limits {
     /// Bytes that the planes may take; 1 GiB by default.
@@ -284,7 +284,7 @@ impl Default for Limits {
 }
 
 impl Limits {
-    /// Whether `needs` bytes are within the limit; `at` is the byte of the file that asks for them.
+    /// Checks that `needs` bytes are within the limit; `at` is the byte of the file that declares them.
     #[expect(
         clippy::trivially_copy_pass_by_ref,
         reason = "limits and headers are passed by reference whatever their size"
@@ -298,12 +298,12 @@ impl Limits {
     }
 }
 
-/// A part of a file and what it is.
+/// A part of a file and its meaning.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Field {
-    /// The clause that puts it there.
+    /// The clause that requires it.
     pub clause: &'static str,
-    /// What it is called: `width`, `scale`, `table`.
+    /// Its name: `width`, `scale`, `table`.
     pub name: &'static str,
     /// Its bytes, counted from the beginning of the file.
     pub range: Range<usize>,

@@ -1,9 +1,9 @@
-//! The decisions the text asks of its reader.
+//! The decisions that the text requires of its reader.
 //!
-//! A [`Reading`] is one function for each of them. [`Reading::SPEC`] is the reading of the reference: it names, for each,
-//! the function that stands with its clause in [`mod@crate::decode`] or [`crate::evaluate`], where the decision is
-//! explained. The flow calls the decision and never asks why it is so: another reading of an open point, or a deliberate
-//! mistake, is another function in the same place and nothing else.
+//! A [`Reading`] has one function for each decision. [`Reading::SPEC`] is the reading of the reference: for each decision it
+//! names the function in [`mod@crate::decode`] or [`crate::evaluate`] that implements and explains the clause. The decoder
+//! calls that function and nothing else: another reading of an open point, or a deliberate mistake, is another function in its
+//! place.
 
 use std::borrow::Cow;
 
@@ -22,7 +22,7 @@ pub(crate) type Reconstruct = fn(&Coded, residuals: Vec<Vec<u8>>, &Reading) -> R
 pub(crate) type SideInformation = for<'a> fn(&Coded<'a>, plane: usize) -> &'a [u8];
 pub(crate) type ReadRecords = fn(block: &[u8], at: usize, texels: usize) -> Result<Vec<Record>>;
 
-/// How a file is read: one decision for each thing the text asks, in the order of the text.
+/// A way to read files: one function for each decision that the text requires, in the order of the text.
 #[derive(Clone, Copy)]
 #[allow(missing_docs)] // each is documented at the function SPEC names
 pub struct Reading {
@@ -57,7 +57,7 @@ pub struct Reading {
     pub(crate) motion_sign: fn(displacement: i64) -> i64,
     pub(crate) motion_vertical: fn(my: i64) -> i64,
     pub(crate) motion_half: fn(samples: [u8; 4]) -> u8,
-    /// Inside the plane, where most samples are, no reading may differ: the sample itself.
+    /// Readings differ only outside the plane. Inside, where most samples are, it is the sample itself.
     pub(crate) motion_border: fn(plane: &[u8], Size, x: i64, y: i64) -> u8,
     // 2.9.5
     pub(crate) predict: fn(residuals: &mut [u8], predictor: &[u8]),

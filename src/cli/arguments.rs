@@ -1,4 +1,4 @@
-//! Values of options: times, sizes, exit statuses, patterns.
+//! Parsing of option values: times, sizes, exit statuses, patterns.
 
 #[cfg(unix)]
 use std::sync::{Arc, atomic::AtomicBool};
@@ -8,7 +8,7 @@ use ptm_conform::protocol::frame::EXIT_UNSUPPORTED;
 #[cfg(unix)]
 use ptm_conform::runner::run::Decoder;
 
-/// A time limit.
+/// Parses a timeout in seconds.
 pub fn positive_seconds(seconds: f64) -> Result<Duration, String> {
     Duration::try_from_secs_f64(seconds)
         .ok()
@@ -16,7 +16,7 @@ pub fn positive_seconds(seconds: f64) -> Result<Duration, String> {
         .ok_or_else(|| "a time limit is a positive number of seconds".to_owned())
 }
 
-/// Puts the limits of the command line on a program, which gives up when `stop` is set.
+/// Applies the limits of the command line to a program, which stops when `stop` is set.
 #[cfg(unix)]
 pub fn limit(
     program: &mut Decoder,
@@ -30,7 +30,7 @@ pub fn limit(
     Ok(())
 }
 
-/// Describes a time limit for the report.
+/// Describes a timeout for the report.
 #[cfg(unix)]
 pub fn time_limit_to_text(seconds: f64) -> String {
     format!("wall clock: {seconds} s a call, three times that for the first")
@@ -48,7 +48,7 @@ pub fn memory_limit_to_text(bytes: u64) -> String {
     }
 }
 
-/// An exit status that may mean a refusal: 0 and 69 mean something else.
+/// Parses an exit status that may mean a refusal; 0 and 69 have other meanings.
 pub fn parse_refusal(text: &str) -> Result<i32, String> {
     let status = text
         .parse()
@@ -61,7 +61,7 @@ pub fn parse_refusal(text: &str) -> Result<i32, String> {
     })
 }
 
-/// Bytes, or with K, M or G.
+/// Parses a number of bytes, optionally with K, M or G.
 pub fn parse_size(text: &str) -> Result<u64, String> {
     let (digits, shift) = match text.as_bytes().last() {
         Some(b'K') => (&text[..text.len() - 1], 10),
@@ -77,20 +77,20 @@ pub fn parse_size(text: &str) -> Result<u64, String> {
     bytes.ok_or_else(|| format!("expected a size such as 500M or 2G, found {text:?}"))
 }
 
-/// Parses two numbers with a comma between them.
+/// Parses two numbers separated by a comma.
 pub fn parse_pair(text: &str) -> Option<(f64, f64)> {
     let (first, second) = text.split_once(',')?;
     Some((first.trim().parse().ok()?, second.trim().parse().ok()?))
 }
 
-/// Patterns for the ids of cases.
+/// Parses patterns for the ids of cases.
 pub fn globs(texts: &[String]) -> Result<Vec<glob::Pattern>, String> {
     let pattern =
         |text: &String| glob::Pattern::new(text).map_err(|error| format!("--case {text}: {error}"));
     texts.iter().map(pattern).collect()
 }
 
-/// How a decoder is called.
+/// Options for calls of a decoder.
 #[cfg(unix)]
 #[derive(clap::Args)]
 pub struct CallArgs {
@@ -110,7 +110,7 @@ pub struct CallArgs {
 
 #[cfg(unix)]
 impl CallArgs {
-    /// The decoder that `command` starts; it gives up when `stop` is set.
+    /// Returns the decoder that `command` starts; it stops when `stop` is set.
     pub fn decoder(
         &self,
         command: &[std::ffi::OsString],

@@ -8,7 +8,7 @@ use super::arguments::limit;
 use super::check_args::CheckArgs;
 use super::driver::Check;
 use super::ending::Ending;
-use super::guard::{Guarded, stop_on_signals, untroubled};
+use super::guard::{Guarded, check_trouble, stop_on_signals};
 use super::names::did_you_mean;
 use super::output::{jobs, print};
 use super::probe::{in_one_line, kept};
@@ -55,7 +55,7 @@ pub fn run(args: &CheckArgs) -> CommandResult {
     Ok(status)
 }
 
-/// `check` of a program that reads PTM files.
+/// Checks a program that reads PTM files.
 fn check_decoder(args: &CheckArgs, stop: &Arc<AtomicBool>) -> CommandResult {
     let suite = Suite::load()?;
     let among = match args.smoke {
@@ -115,7 +115,7 @@ fn check_decoder(args: &CheckArgs, stop: &Arc<AtomicBool>) -> CommandResult {
         }
         let _ = faults.set(found);
     });
-    subject.program().map_or(Ok(()), untroubled)?;
+    subject.program().map_or(Ok(()), check_trouble)?;
     if args.written.has_page() && run.ended_early.is_none() {
         run.scene = lit_scene::ask(&run.offer, &run.judgement.decoded, &ask);
     }
@@ -127,7 +127,7 @@ fn check_decoder(args: &CheckArgs, stop: &Arc<AtomicBool>) -> CommandResult {
     let others = OtherRemarks {
         before: not_served.into_iter().collect(),
         after: notes
-            .chain(comma(&suite, &run, &subject, scratch))
+            .chain(locale_remark(&suite, &run, &subject, scratch))
             .collect(),
     };
     let status = check.conclude(run, others)?;
@@ -135,7 +135,7 @@ fn check_decoder(args: &CheckArgs, stop: &Arc<AtomicBool>) -> CommandResult {
     Ok(status)
 }
 
-/// Puts what is wrong with the wrapper where the report has it; nothing more is asked then.
+/// Adds the faults of the wrapper to the report; no more requests are sent then.
 fn tell(contact: &mut Contact, faults: &[ProbeStep]) {
     for fault in faults {
         let says = match &fault.next {
@@ -150,7 +150,7 @@ fn tell(contact: &mut Contact, faults: &[ProbeStep]) {
     }
 }
 
-/// How to see again what is wrong with the wrapper.
+/// Prints commands that reproduce the faults of the wrapper.
 fn print_commands(args: &CheckArgs, faults: &[ProbeStep]) {
     let directory = args.report.with_file_name("ptm-conform-probe");
     if args.cmd.is_some() {
@@ -164,7 +164,7 @@ fn print_commands(args: &CheckArgs, faults: &[ProbeStep]) {
     }
 }
 
-/// `check --suite texture`.
+/// Checks a texture stage (`check --suite texture`).
 fn check_stage(args: &CheckArgs, stop: &Arc<AtomicBool>) -> CommandResult {
     refuse_options_of_files(args)?;
     let suite = Suite::of_textures()?;
@@ -190,7 +190,7 @@ fn check_stage(args: &CheckArgs, stop: &Arc<AtomicBool>) -> CommandResult {
         &|request, _| texture_stage::ask(&decoder, request, &guarded.scratch),
         &|_| (),
     );
-    untroubled(&decoder)?;
+    check_trouble(&decoder)?;
     Ok(check.conclude(run, OtherRemarks::default())?)
 }
 
@@ -215,7 +215,7 @@ fn selected<C: TestCase>(
     ))
 }
 
-/// Options that mean nothing where texture questions are asked.
+/// Refuses options that have no meaning for texture questions.
 fn refuse_options_of_files(args: &CheckArgs) -> Result<(), String> {
     let options = [
         ("--smoke", args.smoke),
@@ -232,7 +232,7 @@ fn refuse_options_of_files(args: &CheckArgs) -> Result<(), String> {
     }
 }
 
-/// Asks a program what it says about itself; most say nothing.
+/// Requests the capabilities of a program; most do not declare any.
 fn capabilities(subject: &mut Subject, args: &CheckArgs, scratch: &Scratch) -> Capabilities {
     let Answers::Program(decoder) = &mut subject.answers else {
         return Capabilities::default();
@@ -267,19 +267,19 @@ fn plan(
     })
 }
 
-/// What differs in a locale with a decimal comma, where there is one.
-fn comma(suite: &Suite, run: &Run, subject: &Subject, scratch: &Scratch) -> Option<Remark> {
+/// Returns the difference in a locale with a decimal comma, if the system has one.
+fn locale_remark(suite: &Suite, run: &Run, subject: &Subject, scratch: &Scratch) -> Option<Remark> {
     let whole = run.not_a_decoder.is_none() && run.ended_early.is_none();
     let locale = locale::with_comma().filter(|_| whole)?;
     let differs = locale::difference(suite, run, subject.program()?, &locale, scratch);
     differs.map(Remark::failure)
 }
 
-/// Why no case is asked of a decoder whose wrapper spoils what it answers.
+/// The reason why no case is requested from a decoder with a faulty wrapper.
 const FIX_THE_WRAPPER: &str = "the run ended at first contact: what is wrong with the wrapper has to be fixed before cases say anything";
 
-/// What is said of a decoder whose processes never answered.
+/// Remark on a decoder whose serving processes never answered.
 const NOT_SERVED: &str = "serve mode does not work: its first requests went unanswered, and all others were asked of a process of their own";
 
-/// How a decoder that starts slowly can answer faster.
+/// Hint for a decoder that starts slowly.
 const SERVE_MODE_IS_FASTER: &str = "\nFaster: serve mode, in which one process answers all requests. See docs/check.md; it takes a loop around what you have.";

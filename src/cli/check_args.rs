@@ -1,4 +1,4 @@
-//! The arguments of `check`, and what follows of them alone.
+//! The arguments of `check`, and values derived from them.
 
 use std::ffi::OsString;
 use std::path::PathBuf;
@@ -117,7 +117,7 @@ impl CheckArgs {
             && self.caller.is_none()
     }
 
-    /// Refuses `--` without a decoder, which a variable without a value may leave behind.
+    /// Refuses `--` without a decoder, a possible result of an empty variable.
     pub fn refuse_bare_hyphens(&self) -> Result<(), String> {
         let last = std::env::args_os().next_back();
         if self.decoder.is_empty() && last.is_some_and(|last| last == "--") {
@@ -166,7 +166,7 @@ impl CheckArgs {
         Ok(cases.map(|(case, &also)| also && matches(case)).collect())
     }
 
-    /// The limits in force, in words.
+    /// Returns the limits in force, in words.
     pub fn limits(&self, serves: bool) -> Vec<String> {
         if self.outputs.is_some() {
             return vec!["none: the outputs were made elsewhere".to_owned()];

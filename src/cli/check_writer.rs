@@ -10,7 +10,7 @@ use clap::Args;
 use super::arguments::{globs, limit, memory_limit_to_text, parse_size, time_limit_to_text};
 use super::driver::Check;
 use super::ending::{Ending, OutputArgs};
-use super::guard::{Guarded, stop_on_signals, untroubled};
+use super::guard::{Guarded, check_trouble, stop_on_signals};
 use super::output::jobs;
 use super::subject;
 use super::{CommandResult, EXIT_NOTHING_SELECTED, Failed};
@@ -86,7 +86,7 @@ pub struct CheckWriterArgs {
     writer: Vec<OsString>,
 }
 
-/// The largest file that a writer may write; no request needs nearly as much.
+/// Maximum size of a file that a writer may write; all requests need far less.
 pub const MAX_FILE_SIZE: u64 = 64 << 20;
 
 /// Runs the suite of requests.
@@ -102,7 +102,7 @@ pub fn run(args: &CheckWriterArgs) -> CommandResult {
     }
 }
 
-/// Asks the writer for what matches of a suite.
+/// Checks the writer with the selected cases of a suite.
 fn check<C: WritingCase>(
     args: &CheckWriterArgs,
     suite: &Suite<C>,
@@ -132,13 +132,13 @@ fn check<C: WritingCase>(
         asking::ask(&writer, case, request.timeout_factor, &guarded.scratch)
     };
     let mut run = check.ask(&ask, &|_| ());
-    untroubled(&writer)?;
+    check_trouble(&writer)?;
     asking::reword(&mut run);
     Ok(check.conclude(run, OtherRemarks::default())?)
 }
 
 impl CheckWriterArgs {
-    /// Which requests match; the first ones of the selected formats are asked anyway.
+    /// Returns the requests that match; the first ones of the selected formats are always included.
     fn selected<C: WritingCase>(&self, suite: &Suite<C>) -> Result<Vec<bool>, String> {
         let globs = globs(&self.cases)?;
         let matches = |case: &C| {
@@ -149,7 +149,7 @@ impl CheckWriterArgs {
         Ok(suite.cases.iter().map(matches).collect())
     }
 
-    /// The writer under its limits, and its command as the report has it.
+    /// Returns the writer with its limits, and its command for the report.
     fn writer(&self, verb: &str, stop: &Arc<AtomicBool>) -> Result<(Decoder, Vec<String>), String> {
         let (mut writer, words) = if let Some(text) = &self.cmd {
             let template = Template::parse_for_writer(text, &VALUES);
@@ -164,7 +164,7 @@ impl CheckWriterArgs {
         Ok((writer, words))
     }
 
-    /// The limits in force, in words.
+    /// Returns the limits in force, in words.
     fn limits(&self) -> Vec<String> {
         vec![
             time_limit_to_text(self.timeout),

@@ -1,7 +1,7 @@
-//! The files of a collection, one after the other: those that are named, those of a list, and those in folders.
+//! The files of a collection: named files, those of a list, and those in folders.
 //!
-//! Whatever it holds, a collection is walked in bounded memory: of a folder only so many names are known at a time, and
-//! links that are met inside are not followed, so no walk goes round in circles.
+//! A collection of any size is walked in bounded memory: only a limited number of names of a folder are read at a time, and
+//! links inside folders are not followed, so a walk cannot loop.
 
 use std::collections::VecDeque;
 use std::ffi::OsString;
@@ -14,43 +14,43 @@ use ptm_conform::ptm::Format;
 use ptm_conform::tools::dissection::Dissection;
 use ptm_conform::tools::lint::status::MAGIC;
 
-/// Names of a folder that are known, and sorted, at a time.
+/// Number of names of a folder that are read and sorted at a time.
 const CHUNK: usize = 4096;
-/// The longest line of a list.
-const LONGEST_PATH: u64 = 1 << 16;
-/// Bytes that surely hold the first lines of a PTM, and how many lines these are: version, format, width and height.
+/// Maximum length of a line of a list.
+const MAX_PATH_LENGTH: u64 = 1 << 16;
+/// Number of bytes that always contain the first lines of a PTM, and their number: version, format, width and height.
 const FIRST_LINES: usize = 256;
 const LINES: usize = 4;
-/// Bytes that are read of every file.
-const HEAD: u64 = 4096;
+/// Number of bytes that are read from the beginning of every file.
+const HEAD_BYTES: u64 = 4096;
 
 const NO_FILE: &str = "neither a file nor a folder";
 
-/// What a walk comes to.
+/// An item of a walk.
 pub enum Met {
-    /// A file, or what was named as one.
+    /// A file, or a path that was named as one.
     File(PathBuf),
-    /// Something that is not read, and why.
+    /// Something that is skipped, with the reason.
     Skipped(PathBuf, &'static str),
-    /// Something that cannot be read, and why.
+    /// Something that cannot be read, with the error.
     Unreadable(PathBuf, io::Error),
 }
 
-/// What was named, and where.
+/// A named path, and its origin.
 pub enum Source {
-    /// On the command line: read whatever it is, a pipe too.
+    /// From the command line: read whatever its type, even if it is a pipe.
     Directly(PathBuf),
-    /// In a list.
+    /// From a list.
     Listed(PathBuf),
 }
 
 /// The entries of a folder.
 type Entries = Box<dyn Iterator<Item = io::Result<(OsString, FileType)>> + Send>;
 
-/// Something that a walk meets; the error is a folder to enter.
+/// A step of a walk; the error is a folder to enter.
 type WalkStep = Result<Met, PathBuf>;
 
-/// Returns all files that are named, and the files of folders; with `recursive` those of the folders inside too.
+/// Returns all named files, and the files of folders; with `recursive` those of the folders inside too.
 pub fn walk(
     mut named: impl Iterator<Item = Source> + Send,
     recursive: bool,
@@ -80,19 +80,19 @@ pub fn walk(
     })
 }
 
-/// Returns what is named; links are followed.
+/// Classifies a named path; links are followed.
 fn meet_named(named: Source) -> WalkStep {
     let is_listed = matches!(named, Source::Listed(_));
     let (Source::Directly(path) | Source::Listed(path)) = named;
     match fs::metadata(&path) {
         Ok(data) if data.is_dir() => Err(path),
-        // To open a pipe is to wait for whoever writes to it.
+        // Opening a pipe would block until its writer opens it.
         Ok(data) if is_listed && !data.is_file() => Ok(Met::Skipped(path, NO_FILE)),
         _ => Ok(Met::File(path)),
     }
 }
 
-/// Returns what an entry of a folder is.
+/// Classifies an entry of a folder.
 fn meet(folder: &Path, entry: io::Result<(OsString, FileType)>) -> WalkStep {
     match entry {
         Ok((name, kind)) if kind.is_symlink() => {
@@ -106,8 +106,8 @@ fn meet(folder: &Path, entry: io::Result<(OsString, FileType)>) -> WalkStep {
     }
 }
 
-/// Returns the entries of a folder, sorted by name in chunks. The folder is closed as soon as all is known, so that a deep
-/// walk holds no folder open.
+/// Returns the entries of a folder, sorted by name in chunks. The folder is closed as soon as all names are read, so that a
+/// deep walk keeps no folder open.
 fn sorted(folder: ReadDir) -> impl Iterator<Item = io::Result<(OsString, FileType)>> + Send {
     let (mut folder, mut chunk) = (Some(folder), VecDeque::new());
     std::iter::from_fn(move || {
@@ -123,7 +123,7 @@ fn sorted(folder: ReadDir) -> impl Iterator<Item = io::Result<(OsString, FileTyp
     })
 }
 
-/// Reads the next entries of a folder, sorted by name, those that cannot be read first.
+/// Reads the next entries of a folder, sorted by name, unreadable ones first.
 fn next_chunk(folder: &mut ReadDir) -> VecDeque<io::Result<(OsString, FileType)>> {
     let named = |entry: io::Result<fs::DirEntry>| {
         let entry = entry?;
@@ -137,12 +137,15 @@ fn next_chunk(folder: &mut ReadDir) -> VecDeque<io::Result<(OsString, FileType)>
     chunk.into()
 }
 
-/// The paths of a list, each ended by `end`; a line that is too long for a path ends the list.
+/// Returns the paths of a list, each ended by `end`; a line that is too long for a path ends the list.
 pub fn listed(mut list: impl BufRead + Send, end: u8) -> impl Iterator<Item = PathBuf> + Send {
     std::iter::from_fn(move || {
         loop {
             let mut line = Vec::new();
-            let read = list.by_ref().take(LONGEST_PATH).read_until(end, &mut line);
+            let read = list
+                .by_ref()
+                .take(MAX_PATH_LENGTH)
+                .read_until(end, &mut line);
             if !matches!(read, Ok(1..)) {
                 return None;
             }
@@ -169,22 +172,22 @@ fn path_of(bytes: Vec<u8>) -> PathBuf {
         .into()
 }
 
-/// A file of which the beginning is known.
+/// A file whose beginning has been read.
 pub enum Opened {
-    /// No PTM: its beginning, and how long it is.
+    /// Not a PTM: its beginning and its length.
     Other(Vec<u8>, u64),
-    /// Longer than the limit; so long.
+    /// Longer than the limit, with its length.
     TooLong(u64),
-    /// It begins as a PTM does.
+    /// A file that begins like a PTM.
     Candidate(Candidate),
 }
 
-/// A file that begins as a PTM does, and is no longer than the limit as far as that is known.
+/// A file that begins like a PTM, and is not longer than the limit as far as its length is known.
 pub struct Candidate {
     file: File,
     beginning: Vec<u8>,
     limit: u64,
-    /// Bytes that the file and its planes take.
+    /// Number of bytes that the file and its planes need.
     pub room: u64,
 }
 
@@ -192,10 +195,10 @@ pub struct Candidate {
 pub fn open(path: &Path, limit: u64) -> io::Result<Opened> {
     let mut file = File::open(path)?;
     let length = file.metadata()?.len();
-    let mut beginning = Vec::with_capacity(HEAD as usize);
-    file.by_ref().take(HEAD).read_to_end(&mut beginning)?;
+    let mut beginning = Vec::with_capacity(HEAD_BYTES as usize);
+    file.by_ref().take(HEAD_BYTES).read_to_end(&mut beginning)?;
     if !beginning.starts_with(MAGIC) {
-        // What is no regular file has no length before its end.
+        // The length of something other than a regular file is unknown before its end.
         let length = length.max(beginning.len() as u64);
         return Ok(Opened::Other(beginning, length));
     }
@@ -208,7 +211,7 @@ pub fn open(path: &Path, limit: u64) -> io::Result<Opened> {
         .take(FIRST_LINES)
         .any(|word| word == b"JPEG")
     {
-        // What their streams hold, and the texels that are made of them.
+        // The decoded streams, and the texels that are made from them.
         true => length.saturating_add(planes(&beginning).saturating_mul(2)),
         false => length.saturating_mul(2),
     };
@@ -221,11 +224,11 @@ pub fn open(path: &Path, limit: u64) -> io::Result<Opened> {
 }
 
 impl Candidate {
-    /// Reads the rest; nothing if it is longer than the limit after all.
+    /// Reads the rest; None if it is longer than the limit.
     pub fn read(self) -> io::Result<Option<Vec<u8>>> {
         let mut bytes = self.beginning;
-        // Its end came before that of the beginning.
-        if (bytes.len() as u64) < HEAD {
+        // The file ended within its beginning.
+        if (bytes.len() as u64) < HEAD_BYTES {
             return Ok((bytes.len() as u64 <= self.limit).then_some(bytes));
         }
         let rest = (self.limit.saturating_add(1)).saturating_sub(bytes.len() as u64);
@@ -234,7 +237,7 @@ impl Candidate {
     }
 }
 
-/// Bytes of the planes that the header announces.
+/// Returns the number of bytes of the planes that the header declares.
 fn planes(beginning: &[u8]) -> u64 {
     let head = &beginning[..beginning.len().min(FIRST_LINES)];
     let mut line_ends = (1..).zip(head).filter(|&(_, &byte)| byte == b'\n');
@@ -244,7 +247,7 @@ fn planes(beginning: &[u8]) -> u64 {
     texels.saturating_mul(head.format.map_or(0, Format::channels) as u64)
 }
 
-/// Room that all workers share: who needs more than is left waits.
+/// Memory that all workers share: a worker that needs more than is free waits.
 pub struct Room {
     all: u64,
     left: Mutex<u64>,
@@ -252,7 +255,7 @@ pub struct Room {
 }
 
 impl Room {
-    /// So many bytes.
+    /// Makes a pool of `all` bytes.
     pub fn new(all: u64) -> Room {
         Room {
             all,
@@ -261,7 +264,7 @@ impl Room {
         }
     }
 
-    /// Does `work` as soon as there are `bytes` for it, or all of them, should it need more.
+    /// Does `work` as soon as `bytes` are free, or all bytes if it needs more.
     pub fn with<T>(&self, bytes: u64, work: impl FnOnce() -> T) -> T {
         const POISONED: &str = "nothing panics while it holds the lock";
         let bytes = bytes.min(self.all);

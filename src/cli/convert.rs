@@ -81,7 +81,7 @@ pub fn run(args: &ConvertArgs) -> CommandResult {
     Ok(0)
 }
 
-/// Writes a repaired file, never over another one.
+/// Writes a repaired file, never replacing an existing one.
 fn repaired(args: &ConvertArgs) -> CommandResult {
     if args.output.symlink_metadata().is_ok() {
         let there = args.output.display();

@@ -1,4 +1,4 @@
-//! `coverage`: how strong the suite is.
+//! `coverage`: the strength of the suite.
 
 use std::path::PathBuf;
 

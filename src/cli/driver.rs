@@ -1,4 +1,4 @@
-//! The driver of a run: first contact, cases, verdicts, report, causes. All suites share it.
+//! The driver of a run, shared by all suites: first contact, cases, verdicts, report, causes.
 
 use std::fs;
 use std::io::Write;
@@ -23,16 +23,16 @@ use ptm_conform::session::plan::RunPlan;
 use ptm_conform::session::run::{Run, Session};
 use ptm_conform::suite::cases::Suite;
 
-/// Where fewer cases than these follow the smoke subset, nothing is said between.
-const SHORT: usize = 200;
+/// Minimum number of cases after the smoke subset for an intermediate message.
+const MIN_OTHER_CASES: usize = 200;
 
-/// The search for first causes may take a tenth of the run, or this long.
-const LEAST_PATIENCE: Duration = Duration::from_secs(2);
+/// Minimum time for the search for first causes, which may take a tenth of the run.
+const MIN_PATIENCE: Duration = Duration::from_secs(2);
 
-/// A run that takes longer is foretold.
-const LONG: Duration = Duration::from_secs(60);
+/// Minimum duration of a run that is announced beforehand.
+const MIN_ANNOUNCED_TIME: Duration = Duration::from_secs(60);
 
-/// A run of a suite, and where its report goes.
+/// A run of a suite, and the destination of its report.
 pub struct Check<'a, C: Reported> {
     suite: &'a Suite<C>,
     plan: &'a RunPlan<C>,
@@ -40,9 +40,9 @@ pub struct Check<'a, C: Reported> {
     ending: Ending<'a>,
     partial: Partial,
     progress: ProgressLine,
-    /// How the decoder could answer faster; empty if it could not.
+    /// A hint for faster answers; empty if there is none.
     pub faster: &'static str,
-    /// Keeps the answers if this is a part of a run.
+    /// Records the answers if this is a part of a run.
     keeper: Option<(Shard, Keeper<C>)>,
 }
 
@@ -71,7 +71,7 @@ impl<'a, C: Reported> Check<'a, C> {
         })
     }
 
-    /// First contact, cases, verdicts.
+    /// Runs first contact and cases, and returns verdicts.
     pub fn ask(&self, ask: &Ask<C>, look: &dyn Fn(&mut Contact<C>)) -> Run<C> {
         let keeper = self.keeper.as_ref().map(|(_, keeper)| keeper);
         let recording = |request: &Request<'_, C::View>, job: usize| {
@@ -94,12 +94,12 @@ impl<'a, C: Reported> Check<'a, C> {
         self.progress.begin("asking again");
         let again = |done, all| self.progress.show(done, all);
         let run = session.verdicts(contact, observations, &again);
-        // One signal ends the calls, another one the search for causes.
+        // The first signal ends the calls, the next one the search for causes.
         self.plan.stop.store(false, Ordering::Relaxed);
         run
     }
 
-    /// The smoke subset, its likely causes, and the rest. A request takes about as long as `pace`.
+    /// Runs the smoke subset, reports likely causes, and runs the rest. A request takes about as long as `pace`.
     fn ask_soonest_first(
         &self,
         session: &Session<C>,
@@ -114,7 +114,7 @@ impl<'a, C: Reported> Check<'a, C> {
             let view = observation.view.to_string();
             self.partial
                 .append(case.id(), &view, observation.response.name());
-            // What was changed before it was compared is kept as it came.
+            // Answers that are changed before comparison stay recorded as received.
             if let Some(keeper) = keeper.filter(|_| !session.undoes_changes()) {
                 keeper.observed(case, observation);
             }
@@ -125,8 +125,8 @@ impl<'a, C: Reported> Check<'a, C> {
                 .show(done.fetch_add(1, Ordering::Relaxed) + 1, all);
         };
         let mut observations = vec![None; self.suite.cases.len()];
-        // A short run is over before its first causes would be read.
-        if soonest.is_empty() || others.len() < SHORT {
+        // A short run would end before its first causes were read.
+        if soonest.is_empty() || others.len() < MIN_OTHER_CASES {
             let all = [soonest, others].concat();
             self.progress.begin("asking");
             session.ask_some(contact, &all, &mut observations, &progress);
@@ -137,7 +137,7 @@ impl<'a, C: Reported> Check<'a, C> {
         session.ask_some(contact, &soonest, &mut observations, &progress);
         if !session.is_over() {
             let run = session.so_far(contact, &soonest, &observations);
-            let patience = pace.mul_f64(all as f64 / 10.0).max(LEAST_PATIENCE);
+            let patience = pace.mul_f64(all as f64 / 10.0).max(MIN_PATIENCE);
             self.tell_first_causes(run, patience);
         }
         self.progress.begin("asking");
@@ -145,10 +145,10 @@ impl<'a, C: Reported> Check<'a, C> {
         observations
     }
 
-    /// Says beforehand how long a slow decoder will take.
+    /// Announces how long a slow decoder will take.
     fn foretell(&self, pace: Duration, soonest: usize, all: usize) {
         let of = |count: usize| progress::in_words(pace.mul_f64(count as f64));
-        if pace.mul_f64(all as f64) < LONG {
+        if pace.mul_f64(all as f64) < MIN_ANNOUNCED_TIME {
             return;
         }
         let faster = self.faster;
@@ -159,7 +159,7 @@ impl<'a, C: Reported> Check<'a, C> {
         ));
     }
 
-    /// What the smoke subset shows, if it is found out in time: half a search may name what the rest of it denies.
+    /// Reports the causes in the smoke subset, if they are found in time: an incomplete search may name refutable causes.
     fn tell_first_causes(&self, mut run: Run<C>, patience: Duration) {
         let assumed = &self.circumstances.assumed;
         let stop = Arc::new(AtomicBool::new(false));
@@ -179,7 +179,7 @@ impl<'a, C: Reported> Check<'a, C> {
         }
     }
 
-    /// Report, causes.
+    /// Writes the report, then searches for causes.
     pub fn conclude(self, mut run: Run<C>, others: OtherRemarks) -> Result<u8, String> {
         let Check {
             suite,
@@ -193,7 +193,7 @@ impl<'a, C: Reported> Check<'a, C> {
         } = self;
         progress.begin("writing the report");
         let mut report = verdicts(suite, &mut run, &circumstances, &others, plan.jobs)?;
-        // The verdicts do not wait for the search for causes: it may take long, or fail.
+        // The verdicts do not wait for the search for causes, which may take long or fail.
         ending.write(suite, &run, &mut report)?;
         let assumed = circumstances.assumed.clone();
         if let Some((shard, keeper)) = keeper {
@@ -232,7 +232,7 @@ fn cost_to_text(answers: usize, cpu_time: Duration) -> String {
     format!("searched for causes: {answers} answers compared in {seconds:.1} s of CPU time")
 }
 
-/// Does the work, and lets it `stop` when it has taken this long, or the user wants an `end`.
+/// Does the work, and sets `stop` after this time, or when the user sets `end`.
 fn within<T>(
     patience: Duration,
     stop: &AtomicBool,
@@ -255,14 +255,14 @@ fn within<T>(
     })
 }
 
-/// The results so far, next to the report: a list in YAML, valid after every case.
+/// The results so far, in a file next to the report: a list in YAML, valid after every case.
 struct Partial {
     path: PathBuf,
     file: Mutex<fs::File>,
 }
 
 impl Partial {
-    /// Begins the list of a run whose report is to be `report`.
+    /// Creates the list for a run with the report `report`.
     fn new(report: &Path) -> Result<Partial, String> {
         let mut path = report.as_os_str().to_owned();
         path.push(".partial");
@@ -278,7 +278,7 @@ impl Partial {
     /// Adds a case.
     fn append(&self, id: &str, view: &str, answer: &str) {
         let line = format!("- {{ id: {id}, view: \"{view}\", answer: {answer} }}\n");
-        // One write for a line; what cannot be written is still in the report.
+        // One write per line; results that cannot be written are still in the report.
         let _ = self
             .file
             .lock()
@@ -286,7 +286,7 @@ impl Partial {
             .write_all(line.as_bytes());
     }
 
-    /// Removes the list: the report is written.
+    /// Removes the list after the report is written.
     fn remove(self) {
         let _ = fs::remove_file(self.path);
     }

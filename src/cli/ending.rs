@@ -1,5 +1,5 @@
-//! The end of a run, on one machine or many: the report is written and printed in all its forms, and compared with a list
-//! of known failures.
+//! The end of a run, on one machine or many: the report is written and printed in all its forms, and compared with the
+//! baseline.
 
 use std::fs;
 use std::io::Write;
@@ -53,7 +53,7 @@ pub struct OutputArgs {
 }
 
 impl OutputArgs {
-    /// Refuses before long work a file that cannot be written, or would be written twice.
+    /// Refuses an output file that cannot be written, or would be written twice, before long work begins.
     pub fn check(&self, report: &Path) -> Result<(), String> {
         let others = [&self.html, &self.junit, &self.json, &self.write_baseline];
         let others = others.into_iter().flatten().map(PathBuf::as_path);
@@ -67,24 +67,24 @@ impl OutputArgs {
         Ok(())
     }
 
-    /// Returns true if there is to be a page with images.
+    /// Returns true if an HTML page with images is requested.
     pub fn has_page(&self) -> bool {
         self.html.is_some()
     }
 }
 
-/// Where a report goes, and in which forms.
+/// The destinations and forms of a report.
 pub struct Ending<'a> {
     /// The report.
     pub path: &'a Path,
-    /// How many failures are printed in full.
+    /// Maximum number of failures that are printed in full.
     show: usize,
     args: &'a OutputArgs,
     known: Option<Baseline>,
 }
 
 impl<'a> Ending<'a> {
-    /// Reads the list of known failures, if one is given.
+    /// Reads the baseline, if one is given.
     pub fn new<C: TestCase>(
         suite: &Suite<C>,
         path: &'a Path,
@@ -101,7 +101,7 @@ impl<'a> Ending<'a> {
         })
     }
 
-    /// Writes the report as it stands, whole or not at all, with the known and the new failures.
+    /// Writes the report in its current state, atomically, with known and new failures.
     pub fn write<C: Reported>(
         &self,
         suite: &Suite<C>,
@@ -125,7 +125,7 @@ impl<'a> Ending<'a> {
             complain(&format!("ptm-conform: {why}"));
         }
         let text = report.to_text(suite, self.show);
-        // The runner of GitHub takes some words of a decoder for commands.
+        // A GitHub runner would interpret some output of a decoder as commands.
         show(&match self.args.github {
             true => github::without_commands(&text),
             false => text,
@@ -140,7 +140,7 @@ impl<'a> Ending<'a> {
         Ok(news.exit_status(run))
     }
 
-    /// Writes the other forms of the report that are asked for.
+    /// Writes the other requested forms of the report.
     fn write_renderings<C: Reported>(
         &self,
         suite: &Suite<C>,
@@ -172,7 +172,7 @@ impl<'a> Ending<'a> {
         Ok(())
     }
 
-    /// Writes the list of known failures again if that was asked for.
+    /// Writes the baseline again if requested.
     fn write_baseline<C: TestCase>(&self, suite: &Suite<C>, run: &Run<C>) -> Result<(), String> {
         let Some(path) = &self.args.write_baseline else {
             return Ok(());

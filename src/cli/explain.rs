@@ -1,4 +1,4 @@
-//! `ptm-conform explain`: what is known about a case, a clause, a ruling, a misreading or a code; or all that is known.
+//! `ptm-conform explain`: information about a case, a clause, a ruling, a misreading or a code; or about all of them.
 
 #[cfg(unix)]
 use std::collections::HashMap;

@@ -10,10 +10,10 @@ use ptm_conform::protocol::frame::{EXIT_MALFORMED, EXIT_UNSUPPORTED};
 use ptm_conform::ptm::Ptm;
 use ptm_conform::tools::dissection::Dissection;
 
-/// Bytes that are read of what is not a regular file and may never end: a pipe, a device.
-const ENDLESS: u64 = 1 << 28;
+/// Maximum number of bytes read from something other than a regular file, which may be endless: a pipe, a device.
+const MAX_STREAM_BYTES: u64 = 1 << 28;
 
-/// The bytes of a file, or a sentence.
+/// Reads a file; the error is a sentence.
 pub fn read(path: &Path) -> Result<Vec<u8>, String> {
     let named = |error: io::Error| format!("{}: {error}", path.display());
     let file = fs::File::open(path).map_err(named)?;
@@ -21,12 +21,14 @@ pub fn read(path: &Path) -> Result<Vec<u8>, String> {
         return fs::read(path).map_err(named);
     }
     let mut bytes = Vec::new();
-    file.take(ENDLESS).read_to_end(&mut bytes).map_err(named)?;
-    if bytes.len() as u64 == ENDLESS {
+    file.take(MAX_STREAM_BYTES)
+        .read_to_end(&mut bytes)
+        .map_err(named)?;
+    if bytes.len() as u64 == MAX_STREAM_BYTES {
         return Err(format!(
             "{}: not a regular file, and longer than {} MiB",
             path.display(),
-            ENDLESS >> 20
+            MAX_STREAM_BYTES >> 20
         ));
     }
     Ok(bytes)
@@ -40,7 +42,7 @@ pub fn can_be_written(path: &Path) -> Result<(), String> {
     if path.exists() {
         return Ok(());
     }
-    let path = &led_to(path).map_err(|error| format!("{}: {error}", path.display()))?;
+    let path = &follow_links(path).map_err(|error| format!("{}: {error}", path.display()))?;
     let directory = directory_of(path);
     if !directory.is_dir() {
         return Err(format!(
@@ -52,14 +54,14 @@ pub fn can_be_written(path: &Path) -> Result<(), String> {
     Ok(())
 }
 
-/// Where a file lies.
+/// Returns the directory of a file.
 fn directory_of(path: &Path) -> &Path {
     path.parent()
         .filter(|parent| !parent.as_os_str().is_empty())
         .unwrap_or(Path::new("."))
 }
 
-/// Returns the map in a file, or says why there is none and what to try next.
+/// Returns the map in a file, or the reason why there is none with a suggestion.
 pub fn map<'a>(path: &Path, dissection: &'a Dissection) -> Result<&'a Ptm, Failed> {
     dissection.outcome.as_ref().map_err(|error| {
         let path = path.display();
@@ -68,7 +70,7 @@ pub fn map<'a>(path: &Path, dissection: &'a Dissection) -> Result<&'a Ptm, Faile
     })
 }
 
-/// The exit status that says whose fault it is.
+/// Returns the exit status for the class of an error.
 pub fn status(error: &ptm_conform::error::Error) -> u8 {
     let status = match error.class() {
         Class::Malformed => EXIT_MALFORMED,
@@ -77,38 +79,38 @@ pub fn status(error: &ptm_conform::error::Error) -> u8 {
     status as u8
 }
 
-/// Writes a file beside its place and moves it there, so that nobody ever sees half of it. Where a symbolic link stands, the
-/// file it leads to is written, and the link stays.
+/// Writes a file next to its place and moves it there, so that it is never seen incomplete. If there is a symbolic link, its
+/// target is written, and the link stays.
 pub fn write_whole(path: &Path, bytes: impl AsRef<[u8]>) -> Result<(), String> {
     let named = |error: io::Error| format!("{}: {error}", path.display());
     can_be_written(path)?;
     if path.exists() && !path.is_file() {
         return fs::write(path, bytes).map_err(named);
     }
-    let place = led_to(path).map_err(named)?;
+    let place = follow_links(path).map_err(named)?;
     let mut file = beside(directory_of(&place)).map_err(named)?;
     file.write_all(bytes.as_ref()).map_err(named)?;
     file.persist(&place).map_err(|error| named(error.error))?;
     Ok(())
 }
 
-/// Most links that are followed one after the other.
-const LINKS: usize = 40;
+/// Maximum number of links that are followed in sequence.
+const MAX_LINKS: usize = 40;
 
-/// Where a path leads if every link is followed, also to a file that is not there yet.
-fn led_to(path: &Path) -> io::Result<PathBuf> {
+/// Returns the path after following every link, even if the target does not exist yet.
+fn follow_links(path: &Path) -> io::Result<PathBuf> {
     let mut place = path.to_owned();
-    for _ in 0..LINKS {
+    for _ in 0..MAX_LINKS {
         match fs::read_link(&place) {
             Ok(target) => place = directory_of(&place).join(target),
-            // It is no link.
+            // Not a link.
             Err(_) => return Ok(place),
         }
     }
     Err(io::Error::other("too many symbolic links"))
 }
 
-/// A temporary file, as readable as any file that a program writes.
+/// Makes a temporary file with the usual permissions of new files.
 #[cfg(unix)]
 fn beside(directory: &Path) -> io::Result<tempfile::NamedTempFile> {
     use std::os::unix::fs::PermissionsExt;
@@ -117,7 +119,7 @@ fn beside(directory: &Path) -> io::Result<tempfile::NamedTempFile> {
         .tempfile_in(directory)
 }
 
-/// A temporary file.
+/// Makes a temporary file.
 #[cfg(not(unix))]
 fn beside(directory: &Path) -> io::Result<tempfile::NamedTempFile> {
     tempfile::NamedTempFile::new_in(directory)

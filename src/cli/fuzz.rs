@@ -10,7 +10,7 @@ use std::time::Duration;
 use clap::Args;
 
 use super::arguments::CallArgs;
-use super::guard::{Guarded, stop_on_signals, untroubled};
+use super::guard::{Guarded, check_trouble, stop_on_signals};
 use super::output::{bar, jobs, print};
 use super::{CommandResult, Failed};
 use ptm_conform::fuzz::find::Find;
@@ -24,7 +24,7 @@ use ptm_conform::runner::serve::Servers;
 use ptm_conform::suite::cases::{Suite, TableSpelling};
 
 /// The template of a bar that counts calls.
-pub const CALLS: &str = "{bar:40} {pos}/{len} calls {per_sec} {elapsed}";
+pub const CALLS_TEMPLATE: &str = "{bar:40} {pos}/{len} calls {per_sec} {elapsed}";
 
 /// Fuzz a decoder: generate random files of all formats, and keep the smallest file for each mistake.
 ///
@@ -70,7 +70,7 @@ pub struct FuzzArgs {
 pub fn run(args: &FuzzArgs) -> CommandResult {
     let suite = Suite::load()?;
     let decoder = args.call.decoder(&args.decoder, &stop_on_signals()?)?;
-    // When the time is over nothing more is drawn, but calls that are under way are finished.
+    // When the time is over, no more files are drawn, but calls in progress are finished.
     let stop = stop_on_signals()?;
     let guarded = Guarded::new()?;
     let scratch = &guarded.scratch;
@@ -80,7 +80,7 @@ pub fn run(args: &FuzzArgs) -> CommandResult {
     if let Some(seconds) = args.seconds {
         stop_after(super::arguments::positive_seconds(seconds)?, &stop);
     }
-    let bar = bar(Some(args.executions as u64), CALLS);
+    let bar = bar(Some(args.executions as u64), CALLS_TEMPLATE);
     let servers = Servers::new(&decoder, scratch, plan.jobs);
     let ask = |request: &Request<'_>, job: usize| {
         let reply = match serves {
@@ -97,7 +97,7 @@ pub fn run(args: &FuzzArgs) -> CommandResult {
         FuzzProgress::Found(find) => bar.suspend(|| args.write(find)),
     });
     bar.finish_and_clear();
-    untroubled(&decoder)?;
+    check_trouble(&decoder)?;
     if let Some(why) = result.not_a_decoder {
         return Err(Failed::new(3, &format!("not a decoder: {why}")));
     }
@@ -125,7 +125,7 @@ impl FuzzArgs {
         })
     }
 
-    /// Writes a find to its files, and prints what it is.
+    /// Writes a find to its files, and prints a description.
     fn write(&self, find: &Find) {
         let written = match write(find, TableSpelling::default(), &self.out) {
             Ok(name) => self.out.join(name).display().to_string(),

@@ -1,4 +1,4 @@
-//! The surroundings of a run: its directories, its signals, and a watcher that clears up if it is killed.
+//! The environment of a run: its directories, its signals, and a watcher that cleans up if it is killed.
 
 use std::io;
 use std::os::unix::process::CommandExt;
@@ -15,7 +15,7 @@ use ptm_conform::runner::processes::{self, Descendants};
 use ptm_conform::runner::run::Decoder;
 use ptm_conform::runner::scratch::{Scratch, remove};
 
-/// The directories of a run, and a process that clears up should this one be killed.
+/// The directories of a run, and a process that cleans up if this one is killed.
 pub struct Guarded {
     /// The directories.
     pub scratch: Scratch,
@@ -23,10 +23,10 @@ pub struct Guarded {
 }
 
 impl Guarded {
-    /// New directories, and a watcher over them.
+    /// Makes new directories, and starts a watcher over them.
     pub fn new() -> Result<Guarded, String> {
         let scratch = Scratch::new().map_err(|error| format!("no scratch directory: {error}"))?;
-        // A decoder that is at work when this process is killed would be nobody's; without a watcher it only stays.
+        // Without a watcher, a decoder that runs when this process is killed would be orphaned.
         let watcher = std::env::current_exe().and_then(|program| {
             let mut command = Command::new(program);
             command
@@ -56,16 +56,16 @@ impl Drop for Guarded {
     }
 }
 
-/// How often the watcher looks for processes that would be nobody's.
+/// The interval at which the watcher looks for orphaned processes.
 const POLL_INTERVAL: Timespec = Timespec {
     tv_sec: 0,
     tv_nsec: 100_000_000,
 };
 
-/// The watcher: waits until its standard input ends, which it does when the run is over or dead, and clears up.
+/// Runs the watcher: waits until its standard input ends, when the run is over or dead, and cleans up.
 ///
-/// What works in the directories is found there. A process that hides where it works is known only as a child of the run,
-/// which inherits it; so the watcher looks at these children until the end.
+/// Processes that work in the directories are found there. A process that hides its directory is known only as a child of the
+/// run, which inherits it; so the watcher examines these children until the end.
 pub fn watch(run: u32, directories: &[PathBuf]) -> u8 {
     let stdin = io::stdin();
     let mut children = Descendants::default();
@@ -85,8 +85,8 @@ pub fn watch(run: u32, directories: &[PathBuf]) -> u8 {
     0
 }
 
-/// Returns true if this program could do its part of a run. The error says why the run was stopped: it has no verdict then.
-pub fn untroubled(decoder: &Decoder) -> Result<(), String> {
+/// Checks that this program could do its part of a run. The error says why the run was stopped, without a verdict.
+pub fn check_trouble(decoder: &Decoder) -> Result<(), String> {
     decoder.trouble().map_or(Ok(()), |trouble| {
         Err(format!(
             "{trouble}. This is no fault of the decoder; the run was stopped without a verdict"
@@ -94,17 +94,16 @@ pub fn untroubled(decoder: &Decoder) -> Result<(), String> {
     })
 }
 
-/// Takes two signals back from whoever started this program. A program that is started with SIGCHLD ignored cannot wait for
-/// its children; one that reaches a limit on the size of files is killed without a word. What it starts gets the usual
-/// behavior of both.
+/// Resets two signals that may be inherited. A program that is started with SIGCHLD ignored cannot wait for its children; one
+/// that reaches a limit on file sizes is killed silently. Child processes get the default behavior for both.
 pub fn take_signals() {
     for signal in [SIGCHLD, SIGXFSZ] {
-        // Where a signal cannot be taken, it stays as it was.
+        // If a signal handler cannot be installed, the signal stays as it was.
         let _ = signal_hook::flag::register(signal, Arc::default());
     }
 }
 
-/// A flag that is set when the user wants the run to end.
+/// Returns a flag that is set when the user ends the run.
 pub fn stop_on_signals() -> Result<Arc<AtomicBool>, String> {
     let stop = Arc::new(AtomicBool::new(false));
     for signal in [SIGINT, SIGTERM] {

@@ -1,4 +1,4 @@
-//! Pages of the site: named in a line, or as hyperlinks (OSC 8) where the terminal has them.
+//! Pages of the site: named in a line, or as hyperlinks (OSC 8) if the terminal supports them.
 
 use std::collections::HashMap;
 use std::fmt::Write as _;
@@ -13,14 +13,14 @@ use ptm_conform::suite::name::SuiteName;
 use ptm_conform::suite::texture::cases as texture;
 use ptm_conform::tools::lint::codes;
 
-/// A line with the page about something.
+/// Returns a line with the page about something.
 pub fn page_line(page: Option<String>) -> String {
     page.map_or_else(String::new, |page| {
         format!("  page: {}\n", published(&page))
     })
 }
 
-/// The text with links, if standard output is a terminal that is known to have them; never in a pipe or a file.
+/// Returns text with links, if standard output is a terminal that is known to support them; never for a pipe or a file.
 pub fn linked(text: &str) -> String {
     let wanted = std::io::stdout().is_terminal()
         && anstream::AutoStream::choice(&std::io::stdout()) != anstream::ColorChoice::Never
@@ -31,7 +31,7 @@ pub fn linked(text: &str) -> String {
     }
 }
 
-/// Pages of what can be told from an ordinary word: cases, clauses, misreadings and codes.
+/// Pages of ids that differ from ordinary words: cases, clauses, misreadings and codes.
 static PAGES: LazyLock<HashMap<String, String>> = LazyLock::new(|| {
     let (ptm, stage) = (SuiteName::Ptm, SuiteName::Texture);
     let mut pages = HashMap::new();
@@ -40,7 +40,7 @@ static PAGES: LazyLock<HashMap<String, String>> = LazyLock::new(|| {
         pages.extend(page.map(|page| (id.to_owned(), page)));
     };
     let suites = (Suite::load(), Suite::of_textures());
-    // What is wrong with a file of the suite is said elsewhere.
+    // Errors in a file of the suite are reported elsewhere.
     for case in suites.0.iter().flat_map(|suite| &suite.cases) {
         put(&case.id, ptm.case_page(&case.id));
     }
@@ -62,7 +62,7 @@ static PAGES: LazyLock<HashMap<String, String>> = LazyLock::new(|| {
     pages
 });
 
-/// The text with a link on every word that has an address, and on addresses themselves. Escape sequences stay as they are.
+/// Adds links to every word that has an address, and to addresses themselves. Escape sequences are kept.
 fn with_links(text: &str, address: &dyn Fn(&str) -> Option<String>) -> String {
     let is_part = |c: char| c.is_ascii_alphanumeric() || matches!(c, '-' | '/' | '.' | ':' | '#');
     let mut out = String::new();

@@ -92,7 +92,7 @@ pub struct LintArgs {
     machine: Machine,
 }
 
-/// A code as it is listed.
+/// A code in the list of codes.
 #[derive(Serialize)]
 struct Listed {
     code: &'static str,
@@ -103,16 +103,16 @@ struct Listed {
     provoked_by: &'static [String],
 }
 
-/// What a worker makes of a file.
+/// The result of a worker for a file.
 struct Row {
     path: PathBuf,
     lint: Lint,
-    /// Whether it could not be read.
+    /// True if the file could not be read.
     failed: bool,
 }
 
 impl LintArgs {
-    /// Whether files are named by folders or lists, and not one by one.
+    /// Returns true if the arguments are folders or lists, not single files.
     fn is_collection(&self) -> bool {
         let mut paths = self.files.iter();
         paths.any(|path| is_list(path) || path.is_dir())
@@ -158,7 +158,7 @@ pub fn run(args: &LintArgs) -> CommandResult {
             WORST_FIRST.iter().position(|one| one == status)
         });
         let shown = bar.suspend(|| rows.show(&row.path, row.lint));
-        // Nobody reads on.
+        // The reader of standard output has closed it.
         closed.fetch_or(shown.is_err(), Relaxed);
         bar.inc(1);
     });
@@ -208,7 +208,7 @@ fn settings(args: &LintArgs) -> Result<Settings, String> {
     Ok(settings)
 }
 
-/// Everything that was named, on the command line or in the list.
+/// Returns all named paths, from the command line or the list.
 fn named(args: &LintArgs) -> impl Iterator<Item = Source> + Send {
     let end = if args.null { 0 } else { b'\n' };
     let of_path = move |path: &PathBuf| -> Box<dyn Iterator<Item = Source> + Send> {
@@ -224,10 +224,10 @@ fn is_list(path: &Path) -> bool {
     path.as_os_str() == "-"
 }
 
-/// A bar whose length a walk of its own finds out, so that it can say how much time is left.
+/// Returns a progress bar; a separate walk counts the files, so that the remaining time can be estimated.
 fn progress(args: &LintArgs) -> ProgressBar {
     let bar = output::bar(None, "{pos}/{len} files, {per_sec}, {eta} left");
-    // A list can be read once only.
+    // A list can be read only once.
     if bar.is_hidden() || args.files.iter().any(|path| is_list(path)) {
         return bar;
     }
@@ -240,7 +240,7 @@ fn progress(args: &LintArgs) -> ProgressBar {
     bar
 }
 
-/// Reads a file and says what there is to say of it. A mistake of ours costs the one file.
+/// Reads and checks a file. An internal error affects only this file.
 fn look(met: Met, judge: &Judge) -> Row {
     let unread = |path: &Path, reason: String| {
         Lint::unread(&printable(path.as_os_str()), None, Some(reason))
@@ -264,7 +264,7 @@ fn look(met: Met, judge: &Judge) -> Row {
     Row { path, lint, failed }
 }
 
-/// What every file is judged by.
+/// The criteria for every file.
 struct Judge<'a> {
     limit: u64,
     room: &'a Room,
@@ -316,7 +316,7 @@ fn list_codes(args: &LintArgs) -> CommandResult {
     Ok(0)
 }
 
-/// `PTM-W301=error`
+/// Parses `PTM-W301=error`.
 fn parse_severity(text: &str) -> Result<(String, Severity), String> {
     let severities = [Severity::Error, Severity::Warning, Severity::Info];
     let pair = text.split_once('=').and_then(|(code, level)| {

@@ -1,4 +1,4 @@
-//! What `lint` prints of each file, as soon as its turn comes, in every form; and at the end the totals.
+//! The output of `lint` for each file, printed in order, in every format; and the totals at the end.
 
 use std::io::{self, Write};
 use std::path::Path;
@@ -21,7 +21,7 @@ pub enum RowFormat {
     Text,
     /// A list with a record for each file
     Json,
-    /// The same as YAML
+    /// A list in YAML
     Yaml,
     /// A row for each file
     Csv,
@@ -29,23 +29,23 @@ pub enum RowFormat {
     Sarif,
 }
 
-/// Prints rows; what a killed run has printed is whole rows.
+/// Prints rows; a run that is killed has printed whole rows only.
 pub struct Rows {
     format: RowFormat,
-    /// The most findings that are printed of a file.
+    /// Maximum number of findings that are printed for a file.
     most: usize,
-    /// How many readers are asked for.
+    /// Number of requested readers.
     readers: usize,
-    /// Whether most files may be something else, of which a line says enough.
+    /// True if most files may not be PTMs, for which a line is enough.
     is_collection: bool,
-    /// Whether there is a row, or a result, before the next one.
+    /// True if a row, or a result, has been printed.
     begun: bool,
     /// Counts of everything, printed or not.
     pub totals: Totals,
 }
 
 impl Rows {
-    /// Rows in this form, after their head.
+    /// Prints the head of this format.
     pub fn new(
         format: RowFormat,
         readers: &[&ReaderProfile],
@@ -71,7 +71,7 @@ impl Rows {
     /// Prints and counts a file.
     pub fn show(&mut self, path: &Path, mut lint: Lint) -> io::Result<()> {
         self.totals.add(&lint);
-        // A row for each file has every code; elsewhere findings are lines.
+        // A row per file has every code; in other formats findings are lines.
         if self.format != RowFormat::Csv {
             lint.findings.truncate(self.most);
         }
@@ -90,7 +90,7 @@ impl Rows {
         }
     }
 
-    /// Prints what belongs after the last row.
+    /// Prints the end of the document.
     pub fn end(&self) -> io::Result<()> {
         match self.format {
             RowFormat::Json => put("\n]\n")?,
@@ -102,7 +102,7 @@ impl Rows {
             let totals = self.totals.to_text();
             match self.format {
                 RowFormat::Text => put(&totals)?,
-                // Standard output is the document alone.
+                // Standard output has only the document.
                 _ => output::complain(totals.trim_end()),
             }
         }
@@ -131,7 +131,7 @@ fn text(lint: &Lint) -> io::Result<()> {
     out.flush()
 }
 
-/// In one piece, so that a run that is killed leaves whole rows.
+/// Prints text in one write, so that a run that is killed leaves whole rows.
 fn put(text: &str) -> io::Result<()> {
     let mut out = io::stdout().lock();
     out.write_all(text.as_bytes())?;

@@ -7,7 +7,7 @@ use clap::Args;
 
 use super::CommandResult;
 use super::arguments::CallArgs;
-use super::fuzz::CALLS;
+use super::fuzz::CALLS_TEMPLATE;
 use super::guard::{Guarded, stop_on_signals};
 use super::output::{bar, print};
 use ptm_conform::fuzz::reduce;
@@ -64,14 +64,14 @@ pub fn run(args: &MinimiseArgs) -> CommandResult {
         print("the decoder answers as the reference does; there is nothing to reduce\n");
         return Ok(1);
     };
-    let bar = bar(Some(0), CALLS);
+    let bar = bar(Some(0), CALLS_TEMPLATE);
     let fails = |file: &[u8]| {
         bar.inc(1);
         symptom(file, &args.view, &ask(file)) == Some(found)
     };
     let small = reduce::reduce(&file, &stop, &fails);
     bar.finish_and_clear();
-    super::guard::untroubled(&decoder)?;
+    super::guard::check_trouble(&decoder)?;
     let Some(small) = small else {
         print(
             "the failure depends on how the header is written: the file cannot be made smaller\n",

@@ -1,6 +1,6 @@
-//! The subcommands: their arguments, what they print, and their exit status; a file for each.
+//! The subcommands: their arguments, output and exit status; a file for each.
 //!
-//! Commands that start somebody else's program need a Unix system; all others run everywhere.
+//! Commands that start other programs need a Unix system; all others run everywhere.
 
 #![allow(clippy::doc_markdown, reason = "help is printed as it stands")]
 
@@ -62,12 +62,12 @@ mod terminal;
 #[cfg(unix)]
 pub mod texture;
 
-/// The exit status of a subcommand, or why it fails.
+/// The exit status of a subcommand, or its failure.
 pub type CommandResult = Result<u8, Failed>;
 
-/// Why a subcommand fails.
+/// The failure of a subcommand.
 pub struct Failed {
-    /// What it prints to standard error.
+    /// The message for standard error.
     pub says: String,
     /// Its exit status.
     pub status: u8,
@@ -87,13 +87,13 @@ impl Failed {
     }
 }
 
-/// Wrong arguments, or a file that cannot be read or written.
+/// Converts a message about wrong arguments, or a file that cannot be read or written.
 impl From<String> for Failed {
     fn from(says: String) -> Failed {
         Failed::new(2, &says)
     }
 }
 
-/// Nothing was selected, so nothing was checked.
+/// Exit status if nothing was selected, so nothing was checked.
 #[cfg(unix)]
 pub const EXIT_NOTHING_SELECTED: u8 = 5;

@@ -1,6 +1,6 @@
-//! Names that are nearly right, and what may have been meant.
+//! Suggestions for misspelled names.
 
-/// "; did you mean …?", or nothing.
+/// Returns "; did you mean …?", or nothing.
 pub fn did_you_mean<'a>(name: &str, known: impl Iterator<Item = &'a str>) -> String {
     match nearest(name, known) {
         near if near.is_empty() => String::new(),
@@ -8,7 +8,7 @@ pub fn did_you_mean<'a>(name: &str, known: impl Iterator<Item = &'a str>) -> Str
     }
 }
 
-/// At most three names that are nearly `id`, or go on where it ends, the nearest first.
+/// Returns at most three names that are similar to `id`, or begin with it, the nearest first.
 pub fn nearest<'a>(id: &str, known: impl Iterator<Item = &'a str>) -> Vec<&'a str> {
     let asked = id.to_lowercase();
     let mut near: Vec<(f64, &str)> = known

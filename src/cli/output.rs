@@ -1,4 +1,4 @@
-//! What is printed: text, in color where that is wanted; YAML or JSON for other programs; the progress of long work.
+//! Output: text, in color if requested; YAML or JSON for other programs; the progress of long work.
 
 use std::borrow::Cow;
 use std::io::Write;
@@ -67,25 +67,25 @@ impl Global {
     }
 }
 
-/// Whether only results and errors are wanted.
+/// Returns true if only results and errors are to be printed.
 pub fn quiet() -> bool {
     QUIET.load(Relaxed)
 }
 
-/// Prints to standard output, in color where that is wanted; a reader that has gone away is no error.
+/// Prints to standard output, in color if requested; a closed pipe is not an error.
 pub fn print(text: &str) {
     let _ = anstream::stdout().write_all(text.as_bytes());
 }
 
-/// Prints to standard error what is wrong, as wide as the terminal; a reader that has gone away is no error.
+/// Prints an error to standard error, wrapped to the terminal; a closed pipe is not an error.
 pub fn complain(text: &str) {
     let width = columns(terminal_size::terminal_size_of(std::io::stderr()));
-    let lines = text.lines().flat_map(|line| folded(line, width));
+    let lines = text.lines().flat_map(|line| wrapped(line, width));
     let lines: String = lines.map(|line| format!("{line}\n")).collect();
     let _ = std::io::stderr().write_all(lines.as_bytes());
 }
 
-/// Prints a note, unless only results are wanted.
+/// Prints a note, unless only results are to be printed.
 pub fn note(text: &str) {
     if !quiet() {
         print(text);
@@ -93,7 +93,7 @@ pub fn note(text: &str) {
 }
 
 impl Machine {
-    /// Prints `value` as YAML or JSON if either was asked for; returns whether it did.
+    /// Prints `value` as YAML or JSON if either is requested; returns true if it did.
     pub fn print(&self, value: &impl Serialize) -> Result<bool, String> {
         if self.yaml {
             print(&to_yaml(value)?);
@@ -106,7 +106,7 @@ impl Machine {
     }
 }
 
-/// The number of workers: by default as many as the machine runs at a time.
+/// Returns the number of workers: by default the number of parallel threads of the machine.
 pub fn jobs(asked: Option<usize>) -> Result<usize, String> {
     match asked {
         Some(0) => Err("--jobs needs at least 1".to_owned()),
@@ -115,7 +115,7 @@ pub fn jobs(asked: Option<usize>) -> Result<usize, String> {
     }
 }
 
-/// Returns a progress bar on standard error, if that is a terminal and progress is wanted.
+/// Returns a progress bar on standard error, if that is a terminal and progress is to be shown.
 pub fn bar(length: Option<u64>, template: &str) -> ProgressBar {
     let bar = match (quiet(), length) {
         (true, _) => ProgressBar::hidden(),
@@ -126,7 +126,7 @@ pub fn bar(length: Option<u64>, template: &str) -> ProgressBar {
     bar.with_style(style)
 }
 
-/// Does `work`, which reports how many of how many are done, and shows a progress bar for it.
+/// Does `work`, which reports the number of finished and of all items, and shows a progress bar for it.
 pub fn with_progress<T>(work: impl FnOnce(&(dyn Fn(usize, usize) + Sync)) -> T) -> T {
     let bar = bar(Some(0), "{bar:40} {pos}/{len} {elapsed}");
     let result = work(&|done, all| {
@@ -137,18 +137,18 @@ pub fn with_progress<T>(work: impl FnOnce(&(dyn Fn(usize, usize) + Sync)) -> T) 
     result
 }
 
-/// The narrowest page that text is wrapped for.
-const NARROWEST: usize = 40;
+/// Minimum width for wrapped text.
+const MIN_COLUMNS: usize = 40;
 
-/// The columns of a terminal that lines are wrapped for; none where there is no terminal.
+/// Returns the number of columns of a terminal for wrapping; None without a terminal.
 pub fn columns(size: Option<(Width, Height)>) -> Option<usize> {
-    size.map(|(width, _)| usize::from(width.0).max(NARROWEST))
+    size.map(|(width, _)| usize::from(width.0).max(MIN_COLUMNS))
 }
 
-/// A line that is longer than `width` in parts that are not, all but the first further in.
-pub fn folded(line: &str, width: Option<usize>) -> Vec<Cow<'_, str>> {
+/// Wraps a line at `width`, with more indentation for all parts but the first.
+pub fn wrapped(line: &str, width: Option<usize>) -> Vec<Cow<'_, str>> {
     let indent = line.len() - line.trim_start_matches(' ').len();
-    // A command is copied as a whole.
+    // A command is not wrapped, so that it can be copied.
     let Some(width) = width.filter(|_| !line[indent..].starts_with("$ ")) else {
         return vec![line.into()];
     };

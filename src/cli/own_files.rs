@@ -1,4 +1,4 @@
-//! `check --files`: files of the user's own.
+//! `check --files`: the user's files.
 
 use std::fs;
 use std::io;
@@ -11,11 +11,11 @@ use ptm_conform::runner::scratch::Scratch;
 use ptm_conform::session::files::{FilesReport, check_file};
 
 use super::files::write_whole;
-use super::guard::untroubled;
+use super::guard::check_trouble;
 use super::output::{print, with_progress};
 use super::{CommandResult, EXIT_NOTHING_SELECTED, Failed};
 
-/// Checks the PTM files of `directory` in the views that are `asked` for, or in all, and writes the `report`.
+/// Checks the PTM files of `directory` in the views `asked`, or in all, and writes the `report`.
 pub fn check(
     directory: &Path,
     asked: &[String],
@@ -38,7 +38,7 @@ pub fn check(
         let results = paths.iter().enumerate().map(|(i, path)| {
             let name = path.file_name().unwrap_or_default().to_string_lossy();
             let result = check_file(&name, &super::files::read(path)?, &views, &ask);
-            untroubled(decoder)?;
+            check_trouble(decoder)?;
             progress(i + 1, paths.len());
             Ok(result)
         });
@@ -51,7 +51,7 @@ pub fn check(
     Ok(results.exit_status())
 }
 
-/// The PTM files of a directory, by name.
+/// Returns the PTM files of a directory, by name.
 fn maps_in(directory: &Path) -> Result<Vec<PathBuf>, String> {
     let named = |error: io::Error| format!("{}: {error}", directory.display());
     let mut paths: Vec<PathBuf> = fs::read_dir(directory)

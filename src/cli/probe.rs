@@ -56,7 +56,7 @@ pub fn run(args: &ProbeArgs) -> CommandResult {
         true => ptm_conform::writers::probe::probe(&program, &guarded.scratch)?,
         false => probe(&args.decoder, &program, &guarded.scratch),
     };
-    super::guard::untroubled(&program)?;
+    super::guard::check_trouble(&program)?;
     let command = in_one_line(&args.decoder);
     let repeat = |repeat: &Reproduction| match args.writer {
         true => None,

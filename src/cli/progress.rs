@@ -1,4 +1,4 @@
-//! What a run is doing, on standard error: a line that moves on a terminal, a line every half minute elsewhere.
+//! The current activity of a run, on standard error: one updated line on a terminal, a new line every half minute elsewhere.
 
 use std::fmt::Write;
 use std::io::IsTerminal;
@@ -12,19 +12,19 @@ use indicatif::ProgressBar;
 
 use super::output::{bar, complain, quiet};
 
-/// How often the line is renewed on a terminal, and how often there is a new one elsewhere.
+/// The interval of updates on a terminal, and of new lines elsewhere.
 const TICKS: (Duration, Duration) = (Duration::from_millis(500), Duration::from_secs(30));
 
-/// The time left is estimated when so much is done.
+/// Minimum number of finished items for an estimate of the remaining time.
 const MIN_DONE: usize = 10;
 
-/// What a run is doing.
+/// The current activity of a run.
 struct Doing {
     what: &'static str,
     done: Arc<AtomicUsize>,
-    /// 0 if that is not known.
+    /// The number of items; 0 if unknown.
     all: usize,
-    /// Whether `all` is a limit, and `done` says nothing to a user.
+    /// True if `all` is a limit, so that `done` is of no interest to a user.
     is_limit: bool,
     wrong: usize,
     since: Instant,
@@ -50,7 +50,7 @@ impl Doing {
     }
 }
 
-/// A time that nobody measures: seconds, or minutes.
+/// Formats an approximate time: seconds, or minutes.
 pub fn in_words(time: Duration) -> String {
     match time.as_secs() {
         seconds @ 0..100 => format!("{seconds} s"),
@@ -58,7 +58,7 @@ pub fn in_words(time: Duration) -> String {
     }
 }
 
-/// Says what a run is doing until it is dropped.
+/// Shows the current activity of a run until it is dropped.
 pub struct ProgressLine {
     bar: ProgressBar,
     doing: Arc<Mutex<Doing>>,
@@ -66,7 +66,7 @@ pub struct ProgressLine {
 }
 
 impl ProgressLine {
-    /// Nothing is said where only results are wanted.
+    /// Shows nothing if only results are to be printed.
     pub fn new(what: &'static str) -> ProgressLine {
         let doing = Arc::new(Mutex::new(Doing {
             what,
@@ -100,7 +100,7 @@ impl ProgressLine {
         self.doing.lock().expect("no panic while it is held")
     }
 
-    /// Begins other work.
+    /// Starts another activity.
     pub fn begin(&self, what: &'static str) {
         let mut doing = self.doing();
         (doing.done, doing.all, doing.is_limit) = (Arc::default(), 0, false);
@@ -110,14 +110,14 @@ impl ProgressLine {
         self.bar.set_position(0);
     }
 
-    /// Begins work that `counter` counts and that ends when at most `all` is done.
+    /// Starts an activity that `counter` counts, up to at most `all`.
     pub fn begin_counted(&self, what: &'static str, counter: &Arc<AtomicUsize>, all: usize) {
         self.begin(what);
         let mut doing = self.doing();
         (doing.done, doing.all, doing.is_limit) = (Arc::clone(counter), all, true);
     }
 
-    /// Shows that `done` of `all` are done. Of concurrent callers, the one who is ahead may be first.
+    /// Shows that `done` of `all` are finished. Concurrent callers may be out of order.
     pub fn show(&self, done: usize, all: usize) {
         let mut doing = self.doing();
         let before = doing.done.fetch_max(done, Ordering::Relaxed);
@@ -126,12 +126,12 @@ impl ProgressLine {
         self.bar.set_position(before.max(done) as u64);
     }
 
-    /// One more answer is wrong.
+    /// Counts a wrong answer.
     pub fn one_wrong(&self) {
         self.doing().wrong += 1;
     }
 
-    /// Says something between two lines of progress.
+    /// Prints a message between two lines of progress.
     pub fn say(&self, text: &str) {
         if !quiet() {
             self.bar.suspend(|| complain(text));

@@ -11,7 +11,7 @@ use ptm_conform::tools::dissection::Dissection;
 
 use super::names::did_you_mean;
 
-/// The profiles of a file, or the known ones.
+/// Returns the profiles of a file, or the known ones.
 pub fn known(file: Option<&Path>) -> Result<Vec<ReaderProfile>, String> {
     match file {
         None => Ok(profiles().to_vec()),
@@ -20,7 +20,7 @@ pub fn known(file: Option<&Path>) -> Result<Vec<ReaderProfile>, String> {
     }
 }
 
-/// Those of `known` that are asked for by name, or all.
+/// Returns the profiles of `known` that are requested by name, or all.
 pub fn asked<'a>(
     known: &'a [ReaderProfile],
     names: &[String],
@@ -48,7 +48,7 @@ pub fn asked<'a>(
     Ok(found)
 }
 
-/// What the readers will show of a file, and what its owner can do.
+/// Predicts the results of the readers for a file, with a fix for its owner.
 pub fn predictions(file: &[u8], readers: &[&ReaderProfile]) -> Vec<ReaderPrediction> {
     if readers.is_empty() {
         return Vec::new();
@@ -64,7 +64,7 @@ pub fn predictions(file: &[u8], readers: &[&ReaderProfile]) -> Vec<ReaderPredict
     readers.iter().map(predict).collect()
 }
 
-/// What the owner of a file can do so that the reader shows it right.
+/// Returns a fix with which the reader shows the file correctly.
 fn fix(file: &[u8], reader: &ReaderProfile) -> String {
     let dissection = Dissection::of(file);
     let Ok(ptm) = &dissection.outcome else {

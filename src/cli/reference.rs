@@ -30,7 +30,7 @@ pub struct Args {
     out: Option<PathBuf>,
 }
 
-/// Answers in the way that `args` ask for, and returns the exit status.
+/// Answers the request in `args`, and returns the exit status.
 pub fn run(args: &Args) -> CommandResult {
     let wrong = |what: &str| Err(what.to_owned().into());
     match (args.view.as_str(), &args.file, &args.out) {
@@ -50,7 +50,7 @@ pub fn run(args: &Args) -> CommandResult {
 
 fn status(outcome: io::Result<()>) -> CommandResult {
     match outcome {
-        // The reader has what it wanted.
+        // A closed pipe is not an error.
         Err(error) if error.kind() != io::ErrorKind::BrokenPipe => Err(error.to_string().into()),
         _ => Ok(0),
     }
@@ -60,7 +60,7 @@ fn one(view: &View, path: &Path) -> CommandResult {
     let file = files::read(path)?;
     match ptm_conform::decode::open(&file) {
         Ok(map) => {
-            // In large chunks: standard output itself would look for line ends.
+            // Buffered in large chunks, because standard output itself is line-buffered.
             let mut out = io::BufWriter::with_capacity(1 << 18, io::stdout().lock());
             let written = write_view(&map, view, &mut out);
             status(written.and_then(|()| out.flush()))
@@ -73,7 +73,7 @@ fn one(view: &View, path: &Path) -> CommandResult {
     }
 }
 
-/// `reference write REQUEST OUT`
+/// Answers `reference write REQUEST OUT`.
 fn write(path: &Path, out: &Path) -> CommandResult {
     let malformed = |error: String| Failed::refused(path, EXIT_MALFORMED as u8, &error);
     let request = files::read(path).and_then(|json| {
@@ -84,7 +84,7 @@ fn write(path: &Path, out: &Path) -> CommandResult {
     put(path, out, &request.map_err(malformed)?)
 }
 
-/// `reference fit REQUEST OUT`
+/// Answers `reference fit REQUEST OUT`.
 fn fit(path: &Path, out: &Path) -> CommandResult {
     let malformed = |error: String| Failed::refused(path, EXIT_MALFORMED as u8, &error);
     let request = files::read(path).and_then(|json| FitRequest::read(&json));
@@ -100,7 +100,7 @@ fn fit(path: &Path, out: &Path) -> CommandResult {
     put(path, out, &WriteRequest::of(&optimum(&set, format)))
 }
 
-/// Writes the file that is asked for, or says why not.
+/// Writes the requested file, or returns the reason why not.
 fn put(path: &Path, out: &Path, request: &WriteRequest) -> CommandResult {
     let (status, says) = match reference::written(request) {
         Ok(bytes) => return Ok(files::write_whole(out, bytes).map(|()| 0)?),
@@ -110,7 +110,7 @@ fn put(path: &Path, out: &Path, request: &WriteRequest) -> CommandResult {
     Err(Failed::refused(path, status as u8, &says))
 }
 
-/// Answers request after request until there are no more.
+/// Answers requests until there are no more.
 fn serve(requests: impl BufRead, mut answers: impl Write) -> io::Result<()> {
     for line in requests.split(b'\n') {
         let line = line?;
@@ -153,7 +153,7 @@ fn answer(line: &[u8]) -> io::Result<Vec<u8>> {
     }
 }
 
-/// A path is any bytes.
+/// Converts a path, which may have any bytes.
 #[cfg(unix)]
 #[allow(clippy::unnecessary_wraps, reason = "elsewhere it is not")]
 fn path_of(bytes: &[u8]) -> io::Result<&Path> {
@@ -161,7 +161,7 @@ fn path_of(bytes: &[u8]) -> io::Result<&Path> {
     Ok(Path::new(std::ffi::OsStr::from_bytes(bytes)))
 }
 
-/// A path is text.
+/// Converts a path, which must be text.
 #[cfg(not(unix))]
 fn path_of(bytes: &[u8]) -> io::Result<&Path> {
     let text = std::str::from_utf8(bytes);

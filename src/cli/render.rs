@@ -44,8 +44,8 @@ pub struct RenderArgs {
     output: PathBuf,
 }
 
-/// The longest side of a map that is hard to see.
-const SMALL: usize = 32;
+/// Maximum side of a map that is hard to see.
+const MAX_SMALL_SIDE: usize = 32;
 
 pub fn run(args: &RenderArgs) -> CommandResult {
     let format = format_of(&args.output)?;
@@ -60,7 +60,8 @@ pub fn run(args: &RenderArgs) -> CommandResult {
         (None, true, _) => (normals(ptm), "normals, x to the right, y up".to_owned()),
         (None, false, (lu, lv)) => (lit(ptm, lu, lv), format!("light {lu},{lv}")),
     };
-    let small = args.sheet.is_none() && args.zoom == 1 && image.width.max(image.height) <= SMALL;
+    let small =
+        args.sheet.is_none() && args.zoom == 1 && image.width.max(image.height) <= MAX_SMALL_SIDE;
     let image = match args.zoom {
         1 => image,
         zoom => image.enlarged(zoom.into())?,
@@ -91,7 +92,7 @@ fn format_of(path: &Path) -> Result<ImageFormat, String> {
     })
 }
 
-/// A direction within the hemisphere.
+/// Parses a direction within the hemisphere.
 fn parse_light(text: &str) -> Result<(f64, f64), String> {
     match parse_pair(text) {
         Some((lu, lv)) if f64::hypot(lu, lv) <= 1.0 => Ok((lu, lv)),

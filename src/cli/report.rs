@@ -130,7 +130,7 @@ pub fn run(args: &ReportArgs) -> CommandResult {
             }
         }
         ReportCommand::Merge(args) => {
-            // Parts of one run are of one suite, which the first tells.
+            // Parts of one run have the same suite, so the first determines it.
             match Report::read(&args.parts[0]).map(|report| report.suite) {
                 Ok(SuiteName::Texture) => merge::<TextureCase>(args),
                 _ => merge::<Case>(args),
@@ -203,7 +203,7 @@ fn merge<C: Reported>(args: &MergeArgs) -> CommandResult {
     Ok(ending.finish(&suite, &run, report)?)
 }
 
-/// What may be shown on a terminal, whoever wrote the report: control characters but line feeds and tabs are escaped.
+/// Makes text of untrusted reports safe for a terminal: escapes control characters other than line feeds and tabs.
 fn printable(text: &str) -> String {
     let mut shown = String::with_capacity(text.len());
     for c in text.chars() {

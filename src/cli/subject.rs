@@ -1,4 +1,4 @@
-//! Who is checked: a decoder, this program, a program that a template calls, or precomputed answers.
+//! The subject of a check: a decoder, this program, a program that a template calls, or precomputed answers.
 
 use std::borrow::Cow;
 use std::ffi::OsString;
@@ -16,30 +16,30 @@ use ptm_conform::suite::cases::{Case, Expect, Suite};
 use super::arguments::limit;
 use super::check_args::CheckArgs;
 
-/// Who is checked, and what of the suite can be asked.
+/// The subject of a check, and the part of the suite that applies to it.
 pub struct Subject {
-    /// Who answers.
+    /// The source of answers.
     pub answers: Answers,
-    /// Its command as the report has it.
+    /// Its command, for the report.
     pub words: Vec<String>,
-    /// The views to ask for; all that it offers if empty.
+    /// The requested views; all that it offers if empty.
     pub views: Vec<&'static str>,
-    /// Why a case is not asked, an entry for each case; empty if all are.
+    /// The reasons why cases are not requested, an entry for each case; empty if all are requested.
     pub withheld: Vec<Option<String>>,
 }
 
-/// Who answers.
+/// A source of answers.
 pub enum Answers {
     /// A program.
     Program(Decoder),
-    /// Files that hold the answers.
+    /// Precomputed answers in files.
     Precomputed(Outputs),
-    /// A function of the process that started this one.
+    /// A function of the parent process.
     Caller(Caller),
 }
 
 impl Subject {
-    /// The program, if there is one.
+    /// Returns the program, if there is one.
     pub fn program(&self) -> Option<&Decoder> {
         match &self.answers {
             Answers::Program(decoder) => Some(decoder),
@@ -47,8 +47,8 @@ impl Subject {
         }
     }
 
-    /// Returns what a reply means: if a refusal looks like a crash, a crash may be a refusal, because no decoder has to read
-    /// every spelling of a table.
+    /// Interprets a reply: if a refusal looks like a crash, a crash may be a refusal, because no decoder has to support every
+    /// spelling of a table.
     pub fn understand(&self, suite: &Suite, request: &Request, mut reply: Reply) -> Reply {
         let is_spelling = |case: &Case| case.expect == Expect::Spelling;
         if !self.withheld.is_empty()
@@ -99,7 +99,7 @@ impl Subject {
         Ok(subject)
     }
 
-    /// Asks a program that a template calls only what the template can ask and what its answers can show.
+    /// Restricts a program that a template calls to requests that the template can express and answers that it can show.
     fn restrict_to(
         &mut self,
         template: &Template,
@@ -131,7 +131,7 @@ impl Subject {
     }
 }
 
-/// Reads answers that were made elsewhere, and says which files are none.
+/// Reads answers that were made elsewhere, and reports files that are not answers.
 fn outputs(directory: &Path, suite: &Suite) -> Result<Outputs, String> {
     let matches = |pattern: &str, id: &str| {
         let pattern = glob::Pattern::new(pattern).map_err(|error| error.to_string())?;
@@ -160,7 +160,7 @@ pub fn program(command: &[OsString]) -> Result<Decoder, String> {
     Decoder::new(&command_or_reference(command)?).map_err(|error| error.to_string())
 }
 
-/// Returns the words of a command as the report has them.
+/// Returns the words of a command, for the report.
 pub fn words_of(command: &[OsString]) -> Result<Vec<String>, String> {
     let command = command_or_reference(command)?;
     let words = command.iter().map(|word| word.to_string_lossy());

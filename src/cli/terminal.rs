@@ -1,14 +1,14 @@
-//! Text for people: in color, and as wide as the terminal.
+//! Text for people: in color, and wrapped to the terminal.
 //!
-//! What a line says stands in its first word, and the color follows that word. Off a terminal the text stays as it is, line
-//! for line; `NO_COLOR` and `--color` are obeyed by [`print`](super::output::print).
+//! The first word of a line determines its kind and its color. Without a terminal the text is unchanged;
+//! [`print`](super::output::print) respects `NO_COLOR` and `--color`.
 
 use std::fmt::Write;
 
 use anstyle::{AnsiColor, Style};
 
 use super::links::linked;
-use super::output::{columns, folded, print};
+use super::output::{columns, print, wrapped};
 
 const HEADING: Style = Style::new().bold();
 const BAD: Style = AnsiColor::Red.on_default().bold();
@@ -17,7 +17,7 @@ const NEXT: Style = AnsiColor::Cyan.on_default();
 const REMARK: Style = AnsiColor::Yellow.on_default();
 const FAINT: Style = Style::new().dimmed();
 
-/// How lines begin, and how that is shown.
+/// Beginnings of lines, and their styles.
 const BEGINNINGS: [(&[&str], Style); 6] = [
     (&["FAIL", "fail:", "✗"], BAD),
     (&["pass:", "✓", "Fix:"], GOOD),
@@ -44,12 +44,12 @@ pub fn show(text: &str) {
     print(&linked(&page(text, width)));
 }
 
-/// The text in color; lines longer than `width` go on below, further in.
+/// Returns the text in color; lines longer than `width` are wrapped with indentation.
 fn page(text: &str, width: Option<usize>) -> String {
     let mut page = String::new();
     for line in text.lines() {
         let indent = line.len() - line.trim_start_matches(' ').len();
-        for (i, line) in folded(line, width).iter().enumerate() {
+        for (i, line) in wrapped(line, width).iter().enumerate() {
             let marked = if i == 0 { beginning(line) } else { None };
             let _ = match marked {
                 Some((end, style)) => writeln!(
@@ -66,7 +66,7 @@ fn page(text: &str, width: Option<usize>) -> String {
     page
 }
 
-/// Where the first word of a line ends, and how it is shown, if it is one that says what the line is.
+/// Returns the length of the first word of a line and its style, if it is a known beginning.
 fn beginning(line: &str) -> Option<(usize, Style)> {
     let text = line.trim_start_matches(' ');
     let indent = line.len() - text.len();

@@ -1,4 +1,4 @@
-//! The commands of the program that are about texture mapping.
+//! The subcommands for texture mapping.
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -84,7 +84,7 @@ struct RenderArgs {
     /// Give the map levels by box filter.
     #[arg(long)]
     mipmap: bool,
-    /// How much beyond the map is shown on each side, in maps: the shape's coordinates run from -N to 1 + N.
+    /// The visible area beyond the map on each side, in maps: the shape's coordinates run from -N to 1 + N.
     #[arg(long, value_name = "N", default_value_t = 0.5, value_parser = parse_around)]
     around: f64,
     /// The surface's own color: red, green, blue from 0 to 1.
@@ -119,7 +119,7 @@ fn parse_color(text: &str) -> Result<[f64; 3], String> {
     }
 }
 
-/// `ptm-conform texture …`
+/// Runs `ptm-conform texture …`.
 pub fn run(args: &TextureArgs) -> CommandResult {
     match &args.command {
         Command::Cases(args) => run_cases(args),
@@ -163,7 +163,7 @@ fn run_cases(args: &CasesArgs) -> CommandResult {
     })
 }
 
-/// `ptm-conform reference texture FILE`
+/// Answers `ptm-conform reference texture FILE`.
 pub fn answer(file: &Path) -> CommandResult {
     let question = Question::read(&files::read(file)?);
     let answer = question.and_then(|question| question.answer(&Rules::SPEC));
@@ -173,7 +173,7 @@ pub fn answer(file: &Path) -> CommandResult {
     Ok(0)
 }
 
-/// What is known of texture mapping under that id.
+/// Explains an id of the texture suite.
 pub fn explain(id: &str) -> Result<String, String> {
     let suite = Suite::of_textures()?;
     let mut text = String::new();

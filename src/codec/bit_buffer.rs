@@ -1,26 +1,26 @@
 //! The bits of an entropy-coded segment, many at a time.
 //!
-//! What [`Bits`] does bit by bit this does with a window of 64 of them, which is filled eight bytes
-//! at once where no byte 0xFF is near. A Huffman code is then a look-up and a prefix of zeros an
-//! instruction. Whatever is rare (offsets, the end of the segment) is left to [`Bits`].
+//! A faster version of [`Bits`], with a window of 64 bits that is filled eight bytes at once if none of them is 0xFF. A Huffman
+//! code is then a table lookup, and a prefix of zeros one instruction. Rare operations (offsets, the end of the segment) are
+//! left to [`Bits`].
 //!
 //! ```text
 //! stream   … A1 B2 | C3 D4 FF 00 E5 …     the next byte to load is C3
 //! window   0001 1011 0010 0000 …          four bits of A1 are read: count = 12
 //! ```
 
-use super::bits::{Bits, ReadBits, carried, early};
+use super::bits::{Bits, ReadBits, data_bits, truncated};
 use super::stream_error::Result;
 
 pub(super) struct BitBuffer<'a, const AFTER_FF: u32> {
     stream: &'a [u8],
-    /// Where the segment begins.
+    /// The start of the segment.
     start: usize,
     /// The next byte to load.
     at: usize,
-    /// The next bits, from the top; zeros below them.
+    /// The next bits, left-aligned, followed by zeros.
     window: u64,
-    /// How many of them there are.
+    /// Number of bits in the window.
     count: u32,
 }
 
@@ -38,12 +38,12 @@ impl<'a, const AFTER_FF: u32> ReadBits<'a, AFTER_FF> for BitBuffer<'a, AFTER_FF>
     #[inline]
     fn receive(&mut self, count: u32) -> Result<u32> {
         self.require(count);
-        let number = leading(self.window, count);
+        let number = leading_bits(self.window, count);
         self.skip(count)?;
         Ok(number)
     }
 
-    /// Goes back over the bytes of the window.
+    /// Moves back over the bytes in the window.
     #[cold]
     fn plain(&self) -> Bits<'a, AFTER_FF> {
         let (mut at, mut unread) = (self.at, self.count);
@@ -65,7 +65,7 @@ impl<'a, const AFTER_FF: u32> ReadBits<'a, AFTER_FF> for BitBuffer<'a, AFTER_FF>
 }
 
 impl<const AFTER_FF: u32> BitBuffer<'_, AFTER_FF> {
-    /// Sees to it that at least `count` bits, up to 57, are in the window if the segment has them.
+    /// Makes sure that at least `count` bits, up to 57, are in the window if the segment has them.
     #[inline]
     pub fn require(&mut self, count: u32) {
         if self.count < count {
@@ -73,7 +73,7 @@ impl<const AFTER_FF: u32> BitBuffer<'_, AFTER_FF> {
         }
     }
 
-    /// The next bits, from the top, zeros after the end. As many as were required are certain.
+    /// Returns the next bits, left-aligned, with zeros after the end. Only the required bits are certain.
     #[inline]
     pub fn window(&self) -> u64 {
         self.window
@@ -83,7 +83,7 @@ impl<const AFTER_FF: u32> BitBuffer<'_, AFTER_FF> {
     #[inline]
     pub fn skip(&mut self, bits: u32) -> Result<()> {
         if bits > self.count {
-            return Err(early(self.at));
+            return Err(truncated(self.at));
         }
         self.window <<= bits;
         self.count -= bits;
@@ -92,7 +92,7 @@ impl<const AFTER_FF: u32> BitBuffer<'_, AFTER_FF> {
 
     /// Fills the window: at least 57 bits, unless the segment ends.
     fn fill(&mut self) {
-        // A byte before of 0xFF would make the first of the eight a stuffed one.
+        // After a byte 0xFF, the first of the eight would be a stuffed one.
         if let Some(&[before, ref eight @ ..]) = self.stream[self.at - 1..].first_chunk::<9>()
             && before != 0xFF
             && !contains_ff(*eight)
@@ -105,9 +105,9 @@ impl<const AFTER_FF: u32> BitBuffer<'_, AFTER_FF> {
             return;
         }
         while self.count <= 56
-            && let Some(bits) = carried::<AFTER_FF>(self.stream, self.at)
+            && let Some(bits) = data_bits::<AFTER_FF>(self.stream, self.at)
         {
-            // In two steps, because a byte that carries nothing would be a shift by 64.
+            // In two steps, because a byte without data bits would need a shift by 64.
             let byte = u64::from(self.stream[self.at]) << 56 << (8 - bits);
             self.window |= byte >> self.count;
             self.count += bits;
@@ -116,15 +116,15 @@ impl<const AFTER_FF: u32> BitBuffer<'_, AFTER_FF> {
     }
 }
 
-/// The first bits of a window, as a number.
+/// Returns the first bits of a window as a number.
 #[inline]
-pub(super) fn leading(window: u64, bits: u32) -> u32 {
-    // In two steps, because no bits at all would be a shift by 64.
+pub(super) fn leading_bits(window: u64, bits: u32) -> u32 {
+    // In two steps, because a count of zero would need a shift by 64.
     (window >> 1 >> (63 - bits)) as u32
 }
 
-/// A byte 0xFF is a zero byte of the complement, and subtracting one from each byte borrows into
-/// the high bit of exactly those (and of some above a true one).
+/// Finds a byte 0xFF as a zero byte of the complement: subtracting one from each byte borrows into the high bit of exactly
+/// those (and of some above a true one).
 #[inline]
 fn contains_ff(eight: [u8; 8]) -> bool {
     let complement = !u64::from_be_bytes(eight);
@@ -138,8 +138,8 @@ mod tests {
     use super::super::bits::{Bits, ReadBits};
     use super::BitBuffer;
 
-    /// Reads numbers of these sizes and then the end, and tells all that came back.
-    fn reads<'a, const AFTER_FF: u32, B: ReadBits<'a, AFTER_FF>>(
+    /// Reads numbers of these sizes and then the end, and returns all results.
+    fn read_all<'a, const AFTER_FF: u32, B: ReadBits<'a, AFTER_FF>>(
         stream: &'a [u8],
         sizes: &[u32],
     ) -> Vec<String> {
@@ -165,12 +165,12 @@ mod tests {
         ) {
             let stream = [vec![0], data].concat();
             prop_assert_eq!(
-                reads::<0, BitBuffer<0>>(&stream, &sizes),
-                reads::<0, Bits<0>>(&stream, &sizes)
+                read_all::<0, BitBuffer<0>>(&stream, &sizes),
+                read_all::<0, Bits<0>>(&stream, &sizes)
             );
             prop_assert_eq!(
-                reads::<7, BitBuffer<7>>(&stream, &sizes),
-                reads::<7, Bits<7>>(&stream, &sizes)
+                read_all::<7, BitBuffer<7>>(&stream, &sizes),
+                read_all::<7, Bits<7>>(&stream, &sizes)
             );
         }
     }

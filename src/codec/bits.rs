@@ -1,11 +1,9 @@
 //! T.81 B.1.1.5, F.1.2.3 and T.87 A.1, C.1.1: the bits of an entropy-coded segment
 //!
-//! Codes are packed into bytes without gaps, the first bit of a code into the highest free bit of a
-//! byte. So that markers can be found without decoding, a byte 0xFF of the data is followed by
-//! *stuffing*: in T.81 by a byte 0x00, in T.87 by a single zero bit. Both are one rule with another
-//! number: the byte after 0xFF carries only `AFTER_FF` bits of data, 0 in T.81 and 7 in T.87, and
-//! the bits above them are zeros. If they are not, 0xFF is the first byte of a marker, and the
-//! segment has ended before it.
+//! Codes are packed into bytes without gaps, the first bit of a code into the highest free bit of a byte. So that markers can
+//! be found without decoding, a byte 0xFF of the data is followed by *stuffing*: a byte 0x00 in T.81, a single zero bit in
+//! T.87. In general, the byte after 0xFF carries only `AFTER_FF` bits of data, 0 in T.81 and 7 in T.87, and the bits above them
+//! are zeros. If they are not, 0xFF is the first byte of a marker, and the segment has ended before it.
 //!
 //! Worked example, sixteen bits of data in each standard:
 //!
@@ -16,34 +14,33 @@
 //! ```
 //!
 //! Format notes
-//! - The last byte is filled up. T.81 wants ones there (F.1.2.3), T.87 says nothing; no decoder
-//!   checks them, and neither do we.
-//! - Less than a byte may be left over. Where more is, the decoder has lost its way or the encoder
+//! - The last byte is padded. T.81 requires ones (F.1.2.3), T.87 says nothing; no decoder
+//!   checks them, and neither does this one.
+//! - Less than a byte may be left over. If there is more, the decoder has lost synchronization or the encoder
 //!   has written samples that do not exist.
 
 use super::stream_error::{Result, StreamError, malformed};
 
-/// What a decoder asks of an entropy-coded segment. [`Bits`] answers as the standards tell it,
+/// The operations of a decoder on an entropy-coded segment. [`Bits`] implements them as the standards describe,
 /// [`BitBuffer`](super::bit_buffer::BitBuffer) faster.
 pub(super) trait ReadBits<'a, const AFTER_FF: u32>: Sized {
-    /// The segment that begins at byte `at`, after a marker or a marker segment. The byte before
-    /// must not be 0xFF.
+    /// Starts at the segment that begins at byte `at`, after a marker or a marker segment. The byte before must not be 0xFF.
     fn new(stream: &'a [u8], at: usize) -> Self;
 
-    /// RECEIVE (T.81 F.2.2.4): the next `count` bits, at most 16, as a number.
+    /// RECEIVE (T.81 F.2.2.4): reads the next `count` bits, at most 16, as a number.
     fn receive(&mut self, count: u32) -> Result<u32>;
 
-    /// The same place, for what is needed once: offsets of errors and the end of the segment.
+    /// Returns the same position as [`Bits`], for rare operations: offsets of errors and the end of the segment.
     fn plain(&self) -> Bits<'a, AFTER_FF>;
 }
 
-/// The bits one by one.
+/// A reader of single bits.
 #[derive(Clone)]
 pub(super) struct Bits<'a, const AFTER_FF: u32> {
     pub stream: &'a [u8],
     /// The next byte to load.
     pub at: usize,
-    /// How many bits of the byte before are still unread.
+    /// Number of unread bits of the previous byte.
     pub unread: u32,
 }
 
@@ -67,28 +64,27 @@ impl<'a, const AFTER_FF: u32> ReadBits<'a, AFTER_FF> for Bits<'a, AFTER_FF> {
 }
 
 impl<const AFTER_FF: u32> Bits<'_, AFTER_FF> {
-    /// NEXTBIT (T.81 F.2.2.5).
+    /// NEXTBIT (T.81 F.2.2.5): reads one bit.
     pub fn bit(&mut self) -> Result<u32> {
-        // A loop, because the stuffed byte of T.81 carries no bits at all.
+        // A loop, because the stuffed byte of T.81 has no data bits.
         while self.unread == 0 {
             self.unread =
-                carried::<AFTER_FF>(self.stream, self.at).ok_or_else(|| early(self.at))?;
+                data_bits::<AFTER_FF>(self.stream, self.at).ok_or_else(|| truncated(self.at))?;
             self.at += 1;
         }
         self.unread -= 1;
         Ok(u32::from(self.stream[self.at - 1] >> self.unread & 1))
     }
 
-    /// The byte of the stream that holds the next bit.
+    /// Returns the byte of the stream that holds the next bit.
     pub fn offset(&self) -> usize {
         self.at - usize::from(self.unread > 0)
     }
 
-    /// Skips the bits that fill the last byte. Returns where the marker stands that ends the
-    /// segment.
+    /// Skips the bits that pad the last byte. Returns the position of the marker that ends the segment.
     pub fn finish(self) -> Result<usize> {
         let (mut at, mut padding) = (self.at, self.unread);
-        while let Some(bits) = carried::<AFTER_FF>(self.stream, at) {
+        while let Some(bits) = data_bits::<AFTER_FF>(self.stream, at) {
             padding += bits;
             if padding >= 8 {
                 let what = "the entropy-coded segment continues after its last sample";
@@ -100,10 +96,10 @@ impl<const AFTER_FF: u32> Bits<'_, AFTER_FF> {
     }
 }
 
-/// How many bits of data the byte at `at` carries; none where the segment has ended: at a marker,
-/// or at the end of the stream, also if a single 0xFF stands there.
+/// Returns the number of data bits of the byte at `at`; None if the segment has ended: at a marker, or at the end of the
+/// stream, even after a single 0xFF.
 #[inline]
-pub(super) fn carried<const AFTER_FF: u32>(stream: &[u8], at: usize) -> Option<u32> {
+pub(super) fn data_bits<const AFTER_FF: u32>(stream: &[u8], at: usize) -> Option<u32> {
     let starts_marker = |next: Option<&u8>| next.is_none_or(|&next| next >> AFTER_FF != 0);
     match stream.get(at)? {
         0xFF if starts_marker(stream.get(at + 1)) => None,
@@ -112,8 +108,8 @@ pub(super) fn carried<const AFTER_FF: u32>(stream: &[u8], at: usize) -> Option<u
     }
 }
 
-/// More bits were wanted than the segment has.
-pub(super) fn early(at: usize) -> StreamError {
+/// Returns the error for a segment that is too short.
+pub(super) fn truncated(at: usize) -> StreamError {
     malformed(at, "the entropy-coded segment ends too early")
 }
 
@@ -121,7 +117,7 @@ pub(super) fn early(at: usize) -> StreamError {
 mod tests {
     use super::{Bits, ReadBits};
 
-    /// The worked example above.
+    /// Checks the worked example above.
     #[test]
     fn a_byte_ff_is_followed_by_a_stuffed_byte_in_t_81_and_by_a_stuffed_bit_in_t_87() {
         let t_81 = [0, 0xFF, 0x00, 0xA1, 0xFF, 0xD9];

@@ -1,8 +1,7 @@
 //! T.81 B.2.2, B.2.3 (T.87 C.2.2, C.2.3): the frame header and the scan header
 //!
-//! The frame header tells the size of the image, the precision of its samples and its components;
-//! the scan header, which of these components the entropy-coded data that follows holds. A plane
-//! has one component, so both headers have a fixed length here.
+//! The frame header has the size of the image, the precision of its samples and its components; the scan header names the
+//! components in the entropy-coded data that follows. A plane has one component, so both headers have a fixed length here.
 //!
 //! ```text
 //! SOF  00 0B  08         00 08   00 10  01          01    11            00
@@ -12,11 +11,11 @@
 //! ```
 //!
 //! Format notes
-//! - Height comes before width. A height of zero means "defined later, by DNL" (B.2.5).
-//! - Sampling factors are relative: they set the size of a component against the *other* components
-//!   (A.1.1), and a scan of one component has its blocks in plain raster order whatever they say
-//!   (A.2.2). So any pair of legal factors means the same here.
-//! - The name of a component is any byte. It only has to be the same in both headers.
+//! - Height precedes width. A height of zero means "defined later, by DNL" (B.2.5).
+//! - Sampling factors are relative: they set the size of a component compared to the *other* components
+//!   (A.1.1), and a scan of one component has its blocks in plain raster order regardless of them
+//!   (A.2.2). So all legal factors have the same meaning here.
+//! - The id of a component is any byte. It must be the same in both headers.
 //! - The three parameters of a scan differ between the standards: in T.81 they are the range of the
 //!   spectrum and the successive approximation, in T.87 NEAR, the interleave mode and the point
 //!   transform.
@@ -24,18 +23,18 @@
 use super::markers::Cursor;
 use super::stream_error::{Result, malformed, unsupported};
 
-/// The frame header (T.81 B.2.2), as far as it is not already known of a plane.
+/// The frame header (T.81 B.2.2), without the values that are known of a plane.
 pub(super) struct FrameHeader {
-    /// The name that the scan header must repeat.
+    /// The id that the scan header must repeat.
     component: u8,
-    /// The quantization table of the component, which only T.81 has.
+    /// The quantization table of the component, in T.81 only.
     pub quantization_table: u8,
 }
 
 impl FrameHeader {
     /// Reads the header of a frame that must be `width` × `height`, one component, 8 bits.
     ///
-    /// `other_precisions` are those that the standard allows and we do not implement.
+    /// `other_precisions` are those that the standard allows but this decoder does not implement.
     pub fn read(
         stream: &mut Cursor,
         width: u32,
@@ -72,7 +71,7 @@ fn expect_8_bits(header: &mut Cursor, other_precisions: &[u8]) -> Result<()> {
     }
 }
 
-/// plane-stream: a plane is as large as its PTM. Nothing has been allocated yet.
+/// plane-stream: a plane has the size of its PTM. Nothing has been allocated yet.
 fn expect_size(header: &mut Cursor, width: u32, height: u32) -> Result<()> {
     let at = header.at;
     let (rows, columns) = (header.u16("the height")?, header.u16("the width")?);
@@ -98,7 +97,7 @@ fn expect_one_component(header: &mut Cursor) -> Result<()> {
     }
 }
 
-/// Horizontal and vertical factor, four bits each (B.2.2): legal ones change nothing.
+/// Checks horizontal and vertical factor, four bits each (B.2.2): legal ones have no effect.
 fn check_sampling_factors(header: &mut Cursor) -> Result<()> {
     let at = header.at;
     let factors = header.byte("the sampling factors")?;
@@ -114,7 +113,7 @@ fn check_sampling_factors(header: &mut Cursor) -> Result<()> {
 pub(super) struct ScanHeader {
     pub tables: u8,
     pub parameters: [u8; 3],
-    /// Where `tables` and, right after it, `parameters` stand.
+    /// The position of `tables`, directly followed by `parameters`.
     pub at: usize,
 }
 
@@ -144,10 +143,10 @@ impl ScanHeader {
     }
 }
 
-/// Zeros for all samples of a scan whose entropy-coded data begins at the cursor.
+/// Allocates the samples of a scan whose entropy-coded data begins at the cursor, with zeros.
 ///
-/// A scan has at least `least_bits`: this keeps a short stream from claiming a large image. Where
-/// there is not enough memory the result is an error instead of an abort.
+/// A scan has at least `least_bits`, so that a short stream cannot declare a large image. If memory is insufficient, the result
+/// is an error instead of an abort.
 pub(super) fn room_for_samples(
     stream: &Cursor,
     width: u32,
@@ -159,7 +158,7 @@ pub(super) fn room_for_samples(
         let what = format!("{width} x {height} samples do not fit in the {remaining} bytes left");
         return Err(malformed(stream.at, what));
     }
-    // Neither side is over 65,535, or the frame header would have differed.
+    // Neither side is over 65,535, or the frame header would have been refused.
     let count = usize::try_from(u64::from(width) * u64::from(height)).unwrap_or(usize::MAX);
     let mut samples = Vec::new();
     if samples.try_reserve_exact(count).is_err() {

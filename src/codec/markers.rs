@@ -1,9 +1,8 @@
 //! T.81 B.1.1 (T.87 C.1): markers and marker segments
 //!
-//! A stream is a sequence of *markers*: a byte 0xFF and a code that is neither 0x00 nor 0xFF. Some
-//! markers stand alone; the others open a *marker segment*, whose first two bytes hold its length.
-//! The scan header is followed by entropy-coded data, which has no length: it ends where the next
-//! marker stands.
+//! A stream is a sequence of *markers*: a byte 0xFF and a code that is neither 0x00 nor 0xFF. Some markers stand alone; the
+//! others open a *marker segment*, whose first two bytes hold its length. The scan header is followed by entropy-coded data,
+//! which has no length: it ends at the next marker.
 //!
 //! Worked example, a stream of 4 × 1 zeros in JPEG-LS:
 //!
@@ -20,7 +19,7 @@
 //!   the shortest segment, 00 02, is empty.
 //! - Numbers of two bytes are stored high byte first (B.1.1.1).
 //! - Any number of bytes 0xFF may precede a marker (B.1.1.2), but not the first one.
-//! - What follows EOI belongs to somebody else and is not looked at.
+//! - Bytes after EOI are ignored.
 
 use std::fmt;
 
@@ -37,7 +36,7 @@ pub(super) const APP0: u8 = 0xE0;
 const APP15: u8 = 0xEF;
 const COM: u8 = 0xFE;
 
-/// A marker and where its 0xFF stands.
+/// A marker and the position of its 0xFF.
 #[derive(Clone, Copy)]
 pub(super) struct Marker {
     pub code: u8,
@@ -52,22 +51,22 @@ impl fmt::Display for Marker {
 
 /// A stream, or one marker segment of it, and the next byte to read.
 ///
-/// A segment is the same stream with an earlier end, so that all offsets count from the same zero.
+/// A segment is the same stream with an earlier end, so that all offsets are relative to the same zero.
 pub(super) struct Cursor<'a> {
     pub stream: &'a [u8],
     pub at: usize,
-    /// What ends where `stream` ends, for the sentence of the error.
+    /// The name of the part that ends with `stream`, for error messages.
     name: &'static str,
 }
 
 impl<'a> Cursor<'a> {
-    /// A stream, to be read from byte `at` on.
+    /// Makes a cursor at byte `at` of a stream.
     pub fn new(stream: &'a [u8], at: usize) -> Self {
         let name = "the stream";
         Cursor { stream, at, name }
     }
 
-    /// Reads the first marker, SOI, which stands at the first byte (B.2.1).
+    /// Reads the first marker, SOI, which is at the first byte (B.2.1).
     pub fn open(stream: &'a [u8]) -> Result<Self> {
         match stream {
             [] => Err(malformed(0, "the stream is empty")),
@@ -98,7 +97,7 @@ impl<'a> Cursor<'a> {
         self.at == self.stream.len()
     }
 
-    /// Nothing may be left over in a segment that has been read.
+    /// Checks that no bytes are left in a segment.
     pub fn expect_end(&self) -> Result<()> {
         match self.stream.len() - self.at {
             0 => Ok(()),
@@ -109,7 +108,7 @@ impl<'a> Cursor<'a> {
         }
     }
 
-    /// The next marker, after any fill bytes (B.1.1.2).
+    /// Reads the next marker, after any fill bytes (B.1.1.2).
     pub fn marker(&mut self) -> Result<Marker> {
         let first = self.byte("a marker")?;
         if first != 0xFF {
@@ -120,13 +119,12 @@ impl<'a> Cursor<'a> {
         while code == 0xFF {
             code = self.byte("the code of a marker")?;
         }
-        // Of several bytes 0xFF the last is the marker's own.
+        // Of several bytes 0xFF the last belongs to the marker.
         let at = self.at - 2;
         Ok(Marker { code, at })
     }
 
-    /// The next marker of another kind than comments and application data, which are skipped
-    /// (B.2.4.5, B.2.4.6).
+    /// Reads the next marker other than those of comments and application data, which are skipped (B.2.4.5, B.2.4.6).
     pub fn marker_after_comments(&mut self) -> Result<Marker> {
         let mut marker = self.marker()?;
         while matches!(marker.code, COM | APP0..=APP15) {
@@ -136,7 +134,7 @@ impl<'a> Cursor<'a> {
         Ok(marker)
     }
 
-    /// The segment that the marker just read opens (B.1.1.4); this cursor continues after it.
+    /// Reads the segment of the marker that was just read (B.1.1.4); this cursor continues after it.
     pub fn segment(&mut self, name: &'static str) -> Result<Cursor<'a>> {
         let start = self.at;
         let length = self.u16("the length of a segment")?;

@@ -1,24 +1,23 @@
-//! The two standards that PTM borrows for its planes.
+//! The two standards that PTM uses for its planes.
 //!
-//! A compressed PTM stores each plane as a complete stream of another standard: JPEG (ITU-T T.81)
-//! or JPEG-LS (ITU-T T.87). Both are read and written here for what a plane is, one component of 8
-//! bits:
+//! A compressed PTM stores each plane as a complete stream of another standard: JPEG (ITU-T T.81) or JPEG-LS (ITU-T T.87). Both
+//! are read and written here for planes, which have one component of 8 bits:
 //!
 //! ```text
 //! &[u8] → markers and segments → parameters and tables → entropy-coded segment → samples
 //!         markers                headers, jpeg, jpeg_ls   bits, jpeg, jpeg_ls
 //! ```
 //!
-//! T.87 took the syntax of T.81 over whole: markers, the frame header, the scan header and, but for
-//! one number, the stuffing of the entropy-coded bits. So the files of this folder serve both
-//! standards, and `jpeg` and `jpeg_ls` hold what is different: how samples become bits.
+//! T.87 adopted the syntax of T.81: markers, the frame header, the scan header and, except for one number, the stuffing of the
+//! entropy-coded bits. So the files of this folder serve both standards, and `jpeg` and `jpeg_ls` contain the differences: the
+//! coding of samples.
 //!
 //! # Plain and fast
 //!
-//! Every procedure stands here as its standard tells it, one bit after the other. What makes it
-//! fast is kept apart: `bit_buffer` for the bits, `jpeg::lookup` for the Huffman codes,
-//! `jpeg::narrow_dct` for the inverse DCT and `jpeg_ls::fast_golomb` for the Golomb codes. Each is
-//! chosen at one place, and a property test holds it equal to the plain way, errors included.
+//! Every procedure is implemented as the standard describes it, one bit after the other. Faster versions are in separate files:
+//! `bit_buffer` for the bits, `jpeg::lookup` for the Huffman codes, `jpeg::narrow_dct` for the inverse DCT and
+//! `jpeg_ls::fast_golomb` for the Golomb codes. Each is selected at one place, and a property test compares it with the plain
+//! version, errors included.
 
 #![forbid(unsafe_code)]
 #![allow(

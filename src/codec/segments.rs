@@ -1,7 +1,7 @@
-//! T.81 B.1.1.4 (T.87 C.1): the marker segments before the data, taken apart and put together again
+//! T.81 B.1.1.4 (T.87 C.1): splitting and joining of the marker segments before the data
 //!
-//! For those who write other headers than the encoders do, or read headers otherwise than the standards say. Fill bytes
-//! (B.1.1.2) belong to no segment, and are not put back.
+//! For code that writes other headers than the encoders do, or interprets headers differently from the standards. Fill bytes
+//! (B.1.1.2) belong to no segment and are not restored.
 
 use super::markers::{Cursor, SOS};
 use super::stream_error::Result;
@@ -11,16 +11,16 @@ use super::writer::Writer;
 pub(crate) struct Segment {
     /// The second byte of its marker.
     pub code: u8,
-    /// What stands behind its length.
+    /// The bytes after its length.
     pub content: Vec<u8>,
 }
 
-/// The segments of a stream, the scan header as the last of them, and what follows it.
+/// Splits a stream into its segments, the scan header last, and the bytes after them.
 ///
 /// # Errors
 ///
-/// Where a marker or a segment is cut off.
-pub(crate) fn apart(stream: &[u8]) -> Result<(Vec<Segment>, &[u8])> {
+/// If a marker or a segment is truncated.
+pub(crate) fn split_segments(stream: &[u8]) -> Result<(Vec<Segment>, &[u8])> {
     let mut cursor = Cursor::open(stream)?;
     let mut segments = Vec::new();
     loop {
@@ -34,8 +34,8 @@ pub(crate) fn apart(stream: &[u8]) -> Result<(Vec<Segment>, &[u8])> {
     }
 }
 
-/// The stream of these segments and what follows them.
-pub(crate) fn together(segments: &[Segment], data: &[u8]) -> Vec<u8> {
+/// Returns the stream of these segments, followed by `data`.
+pub(crate) fn join_segments(segments: &[Segment], data: &[u8]) -> Vec<u8> {
     let mut writer = Writer::new();
     for segment in segments {
         writer.segment(segment.code, &segment.content);

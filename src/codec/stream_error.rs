@@ -1,24 +1,24 @@
-//! Why a stream was not decoded, and at which byte.
+//! The reason why a stream was not decoded, and the byte.
 
 use std::fmt;
 
-/// Whose fault it is that a stream was not decoded.
+/// The kind of fault for which a stream was not decoded.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum StreamFault {
-    /// The stream violates its standard, or is not what was asked for.
+    /// The stream violates its standard, or has other properties than requested.
     Malformed,
-    /// The stream may well be legal, but uses what this decoder does not implement.
+    /// The stream may be legal, but uses a feature that this decoder does not support.
     Unsupported,
 }
 
-/// Why a stream was not decoded, and where.
+/// The reason why a stream was not decoded, and the position.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct StreamError {
-    /// Whose fault it is.
+    /// The kind of fault.
     pub fault: StreamFault,
-    /// The byte of the stream that shows it, counted from 0; at most the length of the stream.
+    /// The byte of the stream at which it was found, counted from 0; at most the length of the stream.
     pub offset: usize,
-    /// What is wrong, as part of a sentence.
+    /// The fault, as part of a sentence.
     pub what: String,
 }
 

@@ -1,6 +1,6 @@
-//! For tests: streams as the standards see them.
+//! Streams for tests, in the notation of the standards.
 
-/// Bytes in hexadecimal, with spaces wherever they help, and `01*64` for sixty-four bytes 01.
+/// Parses bytes in hexadecimal, with spaces anywhere, and `01*64` for sixty-four bytes 01.
 pub(super) fn bytes(text: &str) -> Vec<u8> {
     let word = |word: &str| {
         let (digits, times) = word.split_once('*').unwrap_or((word, "1"));

@@ -1,7 +1,7 @@
 //! T.81 B.1.1 (T.87 C.1): markers, marker segments and entropy-coded bits, written
 //!
-//! The mirror of `markers`, `headers` and `bits`, for both encoders. Where those allow several
-//! spellings (fill bytes, names of components, numbers of tables), this has one: none, 1 and, of tables, what the encoder says.
+//! The mirror of `markers`, `headers` and `bits`, for both encoders. If the standards allow several spellings, it uses one: no
+//! fill bytes, component id 1, and the table numbers of the encoder.
 //!
 //! Worked example: eight ones and 1010 0001, and then the end, in both standards.
 //!
@@ -14,14 +14,14 @@
 
 use super::markers::{EOI, SOI, SOS};
 
-/// What an encoder made.
+/// The output of an encoder.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Encoded {
     /// The complete stream, from SOI to EOI.
     pub stream: Vec<u8>,
     /// The samples that an exact decoder returns for it, in row order.
     ///
-    /// They are by-products of encoding: no decoder was asked.
+    /// They are by-products of encoding; no decoder was used.
     pub samples: Vec<u8>,
 }
 
@@ -37,7 +37,7 @@ impl Writer {
         Writer { stream }
     }
 
-    /// B.1.1.4: the length counts its own two bytes.
+    /// Writes a segment; the length counts its own two bytes (B.1.1.4).
     pub fn segment(&mut self, code: u8, content: &[u8]) {
         self.marker(code);
         self.stream.extend((content.len() as u16 + 2).to_be_bytes());
@@ -48,8 +48,8 @@ impl Writer {
         self.stream.extend([0xFF, code]);
     }
 
-    /// B.2.2: 8 bits, height before width, one component of name 1 with its sampling factors and the number of its
-    /// quantization table.
+    /// Writes a frame header (B.2.2): 8 bits, height before width, one component with id 1, its sampling factors and the number
+    /// of its quantization table.
     pub fn frame_header(&mut self, code: u8, width: u32, height: u32, component: [u8; 2]) {
         let mut content = vec![8];
         content.extend((height as u16).to_be_bytes());
@@ -59,7 +59,7 @@ impl Writer {
         self.segment(code, &content);
     }
 
-    /// B.2.3: the one component, its tables, and the parameters of the scan.
+    /// Writes a scan header (B.2.3): the one component, its tables, and the parameters of the scan.
     pub fn scan_header(&mut self, tables: u8, [first, second, third]: [u8; 3]) {
         self.segment(SOS, &[1, 1, tables, first, second, third]);
     }
@@ -77,13 +77,13 @@ impl Writer {
     }
 }
 
-/// The bits of an entropy-coded segment: `AFTER_FF` as in `bits`.
+/// A writer of the bits of an entropy-coded segment: `AFTER_FF` as in `bits`.
 pub(super) struct BitWriter<'a, const AFTER_FF: u32> {
     stream: &'a mut Vec<u8>,
-    /// Bits that do not yet make a byte, at the bottom.
+    /// Bits that do not fill a byte yet, right-aligned.
     window: u64,
     count: u32,
-    /// How many bits the next byte carries.
+    /// Number of bits that the next byte can hold.
     room: u32,
 }
 
@@ -109,8 +109,8 @@ impl<'a, const AFTER_FF: u32> BitWriter<'a, AFTER_FF> {
         }
     }
 
-    /// Fills the last byte with copies of `padding`, 0 or 1. Stuffing after a last 0xFF is part of
-    /// the data: without it a decoder would see a marker too early.
+    /// Pads the last byte with copies of `padding`, 0 or 1. Stuffing after a last 0xFF is part of the data: without it a
+    /// decoder would see a marker too early.
     pub fn finish(mut self, padding: u32) {
         while self.count > 0 || self.room < 8 {
             self.put(padding, 1);
@@ -118,7 +118,7 @@ impl<'a, const AFTER_FF: u32> BitWriter<'a, AFTER_FF> {
     }
 }
 
-/// What both encoders ask of their input.
+/// Checks the input of both encoders.
 ///
 /// # Panics
 /// If there are not `width` × `height` samples, or a side is not within 1 … 65,535.

@@ -1,8 +1,9 @@
 //! Streams that are decoded once for all readings that differ only after the codec
 //!
-//! Most open points of §2.9 concern steps after a stream has been decoded: how its plane is predicted, and which records
-//! correct it. To see whether a file looks different to another reader, prediction and correction are repeated; decoding the
-//! streams, which takes most of the time, is not.
+//! Most open points of §2.9 concern steps after a stream has been decoded: how its plane is
+//! predicted, and which records correct it. To see whether a file looks different to another
+//! reader, prediction and correction are repeated; decoding the streams, which takes most of the
+//! time, is not.
 //!
 //! ```text
 //! stream ── codec ──> residuals ──┬── Reading::SPEC ──> planes of the reference

@@ -1,7 +1,7 @@
 //! Compressed files made by hand: lists as they are written to the file, planes as they are stored.
 //!
-//! Nothing here predicts. A test states the residuals of a stream and the plane that it expects, and derives one from the other
-//! on paper.
+//! Nothing here predicts. A test states the residuals of a stream and the plane that it expects,
+//! and derives one from the other on paper.
 
 use crate::codec::{jpeg, jpeg_ls};
 use crate::ptm::{Format, Size};
@@ -78,7 +78,7 @@ impl ByHand {
     }
 
     /// Displaces the reference of plane `plane`.
-    pub fn moved(&mut self, plane: usize, mx: i64, my: i64) {
+    pub fn displace(&mut self, plane: usize, mx: i64, my: i64) {
         self.motion[plane] = mx;
         self.motion[self.format.channels() + plane] = my;
     }
@@ -166,7 +166,7 @@ pub fn stored(file: &[u8], plane: usize) -> Vec<u8> {
 
 /// Asserts that a file is refused with a message that contains `words`.
 #[track_caller]
-pub fn rejects(file: &[u8], words: &str) {
+pub fn assert_rejects(file: &[u8], words: &str) {
     assert_eq!(
         crate::decode(file)
             .expect_err("a file that is refused")

@@ -1,8 +1,8 @@
 //! Some channels of every texel: the common form of the parts of §2.7, §2.8 and §2.9.8
 //!
-//! A file has its values in up to eighteen parts: blocks of a few channels (2.7), indices that stand for entries of a table
-//! (2.8), planes (2.9.8). Each part has some channels of every texel, and its texels lie row after row, in the order in which
-//! the rows are stored.
+//! A file has its values in up to eighteen parts: blocks of a few channels (2.7), indices that
+//! stand for entries of a table (2.8), planes (2.9.8). Each part has some channels of every texel,
+//! and its texels lie row after row, in the order in which the rows are stored.
 //!
 //! ```text
 //! RGB            0…5  6…11  12…17          three blocks

@@ -1,8 +1,9 @@
 //! §2.9 Compressed Data: the parameter and the lists (§2.9.1 – 2.9.7)
 //!
-//! After the biases stand, in ASCII and in this order (clause 2.9/1): the compression parameter, the transforms, the
-//! motion vectors (all x, then all y), the order, the references, the sizes of the streams and the sizes of their side
-//! information. A list has a number for each plane, 18 or 9 (clause 2.9/3); the planes follow (§2.9.8).
+//! After the biases come, in ASCII and in this order (clause 2.9/1): the compression parameter,
+//! the transforms, the motion vectors (all x, then all y), the order, the references, the sizes of
+//! the streams and the sizes of their side information. A list has a number for each plane, 18 or 9
+//! (clause 2.9/3); the planes follow (§2.9.8).
 //!
 //! ```text
 //! 90                              the encoder's quality                                        §2.9.1
@@ -75,7 +76,7 @@ impl<'a> Streams<'a> {
         let at = input.at();
         let mut streams = Streams {
             header: *header,
-            payload: planes::take(header, &plan, announced(&lists), input, limits)?, // §2.9.8: the bytes of all planes,
+            payload: planes::take(header, &plan, declared_bytes(&lists), input, limits)?, // §2.9.8: the bytes of all planes,
             #[cfg(feature = "harness")]
             lists,
             plan,
@@ -242,7 +243,7 @@ fn reference(lists: &RawLists, plane: usize) -> Result<Option<usize>> {
 }
 
 /// Returns the bytes of all planes and their side information; the file may declare more than this machine can count.
-fn announced(lists: &RawLists) -> u64 {
+fn declared_bytes(lists: &RawLists) -> u64 {
     let sizes = lists.sizes.iter().chain(&lists.side_sizes);
     let sizes = sizes.filter_map(|number| u64::try_from(number.value).ok());
     sizes.fold(0, u64::saturating_add)
@@ -279,7 +280,7 @@ fn extents(lists: &RawLists) -> Result<Vec<Extent>> {
 #[cfg(feature = "generate")]
 #[cfg(test)]
 mod tests {
-    use super::super::by_hand::{ByHand, rejects, stored};
+    use super::super::by_hand::{ByHand, assert_rejects, stored};
     use crate::decode;
     use crate::error::Class;
     use crate::ptm::Format;
@@ -414,40 +415,40 @@ mod tests {
         let file = dot();
         let (header, lists) = (file.header(), file.lists());
         let (parameter, transforms) = (start(&file, 0), start(&file, 1));
-        rejects(
+        assert_rejects(
             header.as_bytes(),
             &format!(
                 "compressed data (§2.9.1), byte {parameter}: expected a compression parameter, found the end of the file"
             ),
         );
-        rejects(
+        assert_rejects(
             format!("{header}best\n").as_bytes(),
             &format!(
                 "compressed data (§2.9.1), byte {parameter}: expected a compression parameter, found \"best\""
             ),
         );
-        rejects(
+        assert_rejects(
             format!("{header}0\n0 0 x").as_bytes(),
             &format!(
                 "compressed data (§2.9.2), byte {}: expected a transform, found \"x\"",
                 transforms + 4
             ),
         );
-        rejects(
+        assert_rejects(
             format!("{header}0\n0 0").as_bytes(),
             &format!(
                 "compressed data (§2.9), byte {}: expected a space, found the end of the file",
                 transforms + 3
             ),
         );
-        rejects(
+        assert_rejects(
             format!("{header}{}", lists.join("\n")).as_bytes(),
             &format!(
                 "file format (§2.0), byte {}: expected the end of the line, found the end of the file",
                 start(&file, 8) - 1
             ),
         );
-        rejects(
+        assert_rejects(
             format!("{header}0\n0 0 9999999999999999999").as_bytes(),
             &format!(
                 "compressed data (§2.9.2), byte {}: expected a transform, found \"9999999999999999999\"",
@@ -461,7 +462,7 @@ mod tests {
         for transform in [4, 5, -1] {
             let mut file = dot();
             file.transforms[2] = transform;
-            rejects(
+            assert_rejects(
                 &file.bytes(),
                 &format!(
                     "compressed data (§2.9.2), byte {}: transforms other than 0 to 3 are not read",
@@ -479,7 +480,7 @@ mod tests {
     fn references_name_planes_of_lower_rank() {
         let mut file = dot();
         file.references[1] = 9;
-        rejects(
+        assert_rejects(
             &file.bytes(),
             &format!(
                 "compressed data (§2.9.5), byte {}: plane 1 is predicted from plane 9, the last plane is 8",
@@ -493,7 +494,7 @@ mod tests {
             file.order[plane] = rank;
             file.order[reference] = reference_rank;
             file.references[plane] = reference as i64;
-            rejects(
+            assert_rejects(
                 &file.bytes(),
                 &format!(
                     "compressed data (§2.9.4), byte {}: plane {plane} of rank {rank} is predicted from plane {reference} of rank {reference_rank}, which is not decoded before it",
@@ -509,7 +510,7 @@ mod tests {
         let mut lists = file.lists();
         lists[6] = lists[6].replacen(' ', " -", 1);
         let size = lists[6].split(' ').nth(1).unwrap().to_owned();
-        rejects(
+        assert_rejects(
             &file.with(&file.header(), &lists),
             &format!(
                 "compressed data (§2.9.6), byte {}: expected a compressed size of at least 0, found \"{size}\"",
@@ -518,7 +519,7 @@ mod tests {
         );
         let mut lists = file.lists();
         lists[7] = "-5 0 0 0 0 0 0 0 0".to_owned();
-        rejects(
+        assert_rejects(
             &file.with(&file.header(), &lists),
             &format!(
                 "compressed data (§2.9.7), byte {}: expected a side information size of at least 0, found \"-5\"",
@@ -532,7 +533,7 @@ mod tests {
         let file = dot();
         let whole = file.bytes();
         let payload: usize = file.streams.iter().map(Vec::len).sum();
-        rejects(
+        assert_rejects(
             &whole[..whole.len() - 1],
             &format!(
                 "compressed data (§2.9.8), byte {}: the compressed planes and their side information need {payload} bytes, {} remain",
@@ -542,7 +543,7 @@ mod tests {
         );
         let mut lists = file.lists();
         lists[6] = [i64::MAX.to_string().as_str(); 9].join(" ");
-        rejects(
+        assert_rejects(
             &file.with(&file.header(), &lists),
             &format!(
                 "compressed data (§2.9.8), byte {}: the compressed planes and their side information need more bytes than can be counted, {payload} remain",

@@ -1,7 +1,8 @@
 //! §2.8 Lookup Table Indices
 //!
-//! An index for every texel, one byte each where the table has at most 256 entries (clauses 2.8.1/2, 2.8.2/2), else two,
-//! low byte first (clauses 2.8.1/3, 2.8.2/3); rows from bottom to top. `PTM_LUT` then has R, G, B of every texel (2.8.1/4).
+//! An index for every texel, one byte each where the table has at most 256 entries (clauses
+//! 2.8.1/2, 2.8.2/2), else two, low byte first (clauses 2.8.1/3, 2.8.2/3); rows from bottom to top.
+//! `PTM_LUT` then has R, G, B of every texel (2.8.1/4).
 //!
 //! ```text
 //! 256 entries:   00 FF 07            entries 0, 255 and 7

@@ -1,14 +1,15 @@
 //! Displacement of a plane, row by row where all four samples of a mean lie inside the plane
 //!
-//! Inside, where most texels are, there are no edges to handle: four slices of the plane are processed in parallel. The rest, a
-//! frame as wide as the displacement, is made texel by texel as in [`super::predict`]; a test below compares the two.
+//! Inside, where most texels are, there are no edges to handle: four slices of the plane are
+//! processed in parallel. The rest, a frame as wide as the displacement, is made texel by texel as
+//! in [`super::predict`]; a test below compares the two.
 
 use std::ops::Range;
 
 use crate::ptm::Size;
 
 /// Computes `sample` at every texel, row by row; `sample` is `half` of the four samples around a place half a vector away.
-pub(super) fn every_texel(
+pub(super) fn displace_rows(
     plane: &[u8],
     size: Size,
     (mx, my): (i64, i64),
@@ -105,7 +106,7 @@ mod tests {
                 .flat_map(|y| (0..i64::from(width)).map(move |x| (x, y)))
                 .map(|(x, y)| sample(x, y))
                 .collect();
-            prop_assert_eq!(every_texel(plane, size, (mx, my), half, sample), plain);
+            prop_assert_eq!(displace_rows(plane, size, (mx, my), half, sample), plain);
         }
     }
 }

@@ -1,7 +1,7 @@
 //! §2.5 Lookup Table
 //!
-//! The number of entries (clause 2.5/2), then the entries without anything between them (clause 2.5/3): six coefficients
-//! each (clause 2.5/4), and for `PTM_C_LUT` a color too (clause 2.5/5).
+//! The number of entries (clause 2.5/2), then the entries without anything between them (clause
+//! 2.5/3): six coefficients each (clause 2.5/4), and for `PTM_C_LUT` a color too (clause 2.5/5).
 //!
 //! ```text
 //! 32 20 4E 5F 4C 55 54 5F 45 4E 54 52 49 45 53 0A     2 N_LUT_ENTRIES

@@ -1,8 +1,9 @@
 //! §2.9.8 Compressed Coefficient Planes
 //!
-//! The planes lie one after another in the order of the format, whatever the order in which they are decoded (clause 2.9.8/1).
-//! Each is a whole JPEG or JPEG-LS stream (clause 2.9.8/3), directly followed by its side information (clause 2.9.8/4): records
-//! of five bytes, a position (big-endian) and the value of that texel (clause 2.9.8/5).
+//! The planes lie one after another in the order of the format, whatever the order in which they
+//! are decoded (clause 2.9.8/1). Each is a whole JPEG or JPEG-LS stream (clause 2.9.8/3), directly
+//! followed by its side information (clause 2.9.8/4): records of five bytes, a position
+//! (big-endian) and the value of that texel (clause 2.9.8/5).
 //!
 //! ```text
 //! stream 0 │ side information 0 │ stream 1 │ side information 1 │ …        sizes from §2.9.6 and §2.9.7
@@ -10,8 +11,9 @@
 //! 00 00 01 02 FF     a record: the stored texel 258 is 255
 //! ```
 //!
-//! Why there are records: let a texel be 255 and its predictor 200, so that its residual is 255 − 200 + 128 = 183. A lossy
-//! codec may return 184 for it. That is an error of one, but the texel becomes 184 + 200 − 128 = 256, which wraps to 0.
+//! Why there are records: let a texel be 255 and its predictor 200, so that its residual is 255 −
+//! 200 + 128 = 183. A lossy codec may return 184 for it. That is an error of one, but the texel
+//! becomes 184 + 200 − 128 = 256, which wraps to 0.
 //!
 //! Format notes
 //! - Lossy coding of numbers that wrap sometimes turns a 255 into a 0. Records overwrite such texels, intra planes
@@ -219,7 +221,7 @@ pub(crate) fn overwrite(plane: &mut [u8], records: &[Record]) {
 #[cfg(feature = "generate")]
 #[cfg(test)]
 mod tests {
-    use super::super::by_hand::{ByHand, rejects, stored};
+    use super::super::by_hand::{ByHand, assert_rejects, stored};
     use crate::codec::{jpeg, jpeg_ls};
     use crate::decode::decode_as;
     use crate::error::Class;
@@ -332,7 +334,7 @@ mod tests {
     fn transforms_and_vectors_of_intra_planes_are_not_looked_at() {
         let mut file = counted();
         file.transforms[0] = 3;
-        file.moved(0, 5, -7);
+        file.displace(0, 5, -7);
         assert_eq!(stored(&file.bytes(), 0), [1, 2, 3, 4, 5, 6]);
     }
 
@@ -340,11 +342,11 @@ mod tests {
     fn vectors_count_only_with_their_bit() {
         let mut file = counted();
         file.predicted(1, 1, 0, 1, &[128; 6]);
-        file.moved(1, 2, 2);
+        file.displace(1, 2, 2);
         file.predicted(2, 1, 0, 2, &[128; 6]);
-        file.moved(2, 2, 2);
+        file.displace(2, 2, 2);
         file.predicted(3, 1, 0, 3, &[128; 6]);
-        file.moved(3, 2, -1);
+        file.displace(3, 2, -1);
         assert_eq!(stored(&file.bytes(), 1), [254, 253, 252, 251, 250, 249]);
         assert_eq!(stored(&file.bytes(), 2), [4, 4, 6, 6, 6, 6]);
         // Column 1 twice, half a row down: inverted 253, 251, 249; (253 + 253 + 1) >> 1, (251 + 253 + 1) >> 1, …
@@ -357,7 +359,7 @@ mod tests {
         file.record(3, 0, 1);
         file.sides[3].pop();
         let at = start(&file, 3) + file.streams[3].len();
-        rejects(
+        assert_rejects(
             &file.bytes(),
             &format!(
                 "compressed data (§2.9.8), byte {at}: 4 bytes of side information are no whole number of records of 5 bytes"
@@ -372,7 +374,7 @@ mod tests {
             file.record(8, 1, 1);
             file.record(8, position, 1);
             let at = file.bytes().len() - 5;
-            rejects(
+            assert_rejects(
                 &file.bytes(),
                 &format!(
                     "compressed data (§2.9.8), byte {at}: a record for texel {position}, the last texel is 5"
@@ -392,7 +394,7 @@ mod tests {
             .position(|pair| pair == [0xFF, 0xC0])
             .unwrap();
         let at = start(&file, 4) + frame + 5;
-        rejects(
+        assert_rejects(
             &file.bytes(),
             &format!(
                 "compressed data (§2.9.8), byte {at}: plane 4: expected 16 x 8 samples, found 8 x 8"
@@ -401,7 +403,7 @@ mod tests {
 
         let mut file = counted();
         file.streams[2] = Vec::new();
-        rejects(
+        assert_rejects(
             &file.bytes(),
             &format!(
                 "compressed data (§2.9.8), byte {}: plane 2: the stream is empty",
@@ -409,7 +411,7 @@ mod tests {
             ),
         );
         file.streams[2] = vec![0; 9];
-        rejects(
+        assert_rejects(
             &file.bytes(),
             &format!(
                 "compressed data (§2.9.8), byte {}: plane 2: the stream does not start with SOI, bytes FF D8",

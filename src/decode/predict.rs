@@ -1,8 +1,8 @@
 //! §2.9.2 – 2.9.5 applied: a plane from its reference
 //!
-//! The stream of a predicted plane holds *residuals*. The plane is residual + predictor − 128, modulo 256 (clause 2.9.5/4,
-//! ruling `prediction`); the predictor is the reference, inverted (clause 2.9.2/3) and displaced (clause 2.9.2/4) as the
-//! plane's transform says.
+//! The stream of a predicted plane holds *residuals*. The plane is residual + predictor − 128,
+//! modulo 256 (clause 2.9.5/4, ruling `prediction`); the predictor is the reference, inverted
+//! (clause 2.9.2/3) and displaced (clause 2.9.2/4) as the plane's transform says.
 //!
 //! ```text
 //! reference   10 21 30     inverted   245 234 225     and moved by (1, 0)   240 230 225
@@ -55,7 +55,7 @@ pub(crate) fn inverted_then_moved<'a>(
         (reading.invert)(predictor.to_mut());
     }
     if step.moved {
-        predictor = Cow::Owned(moved(&predictor, size, step.motion, reading));
+        predictor = Cow::Owned(displace(&predictor, size, step.motion, reading));
     }
     predictor
 }
@@ -69,7 +69,7 @@ pub(crate) fn moved_then_inverted<'a>(
 ) -> Cow<'a, [u8]> {
     let mut predictor = Cow::Borrowed(reference);
     if step.moved {
-        predictor = Cow::Owned(moved(&predictor, size, step.motion, reading));
+        predictor = Cow::Owned(displace(&predictor, size, step.motion, reading));
     }
     if step.inverted {
         (reading.invert)(predictor.to_mut());
@@ -100,19 +100,24 @@ pub(crate) fn predict_without_offset(residuals: &mut [u8], predictor: &[u8]) {
 }
 
 /// Returns the plane displaced by half a vector: its value at (x, y) is that at (x + mx/2, y + my/2) (clause 2.9.3/2).
-pub(crate) fn moved(plane: &[u8], size: Size, (mx, my): (i64, i64), reading: &Reading) -> Vec<u8> {
+pub(crate) fn displace(
+    plane: &[u8],
+    size: Size,
+    (mx, my): (i64, i64),
+    reading: &Reading,
+) -> Vec<u8> {
     let mx = (reading.motion_sign)(mx);
     let my = (reading.motion_sign)((reading.motion_vertical)(my));
     // Every x of every y, row by row; `inside` is a faster version.
-    inside::every_texel(plane, size, (mx, my), reading.motion_half, |x, y| {
+    inside::displace_rows(plane, size, (mx, my), reading.motion_half, |x, y| {
         // Coordinates are doubled, so that halves are whole numbers. A vector may be so long that it leaves every plane.
         let (x2, y2) = (mx.saturating_add(2 * x), my.saturating_add(2 * y));
-        between(plane, size, x2, y2, reading)
+        sample_between(plane, size, x2, y2, reading)
     })
 }
 
 /// Returns the sample at a position in half texels: that of a texel, or the mean of two or four (clause 2.9.3/5).
-fn between(plane: &[u8], size: Size, x2: i64, y2: i64, reading: &Reading) -> u8 {
+fn sample_between(plane: &[u8], size: Size, x2: i64, y2: i64, reading: &Reading) -> u8 {
     // A half lies between a texel and the next one, also left of zero: −1/2 is between −1 and 0.
     let (left, first) = (x2.div_euclid(2), y2.div_euclid(2));
     let (right, second) = (left + x2.rem_euclid(2), first + y2.rem_euclid(2));
@@ -209,9 +214,9 @@ mod tests {
     }
 
     /// Displaces a plane of `width` columns by a vector.
-    fn moved(plane: &[u8], width: u32, motion: (i64, i64), reading: &Reading) -> Vec<u8> {
+    fn displace(plane: &[u8], width: u32, motion: (i64, i64), reading: &Reading) -> Vec<u8> {
         let height = plane.len() as u32 / width;
-        super::moved(plane, Size { width, height }, motion, reading)
+        super::displace(plane, Size { width, height }, motion, reading)
     }
 
     #[test]
@@ -265,19 +270,19 @@ mod tests {
     fn whole_displacements_look_to_the_right_and_along_the_rows() {
         let plane = [10, 20, 30, 40, 50, 60];
         assert_eq!(
-            moved(&plane, 3, (2, 0), &Reading::SPEC),
+            displace(&plane, 3, (2, 0), &Reading::SPEC),
             [20, 30, 30, 50, 60, 60]
         );
         assert_eq!(
-            moved(&plane, 3, (-2, 0), &Reading::SPEC),
+            displace(&plane, 3, (-2, 0), &Reading::SPEC),
             [10, 10, 20, 40, 40, 50]
         );
         assert_eq!(
-            moved(&plane, 3, (0, 2), &Reading::SPEC),
+            displace(&plane, 3, (0, 2), &Reading::SPEC),
             [40, 50, 60, 40, 50, 60]
         );
         assert_eq!(
-            moved(&plane, 3, (0, -2), &Reading::SPEC),
+            displace(&plane, 3, (0, -2), &Reading::SPEC),
             [10, 20, 30, 10, 20, 30]
         );
     }
@@ -285,21 +290,21 @@ mod tests {
     #[test]
     fn half_displacements_are_means_rounded_up() {
         let plane = [10, 21, 30];
-        assert_eq!(moved(&plane, 3, (1, 0), &Reading::SPEC), [16, 26, 30]);
-        assert_eq!(moved(&plane, 3, (-1, 0), &Reading::SPEC), [10, 16, 26]);
-        assert_eq!(moved(&plane, 3, (3, 0), &Reading::SPEC), [26, 30, 30]);
-        assert_eq!(moved(&plane, 1, (0, 1), &Reading::SPEC), [16, 26, 30]);
+        assert_eq!(displace(&plane, 3, (1, 0), &Reading::SPEC), [16, 26, 30]);
+        assert_eq!(displace(&plane, 3, (-1, 0), &Reading::SPEC), [10, 16, 26]);
+        assert_eq!(displace(&plane, 3, (3, 0), &Reading::SPEC), [26, 30, 30]);
+        assert_eq!(displace(&plane, 1, (0, 1), &Reading::SPEC), [16, 26, 30]);
         // Four samples are added before they are rounded, once: (1 + 2 + 2 + 2 + 2) >> 2 = 2.
         assert_eq!(
-            moved(&[1, 2, 2, 2], 2, (1, 1), &Reading::SPEC),
+            displace(&[1, 2, 2, 2], 2, (1, 1), &Reading::SPEC),
             [2, 2, 2, 2]
         );
         assert_eq!(
-            moved(&[0, 1, 0, 0], 2, (1, 1), &Reading::SPEC),
+            displace(&[0, 1, 0, 0], 2, (1, 1), &Reading::SPEC),
             [0, 1, 0, 0]
         );
         assert_eq!(
-            moved(&plane, 3, (1, 0), &Reading::SPEC.with_halves_rounded_down()),
+            displace(&plane, 3, (1, 0), &Reading::SPEC.with_halves_rounded_down()),
             [15, 25, 30]
         );
     }
@@ -308,27 +313,27 @@ mod tests {
     fn each_motion_choice_has_its_other_reading() {
         let plane = [10, 20, 30, 40];
         assert_eq!(
-            moved(&plane, 4, (2, 0), &Reading::SPEC.with_motion_minus()),
+            displace(&plane, 4, (2, 0), &Reading::SPEC.with_motion_minus()),
             [10, 10, 20, 30]
         );
         assert_eq!(
-            moved(&plane, 1, (0, 2), &Reading::SPEC.with_motion_against_rows()),
+            displace(&plane, 1, (0, 2), &Reading::SPEC.with_motion_against_rows()),
             [10, 10, 20, 30]
         );
         assert_eq!(
-            moved(&plane, 4, (2, 0), &Reading::SPEC.with_motion_against_rows()),
+            displace(&plane, 4, (2, 0), &Reading::SPEC.with_motion_against_rows()),
             [20, 30, 40, 40]
         );
         assert_eq!(
-            moved(&plane, 4, (2, 0), &Reading::SPEC.with_border_wrapped()),
+            displace(&plane, 4, (2, 0), &Reading::SPEC.with_border_wrapped()),
             [20, 30, 40, 10]
         );
         assert_eq!(
-            moved(&plane, 4, (2, 0), &Reading::SPEC.with_border_gray()),
+            displace(&plane, 4, (2, 0), &Reading::SPEC.with_border_gray()),
             [20, 30, 40, 128]
         );
         assert_eq!(
-            moved(&plane, 4, (1, 0), &Reading::SPEC.with_border_gray()),
+            displace(&plane, 4, (1, 0), &Reading::SPEC.with_border_gray()),
             [15, 25, 35, 84]
         );
     }
@@ -370,7 +375,10 @@ mod tests {
                 Reading::SPEC.with_border_wrapped(),
                 Reading::SPEC.with_border_gray(),
             ] {
-                assert_eq!(moved(&[1, 2, 3, 4, 5, 6], 3, (far, far), &reading).len(), 6);
+                assert_eq!(
+                    displace(&[1, 2, 3, 4, 5, 6], 3, (far, far), &reading).len(),
+                    6
+                );
             }
         }
     }

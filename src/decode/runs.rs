@@ -1,7 +1,7 @@
 //! [`Channels::put`] with a separate loop for each number of channels that the text has
 //!
-//! A copy of six bytes is two moves if the compiler knows that there are six, and a call if it does not. The result is the
-//! same; a test below compares the two.
+//! A copy of six bytes is two moves if the compiler knows that there are six, and a call if it does
+//! not. The result is the same; a test below compares the two.
 
 use std::ops::Range;
 

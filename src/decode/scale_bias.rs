@@ -1,7 +1,7 @@
 //! §2.4 Scale and Bias
 //!
-//! Six floating point scales, then six integer biases, separated by spaces (clauses 2.4/2–5); a line end may stand between
-//! the scales and the biases (clause 2.4/6).
+//! Six floating point scales, then six integer biases, separated by spaces (clauses 2.4/2–5); a
+//! line end may stand between the scales and the biases (clause 2.4/6).
 //!
 //! ```text
 //! 0.5 1 1 1 1 2          scales of a0 … a5

@@ -1,8 +1,8 @@
 //! The reading of the reference, and the other readings of the open points.
 //!
-//! Each line of [`Reading::SPEC`] maps a decision to the function that implements its clause. Each constructor after it
-//! exchanges one of them for another reading of a ruling of kind *choice* in `spec-cases/rulings.yaml`. All readings are
-//! equally correct.
+//! Each line of [`Reading::SPEC`] maps a decision to the function that implements its clause. Each
+//! constructor after it exchanges one of them for another reading of a ruling of kind *choice* in
+//! `spec-cases/rulings.yaml`. All readings are equally correct.
 
 use super::{color_matrix, compressed, indices, lookup_table, planes, predict, texels};
 use crate::evaluate::{self, Coefficients, Picture};

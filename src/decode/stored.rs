@@ -11,8 +11,8 @@
 //!   Everything before this file counts rows as they are stored, everything after it from the top.
 //! - All errors of a file have been found before: no index is out of range and no byte is missing.
 //!
-//! Rows are made on demand, so that a large map needs no more memory than its file, and a compressed one no more than its
-//! planes.
+//! Rows are made on demand, so that a large map needs no more memory than its file, and a
+//! compressed one no more than its planes.
 
 use std::ops::Range;
 

@@ -1,7 +1,7 @@
 //! §2.7 Uncompressed Per Texel Data
 //!
-//! One byte for each value, without separators (clauses 2.7/1–2), in one to three *blocks*; within a block texel after texel,
-//! rows from bottom to top.
+//! One byte for each value, without separators (clauses 2.7/1–2), in one to three *blocks*; within
+//! a block texel after texel, rows from bottom to top.
 //!
 //! - `RGB` (§2.7.1): a block for red, one for green, one for blue, each a0…a5 of every texel.
 //! - `LUM` (§2.7.2): one block, a0…a5, Cr, Cb of every texel.

@@ -1,8 +1,8 @@
 //! Decoding of the streams of 2.9.8 on all threads
 //!
-//! Streams are independent, so all of them can be decoded at once; prediction and correction, which go from plane to plane,
-//! come after. The result is that of [`planes::residuals`], including its error: that of the first plane in the order of
-//! decoding.
+//! Streams are independent, so all of them can be decoded at once; prediction and correction, which
+//! go from plane to plane, come after. The result is that of [`planes::residuals`], including its
+//! error: that of the first plane in the order of decoding.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 

@@ -1,8 +1,8 @@
-//! A random file in the words of a case.
+//! Random files in the notation of cases.
 //!
-//! What is drawn is not bytes but what `spec-cases/` would write under `make`, so that a find is a ready case, and so
-//! that whatever makes it simpler is one word less or a smaller word. Whether a drawn file is legal is settled by how
-//! it is drawn; nothing here stands under a lenient ruling.
+//! Files are not drawn as bytes but in the notation of `make` in `spec-cases/`, so that a find is a ready case, and every
+//! simplification is one word less or a smaller word. A drawn file is legal or not by construction; nothing here depends on a
+//! lenient ruling.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -12,16 +12,16 @@ use arbitrary::{Result, Unstructured};
 use crate::ptm::Format;
 use crate::suite::cases::{Case, Expect, Suite};
 
-/// The words of a case, as far as they differ from the ordinary file.
+/// The words of a case that differ from the default file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Draft {
     /// The format.
     pub format: Format,
-    /// Texels in a row.
+    /// Number of texels in a row.
     pub width: u32,
-    /// Rows.
+    /// Number of rows.
     pub height: u32,
-    /// Words of `make` itself.
+    /// Words of `make`.
     pub make: Words,
     /// Words of `compression`.
     pub compression: Words,
@@ -29,11 +29,11 @@ pub struct Draft {
     pub spelling: Words,
     /// The views, best first.
     pub views: Vec<String>,
-    /// What is broken in the file, if anything is.
+    /// The damage of the file, if any.
     pub damage: Option<DraftDamage>,
 }
 
-/// What is broken in a file.
+/// A damage of a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct DraftDamage {
     /// Its name in `spec-cases/`.
@@ -42,7 +42,7 @@ pub struct DraftDamage {
     pub expect: Expect,
 }
 
-/// Key and value, as they stand in a case.
+/// Keys and values, as in a case.
 pub type Words = BTreeMap<&'static str, String>;
 
 impl Draft {
@@ -77,19 +77,19 @@ impl Draft {
         self.width * self.height
     }
 
-    /// Scale, bias, matrix and scene.
+    /// Draws scale, bias, matrix and scene.
     fn draw_numbers(&mut self, u: &mut Unstructured) -> Result<()> {
         if u.ratio(2, 3)? {
-            self.make.insert("scale", several(6, u, draw_scale)?);
+            self.make.insert("scale", draw_list(6, u, draw_scale)?);
         }
         if u.ratio(2, 3)? {
-            self.make.insert("bias", several(6, u, draw_bias)?);
+            self.make.insert("bias", draw_list(6, u, draw_bias)?);
         }
         if self.format == Format::Lum && u.ratio(1, 2)? {
-            // Columns first; the last row is 0 0 0 1 and there is no translation, whose place is an open question.
+            // Column-major; the last row is 0 0 0 1 and there is no translation, because its place is an open question.
             let mut matrix = Vec::new();
             for _ in 0..3 {
-                matrix.push(several(3, u, draw_factor)? + " 0");
+                matrix.push(draw_list(3, u, draw_factor)? + " 0");
             }
             self.make
                 .insert("matrix", format!("{} 0 0 0 1", matrix.join(" ")));
@@ -111,7 +111,7 @@ impl Draft {
         Ok(())
     }
 
-    /// Tables, indices, and the byte after the header.
+    /// Draws tables, indices, and the byte after the header.
     fn draw_payload(&mut self, u: &mut Unstructured) -> Result<()> {
         if self.format.has_table() {
             let entries = match u.int_in_range(0..=19)? {
@@ -154,7 +154,7 @@ impl Draft {
         self.draw_forest(u)?;
         let moves = self.draw_transforms(u)?;
         let residuals = match u.int_in_range(0..=9)? {
-            // What an inverse DCT rounds is asked raw, and never moved.
+            // Planes with roundings of inverse DCTs are requested raw, and never displaced.
             0..=2 if !(jpeg && moves) => "natural",
             3 => "wraps",
             4 => "framed",
@@ -166,7 +166,7 @@ impl Draft {
         self.draw_stream(jpeg, u)
     }
 
-    /// References and ranks: a known structure, or any forest.
+    /// Draws references and ranks: a known structure, or any forest.
     fn draw_forest(&mut self, u: &mut Unstructured) -> Result<()> {
         const STRUCTURES: [&str; 9] = [
             "intra",
@@ -196,12 +196,12 @@ impl Draft {
                 references[plane] = by_rank[u.int_in_range(0..=rank - 1)?] as i64;
             }
         }
-        self.compression.insert("references", joined(&references));
-        self.compression.insert("order", joined(&order));
+        self.compression.insert("references", join(&references));
+        self.compression.insert("order", join(&order));
         Ok(())
     }
 
-    /// Transforms and vectors; whether anything may be moved by them.
+    /// Draws transforms and vectors; returns true if references may be displaced.
     fn draw_transforms(&mut self, u: &mut Unstructured) -> Result<bool> {
         if u.ratio(1, 3)? {
             return Ok(false);
@@ -209,7 +209,7 @@ impl Draft {
         let with_motion = u.ratio(1, 2)?;
         let pool: &[u32] = if with_motion { &[0, 1, 2, 3] } else { &[0, 1] };
         let length = u.int_in_range(1..=5)?;
-        let transforms = several(length, u, |u| Ok(u.choose(pool)?.to_string()))?;
+        let transforms = draw_list(length, u, |u| Ok(u.choose(pool)?.to_string()))?;
         self.compression.insert("transforms", transforms);
         if u.ratio(1, 5)? {
             self.compression.insert("everywhere", "true".to_owned());
@@ -217,8 +217,8 @@ impl Draft {
         for axis in ["motion_x", "motion_y"] {
             if with_motion && u.ratio(3, 4)? {
                 let length = u.int_in_range(1..=5)?;
-                let vectors = several(length, u, |u| {
-                    // Beyond the plane, and beyond a byte.
+                let vectors = draw_list(length, u, |u| {
+                    // Also beyond the plane, and beyond a byte.
                     let most = *u.choose(&[7, 7, 7, 7, 7, 7, 7, 7, 7, 80, 300])?;
                     Ok(u.int_in_range(-most..=most)?.to_string())
                 })?;
@@ -248,7 +248,7 @@ impl Draft {
                 3 if self.texels() <= 400 => "border".to_owned(),
                 _ => {
                     let most = self.texels() - 1;
-                    several(u.int_in_range(1..=3)?, u, |u| {
+                    draw_list(u.int_in_range(1..=3)?, u, |u| {
                         Ok(u.int_in_range(0..=most)?.to_string())
                     })?
                     .replace(' ', "+")
@@ -260,7 +260,7 @@ impl Draft {
         Ok(())
     }
 
-    /// What a writer of streams may choose.
+    /// Draws the options of an encoder of streams.
     fn draw_stream(&mut self, jpeg: bool, u: &mut Unstructured) -> Result<()> {
         if u.ratio(1, 2)? {
             return Ok(());
@@ -308,7 +308,7 @@ impl Draft {
         Ok(())
     }
 
-    /// The same file undamaged.
+    /// Returns the same file without its damage.
     #[must_use]
     pub fn whole(&self) -> Draft {
         Draft {
@@ -317,16 +317,16 @@ impl Draft {
         }
     }
 
-    /// The case, or two of them if the file is damaged: its twin `ID-whole`, and itself.
+    /// Returns the case, or two of them if the file is damaged: its twin `ID-whole`, and itself.
     ///
     /// # Errors
-    /// What keeps the file from being written.
+    /// The reason why the file cannot be written.
     pub fn cases(&self, id: &str) -> std::result::Result<Vec<Case>, String> {
         let suite = Suite::from_files(&[(id, &self.to_yaml(id, "drawn at random"))])?;
         Ok(suite.cases)
     }
 
-    /// The case as `spec-cases/` would write it.
+    /// Returns the case in the notation of `spec-cases/`.
     #[must_use]
     pub fn to_yaml(&self, id: &str, because: &str) -> String {
         let clause = section(self.format);
@@ -366,7 +366,7 @@ impl Draft {
     }
 }
 
-/// The section that gives a format its payload.
+/// Returns the section that describes the payload of a format.
 fn section(format: Format) -> &'static str {
     match format {
         Format::PtmLut | Format::PtmCLut => "2.8/1",
@@ -375,8 +375,8 @@ fn section(format: Format) -> &'static str {
     }
 }
 
-/// Mostly small; sometimes long, around 256, or over 65,535 texels. Decoders on libjpeg are right, and it reads no plane
-/// that is wider than 65,500.
+/// Draws a size: mostly small; sometimes long, around 256, or over 65,535 texels. Decoders based on libjpeg are correct, but it
+/// reads no plane wider than 65,500.
 fn draw_size(format: Format, u: &mut Unstructured) -> Result<(u32, u32)> {
     Ok(match u.int_in_range(0..=99)? {
         0 => *u.choose(&[(257, 256), (300, 220), (65_500, 2), (2, 32_769)])?,
@@ -408,7 +408,7 @@ fn draw_spelling(u: &mut Unstructured) -> Result<Words> {
             "all".to_owned()
         } else {
             let length = u.int_in_range(1..=2)?;
-            several(length, u, |u| Ok((*u.choose(&LINES)?).to_owned()))?
+            draw_list(length, u, |u| Ok((*u.choose(&LINES)?).to_owned()))?
         };
         words.insert("space_before_newline", lines);
     }
@@ -423,7 +423,7 @@ fn draw_spelling(u: &mut Unstructured) -> Result<Words> {
     Ok(words)
 }
 
-/// A scale: small, of any sign and spelling.
+/// Draws a scale: small, of any sign and spelling.
 fn draw_scale(u: &mut Unstructured) -> Result<String> {
     let hundredths = u.int_in_range(1..=240)?;
     Ok(match u.int_in_range(0..=9)? {
@@ -450,7 +450,7 @@ fn draw_bias(u: &mut Unstructured) -> Result<String> {
     })
 }
 
-/// A factor of the color matrix.
+/// Draws a factor of the color matrix.
 fn draw_factor(u: &mut Unstructured) -> Result<String> {
     let factor = f64::from(u.int_in_range(-150..=150)?) / 128.0;
     Ok(match u.int_in_range(0..=5)? {
@@ -460,8 +460,8 @@ fn draw_factor(u: &mut Unstructured) -> Result<String> {
     })
 }
 
-/// `count` numbers with spaces between them.
-fn several(
+/// Draws `count` numbers separated by spaces.
+fn draw_list(
     count: usize,
     u: &mut Unstructured,
     mut one: impl FnMut(&mut Unstructured) -> Result<String>,
@@ -470,7 +470,7 @@ fn several(
     Ok(words?.join(" "))
 }
 
-fn joined(numbers: &[impl ToString]) -> String {
+fn join(numbers: &[impl ToString]) -> String {
     let words: Vec<String> = numbers.iter().map(ToString::to_string).collect();
     words.join(" ")
 }

@@ -1,4 +1,4 @@
-//! Where the files of a run are drawn from: the same seed draws the same files.
+//! The source of the files of a run: the same seed draws the same files.
 
 use std::collections::BTreeMap;
 
@@ -8,19 +8,19 @@ use super::draft::{Draft, DraftDamage};
 use crate::ptm::Format;
 use crate::suite::cases::{Expect, Suite};
 
-/// One file in so many is damaged, and must be refused.
-const DAMAGED: u32 = 6;
-/// Random bytes for one file.
-const BYTES: usize = 2048;
+/// One in this number of files is damaged, and must be refused.
+const FILES_PER_DAMAGE: u32 = 6;
+/// Number of random bytes for one file.
+const RANDOM_BYTES: usize = 2048;
 
-/// Where files are drawn from.
+/// The source of files.
 pub struct Draws {
-    /// What makes a file of a format one that must be refused, whatever else is in it.
+    /// Damages with which a file of a format must be refused, whatever its contents.
     damages: Vec<(Format, DraftDamage)>,
 }
 
 impl Draws {
-    /// Draws damages besides legal files: those of which the suite expects the same wherever it uses them.
+    /// Draws legal files, and damages with the same expected result in all cases of the suite.
     #[must_use]
     pub fn of(suite: &Suite) -> Draws {
         let mut expected: BTreeMap<(Format, &'static str), Vec<Expect>> = BTreeMap::new();
@@ -41,7 +41,7 @@ impl Draws {
         }
     }
 
-    /// The `number`th file: a legal one, or one with a damage.
+    /// Draws file `number`: a legal one, or one with a damage.
     #[must_use]
     pub fn file(&self, seed: u64, number: u64) -> Option<Draft> {
         let bytes = random_bytes(seed, number);
@@ -50,7 +50,7 @@ impl Draws {
 
     fn draw(&self, u: &mut Unstructured) -> arbitrary::Result<Draft> {
         let mut draft = Draft::draw(u)?;
-        if u.ratio(1, DAMAGED)? {
+        if u.ratio(1, FILES_PER_DAMAGE)? {
             let fitting: Vec<DraftDamage> = self
                 .damages
                 .iter()
@@ -65,7 +65,7 @@ impl Draws {
     }
 }
 
-/// The bytes that draw the `number`th file: `SplitMix64` from a start of its own.
+/// Returns the bytes that draw file `number`: `SplitMix64` with a separate start.
 pub(super) fn random_bytes(seed: u64, number: u64) -> Vec<u8> {
     let mut state = seed ^ number.wrapping_mul(0xd134_2543_de82_ef95);
     let mut next = || {
@@ -75,5 +75,7 @@ pub(super) fn random_bytes(seed: u64, number: u64) -> Vec<u8> {
         z = (z ^ z >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
         z ^ z >> 31
     };
-    (0..BYTES / 8).flat_map(|_| next().to_le_bytes()).collect()
+    (0..RANDOM_BYTES / 8)
+        .flat_map(|_| next().to_le_bytes())
+        .collect()
 }

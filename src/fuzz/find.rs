@@ -1,4 +1,4 @@
-//! A mistake that fuzzing found: its cause, and the smallest file that shows it.
+//! A mistake that fuzzing found, with its cause and the smallest file that shows it.
 
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -19,36 +19,36 @@ use crate::session::offer::Offer;
 use crate::suite::cases::{Built, Case, Expect, TableSpelling};
 use crate::suite::compare::Expected;
 
-/// Passing files that a suspected misreading is held against.
-const WITNESSES: usize = 200;
-/// Files drawn to tell suspects apart, and how many of those are asked for.
+/// Maximum number of passing files against which a suspected misreading is tested.
+const MAX_WITNESSES: usize = 200;
+/// Number of files that are drawn to distinguish suspects, and of those that are requested.
 const DRAWN_TO_TELL_APART: u64 = 3000;
 const ASKED_TO_TELL_APART: usize = 24;
 
-/// A decoder, and what is known of it.
+/// A decoder with known properties.
 pub struct KnownDecoder<'a> {
     /// Asks it.
     pub ask: &'a Ask<'a>,
     /// The views it offers.
     pub offer: Offer,
-    /// How tables are spelled for it.
+    /// The spelling of tables for it.
     pub table: TableSpelling,
-    /// How it reads the open questions.
+    /// Its reading of the open questions.
     pub reading: Reading,
 }
 
-/// A file, asked for.
+/// A request for a drawn file.
 pub(super) struct DraftRequest {
-    /// The case; of a damaged draft the damaged one.
+    /// The case; for a damaged draft the damaged one.
     pub case: Case,
     /// Its file.
     pub built: Arc<Built>,
-    /// The view it is asked in.
+    /// The requested view.
     pub view: View,
 }
 
 impl KnownDecoder<'_> {
-    /// The question that a draft is; nothing where it cannot be written or no view of it is offered.
+    /// Returns the request for a draft; None if it cannot be written or no view of it is offered.
     pub(super) fn question(&self, draft: &Draft) -> Option<DraftRequest> {
         let case = draft.cases("draft").ok()?.pop()?;
         let view = self.offer.chosen_view(&case)?.clone();
@@ -56,7 +56,7 @@ impl KnownDecoder<'_> {
         Some(DraftRequest { case, built, view })
     }
 
-    /// What the decoder makes of it.
+    /// Returns the decoder's answer.
     pub(super) fn answer(&self, question: &DraftRequest) -> Answer {
         let request = Request {
             name: &question.case.id,
@@ -75,12 +75,12 @@ impl KnownDecoder<'_> {
         (self.ask)(&request, 0).answer
     }
 
-    /// What a decoder makes of it that has these mistakes and reads open questions as this one does.
+    /// Returns the answer of a decoder with these mistakes, and this decoder's reading of open questions.
     fn answer_with(&self, mistakes: &[&Misreading], question: &DraftRequest) -> Answer {
         misreadings::answer(mistakes, self.reading, &question.built.file, &question.view)
     }
 
-    /// Whether the answer is right, by the dialect of this decoder.
+    /// Returns true if the answer is right in the dialect of this decoder.
     fn is_right(&self, question: &DraftRequest, answer: &Answer) -> bool {
         match answer {
             Answer::Decoded(_) if question.case.damage().is_some() => false,
@@ -102,13 +102,13 @@ impl KnownDecoder<'_> {
     }
 }
 
-/// Why a file fails.
+/// The reason why a file fails.
 pub enum Explanation {
-    /// As a decoder with any of these misreadings would; the most likely first.
+    /// Any of these misreadings, the most likely first.
     Misreading(Vec<&'static Misreading>),
     /// It decodes a file with this damage.
     Accepts(&'static str),
-    /// In a way that no misreading explains: a picture, a refusal, or a crash with its words.
+    /// Not explained by a misreading: an image, a refusal, or a crash with its message.
     Other(String),
 }
 
@@ -131,7 +131,7 @@ impl Explanation {
             .collect();
         for question in passed
             .iter()
-            .take(WITNESSES)
+            .take(MAX_WITNESSES)
             .filter_map(|draft| decoder.question(draft))
         {
             if suspects.is_empty() {
@@ -148,7 +148,7 @@ impl Explanation {
         }
     }
 
-    /// Whether another failure has this cause too.
+    /// Returns true if another failure has the same cause.
     pub(super) fn also_of(
         &self,
         draft: &Draft,
@@ -169,7 +169,7 @@ impl Explanation {
         }
     }
 
-    /// Drops the suspects that do not explain this failure too.
+    /// Removes the suspects that do not explain this failure.
     pub(super) fn narrow(
         &mut self,
         draft: &Draft,
@@ -182,7 +182,7 @@ impl Explanation {
         }
     }
 
-    /// A word or a sentence.
+    /// Returns a word or a sentence.
     #[must_use]
     pub fn name(&self) -> String {
         match self {
@@ -193,7 +193,7 @@ impl Explanation {
     }
 }
 
-/// What a decoder does that nothing in the catalog explains, in words that are the same for every file.
+/// Describes an unexplained behavior in words that are the same for every file.
 fn symptom(name: &str, words: Option<&str>) -> String {
     match name {
         "decoded" => "a wrong picture".to_owned(),
@@ -229,7 +229,7 @@ fn explains(
             },
             Answer::Decoded(made),
         ) => alike(shown, &made),
-        // Of a file that must be refused no picture is kept: to accept it is the mistake.
+        // No image is kept of a file that must be refused, because accepting it is the mistake.
         (Response::Picture { .. }, Answer::Decoded(_)) => is_damaged,
         (Response::Rejected, Answer::Rejected) => true,
         _ => false,
@@ -238,21 +238,21 @@ fn explains(
 
 /// A mistake, and the smallest file that shows it.
 pub struct Find {
-    /// Why it fails.
+    /// The cause of the failure.
     pub cause: Explanation,
-    /// What the verdict on the first file said.
+    /// The message of the verdict on the first file.
     pub says: String,
     /// The file as it was drawn.
     pub drawn: Draft,
-    /// The same made small.
+    /// The minimized file.
     pub small: Draft,
-    /// The view in which the small one was asked for.
+    /// The view in which the minimized file was requested.
     pub view: Option<View>,
-    /// What the decoder did with it, in a word or two.
+    /// The decoder's answer, in a word or two.
     pub answer: String,
-    /// The frame it made of it, if it was one.
+    /// The received frame, if any.
     pub received: Option<Frame>,
-    /// How many drawn files failed alike.
+    /// The number of drawn files with the same failure.
     pub seen: usize,
 }
 
@@ -286,7 +286,7 @@ impl Find {
     }
 }
 
-/// Asks for files that the suspects read differently, until one suspect is left or no such file is found.
+/// Requests files for which the suspects differ, until one suspect is left or no such file is found.
 fn tell_apart(draft: &Draft, cause: &mut Explanation, decoder: &KnownDecoder) {
     let Explanation::Misreading(suspects) = cause else {
         return;
@@ -311,32 +311,32 @@ fn tell_apart(draft: &Draft, cause: &mut Explanation, decoder: &KnownDecoder) {
             .iter()
             .map(|suspect| decoder.answer_with(&[suspect], &question))
             .collect();
-        if answers.windows(2).all(|pair| same(&pair[0], &pair[1])) {
+        if answers.windows(2).all(|pair| are_equal(&pair[0], &pair[1])) {
             continue;
         }
         asked += 1;
         let answer = decoder.answer(&question);
-        if answers.iter().any(|made| same(made, &answer)) {
+        if answers.iter().any(|made| are_equal(made, &answer)) {
             let mut made = answers.iter();
-            suspects.retain(|_| made.next().is_some_and(|made| same(made, &answer)));
+            suspects.retain(|_| made.next().is_some_and(|made| are_equal(made, &answer)));
         }
     }
 }
 
-/// Whether two answers are one.
-fn same(a: &Answer, b: &Answer) -> bool {
+/// Returns true if two answers are equal.
+fn are_equal(a: &Answer, b: &Answer) -> bool {
     match (a, b) {
         (Answer::Decoded(a), Answer::Decoded(b)) => alike(a, b),
         (a, b) => a.name() == b.name(),
     }
 }
 
-/// Whether the decoder fails on a draft for the same reason.
+/// Returns true if the decoder fails on a draft for the same reason.
 pub(super) fn fails_alike(draft: &Draft, cause: &Explanation, decoder: &KnownDecoder) -> bool {
     let Some(question) = decoder.question(draft) else {
         return false;
     };
-    // Most that is smaller shows nothing any more; that is known without asking.
+    // Most smaller files show nothing any more, which is known without a request.
     let made = match cause {
         Explanation::Misreading(suspects) => {
             let made = decoder.answer_with(&suspects[..1], &question);
@@ -349,7 +349,7 @@ pub(super) fn fails_alike(draft: &Draft, cause: &Explanation, decoder: &KnownDec
     };
     let answer = decoder.answer(&question);
     match (cause, &answer) {
-        (Explanation::Misreading(_), answer) => made.is_some_and(|made| same(&made, answer)),
+        (Explanation::Misreading(_), answer) => made.is_some_and(|made| are_equal(&made, answer)),
         (Explanation::Accepts(_), Answer::Decoded(_)) => decoder
             .question(&draft.whole())
             .is_some_and(|whole| matches!(decoder.answer(&whole), Answer::Decoded(_))),

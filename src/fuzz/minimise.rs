@@ -1,4 +1,4 @@
-//! Makes a drawn file small while it fails in the same way: every step takes a word away or makes one smaller.
+//! Minimizes a drawn file that fails in the same way: every step removes a word or makes one smaller.
 
 use std::sync::atomic::AtomicBool;
 
@@ -6,7 +6,7 @@ use super::draft::{Draft, Words};
 use super::shrink::shrink;
 use crate::suite::cases::TableSpelling;
 
-/// The smallest draft reached from `draft` by steps after each of which it still `fails`.
+/// Returns the smallest draft reached from `draft` by steps after each of which it still `fails`.
 pub fn minimise(
     draft: &Draft,
     table: TableSpelling,
@@ -22,7 +22,7 @@ pub fn minimise(
     )
 }
 
-/// Bytes of the file, and of the words that make it.
+/// Returns the number of bytes of the file, and of the words that make it.
 fn weigh(draft: &Draft, table: TableSpelling) -> Option<(usize, usize)> {
     let case = draft.cases("weighed").ok()?.pop()?;
     let words = draft.to_yaml("", "").len();
@@ -35,7 +35,7 @@ const MAKE: Part = |draft| &mut draft.make;
 const COMPRESSION: Part = |draft| &mut draft.compression;
 const SPELLING: Part = |draft| &mut draft.spelling;
 
-/// Everything that is one step simpler.
+/// Returns all drafts that are one step simpler.
 fn steps(draft: &Draft) -> Vec<Draft> {
     let mut all = sizes(draft);
     let mut add = |change: &dyn Fn(&mut Draft)| {
@@ -71,7 +71,7 @@ fn steps(draft: &Draft) -> Vec<Draft> {
     all
 }
 
-/// Narrower, lower, or both; and turned, where a strip stands upright.
+/// Returns narrower and lower drafts; a vertical strip is also turned.
 fn sizes(draft: &Draft) -> Vec<Draft> {
     let smaller = |side: u32| {
         let mut sides = vec![
@@ -91,7 +91,7 @@ fn sizes(draft: &Draft) -> Vec<Draft> {
     for width in smaller(draft.width) {
         for height in smaller(draft.height) {
             let mut draft = draft.clone();
-            // Records may stand past the end of what is left; such a file cannot be written and is passed over.
+            // Records may be past the new end; such a file cannot be written and is skipped.
             (draft.width, draft.height) = (width, height);
             all.push(draft);
         }
@@ -99,7 +99,7 @@ fn sizes(draft: &Draft) -> Vec<Draft> {
     all
 }
 
-/// A number nearer to nothing, or a list with one word less or one word simpler.
+/// Returns numbers nearer to zero, or lists with one word less or one word simpler.
 fn simpler_words(key: &str, word: &str) -> Vec<String> {
     let list: Vec<&str> = word.split(' ').collect();
     let mut all = Vec::new();

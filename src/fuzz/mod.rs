@@ -1,8 +1,8 @@
-//! Differential fuzzing of a decoder: random files of all formats, judged as cases are, grouped by cause, made small.
+//! Differential fuzzing of a decoder: random files of all formats, judged like cases, grouped by cause, minimized.
 //!
-//! Files are drawn in batches, and a batch is run as the suite is: the same verdicts, the same dialect, the same
-//! tolerance. What fails is grouped by the misreadings that would have failed alike, not by its bytes, and the first of
-//! each group is made as small as it can be while it fails alike. The same seed draws the same files.
+//! Files are drawn in batches, and a batch is run like the suite: the same verdicts, the same dialect, the same tolerance.
+//! Failures are grouped by the misreadings that explain them, not by their bytes, and the first of each group is minimized
+//! while it fails in the same way. The same seed draws the same files.
 
 pub mod draft;
 pub mod draws;
@@ -29,21 +29,21 @@ use draft::Draft;
 use draws::Draws;
 use find::{Explanation, Find, KnownDecoder};
 
-/// Files drawn and judged together.
-const BATCH: usize = 500;
+/// Number of files that are drawn and judged together.
+const BATCH_SIZE: usize = 500;
 
-/// What is drawn, and how much of it.
+/// The plan of a run.
 #[derive(Clone, Debug)]
 pub struct FuzzPlan {
-    /// Where the draws start.
+    /// The seed.
     pub seed: u64,
-    /// Requests after which no further batch is begun.
+    /// Number of requests after which no further batch is started.
     pub executions: usize,
-    /// Requests at a time, at least 1.
+    /// Number of parallel requests, at least 1.
     pub jobs: usize,
-    /// Views to ask for; all that the decoder offers if empty.
+    /// Requested views; all that the decoder offers if empty.
     pub views: Vec<&'static str>,
-    /// What the decoder says of itself.
+    /// The declared capabilities of the decoder.
     pub declared: Capabilities,
     /// Only these formats; all if empty.
     pub formats: Vec<Format>,
@@ -51,30 +51,30 @@ pub struct FuzzPlan {
     pub stop: Arc<AtomicBool>,
 }
 
-/// What a run brought to light.
+/// The results of a run.
 #[derive(Default)]
 pub struct FuzzResult {
-    /// Requests sent.
+    /// Number of requests.
     pub executions: usize,
-    /// Files drawn.
+    /// Number of drawn files.
     pub files: usize,
     /// Mistakes, in the order in which they were found.
     pub finds: Vec<Find>,
-    /// Why the program is no decoder, if it is none.
+    /// The reason why the program is not a decoder, if it is not.
     pub not_a_decoder: Option<String>,
-    /// Why the run ended before its bound, if it did.
+    /// The reason why the run ended before its limit, if it did.
     pub ended_early: Option<&'static str>,
 }
 
-/// What is reported while the run goes on.
+/// A progress message.
 pub enum FuzzProgress<'a> {
-    /// Requests so far.
+    /// Number of requests so far.
     Executions(usize),
-    /// A mistake not seen before, already made small.
+    /// A new mistake, already minimized.
     Found(&'a Find),
 }
 
-/// Fuzzes a decoder. `tell` is called for every find as soon as it is made small.
+/// Fuzzes a decoder. `tell` is called for every find as soon as it is minimized.
 pub fn fuzz(
     suite: &Suite,
     plan: &FuzzPlan,
@@ -131,7 +131,7 @@ fn run(suite: &Suite, plan: &FuzzPlan, ask: &Ask) -> Run {
     check(suite, &plan, &ask, &|_, _, _, _| ())
 }
 
-/// The cases that every batch begins with: first files and the spellings of a table.
+/// Returns the cases at the beginning of every batch: first files and the spellings of a table.
 fn opening(suite: &Suite) -> Vec<Case> {
     let opens = |case: &&Case| case.first || case.expect == Expect::Spelling;
     suite.cases.iter().filter(opens).cloned().collect()
@@ -147,14 +147,14 @@ impl Batch {
     fn draw(plan: &FuzzPlan, opening: &[Case], draws: &Draws, number: u64) -> Batch {
         let mut cases = opening.to_vec();
         let mut drafts = Vec::new();
-        for place in 0..BATCH as u64 {
-            let Some(draft) = draws.file(plan.seed, number * BATCH as u64 + place) else {
+        for place in 0..BATCH_SIZE as u64 {
+            let Some(draft) = draws.file(plan.seed, number * BATCH_SIZE as u64 + place) else {
                 continue;
             };
             if !plan.formats.is_empty() && !plan.formats.contains(&draft.format) {
                 continue;
             }
-            // What the writer cannot write (a damage without a place in the file, say) is not drawn.
+            // Drafts that cannot be written (for example, a damage without a place in the file) are skipped.
             if let Ok(drawn) = draft.cases(&format!("draft-{}", drafts.len())) {
                 cases.extend(drawn);
                 drafts.push(draft);
@@ -166,7 +166,7 @@ impl Batch {
         }
     }
 
-    /// Puts every failure to the find whose cause it has, or makes a new find of it.
+    /// Adds every failure to the find with the same cause, or makes a new find.
     fn sort(
         &self,
         run: &Run,
@@ -179,7 +179,7 @@ impl Batch {
             .with(run, Outcome::Pass)
             .map(|(draft, _)| draft)
             .collect();
-        // Wrong pictures first: what is wrong with them often explains what is accepted, too.
+        // Wrong images first: their causes often explain wrong acceptances, too.
         let (accepted, others): (Vec<_>, Vec<_>) = self
             .with(run, Outcome::Fail)
             .partition(|(draft, _)| draft.damage.is_some());
@@ -206,7 +206,7 @@ impl Batch {
         }
     }
 
-    /// Drafts with this outcome, and the places of their cases.
+    /// Returns the drafts with this outcome, and the indices of their cases.
     fn with<'a>(
         &'a self,
         run: &'a Run,

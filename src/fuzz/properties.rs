@@ -1,7 +1,7 @@
-//! What holds for every input: one function for each property, called by the fuzz targets and by proptest alike.
+//! Properties that hold for every input: one function for each, called by fuzz targets and proptest.
 //!
-//! Each takes bytes that nobody vouches for and panics where its property does not hold. Those that need structure draw
-//! it from the bytes; bytes that hold too little of it show nothing and pass.
+//! Each takes untrusted bytes and panics if its property does not hold. Properties of structured input derive it from the
+//! bytes; if these are too few, the function returns without a test.
 
 use std::collections::HashSet;
 #[cfg(unix)]
@@ -34,19 +34,19 @@ use crate::suite::compare::Expected;
 use crate::suite::dialect::{Choice, Dialect};
 use crate::suite::values::Values;
 
-/// Texels of a drawn file, at most, so that a target runs thousands of files a second.
-const TEXELS: u32 = 3000;
-/// Bytes of planes that arbitrary files may ask for.
-const MEMORY: usize = 1 << 24;
+/// Maximum number of texels of a drawn file, so that a target runs thousands of files per second.
+const MAX_TEXELS: u32 = 3000;
+/// Limit on the bytes of planes of arbitrary files.
+const MAX_MEMORY: usize = 1 << 24;
 
-/// Decoding any bytes, however open questions are read, ends in planes or in an error that names a clause and a byte of
-/// the file.
+/// Checks that decoding any bytes, in any reading of open questions, ends in planes or in an error that names a clause and a
+/// byte of the file.
 ///
 /// # Panics
 /// If it does not.
 pub fn file(bytes: &[u8]) {
-    let limits = Limits { memory: MEMORY };
-    // The first, the second and the third reading of every choice, the last where there are fewer.
+    let limits = Limits { memory: MAX_MEMORY };
+    // The first, the second and the third reading of every choice, or the last if there are fewer.
     let [first, second, third] = [0, 1, 2].map(|place| {
         let of = |choice: &Choice<Reading>| place.min(choice.readings.len() - 1);
         CHOICES.under(&Dialect(CHOICES.iter().map(of).collect()), Reading::SPEC)
@@ -54,7 +54,7 @@ pub fn file(bytes: &[u8]) {
     for reading in [first, second.with_newline_after_table(), third] {
         match decode_as(bytes, &reading, &limits) {
             Ok(ptm) => {
-                assert!(ptm.planes.samples.len() <= MEMORY, "over its limit");
+                assert!(ptm.planes.samples.len() <= MAX_MEMORY, "over its limit");
                 let coefficients = apply(&ptm.header.scale_bias, &ptm.planes, &reading);
                 let _ = evaluate(&coefficients, 0.5, -0.25, &reading).to_bytes();
             }
@@ -64,7 +64,7 @@ pub fn file(bytes: &[u8]) {
             }
         }
     }
-    // The fields are a map of the file: in order, and inside it.
+    // The fields are in order and inside the file.
     let (fields, _) = fields(bytes);
     for pair in fields.windows(2) {
         assert!(pair[0].range.end <= pair[1].range.start, "{pair:?}");
@@ -72,7 +72,7 @@ pub fn file(bytes: &[u8]) {
     assert!(fields.iter().all(|field| field.range.end <= bytes.len()));
 }
 
-/// A drawn file decodes to what was painted.
+/// Checks that a drawn file decodes to what was painted.
 ///
 /// # Panics
 /// If it does not.
@@ -92,7 +92,7 @@ pub fn recipe(bytes: &[u8]) {
     );
 }
 
-/// However the header is spelled, the planes are the same.
+/// Checks that the planes do not depend on the spelling of the header.
 ///
 /// # Panics
 /// If they are not.
@@ -122,7 +122,7 @@ pub fn spelling(bytes: &[u8]) {
     assert_eq!(drawn, with(lenient));
 }
 
-/// What was painted is the same planes as plain texels and as lossless JPEG-LS, however these are predicted.
+/// Checks that painted planes are the same as plain texels and as lossless JPEG-LS, with any prediction.
 ///
 /// # Panics
 /// If they are not.
@@ -136,7 +136,7 @@ pub fn re_encoding(bytes: &[u8]) {
         Format::JpeglsLrgb => Format::Lrgb,
         _ => return,
     };
-    // Corrections of lossless planes are as painted; lossy ones would differ.
+    // Corrections of lossless planes are equal to the painted values; those of lossy ones would differ.
     if compressed.compression.parameter > 0 {
         return;
     }
@@ -155,7 +155,7 @@ pub fn re_encoding(bytes: &[u8]) {
     assert_eq!(planes(&plain).samples, planes(&natural).samples);
 }
 
-/// Any bytes as a JPEG stream end in the samples asked for, or in an error inside the stream.
+/// Checks that decoding any bytes as JPEG ends in the requested samples, or in an error inside the stream.
 ///
 /// # Panics
 /// If they do not.
@@ -163,7 +163,7 @@ pub fn jpeg_stream(bytes: &[u8]) {
     stream(bytes, jpeg::decode);
 }
 
-/// Any bytes as a JPEG-LS stream end in the samples asked for, or in an error inside the stream.
+/// Checks that decoding any bytes as JPEG-LS ends in the requested samples, or in an error inside the stream.
 ///
 /// # Panics
 /// If they do not.
@@ -184,8 +184,8 @@ fn stream(bytes: &[u8], decode: fn(&[u8], u32, u32) -> Decoded<Vec<u8>>) {
 
 type Decoded<T> = std::result::Result<T, crate::codec::StreamError>;
 
-/// A JPEG stream decodes to what its encoder says an exact decoder makes of it. Returns the stream, its size and those
-/// samples, for a second opinion.
+/// Checks that a JPEG stream decodes to the samples that its encoder returns. Returns the stream, its size and those samples,
+/// for comparison with another decoder.
 ///
 /// # Panics
 /// If it does not.
@@ -200,10 +200,10 @@ pub fn jpeg_round_trip(bytes: &[u8]) -> Option<(Vec<u8>, u32, u32, Vec<u8>)> {
     Some((encoded.stream, width, height, decoded))
 }
 
-/// Whether samples of one JPEG stream are those of another decoder, but for its inverse transform: that is up to 18 off.
+/// Returns true if samples of a JPEG stream equal those of another decoder within 18, the effect of another transform.
 ///
-/// Blocks with a sample at either end of the range are left out. Theirs may lie far beyond it, where a transform in 16 bits
-/// goes astray.
+/// Blocks with a sample at either end of the range are skipped. Their values may be far beyond it, where a transform in 16 bits
+/// overflows.
 #[must_use]
 pub fn nearly(ours: &[u8], theirs: &[u8], width: u32) -> bool {
     let block = |i: usize| (i % width as usize / 8, i / width as usize / 8);
@@ -216,7 +216,7 @@ pub fn nearly(ours: &[u8], theirs: &[u8], width: u32) -> bool {
     ours.len() == theirs.len() && (0..ours.len()).all(near)
 }
 
-/// A JPEG-LS stream decodes to samples within its loss, and to those its encoder promised.
+/// Checks that a JPEG-LS stream decodes to samples within its loss, and to those that its encoder returned.
 ///
 /// # Panics
 /// If it does not.
@@ -281,7 +281,7 @@ fn jpeg_ls_options(u: &mut Unstructured) -> Result<(u32, u32, jpeg_ls::JpegLsOpt
     Ok((u.int_in_range(1..=60)?, u.int_in_range(1..=40)?, options))
 }
 
-/// Samples from the bytes that are left, over and over: runs where they are few, noise where they are many.
+/// Returns samples from the remaining bytes, repeated: runs if they are few, noise if they are many.
 fn picture(width: u32, height: u32, u: &mut Unstructured) -> Vec<u8> {
     let rest = u.bytes(u.len()).unwrap_or_default();
     let rest = if rest.is_empty() { &[128][..] } else { rest };
@@ -292,7 +292,7 @@ fn picture(width: u32, height: u32, u: &mut Unstructured) -> Vec<u8> {
         .collect()
 }
 
-/// Any output of a decoder is one frame, which is then written as it was read, or it is told why not.
+/// Checks that any output of a decoder is refused with a message, or is one frame that is written as it was read.
 ///
 /// # Panics
 /// If it is not.
@@ -311,12 +311,12 @@ fn shape(frame: &Frame) -> (ViewKind, u32, u32, u32) {
     (frame.view, frame.width, frame.height, frame.channels)
 }
 
-/// Any text as a case file is a suite, or it is told why not.
+/// Checks that any text as a case file is a suite or refused with a message.
 ///
 /// # Panics
 /// If it is neither.
 pub fn case_file(bytes: &[u8]) {
-    // A large size is legal and slow to paint.
+    // A large size is legal but slow to paint.
     let is_long = bytes
         .windows(4)
         .any(|four| four.iter().all(u8::is_ascii_digit));
@@ -329,7 +329,7 @@ pub fn case_file(bytes: &[u8]) {
 
 fn drawn(bytes: &[u8]) -> Option<(Draft, Case)> {
     let draft = Draft::draw(&mut Unstructured::new(bytes)).ok()?;
-    if draft.width * draft.height > TEXELS {
+    if draft.width * draft.height > MAX_TEXELS {
         return None;
     }
     let case = draft
@@ -346,8 +346,7 @@ fn planes(recipe: &Recipe) -> Planes {
         .planes
 }
 
-/// Whatever a decoder answers, the search for its causes ends, without a fault, and puts every failure under at most one
-/// cause.
+/// Checks that the search for causes ends without a panic for any answers, and attributes every failure to at most one cause.
 ///
 /// # Panics
 /// If it does not.
@@ -360,7 +359,7 @@ pub fn diagnosis(bytes: &[u8]) {
             .cases
             .iter()
             .enumerate()
-            .filter(|(place, case)| case.first || place % EVERY == 0 && small(case));
+            .filter(|(place, case)| case.first || place % CASE_STRIDE == 0 && small(case));
         let chosen: HashSet<String> = chosen
             .flat_map(|(_, case)| [Some(case.id.clone()), case.twin_of.clone()])
             .flatten()
@@ -390,13 +389,13 @@ pub fn diagnosis(bytes: &[u8]) {
     }
 }
 
-/// Of the suite, every so many cases of files with fewer bytes.
+/// One in this number of cases of the suite with small files is used.
 #[cfg(unix)]
-const EVERY: usize = 40;
+const CASE_STRIDE: usize = 40;
 #[cfg(unix)]
 const SMALL: usize = 2000;
 
-/// One of the ways to answer wrongly, or the right answer.
+/// Returns a wrong answer selected by `choice`, or the right one.
 #[cfg(unix)]
 fn wrong(choice: u8, right: Answer, request: &Request<'_>) -> Answer {
     let change = |edit: &dyn Fn(usize, u8) -> u8| match right.clone() {

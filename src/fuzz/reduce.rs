@@ -1,7 +1,7 @@
-//! Makes a file from elsewhere small while a decoder fails on it in the same way.
+//! Minimizes an existing file while a decoder fails on it in the same way.
 //!
-//! The file is taken apart into what a writer would have been given, and written again after every step, so that sizes
-//! and lists always fit. Where the ordinary spelling of the header hides the failure, the file stays as it is.
+//! The file is converted to the input of a writer, and written again after every step, so that sizes and lists are always
+//! consistent. If the default spelling of the header hides the failure, the file is not changed.
 
 use std::ops::Range;
 use std::sync::atomic::AtomicBool;
@@ -14,8 +14,8 @@ use crate::generate::planes::{Compressed, StoredPlane};
 use crate::generate::{Model, Recipe, write};
 use crate::ptm::{Field, Format, Size};
 
-/// The smallest file reached from `file` by steps after each of which it still `fails`; nothing where `file` itself is
-/// malformed, or no longer fails once its header is spelled in the ordinary way.
+/// Returns the smallest file reached from `file` by steps after each of which it still `fails`; None if `file` is malformed, or
+/// no longer fails with the default spelling of its header.
 pub fn reduce(file: &[u8], stop: &AtomicBool, fails: &impl Fn(&[u8]) -> bool) -> Option<Vec<u8>> {
     let parts = Parts::of(file)?;
     let written = |parts: Parts| (parts.write(), parts);
@@ -33,20 +33,20 @@ pub fn reduce(file: &[u8], stop: &AtomicBool, fails: &impl Fn(&[u8]) -> bool) ->
     Some(smallest.0)
 }
 
-/// What a writer was given.
+/// The input of a writer.
 #[derive(Clone)]
 struct Parts {
     recipe: Recipe,
     model: Model,
 }
 
-/// What makes the numbers of a file simpler.
+/// Simplifications of the numbers of a file.
 const SIMPLER: [fn(&mut Parts); 2] = [
     |parts| parts.recipe.scale = "1 1 1 1 1 1".parse().expect("constant numbers"),
     |parts| parts.recipe.bias = "0 0 0 0 0 0".parse().expect("constant numbers"),
 ];
 
-/// What makes a plane of a compressed file simpler.
+/// Simplifications of a plane of a compressed file.
 const SIMPLER_PLANE: [fn(&mut Parts, usize); 7] = [
     |parts, plane| parts.compressed().planes[plane].records.clear(),
     |parts, plane| {
@@ -112,7 +112,7 @@ impl Parts {
         write(&self.recipe, &self.model).bytes
     }
 
-    /// Everything that is one step simpler.
+    /// Returns all inputs that are one step simpler.
     fn steps(&self) -> Vec<Parts> {
         let simpler = |change: &dyn Fn(&mut Parts)| {
             let mut parts = self.clone();
@@ -132,7 +132,7 @@ impl Parts {
         all
     }
 
-    /// Narrower, lower, or both.
+    /// Returns narrower and lower inputs.
     fn smaller(&self) -> Vec<Parts> {
         let Size { width, height } = self.recipe.size;
         let smaller = |side: u32| {
@@ -152,7 +152,7 @@ impl Parts {
         self.model.compressed.as_mut().expect("a compressed format")
     }
 
-    /// The top left corner.
+    /// Returns the top left corner.
     fn cropped(&self, width: u32, height: u32) -> Option<Parts> {
         let old = self.recipe.size;
         let mut parts = self.clone();
@@ -170,7 +170,7 @@ impl Parts {
         Some(parts)
     }
 
-    /// A plane is stored bottom row first, so that its top left corner is the end of the raster.
+    /// A plane is stored bottom row first, so its top left corner is at the end of the raster.
     fn cropped_plane(&self, plane: &StoredPlane, width: u32, height: u32) -> Option<StoredPlane> {
         let old = self.recipe.size;
         let residual = match self.recipe.coding() {
@@ -220,7 +220,7 @@ impl Parts {
         self.compressed().planes[plane].stream = stream;
     }
 
-    /// Only the first `1 / share` of the entries in use, each index brought below their number.
+    /// Returns only the first `1 / share` of the entries in use, with each index reduced below their number.
     fn with_fewer_entries(&self, share: u32) -> Parts {
         let mut parts = self.clone();
         let in_use = self.model.indices.iter().max().map_or(1, |&last| last + 1);
@@ -239,7 +239,7 @@ impl Parts {
     }
 }
 
-/// The left top corner of a raster with `channels` values for each texel.
+/// Returns the top left corner of a raster with `channels` values per texel.
 fn crop<T: Copy>(values: &[T], channels: usize, old: Size, width: u32, height: u32) -> Vec<T> {
     values
         .chunks_exact(old.width as usize * channels)
@@ -249,7 +249,7 @@ fn crop<T: Copy>(values: &[T], channels: usize, old: Size, width: u32, height: u
         .collect()
 }
 
-/// Indices, top row first.
+/// Returns the indices, top row first.
 fn indices(stored: &[u8], entries: usize, size: Size) -> Vec<u32> {
     let wide: Vec<u32> = if entries <= 256 {
         stored.iter().map(|&index| u32::from(index)).collect()
@@ -283,7 +283,7 @@ impl<'a> Fields<'a> {
         self.of_clause(clause).nth(n)
     }
 
-    /// Some of the fields of a clause, with spaces between them.
+    /// Returns some of the fields of a clause, separated by spaces.
     fn text(&self, clause: &'static str, range: Range<usize>) -> String {
         let words: Vec<_> = self
             .of_clause(clause)
@@ -299,7 +299,7 @@ impl<'a> Fields<'a> {
         self.of_clause(clause).map(number).collect()
     }
 
-    /// 2.9.1–2.9.5.
+    /// Reads 2.9.1–2.9.5.
     fn read_plan(&self, recipe: &mut Recipe) -> Option<()> {
         let count = recipe.format.channels();
         let motion: Vec<i32> = self.numbers("2.9.3/1")?;

@@ -1,14 +1,14 @@
-//! Makes something small step by step while a decoder still fails on it in the same way.
+//! Minimizes something step by step while a decoder still fails on it in the same way.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Requests after which a file is small enough.
-const MOST_REQUESTS: usize = 3000;
+/// Maximum number of requests for one file.
+const MAX_REQUESTS: usize = 3000;
 
-/// The lightest candidate reached from `best` by steps after each of which it still `fails`.
+/// Returns the lightest candidate reached from `best` by steps after each of which it still `fails`.
 ///
-/// The lightest step is tried first, so that one that cuts the picture in half comes before one that tidies a number.
-/// A candidate without a weight cannot be written and is passed over.
+/// The lightest step is tried first, so that one that halves the image precedes one that simplifies a number. A candidate
+/// without a weight cannot be written and is skipped.
 pub(super) fn shrink<T, W: Ord>(
     mut best: T,
     weigh: impl Fn(&T) -> Option<W>,
@@ -27,7 +27,7 @@ pub(super) fn shrink<T, W: Ord>(
         lighter.sort_by(|a, b| a.0.cmp(&b.0));
         let next = lighter.into_iter().find(|(_, candidate)| {
             asked += 1;
-            asked <= MOST_REQUESTS && !stop.load(Ordering::Relaxed) && fails(candidate)
+            asked <= MAX_REQUESTS && !stop.load(Ordering::Relaxed) && fails(candidate)
         });
         match next {
             Some((lighter, candidate)) => (weight, best) = (Some(lighter), candidate),

@@ -1,4 +1,4 @@
-//! A find on disk: a ready case, its file, what is expected, what came, and what it means.
+//! A find on disk: a ready case, its file, expected and received output, and an explanation.
 
 use std::fmt::Write as _;
 use std::fs;
@@ -10,14 +10,14 @@ use crate::protocol::frame::{Frame, View};
 use crate::suite::cases::{Built, TableSpelling};
 use crate::suite::compare::Expected;
 
-/// Longest part of a field that is shown.
-const SHOWN: usize = 24;
+/// Maximum number of bytes of a field that are shown.
+const MAX_SHOWN: usize = 24;
 
-/// Writes `NAME.yaml` (the case), `NAME.ptm`, `NAME.expected` and `NAME.received` (frames, where there are such), and
-/// `NAME.txt` (cause, difference, annotated bytes) into `directory`. Returns `NAME`.
+/// Writes `NAME.yaml` (the case), `NAME.ptm`, `NAME.expected` and `NAME.received` (frames, if there are any), and `NAME.txt`
+/// (cause, difference, annotated bytes) into `directory`. Returns `NAME`.
 ///
 /// # Errors
-/// Those of the file system.
+/// Errors of the file system.
 pub fn write(find: &Find, table: TableSpelling, directory: &Path) -> io::Result<String> {
     fs::create_dir_all(directory)?;
     let name = slug(&find.cause.name());
@@ -48,7 +48,7 @@ fn write_frame(frame: &Frame, path: &Path) -> io::Result<()> {
     io::Write::flush(&mut file)
 }
 
-/// The cause in a sentence.
+/// Returns the cause in a sentence.
 #[must_use]
 pub fn because(find: &Find) -> String {
     match &find.cause {
@@ -91,19 +91,19 @@ fn explanation(find: &Find, built: &Built, expected: Option<&Expected>) -> Strin
     out + &annotated(built)
 }
 
-/// The file, field by field; its first bytes where it has none.
+/// Returns the file, field by field, or its first bytes if it has no fields.
 fn annotated(built: &Built) -> String {
     let mut out = format!("\nThe file, {} bytes:\n", built.file.len());
     for field in &built.fields {
         let bytes = &built.file[field.range.clone()];
-        let more = if bytes.len() > SHOWN { "…" } else { "" };
+        let more = if bytes.len() > MAX_SHOWN { "…" } else { "" };
         let _ = writeln!(
             out,
             "  byte {:>6}  {:<20} {:<8} {}{more}",
             field.range.start,
             field.name,
             field.clause,
-            bytes[..bytes.len().min(SHOWN)].escape_ascii()
+            bytes[..bytes.len().min(MAX_SHOWN)].escape_ascii()
         );
     }
     if built.fields.is_empty() {
@@ -113,7 +113,7 @@ fn annotated(built: &Built) -> String {
     out
 }
 
-/// A name for files.
+/// Returns a name for files.
 fn slug(name: &str) -> String {
     let words: Vec<String> = name
         .split(|c: char| !c.is_ascii_alphanumeric())

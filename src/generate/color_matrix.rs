@@ -1,6 +1,6 @@
 //! §2.6 Color Matrix
 //!
-//! Sixteen numbers (clause 2.6/2) on one line; in rows of four or each on its own line by ruling `lum-layout`.
+//! Sixteen numbers (clause 2.6/2) on one line; four or one per line by ruling `lum-layout`.
 
 use super::output::Output;
 use super::recipe::Numbers;

@@ -1,7 +1,7 @@
 //! §2.9 Compressed Data
 //!
-//! The parameter, six lists with a number for each plane (motion vectors: two), and the planes (clause 2.9/1). Each list
-//! has a line of its own, motion two (ruling `list-layout`); other splits into lines by ruling `list-lines`.
+//! The parameter, six lists with a number for each plane (motion vectors: two), and the planes (clause 2.9/1). Each list has
+//! its own line, motion two (ruling `list-layout`); other splits into lines by ruling `list-lines`.
 
 use super::model::Model;
 use super::output::Output;
@@ -17,7 +17,7 @@ pub(super) fn write(model: &Model, out: &mut Output) {
     write_planes(compressed, out);
 }
 
-/// 2.9.1–2.9.7.
+/// Writes 2.9.1–2.9.7.
 fn write_lists(compressed: &Compressed, out: &mut Output) {
     let Compressed { plan, planes } = compressed;
     let sizes: Vec<usize> = planes.iter().map(|plane| plane.stream.len()).collect();
@@ -70,13 +70,13 @@ fn write_list(
     let ends = match out.spelling.lists {
         Lists::Lines | Lists::NumberPerLine => true,
         Lists::MotionOnOneLine => line != Line::MotionX,
-        // The header must end in a line feed, whatever stands before.
+        // The header must end in a line feed, whatever precedes it.
         Lists::OneLine => line == Line::SideSizes,
     };
     out.line_end_or_gap(ends, line);
 }
 
-/// 2.9.8: in the order of the planes, whatever the order of decoding (ruling `planes-stored`).
+/// Writes 2.9.8: in plane order, whatever the order of decoding (ruling `planes-stored`).
 fn write_planes(compressed: &Compressed, out: &mut Output) {
     for plane in &compressed.planes {
         out.take("2.9.8/1", "plane", &plane.stream);

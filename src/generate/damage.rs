@@ -1,8 +1,7 @@
-//! One fault at a time.
+//! Damages: one fault at a time.
 //!
-//! A damage is a named edit of a file that was in order. Some make a file that must be refused, some a file that is outside
-//! the specification; which is which is said by the cases. The damages themselves are in `spec-cases/damages.yaml`, whose
-//! README says what each edit means; here is what carries them out.
+//! A damage is a named edit of a valid file. The result must be refused or is outside the specification, as the cases that use
+//! it say. The damages are defined in `spec-cases/damages.yaml`, and its README explains each edit; this module applies them.
 //!
 //! Every edit replaces ranges of the undamaged file, so the edits of a damage do not depend on their order.
 
@@ -26,35 +25,35 @@ pub struct Damage {
     /// A slug that cases use.
     #[cfg_attr(feature = "harness", serde(rename = "slug"))]
     pub name: String,
-    /// The clause it breaks, or goes beyond.
+    /// The clause that it breaks or goes beyond.
     pub clause: String,
-    /// What is then wrong with the file, as a clause without a full stop.
+    /// The resulting fault of the file, as a clause without a full stop.
     pub effect: String,
-    /// The only files that it can be done to.
+    /// The only files that it applies to.
     needs: Needs,
     replace: BTreeMap<Place, String>,
     overwrite: BTreeMap<Place, String>,
     fill: BTreeMap<Place, String>,
     flip: BTreeMap<Place, String>,
     insert: BTreeMap<Place, String>,
-    /// How many bytes go: the first ones, or below zero the last ones.
+    /// Number of bytes to remove: the first ones, or the last ones if negative.
     cut: BTreeMap<Place, isize>,
-    /// What is added to a number; it may take 65 bits.
+    /// The amount to add to a number; it may have 65 bits.
     add: BTreeMap<Place, String>,
-    /// A number that goes with the space between it and its neighbor.
+    /// A number to remove, together with the space between it and its neighbor.
     remove: Option<Place>,
     remove_line: Option<Place>,
-    /// Where the file ends.
+    /// The new end of the file.
     end: Option<Place>,
-    /// Bytes of the header and what each becomes.
+    /// Bytes of the header and their replacements.
     header: BTreeMap<String, String>,
     index: BTreeMap<Texel, Index>,
-    /// Whether compressed sizes and side sizes become those of the edited planes.
+    /// True if compressed sizes and side sizes are adjusted to the edited planes.
     fit: bool,
     reads_as: Option<Change>,
 }
 
-/// The only files that a damage can be done to.
+/// The only files that a damage applies to.
 #[derive(Clone, Debug, Default)]
 #[cfg_attr(
     feature = "harness",
@@ -78,7 +77,7 @@ enum Codec {
     JpegLs,
 }
 
-/// A texel whose index is set, in the order in which indices are stored.
+/// A texel whose index is set, in stored order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 #[cfg_attr(
     feature = "harness",
@@ -95,7 +94,7 @@ enum Texel {
     Last,
 }
 
-/// What an index becomes.
+/// The new value of an index.
 #[derive(Clone, Copy, Debug)]
 #[cfg_attr(
     feature = "harness",
@@ -112,7 +111,7 @@ enum Index {
     AllOnes,
 }
 
-/// What the values become for a reader that reads on regardless.
+/// The resulting values, for a reader that reads on regardless.
 #[derive(Clone, Copy, Debug)]
 #[cfg_attr(
     feature = "harness",
@@ -124,23 +123,23 @@ enum Index {
     allow(dead_code, reason = "the suite reads them from damages.yaml")
 )]
 enum Change {
-    /// Of LRGB, as by version 1.1: nine bytes of each texel side by side, from the bottom left.
+    /// LRGB values, read as version 1.1: nine adjacent bytes per texel, from the bottom left.
     InterleavedTexels,
     #[cfg_attr(feature = "harness", serde(rename = "plane-1-is-128"))]
     PlaneOneIs128,
 }
 
-/// A part of the undamaged file and what takes its place.
+/// A part of the undamaged file and its replacement.
 type Splice = (Spot, Vec<u8>);
 
-/// How many bytes an edit takes from its place, and what it puts there.
+/// The number of bytes that an edit removes at its place, and the bytes that it inserts.
 type Edited = (usize, Vec<u8>);
 
 impl Damage {
-    /// The edited file.
+    /// Returns the edited file.
     ///
     /// # Errors
-    /// A sentence, where the file has no such place.
+    /// A sentence, if the file has no such place.
     pub fn apply(&self, written: &Written, model: &Model) -> Result<Vec<u8>, String> {
         self.needs.check(model)?;
         let file = Named { written, model };
@@ -148,7 +147,7 @@ impl Damage {
         splices.extend(self.header_bytes(&file));
         splices.extend(self.cuts(&file)?);
         for (place, number) in &self.add {
-            splices.push(sum(&file, place, number)?);
+            splices.push(add_to_number(&file, place, number)?);
         }
         for (&texel, &index) in &self.index {
             splices.push(set_index(&file, texel, index)?);
@@ -156,10 +155,10 @@ impl Damage {
         if self.fit {
             splices.extend(sizes(&file, &splices));
         }
-        spliced(&written.bytes, splices)
+        apply_splices(&written.bytes, splices)
     }
 
-    /// Edits that put bytes somewhere.
+    /// Returns the edits that insert bytes.
     fn contents(&self, file: &Named) -> Result<Vec<Splice>, String> {
         let edits: [(&BTreeMap<Place, String>, fn(&[u8], Vec<u8>) -> Edited); 5] = [
             (&self.replace, |old, new| (old.len(), new)),
@@ -185,7 +184,7 @@ impl Damage {
         Ok(splices)
     }
 
-    /// Bytes of the header, wherever they are.
+    /// Replaces bytes of the header, wherever they are.
     fn header_bytes(&self, file: &Named) -> Vec<Splice> {
         let header = file.text(&(0..file.written.payload));
         let each = |(old, new): (&String, &String)| -> Vec<Splice> {
@@ -196,7 +195,7 @@ impl Damage {
         self.header.iter().flat_map(each).collect()
     }
 
-    /// Edits that only take bytes away.
+    /// Returns the edits that only remove bytes.
     fn cuts(&self, file: &Named) -> Result<Vec<Splice>, String> {
         let bytes = &file.written.bytes;
         let mut gone = Vec::new();
@@ -229,11 +228,11 @@ impl Damage {
         Ok(gone.into_iter().map(|spot| (spot, Vec::new())).collect())
     }
 
-    /// The values that a reader finds who reads on regardless.
+    /// Returns the values for a reader that reads on regardless.
     #[must_use]
     pub fn values(&self, model: &Model) -> Model {
         match self.reads_as {
-            Some(Change::InterleavedTexels) if model.format == Format::Lrgb => interleaved(model),
+            Some(Change::InterleavedTexels) if model.format == Format::Lrgb => interleave(model),
             Some(Change::PlaneOneIs128) => {
                 let mut model = model.clone();
                 let channels = model.format.channels();
@@ -268,7 +267,7 @@ impl Needs {
     }
 }
 
-/// The bytes that a content stands for at a place: `hex` bytes, a stand-in `stream`, or text.
+/// Returns the bytes of a content at a place: `hex` bytes, a stand-in `stream`, or text.
 fn content_of(content: &str, file: &Named, at: &Range<usize>) -> Result<Vec<u8>, String> {
     if let Some(hex) = content.strip_prefix("hex ") {
         let words = hex
@@ -285,13 +284,13 @@ fn content_of(content: &str, file: &Named, at: &Range<usize>) -> Result<Vec<u8>,
         .and_then(|(text, rest)| Some((text, rest.split_once('}')?)))
     {
         bytes += text;
-        bytes += &file.filled(inside, at)?;
+        bytes += &file.fill(inside, at)?;
         rest = after;
     }
     Ok((bytes + rest).into_bytes())
 }
 
-/// `ff`, `a5*5000` or `80*{texels}`: a byte, once or several times; `{texels}`: their number in four bytes, high byte first.
+/// Parses `ff`, `a5*5000` or `80*{texels}`: a byte and an optional count; `{texels}` is their number in four bytes, big-endian.
 fn hex_bytes(word: &str, model: &Model) -> Result<Vec<u8>, String> {
     let unknown = || format!("expected a byte in hex, found {word:?}");
     let texels = model.size.texels();
@@ -310,8 +309,8 @@ fn hex_bytes(word: &str, model: &Model) -> Result<Vec<u8>, String> {
     Ok(vec![byte.ok_or_else(unknown)?; times.ok_or_else(unknown)?])
 }
 
-/// A number and something more.
-fn sum(file: &Named, place: &Place, more: &str) -> Result<Splice, String> {
+/// Adds `more` to a number.
+fn add_to_number(file: &Named, place: &Place, more: &str) -> Result<Splice, String> {
     let spot = file.spot(place)?;
     let number = |text: &str| {
         let number: Result<i128, _> = text.parse();
@@ -321,7 +320,7 @@ fn sum(file: &Named, place: &Place, more: &str) -> Result<Splice, String> {
     Ok((spot, sum.to_string().into_bytes()))
 }
 
-/// An index that no entry has.
+/// Sets an index to a value that no entry has.
 fn set_index(file: &Named, texel: Texel, index: Index) -> Result<Splice, String> {
     let entries = file.model.entries();
     let width = if entries > 256 { 2 } else { 1 };
@@ -348,7 +347,7 @@ fn set_index(file: &Named, texel: Texel, index: Index) -> Result<Splice, String>
     ))
 }
 
-/// The sizes of planes and of their side information as these splices change them.
+/// Returns the sizes of planes and of their side information after these splices.
 fn sizes(file: &Named, splices: &[Splice]) -> Vec<Splice> {
     let size = |(list, part): (Spot, Spot)| {
         let mine = splices.iter().filter(|(spot, _)| spot.field == part.field);
@@ -367,9 +366,9 @@ fn sizes(file: &Named, splices: &[Splice]) -> Vec<Splice> {
     .collect()
 }
 
-/// The file with these splices, which do not overlap.
-fn spliced(bytes: &[u8], mut splices: Vec<Splice>) -> Result<Vec<u8>, String> {
-    // Places without bytes may share their beginning with a field after them.
+/// Applies splices that do not overlap to a file.
+fn apply_splices(bytes: &[u8], mut splices: Vec<Splice>) -> Result<Vec<u8>, String> {
+    // Places without bytes may have the same start as a field after them.
     splices.sort_by_key(|(spot, _)| (spot.range.start, spot.field));
     let (mut edited, mut at) = (Vec::with_capacity(bytes.len()), 0);
     for (Spot { range, .. }, new) in splices {
@@ -382,8 +381,8 @@ fn spliced(bytes: &[u8], mut splices: Vec<Splice>) -> Result<Vec<u8>, String> {
     Ok(edited)
 }
 
-/// Each texel as the nine bytes side by side that version 1.1 finds in the payload of an LRGB file.
-fn interleaved(model: &Model) -> Model {
+/// Returns each texel as the nine adjacent bytes that version 1.1 finds in the payload of an LRGB file.
+fn interleave(model: &Model) -> Model {
     let row = model.size.width as usize * 9;
     let rows = model.samples.chunks(row).rev();
     let bottom_up: Vec<&[u8]> = rows.flat_map(|row| row.chunks(9)).collect();

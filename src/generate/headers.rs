@@ -1,16 +1,16 @@
-//! The headers of a stream, in another order and with another name of the component.
+//! Rewriting of the headers of a stream: another order, another component id.
 
 use super::plan::Stream;
-use crate::codec::segments::{Segment, apart, together};
+use crate::codec::segments::{Segment, join_segments, split_segments};
 
-// A marker, and places behind the length of a segment.
+// A marker, and offsets after the length of a segment.
 const JFIF: u8 = 0xe0;
 const COMPONENT_OF_FRAME: usize = 6;
 const COMPONENT_OF_SCAN: usize = 1;
 
-/// The same stream with the headers that `style` asks for.
+/// Returns the stream with the headers that `style` requests.
 pub(super) fn with_headers(stream: &[u8], style: &Stream) -> Vec<u8> {
-    let (mut segments, data) = apart(stream).expect("a stream of our encoders");
+    let (mut segments, data) = split_segments(stream).expect("a stream of our encoders");
     if !style.jfif {
         segments.retain(|segment| segment.code != JFIF);
     }
@@ -27,7 +27,7 @@ pub(super) fn with_headers(stream: &[u8], style: &Stream) -> Vec<u8> {
     if let Some(scan) = segments.last_mut() {
         scan.content[COMPONENT_OF_SCAN] = style.component;
     }
-    together(&segments, data)
+    join_segments(&segments, data)
 }
 
 #[cfg(test)]
@@ -36,9 +36,9 @@ mod tests {
     use crate::codec::jpeg::{self, JpegOptions};
     use crate::codec::jpeg_ls::{self, JpegLsOptions, PresetParameters};
 
-    /// The markers of the segments up to the scan header.
+    /// Returns the markers of the segments up to the scan header.
     fn markers(stream: &[u8]) -> Vec<u8> {
-        let (segments, _) = apart(stream).expect("a stream of our encoders");
+        let (segments, _) = split_segments(stream).expect("a stream of our encoders");
         segments.iter().map(|segment| segment.code).collect()
     }
 

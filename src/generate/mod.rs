@@ -1,7 +1,8 @@
 //! Values → bytes: the mirror of [`mod@crate::decode`], with the same sections under the same names.
 //!
-//! This side never asks the other: two independent implementations of one text can disagree, one implementation used twice cannot. It writes every legal
-//! spelling of a file and, with [`damage`], files that must be refused. The same recipe gives the same bytes everywhere.
+//! This module never uses `decode`: two independent implementations of one text can disagree, one implementation used twice
+//! cannot. It writes every legal spelling of a file and, with [`damage`], files that must be refused. The same recipe gives the
+//! same bytes everywhere.
 
 mod output;
 
@@ -38,34 +39,34 @@ mod predict;
 /// §2.9.8 Compressed Coefficient Planes
 pub mod planes;
 
-/// The headers of a stream, in another order and with another name of the component.
+/// Rewriting of the headers of a stream: another order, another component id.
 mod headers;
 
-/// What to write: format, size, scene, numbers, spelling.
+/// Recipes for files: format, size, scene, numbers, spelling.
 pub mod recipe;
 
-/// How planes are compressed: structure, transforms, motion, side information, streams.
+/// Compression of planes: structure, transforms, motion, side information, streams.
 pub mod plan;
 
-/// Every legal way to write the same header.
+/// All legal spellings of a header.
 pub mod spelling;
 
-/// What is painted.
+/// Scenes that are painted.
 pub mod scene;
 
-/// The bytes that a scene paints.
+/// The samples of a scene.
 mod paint;
 
 /// Painted maps whose planes, coefficients and colors are known by construction.
 pub mod model;
 
-/// One fault at a time.
+/// Damages: one fault at a time.
 pub mod damage;
 
 /// Places in a file, as damages name them.
 mod place;
 
-/// Streams that do not belong where they are.
+/// Streams with the wrong properties, to replace one of a file.
 mod stand_in;
 
 pub use damage::Damage;
@@ -88,7 +89,7 @@ pub fn write(recipe: &Recipe, model: &Model) -> Written {
     out.into_written()
 }
 
-/// 2.1–2.4.
+/// Writes 2.1–2.4.
 fn write_header(recipe: &Recipe, out: &mut Output) {
     header_string::write(out);
     format_string::write(recipe.format, out);
@@ -96,7 +97,7 @@ fn write_header(recipe: &Recipe, out: &mut Output) {
     scale_bias::write(&recipe.scale, &recipe.bias, out);
 }
 
-/// 2.5–2.9.
+/// Writes 2.5–2.9.
 fn write_planes(recipe: &Recipe, model: &Model, out: &mut Output) {
     match recipe.format {
         Format::Rgb | Format::Lrgb => texels::write(model, out),

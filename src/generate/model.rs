@@ -1,10 +1,10 @@
 //! Painted maps whose planes, coefficients and colors are known by construction.
 //!
-//! What a file means is computed here from what was painted, not by decoding the file.
+//! The meaning of a file is computed here from what was painted, not by decoding the file.
 
 use std::collections::HashMap;
 
-use super::paint::{index, sample};
+use super::paint::{entry_of_texel, sample};
 use super::planes::{self, Compressed};
 use super::recipe::Recipe;
 use crate::ptm::{Format, Size};
@@ -12,13 +12,13 @@ use crate::ptm::{Format, Size};
 /// The values of a file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Model {
-    /// Which format.
+    /// The format.
     pub format: Format,
     /// Width and height.
     pub size: Size,
     /// `height * width * channels` stored values, texel after texel, top row first.
     pub samples: Vec<u8>,
-    /// The table's entries one after the other; empty without one.
+    /// The entries of the table, one after another; empty without a table.
     pub table: Vec<u8>,
     /// The entry of each texel, top row first; empty without a table.
     pub indices: Vec<u32>,
@@ -26,12 +26,11 @@ pub struct Model {
     pub scale: [f64; 6],
     /// The biases.
     pub bias: [f64; 6],
-    /// The sixteen numbers of the matrix, columns first.
+    /// The sixteen numbers of the matrix, column-major.
     pub matrix: [f64; 16],
     /// The streams of a compressed format.
     pub compressed: Option<Compressed>,
-    /// For each of the samples, how far another inverse DCT may be off, counted around the circle of 256 values; empty
-    /// where none can be.
+    /// Maximum deviation of each sample between inverse DCTs, modulo 256; empty if all inverse DCTs agree.
     pub slack: Vec<u8>,
 }
 
@@ -54,10 +53,10 @@ impl Model {
         model
     }
 
-    /// The values of a map that exists, in the header and the format of `recipe`: `samples` as in [`Model::samples`].
+    /// Returns the values of an existing map, in the header and the format of `recipe`: `samples` as in [`Model::samples`].
     ///
-    /// A table has the distinct texels in the order in which they are stored. What a lossy compression leaves of the
-    /// samples is the model's.
+    /// The table has the distinct texels in stored order. After lossy compression, the samples of the model are those that a
+    /// decoder returns.
     ///
     /// # Errors
     /// If the map has more distinct texels than a table can have entries.
@@ -71,7 +70,7 @@ impl Model {
         Ok(model)
     }
 
-    /// The values, with neither table nor streams yet.
+    /// Returns the values, with neither table nor streams yet.
     fn uncompressed(recipe: &Recipe, samples: Vec<u8>) -> Model {
         Model {
             format: recipe.format,
@@ -87,7 +86,7 @@ impl Model {
         }
     }
 
-    /// The streams, and the samples that an exact decoder makes of them.
+    /// Encodes the streams, and sets the samples that an exact decoder returns for them.
     fn compress(&mut self, recipe: &Recipe) {
         let encoding = planes::encode(recipe, &self.samples);
         self.samples = encoding.samples;
@@ -95,14 +94,14 @@ impl Model {
         self.compressed = Some(encoding.compressed);
     }
 
-    /// A table of the distinct texels, and the indices that name them.
+    /// Makes a table of the distinct texels, and the indices that name them.
     fn collect_table(&mut self) -> Result<(), String> {
         const MOST: usize = 65_536;
         let (size, width) = (self.entry_size(), self.size.width as usize);
         let mut known: HashMap<&[u8], u32> = HashMap::new();
         let mut indices = vec![0; self.size.texels()];
         let mut table = Vec::new();
-        // From the bottom row up, as they are stored.
+        // From the bottom row up, in stored order.
         for row in (0..self.size.height as usize).rev() {
             let texels = row * width..(row + 1) * width;
             for (index, texel) in indices[texels.clone()].iter_mut().zip(texels) {
@@ -124,7 +123,7 @@ impl Model {
         Ok(())
     }
 
-    /// The table, the indices, and the samples that come of them.
+    /// Paints the table and the indices, and sets the resulting samples.
     fn paint_table(&mut self, recipe: &Recipe) {
         let size = self.entry_size();
         self.table = (0..recipe.entries as usize * size)
@@ -134,26 +133,26 @@ impl Model {
             self.table[0] = first;
         }
         self.indices = (0..self.size.texels())
-            .map(|texel| index(recipe, texel))
+            .map(|texel| entry_of_texel(recipe, texel))
             .collect();
         for (texel, &index) in self.samples.chunks_exact_mut(9).zip(&self.indices) {
             texel[..size].copy_from_slice(&self.table[index as usize * size..][..size]);
         }
     }
 
-    /// Bytes of a table entry: 6, or 9 where the color is in the table.
+    /// Returns the bytes of a table entry: 6, or 9 if the table has colors.
     #[must_use]
     pub fn entry_size(&self) -> usize {
         if self.format == Format::PtmCLut { 9 } else { 6 }
     }
 
-    /// Entries of the table.
+    /// Returns the number of entries of the table.
     #[must_use]
     pub fn entries(&self) -> usize {
         self.table.len() / self.entry_size()
     }
 
-    /// `height * width * channels` final values: (raw − bias) · scale for coefficients, the byte itself for the rest.
+    /// Returns `height * width * channels` final values: (raw − bias) · scale for coefficients, the byte itself for the rest.
     #[must_use]
     pub fn coefficients(&self) -> Vec<f64> {
         let channels = self.format.channels();
@@ -167,7 +166,7 @@ impl Model {
         self.samples.iter().enumerate().map(value).collect()
     }
 
-    /// `height * width * 3` colors from 0 to 255 under the light (`u`, `v`), not rounded.
+    /// Returns `height * width * 3` colors from 0 to 255 under the light (`u`, `v`), not rounded.
     #[must_use]
     pub fn picture(&self, u: f64, v: f64) -> Vec<f64> {
         let powers = [u * u, v * v, u * v, u, v, 1.0];
@@ -201,7 +200,7 @@ impl Model {
             .collect()
     }
 
-    /// How far each of the final values may be off where inverse DCTs differ; empty where none may.
+    /// Returns the maximum deviation of each final value between inverse DCTs; empty if all agree.
     #[must_use]
     pub fn coefficient_slack(&self) -> Vec<f64> {
         let channels = self.format.channels();
@@ -213,7 +212,7 @@ impl Model {
         self.slack.iter().enumerate().map(slack).collect()
     }
 
-    /// How far each color may be off; empty where none may.
+    /// Returns the maximum deviation of each color between inverse DCTs; empty if all agree.
     #[must_use]
     pub fn picture_slack(&self, u: f64, v: f64) -> Vec<f64> {
         let powers = [u * u, v * v, u * v, u, v, 1.0];
@@ -227,7 +226,7 @@ impl Model {
             if values.len() == 18 {
                 [0, 6, 12].map(|channel| sum(&slack[channel..channel + 6], f64::abs))
             } else {
-                // The largest that a product can be off where both factors are.
+                // The maximum deviation of a product of two values that both deviate.
                 let (luminance, off) = (
                     sum(&values[..6], |term| term).abs(),
                     sum(&slack[..6], f64::abs),

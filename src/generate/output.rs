@@ -1,22 +1,22 @@
-//! Writing verbs that keep the map of what they wrote: the mirror of the reader's verbs.
+//! Writing methods that record the map of what they wrote: the mirror of the reader's methods.
 
 use super::spelling::{Line, Spelling};
 use crate::ptm::Field;
 
-/// A file and what its bytes are.
+/// A file and the meaning of its bytes.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Written {
     /// The file.
     pub bytes: Vec<u8>,
-    /// Its fields in file order: the map from a byte to what it means.
+    /// Its fields in file order, which map each byte to its meaning.
     pub fields: Vec<Field>,
-    /// Where the first byte stands that is not header text.
+    /// The position of the first byte that is not header text.
     pub payload: usize,
 }
 
-/// A file in the making.
+/// A file that is being written.
 pub(super) struct Output<'a> {
-    /// How the header is spelled.
+    /// The spelling of the header.
     pub spelling: &'a Spelling,
     bytes: Vec<u8>,
     fields: Vec<Field>,
@@ -42,12 +42,12 @@ impl<'a> Output<'a> {
         }
     }
 
-    /// One field.
+    /// Writes one field.
     pub fn token(&mut self, clause: &'static str, name: &'static str, text: &str) {
         self.field(clause, name, text.as_bytes());
     }
 
-    /// Numbers with gaps between them.
+    /// Writes numbers with gaps between them.
     pub fn numbers(&mut self, clause: &'static str, name: &'static str, texts: &[&str]) {
         for (i, text) in texts.iter().enumerate() {
             if i > 0 {
@@ -57,13 +57,13 @@ impl<'a> Output<'a> {
         }
     }
 
-    /// The spaces between two numbers (clause 2.4/5).
+    /// Writes the spaces between two numbers (clause 2.4/5).
     pub fn gap(&mut self) {
         self.bytes
             .resize(self.bytes.len() + self.spelling.gap, b' ');
     }
 
-    /// The end of a line, with its optional space (clause 2.0/2).
+    /// Writes the end of a line, with its optional space (clause 2.0/2).
     pub fn line_end(&mut self, line: Line) {
         if self.spelling.space_before_newline.contains(&line) {
             self.bytes.push(b' ');
@@ -71,7 +71,7 @@ impl<'a> Output<'a> {
         self.bytes.push(b'\n');
     }
 
-    /// A line end in the middle of a section, or a gap: as the spelling has it.
+    /// Writes a line end in the middle of a section, or a gap, depending on the spelling.
     pub fn line_end_or_gap(&mut self, two_lines: bool, line: Line) {
         if two_lines {
             self.line_end(line);
@@ -80,7 +80,7 @@ impl<'a> Output<'a> {
         }
     }
 
-    /// Bytes of the payload.
+    /// Writes bytes of the payload.
     pub fn take(&mut self, clause: &'static str, name: &'static str, bytes: &[u8]) {
         self.payload.get_or_insert(self.bytes.len());
         self.field(clause, name, bytes);

@@ -1,9 +1,9 @@
-//! The bytes that a scene paints: whole numbers only, so that a recipe gives the same values on every machine.
+//! The samples of a scene: computed with integers only, so that a recipe gives the same values on every machine.
 
 use super::recipe::{Indices, Recipe};
 use super::scene::Scene;
 
-/// The painted byte of a channel of a texel, or of an entry.
+/// Returns the painted byte of a channel of a texel, or of an entry.
 #[expect(
     clippy::match_same_arms,
     reason = "a table reads better with a line for each of its rows"
@@ -11,7 +11,7 @@ use super::scene::Scene;
 pub(super) fn sample(recipe: &Recipe, texel: usize, channel: usize) -> u8 {
     let noise = hash(recipe.seed, texel, channel) as u8;
     if recipe.scene == Scene::Noise {
-        // Most of all samples; no place is divided out for them.
+        // The most frequent scene returns before divisions are done for coordinates.
         return noise;
     }
     let (width, height) = (recipe.size.width as usize, recipe.size.height as usize);
@@ -34,10 +34,10 @@ pub(super) fn sample(recipe: &Recipe, texel: usize, channel: usize) -> u8 {
         Scene::Framed(value) if x.min(y) < 2 || x + 2 >= width || y + 2 >= height => value,
         Scene::Framed(_) => noise,
         Scene::Soft => 96 + noise % 64,
-        // Along a line x + y is the same, because y runs downward here.
+        // x + y is constant along a line, because y runs downward here.
         Scene::Diagonals => hash(recipe.seed, (x + y) % 4, channel) as u8,
-        Scene::Columns => two(recipe.seed, x, channel),
-        Scene::Rows => two(recipe.seed, y, channel),
+        Scene::Columns => alternating_byte(recipe.seed, x, channel),
+        Scene::Rows => alternating_byte(recipe.seed, y, channel),
         Scene::Edges if x % 8 < 4 => [200, 40][channel % 2],
         Scene::Edges if channel % 4 < 2 => 120 + drift(recipe.seed, y),
         Scene::Edges => 120 - drift(recipe.seed, y),
@@ -46,13 +46,13 @@ pub(super) fn sample(recipe: &Recipe, texel: usize, channel: usize) -> u8 {
     }
 }
 
-/// How far a value has come that changes in two of three rows.
+/// Returns the drift of a value that changes in two of three rows.
 fn drift(seed: u32, y: usize) -> u8 {
     (2 * (y + seed as usize) / 3 % 60) as u8
 }
 
-/// One of two bytes of different parity, in turn.
-fn two(seed: u32, place: usize, channel: usize) -> u8 {
+/// Returns one of two bytes of different parity, alternately.
+fn alternating_byte(seed: u32, place: usize, channel: usize) -> u8 {
     let even = hash(seed, 0, channel) as u8;
     if place.is_multiple_of(2) {
         even
@@ -61,8 +61,8 @@ fn two(seed: u32, place: usize, channel: usize) -> u8 {
     }
 }
 
-/// The entry of a texel.
-pub(super) fn index(recipe: &Recipe, texel: usize) -> u32 {
+/// Returns the entry of a texel.
+pub(super) fn entry_of_texel(recipe: &Recipe, texel: usize) -> u32 {
     let entries = recipe.entries;
     let any = hash(recipe.seed ^ 0x5bd1, texel, 99);
     match &recipe.indices {
@@ -73,7 +73,7 @@ pub(super) fn index(recipe: &Recipe, texel: usize) -> u32 {
         },
         Indices::Below(limit) => any % entries.min(*limit),
         Indices::BytesDiffer => {
-            // Walk on to the next index whose bytes differ; of two neighbors one always does.
+            // Continue to the next index whose bytes differ; of two neighbors one always does.
             let start = any % entries;
             (0..entries)
                 .map(|step| (start + step) % entries)
@@ -84,7 +84,7 @@ pub(super) fn index(recipe: &Recipe, texel: usize) -> u32 {
     }
 }
 
-/// A pseudo-random number for a place: the finalizer of `MurmurHash3` over seed, texel and channel.
+/// Returns a pseudo-random number: the finalizer of `MurmurHash3` over seed, texel and channel.
 pub(super) fn hash(seed: u32, texel: usize, channel: usize) -> u32 {
     let mut h = seed.wrapping_mul(0x9e37_79b1)
         ^ (texel as u32).wrapping_mul(0x85eb_ca77)

@@ -1,4 +1,4 @@
-//! Places in a file, as damages name them: `width`, `bias[5]`, `plane[last].da+7`, `file-1 row`.
+//! Places in a file, in the syntax of damages: `width`, `bias[5]`, `plane[last].da+7`, `file-1 row`.
 
 use std::ops::Range;
 use std::str::FromStr;
@@ -20,19 +20,19 @@ pub(super) struct Place {
     offset: Offset,
 }
 
-/// Which of the fields of one name.
+/// A choice among fields of the same name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Which {
     Nth(usize),
     Last,
     All,
-    /// That of the predicted plane of the largest rank.
+    /// The field of the predicted plane of the largest rank.
     Predicted,
-    /// That of the plane from which it is predicted.
+    /// The field of the reference of that plane.
     Reference,
-    /// That of the plane of the smallest rank.
+    /// The field of the plane of the smallest rank.
     First,
-    /// That of the first plane that is predicted from plane 0.
+    /// The field of the first plane that is predicted from plane 0.
     FromZero,
 }
 
@@ -45,11 +45,11 @@ enum Segment {
     Frame,
     /// From the scan header to the end.
     Scan,
-    /// What follows the scan header, without EOI.
+    /// The data after the scan header, without EOI.
     Data,
 }
 
-/// Where in the field; the place is the rest of it.
+/// A position in a field; the place is the rest of the field.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Offset {
     Forward(usize),
@@ -60,7 +60,7 @@ enum Offset {
     Half,
 }
 
-/// What a field may be called.
+/// Names of fields.
 const NAMES: [&str; 27] = [
     "file",
     "header",
@@ -159,7 +159,7 @@ impl Segment {
         })
     }
 
-    /// Its bytes in a stream.
+    /// Returns its bytes in a stream.
     fn range(self, stream: &[u8]) -> Option<Range<usize>> {
         let found = match self {
             Segment::Marker(code) => segment(stream, code)?,
@@ -171,7 +171,7 @@ impl Segment {
     }
 }
 
-/// The first segment with this marker code before the data of a stream.
+/// Returns the first segment with this marker code before the data of a stream.
 pub(super) fn segment(stream: &[u8], code: u8) -> Option<Range<usize>> {
     let mut at = 2;
     loop {
@@ -200,7 +200,7 @@ impl Which {
         })
     }
 
-    /// The plane that is meant, of a compressed file.
+    /// Returns the selected plane of a compressed file.
     fn plane(self, model: &Model) -> Option<usize> {
         let plan = &model.compressed.as_ref()?.plan;
         let by_rank = plan.in_order();
@@ -216,7 +216,7 @@ impl Which {
     }
 }
 
-/// A range of a file, and the number of the field it belongs to among all fields.
+/// A range of a file, and the number of its field among all fields.
 #[derive(Clone, Debug)]
 pub(super) struct Spot {
     pub field: usize,
@@ -224,7 +224,7 @@ pub(super) struct Spot {
 }
 
 impl Spot {
-    /// A range that is no field's.
+    /// Makes a range that belongs to no field.
     pub fn outside(range: Range<usize>) -> Spot {
         Spot {
             field: usize::MAX,
@@ -233,14 +233,14 @@ impl Spot {
     }
 }
 
-/// A file and what its places are called.
+/// A file with named places.
 pub(super) struct Named<'a> {
     pub written: &'a Written,
     pub model: &'a Model,
 }
 
 impl Named<'_> {
-    /// The bytes of a place that is one.
+    /// Returns the bytes of a place that is a single one.
     pub fn spot(&self, place: &Place) -> Result<Spot, String> {
         let spots = self.spots(place)?;
         let [spot] = &spots[..] else {
@@ -249,7 +249,7 @@ impl Named<'_> {
         Ok(spot.clone())
     }
 
-    /// The bytes of a place, which may be several.
+    /// Returns the bytes of a place, which may be several.
     pub fn spots(&self, place: &Place) -> Result<Vec<Spot>, String> {
         let missing = || format!("the file has no such {}", place.name);
         let spots = self.fields(place).ok_or_else(missing)?.into_iter();
@@ -260,7 +260,7 @@ impl Named<'_> {
         spots.map(part).collect::<Option<_>>().ok_or_else(missing)
     }
 
-    /// Whole fields.
+    /// Returns whole fields.
     fn fields(&self, place: &Place) -> Option<Vec<Spot>> {
         let (payload, end) = (self.written.payload, self.written.bytes.len());
         let named = self.named(&place.name);
@@ -280,7 +280,7 @@ impl Named<'_> {
         Some(vec![Spot::outside(range)])
     }
 
-    /// The fields of that name, in file order.
+    /// Returns the fields of that name, in file order.
     pub fn named(&self, name: &str) -> Vec<Spot> {
         let fields = self.written.fields.iter().enumerate();
         let named = fields.filter(|(_, field)| field.name == name);
@@ -291,7 +291,7 @@ impl Named<'_> {
         named.map(spot).collect()
     }
 
-    /// The part of a field that a place is.
+    /// Returns the part of a field that a place selects.
     fn part(
         &self,
         place: &Place,
@@ -317,13 +317,13 @@ impl Named<'_> {
         Some(start..end)
     }
 
-    /// The text of a range.
+    /// Returns the text of a range.
     pub fn text(&self, range: &Range<usize>) -> String {
         String::from_utf8_lossy(&self.written.bytes[range.clone()]).into_owned()
     }
 
-    /// What `{inside}` stands for in the new content of a range.
-    pub fn filled(&self, inside: &str, at: &Range<usize>) -> Result<String, String> {
+    /// Returns the value of `{inside}` in the new content of a range.
+    pub fn fill(&self, inside: &str, at: &Range<usize>) -> Result<String, String> {
         let plane = |which: Which| which.plane(self.model).map(|plane| plane.to_string());
         let value = match inside {
             "" => Some(self.text(at)),

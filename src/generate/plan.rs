@@ -1,4 +1,4 @@
-//! How planes are compressed: the lists of §2.9 and what is painted into the planes.
+//! Compression of planes: the lists of §2.9 and the samples that are painted into the planes.
 
 #![allow(clippy::cast_possible_wrap, reason = "planes are at most 18")]
 
@@ -8,7 +8,7 @@ use super::predict::{INVERSION, MOTION};
 use crate::codec::jpeg_ls::PresetParameters;
 use crate::ptm::{Format, Size};
 
-/// Which standard the planes are streams of.
+/// The standard of the streams.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Coding {
     /// ITU-T T.81.
@@ -17,12 +17,12 @@ pub enum Coding {
     JpegLs,
 }
 
-/// How planes are compressed. All lists have a number for each plane.
+/// Parameters for the compression of planes. All lists have a number for each plane.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Compression {
-    /// Quality of JPEG, largest loss of JPEG-LS (2.9.1).
+    /// Quality of JPEG, maximum error of JPEG-LS (2.9.1).
     pub parameter: u8,
-    /// What is done to the reference (2.9.2).
+    /// Transforms of the references (2.9.2).
     pub transforms: Vec<u32>,
     /// Motion along rows, in half texels (2.9.3).
     pub motion_x: Vec<i32>,
@@ -30,19 +30,19 @@ pub struct Compression {
     pub motion_y: Vec<i32>,
     /// The rank of each plane (2.9.4).
     pub order: Vec<i64>,
-    /// The plane that each is predicted from; negative for none (2.9.5).
+    /// The reference of each plane; negative for none (2.9.5).
     pub references: Vec<i64>,
     /// Side information in addition to what is needed (2.9.8).
     pub records: Vec<Records>,
-    /// What is painted: the planes, or what is left of them.
+    /// The painted samples: the planes, or their residuals.
     pub residuals: Residuals,
     /// The spelling of the streams.
     pub stream: Stream,
-    /// Only the streams of planes 0, 2, 4 … are so; the others are plain.
+    /// True if only the streams of planes 0, 2, 4 … have this spelling; the others are plain.
     pub alternates: bool,
 }
 
-/// Choices that JPEG and JPEG-LS leave to a writer.
+/// Choices that JPEG and JPEG-LS leave to an encoder.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[expect(
     clippy::struct_excessive_bools,
@@ -53,28 +53,28 @@ pub struct Stream {
     pub restart_interval: u16,
     /// JPEG: Huffman tables computed for the plane.
     pub optimized: bool,
-    /// JPEG: no divisor over 255; without, low qualities have 16-bit tables.
+    /// JPEG: no step over 255; without it, low qualities have 16-bit tables.
     pub baseline: bool,
     /// JPEG: the two sampling factors of the one component.
     pub sampling: (u8, u8),
-    /// JPEG: one divisor for all coefficients instead of those of the quality.
+    /// JPEG: one step for all coefficients instead of those of the quality.
     pub step: Option<u16>,
-    /// JPEG: the numbers of the quantization, the DC and the AC table, beside tables that nothing uses.
+    /// JPEG: the numbers of the quantization, the DC and the AC table, in addition to unused tables.
     pub table_numbers: Option<[u8; 3]>,
-    /// JPEG: all quantization tables in one segment, and all Huffman tables.
+    /// JPEG: all quantization tables in one segment, and all Huffman tables in one.
     pub tables_together: bool,
-    /// JPEG: a JFIF segment, which no standard of 2.9.8 asks for.
+    /// JPEG: a JFIF segment, which the standards of 2.9.8 do not require.
     pub jfif: bool,
     /// JPEG-LS: preset parameters.
     pub presets: Option<PresetParameters>,
-    /// The name of the component.
+    /// The component id.
     pub component: u8,
-    /// The frame header stands before the quantization tables of JPEG, and behind the preset parameters of JPEG-LS.
+    /// The frame header precedes the quantization tables of JPEG, and follows the preset parameters of JPEG-LS.
     pub frame_moved: bool,
 }
 
 impl Stream {
-    /// No choice taken.
+    /// The defaults.
     pub const PLAIN: Stream = Stream {
         restart_interval: 0,
         optimized: false,
@@ -90,16 +90,16 @@ impl Stream {
     };
 }
 
-/// What is painted.
+/// The painted samples of planes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Residuals {
-    /// The scene's samples, as planes; the residual is what prediction leaves.
+    /// The samples of the scene, as planes; the residuals follow by prediction.
     Natural,
-    /// Residuals, in 8×8 blocks of one pseudo-random value that every inverse DCT gives back.
+    /// Residuals, in 8×8 blocks of one pseudo-random value that every inverse DCT restores.
     Blocks,
-    /// As blocks, but 128 in blocks at the edge.
+    /// Like `Blocks`, but 128 in blocks at the edge.
     Framed,
-    /// As blocks, but those of predicted planes make −1, 0, 255 or 256 of the predictor in their first texel.
+    /// Like `Blocks`, but in predicted planes the first texel of each block becomes −1, 0, 255 or 256 before the modulus.
     Wraps,
     /// 128 everywhere.
     Gray,
@@ -120,7 +120,7 @@ impl FromStr for Residuals {
     }
 }
 
-/// Records of side information to write although nobody needs them.
+/// Additional records of side information that no texel needs.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Records {
     planes: Planes,
@@ -135,24 +135,24 @@ enum Planes {
     One(usize),
 }
 
-/// Texels that have a record; counted in the stored raster, from the bottom row (ruling `side-information`).
+/// Texels that have a record, counted in the stored raster, from the bottom row (ruling `side-information`).
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) enum Texels {
     First,
     Last,
     All,
-    /// Those at the edge.
+    /// The texels at the edge.
     Border,
-    /// The first, twice: another value, then the right one (ruling `side-twice`).
+    /// The first texel, twice: a wrong value, then the right one (ruling `side-twice`).
     Twice,
-    /// These, in this order.
+    /// These texels, in this order.
     These(Vec<usize>),
 }
 
 impl FromStr for Records {
     type Err = String;
 
-    /// `PLANES:TEXELS`, such as `all:first`, `predicted:border`, `0:all`, `3:7+4+9`.
+    /// Parses `PLANES:TEXELS`, such as `all:first`, `predicted:border`, `0:all`, `3:7+4+9`.
     fn from_str(text: &str) -> Result<Records, String> {
         let wrong = || format!("expected records such as 0:first, found {text:?}");
         let (planes, texels) = text.split_once(':').ok_or_else(wrong)?;
@@ -179,34 +179,34 @@ impl FromStr for Records {
     }
 }
 
-/// Which plane is predicted from which, and in which order they are decoded.
+/// The references of planes and their order of decoding.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Structure {
-    /// None from any other.
+    /// No references.
     Intra,
-    /// Each from the one before it.
+    /// Each plane from the one before it.
     Chain,
-    /// All from plane 0.
+    /// All planes from plane 0.
     Star,
-    /// A chain that leaps: plane 5k + 2 from plane 5k − 3, modulo the number of planes.
+    /// A chain in steps: plane 5k + 2 from plane 5k − 3, modulo the number of planes.
     Deep,
     /// Two trees of half the planes; plane k of a tree from plane (k − 1) / 2 of it.
     TwoTrees,
-    /// Every third plane intra, the two after it from it.
+    /// Every third plane intra, the two after it from that plane.
     SharedReference,
-    /// Each from the one after it; the last is intra.
+    /// Each plane from the one after it; the last is intra.
     Upward,
-    /// All from the plane of rank 0; ranks begin in the middle, so that the order is not its own inverse.
+    /// All planes from the plane of rank 0; ranks begin in the middle, so that the order differs from its inverse.
     Rotated,
-    /// As the one real file has it, a clay tablet.
+    /// The structure of the one real file, of a clay tablet.
     Tablet,
-    /// As star, and the dependants have one rank (ruling `ranks`).
+    /// Like `Star`, but all dependent planes have one rank (ruling `ranks`).
     EqualRanks,
-    /// As chain, with ranks 0, 10, 20 … (ruling `ranks`).
+    /// Like `Chain`, with ranks 0, 10, 20 … (ruling `ranks`).
     Gaps,
-    /// As chain, with ranks from 1 (ruling `ranks`).
+    /// Like `Chain`, with ranks from 1 (ruling `ranks`).
     NoRankZero,
-    /// None from any other, written −2 (ruling `ranks`).
+    /// No references, written −2 (ruling `ranks`).
     BelowMinusOne,
 }
 
@@ -234,12 +234,12 @@ impl FromStr for Structure {
 }
 
 impl Structure {
-    /// References and ranks of `count` planes.
+    /// Returns the references and ranks of `count` planes.
     fn lists(self, count: i64) -> (Vec<i64>, Vec<i64>) {
         (0..count).map(|i| self.plane(i, count)).unzip()
     }
 
-    /// Reference and rank of plane `i` of `count`.
+    /// Returns the reference and rank of plane `i` of `count`.
     fn plane(self, i: i64, count: i64) -> (i64, i64) {
         let from = |reference: i64, is_root: bool| if is_root { -1 } else { reference };
         match self {
@@ -265,7 +265,7 @@ impl Structure {
             Structure::Upward => (from(i + 1, i + 1 == count), count - 1 - i),
             Structure::Rotated => (from(count - 4, i == count - 4), (i + 4) % count),
             Structure::Tablet => {
-                // The file has 9 planes; of 18 the second half does as the first, 9 planes and 9 ranks further.
+                // The file has 9 planes; in 18 planes the second half repeats the first, 9 planes and 9 ranks later.
                 const REFERENCES: [i64; 9] = [-1, 5, -1, -1, -1, 0, 7, -1, 7];
                 const ORDER: [i64; 9] = [4, 8, 3, 0, 1, 7, 5, 2, 6];
                 let (reference, half) = (REFERENCES[(i % 9) as usize], i / 9 * 9);
@@ -279,8 +279,8 @@ impl Structure {
 }
 
 impl Compression {
-    /// The ordinary way: every plane for itself; JPEG at quality 75 in blocks that every decoder restores exactly, JPEG-LS
-    /// without loss.
+    /// The default compression: no predicted planes; JPEG at quality 75 in blocks that every decoder restores exactly, lossless
+    /// JPEG-LS.
     #[must_use]
     pub fn ordinary(format: Format) -> Compression {
         let jpeg = matches!(format, Format::JpegRgb | Format::JpegLrgb);
@@ -304,12 +304,12 @@ impl Compression {
         }
     }
 
-    /// With other references and ranks.
+    /// Sets references and ranks.
     pub fn set_structure(&mut self, structure: Structure) {
         (self.references, self.order) = structure.lists(self.order.len() as i64);
     }
 
-    /// Numbers for the predicted planes, over and over, or for all; the others have 0.
+    /// Repeats numbers over the predicted planes, or over all; the others have 0.
     #[must_use]
     pub fn cycled<T: Copy + Default>(&self, numbers: &[T], everywhere: bool) -> Vec<T> {
         let concerned = |plane: usize| everywhere || self.reference(plane).is_some();
@@ -324,13 +324,13 @@ impl Compression {
             .collect()
     }
 
-    /// The plane that a plane is predicted from (clauses 2.9.5/1–3).
+    /// Returns the reference of a plane (clauses 2.9.5/1–3).
     #[must_use]
     pub fn reference(&self, plane: usize) -> Option<usize> {
         usize::try_from(self.references[plane]).ok()
     }
 
-    /// The planes by rank: the order in which they are decoded (clause 2.9.4/1).
+    /// Returns the planes by rank, the order in which they are decoded (clause 2.9.4/1).
     #[must_use]
     pub fn in_order(&self) -> Vec<usize> {
         let mut planes: Vec<usize> = (0..self.order.len()).collect();
@@ -342,7 +342,7 @@ impl Compression {
         (self.motion_x[plane], self.motion_y[plane])
     }
 
-    /// The texels of a plane that have a record because the recipe says so.
+    /// Returns the texels of a plane for which the recipe requests a record.
     pub(super) fn asked_records(&self, plane: usize, size: Size) -> Vec<usize> {
         let (width, texels) = (size.width as usize, size.texels());
         let edge = |place: &usize| {
@@ -355,7 +355,7 @@ impl Compression {
         for records in self
             .records
             .iter()
-            .filter(|records| self.concerns(records.planes, plane))
+            .filter(|records| self.includes(records.planes, plane))
         {
             let more: Vec<usize> = match &records.texels {
                 Texels::First | Texels::Twice => vec![0],
@@ -373,14 +373,14 @@ impl Compression {
         places
     }
 
-    /// Whether a plane has records of this kind.
+    /// Returns true if a plane has records of this kind.
     pub(super) fn has_records(&self, plane: usize, texels: &Texels) -> bool {
         self.records
             .iter()
-            .any(|records| self.concerns(records.planes, plane) && records.texels == *texels)
+            .any(|records| self.includes(records.planes, plane) && records.texels == *texels)
     }
 
-    fn concerns(&self, planes: Planes, plane: usize) -> bool {
+    fn includes(&self, planes: Planes, plane: usize) -> bool {
         match planes {
             Planes::All => true,
             Planes::Predicted => self.reference(plane).is_some(),
@@ -389,33 +389,33 @@ impl Compression {
         }
     }
 
-    /// The predicted planes: their number, transform and vector.
+    /// Returns the predicted planes: their number, transform and vector.
     fn predicted(&self) -> impl Iterator<Item = (usize, u32, (i32, i32))> {
         let planes = (0..self.order.len()).filter(|&plane| self.reference(plane).is_some());
         planes.map(|plane| (plane, self.transforms[plane], self.vector(plane)))
     }
 
-    /// Whether a plane is predicted from another.
+    /// Returns true if a plane is predicted from another.
     #[must_use]
     pub fn predicts(&self) -> bool {
         self.predicted().next().is_some()
     }
 
-    /// Whether a reference is inverted.
+    /// Returns true if a reference is inverted.
     #[must_use]
     pub fn inverts(&self) -> bool {
         self.predicted()
             .any(|(_, transform, _)| transform & INVERSION != 0)
     }
 
-    /// Whether a reference is moved.
+    /// Returns true if a reference is displaced.
     #[must_use]
     pub fn moves(&self) -> bool {
         self.predicted()
             .any(|(_, transform, _)| transform & MOTION != 0)
     }
 
-    /// The open choices that may show in a file of these lists: never fewer than do.
+    /// Returns the open choices that may affect a file with these lists, possibly more than do.
     #[must_use]
     pub fn axes(&self, coding: Coding) -> Vec<&'static str> {
         let moved: Vec<_> = self
@@ -457,7 +457,7 @@ impl Compression {
             .collect()
     }
 
-    /// What keeps a file from being written with these lists, if anything does.
+    /// Returns an error if no file can be written with these lists.
     pub(super) fn check(&self, coding: Coding, size: Size) -> Result<(), String> {
         let count = self.order.len();
         let lengths = [
@@ -503,7 +503,7 @@ impl Compression {
             {
                 Err("tables have numbers of at most 3".to_owned())
             }
-            // A mean of 255 and 0 is far from both 0 and 255, so that another inverse DCT could be far off.
+            // A mean of 255 and 0 is far from both, so another inverse DCT could deviate by much.
             Coding::Jpeg if self.residuals == Residuals::Natural && self.moves() => {
                 Err("motion goes with residuals that every inverse DCT gives back".to_owned())
             }

@@ -1,14 +1,14 @@
 //! §2.9.8 Compressed Coefficient Planes
 //!
-//! Each plane is a stream of JPEG or JPEG-LS (clause 2.9.8/3): the plane itself, or what is left of it after prediction,
-//! plane − predictor + 128 modulo 256 (ruling `prediction`). Where loss and the modulus together put a texel on the
-//! wrong end of the scale, a record of side information has its value (clauses 2.9.8/4–9).
+//! Each plane is a stream of JPEG or JPEG-LS (clause 2.9.8/3): the plane itself, or its residuals after prediction, plane −
+//! predictor + 128 modulo 256 (ruling `prediction`). If loss and the modulus together wrap a texel to the other end of the
+//! range, a record of side information has its value (clauses 2.9.8/4–9).
 //!
 //! Format notes
-//! - The encoder is a closed loop: it predicts from what a decoder will have, corrections included (clause 2.9.8/7).
-//! - The codecs tell what an exact decoder returns, so that nothing here decodes.
-//! - An inverse DCT may be off by one. A block of one value whose DC coefficient is a multiple of 8 comes out the same of
-//!   every one; so the ordinary JPEG file is painted as *residuals* in such blocks, and its planes follow from them.
+//! - The encoder is a closed loop: it predicts from the planes of the decoder, corrections included (clause 2.9.8/7).
+//! - The codecs return what an exact decoder returns, so that nothing is decoded here.
+//! - An inverse DCT may be off by one. All of them agree on a block of one value whose DC coefficient is a multiple of 8;
+//!   so the default JPEG file is painted as *residuals* in such blocks, and its planes follow from them.
 
 use std::collections::HashSet;
 
@@ -20,7 +20,7 @@ use super::recipe::Recipe;
 use crate::codec::{Encoded, jpeg, jpeg_ls};
 use crate::ptm::Size;
 
-/// What a compressed file holds (2.9).
+/// The contents of a compressed file (2.9).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Compressed {
     /// The lists.
@@ -34,12 +34,12 @@ pub struct Compressed {
 pub struct StoredPlane {
     /// The JPEG or JPEG-LS stream.
     pub stream: Vec<u8>,
-    /// Positions in the stored raster, and values.
+    /// Positions in the stored raster, with values.
     pub records: Vec<(u32, u8)>,
 }
 
 impl StoredPlane {
-    /// Five bytes a record: the position, high byte first, and the value (clauses 2.9.8/5–8).
+    /// Returns five bytes per record: the position, big-endian, and the value (clauses 2.9.8/5–8).
     #[must_use]
     pub fn side_information(&self) -> Vec<u8> {
         self.records
@@ -49,26 +49,26 @@ impl StoredPlane {
     }
 }
 
-/// Values, and what is stored for them.
+/// Values and their encoding.
 pub(super) struct Encoding {
-    /// `height * width * channels` values, texel after texel, top row first: what an exact decoder ends with.
+    /// `height * width * channels` values, texel after texel, top row first, as an exact decoder returns them.
     pub samples: Vec<u8>,
-    /// For each of them, how far another inverse DCT may be off; empty where none can be.
+    /// Maximum deviation of each value between inverse DCTs; empty if all agree.
     pub slack: Vec<u8>,
     /// The streams and their side information.
     pub compressed: Compressed,
 }
 
-/// One plane, decoded; in the stored raster.
+/// One decoded plane, in the stored raster.
 #[derive(Clone)]
 struct Finished {
     samples: Vec<u8>,
-    /// How far another inverse DCT may be off, corrected texels aside.
+    /// Maximum deviation between inverse DCTs, except of corrected texels.
     slack: u8,
     stored: StoredPlane,
 }
 
-/// Encodes the planes of `recipe`, each after its reference (clause 2.9.4/2). `scene` holds what is to be seen, texel after
+/// Encodes the planes of `recipe`, each after its reference (clause 2.9.4/2). `scene` holds the values to encode, texel after
 /// texel, top row first.
 pub(super) fn encode(recipe: &Recipe, scene: &[u8]) -> Encoding {
     let count = recipe.format.channels();
@@ -91,7 +91,7 @@ pub(super) fn encode(recipe: &Recipe, scene: &[u8]) -> Encoding {
         .collect();
     let mut slack = Vec::new();
     if finished.iter().any(|plane| plane.slack > 0) {
-        // A corrected texel has its value from the file and no loss.
+        // A corrected texel has its value from the file and no deviation.
         let mut planes: Vec<Vec<u8>> = finished
             .iter()
             .map(|plane| vec![plane.slack; plane.samples.len()])
@@ -118,7 +118,7 @@ pub(super) fn encode(recipe: &Recipe, scene: &[u8]) -> Encoding {
     }
 }
 
-/// Where the texel `place`, counted from the top, lies in a raster whose first row is the bottom one (ruling `rows`).
+/// Returns the stored position of texel `place`, counted from the top; the first stored row is the bottom one (ruling `rows`).
 fn stored_place(size: Size, place: usize) -> usize {
     let width = size.width as usize;
     (size.height as usize - 1 - place / width) * width + place % width
@@ -148,7 +148,7 @@ fn encode_plane(
         Coding::Jpeg => u8::from(!any_transform_is_exact(&residual, &received, recipe)),
         Coding::JpegLs => 0,
     };
-    let mut samples = restored(&received, predictor.as_deref());
+    let mut samples = plane_of_residual(&received, predictor.as_deref());
     let records = records(plan, plane, &original, &samples, recipe.size);
     for &(place, value) in &records {
         samples[place as usize] = value; // 2.9.8/8
@@ -161,7 +161,7 @@ fn encode_plane(
     }
 }
 
-/// What is to be stored: the original values, and what is left of them after prediction.
+/// Returns the samples to encode: the original values, and the residuals after prediction.
 fn paint(
     recipe: &Recipe,
     scene: &[u8],
@@ -174,7 +174,7 @@ fn paint(
     if recipe.compression.residuals == Residuals::Natural {
         let original: Vec<u8> = (0..size.texels()).map(scene).collect();
         let residual = match predictor {
-            // An intra plane is stored as it is.
+            // An intra plane is stored directly.
             None => original.clone(),
             Some(predictor) => original
                 .iter()
@@ -185,16 +185,16 @@ fn paint(
         return (original, residual);
     }
     let residual = painted_residual(recipe, plane, predictor);
-    let mut original = restored(&residual, predictor);
-    // Where there are to be records, the original is the scene's, so that a record shows.
+    let mut original = plane_of_residual(&residual, predictor);
+    // At requested records the original is that of the scene, so that a record has an effect.
     for place in recipe.compression.asked_records(plane, size) {
         original[place] = scene(place);
     }
     (original, residual)
 }
 
-/// The plane that a residual stands for: residual + predictor − 128 modulo 256, or the residual itself (ruling `prediction`).
-fn restored(residual: &[u8], predictor: Option<&[u8]>) -> Vec<u8> {
+/// Returns the plane of a residual: residual + predictor − 128 modulo 256, or the residual itself (ruling `prediction`).
+fn plane_of_residual(residual: &[u8], predictor: Option<&[u8]>) -> Vec<u8> {
     match predictor {
         None => residual.to_vec(),
         Some(predictor) => residual
@@ -205,7 +205,7 @@ fn restored(residual: &[u8], predictor: Option<&[u8]>) -> Vec<u8> {
     }
 }
 
-/// A residual of 8×8 blocks, each of one value that every inverse DCT gives back.
+/// Paints a residual of 8×8 blocks, each of one value that every inverse DCT restores.
 fn painted_residual(recipe: &Recipe, plane: usize, predictor: Option<&[u8]>) -> Vec<u8> {
     let size = recipe.size;
     let (width, height) = (size.width as usize, size.height as usize);
@@ -222,7 +222,7 @@ fn painted_residual(recipe: &Recipe, plane: usize, predictor: Option<&[u8]>) -> 
             (Residuals::Gray, _) => 128,
             (Residuals::Framed, _) if edge => 128,
             (Residuals::Wraps, Some(predictor)) => {
-                wrapping(predictor[row * 8 * width + column * 8], any)
+                wrapping_residual(predictor[row * 8 * width + column * 8], any)
             }
             _ => noise,
         }
@@ -235,23 +235,23 @@ fn painted_residual(recipe: &Recipe, plane: usize, predictor: Option<&[u8]>) -> 
         .collect()
 }
 
-/// A residual whose sum with the predictor, less 128, is just outside 0…255 or just inside: −1, 0, 255 or 256.
-fn wrapping(predictor: u8, any: u32) -> u8 {
+/// Returns a residual whose sum with the predictor, less 128, is just outside 0…255 or just inside: −1, 0, 255 or 256.
+fn wrapping_residual(predictor: u8, any: u32) -> u8 {
     let sums = if predictor > 128 { [255, 256] } else { [0, -1] };
-    // Within 0…255: 255 + 128 − 129 = 254 is the largest of the first pair, −1 + 128 − 128 = −1 is out of the second.
+    // Within 0…255: 255 + 128 − 129 = 254 is the largest of the first pair, −1 + 128 − 128 = −1 is outside the second.
     let residual = |sum: i32| sum + 128 - i32::from(predictor);
     let wanted = residual(sums[(any % 2) as usize]);
     u8::try_from(wanted).unwrap_or_else(|_| residual(sums[0]) as u8)
 }
 
-/// How far apart residuals of constant blocks must be for their DC coefficient, 8 · (value − 128), to be a multiple both
-/// of the divisor and of 8. JPEG-LS has no such need.
+/// Returns the difference of residuals of constant blocks for which the DC coefficient, 8 · (value − 128), is a multiple of
+/// both the step and 8. JPEG-LS has no such constraint.
 fn exact_step(recipe: &Recipe) -> u32 {
     let quality = u32::from(recipe.compression.parameter).clamp(1, 100);
     if recipe.coding() == Coding::JpegLs {
         return 1;
     }
-    // The Independent JPEG Group's meaning of quality, for the first of the divisors, 16 (T.81 Table K.1).
+    // The Independent JPEG Group's definition of quality, for the first of the steps, 16 (T.81 Table K.1).
     let percent = if quality < 50 {
         5000 / quality
     } else {
@@ -264,7 +264,7 @@ fn exact_step(recipe: &Recipe) -> u32 {
     divisor >> divisor.trailing_zeros().min(3)
 }
 
-/// Whether every block has one value and came back unchanged.
+/// Returns true if every block has one value and was restored unchanged.
 fn any_transform_is_exact(residual: &[u8], received: &[u8], recipe: &Recipe) -> bool {
     let width = recipe.size.width as usize;
     let first_of_block =
@@ -313,7 +313,7 @@ fn run_codec(recipe: &Recipe, plane: usize, residual: &[u8]) -> Encoded {
     }
 }
 
-/// The side information of a plane: where it was asked for, and wherever the modulus threw a texel to the other end.
+/// Returns the side information of a plane: requested records, and one for every texel that wrapped to the other end.
 fn records(
     plan: &Compression,
     plane: usize,
@@ -408,7 +408,7 @@ mod tests {
     fn sums_reach_the_four_values_around_the_ends() {
         for predictor in 0..=255 {
             for any in [0, 1] {
-                let sum = i32::from(wrapping(predictor, any)) + i32::from(predictor) - 128;
+                let sum = i32::from(wrapping_residual(predictor, any)) + i32::from(predictor) - 128;
                 assert!([-1, 0, 255, 256].contains(&sum), "{predictor}");
             }
         }

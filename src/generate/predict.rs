@@ -1,12 +1,12 @@
 //! §2.9.2–2.9.5 Transforms, Motion Vectors, Order, Reference Planes
 //!
-//! A plane may be predicted from another one, its reference, which is decoded before it. The reference is transformed
-//! first: turned into its negative (clause 2.9.2/3), moved by half texels (clauses 2.9.2/4, 2.9.3/2), or both.
+//! A plane may be predicted from another one, its reference, which is decoded before it. The reference is transformed first:
+//! inverted (clause 2.9.2/3), displaced by half texels (clauses 2.9.2/4, 2.9.3/2), or both.
 //!
 //! Format notes
 //! - Everything here happens in the stored raster, where row 0 is the bottom row.
-//! - The text names the transforms and no formula. Inversion is 255 − reference (ruling `prediction`).
-//! - How motion reads between texels and past the edge is ours to choose: rulings `motion-sign`, `motion-vertical`,
+//! - The text names the transforms and gives no formula. Inversion is 255 − reference (ruling `prediction`).
+//! - Motion between texels and past the edge is our choice: rulings `motion-sign`, `motion-vertical`,
 //!   `motion-half`, `motion-border`, `motion-inversion`.
 
 use crate::ptm::Size;
@@ -14,17 +14,17 @@ use crate::ptm::Size;
 /// The bit of a transform that inverts the reference (clause 2.9.2/3).
 pub(super) const INVERSION: u32 = 1;
 
-/// The bit of a transform that moves the reference (clause 2.9.2/4).
+/// The bit of a transform that displaces the reference (clause 2.9.2/4).
 pub(super) const MOTION: u32 = 2;
 
-/// What a plane is predicted to be: its reference, transformed.
+/// Returns the predictor of a plane: its reference, transformed.
 pub(super) fn predictor(
     reference: &[u8],
     size: Size,
     transform: u32,
     vector: (i32, i32),
 ) -> Vec<u8> {
-    // motion-inversion: inverted first, then moved.
+    // motion-inversion: inverted first, then displaced.
     let turned: Vec<u8> = match transform & INVERSION {
         0 => reference.to_vec(),
         _ => reference.iter().map(|&sample| 255 - sample).collect(),
@@ -32,17 +32,17 @@ pub(super) fn predictor(
     if transform & MOTION == 0 {
         turned
     } else {
-        moved(&turned, size, vector)
+        displace(&turned, size, vector)
     }
 }
 
-/// The plane as seen from half a vector away: at (x, y) stands what was at (x + mx / 2, y + my / 2).
-fn moved(plane: &[u8], size: Size, (mx, my): (i32, i32)) -> Vec<u8> {
+/// Displaces a plane by half a vector: its value at (x, y) is that at (x + mx / 2, y + my / 2).
+fn displace(plane: &[u8], size: Size, (mx, my): (i32, i32)) -> Vec<u8> {
     let mut moved = Vec::with_capacity(plane.len());
     for y in 0..i64::from(size.height) {
         for x in 0..i64::from(size.width) {
             // motion-sign, motion-vertical: added, and y runs along the stored rows.
-            moved.push(between(
+            moved.push(sample_between(
                 plane,
                 size,
                 2 * x + i64::from(mx),
@@ -53,21 +53,21 @@ fn moved(plane: &[u8], size: Size, (mx, my): (i32, i32)) -> Vec<u8> {
     moved
 }
 
-/// The sample at a place counted in half texels: a texel's own, or the mean of two or four.
-fn between(plane: &[u8], size: Size, x2: i64, y2: i64) -> u8 {
+/// Returns the sample at a position in half texels: that of a texel, or the mean of two or four.
+fn sample_between(plane: &[u8], size: Size, x2: i64, y2: i64) -> u8 {
     let (left, below) = (x2.div_euclid(2), y2.div_euclid(2));
     let (right, above) = (left + x2.rem_euclid(2), below + y2.rem_euclid(2));
     let corners = [(left, below), (right, below), (left, above), (right, above)];
     let sum: u32 = corners
         .iter()
-        .map(|&(x, y)| u32::from(at(plane, size, x, y)))
+        .map(|&(x, y)| u32::from(sample_at(plane, size, x, y)))
         .sum();
-    // motion-half: halves are rounded up. Of two equal pairs the mean of four is the mean of two, (a + b + 1) >> 1.
+    // motion-half: halves are rounded up. For two equal pairs the mean of four is the mean of two, (a + b + 1) >> 1.
     ((sum + 2) >> 2) as u8
 }
 
-/// motion-border: outside the plane stands the nearest sample of its edge.
-fn at(plane: &[u8], size: Size, x: i64, y: i64) -> u8 {
+/// Returns the nearest sample of the edge outside the plane (motion-border).
+fn sample_at(plane: &[u8], size: Size, x: i64, y: i64) -> u8 {
     let (width, height) = (i64::from(size.width), i64::from(size.height));
     plane[(y.clamp(0, height - 1) * width + x.clamp(0, width - 1)) as usize]
 }
@@ -120,7 +120,7 @@ mod tests {
 
     #[test]
     fn inversion_comes_before_motion() {
-        // (245 + 234 + 1) / 2 = 240; the other way round it would be 255 − 16 = 239.
+        // (245 + 234 + 1) / 2 = 240; in the other order it would be 255 − 16 = 239.
         assert_eq!(predictor(&PLANE, SIZE, 3, (1, 0))[0], 240);
     }
 }

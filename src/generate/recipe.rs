@@ -1,4 +1,4 @@
-//! What to write: format, size, scene, numbers, spelling.
+//! Recipes for files: format, size, scene, numbers, spelling.
 
 use std::str::FromStr;
 
@@ -7,19 +7,19 @@ use super::scene::Scene;
 use super::spelling::Spelling;
 use crate::ptm::{Format, Size};
 
-/// `N` numbers, each with the digits it is written in.
+/// `N` numbers, each with its spelling.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Numbers<const N: usize> {
-    /// In one piece, because a suite may hold a hundred thousand recipes.
+    /// All spellings in one string, because a suite may hold a hundred thousand recipes.
     text: Box<str>,
-    /// What they mean.
+    /// The values of the numbers.
     pub values: [f64; N],
 }
 
 impl<const N: usize> FromStr for Numbers<N> {
     type Err = String;
 
-    /// Numbers separated by spaces: `"2 2 0.5 1e-1 -3 .25"`.
+    /// Parses numbers separated by spaces: `"2 2 0.5 1e-1 -3 .25"`.
     fn from_str(text: &str) -> Result<Numbers<N>, String> {
         let values: Result<Vec<f64>, _> = text.split_whitespace().map(str::parse).collect();
         let values = values.map_err(|_| format!("expected numbers, found {text:?}"))?;
@@ -34,60 +34,60 @@ impl<const N: usize> FromStr for Numbers<N> {
 }
 
 impl<const N: usize> Numbers<N> {
-    /// The digits of each, as they stand in the file.
+    /// Returns the spelling of each number.
     #[must_use]
     pub fn texts(&self) -> Vec<&str> {
         self.text.split_whitespace().collect()
     }
 }
 
-/// Which entries the texels of a lookup table format use.
+/// The entries that the texels of a lookup table format use.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Indices {
-    /// Any, the first and the last among them where there is room.
+    /// Any entries, including the first and the last if there are enough texels.
     Any,
     /// Only entries below this number.
     Below(u32),
     /// Only entries whose two bytes differ.
     BytesDiffer,
-    /// These, top row first, over and over.
+    /// These, top row first, repeated.
     These(Vec<u32>),
 }
 
 /// One file to write.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Recipe {
-    /// Which format.
+    /// The format.
     pub format: Format,
     /// Width and height.
     pub size: Size,
-    /// What is painted.
+    /// The painted scene.
     pub scene: Scene,
-    /// Where the paint's numbers start.
+    /// The seed of the pseudo-random numbers.
     pub seed: u32,
     /// The scales (2.4).
     pub scale: Numbers<6>,
     /// The biases (2.4).
     pub bias: Numbers<6>,
-    /// The color matrix (2.6), as it stands in the file.
+    /// The color matrix (2.6), in the order of the file.
     pub matrix: Numbers<16>,
-    /// Entries of the lookup table (2.5).
+    /// Number of entries of the lookup table (2.5).
     pub entries: u32,
-    /// Which of them are used.
+    /// The entries that are used.
     pub indices: Indices,
-    /// How planes are compressed (2.9); unused elsewhere.
+    /// The compression of the planes (2.9); unused in other formats.
     pub compression: Compression,
-    /// The very first byte of the payload, if it matters.
+    /// The first byte of the payload, if it matters.
     pub first: Option<u8>,
-    /// How the header is written.
+    /// The spelling of the header.
     pub spelling: Spelling,
 }
 
 impl Recipe {
-    /// An ordinary file: noise under scales and biases that keep most colors between 0 and 255.
+    /// A default file: noise, with scales and biases that keep most colors between 0 and 255.
     ///
     /// # Panics
-    /// Never: the numbers it is made of are numbers.
+    /// Never: all its number strings are valid.
     #[must_use]
     pub fn ordinary(format: Format, size: Size) -> Recipe {
         let numbers = "constant numbers";
@@ -98,7 +98,7 @@ impl Recipe {
             seed: 1,
             scale: "0.5 0.25 0.5 0.25 0.5 0.75".parse().expect(numbers),
             bias: "128 100 140 120 130 3".parse().expect(numbers),
-            // Columns first; all nine factors differ. Without a translation, whose place is an open question.
+            // Column-major; all nine factors differ. No translation, because its place is an open question.
             matrix: "0.875 0.75 0.625 0 0.5 -0.25 0.125 0 -0.0625 -0.1875 0.375 0 0 0 0 1"
                 .parse()
                 .expect(numbers),
@@ -110,7 +110,7 @@ impl Recipe {
         }
     }
 
-    /// Which standard the planes of a compressed format are streams of.
+    /// Returns the standard of the streams of a compressed format.
     #[must_use]
     pub fn coding(&self) -> Coding {
         match self.format {
@@ -119,10 +119,10 @@ impl Recipe {
         }
     }
 
-    /// Whether this recipe can be written.
+    /// Checks that this recipe can be written.
     ///
     /// # Errors
-    /// A sentence that says what keeps it from being written.
+    /// A sentence that says why it cannot be written.
     pub fn check(&self) -> Result<(), String> {
         if self.format.is_compressed() {
             self.compression.check(self.coding(), self.size)?;

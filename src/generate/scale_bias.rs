@@ -1,6 +1,6 @@
 //! §2.4 Scale and Bias
 //!
-//! Twelve numbers on one line or two (clauses 2.4/2–7), written digit by digit as the recipe has them.
+//! Twelve numbers on one line or two (clauses 2.4/2–7), spelled as in the recipe.
 
 use super::output::Output;
 use super::recipe::Numbers;

@@ -1,39 +1,39 @@
-//! What is painted: scenes by name.
+//! Scenes that are painted, by name.
 
 use std::str::FromStr;
 
-/// What is painted into the samples.
+/// A pattern for the samples.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Scene {
-    /// Every sample its own pseudo-random byte.
+    /// An independent pseudo-random byte for every sample.
     Noise,
     /// 0 or 255, pseudo-random.
     Extremes,
     /// Slopes: to the right, downward and from channel to channel.
     Ramp,
-    /// Each channel one value of its own, all texels alike.
+    /// One value per channel, all texels alike.
     Stripes,
-    /// One value everywhere.
+    /// One value for all samples.
     Flat(u8),
-    /// As noise, but the coefficients are 128 save a5, so that no light changes anything.
+    /// Like noise, but all coefficients except a5 are 128, so that the light has no effect.
     Unlit,
-    /// As unlit, and Cr equals a5: luminance and Cr are one under scale 1 and bias 0.
+    /// Like unlit, and Cr equals a5: luminance and Cr are equal under scale 1 and bias 0.
     LuminanceIsCr,
-    /// Every sample its own pseudo-random byte from 96 to 159, far from both ends.
+    /// An independent pseudo-random byte from 96 to 159 for every sample, far from both ends.
     Soft,
-    /// As noise, within two rings of one value.
+    /// Like noise, within two rings of one value.
     Framed(u8),
-    /// One value along every line from the bottom left to the top right; across, four values in turn.
+    /// One value along every line from the bottom left to the top right; four values alternate across the lines.
     Diagonals,
-    /// Two values in turn, column by column; their sum is odd.
+    /// Two values that alternate by column; their sum is odd.
     Columns,
-    /// Two values in turn, row by row; their sum is odd.
+    /// Two values that alternate by row; their sum is odd.
     Rows,
     /// Bands of four columns: one value, and one that grows or shrinks by one in two of three rows.
     Edges,
-    /// One value, and lone texels that are one more or one less.
+    /// One value, and isolated texels that are one more or one less.
     Dots,
-    /// 0, but the top row begins with lone texels of another value in each channel.
+    /// 0, but the top row begins with isolated texels of another value in each channel.
     Breaks,
     /// 0, but another value in the last column of each channel.
     LastColumn,

@@ -1,19 +1,19 @@
-//! Every legal way to write the same header, and two that the text leaves open.
+//! All legal spellings of a header, and two that the text leaves open.
 
 use std::str::FromStr;
 
-/// A line of the header, named by the last thing on it.
+/// A line of the header, named after the last item on it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Line {
     /// 2.1
     Version,
     /// 2.2
     Format,
-    /// 2.3, where width has a line of its own
+    /// 2.3, if width has its own line
     Width,
     /// 2.3
     Height,
-    /// 2.4, where the scales have a line of their own
+    /// 2.4, if the scales have their own line
     Scale,
     /// 2.4
     Bias,
@@ -40,7 +40,7 @@ pub enum Line {
 }
 
 impl Line {
-    /// All of them, in file order.
+    /// All lines, in file order.
     pub const ALL: [Line; 16] = [
         Line::Version,
         Line::Format,
@@ -60,7 +60,7 @@ impl Line {
         Line::SideSizes,
     ];
 
-    /// What they are called.
+    /// Their names.
     const NAMES: [&str; 16] = [
         "version",
         "format",
@@ -82,7 +82,7 @@ impl Line {
 }
 
 impl Line {
-    /// As it is written in cases.
+    /// Returns its name in cases.
     #[must_use]
     pub fn name(self) -> &'static str {
         Line::NAMES[self as usize]
@@ -103,7 +103,7 @@ impl FromStr for Line {
     }
 }
 
-/// How the number of table entries is written (ruling `lut-count`).
+/// The spelling of the number of table entries (ruling `lut-count`).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
 pub enum Count {
     /// `256 N_LUT_ENTRIES`
@@ -116,10 +116,10 @@ pub enum Count {
 }
 
 impl Count {
-    /// The three, in the order in which a decoder is asked for them.
+    /// The three spellings, in the order in which they are tried on a decoder.
     pub const ALL: [Count; 3] = [Count::NumberWord, Count::Number, Count::WordNumber];
 
-    /// As it is written in cases and reports.
+    /// Returns its name in cases and reports.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -141,17 +141,17 @@ impl FromStr for Count {
     }
 }
 
-/// How the lists of 2.9 are split into lines.
+/// The split of the lists of 2.9 into lines.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
 pub enum Lists {
-    /// Each on its own, motion on two (ruling `list-layout`).
+    /// Each list on its own line, motion on two (ruling `list-layout`).
     #[default]
     Lines,
-    /// Motion on one line too (ruling `list-lines`, as for all that follow).
+    /// Motion on one line too (ruling `list-lines`, as for all variants below).
     MotionOnOneLine,
     /// All numbers on one line.
     OneLine,
-    /// Every number on its own.
+    /// Every number on its own line.
     NumberPerLine,
 }
 
@@ -169,7 +169,7 @@ impl FromStr for Lists {
     }
 }
 
-/// The spelling of one file. The default is the one that every known reader accepts.
+/// The spelling of one file. Every known reader accepts the default.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Spelling {
     /// Lines that have a space before their line feed (clauses 2.0/2, 2.4/7).
@@ -178,15 +178,15 @@ pub struct Spelling {
     pub size_on_two_lines: bool,
     /// Scales and biases on two lines (clause 2.4/6).
     pub scale_bias_on_two_lines: bool,
-    /// Spaces between two numbers.
+    /// Number of spaces between two numbers.
     pub gap: usize,
-    /// The number of table entries (ruling `lut-count`).
+    /// The spelling of the number of table entries (ruling `lut-count`).
     pub count: Count,
     /// A line feed between table and indices (ruling `lut-newline`).
     pub newline_after_table: bool,
-    /// Matrix elements on a line: 16, or 4 or 1 by ruling `lum-layout`.
+    /// Number of matrix elements on a line: 16, or 4 or 1 by ruling `lum-layout`.
     pub matrix_line: usize,
-    /// The lists of 2.9.
+    /// The split of the lists of 2.9 into lines.
     pub lists: Lists,
 }
 

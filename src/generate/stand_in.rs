@@ -1,5 +1,5 @@
-//! Streams that stand in for one of a file and do not belong there: gray planes of another size, codec or number of
-//! components. They take an encoder, so `spec-cases/damages.yaml` names them and says no more.
+//! Streams with the wrong properties, to replace one of a file: gray planes of another size, codec or number of components.
+//! They need an encoder, so `spec-cases/damages.yaml` only names them.
 
 use std::str::FromStr;
 
@@ -34,7 +34,7 @@ impl FromStr for StandIn {
 }
 
 impl StandIn {
-    /// Its bytes, for a file of these values.
+    /// Returns its bytes, for a file of these values.
     pub fn stream(self, model: &Model) -> Result<Vec<u8>, String> {
         let (width, height) = (model.size.width, model.size.height);
         let is_jpeg = matches!(model.format, Format::JpegRgb | Format::JpegLrgb);
@@ -63,14 +63,14 @@ fn gray(width: u32, height: u32, is_jpeg: bool) -> Vec<u8> {
     jpeg_ls::encode(&samples, width, height, &lossless).stream
 }
 
-/// A stream of three components of full size, each as the one of `one`, with a scan for each, which both standards allow.
+/// Returns a stream of three components of full size, each equal to that of `one`, with a scan for each, which is legal.
 fn three_components(one: &[u8]) -> Vec<u8> {
     let found = |code| segment(one, code);
     let frame = (found(0xc0).or_else(|| found(0xf7))).expect("an encoder writes a frame header");
     let scan = found(0xda).expect("an encoder writes a scan header").start;
     let (start, end) = (frame.start, one.len() - 2);
     let table = one[start + 12];
-    // The frame header grows by three bytes for each component: name, sampling factors, table.
+    // The frame header grows by three bytes per component: id, sampling factors, table.
     let header = [
         &[one[start], one[start + 1], 0, 17],
         &one[start + 4..start + 9],

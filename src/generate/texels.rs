@@ -23,12 +23,12 @@ pub(super) fn write(model: &Model, out: &mut Output) {
     }
 }
 
-/// R, G, B of every texel: of LRGB, and after the indices of `PTM_LUT` (clause 2.8.1/4).
+/// Writes R, G, B of every texel: of LRGB, and after the indices of `PTM_LUT` (clause 2.8.1/4).
 pub(super) fn write_colors(clause: &'static str, model: &Model, out: &mut Output) {
     out.take(clause, "colors", &block(model, 6..9));
 }
 
-/// Some channels of every texel, from the bottom row to the top.
+/// Writes some channels of every texel, from the bottom row to the top.
 fn block(model: &Model, channels: Range<usize>) -> Vec<u8> {
     let per_texel = model.format.channels();
     let row = model.size.width as usize * per_texel;

@@ -1,30 +1,30 @@
-//! How a wrong picture looks to somebody who knows the right one.
+//! The visible difference of a wrong image from the right one.
 
 use crate::formula::{self, Edits};
 use crate::ptm::{Planes, Ptm};
 use crate::reading::Reading;
 
-/// Lights under which pictures are compared: straight from above, and slanting.
+/// Lights under which images are compared: vertical and oblique.
 const LIGHTS: [(f64, f64); 3] = [(0.0, 0.0), (0.3125, -0.4375), (-0.625, 0.5)];
-/// How far apart two roundings of a color may be, as for decoders.
-const ROUNDING: f64 = 1.0 + 1.0 / 64.0;
-/// Differences of colors that nobody sees.
-const UNSEEN: u8 = 2;
+/// Tolerance for two roundings of a color, as for decoders.
+const ROUNDING_TOLERANCE: f64 = 1.0 + 1.0 / 64.0;
+/// Maximum difference of colors that is invisible.
+const MAX_INVISIBLE_DIFFERENCE: u8 = 2;
 
-/// A map under the lights, as it is and as a reader shows it.
+/// A map under the lights, in its right form and as a reader shows it.
 pub(super) struct Pictures {
-    /// Width and height, of the true one and of the other.
+    /// Width and height of the right image and of the other.
     sizes: [(usize, usize); 2],
-    /// For each light the true picture and the other.
+    /// For each light the right image and the other.
     lit: Vec<[Vec<u8>; 2]>,
-    /// For each light whether a color differs by more than roundings do.
+    /// True for each light under which a color differs by more than rounding.
     differ: [bool; LIGHTS.len()],
-    /// Whether final coefficients differ.
+    /// True if final coefficients differ.
     coefficients_differ: bool,
 }
 
 impl Pictures {
-    /// Shows both maps under the lights; the other one as `reading` and `edits` evaluate it.
+    /// Renders both maps under the lights; the other one is evaluated with `reading` and `edits`.
     pub(super) fn new(truth: &Ptm, other: &Ptm, reading: &Reading, edits: Edits) -> Pictures {
         let size = |ptm: &Ptm| {
             (
@@ -38,7 +38,7 @@ impl Pictures {
         let mut lit = vec![[Vec::new(), Vec::new()]; LIGHTS.len()];
         let mut differ = [!same; LIGHTS.len()];
         let mut coefficients_differ = !same;
-        // Row by row, because coefficients and colors take far more room than what they are made of.
+        // Row by row, because coefficients and colors need far more memory than stored values.
         for row in 0..sizes[0].1.max(sizes[1].1) {
             let readers = [(truth, &Reading::SPEC, Edits(&[])), (other, reading, edits)];
             let rows = readers.map(|(ptm, reading, edits)| {
@@ -62,7 +62,7 @@ impl Pictures {
                 });
                 if let [Some(ours), Some(theirs)] = &colors {
                     let mut pairs = ours.values.iter().zip(&theirs.values);
-                    differ[light] |= pairs.any(|(a, b)| (a - b).abs() > ROUNDING);
+                    differ[light] |= pairs.any(|(a, b)| (a - b).abs() > ROUNDING_TOLERANCE);
                 }
                 for (picture, row) in lit[light].iter_mut().zip(colors) {
                     picture.extend(row.map(|row| row.to_bytes()).unwrap_or_default());
@@ -77,7 +77,7 @@ impl Pictures {
         }
     }
 
-    /// What is wrong with the other one, as one sees it; nothing where it is right.
+    /// Describes the visible fault of the other image; None if it is right.
     pub(super) fn difference(&self) -> Option<String> {
         let Some(light) = self.differ.iter().position(|&differs| differs) else {
             return self
@@ -90,17 +90,17 @@ impl Pictures {
         }
         let [truth, other] = &self.lit[light];
         let words = self
-            .turned(truth, other)
-            .or_else(|| exchanged(truth, other));
-        let words = words.unwrap_or_else(|| weighed(truth, other));
+            .orientation_fault(truth, other)
+            .or_else(|| exchanged_channels(truth, other));
+        let words = words.unwrap_or_else(|| visible_properties(truth, other));
         Some(match light {
             0 => words,
             _ => format!("wrong as the light moves: {words}"),
         })
     }
 
-    /// Whether the picture is upside down, mirrored, or both.
-    fn turned(&self, truth: &[u8], other: &[u8]) -> Option<String> {
+    /// Describes an image that is upside down, mirrored, or both.
+    fn orientation_fault(&self, truth: &[u8], other: &[u8]) -> Option<String> {
         let (width, height) = self.sizes[0];
         let is = |place: &dyn Fn(usize, usize) -> (usize, usize)| {
             (0..height).all(|y| {
@@ -123,7 +123,7 @@ impl Pictures {
     }
 }
 
-/// A row of a map, from the top.
+/// Returns a row of a map, counted from the top.
 fn row_of(ptm: &Ptm, row: usize) -> Option<Planes> {
     let length = ptm.planes.size.width as usize * ptm.planes.shape.channels();
     let samples = ptm.planes.samples.get(row * length..(row + 1) * length)?;
@@ -136,8 +136,8 @@ fn row_of(ptm: &Ptm, row: usize) -> Option<Planes> {
     })
 }
 
-/// Whether colors are in each other's place.
-fn exchanged(truth: &[u8], other: &[u8]) -> Option<String> {
+/// Describes exchanged color channels.
+fn exchanged_channels(truth: &[u8], other: &[u8]) -> Option<String> {
     let orders = [
         ([2, 1, 0], "red and blue exchanged"),
         ([1, 0, 2], "red and green exchanged"),
@@ -159,20 +159,20 @@ fn exchanged(truth: &[u8], other: &[u8]) -> Option<String> {
     found.map(|(_, words)| (*words).to_owned())
 }
 
-/// Sums over the texels of two pictures.
+/// Sums over the texels of two images.
 #[derive(Default)]
 struct Sums {
     texels: f64,
-    /// Of the true brightness, of the other, of their squares and of their product.
+    /// Sums of the right brightness, of the other, of their squares and of their product.
     moments: [f64; 5],
     differing: f64,
-    /// The true brightness where they differ.
+    /// The sum of the right brightness where the two differ.
     where_differing: f64,
     largest: u8,
 }
 
-/// What else is to be seen: how much of the picture, brighter or darker, noise and where.
-fn weighed(truth: &[u8], other: &[u8]) -> String {
+/// Describes other visible properties: the affected part, brighter or darker, noise and its place.
+fn visible_properties(truth: &[u8], other: &[u8]) -> String {
     let mut sums = Sums::default();
     for (a, b) in truth.chunks(3).zip(other.chunks(3)) {
         let light = |texel: &[u8]| texel.iter().map(|&value| f64::from(value)).sum::<f64>() / 3.0;
@@ -203,7 +203,7 @@ impl Sums {
         let percent = format!("{:.0} % of the picture", (100.0 * share).max(1.0));
         let spread = |mean: f64, square: f64| (square - mean * mean).max(0.0).sqrt();
         let likeness = (xy - x * y) / (spread(x, xx) * spread(y, yy)).max(1e-9);
-        if self.largest <= UNSEEN {
+        if self.largest <= MAX_INVISIBLE_DIFFERENCE {
             return format!(
                 "off by {} of 255 at most, which is hardly to be seen",
                 self.largest

@@ -1,4 +1,4 @@
-//! What readers do not take although no clause is misread: facts of their source that have no misreading in the catalog.
+//! Limits of readers that misread no clause: facts of their source that have no misreading in the catalog.
 
 use serde::Deserialize;
 
@@ -9,9 +9,9 @@ use crate::ptm::{Field, Format};
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Limit {
-    /// Refuses a compressed file that has a space after a list, or two spaces within one; the vectors' lines are not looked at.
+    /// Refuses a compressed file with a space after a list or two spaces within one; lines of vectors are not checked.
     BlanksOfCompressedRefused,
-    /// Refuses a compressed file whose lists do not have a line each, with the vectors on two lines.
+    /// Refuses a compressed file unless each list has one line, and the vectors two.
     ListsOnOtherLinesRefused,
     /// Refuses a file with bytes after the last value.
     BytesAfterTheEndRefused,
@@ -21,24 +21,24 @@ pub enum Limit {
     SpaceAfterFormatRefused,
     /// Refuses a scale that is too small for its floating-point type.
     UnderflowRefused,
-    /// Refuses a file of which a transform has the bit of motion compensation.
+    /// Refuses a file in which a transform has the bit of motion compensation.
     MotionRefused,
-    /// Does not move references, whatever the transform says.
+    /// Does not displace references, whatever the transform says.
     MotionNotApplied,
     /// Reads no colors from an LRGB file whose version is followed by a space.
     ColorsLostAfterASpace,
 }
 
-/// What a limit does to a file.
+/// The effect of a limit on a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Struck {
-    /// It is refused, and why.
+    /// The file is refused, with the reason.
     Refused(&'static str),
-    /// It is shown wrong, and how.
+    /// The file is shown wrong, with a description.
     Wrong(&'static str),
 }
 
-/// A file as limits see it.
+/// The properties of a file that limits depend on.
 pub(super) struct Marks<'a> {
     file: &'a [u8],
     fields: Vec<Field>,
@@ -72,7 +72,7 @@ impl<'a> Marks<'a> {
         &self.file[..self.payload]
     }
 
-    /// Whether a list that is split at single spaces has an empty part.
+    /// Returns true if a list that is split at single spaces has an empty part.
     fn has_blanks_in_lists(&self) -> bool {
         let lists = [
             "2.4/3", "2.4/4", "2.9.2/1", "2.9.4/1", "2.9.5/1", "2.9.6/1", "2.9.7/1",
@@ -102,7 +102,7 @@ impl<'a> Marks<'a> {
         self.format.is_some_and(Format::is_compressed)
     }
 
-    /// The numbers that a clause puts into the header.
+    /// Returns the numbers of a clause in the header.
     fn numbers(&self, clause: &str) -> impl Iterator<Item = i64> {
         let of_it = self
             .fields
@@ -116,7 +116,7 @@ impl<'a> Marks<'a> {
         })
     }
 
-    /// Whether the lists of a compressed file are on the lines on which HP's encoder writes them.
+    /// Returns true if the lists of a compressed file have the line breaks of HP's encoder.
     fn lists_have_a_line_each(&self) -> bool {
         let start = self.fields.iter().find(|field| field.clause == "2.9.1/1");
         let Some(start) = start.map(|field| field.range.start) else {
@@ -137,7 +137,7 @@ impl<'a> Marks<'a> {
         self.numbers("2.9.2/1").any(|transform| transform & 2 != 0)
     }
 
-    /// Where the last value ends.
+    /// Returns the end of the last value.
     fn end(&self) -> usize {
         self.fields
             .iter()
@@ -148,7 +148,7 @@ impl<'a> Marks<'a> {
 }
 
 impl Limit {
-    /// What such a reader does.
+    /// Describes the behavior of such a reader.
     #[must_use]
     pub const fn words(self) -> &'static str {
         match self {
@@ -174,7 +174,7 @@ impl Limit {
         }
     }
 
-    /// What it does to a file; nothing where the file keeps within it.
+    /// Returns its effect on a file; None if the file is within the limit.
     pub(super) fn strikes(self, marks: &Marks) -> Option<Struck> {
         let refused = |so: bool, why| so.then_some(Struck::Refused(why));
         let wrong = |so: bool, how| so.then_some(Struck::Wrong(how));

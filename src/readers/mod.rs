@@ -1,8 +1,8 @@
-//! Public readers of PTMs, and what each of them will show of a file.
+//! Public readers of PTMs, with predictions of their results.
 //!
-//! A reader is a [`ReaderProfile`]: the formats that it reads, its misreadings, and what else it does not take, each with its
-//! evidence, all of it data (`spec-cases/readers.yaml`). A [`ReaderPrediction`] is made by reading the file as the reader does and
-//! holding the result against the truth.
+//! A reader is a [`ReaderProfile`]: the formats that it reads, its misreadings, and its other limits, each with its evidence;
+//! all of it is data (`spec-cases/readers.yaml`). A [`ReaderPrediction`] is made by reading the file as the reader does and
+//! comparing the result with the right one.
 
 mod profile;
 

@@ -1,4 +1,4 @@
-//! What a reader will show of a file.
+//! Predictions of the results of a reader for a file.
 
 use serde::Serialize;
 
@@ -12,20 +12,20 @@ use crate::misreadings::{self, At, Misreading};
 use crate::ptm::Ptm;
 use crate::reading::Reading;
 
-/// What comes of opening a file with a reader.
+/// The result of opening a file with a reader.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Shown {
-    /// The right picture under every light.
+    /// The right image under every light.
     Right,
-    /// Another one; or a picture of a damaged file.
+    /// Another image; or an image of a damaged file.
     Wrong,
-    /// None: the reader refuses the file.
+    /// No image: the reader refuses the file.
     Nothing,
 }
 
 impl Shown {
-    /// In a word.
+    /// Returns its name.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -36,36 +36,36 @@ impl Shown {
     }
 }
 
-/// What a reader will show of a file, and why.
+/// A prediction for a reader and a file, with its reasons.
 #[derive(Clone, Debug, Serialize)]
 pub struct ReaderPrediction {
     /// The short name of the reader.
     pub reader: String,
-    /// What it shows.
+    /// The result.
     pub shows: Shown,
-    /// In which way the picture is wrong, as one sees it, or why there is none; empty where it is right.
+    /// The visible fault of the image, or the reason why there is none; empty if it is right.
     #[serde(skip_serializing_if = "String::is_empty")]
     pub how: String,
-    /// The misreadings that do it.
+    /// The responsible misreadings.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub because: Vec<&'static str>,
-    /// What the owner of the file can do about it.
+    /// The suggested fix for the owner of the file.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub fix: Option<String>,
 }
 
-/// A file, and the truth about it.
+/// A file, and its right contents.
 pub struct OpenedFile<'a> {
     file: &'a [u8],
     marks: Marks<'a>,
     truth: Result<Ptm, Error>,
 }
 
-/// What a reader makes of a file: planes and how it goes on reading, or why it refuses.
+/// The result of a reader for a file: planes and its further reading, or the reason why it refuses.
 type Found = Result<(Ptm, Reading), Option<Error>>;
 
 impl<'a> OpenedFile<'a> {
-    /// The file, read as the reference does.
+    /// Reads the file as the reference does.
     #[must_use]
     pub fn of(file: &'a [u8]) -> OpenedFile<'a> {
         OpenedFile {
@@ -75,7 +75,7 @@ impl<'a> OpenedFile<'a> {
         }
     }
 
-    /// What the reader will show.
+    /// Predicts the result of the reader.
     #[must_use]
     pub fn predict(&self, profile: &ReaderProfile) -> ReaderPrediction {
         let says = |shows, how: String, because| ReaderPrediction {
@@ -116,7 +116,7 @@ impl<'a> OpenedFile<'a> {
         }
     }
 
-    /// What the reader shows, and how it is wrong.
+    /// Returns the result of the reader, and its fault.
     fn judge(
         &self,
         acting: &[&Misreading],
@@ -145,7 +145,7 @@ impl<'a> OpenedFile<'a> {
         }
     }
 
-    /// The misreadings of which each alone shows the same kind of thing; all, where it takes several.
+    /// Returns the misreadings that each alone have the same kind of result; all of them if several are needed.
     fn causes(
         &self,
         acting: &[&'static Misreading],
@@ -169,7 +169,7 @@ impl<'a> OpenedFile<'a> {
     }
 }
 
-/// The planes after the mistakes that a reader makes with them.
+/// Returns the planes after the reader's mistakes with them.
 fn edited(acting: &[&Misreading], mut ptm: Ptm) -> Ptm {
     for one in acting {
         if let At::Planes(edit) = one.at {

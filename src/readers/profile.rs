@@ -1,4 +1,4 @@
-//! What is known of a reader.
+//! Profiles of readers.
 
 use std::sync::LazyLock;
 
@@ -9,29 +9,29 @@ use crate::kit::yaml;
 use crate::misreadings::{self, Misreading};
 use crate::ptm::Format;
 
-/// A reader, as `readers.yaml` has it.
+/// A reader, as in `readers.yaml`.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ReaderProfile {
-    /// The short name by which it is asked for.
+    /// The short name by which it is selected.
     pub name: String,
-    /// Its repository, owner and name, or its name where it has none.
+    /// Its repository (owner and name), or its name if it has none.
     pub reader: String,
-    /// The version or commit that was looked at, where it is known.
+    /// The version or commit that was examined, if known.
     pub version: Option<String>,
     /// The formats that it reads, by their short names.
     pub reads: Vec<String>,
-    /// How it is known what it reads.
+    /// The evidence for its formats.
     pub evidence: Evidence,
     /// Its misreadings.
     #[serde(default)]
     pub misreadings: Vec<KnownMisreading>,
-    /// What else it does not take.
+    /// Its other limits.
     #[serde(default)]
     pub limits: Vec<KnownLimit>,
 }
 
-/// How something is known.
+/// A kind of evidence.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Evidence {
@@ -47,7 +47,7 @@ pub enum Evidence {
 pub struct KnownMisreading {
     /// Its slug in `misreadings.yaml`.
     pub slug: String,
-    /// How it is known.
+    /// The evidence.
     pub evidence: Evidence,
 }
 
@@ -55,9 +55,9 @@ pub struct KnownMisreading {
 #[derive(Clone, Copy, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct KnownLimit {
-    /// Which.
+    /// The limit.
     pub limit: Limit,
-    /// How it is known.
+    /// The evidence.
     pub evidence: Evidence,
 }
 
@@ -66,13 +66,13 @@ static ALL: LazyLock<Vec<ReaderProfile>> = LazyLock::new(|| {
         .unwrap_or_else(|error| unreachable!("readers.yaml, which a test reads: {error}"))
 });
 
-/// The readers that are known.
+/// Returns the known readers.
 #[must_use]
 pub fn profiles() -> &'static [ReaderProfile] {
     &ALL
 }
 
-/// The readers of a file such as `readers.yaml`.
+/// Reads the readers of a file such as `readers.yaml`.
 ///
 /// # Errors
 /// A sentence that names the line or the reader at fault.
@@ -86,13 +86,13 @@ pub fn profiles_of(text: &str) -> Result<Vec<ReaderProfile>, String> {
 }
 
 impl ReaderProfile {
-    /// Whether it reads this format at all.
+    /// Returns true if it reads this format at all.
     #[must_use]
     pub fn reads(&self, format: Format) -> bool {
         self.reads.iter().any(|name| name == format.short_name())
     }
 
-    /// Its misreadings, in the order in which they act on a file.
+    /// Returns its misreadings, in the order in which they act on a file.
     pub(super) fn acting(&self) -> Vec<&'static Misreading> {
         let named = self.misreadings.iter();
         named
@@ -113,7 +113,7 @@ impl ReaderProfile {
                 return unknown(&format!("no misreading is called {}", known.slug));
             }
         }
-        // Of two mistakes in one decision the second would undo the first.
+        // Of two mistakes in one decision the second would replace the first.
         let decisions = acting.iter().filter(|one| one.at.is_decision());
         let mut seen: Vec<&Misreading> = Vec::new();
         for one in decisions {

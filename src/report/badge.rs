@@ -1,4 +1,4 @@
-//! Three scores on a badge; never one percentage.
+//! Badges with three scores instead of one percentage.
 
 use maud::html;
 
@@ -6,13 +6,13 @@ use crate::report::document::Report;
 use crate::session::scores::Fraction;
 use crate::suite::name::SuiteName;
 
-/// The width of a letter in tenths of a pixel; `textLength` makes it so whatever the font.
-const LETTER: usize = 59;
-/// What stands left and right of a text.
+/// The width of a letter in tenths of a pixel; `textLength` enforces it for every font.
+const LETTER_WIDTH: usize = 59;
+/// The margin left and right of a text.
 const MARGIN: usize = 4;
 
-/// An SVG picture, 20 pixels high and at most 140 wide: the verdict and correctness in words, and below them a line for each of
-/// correctness, breadth and robustness, as long as the score. Its title says all of them.
+/// Returns an SVG image, 20 pixels high and at most 140 wide: the verdict and correctness in words, and below them a line for
+/// each of correctness, breadth and robustness, as long as the score. Its title has all of them.
 #[must_use]
 pub fn badge(report: &Report) -> String {
     let label = match report.suite {
@@ -29,7 +29,7 @@ pub fn badge(report: &Report) -> String {
         (None, false) => format!("✗ {}", scores.correctness),
     };
     let color = if passed { "#1d6b3f" } else { "#a8281c" };
-    let width = |text: &str| text.chars().count() * LETTER / 10;
+    let width = |text: &str| text.chars().count() * LETTER_WIDTH / 10;
     let (left, right) = (width(label) + 2 * MARGIN, width(&says) + 2 * MARGIN);
     let title = format!(
         "{}: {}; correctness {}, breadth {}, robustness {}",

@@ -1,4 +1,4 @@
-//! Known failures: a list of cases that are expected to fail, so that only news is an error.
+//! Known failures: a list of cases that are expected to fail, so that only new failures are errors.
 //!
 //! ```yaml
 //! - id: table-of-257-entries-ptm-lut
@@ -6,8 +6,8 @@
 //! - id: lum-translated-0-0
 //! ```
 //!
-//! A listed case that fails is *known*. A failing case that is not listed is *new*. A listed case that passes is *stale*:
-//! its line should go. A listed case with any other outcome, or that was not selected, is left alone.
+//! A listed case that fails is *known*. A failing case that is not listed is *new*. A listed case that passes is *stale*: its
+//! line should be removed. A listed case with any other outcome, or that was not selected, is ignored.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -24,7 +24,7 @@ use crate::suite::test_case::TestCase;
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Baseline(BTreeMap<String, Option<String>>);
 
-/// A line of the file.
+/// An entry of the file.
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Known {
@@ -33,7 +33,7 @@ struct Known {
     reason: Option<String>,
 }
 
-/// A run held against a baseline: ids, in the order of the suite.
+/// The comparison of a run with a baseline: ids, in the order of the suite.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct BaselineNews {
     /// Listed, and failing.
@@ -45,7 +45,7 @@ pub struct BaselineNews {
 }
 
 impl BaselineNews {
-    /// The exit status of `check` where some failures are known: 0, 1, 3 or 4.
+    /// Returns the exit status of `check` if some failures are known: 0, 1, 3 or 4.
     #[must_use]
     pub fn exit_status<C: TestCase>(&self, run: &Run<C>) -> u8 {
         match run.status(!self.new.is_empty()) {
@@ -56,10 +56,10 @@ impl BaselineNews {
 }
 
 impl Baseline {
-    /// Reads a list.
+    /// Reads a baseline.
     ///
     /// # Errors
-    /// A sentence that names the file and the line at fault; also for an id that the suite does not have, or twice.
+    /// A sentence that names the file and the line at fault; also for an unknown or duplicate id.
     pub fn read<C: TestCase>(path: &Path, suite: &Suite<C>) -> Result<Baseline, String> {
         Baseline::parse(&text_of(path)?, suite)
             .map_err(|error| format!("{}: {error}", path.display()))
@@ -79,7 +79,7 @@ impl Baseline {
         Ok(Baseline(listed))
     }
 
-    /// Holds verdicts, a place for each case of `suite`, against the list.
+    /// Compares verdicts, one slot per case of `suite`, with the baseline.
     #[must_use]
     pub fn news<C: TestCase>(&self, suite: &Suite<C>, judged: &[Option<Judged>]) -> BaselineNews {
         let mut news = BaselineNews::default();
@@ -96,8 +96,8 @@ impl Baseline {
         news
     }
 
-    /// The list that makes this run's failures known: what failed, with the reasons of this list, and what of this list
-    /// was neither seen to pass nor to fail. In the order of the suite.
+    /// Returns the baseline in which this run's failures are known, with the reasons of the old one. Old entries that neither
+    /// passed nor failed are kept. In the order of the suite.
     #[must_use]
     pub fn renewed<C: TestCase>(&self, suite: &Suite<C>, judged: &[Option<Judged>]) -> String {
         let stays = |id: &str, judged: &Option<Judged>| match judged

@@ -1,6 +1,6 @@
-//! The end of a run: first the report with all verdicts, then the same with their causes.
+//! The end of a run: the report with all verdicts first, then the same report with causes.
 //!
-//! The verdicts do not wait for the search for causes, and nothing that goes wrong in it takes them away.
+//! The verdicts do not wait for the search for causes, and are not affected if it fails.
 
 use std::any::Any;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -17,10 +17,10 @@ use crate::session::run::{Run, Session};
 use crate::suite::cases::Suite;
 use crate::suite::test_case::TestCase;
 
-/// The report of a run: verdicts and causes.
+/// Returns the report of a run: verdicts and causes.
 ///
 /// # Errors
-/// Those of [`verdicts`].
+/// The errors of [`verdicts`].
 pub fn conclude<C: Reported>(
     suite: &Suite<C>,
     run: &mut Run<C>,
@@ -35,8 +35,8 @@ pub fn conclude<C: Reported>(
     }))
 }
 
-/// Finds what all first files have in common that is wrong, has it said, and undone in every picture that comes. What is
-/// assumed is said already.
+/// Finds mistakes that all first files have in common, reports them, and has them undone in every following image. Assumed
+/// mistakes are already reported.
 pub fn undo_common_transforms<C: Reported>(
     suite: &Suite<C>,
     session: &mut Session<C>,
@@ -50,10 +50,10 @@ pub fn undo_common_transforms<C: Reported>(
     }
 }
 
-/// The report of a run without causes: with the remarks that are not made of answers, and what the decoder says of itself.
+/// Returns the report of a run without causes, with remarks that do not follow from answers, and the declared capabilities.
 ///
 /// # Errors
-/// A sentence with the first of the assumed misreadings that is none.
+/// A sentence with the first assumed misreading that is unknown.
 pub fn verdicts<C: Reported>(
     suite: &Suite<C>,
     run: &mut Run<C>,
@@ -72,7 +72,7 @@ pub fn verdicts<C: Reported>(
     Ok(report)
 }
 
-/// Likely causes of what failed so far, most telling first; none where the search fails.
+/// Returns likely causes of the failures so far, the one that explains most first; none if the search fails.
 pub fn first_causes<C: TestCase, A: 'static>(
     suite: &Suite<C>,
     run: &Run<C>,
@@ -85,8 +85,8 @@ pub fn first_causes<C: TestCase, A: 'static>(
     )
 }
 
-/// The same report with the causes that `search` finds. A search that panics, or that the user ends, leaves the verdicts
-/// without some of their causes, and the report says so.
+/// Adds the causes that `search` finds to a report. If the search panics, or the user ends it, some causes are missing and the
+/// report says so.
 #[must_use]
 pub fn causes<C: TestCase, A: 'static>(
     suite: &Suite<C>,
@@ -113,7 +113,7 @@ pub fn causes<C: TestCase, A: 'static>(
     report
 }
 
-/// What a panic says.
+/// Returns the message of a panic.
 fn in_words(panic: &(dyn Any + Send)) -> String {
     let text = panic.downcast_ref::<&str>().map(|text| (*text).to_owned());
     let text = text.or_else(|| panic.downcast_ref::<String>().cloned());

@@ -1,7 +1,7 @@
-//! What changed between two reports, exactly: every change is counted, and of equal reports there is nothing to say.
+//! Exact differences between two reports: every change is counted, and the result is empty for equal reports.
 //!
-//! Where few cases changed, each is said in full. Where many did, they are grouped by how they changed, by cause and by
-//! clause, unless every case is asked for.
+//! A few changed cases are described in full. Many are grouped by kind of change, by cause and by clause, unless every case is
+//! requested.
 
 use std::collections::{BTreeMap, HashMap};
 use std::fmt::Write;
@@ -13,17 +13,17 @@ use crate::kit::yaml::to_yaml;
 use crate::report::document::{CaseResult, FollowedReading, LikelyCause, Report, section_of};
 use crate::session::outcome::Outcome;
 
-/// So many changed cases are said in full.
-const FEW: usize = 12;
+/// Maximum number of changed cases that are described in full.
+const MAX_IN_FULL: usize = 12;
 
 impl Report {
-    /// The changes from this report to `new`, in words; empty where the two are equal. Many changed cases are grouped unless
-    /// `every_case` is wanted.
+    /// Describes the changes from this report to `new`; empty if the two are equal. Many changed cases are grouped unless
+    /// `every_case` is true.
     #[must_use]
     pub fn changes_to(&self, new: &Report, every_case: bool) -> String {
         let mut text = String::new();
         let changes = Changes::between(self, new);
-        let in_full = every_case || changes.count() <= FEW;
+        let in_full = every_case || changes.count() <= MAX_IN_FULL;
         changes
             .write(in_full, &mut text)
             .expect("writing to memory does not fail");
@@ -31,11 +31,11 @@ impl Report {
     }
 }
 
-/// Two reports, and the cases of which they say something else.
+/// Two reports, and the cases in which they differ.
 struct Changes<'a> {
     old: &'a Report,
     new: &'a Report,
-    /// Cases of both, by kind of change.
+    /// Cases of both reports, by kind of change.
     changed: Vec<(&'static str, Vec<Pair<'a>>)>,
     appeared: Vec<&'a CaseResult>,
     vanished: Vec<&'a CaseResult>,
@@ -117,11 +117,15 @@ impl<'a> Changes<'a> {
         Ok(())
     }
 
-    /// Changes by how, by cause and by clause.
+    /// Writes changes by kind, by cause and by clause.
     fn write_grouped(&self, out: &mut String, pairs: &[Pair]) -> std::fmt::Result {
         let keyed = pairs.iter().map(|&(old, new)| {
             let how = match old.outcome == new.outcome {
-                true => format!("{} ({})", new.outcome, differing(old, new).join(", ")),
+                true => format!(
+                    "{} ({})",
+                    new.outcome,
+                    differing_fields(old, new).join(", ")
+                ),
                 false => format!("{} → {}", old.outcome, new.outcome),
             };
             let cause = match fails(new) {
@@ -141,7 +145,7 @@ impl<'a> Changes<'a> {
     }
 }
 
-/// How many cases there are of each key, and one of them; most first.
+/// Writes the number of cases of each key, and one example; the most frequent first.
 fn write_counts<'a>(
     out: &mut String,
     keyed: impl Iterator<Item = (String, &'a CaseResult)>,
@@ -161,7 +165,7 @@ fn write_counts<'a>(
     })
 }
 
-/// Each change by itself.
+/// Writes each change separately.
 fn write_each(out: &mut String, pairs: &[Pair]) -> std::fmt::Result {
     pairs.iter().try_for_each(|(old, new)| {
         if old.outcome == new.outcome {
@@ -173,7 +177,7 @@ fn write_each(out: &mut String, pairs: &[Pair]) -> std::fmt::Result {
     })
 }
 
-/// The causes of a report, a line or two each: with the cases that each explains, or how many these are.
+/// Describes the causes of a report in a line or two each, with the cases that each explains, or their number.
 fn causes_in_words(report: &Report, in_full: bool) -> String {
     let words = |cause: &LikelyCause| {
         let name = cause.misreading.as_ref().or(cause.kind.as_ref());
@@ -192,8 +196,8 @@ fn causes_in_words(report: &Report, in_full: bool) -> String {
     report.diagnoses.iter().map(words).collect()
 }
 
-/// The names of the fields in which two results differ.
-fn differing(old: &CaseResult, new: &CaseResult) -> Vec<&'static str> {
+/// Returns the names of the fields in which two results differ.
+fn differing_fields(old: &CaseResult, new: &CaseResult) -> Vec<&'static str> {
     let fields = [
         ("view", old.view != new.view),
         ("expect", old.expect != new.expect),
@@ -217,7 +221,7 @@ fn is_fixed(old: &CaseResult, new: &CaseResult) -> bool {
     fails(old) && new.outcome == Outcome::Pass.name()
 }
 
-/// Kinds of change: each changed case is of just one.
+/// Kinds of change; each changed case belongs to exactly one.
 const CHANGES: [(&str, fn(&CaseResult, &CaseResult) -> bool); 4] = [
     ("began to fail", |old, new| !fails(old) && fails(new)),
     ("fixed", is_fixed),
@@ -229,7 +233,7 @@ const CHANGES: [(&str, fn(&CaseResult, &CaseResult) -> bool); 4] = [
     }),
 ];
 
-/// Cases by id; of two with the same id the last.
+/// Returns cases by id; for a duplicate id the last one.
 fn places(cases: &[CaseResult]) -> HashMap<&str, &CaseResult> {
     cases.iter().map(|case| (id_of(case), case)).collect()
 }
@@ -242,7 +246,7 @@ fn write_group(out: &mut String, name: &str, count: usize) -> std::fmt::Result {
     }
 }
 
-/// The lines of which one text differs from the other.
+/// Writes the lines in which one text differs from the other.
 fn write_lines(
     out: &mut String,
     indent: &str,
@@ -271,7 +275,7 @@ fn write_lines(
     Ok(())
 }
 
-/// A line for each reading.
+/// Returns one line for each reading.
 fn listed(dialect: &[FollowedReading]) -> String {
     let line = |known: &FollowedReading| format!("{}: {}\n", known.ruling, known.reading);
     dialect.iter().map(line).collect()
@@ -283,7 +287,7 @@ fn leniencies(report: &Report) -> String {
     rulings.map(|one| one.in_words() + "\n").collect()
 }
 
-/// What is said of a case besides its name and outcome, a line or more for each field.
+/// Returns the other fields of a case, a line or more each.
 fn details(case: &CaseResult) -> String {
     let (id, outcome) = (String::new(), String::new());
     let text = yaml(&CaseResult {

@@ -1,6 +1,6 @@
-//! The report as a plain value, which every form of it borrows.
+//! The report as plain data, from which all output formats are made.
 //!
-//! It has no clock, path or host in it, so that two runs of the same thing are equal.
+//! It contains no time, path or host, so that two equal runs have equal reports.
 
 use serde::{Deserialize, Serialize};
 
@@ -11,15 +11,15 @@ use crate::session::remark::Remark;
 use crate::session::scores::Scores;
 use crate::suite::name::SuiteName;
 
-/// The version of the form of reports. A reader refuses all others.
+/// The version of the report schema. A reader refuses all others.
 pub const SCHEMA: u32 = 2;
 
-/// All that is said of a decoder.
+/// The report on a decoder.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Report {
-    /// The version of this form of report.
+    /// The version of the schema.
     pub schema: u32,
-    /// What was asked.
+    /// The suite.
     pub suite: SuiteName,
     /// The program that judged.
     pub tool: Tool,
@@ -27,23 +27,23 @@ pub struct Report {
     pub decoder: DecoderInfo,
     /// `pass`, `fail` or `not a decoder`.
     pub verdict: String,
-    /// The reason, where it is no decoder.
+    /// The reason, if it is not a decoder.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub reason: Option<String>,
-    /// Three scores; never one percentage.
+    /// Three scores instead of one percentage.
     pub scores: Scores,
-    /// What is to be said of the run as a whole.
+    /// Remarks on the run as a whole.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub remarks: Vec<Remark>,
-    /// How it reads what the text leaves open: ruling and reading.
+    /// Its reading of open questions: ruling and reading.
     pub dialect: Vec<FollowedReading>,
-    /// What it does with files outside the specification, ruling by ruling.
+    /// Its behavior for files outside the specification, ruling by ruling.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub lenient: Vec<Leniency>,
-    /// The failures held against those that were known, where a list of them was given.
+    /// The comparison of failures with the baseline, if there is one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub baseline: Option<BaselineNews>,
-    /// Likely causes, most telling first.
+    /// Likely causes, the one that explains most first.
     pub diagnoses: Vec<LikelyCause>,
     /// Every selected case, in the order of the suite.
     pub cases: Vec<CaseResult>,
@@ -67,17 +67,17 @@ pub struct Tool {
 pub struct DecoderInfo {
     /// Its command, without directories.
     pub command: String,
-    /// What it calls itself.
+    /// The name that it declares.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub name: Option<String>,
-    /// The version it gives.
+    /// The version that it declares.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub version: Option<String>,
-    /// `one-shot`, or `serve` where its processes answer many requests.
+    /// `one-shot`, or `serve` if its processes answer many requests.
     pub mode: String,
     /// The views it offers.
     pub views: Vec<String>,
-    /// What it decodes.
+    /// The features that it decodes.
     pub decodes: Vec<String>,
     /// Features for which it always exits with 69.
     pub unsupported: Vec<String>,
@@ -90,7 +90,7 @@ pub struct FollowedReading {
     pub ruling: String,
     /// The reading that the decoder follows.
     pub reading: String,
-    /// Cases that show it, the first few.
+    /// The first few cases that show it.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub shown_by: Vec<String>,
 }
@@ -104,19 +104,19 @@ pub struct LikelyCause {
     /// The kind of failure, if no misreading is named: refusal, acceptance, violation, difference or nondeterminism.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub kind: Option<String>,
-    /// The clause it misreads.
+    /// The clause that it misreads.
     pub clause: String,
-    /// What the decoder does.
+    /// The behavior of the decoder.
     pub effect: String,
-    /// What to do about it.
+    /// The suggested fix.
     pub fix: String,
-    /// Misreadings that would look the same.
+    /// Misreadings with the same effect on these cases.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub or: Vec<String>,
     /// Other misreadings that show in the same cases.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub with: Vec<String>,
-    /// The failing cases it reproduces exactly.
+    /// The failing cases that it reproduces exactly.
     pub explains: Vec<String>,
     /// The failing cases that it explains in part.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
@@ -129,39 +129,39 @@ pub struct LikelyCause {
     pub example: Option<String>,
 }
 
-/// What is said of a case.
+/// The result of a case.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct CaseResult {
     /// The case.
     pub id: String,
-    /// The verdict on it.
+    /// The verdict.
     pub outcome: String,
-    /// The view it was asked in.
+    /// The view in which it was requested.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub view: Option<String>,
-    /// What was expected.
+    /// The expected result.
     pub expect: String,
-    /// The clauses it is about.
+    /// The clauses that it tests.
     pub clauses: Vec<String>,
-    /// Why the outcome is what it is, where that needs words.
+    /// The reason for the outcome, if it needs words.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub says: Option<String>,
-    /// Whether it was refused by the exit status of `--reject-exit`, which may mean a crash as well.
+    /// True if it was refused by the exit status of `--reject-exit`, which may also mean a crash.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub weak: bool,
-    /// The beginning of the decoder's standard error, where the case failed.
+    /// The beginning of the decoder's standard error, if the case failed.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub stderr: Option<String>,
 }
 
 impl LikelyCause {
-    /// Whether it is the clause that is misread: a crash or a nondeterministic answer misreads none.
+    /// Returns true if it means that the clause is misread; a crash or a nondeterministic answer does not.
     #[must_use]
     pub fn blames_its_clause(&self) -> bool {
         !matches!(self.kind.as_deref(), Some("violation" | "nondeterminism"))
     }
 
-    /// A name for it: the misreading, or else the kind of failure.
+    /// Returns its name: the misreading, or else the kind of failure.
     #[must_use]
     pub fn name(&self) -> &str {
         let name = self.misreading.as_deref().or(self.kind.as_deref());
@@ -176,20 +176,20 @@ impl LikelyCause {
 }
 
 impl Report {
-    /// The cases with this outcome.
+    /// Returns the cases with this outcome.
     pub fn with(&self, outcome: Outcome) -> impl Iterator<Item = &CaseResult> {
         let cases = self.cases.iter();
         cases.filter(move |case| case.outcome == outcome.name())
     }
 
-    /// Whether this failure was known before (`--baseline`).
+    /// Returns true if this failure was known before (`--baseline`).
     #[must_use]
     pub fn is_known(&self, case: &CaseResult) -> bool {
         let news = self.baseline.as_ref();
         news.is_some_and(|news| news.known.contains(&case.id))
     }
 
-    /// The cause under which this failure stands: one that reproduces it, or else one that does in part.
+    /// Returns the cause of this failure: one that reproduces it, or else one that explains it in part.
     #[must_use]
     pub fn cause_of(&self, case: &CaseResult) -> Option<&LikelyCause> {
         let with = |of: fn(&LikelyCause) -> &[String]| {
@@ -200,7 +200,7 @@ impl Report {
     }
 }
 
-/// The section of a clause: `2.4` of `2.4/8`, `R-TBL` of `R-TBL-04`.
+/// Returns the section of a clause: `2.4` for `2.4/8`, `R-TBL` for `R-TBL-04`.
 #[must_use]
 pub fn section_of(clause: &str) -> &str {
     let ends = clause.split_once('/').or_else(|| clause.rsplit_once('-'));

@@ -1,7 +1,7 @@
-//! What GitHub shows of a run: annotations, and a summary of the job in Markdown.
+//! Output for GitHub: annotations, and a summary of the job in Markdown.
 //!
-//! A runner takes lines of output that begin with `::` as commands. Everything that a decoder may have said is escaped,
-//! so that it stays text.
+//! A runner treats lines of output that begin with `::` as commands. All output of the decoder is escaped, so that it remains
+//! text.
 
 use std::fmt::Write;
 
@@ -10,19 +10,19 @@ use crate::session::outcome::Outcome;
 use crate::suite::address::published;
 use crate::suite::name::SuiteName;
 
-/// A runner shows ten errors of a step.
-const ANNOTATIONS: usize = 10;
+/// Maximum number of errors that a runner shows for a step.
+const MAX_ANNOTATIONS: usize = 10;
 
-/// Failures that the summary lists; it may have one mebibyte.
-const LISTED: usize = 100;
+/// Maximum number of failures in the summary, which is limited to one mebibyte.
+const MAX_LISTED: usize = 100;
 
-/// Workflow commands, a line each: an error for each likely mistake, then one for each failure without a cause.
+/// Returns workflow commands, a line each: an error for each likely mistake, then one for each failure without a cause.
 #[must_use]
 pub fn annotations(report: &Report) -> String {
     let errors = errors(report);
-    let left_out = errors.len().saturating_sub(ANNOTATIONS);
+    let left_out = errors.len().saturating_sub(MAX_ANNOTATIONS);
     let mut text = String::new();
-    for (title, message) in errors.iter().take(ANNOTATIONS) {
+    for (title, message) in errors.iter().take(MAX_ANNOTATIONS) {
         let _ = writeln!(text, "::error title={}::{}", property(title), data(message));
     }
     if left_out > 0 {
@@ -35,7 +35,7 @@ pub fn annotations(report: &Report) -> String {
     text
 }
 
-/// Titles and messages.
+/// Returns titles and messages of errors.
 fn errors(report: &Report) -> Vec<(String, String)> {
     let name = report.suite.short();
     let reason = report.reason.iter();
@@ -44,7 +44,7 @@ fn errors(report: &Report) -> Vec<(String, String)> {
         .collect();
     let remarks = report.remarks.iter().filter(|remark| remark.failure);
     errors.extend(remarks.map(|remark| (format!("{name} conformance"), remark.says.clone())));
-    // What is known is no news.
+    // Known failures are not reported again.
     let failures = report.with(Outcome::Fail);
     let news: Vec<&CaseResult> = failures.filter(|case| !report.is_known(case)).collect();
     for cause in &report.diagnoses {
@@ -71,7 +71,7 @@ fn errors(report: &Report) -> Vec<(String, String)> {
     errors
 }
 
-/// The job's summary in Markdown; `all` is how many cases the suite has.
+/// Returns the job's summary in Markdown; `all` is the number of cases of the suite.
 #[must_use]
 pub fn summary(report: &Report, all: usize) -> String {
     let failures: Vec<&CaseResult> = report.with(Outcome::Fail).collect();
@@ -87,7 +87,7 @@ pub fn summary(report: &Report, all: usize) -> String {
     text
 }
 
-/// Verdict, scores and remarks.
+/// Writes verdict, scores and remarks.
 fn write_head(report: &Report, out: &mut String) -> std::fmt::Result {
     let sign = if report.verdict == "pass" {
         "✅"
@@ -114,7 +114,7 @@ fn write_head(report: &Report, out: &mut String) -> std::fmt::Result {
     Ok(())
 }
 
-/// News, causes, and how many failures have none.
+/// Writes news, causes, and the number of failures without a cause.
 fn write_diagnoses(
     report: &Report,
     failures: &[&CaseResult],
@@ -168,7 +168,7 @@ fn write_cause(
     }
 }
 
-/// Markdown that leads to a page of the site, where it has one. What a report names may hold anything; an address does not.
+/// Returns Markdown with a link to a page of the site, if there is one. Names in a report are untrusted, addresses are not.
 fn linked(markdown: &str, page: Option<String>) -> String {
     let is_plain = |page: &String| {
         page.chars()
@@ -180,7 +180,7 @@ fn linked(markdown: &str, page: Option<String>) -> String {
     }
 }
 
-/// A table of the failing cases.
+/// Writes a table of the failing cases.
 fn write_failures(failures: &[&CaseResult], out: &mut String) -> std::fmt::Result {
     if failures.is_empty() {
         return Ok(());
@@ -190,7 +190,7 @@ fn write_failures(failures: &[&CaseResult], out: &mut String) -> std::fmt::Resul
         "\n<details><summary>{} failing cases</summary>\n\n| case | clauses | result |\n|---|---|---|",
         failures.len()
     )?;
-    for case in failures.iter().take(LISTED) {
+    for case in failures.iter().take(MAX_LISTED) {
         let says = case.says.as_deref().unwrap_or_default();
         let says: String = says.chars().take(300).collect();
         writeln!(
@@ -201,13 +201,13 @@ fn write_failures(failures: &[&CaseResult], out: &mut String) -> std::fmt::Resul
             plain(&says)
         )?;
     }
-    if failures.len() > LISTED {
-        writeln!(out, "\n… and {} more.", failures.len() - LISTED)?;
+    if failures.len() > MAX_LISTED {
+        writeln!(out, "\n… and {} more.", failures.len() - MAX_LISTED)?;
     }
     writeln!(out, "\n</details>")
 }
 
-/// `text` with nothing in it that a runner takes for a command: lines that begin like one are quoted.
+/// Returns `text` without anything that a runner treats as a command: lines that begin like one are quoted.
 #[must_use]
 pub fn without_commands(text: &str) -> String {
     text.split_inclusive('\n')
@@ -222,19 +222,19 @@ pub fn without_commands(text: &str) -> String {
         .collect()
 }
 
-/// The message of a workflow command.
+/// Escapes the message of a workflow command.
 fn data(text: &str) -> String {
     text.replace('%', "%25")
         .replace('\r', "%0D")
         .replace('\n', "%0A")
 }
 
-/// A property of a workflow command.
+/// Escapes a property of a workflow command.
 fn property(text: &str) -> String {
     data(text).replace(':', "%3A").replace(',', "%2C")
 }
 
-/// Words that are no Markdown and no HTML, on one line.
+/// Returns words without Markdown or HTML, on one line.
 fn plain(text: &str) -> String {
     let mut plain = String::new();
     for c in text.chars() {
@@ -253,7 +253,7 @@ fn plain(text: &str) -> String {
     plain
 }
 
-/// Words as code, whatever is in them.
+/// Returns words as code, whatever their characters.
 fn code(text: &str) -> String {
     let mut escaped = String::new();
     for c in text.chars() {

@@ -1,8 +1,8 @@
-//! The report as `JUnit` XML, for what already reads test results.
+//! The report as `JUnit` XML, for tools that read test results.
 //!
-//! A failed case is a failure and a case that was not run is an error. What fails the run as a whole is a failure, too. What is no evidence is skipped: unsupported,
-//! inconclusive, another dialect, not judged, assumed, a known failure; and a lenient case that was answered in one of its
-//! right ways, because more than one is right.
+//! A failed case is a failure and a case that was not run is an error; a problem of the whole run is a failure, too. Skipped
+//! are outcomes without evidence: unsupported, inconclusive, another dialect, not judged, assumed, a known failure; and a
+//! lenient case that was answered in one of its right ways, because more than one is right.
 
 use quick_junit::{NonSuccessKind, TestCase, TestCaseStatus, TestSuite};
 
@@ -10,10 +10,10 @@ use crate::report::document::{CaseResult, Report, section_of};
 use crate::session::outcome::Outcome;
 use crate::suite::cases::Expect;
 
-/// The XML, one test case for each case of `report`, under the section of its first clause.
+/// Returns the XML, one test case for each case of `report`, under the section of its first clause.
 ///
 /// # Errors
-/// None that a report can cause.
+/// No error that depends on the report.
 pub fn junit(report: &Report) -> Result<String, String> {
     let mut suite = TestSuite::new(report.decoder.command.as_str());
     let scores = [

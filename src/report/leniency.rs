@@ -1,4 +1,4 @@
-//! What a decoder does with files outside the specification.
+//! The behavior of a decoder for files outside the specification.
 
 use std::collections::BTreeMap;
 
@@ -10,10 +10,10 @@ use crate::session::run::Run;
 use crate::suite::cases::{Expect, Suite};
 use crate::suite::test_case::TestCase;
 
-/// Cases that are named as evidence.
-const NAMED: usize = 3;
+/// Maximum number of cases that are named as evidence.
+const MAX_NAMED: usize = 3;
 
-/// What a decoder did with the files of one lenient ruling. Refusing them and showing the reference's picture are both
+/// The results of a decoder for the files of one lenient ruling. Both refusing them and showing the reference's image are
 /// right.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Leniency {
@@ -25,12 +25,12 @@ pub struct Leniency {
     pub refused: usize,
     /// Files on which it exited with 69.
     pub unsupported: usize,
-    /// Files that gave another picture or none.
+    /// Files that gave another image or none.
     pub other: usize,
 }
 
 impl Leniency {
-    /// In words: `lut-huge: 1 refused, 4 other results`.
+    /// Describes it in words: `lut-huge: 1 refused, 4 other results`.
     pub(super) fn in_words(&self) -> String {
         let counts = [
             (self.decoded, "decoded"),
@@ -54,7 +54,7 @@ impl Leniency {
     }
 }
 
-/// What the decoder does outside the specification, ruling by ruling.
+/// Returns the behavior of the decoder outside the specification, ruling by ruling.
 pub(super) fn leniency<C: TestCase>(suite: &Suite<C>, run: &Run<C>) -> Vec<Leniency> {
     let mut rulings: BTreeMap<&str, Leniency> = BTreeMap::new();
     for (i, case) in suite.cases.iter().enumerate() {
@@ -79,7 +79,7 @@ pub(super) fn leniency<C: TestCase>(suite: &Suite<C>, run: &Run<C>) -> Vec<Lenie
     rulings.into_values().collect()
 }
 
-/// The first cases of a kind that passed.
+/// Returns the first cases of a kind that passed.
 pub(super) fn passing<C: TestCase>(
     suite: &Suite<C>,
     run: &Run<C>,
@@ -87,5 +87,5 @@ pub(super) fn passing<C: TestCase>(
 ) -> Vec<String> {
     let passed = run.judgement.with(Outcome::Pass).filter(|&i| is(i));
     let ids = passed.map(|i| suite.cases[i].id().to_owned());
-    ids.take(NAMED).collect()
+    ids.take(MAX_NAMED).collect()
 }

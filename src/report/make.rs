@@ -1,4 +1,4 @@
-//! From a run and its diagnoses to the report.
+//! Conversion of a run and its diagnoses to the report.
 
 use std::path::Path;
 
@@ -21,7 +21,7 @@ use crate::suite::name::SuiteName;
 use crate::suite::test_case::{Allowance, TestCase};
 
 impl Report {
-    /// The report of `run`, without causes. `command` is shown without directories.
+    /// Makes the report of `run`, without causes. `command` is shown without directories.
     #[must_use]
     pub fn of<C: Reported>(
         suite: &Suite<C>,
@@ -70,7 +70,7 @@ impl Report {
         }
     }
 
-    /// The same with likely causes, most telling first.
+    /// Returns the report with likely causes, the one that explains most first.
     #[must_use]
     pub fn explained_by<C: TestCase, A: 'static>(
         mut self,
@@ -110,7 +110,7 @@ fn case_result<C: TestCase>(
     }
 }
 
-/// The reading of each choice that some case showed, with the cases that show it.
+/// Returns the reading of each choice that some case showed, with the cases that show it.
 fn dialect<C: Reported>(suite: &Suite<C>, run: &Run<C>) -> Vec<FollowedReading> {
     let followed = run.judgement.dialect.0.iter().zip(&run.judgement.certain);
     let choices = followed.zip(C::CHOICES.iter()).enumerate();
@@ -144,7 +144,7 @@ fn unsupported<C: Reported>(run: &Run<C>) -> Vec<String> {
     features.chain(views).collect()
 }
 
-/// Pictures for which more room was made than for rounding.
+/// Returns remarks on images for which a larger tolerance was applied than for rounding.
 fn allowances<C: TestCase>(run: &Run<C>) -> impl Iterator<Item = Remark> {
     let count = |of: Allowance| {
         let observed = run.observations.iter().flatten();
@@ -164,7 +164,7 @@ fn allowances<C: TestCase>(run: &Run<C>) -> impl Iterator<Item = Remark> {
     [others, lossy].into_iter().flatten().map(Remark::note)
 }
 
-/// Diagnoses as a report has them.
+/// Converts diagnoses to the form of a report.
 pub(super) fn likely_causes<C: TestCase, A: 'static>(
     suite: &Suite<C>,
     diagnoses: &[Diagnosis<A>],
@@ -239,7 +239,7 @@ fn slugs<A: 'static>(misreadings: &[&Misreading<A>]) -> Vec<String> {
     slugs.map(|misreading| misreading.slug.to_owned()).collect()
 }
 
-/// A word of a command without its directories.
+/// Returns a word of a command without its directories.
 fn base_name(word: &str) -> String {
     Path::new(word).file_name().map_or_else(
         || word.to_owned(),

@@ -1,8 +1,7 @@
-//! Parts of a run put together: the decoder that the merged run asks is the answers that the parts kept.
+//! Merging of partial runs: the decoder of the merged run replies with the recorded answers of the parts.
 //!
-//! So everything that a whole run finds out is found out again by the same code: first files, spelling of tables, verdicts,
-//! dialect, diagnoses. A decoder that answers the same to the same request gets the report of the whole run, byte for
-//! byte.
+//! So all results of a whole run are computed by the same code: first files, spelling of tables, verdicts, dialect, diagnoses.
+//! A deterministic decoder gets the same report as from a whole run, byte for byte.
 
 use std::collections::HashMap;
 use std::fs::File;
@@ -25,9 +24,9 @@ use crate::session::run::{Progress, Run, Session};
 use crate::suite::cases::Suite;
 use crate::suite::test_case::TestCase;
 
-/// What the parts of a run kept.
+/// The recorded answers of the parts of a run.
 pub struct KeptAnswers<C: TestCase> {
-    /// By file, view, and whether a process of its own was asked.
+    /// By file, view, and true if a new process was asked.
     known: HashMap<(String, String, bool), Kept<C::Output>>,
     circumstances: Circumstances,
     remarks: OtherRemarks,
@@ -35,10 +34,10 @@ pub struct KeptAnswers<C: TestCase> {
 }
 
 impl<C: Reported> KeptAnswers<C> {
-    /// Reads the answers beside these reports.
+    /// Reads the answers next to these reports.
     ///
     /// # Errors
-    /// A sentence: a file is damaged or of another run, suite or version, or a part is missing, there twice or not ended.
+    /// A sentence: a file is damaged or of another run, suite or version, or a part is missing, duplicate or incomplete.
     pub fn read(suite: &Suite<C>, reports: &[PathBuf]) -> Result<KeptAnswers<C>, String> {
         let mut known = HashMap::new();
         let mut ends: Vec<(&Path, End)> = Vec::new();
@@ -76,10 +75,10 @@ impl<C: Reported> KeptAnswers<C> {
         })
     }
 
-    /// The whole run and its report. `progress` is told as while cases are asked.
+    /// Returns the whole run and its report. `progress` is called as in a run.
     ///
     /// # Errors
-    /// A sentence, if no part asked for something that the whole needs.
+    /// A sentence, if no part made a request that the whole run needs.
     pub fn merge(
         &self,
         suite: &Suite<C>,
@@ -117,7 +116,7 @@ impl<C: Reported> KeptAnswers<C> {
         Ok((run, report))
     }
 
-    /// What the parts were asked, together.
+    /// Returns the combined plan of the parts.
     fn plan(&self, suite: &Suite<C>, jobs: usize) -> RunPlan<C> {
         let Circumstances {
             declared_views,
@@ -157,7 +156,7 @@ impl<C: Reported> KeptAnswers<C> {
         }
     }
 
-    /// What was answered. What no part asked for twice, because its own verdict gave no reason to, is taken to be steady.
+    /// Returns a recorded answer. A request that no part repeated counts as deterministic: its verdict gave no reason to.
     fn reply(&self, suite: &Suite<C>, request: &Request<'_, C::View>) -> Option<ReplyTo<C>> {
         let key = |alone| {
             (
@@ -190,7 +189,7 @@ fn add_new(remarks: &mut Vec<Remark>, more: &[Remark]) {
     }
 }
 
-/// The answers of one part, and the line that ends them.
+/// Reads the answers of one part, and the line that ends them.
 fn read<T: DeserializeOwned>(path: &Path) -> Result<(Vec<Kept<T>>, End), String> {
     let file = File::open(path).map_err(|error| error.to_string())?;
     let mut answers = Vec::new();
@@ -205,7 +204,7 @@ fn read<T: DeserializeOwned>(path: &Path) -> Result<(Vec<Kept<T>>, End), String>
     Err("the last line is missing; was the run interrupted?".to_owned())
 }
 
-/// Whether these are the parts of one run, all of them.
+/// Checks that these are all parts of one run.
 fn check_parts(ends: &[(&Path, End)]) -> Result<(), String> {
     let Some((first_path, first)) = ends.first() else {
         return Err("no reports to merge".to_owned());

@@ -1,6 +1,6 @@
-//! The report, and every word that the user of `check` reads.
+//! The report, and all words that the user of `check` reads.
 //!
-//! A report is a plain value ([`document`]); YAML, text and all other forms are ways of writing it, whatever the suite.
+//! A report is plain data ([`document`]); YAML, text and all other forms are output formats, for all suites.
 
 pub mod document;
 

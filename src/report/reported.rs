@@ -1,4 +1,4 @@
-//! What a report says of a suite beyond what a run needs to know of it.
+//! The part of a suite that only reports need.
 
 use maud::Markup;
 
@@ -25,57 +25,57 @@ use crate::suite::test_case::TestCase;
 use crate::suite::texture;
 use crate::suite::texture::cases::TextureCase;
 
-/// A case of a suite on which reports are made.
+/// A case of a suite for which reports are made.
 pub trait Reported: TestCase {
     /// The name of the suite.
     const SUITE: SuiteName;
 
-    /// The kind of place where its misreadings act.
+    /// The place where its misreadings act.
     type Place: 'static;
 
-    /// The suite that is part of the program.
+    /// Returns the embedded suite.
     ///
     /// # Errors
-    /// What is wrong with which file.
+    /// A sentence that names the file and the error.
     fn suite() -> Result<Suite<Self>, String>;
     /// Returns the clauses of the text: of the PTM specification, unless the suite has another text.
     ///
     /// # Errors
-    /// What is wrong with the file.
+    /// A sentence that names the error in the file.
     fn all_clauses() -> Result<Vec<Clause>, String> {
         clauses::clauses()
     }
-    /// Returns the rulings on what the text leaves open.
+    /// Returns the rulings on open questions of the text.
     ///
     /// # Errors
-    /// What is wrong with the file.
+    /// A sentence that names the error in the file.
     fn all_rulings() -> Result<Vec<Ruling>, String> {
         clauses::rulings()
     }
-    /// A digest of all that is asked and expected, in order.
+    /// Returns a digest of all requests and expected results, in order.
     fn digest(suite: &Suite<Self>) -> String;
-    /// Readings of open questions that change no answer but the file that is sent.
+    /// Returns readings of open questions that affect only the file that is sent, and no answer.
     #[must_use]
     fn readings_of_files(_: &Suite<Self>, _: &Run<Self>) -> Vec<FollowedReading> {
         Vec::new()
     }
-    /// Whether a view that is lacking of a kind is a feature of its own, which is listed anyway.
+    /// Returns true if a missing view of a kind is a separate feature, which is listed anyway.
     #[must_use]
     fn is_listed(_: &str, _: &Self::Feature) -> bool {
         false
     }
-    /// What there is to see of a failure.
+    /// Returns the evidence of a failure.
     fn evidence(&self, table: TableSpelling, observation: &Observation<Self>) -> Markup;
 
-    /// What all first files have in common that is wrong: how it is undone, and what is to be said of it.
+    /// Returns the mistakes that all first files have in common: how to undo them, and the remarks on them.
     #[must_use]
     fn common_transforms(_: &Suite<Self>, _: &Contact<Self>) -> (Vec<Undo<Self>>, Vec<Remark>) {
         (Vec::new(), Vec::new())
     }
-    /// Takes mistakes as given: failures that they explain are no failures any more.
+    /// Assumes mistakes: failures that they explain do not count as failures any more.
     ///
     /// # Errors
-    /// A sentence with the first name that is none of a misreading.
+    /// A sentence with the first unknown misreading.
     fn assume(
         _: &Suite<Self>,
         _: &mut Run<Self>,
@@ -87,7 +87,7 @@ pub trait Reported: TestCase {
             _ => Err("--assume is for decoders".to_owned()),
         }
     }
-    /// Why the failures failed, beside the mistakes that are taken as given; most telling first.
+    /// Returns the causes of failures, in addition to the assumed mistakes; the one that explains most first.
     fn diagnose(
         suite: &Suite<Self>,
         run: &Run<Self>,
@@ -96,10 +96,10 @@ pub trait Reported: TestCase {
     ) -> Causes<Self::Place>;
 }
 
-/// The misreadings of these names.
+/// Returns the misreadings of these names.
 ///
 /// # Errors
-/// A sentence with the first that is none.
+/// A sentence with the first unknown one.
 pub fn named(slugs: &[String]) -> Result<Vec<&'static Misreading>, String> {
     let one = |slug: &String| {
         misreadings::named(slug).ok_or_else(|| format!("--assume {slug}: unknown misreading"))
@@ -169,7 +169,7 @@ impl Reported for Case {
     }
 
     fn diagnose(suite: &Suite, run: &Run, slugs: &[String], jobs: usize) -> Causes {
-        // What no catalog knows has been refused before.
+        // Unknown names have been refused before.
         let assumed = named(slugs).unwrap_or_default();
         diagnose::diagnose(suite, run, &assumed, jobs)
     }

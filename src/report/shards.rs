@@ -1,10 +1,10 @@
-//! A run in parts, for more than one machine: which cases a part asks for, and what it keeps of the answers.
+//! Partial runs, for more than one machine: the cases of a part, and the recorded answers.
 //!
-//! A verdict on one case depends on others: on its twin, on what else of its feature is decoded, on the dialect. So parts
-//! are not merged report by report. Each keeps what its decoder answered, in a file beside its report, and the whole is
-//! judged from all answers as if one machine had asked for them (see [`merge`](super::merge)).
+//! A verdict on one case depends on others: on its twin, on other cases with its features, on the dialect. So parts are not
+//! merged report by report. Each part records the answers of its decoder in a file next to its report, and the whole is judged
+//! from all answers as in a single run (see [`merge`](super::merge)).
 //!
-//! The file has a line of JSON for each answer, written as it comes, and a last one that says of which run they are.
+//! The file has a line of JSON for each answer, written as it comes, and a last line that identifies the run.
 
 use std::collections::HashMap;
 use std::fmt;
@@ -30,17 +30,17 @@ use crate::suite::cases::Suite;
 use crate::suite::dialect::Right;
 use crate::suite::test_case::{Allowance, TestCase};
 
-/// One of so many parts of the suite: `3/8`.
+/// One of several parts of the suite: `3/8`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Shard {
-    /// From 1 on.
+    /// The number of the part, from 1.
     pub number: u32,
-    /// How many there are.
+    /// The number of all parts.
     pub of: u32,
 }
 
 impl Shard {
-    /// Whether the case of that id belongs to it. That depends on the id alone, so new cases move no other.
+    /// Returns true if the case of that id belongs to it. That depends on the id alone, so new cases do not move others.
     #[must_use]
     pub fn holds(self, id: &str) -> bool {
         let digest = Sha256::digest(id.as_bytes());
@@ -70,36 +70,36 @@ impl fmt::Display for Shard {
     }
 }
 
-/// What is to be known of a run besides its answers.
+/// Properties of a run other than its answers.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Circumstances {
     /// The command of the decoder.
     pub command: Vec<String>,
-    /// What it calls itself.
+    /// The name that it declares.
     pub name: Option<String>,
-    /// The version it gives.
+    /// The version that it declares.
     pub version: Option<String>,
-    /// The views that it says it has.
+    /// The views that it declares.
     pub declared_views: Option<Vec<String>>,
-    /// The formats that it says it reads.
+    /// The formats that it declares.
     pub declared_formats: Option<Vec<String>>,
-    /// Whether its processes answer many requests.
+    /// True if its processes answer many requests.
     pub serves: bool,
-    /// Whether the answers were made before the run.
+    /// True if the answers were made before the run.
     #[serde(default)]
     pub precomputed: bool,
-    /// The views that were to be asked for; all if empty.
+    /// The requested views; all if empty.
     pub views: Vec<String>,
-    /// Why cases are not asked: id and reason.
+    /// The cases that were not requested: id and reason.
     pub withheld: Vec<(String, String)>,
-    /// Misreadings taken as given.
+    /// Assumed misreadings.
     pub assumed: Vec<String>,
     /// The limits in force, in words.
     pub limits: Vec<String>,
 }
 
 impl Circumstances {
-    /// Those that the plan of a run tells; the others are empty.
+    /// Returns the properties that the plan of a run determines; the others are empty.
     #[must_use]
     pub fn of<C: TestCase>(
         suite: &Suite<C>,
@@ -124,7 +124,7 @@ impl Circumstances {
         }
     }
 
-    /// How the decoder was asked, as it stands in a report.
+    /// Returns the mode of the decoder, as in a report.
     pub(super) fn mode(&self) -> &'static str {
         match (self.precomputed, self.serves) {
             (true, _) => "outputs",
@@ -134,16 +134,16 @@ impl Circumstances {
     }
 }
 
-/// Remarks on the run as a whole that are not made of answers: those that stand before the others, and those after.
+/// Remarks on the run as a whole that do not follow from answers.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct OtherRemarks {
-    /// Before the others.
+    /// Remarks to put before the others.
     pub before: Vec<Remark>,
-    /// After them.
+    /// Remarks to put after the others.
     pub after: Vec<Remark>,
 }
 
-/// The last line: of which run the answers are. A file without it is of a run that did not end.
+/// The last line, which identifies the run. A file without it belongs to an incomplete run.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct End {
     /// The version of this program.
@@ -154,16 +154,16 @@ pub struct End {
     pub part: Shard,
     /// The run.
     pub circumstances: Circumstances,
-    /// Remarks on the run as a whole that are not made of answers.
+    /// Remarks on the run as a whole that do not follow from answers.
     pub remarks: OtherRemarks,
-    /// The cases that are to be judged.
+    /// The cases to judge.
     pub selected: Vec<String>,
-    /// Why the run ended before all cases were asked, if it did.
+    /// The reason why the run ended before all cases were requested, if it did.
     pub ended_early: Option<String>,
 }
 
 impl End {
-    /// The end of a part of a run.
+    /// Makes the last line of a part of a run.
     #[must_use]
     pub fn of<C: TestCase>(
         suite: &Suite<C>,
@@ -188,20 +188,20 @@ impl End {
     }
 }
 
-/// An answer as it is kept.
+/// A recorded answer.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 #[serde(bound(serialize = "T: Serialize", deserialize = "T: DeserializeOwned"))]
 pub struct Kept<T> {
     /// The case.
     pub case: String,
-    /// The beginning of the digest of its file, which is not the same in every spelling of tables.
+    /// The beginning of the digest of its file, which depends on the spelling of tables.
     pub file: String,
     /// The view.
     pub view: String,
-    /// Whether a process of its own was asked, to see whether it answers otherwise.
+    /// True if a new process was asked, to see whether its answer differs.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub alone: bool,
-    /// The answer; nothing for the expected picture.
+    /// The answer; None for the expected image.
     pub answer: Option<Answer<T>>,
     /// The exit status.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -209,10 +209,10 @@ pub struct Kept<T> {
     /// The beginning of standard error.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub stderr: String,
-    /// The request that the same process answered before.
+    /// The name of the request that the same process answered before.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub after: Option<String>,
-    /// What a serving process did instead.
+    /// Answer of a serving process that failed.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub served: Option<Answer<T>>,
 }
@@ -226,7 +226,7 @@ pub(super) enum Record<T> {
     End(Box<End>),
 }
 
-/// The file beside a report that keeps the answers.
+/// Returns the path of the recorded answers next to a report.
 #[must_use]
 pub fn beside(report: &Path) -> PathBuf {
     let mut path = report.as_os_str().to_owned();
@@ -234,7 +234,7 @@ pub fn beside(report: &Path) -> PathBuf {
     path.into()
 }
 
-/// The beginning of the digest of a file.
+/// Returns the beginning of the digest of a file.
 pub(super) fn digest(file: &[u8]) -> String {
     let digest = Sha256::digest(file);
     digest[..8]
@@ -243,22 +243,22 @@ pub(super) fn digest(file: &[u8]) -> String {
         .collect()
 }
 
-/// Keeps answers as they come.
+/// Records answers as they come.
 pub struct Keeper<C: TestCase>(Mutex<Keeping<C::Output>>);
 
 struct Keeping<T> {
     out: BufWriter<File>,
-    /// Answers that may prove to be the expected picture, by case and view.
+    /// Answers that may equal the expected image, by case and view.
     waiting: HashMap<(String, String), Kept<T>>,
-    /// What kept the first line from being written that was not.
+    /// The error of the first line that could not be written.
     failed: Option<io::Error>,
 }
 
 impl<C: TestCase> Keeper<C> {
-    /// Begins a file.
+    /// Creates a file.
     ///
     /// # Errors
-    /// Those of the file system.
+    /// Errors of the file system.
     pub fn new(path: &Path) -> io::Result<Keeper<C>> {
         Ok(Keeper(Mutex::new(Keeping {
             out: BufWriter::new(File::create(path)?),
@@ -267,7 +267,7 @@ impl<C: TestCase> Keeper<C> {
         })))
     }
 
-    /// Keeps an answer.
+    /// Records an answer.
     pub fn answered(&self, request: &Request<'_, C::View>, reply: &ReplyTo<C>) {
         let kept = Kept {
             case: request.name.to_owned(),
@@ -291,7 +291,7 @@ impl<C: TestCase> Keeper<C> {
         }
     }
 
-    /// Of the answer to a case that has just been asked for, if it is the expected picture, nothing more is kept.
+    /// Drops the image of an answer that was just recorded, if it equals the expected one.
     pub fn observed(&self, case: &C, observation: &Observation<C>) {
         let expected = matches!(
             observation.response,
@@ -312,10 +312,10 @@ impl<C: TestCase> Keeper<C> {
         }
     }
 
-    /// Ends the file.
+    /// Completes the file.
     ///
     /// # Errors
-    /// Those of the file system, the first that occurred.
+    /// The first error of the file system.
     pub fn finish(self, end: End) -> io::Result<()> {
         let mut keeping = self.0.into_inner().expect("no worker panics");
         let mut waiting: Vec<_> = keeping.waiting.drain().collect();
@@ -354,7 +354,7 @@ mod tests {
         }
     }
 
-    /// An assignment that moved would part old reports from new ones.
+    /// If the assignment changed, old and new reports could not be merged.
     #[test]
     fn every_case_has_one_part_for_ever() {
         let part_of = |id: &str| {

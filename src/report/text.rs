@@ -1,4 +1,4 @@
-//! The report as text for a terminal: every word that the user of `check` reads.
+//! The report as text for a terminal, with all words that the user of `check` reads.
 
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -13,11 +13,11 @@ use crate::suite::cases::Suite;
 use crate::suite::name::SuiteName;
 use crate::suite::test_case::TestCase;
 
-/// Failures that are named under a cause of the catalog, and under one that is described.
-const EXAMPLES: (usize, usize) = (2, 1);
+/// Maximum number of failures under a cause of the catalog, and under a described one.
+const MAX_EXAMPLES: (usize, usize) = (2, 1);
 
 impl Report {
-    /// As text for a terminal, at most `shown` failures in full.
+    /// Returns the report as text for a terminal, with at most `shown` failures in full.
     #[must_use]
     pub fn to_text<C: TestCase>(&self, suite: &Suite<C>, shown: usize) -> String {
         let mut text = String::new();
@@ -31,7 +31,7 @@ impl Report {
         text
     }
 
-    /// All that is said of the cases whose id is `wanted`, as text.
+    /// Returns all results of the cases whose id is `wanted`, as text.
     #[must_use]
     pub fn cases_to_text<C: TestCase>(
         &self,
@@ -45,7 +45,7 @@ impl Report {
         text
     }
 
-    /// How many cases have each outcome, in words.
+    /// Returns the number of cases with each outcome, in words.
     #[must_use]
     pub fn counts(&self) -> String {
         let count = |outcome: &Outcome| (self.with(*outcome).count(), outcome.name());
@@ -58,12 +58,12 @@ impl Report {
     }
 }
 
-/// Failures of one cause, of which it is told while a run goes on.
-const ENOUGH: usize = 3;
-/// Likely causes that are told then.
-const FIRST_CAUSES: usize = 5;
+/// Number of failures of one cause after which it is reported during a run.
+const FAILURES_OF_A_CAUSE: usize = 3;
+/// Maximum number of causes that are reported during a run.
+const MAX_FIRST_CAUSES: usize = 5;
 
-/// What the first cases of a run show, for a terminal; nothing where none of them failed.
+/// Describes the causes of failures among the first cases of a run, for a terminal; None if none failed.
 #[must_use]
 pub fn first_causes_to_text<C: TestCase>(run: &Run<C>, causes: &[LikelyCause]) -> Option<String> {
     let judged = run.judgement.cases.iter().flatten().count();
@@ -75,8 +75,8 @@ pub fn first_causes_to_text<C: TestCase>(run: &Run<C>, causes: &[LikelyCause]) -
         "{failed} of the first {judged} cases failed. Likely causes, to be confirmed or corrected by the whole run:"
     );
     let (told, few): (Vec<&LikelyCause>, Vec<&LikelyCause>) =
-        (causes.iter()).partition(|cause| cause.explains.len() >= ENOUGH);
-    for cause in told.iter().take(FIRST_CAUSES) {
+        (causes.iter()).partition(|cause| cause.explains.len() >= FAILURES_OF_A_CAUSE);
+    for cause in told.iter().take(MAX_FIRST_CAUSES) {
         let clause = match cause.blames_its_clause() {
             true => format!(" (clause {})", cause.clause),
             false => String::new(),
@@ -89,8 +89,8 @@ pub fn first_causes_to_text<C: TestCase>(run: &Run<C>, causes: &[LikelyCause]) -
             cause.fix
         );
     }
-    if told.len() > FIRST_CAUSES {
-        let _ = write!(text, "\n  … and {} more", told.len() - FIRST_CAUSES);
+    if told.len() > MAX_FIRST_CAUSES {
+        let _ = write!(text, "\n  … and {} more", told.len() - MAX_FIRST_CAUSES);
     }
     let few: usize = few.iter().map(|cause| cause.explains.len()).sum();
     if few > 0 {
@@ -105,7 +105,7 @@ pub fn first_causes_to_text<C: TestCase>(run: &Run<C>, causes: &[LikelyCause]) -
     Some(text)
 }
 
-/// A report on its way to a terminal.
+/// A report that is written for a terminal.
 struct Page<'a, C: TestCase> {
     report: &'a Report,
     suite: &'a Suite<C>,
@@ -138,7 +138,7 @@ impl<C: TestCase> Page<'_, C> {
         writeln!(out, "{}", how_it_is_called(self.report.suite, command))
     }
 
-    /// A cause, what to do about it, and two of its cases.
+    /// Writes a cause, a fix, and two of its cases.
     fn write_cause(&self, cause: &LikelyCause, out: &mut String) -> std::fmt::Result {
         let (count, all) = (cause.explains.len(), self.failing.len());
         let clause = match cause.blames_its_clause() {
@@ -161,8 +161,8 @@ impl<C: TestCase> Page<'_, C> {
             None => writeln!(out, "  Fix: {}.", cause.fix)?,
         }
         let examples = match cause.misreading {
-            Some(_) => EXAMPLES.0,
-            None => EXAMPLES.1,
+            Some(_) => MAX_EXAMPLES.0,
+            None => MAX_EXAMPLES.1,
         };
         let explained = |case: &&&CaseResult| cause.explains.contains(&case.id);
         for case in self.failing.iter().filter(explained).take(examples) {
@@ -171,7 +171,7 @@ impl<C: TestCase> Page<'_, C> {
         writeln!(out)
     }
 
-    /// Failures without a cause.
+    /// Writes failures without a cause.
     fn write_unexplained(&self, shown: usize, out: &mut String) -> std::fmt::Result {
         let failing = self.failing.iter().copied();
         let unexplained: Vec<&CaseResult> = failing
@@ -219,7 +219,7 @@ impl<C: TestCase> Page<'_, C> {
         }
     }
 
-    /// Dialect, counts and scores.
+    /// Writes dialect, counts and scores.
     fn write_summary(&self, out: &mut String) -> std::fmt::Result {
         let report = self.report;
         self.write_dialect(out)?;
@@ -257,7 +257,7 @@ impl<C: TestCase> Page<'_, C> {
         )
     }
 
-    /// In how many open questions it reads as the reference does, and how it reads the others.
+    /// Writes the number of open questions that it reads as the reference does, and its readings of the others.
     fn write_dialect(&self, out: &mut String) -> std::fmt::Result {
         let of_reference = |known: &&FollowedReading| {
             let choice = C::CHOICES
@@ -281,7 +281,7 @@ impl<C: TestCase> Page<'_, C> {
         )
     }
 
-    /// Why cases were inconclusive or not judged, and how many.
+    /// Returns the reasons why cases were inconclusive or not judged, with counts.
     fn not_conclusive(&self) -> BTreeMap<(&'static str, &str), usize> {
         let mut reasons = BTreeMap::new();
         let inconclusive = Outcome::Inconclusive.name();
@@ -310,7 +310,7 @@ fn write_list(out: &mut String, name: &str, items: &[String]) -> std::fmt::Resul
     }
 }
 
-/// What else is known of a cause, a line each.
+/// Writes further details of a cause, a line each.
 fn write_details(cause: &LikelyCause, suite: SuiteName, out: &mut String) -> std::fmt::Result {
     let subject = suite.subject();
     for (slug, words) in known_words(suite, &cause.or).take(MAX_ALIKE) {
@@ -382,10 +382,10 @@ fn write_case<C: TestCase>(
     Ok(())
 }
 
-/// Failures of which the same is said.
+/// Failures with the same message.
 type Alike<'a> = Vec<(&'a str, Vec<&'a CaseResult>)>;
 
-/// Crashes, hangs and the like that occur more than once, by what is said of them; and all other failures.
+/// Groups repeated crashes, timeouts and other violations by their message, and returns all other failures.
 fn by_kind<'a>(failures: &[&'a CaseResult]) -> (Alike<'a>, Vec<&'a CaseResult>) {
     let mut kinds: Alike = Vec::new();
     let mut single = Vec::new();
@@ -406,7 +406,7 @@ fn by_kind<'a>(failures: &[&'a CaseResult]) -> (Alike<'a>, Vec<&'a CaseResult>) 
     (alike, single)
 }
 
-/// What is neither a picture nor a refusal, as [`Answer::name`](crate::protocol::frame::Answer::name) calls it.
+/// Names of answers that are neither an image nor a refusal, from [`Answer::name`](crate::protocol::frame::Answer::name).
 const VIOLATIONS: [&str; 7] = [
     "protocol error",
     "crash",

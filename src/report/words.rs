@@ -1,4 +1,4 @@
-//! Sentences that the text and HTML reports share, and the catalogs' words for misreadings.
+//! Sentences that the text and HTML reports share, and the catalogs' descriptions of misreadings.
 
 use crate::misreadings::{self, texture, writing};
 use crate::report::document::LikelyCause;
@@ -10,7 +10,7 @@ pub(super) struct Words {
     pub effect: &'static str,
 }
 
-/// Returns the slugs that a catalog knows, with its words.
+/// Returns the slugs of `slugs` that a catalog knows, with their words.
 pub(super) fn known_words(
     suite: SuiteName,
     slugs: &[String],
@@ -27,10 +27,10 @@ pub(super) fn known_words(
     })
 }
 
-/// Misreadings that would look the same and are described; the others are counted.
+/// Maximum number of misreadings with the same effect that are described; the others are counted.
 pub(super) const MAX_ALIKE: usize = 3;
 
-/// Counts the misreadings that would look the same beyond the first [`MAX_ALIKE`].
+/// Counts the misreadings with the same effect beyond the first [`MAX_ALIKE`].
 pub(super) fn more_alike(suite: SuiteName, or: &[String]) -> Option<String> {
     match known_words(suite, or).skip(MAX_ALIKE).count() {
         0 => None,
@@ -50,7 +50,7 @@ pub(super) fn partly(cause: &LikelyCause) -> Option<String> {
     }
 }
 
-/// Returns the lines that tell how a program has to be called.
+/// Returns the lines that explain how a program is called.
 pub(super) fn how_it_is_called(suite: SuiteName, command: &str) -> String {
     match suite {
         SuiteName::Texture => format!(

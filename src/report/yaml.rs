@@ -1,7 +1,6 @@
 //! Writing a report as YAML, and reading it back.
 //!
-//! The file may be anything: only so much of it is read, anchors and aliases have no business in it, and an error names
-//! the line.
+//! The file is untrusted: its size is limited, anchors and aliases are refused, and an error names the line.
 
 use std::path::Path;
 
@@ -10,25 +9,25 @@ use serde::Deserialize;
 use crate::kit::yaml::{from_yaml, text_of, to_yaml};
 use crate::report::document::{Report, SCHEMA};
 
-/// What tells one version of the form from another.
+/// The fields that identify a version of the schema.
 #[derive(Deserialize)]
 struct Form {
     schema: Option<u32>,
 }
 
 impl Report {
-    /// As YAML.
+    /// Returns the report as YAML.
     ///
     /// # Errors
-    /// None that a report can cause.
+    /// No error that depends on the report.
     pub fn to_yaml(&self) -> Result<String, String> {
         to_yaml(self)
     }
 
-    /// Reads the report that `check` has written to `path`.
+    /// Reads a report that `check` has written to `path`.
     ///
     /// # Errors
-    /// A sentence that names the file, and the line at fault where there is one; also for a report of another version.
+    /// A sentence that names the file, and the line at fault if there is one; also for a report of another version.
     pub fn read(path: &Path) -> Result<Report, String> {
         let text = text_of(path)?;
         let named = |error: String| format!("{}: {error}", path.display());

@@ -60,7 +60,7 @@ pub(crate) enum Ended {
     Stopped,
 }
 
-/// What remains of a call: its output and its end.
+/// The output and the end of a call.
 pub(crate) struct Remains {
     pub(crate) ended: Ended,
     pub(crate) stdout: Vec<u8>,

@@ -76,7 +76,7 @@ impl<V> Request<'_, V> {
 /// The response to a request.
 #[derive(Clone, Debug)]
 pub struct Reply<T = Frame> {
-    /// What the decoder did.
+    /// The answer of the decoder.
     pub answer: Answer<T>,
     /// The beginning of its standard error.
     pub stderr: String,

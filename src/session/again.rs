@@ -15,7 +15,7 @@ use crate::suite::test_case::TestCase;
 /// The most failures of one kind that are repeated at first.
 const MAX_ALIKE: usize = 8;
 
-/// A run of few requests may be repeated as a whole.
+/// A run with fewer requests may be repeated as a whole.
 const MIN_REPEATED: usize = 24;
 
 /// A case, the response of a new process, and a third response if the first two are of different kinds.
@@ -89,7 +89,7 @@ impl<C: TestCase> Session<'_, C> {
             let first = (observations[place].as_ref()).expect("only observations are repeated");
             let ask = || self.observe_alone(&self.suite.cases[place], &first.view, table, worker);
             let alone = ask();
-            // A crash, a hang or truncated output may be an accident of that one process.
+            // A crash, a timeout or truncated output may be an accident of that one process.
             let is_no_answer =
                 |seen: &Observation<C>| matches!(seen.response, Response::Violation(_));
             let once_more = (is_no_answer(&alone) != is_no_answer(first)).then(ask);
@@ -104,7 +104,7 @@ impl<C: TestCase> Session<'_, C> {
         repeated.into_inner().expect("no worker panics")
     }
 
-    /// Notes how the responses to a request differ; returns true if they do.
+    /// Records the difference between the responses to a request; returns true if there is one.
     fn note_difference(
         &self,
         observations: &mut [Option<Observation<C>>],
@@ -133,7 +133,7 @@ impl<C: TestCase> Session<'_, C> {
         let (Some(observation), Some(judged)) = (&observations[i], &judgement.cases[i]) else {
             return false;
         };
-        // A hang would take its time again; if two responses differ already, the case is settled.
+        // A timeout would take its time again; if two responses differ already, the case is settled.
         let is_settled = observation.nondeterminism.is_some()
             || matches!(observation.response, Response::Violation(Answer::Hung(_)));
         let sampled = self.plan.repeat == Repeat::FailuresAndSample
@@ -151,7 +151,7 @@ impl<C: TestCase> Session<'_, C> {
     }
 }
 
-/// Describes how the responses to one request differ.
+/// Describes the difference between the responses to one request.
 fn difference<C: TestCase>(
     served: bool,
     first: &Observation<C>,

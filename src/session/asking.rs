@@ -1,7 +1,7 @@
-//! Asking: a request for a case in a view, and what came of it.
+//! Requests for a case in a view, and their results.
 //!
-//! The decoder is a closure from request to reply, so that a misreading inside this program and a program outside it are
-//! asked, compared and judged in the same way.
+//! The decoder is a closure from request to reply, so that misreadings inside this program and external programs are asked,
+//! compared and judged in the same way.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -19,26 +19,26 @@ use crate::suite::test_case::{Comparison, TestCase};
 /// A reply to a request for a case.
 pub type ReplyTo<C> = Reply<<C as TestCase>::Output>;
 
-/// A decoder: what it replies to a request; the number says which of the workers asks.
+/// A decoder: a function from requests to replies; the number identifies the worker that asks.
 pub type Ask<'a, C = Case> =
     dyn Fn(&Request<'_, <C as TestCase>::View>, usize) -> ReplyTo<C> + Sync + 'a;
 
-/// Is told how many of how many are done.
+/// A callback for progress: the number of finished items and of all items.
 pub type Counting<'a> = dyn Fn(usize, usize) + Sync + 'a;
 
-/// What came, and what the reference shows if it shows something: what came before a change of all pictures.
+/// Undoes a change of all images: maps a received output, and that of the reference if any, to the output before the change.
 pub type Undoing<T> = dyn Fn(&T, Option<&T>) -> T + Send + Sync;
 
-/// A change of all pictures of a view that has been said, and is undone before they are compared.
+/// A change of all images of a view that has been reported and is undone before they are compared.
 #[derive(Clone)]
 pub struct Undo<C: TestCase> {
     /// The view.
     pub view: &'static str,
-    /// How it is undone.
+    /// The function that undoes it.
     pub undo: Arc<Undoing<C::Output>>,
 }
 
-/// A run in progress, step by step: the decoder, what to ask it, and a count of the requests.
+/// A run in progress: the decoder, the plan, and a count of the requests.
 pub struct Session<'a, C: TestCase> {
     pub(super) suite: &'a Suite<C>,
     pub(super) plan: &'a RunPlan<C>,
@@ -83,7 +83,7 @@ impl<'a, C: TestCase> Session<'a, C> {
         self.tally.counts().0
     }
 
-    /// Asks for `case` in `view` and compares the answer with the expected one. `worker` numbers concurrent callers.
+    /// Requests `case` in `view` and compares the answer with the expected one. `worker` numbers concurrent callers.
     pub(super) fn observe(
         &self,
         case: &C,
@@ -156,11 +156,11 @@ impl<'a, C: TestCase> Session<'a, C> {
         (observation, reply)
     }
 
-    /// Calls `one` with each number below `count`, as many at a time as there are jobs. A worker stops when `one` returns
+    /// Calls `one` with each number below `count`, in as many threads as there are jobs. A worker stops when `one` returns
     /// false.
     pub(super) fn side_by_side(&self, count: usize, one: impl Fn(usize, usize) -> bool + Sync) {
         let (jobs, next) = (self.plan.jobs, AtomicUsize::new(0));
-        // A serving process gets the same files in the same order in every run, so that leaked state is found again.
+        // A serving process gets the same files in the same order in every run, so that leaked state is reproducible.
         let fixed = self.plan.repeat == Repeat::FailuresAndSample;
         on_threads(jobs, &|worker| {
             let mut mine = (worker..count).step_by(jobs);
@@ -189,13 +189,13 @@ fn picture<C: TestCase>(comparison: Comparison<C>, output: &C::Output) -> Respon
     }
 }
 
-/// Returns true if a call did not end within its time, whether or not a process of its own answered then.
+/// Returns true if a call timed out, whether or not a new process answered then.
 pub(super) fn is_hang<T>(reply: &Reply<T>) -> bool {
     let mut answers = reply.served.iter().chain([&reply.answer]);
     answers.any(|answer| matches!(answer, Answer::Hung(_)))
 }
 
-/// What a serving process did instead of answering, where another answered otherwise than by reaching a limit, too.
+/// Returns the failure of a serving process, if a new process answered without reaching a limit.
 pub(super) fn trouble_of_serving<T>(reply: &Reply<T>) -> Option<Nondeterminism> {
     let served = reply.served.as_ref()?;
     if served.is_of_kind(&reply.answer) {
@@ -210,7 +210,7 @@ pub(super) fn trouble_of_serving<T>(reply: &Reply<T>) -> Option<Nondeterminism> 
     Some(Nondeterminism { served: true, says })
 }
 
-/// Which request the process answered before, in words.
+/// Names the request that the process answered before.
 pub(super) fn after(before: Option<&String>) -> String {
     match before {
         Some(case) => format!(", after {case}"),

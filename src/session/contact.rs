@@ -1,4 +1,4 @@
-//! First contact: the first files in every view, and what follows of what the decoder offers.
+//! First contact: the first files in every view, and the features that the decoder offers.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Mutex;
@@ -13,14 +13,14 @@ use crate::session::tally::HangWatch;
 use crate::suite::cases::{Case, Expect, Suite, TableSpelling};
 use crate::suite::test_case::TestCase;
 
-/// What the decoder did with a first file.
+/// The reply of the decoder to a first file.
 #[derive(Clone, Debug)]
 pub struct First<C: TestCase = Case> {
-    /// Its place in the suite.
+    /// Its index in the suite.
     pub case: usize,
-    /// The view it was asked in.
+    /// The view in which it was requested.
     pub view: C::View,
-    /// What came.
+    /// The reply.
     pub reply: ReplyTo<C>,
 }
 
@@ -30,25 +30,25 @@ impl<C: TestCase> First<C> {
     }
 }
 
-/// What is known of a decoder before any case is judged.
+/// Knowledge about a decoder before any case is judged.
 #[derive(Clone, Debug)]
 pub struct Contact<C: TestCase = Case> {
-    /// What it did with the first files.
+    /// Its replies to the first files.
     pub first: Vec<First<C>>,
-    /// What it offers.
+    /// The views and formats that it offers.
     pub offer: Offer<C>,
-    /// How the tables' counts are spelled for it.
+    /// The spelling of tables for it.
     pub table: TableSpelling,
-    /// What is to be said of it.
+    /// Remarks on it.
     pub remarks: Vec<Remark>,
-    /// Why the program is no decoder, if it is none.
+    /// The reason why the program is not a decoder, if it is not.
     pub not_a_decoder: Option<String>,
-    /// Why no case is to be asked, where something has to be fixed before.
+    /// The reason why no case is requested, if something must be fixed before.
     pub ends: Option<&'static str>,
 }
 
 impl<C: TestCase> Contact<C> {
-    /// Whether cases are to be asked.
+    /// Returns true if cases are to be requested.
     #[must_use]
     pub fn is_ready(&self) -> bool {
         self.not_a_decoder.is_none() && self.ends.is_none()
@@ -56,7 +56,7 @@ impl<C: TestCase> Contact<C> {
 }
 
 impl<C: TestCase> Session<'_, C> {
-    /// Asks the first files: whether the program is a decoder at all, what it offers, how it spells tables.
+    /// Requests the first files, to find whether the program is a decoder, its offer, and its spelling of tables.
     #[must_use]
     pub fn first_contact(&self) -> Contact<C> {
         let first = self.first_files();
@@ -69,7 +69,7 @@ impl<C: TestCase> Session<'_, C> {
             not_a_decoder: None,
             ends: None,
         };
-        // If no first file could be asked, the views are those that the user names.
+        // If no first file could be requested, the views are those that the user names.
         if contact.first.is_empty() {
             contact.offer.views.clone_from(&self.plan.views);
         }
@@ -77,7 +77,7 @@ impl<C: TestCase> Session<'_, C> {
             contact.not_a_decoder = no_decoder(&contact.first);
             return contact;
         }
-        // A decoder of tables only may refuse all first files because it knows another spelling of the count.
+        // A decoder of tables only may refuse all first files because it expects another spelling of the count.
         let answers = contact.first.is_empty()
             || (contact.first.iter())
                 .any(|first| matches!(first.reply.answer, Answer::Decoded(_) | Answer::Rejected));
@@ -92,9 +92,8 @@ impl<C: TestCase> Session<'_, C> {
         contact
     }
 
-    /// Asks the first files in every view that may be asked for: one after the other until one is decoded, then as many at
-    /// a time as there are jobs. A serving process gets them all in order. A file that hangs in one view is asked in the
-    /// others last.
+    /// Requests the first files in all possible views: one after another until one is decoded, then with all jobs in parallel.
+    /// A serving process gets them all in order. If a file times out in one view, its other views are requested last.
     fn first_files(&self) -> Vec<First<C>> {
         let (suite, plan) = (self.suite, self.plan);
         let cases = suite.cases.iter().enumerate();
@@ -144,8 +143,8 @@ impl<C: TestCase> Session<'_, C> {
         replies
     }
 
-    /// Returns what the decoder offers: each view in which it decoded a first file, and of each kind every view but those
-    /// in which every first file of that kind exited with 69.
+    /// Returns the offer of the decoder: each view in which it decoded a first file; for each kind, every view except those in
+    /// which every first file of that kind exited with 69.
     fn offered(&self, first: &[First<C>], remarks: &mut Vec<Remark>) -> Offer<C> {
         let (suite, plan) = (self.suite, self.plan);
         let declared = plan.declared_views.clone().unwrap_or_default();
@@ -199,7 +198,7 @@ impl<C: TestCase> Session<'_, C> {
         offer
     }
 
-    /// Returns true if the decoder shows another case of this kind in this view: a view is lacking as a whole.
+    /// Returns true if the decoder shows another case of this kind in this view, so that the view is not missing as a whole.
     fn shows_others(&self, view: &str, kind: &C::Feature) -> bool {
         let is_other =
             |case: &&C| case.expect() == Expect::Decode && !case.is_first() && case.kind() == *kind;
@@ -214,7 +213,7 @@ impl<C: TestCase> Session<'_, C> {
     }
 }
 
-/// The first of the first files that was not answered in serve mode.
+/// Returns a remark on the first of the first files that was not answered in serve mode.
 fn first_trouble<C: TestCase>(suite: &Suite<C>, first: &[First<C>]) -> Option<Remark> {
     first.iter().find_map(|first| {
         let id = suite.cases[first.case].id();
@@ -226,7 +225,7 @@ fn first_trouble<C: TestCase>(suite: &Suite<C>, first: &[First<C>]) -> Option<Re
     })
 }
 
-/// Why the program behind these replies is no decoder, if it is none.
+/// Returns the reason why the program behind these replies is not a decoder, if it is not.
 fn no_decoder<C: TestCase>(first: &[First<C>]) -> Option<String> {
     let answers = || first.iter().map(|first| &first.reply.answer);
     let decoded = answers().any(|answer| matches!(answer, Answer::Decoded(_)));
@@ -264,8 +263,8 @@ fn no_decoder<C: TestCase>(first: &[First<C>]) -> Option<String> {
     })
 }
 
-/// Whether a first file was decoded in this view. A refusal offers nothing; but where no view decodes any first file,
-/// each that is not answered 69 is offered, so that the run can say what is wrong.
+/// Returns true if a first file was decoded in this view. A refusal offers nothing. But if no view decodes any first file,
+/// every view that is not answered 69 is offered, so that the run can report the errors.
 fn is_offered<C: TestCase>(first: &[First<C>], view: &str) -> bool {
     let mut in_view = first
         .iter()
@@ -276,7 +275,7 @@ fn is_offered<C: TestCase>(first: &[First<C>], view: &str) -> bool {
     }
 }
 
-/// Whether a first file in this view, of this kind if one is named, was answered with anything but 69.
+/// Returns true if a first file in this view, and of this kind if one is given, was answered with anything but 69.
 fn answered<C: TestCase>(
     suite: &Suite<C>,
     first: &[First<C>],

@@ -3,22 +3,22 @@
 use crate::protocol::frame::{Frame, Samples, ViewKind};
 use crate::suite::compare::Expected;
 
-/// A curve over bytes; over real numbers a factor.
+/// A curve over bytes, or a factor for real numbers.
 #[derive(Clone, Debug)]
 pub(super) struct Curve {
-    /// What it does to all images.
+    /// Its effect on all images.
     pub(super) says: String,
-    /// What to do about it.
+    /// The suggested fix.
     pub(super) next: &'static str,
-    /// The value that each right byte becomes.
+    /// The image of each right byte.
     table: Vec<f64>,
     /// The factor of real values.
     factor: f64,
-    /// How far a right byte may be from the reference: colors may be rounded in any way.
+    /// Tolerance of a right byte against the reference: colors may be rounded in any way.
     slack: u8,
 }
 
-/// Curves by name: what becomes of a value from 0 to 1.
+/// Curves by name, as functions from 0 … 1.
 const NAMED: [(&str, fn(f64) -> f64); 8] = [
     ("the curve of sRGB is over all values", |v| {
         match v <= 0.003_130_8 {
@@ -58,7 +58,7 @@ impl Curve {
         }
     }
 
-    /// Returns the curves that these images may be under: a factor, and for colors the named curves and the fitted one.
+    /// Returns the possible curves of these images: a factor, and for colors the named curves and the fitted one.
     pub(super) fn candidates(view: ViewKind, pairs: &[(&Expected, &Frame)]) -> Vec<Curve> {
         let points = points(pairs);
         let slack = u8::from(view == ViewKind::Rgb);
@@ -74,7 +74,7 @@ impl Curve {
         curves
     }
 
-    /// Returns the frame before the curve: with the right values if they explain what came.
+    /// Returns the frame before the curve, with the right values if they explain the received ones.
     pub(super) fn undo(&self, frame: &Frame, right: Option<&Frame>) -> Frame {
         let samples = match (&frame.samples, right.map(|right| &right.samples)) {
             (Samples::F32(values), _) => {
@@ -102,7 +102,7 @@ impl Curve {
         }
     }
 
-    /// Whether a right value, or one as good, becomes this one.
+    /// Returns true if a right value, or one within tolerance, is mapped to this one.
     fn explains(&self, right: u8, received: u8) -> bool {
         let near = right.saturating_sub(self.slack)..=right.saturating_add(self.slack);
         let values = near.map(|v| self.table[usize::from(v)].clamp(0.0, 255.0));
@@ -112,7 +112,7 @@ impl Curve {
         (least - 1.0..=most + 1.0).contains(&f64::from(received))
     }
 
-    /// The value that comes nearest to becoming this one.
+    /// Returns the value whose image is nearest to this one.
     fn before(&self, received: u8) -> u8 {
         let off = |v: &u8| (self.table[usize::from(*v)] - f64::from(received)).abs();
         let nearest = (0..=255).min_by(|a, b| off(a).total_cmp(&off(b)));
@@ -132,8 +132,8 @@ fn points(pairs: &[(&Expected, &Frame)]) -> Vec<(f64, f64)> {
     points
 }
 
-/// Returns the factor between expected and received values, by least squares, if it is far enough from 1 to matter. Bytes
-/// at the ends of the range are no evidence.
+/// Returns the factor between expected and received values, by least squares, if it differs enough from 1. Bytes at the ends of
+/// the range are no evidence.
 fn factor(view: ViewKind, points: &[(f64, f64)]) -> Option<Curve> {
     let is_real = view == ViewKind::Coef;
     let is_evidence = |received: f64| is_real || received > 0.0 && received < 255.0;
@@ -170,15 +170,15 @@ fn fitted(mut points: Vec<(f64, f64)>) -> Option<Curve> {
     if inner.count() < MIN_INNER_STEPS || 4 * off < points.len() {
         return None;
     }
-    let shown = [32.0, 64.0, 128.0, 192.0].map(|v| format!("{v} → {:.0}", between(&steps, v)));
+    let shown = [32.0, 64.0, 128.0, 192.0].map(|v| format!("{v} → {:.0}", interpolate(&steps, v)));
     let says = format!("one curve is over all values: {}", shown.join(", "));
-    Some(Curve::new(says, NO_CURVE, 1, |v| between(&steps, v)))
+    Some(Curve::new(says, NO_CURVE, 1, |v| interpolate(&steps, v)))
 }
 
-/// The rising steps that come nearest to points in order of their first number: neighbors that fall are one step, at their
-/// mean.
+/// Returns the monotone steps that are nearest to points in order of their first number: decreasing neighbors are merged at
+/// their mean.
 fn rising_steps(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
-    // Sums of both numbers, and how many.
+    // Sums of both numbers, and their count.
     let mut steps: Vec<(f64, f64, f64)> = Vec::new();
     for &(at, value) in points {
         let mut step = (at, value, 1.0);
@@ -193,8 +193,8 @@ fn rising_steps(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
     means.collect()
 }
 
-/// What steps say of a place between two of them.
-fn between(steps: &[(f64, f64)], at: f64) -> f64 {
+/// Interpolates steps at a position between two of them.
+fn interpolate(steps: &[(f64, f64)], at: f64) -> f64 {
     let next = steps.partition_point(|step| step.0 < at);
     match (next.checked_sub(1).map(|last| steps[last]), steps.get(next)) {
         (Some(low), Some(high)) => low.1 + (high.1 - low.1) * (at - low.0) / (high.0 - low.0),

@@ -1,26 +1,26 @@
-//! From observations to the dialect: how a decoder reads the open questions.
+//! From observations to the dialect: the decoder's readings of open questions.
 
 use crate::session::observation::{Observation, Response};
 use crate::suite::dialect::{Axis, Dialect, Right};
 use crate::suite::test_case::TestCase;
 
-/// How well the answers tell how a decoder reads an open question.
+/// The certainty of the decoder's reading of an open question.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Certainty {
-    /// They do not tell its reading from every other.
+    /// The answers do not distinguish its reading from every other.
     Open,
-    /// They do, but not few are wrong in it: a mistake may make it look so.
+    /// They do, but several are wrong under it, so a mistake may be the reason.
     Likely,
-    /// They do.
+    /// They distinguish it.
     Settled,
 }
 
-/// The least number of answers for a reading other than the reference's to each answer that is wrong in it. A few answers of
-/// a mistaken decoder are right in another reading by chance.
+/// Minimum number of answers that are right only in another reading than the reference's, per answer that is wrong in it. A few
+/// answers of a mistaken decoder are right in another reading by chance.
 const MIN_ANSWERS_TO_ONE: usize = 8;
 
-/// The dialect in which most answers are right, among equals the one nearest to the reference's; and of each choice how well
-/// the evidence tells its reading from every other.
+/// Returns the dialect in which most answers are right, among equals the one nearest to the reference's, and for each choice
+/// how well the evidence distinguishes its reading from every other.
 pub(super) fn dialect_of<C: TestCase>(
     observations: &[Option<Observation<C>>],
 ) -> (Dialect, Vec<Certainty>) {
@@ -38,9 +38,9 @@ pub(super) fn dialect_of<C: TestCase>(
             _ => None,
         })
         .collect();
-    // Choices that no case shows together are independent: the answers that are right in a dialect are the sum over the
-    // groups, so most are right where most are right in every group.
-    for axes in groups(C::CHOICES.len(), shown.iter().map(|&(axes, _)| axes)) {
+    // Choices that no case shows together are independent: the number of right answers in a dialect is the sum over the groups,
+    // so it is largest if it is largest in every group.
+    for axes in grouped_axes(C::CHOICES.len(), shown.iter().map(|&(axes, _)| axes)) {
         for (axis, reading, certainty) in evidence::<C>(&axes, &shown) {
             (dialect.0[axis], certain[axis]) = (reading, certainty);
         }
@@ -48,8 +48,8 @@ pub(super) fn dialect_of<C: TestCase>(
     (dialect, certain)
 }
 
-/// Returns, for each of these axes, the reading in which most of the answers that show any of them are right, and how well
-/// they tell it from the others.
+/// Returns, for each of these axes, the reading in which most of the answers that show any of them are right, and how well they
+/// distinguish it from the others.
 fn evidence<C: TestCase>(
     axes: &[Axis],
     shown: &[(&[Axis], &[bool])],
@@ -88,8 +88,8 @@ fn evidence<C: TestCase>(
     axes.iter().map(certainty).collect()
 }
 
-/// The choices, grouped so that those which stand together in any of `together` stand together.
-fn groups<'a>(choices: usize, together: impl Iterator<Item = &'a [Axis]>) -> Vec<Vec<Axis>> {
+/// Groups choices, so that all choices in one of `together` are in the same group.
+fn grouped_axes<'a>(choices: usize, together: impl Iterator<Item = &'a [Axis]>) -> Vec<Vec<Axis>> {
     let mut groups: Vec<Vec<Axis>> = (0..choices).map(|axis| vec![axis]).collect();
     for axes in together {
         let (joined, apart): (Vec<_>, Vec<_>) = groups
@@ -111,7 +111,7 @@ mod tests {
     use crate::suite::choices::CHOICES;
     use crate::suite::test_case::Allowance;
 
-    /// A picture that is right in the combinations of `rulings` that `right` names, by its readings on them.
+    /// Returns an image that is right in the combinations of `rulings` that `right` accepts, by its readings of them.
     #[expect(
         clippy::unnecessary_wraps,
         reason = "others of its type return nothing"
@@ -176,7 +176,7 @@ mod tests {
 
     #[test]
     fn files_that_share_a_choice_join_their_groups() {
-        // Alone, the first says that one of both is read as the reference does not; the second says which.
+        // The first shows that one of both is read differently from the reference; the second shows which.
         let observations = [
             shown(&["motion-sign", "jpeg-ls-offset"], |of| {
                 of.iter().sum::<usize>() == 1
@@ -197,7 +197,7 @@ mod tests {
         let mut all: Vec<_> = (0..8).map(|_| other()).collect();
         all.push(reference());
         assert_eq!(settled(&all), [("motion-half", 1)]);
-        // Where several are otherwise it is no reading.
+        // If several are not, it is not a reading.
         assert_eq!(settled(&all[4..]), []);
         assert_eq!(dialect_of(&all[4..]).0.0, dialect_of(&all).0.0);
         let tie = [other(), reference()];

@@ -1,7 +1,7 @@
-//! Checks on files of one's own, which come without expected output.
+//! Checks on the user's files, which have no expected output.
 //!
-//! The decoder is held against the reference, in whichever reading of the open questions fits, and against itself: other
-//! encodings of the same values must give the same picture.
+//! The decoder is compared with the reference, in the best matching reading of the open questions, and with itself: other
+//! encodings of the same values must give the same image.
 
 use std::fmt::Write;
 
@@ -21,32 +21,32 @@ use crate::suite::compare::Expected;
 use crate::suite::dialect::Dialect;
 use crate::suite::values::Values;
 
-/// What came of a directory of files.
+/// The results for a directory of files.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct FilesReport {
     /// `pass` or `fail`.
     pub verdict: &'static str,
-    /// File by file.
+    /// The result for each file.
     pub files: Vec<FileResult>,
 }
 
-/// What came of one file.
+/// The result for one file.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct FileResult {
     /// Its name, without directories.
     pub file: String,
-    /// The view it was asked in.
+    /// The view in which it was requested.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub view: Option<String>,
-    /// Against the reference: pass, fail, unsupported.
+    /// Comparison with the reference: pass, fail, unsupported.
     pub outcome: &'static str,
-    /// Why.
+    /// The reason.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub says: Option<String>,
-    /// Other encodings of the same values that give another picture, or none.
+    /// Other encodings of the same values that give another image, or none.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub relations: Vec<String>,
-    /// How many other encodings were tried.
+    /// The number of other encodings that were tried.
     pub encodings: usize,
 }
 
@@ -109,7 +109,7 @@ pub fn check_file(
     result
 }
 
-/// What a file should look like. Lossy JPEG planes may be off by what inverse DCTs differ in (ruling `jpeg-samples`).
+/// Returns the expected image of a file. Lossy JPEG planes have the tolerance of inverse DCTs (ruling `jpeg-samples`).
 fn expected(file: &[u8], view: &View, reading: &Reading) -> Option<Expected> {
     let ptm = decode_as(file, reading, &Limits::default()).ok()?;
     let (format, planes) = (ptm.header.format, ptm.planes);
@@ -131,7 +131,7 @@ fn expected(file: &[u8], view: &View, reading: &Reading) -> Option<Expected> {
     Expected::of(&Values::Painted(model), view)
 }
 
-/// For each plane how many inverse DCTs its values come from: its own, and those of the planes that it is predicted from.
+/// Returns the number of inverse DCTs that affect each plane: its own, and those of the planes it is predicted from.
 fn transforms_in_a_row(file: &[u8]) -> Vec<u8> {
     let (fields, _) = fields(file);
     let reference_of = |field: &Field| {
@@ -148,7 +148,7 @@ fn transforms_in_a_row(file: &[u8]) -> Vec<u8> {
     (0..references.len()).map(count).collect()
 }
 
-/// What is wrong with an answer, or what there is to say of a right one.
+/// Returns the fault of an answer, or a remark on a right one.
 fn held_against_reference(file: &[u8], view: &View, shown: &Answer) -> Result<String, String> {
     let reference = decode_as(file, &Reading::SPEC, &Limits::default());
     match (shown, reference) {
@@ -171,7 +171,10 @@ fn held_against_reference(file: &[u8], view: &View, shown: &Answer) -> Result<St
             };
             let dialects = CHOICES.combinations(&open);
             match dialects.iter().skip(1).find(|dialect| fits(dialect)) {
-                Some(dialect) => Ok(format!("right in its own reading: {}", other(dialect))),
+                Some(dialect) => Ok(format!(
+                    "right in its own reading: {}",
+                    other_readings(dialect)
+                )),
                 None => Err(difference.to_string()),
             }
         }
@@ -186,7 +189,7 @@ fn held_against_reference(file: &[u8], view: &View, shown: &Answer) -> Result<St
 }
 
 /// Returns the readings in which a dialect differs from the reference.
-fn other(dialect: &Dialect) -> String {
+fn other_readings(dialect: &Dialect) -> String {
     let readings = CHOICES.iter().zip(&dialect.0);
     let others = readings.filter(|&(_, &taken)| taken > 0);
     let names: Vec<&str> = others
@@ -195,7 +198,7 @@ fn other(dialect: &Dialect) -> String {
     names.join("; ")
 }
 
-/// Describes how the image of another encoding differs from the first one.
+/// Describes the difference between the image of another encoding and the first one.
 fn relation(first: &Expected, again: &Answer) -> Option<String> {
     match again {
         Answer::Decoded(again) => {
@@ -206,7 +209,7 @@ fn relation(first: &Expected, again: &Answer) -> Option<String> {
     }
 }
 
-/// The most bytes a frame of that file can have.
+/// Returns the maximum number of bytes of a frame of that file.
 fn largest_frame(file: &[u8]) -> usize {
     crate::decode(file).map_or(file.len() * 72, |ptm| ptm.planes.size.texels() * 72)
 }
@@ -234,7 +237,7 @@ impl FilesReport {
         }
     }
 
-    /// As text for a terminal.
+    /// Returns the report as text for a terminal.
     #[must_use]
     pub fn to_text(&self) -> String {
         let mut text = String::new();

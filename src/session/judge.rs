@@ -1,8 +1,8 @@
 //! From observations to verdicts.
 //!
 //! [`outcome`] is the table. Some of its rows depend on other observations: whether the accepted twin of a malformed file was
-//! decoded, whether a feature is supported, which reading of an open question the decoder follows. Those facts are
-//! gathered here, from observations alone.
+//! decoded, whether a feature is supported, how the decoder reads an open question. Those facts are derived here, from
+//! observations alone.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -14,23 +14,23 @@ use crate::suite::cases::{Case, Expect, Suite};
 use crate::suite::dialect::{Dialect, Right};
 use crate::suite::test_case::TestCase;
 
-/// What is said of a decoder.
+/// The judgement of a decoder.
 #[derive(Clone, Debug)]
 pub struct Judgement<C: TestCase = Case> {
-    /// One for each case of the suite; nothing for those that were not selected.
+    /// One for each case of the suite; None for those that were not selected.
     pub cases: Vec<Option<Judged>>,
-    /// How it reads the open questions, as the reference does where no case showed it.
+    /// Its reading of the open questions; that of the reference if no case shows it.
     pub dialect: Dialect,
-    /// Of each open question, how well the cases tell the reading from every other.
+    /// For each open question, how well the cases distinguish the reading from every other.
     pub certain: Vec<Certainty>,
-    /// Features that every file needing them was answered 69.
+    /// Features for which every file was answered 69.
     pub unsupported: BTreeSet<C::Feature>,
-    /// Features of which a file was decoded.
+    /// Features for which a file was decoded.
     pub decoded: BTreeSet<C::Feature>,
 }
 
 impl<C: TestCase> Judgement<C> {
-    /// The places of the cases with this outcome.
+    /// Returns the indices of the cases with this outcome.
     pub fn with(&self, outcome: Outcome) -> impl Iterator<Item = usize> {
         let judged = self.cases.iter().enumerate();
         judged
@@ -39,8 +39,8 @@ impl<C: TestCase> Judgement<C> {
     }
 }
 
-/// Judges the observations of a run. `observations` has a place for each case of the suite; nothing where none of its views
-/// is offered. `selected` says which cases are to be judged; the others only serve as twins.
+/// Judges the observations of a run. `observations` has a slot for each case of the suite; None if none of its views is
+/// offered. `selected` marks the cases to judge; the others only serve as twins.
 #[must_use]
 pub fn judge<C: TestCase>(
     suite: &Suite<C>,
@@ -90,15 +90,15 @@ pub fn judge<C: TestCase>(
     }
 }
 
-/// All that bears on the verdict on one case.
+/// All facts that affect the verdict on one case.
 struct Evidence<'a, C: TestCase> {
     case: &'a C,
     observation: &'a Observation<C>,
-    /// The accepted files that it stands on, by their ids.
+    /// The accepted files that it depends on, by their ids.
     twins: Vec<(&'a str, Option<&'a Observation<C>>)>,
     dialect: &'a Dialect,
     unsupported: &'a BTreeSet<C::Feature>,
-    /// Whether a spelling of tables was read rightly.
+    /// True if a spelling of tables was read correctly.
     spelling_known: bool,
 }
 
@@ -111,7 +111,7 @@ fn fail(says: impl Into<String>) -> Verdict {
 const PASS: Verdict = (Outcome::Pass, String::new());
 
 impl<C: TestCase> Evidence<'_, C> {
-    /// Returns the outcome and the reason: the table's, but for the exceptions that docs/protocol.md lists below it.
+    /// Returns the outcome and the reason: those of the table, with the exceptions that docs/protocol.md lists below it.
     fn verdict(&self, offer: &Offer<C>) -> Verdict {
         let (case, observation) = (self.case, self.observation);
         let expect = case.expect();
@@ -153,7 +153,7 @@ impl<C: TestCase> Evidence<'_, C> {
         }
     }
 
-    /// Returns true if the decoder supports every feature that the case needs, and the view of such files.
+    /// Returns true if the decoder supports every feature that the case needs, in this view of such files.
     fn is_supported(&self, offer: &Offer<C>) -> bool {
         let view = &self.observation.view;
         let features = self.case.features(view);
@@ -172,19 +172,18 @@ impl<C: TestCase> Evidence<'_, C> {
         }
     }
 
-    /// How a wrong picture differs from the one that its own reading of the open questions would give, where that is not the
-    /// reference's.
+    /// Returns the difference of a wrong image from the right one in the decoder's dialect, if that is not the reference's.
     fn difference_in_own_dialect(&self, frame: Option<&C::Output>) -> Option<C::Difference> {
         if *self.dialect == C::CHOICES.reference() {
             return None;
         }
         let view = &self.observation.view;
-        // What equals the reference's answer is not kept.
+        // An output that equals the reference's answer is not kept.
         let output = frame.cloned().or_else(|| self.case.expected_output(view))?;
         self.case.difference_in(view, &output, self.dialect)
     }
 
-    /// Negative cases stand on their accepted twins: says so if none of them was decoded.
+    /// Returns a reason if none of the accepted twins of a negative case was decoded.
     fn stands_on_nothing(&self) -> Option<String> {
         let decoded = |twin: Option<&Observation<C>>| {
             twin.is_some_and(|twin| matches!(twin.response, Response::Picture { .. }))
@@ -199,7 +198,7 @@ impl<C: TestCase> Evidence<'_, C> {
         }
     }
 
-    /// Says what was expected instead of a refusal.
+    /// Describes the expected result of a case that was refused.
     fn refusal_in_words(&self) -> String {
         match (self.case.expect(), self.case.expected_in_words()) {
             (Expect::ImplementationDefined, expected) => format!(
@@ -264,14 +263,14 @@ fn is_right<C: TestCase>(observation: &Observation<C>, dialect: &Dialect) -> boo
     }
 }
 
-/// Features of which no must-accept file was decoded and most were answered 69, and those of which some file was decoded. What
-/// else a decoder gets wrong, a header perhaps, refuses some files before it sees what they need.
+/// Returns features of which no must-accept file was decoded and most were answered 69, and those of which some file was
+/// decoded. Other mistakes, perhaps in the header, refuse some files before their features matter.
 fn features<C: TestCase>(
     suite: &Suite<C>,
     observations: &[Option<Observation<C>>],
     offer: &Offer<C>,
 ) -> (BTreeSet<C::Feature>, BTreeSet<C::Feature>) {
-    // Of each, how many files there are and how many were answered 69.
+    // For each, the number of files and the number that were answered 69.
     let mut asked: BTreeMap<C::Feature, (usize, usize)> = BTreeMap::new();
     let mut decoded = BTreeSet::new();
     for (case, observation) in suite.cases.iter().zip(observations) {
@@ -290,7 +289,7 @@ fn features<C: TestCase>(
         }
         let unsupported = matches!(observation.response, Response::Unsupported);
         for feature in case.features(&observation.view) {
-            // That it lacks this view of this kind says nothing of the kind.
+            // A missing view of this kind is no evidence against the kind.
             if unsupported && feature == case.kind() && offer.lacks(&observation.view, &case.kind())
             {
                 continue;

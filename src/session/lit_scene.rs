@@ -1,5 +1,5 @@
-//! A map that anybody recognizes, as the decoder shows it: a striped ball, lit from the upper left, with a red corner at the
-//! top left and others elsewhere. It is asked for a page that people look at, and never judged.
+//! A recognizable map as the decoder shows it: a striped ball, lit from the upper left, with a red corner at the top left and
+//! other colors in the other corners. It is requested for the HTML report and never judged.
 
 use std::collections::BTreeSet;
 
@@ -15,14 +15,14 @@ use crate::session::asking::Ask;
 use crate::session::offer::Offer;
 use crate::suite::features::Feature;
 
-/// Columns and rows.
+/// Number of columns and of rows.
 pub const SIDE: u32 = 64;
 /// The light, from the upper left.
 pub const LIGHT: (f64, f64) = (-0.5, 0.5);
 /// The view under that light.
-const VIEW: &str = "rgb:-0.5,0.5";
-/// The formats, in the order in which they are asked for: the plainest first, then those without a loss, then those whose scene
-/// has a loss or other colors.
+const LIT_VIEW: &str = "rgb:-0.5,0.5";
+/// The formats, in order of preference: the simplest first, then those without loss, then those whose scene is lossy or has
+/// other colors.
 const FORMATS: [Format; 9] = [
     Format::Lrgb,
     Format::Rgb,
@@ -38,18 +38,18 @@ const FORMATS: [Format; 9] = [
 /// The scene under its light: red, green and blue of every texel, the top row first.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct LitScene {
-    /// The format of the file that was asked.
+    /// The format of the requested file.
     pub format: Format,
-    /// The view it was asked in.
+    /// The view in which it was requested.
     pub view: ViewKind,
-    /// As it is.
+    /// The right image.
     pub right: Vec<u8>,
-    /// As the decoder shows it.
+    /// The image that the decoder shows.
     pub received: Vec<u8>,
 }
 
 impl LitScene {
-    /// The scene as it is under another light.
+    /// Returns the right scene under another light.
     #[must_use]
     pub fn lit(&self, lu: f64, lv: f64) -> Vec<u8> {
         let ptm = decode(&file(self.format)).expect("the scene is a legal file");
@@ -57,7 +57,7 @@ impl LitScene {
     }
 }
 
-/// Asks for the scene in a format and a view that the decoder has; `None` if it has none, or shows no image.
+/// Requests the scene in a format and a view that the decoder has; `None` if it has none, or shows no image.
 #[must_use]
 pub fn ask(offer: &Offer, decoded: &BTreeSet<Feature>, ask: &Ask) -> Option<LitScene> {
     let reads = |format: &Format| decoded.contains(&Feature::Format(*format));
@@ -65,18 +65,18 @@ pub fn ask(offer: &Offer, decoded: &BTreeSet<Feature>, ask: &Ask) -> Option<LitS
     let mut views = [ViewKind::Rgb, ViewKind::Coef, ViewKind::Raw].into_iter();
     let view = views.find(|view| offer.views.contains(&view.name()))?;
     let asked = if view == ViewKind::Rgb {
-        VIEW
+        LIT_VIEW
     } else {
         view.name()
     };
-    // lut-count: a decoder may know one spelling of the count only.
+    // lut-count: a decoder may support only one spelling of the count.
     let spellings = if format.has_table() {
         Count::ALL.len()
     } else {
         1
     };
     Count::ALL[..spellings].iter().find_map(|&count| {
-        let file = spelled(format, count);
+        let file = file_with_count(format, count);
         let request = Request {
             name: "lit-scene",
             view: &asked.parse().expect("a view"),
@@ -101,7 +101,7 @@ fn lit(coefficients: &Coefficients) -> Vec<u8> {
     coefficients.evaluate(LIGHT.0, LIGHT.1).to_bytes()
 }
 
-/// What a frame of the scene's `file` looks like under the light; nothing where it has another shape.
+/// Returns the image of a frame of the scene's `file` under the light; None if it has another shape.
 #[must_use]
 pub fn picture(file: &[u8], frame: &Frame) -> Option<Vec<u8>> {
     let Ptm { header, mut planes } = decode(file).ok()?;
@@ -123,17 +123,17 @@ pub fn picture(file: &[u8], frame: &Frame) -> Option<Vec<u8>> {
     }
 }
 
-/// The scene as a file.
+/// Returns the scene as a file.
 ///
 /// # Panics
-/// Never: it has no more distinct texels than a table may have.
+/// Never: it has no more distinct texels than a table can have entries.
 #[must_use]
 pub fn file(format: Format) -> Vec<u8> {
-    spelled(format, Count::default())
+    file_with_count(format, Count::default())
 }
 
-/// The scene as a file whose table, if it has one, has its count in this spelling.
-fn spelled(format: Format, count: Count) -> Vec<u8> {
+/// Returns the scene as a file, with the count of its table, if any, in this spelling.
+fn file_with_count(format: Format, count: Count) -> Vec<u8> {
     let map = ball(SIDE);
     let mut recipe = Recipe::ordinary(format, map.size);
     recipe.scale = "2 2 2 2 2 2".parse().expect("numbers");
@@ -162,8 +162,8 @@ fn spelled(format: Format, count: Count) -> Vec<u8> {
     write(&recipe, &model).bytes
 }
 
-/// A texel of LUM: its luminance carries the green, Cr and Cb what red and blue have more than that under the light of the scene.
-/// Fewer colors than elsewhere, for nothing here is less than none.
+/// Returns a texel of LUM: its luminance is the green under the light of the scene, Cr and Cb are the excess of red and blue.
+/// It has fewer colors than other formats, because these differences cannot be negative.
 fn luminance_and_tints(polynomial: &[f64; 6], color: &[f64]) -> [u8; 8] {
     let (u, v) = LIGHT;
     let powers = [u * u, v * v, u * v, u, v, 1.0];
@@ -176,7 +176,7 @@ fn luminance_and_tints(polynomial: &[f64; 6], color: &[f64]) -> [u8; 8] {
     [a0, a1, a2, a3, a4, a5, cr, cb]
 }
 
-/// A striped ball whose luminance is that of a matte surface, the normal times the light; and four corners.
+/// Paints a striped ball whose luminance is that of a matte surface, the normal times the light; and four corners.
 #[must_use]
 pub fn ball(side: u32) -> Coefficients {
     let place = |at: u32| (f64::from(at) + 0.5) / f64::from(side) * 2.2 - 1.1;
@@ -209,7 +209,7 @@ fn texel(x: f64, y: f64) -> [f64; 9] {
         true => [235.0, 150.0, 90.0],
         false => [120.0, 165.0, 210.0],
     };
-    // The height of the light is √(1 − u² − v²), which is nearly 1 − (u² + v²) / 2.
+    // The height of the light is √(1 − u² − v²), which is approximately 1 − (u² + v²) / 2.
     let (curve, height) = (-115.0 * z, 22.0 + 230.0 * z);
     let (across, up) = (230.0 * x, 230.0 * y);
     [curve, curve, 0.0, across, up, height, red, green, blue]

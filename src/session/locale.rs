@@ -1,7 +1,7 @@
-//! The first files once more, in a locale that writes numbers with a decimal comma.
+//! The first files again, in a locale that writes numbers with a decimal comma.
 //!
-//! Programs that read "0.5" with `strtod` or `scanf` after `setlocale` find 0 there. Numbers of PTM files are written
-//! with a point in every country.
+//! Programs that read "0.5" with `strtod` or `scanf` after `setlocale` get 0 there. Numbers of PTM files have a decimal point
+//! in every country.
 
 use std::process::{Command, Stdio};
 
@@ -11,7 +11,7 @@ use crate::runner::scratch::Scratch;
 use crate::session::run::Run;
 use crate::suite::cases::Suite;
 
-/// Languages of which every locale writes a decimal comma.
+/// Languages for which every locale has a decimal comma.
 const WITH_COMMA: [&str; 12] = [
     "de_DE", "fr_FR", "es_ES", "it_IT", "nl_NL", "pl_PL", "pt_BR", "ru_RU", "sv_SE", "da_DK",
     "fi_FI", "cs_CZ",
@@ -36,7 +36,7 @@ fn choose(list: &str) -> Option<String> {
     })
 }
 
-/// Asks the first files again in `locale`, each in one view in which it was decoded, and says what is otherwise.
+/// Requests the first files again in `locale`, each in one view in which it was decoded, and describes the first difference.
 #[must_use]
 pub fn difference(
     suite: &Suite,
@@ -60,7 +60,7 @@ pub fn difference(
                     _ => None,
                 })
         };
-        // Stored values need no numbers but the size: they are asked for only if there is nothing else.
+        // Stored values need no numbers except the size, so they are requested only if there is nothing else.
         let mut views = [ViewKind::Coef, ViewKind::Rgb, ViewKind::Raw].into_iter();
         let Some((view, frame, before)) = views.find_map(decoded) else {
             continue;
@@ -75,13 +75,19 @@ pub fn difference(
         };
         let answer = decoder.ask(&request, scratch).answer;
         if !answer.is_like(before) {
-            return Some(words(locale, &case.id, view, &answer, frame));
+            return Some(locale_difference(locale, &case.id, view, &answer, frame));
         }
     }
     None
 }
 
-fn words(locale: &str, id: &str, view: &View, answer: &Answer, frame: &Frame) -> String {
+fn locale_difference(
+    locale: &str,
+    id: &str,
+    view: &View,
+    answer: &Answer,
+    frame: &Frame,
+) -> String {
     let got = match answer {
         Answer::Decoded(other) if (other.width, other.height) != (frame.width, frame.height) => {
             format!("a picture of {}x{}", other.width, other.height)

@@ -1,4 +1,4 @@
-//! The same picture in other files: what a decoder makes of them must not differ.
+//! Files with the same image, for which the results of a decoder must not differ.
 //!
 //! These checks need no expected output. They catch mistakes that reference and decoder share, and they work on any file.
 
@@ -8,13 +8,13 @@ use crate::ptm::{Format, Ptm, Shape};
 
 /// Another file with the same stored values.
 pub struct OtherFile {
-    /// How it differs, in words: "as `JPEGLS_RGB`".
+    /// Its difference, in words: "as `JPEGLS_RGB`".
     pub how: String,
     /// The file.
     pub file: Vec<u8>,
 }
 
-/// The same values in other formats, and in other spellings of the header.
+/// Returns the same values in other formats, and in other spellings of the header.
 #[must_use]
 pub fn encodings(ptm: &Ptm) -> Vec<OtherFile> {
     let formats: &[Format] = match ptm.planes.shape {
@@ -82,7 +82,7 @@ fn encode(ptm: &Ptm, format: Format, spelling: Spelling) -> Option<Vec<u8>> {
     Some(write(&recipe, &model).bytes)
 }
 
-/// Numbers written so that they are read as they are.
+/// Returns numbers in a spelling that is read as the same value.
 fn numbers<const N: usize>(values: &[f64; N]) -> Option<Numbers<N>> {
     let texts: Vec<String> = values.iter().map(f64::to_string).collect();
     texts.join(" ").parse().ok()

@@ -1,7 +1,7 @@
 //! A run from first contact to the last answer, and the verdicts.
 //!
-//! [`run::check`] is the contents page. Whatever is asked, PTM files or texture questions, is a
-//! [`TestCase`](crate::suite::test_case::TestCase).
+//! [`run::check`] is the table of contents. All requests, for PTM files or texture questions, are
+//! [`TestCase`](crate::suite::test_case::TestCase)s.
 
 mod again;
 pub mod asking;

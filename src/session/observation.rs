@@ -1,24 +1,24 @@
-//! What one request showed.
+//! The result of one request.
 
 use crate::protocol::frame::Answer;
 use crate::suite::cases::{Case, Expect};
 use crate::suite::dialect::Right;
 use crate::suite::test_case::{Allowance, TestCase};
 
-/// What one request showed.
+/// The result of one request.
 #[derive(Clone, Debug)]
 pub struct Observation<C: TestCase = Case> {
-    /// The view that was asked for.
+    /// The requested view.
     pub view: C::View,
-    /// What the decoder did.
+    /// The response of the decoder.
     pub response: Response<C>,
-    /// Whether it is a refusal by an exit status that also means something else.
+    /// True if it is a refusal by an exit status that also has another meaning.
     pub weak: bool,
     /// The beginning of its standard error.
     pub stderr: String,
-    /// The case that the same process was asked before, where it serves.
+    /// The previous case of the same process, in serve mode.
     pub after: Option<String>,
-    /// How two answers to this request differ, if it was asked for twice and they do.
+    /// The difference between two answers to this request, if it was repeated and they differ.
     pub nondeterminism: Option<Nondeterminism>,
 }
 
@@ -28,7 +28,7 @@ impl<C: TestCase> Observation<C> {
         matches!(self.response, Response::Violation(_)) || self.nondeterminism.is_some()
     }
 
-    /// Whether it will fail, whatever else is seen: a difference between answers apart.
+    /// Returns true if it will fail regardless of other observations, except for a difference between answers.
     #[must_use]
     pub fn is_wrong_for(&self, case: &C) -> bool {
         match (&self.response, case.expect()) {
@@ -41,27 +41,27 @@ impl<C: TestCase> Observation<C> {
     }
 }
 
-/// Two answers to one request.
+/// Two different answers to one request.
 #[derive(Clone, Debug)]
 pub struct Nondeterminism {
-    /// Whether one of them is of a serving process.
+    /// True if one of them is from a serving process.
     pub served: bool,
-    /// How they differ.
+    /// The difference.
     pub says: String,
 }
 
 /// An answer, compared with the expected one.
 #[derive(Clone, Debug)]
 pub enum Response<C: TestCase = Case> {
-    /// A picture, or another answer to what was asked.
+    /// An image, or another answer to the question.
     Picture {
-        /// Where it is right: in every dialect, or in some.
+        /// The dialects in which it is right.
         right: Right,
-        /// How it differs from the reference's, if it does and there is one.
+        /// The difference from the output of the reference, if any.
         difference: Option<C::Difference>,
-        /// What room was made for it.
+        /// The tolerance that was applied.
         allowance: Allowance,
-        /// The picture itself where it differs.
+        /// The image itself if it differs.
         frame: Option<C::Output>,
     },
     /// Exit status 65.
@@ -73,7 +73,7 @@ pub enum Response<C: TestCase = Case> {
 }
 
 impl<C: TestCase> Response<C> {
-    /// Whether it is the same in all that a decoder is responsible for.
+    /// Returns true if both agree in all that a decoder controls.
     #[must_use]
     pub fn is_like(&self, other: &Response<C>) -> bool {
         match (self, other) {
@@ -96,7 +96,7 @@ impl<C: TestCase> Response<C> {
         }
     }
 
-    /// What it is, in words.
+    /// Describes it in words.
     #[must_use]
     pub fn describe(&self) -> String {
         match self {
@@ -111,7 +111,7 @@ impl<C: TestCase> Response<C> {
         }
     }
 
-    /// One or two words for a report.
+    /// Returns one or two words for a report.
     #[must_use]
     pub const fn name(&self) -> &'static str {
         match self {

@@ -1,4 +1,4 @@
-//! What a decoder offers: views, and formats in them.
+//! The offer of a decoder: views, and formats in them.
 
 use std::collections::BTreeSet;
 
@@ -6,14 +6,14 @@ use crate::session::observation::{Observation, Response};
 use crate::suite::cases::{Case, Expect};
 use crate::suite::test_case::TestCase;
 
-/// What a decoder offers.
+/// The offer of a decoder.
 #[derive(Clone, Debug)]
 pub struct Offer<C: TestCase = Case> {
     /// The views, best first.
     pub views: Vec<&'static str>,
-    /// Views that it lacks of a kind of case which it shows in others.
+    /// Views that it does not have for a kind of case, although it shows that kind in other views.
     pub lacking: Vec<(&'static str, C::Feature)>,
-    /// The kinds of case of which it answered 69 to every first file in every view.
+    /// The kinds of case for which it answered 69 to every first file in every view.
     pub unsupported: Vec<C::Feature>,
     /// The kinds of case that it declares to read.
     pub declared: Vec<C::Feature>,
@@ -31,7 +31,7 @@ impl<C: TestCase> Default for Offer<C> {
 }
 
 impl<C: TestCase> Offer<C> {
-    /// Whether it shows cases of this kind in other views only.
+    /// Returns true if it shows cases of this kind in other views only.
     #[must_use]
     pub fn lacks(&self, view: &C::View, kind: &C::Feature) -> bool {
         let view = C::view_name(view);
@@ -40,7 +40,7 @@ impl<C: TestCase> Offer<C> {
             .any(|(lacking, of)| *lacking == view && of == kind)
     }
 
-    /// The first of the case's views that is offered, of files of its kind if there is such a one.
+    /// Returns the first view of the case that is offered, preferably for files of its kind.
     #[must_use]
     pub fn chosen_view<'a>(&self, case: &'a C) -> Option<&'a C::View> {
         let offered = |view: &&C::View| self.views.contains(&C::view_name(view));
@@ -51,8 +51,7 @@ impl<C: TestCase> Offer<C> {
             .or_else(|| views.next())
     }
 
-    /// Returns true if the decoder declares this kind of case, supports none of it, and answered 69 to this legal one each
-    /// time.
+    /// Returns true if the decoder declares this kind of case, supports none of it, and always answered 69 to this legal one.
     #[must_use]
     pub fn is_broken_by(
         &self,

@@ -1,7 +1,7 @@
-//! Decoders with another inverse DCT pass (ruling `jpeg-samples`).
+//! A test that decoders with another inverse DCT pass (ruling `jpeg-samples`).
 //!
-//! The samples of JPEG planes come from two independent decoders in turn; all else is the reference. Streams that such a
-//! decoder does not read are left to the reference, and counted.
+//! The samples of JPEG planes come from two independent decoders in turn; the rest is the reference. Streams that such a
+//! decoder cannot read are left to the reference, and counted.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -29,8 +29,8 @@ type Counts = [AtomicUsize; 2];
 static BY_JPEG_DECODER: Counts = [AtomicUsize::new(0), AtomicUsize::new(0)];
 static BY_ZUNE: Counts = [AtomicUsize::new(0), AtomicUsize::new(0)];
 
-/// The samples of `decode` where the reference has some at all, and `decode` too.
-fn replaced(
+/// Returns the samples of `decode` if both the reference and `decode` return some.
+fn with_samples_of(
     stream: &PlaneStream,
     decode: fn(&[u8]) -> Option<Vec<u8>>,
     counts: &Counts,
@@ -55,7 +55,7 @@ fn by_zune(stream: &[u8]) -> Option<Vec<u8>> {
         .ok()
 }
 
-/// The report on the reference with such samples.
+/// Checks the report on the reference with such samples.
 #[track_caller]
 fn passes(reading: Reading, counts: &Counts) {
     let suite = Suite::load().expect("the suite loads");
@@ -89,7 +89,7 @@ fn passes(reading: Reading, counts: &Counts) {
     };
     let mut observed = run.observations.iter().flatten();
     assert!(observed.any(|observation| is_another(&observation.response)));
-    // The same files as a user's own, of which only the bytes are known.
+    // The same files as a user's files, of which only the bytes are known.
     let own = suite.cases.iter().filter(|case| {
         case.format().is_jpeg() && case.expect == Expect::Decode && case.damage().is_none()
     });
@@ -110,7 +110,7 @@ fn passes(reading: Reading, counts: &Counts) {
 #[test]
 fn a_decoder_with_the_samples_of_jpeg_decoder_passes() {
     let reading = Reading {
-        stream: |stream| replaced(stream, by_jpeg_decoder, &BY_JPEG_DECODER),
+        stream: |stream| with_samples_of(stream, by_jpeg_decoder, &BY_JPEG_DECODER),
         ..Reading::SPEC
     };
     passes(reading, &BY_JPEG_DECODER);
@@ -119,7 +119,7 @@ fn a_decoder_with_the_samples_of_jpeg_decoder_passes() {
 #[test]
 fn a_decoder_with_the_samples_of_zune_jpeg_passes() {
     let reading = Reading {
-        stream: |stream| replaced(stream, by_zune, &BY_ZUNE),
+        stream: |stream| with_samples_of(stream, by_zune, &BY_ZUNE),
         ..Reading::SPEC
     };
     passes(reading, &BY_ZUNE);

@@ -2,40 +2,40 @@
 
 use crate::suite::cases::Expect;
 
-/// What is said of a case.
+/// The verdict on a case, with a reason.
 #[derive(Clone, Debug)]
 pub struct Judged {
     /// The verdict.
     pub outcome: Outcome,
-    /// Why, in a sentence; empty where there is nothing to say.
+    /// The reason, in a sentence; empty if there is none.
     pub says: String,
 }
 
 /// The verdict on a case.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Outcome {
-    /// As it should be.
+    /// The response is right.
     Pass,
-    /// Not as it should be.
+    /// The response is wrong.
     Fail,
-    /// Left to the implementation, and this one differs from the reference.
+    /// The implementation decides, and it differs from the reference.
     ImplementationDefined,
-    /// The decoder does not support a feature that the case needs, and says so everywhere.
+    /// The decoder consistently does not support a feature that the case needs.
     Unsupported,
-    /// The accepted twin was not decoded, so nothing follows.
+    /// The accepted twin was not decoded, so there is no conclusion.
     Inconclusive,
-    /// A legal spelling or reading that this decoder does not follow; it follows another.
+    /// A legal spelling or reading that this decoder does not use; it uses another.
     OtherDialect,
-    /// As a mistake has it that the user takes as given.
+    /// The response follows from an assumed mistake.
     Assumed,
     /// None of the case's views is offered.
     NotJudged,
-    /// The run ended before.
+    /// The run ended earlier.
     NotRun,
 }
 
 impl Outcome {
-    /// All, in the order in which they are counted for people.
+    /// All outcomes, in the order in which they are counted in reports.
     pub const ALL: [Outcome; 9] = [
         Outcome::Pass,
         Outcome::Fail,
@@ -48,7 +48,7 @@ impl Outcome {
         Outcome::NotRun,
     ];
 
-    /// As it stands in a report.
+    /// Returns its name in reports.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -65,7 +65,7 @@ impl Outcome {
     }
 }
 
-/// What a decoder did with a file, as far as the outcome depends on it.
+/// The response to a file, in the detail that the outcome depends on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ResponseKind {
     /// The expected image, or any image where every image is right.
@@ -76,13 +76,13 @@ pub enum ResponseKind {
     Rejected,
     /// Exit status 69.
     Unsupported,
-    /// A crash, a hang or anything else that the protocol does not allow.
+    /// A crash, a timeout or any other violation of the protocol.
     Violation,
 }
 
 /// Returns the outcome of a case. docs/protocol.md shows the same table, and the exceptions to it.
 ///
-/// `is_supported` says whether the decoder supports every feature that the case needs.
+/// `is_supported` is true if the decoder supports every feature that the case needs.
 #[must_use]
 #[expect(
     clippy::match_same_arms,

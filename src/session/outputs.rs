@@ -1,8 +1,8 @@
 //! Answers made elsewhere: by hand in a viewer, in a browser, on another system.
 //!
-//! [`export`] writes every file that can be asked about in one view, and a list of what to do with it. [`Outputs`] is what
-//! comes back: for each file a picture, a frame or an array under the name of the case, whatever the suffix; or word that
-//! it was refused. It answers requests as a decoder does, so the verdicts are the same.
+//! [`export`] writes every file that can be requested in one view, and a list of instructions. [`Outputs`] reads the results:
+//! for each file an image, a frame or an array under the name of the case, with any suffix; or the information that it was
+//! refused. It answers requests like a decoder, so the verdicts are the same.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -20,13 +20,13 @@ use crate::suite::cases::{Case, Suite, TableSpelling};
 use crate::suite::corpus::put;
 
 /// The list of requests, for programs.
-const LIST: &str = "requests.yaml";
-/// The same list, for spreadsheets and scripts.
-const TABLE: &str = "requests.tsv";
-/// Where the answers go.
-const ANSWERS: &str = "outputs";
+const LIST_NAME: &str = "requests.yaml";
+/// The list of requests, for spreadsheets and scripts.
+const TABLE_NAME: &str = "requests.tsv";
+/// The directory for the answers.
+const ANSWERS_DIRECTORY: &str = "outputs";
 
-/// What is to be made of one file.
+/// The output to be made for one file.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Listed {
@@ -36,7 +36,7 @@ struct Listed {
     file: String,
     /// The file's digest.
     sha256: String,
-    /// What to show: `raw`, `coef` or `rgb:LU,LV`.
+    /// The view: `raw`, `coef` or `rgb:LU,LV`.
     view: String,
     /// The file to write, below the directory of the list; any suffix will do.
     output: String,
@@ -53,19 +53,19 @@ impl Listed {
             file: format!("files/{}.ptm", case.id),
             sha256: sha256(file),
             view: view.to_string(),
-            output: format!("{ANSWERS}/{}.{suffix}", case.id),
+            output: format!("{ANSWERS_DIRECTORY}/{}.{suffix}", case.id),
         }
     }
 }
 
-/// What the exported directory says of itself.
+/// The instructions in the exported directory.
 const READ_ME: &str = include_str!("../../spec-cases/outputs.txt");
 
-/// Writes the files that can be asked about in `view` (`raw`, `coef` or `rgb`) to `directory`, and the list of requests.
-/// Returns how many there are.
+/// Writes the files that can be requested in `view` (`raw`, `coef` or `rgb`) to `directory`, and the list of requests. Returns
+/// the number of requests.
 ///
 /// # Errors
-/// Those of the file system, with the path.
+/// Errors of the file system, with the path.
 pub fn export(
     suite: &Suite,
     view: &str,
@@ -89,16 +89,16 @@ pub fn export(
         table += &(fields.join("\t") + "\n");
     }
     put(&directory.join("README.txt"), READ_ME.as_bytes())?;
-    put(&directory.join(TABLE), table.as_bytes())?;
-    put(&directory.join(LIST), yaml.as_bytes())?;
-    fs::create_dir_all(directory.join(ANSWERS))?;
+    put(&directory.join(TABLE_NAME), table.as_bytes())?;
+    put(&directory.join(LIST_NAME), yaml.as_bytes())?;
+    fs::create_dir_all(directory.join(ANSWERS_DIRECTORY))?;
     Ok(list.len())
 }
 
-/// What was said of a case.
+/// The answer that was given for a case.
 #[derive(Clone, Debug, PartialEq, Eq)]
 enum Given {
-    /// An answer, in that file.
+    /// An answer, in this file.
     File(PathBuf),
     Rejected,
     Unsupported,
@@ -115,32 +115,36 @@ pub struct Outputs {
 }
 
 impl Outputs {
-    /// Reads what lies in a directory that [`export`] has made. `matches` says whether a pattern means an id.
+    /// Reads a directory that [`export`] has made. `matches` is true if a pattern matches an id.
     ///
     /// # Errors
-    /// A sentence that names the file, and the line at fault where there is one.
+    /// A sentence that names the file, and the line at fault if there is one.
     pub fn open(
         directory: &Path,
         suite: &Suite,
         matches: impl Fn(&str, &str) -> Result<bool, String>,
     ) -> Result<Outputs, String> {
-        let path = directory.join(LIST);
+        let path = directory.join(LIST_NAME);
         let list: Vec<Listed> =
             from_yaml(&text_of(&path)?).map_err(|error| format!("{}: {error}", path.display()))?;
         let view = view_of(&list, suite).map_err(|error| format!("{}: {error}", path.display()))?;
-        let (mut given, strangers) = answers(&directory.join(ANSWERS), &list)?;
+        let (mut given, strangers) = answers(&directory.join(ANSWERS_DIRECTORY), &list)?;
         for (name, meaning) in [
             ("rejected.txt", Given::Rejected),
             ("unsupported.txt", Given::Unsupported),
         ] {
-            for id in listed_ids(&directory.join(ANSWERS).join(name), &list, &matches)? {
+            for id in listed_ids(
+                &directory.join(ANSWERS_DIRECTORY).join(name),
+                &list,
+                &matches,
+            )? {
                 given.entry(id).or_insert_with(|| meaning.clone());
             }
         }
         if given.is_empty() {
             return Err(format!(
                 "{}: there is no answer to any request",
-                directory.join(ANSWERS).display()
+                directory.join(ANSWERS_DIRECTORY).display()
             ));
         }
         Ok(Outputs {
@@ -150,7 +154,7 @@ impl Outputs {
         })
     }
 
-    /// Why a case cannot be asked, a place for each case of `suite`.
+    /// Returns the reason why a case cannot be requested, one slot per case of `suite`.
     #[must_use]
     pub fn withheld(&self, suite: &Suite) -> Vec<Option<String>> {
         let missing = |case: &Case| {
@@ -159,7 +163,7 @@ impl Outputs {
         suite.cases.iter().map(missing).collect()
     }
 
-    /// Answers as a decoder does.
+    /// Answers like a decoder.
     #[must_use]
     pub fn ask(&self, request: &Request) -> Reply {
         let answer = match self.given.get(request.name) {
@@ -231,7 +235,7 @@ fn view_of(list: &[Listed], suite: &Suite) -> Result<&'static str, String> {
     view.ok_or_else(|| "there are no requests".to_owned())
 }
 
-/// The answers that are files of their own, and the names of files that are none.
+/// Returns the answers that are separate files, and the names of other files.
 fn answers(
     directory: &Path,
     list: &[Listed],
@@ -266,7 +270,7 @@ fn answers(
     Ok((given, strangers))
 }
 
-/// What is in an answer, at most `most` bytes. Nothing but a plain file is opened.
+/// Reads an answer of at most `most` bytes. Only a regular file is opened.
 fn read(path: &Path, most: usize) -> Result<Vec<u8>, String> {
     let fault = |what: &dyn std::fmt::Display| format!("its output file {what}");
     let about = fs::symlink_metadata(path).map_err(|error| fault(&error))?;

@@ -1,4 +1,4 @@
-//! What of a suite is run, and how.
+//! The plan of a run: the selected cases, and the options.
 
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -8,48 +8,48 @@ use crate::suite::cases::{Case, Expect, Suite, TableSpelling};
 use crate::suite::features::Feature;
 use crate::suite::test_case::TestCase;
 
-/// What of a suite is run, and how.
+/// The plan of a run.
 #[derive(Clone, Debug)]
 pub struct RunPlan<C: TestCase = Case> {
-    /// Which cases are judged, a place for each case of the suite.
+    /// The cases that are judged, one slot per case of the suite.
     pub selected: Vec<bool>,
-    /// Requests at a time, at least 1.
+    /// Number of parallel requests, at least 1.
     pub jobs: usize,
-    /// Views to ask for; all that the decoder offers if empty.
+    /// The requested views; all that the decoder offers if empty.
     pub views: Vec<&'static str>,
-    /// The views that the decoder says it has, if it says so.
+    /// The views that the decoder declares, if it does.
     pub declared_views: Option<Vec<&'static str>>,
-    /// The kinds of case that the decoder says it reads, if it says so.
+    /// The kinds of case that the decoder declares, if it does.
     pub declared_kinds: Option<Vec<C::Feature>>,
-    /// What is asked again.
+    /// The requests to repeat.
     pub repeat: Repeat,
-    /// Which cases are asked before the others, a place for each case of the suite; empty if none is.
+    /// The cases that are requested before the others, one slot per case of the suite; empty if there are none.
     pub soonest: Vec<bool>,
-    /// Why a case is not asked, a place for each case of the suite; nothing for those that are. Empty if all are.
+    /// The reasons why cases are not requested, one slot per case; None for requested cases. Empty if all are requested.
     pub withheld: Vec<Option<String>>,
-    /// Whether the answers were made before the run: there are no first files, and tables stand in the ordinary spelling.
+    /// True if the answers were made before the run: there are no first files, and tables have the default spelling.
     pub precomputed: bool,
-    /// Set when the user wants the run to end.
+    /// Set when the user ends the run.
     pub stop: Arc<AtomicBool>,
 }
 
-/// Which cases are asked again, of a process of its own, to find answers that differ.
+/// The cases that are repeated with a new process, to find answers that differ.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Repeat {
     /// None: the decoder is a function.
     #[default]
     Nothing,
-    /// Those that failed: it may answer differently each time.
+    /// Failures: the decoder may be nondeterministic.
     Failures,
-    /// Those that failed, and one in [`SAMPLE`] of the others: it serves, and may carry something from file to file.
+    /// Failures, and one in [`SAMPLE`] of the others: a serving process may leak state from file to file.
     FailuresAndSample,
 }
 
-/// Of so many cases that did not fail, one is asked again.
+/// One in this number of cases that did not fail is repeated.
 pub const SAMPLE: usize = 100;
 
 impl<C: TestCase> RunPlan<C> {
-    /// Everything is asked once, of a decoder that says nothing of itself.
+    /// Makes a plan that requests everything once, from a decoder without declared capabilities.
     #[must_use]
     pub fn of(suite: &Suite<C>, jobs: usize) -> RunPlan<C> {
         RunPlan {
@@ -66,7 +66,7 @@ impl<C: TestCase> RunPlan<C> {
         }
     }
 
-    /// Whether a view is asked for at all: if the user wants it and the decoder does not say that it has others.
+    /// Returns true if a view may be requested: if the user wants it and the decoder does not declare others only.
     pub(super) fn may_ask(&self, view: &'static str) -> bool {
         let declared = self.declared_views.as_ref();
         let declared = declared.filter(|views| !views.is_empty());
@@ -74,12 +74,12 @@ impl<C: TestCase> RunPlan<C> {
             && declared.is_none_or(|views| views.contains(&view))
     }
 
-    /// Whether the case at place `i` is asked.
+    /// Returns true if case `i` is requested.
     pub(super) fn asks(&self, i: usize) -> bool {
         self.withheld.get(i).is_none_or(Option::is_none)
     }
 
-    /// Why a case is not asked, a place for each case of the suite, where tables are spelled so.
+    /// Returns the reasons why cases are not requested, one slot per case of the suite, for this spelling of tables.
     pub(super) fn withheld_in(
         &self,
         suite: &Suite<C>,
@@ -99,7 +99,7 @@ impl<C: TestCase> RunPlan<C> {
         withheld
     }
 
-    /// The selected cases and the twins that they stand on; and those of them that are asked first.
+    /// Returns the selected cases with the twins that they depend on, and those of them that are requested first.
     pub(super) fn with_twins(&self, suite: &Suite<C>) -> (Vec<bool>, Vec<bool>) {
         let mut wanted = self.selected.clone();
         let mut soonest = self.soonest.clone();
@@ -115,7 +115,7 @@ impl<C: TestCase> RunPlan<C> {
 }
 
 impl RunPlan {
-    /// The same for a decoder that says this of itself.
+    /// Returns the plan for a decoder with these capabilities.
     #[must_use]
     pub fn declared_by(self, capabilities: &Capabilities) -> RunPlan {
         let formats = capabilities.formats.as_ref();

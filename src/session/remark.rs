@@ -1,18 +1,18 @@
-//! Something to say of a run as a whole.
+//! Remarks on a run as a whole.
 
 use serde::{Deserialize, Serialize};
 
-/// Something to say of a run as a whole.
+/// A remark on a run as a whole.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Remark {
-    /// Whether the decoder fails because of it.
+    /// True if the decoder fails because of it.
     pub failure: bool,
     /// A sentence.
     pub says: String,
 }
 
 impl Remark {
-    /// A reason to fail.
+    /// Makes a remark that makes the decoder fail.
     #[must_use]
     pub fn failure(says: String) -> Remark {
         Remark {
@@ -21,7 +21,7 @@ impl Remark {
         }
     }
 
-    /// Something to know.
+    /// Makes a remark for information.
     #[must_use]
     pub fn note(says: String) -> Remark {
         Remark {

@@ -1,4 +1,4 @@
-//! One run: first contact, every case once, failures once more, verdicts.
+//! One run: first contact, every case once, repeated failures, verdicts.
 
 use std::collections::BTreeSet;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -19,38 +19,38 @@ use crate::session::tally::HangWatch;
 use crate::suite::cases::{Case, Expect, Suite, TableSpelling};
 use crate::suite::test_case::TestCase;
 
-/// What a run showed.
+/// The results of a run.
 #[derive(Clone, Debug)]
 pub struct Run<C: TestCase = Case> {
-    /// What was observed, a place for each case of the suite.
+    /// The observations, one slot per case of the suite.
     pub observations: Vec<Option<Observation<C>>>,
     /// The verdicts.
     pub judgement: Judgement<C>,
-    /// What the decoder did with the first files.
+    /// The decoder's replies to the first files.
     pub first: Vec<First<C>>,
-    /// What the decoder offers.
+    /// The offer of the decoder.
     pub offer: Offer<C>,
-    /// How the tables' counts were spelled for it.
+    /// The spelling of tables for the decoder.
     pub table: TableSpelling,
-    /// What is to be said of the run as a whole.
+    /// Remarks on the run as a whole.
     pub remarks: Vec<Remark>,
-    /// How many requests were sent, those that were asked again not counted.
+    /// Number of requests, not counting repeated ones.
     pub asked: usize,
-    /// How many of them ended in neither a frame nor a refusal.
+    /// Number of requests that ended in neither a frame nor a refusal.
     pub violation: usize,
-    /// Why the run ended before all cases were asked, if it did.
+    /// The reason why the run ended before all cases were requested, if it did.
     pub ended_early: Option<&'static str>,
-    /// Why the program is no decoder, if it is none.
+    /// The reason why the program is not a decoder, if it is not.
     pub not_a_decoder: Option<String>,
-    /// A scene for people to look at, where it was asked for.
+    /// A scene for the HTML report, if requested.
     pub scene: Option<LitScene>,
-    /// Set when the user wants the search for causes to end.
+    /// Set when the user ends the search for causes.
     pub stop: Arc<AtomicBool>,
-    /// Units of work that the search for causes has done, of at most [`MAX_WORK`](crate::diagnose::MAX_WORK).
+    /// Units of work of the search for causes so far, of at most [`MAX_WORK`](crate::diagnose::MAX_WORK).
     pub searched: Arc<AtomicUsize>,
 }
 
-/// Is told of each case as it is done: what was observed, and how many of how many are done.
+/// A callback for each finished case: its observation, the number of finished cases and of all cases.
 pub type Progress<'a, C = Case> = dyn Fn(&C, &Observation<C>, usize, usize) + Sync + 'a;
 
 /// Runs `suite` against a decoder.
@@ -67,8 +67,8 @@ pub fn check<C: TestCase>(
 }
 
 impl<C: TestCase> Session<'_, C> {
-    /// What there is to ask: every selected case and its twins, in the first of its views that is offered; nothing of a
-    /// program that is no decoder. The cases that are to be asked soonest, and the others.
+    /// Returns the cases to request: every selected case and its twins, in the first of its views that is offered; none if the
+    /// program is not a decoder. The prioritized cases, and the others.
     #[must_use]
     pub fn agenda(&self, contact: &Contact<C>) -> (Vec<usize>, Vec<usize>) {
         let (suite, plan) = (self.suite, self.plan);
@@ -85,10 +85,10 @@ impl<C: TestCase> Session<'_, C> {
             .partition(|&i| soonest[i])
     }
 
-    /// Asks some cases once, each in the first of its views that is offered.
+    /// Requests some cases once, each in the first of its views that is offered.
     ///
-    /// Where the run ends because of hangs, what was asked side by side after the last of them is forgotten, so that the
-    /// number of jobs makes no difference.
+    /// If the run ends because of timeouts, parallel results after the last of them are dropped, so that the number of jobs has
+    /// no effect.
     pub fn ask_some(
         &self,
         contact: &Contact<C>,
@@ -131,7 +131,7 @@ impl<C: TestCase> Session<'_, C> {
         }
     }
 
-    /// Asks every case that is on the agenda.
+    /// Requests every case on the agenda.
     #[must_use]
     pub fn ask_cases(
         &self,
@@ -145,7 +145,7 @@ impl<C: TestCase> Session<'_, C> {
         observations
     }
 
-    /// Returns the run as it would stand if only these cases had been selected; nothing is repeated.
+    /// Returns the run as if only these cases had been selected; nothing is repeated.
     #[must_use]
     pub fn so_far(
         &self,
@@ -160,8 +160,8 @@ impl<C: TestCase> Session<'_, C> {
         self.run(contact.clone(), observations.to_vec(), judgement)
     }
 
-    /// Judges, repeats failures, and judges again if a response differed. `again` is told of each repeated request: how
-    /// many of how many are done.
+    /// Judges, repeats failures, and judges again if a response differed. `again` is called after each repeated request with
+    /// the number of finished and of all repetitions.
     #[must_use]
     pub fn verdicts(
         self,
@@ -222,7 +222,7 @@ impl<C: TestCase> Session<'_, C> {
     }
 }
 
-/// Whether every must-accept file was answered 69.
+/// Returns true if every must-accept file was answered 69.
 fn nothing_decoded<C: TestCase>(
     suite: &Suite<C>,
     observations: &[Option<Observation<C>>],
@@ -239,7 +239,7 @@ fn nothing_decoded<C: TestCase>(
 }
 
 impl<C: TestCase> Run<C> {
-    /// Cases that were not asked: on purpose, or because the run ended before.
+    /// Explains cases that were not requested: on purpose, or because the run ended earlier.
     fn explain_what_was_not_run(&mut self, suite: &Suite<C>, withheld: &[Option<String>]) {
         let judged = suite.cases.iter().zip(&mut self.judgement.cases);
         for (((case, judged), observation), why) in judged.zip(&self.observations).zip(withheld) {
@@ -254,8 +254,8 @@ impl<C: TestCase> Run<C> {
         }
     }
 
-    /// Says why the run ended early where every form of the report shows it: in the reason why the program is no decoder, or
-    /// else in a remark.
+    /// Reports why the run ended early, in a place that every form of the report shows: the reason why the program is not a
+    /// decoder, or else a remark.
     fn state_why_it_ended_early(&mut self) {
         let Some(why) = self.ended_early else { return };
         if let Some(reason) = &mut self.not_a_decoder {
@@ -270,7 +270,7 @@ impl<C: TestCase> Run<C> {
         self.remarks.push(Remark::failure(says));
     }
 
-    /// The scores of this run.
+    /// Returns the scores of this run.
     #[must_use]
     pub fn scores(&self, suite: &Suite<C>) -> Scores {
         let count = |outcome: Outcome| self.judgement.with(outcome).count();
@@ -289,13 +289,13 @@ impl<C: TestCase> Run<C> {
         }
     }
 
-    /// The exit status of `check`: 0, 1 or 3.
+    /// Returns the exit status of `check`: 0, 1 or 3.
     #[must_use]
     pub fn exit_status(&self) -> u8 {
         self.status(self.judgement.with(Outcome::Fail).next().is_some())
     }
 
-    /// The same if not every failure counts: `failed` says whether one does.
+    /// Returns the exit status if not every failure counts: `failed` is true if one does.
     #[must_use]
     pub fn status(&self, failed: bool) -> u8 {
         match self.not_a_decoder {
@@ -309,7 +309,7 @@ impl<C: TestCase> Run<C> {
         }
     }
 
-    /// Whether a picture came of any file.
+    /// Returns true if any file gave an image.
     fn decoded_something(&self) -> bool {
         let mut observed = self.observations.iter().flatten();
         observed.any(|observation| matches!(observation.response, Response::Picture { .. }))

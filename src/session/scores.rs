@@ -1,17 +1,17 @@
-//! The three scores; never one percentage.
+//! Three scores instead of one percentage.
 
 use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
-/// The three scores; never one percentage.
+/// Three scores instead of one percentage.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Scores {
-    /// Cases passed, of those judged among the required ones of supported features.
+    /// Cases passed, out of those judged among the required ones of supported features.
     pub correctness: Fraction,
-    /// Features decoded, of those in the cases selected.
+    /// Features decoded, out of those in the selected cases.
     pub breadth: Fraction,
-    /// Calls that ended in a frame or a refusal, of all calls.
+    /// Calls that ended in a frame or a refusal, out of all calls.
     pub robustness: Fraction,
 }
 
@@ -19,9 +19,9 @@ pub struct Scores {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(into = "String", try_from = "String")]
 pub struct Fraction {
-    /// How many.
+    /// The part.
     pub part: usize,
-    /// Of how many.
+    /// The whole.
     pub whole: usize,
 }
 

@@ -1,4 +1,4 @@
-//! The spelling of a table's count that the decoder knows.
+//! The spelling of a table's count that the decoder reads.
 
 use crate::protocol::frame::Answer;
 use crate::session::asking::Session;

@@ -1,22 +1,22 @@
-//! What a run counts while it goes on, and why it should not go on.
+//! Counts during a run, and reasons to end it.
 
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
-/// Number of legal files in a row that have to hang for a run to end.
+/// Number of consecutive legal files that time out before a run ends.
 const HANGS_THAT_END_A_RUN: usize = 3;
 
-/// Calls so far.
+/// Counts of calls so far.
 pub(super) struct Tally<'a> {
     calls: AtomicUsize,
     violation: AtomicUsize,
-    /// Whether too many legal files in a row hung.
+    /// True if too many consecutive legal files timed out.
     hung: AtomicBool,
     stop: &'a AtomicBool,
 }
 
 impl<'a> Tally<'a> {
-    /// Nothing yet; `stop` is set when the user wants the run to end.
+    /// Starts with zero; `stop` is set when the user ends the run.
     pub fn new(stop: &'a AtomicBool) -> Tally<'a> {
         Tally {
             calls: AtomicUsize::new(0),
@@ -26,7 +26,7 @@ impl<'a> Tally<'a> {
         }
     }
 
-    /// Counts a call; returns how many times the ordinary time limit it gets, for the first may have to warm up.
+    /// Counts a call; returns the factor for its timeout, because the first call may have to warm up.
     pub fn call(&self) -> u32 {
         match self.calls.fetch_add(1, Ordering::Relaxed) {
             0 => 3,
@@ -39,19 +39,19 @@ impl<'a> Tally<'a> {
         self.violation.fetch_add(1, Ordering::Relaxed);
     }
 
-    /// Takes a call back.
+    /// Removes a call from the counts.
     pub fn forget(&self, violation: bool) {
         self.calls.fetch_sub(1, Ordering::Relaxed);
         self.violation
             .fetch_sub(usize::from(violation), Ordering::Relaxed);
     }
 
-    /// Ends the run because of hangs.
+    /// Ends the run because of timeouts.
     fn end(&self) {
         self.hung.store(true, Ordering::Relaxed);
     }
 
-    /// Why the run should not go on, if it should not.
+    /// Returns the reason to end the run, if there is one.
     pub fn why_over(&self) -> Option<&'static str> {
         if self.stop.load(Ordering::Relaxed) {
             Some("the run was ended by its user")
@@ -62,7 +62,7 @@ impl<'a> Tally<'a> {
         }
     }
 
-    /// Calls, and those of them that ended in neither a frame nor a refusal.
+    /// Returns the number of calls, and of those that ended in neither a frame nor a refusal.
     pub fn counts(&self) -> (usize, usize) {
         let [calls, violation] =
             [&self.calls, &self.violation].map(|count| count.load(Ordering::Relaxed));
@@ -70,18 +70,18 @@ impl<'a> Tally<'a> {
     }
 }
 
-/// Files that are asked one after the other or side by side, as far as they matter to the end of a run.
+/// Tracks timeouts of files that are requested in sequence or in parallel, to end the run.
 pub(super) struct HangWatch {
-    /// The places of the legal files, in order.
+    /// The indices of the legal files, in order.
     legal: Vec<usize>,
-    /// Whether each of them hung, every time so far; nothing where it has not been answered.
+    /// True if all requests for a legal file timed out so far; None if it has not been answered.
     hung: Mutex<Vec<Option<bool>>>,
-    /// The place of the last file that is asked.
+    /// The index of the last file that is requested.
     last: AtomicUsize,
 }
 
 impl HangWatch {
-    /// Watches the files at these places, in ascending order.
+    /// Watches the files at these indices, in ascending order.
     pub fn new(legal: Vec<usize>) -> HangWatch {
         HangWatch {
             hung: Mutex::new(vec![None; legal.len()]),
@@ -90,8 +90,8 @@ impl HangWatch {
         }
     }
 
-    /// Notes an answer, and ends the run where three legal files in a row hung: next to each other in order, whenever they
-    /// were answered.
+    /// Records an answer, and ends the run if three consecutive legal files timed out: consecutive in their order, whenever
+    /// they were answered.
     pub fn note(&self, place: usize, is_hang: bool, tally: &Tally) {
         let Ok(rank) = self.legal.binary_search(&place) else {
             return;
@@ -108,12 +108,12 @@ impl HangWatch {
         }
     }
 
-    /// The place of the last file that is asked; none if the run is not to end.
+    /// Returns the index of the last file that is requested; None if the run continues.
     pub fn last(&self) -> Option<usize> {
         Some(self.last.load(Ordering::Relaxed)).filter(|&last| last < usize::MAX)
     }
 
-    /// Returns true if no file at this place is asked any more.
+    /// Returns true if no file at this index is requested any more.
     pub fn is_over_at(&self, place: usize) -> bool {
         place > self.last.load(Ordering::Relaxed)
     }
@@ -123,8 +123,8 @@ impl HangWatch {
 mod tests {
     use super::*;
 
-    /// Where a run ends in which the files at `hanging` hang, answered in this order, of files of which those at even places
-    /// are legal.
+    /// Returns the index at which a run ends if the files at `hanging` time out, answered in this order; the files at even
+    /// indices are legal.
     fn end(answered: impl IntoIterator<Item = usize>, hanging: &[usize]) -> Option<usize> {
         let stop = AtomicBool::new(false);
         let tally = Tally::new(&stop);

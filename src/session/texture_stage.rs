@@ -1,4 +1,4 @@
-//! A texture question put to a program.
+//! Requests to a program with a texture question.
 
 use serde_json::Value;
 
@@ -6,7 +6,7 @@ use crate::runner::run::{Decoder, Invocation, Reply, Request};
 use crate::runner::scratch::Scratch;
 use crate::suite::texture::test_case::TextureView;
 
-/// Asks once: a file with the question, and a JSON object on standard output.
+/// Sends one request: a file with the question, and a JSON object on standard output.
 #[must_use]
 pub fn ask(
     decoder: &Decoder,

@@ -1,8 +1,8 @@
-//! First files that are all wrong in one and the same way: turned over, channels exchanged, scaled, under a curve.
+//! First files that are all wrong in the same way: turned over, channels exchanged, scaled, under a curve.
 //!
-//! Such a mistake fails hundreds of cases and is one mistake. It is said once, and undone in every picture before that is
-//! compared, so that the other mistakes show. What is undone has to put nearly all first files of a view right, by the
-//! ordinary tolerances, and none of them may be right as it is.
+//! Such a mistake fails hundreds of cases but is a single mistake. It is reported once, and undone in every image before
+//! comparison, so that other mistakes become visible. Undoing it must correct nearly all first files of a view, within the
+//! default tolerances, and none of them may be right without it.
 
 use std::sync::Arc;
 
@@ -17,22 +17,22 @@ use crate::suite::cases::{Case, Suite};
 use crate::suite::compare::Expected;
 use crate::suite::test_case::TestCase;
 
-/// A change of all pictures of a view.
+/// A change of all images of a view.
 pub struct CommonTransform {
-    /// What is to be done to every picture of the view before it is compared.
+    /// The function that undoes it in every image of the view before comparison.
     pub undo: Undo<Case>,
-    /// What it does, and of how many of how many first files.
+    /// Its effect, and the number of affected first files.
     says: String,
-    /// What to do about it.
+    /// The suggested fix.
     next: String,
 }
 
-/// A first file: what is expected, and what came.
+/// A first file: the expected image and the received one.
 struct Picture<'a> {
     format: Format,
     expected: Expected,
     frame: &'a Frame,
-    /// What the reference shows.
+    /// The image of the reference.
     right: Option<Frame>,
 }
 
@@ -47,15 +47,15 @@ impl Picture<'_> {
     }
 }
 
-/// What the pictures of all first files have in common, view by view, where none of them is right and one change explains
-/// them.
+/// Returns the changes that the images of all first files have in common, view by view, if none of them is right and one change
+/// explains them.
 #[must_use]
 pub fn common(suite: &Suite, contact: &Contact) -> Vec<CommonTransform> {
     let of_view = |view| in_common(view, &pictures(suite, contact, view));
     ViewKind::ALL.into_iter().filter_map(of_view).collect()
 }
 
-/// The same in words, what is the same in several views once.
+/// Describes the changes, and those of several views only once.
 #[must_use]
 pub fn in_words(transforms: &[CommonTransform]) -> Vec<Remark> {
     let mut said: Vec<(Vec<&str>, &CommonTransform)> = Vec::new();
@@ -100,7 +100,7 @@ fn pictures<'a>(suite: &Suite, contact: &'a Contact, view: ViewKind) -> Vec<Pict
 fn in_common(view: ViewKind, pictures: &[Picture]) -> Option<CommonTransform> {
     let (right, wrong): (Vec<&Picture>, Vec<&Picture>) =
         pictures.iter().partition(|picture| picture.is_right());
-    // Of the wrong ones it must explain nearly all; one picture may be like a mistake by chance.
+    // It must explain nearly all wrong images; one image may match a mistake by chance.
     let enough = |count: usize| count >= 2 && 4 * count >= 3 * wrong.len();
     if !enough(wrong.len()) {
         return None;
@@ -109,14 +109,14 @@ fn in_common(view: ViewKind, pictures: &[Picture]) -> Option<CommonTransform> {
         let (explained, open): (Vec<&Picture>, Vec<&Picture>) = wrong
             .iter()
             .partition(|picture| picture.is_explained_by(undo));
-        // A format is explained in all sizes or in none: what small images undergo, larger ones do too.
+        // A format is explained in all sizes or in none: a change of small images also applies to larger ones.
         let is_whole = |picture: &&Picture| open.iter().all(|other| other.format != picture.format);
-        // A change of one format of several is a mistake about that format.
+        // A change of one format out of several is a mistake about that format.
         let is_common = || {
             let of_another = |picture: &&Picture| picture.format != explained[0].format;
             right.is_empty() || explained.iter().any(of_another)
         };
-        // A right image must look the same either way.
+        // A right image must look the same with and without it.
         let is_said = enough(explained.len())
             && is_common()
             && explained.iter().all(is_whole)
@@ -133,8 +133,8 @@ fn in_common(view: ViewKind, pictures: &[Picture]) -> Option<CommonTransform> {
     Some(CommonTransform { undo, says, next })
 }
 
-/// Returns the changes that all images may have undergone, those with the fewest mistakes first: what to say, what to do,
-/// and how to undo each.
+/// Returns the possible changes of all images, those with the fewest mistakes first: the message, the fix, and the function
+/// that undoes each.
 fn candidates(view: ViewKind, pictures: &[Picture]) -> Vec<(String, String, Undo<Case>)> {
     let arrangements = Arrangement::all().into_iter().skip(1);
     let mut all: Vec<_> = arrangements

@@ -1,4 +1,4 @@
-//! The annotated format as it is written: `spec-cases/annotated/`, a file for each chapter.
+//! The source of the annotated format: `spec-cases/annotated/`, a file for each chapter.
 
 use std::collections::BTreeMap;
 
@@ -11,18 +11,18 @@ use crate::kit::yaml::from_yaml;
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Chapter {
-    /// `2.4`; sections below it that have no chapter of their own belong to it.
+    /// `2.4`; sections below it without a separate chapter belong to it.
     pub section: String,
-    /// What it is about.
+    /// The title.
     pub title: String,
-    /// What a reader should know first.
+    /// An introduction for readers.
     pub intro: String,
     /// A table after the introduction.
     pub table: Option<ChapterTable>,
     /// Steps to take, in order.
     #[serde(default)]
     pub steps: Vec<String>,
-    /// Every clause of its sections, in their order.
+    /// The clauses of its sections, in their order.
     pub clauses: Vec<AnnotatedClause>,
 }
 
@@ -36,33 +36,33 @@ pub struct ChapterTable {
     pub rows: Vec<Vec<String>>,
 }
 
-/// What a clause asks of a reader, at length.
+/// A detailed explanation of a clause.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct AnnotatedClause {
     /// Its id in `clauses.yaml`.
     pub clause: String,
-    /// The rule, and what to beware of.
+    /// The rule, and pitfalls.
     pub text: String,
     /// Formulas, a line each.
     #[serde(default)]
     pub formula: Vec<String>,
-    /// Bytes and what they mean; at least one.
+    /// Bytes and their meaning; at least one example.
     pub examples: Vec<WorkedExample>,
 }
 
-/// A file and what a decoder finds in it.
+/// A file and the values that a decoder finds in it.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct WorkedExample {
-    /// What is to be seen.
+    /// A description.
     pub says: Option<String>,
-    /// The file of `files.yaml` that it begins with.
+    /// The file of `files.yaml` that it is based on.
     pub file: String,
-    /// Parts that replace those of the same name.
+    /// Parts that replace those with the same name.
     #[serde(default)]
     pub with: Vec<Part>,
-    /// The parts that matter.
+    /// The relevant parts.
     #[serde(default)]
     pub look: Vec<String>,
     /// `raw`, `coef` or `rgb:LU,LV`; raw if left out.
@@ -71,28 +71,28 @@ pub struct WorkedExample {
     pub texel: Option<String>,
     /// The numbers of the channels; all if left out.
     pub channels: Option<String>,
-    /// The values that are found there, texel after texel.
+    /// The values at that place, texel after texel.
     pub value: Option<String>,
-    /// The clause for which the file is refused.
+    /// The clause that the file breaks, if it is refused.
     pub refused: Option<String>,
     /// The arithmetic.
     pub because: Option<String>,
 }
 
-/// Some bytes and what they are.
+/// Some bytes and their description.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Part {
-    /// What they are.
+    /// The description.
     pub is: String,
     text: Option<String>,
     hex: Option<String>,
     stream: Option<String>,
-    /// How often they stand there.
+    /// The number of repetitions.
     times: Option<usize>,
 }
 
-/// The files and streams that examples begin with.
+/// The files and streams that examples are based on.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Files {
@@ -105,7 +105,7 @@ pub struct Files {
 pub struct Annotated {
     /// The chapters, in the order of the text.
     pub chapters: Vec<Chapter>,
-    /// What their examples begin with.
+    /// The files that examples are based on.
     pub files: Files,
 }
 
@@ -134,11 +134,11 @@ pub const CHAPTERS: &[(&str, &str)] = &[
     chapter!("2.9.8-planes.yaml"),
 ];
 
-/// The files that examples begin with.
+/// The files that examples are based on.
 pub const FILES: &str = include_str!("../../spec-cases/annotated/files.yaml");
 
 impl Annotated {
-    /// Reads chapters, each with the name of its file, and the files that their examples begin with.
+    /// Reads chapters, each with the name of its file, and the files that their examples are based on.
     ///
     /// # Errors
     /// A sentence that names the file and the line at fault.
@@ -152,7 +152,7 @@ impl Annotated {
         })
     }
 
-    /// The chapter whose page holds a clause: that of the longest section above it.
+    /// Returns the chapter whose page has a clause: that of the longest section that contains it.
     #[must_use]
     pub fn chapter_of(&self, clause: &str) -> Option<&Chapter> {
         let section = clause.split('/').next().unwrap_or(clause);
@@ -166,10 +166,10 @@ impl Annotated {
 }
 
 impl Files {
-    /// The parts of a file with some of them replaced: what each is, and its bytes.
+    /// Returns the parts of a file with some of them replaced: a description and the bytes of each.
     ///
     /// # Errors
-    /// A sentence that names the part or file that is not there.
+    /// A sentence that names the missing part or file.
     pub fn parts(&self, file: &str, with: &[Part]) -> Result<Vec<(String, Vec<u8>)>, String> {
         let parts = self.files.get(file);
         let parts = parts.ok_or_else(|| format!("there is no file {file}"))?;
@@ -188,10 +188,10 @@ impl Files {
     fn bytes(&self, part: &Part) -> Result<Vec<u8>, String> {
         let bytes = match (&part.text, &part.hex, &part.stream) {
             (Some(text), None, None) => Ok(text.as_bytes().to_vec()),
-            (None, Some(hex), None) => unhex(hex),
+            (None, Some(hex), None) => parse_hex(hex),
             (None, None, Some(stream)) => {
                 let stream = self.streams.get(stream);
-                unhex(stream.ok_or_else(|| format!("part {:?} names no stream", part.is))?)
+                parse_hex(stream.ok_or_else(|| format!("part {:?} names no stream", part.is))?)
             }
             _ => Err("it needs one of text, hex and stream".to_owned()),
         };
@@ -200,7 +200,7 @@ impl Files {
     }
 }
 
-fn unhex(text: &str) -> Result<Vec<u8>, String> {
+fn parse_hex(text: &str) -> Result<Vec<u8>, String> {
     let digits: String = text.split_whitespace().collect();
     HEXLOWER
         .decode(digits.as_bytes())

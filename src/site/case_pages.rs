@@ -1,4 +1,4 @@
-//! A page for each case: the file byte by byte, its picture, what is expected, its twin.
+//! A page for each case: the file byte by byte, its image, the expected result, its twin.
 
 use maud::{Markup, html};
 
@@ -13,20 +13,20 @@ use crate::suite::compare::Expected;
 use crate::tools::inspect::{Inspection, inspect};
 use crate::tools::lint::lint;
 
-/// The largest file that the site holds; larger ones are made by the program.
-const DOWNLOAD: usize = 64 << 10;
-/// Texels whose values are listed.
-const TEXELS: usize = 12;
-/// Fields that are listed.
-const FIELDS: usize = 32;
+/// Maximum size of files on the site; larger ones can be generated with the program.
+const MAX_DOWNLOAD: usize = 64 << 10;
+/// Maximum number of texels whose values are listed.
+const MAX_TEXELS: usize = 12;
+/// Maximum number of fields that are listed.
+const MAX_FIELDS: usize = 32;
 
-/// The pages of all cases, their files, and their list.
+/// Returns the pages of all cases, their files, and their list.
 pub(super) fn pages(paper: Paper, jobs: usize) -> Vec<SiteFile> {
     let cases = &paper.library.suite.cases;
     let made = crate::kit::parallel::in_parallel(cases.len(), jobs, &|_, _| (), &|i| {
         let built = cases[i].build(TableSpelling::default());
         let page = page(paper, &cases[i], &built);
-        let file = (built.file.len() <= DOWNLOAD).then(|| SiteFile {
+        let file = (built.file.len() <= MAX_DOWNLOAD).then(|| SiteFile {
             path: format!("files/{}.ptm", cases[i].id),
             bytes: built.file.clone(),
         });
@@ -58,7 +58,7 @@ fn list(paper: Paper) -> SiteFile {
     paper.page("cases/index.html", "Cases", "Cases", &body)
 }
 
-/// What is expected of files of these kinds.
+/// Describes the expected results of these kinds.
 pub(super) fn meanings(kinds: &[Expect]) -> Markup {
     html! {
         dl.kinds {
@@ -119,17 +119,17 @@ fn facts(paper: Paper, case: &Case, built: &Built) -> Markup {
             dt { "Asked for" } dd { code { (views.join(", ")) } " — the first of these that the decoder offers" }
             @if let Some(slack) = slack(case, built) { dt { "Tolerance" } dd { (slack) } }
             dt { "File" } dd {
-                @if built.file.len() <= DOWNLOAD {
+                @if built.file.len() <= MAX_DOWNLOAD {
                     a href={ (paper.root) "files/" (case.id) ".ptm" } download { (case.id) ".ptm" } ", "
                 }
                 (built.file.len()) " bytes"
-                @if built.file.len() > DOWNLOAD { "; " code { "ptm-conform generate --all --out DIR" } " writes it" }
+                @if built.file.len() > MAX_DOWNLOAD { "; " code { "ptm-conform generate --all --out DIR" } " writes it" }
             }
         }
     }
 }
 
-/// How far values may be off.
+/// Describes the tolerance of values.
 fn slack(case: &Case, built: &Built) -> Option<String> {
     let view = case.views.first()?;
     let expected = Expected::of(&built.values, view)?;
@@ -165,7 +165,7 @@ fn picture(case: &Case, built: &Built) -> Markup {
     }
 }
 
-/// What is expected of the first texels.
+/// Returns the expected values of the first texels.
 fn values(case: &Case, built: &Built) -> Markup {
     let Some(view) = case.views.first() else {
         return html! {};
@@ -179,12 +179,12 @@ fn values(case: &Case, built: &Built) -> Markup {
         h2 { "Expected values" }
         div.scroll tabindex="0" { table.values {
             thead { tr { th scope="col" { code { (view) } } @for channel in 0..expected.channels { th.number scope="col" { (channel_name(expected.channels, channel)) } } } }
-            tbody { @for texel in 0..texels.min(TEXELS) { tr {
+            tbody { @for texel in 0..texels.min(MAX_TEXELS) { tr {
                 th scope="row" { "(" (texel % width) ", " (texel / width) ")" }
                 @for channel in 0..expected.channels { td.number { (number(&expected, texel * expected.channels + channel)) } }
             } } }
         } }
-        @if texels > TEXELS { p.quiet { "The first " (TEXELS) " of " (texels) " texels; (0, 0) is the top left one." } }
+        @if texels > MAX_TEXELS { p.quiet { "The first " (MAX_TEXELS) " of " (texels) " texels; (0, 0) is the top left one." } }
     }
 }
 
@@ -202,12 +202,12 @@ fn fields(paper: Paper, inspection: &Inspection) -> Markup {
     html! {
         div.scroll tabindex="0" { table.hex {
             thead { tr { th.number scope="col" { "byte" } th.number scope="col" { "length" } th scope="col" { "clause" } th scope="col" { "what" } th scope="col" { "value" } th scope="col" { "begins" } } }
-            tbody { @for field in inspection.fields.iter().take(FIELDS) { tr {
+            tbody { @for field in inspection.fields.iter().take(MAX_FIELDS) { tr {
                 td.number { (field.offset) } td.number { (field.length) }
                 td { (paper.link_as(field.clause, &html! { (field.clause) })) } td { (field.name) } td { code { (short(&field.value)) } } td { code { (field.begins) } }
             } } }
         } }
-        @if all > FIELDS { p.quiet { (all - FIELDS) " more fields; " code { "ptm-conform inspect" } " shows all." } }
+        @if all > MAX_FIELDS { p.quiet { (all - MAX_FIELDS) " more fields; " code { "ptm-conform inspect" } " shows all." } }
         @if let Some(error) = &inspection.error {
             p.fault { b { "Byte " (error.offset) } ", clause " (paper.link_as(error.clause, &html! { (error.clause) })) ", " (error.class) ": " (error.what) }
         }
@@ -215,7 +215,7 @@ fn fields(paper: Paper, inspection: &Inspection) -> Markup {
     }
 }
 
-/// A value that does not fill the page.
+/// Shortens a value that would fill the page.
 fn short(value: &str) -> String {
     const LONGEST: usize = 96;
     match value.char_indices().nth(LONGEST) {
@@ -234,7 +234,7 @@ fn findings(paper: Paper, built: &Built) -> Markup {
     }
 }
 
-/// The file that it was made from, and those made from it.
+/// Returns links to the file that it was edited from, and to those edited from it.
 fn neighbors(paper: Paper, case: &Case) -> Markup {
     let children: Vec<&str> = paper
         .library
@@ -256,7 +256,7 @@ fn neighbors(paper: Paper, case: &Case) -> Markup {
     }
 }
 
-/// What public readers made of it.
+/// Returns the results of public readers.
 fn answered(paper: Paper, case: &Case) -> Markup {
     let runs = paper.library.runs.iter().zip(&paper.library.outcomes);
     let outcomes: Vec<_> = runs

@@ -1,4 +1,4 @@
-//! A page for each code of lint: what it means, why it matters, what to do, an example, who is affected.
+//! A page for each code of lint: its meaning, effect and fix, an example, and affected readers.
 
 use std::collections::BTreeMap;
 
@@ -11,7 +11,7 @@ use crate::suite::cases::{Case, TableSpelling};
 use crate::tools::lint::codes::{self, Code, Severity};
 use crate::tools::lint::lint;
 
-/// The pages of all codes, and their list.
+/// Returns the pages of all codes, and their list.
 pub(super) fn pages(paper: Paper) -> Vec<SiteFile> {
     let list = html! {
         h1 { "Lint codes" }
@@ -67,7 +67,7 @@ fn impact(severity: Severity) -> &'static str {
     }
 }
 
-/// A phrase as a sentence.
+/// Returns a phrase as a sentence.
 fn sentence(phrase: &str) -> String {
     let mut letters = phrase.chars();
     let first: String = letters
@@ -79,7 +79,7 @@ fn sentence(phrase: &str) -> String {
     format!("{first}{}.", letters.as_str())
 }
 
-/// What lint prints of the smallest file that provokes it.
+/// Returns the output of lint for the smallest file that provokes it.
 fn example(paper: Paper, code: &Code, cases: &[&Case]) -> Markup {
     let built = |case: &&&Case| case.build(TableSpelling::default()).file.len();
     let Some(case) = cases.iter().min_by_key(built) else {
@@ -96,7 +96,7 @@ fn example(paper: Paper, code: &Code, cases: &[&Case]) -> Markup {
     }
 }
 
-/// What our runs and the catalog say of public readers.
+/// Returns affected readers, from runs and the catalog.
 fn affected(paper: Paper, code: &Code, cases: &[&Case]) -> Markup {
     let seen = misreadings::all()
         .filter(|misreading| misreading.clause == code.clause && !makers(misreading).is_empty());

@@ -11,7 +11,7 @@ macro_rules! document {
     };
 }
 
-/// The documents: where they lie in the repository, the name of their page, their text.
+/// The documents: path in the repository, name of the page, text.
 const DOCUMENTS: &[(&str, &str, &str)] = &[
     document!("README.md", "index"),
     document!("docs/install.md", "install"),
@@ -32,14 +32,14 @@ const DOCUMENTS: &[(&str, &str, &str)] = &[
     document!("CHANGELOG.md", "changelog"),
 ];
 
-/// The picture of the README: where it lies in the repository, its name beside the pages, its bytes.
+/// The image of the README: path in the repository, name next to the pages, bytes.
 const PICTURE: (&str, &str, &[u8]) = (
     "docs/mistakes.png",
     "mistakes.png",
     include_bytes!("../../docs/mistakes.png"),
 );
 
-/// A page for each document.
+/// Returns a page for each document.
 pub(super) fn pages(paper: Paper) -> Vec<SiteFile> {
     let page = |(file, name, text): &(&str, &str, &str)| {
         let (headings, markup) = rendered(file, text);
@@ -56,7 +56,7 @@ pub(super) fn pages(paper: Paper) -> Vec<SiteFile> {
     DOCUMENTS.iter().map(page).chain([picture]).collect()
 }
 
-/// The headings of all documents: each with its place from the root of the site, and the name of its document.
+/// Returns the headings of all documents: each with its address from the root of the site, and the name of its document.
 pub(super) fn headings() -> impl Iterator<Item = (String, String, &'static str)> {
     DOCUMENTS.iter().flat_map(|(file, name, text)| {
         let (headings, _) = rendered(file, text);
@@ -67,12 +67,12 @@ pub(super) fn headings() -> impl Iterator<Item = (String, String, &'static str)>
     })
 }
 
-/// The name of a document in the list.
+/// Returns the name of a document in the list.
 fn short(file: &str) -> &str {
     file.trim_end_matches(".md").trim_start_matches("docs/")
 }
 
-/// The headings of a document, its title first, and its markup with links that lead to pages of the site.
+/// Returns the headings of a document, its title first, and its markup with links to pages of the site.
 fn rendered(file: &str, text: &str) -> (Vec<String>, Markup) {
     let mut headings = Vec::new();
     let mut heading: Option<(HeadingLevel, String)> = None;
@@ -120,7 +120,7 @@ fn rendered(file: &str, text: &str) -> (Vec<String>, Markup) {
                     headings.push(text);
                 }
             }
-            // Nothing but text stands in headings.
+            // Headings contain only text.
             Event::Text(ref text) | Event::Code(ref text) if heading.is_some() => {
                 if let Some((_, heading)) = &mut heading {
                     heading.push_str(text);
@@ -143,7 +143,7 @@ fn rendered(file: &str, text: &str) -> (Vec<String>, Markup) {
     (headings, PreEscaped(markup))
 }
 
-/// A heading with the anchor that links to it use.
+/// Returns a heading with the anchor that links to it use.
 fn set_heading(level: HeadingLevel, text: &str) -> String {
     html! { (PreEscaped(format!("<{level} id=\"{}\">", anchor(text)))) (text) (PreEscaped(format!("</{level}>"))) }.0
 }
@@ -156,7 +156,7 @@ fn anchor(heading: &str) -> String {
     letters.map(|c| if c == ' ' { '-' } else { c }).collect()
 }
 
-/// The page of the site that a link of a document leads to; nothing where it leads to a file of the repository.
+/// Returns the page of the site for a link in a document; None if it leads to a file of the repository.
 fn page_of(file: &str, link: &str) -> Option<String> {
     if link.starts_with('#') || link.starts_with("https://") {
         return Some(link.to_owned());

@@ -1,6 +1,6 @@
-//! The page on which a file is dropped: the reference as WebAssembly, in one page that holds everything it needs.
+//! The page for dropped files: the reference as WebAssembly, in a single self-contained page.
 //!
-//! It is made twice: for the site, with its navigation, and as a file that works on its own.
+//! It is made twice: for the site, with navigation, and as a standalone file.
 
 use std::io::Write;
 
@@ -14,10 +14,10 @@ use super::paper::{Paper, SiteFile};
 use crate::report::html::STYLE;
 
 const SCRIPT: &str = include_str!("drop.js");
-/// What every page does.
+/// The script of every page.
 const COMMON: &str = include_str!("site.js");
 
-/// The page of the site, and the page for oneself.
+/// Returns the page of the site, and the standalone page.
 ///
 /// # Errors
 /// If `module` is not WebAssembly.
@@ -42,14 +42,14 @@ fn packed(module: &[u8]) -> std::io::Result<String> {
     Ok(BASE64.encode(&encoder.finish()?))
 }
 
-/// The page. Its policy lets it ask for nothing at all, and run its own scripts only.
+/// Returns the page. Its policy forbids all requests, and all scripts except those of the site.
 fn whole(paper: Paper, packed: &str, own: bool) -> String {
     let digest = |script: &str| BASE64.encode(&Sha256::digest(script));
     let policy = format!(
         "default-src 'none'; img-src data: blob:; style-src 'unsafe-inline'; {}; base-uri 'none'; form-action 'none'",
         match own {
             true => format!("script-src 'sha256-{}' 'wasm-unsafe-eval'", digest(SCRIPT)),
-            // The search index is a script beside the page.
+            // The search index is a separate script.
             false => "script-src 'unsafe-inline' 'self' file: 'wasm-unsafe-eval'".to_owned(),
         }
     );

@@ -1,4 +1,4 @@
-//! Worked examples, worked: bytes → value. A value that is not found is an error, so that no page can tell something false.
+//! Execution of worked examples: bytes → value. A wrong value is an error, so that no page can be wrong.
 
 use crate::decode::decode_as;
 use crate::evaluate;
@@ -8,42 +8,42 @@ use crate::reading::Reading;
 use crate::site::annotated::{Annotated, AnnotatedClause, Files, WorkedExample};
 use crate::suite::choices::CHOICES;
 
-/// An example that was executed and holds.
+/// An example that was executed successfully.
 #[derive(Clone, Debug)]
 pub struct Executed {
-    /// What the bytes are, and the bytes.
+    /// Descriptions of parts, and their bytes.
     pub parts: Vec<(String, Vec<u8>)>,
-    /// What is asked of the file, in words.
+    /// The question about the file, in words.
     pub asks: String,
-    /// What is found.
+    /// The result.
     pub found: Found,
-    /// What is found under the other readings of the clause's choice, where it is something else.
+    /// Different results under the other readings of the clause's choice.
     pub otherwise: Vec<(&'static str, Found)>,
 }
 
-/// What a decoder finds in a file.
+/// The result of a decoder for a file.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Found {
-    /// The names of the channels that were asked for, and a row for each texel: its name and their values.
+    /// The names of the requested channels, and a row for each texel: its name and their values.
     Values(Vec<String>, Vec<(String, Vec<f64>)>),
     /// The file is refused: the clause, and the error in words.
     Refused(&'static str, String),
 }
 
 impl WorkedExample {
-    /// What the example asks, asked of another file.
+    /// Returns the result of the example's question for another file.
     ///
     /// # Errors
-    /// Where the file has no such texel or channel.
+    /// If the file has no such texel or channel.
     pub fn find_in(&self, file: &[u8]) -> Result<Found, String> {
         Asked::of(self)?.find(file, &Reading::SPEC)
     }
 }
 
-/// What is asked of a file.
+/// A question about a file.
 struct Asked {
     view: View,
-    /// Column and row; all texels if left out.
+    /// Column and row; None for all texels.
     texel: Option<(usize, usize)>,
     /// All channels if empty.
     channels: Vec<usize>,
@@ -52,7 +52,7 @@ struct Asked {
 /// Executes every example of the annotated format.
 ///
 /// # Errors
-/// A line for each example that does not hold, which names its clause.
+/// A line for each example that fails, with its clause.
 pub fn execute_all(annotated: &Annotated) -> Result<(), String> {
     let clauses = annotated
         .chapters
@@ -67,10 +67,10 @@ pub fn execute_all(annotated: &Annotated) -> Result<(), String> {
     }
 }
 
-/// Executes the examples of a clause; under every reading of `ruling` as well, if that is a choice.
+/// Executes the examples of a clause, and under every reading of `ruling` if that is a choice.
 ///
 /// # Errors
-/// A sentence that names the clause and says what does not hold.
+/// A sentence that names the clause and describes the difference.
 pub fn execute(
     clause: &AnnotatedClause,
     ruling: Option<&str>,
@@ -119,7 +119,7 @@ fn one(example: &WorkedExample, ruling: Option<&str>, files: &Files) -> Result<E
     })
 }
 
-/// Whether an example says what was found.
+/// Checks that an example states the result that was found.
 fn holds(example: &WorkedExample, found: &Found) -> Result<(), String> {
     match (found, &example.value, &example.refused) {
         (Found::Refused(clause, _), None, Some(expected)) if clause == expected => Ok(()),
@@ -221,7 +221,7 @@ impl Asked {
         ))
     }
 
-    /// How many channels a texel has in the view, and the values of all texels.
+    /// Returns the number of channels of a texel in the view, and the values of all texels.
     fn all_values(&self, ptm: &Ptm, reading: &Reading) -> (usize, Vec<f64>) {
         let channels = ptm.planes.shape.channels();
         let finals = evaluate::apply(&ptm.header.scale_bias, &ptm.planes, reading);

@@ -15,15 +15,15 @@ use super::ruling_pages;
 use crate::misreadings::{self, Misreading};
 use crate::suite::clauses::{Clause, Ruling};
 
-/// Misreadings of a clause that are shown with pictures; the others are listed.
-const PICTURED: usize = 2;
-/// Bytes of a part that are shown.
+/// Maximum number of misreadings of a clause that are shown with images; the others are listed.
+const MAX_PICTURED: usize = 2;
+/// Maximum number of bytes of a part that are shown.
 const SHOWN: usize = 32;
 
-/// The pages of all chapters, and their contents page.
+/// Returns the pages of all chapters, and their table of contents.
 ///
 /// # Errors
-/// A sentence that names the clause whose example does not hold.
+/// A sentence that names the clause whose example fails.
 pub(super) fn pages(paper: Paper) -> Result<Vec<SiteFile>, String> {
     let chapters = &paper.library.annotated.chapters;
     let mut pages = vec![contents(paper)];
@@ -128,14 +128,14 @@ fn clause<'a>(
             @for (i, (example, executed)) in annotated.examples.iter().zip(&executed).enumerate() {
                 (worked(paper, example, executed, i + 1, annotated.examples.len()))
             }
-            (ruled(paper, known, told))
-            (mistaken(paper, &mistakes))
-            (tested(paper, known))
+            (ruling_markup(paper, known, told))
+            (misreading_markup(paper, &mistakes))
+            (test_markup(paper, known))
         }
     })
 }
 
-/// An example with its bytes and what is found in them.
+/// Returns an example with its bytes and its result.
 fn worked(
     paper: Paper,
     example: &WorkedExample,
@@ -201,7 +201,7 @@ fn in_line(found: &Found) -> Markup {
     }
 }
 
-/// Bytes in hex; of many the first and the last.
+/// Returns bytes in hexadecimal; only the first and the last if there are many.
 fn hex(bytes: &[u8]) -> String {
     let words = |bytes: &[u8]| -> String {
         let words: Vec<String> = bytes.iter().map(|byte| format!("{byte:02x}")).collect();
@@ -214,7 +214,7 @@ fn hex(bytes: &[u8]) -> String {
     format!("{} … {} ({} bytes)", words(first), words(last), bytes.len())
 }
 
-/// A header line as it reads; nothing for data.
+/// Returns a header line as text; empty for data.
 fn as_text(bytes: &[u8]) -> String {
     let is_text = bytes
         .iter()
@@ -228,8 +228,8 @@ fn as_text(bytes: &[u8]) -> String {
         .replace(' ', "␣")
 }
 
-/// The rulings of a clause; in full those that were not `told` before in the chapter.
-fn ruled<'a>(paper: Paper<'a>, clause: &Clause, told: &mut BTreeSet<&'a str>) -> Markup {
+/// Returns the rulings of a clause; in full those that were not `told` earlier in the chapter.
+fn ruling_markup<'a>(paper: Paper<'a>, clause: &Clause, told: &mut BTreeSet<&'a str>) -> Markup {
     let rulings = paper.library.rulings.iter();
     let rulings = rulings.filter(|ruling| ruling.clauses.contains(&clause.id));
     let rulings: Vec<(&Ruling, bool)> = rulings
@@ -245,11 +245,11 @@ fn ruled<'a>(paper: Paper<'a>, clause: &Clause, told: &mut BTreeSet<&'a str>) ->
     }
 }
 
-fn mistaken(paper: Paper, mistakes: &[&Misreading]) -> Markup {
+fn misreading_markup(paper: Paper, mistakes: &[&Misreading]) -> Markup {
     let mut mistakes = mistakes.to_vec();
-    // Those that somebody was seen to make first.
+    // Misreadings of known readers first.
     mistakes.sort_by_key(|misreading| makers(misreading).is_empty());
-    let (first, others) = mistakes.split_at(PICTURED.min(mistakes.len()));
+    let (first, others) = mistakes.split_at(MAX_PICTURED.min(mistakes.len()));
     html! {
         @if !first.is_empty() {
             details.mistakes open[first.iter().any(|misreading| !makers(misreading).is_empty())] {
@@ -269,7 +269,7 @@ fn mistaken(paper: Paper, mistakes: &[&Misreading]) -> Markup {
     }
 }
 
-fn tested(paper: Paper, clause: &Clause) -> Markup {
+fn test_markup(paper: Paper, clause: &Clause) -> Markup {
     let cases = paper.library.cases_about(&clause.id);
     let first = cases.iter().take(6).map(|case| case.id.as_str());
     html! {

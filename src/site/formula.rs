@@ -1,23 +1,23 @@
-//! Formulas: a line of text → `MathML`.
+//! Formulas: conversion of a line of text to `MathML`.
 //!
-//! Letters are names, digits numbers; `_` and `^` set what follows below or above, braces group, `√(…)` is a root.
-//! Everything else is an operator.
+//! Letters are names, digits numbers; `_` and `^` make subscripts and superscripts, braces group, `√(…)` is a root. All other
+//! characters are operators.
 
 use std::iter::Peekable;
 use std::str::Chars;
 
 use maud::{Markup, PreEscaped, html};
 
-/// A formula on a line of its own.
+/// Returns a display formula.
 pub(super) fn formula(text: &str) -> Markup {
     let mut chars = text.chars().peekable();
     html! { (PreEscaped("<math display=\"block\">")) (row(&mut chars, None)) (PreEscaped("</math>")) }
 }
 
-/// Everything up to `end`, which is taken too.
+/// Reads everything up to and including `end`.
 fn row(chars: &mut Peekable<Chars>, end: Option<char>) -> Markup {
     let mut parts = Vec::new();
-    // Two names with nothing but a space between them stand apart.
+    // Two names separated only by a space keep that space.
     let mut after_name = false;
     while let Some(&next) = chars.peek() {
         if Some(next) == end {
@@ -33,13 +33,13 @@ fn row(chars: &mut Peekable<Chars>, end: Option<char>) -> Markup {
             parts.push(PreEscaped("<mspace width=\".4em\"></mspace>".to_owned()));
         }
         after_name = is_name;
-        parts.push(scripted(chars));
+        parts.push(scripted_atom(chars));
     }
     html! { (PreEscaped("<mrow>")) @for part in parts { (part) } (PreEscaped("</mrow>")) }
 }
 
-/// An atom with what stands below and above it.
-fn scripted(chars: &mut Peekable<Chars>) -> Markup {
+/// Reads an atom with its subscript and superscript.
+fn scripted_atom(chars: &mut Peekable<Chars>) -> Markup {
     let base = atom(chars);
     let mut script = |sign| {
         let stands = chars.next_if_eq(&sign).is_some();

@@ -4,7 +4,7 @@ use maud::html;
 
 use super::paper::{Paper, SiteFile};
 
-/// Each word and what it means, in the order of the alphabet.
+/// Each word with its definition, in alphabetical order.
 pub(super) const WORDS: &[(&str, &str)] = &[
     (
         "bias",
@@ -138,12 +138,12 @@ pub(super) const WORDS: &[(&str, &str)] = &[
     ),
 ];
 
-/// Where a word stands on its page.
+/// Returns the anchor of a word on its page.
 pub(super) fn anchor(word: &str) -> String {
     format!("w-{}", word.replace([' ', ','], "-"))
 }
 
-/// The glossary.
+/// Returns the glossary.
 pub(super) fn page(paper: Paper) -> SiteFile {
     let body = html! {
         h1 { "Glossary" }

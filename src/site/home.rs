@@ -8,10 +8,10 @@ use super::pictures;
 use crate::misreadings;
 use crate::session::lit_scene::ball;
 
-/// The lights of the little pictures at the top.
+/// The lights of the small images at the top.
 const LIGHTS: [(f64, f64); 4] = [(-0.7, 0.3), (0.0, 0.7), (0.5, 0.5), (0.7, -0.3)];
 
-/// The first page.
+/// Returns the first page.
 pub(super) fn page(paper: Paper) -> SiteFile {
     let library = paper.library;
     let counts = [
@@ -64,7 +64,7 @@ pub(super) fn page(paper: Paper) -> SiteFile {
     paper.page("index.html", "", "Polynomial Texture Maps", &body)
 }
 
-/// One map under some lights.
+/// Returns one map under some lights.
 fn lit() -> maud::Markup {
     let map = ball(96);
     html! {

@@ -1,4 +1,4 @@
-//! Everything that the site is about, and where the page of each thing lies.
+//! All subjects of the site, and the addresses of their pages.
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
@@ -18,7 +18,7 @@ use crate::tools::lint::codes;
 /// The id of the protocol between the suite and a decoder.
 pub(super) const PROTOCOL: &str = "PTM-CP 1";
 
-/// What the pages are made of.
+/// The data that pages are made from.
 pub(super) struct Library {
     pub suite: Suite,
     pub textures: Suite<TextureCase>,
@@ -28,16 +28,16 @@ pub(super) struct Library {
     pub texture_rulings: Vec<Ruling>,
     pub annotated: Annotated,
     pub runs: Vec<ReaderRun>,
-    /// For each misreading the smallest file that shows it.
+    /// The smallest file that shows each misreading.
     pub witnesses: HashMap<&'static str, Witness>,
-    /// What each reader made of each case, in the order of `runs`.
+    /// The results of each reader for each case, in the order of `runs`.
     pub outcomes: Vec<BTreeMap<String, String>>,
-    /// Id → page, from the root of the site.
+    /// Pages by id, from the root of the site.
     places: HashMap<String, String>,
 }
 
 impl Library {
-    /// Loads everything. `jobs` files are decoded at a time.
+    /// Loads all data. `jobs` files are decoded in parallel.
     pub(super) fn open(annotated: Option<Annotated>, jobs: usize) -> Result<Library, String> {
         let annotated = annotated.map_or_else(|| Annotated::read(CHAPTERS, FILES), Ok)?;
         execute_all(&annotated)?;
@@ -112,12 +112,12 @@ impl Library {
         places
     }
 
-    /// The page of an id, from the root of the site.
+    /// Returns the page of an id, from the root of the site.
     pub(super) fn place(&self, id: &str) -> Option<&str> {
         self.places.get(id).map(String::as_str)
     }
 
-    /// Every public reader that is known by a run, a profile or a sighting.
+    /// Returns every public reader that is known from a run, a profile or a sighting.
     pub(super) fn readers(&self) -> BTreeSet<&str> {
         let seen = misreadings::all().flat_map(|misreading| &misreading.seen);
         let seen = seen.map(|sighting| sighting.reader.as_str());
@@ -130,7 +130,7 @@ impl Library {
         self.clauses.iter().find(|clause| clause.id == id)
     }
 
-    /// The cases about a clause.
+    /// Returns the cases that test a clause.
     pub(super) fn cases_about(&self, clause: &str) -> Vec<&Case> {
         let about = |case: &&Case| case.clauses.iter().any(|id| id == clause);
         self.suite.cases.iter().filter(about).collect()

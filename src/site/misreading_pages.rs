@@ -1,4 +1,4 @@
-//! A page for each misreading: what it does, the smallest file that shows it, right and wrong, the fix.
+//! A page for each misreading: its effect, the smallest file that shows it, right and wrong images, the fix.
 
 use maud::{Markup, html};
 
@@ -13,7 +13,7 @@ use crate::reading::Reading;
 use crate::report::document::section_of;
 use crate::suite::cases::TableSpelling;
 
-/// The pages of all misreadings, and their list.
+/// Returns the pages of all misreadings, and their list.
 pub(super) fn pages(paper: Paper) -> Vec<SiteFile> {
     let mut pages = vec![list(paper)];
     pages.extend(misreadings::all().map(|misreading| page(paper, misreading)));
@@ -53,7 +53,7 @@ fn list(paper: Paper) -> SiteFile {
     )
 }
 
-/// A box that filters the entries of a list page.
+/// Returns a box that filters the entries of a list page.
 pub(super) fn filter(of: &str) -> Markup {
     html! {
         form.tools role="search" {
@@ -99,7 +99,7 @@ fn shown(paper: Paper, misreading: &Misreading, witness: &Witness) -> Markup {
     }
 }
 
-/// Public readers that make the mistake.
+/// Returns the public readers that make the mistake.
 pub(super) fn sightings(paper: Paper, misreading: &Misreading) -> Markup {
     html! {
         @for (i, (reader, version)) in makers(misreading).into_iter().enumerate() {
@@ -110,7 +110,7 @@ pub(super) fn sightings(paper: Paper, misreading: &Misreading) -> Markup {
     }
 }
 
-/// The right picture beside what a decoder with the mistake shows.
+/// Returns the right image next to that of a decoder with the mistake.
 pub(super) fn pair(paper: Paper, misreading: &Misreading) -> Markup {
     let Some(witness) = paper.library.witnesses.get(misreading.slug) else {
         return html! {};
@@ -130,7 +130,7 @@ pub(super) fn pair(paper: Paper, misreading: &Misreading) -> Markup {
     };
     let wrong_lit = Witness::lit(misreading, file, &light);
     let shows = right.is_err() || wrong_lit.is_none() || wrong_lit != right_frame(&light);
-    // What does not show under a light shows in the stored values.
+    // A mistake that is invisible under a light is visible in the stored values.
     let view = if shows { light } else { View::Raw };
     let wrong = if shows {
         wrong_lit

@@ -1,7 +1,7 @@
-//! The site: everything that is known of the format, its readers and this suite, as pages that need no server.
+//! The site: all information about the format, its readers and this suite, as pages that need no server.
 //!
-//! [`build`] is the contents page. Every worked example is executed while its page is made; one that does not hold ends
-//! the build. The same program makes the same bytes.
+//! [`build`] is the table of contents. Every worked example is executed while its page is made; a failing one ends the build.
+//! The output is reproducible.
 
 pub mod annotated;
 
@@ -51,16 +51,16 @@ use annotated::Annotated;
 use library::Library;
 use paper::Paper;
 
-/// The style of every page, which reports share.
+/// The style of every page, also used for reports.
 const STYLE: &str = crate::report::html::STYLE;
-/// What pages do beside being read.
+/// The script of every page.
 const SCRIPT: &str = include_str!("site.js");
 
-/// All files of the site. `annotated` takes the place of the annotated format that is part of the program; with `module`, the
-/// reference as WebAssembly, there is a page on which files are dropped.
+/// Returns all files of the site. `annotated` replaces the embedded annotated format; with `module`, the reference as
+/// WebAssembly, there is a page for dropped files.
 ///
 /// # Errors
-/// A sentence that names the clause whose example does not hold, or the file of the suite that cannot be read.
+/// A sentence that names the clause whose example fails, or the file of the suite that cannot be read.
 pub fn build(
     annotated: Option<Annotated>,
     module: Option<&[u8]>,

@@ -1,10 +1,10 @@
-//! The file in one drawing, and the way from bytes to a picture.
+//! A drawing of the file, and the steps from bytes to an image.
 
 use maud::{Markup, html};
 
 use super::paper::Paper;
 
-/// A kind of file: its name, and its parts with the section that describes each.
+/// A kind of file: its name, and its parts, each with the section that describes it.
 const KINDS: &[(&str, &[(&str, &str, bool)])] = &[
     (
         "RGB, LRGB, LUM",
@@ -50,7 +50,7 @@ const KINDS: &[(&str, &[(&str, &str, bool)])] = &[
     ),
 ];
 
-/// A drawing of each kind of file; every part leads to its chapter.
+/// Returns a drawing of each kind of file; every part has a link to its chapter.
 pub(super) fn drawing(paper: Paper) -> Markup {
     html! {
         div.drawings {
@@ -78,7 +78,7 @@ fn kind(paper: Paper, name: &str, parts: &[(&str, &str, bool)]) -> Markup {
     }
 }
 
-/// From bytes to a picture in four steps.
+/// Returns the four steps from bytes to an image.
 pub(super) fn flow(paper: Paper) -> Markup {
     let steps = [
         (

@@ -1,4 +1,4 @@
-//! A page: its head, its navigation, and links that know how deep it lies.
+//! The frame of a page: its head, its navigation, and links that are relative to its depth.
 
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
@@ -6,13 +6,13 @@ use super::library::{Library, PROTOCOL};
 
 /// A file of the site.
 pub struct SiteFile {
-    /// Where it lies, from the root of the site.
+    /// Its path, from the root of the site.
     pub path: String,
     /// Its bytes.
     pub bytes: Vec<u8>,
 }
 
-/// The parts of the site, as every page lists them.
+/// The parts of the site, in the order of the navigation.
 const PARTS: &[(&str, &str)] = &[
     ("format/index.html", "Format"),
     ("cases/index.html", "Cases"),
@@ -26,13 +26,13 @@ const PARTS: &[(&str, &str)] = &[
     ("docs/index.html", "Program"),
 ];
 
-/// What a page is written on: it knows the library and how deep it lies.
+/// The context of a page: the library, and the depth of the page.
 #[derive(Clone, Copy)]
 pub(super) struct Paper<'a> {
     pub library: &'a Library,
-    /// From the page to the root of the site: nothing or `../`.
+    /// The path from the page to the root of the site: empty or `../`.
     pub root: &'static str,
-    /// Whether the site has the page on which files are dropped.
+    /// True if the site has the page for dropped files.
     pub drop: bool,
 }
 
@@ -46,12 +46,12 @@ impl<'a> Paper<'a> {
         }
     }
 
-    /// A link to the page of an id, by its name; the bare name where it has none.
+    /// Returns a link to the page of an id, with its name; only the name if it has no page.
     pub(super) fn link(&self, id: &str) -> Markup {
         self.link_as(id, &html! { code { (id) } })
     }
 
-    /// A link to the page of an id.
+    /// Returns a link to the page of an id.
     pub(super) fn link_as(&self, id: &str, text: &Markup) -> Markup {
         match self.library.place(id) {
             Some(place) => html! { a href={ (self.root) (place) } { (text) } },
@@ -59,29 +59,29 @@ impl<'a> Paper<'a> {
         }
     }
 
-    /// A link to what a decoder is asked and may answer.
+    /// Returns a link to the protocol.
     pub(super) fn protocol(&self) -> Markup {
         self.link_as(PROTOCOL, &html! { "the decoder protocol" })
     }
 
-    /// Links with commas between them.
+    /// Returns links separated by commas.
     pub(super) fn links<'b>(&self, ids: impl IntoIterator<Item = &'b str>) -> Markup {
         html! {
             @for (i, id) in ids.into_iter().enumerate() { @if i > 0 { ", " } (self.link(id)) }
         }
     }
 
-    /// Text with `code`, *stress*, and links to every id that it names.
+    /// Returns text with `code`, *emphasis*, and links to every id in it.
     pub(super) fn prose(&self, text: &str) -> Markup {
         let parts = text.split('`').enumerate();
         html! {
             @for (i, part) in parts {
-                @if i % 2 == 1 { (self.link(part)) } @else { (self.stressed(part)) }
+                @if i % 2 == 1 { (self.link(part)) } @else { (self.with_emphasis(part)) }
             }
         }
     }
 
-    fn stressed(&self, text: &str) -> Markup {
+    fn with_emphasis(&self, text: &str) -> Markup {
         html! {
             @for (i, part) in text.split('*').enumerate() {
                 @if i % 2 == 1 { em { (part) } } @else { (self.with_clauses(part)) }
@@ -89,7 +89,7 @@ impl<'a> Paper<'a> {
         }
     }
 
-    /// Links wherever a clause is named.
+    /// Adds a link wherever a clause is named.
     fn with_clauses(&self, text: &str) -> Markup {
         let mut out = String::new();
         let mut rest = text;
@@ -109,7 +109,7 @@ impl<'a> Paper<'a> {
         PreEscaped(out + &html! { (rest) }.0)
     }
 
-    /// The whole page; `path` is where it lies, `part` the part of the site that it belongs to.
+    /// Returns the whole page; `path` is its path, `part` the part of the site that it belongs to.
     pub(super) fn page(&self, path: &str, part: &str, title: &str, body: &Markup) -> SiteFile {
         let root = self.root;
         let markup = html! {

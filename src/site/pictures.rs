@@ -1,4 +1,4 @@
-//! Maps as pictures that stand in a page: small PNGs, shown large with hard edges.
+//! Maps as embedded images: small PNGs, shown enlarged with hard edges.
 
 use data_encoding::BASE64;
 use image::ImageFormat;
@@ -9,17 +9,17 @@ use crate::protocol::frame::{Frame, Samples, ViewKind};
 use crate::ptm::Ptm;
 use crate::tools::render::{Image, lit};
 
-/// The longest side of a picture on the page, in CSS pixels.
+/// The longest side of an image on the page, in CSS pixels.
 const SHOWN: usize = 224;
-/// The longest side of a picture in texels; of larger maps every second, third … texel is shown.
-const LARGEST: usize = 128;
+/// Maximum side of an image in texels; of larger maps every second, third … texel is shown.
+const MAX_SIDE: usize = 128;
 
-/// A map under a light.
+/// Renders a map under a light.
 pub(super) fn of_map(ptm: &Ptm, (lu, lv): (f64, f64), says: &str) -> Markup {
     picture(&thinned(lit(ptm, lu, lv)), says)
 }
 
-/// Coefficients under a light.
+/// Renders coefficients under a light.
 pub(super) fn of_coefficients(map: &Coefficients, (lu, lv): (f64, f64), says: &str) -> Markup {
     let image = Image {
         width: map.size.width as usize,
@@ -30,7 +30,7 @@ pub(super) fn of_coefficients(map: &Coefficients, (lu, lv): (f64, f64), says: &s
     picture(&image, says)
 }
 
-/// The picture of a frame: colors as they are, of all other views the planes side by side.
+/// Returns the image of a frame: colors as they are, other views as planes side by side.
 pub(super) fn of_frame(frame: &Frame, says: &str) -> Option<Markup> {
     let (width, height) = (frame.width as usize, frame.height as usize);
     let channels = frame.channels as usize;
@@ -64,7 +64,7 @@ pub(super) fn of_frame(frame: &Frame, says: &str) -> Option<Markup> {
     ))
 }
 
-/// Gray pictures side by side with a column between them.
+/// Joins gray images side by side, separated by a column.
 fn beside(planes: &[Image]) -> Image {
     const BETWEEN: u8 = 128;
     let (each, height) = (planes[0].width, planes[0].height);
@@ -87,7 +87,7 @@ fn beside(planes: &[Image]) -> Image {
 }
 
 fn thinned(image: Image) -> Image {
-    let step = image.width.max(image.height).div_ceil(LARGEST);
+    let step = image.width.max(image.height).div_ceil(MAX_SIDE);
     if step <= 1 {
         return image;
     }

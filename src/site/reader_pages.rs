@@ -1,4 +1,4 @@
-//! A page for each public reader: what our run of the suite showed, and which mistakes were seen in it.
+//! A page for each public reader: the results of our run of the suite, and its known mistakes.
 
 use std::collections::BTreeMap;
 
@@ -11,10 +11,10 @@ use crate::readers::{Evidence, ReaderProfile, profiles};
 use crate::suite::address;
 use crate::suite::clauses::Clause;
 
-/// Cases of an outcome that are listed before the rest is folded away.
-const LISTED: usize = 20;
+/// Number of cases of an outcome that are visible before the rest is expanded.
+const MAX_LISTED: usize = 20;
 
-/// What a run showed of each clause.
+/// Returns the results of a run for each clause.
 pub(super) fn tallies<'a>(
     paper: Paper<'a>,
     outcomes: &BTreeMap<String, String>,
@@ -30,7 +30,7 @@ pub(super) fn tallies<'a>(
     tallies
 }
 
-/// The pages of all readers, and their list.
+/// Returns the pages of all readers, and their list.
 pub(super) fn pages(paper: Paper) -> Vec<SiteFile> {
     let readers = paper.library.readers();
     let run_of = |reader: &str| {
@@ -47,7 +47,7 @@ pub(super) fn pages(paper: Paper) -> Vec<SiteFile> {
     pages
 }
 
-/// Its mistakes: those of its profile in the order in which they act, then what else was seen in it.
+/// Returns its mistakes: those of its profile in the order in which they act, then other sightings.
 fn mistakes(reader: &str) -> Vec<&'static Misreading> {
     let known = profile(reader).map_or(&[][..], |profile| &profile.misreadings);
     let mut mistakes: Vec<&Misreading> = known
@@ -64,7 +64,7 @@ fn mistakes(reader: &str) -> Vec<&'static Misreading> {
     mistakes
 }
 
-/// What `lint --for` predicts by.
+/// Returns the profile that `lint --for` uses.
 fn profile(reader: &str) -> Option<&'static ReaderProfile> {
     profiles().iter().find(|profile| profile.reader == reader)
 }
@@ -108,7 +108,7 @@ fn page(paper: Paper, reader: &str, run: Option<usize>) -> SiteFile {
     paper.page(&address::reader(reader), "Readers", reader, &body)
 }
 
-/// What it reads and what it does not take, and how that is known.
+/// Describes the formats that it reads and its limits, with their evidence.
 fn profiled(profile: &ReaderProfile) -> Markup {
     let known = |evidence| match evidence {
         Evidence::Run => "it was run on the cases",
@@ -158,14 +158,14 @@ fn of_run(paper: Paper, run: &ReaderRun, outcomes: &BTreeMap<String, String>) ->
 }
 
 fn listed(paper: Paper, cases: &[String]) -> Markup {
-    let (first, more) = cases.split_at(LISTED.min(cases.len()));
+    let (first, more) = cases.split_at(MAX_LISTED.min(cases.len()));
     html! {
         ul.columns { @for case in first { li { (paper.link(case)) } } }
         @if !more.is_empty() { details { summary { (more.len()) " more" } ul.columns { @for case in more { li { (paper.link(case)) } } } } }
     }
 }
 
-/// Implementation × clause.
+/// Returns the table of implementations and clauses.
 pub(super) fn scoreboard(paper: Paper) -> SiteFile {
     let runs = &paper.library.runs;
     let all: Vec<BTreeMap<&str, ReaderTally>> = paper
@@ -196,7 +196,7 @@ pub(super) fn scoreboard(paper: Paper) -> SiteFile {
             span #list-found role="status" aria-live="polite" {}
         }
         div.scroll.tall tabindex="0" { table.matrix.filtered {
-            thead { (heads(paper)) }
+            thead { (column_heads(paper)) }
             tbody { @for clause in paper.library.clauses.iter().filter(tested) {
                 tr data-same[!differs(clause)] {
                     th scope="row" { (paper.link_as(&clause.id, &html! { code { (clause.id) } })) " " span.rule { (clause.rule) } }
@@ -218,8 +218,8 @@ fn legend() -> Markup {
     }
 }
 
-/// A column for each reader.
-fn heads(paper: Paper) -> Markup {
+/// Returns a column head for each reader.
+fn column_heads(paper: Paper) -> Markup {
     html! {
         tr {
             th scope="col" { "clause" }

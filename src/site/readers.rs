@@ -1,4 +1,4 @@
-//! What public readers answered to this suite: `reports/readers/`, a file for each.
+//! The results of public readers in this suite: `reports/readers/`, a file for each.
 
 use std::collections::BTreeMap;
 
@@ -13,24 +13,24 @@ use crate::session::outcome::Outcome;
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ReaderRun {
-    /// Its name, or its owner and name where it is a repository.
+    /// Its name, or owner and name for a repository.
     pub reader: String,
-    /// The language it is written in.
+    /// Its programming language.
     pub language: String,
-    /// Where its source is.
+    /// The address of its source.
     pub source: String,
     /// The version that was run.
     pub version: String,
-    /// The day of that version.
+    /// The date of that version.
     pub version_date: String,
-    /// The day of the run.
+    /// The date of the run.
     pub run_date: String,
-    /// How it was called.
+    /// Its command line.
     pub called: String,
-    /// What to know of the run beside its outcomes.
+    /// Remarks on the run.
     #[serde(default)]
     pub remarks: Vec<String>,
-    /// The views it offers.
+    /// The views that it offers.
     pub views: Vec<String>,
     /// Each outcome with the ids of its cases.
     pub outcomes: BTreeMap<String, Vec<String>>,
@@ -55,10 +55,10 @@ const FILES: &[(&str, &str)] = &[
     ),
 ];
 
-/// All runs that are part of the program.
+/// Returns all embedded runs.
 ///
 /// # Errors
-/// A sentence that names the file and what is wrong.
+/// A sentence that names the file and the error.
 pub fn reader_runs() -> Result<Vec<ReaderRun>, String> {
     let read = |(name, text): &(&str, &str)| {
         let run: ReaderRun = from_yaml(text).map_err(|error| format!("{name}: {error}"))?;
@@ -71,14 +71,14 @@ pub fn reader_runs() -> Result<Vec<ReaderRun>, String> {
     FILES.iter().map(read).collect()
 }
 
-/// What a reader made of the cases about a clause.
+/// The results of a reader for the cases of a clause.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct ReaderTally {
-    /// Cases passed.
+    /// Number of cases passed.
     pub passed: usize,
-    /// Cases failed.
+    /// Number of cases failed.
     pub failed: usize,
-    /// Cases that say nothing: unsupported, inconclusive, not judged, not run.
+    /// Number of cases without evidence: unsupported, inconclusive, not judged, not run.
     pub open: usize,
 }
 
@@ -93,7 +93,7 @@ impl ReaderTally {
         }
     }
 
-    /// In a word, and a sign.
+    /// Returns a word and a symbol.
     pub(super) fn state(self) -> (&'static str, &'static str) {
         match self {
             ReaderTally { failed: 1.., .. } => ("fail", "✗"),
@@ -105,7 +105,7 @@ impl ReaderTally {
 }
 
 impl ReaderRun {
-    /// What became of each case.
+    /// Returns the outcome of each case.
     pub(super) fn by_case(&self) -> BTreeMap<&str, &str> {
         let outcomes = self.outcomes.iter();
         let pairs = outcomes.flat_map(|(outcome, cases)| {
@@ -117,7 +117,7 @@ impl ReaderRun {
     }
 }
 
-/// Public readers that make a mistake, with the version that was looked at: by their profiles, and where it was seen.
+/// Returns public readers that make a mistake, with the examined version: from their profiles, and from sightings.
 pub(super) fn makers(misreading: &Misreading) -> BTreeMap<&str, Option<&str>> {
     let seen = misreading.seen.iter();
     let seen = seen.map(|sighting| (sighting.reader.as_str(), sighting.version.as_deref()));

@@ -7,7 +7,7 @@ use super::paper::{Paper, SiteFile};
 use crate::suite::cases::{Case, Expect};
 use crate::suite::clauses::{Ruling, RulingKind};
 
-/// The pages of all rulings, and their list.
+/// Returns the pages of all rulings, and their list.
 pub(super) fn pages(paper: Paper) -> Vec<SiteFile> {
     let rulings = &paper.library.rulings;
     let list = html! {
@@ -49,7 +49,7 @@ fn means(kind: RulingKind) -> &'static str {
     }
 }
 
-/// A ruling in words.
+/// Describes a ruling.
 pub(super) fn words(paper: Paper, ruling: &Ruling) -> Markup {
     html! {
         p { b { "Question: " } (paper.prose(ruling.question.trim())) }

@@ -1,4 +1,4 @@
-//! The index of the search box: a script that every page loads when somebody begins to type.
+//! The index of the search box: a script that every page loads when the user begins to type.
 
 use serde_json::json;
 
@@ -9,7 +9,7 @@ use super::paper::SiteFile;
 use crate::misreadings;
 use crate::tools::lint::codes;
 
-/// The index: for each page its id, what it is, where it lies, and its words.
+/// Returns the index: for each page its id, kind, address and words.
 pub(super) fn index(library: &Library) -> SiteFile {
     let mut entries = Vec::new();
     let mut put = |id: &str, kind: &str, words: &str| {

@@ -1,4 +1,4 @@
-//! The texture chapter: its requirements, rulings, steps with a question and an answer each, cases and misreadings.
+//! The texture chapter: its requirements, rulings, steps with an example each, cases and misreadings.
 
 use maud::{Markup, html};
 
@@ -26,7 +26,7 @@ const TOPICS: &[(&str, &str)] = &[
     ("R-RST", "Restrictions"),
 ];
 
-/// The steps, each with what it does.
+/// The steps, each with its effect.
 const STEPS: &[(&str, &str)] = &[
     ("defaults", "all fields of an entry in which nothing is set"),
     ("select", "which entries of the table a surface uses"),
@@ -55,10 +55,10 @@ const STEPS: &[(&str, &str)] = &[
     ("stage", "all of it, for a surface"),
 ];
 
-/// The pages of the chapter.
+/// Returns the pages of the chapter.
 ///
 /// # Errors
-/// A case whose expected answer is not the reference's.
+/// A case whose expected answer differs from the reference's.
 pub(super) fn pages(paper: Paper) -> Result<Vec<SiteFile>, String> {
     Ok(vec![
         chapter(paper)?,
@@ -110,7 +110,7 @@ fn requirement(paper: Paper, clause: &Clause) -> Markup {
     }
 }
 
-/// The shortest question of a step with its answer, which the reference gives too.
+/// Returns the shortest question of a step with its answer, which is verified with the reference.
 fn question(paper: Paper, (op, does): &(&str, &str)) -> Result<Markup, String> {
     let of = paper
         .library

@@ -1,4 +1,4 @@
-//! For each misreading the smallest file that shows it.
+//! The smallest file that shows each misreading.
 
 use std::collections::HashMap;
 
@@ -11,20 +11,20 @@ use crate::suite::cases::{Case, Expect, Suite, TableSpelling};
 use crate::suite::choices::CHOICES;
 use crate::suite::test_case::TestCase;
 
-/// A file on which a misreading shows.
+/// A file that shows a misreading.
 #[derive(Clone, Debug)]
 pub(super) struct Witness {
-    /// The place of the case in the suite.
+    /// The index of the case in the suite.
     pub case: usize,
     /// The view in which it shows.
     pub view: View,
-    /// What a decoder with the mistake answers.
+    /// The answer of a decoder with the mistake.
     pub answer: Answer,
-    /// How its picture is not the right one, if there is one to compare it with.
+    /// The difference of its image from the right one, if there is one to compare with.
     pub difference: Option<String>,
 }
 
-/// The smallest witness of every misreading that has one.
+/// Returns the smallest witness of every misreading that has one.
 pub(super) fn witnesses(suite: &Suite, jobs: usize) -> HashMap<&'static str, Witness> {
     let mut by_size: Vec<usize> = (0..suite.cases.len()).collect();
     let length = |&place: &usize| {
@@ -76,7 +76,7 @@ fn witness(misreading: &Misreading, place: usize, case: &Case) -> Option<Witness
 }
 
 impl Witness {
-    /// What a decoder with the mistake shows under a light, if it shows anything.
+    /// Returns the image of a decoder with the mistake under a light, if it shows any.
     pub(super) fn lit(misreading: &Misreading, file: &[u8], view: &View) -> Option<Frame> {
         match answer(&[misreading], Reading::SPEC, file, view) {
             Answer::Decoded(frame) => Some(frame),

@@ -1,9 +1,8 @@
-//! How strong the suite is, measured: clauses, kills, separations, pairs of parameters, and what could be left out.
+//! Measures of the suite: clauses, kills, separations, pairs of parameters, and redundant cases.
 //!
 //! - A clause is covered by cases, and by a misreading of it that is caught.
-//! - A misreading is *killed* by the cases that fail a decoder with it; two are *separated* by a case that they answer
-//!   differently.
-//! - A case is *redundant* if without it every misreading is still killed and every pair still separated. It may be there
+//! - A misreading is *killed* by the cases that fail a decoder with it; two are *separated* by a case with different answers.
+//! - A case is *redundant* if without it every misreading is still killed and every pair still separated. It may exist
 //!   for its clause, or for a mistake that nobody has made yet.
 
 use std::collections::{BTreeMap, BTreeSet};
@@ -19,29 +18,29 @@ use crate::strength::matrix::MatrixRow;
 use crate::suite::cases::{Case, Expect, Suite};
 use crate::suite::clauses::{self, ClauseStatus};
 
-/// All that is measured.
+/// All measures.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Coverage {
     /// Every clause, in the order of the text.
     pub clauses: Vec<ClauseCoverage>,
     /// Every misreading, in the order of the catalogue: the kill matrix.
     pub misreadings: Vec<Kills>,
-    /// The separation matrix, as far as it is not full.
+    /// The gaps of the separation matrix.
     pub separation: Separation,
-    /// Which pairs of parameters occur together in some file.
+    /// The pairs of parameters that occur together in some file.
     pub pairwise: Pairwise,
-    /// Cases without which as much is killed and separated.
+    /// Cases without which the same misreadings are killed and separated.
     pub redundant: Vec<String>,
 }
 
-/// How one clause is covered.
+/// The coverage of one clause.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct ClauseCoverage {
     /// Section and ordinal.
     pub clause: String,
     /// tested, ruled, informative or untestable.
     pub status: String,
-    /// How many cases are about it.
+    /// Number of its cases.
     pub cases: usize,
     /// Misreadings of it that are killed.
     pub killed: Vec<String>,
@@ -54,31 +53,31 @@ pub struct Kills {
     pub misreading: String,
     /// Its clause.
     pub clause: String,
-    /// How many cases fail because of it.
+    /// Number of cases that fail because of it.
     pub count: usize,
     /// All of them.
     pub cases: Vec<String>,
 }
 
-/// Which misreadings the suite tells apart.
+/// The misreadings that the suite separates.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Separation {
-    /// Pairs of misreadings.
+    /// Number of pairs of misreadings.
     pub pairs: usize,
-    /// Pairs that some case tells apart.
+    /// Number of pairs that some case separates.
     pub separated: usize,
-    /// The others: sets that answer every case alike.
+    /// The others: sets with the same answers to every case.
     pub alike: Vec<Vec<String>>,
 }
 
-/// Which values of two parameters occur together.
+/// The values of two parameters that occur together.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Pairwise {
-    /// The parameters and the values they take.
+    /// The parameters and their values.
     pub parameters: BTreeMap<String, Vec<String>>,
-    /// Pairs of values that can occur together.
+    /// Number of pairs of values that can occur together.
     pub pairs: usize,
-    /// Pairs that do, in a file that must be decoded.
+    /// Number of pairs that do, in a file that must be decoded.
     pub covered: usize,
     /// The others.
     pub missing: Vec<String>,
@@ -107,15 +106,15 @@ impl Coverage {
         })
     }
 
-    /// As YAML.
+    /// Returns the measures as YAML.
     ///
     /// # Errors
-    /// None that a measurement can cause.
+    /// No error that depends on a measurement.
     pub fn to_yaml(&self) -> Result<String, String> {
         to_yaml(self)
     }
 
-    /// As text for a terminal.
+    /// Returns text for a terminal.
     #[must_use]
     pub fn to_text(&self, suite: &Suite) -> String {
         let mut text = String::new();
@@ -137,11 +136,11 @@ impl Coverage {
             out,
             "pairs of recipe parameters: {covered} of {pairs} occur in a file that must be decoded"
         )?;
-        for pair in missing.iter().take(MISSING) {
+        for pair in missing.iter().take(MAX_MISSING) {
             writeln!(out, "  missing: {pair}")?;
         }
-        if missing.len() > MISSING {
-            let more = missing.len() - MISSING;
+        if missing.len() > MAX_MISSING {
+            let more = missing.len() - MAX_MISSING;
             writeln!(out, "  … and {more} more; --yaml lists them")?;
         }
         writeln!(
@@ -205,8 +204,8 @@ impl Coverage {
     }
 }
 
-/// Missing pairs of parameters that the summary names.
-const MISSING: usize = 20;
+/// Maximum number of missing pairs of parameters in the summary.
+const MAX_MISSING: usize = 20;
 
 fn clauses(suite: &Suite, rows: &[MatrixRow]) -> Result<Vec<ClauseCoverage>, String> {
     let one = |clause: clauses::Clause| ClauseCoverage {
@@ -232,7 +231,7 @@ fn clauses(suite: &Suite, rows: &[MatrixRow]) -> Result<Vec<ClauseCoverage>, Str
     Ok(clauses::clauses()?.into_iter().map(one).collect())
 }
 
-/// The separation matrix, and the cases that alone separate some pair.
+/// Returns the separation matrix, and the cases that alone separate some pair.
 fn separation(suite: &Suite, rows: &[MatrixRow]) -> (Separation, BTreeSet<usize>) {
     let mut telling = BTreeSet::new();
     let mut alike: BTreeMap<&[u64], Vec<String>> = BTreeMap::new();
@@ -273,7 +272,7 @@ fn redundant(suite: &Suite, rows: &[MatrixRow], telling: &BTreeSet<usize>) -> Ve
         .collect()
 }
 
-/// What the recipe of a case chooses: parameter and value.
+/// Returns the choices of a recipe: parameter and value.
 fn parameters(case: &Case, recipe: &Recipe) -> Vec<(&'static str, String)> {
     let spelling = &recipe.spelling;
     let lines = |two: bool| if two { "two lines" } else { "one line" };
@@ -348,8 +347,8 @@ fn kind_of_size(size: Size) -> &'static str {
     }
 }
 
-/// Whether two values can stand in one file at all.
-fn possible(a: (&str, &str), b: (&str, &str)) -> bool {
+/// Returns true if two values can occur in one file.
+fn can_occur_together(a: (&str, &str), b: (&str, &str)) -> bool {
     let rules_out = |format: (&str, &str), other: (&str, &str)| {
         format.0 == "format"
             && format
@@ -385,7 +384,7 @@ fn pairwise(suite: &Suite) -> Pairwise {
     for (a, xs) in &values {
         for (b, ys) in values.range(*a..).skip(1) {
             for (x, y) in xs.iter().flat_map(|x| ys.iter().map(move |y| (x, y))) {
-                if !possible((a, x), (b, y)) {
+                if !can_occur_together((a, x), (b, y)) {
                     continue;
                 }
                 pairs += 1;

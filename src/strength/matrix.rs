@@ -1,4 +1,4 @@
-//! How strong a suite is: which cases catch which misreadings, and which misreadings it can tell apart.
+//! The strength of a suite: the misreadings that its cases catch, and those that it can distinguish.
 
 use std::collections::HashMap;
 use std::hash::{DefaultHasher, Hash, Hasher};
@@ -18,11 +18,11 @@ use crate::suite::test_case::TestCase;
 use crate::suite::texture::cases::TextureCase;
 use crate::texture::Rules;
 
-/// What a suite makes of a decoder with one mistake.
+/// The results of a suite for a decoder with one mistake.
 pub struct MatrixRow<A: 'static = At> {
     /// The mistake.
     pub misreading: &'static Misreading<A>,
-    /// The cases that fail, by their place in the suite.
+    /// The cases that fail, by their indices in the suite.
     pub killed_by: Vec<usize>,
     /// A digest of its answer to every case.
     pub answers: Vec<u64>,
@@ -31,7 +31,7 @@ pub struct MatrixRow<A: 'static = At> {
 /// Answers, by case and view.
 pub type Known<C> = HashMap<String, Answer<<C as TestCase>::Output>>;
 
-/// Runs the suite of PTM files against every misreading. `progress` is told how many of how many are done.
+/// Runs the suite of PTM files against every misreading. `progress` gets the number of finished and of all items.
 #[must_use]
 pub fn matrix(suite: &Suite, jobs: usize, progress: &dyn Fn(usize, usize)) -> Vec<MatrixRow> {
     let (_, right) = ask_all(suite, &[], &[], jobs, &HashMap::new());
@@ -60,7 +60,7 @@ pub fn texture_matrix(suite: &Suite<TextureCase>, jobs: usize) -> Vec<MatrixRow<
             let case = suite.case(request.name).expect("its own case is asked");
             case.answer(&rules)
         };
-        let (run, answers) = recorded(suite, &RunPlan::of(suite, jobs), &ask);
+        let (run, answers) = run_and_answers(suite, &RunPlan::of(suite, jobs), &ask);
         row(suite, misreading, &run, &answers, |answer, hasher| {
             answer.to_string().hash(hasher);
         })
@@ -95,8 +95,8 @@ fn row<C: TestCase, A: 'static>(
     }
 }
 
-/// A run of a decoder with these mistakes, asked in `views` only, or in all if there are none; and its answers. A file on
-/// which none of them can act is answered as in `right`, where that is known.
+/// Returns a run of a decoder with these mistakes, in `views` only, or in all if empty; and its answers. A file that none of
+/// the mistakes can affect is answered as in `right`, if that is known.
 #[must_use]
 pub fn ask_all(
     suite: &Suite,
@@ -121,11 +121,11 @@ pub fn ask_all(
         views: views.to_vec(),
         ..RunPlan::of(suite, jobs)
     };
-    recorded(suite, &plan, &ask)
+    run_and_answers(suite, &plan, &ask)
 }
 
-/// A run, and every answer in it.
-fn recorded<C: TestCase>(
+/// Returns a run, and every answer in it.
+fn run_and_answers<C: TestCase>(
     suite: &Suite<C>,
     plan: &RunPlan<C>,
     ask: &(dyn Fn(&Request<'_, C::View>) -> Answer<C::Output> + Sync),

@@ -1,4 +1,4 @@
-//! What the suite is worth: which cases catch which misreadings, and which misreadings it can tell apart.
+//! The strength of the suite: the misreadings that its cases catch, and those that it can distinguish.
 
 pub mod coverage;
 

@@ -1,7 +1,7 @@
 //! The smoke subset: few cases that still catch every misreading of the catalogue.
 //!
-//! It is computed, not chosen: the case that catches most goes first, then the one that catches most of what is left. The
-//! list stands in `spec-cases/smoke.yaml`; `ptm-conform coverage --write-smoke` writes it anew.
+//! It is computed greedily: the case that catches most comes first, then the one that catches most of the rest. The list is in
+//! `spec-cases/smoke.yaml`; `ptm-conform coverage --write-smoke` writes it again.
 
 use std::fmt::Write;
 
@@ -9,21 +9,21 @@ use crate::kit::yaml::from_yaml;
 use crate::strength::matrix::MatrixRow;
 use crate::suite::cases::Suite;
 
-/// The list that is part of the program.
-const LIST: &str = include_str!("../../spec-cases/smoke.yaml");
+/// The embedded list.
+const SMOKE_LIST: &str = include_str!("../../spec-cases/smoke.yaml");
 
-/// The ids of the subset.
+/// Returns the ids of the subset.
 ///
 /// # Errors
 /// A sentence that names the line at fault.
 pub fn ids() -> Result<Vec<String>, String> {
-    from_yaml(LIST).map_err(|error| format!("smoke.yaml: {error}"))
+    from_yaml(SMOKE_LIST).map_err(|error| format!("smoke.yaml: {error}"))
 }
 
-/// Which cases of a suite are in the subset.
+/// Returns true for each case of a suite that is in the subset.
 ///
 /// # Errors
-/// If the list names a case that is not there.
+/// If the list names an unknown case.
 pub fn selection(suite: &Suite) -> Result<Vec<bool>, String> {
     let ids = ids()?;
     if ids.is_empty() {
@@ -39,7 +39,7 @@ pub fn selection(suite: &Suite) -> Result<Vec<bool>, String> {
     Ok(selected.collect())
 }
 
-/// Few cases that kill all that any case kills; in the order of the suite.
+/// Returns few cases that kill all misreadings that any case kills, in the order of the suite.
 #[must_use]
 pub fn choose(suite: &Suite, rows: &[MatrixRow]) -> Vec<usize> {
     let mut left: Vec<&MatrixRow> = rows
@@ -54,7 +54,7 @@ pub fn choose(suite: &Suite, rows: &[MatrixRow]) -> Vec<usize> {
                 kills[case] += 1;
             }
         }
-        // Among equals the first in the suite.
+        // The first among equals.
         let most = kills.iter().max().copied().unwrap_or_default();
         let Some(best) = kills.iter().position(|&count| count == most) else {
             break;
@@ -62,7 +62,7 @@ pub fn choose(suite: &Suite, rows: &[MatrixRow]) -> Vec<usize> {
         left.retain(|row| !row.killed_by.contains(&best));
         chosen.push(best);
     }
-    // What one choice kills, later ones together may kill too.
+    // Misreadings that one choice kills may also be killed by later ones together.
     for place in (0..chosen.len()).rev() {
         let without: Vec<usize> = chosen
             .iter()
@@ -80,7 +80,7 @@ pub fn choose(suite: &Suite, rows: &[MatrixRow]) -> Vec<usize> {
     chosen
 }
 
-/// The list as it is kept.
+/// Returns the list as it is stored.
 #[must_use]
 pub fn to_yaml(suite: &Suite, chosen: &[usize]) -> String {
     let mut text = String::from(

@@ -1,43 +1,43 @@
-//! Where the page of each thing lies: the one place that knows.
+//! Addresses of pages on the site, defined in one place.
 //!
-//! Addresses are paths from the root of the site, which is [`SITE`] where it is published. That each leads to a page is
-//! tested on the site itself.
+//! Addresses are paths from the root of the site, which is [`SITE`] once published. A test on the site checks that each leads
+//! to a page.
 
 use crate::suite::name::SuiteName;
 
-/// The root of the site where it is published.
+/// The root of the published site.
 pub const SITE: &str = env!("CARGO_PKG_HOMEPAGE");
 
-/// The sections that have a page of their own; a clause stands on the page of the longest one that it begins with.
+/// The sections that have a page; a clause is on the page of the longest one that it begins with.
 const CHAPTERS: [&str; 12] = [
     "1.0", "2.0", "2.1", "2.2", "2.3", "2.4", "2.5", "2.6", "2.7", "2.8", "2.9", "2.9.8",
 ];
 
-/// The address of a page where the site is published.
+/// Returns the address of a page on the published site.
 #[must_use]
 pub fn published(page: &str) -> String {
     format!("{SITE}{page}")
 }
 
-/// The page of a section.
+/// Returns the page of a section.
 #[must_use]
 pub fn chapter(section: &str) -> String {
     format!("format/{section}.html")
 }
 
-/// The page of a code of `lint`.
+/// Returns the page of a code of `lint`.
 #[must_use]
 pub fn code(id: &str) -> String {
     format!("codes/{id}.html")
 }
 
-/// The page of a public reader.
+/// Returns the page of a public reader.
 #[must_use]
 pub fn reader(name: &str) -> String {
     format!("readers/{}.html", reader_slug(name))
 }
 
-/// A reader's name as a file name.
+/// Returns a reader's name as a file name.
 fn reader_slug(name: &str) -> String {
     let words = name.to_lowercase();
     let words: Vec<&str> = words
@@ -48,7 +48,7 @@ fn reader_slug(name: &str) -> String {
 }
 
 impl SuiteName {
-    /// The page of a case; a request to a writer has none.
+    /// Returns the page of a case; requests to writers have none.
     #[must_use]
     pub fn case_page(self, id: &str) -> Option<String> {
         match self {
@@ -58,7 +58,7 @@ impl SuiteName {
         }
     }
 
-    /// The place of a clause.
+    /// Returns the place of a clause.
     #[must_use]
     pub fn clause_page(self, id: &str) -> Option<String> {
         if self == SuiteName::Texture {
@@ -74,7 +74,7 @@ impl SuiteName {
         Some(format!("{}#c-{}", chapter(holding), id.replace('/', "-")))
     }
 
-    /// The page of a ruling.
+    /// Returns the page of a ruling.
     #[must_use]
     pub fn ruling_page(self, id: &str) -> String {
         match self {
@@ -85,7 +85,7 @@ impl SuiteName {
         }
     }
 
-    /// The page of a misreading.
+    /// Returns the page of a misreading.
     #[must_use]
     pub fn misreading_page(self, slug: &str) -> String {
         match self {
@@ -96,7 +96,7 @@ impl SuiteName {
         }
     }
 
-    /// What a first reading of the protocol begins with.
+    /// Returns the page to read first about the protocol.
     #[must_use]
     pub fn protocol_page(self) -> &'static str {
         match self {

@@ -1,6 +1,6 @@
-//! Cases: one file each and what is expected of it.
+//! Cases: files with their expected results.
 //!
-//! A case is kept as its recipe; its bytes and values are made when they are needed, so that a large suite costs no memory.
+//! A case is stored as its recipe; its bytes and values are made on demand, so that a large suite needs no memory.
 
 use std::collections::{BTreeSet, HashMap};
 use std::sync::{Arc, Mutex, OnceLock};
@@ -17,26 +17,26 @@ use crate::kit::digest::sha256;
 use crate::protocol::frame::View;
 use crate::ptm::{Field, Format};
 
-/// What a case asks of a decoder.
+/// The expected result of a case.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Expect {
-    /// The picture.
+    /// The image.
     Decode,
     /// Exit status 65.
     Reject,
     /// Exit status 65 or 69.
     Refuse,
-    /// The picture, or exit status 65 or 69 (a lenient ruling).
+    /// The image, or exit status 65 or 69 (a lenient ruling).
     Lenient,
-    /// One spelling among several of which a decoder knows at least one (ruling `lut-count`, `lut-newline`).
+    /// One of several spellings, of which a decoder must know at least one (ruling `lut-count`, `lut-newline`).
     Spelling,
-    /// Any answer: what it is is left to the implementation, and a difference from the reference is reported.
+    /// Any answer: the implementation decides, and a difference from the reference is reported.
     ImplementationDefined,
 }
 
 impl Expect {
-    /// As it is written in cases, manifests and reports.
+    /// Returns its name in cases, manifests and reports.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -50,31 +50,31 @@ impl Expect {
     }
 }
 
-/// One file and what is expected of it.
+/// A file and its expected result.
 #[derive(Clone, Debug)]
 pub struct Case {
     /// A permanent slug.
     pub id: String,
-    /// The clauses it is about.
+    /// The clauses that it tests.
     pub clauses: Vec<String>,
-    /// Why it is there, in a sentence.
+    /// The purpose of the case, in a sentence.
     pub because: String,
-    /// The ruling it shows, if it shows one.
+    /// The ruling that it shows, if any.
     pub ruling: Option<String>,
-    /// What is asked.
+    /// The expected result.
     pub expect: Expect,
-    /// Whether every picture is right, because the damage leaves nothing that one could be held against.
+    /// True if every image is right, because the damage leaves nothing to compare.
     pub any_picture: bool,
     /// The views that can decide it, best first.
     pub views: Vec<View>,
-    /// Whether it is asked in every view before all others.
+    /// True if it is requested in every view before all others.
     pub first: bool,
-    /// The accepted file of which this one is an edit.
+    /// The accepted file that this one was edited from.
     pub twin_of: Option<String>,
-    /// The open choices that show in it, where the case says so itself.
+    /// The open choices that affect it, if the case declares them.
     pub(super) shows: Option<Vec<String>>,
     pub(super) source: Source,
-    /// The file in the ordinary spelling, where it is precomputed.
+    /// The file in the default spelling, if it is precomputed.
     pub(super) prepared: Option<Arc<Built>>,
     /// The digest of that file, once it has been made.
     pub(super) digest: OnceLock<String>,
@@ -93,16 +93,16 @@ pub(super) enum Source {
     },
 }
 
-/// The file of a case and what it means.
+/// The file of a case and its meaning.
 #[derive(Debug)]
 pub struct Built {
     /// The bytes.
     pub file: Vec<u8>,
-    /// What the bytes are, where the generator wrote them undamaged.
+    /// The fields of the file, if the generator wrote it undamaged.
     pub fields: Vec<Field>,
-    /// What a decoder finds in them.
+    /// The values that a decoder should find.
     pub values: Values,
-    /// Its right pictures under every reading of the choices that show in it, for each view that was asked for.
+    /// Its right images under every reading of the choices that affect it, for each view that was requested.
     #[cfg_attr(
         not(unix),
         allow(dead_code, reason = "pictures are compared where decoders are run")
@@ -110,10 +110,10 @@ pub struct Built {
     pub(crate) pictures: Mutex<HashMap<String, Pictures>>,
 }
 
-/// The right picture in each of some dialects; nothing where a dialect refuses the file.
+/// The right image in each of some dialects; None if a dialect refuses the file.
 pub(crate) type Pictures = Arc<Vec<Option<Expected>>>;
 
-/// How the number of entries is spelled for a decoder that does not know every spelling.
+/// A spelling of the number of entries, because a decoder need not know every spelling.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub struct TableSpelling {
     /// Ruling `lut-count`.
@@ -123,7 +123,7 @@ pub struct TableSpelling {
 }
 
 impl TableSpelling {
-    /// All six, in the order in which a decoder is asked.
+    /// Returns all six, in the order in which they are tried on a decoder.
     pub fn all() -> impl Iterator<Item = TableSpelling> {
         Count::ALL
             .into_iter()
@@ -132,7 +132,7 @@ impl TableSpelling {
 }
 
 impl Case {
-    /// The format of the file, or of the file it was before it was damaged.
+    /// Returns the format of the file, or of the file before it was damaged.
     #[must_use]
     pub fn format(&self) -> Format {
         match &self.source {
@@ -150,7 +150,7 @@ impl Case {
         }
     }
 
-    /// The recipe, where the generator writes the file.
+    /// Returns the recipe, if the generator writes the file.
     #[must_use]
     pub fn recipe(&self) -> Option<&Recipe> {
         match &self.source {
@@ -159,7 +159,7 @@ impl Case {
         }
     }
 
-    /// The damage done to the file.
+    /// Returns the damage of the file.
     #[must_use]
     pub fn damage(&self) -> Option<&'static Damage> {
         match &self.source {
@@ -168,7 +168,7 @@ impl Case {
         }
     }
 
-    /// The parts of a hand-assembled file: what each is, and its bytes.
+    /// Returns the parts of a hand-assembled file: a description and the bytes of each.
     ///
     /// # Panics
     /// Never for a case that [`Suite::load`] returned.
@@ -184,7 +184,7 @@ impl Case {
         pieces.iter().map(part).collect()
     }
 
-    /// What a decoder needs to decode it in `view`.
+    /// Returns the features that a decoder needs to decode it in `view`.
     #[must_use]
     pub fn features(&self, view: &View) -> BTreeSet<Feature> {
         let large = |recipe: &Recipe| recipe.format.has_table() && recipe.entries > 256;
@@ -208,7 +208,7 @@ impl Case {
         needed.map(|(feature, _)| feature).collect()
     }
 
-    /// How the planes are compressed, where they are and the generator wrote them.
+    /// Returns the compression of the planes, if there are any and the generator wrote them.
     #[must_use]
     pub fn compression(&self) -> Option<&Compression> {
         self.recipe()
@@ -216,8 +216,8 @@ impl Case {
             .map(|recipe| &recipe.compression)
     }
 
-    /// The open choices of 2.9 that show in the stored values of this file: rulings of kind *choice*. Under any reading
-    /// of the others its values are the reference's.
+    /// Returns the open choices of 2.9 that affect the stored values of this file: rulings of kind *choice*. Under all readings
+    /// of the others its values are those of the reference.
     #[must_use]
     pub fn axes(&self) -> Vec<&str> {
         match (&self.shows, self.recipe()) {
@@ -247,13 +247,13 @@ impl Case {
         }
     }
 
-    /// The digest of the file in the ordinary spelling.
+    /// Returns the digest of the file in the default spelling.
     ///
     /// # Panics
     /// Never for a case that [`Suite::load`] returned.
     #[must_use]
     pub fn digest(&self) -> String {
-        // Who has asked for the file has made it, and need not make it again.
+        // A file that was requested before has a known digest.
         let known = self.digest.get().cloned();
         known.unwrap_or_else(|| sha256(&self.build(TableSpelling::default()).file))
     }
@@ -315,7 +315,7 @@ pub struct Suite<C = Case> {
 }
 
 impl Suite {
-    /// The same suite with all files precomputed, for those who run it again and again.
+    /// Precomputes all files, for repeated runs of the suite.
     #[must_use]
     pub fn prepared(mut self) -> Suite {
         for case in &mut self.cases {

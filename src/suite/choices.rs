@@ -1,7 +1,7 @@
-//! The open questions of kind *choice*, and the dialect a decoder speaks.
+//! The open questions of kind *choice*, and the dialect of a decoder.
 //!
-//! Each listed reading of a choice is right, and one run must show one of them throughout. A file may have several
-//! right pictures then; which of them a decoder shows is evidence of its dialect.
+//! Each listed reading of a choice is right, and a decoder must use one of them throughout a run. So a file may have several
+//! right images; the image that a decoder shows is evidence of its dialect.
 
 use std::sync::Arc;
 
@@ -12,7 +12,7 @@ use crate::suite::cases::{Built, Case, Pictures};
 use crate::suite::compare::Expected;
 use crate::suite::dialect::{Axis, Choice, Choices};
 
-/// All choices that change a picture, in the order of the text.
+/// All choices that change an image, in the order of the text.
 pub const CHOICES: Choices<Reading> = Choices(&[
     Choice {
         ruling: "lum-vector",
@@ -111,9 +111,9 @@ pub const CHOICES: Choices<Reading> = Choices(&[
     },
 ]);
 
-/// The choices that show in a case, asked in a view; none in most.
+/// Returns the choices that affect a case in a view; none in most cases.
 ///
-/// A choice that is not listed here must be invisible in the case: its readings all make the same picture.
+/// A choice that is not listed here must have no effect on the case: its readings all make the same image.
 #[must_use]
 pub fn concerned(case: &Case, view: &View) -> Vec<Axis> {
     match case.format() {
@@ -124,9 +124,9 @@ pub fn concerned(case: &Case, view: &View) -> Vec<Axis> {
     }
 }
 
-/// The right picture of a file in every one of [`Choices::combinations`] of `axes`; the reference's is known by construction.
+/// Returns the right image in every one of [`Choices::combinations`] of `axes`; that of the reference is known by construction.
 ///
-/// They are kept with the file, because a suite is run again and again.
+/// They are stored with the file, because a suite is run repeatedly.
 #[cfg_attr(
     not(unix),
     allow(dead_code, reason = "pictures are compared where decoders are run")

@@ -1,11 +1,11 @@
-//! What the text says and leaves open: its clauses, and the rulings of the reference.
+//! The clauses of the text, and the rulings of the reference on what it leaves open.
 
 use serde::Deserialize;
 
 use super::load::spec_file;
 use crate::kit::yaml::from_yaml;
 
-/// A rule of the text, in our words.
+/// A rule of the text, in our own words.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Clause {
@@ -13,21 +13,21 @@ pub struct Clause {
     pub id: String,
     /// The rule.
     pub rule: String,
-    /// How it is covered.
+    /// The way it is covered.
     pub status: ClauseStatus,
-    /// The ruling, where the status is `ruled`.
+    /// The ruling, if the status is `ruled`.
     pub ruling: Option<String>,
-    /// The reason, where the clause is not tested.
+    /// The reason, if the clause is not tested.
     pub why: Option<String>,
 }
 
-/// How a clause is covered.
+/// The way a clause is covered.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum ClauseStatus {
     /// By cases, and by a misreading that violates it and is caught.
     Tested,
-    /// It is about something else than what a reader does.
+    /// It is not about the behavior of a reader.
     Informative,
     /// No file can show it.
     Untestable,
@@ -35,36 +35,36 @@ pub enum ClauseStatus {
     Ruled,
 }
 
-/// How the reference reads what the text leaves open.
+/// The decision of the reference on a point that the text leaves open.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Ruling {
     /// A slug.
     pub id: String,
-    /// The clauses concerned.
+    /// The clauses that it concerns.
     pub clauses: Vec<String>,
-    /// What is left open.
+    /// The open question.
     pub question: String,
-    /// The reference's own reading.
+    /// The reading of the reference.
     pub reading: String,
-    /// Other readings, where they are right too.
+    /// Other readings, if they are right too.
     #[serde(default)]
     pub also: Vec<String>,
-    /// Who reads how, or what real files show.
+    /// The behavior of known readers, or properties of real files.
     pub evidence: String,
-    /// What it means for a verdict.
+    /// The effect on verdicts.
     pub kind: RulingKind,
 }
 
-/// What a ruling means for a verdict.
+/// The effect of a ruling on verdicts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum RulingKind {
-    /// A decoder that reads otherwise fails.
+    /// A decoder with another reading fails.
     Must,
-    /// Each listed reading is right, one of them throughout.
+    /// Each listed reading is right, if used throughout.
     Choice,
-    /// Refusing and reading as the reference does are both right.
+    /// The file may be refused, or read as by the reference.
     Lenient,
     /// Any answer is right; it is reported.
     #[serde(rename = "implementation-defined")]
@@ -72,7 +72,7 @@ pub enum RulingKind {
 }
 
 impl RulingKind {
-    /// As it is written.
+    /// Returns its name.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -84,7 +84,7 @@ impl RulingKind {
     }
 }
 
-/// The clauses of the text.
+/// Returns the clauses of the text.
 ///
 /// # Errors
 /// A sentence that names the line at fault.
@@ -103,7 +103,7 @@ pub fn clauses() -> Result<Vec<Clause>, String> {
         .concat())
 }
 
-/// The rulings of the reference.
+/// Returns the rulings of the reference.
 ///
 /// # Errors
 /// A sentence that names the line at fault.

@@ -1,9 +1,8 @@
-//! Expected against received.
+//! Comparison of expected and received samples.
 //!
-//! - raw: equal; of lossy JPEG planes on which inverse DCTs may differ, within the model's slack, around the circle of 256
-//!   values.
-//! - coef: |a − b| ≤ 1e-5 · max(|a|, |b|) + 1e-6, room for one rounding to `f32` and a product in `f32`; and that slack.
-//! - rgb: the byte within 1 + 1/64 of the exact color, room for any rounding and for arithmetic in `f32`; in a JPEG picture
+//! - raw: equal; in lossy JPEG planes on which inverse DCTs may differ, within the slack of the model, modulo 256.
+//! - coef: |a − b| ≤ 1e-5 · max(|a|, |b|) + 1e-6, which allows one rounding and one product in `f32`; plus that slack.
+//! - rgb: the byte within 1 + 1/64 of the exact color, which allows any rounding and arithmetic in `f32`; in a JPEG image
 //!   within [`LOSSY`] more.
 
 use std::fmt;
@@ -15,26 +14,26 @@ use crate::ptm::{Ptm, Size, channel_name};
 use crate::reading::Reading;
 use crate::suite::values::{HandValues, Values};
 
-/// The samples that a frame should hold.
+/// The expected samples of a frame.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Expected {
     /// The view that shows them.
     pub view: ViewKind,
     /// Width and height.
     pub size: Size,
-    /// Samples of a texel.
+    /// Number of samples per texel.
     pub channels: usize,
     /// `height * width * channels` values; colors are not rounded.
     pub values: Vec<f64>,
-    /// How far each value may be off because inverse DCTs differ; empty if none may.
+    /// Maximum deviation of each value between inverse DCTs; empty if all agree.
     pub slack: Vec<f64>,
 }
 
-/// How far a byte may be from the exact color: one for any rounding, and a little for arithmetic in `f32`.
+/// Tolerance of a byte against the exact color: one for any rounding, and a little for arithmetic in `f32`.
 pub(crate) const COLOR: f64 = 1.0 + 1.0 / 64.0;
 
-/// How much farther a byte of a JPEG picture may be. At quality 95 no sample of the suite's pictures is farther than 29; the rest is
-/// for other encoders and their tables.
+/// Additional tolerance for a byte of a JPEG image. At quality 95 no sample of the images of the suite deviates by more than
+/// 29; the rest is for other encoders and their tables.
 pub const LOSSY: f64 = 48.0;
 
 fn reals(bytes: &[u8]) -> Vec<f64> {
@@ -94,7 +93,7 @@ impl Expected {
         Some(Expected::exact(view.kind(), header.size, values))
     }
 
-    /// Returns what a frame holds, expected of another frame.
+    /// Returns the samples of a frame as expectation for another frame.
     #[must_use]
     pub fn of_frame(frame: &Frame) -> Expected {
         let size = Size {
@@ -115,7 +114,7 @@ impl Expected {
         }
     }
 
-    /// Returns the frame of a decoder that is right: colors are rounded to the nearest byte.
+    /// Returns the frame of a correct decoder: colors are rounded to the nearest byte.
     #[must_use]
     pub fn frame(&self) -> Frame {
         Frame {
@@ -128,7 +127,7 @@ impl Expected {
         }
     }
 
-    /// Returns where `frame` first differs, or `None` if it is right.
+    /// Returns the first difference of `frame`, or `None` if it is right.
     #[must_use]
     pub fn compare(&self, frame: &Frame) -> Option<Difference> {
         let expected = (
@@ -163,7 +162,7 @@ impl Expected {
         }
     }
 
-    /// Returns true if `frame` has the stored values of lossy JPEG planes, but as another inverse DCT finds them.
+    /// Returns true if `frame` has the stored values of lossy JPEG planes as decoded by another inverse DCT.
     #[must_use]
     pub fn is_another_transform(&self, frame: &Frame) -> bool {
         self.view == ViewKind::Raw
@@ -184,7 +183,7 @@ impl Expected {
         let apart = (expected - received).abs();
         match self.view {
             ViewKind::Raw => apart.min(256.0 - apart) <= slack,
-            // Infinity is right if no f32 holds the number.
+            // Infinity is right if the number is too large for an `f32`.
             ViewKind::Coef => {
                 is_close(expected, received, slack) || f64::from(expected as f32) == received
             }
@@ -210,14 +209,14 @@ impl Expected {
     }
 }
 
-/// Where a frame first differs from what it should be.
+/// The first difference of a frame from the expected one.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Difference {
     /// Another view, size, number of channels or type.
     Shape {
-        /// What it should be.
+        /// The expected shape.
         expected: String,
-        /// What it is.
+        /// The shape of the frame.
         received: String,
     },
     /// Other samples.
@@ -230,24 +229,24 @@ pub enum Difference {
         channel: String,
         /// All channels of that texel.
         expected: Vec<f64>,
-        /// The same, as received.
+        /// All channels of that texel, as received.
         received: Vec<f64>,
-        /// How many samples differ.
+        /// The number of samples that differ.
         wrong: usize,
-        /// Of how many.
+        /// The number of all samples.
         samples: usize,
     },
 }
 
-/// Whether final values are the same but for one rounding to `f32`, a product in `f32`, and `slack`. Nothing finite is
-/// close to infinity.
+/// Returns true if final values differ by no more than one rounding to `f32`, a product in `f32`, and `slack`. No finite value
+/// is close to infinity.
 pub(crate) fn is_close(a: f64, b: f64, slack: f64) -> bool {
     let larger = a.abs().max(b.abs());
     a == b || larger.is_finite() && (a - b).abs() <= 1e-5 * larger + 1e-6 + slack
 }
 
 impl Difference {
-    /// Which part of the samples is right, from 0 to 1; of another shape none is.
+    /// Returns the fraction of correct samples, from 0 to 1; 0 for another shape.
     #[must_use]
     pub fn likeness(&self) -> f64 {
         match self {
@@ -288,13 +287,13 @@ impl fmt::Display for Difference {
     }
 }
 
-/// From here on numbers have an exponent.
-const HUGE: f64 = 1e16;
+/// Numbers of this magnitude or above are printed with an exponent.
+const MIN_WITH_EXPONENT: f64 = 1e16;
 
-/// A number with at most so many decimals; one that they would lose, or that has too many digits, with an exponent.
+/// Prints a number with at most `decimals` decimals; with an exponent if these would lose it or if it has too many digits.
 pub(crate) fn short(value: f64, decimals: usize) -> String {
     let is_tiny = value != 0.0 && value.abs() * 10_f64.powi(decimals as i32) < 0.5;
-    if is_tiny || value.is_finite() && value.abs() >= HUGE {
+    if is_tiny || value.is_finite() && value.abs() >= MIN_WITH_EXPONENT {
         return format!("{:e}", value as f32);
     }
     let text = format!("{value:.decimals$}");
@@ -305,7 +304,7 @@ pub(crate) fn short(value: f64, decimals: usize) -> String {
     if text == "-0" { "0" } else { text }.to_owned()
 }
 
-/// Two numbers with at most so many decimals; with more where they would look the same and are not.
+/// Prints two numbers with at most `decimals` decimals; with more if different numbers would look equal.
 pub(crate) fn apart(a: f64, b: f64, decimals: usize) -> [String; 2] {
     let short = [a, b].map(|value| short(value, decimals));
     match short[0] == short[1] && !is_close(a, b, 0.0) {

@@ -1,4 +1,4 @@
-//! The suite as files: what `generate` writes and `corpus/` holds.
+//! The suite as files: the output of `generate` and the contents of `corpus/`.
 
 use std::fs;
 use std::io;
@@ -12,15 +12,15 @@ use crate::kit::yaml::to_yaml;
 use crate::suite::cases::{Case, Suite, TableSpelling};
 use crate::suite::compare::Expected;
 
-/// Files above this size are not part of the committed corpus; the manifest has their digests.
+/// Maximum size of files of the committed corpus; of larger files, only the manifest has digests.
 pub const COMMITTED: usize = 4 * 1024;
 
-/// A file of the corpus, as the manifest lists it.
+/// An entry of the manifest for a file of the corpus.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct ManifestEntry {
     /// The case.
     pub id: String,
-    /// Where it lies, below the corpus.
+    /// Its path, below the corpus.
     pub file: String,
     /// Its size in bytes.
     pub bytes: usize,
@@ -28,29 +28,29 @@ pub struct ManifestEntry {
     pub sha256: String,
     /// `decode`, `reject`, `refuse`, `lenient`, `robust` or `spelling`.
     pub expect: String,
-    /// The accepted file of which it is an edit.
+    /// The accepted file that it was edited from.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub twin_of: Option<String>,
-    /// What a decoder finds, in the first of the case's views.
+    /// The expected output in the first of the case's views.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub expected: Option<ExpectedFile>,
 }
 
-/// An expected output, as the manifest lists it.
+/// An entry of the manifest for an expected output.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct ExpectedFile {
     /// `raw`, `coef` or `rgb:LU,LV`.
     pub view: String,
-    /// Where the frame lies, below the corpus.
+    /// Path of the frame, below the corpus.
     pub file: String,
     /// Its digest.
     pub sha256: String,
 }
 
-/// A file to write: where, and what.
+/// A file to write: path and contents.
 pub type Output = (String, Vec<u8>);
 
-/// The entry of a case, and its files.
+/// Returns the entry of a case, and its files.
 #[must_use]
 pub fn entry(case: &Case) -> (ManifestEntry, Vec<Output>) {
     let built = case.build(TableSpelling::default());
@@ -85,11 +85,11 @@ pub fn entry(case: &Case) -> (ManifestEntry, Vec<Output>) {
     (entry, outputs)
 }
 
-/// Writes the corpus of `suite` below `directory`: its files, and `MANIFEST.yaml`. Files above `largest` bytes are only
-/// listed. The same bytes come of any number of `jobs`.
+/// Writes the corpus of `suite` below `directory`: its files, and `MANIFEST.yaml`. Files above `largest` bytes are only listed.
+/// The output does not depend on `jobs`.
 ///
 /// # Errors
-/// Those of the file system, with the path.
+/// Errors of the file system, with the path.
 pub fn write(
     suite: &Suite,
     directory: &Path,

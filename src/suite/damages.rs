@@ -24,7 +24,7 @@ fn read(text: &str) -> Result<Vec<Damage>, String> {
     Ok(damages)
 }
 
-/// All damages, in the order of the text.
+/// Returns all damages, in the order of the file.
 ///
 /// # Errors
 /// A sentence that names the line at fault.
@@ -32,10 +32,10 @@ pub fn damages() -> Result<&'static [Damage], String> {
     DAMAGES.as_deref().map_err(Clone::clone)
 }
 
-/// The damage of that name.
+/// Returns the damage of that name.
 ///
 /// # Errors
-/// Where there is none.
+/// If there is none.
 pub fn named(name: &str) -> Result<&'static Damage, String> {
     let found = damages()?.iter().find(|damage| damage.name == name);
     found.ok_or_else(|| format!("unknown damage {name:?}"))

@@ -1,38 +1,38 @@
-//! Open questions of kind *choice*, whatever is asked, and the dialect that a decoder follows.
+//! Open questions of kind *choice*, for any kind of case, and the dialect of a decoder.
 //!
-//! Each listed reading of a choice is right, and one run must show one of them throughout. A case may have several right
-//! answers then; which of them a decoder gives is evidence of its dialect.
+//! Each listed reading of a choice is right, and a decoder must use one of them throughout a run. So a case may have several
+//! right answers; the answer that a decoder gives is evidence of its dialect.
 
 use std::ops::Deref;
 
-/// A place in [`Choices`].
+/// An index into [`Choices`].
 pub type Axis = usize;
 
-/// One open question. `R` is what a reading changes: the decisions of a decoder, or those of a texture stage.
+/// One open question. `R` is the type that a reading changes: the decisions of a decoder, or those of a texture stage.
 pub struct Choice<R: 'static> {
     /// The ruling.
     pub ruling: &'static str,
-    /// The readings, the reference's first: in words, and as a change to the decisions.
+    /// The readings, that of the reference first: in words, and as a change to the decisions.
     pub readings: &'static [(&'static str, fn(R) -> R)],
 }
 
 /// All open questions of a suite, in the order of its text.
 pub struct Choices<R: 'static>(pub &'static [Choice<R>]);
 
-/// One reading of every choice, by its place in [`Choice::readings`].
+/// One reading of every choice, by its index in [`Choice::readings`].
 #[derive(Clone, Debug, PartialEq, Eq, Default)]
 pub struct Dialect(pub Vec<usize>);
 
-/// In which dialects an answer is right.
+/// The dialects in which an answer is right.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Right {
-    /// In all or none: no choice shows in the case.
+    /// All or none: no choice affects the case.
     Anyway(bool),
-    /// Some choices show in the case, and it depends on them alone.
+    /// Dialects with certain readings of the choices that affect the case.
     In {
         /// The choices.
         axes: Vec<Axis>,
-        /// Of [`Choices::combinations`] of these axes, those in which it is right.
+        /// True for each of [`Choices::combinations`] of these axes in which it is right.
         combinations: Vec<bool>,
     },
 }
@@ -46,13 +46,13 @@ impl<R> Deref for Choices<R> {
 }
 
 impl<R> Choices<R> {
-    /// The reference's dialect.
+    /// Returns the dialect of the reference.
     #[must_use]
     pub fn reference(&self) -> Dialect {
         Dialect(vec![0; self.len()])
     }
 
-    /// `decisions` made as the dialect says.
+    /// Returns `decisions` under the dialect.
     #[must_use]
     pub fn under(&self, dialect: &Dialect, decisions: R) -> R {
         let taken = self.iter().zip(&dialect.0);
@@ -61,7 +61,7 @@ impl<R> Choices<R> {
         })
     }
 
-    /// Every combination of readings on `axes`, the reference's first; the last axis changes fastest.
+    /// Returns every combination of readings on `axes`, that of the reference first; the last axis changes fastest.
     #[must_use]
     pub fn combinations(&self, axes: &[Axis]) -> Vec<Dialect> {
         axes.iter().fold(vec![self.reference()], |all, &axis| {
@@ -77,7 +77,7 @@ impl<R> Choices<R> {
         })
     }
 
-    /// Which of [`Choices::combinations`] of `axes` a dialect takes.
+    /// Returns the index of a dialect in [`Choices::combinations`] of `axes`.
     #[must_use]
     pub fn place(&self, dialect: &Dialect, axes: &[Axis]) -> usize {
         axes.iter().fold(0, |place, &axis| {
@@ -85,7 +85,7 @@ impl<R> Choices<R> {
         })
     }
 
-    /// The axes of these rulings, in the order of the text.
+    /// Returns the axes of these rulings, in the order of the text.
     #[must_use]
     pub fn axes(&self, rulings: &[&str]) -> Vec<Axis> {
         (0..self.len())
@@ -93,7 +93,7 @@ impl<R> Choices<R> {
             .collect()
     }
 
-    /// Whether an answer is right in a dialect.
+    /// Returns true if an answer is right in a dialect.
     #[must_use]
     pub fn is_right(&self, right: &Right, dialect: &Dialect) -> bool {
         match right {

@@ -1,10 +1,10 @@
-//! What a decoder may lack.
+//! Features that a decoder may lack.
 
 use std::fmt;
 
 use crate::ptm::Format;
 
-/// A thing a decoder may lack.
+/// A feature that a decoder may lack.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Feature {
     /// One of the nine formats.
@@ -17,9 +17,9 @@ pub enum Feature {
     Prediction,
     /// References that are inverted.
     Inversion,
-    /// References that are moved.
+    /// References that are displaced.
     Motion,
-    /// Corrections behind the planes.
+    /// Corrections after the planes.
     SideInformation,
 }
 

@@ -1,6 +1,6 @@
 //! Reads `spec-cases/cases/`.
 //!
-//! The files are part of the program, so that an installed one needs no checkout.
+//! The files are embedded in the program, so that an installed one needs no checkout.
 
 use std::collections::HashMap;
 
@@ -9,7 +9,7 @@ use super::record::CaseRecord;
 use super::words::Words;
 use crate::kit::yaml::records;
 
-/// The name and the text of a file of a folder of `spec-cases/`.
+/// Returns the name and the text of a file of a folder of `spec-cases/`.
 macro_rules! spec_file {
     ($folder:literal, $name:literal) => {
         (
@@ -42,7 +42,7 @@ const FILES: &[(&str, &str)] = &[
 ];
 
 impl Suite {
-    /// The suite that is part of the program.
+    /// Loads the suite that is embedded in the program.
     ///
     /// # Errors
     /// A sentence that names the file and the line or case at fault.
@@ -50,7 +50,7 @@ impl Suite {
         Suite::from_files(FILES)
     }
 
-    /// A suite from case files: name and text of each.
+    /// Makes a suite from case files: name and text of each.
     ///
     /// # Errors
     /// A sentence that names the file and the line or case at fault.

@@ -1,4 +1,4 @@
-//! What is asked: cases, the pictures expected of them, and the open questions that have several right answers.
+//! Cases, their expected results, and the open questions that have several right answers.
 
 pub mod address;
 

@@ -1,23 +1,23 @@
-//! Which suite is asked.
+//! The suites, by name.
 
 use serde::{Deserialize, Serialize};
 
-/// What decoders are asked.
+/// A kind of suite.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum SuiteName {
     /// PTM files.
     Ptm,
-    /// Questions about a texture stage.
+    /// Questions to a texture stage.
     Texture,
     /// Requests to write PTM files.
     Writers,
-    /// Pictures to be fitted.
+    /// Images to be fitted.
     Fitters,
 }
 
 impl SuiteName {
-    /// What is conformed to, in a few words.
+    /// Returns the subject of conformance, in a few words.
     #[must_use]
     pub const fn short(self) -> &'static str {
         match self {
@@ -28,7 +28,7 @@ impl SuiteName {
         }
     }
 
-    /// What is conformed to.
+    /// Returns the subject of conformance.
     #[must_use]
     pub const fn title(self) -> &'static str {
         match self {
@@ -39,7 +39,7 @@ impl SuiteName {
         }
     }
 
-    /// Who is under test.
+    /// Returns the kind of program under test.
     #[must_use]
     pub const fn subject(self) -> &'static str {
         match self {

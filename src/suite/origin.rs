@@ -7,20 +7,20 @@ use crate::decode::fields;
 use crate::ptm::{Field, Format, Size, channel_name};
 use crate::suite::cases::Case;
 
-/// A range of bytes and what it holds.
+/// A range of bytes and its contents.
 #[derive(Debug, PartialEq, Eq)]
 pub(crate) struct Origin {
-    /// What they are.
+    /// A description.
     pub what: String,
-    /// The clause that puts them there.
+    /// The clause that requires them.
     pub clause: &'static str,
-    /// Where they stand.
+    /// Their position.
     pub range: Range<usize>,
 }
 
 /// Returns the bytes that hold the values of `channels` of the texel at column `x` and row `y`, counted from the top.
 ///
-/// Empty where the file cannot be read that far.
+/// Empty if the file cannot be read that far.
 pub(crate) fn of_samples(
     case: &Case,
     file: &[u8],
@@ -81,19 +81,19 @@ impl Origin {
 struct Map<'a> {
     file: &'a [u8],
     fields: &'a [Field],
-    /// The texel as it is counted in the file.
+    /// The index of the texel in the file.
     texel: usize,
     texels: usize,
 }
 
 impl Map<'_> {
-    /// Returns the bytes of the field `which` with this name.
+    /// Returns the bytes of occurrence `which` of the field with this name.
     fn range(&self, name: &str, which: usize) -> Option<Range<usize>> {
         let mut named = self.fields.iter().filter(|field| field.name == name);
         Some(named.nth(which)?.range.clone())
     }
 
-    /// Returns the bytes of block `which`, which holds `stride` for each texel.
+    /// Returns the bytes of block `which`, which has `stride` bytes per texel.
     fn block(
         &self,
         which: usize,
@@ -118,7 +118,7 @@ impl Map<'_> {
         )])
     }
 
-    /// Returns the bytes of an index, and of the entry it names.
+    /// Returns the bytes of an index, and of the entry that it names.
     fn entry(&self, stride: usize, channels: Range<usize>) -> Option<Vec<Origin>> {
         let table = self.range("the table's entries", 0)?;
         let indices = self.range("the indices", 0)?;
@@ -164,7 +164,7 @@ impl Map<'_> {
     }
 }
 
-/// Returns the number with these bytes, the highest first.
+/// Returns the number with these bytes, big-endian.
 fn number<'a>(bytes: impl Iterator<Item = &'a u8>) -> usize {
     bytes.fold(0, |number, &byte| number << 8 | usize::from(byte))
 }
@@ -175,7 +175,7 @@ mod tests {
     use crate::suite::cases::{Expect, Suite, TableSpelling};
     use crate::suite::values::Values;
 
-    /// The bytes that a sample is said to come from hold the value that was painted.
+    /// The origin of a sample holds the value that was painted.
     #[test]
     fn the_origin_of_a_sample_holds_its_value() {
         let suite = Suite::load().expect("the suite");

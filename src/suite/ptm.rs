@@ -1,4 +1,4 @@
-//! The suite of PTM files as a run asks it: a file in a view, answered with a frame.
+//! The suite of PTM files as a run uses it: the request is a file in a view, the answer a frame.
 
 use std::collections::{BTreeSet, HashMap};
 use std::sync::Arc;
@@ -99,7 +99,7 @@ impl TestCase for Case {
     }
 
     fn largest_answer(&self, built: &Arc<Built>) -> usize {
-        // An f32 for each of 18 channels is the most a frame can have for a texel.
+        // The largest frame has an f32 for each of 18 channels per texel.
         let texels = match &built.values {
             Values::Painted(model) => model.size.texels(),
             _ => self
@@ -144,7 +144,7 @@ impl TestCase for Case {
     }
 
     fn difference_in(&self, view: &View, frame: &Frame, dialect: &Dialect) -> Option<Difference> {
-        // What a choice shows in has no table, so there is one spelling.
+        // Files that are affected by a choice have no table, so there is one spelling.
         let built = self.build(TableSpelling::default());
         let axes = concerned(self, view);
         let expected = Expected::of(&built.values, view)?;

@@ -1,4 +1,4 @@
-//! Recipes as cases write them.
+//! Recipes in the notation of cases.
 
 use std::str::FromStr;
 
@@ -11,7 +11,7 @@ use crate::generate::plan::{Compression, Stream};
 use crate::generate::recipe::Indices;
 use crate::generate::spelling::{Line, Spelling};
 
-/// A recipe as it is written: what differs from the ordinary file.
+/// A recipe in the notation of cases: its differences from the default file.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct MakeRecord {
@@ -31,7 +31,7 @@ pub(crate) struct MakeRecord {
     spelling: SpellingRecord,
 }
 
-/// How planes are compressed, as it is written: what differs from the ordinary way.
+/// A compression in the notation of cases: its differences from the default one.
 #[derive(Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct CompressionRecord {
@@ -39,11 +39,11 @@ struct CompressionRecord {
     structure: Option<String>,
     references: Option<String>,
     order: Option<String>,
-    /// These three go round and round.
+    /// These three are repeated.
     transforms: Option<String>,
     motion_x: Option<String>,
     motion_y: Option<String>,
-    /// Whether planes that are not predicted have transforms and vectors too.
+    /// True if planes that are not predicted have transforms and vectors too.
     everywhere: Option<String>,
     records: Option<String>,
     residuals: Option<String>,
@@ -58,11 +58,11 @@ struct CompressionRecord {
     presets: Option<String>,
     component: Option<String>,
     frame_moved: Option<String>,
-    /// Whether only the streams of every second plane are so.
+    /// True if this applies only to the streams of every second plane.
     alternates: Option<String>,
 }
 
-/// A spelling as it is written: what differs from the plain one.
+/// A spelling in the notation of cases: its differences from the default one.
 #[derive(Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct SpellingRecord {

@@ -1,4 +1,4 @@
-//! Cases as they are written.
+//! Cases in the notation of their files.
 
 use std::collections::BTreeMap;
 use std::sync::OnceLock;
@@ -15,7 +15,7 @@ use crate::generate::spelling::Count;
 use crate::generate::{Model, Recipe, write};
 use crate::protocol::frame::View;
 
-/// What a case asks of a decoder, as it is written.
+/// The expected result of a case, as it is written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "lowercase")]
 enum Asked {
@@ -24,7 +24,7 @@ enum Asked {
     Refuse,
     Lenient,
     Spelling,
-    /// As lenient, and every picture is right: only a crash or a hang is wrong.
+    /// Like lenient, but every image is right: only a crash or a timeout is wrong.
     Robust,
 }
 
@@ -64,7 +64,7 @@ pub(super) struct CaseRecord {
 }
 
 impl CaseRecord {
-    /// The case with these words; `twin` is the case that `twin_of` names, where one of that id stands before.
+    /// Returns the case with these words; `twin` is the case that `twin_of` names, if it precedes this one.
     pub fn case<'a>(
         &self,
         words: &Words,
@@ -100,7 +100,7 @@ impl CaseRecord {
         })
     }
 
-    /// Where the file comes from.
+    /// Returns the source of the file.
     fn source(
         &self,
         words: &Words,
@@ -135,7 +135,7 @@ impl CaseRecord {
         }
     }
 
-    /// The damage to the file of a twin.
+    /// Returns the damage of the file of a twin.
     fn damaged(&self, words: &Words, twin: &Case) -> Result<Source, String> {
         if twin.twin_of.is_some() {
             return Err("is itself an edit".to_owned());
@@ -153,7 +153,7 @@ impl CaseRecord {
         })
     }
 
-    /// The views that can decide it.
+    /// Returns the views that can decide it.
     fn views(
         &self,
         words: &Words,
@@ -182,8 +182,8 @@ impl CaseRecord {
     }
 }
 
-/// A sample that another inverse DCT may turn from 255 to 0 is to be seen raw only, where the distance between the two
-/// is one.
+/// Checks that a case uses only the raw view if another inverse DCT may turn a sample from 255 to 0: there the distance between
+/// the two is one.
 fn check_views(recipe: &Recipe, views: &[View]) -> Result<(), String> {
     let lossy = recipe.format.is_compressed()
         && recipe.coding() == Coding::Jpeg

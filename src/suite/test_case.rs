@@ -1,7 +1,7 @@
-//! What a run needs to know of a case, whatever it asks: a PTM file in a view, or a question about a texture stage.
+//! The interface between a run and its cases: PTM files in a view, or questions to a texture stage.
 //!
-//! Session, judge, matrix and report are written once, for every [`TestCase`]. A suite supplies its questions, how an answer
-//! compares with the expected one, and its open questions.
+//! Session, judge, matrix and report are written once, for every [`TestCase`]. A suite supplies its requests, the comparison of
+//! an answer with the expected one, and its open questions.
 
 use std::collections::BTreeSet;
 use std::fmt::{Debug, Display};
@@ -12,17 +12,17 @@ use serde::de::DeserializeOwned;
 use crate::suite::cases::{Expect, Suite, TableSpelling};
 use crate::suite::dialect::{Choices, Dialect, Right};
 
-/// A case that a decoder can be asked about.
+/// A case for a decoder.
 pub trait TestCase: Clone + Debug + Send + Sync + 'static {
-    /// How it is asked.
+    /// A way of asking.
     type View: Clone + Debug + Display + PartialEq + Send + Sync;
-    /// What answers it: a frame, or a JSON object.
+    /// The output of a decoder: a frame, or a JSON object.
     type Output: Clone + Debug + PartialEq + Send + Sync + Serialize + DeserializeOwned;
-    /// How an output is not the expected one, in words.
+    /// A difference between an output and the expected one, in words.
     type Difference: Clone + Debug + Display + Send + Sync;
-    /// What a decoder may lack.
+    /// A feature that a decoder may lack.
     type Feature: Clone + Debug + Display + Ord + Send + Sync;
-    /// The file that is sent, and what it means.
+    /// The file that is sent, and its meaning.
     type Built;
     /// The decisions that a reading of an open question changes.
     type Decisions: 'static;
@@ -31,57 +31,56 @@ pub trait TestCase: Clone + Debug + Send + Sync + 'static {
     const VIEWS: &'static [&'static str];
     /// The open questions.
     const CHOICES: Choices<Self::Decisions>;
-    /// What is said of an answer where a refusal is expected.
+    /// Message for an answer where a refusal is expected.
     const ACCEPTED: &'static str = "accepted a file that must be refused";
-    /// What is said of 69 where cases of the same features were answered.
+    /// Message for 69 if cases with the same features were answered.
     const NOT_UNSUPPORTED: &'static str =
         "exited with 69 (unsupported), but decodes other files of this kind";
 
-    /// A permanent name.
+    /// Returns its permanent name.
     fn id(&self) -> &str;
-    /// The clauses it is about, the nearest first.
+    /// Returns the clauses that it tests, the most relevant first.
     fn clauses(&self) -> &[String];
-    /// Why it is there, in a sentence.
+    /// Returns its purpose, in a sentence.
     fn because(&self) -> String;
     /// Returns the ruling that it shows, if any.
     fn ruling(&self) -> Option<&str> {
         None
     }
-    /// What is asked of a decoder.
+    /// Returns the expected result.
     fn expect(&self) -> Expect;
-    /// The same as it stands in a report.
+    /// Returns the name of the expected result in a report.
     fn expectation(&self) -> &'static str;
-    /// Whether it is asked in every view before all others.
+    /// Returns true if it is requested in every view before all others.
     fn is_first(&self) -> bool;
-    /// The views that can decide it, best first.
+    /// Returns the views that can decide it, best first.
     fn views(&self) -> &[Self::View];
     /// Returns the name of a view.
     fn view_name(_view: &Self::View) -> &'static str {
         Self::VIEWS[0]
     }
-    /// The feature that a decoder may declare: the format, or the step that is asked for.
+    /// Returns the feature that a decoder may declare: the format, or the requested step.
     fn kind(&self) -> Self::Feature;
-    /// What a decoder needs to answer it in `view`.
+    /// Returns the features that a decoder needs to answer it in `view`.
     fn features(&self, view: &Self::View) -> BTreeSet<Self::Feature>;
-    /// For each case of a suite the accepted ones that it stands on: where none of them is decoded, a refusal proves
-    /// nothing.
+    /// Returns the accepted cases that each case of a suite depends on: if none of them is decoded, a refusal proves nothing.
     fn twins(cases: &[Self]) -> Vec<Vec<usize>> {
         vec![Vec::new(); cases.len()]
     }
 
-    /// Whether its file has a table, which is written in a spelling that the decoder knows.
+    /// Returns true if its file has a table, which is written in a spelling that the decoder knows.
     fn has_table(&self) -> bool {
         false
     }
-    /// The spelling that it is about, where it is one of [`Expect::Spelling`].
+    /// Returns the spelling that it tests, if it is a case of [`Expect::Spelling`].
     fn spelling(&self) -> Option<TableSpelling> {
         None
     }
     /// Makes the file and its values.
     fn made(&self, table: TableSpelling) -> Self::Built;
-    /// The file that is sent.
+    /// Returns the file that is sent.
     fn file(built: &Self::Built) -> &[u8];
-    /// The most bytes of a right answer.
+    /// Returns the maximum number of bytes of a right answer.
     fn largest_answer(&self, built: &Self::Built) -> usize;
 
     /// Compares an output with the expected one.
@@ -91,7 +90,7 @@ pub trait TestCase: Clone + Debug + Send + Sync + 'static {
         view: &Self::View,
         output: &Self::Output,
     ) -> Comparison<Self>;
-    /// How an output differs from the one that is right in a dialect; nothing where that is not known.
+    /// Returns the difference between an output and the right one in a dialect; None if the right one is unknown.
     fn difference_in(
         &self,
         _view: &Self::View,
@@ -100,46 +99,46 @@ pub trait TestCase: Clone + Debug + Send + Sync + 'static {
     ) -> Option<Self::Difference> {
         None
     }
-    /// Returns how near a wrong output is to the right one, from 0 to 1; 0 if an output is right or wrong, never near.
+    /// Returns the similarity of a wrong output to the right one, from 0 to 1; 0 if there is no measure.
     fn likeness(_difference: &Self::Difference) -> f64 {
         0.0
     }
-    /// Whether two outputs are the same in all that a decoder is responsible for.
+    /// Returns true if two outputs agree in all that a decoder controls.
     fn is_like(one: &Self::Output, other: &Self::Output) -> bool;
-    /// The output that the reference gives to the file in the ordinary spelling, where there is one.
+    /// Returns the reference's output for the file in the default spelling, if there is one.
     fn expected_output(&self, _view: &Self::View) -> Option<Self::Output> {
         None
     }
-    /// The expected answer, where it is short enough for a sentence.
+    /// Returns the expected answer, if it is short enough for a sentence.
     fn expected_in_words(&self) -> Option<String>;
-    /// What is wrong with a file that must be refused.
+    /// Returns the fault of a file that must be refused.
     fn fault(&self) -> String;
 }
 
-/// An output beside the expected one.
+/// The comparison of an output with the expected one.
 #[derive(Clone, Debug)]
 pub struct Comparison<C: TestCase> {
-    /// Where it is right: in every dialect, or in some.
+    /// The dialects in which it is right.
     pub right: Right,
-    /// How it differs from the reference's, if it does and there is one.
+    /// The difference from the output of the reference, if any.
     pub difference: Option<C::Difference>,
-    /// What room was made for it.
+    /// The tolerance that was applied.
     pub allowance: Allowance,
 }
 
-/// Why an output may be right without being the expected one.
+/// A reason why an output may be right although it differs from the expected one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Allowance {
-    /// There is no more room than for rounding.
+    /// No tolerance except for rounding.
     None,
     /// It is right only because inverse DCTs may differ (ruling `jpeg-samples`).
     AnotherTransform,
-    /// It came as a lossy picture.
+    /// The output is a lossy image.
     Lossy,
 }
 
 impl<C: TestCase> Suite<C> {
-    /// The case of that id.
+    /// Returns the case of that id.
     #[must_use]
     pub fn case(&self, id: &str) -> Option<&C> {
         self.cases.iter().find(|case| case.id() == id)

@@ -1,4 +1,4 @@
-//! What files mean: painted by the generator, or worked out by hand.
+//! The values of files: painted by the generator, or computed by hand.
 
 use serde::Deserialize;
 
@@ -7,16 +7,16 @@ use crate::generate::spelling::Count;
 use crate::protocol::frame::View;
 use crate::ptm::{Format, Size};
 
-/// What a file means.
+/// The values of a file.
 #[derive(Clone, Debug)]
 pub enum Values {
     /// Painted by the generator.
     Painted(Model),
-    /// Worked out by hand.
+    /// Computed by hand.
     Hand(HandValues),
-    /// Whatever a decoder makes of it.
+    /// Any values.
     Any,
-    /// Nothing: the file is to be refused.
+    /// None: the file must be refused.
     None,
 }
 
@@ -24,13 +24,13 @@ pub enum Values {
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Piece {
-    /// What it is.
+    /// A description.
     pub is: String,
     text: Option<String>,
     hex: Option<String>,
 }
 
-/// The values of a hand-assembled file; a line for each texel, top row first.
+/// The values of a hand-assembled file; one line per texel, top row first.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct HandValues {
@@ -55,11 +55,11 @@ pub struct HandPicture {
 }
 
 impl Piece {
-    /// Its bytes; the count of a lookup table and what follows the entries can be written in several ways.
+    /// Returns its bytes; the count of a lookup table and the bytes after the entries have several spellings.
     pub fn bytes(&self, count: Count, newline: bool) -> Result<Vec<u8>, String> {
         let mut bytes = match (&self.text, &self.hex) {
             (Some(text), None) => text.as_bytes().to_vec(),
-            (None, Some(hex)) => unhex(hex)?,
+            (None, Some(hex)) => parse_hex(hex)?,
             _ => return Err(format!("piece {:?} needs either text or hex", self.is)),
         };
         if self.is == "count" {
@@ -76,7 +76,7 @@ impl Piece {
     }
 }
 
-/// The format that the pieces of a file name.
+/// Returns the format that the pieces of a file name.
 pub(super) fn format_of(pieces: &[Piece]) -> Result<Format, String> {
     let format = pieces.iter().find(|piece| piece.is == "format");
     let text = format.and_then(|piece| piece.text.as_ref());
@@ -85,7 +85,7 @@ pub(super) fn format_of(pieces: &[Piece]) -> Result<Format, String> {
         .parse()
 }
 
-fn unhex(text: &str) -> Result<Vec<u8>, String> {
+fn parse_hex(text: &str) -> Result<Vec<u8>, String> {
     let bytes = text.split_whitespace().map(|pair| {
         let is_pair = pair.len() == 2;
         is_pair.then(|| u8::from_str_radix(pair, 16).ok()).flatten()
@@ -96,7 +96,7 @@ fn unhex(text: &str) -> Result<Vec<u8>, String> {
 }
 
 impl HandValues {
-    /// The numbers of `lines`, texel after texel.
+    /// Returns the numbers of `lines`, texel after texel.
     #[must_use]
     pub fn numbers(lines: &[String]) -> Vec<f64> {
         lines

@@ -1,4 +1,4 @@
-//! The words of a case record: texts in which `{key}` stands for one of the words that `for_each` lists.
+//! Templates in a case record: texts in which `{key}` stands for one of the words that `for_each` lists.
 
 use std::collections::BTreeMap;
 use std::str::FromStr;
@@ -7,7 +7,7 @@ use std::str::FromStr;
 pub(crate) struct Words<'a>(Vec<(&'a str, &'a str)>);
 
 impl<'a> Words<'a> {
-    /// Every combination, the last key changing fastest.
+    /// Returns every combination, the last key changing fastest.
     pub fn combinations(for_each: &'a BTreeMap<String, Vec<String>>) -> Vec<Words<'a>> {
         let mut all = vec![Vec::new()];
         for (key, words) in for_each {
@@ -21,12 +21,12 @@ impl<'a> Words<'a> {
         all.into_iter().map(Words).collect()
     }
 
-    /// `text` with each `{key}` replaced by its word; of a word `name = value` by the value.
+    /// Returns `text` with each `{key}` replaced by its word; for a word `name = value` by the value.
     pub fn fill(&self, text: &str) -> String {
         self.replaced(text, |_, value| value.to_owned())
     }
 
-    /// An id: each `{key}` replaced by its word, or by its name if it has one, as a slug.
+    /// Returns an id: each `{key}` replaced by its word, or by its name if it has one, as a slug.
     pub fn id(&self, text: &str) -> String {
         self.replaced(text, |name, _| slug(name))
     }
@@ -40,7 +40,7 @@ impl<'a> Words<'a> {
     }
 }
 
-/// The text of a field of a record, if the record has the field.
+/// A field of a record that may be missing.
 pub(crate) trait FieldText {
     /// Returns the text with the words filled in.
     fn filled(&self, words: &Words) -> Option<String>;
@@ -51,20 +51,20 @@ pub(crate) trait FieldText {
             .map_or(Ok(()), |text| text.parse().map(|value| *slot = value))
     }
 
-    /// Reads a number, decimal or after `0x` hexadecimal, into `slot`.
+    /// Parses a number, decimal or after `0x` hexadecimal, into `slot`.
     fn number<T: FromStr>(&self, name: &str, words: &Words, slot: &mut T) -> Result<(), String> {
         self.filled(words).map_or(Ok(()), |text| {
             number(name, &text).map(|value| *slot = value)
         })
     }
 
-    /// Reads at least one number.
+    /// Parses at least one number.
     fn numbers<T: FromStr>(&self, name: &str, words: &Words) -> Result<Option<Vec<T>>, String> {
         let text = self.filled(words);
         text.map(|text| numbers(name, &text)).transpose()
     }
 
-    /// Reads one of two words, the first of which means yes, into `slot`.
+    /// Parses one of two words, the first of which means yes, into `slot`.
     fn either(
         &self,
         name: &str,
@@ -81,7 +81,7 @@ pub(crate) trait FieldText {
         Ok(())
     }
 
-    /// Reads `true` or `false` into `slot`.
+    /// Parses `true` or `false` into `slot`.
     fn flag(&self, name: &str, words: &Words, slot: &mut bool) -> Result<(), String> {
         self.either(name, ["true", "false"], words, slot)
     }
@@ -93,7 +93,7 @@ impl FieldText for Option<String> {
     }
 }
 
-/// A number, decimal or after `0x` hexadecimal.
+/// Parses a number, decimal or after `0x` hexadecimal.
 pub(super) fn number<T: FromStr>(name: &str, text: &str) -> Result<T, String> {
     let digits = text.strip_prefix("0x").map_or_else(
         || text.parse().ok(),
@@ -113,7 +113,7 @@ fn numbers<T: FromStr>(name: &str, text: &str) -> Result<Vec<T>, String> {
     Ok(list)
 }
 
-/// A word as it stands in an id: lower case, with hyphens; the sign of a number in words.
+/// Returns a word in the form of ids: lower case, with hyphens; the sign of a number in words.
 fn slug(word: &str) -> String {
     let signed = word.starts_with(|c: char| c == '-' || c.is_ascii_digit());
     let word = if signed {

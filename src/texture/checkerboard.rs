@@ -4,7 +4,7 @@ use super::map::{Level, Texel, TextureMap};
 use super::rules::Rules;
 
 impl TextureMap {
-    /// The default map (R-SEL-11, R-SEL-12).
+    /// Returns the default map (R-SEL-11, R-SEL-12).
     #[must_use]
     pub fn checkerboard(rules: &Rules) -> TextureMap {
         let (side, square) = (rules.checkerboard)();
@@ -20,12 +20,12 @@ impl TextureMap {
     }
 }
 
-/// Texels and texels of a square along a side of the default map (R-SEL-12).
+/// Returns the texels of the default map and of a square, along a side (R-SEL-12).
 pub(crate) fn sixteen_by_two() -> (usize, usize) {
     (16, 2)
 }
 
-/// Whether the square (i, j) of the default map is white; (0, 0) is (R-SEL-13).
+/// Returns true if the square (i, j) of the default map is white; (0, 0) is (R-SEL-13).
 pub(crate) fn white_at_origin(i: usize, j: usize) -> bool {
     (i + j).is_multiple_of(2)
 }

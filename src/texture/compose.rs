@@ -1,8 +1,8 @@
-//! Composition controls: how a map's color meets the primitive's.
+//! Composition controls: combination of a map's color with that of the primitive.
 //!
-//! Each method has one row of equations for texels without alpha (RGB, L) and one for those with it (RGBA, LA)
-//! (R-CMP-30 … R-CMP-39). W is the light on a white surface where texture comes too late to be lit with the surface
-//! (the *split* form, R-CMP-20), and white itself otherwise (the *direct* form, R-CMP-21):
+//! Each method has one row of equations for texels without alpha (RGB, L) and one for those with it (RGBA, LA) (R-CMP-30 …
+//! R-CMP-39). W is the light on a white surface if texture comes too late to be lit with the surface (the *split* form,
+//! R-CMP-20), and white otherwise (the *direct* form, R-CMP-21):
 //!
 //! | method | color, no alpha | color, with alpha | alpha, no alpha | alpha, with alpha |
 //! |---|---|---|---|---|
@@ -13,16 +13,16 @@
 //! | `DecalBackground` | W·T | W·((1 − AT)·B + AT·T) | A | A |
 //!
 //! Format notes
-//! - Both decals leave alpha alone; only the other three look at it.
-//! - Γ belongs to `BlendEnvColor` (ruling `gamma`), whatever the chapter's list of symbols says.
-//! - No result is limited to 0 … 1 (ruling `color-range`).
+//! - Both decals leave alpha unchanged; only the other three use it.
+//! - Γ belongs to `BlendEnvColor` (ruling `gamma`), despite the chapter's list of symbols.
+//! - No result is clamped to 0 … 1 (ruling `color-range`).
 
 use super::entry::{Channel, Color, Composition, Entry};
 use super::map::{Texel, texel_color};
 use super::primitive::{Fetched, Shade, Terms};
 use super::rules::Rules;
 
-/// The primitive after one map. `white` is the light on a white surface in the split form, and white in the direct form.
+/// Returns the primitive after one map. `white` is the light on a white surface in the split form, else white.
 #[must_use]
 pub fn compose(
     entry: &Entry,
@@ -39,7 +39,7 @@ pub fn compose(
     }
 }
 
-/// The five methods. The clamp color comes here too, as a texel without alpha (ruling `clamp-color`).
+/// Applies one of the five methods, also to the clamp color as a texel without alpha (ruling `clamp-color`).
 pub(crate) fn with_texel(
     entry: &Entry,
     texel: &Texel,
@@ -64,7 +64,7 @@ pub(crate) fn with_texel(
     }
 }
 
-/// `clamp-color`, the other reading: it is the color, whatever the method.
+/// Returns the clamp color, whatever the method: the other reading of `clamp-color`.
 pub(crate) fn clamp_color_alone(
     _: &Entry,
     color: &Texel,
@@ -78,7 +78,7 @@ pub(crate) fn clamp_color_alone(
     }
 }
 
-/// R-CMP-30, R-CMP-31
+/// Applies R-CMP-30, R-CMP-31.
 pub(crate) fn replace(x: &Terms) -> Shade {
     Shade {
         color: times(x.white, x.color),
@@ -86,7 +86,7 @@ pub(crate) fn replace(x: &Terms) -> Shade {
     }
 }
 
-/// R-CMP-32, R-CMP-33
+/// Applies R-CMP-32, R-CMP-33.
 pub(crate) fn modulate(x: &Terms) -> Shade {
     Shade {
         color: times(x.input.color, x.color),
@@ -94,7 +94,7 @@ pub(crate) fn modulate(x: &Terms) -> Shade {
     }
 }
 
-/// R-CMP-34, R-CMP-35
+/// Applies R-CMP-34, R-CMP-35.
 pub(crate) fn blend_env_color(x: &Terms) -> Shade {
     let environment = times(x.white, x.entry.env_color);
     Shade {
@@ -103,7 +103,7 @@ pub(crate) fn blend_env_color(x: &Terms) -> Shade {
     }
 }
 
-/// R-CMP-36, R-CMP-37
+/// Applies R-CMP-36, R-CMP-37.
 pub(crate) fn decal(x: &Terms) -> Shade {
     let share = x.alpha.unwrap_or(1.0);
     Shade {
@@ -112,7 +112,7 @@ pub(crate) fn decal(x: &Terms) -> Shade {
     }
 }
 
-/// R-CMP-38, R-CMP-39
+/// Applies R-CMP-38, R-CMP-39.
 pub(crate) fn decal_background(x: &Terms) -> Shade {
     let share = x.alpha.unwrap_or(1.0);
     let over = mix(x.entry.background_color, x.color, [share; 3]);
@@ -122,8 +122,8 @@ pub(crate) fn decal_background(x: &Terms) -> Shade {
     }
 }
 
-/// Γ: the selected channel, or the luminance (R-CMP-18, R-CHN-01 … R-CHN-04, ruling `gamma`). A texel without the alpha that is
-/// selected counts as opaque (ruling `no-alpha-to-select`).
+/// Returns Γ: the selected channel, or the luminance (R-CMP-18, R-CHN-01 … R-CHN-04, ruling `gamma`). A texel without alpha
+/// counts as opaque if alpha is selected (ruling `no-alpha-to-select`).
 pub(crate) fn selected_channel(entry: &Entry, texel: &Texel) -> Color {
     let rgb = texel_color(texel);
     let gamma = texel.luminance().unwrap_or(match entry.channel {
@@ -135,7 +135,7 @@ pub(crate) fn selected_channel(entry: &Entry, texel: &Texel) -> Color {
     [gamma; 3]
 }
 
-/// `gamma`, the other reading: the texel's color, component by component.
+/// Returns the texel's color, component by component: the other reading of `gamma`.
 pub(crate) fn whole_color(_: &Entry, texel: &Texel) -> Color {
     texel_color(texel)
 }
@@ -144,7 +144,7 @@ pub(crate) fn times(a: Color, b: Color) -> Color {
     [0, 1, 2].map(|c| a[c] * b[c])
 }
 
-/// `share` of b and the rest of a.
+/// Mixes `share` of b with the rest of a.
 pub(crate) fn mix(a: Color, b: Color, share: Color) -> Color {
     [0, 1, 2].map(|c| (1.0 - share[c]) * a[c] + share[c] * b[c])
 }

@@ -1,27 +1,27 @@
-//! Sampling hints: how deep in the levels a pixel samples, and whether it shrinks or enlarges the map.
+//! Sampling hints: the depth in the levels at which a pixel samples, and minification or magnification.
 //!
-//! A bias of −1 moves one level toward the base, 2 two levels away from it (R-HNT-02, R-HNT-03). Frequency hints below 1 blur
-//! less in their direction (R-HNT-06). A pixel over more than one texel is minified, over less than one magnified
-//! (R-SMP-02, R-SMP-03).
+//! A bias of −1 moves one level toward the base, 2 two levels away from it (R-HNT-02, R-HNT-03). Frequency hints below 1 reduce
+//! blur in their direction (R-HNT-06). A pixel over more than one texel is minified, over less than one magnified (R-SMP-02,
+//! R-SMP-03).
 //!
 //! Format notes
-//! - The suggested formulas are lost, and others are allowed anyway (R-HNT-01): nothing here is ever held against anyone
+//! - The suggested formulas are lost, and others are allowed anyway (R-HNT-01): no verdict depends on this module
 //!   (ruling `depth-formula`).
-//! - A pixel over exactly one texel magnifies; where directions disagree the larger one decides (ruling `one-texel`).
+//! - A pixel over exactly one texel is magnified; if directions disagree, the larger one decides (ruling `one-texel`).
 
 use super::entry::Vector;
 use super::rules::Rules;
 
-/// How far texture coordinates move from a pixel to the next.
+/// The difference of texture coordinates from a pixel to the next.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Footprint {
-    /// To the right.
+    /// To the pixel on the right.
     pub dt_dx: Vector,
-    /// Up.
+    /// To the pixel above.
     pub dt_dy: Vector,
 }
 
-/// The depth at which a map of base size `size` (one number for each dimension) is sampled.
+/// Returns the depth at which a map of base size `size` (one number for each dimension) is sampled.
 #[must_use]
 pub fn sample_depth(
     size: &[usize],
@@ -33,31 +33,31 @@ pub fn sample_depth(
     (rules.biased)((rules.depth)(&spans(size, footprint), frequency), bias)
 }
 
-/// Whether a pixel covers a texel or less of a map of base size `size`.
+/// Returns true if a pixel covers a texel or less of a map of base size `size`.
 #[must_use]
 pub fn magnifies(size: &[usize], footprint: &Footprint, rules: &Rules) -> bool {
     (rules.magnifies)(&spans(size, footprint))
 }
 
-/// Texels of the base level that a pixel spans, in each direction of the map.
+/// Returns the number of texels of the base level that a pixel spans, in each direction of the map.
 fn spans(size: &[usize], footprint: &Footprint) -> Vec<f64> {
     let span =
         |(c, &side): (usize, &usize)| side as f64 * footprint.dt_dx[c].hypot(footprint.dt_dy[c]);
     size.iter().enumerate().take(3).map(span).collect()
 }
 
-/// How often the widest span, weighted by its hint, can be halved (ruling `depth-formula`).
+/// Returns the base-2 logarithm of the widest span, weighted by its hint (ruling `depth-formula`).
 pub(crate) fn log2_of_widest(spans: &[f64], frequency: [f64; 3]) -> f64 {
     let weighted = spans.iter().zip(frequency).map(|(span, hint)| span * hint);
     weighted.fold(0.0, f64::max).log2()
 }
 
-/// A bias adds levels (R-HNT-02, R-HNT-03).
+/// Adds a bias, in levels (R-HNT-02, R-HNT-03).
 pub(crate) fn add(depth: f64, bias: f64) -> f64 {
     depth + bias
 }
 
-/// No direction spans more than a texel (ruling `one-texel`).
+/// Returns true if no direction spans more than a texel (ruling `one-texel`).
 pub(crate) fn none_over_one(spans: &[f64]) -> bool {
     spans.iter().all(|&span| span <= 1.0)
 }

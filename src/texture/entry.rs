@@ -5,14 +5,14 @@
 //!
 //! Format notes
 //! - The entry of fallback values uses a reflection parameterization: it needs an eye and a normal even on a flat surface.
-//! - Notes a to g under the table say which fields count only beside others; the stages of the pipeline
-//!   read nothing else.
+//! - Notes a to g under the table say which fields count only together with others; the stages of the pipeline
+//!   ignore the rest.
 
 use std::collections::BTreeMap;
 use std::fmt;
 use std::str::FromStr;
 
-/// Red, green and blue, of which 0 to 1 can be shown.
+/// Red, green and blue; values from 0 to 1 can be displayed.
 pub type Color = [f64; 3];
 
 /// Three coordinates, of a point, a direction or a texture map.
@@ -28,8 +28,8 @@ pub(super) const IDENTITY: Matrix = [
     [0.0, 0.0, 0.0, 1.0],
 ];
 
-/// Declares the enumerants of a field: the short name is the chapter's own without its prefix, and reading one takes it with
-/// any of the prefixes or with none.
+/// Declares the enumerants of a field: the short name is that of the chapter without its prefix; parsing accepts it with any of
+/// the prefixes or with none.
 macro_rules! enumerants {
     ($(#[$about:meta])* $name:ident [$($prefix:literal)*] { $($(#[$says:meta])* $variant:ident,)+ }) => {
         $(#[$about])*
@@ -42,7 +42,7 @@ macro_rules! enumerants {
             /// Every enumerant, in the order of the chapter.
             pub const ALL: &[$name] = &[$($name::$variant,)+];
 
-            /// The chapter's name without its prefix.
+            /// Returns the chapter's name without its prefix.
             #[must_use]
             pub const fn name(self) -> &'static str {
                 match self { $($name::$variant => stringify!($variant),)+ }
@@ -85,7 +85,7 @@ macro_rules! enumerants {
 pub(super) use enumerants;
 
 enumerants! {
-    /// Where in the pipeline the map is applied (R-RCT-01).
+    /// The stage of the pipeline at which the map is applied (R-RCT-01).
     RenderingControl ["PEXTMRenderingControl" "PEXTMRC"] {
         /// Before the reflectance calculation (R-RCT-04).
         PreLight,
@@ -95,7 +95,7 @@ enumerants! {
 }
 
 enumerants! {
-    /// How texture coordinates are derived (R-PAR-01).
+    /// The source of texture coordinates (R-PAR-01).
     Parameterization ["PEXTMParam" "PEXTMPM"] {
         /// The vertex in modeling coordinates.
         VertexMCCoord,
@@ -117,9 +117,9 @@ enumerants! {
 }
 
 enumerants! {
-    /// How the map's color meets the primitive's (R-CMP-02).
+    /// The combination of the map's color with that of the primitive (R-CMP-02).
     Composition ["PEXTMComp" "PEXTMCM"] {
-        /// The map replaces.
+        /// The map replaces the primitive.
         Replace,
         /// Product of both.
         Modulate,
@@ -147,7 +147,7 @@ enumerants! {
 }
 
 enumerants! {
-    /// How texels become a sample (R-SMP-01).
+    /// A method of sampling texels (R-SMP-01).
     SampleMethod ["PEXTMSample" "PEXTMSM"] {
         /// The closest texel of the base level.
         SingleBase,
@@ -165,21 +165,21 @@ enumerants! {
 }
 
 enumerants! {
-    /// What is beyond an edge of the map, in one direction (R-BND-01).
+    /// The treatment of coordinates beyond an edge of the map, in one direction (R-BND-01).
     Boundary ["PEXTMBoundary" "PEXTMBC"] {
-        /// What the clamp method says.
+        /// The clamp method.
         ClampExplicit,
         /// The closest texel of the edge.
         ClampBorder,
-        /// The map again.
+        /// The map repeated.
         Wrap,
-        /// The map again, reversed every other time.
+        /// The map repeated, alternately reversed.
         Mirror,
     }
 }
 
 enumerants! {
-    /// What [`Boundary::ClampExplicit`] does outside (R-CLM-01).
+    /// The effect of [`Boundary::ClampExplicit`] outside (R-CLM-01).
     ClampMethod ["PEXTMBoundaryClampExplicit" "PEXTMBCM"] {
         /// The map is not applied.
         Discontinue,
@@ -192,57 +192,57 @@ enumerants! {
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "harness", derive(serde::Deserialize, serde::Serialize))]
 #[cfg_attr(feature = "harness", serde(default, deny_unknown_fields))]
-// The name by which error messages of questions have always called it.
+// The name that error messages of questions use.
 #[cfg_attr(feature = "harness", serde(expecting = "struct EntryGiven"))]
 pub struct Entry {
     /// The resources that define the map, by name; none means the default map (R-SEL-11).
     pub map_ids: Vec<u32>,
-    /// Before or after the light.
+    /// Application of the map before or after the light.
     pub rendering_control: RenderingControl,
-    /// Where coordinates come from.
+    /// The source of coordinates.
     pub parameterization: Parameterization,
-    /// The first datum that [`Parameterization::FloatData`] takes (note a).
+    /// The index of the first datum for [`Parameterization::FloatData`] (note a).
     pub fp_data_index: usize,
-    /// Turns reflection vectors (note b).
+    /// The transform of reflection vectors (note b).
     pub reflection_matrix: Matrix,
-    /// For those who optimize; never looked at (R-PAR-12).
+    /// Hints for optimization; ignored (R-PAR-12).
     pub reflection_hints: String,
-    /// Transforms coordinates (R-ORI-01).
+    /// The transform of coordinates (R-ORI-01).
     pub orientation_matrix: Matrix,
-    /// For those who optimize; never looked at (R-ORI-02).
+    /// Hints for optimization; ignored (R-ORI-02).
     pub orientation_hints: String,
-    /// How colors meet.
+    /// The composition of colors.
     pub composition: Composition,
-    /// What blends in the environment color (note c).
+    /// The channel that blends in the environment color (note c).
     pub channel: Channel,
     /// For [`Composition::BlendEnvColor`] (note d).
     pub env_color: Color,
     /// For [`Composition::DecalBackground`] (note e).
     pub background_color: Color,
-    /// Where a pixel covers more than a texel.
+    /// The method for pixels that cover more than a texel.
     pub min_sample: SampleMethod,
-    /// Where a pixel covers less than a texel.
+    /// The method for pixels that cover less than a texel.
     pub mag_sample: SampleMethod,
-    /// In the directions t0, t1, t2.
+    /// Boundary conditions in the directions t0, t1, t2.
     pub boundary: [Boundary; 3],
     /// For [`Boundary::ClampExplicit`] (note f).
     pub clamp_method: ClampMethod,
     /// For [`ClampMethod::Color`] (note g).
     pub clamp_color: Color,
-    /// Levels to move away from the base.
+    /// Number of levels to move away from the base.
     pub depth_bias: f64,
-    /// From above 0 to 1 for the directions t0, t1, t2; less than 1 blurs less.
+    /// From above 0 to 1 for the directions t0, t1, t2; values below 1 reduce blur.
     pub frequency: [f64; 3],
 }
 
 impl Default for Entry {
-    /// The fallback values (R-TBL-03 … R-TBL-17).
+    /// Returns the fallback values (R-TBL-03 … R-TBL-17).
     fn default() -> Entry {
         fallback_values()
     }
 }
 
-/// The fallback column of the table, from the top (R-TBL-03 … R-TBL-17).
+/// Returns the fallback column of the table, from the top (R-TBL-03 … R-TBL-17).
 pub(crate) fn fallback_values() -> Entry {
     Entry {
         map_ids: Vec::new(),
@@ -267,5 +267,5 @@ pub(crate) fn fallback_values() -> Entry {
     }
 }
 
-/// The entries that were defined, by index.
+/// The defined entries, by index.
 pub type Table = BTreeMap<i64, Entry>;

@@ -1,10 +1,10 @@
 //! A texture map from a PTM under a light.
 //!
-//! The picture of the map under the light (u, v), limited to 0 … 255 as any picture of it, becomes a map of RGB texels from
-//! 0 to 1, with no level but the base.
+//! The image of the map under the light (u, v), clamped to 0 … 255, becomes a map of RGB texels from 0 to 1, with the base
+//! level only.
 //!
 //! Format notes
-//! - A PTM stores its bottom row first and a texture map begins at the lower left: the file's order is the map's. Pictures
+//! - A PTM stores its bottom row first and a texture map begins at the lower left, so their orders agree. Images
 //!   of this library run from the top, so rows are turned once, here.
 //! - Texels are not rounded; a viewer that keeps eight bits rounds halves up (ruling `ptm-texels`).
 
@@ -12,17 +12,17 @@ use super::map::{Level, Texel, TextureMap};
 use super::rules::Rules;
 use crate::evaluate::{Coefficients, Picture};
 
-/// Whether values of a picture are kept as they are.
+/// The rounding of the values of an image.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Rounding {
-    /// As real numbers.
+    /// No rounding.
     None,
-    /// To 256 steps.
+    /// To 256 levels.
     EightBits,
 }
 
 impl TextureMap {
-    /// The map that a PTM is under the light (`lu`, `lv`).
+    /// Returns the map of a PTM under the light (`lu`, `lv`).
     #[must_use]
     pub fn from_ptm(
         coefficients: &Coefficients,
@@ -48,7 +48,7 @@ impl TextureMap {
     }
 }
 
-/// The texels of a picture, bottom row first (ruling `ptm-rows`).
+/// Returns the texels of an image, bottom row first (ruling `ptm-rows`).
 pub(crate) fn from_the_bottom(picture: &Picture) -> Vec<[f64; 3]> {
     let width = picture.size.width as usize;
     let rows = picture.values.chunks_exact(3 * width).rev();
@@ -56,12 +56,12 @@ pub(crate) fn from_the_bottom(picture: &Picture) -> Vec<[f64; 3]> {
         .collect()
 }
 
-/// The nearest whole number, halves up (ruling `ptm-texels`).
+/// Returns the nearest whole number, halves up (ruling `ptm-texels`).
 pub(crate) fn halves_up(value: f64) -> f64 {
     (value + 0.5).floor()
 }
 
-/// `ptm-texels`, the other reading: nothing is rounded.
-pub(crate) fn kept(value: f64) -> f64 {
+/// Returns the value unrounded: the other reading of `ptm-texels`.
+pub(crate) fn unrounded(value: f64) -> f64 {
     value
 }

@@ -4,9 +4,9 @@
 //! level run along t0 first, then t1, then t2, from t0 = t1 = t2 = 0 (ruling `texel-order`).
 //!
 //! Format notes
-//! - t0 = t1 = 0 is the *lower* left of the picture.
+//! - t0 = t1 = 0 is the *lower* left of the image.
 //! - A texel of luminance L stands for the color (L, L, L) (R-CMP-14).
-//! - Levels are as supplied, of any size; [`TextureMap::with_box_levels`] is what most people mean by a mipmap.
+//! - Levels are used as supplied, in any sizes; [`TextureMap::with_box_levels`] makes a conventional mipmap.
 
 use std::fmt;
 use std::str::FromStr;
@@ -14,7 +14,7 @@ use std::str::FromStr;
 use super::entry::{Color, enumerants};
 
 enumerants! {
-    /// What a texel consists of.
+    /// The components of a texel.
     TexelKind ["PEXTexelType"] {
         /// Luminance.
         L,
@@ -28,7 +28,7 @@ enumerants! {
 }
 
 impl TexelKind {
-    /// How many components.
+    /// Returns the number of components.
     #[must_use]
     pub const fn components(self) -> usize {
         match self {
@@ -44,12 +44,12 @@ impl TexelKind {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Texel {
     kind: TexelKind,
-    /// As many as the kind has, then zeros.
+    /// The components of the kind, then zeros.
     values: [f64; 4],
 }
 
 impl Texel {
-    /// A texel, or nothing if the number of components is not that of its kind.
+    /// Makes a texel; None if the number of components is not that of its kind.
     #[must_use]
     pub fn new(kind: TexelKind, components: &[f64]) -> Option<Texel> {
         let mut values = [0.0; 4];
@@ -59,7 +59,7 @@ impl Texel {
         (components.len() == kind.components()).then_some(Texel { kind, values })
     }
 
-    /// An opaque color.
+    /// Makes an opaque color.
     #[must_use]
     pub const fn rgb([r, g, b]: Color) -> Texel {
         Texel {
@@ -68,19 +68,19 @@ impl Texel {
         }
     }
 
-    /// What it consists of.
+    /// Returns its kind.
     #[must_use]
     pub const fn kind(&self) -> TexelKind {
         self.kind
     }
 
-    /// Its components.
+    /// Returns its components.
     #[must_use]
     pub fn components(&self) -> &[f64] {
         &self.values[..self.kind.components()]
     }
 
-    /// Its alpha, if it has one (R-CMP-15).
+    /// Returns its alpha, if it has one (R-CMP-15).
     #[must_use]
     pub fn alpha(&self) -> Option<f64> {
         match self.kind {
@@ -90,13 +90,13 @@ impl Texel {
         }
     }
 
-    /// Its luminance, if it has no colors.
+    /// Returns its luminance, if it has no colors.
     #[must_use]
     pub fn luminance(&self) -> Option<f64> {
         matches!(self.kind, TexelKind::L | TexelKind::LA).then_some(self.values[0])
     }
 
-    /// The weighted sum of texels of one kind.
+    /// Returns the weighted sum of texels of one kind.
     pub(super) fn sum(kind: TexelKind, parts: impl Iterator<Item = (Texel, f64)>) -> Texel {
         let mut values = [0.0; 4];
         for (texel, weight) in parts {
@@ -108,7 +108,7 @@ impl Texel {
     }
 }
 
-/// The color of a texel: R, G, B, or three times the luminance (R-CMP-14).
+/// Returns the color of a texel: R, G, B, or three times the luminance (R-CMP-14).
 pub(crate) fn texel_color(texel: &Texel) -> Color {
     let v = texel.values;
     match texel.luminance() {
@@ -117,12 +117,12 @@ pub(crate) fn texel_color(texel: &Texel) -> Color {
     }
 }
 
-/// One picture of a map.
+/// One image of a map.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Level {
-    /// Texels along t0, t1, t2; 1 in directions that the map does not have.
+    /// Number of texels along t0, t1, t2; 1 in directions that the map does not have.
     pub size: [usize; 3],
-    /// `size[0] * size[1] * size[2]` of them, t0 fastest.
+    /// `size[0] * size[1] * size[2]` texels, t0 fastest.
     pub texels: Vec<Texel>,
 }
 
@@ -135,11 +135,11 @@ pub struct TextureMap {
 }
 
 impl TextureMap {
-    /// A map of one to three dimensions.
+    /// Makes a map of one to three dimensions.
     ///
     /// # Errors
-    /// In words, if there is no level, a level is empty or has another number of texels than its size says, its size speaks
-    /// of more dimensions than the map has, or texels are of different kinds.
+    /// A sentence, if there is no level, a level is empty or its number of texels differs from its size, its size has more
+    /// dimensions than the map, or texels are of different kinds.
     pub fn new(dimensions: usize, levels: Vec<Level>) -> Result<TextureMap, String> {
         if !(1..=3).contains(&dimensions) {
             return Err(format!("a map has 1, 2 or 3 dimensions, not {dimensions}"));
@@ -175,42 +175,42 @@ impl TextureMap {
         })
     }
 
-    /// How many coordinates sample it (R-PAR-03).
+    /// Returns the number of coordinates of a sample (R-PAR-03).
     #[must_use]
     pub fn dimensions(&self) -> usize {
         self.dimensions
     }
 
-    /// What its texels consist of.
+    /// Returns the kind of its texels.
     #[must_use]
     pub fn kind(&self) -> TexelKind {
         self.kind
     }
 
-    /// From the base to the pinnacle; at least one.
+    /// Returns the levels from the base to the pinnacle; at least one.
     #[must_use]
     pub fn levels(&self) -> &[Level] {
         &self.levels
     }
 
-    /// The base level and above it, down to one texel, levels of half the size, each texel the average of what it covers
-    /// (ruling `level-making`).
+    /// Returns the base level followed by levels of half the size, down to one texel; each texel is the average of the area
+    /// that it covers (ruling `level-making`).
     #[must_use]
     pub fn with_box_levels(self) -> TextureMap {
         let mut levels = vec![self.levels.into_iter().next().expect("a map has a base")];
         while levels[levels.len() - 1].size != [1, 1, 1] {
-            levels.push(halved(&levels[levels.len() - 1]));
+            levels.push(half_size_level(&levels[levels.len() - 1]));
         }
         TextureMap { levels, ..self }
     }
 }
 
-/// A level of half the size, rounded down.
-fn halved(fine: &Level) -> Level {
+/// Returns a level of half the size, rounded down.
+fn half_size_level(fine: &Level) -> Level {
     let size = fine.size.map(|side| (side / 2).max(1));
     let cover: [Vec<Vec<(usize, f64)>>; 3] = [0, 1, 2].map(|d| {
         (0..size[d])
-            .map(|at| covered(at, fine.size[d], size[d]))
+            .map(|at| covered_cells(at, fine.size[d], size[d]))
             .collect()
     });
     let mut texels = Vec::with_capacity(size[0] * size[1] * size[2]);
@@ -230,8 +230,8 @@ fn halved(fine: &Level) -> Level {
     Level { size, texels }
 }
 
-/// Which of `fine` cells the cell `at` of `coarse` covers, and by what share.
-fn covered(at: usize, fine: usize, coarse: usize) -> Vec<(usize, f64)> {
+/// Returns the cells of `fine` that the cell `at` of `coarse` covers, with their shares.
+fn covered_cells(at: usize, fine: usize, coarse: usize) -> Vec<(usize, f64)> {
     let (low, high) = (at * fine, (at + 1) * fine);
     // In units of 1/(fine · coarse): fine cell k runs from k·coarse to (k + 1)·coarse.
     let share = |k: usize| {
@@ -241,7 +241,7 @@ fn covered(at: usize, fine: usize, coarse: usize) -> Vec<(usize, f64)> {
     (low / coarse..high.div_ceil(coarse)).map(share).collect()
 }
 
-/// Where the texel `at` lies in a level: t0 fastest, then t1, then t2 (ruling `texel-order`).
+/// Returns the index of texel `at` in a level: t0 fastest, then t1, then t2 (ruling `texel-order`).
 pub(crate) fn place(size: [usize; 3], at: [usize; 3]) -> usize {
     (at[2] * size[1] + at[1]) * size[0] + at[0]
 }

@@ -1,8 +1,7 @@
-//! The texture mapping table of `PEXlib` 5.2: what a surface makes of a texture map.
+//! The texture mapping table of `PEXlib` 5.2: application of texture maps to surfaces.
 //!
-//! A PTM lit from one direction is a picture, and a picture is a texture map. This module says what the chapter "Texture
-//! Mapping Table" does with it, as pure functions in the order of the pipeline, each a place where two implementations
-//! can be compared:
+//! A PTM lit from one direction is an image, and an image is a texture map. This module implements the chapter "Texture Mapping
+//! Table" as pure functions in the order of the pipeline, each a point at which two implementations can be compared:
 //!
 //! ```text
 //! Surface ──select──→ indices ──resolve──→ Entry ──parameterize──→ t ──orient──→ t' ──interpolate──→ t''
@@ -17,17 +16,17 @@
 //! ```
 //!
 //! Format notes
-//! - The chapter's formulas were pictures and are lost. What stands here for them is rebuilt from its words and from its
-//!   relatives; `spec-cases/texture/rulings.yaml` says for each how sure that is, and [`Rules`] lists the decisions.
+//! - The chapter's formulas were images and are lost. The formulas here are reconstructed from its words and from
+//!   related texts; `spec-cases/texture/rulings.yaml` states the certainty of each, and [`Rules`] lists the decisions.
 //! - Requirements are cited by their ids in `spec-cases/texture/clauses.yaml`, such as R-SMP-05.
-//! - All arithmetic is in `f64`. No color is limited to 0…1 (ruling `color-range`).
-//! - The numbers behind the enumerants are nowhere public; names are all that is used. The chapter has two sets of them,
-//!   and both are understood.
+//! - All arithmetic is in `f64`. No color is clamped to 0…1 (ruling `color-range`).
+//! - The numeric values of the enumerants are not public; only names are used. The chapter has two sets of names,
+//!   and both are accepted.
 
 mod no_value;
 pub use no_value::NoValue;
 
-// The nouns: an entry of the table, a map, and what is textured.
+// The types: an entry of the table, a map, and the primitive.
 
 pub(crate) mod entry;
 pub use entry::{

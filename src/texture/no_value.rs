@@ -1,13 +1,13 @@
-//! Why a question about textures has no value.
+//! Reasons why a question about textures has no value.
 
-/// Why there is no value.
+/// The reason why there is no value.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum NoValue {
-    /// The chapter leaves it to the implementation; the ruling that says so.
+    /// The chapter leaves it to the implementation; with the ruling that says so.
     ImplementationDefined(&'static str),
-    /// The question is beyond the valid range; a short name of what is.
+    /// The question is out of the valid range; with a short name of the value.
     OutOfRange(&'static str),
-    /// Something is missing that the method needs.
+    /// The method needs a value that is missing; with its name.
     Missing(&'static str),
 }
 

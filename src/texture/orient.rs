@@ -1,10 +1,10 @@
 //! Orientation, interpolation and perspective correction: coordinates between vertex and sample.
 //!
-//! Coordinates of every method are transformed by the orientation matrix (R-ORI-01), and only then interpolated across the
-//! facet (R-ORI-03). In a perspective view interpolated coordinates are corrected before they sample (R-ORI-04).
+//! Coordinates of every method are transformed by the orientation matrix (R-ORI-01), and then interpolated across the facet
+//! (R-ORI-03). In a perspective view interpolated coordinates are corrected before sampling (R-ORI-04).
 //!
 //! Format notes
-//! - t' = O·(t0, t1, t2, 1), rows stored one after the other. Divided by its w where that is neither 0 nor 1 (ruling
+//! - t' = O·(t0, t1, t2, 1), with O stored row-major; divided by its w if that is neither 0 nor 1 (ruling
 //!   `orientation-w`).
 //! - Correction Vertex is too vague to be computed (ruling `vertex-correction`).
 
@@ -13,13 +13,13 @@ use super::no_value::NoValue;
 use super::primitive::{Correction, Frequency, Interpolation, Site};
 use super::rules::Rules;
 
-/// Coordinates after the orientation matrix.
+/// Returns coordinates after the orientation matrix.
 #[must_use]
 pub fn orient(matrix: &Matrix, t: Vector, rules: &Rules) -> Vector {
     (rules.orient)(matrix, t)
 }
 
-/// O·(t, 1), divided by w (R-ORI-01, rulings `matrix-storage`, `orientation-w`).
+/// Computes O·(t, 1), divided by w (R-ORI-01, rulings `matrix-storage`, `orientation-w`).
 pub(crate) fn rows_times_column(matrix: &Matrix, t: Vector) -> Vector {
     let row =
         |r: usize| matrix[r][0] * t[0] + matrix[r][1] * t[1] + matrix[r][2] * t[2] + matrix[r][3];
@@ -30,7 +30,7 @@ pub(crate) fn rows_times_column(matrix: &Matrix, t: Vector) -> Vector {
     [row(0) / w, row(1) / w, row(2) / w]
 }
 
-/// Coordinates inside a facet: `ts` at its corners, the shares `b` of the corners on the screen, and the corners' `w`.
+/// Interpolates inside a facet: coordinates `ts` at its corners, weights `b` of the corners on the screen, and their `w`.
 ///
 /// # Errors
 /// [`NoValue::ImplementationDefined`] under correction Vertex.
@@ -48,25 +48,25 @@ pub fn interpolate(
     }
 }
 
-/// The sum of the corners by their shares.
+/// Returns the weighted sum of the corners.
 pub(crate) fn linear(ts: &[Vector], b: &[f64], _w: &[f64]) -> Vector {
     [0, 1, 2].map(|c| ts.iter().zip(b).map(|(t, b)| b * t[c]).sum())
 }
 
-/// t/w and 1/w are linear on the screen; their quotient is t (R-ORI-04).
+/// Returns t, the quotient of t/w and 1/w, which are linear on the screen (R-ORI-04).
 pub(crate) fn hyperbolic(ts: &[Vector], b: &[f64], w: &[f64]) -> Vector {
     let shares: Vec<f64> = b.iter().zip(w).map(|(b, w)| b / w).collect();
     let whole: f64 = shares.iter().sum();
     linear(ts, &shares, w).map(|t| t / whole)
 }
 
-/// Where a texture is sampled (R-CMP-22).
+/// Returns the places where a texture is sampled (R-CMP-22).
 #[must_use]
 pub fn site(interpolation: Interpolation, frequency: Frequency, rules: &Rules) -> Site {
     (rules.site)(interpolation, frequency)
 }
 
-/// Pixel says it; `InterpDep` follows the reflectance calculation (R-CMP-22).
+/// Samples pixels with frequency Pixel; `InterpDep` follows the reflectance calculation (R-CMP-22).
 #[expect(
     clippy::match_same_arms,
     reason = "a table reads better with a line for each of its rows"

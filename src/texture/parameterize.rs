@@ -1,15 +1,15 @@
-//! Parameterization controls: where texture coordinates come from.
+//! Parameterization controls: the source of texture coordinates.
 //!
-//! Four methods take the vertex or its normal, in modeling or world coordinates (R-PAR-13 … R-PAR-18); one the parameters of
-//! a B-spline surface (R-PAR-19, R-PAR-20); one the vertex's data (R-PAR-21 … R-PAR-25); two reflect the line of sight and
-//! project what results onto a sphere around the y axis (R-PAR-06 … R-PAR-12, R-PAR-26 … R-PAR-37).
+//! Four methods use the vertex or its normal, in modeling or world coordinates (R-PAR-13 … R-PAR-18); one the parameters of a
+//! B-spline surface (R-PAR-19, R-PAR-20); one the vertex's data (R-PAR-21 … R-PAR-25); two reflect the line of sight and
+//! project the result onto a sphere around the y axis (R-PAR-06 … R-PAR-12, R-PAR-26 … R-PAR-37).
 //!
 //! Format notes
-//! - Components that a method does not give are 0.
-//! - `i` points from the eye to the vertex, so the reflection is `i − 2(n·i)n`; the other textbook form takes the opposite of i.
-//! - The reflection matrix turns directions: its last column does not move them (ruling `reflection-matrix`).
-//! - From the sphere to (t0, t1) the formulas are lost; rulings `vrc-azimuth`, `wc-azimuth`, `vrc-height`, `wc-height`.
-//! - Normals are used as they are given, whatever their length (ruling `normal-length`).
+//! - Components that a method does not provide are 0.
+//! - `i` points from the eye to the vertex, so the reflection is `i − 2(n·i)n`; another common form uses −i.
+//! - The reflection matrix rotates directions: its last column has no effect (ruling `reflection-matrix`).
+//! - The formulas from the sphere to (t0, t1) are lost; rulings `vrc-azimuth`, `wc-azimuth`, `vrc-height`, `wc-height`.
+//! - Normals are not normalized (ruling `normal-length`).
 
 use std::f64::consts::PI;
 
@@ -18,11 +18,11 @@ use super::no_value::NoValue;
 use super::primitive::{Place, Point};
 use super::rules::Rules;
 
-/// The coordinates of `point`, before orientation; those that a map of `dimensions` does not have may be anything.
+/// Returns the coordinates of `point`, before orientation; those beyond the `dimensions` of the map have any value.
 ///
 /// # Errors
 /// [`NoValue::ImplementationDefined`] if there are too few data for the map (R-PAR-25), or nothing is reflected;
-/// [`NoValue::Missing`] if the point lacks what the method needs.
+/// [`NoValue::Missing`] if the point lacks a value that the method needs.
 pub fn parameterize(
     entry: &Entry,
     point: &Point,
@@ -32,7 +32,7 @@ pub fn parameterize(
     (rules.parameterize)(entry, point, dimensions, rules)
 }
 
-/// The eight methods.
+/// Applies one of the eight methods.
 pub(crate) fn by_method(
     entry: &Entry,
     point: &Point,
@@ -65,34 +65,34 @@ pub(crate) fn by_method(
     }
 }
 
-/// The vertex in view reference coordinates (R-PAR-30).
+/// Returns the vertex in view reference coordinates (R-PAR-30).
 pub(crate) fn in_vrc(point: &Point) -> Place {
     point.vrc.clone()
 }
 
-/// The vertex in world coordinates (R-PAR-35).
+/// Returns the vertex in world coordinates (R-PAR-35).
 pub(crate) fn in_wc(point: &Point) -> Place {
     point.wc.clone()
 }
 
-/// (x, y, z) (R-PAR-13, R-PAR-14).
+/// Returns (x, y, z) (R-PAR-13, R-PAR-14).
 pub(crate) fn coordinates(place: &Place) -> Option<Vector> {
     place.position
 }
 
-/// The normal of the vertex, or else the geometric one (R-PAR-15 … R-PAR-18).
+/// Returns the normal of the vertex, or else the geometric one (R-PAR-15 … R-PAR-18).
 pub(crate) fn normal(place: &Place) -> Option<Vector> {
     place.normal.or(place.geometric_normal)
 }
 
-/// (u, v, 0), and (0, 0, 0) where there is no B-spline surface (R-PAR-19, R-PAR-20).
+/// Returns (u, v, 0), or (0, 0, 0) without a B-spline surface (R-PAR-19, R-PAR-20).
 pub(crate) fn spline_parameters(point: &Point) -> Vector {
     let (u, v) = point.spline.as_ref().map_or((0.0, 0.0), |s| (s.u, s.v));
     [u, v, 0.0]
 }
 
-/// The data from the index on, as many as the map has dimensions (R-PAR-21 … R-PAR-23); on a B-spline surface the
-/// first value of each data spline (R-PAR-24).
+/// Returns the data from the index on, as many as the map has dimensions (R-PAR-21 … R-PAR-23); on a B-spline surface the first
+/// value of each data spline (R-PAR-24).
 pub(crate) fn float_data(
     point: &Point,
     index: usize,
@@ -111,7 +111,7 @@ pub(crate) fn float_data(
     Ok(t)
 }
 
-/// The reflection vector of a point, turned by the reflection matrix (R-PAR-09, R-PAR-10).
+/// Returns the reflection vector of a point, rotated by the reflection matrix (R-PAR-09, R-PAR-10).
 fn reflection(
     entry: &Entry,
     point: &Point,
@@ -140,7 +140,7 @@ fn sight(point: &Point, place: &Place, rules: &Rules) -> Result<Vector, NoValue>
     Ok((rules.sight)(eye, position))
 }
 
-/// The unit vector from the eye to the vertex (R-PAR-29).
+/// Returns the unit vector from the eye to the vertex (R-PAR-29).
 pub(crate) fn sight_from_eye(eye: Vector, position: Vector) -> Vector {
     let way = [0, 1, 2].map(|c| position[c] - eye[c]);
     let length = length(way);
@@ -150,19 +150,19 @@ pub(crate) fn sight_from_eye(eye: Vector, position: Vector) -> Vector {
     way.map(|c| c / length)
 }
 
-/// The mirror image of the line of sight `i` at a surface of normal `n`: i − 2(n·i)n (R-PAR-29, ruling `reflection-vector`).
+/// Reflects the line of sight `i` at a surface with normal `n`: i − 2(n·i)n (R-PAR-29, ruling `reflection-vector`).
 #[must_use]
 pub fn reflect(i: Vector, n: Vector) -> Vector {
     let along = dot(n, i);
     [0, 1, 2].map(|c| i[c] - 2.0 * along * n[c])
 }
 
-/// M·(s, 0): a direction turns and does not move (ruling `reflection-matrix`).
+/// Computes M·(s, 0), which rotates a direction and does not translate it (ruling `reflection-matrix`).
 pub(crate) fn turn(matrix: &Matrix, s: Vector) -> Vector {
     [0, 1, 2].map(|row| dot([matrix[row][0], matrix[row][1], matrix[row][2]], s))
 }
 
-/// The angle around +y from +x, counter-clockwise seen from +y, from 0 to 2π; 0 on the axis (ruling `poles`).
+/// Returns the angle around +y from +x, counter-clockwise seen from +y, from 0 to 2π; 0 on the axis (ruling `poles`).
 pub(crate) fn azimuth(s: Vector) -> f64 {
     if s[0] == 0.0 && s[2] == 0.0 {
         return 0.0;
@@ -171,17 +171,17 @@ pub(crate) fn azimuth(s: Vector) -> f64 {
     if angle < 0.0 { angle + 2.0 * PI } else { angle }
 }
 
-/// Twice around: seams at +x and −x, ½ toward the viewer, growing to the right (R-PAR-27, ruling `vrc-azimuth`).
+/// Maps two half turns to 0 … 1: seams at +x and −x, ½ toward the viewer, increasing to the right (R-PAR-27, `vrc-azimuth`).
 pub(crate) fn half_turns(s: Vector) -> f64 {
     (azimuth(s) / PI).fract()
 }
 
-/// `vrc-azimuth`, another reading: growing to the left.
+/// Lets t0 increase to the left: another reading of `vrc-azimuth`.
 pub(crate) fn half_turns_leftward(s: Vector) -> f64 {
     (1.0 - half_turns(s)).fract()
 }
 
-/// `vrc-azimuth`, another reading: along x.
+/// Lets t0 increase along x: another reading of `vrc-azimuth`.
 pub(crate) fn along_x(s: Vector) -> f64 {
     let around = s[0].hypot(s[2]);
     if around == 0.0 {
@@ -190,32 +190,32 @@ pub(crate) fn along_x(s: Vector) -> f64 {
     f64::midpoint(1.0, s[0] / around)
 }
 
-/// `vrc-azimuth`, another reading: the rear half is the mirror image of the front half.
+/// Mirrors the front half to the rear half: another reading of `vrc-azimuth`.
 pub(crate) fn rear_mirrored(s: Vector) -> f64 {
     half_turns([s[0], s[1], s[2].abs()])
 }
 
-/// Once around: the seam at +x (R-PAR-34, ruling `wc-azimuth`).
+/// Maps a whole turn to 0 … 1, with the seam at +x (R-PAR-34, ruling `wc-azimuth`).
 pub(crate) fn whole_turn(s: Vector) -> f64 {
     azimuth(s) / (2.0 * PI)
 }
 
-/// `wc-azimuth`, the other reading: clockwise, seen from +y.
+/// Turns clockwise, seen from +y: the other reading of `wc-azimuth`.
 pub(crate) fn whole_turn_clockwise(s: Vector) -> f64 {
     (1.0 - whole_turn(s)).fract()
 }
 
-/// The angle from −y, as a share of a half turn: 0 at −y, 1 at +y (rulings `vrc-height`, `wc-height`).
+/// Returns the angle from −y as a fraction of a half turn: 0 at −y, 1 at +y (rulings `vrc-height`, `wc-height`).
 pub(crate) fn by_angle(s: Vector) -> f64 {
     (-s[1] / length(s)).clamp(-1.0, 1.0).acos() / PI
 }
 
-/// `vrc-height` and `wc-height`, another reading: in proportion to y.
+/// Lets t1 be proportional to y: another reading of `vrc-height` and `wc-height`.
 pub(crate) fn by_y(s: Vector) -> f64 {
     f64::midpoint(1.0, s[1] / length(s))
 }
 
-/// `vrc-height` and `wc-height`, another reading: the angle from +y.
+/// Measures the angle from +y: another reading of `vrc-height` and `wc-height`.
 pub(crate) fn downward(s: Vector) -> f64 {
     1.0 - by_angle(s)
 }

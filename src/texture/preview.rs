@@ -1,8 +1,8 @@
-//! A preview of what an entry does: a plane or a ball with one map, under a light near by.
+//! A preview of the effect of an entry: a plane or a ball with one map, under a nearby light.
 //!
-//! The chapter says nothing of pictures; this is for people who want to see what they read. The whole pipeline is run for each
-//! pixel: coordinates, orientation, depth from the pixel's footprint, sampling, and composition with light computed from
-//! normals. A line runs around the map, where coordinates leave 0…1.
+//! Images are not part of the chapter; this is an aid for its readers. The whole pipeline is run for each pixel: coordinates,
+//! orientation, depth from the pixel's footprint, sampling, and composition with light computed from normals. A line around the
+//! map shows where coordinates leave 0…1.
 
 use std::f64::consts::PI;
 
@@ -17,7 +17,7 @@ use super::rules::Rules;
 use super::sample::fetch;
 use super::stage::stage;
 
-/// What is textured.
+/// The shape that is textured.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PreviewShape {
     /// A square that faces the eye.
@@ -26,41 +26,41 @@ pub enum PreviewShape {
     Sphere,
 }
 
-/// A shape, its map and its light.
+/// The parameters of a preview.
 #[derive(Clone, Debug)]
 pub struct Preview {
-    /// What is textured.
+    /// The shape that is textured.
     pub shape: PreviewShape,
     /// The map.
     pub map: TextureMap,
-    /// How it is applied.
+    /// The entry of the table.
     pub entry: Entry,
-    /// Where the light stands: +u right, +v up, on a half ball before the shape.
+    /// The direction of the light: +u right, +v up, on a hemisphere in front of the shape.
     pub light: (f64, f64),
-    /// The surface's own color.
+    /// The color of the surface.
     pub color: Color,
-    /// The shape's own coordinates run from −`around` to 1 + `around` in both directions.
+    /// The coordinates of the shape range from −`around` to 1 + `around` in both directions.
     pub around: f64,
 }
 
-/// A square picture.
+/// A square image.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct PreviewImage {
-    /// Pixels in a row, and rows.
+    /// Number of pixels in a row, and of rows.
     pub side: usize,
     /// Red, green and blue of each pixel, top row first.
     pub rgb: Vec<u8>,
 }
 
 const EYE: Vector = [0.0, 0.0, 4.0];
-/// The light's distance.
-const NEAR: f64 = 2.2;
+/// The distance of the light.
+const LIGHT_DISTANCE: f64 = 2.2;
 const OUTLINE: Color = [0.95, 0.45, 0.1];
 const BACKGROUND: Color = [0.13, 0.13, 0.15];
-/// Samples along each side of a pixel.
-const FINE: usize = 2;
+/// Number of samples along each side of a pixel.
+const SAMPLES_PER_SIDE: usize = 2;
 
-/// Draws it, `side` pixels wide and high.
+/// Renders a preview, `side` pixels wide and high.
 ///
 /// # Errors
 /// If the entry's coordinates cannot be derived on such a shape.
@@ -69,29 +69,30 @@ pub fn preview(preview: &Preview, side: usize, rules: &Rules) -> Result<PreviewI
     for row in 0..side {
         for column in 0..side {
             let mut sum = [0.0; 3];
-            for fine in 0..FINE * FINE {
+            for fine in 0..SAMPLES_PER_SIDE * SAMPLES_PER_SIDE {
                 let at = |whole: usize, part: usize| {
-                    (whole as f64 + (part as f64 + 0.5) / FINE as f64) / side as f64
+                    (whole as f64 + (part as f64 + 0.5) / SAMPLES_PER_SIDE as f64) / side as f64
                 };
-                let x = 2.0 * at(column, fine % FINE) - 1.0;
-                let y = 1.0 - 2.0 * at(row, fine / FINE);
-                let color = seen(preview, x, y, 2.0 / side as f64, rules)?;
+                let x = 2.0 * at(column, fine % SAMPLES_PER_SIDE) - 1.0;
+                let y = 1.0 - 2.0 * at(row, fine / SAMPLES_PER_SIDE);
+                let color = color_at(preview, x, y, 2.0 / side as f64, rules)?;
                 sum = [0, 1, 2].map(|c| sum[c] + color[c].clamp(0.0, 1.0));
             }
-            let bytes = sum.map(|c| (c / (FINE * FINE) as f64 * 255.0).round() as u8);
+            let bytes = sum
+                .map(|c| (c / (SAMPLES_PER_SIDE * SAMPLES_PER_SIDE) as f64 * 255.0).round() as u8);
             rgb.extend(bytes);
         }
     }
     Ok(PreviewImage { side, rgb })
 }
 
-/// The color at (x, y), both from −1 to 1; `step` is the way to the next pixel.
-fn seen(preview: &Preview, x: f64, y: f64, step: f64, rules: &Rules) -> Result<Color, NoValue> {
+/// Returns the color at (x, y), both from −1 to 1; `step` is the distance to the next pixel.
+fn color_at(preview: &Preview, x: f64, y: f64, step: f64, rules: &Rules) -> Result<Color, NoValue> {
     let Some(point) = surface(preview, x, y) else {
         return Ok(BACKGROUND);
     };
     let here = coordinates(preview, &point, rules)?;
-    // At the rim of a ball the next pixel may be beside it; the map is hardly seen there.
+    // At the edge of a ball the next pixel may be outside it; the map is hardly visible there.
     let beside = |x, y| match surface(preview, x, y) {
         Some(point) => coordinates(preview, &point, rules),
         None => Ok(here),
@@ -100,7 +101,7 @@ fn seen(preview: &Preview, x: f64, y: f64, step: f64, rules: &Rules) -> Result<C
     if is_outline(preview, here, [right, above]) {
         return Ok(OUTLINE);
     }
-    // Where coordinates jump, at a seam, the way round is the shorter one.
+    // Where coordinates jump, at a seam, the shorter difference is used.
     let way = |there: Vector| {
         [0, 1, 2].map(|c| {
             let way = there[c] - here[c];
@@ -122,12 +123,12 @@ fn seen(preview: &Preview, x: f64, y: f64, step: f64, rules: &Rules) -> Result<C
     let fetched = fetch(&preview.entry, &preview.map, here, depth, magnify, rules);
     let maps = [(preview.entry.clone(), fetched)];
     let lit = lit(preview, &point);
-    // Normals are interpolated: texture and light meet at every pixel.
+    // Normals are interpolated: texture and light are combined at every pixel.
     let shade = stage(&maps, &lit, Interpolation::Normal, Frequency::Pixel, rules);
     Ok([0, 1, 2].map(|c| shade.alpha * shade.color[c] + (1.0 - shade.alpha) * BACKGROUND[c]))
 }
 
-/// Whether one is in the map and the next is not.
+/// Returns true if one point is in the map and a next one is not.
 fn is_outline(preview: &Preview, here: Vector, next: [Vector; 2]) -> bool {
     let inside = |t: Vector| {
         let mut directions = t.iter().take(preview.map.dimensions());
@@ -141,7 +142,7 @@ fn coordinates(preview: &Preview, point: &Point, rules: &Rules) -> Result<Vector
     Ok(orient(&preview.entry.orientation_matrix, t, rules))
 }
 
-/// The point of the shape that is seen at (x, y), if the shape is there.
+/// Returns the point of the shape that is visible at (x, y), if any.
 fn surface(preview: &Preview, x: f64, y: f64) -> Option<Point> {
     const MARGIN: f64 = 1.06;
     let (x, y) = (x * MARGIN, y * MARGIN);
@@ -181,15 +182,15 @@ fn surface(preview: &Preview, x: f64, y: f64) -> Option<Point> {
     })
 }
 
-/// A little light from everywhere, diffuse light and a highlight from a lamp.
+/// Computes ambient light, diffuse light and a highlight from a lamp.
 fn lit(preview: &Preview, point: &Point) -> Lit {
     let position = point.wc.position.unwrap_or_default();
     let normal = point.wc.normal.unwrap_or_default();
     let (lu, lv) = preview.light;
     let lw = (1.0 - lu * lu - lv * lv).max(0.0).sqrt();
-    let to_lamp = unit([0, 1, 2].map(|c| [lu, lv, lw][c] * NEAR - position[c]));
-    let to_eye = unit([0, 1, 2].map(|c| EYE[c] - position[c]));
-    let halfway = unit([0, 1, 2].map(|c| to_lamp[c] + to_eye[c]));
+    let to_lamp = normalized([0, 1, 2].map(|c| [lu, lv, lw][c] * LIGHT_DISTANCE - position[c]));
+    let to_eye = normalized([0, 1, 2].map(|c| EYE[c] - position[c]));
+    let halfway = normalized([0, 1, 2].map(|c| to_lamp[c] + to_eye[c]));
     let diffuse = dot(normal, to_lamp).max(0.0);
     let highlight = dot(normal, halfway).max(0.0).powi(60);
     Lit {
@@ -202,7 +203,7 @@ fn lit(preview: &Preview, point: &Point) -> Lit {
     }
 }
 
-fn unit(a: Vector) -> Vector {
+fn normalized(a: Vector) -> Vector {
     let length = length(a);
     a.map(|c| c / length)
 }

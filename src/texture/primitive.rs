@@ -1,4 +1,4 @@
-//! What is textured: surfaces, their points, and the colors on their way through the pipeline.
+//! Primitives: surfaces, their points, and the colors in the pipeline.
 
 use std::fmt;
 use std::str::FromStr;
@@ -7,7 +7,7 @@ use super::entry::{Color, Entry, Vector, enumerants};
 use super::map::Texel;
 
 enumerants! {
-    /// How the inside of a surface is drawn.
+    /// The style in which the inside of a surface is drawn.
     InteriorStyle ["PEXInteriorStyle"] {
         /// Edges only.
         Hollow,
@@ -27,21 +27,21 @@ enumerants! {
 /// The part of the pipeline's state that selects textures.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Surface {
-    /// Of both sides, or of the front.
+    /// The style of both sides, or of the front.
     pub interior_style: InteriorStyle,
     /// Active textures: indices of the table.
     pub active: Vec<i64>,
-    /// Of the back, if facets are distinguished.
+    /// The style of the back, if facets are distinguished.
     pub bf_interior_style: InteriorStyle,
     /// Active textures of the back.
     pub bf_active: Vec<i64>,
-    /// Whether back-facing facets have attributes of their own.
+    /// True if back-facing facets have separate attributes.
     pub facet_distinguish: bool,
-    /// How many maps a facet can have (R-SEL-05).
+    /// Maximum number of maps on a facet (R-SEL-05).
     pub max_texture_maps: usize,
 }
 
-/// What is applied to a facet.
+/// The textures that are applied to a facet.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Selection {
     /// No texture.
@@ -55,9 +55,9 @@ pub enum Selection {
 /// A vertex in one coordinate system.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Place {
-    /// Where it is.
+    /// The position of the vertex.
     pub position: Option<Vector>,
-    /// Where the eye is.
+    /// The position of the eye.
     pub eye: Option<Vector>,
     /// The normal that came with the vertex.
     pub normal: Option<Vector>,
@@ -76,7 +76,7 @@ pub struct SplinePoint {
     pub data: Vec<Vec<f64>>,
 }
 
-/// All that coordinates may be derived from. What a method does not need may be left out.
+/// All values from which coordinates may be derived. Values that a method does not need may be missing.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Point {
     /// In modeling coordinates.
@@ -87,16 +87,16 @@ pub struct Point {
     pub vrc: Place,
     /// The vertex's floating-point data.
     pub fp_data: Vec<f64>,
-    /// Where the primitive is a B-spline surface.
+    /// The point of the B-spline surface, if the primitive is one.
     pub spline: Option<SplinePoint>,
-    /// The unit vector from the eye, where it is known without eye and position.
+    /// The unit vector from the eye, if it is known without eye and position.
     pub sight: Option<Vector>,
-    /// The reflection vector, where it is known without sight and normal.
+    /// The reflection vector, if it is known without sight and normal.
     pub reflection: Option<Vector>,
 }
 
 enumerants! {
-    /// How coordinates are interpolated in a perspective view.
+    /// The interpolation of coordinates in a perspective view.
     Correction ["PEXTMPerspectiveCorrection"] {
         /// Linearly on the screen.
         None,
@@ -108,9 +108,9 @@ enumerants! {
 }
 
 enumerants! {
-    /// How a surface's colors are interpolated.
+    /// The interpolation of a surface's colors.
     Interpolation ["PEXSurfaceInterp"] {
-        /// One color a facet.
+        /// One color per facet.
         None,
         /// Colors of the vertices.
         Color,
@@ -122,19 +122,19 @@ enumerants! {
 }
 
 enumerants! {
-    /// How often a texture is sampled.
+    /// The frequency at which a texture is sampled.
     Frequency ["PEXTMSampleFrequency"] {
         /// At every pixel.
         Pixel,
-        /// As often as the reflectance calculation is done.
+        /// At the frequency of the reflectance calculation.
         InterpDep,
     }
 }
 
 enumerants! {
-    /// Where a texture is sampled.
+    /// The places where a texture is sampled.
     Site [] {
-        /// Once a facet.
+        /// Once per facet.
         Facet,
         /// At every vertex.
         Vertex,
@@ -143,7 +143,7 @@ enumerants! {
     }
 }
 
-/// What sampling a map gives.
+/// The result of sampling a map.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Fetched {
     /// A value to compose with.
@@ -155,7 +155,7 @@ pub enum Fetched {
 }
 
 impl Fetched {
-    /// Its components, if it has any.
+    /// Returns its components, if it has any.
     #[must_use]
     pub fn components(&self) -> Option<&[f64]> {
         match self {
@@ -174,7 +174,7 @@ pub struct Shade {
     pub alpha: f64,
 }
 
-/// What an equation may use.
+/// The terms of an equation.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Terms<'a> {
     /// C and A: the primitive.
@@ -187,7 +187,7 @@ pub(crate) struct Terms<'a> {
     pub alpha: Option<f64>,
     /// Γ.
     pub gamma: Color,
-    /// For E and B.
+    /// The entry, for E and B.
     pub entry: &'a Entry,
 }
 

@@ -1,8 +1,8 @@
-//! The decisions that the chapter asks of its reader.
+//! The decisions that the chapter requires of its reader.
 //!
-//! [`Rules::SPEC`] names, for each, the function that stands with its requirement in the module of its topic. The flow calls
-//! the decision and never asks why it is so: another reading of an open point, or a deliberate mistake, is another function in
-//! the same place and nothing else.
+//! [`Rules::SPEC`] names, for each decision, the function that implements the requirement in the module of its topic. The
+//! pipeline calls that function and nothing else: another reading of an open point, or a deliberate mistake, is another
+//! function in its place.
 
 use super::entry::{Boundary, Color, Entry, Matrix, SampleMethod, Table, Vector};
 use super::map::Texel;
@@ -13,7 +13,7 @@ use super::primitive::{
 };
 use crate::evaluate::Picture;
 
-/// How the chapter is read: one decision for each thing it asks, in its order.
+/// A way to read the chapter: one decision for each point that it requires, in its order.
 #[derive(Clone, Copy)]
 #[allow(missing_docs)] // each is documented at the function SPEC names
 pub struct Rules {

@@ -5,7 +5,7 @@
 //!
 //! Format notes
 //! - n is the number of the map's dimensions; "2n" in the chapter is a lost superscript.
-//! - Texel k of N covers k/N to (k + 1)/N, with its middle between them (ruling `texel-grid`). On the line between two, the
+//! - Texel k of N covers k/N to (k + 1)/N, with its center between them (ruling `texel-grid`). On the line between two, the
 //!   upper one is closest (ruling `texel-tie`).
 //! - A depth at or beyond an end of the levels is that end, with no interpolation (R-SMP-09, R-SMP-11).
 
@@ -15,7 +15,7 @@ use super::map::{Level, Texel, TextureMap};
 use super::primitive::Fetched;
 use super::rules::Rules;
 
-/// Samples `map` at `t` and `depth`, by the entry's method for enlarged or for shrunk maps.
+/// Samples `map` at `t` and `depth`, by the entry's method for magnified or for minified maps.
 #[must_use]
 pub fn fetch(
     entry: &Entry,
@@ -52,7 +52,7 @@ pub fn fetch(
     })
 }
 
-/// The minification method, or the magnification method (R-SMP-02, R-SMP-03).
+/// Returns the minification method, or the magnification method (R-SMP-02, R-SMP-03).
 pub(crate) fn method(entry: &Entry, magnify: bool) -> SampleMethod {
     if magnify {
         entry.mag_sample
@@ -61,7 +61,7 @@ pub(crate) fn method(entry: &Entry, magnify: bool) -> SampleMethod {
     }
 }
 
-/// The closest texel.
+/// Returns the closest texel.
 fn single(entry: &Entry, map: &TextureMap, level: &Level, t: Vector, rules: &Rules) -> Texel {
     let mut at = [0; 3];
     for d in 0..map.dimensions() {
@@ -70,7 +70,7 @@ fn single(entry: &Entry, map: &TextureMap, level: &Level, t: Vector, rules: &Rul
     level.texels[(rules.place)(level.size, at)]
 }
 
-/// The average of the closest 2ⁿ texels, weighted in each direction.
+/// Returns the average of the closest 2ⁿ texels, weighted in each direction.
 fn weighted(entry: &Entry, map: &TextureMap, level: &Level, t: Vector, rules: &Rules) -> Texel {
     let mut near = [[(0, 1.0), (0, 0.0)]; 3];
     for d in 0..map.dimensions() {
@@ -85,12 +85,12 @@ fn weighted(entry: &Entry, map: &TextureMap, level: &Level, t: Vector, rules: &R
     Texel::sum(map.kind(), corners)
 }
 
-/// Cell ⌊t·N⌋ (rulings `texel-grid`, `texel-tie`).
+/// Returns cell ⌊t·N⌋ (rulings `texel-grid`, `texel-tie`).
 pub(crate) fn cell(boundary: Boundary, t: f64, size: usize, rules: &Rules) -> usize {
     fold(boundary, (t * size as f64).floor() as i64, size, rules)
 }
 
-/// The cells whose middles lie around t, weighted by how near they are (rulings `texel-grid`, `weights`).
+/// Returns the cells whose centers are around t, weighted by proximity (rulings `texel-grid`, `weights`).
 pub(crate) fn cells_around(
     boundary: Boundary,
     t: f64,
@@ -105,12 +105,12 @@ pub(crate) fn cells_around(
     ]
 }
 
-/// `texel-grid`, the other reading: texel k of N is the point k/(N − 1).
+/// Treats texel k of N as the point k/(N − 1): the other reading of `texel-grid`.
 pub(crate) fn point(boundary: Boundary, t: f64, size: usize, _: &Rules) -> usize {
     ((inside(boundary, t) * (size - 1) as f64).round() as usize).min(size - 1)
 }
 
-/// `texel-grid`, the other reading, weighted.
+/// Returns the points around t, weighted: the other reading of `texel-grid`.
 pub(crate) fn points_around(
     boundary: Boundary,
     t: f64,
@@ -123,10 +123,10 @@ pub(crate) fn points_around(
     [(at(k), 1.0 - (u - k)), (at(k + 1.0), u - k)]
 }
 
-/// A coordinate folded back into 0 … 1: where texels are points the map itself is folded, not the texels.
+/// Maps a coordinate to 0 … 1: if texels are points, boundary conditions apply to the map itself, not to texels.
 fn inside(boundary: Boundary, t: f64) -> f64 {
     match boundary {
-        // 1 is the last point of the map and not the first of the next.
+        // 1 is the last point of the map, not the first of the next.
         Boundary::Wrap if t == 1.0 => 1.0,
         Boundary::Wrap => t - t.floor(),
         Boundary::Mirror => 1.0 - (t.rem_euclid(2.0) - 1.0).abs(),
@@ -134,12 +134,12 @@ fn inside(boundary: Boundary, t: f64) -> f64 {
     }
 }
 
-/// The level closest to the depth; of two equally close ones the lower (R-SMP-06, ruling `level-tie`).
+/// Returns the level closest to the depth; of two equally close ones the lower (R-SMP-06, ruling `level-tie`).
 pub(crate) fn closest_level(depth: f64, top: usize) -> usize {
     ((depth - 0.5).ceil().max(0.0) as usize).min(top)
 }
 
-/// The two levels around the depth and the share of the upper one; beyond the ends the end alone (R-SMP-08 … R-SMP-11).
+/// Returns the two levels around the depth and the weight of the upper one; beyond the ends only the end (R-SMP-08 … R-SMP-11).
 pub(crate) fn levels_around(depth: f64, top: usize) -> (usize, usize, f64) {
     let depth = depth.clamp(0.0, top as f64);
     let lower = depth.floor();

@@ -1,17 +1,17 @@
-//! Selecting textures: which entries a facet asks for.
+//! Selection of textures: the entries for a facet.
 //!
-//! The table is looked at for surfaces of interior style Texture (R-SEL-01); back-facing facets have a style and a list of
-//! their own if facets are distinguished (R-SEL-02). Each index of the active list selects an entry (R-SEL-03); those
-//! beyond the first `MaxTextureMaps` are ignored (R-SEL-04).
+//! The table is used for surfaces of interior style Texture (R-SEL-01); back-facing facets have a separate style and list if
+//! facets are distinguished (R-SEL-02). Each index of the active list selects an entry (R-SEL-03); those beyond the first
+//! `MaxTextureMaps` are ignored (R-SEL-04).
 //!
 //! Format notes
 //! - An empty list does not mean "no texture": the default map is applied once, with fallback values (R-SEL-06).
-//! - The list is ordered, and an index that stands there twice is applied twice.
+//! - The list is ordered, and an index that occurs twice is applied twice.
 
 use super::primitive::{InteriorStyle, Selection, Surface};
 use super::rules::Rules;
 
-/// What is applied to a facet that faces the viewer, or does not.
+/// Returns the textures for a front-facing or back-facing facet.
 #[must_use]
 pub fn select(surface: &Surface, back_facing: bool, rules: &Rules) -> Selection {
     let (style, active) = if (rules.uses_back)(surface, back_facing) {
@@ -28,22 +28,22 @@ pub fn select(surface: &Surface, back_facing: bool, rules: &Rules) -> Selection 
     }
 }
 
-/// Style and list of the back count for back-facing facets, if facets are distinguished (R-SEL-02).
+/// Returns true if style and list of the back apply: to back-facing facets, if facets are distinguished (R-SEL-02).
 pub(crate) fn uses_back(surface: &Surface, back_facing: bool) -> bool {
     surface.facet_distinguish && back_facing
 }
 
-/// Style Texture (R-SEL-01).
+/// Returns true for style Texture (R-SEL-01).
 pub(crate) fn is_textured(style: InteriorStyle) -> bool {
     style == InteriorStyle::Texture
 }
 
-/// The default map (R-SEL-06).
+/// Returns the default map (R-SEL-06).
 pub(crate) fn default_map() -> Selection {
     Selection::Default
 }
 
-/// The first `most` indices (R-SEL-04).
+/// Returns the first `most` indices (R-SEL-04).
 pub(crate) fn within_limit(active: &[i64], most: usize) -> Vec<i64> {
     active.iter().copied().take(most).collect()
 }

@@ -1,4 +1,4 @@
-//! The reading of the reference, and the other readings of what the chapter leaves open.
+//! The reading of the reference, and the other readings of the open points of the chapter.
 
 use super::entry::{self, Entry, Vector};
 use super::rules::Rules;
@@ -8,8 +8,7 @@ use super::{
 };
 
 impl Rules {
-    /// The reading of the reference: the chapter where it speaks, and the rulings of `spec-cases/texture/rulings.yaml` where it
-    /// does not.
+    /// The reading of the reference: the chapter, and the rulings of `spec-cases/texture/rulings.yaml` where it is silent.
     pub const SPEC: Rules = Rules {
         fallback_values: entry::fallback_values,
         valid_index: table::valid_index,
@@ -71,13 +70,13 @@ impl Rules {
         to_eight_bits: from_ptm::halves_up,
     };
 
-    /// An entry in which nothing was set.
+    /// Returns an entry in which no field was set.
     #[must_use]
     pub fn fallback_entry(&self) -> Entry {
         (self.fallback_values)()
     }
 
-    /// The mirror image of a line of sight at a surface of normal `n`.
+    /// Reflects a line of sight at a surface with normal `n`.
     #[must_use]
     pub fn reflected(&self, sight: Vector, n: Vector) -> Vector {
         (self.reflect)(sight, n)
@@ -183,11 +182,11 @@ impl Rules {
         }
     }
 
-    /// Ruling `ptm-texels`, the other reading: texels of a PTM are real numbers always.
+    /// Ruling `ptm-texels`, the other reading: texels of a PTM are always real numbers.
     #[must_use]
     pub const fn with_real_texels(self) -> Rules {
         Rules {
-            to_eight_bits: from_ptm::kept,
+            to_eight_bits: from_ptm::unrounded,
             ..self
         }
     }

@@ -1,22 +1,22 @@
-//! Rendering control and the two forms: all maps of a primitive, and its light.
+//! Rendering control: all maps of a primitive and its light, in one of two forms.
 //!
-//! Each map works on what the one before left (R-CMP-05, R-CMP-06). `PreLight` maps come before the reflectance calculation,
-//! `PostLight` maps after it (R-RCT-04, R-RCT-05). Where light is computed for a facet or its vertices and texture for each
-//! pixel, texture comes too late: light hands over what it did to the surface and what it would do to a white one, and the
-//! maps work on these (R-CMP-20); everything else is direct (R-CMP-21).
+//! Each map applies to the result of the previous one (R-CMP-05, R-CMP-06). `PreLight` maps precede the reflectance
+//! calculation, `PostLight` maps follow it (R-RCT-04, R-RCT-05). If light is computed for a facet or its vertices and texture
+//! for each pixel, texture comes too late: the light on the surface and the light on a white one are passed on, and the maps
+//! apply to these (R-CMP-20); all other cases are direct (R-CMP-21).
 //!
 //! Format notes
-//! - The reflectance calculation is `CW·C + CS`: ambient and diffuse light on the color, and the highlight. That is all a
-//!   stage needs to know of light, and it is an input.
-//! - Both forms give the same color: CW is placed so that they do (ruling `split-form`).
-//! - Maps of both kinds in one list are two stages, each in the list's order (ruling `two-stages`).
+//! - The reflectance calculation is `CW·C + CS`: ambient and diffuse light times the color, plus the highlight. A
+//!   stage needs no other properties of light, and these are inputs.
+//! - Both forms give the same color because of the place of CW (ruling `split-form`).
+//! - Maps of both kinds in one list make two stages, each in the order of the list (ruling `two-stages`).
 
 use super::compose::{compose, times};
 use super::entry::{Color, Entry, RenderingControl};
 use super::primitive::{Fetched, Frequency, Interpolation, Lit, Shade};
 use super::rules::Rules;
 
-/// The primitive after all `maps` and its light.
+/// Returns the primitive after all `maps` and its light.
 #[must_use]
 pub fn stage(
     maps: &[(Entry, Fetched)],
@@ -28,7 +28,7 @@ pub fn stage(
     (rules.stage)(maps, lit, interpolation, frequency, rules)
 }
 
-/// `PreLight` maps, light, `PostLight` maps.
+/// Applies `PreLight` maps, light, `PostLight` maps.
 pub(crate) fn before_and_after(
     maps: &[(Entry, Fetched)],
     lit: &Lit,
@@ -60,13 +60,13 @@ pub(crate) fn before_and_after(
     all(RenderingControl::PostLight, lit, [1.0; 3])
 }
 
-/// Light on facets or vertices, texture on pixels (R-CMP-20, R-CMP-23).
+/// Returns true if light is computed on facets or vertices, and texture on pixels (R-CMP-20, R-CMP-23).
 pub(crate) fn is_split(interpolation: Interpolation, frequency: Frequency) -> bool {
     matches!(interpolation, Interpolation::None | Interpolation::Color)
         && frequency == Frequency::Pixel
 }
 
-/// The highlight on top (R-CMP-13).
+/// Adds the highlight (R-CMP-13).
 pub(crate) fn add_specular(shade: Shade, specular: Color) -> Shade {
     Shade {
         color: [0, 1, 2].map(|c| shade.color[c] + specular[c]),
@@ -74,7 +74,7 @@ pub(crate) fn add_specular(shade: Shade, specular: Color) -> Shade {
     }
 }
 
-/// The reflectance calculation: CW·C + CS.
+/// Performs the reflectance calculation: CW·C + CS.
 pub(crate) fn light(shade: Shade, lit: &Lit) -> Shade {
     let color = times(lit.white, shade.color);
     add_specular(Shade { color, ..shade }, lit.specular)

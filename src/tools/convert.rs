@@ -1,12 +1,12 @@
-//! The same map in another format, written by the generator and read back before anybody gets it.
+//! Conversion of a map to another format, written by the generator and verified by reading it back.
 //!
-//! What a format can hold is converted without a loss, and what it cannot is refused with the reason: a map is never
-//! bent to fit. Only JPEG loses something, as much as its quality says, and JPEG-LS if it is told to.
+//! Conversion is lossless, or refused with the reason: a map is never changed to fit. Only JPEG is lossy, as much as its
+//! quality allows, and JPEG-LS on request.
 //!
 //! Format notes
 //! - A color of LRGB is polynomial · color / 255. Three polynomials have that form if all are multiples of one; an LRGB
 //!   map is three polynomials if each product, over 255, is a whole number that fits a byte with its bias.
-//! - The colors of LUM hang on three open points, so LUM is not converted into anything else.
+//! - The colors of LUM depend on three open points, so LUM is not converted to any other format.
 
 use crate::decode::decode;
 use crate::generate::plan::Residuals;
@@ -15,22 +15,22 @@ use crate::ptm::{Format, Ptm, Shape};
 use crate::tools::dissection::{Dissection, Role};
 use crate::tools::place_in_words;
 
-/// What to convert into.
+/// The target of a conversion.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Target {
     /// The format.
     pub format: Format,
     /// The quality of JPEG, 1 to 100; needed for JPEG formats.
     pub quality: Option<u8>,
-    /// The largest loss of JPEG-LS, 0 to 127.
+    /// The maximum error of JPEG-LS, 0 to 127.
     pub loss: u8,
 }
 
 impl Target {
-    /// Whether quality and loss are those of the format; else the sentence begins with the one that is not.
+    /// Checks that quality and loss apply to the format; the error begins with the one that does not.
     ///
     /// # Errors
-    /// A JPEG format without a quality, another one with a quality, and a loss of any but JPEG-LS.
+    /// A JPEG format without a quality, another format with a quality, or a loss for a format other than JPEG-LS.
     pub fn check(self) -> Result<(), String> {
         let format = self.format;
         let is_jpeg = matches!(format, Format::JpegRgb | Format::JpegLrgb);
@@ -47,21 +47,21 @@ impl Target {
     }
 }
 
-/// A map, converted.
+/// A converted map.
 #[derive(Debug)]
 pub struct Converted {
     /// The file.
     pub bytes: Vec<u8>,
-    /// The largest difference of two stored values that the compression made; 0 if it lost nothing.
+    /// The largest difference of two stored values after compression; 0 if it is lossless.
     pub largest: u8,
-    /// Entries of the lookup table, if there is one.
+    /// Number of entries of the lookup table, if there is one.
     pub entries: Option<usize>,
 }
 
 /// Converts the file that `dissection` describes.
 ///
 /// # Errors
-/// Why the target cannot hold the map, in a sentence; or what the file read back shows, should it not be the same map.
+/// Why the target cannot hold the map, in a sentence; or the difference that was found when the file was read back.
 pub fn convert(dissection: &Dissection, ptm: &Ptm, target: Target) -> Result<Converted, String> {
     let source = ptm.header.format;
     let samples = samples(ptm, target.format)?;
@@ -78,7 +78,7 @@ pub fn convert(dissection: &Dissection, ptm: &Ptm, target: Target) -> Result<Con
     })
 }
 
-/// Header and spelling: scales as they were written, biases as integers, the rest as every known reader accepts it.
+/// Returns header and spelling: scales as they were written, biases as integers, the rest as every known reader accepts it.
 fn recipe(dissection: &Dissection, ptm: &Ptm, target: Target) -> Result<Recipe, String> {
     let texts = |role: fn(usize) -> Role, count: usize| {
         let texts: Vec<String> = (0..count)
@@ -103,7 +103,7 @@ fn recipe(dissection: &Dissection, ptm: &Ptm, target: Target) -> Result<Recipe, 
     Ok(recipe)
 }
 
-/// The map's values as the planes of the target.
+/// Returns the map's values as planes of the target.
 fn samples(ptm: &Ptm, target: Format) -> Result<Vec<u8>, String> {
     let source = ptm.header.format;
     match (ptm.planes.shape, target) {
@@ -120,28 +120,28 @@ fn samples(ptm: &Ptm, target: Format) -> Result<Vec<u8>, String> {
             ptm,
             target,
             "its three polynomials are not multiples of one that fits",
-            factored,
+            factor_colors,
         ),
         (Shape::Lrgb, _) => each_texel(
             ptm,
             target,
             "a coefficient times its color, over 255, is no whole number that fits",
-            multiplied,
+            multiply_colors,
         ),
     }
 }
 
-/// Products of two numbers of this size are counted exactly.
-const LARGEST_BIAS: f64 = 1e9;
+/// Products of two numbers of this size are exact.
+const MAX_EXACT_BIAS: f64 = 1e9;
 
 type Texel = fn(&[u8], &[i64; 6], [bool; 6]) -> Option<Vec<u8>>;
 
 /// Converts every texel, or reports the first one that the target cannot hold.
 fn each_texel(ptm: &Ptm, target: Format, why: &str, convert: Texel) -> Result<Vec<u8>, String> {
     let set = &ptm.header.scale_bias;
-    if set.bias.iter().any(|bias| bias.abs() > LARGEST_BIAS) {
+    if set.bias.iter().any(|bias| bias.abs() > MAX_EXACT_BIAS) {
         return Err(format!(
-            "{} into {target}: a bias is beyond {LARGEST_BIAS}",
+            "{} into {target}: a bias is beyond {MAX_EXACT_BIAS}",
             ptm.header.format
         ));
     }
@@ -174,13 +174,13 @@ fn each_texel(ptm: &Ptm, target: Format, why: &str, convert: Texel) -> Result<Ve
 ///
 /// Without their biases the three are multiples m·d of one direction d without a common factor; the one polynomial is n·d for
 /// some n, and a color is 255·m/n.
-fn factored(texel: &[u8], bias: &[i64; 6], counts: [bool; 6]) -> Option<Vec<u8>> {
+fn factor_colors(texel: &[u8], bias: &[i64; 6], counts: [bool; 6]) -> Option<Vec<u8>> {
     let value = |channel: usize, i: usize| match counts[i] {
         true => i64::from(texel[6 * channel + i]) - bias[i],
         false => 0,
     };
     let vectors = [0, 1, 2].map(|channel| std::array::from_fn::<i64, 6, _>(|i| value(channel, i)));
-    // What stands where a coefficient does not count, or where the color is black anyway.
+    // The value of a coefficient that does not count, or of a black texel.
     let whole = |i: usize, value: i64| match counts[i] {
         true => u8::try_from(value + bias[i]).ok(),
         false => Some(texel[i]),
@@ -216,7 +216,7 @@ fn factored(texel: &[u8], bias: &[i64; 6], counts: [bool; 6]) -> Option<Vec<u8>>
 }
 
 /// Multiplies one polynomial by three colors, if that is exact.
-fn multiplied(texel: &[u8], bias: &[i64; 6], counts: [bool; 6]) -> Option<Vec<u8>> {
+fn multiply_colors(texel: &[u8], bias: &[i64; 6], counts: [bool; 6]) -> Option<Vec<u8>> {
     let coefficient = |(color, i): (u8, usize)| {
         if !counts[i] {
             return Some(texel[i]);
@@ -238,7 +238,7 @@ fn greatest_common_divisor(a: i64, b: i64) -> i64 {
     }
 }
 
-/// Reads the file back and compares it with the map. Returns the largest difference that the compression made.
+/// Reads the file back and compares it with the map. Returns the largest difference after compression.
 fn verify(bytes: &[u8], ptm: &Ptm, samples: &[u8], target: Target) -> Result<u8, String> {
     let wrong = |what: &str| {
         format!(
@@ -261,7 +261,7 @@ fn verify(bytes: &[u8], ptm: &Ptm, samples: &[u8], target: Target) -> Result<u8,
     Ok(largest)
 }
 
-/// Whether two maps of different shapes have the same colors: a polynomial has six coefficients, so six lights decide.
+/// Checks that two maps of different shapes have the same colors: a polynomial has six coefficients, so six lights decide.
 fn same_colors(a: &Ptm, b: &Ptm) -> Result<(), String> {
     const LIGHTS: [(f64, f64); 6] = [
         (0.0, 0.0),
@@ -298,12 +298,12 @@ mod tests {
         let bias = [100; 6];
         let at = |m: i64| [1, 2, -1, 0, 3, 1].map(|d: i64| (m * d + 100) as u8);
         let texel = [at(10), at(6), at(0)].concat();
-        let found = factored(&texel, &bias, COUNTS).unwrap();
+        let found = factor_colors(&texel, &bias, COUNTS).unwrap();
         assert_eq!(found[..6], at(10));
         assert_eq!(found[6..], [255, 153, 0]);
         // 5 of 10 needs a color of 127.5 or a polynomial that does not fit a byte: 255·5/n, n = 51 is 25 and 50.
         let texel = [at(10), at(5), at(0)].concat();
-        let found = factored(&texel, &bias, COUNTS).unwrap();
+        let found = factor_colors(&texel, &bias, COUNTS).unwrap();
         for (channel, m) in [(6, 10), (7, 5), (8, 0)] {
             for i in 0..6 {
                 let product = (i64::from(found[i]) - 100) * i64::from(found[channel]);
@@ -315,30 +315,33 @@ mod tests {
     #[test]
     fn polynomials_that_are_not_are_refused() {
         let texel: Vec<u8> = (0..18_u32).map(|i| (i * i % 251) as u8).collect();
-        assert_eq!(factored(&texel, &[0; 6], COUNTS), None);
+        assert_eq!(factor_colors(&texel, &[0; 6], COUNTS), None);
     }
 
     #[test]
     fn equal_polynomials_are_white_and_none_is_black() {
         let gray = [[1, 2, 3, 4, 5, 6]; 3].concat();
         assert_eq!(
-            factored(&gray, &[0; 6], COUNTS).unwrap(),
+            factor_colors(&gray, &[0; 6], COUNTS).unwrap(),
             [1, 2, 3, 4, 5, 6, 255, 255, 255]
         );
-        assert_eq!(factored(&[7; 18], &[7; 6], COUNTS).unwrap()[6..], [0, 0, 0]);
+        assert_eq!(
+            factor_colors(&[7; 18], &[7; 6], COUNTS).unwrap()[6..],
+            [0, 0, 0]
+        );
     }
 
     #[test]
     fn a_texel_is_multiplied_only_if_it_comes_out_whole() {
         assert_eq!(
-            multiplied(&[1, 2, 3, 4, 5, 6, 255, 0, 255], &[0; 6], COUNTS).unwrap(),
+            multiply_colors(&[1, 2, 3, 4, 5, 6, 255, 0, 255], &[0; 6], COUNTS).unwrap(),
             [1, 2, 3, 4, 5, 6, 0, 0, 0, 0, 0, 0, 1, 2, 3, 4, 5, 6]
         );
         assert_eq!(
-            multiplied(&[1, 0, 0, 0, 0, 0, 128, 0, 0], &[0; 6], COUNTS),
+            multiply_colors(&[1, 0, 0, 0, 0, 0, 128, 0, 0], &[0; 6], COUNTS),
             None
         );
-        assert!(multiplied(&[255, 0, 0, 0, 0, 0, 128, 0, 0], &[0; 6], COUNTS).is_some());
+        assert!(multiply_colors(&[255, 0, 0, 0, 0, 0, 128, 0, 0], &[0; 6], COUNTS).is_some());
     }
 
     #[test]
@@ -347,7 +350,7 @@ mod tests {
         let mut fitting = 0;
         for seed in 0..4000_u32 {
             let byte = |i: u32| (seed.wrapping_mul(2_654_435_761).rotate_left(5 * i) >> 24) as u8;
-            // In every second texel the colors are fifths and what they multiply has the factor 5.
+            // In every second texel the colors are fifths and their factors are multiples of 5.
             let texel: Vec<u8> = (0..9)
                 .map(|i| match (seed % 2, byte(i)) {
                     (0, x) => x,
@@ -355,12 +358,12 @@ mod tests {
                     (_, x) => x / 51 * 51,
                 })
                 .collect();
-            let Some(three) = multiplied(&texel, &bias, COUNTS) else {
+            let Some(three) = multiply_colors(&texel, &bias, COUNTS) else {
                 continue;
             };
             fitting += 1;
-            let one = factored(&three, &bias, COUNTS).expect("it came of one");
-            assert_eq!(multiplied(&one, &bias, COUNTS), Some(three));
+            let one = factor_colors(&three, &bias, COUNTS).expect("it came of one");
+            assert_eq!(multiply_colors(&one, &bias, COUNTS), Some(three));
         }
         assert!(fitting > 10, "{fitting}");
     }

@@ -1,15 +1,15 @@
-//! The same map, written so that certain readers show it right.
+//! Conversion of a map to a file that certain readers show correctly.
 //!
-//! Every format that all of them read is tried without a loss, the file's own first, in the spelling that every known reader takes;
-//! and what they will show of the result is predicted before anybody gets it.
+//! Every format that all of them read is tried without loss, the format of the file first, in the spelling that every known
+//! reader accepts. The results of the readers for each candidate are predicted.
 
 use super::convert::{Converted, Target, convert};
 use super::dissection::Dissection;
 use crate::ptm::{Format, Ptm};
 use crate::readers::{OpenedFile, ReaderProfile, Shown};
 
-/// Formats that are tried after the file's own: those that most readers take first.
-const TRIED: [Format; 7] = [
+/// Formats to try after that of the file: most widely supported first.
+const FORMATS_TO_TRY: [Format; 7] = [
     Format::Lrgb,
     Format::Rgb,
     Format::PtmLut,
@@ -29,7 +29,7 @@ pub fn convert_for(
     readers: &[&ReaderProfile],
 ) -> Result<(Format, Converted), String> {
     let own = ptm.header.format;
-    let others = TRIED.into_iter().filter(|&format| format != own);
+    let others = FORMATS_TO_TRY.into_iter().filter(|&format| format != own);
     let read_by_all = |format: &Format| readers.iter().all(|reader| reader.reads(*format));
     let formats: Vec<Format> = std::iter::once(own)
         .chain(others)
@@ -55,7 +55,7 @@ pub fn convert_for(
     ))
 }
 
-/// The map in `format`, if all readers will show it right.
+/// Returns the map in `format`, if all readers will show it correctly.
 fn attempt(
     dissection: &Dissection,
     ptm: &Ptm,

@@ -1,4 +1,4 @@
-//! What two files say differently: header, planes, and how they are written.
+//! Differences between two files: header, planes, and encoding.
 
 use std::fmt::Write as _;
 
@@ -6,27 +6,27 @@ use serde::Serialize;
 
 use crate::ptm::{Planes, Ptm, Shape, channel_name};
 
-/// What two files say differently.
+/// The differences between two files.
 #[derive(Debug, Default, PartialEq, Serialize)]
 pub struct MapDifference {
-    /// Whether they mean the same map.
+    /// True if they represent the same map.
     pub same: bool,
-    /// What differs in their headers, in words.
+    /// The differences of their headers, in words.
     pub header: Vec<String>,
-    /// The planes that differ, where both have the same planes.
+    /// The planes that differ, if both have the same planes.
     pub planes: Vec<PlaneDifference>,
-    /// What differs in how they are written and not in what they mean.
+    /// Differences in encoding that do not change the map.
     pub written: Vec<String>,
 }
 
-/// A plane of two files.
+/// A plane in two files.
 #[derive(Debug, PartialEq, Serialize)]
 pub struct PlaneDifference {
     /// Its number.
     pub plane: usize,
-    /// What it is of.
+    /// The name of its channel.
     pub channel: String,
-    /// How many texels differ.
+    /// The number of texels that differ.
     pub texels: usize,
     /// The largest difference of two stored values.
     pub largest: u8,
@@ -151,7 +151,7 @@ fn planes(a: &Planes, b: &Planes) -> Vec<PlaneDifference> {
 }
 
 impl MapDifference {
-    /// In words, a line for each; nothing at all for files that are equal.
+    /// Describes the differences, a line each; empty for files that are equal.
     #[must_use]
     pub fn to_text(&self) -> String {
         let mut out = String::new();

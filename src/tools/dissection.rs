@@ -1,7 +1,7 @@
-//! What every byte of a file is, as far as it can be read: the fields of the reference decoder, named for people.
+//! The meaning of every byte of a file, as far as it can be read: the fields of the reference decoder, with names for people.
 //!
-//! A field gets a [`Role`]: which of the numbers of its list it is, and whose. Where the file is damaged, the dissection ends
-//! at the damage; a payload that is cut short is shown as far as it goes, because the header says where its parts lie.
+//! A field gets a [`Role`]: its index in its list, and the item that the list describes. If the file is damaged, the dissection
+//! ends at the damage; a truncated payload is shown as far as it goes, because the header defines its layout.
 
 use std::collections::HashMap;
 use std::ops::Range;
@@ -10,20 +10,20 @@ use crate::decode::{Streams, examine, examine_streams};
 use crate::error::{Error, Kind};
 use crate::ptm::{Field, Format, Ptm, Size, channel_name};
 
-/// A part of a file and what it is for.
+/// A part of a file and its role.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct FilePart {
-    /// What it is for.
+    /// Its role.
     pub role: Role,
-    /// The clause that puts it there.
+    /// The clause that requires it.
     pub clause: &'static str,
     /// Its bytes.
     pub range: Range<usize>,
-    /// How many bytes it should have, where the file ends before.
+    /// The number of bytes that it should have, if the file ends earlier.
     pub cut_from: Option<u64>,
 }
 
-/// What a part is for; numbers count coefficients, matrix elements, blocks or planes.
+/// The role of a part; numbers are indices of coefficients, matrix elements, blocks or planes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 #[allow(missing_docs)] // they are the format's words
 pub enum Role {
@@ -51,29 +51,29 @@ pub enum Role {
     Side(usize),
 }
 
-/// A file taken apart.
+/// A dissected file.
 pub struct Dissection<'a> {
     /// The file.
     pub file: &'a [u8],
-    /// Its format, if that was read.
+    /// Its format, if it could be read.
     pub format: Option<Format>,
-    /// Its size, if that was read.
+    /// Its size, if it could be read.
     pub size: Option<Size>,
     /// Its parts in file order.
     pub parts: Vec<FilePart>,
-    /// The map, or why there is none.
+    /// The map, or the reason why there is none.
     pub outcome: Result<Ptm, Error>,
 }
 
 impl<'a> Dissection<'a> {
-    /// Takes `file` apart.
+    /// Dissects `file`.
     #[must_use]
     pub fn of(file: &'a [u8]) -> Dissection<'a> {
         let (fields, outcome) = examine(file);
         Dissection::new(file, &fields, outcome)
     }
 
-    /// Takes `file` apart, and has its streams besides, decoded, where it is a compressed file that has them.
+    /// Dissects `file`, and returns its decoded streams if it is a compressed file that has all of them.
     pub(crate) fn with_streams(file: &'a [u8]) -> (Dissection<'a>, Option<Streams<'a>>) {
         let (fields, outcome, streams) = examine_streams(file);
         (Dissection::new(file, &fields, outcome), streams)
@@ -123,13 +123,13 @@ impl<'a> Dissection<'a> {
         self.parts.iter().find(|part| part.role == role)
     }
 
-    /// The byte where this role begins; 0 where the file has no such part.
+    /// Returns the byte at which this role begins; 0 if the file has no such part.
     #[must_use]
     pub fn start(&self, role: Role) -> usize {
         self.part(role).map_or(0, |part| part.range.start)
     }
 
-    /// The planes of a compressed file; 0 in the other formats.
+    /// Returns the number of planes of a compressed file; 0 in other formats.
     #[must_use]
     pub fn compressed_planes(&self) -> usize {
         self.format
@@ -137,19 +137,19 @@ impl<'a> Dissection<'a> {
             .map_or(0, Format::channels)
     }
 
-    /// The whole number that stands in this role.
+    /// Returns the whole number in this role.
     #[must_use]
     pub fn number(&self, role: Role) -> Option<i64> {
         std::str::from_utf8(self.bytes(role)?).ok()?.parse().ok()
     }
 
-    /// How the part of this role is written.
+    /// Returns the text of the part of this role.
     #[must_use]
     pub fn text(&self, role: Role) -> Option<String> {
         Some(String::from_utf8_lossy(self.bytes(role)?).into_owned())
     }
 
-    /// Where the last part ends.
+    /// Returns the end of the last part.
     #[must_use]
     pub fn end(&self) -> usize {
         self.parts
@@ -159,7 +159,7 @@ impl<'a> Dissection<'a> {
             .unwrap_or(0)
     }
 
-    /// The white space between the part at `place` and the next one.
+    /// Returns the white space between the part at `place` and the next one.
     #[must_use]
     pub fn gap_after(&self, place: usize) -> &'a [u8] {
         let from = self.parts[place].range.end;
@@ -170,13 +170,13 @@ impl<'a> Dissection<'a> {
         &self.file[from..to]
     }
 
-    /// What plane `plane` is of: `a3 of green`.
+    /// Returns the channel name of plane `plane`: `a3 of green`.
     #[must_use]
     pub fn channel(&self, plane: usize) -> String {
         channel_name(self.format.map_or(9, Format::channels), plane)
     }
 
-    /// The bytes of a line end that stands at `from`.
+    /// Returns the number of bytes of a line end at `from`.
     fn line_end(&self, from: usize) -> usize {
         let in_header = !self.parts.iter().any(|part| part.role.is_payload());
         match &self.file[from..] {
@@ -198,7 +198,7 @@ impl<'a> Dissection<'a> {
         })
     }
 
-    /// Adds the parts that the header announces and within which the file ends.
+    /// Adds the parts that the header declares and that are truncated.
     fn show_cut_parts(&mut self) {
         let Err(error) = &self.outcome else {
             return;
@@ -245,7 +245,7 @@ impl<'a> Dissection<'a> {
 }
 
 impl Role {
-    /// Whether it stands after the header's text.
+    /// Returns true if it follows the text of the header.
     #[must_use]
     pub const fn is_payload(self) -> bool {
         matches!(
@@ -316,12 +316,12 @@ fn block_name(format: Option<Format>, block: usize) -> &'static str {
     }
 }
 
-/// Clauses that put the format's name, the streams and the side information into a file.
+/// Clauses for the format's name, the streams and the side information.
 const FORMAT_NAME: &str = "2.2/1";
 const COMPRESSED_PLANE: &str = "2.9.8/2";
 const SIDE_INFORMATION: &str = "2.9.8/4";
 
-/// The role of the `nth` field that `clause` puts into the file.
+/// Returns the role of the `nth` field of `clause`.
 fn role(clause: &str, nth: usize, bytes: &[u8], format: Option<Format>) -> Option<Role> {
     let planes = format.map_or(9, Format::channels);
     Some(match clause {
@@ -335,7 +335,7 @@ fn role(clause: &str, nth: usize, bytes: &[u8], format: Option<Format>) -> Optio
         "2.5/2" => Role::Count,
         "2.5/3" => Role::Table,
         "2.6/2" => Role::Matrix(nth),
-        // Bytes that are there, and bytes that are missing.
+        // Bytes that are present, and bytes that are missing.
         "2.7/1" | "2.7/3" => Role::Block(nth),
         "2.8.1/1" => Role::Indices,
         "2.9.1/1" => Role::Parameter,
@@ -352,7 +352,7 @@ fn role(clause: &str, nth: usize, bytes: &[u8], format: Option<Format>) -> Optio
     })
 }
 
-/// The clause of the format at hand, where the decoder cites the one that all formats share.
+/// Returns the clause for the format of the file, if the decoder cites the one that all formats share.
 fn exact_clause(role: Role, format: Option<Format>) -> Option<&'static str> {
     Some(match (role, format?) {
         (Role::Block(_), Format::Rgb) => "2.7.1/2",
@@ -379,7 +379,7 @@ mod tests {
             let written = write(&recipe, &Model::paint(&recipe));
             let dissection = Dissection::of(&written.bytes);
             assert!(dissection.outcome.is_ok(), "{format}");
-            // The writer's map and the reader's agree on the place of every part.
+            // The writer's map and the reader's agree on the position of every part.
             let ranges: Vec<_> = dissection
                 .parts
                 .iter()

@@ -1,4 +1,4 @@
-//! Values as files that other programs read: OpenEXR, NPY, PNG.
+//! Export of values to files that other programs read: OpenEXR, NPY, PNG.
 
 use std::io::Cursor;
 
@@ -11,7 +11,7 @@ use exr::prelude::{
 use crate::ptm::{Ptm, Shape, Size};
 use crate::tools::render::Image;
 
-/// What channel `channel` is called in an EXR file: `a3`, `R`; of three polynomials `green.a3`.
+/// Returns the name of channel `channel` in an EXR file: `a3`, `R`; with three polynomials `green.a3`.
 #[must_use]
 pub fn channel_name(channels: usize, channel: usize) -> String {
     match (channels, channel) {
@@ -22,11 +22,11 @@ pub fn channel_name(channels: usize, channel: usize) -> String {
     }
 }
 
-/// The final coefficients, and the other channels as plain numbers: an EXR file of named float channels, scan lines in
-/// blocks of 16 compressed with ZIP. Format, scales, biases and matrix stand in an attribute called `ptm`.
+/// Returns the final coefficients, and the other channels as plain numbers, as an EXR file of named float channels, in scan
+/// line blocks of 16 compressed with ZIP. An attribute named `ptm` has format, scales, biases and matrix.
 ///
 /// # Errors
-/// A map that is too large for the format.
+/// If the map is too large for the format.
 pub fn exr(ptm: &Ptm) -> Result<Vec<u8>, String> {
     let coefficients = ptm.coefficients();
     let mut about = format!(
@@ -46,10 +46,10 @@ pub fn exr(ptm: &Ptm) -> Result<Vec<u8>, String> {
     )
 }
 
-/// An EXR file of `values`, texel after texel, top row first, with an attribute `ptm` about them.
+/// Returns an EXR file of `values`, texel after texel, top row first, with an attribute `ptm` that describes them.
 ///
 /// # Errors
-/// A map that is too large for the format.
+/// If the map is too large for the format.
 pub fn exr_of(values: &[f64], size: Size, channels: usize, about: &str) -> Result<Vec<u8>, String> {
     let channel = |channel: usize| {
         let plane = values
@@ -68,7 +68,7 @@ pub fn exr_of(values: &[f64], size: Size, channels: usize, about: &str) -> Resul
         line_order: LineOrder::Increasing,
     };
     let mut attributes = LayerAttributes::default();
-    // One attribute and no more: the library writes several in an order of chance.
+    // Only one attribute, because the library writes several in random order.
     attributes
         .other
         .insert(Text::from("ptm"), AttributeValue::Text(Text::from(about)));
@@ -105,7 +105,7 @@ pub fn npy_floats(values: &[f64], size: Size, channels: usize) -> Vec<u8> {
     bytes
 }
 
-/// The header of NPY 1.0: magic, version, length, and a Python dictionary padded to a multiple of 64 bytes.
+/// Returns the header of NPY 1.0: magic, version, length, and a Python dictionary padded to a multiple of 64 bytes.
 fn npy_header(kind: &str, size: Size, channels: usize) -> Vec<u8> {
     let shape = format!("({}, {}, {channels})", size.height, size.width);
     let mut dictionary =

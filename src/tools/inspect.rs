@@ -1,4 +1,4 @@
-//! Every field of a file: where it is, which clause puts it there, what it says.
+//! Every field of a file: its position, its clause, its value.
 
 use std::fmt::Write as _;
 use std::ops::Range;
@@ -11,10 +11,10 @@ use crate::ptm::{Format, Size};
 use crate::tools::dissection::{Dissection, FilePart, Role};
 use crate::tools::segments::{Segment, segments};
 
-/// How many entries of a table, or records, are shown unless all are asked for.
-const SOME: usize = 8;
-/// How many bytes of a payload are shown.
-const PREVIEW: usize = 8;
+/// Number of entries of a table, or of records, that are shown unless all are requested.
+const MAX_ENTRIES: usize = 8;
+/// Number of bytes of a payload that are shown.
+const PREVIEW_BYTES: usize = 8;
 
 const DIM: Style = Style::new().dimmed();
 const CLAUSE: Style = AnsiColor::Cyan.on_default();
@@ -27,21 +27,21 @@ const WRONG: Style = AnsiColor::Red.on_default().bold();
 pub struct Inspection {
     /// Its bytes.
     pub bytes: usize,
-    /// The name of its format, if that was read.
+    /// The name of its format, if it could be read.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub format: Option<&'static str>,
-    /// Texels in a row, if the size was read.
+    /// Number of texels in a row, if the size could be read.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub width: Option<u32>,
-    /// Rows.
+    /// Number of rows.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub height: Option<u32>,
     /// Its fields, in file order.
     pub fields: Vec<InspectedField>,
-    /// What is wrong, if anything is.
+    /// The error, if any.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub error: Option<Fault>,
-    /// What nobody reads: behind the damage, or behind the last value.
+    /// Bytes that are not read: after the damage, or after the last value.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rest: Option<Rest>,
 }
@@ -49,40 +49,40 @@ pub struct Inspection {
 /// A field.
 #[derive(Debug, Default, Serialize)]
 pub struct InspectedField {
-    /// Where it begins.
+    /// Its position.
     pub offset: usize,
-    /// How many bytes it has.
+    /// Number of its bytes.
     pub length: usize,
-    /// The clause that puts it there; of T.81 or T.87 within a plane.
+    /// The clause that requires it; within a plane, of T.81 or T.87.
     pub clause: &'static str,
-    /// What it is called.
+    /// Its name.
     pub name: String,
-    /// What it says.
+    /// Its value.
     pub value: String,
-    /// The white space up to the next field, made visible.
+    /// The white space before the next field, in visible form.
     #[serde(skip)]
     gap: String,
-    /// Its role; none within a part.
+    /// Its role; None within a part.
     #[serde(skip)]
     role: Option<Role>,
-    /// Its first bytes, where it is not text.
+    /// Its first bytes, if it is not text.
     #[serde(skip_serializing_if = "String::is_empty")]
     pub begins: String,
-    /// What it consists of: entries, segments, records.
+    /// Its elements: entries, segments, records.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub parts: Vec<InspectedField>,
 }
 
-/// Where the reading ended and why.
+/// The position and the reason at which reading ended.
 #[derive(Debug, Serialize)]
 pub struct Fault {
-    /// The byte at which it shows.
+    /// The byte at which the error was found.
     pub offset: usize,
     /// The clause that is broken.
     pub clause: &'static str,
     /// `malformed`, `unsupported` or `limit`.
     pub class: &'static str,
-    /// What is wrong.
+    /// The error.
     pub what: String,
     /// The kind of the error, which decides after which field it is shown.
     #[serde(skip)]
@@ -92,15 +92,15 @@ pub struct Fault {
 /// Bytes that belong to no field.
 #[derive(Debug, Serialize)]
 pub struct Rest {
-    /// Where they begin.
+    /// Their position.
     pub offset: usize,
-    /// How many they are.
+    /// Their number.
     pub length: usize,
-    /// The first of them.
+    /// The first bytes.
     pub begins: String,
 }
 
-/// Takes `file` apart and describes every part.
+/// Dissects `file` and describes every part.
 #[must_use]
 pub fn inspect(file: &[u8]) -> Inspection {
     let dissection = Dissection::of(file);
@@ -157,7 +157,7 @@ fn show(dissection: &Dissection, place: usize) -> InspectedField {
     field
 }
 
-/// What a part of the payload is, and what it consists of.
+/// Returns a description of a part of the payload, and its elements.
 fn describe(
     dissection: &Dissection,
     part: &FilePart,
@@ -179,7 +179,7 @@ fn describe(
     }
 }
 
-/// The entries of the lookup table.
+/// Returns the entries of the lookup table.
 fn table(dissection: &Dissection, part: &FilePart, bytes: &[u8]) -> (String, Vec<InspectedField>) {
     let entries = dissection.number(Role::Count);
     let entries = entries.and_then(|count| usize::try_from(count).ok());
@@ -194,7 +194,7 @@ fn table(dissection: &Dissection, part: &FilePart, bytes: &[u8]) -> (String, Vec
     (format!("{entries} entries of {size} bytes"), parts)
 }
 
-/// How many indices there are, of what width and in what range.
+/// Describes the indices: their number, width and range.
 fn indices(bytes: &[u8], texels: usize) -> String {
     let width = bytes.len().checked_div(texels).unwrap_or(0);
     let index = |bytes: &[u8]| {
@@ -228,7 +228,7 @@ fn child(
     }
 }
 
-/// How a plane is made: its channel, its rank, its reference and what is done to it.
+/// Describes a plane: its channel, its rank, its reference and its transform.
 fn plan(dissection: &Dissection, plane: usize) -> String {
     let number = |role| dissection.number(role).unwrap_or_default();
     let mut words = format!(
@@ -266,7 +266,7 @@ fn stream_parts(part: &FilePart, stream: &[u8]) -> Vec<InspectedField> {
     segments(stream).into_iter().map(shown).collect()
 }
 
-/// The records of a block of side information (clause 2.9.8/5).
+/// Returns the records of a block of side information (clause 2.9.8/5).
 fn records(
     dissection: &Dissection,
     part: &FilePart,
@@ -293,7 +293,7 @@ fn records(
     (words, parts)
 }
 
-/// Where in the picture a position of the stored raster is.
+/// Returns the place in the image of a position in the stored raster.
 fn place(size: Option<Size>, position: u32) -> String {
     match size {
         Some(size) if (position as usize) < size.texels() => format!(
@@ -425,7 +425,11 @@ impl InspectedField {
             let _ = writeln!(out, "{:33}{DIM}{}{DIM:#}", "", words.join(", "));
             return;
         }
-        let limit = if all || is_stream { usize::MAX } else { SOME };
+        let limit = if all || is_stream {
+            usize::MAX
+        } else {
+            MAX_ENTRIES
+        };
         for part in self.parts.iter().take(limit) {
             write_line(out, std::slice::from_ref(part), 2);
         }
@@ -440,7 +444,7 @@ impl InspectedField {
     }
 }
 
-/// Spaces and line feeds as signs of their own.
+/// Returns spaces and line feeds as visible symbols.
 fn visible(bytes: &[u8]) -> String {
     bytes
         .iter()
@@ -455,10 +459,14 @@ fn visible(bytes: &[u8]) -> String {
 fn hexadecimal(bytes: &[u8]) -> String {
     let shown: Vec<String> = bytes
         .iter()
-        .take(PREVIEW)
+        .take(PREVIEW_BYTES)
         .map(|byte| format!("{byte:02x}"))
         .collect();
-    let more = if bytes.len() > PREVIEW { " …" } else { "" };
+    let more = if bytes.len() > PREVIEW_BYTES {
+        " …"
+    } else {
+        ""
+    };
     format!("{}{more}", shown.join(" "))
 }
 

@@ -1,7 +1,7 @@
-//! Tools for one file: what its bytes are, what is odd about it, how it looks, and the same map written otherwise.
+//! Tools for single files: the meaning of their bytes, unusual properties, rendering, and conversion.
 //!
 //! dissection → inspect, lint. decode → render, export, diff. decode → generate → convert. Nothing here judges a decoder, and
-//! nothing reads or writes a file: that is the program's part.
+//! nothing does I/O; the program does.
 
 use crate::ptm::Size;
 

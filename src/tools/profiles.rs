@@ -1,7 +1,7 @@
-//! The suite as a corpus for other projects: files, right answers as arrays and pictures, a manifest, and how to use them.
+//! The suite as a corpus for other projects: files, right answers as arrays and images, a manifest, and instructions.
 //!
-//! `corpus/` is for this repository's own tests; what is made here goes to people who have never seen it. It needs no
-//! protocol: a test loads a file, decodes it, and compares with an array. Same version, same profile, same bytes.
+//! `corpus/` is for the tests of this repository; this corpus is for other projects. It needs no protocol: a test loads a file,
+//! decodes it, and compares with an array. The same version and profile give the same bytes.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -24,19 +24,19 @@ use crate::tools::export::{exr_of, npy_bytes, npy_floats, stacked_planes};
 use crate::tools::lint::codes::Code;
 use crate::tools::render::Image;
 
-/// How much of the suite.
+/// A selection from the suite.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Profile {
-    /// For every clause one small file to decode and one to refuse; stored values as arrays.
+    /// One small file to decode and one to refuse for every clause; stored values as arrays.
     Minimal,
-    /// Every file up to 64 KiB; stored values as arrays and pictures, and the view that decides a case best.
+    /// Every file up to 64 KiB; stored values as arrays and images, and the best view of each case.
     Standard,
-    /// Every file, tables of 65,536 entries included; every view of every case, final coefficients as EXR too.
+    /// Every file, including tables of 65,536 entries; every view of every case, final coefficients as EXR too.
     Exhaustive,
 }
 
 impl Profile {
-    /// In a word.
+    /// Returns its name.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -46,7 +46,7 @@ impl Profile {
         }
     }
 
-    /// Bytes of the largest file.
+    /// Returns the maximum number of bytes of a file.
     const fn largest(self) -> usize {
         match self {
             Profile::Minimal => 4 * 1024,
@@ -55,7 +55,7 @@ impl Profile {
         }
     }
 
-    /// The views in which the right answer of a case is given.
+    /// Returns the views for which the right answer of a case is included.
     fn views(self, case: &Case) -> Vec<View> {
         let of_case = match self {
             Profile::Minimal => &[][..],
@@ -65,7 +65,7 @@ impl Profile {
         let more = of_case.iter().filter(|view| **view != View::Raw).cloned();
         std::iter::once(View::Raw).chain(more).collect()
     }
-    /// The cases of the suite that are in it, in the order of the suite.
+    /// Returns its cases, in the order of the suite.
     #[must_use]
     pub fn cases(self, suite: &Suite) -> Vec<&Case> {
         let size = |case: &Case| case.build(TableSpelling::default()).file.len();
@@ -74,7 +74,7 @@ impl Profile {
         if self != Profile::Minimal {
             return fitting.collect();
         }
-        // For every clause and format the first case of each expectation, and the twins of those.
+        // The first case of each expectation for every clause and format, and their twins.
         let mut covered = BTreeSet::new();
         let mut ids = BTreeSet::new();
         for case in fitting.filter(|case| matches!(case.expect, Expect::Decode | Expect::Reject)) {
@@ -102,48 +102,48 @@ impl FromStr for Profile {
     }
 }
 
-/// What the corpus holds.
+/// The manifest of the corpus.
 #[derive(Debug, Serialize)]
 pub struct Manifest {
     /// `ptm-conform`
     pub suite: &'static str,
     /// The version that wrote it.
     pub version: &'static str,
-    /// How much of the suite.
+    /// The profile.
     pub profile: &'static str,
     /// The files, in the order of the suite.
     pub cases: Vec<ProfileCase>,
 }
 
-/// A file and what a decoder owes it.
+/// A file and the expected results of a decoder.
 #[derive(Debug, Serialize)]
 pub struct ProfileCase {
     /// The case; permanent.
     pub id: String,
-    /// Where the file lies.
+    /// Path of the file.
     pub file: String,
     /// Its size.
     pub bytes: usize,
     /// Its digest.
     pub sha256: String,
-    /// Its format, or that of the file it was before it was damaged.
+    /// Its format, or that of the file before it was damaged.
     pub format: &'static str,
     /// `decode`, `reject`, `refuse`, `lenient`, `robust` or `spelling`.
     pub expect: &'static str,
-    /// Why it is there.
+    /// The purpose of the case.
     pub because: String,
-    /// The clauses it is about.
+    /// The clauses that it tests.
     pub clauses: Vec<String>,
-    /// The ruling it shows.
+    /// The ruling that it shows.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub ruling: Option<String>,
-    /// The accepted file of which it is an edit.
+    /// The accepted file that it was edited from.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub twin_of: Option<String>,
-    /// What the edit did.
+    /// The effect of the edit.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub damage: Option<&'static str>,
-    /// What `ptm-conform lint` says of it, where it must be refused.
+    /// The code of `ptm-conform lint`, if it must be refused.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub lint: Option<&'static str>,
     /// The right answers.
@@ -156,7 +156,7 @@ pub struct ProfileCase {
 pub struct ProfiledAnswer {
     /// `raw`, `coef` or `rgb:LU,LV`.
     pub view: String,
-    /// Where it lies.
+    /// Path of the file.
     pub file: String,
     /// `npy`, `png` or `exr`.
     pub encoding: &'static str,
@@ -164,20 +164,20 @@ pub struct ProfiledAnswer {
     pub shape: [usize; 3],
     /// Its digest.
     pub sha256: String,
-    /// An array of the same shape: how far each value may be off besides, because inverse DCTs differ.
+    /// An array of the same shape: the additional tolerance of each value, because inverse DCTs differ.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub slack: Option<String>,
-    /// Open choices that show in it: other readings of these rulings have other right answers.
+    /// Open choices that affect it: other readings of these rulings have other right answers.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub shows: Vec<&'static str>,
 }
 
 type Output = (String, Vec<u8>);
 
-/// Writes the corpus below `directory`, which is to be empty or not to be there; the same bytes come of any number of jobs.
+/// Writes the corpus below `directory`, which must be empty or missing. The output does not depend on `jobs`.
 ///
 /// # Errors
-/// Those of the file system, with the path; and a directory that holds something else.
+/// Errors of the file system, with the path; or a directory that is not empty.
 pub fn write(
     suite: &Suite,
     directory: &Path,
@@ -252,12 +252,12 @@ fn entry(case: &Case, profile: Profile) -> Result<(ProfileCase, Vec<Output>), St
     Ok((entry, outputs))
 }
 
-/// `raw`, `coef`, `rgb-0.25--0.5`.
+/// Returns a file name suffix: `raw`, `coef`, `rgb-0.25--0.5`.
 fn suffix(view: &View) -> String {
     view.to_string().replace([':', ','], "-")
 }
 
-/// One right answer in all its forms: an array always, pictures and EXR where they say the same; and their files.
+/// Returns one right answer in all its forms: always an array; images and EXR if they are equivalent; and their files.
 fn answers(
     expected: &Expected,
     view: &View,
@@ -287,7 +287,7 @@ fn answers(
     Ok((answers, outputs))
 }
 
-/// An answer as NPY, and as the picture or EXR that the profile has besides; each with its suffix.
+/// Returns an answer as NPY, and as the image or EXR of the profile, each with its suffix.
 fn encoded(
     expected: &Expected,
     description: &str,
@@ -324,7 +324,7 @@ fn encoded(
     })
 }
 
-/// Git is to leave every byte alone.
+/// Git must not change any bytes.
 const GITATTRIBUTES: &str = "\
 *.ptm binary
 *.npy binary
@@ -336,7 +336,7 @@ MANIFEST.json text eol=lf
 .gitattributes text eol=lf
 ";
 
-/// Explains how to use the corpus.
+/// Instructions for the corpus.
 const README: &str = include_str!("../../spec-cases/profile.md");
 
 #[cfg(test)]

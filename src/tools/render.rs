@@ -1,4 +1,4 @@
-//! A map as a picture: lit from somewhere, from everywhere, or as the normals that its polynomials hint at.
+//! Images of a map: under one light, under many, or its surface normals.
 
 use std::io::Cursor;
 
@@ -9,29 +9,29 @@ use image::{ExtendedColorType, ImageEncoder, ImageFormat, write_buffer_with_form
 use crate::evaluate::Coefficients;
 use crate::ptm::{Ptm, Shape, Size};
 
-/// A picture of 8 bits a sample, top row first.
+/// An image of 8 bits per sample, top row first.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Image {
-    /// Pixels in a row.
+    /// Number of pixels in a row.
     pub width: usize,
-    /// Rows.
+    /// Number of rows.
     pub height: usize,
-    /// Samples of a pixel: 1 for gray, 3 for red, green and blue.
+    /// Number of samples per pixel: 1 for gray, 3 for red, green and blue.
     pub channels: usize,
     /// `height * width * channels` samples.
     pub samples: Vec<u8>,
 }
 
-/// The encoder keeps every color, and at this quality its steps are fine.
+/// At this quality the encoder uses small steps and no chroma subsampling.
 const JPEG_QUALITY: u8 = 95;
-/// Between the pictures of a contact sheet.
+/// Number of pixels between the images of a contact sheet.
 const MARGIN: usize = 4;
-/// Gray, between black and white pictures.
+/// A gray that differs from black and white images.
 const BACKGROUND: u8 = 48;
-/// Bytes of a contact sheet, or of an enlarged picture.
-const LARGEST: usize = 1 << 30;
-/// The light at the rim of a contact sheet; at 1 it would graze the map.
-const RIM: f64 = 0.9;
+/// Maximum number of bytes of a contact sheet, or of an enlarged image.
+const MAX_IMAGE_BYTES: usize = 1 << 30;
+/// The radius of the lights at the edge of a contact sheet; at 1 they would be in the plane of the map.
+const RIM_RADIUS: f64 = 0.9;
 
 /// Returns the map under one light.
 #[must_use]
@@ -44,11 +44,11 @@ fn picture(coefficients: &Coefficients, lu: f64, lv: f64) -> Image {
     Image::rgb(coefficients.size, samples)
 }
 
-/// `side` × `side` lights over the hemisphere, light from the right on the right and from above at the top; the pictures at
-/// the edge are lit from the rim. Pictures larger than `cell` are made smaller.
+/// Returns images under `side` × `side` lights over the hemisphere, from the right on the right and from above at the top;
+/// those at the edge have lights at `RIM_RADIUS`. Images larger than `cell` are reduced.
 ///
 /// # Errors
-/// A sheet of more than 1 GiB.
+/// If the sheet needs more than 1 GiB.
 pub fn sheet(ptm: &Ptm, side: usize, cell: usize) -> Result<Image, String> {
     let coefficients = ptm.coefficients();
     let step = |at: usize| match side {
@@ -65,7 +65,7 @@ pub fn sheet(ptm: &Ptm, side: usize, cell: usize) -> Result<Image, String> {
     let bytes = place(side, cell_width)
         .saturating_mul(place(side, cell_height))
         .saturating_mul(3);
-    if bytes > LARGEST {
+    if bytes > MAX_IMAGE_BYTES {
         return Err(format!(
             "a sheet of {bytes} bytes is too large; ask for fewer or smaller pictures"
         ));
@@ -78,7 +78,7 @@ pub fn sheet(ptm: &Ptm, side: usize, cell: usize) -> Result<Image, String> {
     };
     for row in 0..side {
         for column in 0..side {
-            let (lu, lv) = on_disc(step(column), step(side - 1 - row));
+            let (lu, lv) = square_to_disc(step(column), step(side - 1 - row));
             let small = picture(&coefficients, lu, lv).shrunk(factor);
             sheet.paste(&small, place(column, cell_width), place(row, cell_height));
         }
@@ -86,17 +86,17 @@ pub fn sheet(ptm: &Ptm, side: usize, cell: usize) -> Result<Image, String> {
     Ok(sheet)
 }
 
-/// The square from −1 to 1 laid onto the disc of the lights, its edge onto the rim.
-fn on_disc(x: f64, y: f64) -> (f64, f64) {
+/// Maps the square from −1 to 1 to the disc of the lights, its edge to the rim.
+fn square_to_disc(x: f64, y: f64) -> (f64, f64) {
     (
-        x * (1.0 - y * y / 2.0).sqrt() * RIM,
-        y * (1.0 - x * x / 2.0).sqrt() * RIM,
+        x * (1.0 - y * y / 2.0).sqrt() * RIM_RADIUS,
+        y * (1.0 - x * x / 2.0).sqrt() * RIM_RADIUS,
     )
 }
 
-/// The normals, as colors: x, y and z from −1 to 1 as 0 to 255, x to the right, y up, z towards the eye.
+/// Returns the normals as colors: x, y and z from −1 to 1 as 0 to 255, x to the right, y up, z towards the viewer.
 ///
-/// A normal points to the light under which its texel is brightest, as Malzbender, Gelb and Wolters do it (SIGGRAPH 2001).
+/// A normal points to the light under which its texel is brightest (Malzbender, Gelb and Wolters, SIGGRAPH 2001).
 #[must_use]
 pub fn normals(ptm: &Ptm) -> Image {
     let coefficients = ptm.coefficients();
@@ -114,10 +114,10 @@ pub fn normals(ptm: &Ptm) -> Image {
     Image::rgb(coefficients.size, texels.flat_map(color).collect())
 }
 
-/// The direction of the light under which the polynomial is largest.
+/// Returns the direction of the light under which the polynomial is largest.
 ///
-/// That is where its slope is zero, if it has a summit there within the hemisphere, and else somewhere on the rim. Of
-/// several directions that are equally bright the one nearest to the zenith is taken; a flat polynomial has the zenith.
+/// That is the point where its gradient is zero, if it has a maximum there within the hemisphere, and else a point on the rim.
+/// Of several equally bright directions the one nearest to the zenith is taken; a flat polynomial has the zenith.
 #[must_use]
 pub fn normal(a: &[f64; 6]) -> [f64; 3] {
     let largest = a[..5]
@@ -126,7 +126,7 @@ pub fn normal(a: &[f64; 6]) -> [f64; 3] {
     if largest == 0.0 {
         return [0.0, 0.0, 1.0];
     }
-    // A slight preference for the zenith decides where nothing else does.
+    // A slight preference for the zenith breaks ties.
     let (a0, a1, a2) = (a[0] - 1e-9 * largest, a[1] - 1e-9 * largest, a[2]);
     let determinant = 4.0 * a0 * a1 - a2 * a2;
     if a0 < 0.0 && determinant > 0.0 {
@@ -146,7 +146,7 @@ pub fn normal(a: &[f64; 6]) -> [f64; 3] {
     [u, v, 0.0]
 }
 
-/// Where on the circle `brightness` is largest: the best of many angles, then ever closer around it.
+/// Returns the angle on the circle at which `brightness` is largest, by repeated refinement.
 fn brightest_angle(brightness: &impl Fn(f64) -> f64) -> f64 {
     const STEPS: usize = 64;
     let mut step = std::f64::consts::TAU / STEPS as f64;
@@ -168,7 +168,7 @@ fn brightest_angle(brightness: &impl Fn(f64) -> f64) -> f64 {
 }
 
 impl Image {
-    /// Returns an image of three samples a pixel.
+    /// Returns an image of three samples per pixel.
     #[must_use]
     pub fn rgb(size: Size, samples: Vec<u8>) -> Image {
         Image {
@@ -179,10 +179,10 @@ impl Image {
         }
     }
 
-    /// As a file of that format; as JPEG in the quality in which `check` takes it for an answer.
+    /// Returns a file of that format; JPEG has the quality that `check` accepts in answers.
     ///
     /// # Errors
-    /// A picture that is too large for the format.
+    /// If the image is too large for the format.
     pub fn to_file(&self, format: ImageFormat) -> Result<Vec<u8>, String> {
         let side = |length: usize| u32::try_from(length).map_err(|_| "the picture is too large");
         let (width, height) = (side(self.width)?, side(self.height)?);
@@ -193,7 +193,7 @@ impl Image {
         let mut out = Cursor::new(Vec::new());
         let written =
             match format {
-                // By itself it would write the newer kind P7, which few programs read.
+                // By default it would write the newer variant P7, which few programs read.
                 ImageFormat::Pnm => PnmEncoder::new(&mut out)
                     .with_subtype(match self.channels {
                         1 => PnmSubtype::Graymap(SampleEncoding::Binary),
@@ -210,16 +210,16 @@ impl Image {
         Ok(out.into_inner())
     }
 
-    /// Every pixel as a square of `factor` × `factor`.
+    /// Returns every pixel as a square of `factor` × `factor`.
     ///
     /// # Errors
-    /// A picture of more than 1 GiB.
+    /// If the image needs more than 1 GiB.
     pub fn enlarged(&self, factor: usize) -> Result<Image, String> {
         let bytes = self
             .samples
             .len()
             .saturating_mul(factor.saturating_mul(factor));
-        if bytes > LARGEST {
+        if bytes > MAX_IMAGE_BYTES {
             return Err(format!(
                 "a picture of {bytes} bytes is too large; enlarge it less"
             ));
@@ -238,7 +238,7 @@ impl Image {
         })
     }
 
-    /// Every pixel the mean of `factor` × `factor`, fewer at the right and at the bottom.
+    /// Returns an image in which every pixel is the mean of `factor` × `factor` pixels, fewer at the right and at the bottom.
     fn shrunk(&self, factor: usize) -> Image {
         if factor <= 1 {
             return self.clone();
@@ -315,7 +315,7 @@ mod tests {
         points([0.0, 0.0, 0.0, 1.0, 0.0, 0.0], [1.0, 0.0, 0.0]);
         points([0.0, 0.0, 0.0, 3.0, -4.0, 0.0], [0.6, -0.8, 0.0]);
         points([-1.0, -1.0, 0.0, 0.0, 4.0, 0.0], [0.0, 1.0, 0.0]);
-        // A saddle is no summit: u² − v² + 0.1u is largest at the right.
+        // A saddle is not a maximum: u² − v² + 0.1u is largest at the right.
         points([1.0, -1.0, 0.0, 0.1, 0.0, 0.0], [1.0, 0.0, 0.0]);
     }
 
@@ -328,10 +328,10 @@ mod tests {
     #[test]
     fn the_edge_of_a_sheet_is_lit_from_the_rim() {
         for (x, y) in [(1.0, 0.0), (1.0, 1.0), (-0.5, 1.0), (1.0, -0.25)] {
-            let (lu, lv) = on_disc(x, y);
-            assert!((lu.hypot(lv) - RIM).abs() < 1e-9, "{x}, {y}");
+            let (lu, lv) = square_to_disc(x, y);
+            assert!((lu.hypot(lv) - RIM_RADIUS).abs() < 1e-9, "{x}, {y}");
         }
-        assert_eq!(on_disc(0.0, 0.0), (0.0, 0.0));
+        assert_eq!(square_to_disc(0.0, 0.0), (0.0, 0.0));
     }
 
     #[test]

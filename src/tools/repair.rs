@@ -1,12 +1,12 @@
-//! What can be put right in a file without guessing: the file written anew, and a sentence for each change.
+//! Repairs of a file that need no guess: the file is rewritten, with a sentence for each change.
 //!
 //! - blanks and line ends of the header that the text does not allow
-//! - compressed sizes that are wrong, where the streams themselves say where they end
+//! - wrong compressed sizes, if the streams themselves show where they end
 //! - bytes after the last value
 //! - records of side information that a later one of the same texel overrides
 //!
-//! A file that the reference reads holds the same values afterwards. Nothing is repaired where two readings are possible: a
-//! file that was copied in text mode has changed bytes in its payload too, and nobody knows which.
+//! A file that the reference reads has the same values afterwards. Nothing is repaired if two readings are possible: a file
+//! that was copied in text mode has changed bytes in its payload too, and nobody knows which.
 
 use std::collections::HashSet;
 
@@ -15,20 +15,20 @@ use super::lint::Lint;
 use crate::decode::decode;
 use crate::ptm::Format;
 
-/// A file, repaired.
+/// A repaired file.
 #[derive(Debug)]
 pub struct Repaired {
     /// The new file.
     pub bytes: Vec<u8>,
-    /// What was changed, a sentence each.
+    /// The changes, a sentence each.
     pub changes: Vec<String>,
 }
 
-/// A header as words in lines, and the rest of the file.
+/// The words of a header by lines, and the rest of the file.
 struct Loose<'a> {
-    /// One list a line, as HP's programs write them.
+    /// One list per line, as in files of HP's programs.
     lines: Vec<Vec<String>>,
-    /// How lines end: `\n`, `\r\n` or `\r`.
+    /// The line end: `\n`, `\r\n` or `\r`.
     line_end: &'static str,
     payload: &'a [u8],
     format: Format,
@@ -37,7 +37,7 @@ struct Loose<'a> {
 /// Repairs a file.
 ///
 /// # Errors
-/// Why not, in a sentence: there is nothing to repair, or nothing that can be repaired without guessing.
+/// The reason, in a sentence: there is nothing to repair, or nothing that can be repaired without guessing.
 pub fn repair(file: &[u8]) -> Result<Repaired, String> {
     let before = decode(file);
     let mut changes = Vec::new();
@@ -61,7 +61,7 @@ pub fn repair(file: &[u8]) -> Result<Repaired, String> {
 }
 
 impl<'a> Loose<'a> {
-    /// Reads a header whatever white space separates its words.
+    /// Reads a header with any white space between its words.
     fn read(file: &'a [u8]) -> Result<Loose<'a>, String> {
         let mut words = Words { file, at: 0 };
         let version = words.next()?;
@@ -141,7 +141,7 @@ impl<'a> Loose<'a> {
         bytes
     }
 
-    /// Writes the sizes that the streams have. They settle it only if they fill the file, each where the one before it ends.
+    /// Sets sizes to those of the streams, if the streams fill the file, each beginning at the end of the previous one.
     fn measure_streams(&mut self, changes: &mut Vec<String>) -> Result<(), String> {
         const SIZES: usize = 12;
         let unsettled = "the streams do not settle what is wrong with it";
@@ -182,7 +182,7 @@ impl<'a> Words<'a> {
         &self.file[self.at..]
     }
 
-    /// The next word, after any white space.
+    /// Returns the next word, after any white space.
     fn next(&mut self) -> Result<String, String> {
         const LONGEST: usize = 256;
         let is_blank = |byte: &u8| matches!(byte, b' ' | b'\t' | b'\r' | b'\n');
@@ -205,13 +205,13 @@ impl<'a> Words<'a> {
     }
 }
 
-/// Without spaces and tabs at the beginning.
+/// Returns the bytes without leading spaces and tabs.
 fn after_blanks(bytes: &[u8]) -> &[u8] {
     let blanks = bytes.iter().take_while(|byte| matches!(byte, b' ' | b'\t'));
     &bytes[blanks.count()..]
 }
 
-/// The bytes from SOI to EOI, by the lengths of segments and, in the data, by the next marker (T.81 B.1, T.87 C.1).
+/// Returns the length from SOI to EOI, by the lengths of segments and, in the data, by the next marker (T.81 B.1, T.87 C.1).
 fn stream_length(stream: &[u8]) -> Option<usize> {
     let mut at = stream.starts_with(&[0xff, 0xd8]).then_some(2)?;
     loop {
@@ -229,7 +229,7 @@ fn stream_length(stream: &[u8]) -> Option<usize> {
             }
         }
         if marker == 0xda {
-            // In the data a byte below 128 follows 0xff, or a restart marker.
+            // In the data 0xff is followed by a byte below 128, or is part of a restart marker.
             let ends = |pair: &[u8]| {
                 pair[0] == 0xff && pair[1] >= 0x80 && !(0xd0..=0xd7).contains(&pair[1])
             };
@@ -252,7 +252,7 @@ fn without_rest(mut bytes: Vec<u8>, changes: &mut Vec<String>) -> Vec<u8> {
     bytes
 }
 
-/// Removes the records that a later one of the same texel overrides.
+/// Removes records that are overridden by a later one of the same texel.
 fn without_overridden_records(
     bytes: Vec<u8>,
     changes: &mut Vec<String>,
@@ -284,7 +284,7 @@ fn without_overridden_records(
             edits.push((side, kept));
         }
     }
-    // From the end, so that what comes before stays where it is.
+    // From the end, so that the positions of earlier edits remain valid.
     edits.sort_by_key(|(range, _)| std::cmp::Reverse(range.start));
     let mut bytes = bytes;
     for (range, with) in edits {

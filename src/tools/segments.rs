@@ -1,7 +1,6 @@
-//! The marker segments of a plane's stream (T.81 Annex B, T.87 Annex C), as far as they can be told apart.
+//! The marker segments of a plane's stream (T.81 Annex B, T.87 Annex C), as far as they can be distinguished.
 //!
-//! A walk over a stream that never refuses: what is damaged is shown as what it is. Whether a stream is in order is the
-//! codecs' business.
+//! This walk over a stream never refuses: damaged parts are shown as they are. The codecs decide if a stream is valid.
 
 use std::borrow::Cow;
 use std::ops::Range;
@@ -9,15 +8,15 @@ use std::ops::Range;
 /// A part of a stream.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Segment {
-    /// What it is.
+    /// Its kind.
     pub kind: SegmentKind,
-    /// Its bytes, counted from the beginning of the stream.
+    /// Its bytes, relative to the beginning of the stream.
     pub range: Range<usize>,
-    /// What it says, in words; empty where there is nothing to say.
+    /// A description; empty if there is none.
     pub says: String,
 }
 
-/// What a part of a stream is.
+/// The kind of a part of a stream.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SegmentKind {
     /// A marker of this code, with its segment if it has one.
@@ -26,9 +25,9 @@ pub enum SegmentKind {
     Fill,
     /// Entropy-coded data.
     Data,
-    /// What follows the end of the image.
+    /// Bytes after the end of the image.
     Behind,
-    /// Bytes that stand where a marker should.
+    /// Bytes in place of a marker.
     Stray,
 }
 
@@ -68,7 +67,7 @@ impl SegmentKind {
     }
 }
 
-/// The parts of `stream`, one after the other, without a gap.
+/// Returns the parts of `stream` in sequence, without gaps.
 #[must_use]
 pub fn segments(stream: &[u8]) -> Vec<Segment> {
     let mut walk = Walk {
@@ -82,7 +81,7 @@ pub fn segments(stream: &[u8]) -> Vec<Segment> {
     walk.parts
 }
 
-/// The frame header among `parts`: its code, precision, height, width and number of components.
+/// Returns values of the frame header among `parts`: its code, precision, height, width and number of components.
 #[must_use]
 pub fn frame(stream: &[u8], parts: &[Segment]) -> Option<(u8, u8, u16, u16, u8)> {
     let is_frame =
@@ -102,7 +101,7 @@ pub fn frame(stream: &[u8], parts: &[Segment]) -> Option<(u8, u8, u16, u16, u8)>
     })
 }
 
-/// What the scan header of a JPEG-LS stream says of NEAR (T.87 C.2.3).
+/// Returns NEAR from the scan header of a JPEG-LS stream (T.87 C.2.3).
 #[must_use]
 pub fn near(stream: &[u8], parts: &[Segment]) -> Option<u8> {
     let scan = parts
@@ -179,7 +178,7 @@ impl Walk<'_> {
         self.push(SegmentKind::Marker(code), 2 + length.max(2), says);
     }
 
-    /// Up to the next marker that is no restart: a byte FF is followed by 00 (T.81) or by a byte below 80 (T.87).
+    /// Reads up to the next marker that is not a restart: in data, FF is followed by 00 (T.81) or by a byte below 80 (T.87).
     fn data(&mut self) {
         let rest = &self.stream[self.at()..];
         let mut restarts = 0;
@@ -202,7 +201,7 @@ impl Walk<'_> {
             0 => String::new(),
             _ => format!("{restarts} restart markers within"),
         };
-        // Never nothing, so that the walk goes on: after an empty scan the marker is taken.
+        // At least one byte, so that the walk progresses: after an empty scan the marker is taken.
         if end == 0 {
             return match *rest {
                 [0xff, code, ..] if code != 0xff => self.marker(code),
@@ -213,7 +212,7 @@ impl Walk<'_> {
     }
 }
 
-/// What a segment says, in words.
+/// Describes a segment.
 fn describe(code: u8, body: &[u8], jpeg_ls: bool) -> String {
     match (code, body) {
         (0xc4, _) => huffman_tables(body),
@@ -262,7 +261,7 @@ fn describe(code: u8, body: &[u8], jpeg_ls: bool) -> String {
     }
 }
 
-/// The tables of a DHT segment (T.81 B.2.4.2): class, number, how many codes.
+/// Describes the tables of a DHT segment (T.81 B.2.4.2): class, number, number of codes.
 fn huffman_tables(mut body: &[u8]) -> String {
     let mut words = Vec::new();
     while let [kind, rest @ ..] = body {
@@ -277,7 +276,7 @@ fn huffman_tables(mut body: &[u8]) -> String {
     words.join(", ")
 }
 
-/// The tables of a DQT segment (T.81 B.2.4.1): number, width, and the divisor of the mean.
+/// Describes the tables of a DQT segment (T.81 B.2.4.1): number, width, and the step of the DC coefficient.
 fn quantisation_tables(mut body: &[u8]) -> String {
     let mut words = Vec::new();
     while let [kind, rest @ ..] = body {

@@ -1,4 +1,4 @@
-//! Asking a program to write a file.
+//! Requests to a program to write a file.
 
 use crate::protocol::frame::Answer;
 use crate::ptm::Format;
@@ -12,31 +12,31 @@ use crate::writers::cases::WriterCase;
 use crate::writers::request::RequestHeader;
 use crate::writers::test_case::{BuiltRequest, WriteView, WrittenFile};
 
-/// What a template can name of a request, besides `{in}` and `{out}`.
+/// Values of a request that a template can name, in addition to `{in}` and `{out}`.
 pub const VALUES: [&str; 10] = [
     "planes", "format", "width", "height", "scale", "bias", "matrix", "quality", "near", "lp",
 ];
 
-/// A case that is answered with a file.
+/// A case whose answer is a file.
 pub trait WritingCase: Reported<View = WriteView, Output = WrittenFile> {
-    /// What the program is told to do.
+    /// The verb of the command line.
     const VERB: &'static str;
 
-    /// The format that is asked for.
+    /// Returns the requested format.
     fn format(&self) -> Format;
-    /// Whether it is of the smoke subset.
+    /// Returns true if it is in the smoke subset.
     fn is_smoke(&self) -> bool;
-    /// What the program gets.
+    /// Returns the input of the program.
     fn sent(built: &Self::Built) -> Sent;
 }
 
-/// What a program gets.
+/// The input of a program.
 pub struct Sent {
     /// The request, in which paths of attachments are names in braces.
     pub json: String,
-    /// The files that it names, and those that these name.
+    /// The files that it names, and the files that these name.
     pub attachments: Vec<Attachment>,
-    /// What a template can name.
+    /// Values that a template can name.
     pub values: Vec<(&'static str, String)>,
 }
 
@@ -64,7 +64,7 @@ impl WritingCase for WriterCase {
     }
 }
 
-/// Asks once for the file of a case; `timeout_factor` times the limit is allowed.
+/// Sends one request for the file of a case; the timeout is multiplied by `timeout_factor`.
 #[must_use]
 pub fn ask<C: WritingCase>(
     writer: &Decoder,
@@ -101,7 +101,7 @@ pub fn ask<C: WritingCase>(
     }
 }
 
-/// The values of a header as words of a command line; lists are separated by commas.
+/// Returns the values of a header as words of a command line; elements of lists are separated by commas.
 fn values(header: &RequestHeader) -> Vec<(&'static str, String)> {
     let list = |numbers: &[f64]| {
         let numbers: Vec<String> = numbers.iter().map(f64::to_string).collect();
@@ -120,7 +120,7 @@ fn values(header: &RequestHeader) -> Vec<(&'static str, String)> {
     ]
 }
 
-/// Says of a program that is no writer what a writer should do, and not what a decoder should.
+/// Rewords the remarks on a program that is not a writer, so that they describe writers instead of decoders.
 pub fn reword<C: WritingCase>(run: &mut Run<C>) {
     let Some(reason) = &run.not_a_decoder else {
         return;

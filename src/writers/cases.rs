@@ -1,4 +1,4 @@
-//! Cases: one request each and what is expected of its writer.
+//! Cases: one request each, with the expected result of its writer.
 
 use std::collections::BTreeMap;
 
@@ -14,25 +14,25 @@ use crate::suite::recipes::MakeRecord;
 use crate::suite::words::Words;
 use crate::writers::request::{PredictionAdvice, RequestHeader, WriteRequest};
 
-/// The requests that are part of the program.
+/// The embedded requests.
 const REQUESTS: &str = include_str!("../../spec-cases/writers/requests.yaml");
 
-/// One request and what is expected of its writer.
+/// One request, with the expected result of its writer.
 #[derive(Clone, Debug)]
 pub struct WriterCase {
     /// A permanent slug.
     pub id: String,
-    /// The clauses it is about.
+    /// The clauses that it tests.
     pub clauses: Vec<String>,
-    /// Why it is there, in a sentence.
+    /// The purpose of the case, in a sentence.
     pub because: String,
-    /// What is asked: a file with the values, or a refusal.
+    /// The expected result: a file with the values, or a refusal.
     pub expect: Expect,
-    /// Whether it is asked before all others.
+    /// True if it is requested before all others.
     pub first: bool,
-    /// Whether it is one of the few of the smoke subset.
+    /// True if it is in the smoke subset.
     pub smoke: bool,
-    /// What is in the file.
+    /// The contents of the file.
     recipe: Recipe,
 }
 
@@ -55,7 +55,7 @@ struct RequestRecord {
 }
 
 impl Suite<WriterCase> {
-    /// The suite of requests that is part of the program.
+    /// Loads the embedded suite of requests.
     ///
     /// # Errors
     /// A sentence that names the line or the request at fault.
@@ -81,7 +81,7 @@ impl RequestRecord {
     fn case(&self, words: &Words) -> Result<WriterCase, String> {
         let mut recipe = self.make.recipe(words)?;
         if recipe.format.has_table() {
-            // Every entry is in the planes, as far as there are texels for it.
+            // Every entry occurs in the planes, if there are enough texels.
             recipe.indices = Indices::These((0..recipe.entries).collect());
         }
         recipe.compression.residuals = Residuals::Natural;
@@ -99,20 +99,20 @@ impl RequestRecord {
 }
 
 impl WriterCase {
-    /// The format that is asked for.
+    /// Returns the requested format.
     #[must_use]
     pub fn format(&self) -> Format {
         self.recipe.format
     }
 
-    /// How many distinct polynomials the planes have, of formats with a table.
+    /// Returns the number of distinct polynomials in the planes, for formats with a table.
     #[must_use]
     pub fn entries(&self) -> Option<u32> {
         let has_table = self.recipe.format.has_table();
         has_table.then_some(self.recipe.entries)
     }
 
-    /// The request, whose planes are called `{planes}`.
+    /// Returns the request, whose planes have the path `{planes}`.
     #[must_use]
     pub fn request(&self) -> WriteRequest {
         let recipe = &self.recipe;
@@ -143,7 +143,7 @@ impl WriterCase {
         }
     }
 
-    /// What is painted, before any compression.
+    /// Returns the painted samples, before any compression.
     fn samples(&self) -> Vec<u8> {
         let mut plain = self.recipe.clone();
         if plain.format.is_compressed() {

@@ -1,8 +1,8 @@
-//! From wrong files to causes: the mistakes of a writer that would have written these files.
+//! From wrong files to causes: mistakes with which a writer would have written these files.
 //!
-//! A mistake explains a file if only a reader with this misreading has the right values of it, or if the file has what such
-//! a reader makes of the right one. It is contradicted by every correctly written request whose reference file a reader
-//! with this misreading misreads. Single mistakes come first, then pairs of mistakes, then descriptions.
+//! A mistake explains a file if only a reader with this misreading gets the right values from it, or if the file has the values
+//! that such a reader gets from the right one. It is contradicted by every correctly written request whose reference file such
+//! a reader misreads. Single mistakes come first, then pairs of mistakes, then descriptions.
 
 use std::cmp::Reverse;
 use std::collections::BTreeMap;
@@ -44,10 +44,10 @@ struct Exhibit {
     file: Vec<u8>,
 }
 
-/// The exhibits that are small enough to be searched, by their places in the suite.
+/// The exhibits that are small enough to be searched, by their indices in the suite.
 type Exhibits = BTreeMap<usize, Exhibit>;
 
-/// Returns why the failures of `run` failed; the cause that explains most is first.
+/// Returns the causes of the failures of `run`; the one that explains most is first.
 #[must_use]
 pub fn diagnose(
     suite: &Suite<WriterCase>,
@@ -76,7 +76,7 @@ pub fn diagnose(
         };
         Diagnosis::of(cause, pair.explains)
     }));
-    diagnoses.extend(described(suite, run, &failing));
+    diagnoses.extend(describe_differences(suite, run, &failing));
     diagnoses
 }
 
@@ -95,7 +95,7 @@ fn exhibit(suite: &Suite<WriterCase>, run: &Run<WriterCase>, place: usize) -> Op
 }
 
 /// Returns the smallest files of failing requests, a few of each format.
-fn smallest<'a>(exhibits: &'a Exhibits, failing: &[usize]) -> Vec<&'a Exhibit> {
+fn smallest_exhibits<'a>(exhibits: &'a Exhibits, failing: &[usize]) -> Vec<&'a Exhibit> {
     let mut smallest: Vec<&Exhibit> = failing.iter().filter_map(|i| exhibits.get(i)).collect();
     smallest.sort_by_key(|exhibit| exhibit.right.len());
     let mut counts: BTreeMap<Format, usize> = BTreeMap::new();
@@ -115,7 +115,7 @@ fn single(
     threads: usize,
 ) -> Vec<CoverCandidate<&'static Miswriting>> {
     let mistakes: Vec<&'static Miswriting> = writing::all().collect();
-    let screen = smallest(exhibits, failing);
+    let screen = smallest_exhibits(exhibits, failing);
     let candidate = |i: usize| {
         let mistake = mistakes[i];
         let explains = |exhibit: &Exhibit| {
@@ -166,7 +166,7 @@ fn pairs(
         let explains = |place: usize| exhibits.get(&place).is_some_and(is_explained);
         CoverCandidate::of((first, second), failing, explains, &[], |_| false)
     };
-    let smallest = smallest(exhibits, failing).into_iter();
+    let smallest = smallest_exhibits(exhibits, failing).into_iter();
     smallest
         .take(PAIR_SEARCHED_FILES)
         .filter_map(pair)
@@ -174,7 +174,7 @@ fn pairs(
 }
 
 /// Describes the failures that no mistake of the catalog explains, by the clause of their first difference.
-pub(super) fn described<C>(
+pub(super) fn describe_differences<C>(
     suite: &Suite<C>,
     run: &Run<C>,
     failing: &[usize],
@@ -214,7 +214,7 @@ pub(super) fn describe<A>(clause: &str, (effect, fix): (&str, &str), example: St
     }
 }
 
-/// Returns what a writer does whose files differ in this clause, and what to do about it.
+/// Returns the behavior of a writer whose files differ in this clause, and a fix.
 fn words_of(clause: &str, fault: &WriterFault) -> (&'static str, &'static str) {
     let clause = match fault.says.starts_with("the reference refuses") {
         true => "refused",

@@ -1,8 +1,8 @@
-//! What is wrong with a file that was written.
+//! The fault of a written file.
 
 use std::fmt;
 
-/// What is wrong with a file.
+/// The fault of a file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct WriterFault {
     /// The clause that it is about.

@@ -1,7 +1,7 @@
-//! Judges whether a file has the requested values.
+//! Comparison of a file with the requested values.
 //!
-//! The reference must decode the file. Header and planes must be those of the request; planes of lossy formats may be off
-//! by what the quality allows. `lint` must find no error.
+//! The reference must decode the file. Header and planes must be those of the request; planes of lossy formats have a tolerance
+//! that depends on the quality. `lint` must find no error.
 
 use std::fmt::Write;
 
@@ -14,13 +14,13 @@ use crate::tools::lint::lint;
 use crate::writers::fault::WriterFault;
 use crate::writers::request::WriteRequest;
 
-/// The relative tolerance of a number in the header: room for one rounding to `f32`.
-pub(super) const NUMBERS: f64 = 1e-6;
+/// The relative tolerance of a number in the header: one rounding to `f32`.
+pub(super) const NUMBER_TOLERANCE: f64 = 1e-6;
 
 /// Judges the file that was written for `request`.
 ///
 /// # Errors
-/// What is wrong with it.
+/// The fault of the file.
 pub fn judge(request: &WriteRequest, file: &[u8]) -> Result<(), WriterFault> {
     let dissection = Dissection::of(file);
     let ptm = match &dissection.outcome {
@@ -51,7 +51,7 @@ pub(super) fn check_lint(file: &[u8]) -> Result<(), WriterFault> {
     }
 }
 
-/// Returns why the reference refuses a file, and the bytes at that place.
+/// Returns the reason why the reference refuses a file, and the bytes at that place.
 pub(super) fn refusal(file: &[u8], error: &Error) -> WriterFault {
     let from = error.offset().min(file.len());
     let shown = &file[from..file.len().min(from + 16)];
@@ -115,7 +115,7 @@ fn compare_numbers(
 }
 
 pub(super) fn is_same_number(wanted: f64, found: f64) -> bool {
-    (wanted - found).abs() <= NUMBERS * wanted.abs()
+    (wanted - found).abs() <= NUMBER_TOLERANCE * wanted.abs()
 }
 
 fn listed(numbers: &[f64]) -> String {

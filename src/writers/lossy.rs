@@ -1,13 +1,13 @@
-//! What a lossy format may make of the planes that were asked for.
+//! Tolerances for the requested planes in lossy formats.
 //!
-//! A coefficient of the cosine transform is off by half its quantization step at most, and the transform keeps the sum of
-//! squares; so the squared errors of a block of 8 × 8 samples add up to at most a quarter of the squared steps, whatever
-//! the encoder. JPEG-LS says it outright: no sample is off by more than NEAR.
+//! The error of a coefficient of the cosine transform is at most half its quantization step, and the transform preserves the
+//! sum of squares; so the sum of squared errors of a block of 8 × 8 samples is at most a quarter of the sum of squared steps,
+//! for every encoder. In JPEG-LS, no sample is off by more than NEAR.
 //!
 //! Format notes
-//! - Residuals wrap around, so errors are counted on the circle of 256 values; but a texel that ends on the other side of
-//!   the scale is wrong, and a record of side information must correct it (clause 2.9.8/4).
-//! - A corrected texel has the very value that was asked for.
+//! - Residuals wrap around, so errors are counted modulo 256; but a texel that wraps to the other end of
+//!   the range is wrong, and a record of side information must correct it (clause 2.9.8/4).
+//! - A corrected texel has exactly the requested value.
 
 use std::collections::HashSet;
 
@@ -17,13 +17,13 @@ use crate::tools::dissection::{Dissection, Role};
 use crate::writers::fault::WriterFault;
 use crate::writers::request::WriteRequest;
 
-/// Beyond what quantization loses: an encoder's and a decoder's transform in whole numbers, for each sample.
-const ROUNDING: f64 = 1.0;
+/// Additional tolerance for each sample: the integer transforms of an encoder and of a decoder.
+const ROUNDING_TOLERANCE: f64 = 1.0;
 
-/// Holds the planes of a lossy file against those that were asked for.
+/// Compares the planes of a lossy file with the requested ones.
 ///
 /// # Errors
-/// What is wrong, at the first place.
+/// The first fault.
 pub(super) fn compare(
     request: &WriteRequest,
     dissection: &Dissection,
@@ -55,7 +55,7 @@ fn check<'a>(
     })
 }
 
-/// The samples of a plane in the stored raster, the bottom row first.
+/// Returns the samples of a plane in the stored raster, the bottom row first.
 fn stored_plane(request: &WriteRequest, samples: &[u8], plane: usize) -> Vec<u8> {
     let channels = request.format.channels();
     let row = request.header.width as usize * channels;
@@ -65,7 +65,7 @@ fn stored_plane(request: &WriteRequest, samples: &[u8], plane: usize) -> Vec<u8>
         .collect()
 }
 
-/// The positions of records of five bytes (clause 2.9.8/5).
+/// Returns the positions of records of five bytes (clause 2.9.8/5).
 fn positions(side: &[u8]) -> HashSet<usize> {
     let records = side.as_chunks::<5>().0.iter();
     records
@@ -77,9 +77,9 @@ fn positions(side: &[u8]) -> HashSet<usize> {
 struct LossyPlane<'a> {
     request: &'a WriteRequest,
     plane: usize,
-    /// What was asked for, in the stored raster.
+    /// The requested samples, in the stored raster.
     wanted: Vec<u8>,
-    /// What the reference decodes.
+    /// The samples that the reference decodes.
     found: Vec<u8>,
     /// Texels that have a record.
     corrected: HashSet<usize>,
@@ -96,7 +96,7 @@ impl<'a> LossyPlane<'a> {
         }
     }
 
-    /// No more is lost than the format allows.
+    /// Checks that the loss is within the tolerance of the format.
     fn check_loss(&self) -> Result<(), WriterFault> {
         match self.request.header.quality {
             Some(quality) => self.check_blocks(quality),
@@ -104,7 +104,7 @@ impl<'a> LossyPlane<'a> {
         }
     }
 
-    /// Corrected texels are right, and no other is on the wrong side of the scale.
+    /// Checks that corrected texels are right, and that no other is at the wrong end of the range.
     fn check_ends(&self) -> Result<(), WriterFault> {
         let pairs = self.wanted.iter().zip(&self.found).enumerate();
         for (place, (&wanted, &found)) in pairs {
@@ -120,26 +120,26 @@ impl<'a> LossyPlane<'a> {
         Ok(())
     }
 
-    /// JPEG-LS: no sample is off by more than `near`.
+    /// Checks in JPEG-LS that no sample is off by more than `near`.
     fn check_near(&self, near: u8) -> Result<(), WriterFault> {
         let mut pairs = self.wanted.iter().zip(&self.found);
-        let place = pairs.position(|(&wanted, &found)| on_the_circle(wanted, found) > near);
+        let place = pairs.position(|(&wanted, &found)| distance_modulo_256(wanted, found) > near);
         let why = format!("a loss of at most {near} was asked for");
         place.map_or(Ok(()), |place| Err(self.fault("2.9.1/1", place, &why)))
     }
 
-    /// JPEG: no block is off by more than the quantization steps of `quality` allow.
+    /// Checks in JPEG that no block is off by more than the quantization steps of `quality` allow.
     fn check_blocks(&self, quality: u8) -> Result<(), WriterFault> {
         let steps = scaled_steps(quality, false).map(f64::from);
         let of_steps = steps.iter().map(|step| step * step / 4.0).sum::<f64>();
-        let allowed = (of_steps.sqrt() + 8.0 * ROUNDING).powi(2);
+        let allowed = (of_steps.sqrt() + 8.0 * ROUNDING_TOLERANCE).powi(2);
         let width = self.request.header.width as usize;
         let columns = width.div_ceil(8);
         let rows = (self.request.header.height as usize).div_ceil(8);
         let mut lost = vec![0.0; columns * rows];
         for (place, (&wanted, &found)) in self.wanted.iter().zip(&self.found).enumerate() {
             let block = place / width / 8 * columns + place % width / 8;
-            lost[block] += f64::from(on_the_circle(wanted, found)).powi(2);
+            lost[block] += f64::from(distance_modulo_256(wanted, found)).powi(2);
         }
         match lost.iter().position(|&lost| lost > allowed) {
             None => Ok(()),
@@ -154,7 +154,7 @@ impl<'a> LossyPlane<'a> {
         }
     }
 
-    /// A fault at a place of the stored raster.
+    /// Returns a fault at a place of the stored raster.
     fn fault(&self, clause: &str, place: usize, why: &str) -> WriterFault {
         let width = self.request.header.width as usize;
         let height = self.request.header.height as usize;
@@ -168,7 +168,7 @@ impl<'a> LossyPlane<'a> {
     }
 }
 
-/// How far two values are apart on the circle of 256.
-fn on_the_circle(a: u8, b: u8) -> u8 {
+/// Returns the distance of two values modulo 256.
+fn distance_modulo_256(a: u8, b: u8) -> u8 {
     a.wrapping_sub(b).min(b.wrapping_sub(a))
 }

@@ -1,4 +1,4 @@
-//! Walks the author of a writer through the contract: one request of each format, and what is wrong with each file.
+//! Guides the author of a writer through the protocol: one request for each format, and the faults of each file.
 
 use crate::kit::last_words::last_words;
 use crate::misreadings::writing;
@@ -17,7 +17,7 @@ use crate::writers::test_case::WrittenFile;
 /// Takes all steps with `writer`.
 ///
 /// # Errors
-/// What is wrong with the requests.
+/// The error in the requests.
 pub fn probe(writer: &Decoder, scratch: &Scratch) -> Result<Checklist, String> {
     let suite = Suite::of_requests()?;
     let mut list = Checklist::default();
@@ -35,7 +35,7 @@ pub fn probe(writer: &Decoder, scratch: &Scratch) -> Result<Checklist, String> {
                 list.bad(format!("{format}: {says}"), next, None);
             }
         }
-        // A program that cannot be started, or never ends, is like that in every format.
+        // A program that cannot be started, or never ends, does so for every format.
         if matches!(reply.answer, Answer::NotStarted(_) | Answer::Hung(_)) {
             return Ok(list);
         }
@@ -47,7 +47,7 @@ pub fn probe(writer: &Decoder, scratch: &Scratch) -> Result<Checklist, String> {
     Ok(list)
 }
 
-/// A file: right, or what is wrong with it and which mistake makes it so.
+/// Reports that a file is right, or its fault and the mistake that explains it.
 fn look_at(list: &mut Checklist, case: &WriterCase, file: &WrittenFile) {
     let (request, format) = (case.request(), case.format().short_name());
     let fault = match judge(&request, &file.0) {
@@ -66,7 +66,7 @@ fn look_at(list: &mut Checklist, case: &WriterCase, file: &WrittenFile) {
     list.bad(format!("{format}: {fault}"), next, None);
 }
 
-/// An answer that is no file, and what to do about it.
+/// Explains an answer that is not a file, with a fix.
 fn explain(reply: &Reply<WrittenFile>) -> (String, &'static str) {
     let next = match &reply.answer {
         Answer::ProtocolError(_) if reply.stdout.starts_with(b"PTM_1.") => {

@@ -1,11 +1,11 @@
-//! The reference as a writer: what the generator makes of a request, in the spelling that every known reader accepts.
+//! The reference as a writer: the generator's file for a request, in the spelling that every known reader accepts.
 
 use crate::generate::plan::{Compression, Residuals};
 use crate::generate::{Model, Recipe, write};
 use crate::ptm::Format;
 use crate::writers::request::WriteRequest;
 
-/// Why a request was not carried out.
+/// The reason why a file was not written.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum NotWritten {
     /// No file can hold these values: exit status 65.
@@ -14,20 +14,20 @@ pub enum NotWritten {
     Unsupported(String),
 }
 
-/// The file that the reference writes.
+/// Returns the file that the reference writes.
 ///
 /// # Errors
-/// Why there is none.
+/// The reason why there is none.
 pub fn written(request: &WriteRequest) -> Result<Vec<u8>, NotWritten> {
     let recipe = recipe(request)?;
     let model = Model::of(&recipe, &request.samples).map_err(NotWritten::Impossible)?;
     Ok(write(&recipe, &model).bytes)
 }
 
-/// How the generator is told to write it.
+/// Returns the recipe for the generator.
 ///
 /// # Errors
-/// Why the reference does not write such a file.
+/// The reason why the reference does not write such a file.
 pub fn recipe(request: &WriteRequest) -> Result<Recipe, NotWritten> {
     let WriteRequest { header, format, .. } = request;
     let mut recipe = Recipe::ordinary(*format, request.size());
@@ -65,7 +65,7 @@ fn compression(request: &WriteRequest, format: Format) -> Result<Compression, No
     Ok(plan)
 }
 
-/// A number with all its digits, without an exponent where that is readable.
+/// Returns a number with all its digits, without an exponent if that is readable.
 fn decimal(number: f64) -> String {
     match number.abs() {
         0.0 | 1e-20..1e20 => number.to_string(),

@@ -1,4 +1,4 @@
-//! What a writer is asked to write: the values of a header in JSON, and the planes in a NumPy array beside it.
+//! Requests to a writer: the values of a header in JSON, and the planes in a separate NumPy array.
 //!
 //! ```json
 //! {
@@ -9,9 +9,9 @@
 //! }
 //! ```
 //!
-//! - `matrix`: sixteen numbers in the order of the file, of LUM only.
-//! - `quality`: of JPEG formats, 20 to 100. `near`: of JPEG-LS formats, the largest loss, 0 for none.
-//! - `prediction`: a way to predict planes from each other that a writer may follow: five lists with a number for each
+//! - `matrix`: sixteen numbers in the order of the file, for LUM only.
+//! - `quality`: for JPEG formats, 20 to 100. `near`: for JPEG-LS formats, the maximum error, 0 for lossless.
+//! - `prediction`: a prediction of planes from each other that a writer may use: five lists with a number for each
 //!   plane, `references`, `order`, `transforms`, `motion_x`, `motion_y`, with the meanings of 2.9.2 to 2.9.5.
 //! - `planes`: the stored values, height × width × channels, u8, the top row first.
 
@@ -22,7 +22,7 @@ use crate::protocol::npy;
 use crate::ptm::{ColorMatrix, Format, Header, Planes, Ptm, ScaleBias, Shape, Size};
 use crate::tools::export::npy_bytes;
 
-/// What to write.
+/// A request to write a file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct WriteRequest {
     /// The values of the header.
@@ -33,15 +33,15 @@ pub struct WriteRequest {
     pub samples: Vec<u8>,
 }
 
-/// All of a request but the planes: what stands in its JSON.
+/// The JSON of a request: everything except the planes.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RequestHeader {
-    /// The name of 2.2.
+    /// The name in 2.2.
     pub format: String,
-    /// Texels in a row.
+    /// Number of texels in a row.
     pub width: u32,
-    /// Rows.
+    /// Number of rows.
     pub height: u32,
     /// The six scales of 2.4.
     pub scale: [f64; 6],
@@ -53,25 +53,25 @@ pub struct RequestHeader {
     /// The quality of JPEG planes (2.9.1).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub quality: Option<u8>,
-    /// The largest loss of JPEG-LS planes (2.9.1).
+    /// The maximum error of JPEG-LS planes (2.9.1).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub near: Option<u8>,
-    /// How planes may be predicted.
+    /// A possible prediction of planes.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub prediction: Option<PredictionAdvice>,
-    /// Where the planes lie.
+    /// The path of the planes.
     pub planes: String,
 }
 
-/// How planes may be predicted from each other; a number for each plane in every list.
+/// A possible prediction of planes from each other; every list has a number for each plane.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PredictionAdvice {
-    /// The plane that each is predicted from, −1 for none (2.9.5).
+    /// The reference of each plane, −1 for none (2.9.5).
     pub references: Vec<i64>,
-    /// The rank of each (2.9.4).
+    /// The rank of each plane (2.9.4).
     pub order: Vec<i64>,
-    /// What is done to the reference (2.9.2).
+    /// The transform of the reference (2.9.2).
     pub transforms: Vec<u32>,
     /// Motion along rows, in half texels (2.9.3).
     pub motion_x: Vec<i32>,
@@ -83,12 +83,12 @@ impl RequestHeader {
     /// Reads the JSON of a request.
     ///
     /// # Errors
-    /// What is wrong with it, in a sentence.
+    /// A sentence that names the error.
     pub fn read(json: &[u8]) -> Result<RequestHeader, String> {
         serde_json::from_slice(json).map_err(|error| format!("the request: {error}"))
     }
 
-    /// The JSON, on one line for each key.
+    /// Returns the JSON, one line for each key.
     #[must_use]
     pub fn to_json(&self) -> String {
         let text = serde_json::to_string_pretty(self).expect("a request is numbers and names");
@@ -98,7 +98,7 @@ impl RequestHeader {
     /// Joins the header with the planes of `array`, a NumPy file.
     ///
     /// # Errors
-    /// What of the array or of the header does not fit the format, in a sentence.
+    /// A sentence that names the part of the array or of the header that does not fit the format.
     pub fn with_planes(self, array: &[u8]) -> Result<WriteRequest, String> {
         let format: Format = self.format.parse()?;
         let frame =
@@ -122,7 +122,7 @@ impl RequestHeader {
     }
 }
 
-/// Returns the map with these values. A matrix makes it one of LUM.
+/// Returns the map with these values. A matrix makes it a LUM map.
 pub(super) fn map_of(
     format: Format,
     size: Size,
@@ -149,7 +149,7 @@ pub(super) fn map_of(
 }
 
 impl WriteRequest {
-    /// The values of an uncompressed map.
+    /// Returns the values of an uncompressed map.
     #[must_use]
     pub fn of(ptm: &Ptm) -> WriteRequest {
         let Header {
@@ -179,7 +179,7 @@ impl WriteRequest {
         }
     }
 
-    /// Width and height.
+    /// Returns width and height.
     #[must_use]
     pub fn size(&self) -> Size {
         Size {
@@ -188,13 +188,13 @@ impl WriteRequest {
         }
     }
 
-    /// The planes as a NumPy file.
+    /// Returns the planes as a NumPy file.
     #[must_use]
     pub fn array(&self) -> Vec<u8> {
         npy_bytes(&self.samples, self.size(), self.format.channels())
     }
 
-    /// The same, if a file of its format has all that it names and nothing else.
+    /// Returns the request, if a file of its format has all values that it names and no others.
     fn checked(self) -> Result<WriteRequest, String> {
         let (format, header) = (self.format, &self.header);
         let needs = [

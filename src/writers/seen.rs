@@ -1,7 +1,7 @@
-//! A file as a reader with mistakes sees it, compared with the values that were requested.
+//! A file as a reader with mistakes reads it, compared with the requested values.
 //!
-//! A writer misreads a clause as a reader does. Either only such a reader has the right values of its file, or the file
-//! has what such a reader makes of the right one.
+//! A writer misreads a clause in the same way as a reader. Either only such a reader gets the right values from its file, or
+//! the file has the values that such a reader gets from the right one.
 
 use crate::decode::fields;
 use crate::formula::{self, Edit, Edits};
@@ -49,7 +49,7 @@ pub(super) fn is_right_under(
     tells(file, mistakes, |seen| seen.is_right(request))
 }
 
-/// Returns true if `file` has what a reader with this mistake, and only such a reader, makes of the right file.
+/// Returns true if `file` has the values that a reader with this mistake, and only such a reader, gets from the right file.
 fn is_lost(right: &[u8], file: &[u8], mistake: &Misreading) -> bool {
     if let Some(seen) = edited(right, mistake)
         && payload(&seen) != payload(right)
@@ -63,7 +63,7 @@ fn is_lost(right: &[u8], file: &[u8], mistake: &Misreading) -> bool {
             .count()
             == 6;
     }
-    // A decoding mistake makes the same values when it is repeated as when it is undone.
+    // A decoding mistake gives the same values when it is repeated as when it is undone.
     mistake.at.stage() != Stage::Decoding
         && tells(right, &[mistake], |seen| seen.is_written_as_seen(file))
 }
@@ -110,7 +110,7 @@ impl SeenFile {
         })
     }
 
-    /// Returns true if these are the values of `request`: the stored values, or what is made of them if a mistake acts
+    /// Returns true if these are the values of `request`: the stored values, or values computed from them if a mistake acts
     /// later.
     pub fn is_right(&self, request: &WriteRequest) -> bool {
         self.ptm.header.format == request.format
@@ -119,7 +119,7 @@ impl SeenFile {
             && self.has_numbers_of(&SeenFile::wanted(request), self.stage)
     }
 
-    /// Returns true if `file`, read without mistakes, has exactly what this reader sees.
+    /// Returns true if `file`, read without mistakes, has exactly the values that this reader sees.
     fn is_written_as_seen(&self, file: &[u8]) -> bool {
         SeenFile::of(file, &[]).is_some_and(|found| {
             found.ptm.planes.samples == self.ptm.planes.samples
@@ -127,7 +127,7 @@ impl SeenFile {
         })
     }
 
-    /// Returns true if both have the same size and the same numbers in the header, or what is made of them up to a stage.
+    /// Returns true if both have the same size and the same numbers in the header, or the same derived values up to a stage.
     fn has_numbers_of(&self, other: &SeenFile, stage: Stage) -> bool {
         self.ptm.header.size == other.ptm.header.size
             && match stage {

@@ -1,4 +1,4 @@
-//! The suite of requests as a run asks it: a request, answered with a file.
+//! The suite of requests as a run uses it: the answer to a request is a file.
 
 use std::collections::BTreeSet;
 use std::fmt;
@@ -18,7 +18,7 @@ use crate::writers::fault::WriterFault;
 use crate::writers::judge::judge;
 use crate::writers::request::WriteRequest;
 
-/// The one thing that a writer is asked for.
+/// The only view of a writer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct WriteView;
 
@@ -39,7 +39,7 @@ impl WrittenFile {
     }
 }
 
-/// Returns the file that answers a request, if it is wrong, and what is wrong with it.
+/// Returns the file that answers a request, if it is wrong, with its fault.
 pub(super) fn wrong_file<C>(observation: Option<&Observation<C>>) -> Option<(&[u8], &WriterFault)>
 where
     C: TestCase<Output = WrittenFile, Difference = WriterFault>,
@@ -68,7 +68,7 @@ impl<'de> Deserialize<'de> for WrittenFile {
     }
 }
 
-/// A request and what is sent of it.
+/// A request in the form in which it is sent.
 pub struct BuiltRequest {
     /// The request.
     pub request: WriteRequest,
@@ -133,7 +133,7 @@ impl TestCase for WriterCase {
         features
     }
 
-    /// A refusal proves nothing of a format that the writer does not write.
+    /// Lists the other cases of the format: a refusal proves nothing if the writer does not write the format.
     fn twins(cases: &[WriterCase]) -> Vec<Vec<usize>> {
         let written = |format: Format| {
             let of_format = cases.iter().enumerate();
@@ -161,7 +161,7 @@ impl TestCase for WriterCase {
         &built.json
     }
 
-    /// Twice what lies in the planes, and the largest header.
+    /// Twice the size of the planes, plus the largest header.
     fn largest_answer(&self, built: &BuiltRequest) -> usize {
         2 * built.request.samples.len() + 65_536
     }

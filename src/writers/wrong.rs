@@ -1,8 +1,8 @@
-//! Wrong files for tests: what a writer with a misreading writes.
+//! Wrong files for tests: the files of a writer with a misreading.
 //!
-//! Three rules serve all misreadings; where none makes a file that shows the misreading, there is no such file.
+//! Three rules cover all misreadings; if none makes a file that shows the misreading, there is no such file.
 //!
-//! - *Lost*: the writer writes what a reader with this misreading makes of the right file.
+//! - *Lost*: the writer writes the values that a reader with this misreading gets from the right file.
 //! - *Moved*: the writer puts each value where such a reader looks for it.
 //! - *Repaired*: the writer corrects each number by the error of such a reader, until the reader has the right ones.
 
@@ -42,7 +42,7 @@ fn file(request: &WriteRequest) -> Option<Vec<u8>> {
     is_finite.then(|| written(request).ok())?
 }
 
-/// Returns what a reader with this mistake makes of the reference's file.
+/// Returns the map that a reader with this mistake gets from the reference's file.
 fn seen(request: &WriteRequest, mistake: &Misreading) -> Option<Ptm> {
     let map = SeenFile::of(&file(request)?, &[mistake])?.into_effective_map();
     (map.planes.samples.len() == request.samples.len()).then_some(map)
@@ -58,11 +58,11 @@ fn with_values(request: &WriteRequest, map: &Ptm) -> WriteRequest {
     other
 }
 
-/// Returns a file with each value where the reader looks for it, if the reader only moves values.
+/// Returns a file with each value at the place where the reader expects it, if the reader only moves values.
 fn moved(request: &WriteRequest, mistake: &Misreading) -> Option<Vec<u8>> {
     let count = request.samples.len();
     let mut other = request.clone();
-    // Three files of addresses, low bytes first, show from where the reader takes each value.
+    // Three files of addresses, low bytes first, show the source of each value.
     let mut from = vec![0; count];
     for shift in [0, 8, 16] {
         other.samples = (0..count).map(|i| (i >> shift) as u8).collect();
@@ -76,7 +76,7 @@ fn moved(request: &WriteRequest, mistake: &Misreading) -> Option<Vec<u8>> {
     file(&other)
 }
 
-/// Returns a file of which the reader has the right numbers, if repairs lead to one.
+/// Returns a file from which the reader gets the right numbers, if repairs lead to one.
 fn repaired(
     request: &WriteRequest,
     start: fn(&mut RequestHeader),

@@ -1,4 +1,4 @@
-//! T.81 A.3.3: what forward and inverse DCT share
+//! T.81 A.3.3: the common part of forward and inverse DCT
 //!
 //! The standard defines the transform by cosines and leaves its arithmetic open. The integer
 //! arithmetic here is that of the Independent JPEG Group's accurate transform ("islow"), after the
@@ -19,21 +19,21 @@ pub(super) const FRACTION: u32 = 13;
 /// Between the two passes values keep two more bits than samples need.
 pub(super) const EXTRA: u32 = 2;
 
-/// Numbers with a fixed point, in integers of 64 or 32 bits.
+/// Fixed-point numbers, in integers of 64 or 32 bits.
 ///
-/// 64 bits are enough for whatever a stream may hold. In 32 bits sums and products wrap.
+/// 64 bits are enough for every stream. In 32 bits sums and products wrap.
 pub(super) trait FixedPoint:
     Copy + Add<Output = Self> + Sub<Output = Self> + Neg<Output = Self>
 {
     fn from_i32(value: i32) -> Self;
 
-    /// The low 32 bits.
+    /// Returns the low 32 bits.
     fn to_i32(self) -> i32;
 
-    /// The product with a factor, which is first multiplied by 2¹³ and rounded: 0.541196100 is 4433.
+    /// Multiplies by a factor, which is first multiplied by 2¹³ and rounded: 0.541196100 is 4433.
     fn times(self, factor: f64) -> Self;
 
-    /// Division by a power of two, with halves rounded up.
+    /// Divides by a power of two, with halves rounded up.
     fn round_shift(self, bits: u32) -> Self;
 }
 

@@ -1,9 +1,8 @@
 //! T.81 F.2.2: one block of coefficients
 //!
-//! A coefficient is coded in two parts: a Huffman code tells its *size*, the number of bits that
-//! its magnitude needs, and so many further bits tell which number of that size it is. Codes of AC
-//! coefficients tell the run of zeros before it as well: RUN in the high four bits of the symbol,
-//! SIZE in the low ones.
+//! A coefficient is coded in two parts: a Huffman code for its *size*, the number of bits that its magnitude needs, and that
+//! many further bits, which select a number of that size. Codes of AC coefficients also have the run of zeros before it: RUN in
+//! the high four bits of the symbol, SIZE in the low ones.
 //!
 //! ```text
 //! size 1:  −1              |  1             bits 0 | 1
@@ -22,7 +21,7 @@
 //!
 //! Format notes
 //! - A run is at most fifteen; ZRL (RUN 15, SIZE 0) stands for sixteen zeros. A run that leaves the
-//!   block is malformed, also one of nothing but ZRL.
+//!   block is malformed, even if it consists of ZRL only.
 //! - A block whose last coefficient is not zero has no EOB.
 //! - For samples of 8 bits, differences have at most 11 bits (Table F.1) and AC coefficients at
 //!   most 10 (Table F.2).
@@ -31,10 +30,10 @@ use super::huffman::ReadSymbols;
 use super::zigzag::ZIGZAG;
 use crate::codec::stream_error::{Result, malformed};
 
-/// Decodes a block and dequantizes it on the way (A.3.4): its DCT coefficients in row order.
+/// Decodes a block and dequantizes it (A.3.4): its DCT coefficients in row order.
 ///
-/// `steps` are in zigzag order; `previous_dc` is the quantized DC coefficient of the block before,
-/// and then of this one.
+/// `steps` are in zigzag order; `previous_dc` is the quantized DC coefficient of the previous block, and after the call that of
+/// this one.
 #[inline]
 pub(super) fn decode_block<'a, B: ReadSymbols<'a>>(
     bits: &mut B,
@@ -77,7 +76,7 @@ pub(super) fn decode_block<'a, B: ReadSymbols<'a>>(
     Ok(block)
 }
 
-/// F.2.2.1: the size of the difference, then the difference.
+/// Decodes the size of the difference, then the difference (F.2.2.1).
 #[inline]
 fn decode_dc_difference<'a, B: ReadSymbols<'a>>(bits: &mut B, table: &B::Table) -> Result<i32> {
     let size = bits.symbol(table)?;

@@ -1,18 +1,18 @@
 //! T.81 B.2.1: the order of a stream, written
 //!
-//! The way of `decoder` and its neighbors backwards, as libjpeg goes it: with the default options
-//! every byte equals what `cjpeg -baseline -dct int -grayscale -quality Q` writes:
+//! The inverse of `decoder` and its neighbors, in the same way as libjpeg: with the default options every byte equals the
+//! output of `cjpeg -baseline -dct int -grayscale -quality Q`:
 //!
 //! ```text
 //! SOI  APP0 (JFIF)  DQT  SOF0 or SOF1  DHT (DC)  DHT (AC)  [DRI]  SOS  data  EOI
 //! ```
 //!
 //! Format notes
-//! - The samples that come back beside the stream are those of `inverse_dct`: whoever predicts the
-//!   next plane from this one must know what the decoder will have.
-//! - libjpeg writes each Huffman table in a segment of its own, and the restart interval after them.
-//! - Tables that nothing uses are legal. Where there are any, they say 1 for every quantization step and
-//!   have one code, the bit 0 for the symbol 0.
+//! - The samples that are returned with the stream are those of `inverse_dct`: a plane is predicted
+//!   from the samples that the decoder has.
+//! - libjpeg writes each Huffman table in a separate segment, and the restart interval after them.
+//! - Unused tables are legal. If there are any, their quantization steps are all 1, and their Huffman tables have one
+//!   code, the bit 0 for the symbol 0.
 
 use super::huffman_table::HuffmanTable;
 use super::huffman_tables::{optimal_tables, typical_tables};
@@ -22,35 +22,32 @@ use super::zigzag::ZIGZAG;
 use crate::codec::markers::{APP0, DRI};
 use crate::codec::writer::{Encoded, Writer, check_size};
 
-/// How to encode; the spellings of one image that the standard allows.
+/// Options of the encoder: the spellings of one image that the standard allows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct JpegOptions {
-    /// 1 … 100, as the Independent JPEG Group counts it.
+    /// 1 … 100, by the Independent JPEG Group's definition.
     pub quality: u8,
-    /// No quantization step over 255, so that the frame is baseline (SOF0) at every quality.
-    /// Without, a quality below 24 needs 16-bit tables and an extended sequential frame (SOF1).
+    /// No quantization step over 255, so that the frame is baseline (SOF0) at every quality. Otherwise, a quality below 24
+    /// needs 16-bit tables and an extended sequential frame (SOF1).
     pub baseline: bool,
-    /// Huffman tables made for this image instead of those of Annex K.
+    /// Huffman tables optimized for this image instead of those of Annex K.
     pub optimized: bool,
-    /// Blocks from one restart marker to the next; 0 for no restart markers.
+    /// Number of blocks between restart markers; 0 for no restart markers.
     pub restart_interval: u16,
-    /// Horizontal and vertical sampling factor of the component, 1 … 4. They change nothing but
-    /// their byte.
+    /// Horizontal and vertical sampling factor of the component, 1 … 4. They have no effect except on their byte.
     pub sampling: (u8, u8),
-    /// One quantization step for all coefficients instead of those of the quality; over 255 it needs
-    /// what qualities below 24 need.
+    /// One quantization step for all coefficients instead of those of the quality; a step over 255 needs 16-bit tables and
+    /// SOF1, like qualities below 24.
     pub step: Option<u16>,
-    /// The numbers of the quantization, the DC and the AC table, at most 3; Huffman tables over 1 need
-    /// an extended frame. Tables from 0 to 1 or the number are all defined then, those that have other
-    /// numbers for nothing. Without, all numbers are 0.
+    /// The numbers of the quantization, the DC and the AC table, at most 3; Huffman tables over 1 need an extended frame.
+    /// Tables from 0 to 1 or to the number are then all defined, although only these are used. By default, all numbers are 0.
     pub table_numbers: Option<[u8; 3]>,
-    /// All quantization tables stand in one segment, and so do all Huffman tables.
+    /// All quantization tables in one segment, and all Huffman tables in one.
     pub tables_together: bool,
 }
 
 impl JpegOptions {
-    /// The ordinary file of a quality: baseline, the tables of Annex K, no restart markers, factors
-    /// 1 × 1.
+    /// Returns the default options for a quality: baseline, the tables of Annex K, no restart markers, factors 1 × 1.
     #[must_use]
     pub fn new(quality: u8) -> JpegOptions {
         JpegOptions {
@@ -96,7 +93,7 @@ pub fn encode(samples: &[u8], width: u32, height: u32, options: &JpegOptions) ->
     let mut stream = Writer::new();
     write_jfif(&mut stream);
     write_quantization(&mut stream, &steps, options);
-    let extended = wide(&steps) || dc > 1 || ac > 1; // Table B.5
+    let extended = needs_16_bits(&steps) || dc > 1 || ac > 1; // Table B.5
     let sof = if extended { 0xC1 } else { 0xC0 };
     stream.frame_header(sof, width, height, [h << 4 | v, quantization]);
     write_huffman(&mut stream, &tables, options);
@@ -111,19 +108,19 @@ pub fn encode(samples: &[u8], width: u32, height: u32, options: &JpegOptions) ->
     }
 }
 
-/// The application segment of JFIF 1.01: no unit, pixels as wide as high, no thumbnail.
+/// Writes the application segment of JFIF 1.01: no unit, square pixels, no thumbnail.
 fn write_jfif(stream: &mut Writer) {
     stream.segment(APP0, b"JFIF\0\x01\x01\x00\x00\x01\x00\x01\x00\x00");
 }
 
-/// Whether a quantization step does not fit in a byte.
-fn wide(steps: &[u16; 64]) -> bool {
+/// Returns true if a quantization step does not fit in a byte.
+fn needs_16_bits(steps: &[u16; 64]) -> bool {
     steps.iter().any(|&step| step > 255)
 }
 
-/// B.2.4.1: precision and number, then the steps in zigzag order.
+/// Writes precision and number, then the steps in zigzag order (B.2.4.1).
 fn write_quantization(stream: &mut Writer, steps: &[u16; 64], options: &JpegOptions) {
-    let wide = wide(steps);
+    let wide = needs_16_bits(steps);
     let table = |number: u8, is_used: bool| {
         let mut content = vec![u8::from(wide) << 4 | number];
         for i in ZIGZAG {
@@ -133,11 +130,11 @@ fn write_quantization(stream: &mut Writer, steps: &[u16; 64], options: &JpegOpti
         }
         content
     };
-    let tables = numbered(options, 0).map(|(number, is_used)| table(number, is_used));
+    let tables = used_tables(options, 0).map(|(number, is_used)| table(number, is_used));
     write_tables(stream, 0xDB, &tables.collect::<Vec<_>>(), options);
 }
 
-/// B.2.4.2: class and number, the numbers of codes, the symbols; DC tables first.
+/// Writes class and number, the numbers of codes, the symbols; DC tables first (B.2.4.2).
 fn write_huffman(stream: &mut Writer, tables: &[HuffmanTable; 2], options: &JpegOptions) {
     let mut contents = Vec::new();
     for (class, used) in (0..).zip(tables) {
@@ -146,7 +143,7 @@ fn write_huffman(stream: &mut Writer, tables: &[HuffmanTable; 2], options: &Jpeg
             symbols: vec![0],
         };
         unused.counts[0] = 1;
-        for (number, is_used) in numbered(options, 1 + usize::from(class)) {
+        for (number, is_used) in used_tables(options, 1 + usize::from(class)) {
             let table = if is_used { used } else { &unused };
             contents.push([&[class << 4 | number], &table.counts[..], &table.symbols].concat());
         }
@@ -154,14 +151,14 @@ fn write_huffman(stream: &mut Writer, tables: &[HuffmanTable; 2], options: &Jpeg
     write_tables(stream, 0xC4, &contents, options);
 }
 
-/// The numbers of the tables of one kind, and whether each is the one that is used.
-fn numbered(options: &JpegOptions, kind: usize) -> impl Iterator<Item = (u8, bool)> {
+/// Returns the numbers of the tables of one kind, each with true if it is used.
+fn used_tables(options: &JpegOptions, kind: usize) -> impl Iterator<Item = (u8, bool)> {
     let used = options.table_numbers.map(|numbers| numbers[kind]);
     let last = used.map_or(0, |used| used.max(1));
     (0..=last).map(move |number| (number, number == used.unwrap_or(0)))
 }
 
-/// Tables of one kind, in a segment each or in one.
+/// Writes tables of one kind, in one segment each or in one for all.
 fn write_tables(stream: &mut Writer, code: u8, tables: &[Vec<u8>], options: &JpegOptions) {
     let all = [tables.concat()];
     let contents = if options.tables_together {

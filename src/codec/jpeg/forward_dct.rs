@@ -1,7 +1,7 @@
 //! T.81 A.3.3: the forward DCT, as the Independent JPEG Group computes it
 //!
-//! The mirror of `inverse_dct`: all rows, then all columns, each the inverse of eight values read
-//! backwards. The results are eight times too large; quantization divides by that, too.
+//! The mirror of `inverse_dct`: all rows, then all columns, each the transpose of the inverse for eight values. The results are
+//! eight times too large; quantization also divides by that factor.
 //!
 //! Worked example: 64 samples of 131, which are 3 above gray.
 //!
@@ -11,11 +11,11 @@
 //! ```
 //!
 //! Format notes
-//! - No decoder depends on these roundings, but files that equal libjpeg's do.
+//! - No decoder depends on these roundings, but files that are identical to libjpeg's do.
 
 use super::dct::{EXTRA, FRACTION, FixedPoint};
 
-/// From samples less 128 to DCT coefficients times eight, both in row order.
+/// Transforms samples less 128 to DCT coefficients times eight, both in row order.
 pub(super) fn forward_dct(block: &[i32; 64]) -> [i32; 64] {
     let mut half = [0; 64];
     for (row, out) in block.chunks_exact(8).zip(half.chunks_exact_mut(8)) {
@@ -34,10 +34,10 @@ pub(super) fn forward_dct(block: &[i32; 64]) -> [i32; 64] {
     coefficients
 }
 
-/// The forward transform in one dimension, times √8 and times 2¹³.
+/// Computes the forward transform in one dimension, times √8 and times 2¹³.
 fn forward_dct_of_8(s: [i64; 8]) -> [i64; 8] {
-    // What is symmetric about the middle makes the even coefficients, the rest the odd ones.
-    // Four sums and four differences: each half of the transform sees half of the values.
+    // The part that is symmetric about the middle gives the even coefficients, the rest the odd ones. Four sums and four
+    // differences: each half of the transform uses half of the values.
     let even = [s[0] + s[7], s[1] + s[6], s[2] + s[5], s[3] + s[4]];
     let odd = [s[0] - s[7], s[1] - s[6], s[2] - s[5], s[3] - s[4]];
 
@@ -46,7 +46,7 @@ fn forward_dct_of_8(s: [i64; 8]) -> [i64; 8] {
     let (low, high) = (even[0] - even[3], even[1] - even[2]);
     let rotation = (low + high).times(0.541_196_100);
 
-    // The products of the inverse, with the indices of samples in place of coefficients.
+    // The products of the inverse, with indices of samples instead of coefficients.
     let shared = (odd[0] + odd[1] + odd[2] + odd[3]).times(1.175_875_602);
     let pair_30 = -(odd[3] + odd[0]).times(0.899_976_223);
     let pair_21 = -(odd[2] + odd[1]).times(2.562_915_447);
@@ -69,8 +69,7 @@ fn forward_dct_of_8(s: [i64; 8]) -> [i64; 8] {
 mod tests {
     use super::forward_dct;
 
-    /// 64 samples of 3 above gray have the DC coefficient 24, which is the worked example of the
-    /// inverse transform.
+    /// Checks that 64 samples of 3 above gray have the DC coefficient 24, the worked example of the inverse transform.
     #[test]
     fn a_flat_block_has_a_dc_coefficient_only() {
         let mut expected = [0; 64];

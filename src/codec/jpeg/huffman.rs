@@ -1,7 +1,7 @@
 //! T.81 F.2.2.3: the next Huffman code
 //!
-//! Codes of one length are consecutive numbers, so it is enough to know the first of them, how many
-//! there are and where their symbols begin; bits are appended until the code is one of its length.
+//! Codes of one length are consecutive numbers, so a decoder needs only the first of them, their number and the index of their
+//! first symbol; bits are appended until the code is one of its length.
 //!
 //! Worked example, with the table of `huffman_table` (00 = 05, 01 = 07, 10 = 06, 110 = 08):
 //!
@@ -16,13 +16,13 @@ use super::huffman_table::HuffmanTable;
 use crate::codec::bits::{Bits, ReadBits};
 use crate::codec::stream_error::{Result, malformed};
 
-/// What the decoding of a block asks of the entropy-coded segment. [`Bits`] answers as the standard
-/// tells it, [`BitBuffer`](crate::codec::bit_buffer::BitBuffer) faster.
+/// The operations of block decoding on an entropy-coded segment. [`Bits`] implements them as the standard describes,
+/// [`BitBuffer`](crate::codec::bit_buffer::BitBuffer) faster.
 pub(super) trait ReadSymbols<'a>: ReadBits<'a, 0> {
-    /// A Huffman table as this reader needs it.
+    /// The form of a Huffman table for this reader.
     type Table: for<'t> From<&'t HuffmanTable>;
 
-    /// DECODE (F.2.2.3): the next code of the table, as its symbol.
+    /// DECODE (F.2.2.3): reads the next code of the table and returns its symbol.
     fn symbol(&mut self, table: &Self::Table) -> Result<u8>;
 }
 
@@ -40,7 +40,7 @@ impl From<&HuffmanTable> for HuffmanTable {
     }
 }
 
-/// DECODE: bit by bit, until the code is one of the table.
+/// DECODE, bit by bit, until the code is one of the table.
 pub(super) fn decode_symbol<'a>(
     bits: &mut impl ReadBits<'a, 0>,
     table: &HuffmanTable,

@@ -1,10 +1,10 @@
-//! T.81 B.2.4.2, Annex C: what a Huffman table is
+//! T.81 B.2.4.2, Annex C: Huffman tables
 //!
-//! A table tells only how many codes there are of each length, 1 … 16 bits (BITS), and which
-//! symbols they stand for, shortest code first (HUFFVAL). The codes follow from that: the first is
-//! all zeros, each next one is one more, and with each further bit of length a zero is appended.
+//! A table has only the number of codes of each length, 1 … 16 bits (BITS), and their symbols, shortest code first (HUFFVAL).
+//! The codes follow from these: the first is all zeros, each next one is one more, and with each further bit of length a zero
+//! is appended.
 //!
-//! Worked example: the segment of a table of four codes, and what it means.
+//! Worked example: the segment of a table of four codes, and the codes.
 //!
 //! ```text
 //! FF C4  00 17  00     00 03 01 00*13             05 07 06 08
@@ -15,9 +15,9 @@
 //! ```
 //!
 //! Format notes
-//! - A code of nothing but ones is never assigned (Annex C), so that it can begin no code: a table
+//! - The code of all ones is never assigned (Annex C), so that no code begins with it: a table
 //!   of two codes of one bit is illegal.
-//! - A symbol may occur twice; the second code then means the same.
+//! - A symbol may occur twice; both codes then have the same meaning.
 
 /// A Huffman table.
 #[derive(Clone)]
@@ -28,7 +28,7 @@ pub(super) struct HuffmanTable {
     pub symbols: Vec<u8>,
 }
 
-/// A code and the symbol it stands for.
+/// A code and its symbol.
 #[derive(Clone, Copy)]
 pub(super) struct HuffmanCode {
     pub symbol: u8,
@@ -38,7 +38,7 @@ pub(super) struct HuffmanCode {
 }
 
 impl HuffmanTable {
-    /// Annex C, Figures C.1 and C.2: all codes, shortest first.
+    /// Returns all codes, shortest first (Annex C, Figures C.1 and C.2).
     pub fn codes(&self) -> Vec<HuffmanCode> {
         let mut codes = Vec::new();
         let mut symbols = self.symbols.iter();
@@ -57,8 +57,7 @@ impl HuffmanTable {
         codes
     }
 
-    /// The first length that has more codes than the shorter ones leave free, the code of all ones
-    /// included.
+    /// Returns the first length that has more codes than the shorter ones leave free, the code of all ones included.
     pub fn overfull_length(&self) -> Option<usize> {
         let mut next = 0_u32;
         (1..=16).find(|&length| {
@@ -72,7 +71,7 @@ impl HuffmanTable {
 mod tests {
     use super::HuffmanTable;
 
-    /// The worked example above.
+    /// Checks the worked example above.
     #[test]
     fn codes_follow_from_their_lengths() {
         let mut counts = [0; 16];

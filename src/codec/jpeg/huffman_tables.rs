@@ -1,11 +1,10 @@
-//! T.81 K.2, K.3: the Huffman tables that an encoder chooses
+//! T.81 K.2, K.3: the Huffman tables of an encoder
 //!
-//! Either the typical tables of Annex K, which suit most pictures and are what nearly all streams
-//! carry, or the shortest codes for the symbols that occur.
+//! Either the typical tables of Annex K, which suit most images and occur in nearly all streams, or the shortest codes for the
+//! symbols that occur.
 //!
-//! Worked example: four symbols that occur 5, 3, 1 and 1 times. One more symbol, which never occurs,
-//! takes the code of all ones. The two rarest become siblings until one tree is left, and each
-//! joining makes the codes of both a bit longer:
+//! Worked example: four symbols that occur 5, 3, 1 and 1 times. One more symbol, which never occurs, gets the code of all ones.
+//! The two rarest become siblings until one tree is left, and each merge makes the codes of both one bit longer:
 //!
 //! ```text
 //! joined                    bits so far of A B C D, nobody
@@ -16,10 +15,10 @@
 //! ```
 //!
 //! Format notes
-//! - Where several symbols are equally rare the standard takes the one of the larger number; another
-//!   choice gives tables as short and other bytes.
-//! - No code may exceed 16 bits. Longer ones are shortened at the cost of some that are not
-//!   (Figure K.3), which is no longer optimal and what every encoder does.
+//! - If several symbols are equally rare, the standard takes the one with the largest number; another
+//!   choice gives tables of the same length with other bytes.
+//! - No code may exceed 16 bits. Longer ones are shortened at the cost of shorter ones
+//!   (Figure K.3), which is no longer optimal but done by every encoder.
 
 use super::huffman_table::HuffmanTable;
 
@@ -27,9 +26,9 @@ use super::huffman_table::HuffmanTable;
 pub(super) const DC: usize = 0;
 pub(super) const AC: usize = 1;
 
-/// What is written.
+/// A code or a marker to write.
 pub(super) enum Symbol {
-    /// A class, a symbol of that class, and as many further bits as its low four bits say.
+    /// A class, a symbol of that class, and further bits, their number in the low four bits of the symbol.
     Code(usize, u8, u32),
     /// The restart marker of this number.
     Restart(u8),
@@ -52,7 +51,7 @@ const AC_SYMBOLS: [u8; 162] = [
     0xF3, 0xF4, 0xF5, 0xF6, 0xF7, 0xF8, 0xF9, 0xFA,
 ];
 
-/// The typical tables for luminance, by class: Tables K.3 and K.5.
+/// Returns the typical tables for luminance, by class: Tables K.3 and K.5.
 pub(super) fn typical_tables() -> [HuffmanTable; 2] {
     let dc = HuffmanTable {
         counts: [0, 1, 5, 1, 1, 1, 1, 1, 1, 0, 0, 0, 0, 0, 0, 0],
@@ -65,7 +64,7 @@ pub(super) fn typical_tables() -> [HuffmanTable; 2] {
     [dc, ac]
 }
 
-/// The shortest codes for these symbols, by class (K.2).
+/// Returns the shortest codes for these symbols, by class (K.2).
 pub(super) fn optimal_tables(symbols: &[Symbol]) -> [HuffmanTable; 2] {
     let mut occurrences = [[0; 256]; 2];
     for symbol in symbols {
@@ -76,22 +75,22 @@ pub(super) fn optimal_tables(symbols: &[Symbol]) -> [HuffmanTable; 2] {
     occurrences.map(|occurrences| optimal_table(&occurrences))
 }
 
-/// Stands for no symbol: it takes the code of all ones, which Annex C assigns to none.
-const NOBODY: usize = 256;
+/// A placeholder for the code of all ones, which Annex C assigns to no symbol.
+const PLACEHOLDER: usize = 256;
 
-/// K.2: a table for symbols that occur so often.
+/// Returns a table for symbols with these frequencies (K.2).
 fn optimal_table(occurrences: &[u32; 256]) -> HuffmanTable {
     let lengths = code_lengths(occurrences);
-    let mut counts = [0; NOBODY + 1];
+    let mut counts = [0; PLACEHOLDER + 1];
     for &length in &lengths {
         counts[length] += 1;
     }
     limit_to_16_bits(&mut counts);
-    // The longest code of all is nobody's.
+    // The longest code of all is that of the placeholder.
     let longest = (1..=16).rev().find(|&length| counts[length] > 0);
     counts[longest.unwrap_or_else(|| unreachable!("an image has symbols"))] -= 1;
 
-    // Figure K.4: the symbols in the order of their lengths before shortening, then of their values.
+    // Figure K.4: the symbols ordered by their lengths before shortening, then by their values.
     let mut symbols: Vec<u8> = (0..=255)
         .filter(|&symbol| occurrences[usize::from(symbol)] > 0)
         .collect();
@@ -102,16 +101,15 @@ fn optimal_table(occurrences: &[u32; 256]) -> HuffmanTable {
     }
 }
 
-/// Figure K.1: joins the two lightest trees until one is left. Each joining makes the codes of all
-/// symbols in both a bit longer. Of equally light trees the one with the larger first symbol counts
-/// as lighter.
-fn code_lengths(occurrences: &[u32; 256]) -> [usize; NOBODY + 1] {
+/// Merges the two lightest trees until one is left (Figure K.1). Each merge makes the codes of all symbols in both one bit
+/// longer. Of equally light trees the one with the larger first symbol counts as lighter.
+fn code_lengths(occurrences: &[u32; 256]) -> [usize; PLACEHOLDER + 1] {
     let mut weights: Vec<u32> = occurrences.iter().copied().chain([1]).collect();
-    let mut trees: Vec<Vec<usize>> = (0..=NOBODY).map(|symbol| vec![symbol]).collect();
-    let mut lengths = [0; NOBODY + 1];
+    let mut trees: Vec<Vec<usize>> = (0..=PLACEHOLDER).map(|symbol| vec![symbol]).collect();
+    let mut lengths = [0; PLACEHOLDER + 1];
     loop {
         let lightest = |weights: &[u32], except: Option<usize>| {
-            (0..=NOBODY)
+            (0..=PLACEHOLDER)
                 .rev()
                 .filter(|&tree| weights[tree] > 0 && Some(tree) != except)
                 .min_by_key(|&tree| weights[tree])
@@ -129,10 +127,10 @@ fn code_lengths(occurrences: &[u32; 256]) -> [usize; NOBODY + 1] {
     }
 }
 
-/// Figure K.3: shortens codes of over 16 bits. Two siblings that are too long make room: one goes up
-/// to their parent, the other becomes the sibling of a shorter code, which moves down for it.
-fn limit_to_16_bits(counts: &mut [usize; NOBODY + 1]) {
-    for length in (17..=NOBODY).rev() {
+/// Shortens codes of over 16 bits (Figure K.3). Of two siblings that are too long, one moves up to their parent, the other
+/// becomes the sibling of a shorter code, which moves down for it.
+fn limit_to_16_bits(counts: &mut [usize; PLACEHOLDER + 1]) {
+    for length in (17..=PLACEHOLDER).rev() {
         while counts[length] > 0 {
             let shorter = (1..length - 1).rev().find(|&shorter| counts[shorter] > 0);
             let shorter = shorter.unwrap_or_else(|| {
@@ -150,7 +148,7 @@ fn limit_to_16_bits(counts: &mut [usize; NOBODY + 1]) {
 mod tests {
     use super::optimal_table;
 
-    /// The worked example above.
+    /// Checks the worked example above.
     #[test]
     fn frequent_symbols_have_short_codes() {
         let mut occurrences = [0; 256];

@@ -1,9 +1,8 @@
 //! T.81 A.3.3: the inverse DCT, as the Independent JPEG Group computes it
 //!
-//! The standard does not fix the inverse transform to the bit; it allows any that is close. PTM
-//! planes carry differences modulo 256, where being off by one turns 255 into 0. So this one is
-//! exact, and it is the integer transform "islow" that HP's encoder and nearly every decoder use
-//! (ruling `jpeg-samples`).
+//! The standard does not fix the inverse transform to the bit; it allows all that are close. PTM planes contain differences
+//! modulo 256, where an error of one turns 255 into 0. So this transform is exact: it is the integer transform "islow", which
+//! HP's encoder and nearly every decoder use (ruling `jpeg-samples`).
 //!
 //! Worked example: a block whose only coefficient is DC = 24.
 //!
@@ -14,17 +13,17 @@
 //! ```
 //!
 //! Format notes
-//! - The last step keeps ten bits of the result, as a signed number, and clamps those. For every
-//!   stream that an encoder made this is plain clamping; coefficients out of all bounds wrap.
+//! - The last step keeps ten bits of the result, as a signed number, and clamps them. For every
+//!   stream of an encoder this is plain clamping; coefficients far out of range wrap.
 
 use super::dct::{EXTRA, FRACTION, FixedPoint};
 
-/// From DCT coefficients to samples, both in row order.
+/// Transforms DCT coefficients to samples, both in row order.
 pub(super) fn inverse_dct(coefficients: &[i32; 64]) -> [u8; 64] {
     inverse_dct_in::<i64>(coefficients)
 }
 
-/// All columns, then all rows.
+/// Transforms all columns, then all rows.
 pub(super) fn inverse_dct_in<T: FixedPoint>(coefficients: &[i32; 64]) -> [u8; 64] {
     let mut half = [T::from_i32(0); 64];
     for x in 0..8 {
@@ -44,15 +43,15 @@ pub(super) fn inverse_dct_in<T: FixedPoint>(coefficients: &[i32; 64]) -> [u8; 64
     samples
 }
 
-/// A.3.1 takes 128 off every sample before the transform; here it comes back, and what leaves
-/// 0 … 255 is clamped. Only ten bits of the value count (see the format notes).
+/// Adds the 128 that A.3.1 subtracts from every sample before the transform, and clamps to 0 … 255. Only ten bits of the value
+/// count (see the format notes).
 #[inline]
 fn to_sample(value: i32) -> u8 {
     let ten_bits = (value << 22) >> 22;
     (ten_bits + 128).clamp(0, 255) as u8
 }
 
-/// The inverse transform in one dimension, times √8 and times 2¹³.
+/// Computes the inverse transform in one dimension, times √8 and times 2¹³.
 #[inline]
 fn inverse_dct_of_8<T: FixedPoint>(c: [T; 8]) -> [T; 8] {
     // The even coefficients: 0 and 4 need no factor, 2 and 6 are rotated by 6π/16 with three

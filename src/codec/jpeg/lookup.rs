@@ -1,8 +1,8 @@
-//! Huffman codes by look-up
+//! Huffman codes by table lookup
 //!
-//! Nearly all codes of a stream are short. The next `SHORT` bits of the segment are the number of
-//! an entry, which tells the symbol and the length of the code that these bits begin with. Longer
-//! codes are left to the plain way, one step of which costs as much as a look-up.
+//! Nearly all codes of a stream are short. The next `SHORT_BITS` bits of the segment are the index of an entry, which has the symbol
+//! and the length of the code that these bits begin with. Longer codes are left to the plain version, one step of which costs
+//! as much as a lookup.
 //!
 //! Worked example, the 1,024 entries of the table of `huffman_table`:
 //!
@@ -16,26 +16,26 @@
 
 use super::huffman::{ReadSymbols, decode_symbol};
 use super::huffman_table::HuffmanTable;
-use crate::codec::bit_buffer::{BitBuffer, leading};
+use crate::codec::bit_buffer::{BitBuffer, leading_bits};
 use crate::codec::stream_error::Result;
 
-/// Longer codes are rare, and a table of ten bits still stays in the first cache beside its twin.
-const SHORT: u32 = 10;
+/// Longer codes are rare, and two tables of ten bits still fit in the L1 cache.
+const SHORT_BITS: u32 = 10;
 
-/// A Huffman table and, for each of the possible next bits, the code that they begin with.
+/// A Huffman table and, for each value of the next bits, the code that they begin with.
 pub(super) struct LookupTable {
     table: HuffmanTable,
-    /// Length (high byte) and symbol (low byte); 0 if the code is longer or none.
-    short: [u16; 1 << SHORT],
+    /// Length (high byte) and symbol (low byte); 0 if the code is longer or there is none.
+    short: [u16; 1 << SHORT_BITS],
 }
 
 impl From<&HuffmanTable> for LookupTable {
     fn from(table: &HuffmanTable) -> LookupTable {
-        let mut short = [0; 1 << SHORT];
+        let mut short = [0; 1 << SHORT_BITS];
         for code in table.codes() {
-            if code.length <= SHORT {
-                // All continuations of the code begin with it.
-                let free = SHORT - code.length;
+            if code.length <= SHORT_BITS {
+                // All continuations of the code map to it.
+                let free = SHORT_BITS - code.length;
                 let first = (code.code << free) as usize;
                 let entry = (code.length as u16) << 8 | u16::from(code.symbol);
                 short[first..first + (1 << free)].fill(entry);
@@ -53,7 +53,7 @@ impl<'a> ReadSymbols<'a> for BitBuffer<'a, 0> {
     fn symbol(&mut self, table: &LookupTable) -> Result<u8> {
         // Enough for the longest code and for the number that follows it.
         self.require(16 + 16);
-        let entry = table.short[leading(self.window(), SHORT) as usize];
+        let entry = table.short[leading_bits(self.window(), SHORT_BITS) as usize];
         if entry == 0 {
             return long_symbol(self, &table.table);
         }
@@ -76,7 +76,7 @@ mod tests {
     use crate::codec::bit_buffer::BitBuffer;
     use crate::codec::bits::Bits;
 
-    /// Reads symbols, each followed by as many bits as its low four say, until an error.
+    /// Reads symbols, each followed by the number of bits in its low four bits, until an error.
     fn symbols<'a, B: ReadSymbols<'a>>(stream: &'a [u8], table: &HuffmanTable) -> Vec<String> {
         let table = B::Table::from(table);
         let mut bits = B::new(stream, 1);
@@ -94,7 +94,7 @@ mod tests {
         }
     }
 
-    /// Any legal table: counts are cut so that the code of all ones stays free.
+    /// Makes a legal table: counts are limited so that the code of all ones stays free.
     fn table(wanted: &[u8], symbols: Vec<u8>) -> HuffmanTable {
         let mut counts = [0; 16];
         let (mut free, mut left) = (1_usize, symbols.len());

@@ -1,16 +1,15 @@
 //! The inverse DCT in 32 bits
 //!
-//! Half as wide, the integers of a block are transformed twice as many at once. Of what the second
-//! pass returns only the ten bits from bit 18 on are kept, and these survive the wrapping of sums and
-//! products. Of the first pass all bits count, so it must not wrap: it does not while coefficients
-//! have at most 14 bits, as all that encoders make. Others are left to the plain way.
+//! With integers of half the width, twice as many are transformed at once. Only ten bits of the results of the second pass are
+//! used, from bit 18 on, and these survive the wrapping of sums and products. All bits of the first pass count, so it must not
+//! wrap: it does not if coefficients have at most 14 bits, as from all encoders. Others are left to the plain version.
 
 use std::num::Wrapping;
 
 use super::dct::{FRACTION, FixedPoint};
 use super::inverse_dct::{inverse_dct, inverse_dct_in};
 
-/// Equal to [`inverse_dct`] for all coefficients.
+/// Returns the result of [`inverse_dct`] for all coefficients.
 pub(super) fn fast_inverse_dct(coefficients: &[i32; 64]) -> [u8; 64] {
     let limit = 1 << 13;
     let narrow = coefficients.iter().all(|c| (-limit..limit).contains(c));

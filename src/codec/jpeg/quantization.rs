@@ -1,8 +1,8 @@
 //! T.81 A.3.4, K.1: quantized coefficients
 //!
-//! A coefficient is divided by its quantization step and rounded: all that is ever lost is lost
-//! here. The steps of Annex K suit quality 50; other qualities multiply them by a percentage, which
-//! is the Independent JPEG Group's convention and not part of the standard.
+//! A coefficient is divided by its quantization step and rounded: this is the only loss of the format. The steps of Annex K
+//! suit quality 50; other qualities multiply them by a percentage, which is the Independent JPEG Group's convention and not
+//! part of the standard.
 //!
 //! Worked example: the DC step is 16 at quality 50.
 //!
@@ -13,7 +13,7 @@
 //! ```
 //!
 //! Format notes
-//! - Blocks that extend past the image are filled up with its last column and row (A.2.4).
+//! - Blocks that extend past the image are padded with its last column and row (A.2.4).
 //! - Halves are rounded away from zero.
 
 use super::forward_dct::forward_dct;
@@ -33,7 +33,7 @@ const LUMINANCE: [u32; 64] = [
     72, 92, 95, 98, 112, 100, 103,  99,
 ];
 
-/// The steps of a quality, 1 … 100, in rows.
+/// Returns the steps of a quality, 1 … 100, in rows.
 pub(crate) fn scaled_steps(quality: u8, baseline: bool) -> [u16; 64] {
     let percent = match u32::from(quality) {
         quality @ ..50 => 5000 / quality,
@@ -43,11 +43,11 @@ pub(crate) fn scaled_steps(quality: u8, baseline: bool) -> [u16; 64] {
     LUMINANCE.map(|step| ((step * percent + 50) / 100).clamp(1, largest) as u16)
 }
 
-/// An image on its way to the stream.
+/// A quantized image and its decoded samples.
 pub(super) struct QuantizedImage {
     /// All blocks in raster order, each in zigzag order.
     pub blocks: Vec<[i16; 64]>,
-    /// The samples that a decoder makes of them.
+    /// The samples that a decoder returns for them.
     pub decoded: Vec<u8>,
 }
 
@@ -81,7 +81,7 @@ pub(super) fn quantize_image(
     QuantizedImage { blocks, decoded }
 }
 
-/// A.3.4. The forward DCT left a factor of eight in.
+/// Quantizes a coefficient (A.3.4). The forward DCT has left a factor of eight.
 fn quantize(coefficient: i32, step: u16) -> i32 {
     let step = i32::from(step) * 8;
     (coefficient.abs() + step / 2) / step * coefficient.signum()
@@ -91,7 +91,7 @@ fn quantize(coefficient: i32, step: u16) -> i32 {
 mod tests {
     use super::scaled_steps;
 
-    /// The worked example above.
+    /// Checks the worked example above.
     #[test]
     fn quality_is_a_percentage_of_the_steps_of_annex_k() {
         let dc_steps = [10, 50, 75, 90, 100].map(|quality| scaled_steps(quality, true)[0]);

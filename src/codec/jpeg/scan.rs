@@ -1,4 +1,4 @@
-//! T.81 E.2.3, E.2.4: a scan: all blocks of the image, in intervals that start afresh
+//! T.81 E.2.3, E.2.4: a scan: all blocks of the image, in independent intervals
 //!
 //! Worked example: two blocks of one interval each, with the DC codes 00 for size 0 and 01 for size 4
 //! and the AC code 0 for the end of the block.
@@ -11,12 +11,12 @@
 //!
 //! Format notes
 //! - A scan of one component has its blocks in plain raster order, and one block is one MCU,
-//!   whatever the sampling factors of the component say (A.2.2). A restart interval counts these
+//!   regardless of the sampling factors of the component (A.2.2). A restart interval counts these
 //!   blocks.
-//! - The blocks of the last column and row extend past the image; what is outside is dropped
-//!   (A.2.4). A picture of 9 × 9 samples has four blocks.
-//! - Between two intervals stands a restart marker, and after it the DC prediction is 0 again. The
-//!   markers count from RST0 to RST7 and over again. After the last interval there is none.
+//! - The blocks of the last column and row extend past the image; samples outside are dropped
+//!   (A.2.4). An image of 9 × 9 samples has four blocks.
+//! - A restart marker separates two intervals and resets the DC prediction to 0. The
+//!   markers cycle from RST0 to RST7. There is none after the last interval.
 
 use super::decode_block::decode_block;
 use super::huffman::ReadSymbols;
@@ -27,13 +27,13 @@ use crate::codec::headers::room_for_samples;
 use crate::codec::markers::{Cursor, RST0};
 use crate::codec::stream_error::Result;
 
-/// What a scan is coded with.
+/// The parameters of a scan.
 pub(super) struct ScanTables {
     /// Quantization steps in zigzag order.
     pub quantization: [u16; 64],
     pub dc: HuffmanTable,
     pub ac: HuffmanTable,
-    /// In blocks; 0 for none.
+    /// Number of blocks; 0 for no restart interval.
     pub restart_interval: u16,
 }
 
@@ -67,7 +67,7 @@ pub(super) fn decode_scan<'a, B: ReadSymbols<'a>>(
     Ok(samples)
 }
 
-/// How many blocks a scan has, and how many of them an interval.
+/// Returns the number of blocks of a scan, and of an interval.
 pub(super) fn intervals(tables: &ScanTables, width: u32, height: u32) -> (usize, usize) {
     let blocks = width.div_ceil(8) as usize * height.div_ceil(8) as usize;
     match tables.restart_interval {
@@ -76,8 +76,7 @@ pub(super) fn intervals(tables: &ScanTables, width: u32, height: u32) -> (usize,
     }
 }
 
-/// E.2.4: the interval ends, and its marker has the number of the interval. Returns where the next
-/// one begins.
+/// Checks the end of an interval and the number in its marker (E.2.4). Returns the start of the next interval.
 pub(super) fn read_restart<'a>(bits: &impl ReadSymbols<'a>, number: u8) -> Result<usize> {
     let bits = bits.plain();
     let mut stream = Cursor::new(bits.stream, bits.finish()?);
@@ -88,7 +87,7 @@ pub(super) fn read_restart<'a>(bits: &impl ReadSymbols<'a>, number: u8) -> Resul
     Ok(stream.at)
 }
 
-/// Copies what is inside the image of the block whose top left sample is (x, y).
+/// Copies the part of a block that is inside the image; its top left sample is (x, y).
 fn place(samples: &mut [u8], width: usize, x: usize, y: usize, block: &[u8; 64]) {
     let inside = (width - x).min(8);
     let rows = samples.chunks_exact_mut(width).skip(y);

@@ -1,7 +1,7 @@
 //! T.81 F.1.2: from quantized blocks to symbols, and from symbols to bits
 //!
-//! The mirror of `decode_block` and `scan`, in two steps, because a Huffman table made for the image
-//! must know all symbols before the first is written.
+//! The mirror of `decode_block` and `scan`, in two steps, because Huffman tables that are optimized for the image depend on all
+//! symbols.
 //!
 //! Worked example: the block of `decode_block`, DC −3 and then 0 0 5 and sixty zeros.
 //!
@@ -13,7 +13,7 @@
 //!
 //! Format notes
 //! - A restart marker ends its interval on a whole byte, and the next one begins with the full DC
-//!   coefficient in place of a difference.
+//!   coefficient instead of a difference.
 //! - Zeros at the end are never written as ZRL: EOB covers them all.
 
 use super::huffman_table::HuffmanTable;
@@ -21,9 +21,9 @@ use super::huffman_tables::{AC, DC, Symbol};
 use crate::codec::markers::RST0;
 use crate::codec::writer::{BitWriter, Writer};
 
-/// All symbols of the scan in order.
+/// Returns all symbols of the scan in order.
 ///
-/// `blocks` are in zigzag order; with a `restart_interval` over 0 a marker follows every so many.
+/// `blocks` are in zigzag order; if `restart_interval` is not 0, a marker follows every `restart_interval` blocks.
 pub(super) fn symbols_of(blocks: &[[i16; 64]], restart_interval: usize) -> Vec<Symbol> {
     let mut symbols = Vec::new();
     let mut previous_dc = 0;
@@ -42,7 +42,7 @@ pub(super) fn symbols_of(blocks: &[[i16; 64]], restart_interval: usize) -> Vec<S
     symbols
 }
 
-/// F.1.2.2: runs of zeros and the coefficients after them.
+/// Appends runs of zeros and the coefficients after them (F.1.2.2).
 fn push_ac(symbols: &mut Vec<Symbol>, coefficients: &[i16]) {
     let mut run = 0;
     for &coefficient in coefficients {
@@ -63,15 +63,15 @@ fn push_ac(symbols: &mut Vec<Symbol>, coefficients: &[i16]) {
     }
 }
 
-/// F.1.2.1: the bits that a magnitude needs, and these bits; of a negative number those of one
-/// less, so that the first of them is a zero.
+/// Returns the number of bits that a magnitude needs, and these bits (F.1.2.1); for a negative number the bits of the number
+/// less one, so that the first is a zero.
 fn size_and_bits(value: i32) -> (u8, u32) {
     let size = 32 - value.unsigned_abs().leading_zeros();
     let bits = if value < 0 { value - 1 } else { value };
     (size as u8, bits as u32 & ((1 << size) - 1))
 }
 
-/// Writes the entropy-coded data. Each interval ends in ones (F.1.2.3).
+/// Writes the entropy-coded data. Each interval is padded with ones (F.1.2.3).
 pub(super) fn write_symbols(stream: &mut Writer, symbols: &[Symbol], tables: &[HuffmanTable; 2]) {
     let codes = [codes_by_symbol(&tables[DC]), codes_by_symbol(&tables[AC])];
     let mut out = BitWriter::<0>::new(stream);
@@ -92,7 +92,7 @@ pub(super) fn write_symbols(stream: &mut Writer, symbols: &[Symbol], tables: &[H
     out.finish(1);
 }
 
-/// Code and length for each symbol; length 0 for symbols that have none.
+/// Returns code and length for each symbol; length 0 for symbols without a code.
 fn codes_by_symbol(table: &HuffmanTable) -> [(u32, u32); 256] {
     let mut codes = [(0, 0); 256];
     for code in table.codes() {
@@ -107,7 +107,7 @@ mod tests {
     use super::{symbols_of, write_symbols};
     use crate::codec::writer::Writer;
 
-    /// The worked example of `decode_block`.
+    /// Checks the worked example of `decode_block`.
     #[test]
     fn a_block_is_written_as_sizes_and_numbers() {
         let mut block = [0; 64];

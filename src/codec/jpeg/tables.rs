@@ -1,8 +1,8 @@
 //! T.81 B.2.4: tables and miscellaneous segments
 //!
-//! Quantization tables (DQT), Huffman tables (DHT), the restart interval (DRI), comments and
-//! application data. They may stand before every header and before the end, in any order and any
-//! number; tables are kept under a number, 0 … 3, until another one takes it.
+//! Quantization tables (DQT), Huffman tables (DHT), the restart interval (DRI), comments and application data. Any number of
+//! them may precede every header and the end, in any order; tables are stored under a number, 0 … 3, until another one replaces
+//! it.
 //!
 //! Worked example: a quantization table of ones, and one of 16 bits whose first step is 300.
 //!
@@ -13,27 +13,27 @@
 //!
 //! Format notes
 //! - One segment may hold several tables, one after the other.
-//! - Precision and class stand in the high four bits of the byte before the table, the number in
+//! - Precision and class are in the high four bits of the byte before the table, the number in
 //!   the low ones.
-//! - DC and AC tables are counted apart: DC table 0 and AC table 0 are two tables.
+//! - DC and AC tables are numbered separately: DC table 0 and AC table 0 are two tables.
 
 use super::huffman_table::HuffmanTable;
 use super::scan::ScanTables;
 use crate::codec::markers::{Cursor, DRI, Marker};
 use crate::codec::stream_error::{Result, malformed};
 
-// Markers that only JPEG has (Table B.1).
+// Markers of JPEG only (Table B.1).
 const DHT: u8 = 0xC4;
 const DQT: u8 = 0xDB;
 
-/// The tables as they are defined at one place of the stream, by number.
+/// The tables that are defined at one position of the stream, by number.
 #[derive(Default)]
 pub(super) struct Tables {
     /// In zigzag order, as stored.
     quantization: [Option<[u16; 64]>; 4],
-    /// Those for DC, then those for AC.
+    /// Tables for DC, then for AC.
     huffman: [[Option<HuffmanTable>; 4]; 2],
-    /// In blocks; 0 for none.
+    /// Number of blocks; 0 for no restart interval.
     restart_interval: u16,
 }
 
@@ -52,7 +52,7 @@ impl Tables {
         }
     }
 
-    /// B.2.4.1: each table is a byte of precision and number, then 64 steps.
+    /// Reads tables, each a byte of precision and number, then 64 steps (B.2.4.1).
     fn read_quantization(&mut self, mut segment: Cursor) -> Result<()> {
         while !segment.at_end() {
             let (precision, number) = precision_and_number(&mut segment, "quantization table")?;
@@ -72,7 +72,7 @@ impl Tables {
         Ok(())
     }
 
-    /// B.2.4.2: each table is a byte of class (0 for DC, 1 for AC) and number, then the table.
+    /// Reads tables, each a byte of class (0 for DC, 1 for AC) and number, then the table (B.2.4.2).
     fn read_huffman(&mut self, mut segment: Cursor) -> Result<()> {
         while !segment.at_end() {
             let (class, number) = precision_and_number(&mut segment, "Huffman table")?;
@@ -81,30 +81,30 @@ impl Tables {
         Ok(())
     }
 
-    /// B.2.4.4: how many blocks there are from one restart marker to the next.
+    /// Reads the number of blocks between restart markers (B.2.4.4).
     fn read_interval(&mut self, mut segment: Cursor) -> Result<()> {
         self.restart_interval = segment.u16("the restart interval")?;
         segment.expect_end()
     }
 
-    /// The tables that the headers name; `at` is where the scan header does.
+    /// Returns the tables that the headers name; `at` is the position of these numbers in the scan header.
     pub fn of_scan(&self, quantization: u8, dc: u8, ac: u8, at: usize) -> Result<ScanTables> {
         let [dc_tables, ac_tables] = &self.huffman;
         Ok(ScanTables {
-            quantization: defined(&self.quantization, quantization, "quantization table", at)?,
-            dc: defined(dc_tables, dc, "DC Huffman table", at)?,
-            ac: defined(ac_tables, ac, "AC Huffman table", at)?,
+            quantization: find_table(&self.quantization, quantization, "quantization table", at)?,
+            dc: find_table(dc_tables, dc, "DC Huffman table", at)?,
+            ac: find_table(ac_tables, ac, "AC Huffman table", at)?,
             restart_interval: self.restart_interval,
         })
     }
 }
 
-fn defined<T: Clone>(tables: &[Option<T>; 4], number: u8, kind: &str, at: usize) -> Result<T> {
+fn find_table<T: Clone>(tables: &[Option<T>; 4], number: u8, kind: &str, at: usize) -> Result<T> {
     let table = tables.get(usize::from(number)).cloned().flatten();
     table.ok_or_else(|| malformed(at, format!("{kind} {number} was not defined")))
 }
 
-/// The byte before a table: its precision or class, 0 or 1, and its number, 0 … 3.
+/// Reads the byte before a table: its precision or class, 0 or 1, and its number, 0 … 3.
 fn precision_and_number(segment: &mut Cursor, kind: &str) -> Result<(u8, usize)> {
     let at = segment.at;
     let byte = segment.byte(kind)?;
@@ -116,7 +116,7 @@ fn precision_and_number(segment: &mut Cursor, kind: &str) -> Result<(u8, usize)>
     Ok((precision, usize::from(number)))
 }
 
-/// B.2.4.2: the numbers of codes of 1 … 16 bits, then so many symbols.
+/// Reads the numbers of codes of 1 … 16 bits, then the symbols (B.2.4.2).
 fn read_huffman_table(segment: &mut Cursor) -> Result<HuffmanTable> {
     let at = segment.at;
     let mut counts = [0; 16];

@@ -1,4 +1,4 @@
-//! T.87 A.2.1, A.4.2, A.5.1, A.5.2, A.6: what a context knows and learns
+//! T.87 A.2.1, A.4.2, A.5.1, A.5.2, A.6: the statistics of a context
 //!
 //! A context keeps four numbers: N errors so far, the sum A of their magnitudes, the sum B of the
 //! errors themselves and the correction C of the prediction. A / N is the mean magnitude, which
@@ -15,26 +15,26 @@
 //! ```
 //!
 //! Format notes
-//! - When N reaches RESET, all sums are halved before N is counted up. B is rounded down then, also
+//! - When N reaches RESET, all sums are halved before N is incremented. B is rounded down then, also
 //!   below zero.
 
 use super::parameters::Parameters;
 
-/// What is known of the errors in one kind of neighborhood.
+/// The statistics of the errors in one kind of neighborhood.
 #[derive(Clone, Copy)]
 pub(super) struct Context {
     /// Sum of the magnitudes of errors.
     a: i32,
-    /// Sum of the errors themselves, less what C has taken over.
+    /// Sum of the errors, less the part that C has absorbed.
     b: i32,
-    /// What is added to the prediction, −128 … 127.
+    /// The correction of the prediction, −128 … 127.
     c: i32,
-    /// How many errors these are of.
+    /// The number of errors.
     n: i32,
 }
 
-/// A.2.1: the contexts at the start of a scan, by number. Number 0 is the flat neighborhood, which
-/// is run mode's, and not used.
+/// Returns the contexts at the start of a scan, by number (A.2.1). Number 0 is the flat neighborhood, which belongs to run mode
+/// and is not used.
 pub(super) fn fresh_contexts(parameters: &Parameters) -> [Context; 365] {
     let a = initial_a(parameters);
     [Context {
@@ -45,13 +45,13 @@ pub(super) fn fresh_contexts(parameters: &Parameters) -> [Context; 365] {
     }; 365]
 }
 
-/// A.2.1: as if there had been one error of a usual magnitude.
+/// Returns A after one error of a typical magnitude (A.2.1).
 pub(super) fn initial_a(parameters: &Parameters) -> i32 {
     ((parameters.range + 32) / 64).max(2)
 }
 
-/// A.5.1: the smallest k with n · 2^k ≥ a, so that 2^k is about the mean magnitude and a usual error
-/// has one zero or none before its one.
+/// Returns the smallest k with n · 2^k ≥ a (A.5.1), so that 2^k is about the mean magnitude and a typical error has one zero or
+/// none before its one.
 #[inline]
 pub(super) fn golomb_parameter(a: i32, n: i32) -> u32 {
     let mut k = 0;
@@ -62,8 +62,7 @@ pub(super) fn golomb_parameter(a: i32, n: i32) -> u32 {
 }
 
 impl Context {
-    /// A.4.2: the prediction, corrected by what was learned. `sign` is −1 in the mirrored
-    /// neighborhood.
+    /// Returns the prediction, corrected by C (A.4.2). `sign` is −1 in the mirrored neighborhood.
     #[inline]
     pub fn correct(&self, predicted: i32, sign: i32, maxval: i32) -> i32 {
         (predicted + sign * self.c).clamp(0, maxval)
@@ -74,14 +73,14 @@ impl Context {
         golomb_parameter(self.a, self.n)
     }
 
-    /// A.5.2: errors are mapped to numbers 0, 1, 2 … in the order 0, −1, 1, −2, 2 …; where negative
-    /// ones are more frequent, in the order −1, 0, −2, 1 …, but only if k and NEAR are 0.
+    /// Returns true if negative errors are mapped first. Errors are mapped to 0, 1, 2 … in the order 0, −1, 1, −2, 2 …; where
+    /// negative ones are more frequent, in the order −1, 0, −2, 1 …, but only if k and NEAR are 0 (A.5.2).
     #[inline]
     pub fn maps_negative_first(&self, k: u32, near: i32) -> bool {
         k == 0 && near == 0 && 2 * self.b <= -self.n
     }
 
-    /// A.6.
+    /// Updates the statistics (A.6).
     #[inline]
     pub fn update(&mut self, error: i32, parameters: &Parameters) {
         self.b += error * parameters.step;
@@ -93,7 +92,7 @@ impl Context {
         }
         self.n += 1;
 
-        // C takes over whole units of the mean error; B keeps within −N < B ≤ 0.
+        // C absorbs whole units of the mean error, so that −N < B ≤ 0.
         if self.b <= -self.n {
             self.c = (self.c - 1).max(-128);
             self.b = (self.b + self.n).max(1 - self.n);
@@ -109,7 +108,7 @@ mod tests {
     use super::super::parameters::{Parameters, PresetParameters};
     use super::{Context, fresh_contexts};
 
-    /// The worked example above.
+    /// Checks the worked example above.
     #[test]
     fn a_context_learns_how_far_predictions_are_off() {
         let parameters = Parameters::new(&PresetParameters::default(), 0, 0, 0).expect("defaults");

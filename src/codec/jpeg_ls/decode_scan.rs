@@ -1,9 +1,9 @@
 //! T.87 Annex F: bits → samples
 //!
-//! Every sample from the first to the last, and nothing after it. The template chooses between two
-//! modes for each: regular mode codes one sample, run mode any number of them and the one after.
+//! Decodes every sample in order. The template selects one of two modes for each: regular mode codes one sample, run mode any
+//! number of them and the one after.
 //!
-//! Worked example: a picture of one sample in the byte 70, bits 0111 0000.
+//! Worked example: an image of one sample in the byte 70, bits 0111 0000.
 //!
 //! ```text
 //!        a, b, c and d are 0: all gradients are flat, run mode
@@ -15,8 +15,8 @@
 //! ```
 //!
 //! Format notes
-//! - The template after a run is that of the interrupting sample: b is above *it*.
-//! - Errors are checked, because a Golomb code can hold more numbers than there are errors.
+//! - The template after a run is that of the interrupting sample: b is above *that* sample.
+//! - Errors are checked, because the range of a Golomb code is larger than that of errors.
 
 use super::contexts::{Context, fresh_contexts};
 use super::golomb::ReadGolomb;
@@ -36,7 +36,7 @@ pub(super) fn decode_scan<'a, B: ReadGolomb<'a>>(
     width: u32,
     height: u32,
 ) -> Result<Vec<u8>> {
-    // A line that continues the run of the line before still takes a bit.
+    // A line that continues the run of the previous line still takes a bit.
     let mut samples = room_for_samples(stream, width, height, u64::from(height))?;
     let mut scan = ScanDecoder {
         parameters,
@@ -63,7 +63,7 @@ struct ScanDecoder<'p, B> {
 }
 
 impl<'a, B: ReadGolomb<'a>> ScanDecoder<'_, B> {
-    /// A.3.2: each sample in the mode that its neighborhood asks for.
+    /// Decodes each sample of a line in the mode of its neighborhood (A.3.2).
     fn decode_line(&mut self, lines: &mut Lines) -> Result<()> {
         let width = lines.width();
         let mut x = 0;
@@ -88,7 +88,7 @@ impl<'a, B: ReadGolomb<'a>> ScanDecoder<'_, B> {
         Ok(())
     }
 
-    /// A.4 – A.6: one sample in regular mode.
+    /// Decodes one sample in regular mode (A.4 – A.6).
     #[inline]
     fn decode_regular(&mut self, context: i32, neighbors: Neighbors) -> Result<i32> {
         let parameters = self.parameters;
@@ -111,7 +111,7 @@ impl<'a, B: ReadGolomb<'a>> ScanDecoder<'_, B> {
         Ok(parameters.reconstruct(predicted, sign * error))
     }
 
-    /// A.7.1: how many samples equal a, up to the end of the line, which is `left` samples away.
+    /// Returns the number of samples equal to a (A.7.1), at most the `left` samples up to the end of the line.
     fn decode_run_length(&mut self, left: usize) -> Result<usize> {
         let mut run = 0;
         while self.bits.receive(1)? == 1 {
@@ -133,7 +133,7 @@ impl<'a, B: ReadGolomb<'a>> ScanDecoder<'_, B> {
         Ok(run)
     }
 
-    /// A.7.2: the sample that interrupts a run.
+    /// Decodes the sample that interrupts a run (A.7.2).
     fn decode_interruption(&mut self, neighbors: Neighbors) -> Result<i32> {
         let parameters = self.parameters;
         let interruption = Interruption::new(parameters, neighbors.a, neighbors.b);

@@ -5,8 +5,8 @@
 //! ```
 //!
 //! Format notes
-//! - Preset parameters may stand before either header; the last ones before the scan header count.
-//! - LSE has thirteen types. Only type 1 is for a picture of one component of 8 bits without a
+//! - Preset parameters may precede either header; the last ones before the scan header count.
+//! - LSE has thirteen types. Only type 1 applies to an image of one component of 8 bits without a
 //!   mapping table; T.870 has added types 5 to 13.
 //! - An APP8 segment may name a color space; it is skipped like any other.
 
@@ -17,7 +17,7 @@ use crate::codec::headers::{FrameHeader, ScanHeader};
 use crate::codec::markers::{Cursor, DNL, DRI, EOI, Marker, SOS};
 use crate::codec::stream_error::{Result, StreamError, malformed, unsupported};
 
-// Markers that only JPEG-LS has (Table C.1).
+// Markers of JPEG-LS only (Table C.1).
 const SOF55: u8 = 0xF7;
 const LSE: u8 = 0xF8;
 
@@ -33,13 +33,13 @@ const LSE: u8 = 0xF8;
 pub fn decode(stream: &[u8], width: u32, height: u32) -> Result<Vec<u8>> {
     let mut stream = Cursor::open(stream)?;
     let (parameters, mut presets) = read_headers(&mut stream, width, height)?;
-    // The fast way; `Bits<7>` in place of `BitBuffer<7>` is the plain one.
+    // The fast version; `Bits<7>` in place of `BitBuffer<7>` is the plain one.
     let samples = decode_scan::<BitBuffer<7>>(&mut stream, &parameters, width, height)?;
     expect(&mut stream, &mut presets, EOI, "the end of the image")?;
     Ok(samples)
 }
 
-/// All that stands before the entropy-coded data.
+/// Reads everything before the entropy-coded data.
 pub(super) fn read_headers(
     stream: &mut Cursor,
     width: u32,
@@ -53,10 +53,10 @@ pub(super) fn read_headers(
     Ok((parameters_of_scan(&presets, &scan)?, presets))
 }
 
-/// Bits of a sample that the standard allows and we do not implement.
+/// Sample precisions that the standard allows but this decoder does not implement.
 const OTHER_PRECISIONS: [u8; 14] = [2, 3, 4, 5, 6, 7, 9, 10, 11, 12, 13, 14, 15, 16];
 
-/// C.2.3: no mapping table, NEAR, the interleave mode, the point transform.
+/// Reads the parameters of a scan: no mapping table, NEAR, the interleave mode, the point transform (C.2.3).
 fn parameters_of_scan(presets: &StoredPresets, scan: &ScanHeader) -> Result<Parameters> {
     let [near, interleave, transform] = scan.parameters;
     if scan.tables != 0 {
@@ -90,11 +90,11 @@ fn unexpected(marker: Marker, expected: &str) -> StreamError {
     }
 }
 
-/// The preset coding parameters as they are at one place of the stream.
+/// The preset coding parameters at one position of the stream.
 #[derive(Default)]
 pub(super) struct StoredPresets {
     parameters: PresetParameters,
-    /// Where they stand.
+    /// Their position.
     at: usize,
 }
 
@@ -112,7 +112,7 @@ impl StoredPresets {
         }
     }
 
-    /// C.2.4.1.
+    /// Reads a segment of preset parameters (C.2.4.1).
     fn read_segment(&mut self, mut segment: Cursor) -> Result<()> {
         let at = segment.at;
         let not_implemented = match segment.byte("its type")? {
@@ -142,7 +142,7 @@ impl StoredPresets {
     }
 }
 
-/// An interval of 0 is none.
+/// Accepts an interval of 0, which means none.
 fn read_restart_interval(mut segment: Cursor) -> Result<()> {
     let at = segment.at;
     match segment.u16("the restart interval")? {
@@ -167,20 +167,20 @@ mod tests {
     const DATA: &str = "F0";
     const EOI: &str = "FF D9";
 
-    /// The smallest stream, with one of its five parts replaced.
-    fn with(part: usize, other: &str) -> String {
+    /// Returns the smallest stream with one of its five parts replaced.
+    fn stream_with(part: usize, other: &str) -> String {
         let mut parts = [SOI, SOF, SOS, DATA, EOI];
         parts[part] = other;
         parts.join(" ")
     }
 
-    /// The smallest stream with preset parameters: MAXVAL, T1, T2, T3, RESET.
+    /// Returns the smallest stream with preset parameters: MAXVAL, T1, T2, T3, RESET.
     fn presets(values: &str) -> String {
-        with(2, &format!("FF F8 00 0D  01  {values}  {SOS}"))
+        stream_with(2, &format!("FF F8 00 0D  01  {values}  {SOS}"))
     }
 
     #[track_caller]
-    fn reads(text: &str) -> Vec<u8> {
+    fn read_all(text: &str) -> Vec<u8> {
         decode(&bytes(text), 4, 1).unwrap_or_else(|error| panic!("{error}"))
     }
 
@@ -202,13 +202,13 @@ mod tests {
 
     #[test]
     fn the_smallest_stream_is_black() {
-        assert_eq!(reads(&with(0, SOI)), [0; 4]);
+        assert_eq!(read_all(&stream_with(0, SOI)), [0; 4]);
     }
 
     /// 0: no run. 1 and then 11, because k is 2: number 3, which is error 2.
     #[test]
     fn a_run_may_be_interrupted_at_once() {
-        let one = with(1, "FF F7 00 0B 08 00 01 00 01 01 01 11 00").replace(DATA, "70");
+        let one = stream_with(1, "FF F7 00 0B 08 00 01 00 01 01 01 11 00").replace(DATA, "70");
         assert_eq!(decode(&bytes(&one), 1, 1), Ok(vec![2]));
     }
 
@@ -216,56 +216,63 @@ mod tests {
     fn one_picture_may_be_spelled_in_many_ways() {
         let black = [0; 4];
         assert_eq!(
-            reads(&with(1, &format!("FF E8 00 04 4A 46  FF FE 00 02 {SOF}"))),
+            read_all(&stream_with(
+                1,
+                &format!("FF E8 00 04 4A 46  FF FE 00 02 {SOF}")
+            )),
             black,
             "APP8"
         );
         assert_eq!(
-            reads(&with(1, &format!("FF FF FF {SOF}"))),
+            read_all(&stream_with(1, &format!("FF FF FF {SOF}"))),
             black,
             "fill bytes"
         );
         assert_eq!(
-            reads(&with(4, "FF FF FF D9")),
+            read_all(&stream_with(4, "FF FF FF D9")),
             black,
             "fill bytes after the scan"
         );
         assert_eq!(
-            reads(&with(4, "FF FE 00 02 FF D9")),
+            read_all(&stream_with(4, "FF FE 00 02 FF D9")),
             black,
             "a comment after the scan"
         );
         assert_eq!(
-            reads(&with(4, "FF D9 01 02 03")),
+            read_all(&stream_with(4, "FF D9 01 02 03")),
             black,
             "bytes after the end"
         );
         assert_eq!(
-            reads(&with(2, &format!("FF DD 00 04 00 00 {SOS}"))),
+            read_all(&stream_with(2, &format!("FF DD 00 04 00 00 {SOS}"))),
             black,
             "no interval"
         );
         assert_eq!(
-            reads(&presets("00 00 00 00 00 00 00 00 00 00")),
+            read_all(&presets("00 00 00 00 00 00 00 00 00 00")),
             black,
             "all defaults"
         );
         assert_eq!(
-            reads(&presets("00 FF 00 03 00 07 00 15 00 40")),
+            read_all(&presets("00 FF 00 03 00 07 00 15 00 40")),
             black,
             "the same, spelled out"
         );
         assert_eq!(
-            reads(&with(1, &format!("FF F8 00 0D 01 00*10 {SOF}"))),
+            read_all(&stream_with(1, &format!("FF F8 00 0D 01 00*10 {SOF}"))),
             black,
             "presets first"
         );
         assert_eq!(
-            reads(&with(1, "FF F7 00 0B 08 00 01 00 04 01 01 42 00")),
+            read_all(&stream_with(1, "FF F7 00 0B 08 00 01 00 04 01 01 42 00")),
             black,
             "4 x 2"
         );
-        assert_eq!(reads(&with(3, "F7")), black, "other bits behind the last");
+        assert_eq!(
+            read_all(&stream_with(3, "F7")),
+            black,
+            "other bits behind the last"
+        );
     }
 
     #[test]
@@ -284,23 +291,26 @@ mod tests {
             "byte 2: expected a JPEG-LS frame header, found marker FFD9",
         );
         rejects(
-            &with(2, SOF),
+            &stream_with(2, SOF),
             "byte 15: expected the scan header, found marker FFF7",
         );
-        rejects(&with(4, ""), "byte 26: the stream ends before a marker");
         rejects(
-            &with(4, "FF"),
+            &stream_with(4, ""),
+            "byte 26: the stream ends before a marker",
+        );
+        rejects(
+            &stream_with(4, "FF"),
             "byte 27: the stream ends before the code of a marker",
         );
         rejects(
-            &with(4, SOS),
+            &stream_with(4, SOS),
             "byte 26: expected the end of the image, found marker FFDA",
         );
     }
 
     #[test]
     fn what_is_no_plane_is_rejected() {
-        let sof = |content: &str| with(1, &format!("FF F7 00 0B {content}"));
+        let sof = |content: &str| stream_with(1, &format!("FF F7 00 0B {content}"));
         rejects(
             &sof("08 00 01 00 05 01 01 11 00"),
             "byte 7: expected 4 x 1 samples, found 5 x 1",
@@ -320,7 +330,7 @@ mod tests {
         let later = "byte 7: a height defined by DNL is not implemented";
         lacks(&sof("08 00 00 00 04 01 01 11 00"), later);
         lacks(
-            &with(4, "FF DC"),
+            &stream_with(4, "FF DC"),
             "byte 26: a height defined by DNL is not implemented",
         );
     }
@@ -346,7 +356,7 @@ mod tests {
             &presets(&format!("{zeros} 01 00")),
             "byte 28: RESET must be within 3 to 255, found 256",
         );
-        let lse = |content: &str| with(2, &format!("FF F8 {content} {SOS}"));
+        let lse = |content: &str| stream_with(2, &format!("FF F8 {content} {SOS}"));
         rejects(
             &lse("00 0C 01 00*9"),
             "byte 29: the preset parameter segment ends before RESET",
@@ -376,12 +386,12 @@ mod tests {
             "byte 19: the extensions of T.870 are not implemented",
         );
         let interval = "byte 19: restart intervals in JPEG-LS are not implemented";
-        lacks(&with(2, "FF DD 00 04 00 01"), interval);
+        lacks(&stream_with(2, "FF DD 00 04 00 01"), interval);
     }
 
     #[test]
     fn scan_headers_that_do_not_fit_are_rejected() {
-        let sos = |content: &str| with(2, &format!("FF DA 00 08 {content}"));
+        let sos = |content: &str| stream_with(2, &format!("FF DA 00 08 {content}"));
         rejects(
             &sos("02 01 00 00 00 00"),
             "byte 19: expected one component, found 2",
@@ -411,33 +421,33 @@ mod tests {
     #[test]
     fn damaged_data_is_rejected() {
         rejects(
-            &with(3, ""),
+            &stream_with(3, ""),
             "byte 25: the entropy-coded segment ends too early",
         );
         rejects(
-            &with(3, "00"),
+            &stream_with(3, "00"),
             "byte 26: the entropy-coded segment ends too early",
         );
         rejects(
-            &with(3, "FF"),
+            &stream_with(3, "FF"),
             "byte 25: the entropy-coded segment ends too early",
         );
         rejects(
-            &with(3, "F0 00"),
+            &stream_with(3, "F0 00"),
             "byte 26: the entropy-coded segment continues after its last sample",
         );
         rejects(
-            &with(3, "00*5"),
+            &stream_with(3, "00*5"),
             "byte 25: a code begins with more than 22 zeros",
         );
-        // No run; then 22 zeros, a one and 1111 1111: number 256, one more than errors have.
+        // No run; then 22 zeros, a one and 1111 1111: number 256, one more than the largest error.
         rejects(
-            &with(3, "00 00 01 FF 00"),
+            &stream_with(3, "00 00 01 FF 00"),
             "byte 29: no sample has prediction error -129",
         );
 
         // Four samples, then a run that ends: one more, and another one that interrupts it.
-        let five = with(1, "FF F7 00 0B 08 00 01 00 05 01 01 11 00").replace(DATA, "F4");
+        let five = stream_with(1, "FF F7 00 0B 08 00 01 00 05 01 01 11 00").replace(DATA, "F4");
         let error = decode(&bytes(&five), 5, 1).expect_err("too long");
         assert_eq!(
             error.to_string(),
@@ -448,7 +458,7 @@ mod tests {
     /// 65,535 × 65,535 samples would be four gigabytes.
     #[test]
     fn a_short_stream_cannot_claim_a_large_image() {
-        let text = with(1, "FF F7 00 0B 08 FF FF FF FF 01 01 11 00");
+        let text = stream_with(1, "FF F7 00 0B 08 FF FF FF FF 01 01 11 00");
         let error = decode(&bytes(&text), 65_535, 65_535).expect_err("too little data");
         assert_eq!(
             error.to_string(),

@@ -1,8 +1,7 @@
 //! T.87 Annex A: samples → bits
 //!
-//! The mirror of `decode_scan`. The neighbors are samples as the decoder will know them, which with
-//! NEAR over 0 are not those of the picture: an encoder that predicts from the picture itself drifts
-//! away from its decoder.
+//! The mirror of `decode_scan`. The neighbors are the samples of the decoder, which differ from the image if NEAR is not 0: an
+//! encoder that predicts from the image drifts away from its decoder.
 //!
 //! Worked example: a line of seven samples 0 and a 1, in the bytes FB 40.
 //!
@@ -14,8 +13,8 @@
 //! ```
 //!
 //! Format notes
-//! - After a last byte 0xFF there is one more, of seven zeros, or a decoder would take the marker
-//!   that follows for data.
+//! - If the last byte is 0xFF, one more byte of seven zeros follows, or a decoder would read the marker
+//!   as data.
 
 use super::contexts::{Context, fresh_contexts};
 use super::gradients::context_number;
@@ -25,7 +24,7 @@ use super::run_mode::{Interruption, RunMode};
 use super::template::{Lines, Neighbors};
 use crate::codec::writer::{BitWriter, Writer};
 
-/// Writes all samples and returns what they become.
+/// Writes all samples and returns the samples that a decoder will have.
 pub(super) fn encode_scan(
     stream: &mut Writer,
     parameters: &Parameters,
@@ -58,7 +57,7 @@ struct ScanEncoder<'p, 's> {
 }
 
 impl ScanEncoder<'_, '_> {
-    /// A.3.2: each sample in the mode that its neighborhood asks for.
+    /// Encodes each sample of a line in the mode of its neighborhood (A.3.2).
     fn encode_line(&mut self, lines: &mut Lines, originals: &[u8]) {
         let width = lines.width();
         let mut x = 0;
@@ -66,7 +65,7 @@ impl ScanEncoder<'_, '_> {
         while x < width {
             let context = context_number(self.parameters, neighbors);
             let sample = if context == 0 {
-                let run = self.run_of(neighbors.a, &originals[x..]);
+                let run = self.run_length(neighbors.a, &originals[x..]);
                 self.encode_run_length(run, x + run == width);
                 lines.fill(x, run, neighbors.a);
                 x += run;
@@ -83,7 +82,7 @@ impl ScanEncoder<'_, '_> {
         }
     }
 
-    /// A.4 – A.6: one sample in regular mode.
+    /// Encodes one sample in regular mode (A.4 – A.6).
     fn encode_regular(&mut self, original: u8, context: i32, neighbors: Neighbors) -> i32 {
         let parameters = self.parameters;
         let sign = context.signum();
@@ -103,13 +102,13 @@ impl ScanEncoder<'_, '_> {
         parameters.reconstruct(predicted, sign * error)
     }
 
-    /// A.7.1.1: how many samples are as good as a.
-    fn run_of(&self, a: i32, originals: &[u8]) -> usize {
+    /// Returns the number of samples that differ from a by at most NEAR (A.7.1.1).
+    fn run_length(&self, a: i32, originals: &[u8]) -> usize {
         let alike = |&&original: &&u8| (i32::from(original) - a).abs() <= self.parameters.near;
         originals.iter().take_while(alike).count()
     }
 
-    /// A.7.1.2.
+    /// Writes the length of a run (A.7.1.2).
     fn encode_run_length(&mut self, mut run: usize, ends_line: bool) {
         while run >= 1 << self.run_mode.j() {
             self.bits.put(1, 1);
@@ -123,7 +122,7 @@ impl ScanEncoder<'_, '_> {
         }
     }
 
-    /// A.7.2: the sample that interrupts a run.
+    /// Encodes the sample that interrupts a run (A.7.2).
     fn encode_interruption(&mut self, original: u8, neighbors: Neighbors) -> i32 {
         let parameters = self.parameters;
         let interruption = Interruption::new(parameters, neighbors.a, neighbors.b);
@@ -142,7 +141,7 @@ impl ScanEncoder<'_, '_> {
         parameters.reconstruct(interruption.predicted, sign * error)
     }
 
-    /// A.5.3: a limited-length Golomb code.
+    /// Writes a limited-length Golomb code (A.5.3).
     fn put_golomb(&mut self, mapped: i32, k: u32, limit: u32) {
         let (number, qbpp) = (mapped as u32, self.parameters.qbpp);
         let longest = limit - qbpp - 1;
@@ -161,7 +160,7 @@ impl ScanEncoder<'_, '_> {
 mod tests {
     use super::super::encoder::{JpegLsOptions, encode};
 
-    /// The worked example above.
+    /// Checks the worked example above.
     #[test]
     fn a_run_is_written_in_pieces() {
         let options = JpegLsOptions {

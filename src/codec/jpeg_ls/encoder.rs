@@ -4,10 +4,10 @@ use super::encode_scan::encode_scan;
 use super::parameters::{Parameters, PresetParameters};
 use crate::codec::writer::{Encoded, Writer, check_size};
 
-/// How to encode.
+/// Options of the encoder.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct JpegLsOptions {
-    /// How far a sample may come out from what it was; 0 for no loss.
+    /// Maximum error of a sample; 0 for lossless.
     pub near: u8,
     /// Preset parameters to write; without them no LSE segment is written.
     pub presets: Option<PresetParameters>,
@@ -40,7 +40,7 @@ pub fn encode(samples: &[u8], width: u32, height: u32, options: &JpegLsOptions) 
     Encoded { stream, samples }
 }
 
-/// C.2.4.1.1: type 1 and the five parameters.
+/// Writes type 1 and the five parameters (C.2.4.1.1).
 fn write_presets(stream: &mut Writer, presets: PresetParameters) {
     let p = presets;
     let numbers = [p.maxval, p.t1, p.t2, p.t3, p.reset].map(u16::to_be_bytes);

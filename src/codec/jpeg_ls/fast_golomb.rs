@@ -1,26 +1,26 @@
 //! Golomb codes by counting zeros
 //!
-//! The zeros of a code are counted with one instruction, and both parts are skipped at once. Limited
-//! codes are rare and left to the plain way.
+//! The zeros of a code are counted with one instruction, and both parts are skipped at once. Limited codes are rare and left to
+//! the plain version.
 //!
 //! ```text
 //! window   0001 0111 …     k = 2: three zeros, then 01: 3 · 4 + 1 = 13, six bits
 //! ```
 
 use super::golomb::{ReadGolomb, decode_golomb};
-use crate::codec::bit_buffer::{BitBuffer, leading};
+use crate::codec::bit_buffer::{BitBuffer, leading_bits};
 use crate::codec::stream_error::Result;
 
 impl<'a> ReadGolomb<'a> for BitBuffer<'a, 7> {
     #[inline]
     fn golomb(&mut self, k: u32, limit: u32, qbpp: u32) -> Result<i32> {
-        // More than a code that is not limited has: its zeros, a one and k bits.
+        // More than the length of a code that is not limited: its zeros, a one and k bits.
         self.require(48);
         let zeros = self.window().leading_zeros();
         if zeros >= limit - qbpp - 1 {
             return limited_golomb(self, k, limit, qbpp);
         }
-        let low = leading(self.window() << (zeros + 1), k);
+        let low = leading_bits(self.window() << (zeros + 1), k);
         self.skip(zeros + 1 + k)?;
         Ok((zeros << k | low) as i32)
     }

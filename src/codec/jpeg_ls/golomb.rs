@@ -1,8 +1,7 @@
 //! T.87 A.5.3: limited-length Golomb codes, read
 //!
-//! A number is coded in two parts: its high bits, all but the last k, as so many zeros and a one,
-//! then its last k bits. A code would be long for a large number, so it is limited: after LIMIT −
-//! qbpp − 1 zeros and a one the number less one follows in qbpp bits.
+//! A number is coded in two parts: its high bits, all but the last k, as that many zeros and a one, then its last k bits. Codes
+//! of large numbers are limited: after LIMIT − qbpp − 1 zeros and a one, the number less one follows in qbpp bits.
 //!
 //! Worked example, with k = 2, LIMIT 32 and qbpp 8:
 //!
@@ -15,10 +14,10 @@
 use crate::codec::bits::{Bits, ReadBits};
 use crate::codec::stream_error::{Result, malformed};
 
-/// What the decoding of a scan asks of the entropy-coded segment. [`Bits`] answers as the standard
-/// tells it, [`BitBuffer`](crate::codec::bit_buffer::BitBuffer) faster.
+/// The operations of scan decoding on an entropy-coded segment. [`Bits`] implements them as the standard describes,
+/// [`BitBuffer`](crate::codec::bit_buffer::BitBuffer) faster.
 pub(super) trait ReadGolomb<'a>: ReadBits<'a, 7> {
-    /// The next code, as its number.
+    /// Reads the next code and returns its number.
     fn golomb(&mut self, k: u32, limit: u32, qbpp: u32) -> Result<i32>;
 }
 
@@ -28,7 +27,7 @@ impl<'a> ReadGolomb<'a> for Bits<'a, 7> {
     }
 }
 
-/// A.5.3, read.
+/// Reads a code (A.5.3).
 pub(super) fn decode_golomb<'a>(
     bits: &mut impl ReadBits<'a, 7>,
     k: u32,
@@ -58,7 +57,7 @@ mod tests {
     use super::ReadGolomb;
     use crate::codec::bits::{Bits, ReadBits};
 
-    /// The worked example above.
+    /// Checks the worked example above.
     #[test]
     fn long_codes_are_limited() {
         let stream = [0, 0b1110_0010, 0b1000_0000, 0, 0, 0b1110_0011, 0b1000_0000];

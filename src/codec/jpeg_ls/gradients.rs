@@ -1,9 +1,8 @@
-//! T.87 A.3.2 – A.3.4: local gradients and the context they choose
+//! T.87 A.3.2 – A.3.4: local gradients and the context that they select
 //!
-//! The gradients d − b, b − c and c − a tell how steep the neighborhood is. Each is quantized into
-//! one of nine regions, −4 … 4, by the thresholds T1, T2, T3 and NEAR. A neighborhood and its mirror
-//! image (all signs turned) share a context, whose errors then count with the other sign: of 9³ =
-//! 729 triples, one is flat and 364 pairs remain.
+//! The gradients d − b, b − c and c − a measure the slope of the neighborhood. Each is quantized into one of nine regions, −4 …
+//! 4, by the thresholds T1, T2, T3 and NEAR. A neighborhood and its mirror image (all signs inverted) share a context, with
+//! errors of opposite sign: of 9³ = 729 triples, one is flat and 364 pairs remain.
 //!
 //! Worked example, without loss and with the thresholds 3, 7, 21:
 //!
@@ -15,8 +14,8 @@
 use super::parameters::Parameters;
 use super::template::Neighbors;
 
-/// The number of the context, with its sign: negative in the mirrored neighborhood. 0 is the flat
-/// neighborhood, which is run mode's. The standard leaves the numbering open.
+/// Returns the number of the context, with its sign: negative in the mirrored neighborhood. 0 is the flat neighborhood, which
+/// belongs to run mode. The standard leaves the numbering open.
 #[inline]
 pub(super) fn context_number(parameters: &Parameters, neighbors: Neighbors) -> i32 {
     let Neighbors { a, b, c, d } = neighbors;
@@ -24,7 +23,7 @@ pub(super) fn context_number(parameters: &Parameters, neighbors: Neighbors) -> i
     81 * region(d - b) + 9 * region(b - c) + region(c - a)
 }
 
-/// A.3.3: the flat region has NEAR on both sides of zero, the others T1, T2 and T3.
+/// Returns the region of a gradient (A.3.3): the flat one extends NEAR on both sides of zero, the others to T1, T2 and T3.
 #[inline]
 fn region(parameters: &Parameters, gradient: i32) -> i32 {
     let [t1, t2, t3] = parameters.thresholds;
@@ -39,7 +38,7 @@ mod tests {
     use super::super::parameters::{Parameters, PresetParameters};
     use super::{Neighbors, context_number};
 
-    /// The worked example above.
+    /// Checks the worked example above.
     #[test]
     fn mirrored_neighborhoods_share_a_context() {
         let parameters = Parameters::new(&PresetParameters::default(), 0, 0, 0).expect("defaults");

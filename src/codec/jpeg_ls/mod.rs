@@ -1,26 +1,25 @@
 //! JPEG-LS: ITU-T T.87 | ISO/IEC 14495-1, lossless and near-lossless, one component of 8 bits
 //!
-//! Samples are coded one by one, left to right and top to bottom. Each is predicted from four
-//! neighbors that are already known, and the prediction error is written with a limited-length
-//! Golomb code. The gradients of the neighborhood choose one of 364 *contexts*, which learn from
-//! the errors they have met how far the prediction is off and how long the codes should be. Where
-//! the neighborhood is flat, the coder counts equal samples instead (*run mode*).
+//! Samples are coded one by one, left to right and top to bottom. Each is predicted from four neighbors that are already known,
+//! and the prediction error is written with a limited-length Golomb code. The gradients of the neighborhood select one of 364
+//! *contexts*, which adapt the correction of the prediction and the lengths of the codes to the errors so far. If the
+//! neighborhood is flat, the coder counts equal samples instead (*run mode*).
 //!
 //! ```text
 //! c b d     template → gradients ─┬→ prediction → contexts → golomb    regular mode (A.4 – A.6)
 //! a x                             └→ run_mode                          run mode (A.7)
 //! ```
 //!
-//! With NEAR above 0 each sample may come out wrong by up to NEAR: the error is divided by 2·NEAR +
-//! 1 and rounded, and both sides go on from the sample that the decoder will have.
+//! With NEAR above 0 each sample may be off by up to NEAR: the error is divided by 2·NEAR + 1 and rounded, and both sides
+//! continue with the sample of the decoder.
 //!
-//! Decoder and encoder learn alike, so they share the contexts and everything else that neither
-//! reads nor writes bits. Annex F, the decoder, is Annex A read the other way round.
+//! Decoder and encoder adapt in the same way, so they share the contexts and all code that neither reads nor writes bits. Annex
+//! F, the decoder, is the inverse of Annex A.
 //!
 //! Format notes
-//! - A decoder must take part in NEAR: the frame looks the same with and without loss.
-//! - In what unit JPEG-LS counts a restart interval the standard leaves open, and implementations
-//!   differ; streams with one are not read.
+//! - A decoder must handle NEAR: the frame header is the same with and without loss.
+//! - The standard leaves the unit of a restart interval open, and implementations
+//!   differ; streams with one are not supported.
 
 mod parameters;
 

@@ -1,7 +1,7 @@
-//! T.87 C.2.4.1.1, A.2.1: preset coding parameters and what follows from them
+//! T.87 C.2.4.1.1, A.2.1: preset coding parameters and values derived from them
 //!
-//! An LSE segment may set MAXVAL, the thresholds of the gradients and RESET; NEAR stands in the scan
-//! header. All other numbers of a scan are computed from these.
+//! An LSE segment may set MAXVAL, the thresholds of the gradients and RESET; NEAR is in the scan header. All other parameters
+//! of a scan are computed from these.
 //!
 //! Worked example, samples of 8 bits:
 //!
@@ -13,7 +13,7 @@
 //! ```
 //!
 //! Format notes
-//! - In the segment a zero stands for the default, which depends on MAXVAL and NEAR.
+//! - A zero in the segment stands for the default, which depends on MAXVAL and NEAR.
 //! - LIMIT follows from MAXVAL, not from the precision in the frame header.
 //! - T1 = T2 = T3 is legal.
 
@@ -24,17 +24,17 @@ use crate::codec::stream_error::{Result, malformed};
 pub struct PresetParameters {
     /// The largest sample: 1 … 255.
     pub maxval: u16,
-    /// T1, NEAR + 1 … MAXVAL: from where on a gradient counts as steeper.
+    /// T1, NEAR + 1 … MAXVAL: the first threshold of gradients.
     pub t1: u16,
     /// T2, T1 … MAXVAL.
     pub t2: u16,
     /// T3, T2 … MAXVAL.
     pub t3: u16,
-    /// RESET, 3 … 255: after so many samples a context forgets half of what it knows.
+    /// RESET, 3 … 255: the number of samples after which a context halves its statistics.
     pub reset: u16,
 }
 
-/// The numbers that a scan is coded with.
+/// The parameters of a scan.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Parameters {
     /// The largest sample.
@@ -43,18 +43,18 @@ pub(super) struct Parameters {
     /// T1, T2, T3.
     pub thresholds: [i32; 3],
     pub reset: i32,
-    /// 2·NEAR + 1: the difference of neighboring errors.
+    /// 2·NEAR + 1: the difference of adjacent errors.
     pub step: i32,
-    /// How many different errors there are.
+    /// Number of different errors.
     pub range: i32,
-    /// The bits of an error written as a plain number.
+    /// Number of bits of an error as a plain number.
     pub qbpp: u32,
-    /// The bits of the longest code.
+    /// Number of bits of the longest code.
     pub limit: u32,
 }
 
 impl Parameters {
-    /// Fills in defaults and checks. The preset parameters stand at `presets_at`, NEAR at `near_at`.
+    /// Fills in defaults and checks. `presets_at` is the position of the preset parameters, `near_at` that of NEAR.
     pub fn new(
         presets: &PresetParameters,
         presets_at: usize,
@@ -102,12 +102,12 @@ fn or_default(value: u16, default: i32) -> i32 {
     }
 }
 
-/// How many bits so many values need.
+/// Returns the number of bits that `values` different values need.
 fn bits_for(values: i32) -> u32 {
     (values - 1).ilog2() + 1
 }
 
-/// T1, T2, T3: each within the one before and MAXVAL.
+/// Returns T1, T2, T3, each from the previous one to MAXVAL.
 fn thresholds(
     presets: &PresetParameters,
     presets_at: usize,
@@ -129,17 +129,17 @@ fn thresholds(
     Ok(thresholds)
 }
 
-/// C.2.4.1.1.1: 3, 7, 21 for 8 bits without loss, and from there in proportion to MAXVAL and NEAR.
+/// Returns the default thresholds: 3, 7, 21 for lossless 8 bits, else scaled by MAXVAL and NEAR (C.2.4.1.1.1).
 ///
-/// What would be larger than MAXVAL, or smaller than the one before, is replaced by that one.
+/// A threshold larger than MAXVAL, or smaller than the previous one, is replaced by the previous one.
 pub(crate) fn default_thresholds(maxval: i32, near: i32) -> [i32; 3] {
     limited_thresholds(wanted_thresholds(maxval, near), maxval, near)
 }
 
-/// The same before they are limited.
+/// Returns the default thresholds before they are limited.
 pub(crate) fn wanted_thresholds(maxval: i32, near: i32) -> [i32; 3] {
     if maxval >= 128 {
-        // MAXVAL is at most 255 here, so that the factor of the standard is always 1.
+        // MAXVAL is at most 255 here, so the factor of the standard is always 1.
         [3 + 3 * near, 7 + 5 * near, 21 + 7 * near]
     } else {
         let divisor = 256 / (maxval + 1);
@@ -151,7 +151,7 @@ pub(crate) fn wanted_thresholds(maxval: i32, near: i32) -> [i32; 3] {
     }
 }
 
-/// Thresholds that are neither less than the one before, the first one than NEAR + 1, nor more than MAXVAL.
+/// Limits thresholds: a threshold below the previous one (the first: below NEAR + 1) or above MAXVAL is replaced.
 pub(crate) fn limited_thresholds(wanted: [i32; 3], maxval: i32, near: i32) -> [i32; 3] {
     let mut least = near + 1;
     wanted.map(|threshold| {
@@ -166,7 +166,7 @@ pub(crate) fn limited_thresholds(wanted: [i32; 3], maxval: i32, near: i32) -> [i
 mod tests {
     use super::{Parameters, PresetParameters};
 
-    /// The worked example above, and the smallest MAXVAL.
+    /// Checks the worked example above, and the smallest MAXVAL.
     #[test]
     fn defaults_follow_from_maxval_and_near() {
         let all = |maxval, near| {

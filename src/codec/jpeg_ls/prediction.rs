@@ -1,8 +1,7 @@
-//! T.87 A.4: prediction, its error and the sample that the two make
+//! T.87 A.4: prediction, its error and the resulting sample
 //!
-//! The prediction is the *median edge detector*: at an edge b or a, else the plane through a, b and
-//! c. The error is a number modulo RANGE, because sample and prediction are: of two errors that make
-//! the same sample the one nearer to zero is coded.
+//! The prediction is the *median edge detector*: b or a at an edge, else the plane through a, b and c. The error is a number
+//! modulo RANGE, because sample and prediction are: of two errors that give the same sample the one nearer to zero is coded.
 //!
 //! Worked example, a = 5, b = 12 and the sample 250, without loss:
 //!
@@ -16,7 +15,7 @@
 use super::parameters::Parameters;
 use super::template::Neighbors;
 
-/// A.4.1.
+/// Predicts a sample from its neighbors (A.4.1).
 #[inline]
 pub(crate) fn predict(neighbors: Neighbors) -> i32 {
     let Neighbors { a, b, c, .. } = neighbors;
@@ -30,8 +29,7 @@ pub(crate) fn predict(neighbors: Neighbors) -> i32 {
 }
 
 impl Parameters {
-    /// A.4.4, A.4.5: the error as it is coded: in units of the step, and nearest to zero of those
-    /// that make the same sample.
+    /// Returns the error in units of the step, and nearest to zero among those that give the same sample (A.4.4, A.4.5).
     #[cfg(feature = "generate")]
     pub fn quantize_error(&self, error: i32) -> i32 {
         let quantized = (error + self.near * error.signum()) / self.step;
@@ -47,19 +45,18 @@ impl Parameters {
         }
     }
 
-    /// Whether `quantize_error` can have returned it.
+    /// Returns true if `quantize_error` can return `error`.
     #[inline]
     pub fn is_reduced(&self, error: i32) -> bool {
         -(self.range / 2) <= error && error < (self.range + 1) / 2
     }
 
-    /// A.4.4: the sample that an error makes of a prediction, for the decoder and for everyone who
-    /// predicts from it.
+    /// Returns the sample for a prediction and an error (A.4.4), as in the decoder.
     #[inline]
     pub fn reconstruct(&self, predicted: i32, error: i32) -> i32 {
         let modulus = self.range * self.step;
         let sample = predicted + error * self.step;
-        // Counted and not branched: in noise nobody foresees which it is.
+        // Branch-free, because branches are unpredictable in noise.
         let below = i32::from(sample < -self.near);
         let above = i32::from(sample > self.maxval + self.near);
         (sample + (below - above) * modulus).clamp(0, self.maxval)
@@ -71,7 +68,7 @@ mod tests {
     use super::super::parameters::{Parameters, PresetParameters};
     use super::{Neighbors, predict};
 
-    /// The worked example above.
+    /// Checks the worked example above.
     #[test]
     fn errors_are_numbers_modulo_range() {
         let (a, b, d) = (5, 12, 40);

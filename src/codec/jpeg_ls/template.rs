@@ -1,7 +1,7 @@
 //! T.87 A.3.1, A.2.1: the causal template
 //!
-//! The neighbors of the sample x, as the decoder knows them: a to the left of it, b above it, c and
-//! d to the left and to the right of b.
+//! The neighbors of the sample x, as in the decoder: a to the left of it, b above it, c and d to the left and to the right of
+//! b.
 //!
 //! ```text
 //!     c  b  d
@@ -17,11 +17,11 @@
 //! ```
 //!
 //! Format notes
-//! - To the left of a line c is what a was at the start of the line before: in the example it is 0
+//! - Before the first sample of a line, c is the value of a at the start of the previous line: in the example it is 0
 //!   for the sample 40, and *not* 10.
 
-/// The line above and the line being coded, each with a place more at both sides for its edges: the
-/// sample in column x stands at x + 1.
+/// The previous line and the current one, each with an additional sample at both ends for its edges: column x is at index x +
+/// 1.
 pub(super) struct Lines {
     above: Vec<u8>,
     line: Vec<u8>,
@@ -45,7 +45,7 @@ impl Lines {
         }
     }
 
-    /// Goes one line down and sets its edges.
+    /// Moves to the next line and sets its edges.
     pub fn next(&mut self) {
         std::mem::swap(&mut self.above, &mut self.line);
         let width = self.width();
@@ -57,7 +57,7 @@ impl Lines {
         self.line.len() - 3
     }
 
-    /// The neighbors of the sample in column x.
+    /// Returns the neighbors of the sample in column x.
     pub fn neighbors(&self, x: usize) -> Neighbors {
         Neighbors {
             a: i32::from(self.line[x]),
@@ -67,8 +67,8 @@ impl Lines {
         }
     }
 
-    /// Sets the sample in column x, whose neighbors these are. Returns the neighbors of the next
-    /// sample: the template has moved by one.
+    /// Sets the sample in column x, with these neighbors. Returns the neighbors of the next sample, for which the template
+    /// moves by one.
     #[inline]
     pub fn set(&mut self, x: usize, sample: i32, neighbors: Neighbors) -> Neighbors {
         self.line[x + 1] = sample as u8;
@@ -85,7 +85,7 @@ impl Lines {
         self.line[x + 1..][..run].fill(sample as u8);
     }
 
-    /// The samples of the line.
+    /// Returns the samples of the line.
     pub fn samples(&self) -> &[u8] {
         &self.line[1..=self.width()]
     }

@@ -1,4 +1,4 @@
-//! Failing cases, cause by cause, each with what there is to see of it.
+//! Failing cases, grouped by cause, each with its evidence.
 
 use std::collections::HashMap;
 
@@ -13,16 +13,16 @@ use crate::session::run::Run;
 use crate::suite::cases::Suite;
 use crate::suite::name::SuiteName;
 
-/// Bytes of markup that the evidence of all failing cases may take together: pictures, files, excerpts, previews and standard
-/// error. What does not fit is left out, and the page says so.
-pub const EVIDENCE: usize = 3_500_000;
+/// Maximum number of bytes of markup for the evidence of all failing cases: images, files, excerpts, previews and standard
+/// error. Evidence that does not fit is left out, and the page says so.
+pub const MAX_EVIDENCE: usize = 3_500_000;
 
-/// Cases of a group that are there without being asked for.
+/// Number of cases of a group that are visible initially.
 const SHOWN: usize = 12;
 
-/// Failing cases under the cause that explains them, the unexplained ones last.
+/// Failing cases with the cause that explains them; unexplained ones are last.
 pub(super) struct Group<'a> {
-    /// What was asked: of a decoder, or of a writer.
+    /// The suite.
     pub suite: SuiteName,
     pub cause: Option<&'a LikelyCause>,
     pub cases: Vec<&'a CaseResult>,
@@ -36,7 +36,7 @@ impl Group<'_> {
         )
     }
 
-    /// Where its cases stand on the page.
+    /// Returns the anchor of its cases on the page.
     pub(super) fn anchor(&self) -> String {
         self.cause.map_or_else(
             || "cases-unexplained".to_owned(),
@@ -46,7 +46,7 @@ impl Group<'_> {
     }
 }
 
-/// The failing cases of a report.
+/// Returns the failing cases of a report by cause.
 pub(super) fn groups(report: &Report) -> Vec<Group<'_>> {
     let place = |case: &CaseResult| {
         let cause = report.cause_of(case);
@@ -73,7 +73,7 @@ pub(super) fn failed(case: &CaseResult) -> bool {
     case.outcome == Outcome::Fail.name()
 }
 
-/// What there is to see of each failing case, as far as the allowance goes: the first of every group, then the second.
+/// Returns the evidence of each failing case, within the allowance: the first case of every group, then the second.
 pub(super) fn evidence<'a, C: Reported>(
     suite: &Suite<C>,
     run: Option<&Run<C>>,
@@ -91,7 +91,7 @@ pub(super) fn evidence<'a, C: Reported>(
     let longest = groups.iter().map(|group| group.cases.len()).max();
     let in_turn = (0..longest.unwrap_or_default())
         .flat_map(|rank| groups.iter().filter_map(move |group| group.cases.get(rank)));
-    let mut left = EVIDENCE;
+    let mut left = MAX_EVIDENCE;
     let mut evidence = HashMap::new();
     for case in in_turn {
         let shown = places.get(case.id.as_str()).and_then(|&i| {
@@ -108,7 +108,7 @@ pub(super) fn evidence<'a, C: Reported>(
     evidence
 }
 
-/// The section of failing cases, and the filter over all cases.
+/// Returns the section of failing cases, and the filter over all cases.
 pub(super) fn failures<C: Reported>(
     suite: &Suite<C>,
     report: &Report,
@@ -135,7 +135,7 @@ pub(super) fn failures<C: Reported>(
             } @else if evidence.len() < failures {
                 p.note {
                     "Pictures and bytes are shown for " (evidence.len()) " of " (failures)
-                    " failures, the first of each cause before the second: a page holds " (EVIDENCE / 1000) " kB of them."
+                    " failures, the first of each cause before the second: a page holds " (MAX_EVIDENCE / 1000) " kB of them."
                 }
             }
             @for (i, group) in groups.iter().enumerate() {
@@ -157,7 +157,7 @@ pub(super) fn failures<C: Reported>(
     }
 }
 
-/// A failing case.
+/// Returns the card of a failing case.
 fn card<C: Reported>(
     suite: &Suite<C>,
     report: &Report,
@@ -166,7 +166,7 @@ fn card<C: Reported>(
     open: bool,
 ) -> Markup {
     let says = case.says.as_deref().unwrap_or_default();
-    // Of a difference the end says how much of the picture it is; the evidence shows the texel.
+    // The end of a difference says which part of the image it affects; the evidence shows the texel.
     let short = says.rsplit("; ").next().unwrap_or_default();
     let long = match (evidence, says.split_once("texel (")) {
         (Some(_), Some((before, _))) => format!("{before}{short}"),
@@ -192,7 +192,7 @@ fn card<C: Reported>(
                     None => @if let Some(stderr) = &case.stderr { (standard_error(stderr)) },
                 }
                 p.label { "Run it again" }
-                pre.command tabindex="0" { (again(report, &case.id)) }
+                pre.command tabindex="0" { (repeat_command(report, &case.id)) }
                 p.quiet {
                     code { "ptm-conform explain " (case.id) }
                     @if suite.case(&case.id).is_some() && report.suite.case_page(&case.id).is_some() { " · " (linked(report.suite.case_page(&case.id), &html! { "its page" })) }
@@ -202,15 +202,15 @@ fn card<C: Reported>(
     }
 }
 
-/// Clauses with links to what the site says of them.
+/// Returns clauses with links to the site.
 fn clauses(suite: SuiteName, ids: &[String]) -> Markup {
     html! {
         @for (i, id) in ids.iter().enumerate() { @if i > 0 { ", " } (linked(suite.clause_page(id), &html! { (id) })) }
     }
 }
 
-/// The command that asks for this case alone, with the decoder's words as a shell takes them.
-fn again(report: &Report, id: &str) -> String {
+/// Returns the command that requests only this case, with the decoder's words quoted for a shell.
+fn repeat_command(report: &Report, id: &str) -> String {
     let command = &report.decoder.command;
     let quoted = |word: &str| shlex::try_quote(word).map_or_else(|_| "''".to_owned(), Into::into);
     let words = command.split(' ').map(quoted).collect::<Vec<_>>().join(" ");

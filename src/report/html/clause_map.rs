@@ -1,4 +1,4 @@
-//! Every clause of the text, colored by what the run showed of it.
+//! Every clause of the text, colored by the results of the run.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -10,19 +10,19 @@ use crate::session::outcome::Outcome;
 use crate::suite::clauses::{Clause, ClauseStatus};
 use crate::suite::name::SuiteName;
 
-/// What a run showed of a clause.
+/// The results of a run for a clause.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct ClauseTally {
-    /// Cases about it that passed.
+    /// Its cases that passed.
     pub passed: usize,
-    /// Cases about it that failed.
+    /// Its cases that failed.
     pub failed: usize,
-    /// Cases about it that say nothing: unsupported, inconclusive, not judged, not run.
+    /// Its cases without evidence: unsupported, inconclusive, not judged, not run.
     pub open: usize,
 }
 
 impl ClauseTally {
-    /// For each clause that a case of `report` is about.
+    /// Counts the results for each clause that a case of `report` tests.
     pub(super) fn of(report: &Report) -> BTreeMap<&str, ClauseTally> {
         let mut tallies: BTreeMap<&str, ClauseTally> = BTreeMap::new();
         for case in &report.cases {
@@ -40,7 +40,7 @@ impl ClauseTally {
         tallies
     }
 
-    /// In a word, and a sign.
+    /// Returns a word and a symbol.
     pub(super) fn state(self) -> (&'static str, &'static str) {
         match self {
             ClauseTally { failed: 1.., .. } => ("fail", "✗"),
@@ -51,7 +51,7 @@ impl ClauseTally {
     }
 }
 
-/// Clauses section by section, in their order.
+/// Returns clauses section by section, in order.
 pub(super) fn by_section(clauses: &[Clause]) -> Vec<(&str, Vec<&Clause>)> {
     let mut sections: Vec<(&str, Vec<&Clause>)> = Vec::new();
     for clause in clauses {
@@ -110,7 +110,7 @@ pub(super) fn section(report: &Report, clauses: &[Clause]) -> Markup {
     }
 }
 
-/// A table of the clauses with their rules.
+/// Returns a table of the clauses with their rules.
 fn in_words(suite: SuiteName, clauses: &[Clause], tallies: &BTreeMap<&str, ClauseTally>) -> Markup {
     html! {
         details.others {

@@ -1,5 +1,5 @@
-//! Colored pictures beside each other: expected, received, and how far they differ. The page's script adds a picture with a
-//! border to move: expected to its left, received to its right.
+//! Colored images next to each other: expected, received, and their difference. The page's script adds an image with a movable
+//! border: expected to its left, received to its right.
 
 use data_encoding::BASE64;
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
@@ -9,18 +9,18 @@ use maud::{Markup, html};
 /// The longest side on the page, in CSS pixels.
 const SHOWN: usize = 208;
 
-/// Two pictures of one size, three bytes a texel.
+/// Two images of one size, three bytes per texel.
 pub(super) struct Compared<'a> {
     pub width: usize,
     pub height: usize,
     pub expected: &'a [u8],
     pub received: &'a [u8],
-    /// How far each texel differs, four bytes a texel.
+    /// The difference of each texel, four bytes per texel.
     pub difference: Option<&'a [u8]>,
 }
 
 impl Compared<'_> {
-    /// The pictures; `subject` is what the received one is called.
+    /// Returns the images; `subject` is the name of the received one.
     pub(super) fn markup(&self, subject: &str) -> Markup {
         let opaque = |rgb: &[u8]| -> Vec<u8> {
             let texels = rgb.chunks_exact(3);
@@ -48,7 +48,7 @@ impl Compared<'_> {
     }
 }
 
-/// A picture of four bytes a texel as an address.
+/// Returns an image of four bytes per texel as a data URL.
 pub(super) fn png(width: usize, height: usize, rgba: &[u8]) -> String {
     let mut bytes = Vec::new();
     PngEncoder::new_with_quality(&mut bytes, CompressionType::Best, FilterType::Adaptive)

@@ -1,4 +1,4 @@
-//! What is wrong, in words: the causes with what to do about them; and of what is no decoder, what to do next.
+//! The causes in words, each with a fix; and next steps for programs that are not decoders.
 
 use maud::{Markup, html};
 
@@ -9,7 +9,7 @@ use crate::report::words::{MAX_ALIKE, how_it_is_called, known_words, more_alike,
 use crate::suite::address::published;
 use crate::suite::clauses::Clause;
 
-/// The causes, most telling first.
+/// Returns the causes, the one that explains most first.
 pub(super) fn diagnosis(report: &Report, groups: &[Group], clauses: &[Clause]) -> Markup {
     let failures = report.cases.iter().filter(|case| failed(case)).count();
     html! {
@@ -72,7 +72,7 @@ fn diagnosed(cause: &LikelyCause, group: &Group, failures: usize, clauses: &[Cla
     }
 }
 
-/// What to do about a program that is no decoder.
+/// Returns the next steps for a program that is not a decoder.
 pub(super) fn next_steps(report: &Report) -> Markup {
     let called = how_it_is_called(report.suite, &report.decoder.command);
     html! {

@@ -1,4 +1,4 @@
-//! What there is to see of a failing case: the texel, the pictures, the bytes, the preview.
+//! The evidence of a failing case: the texel, the images, the bytes, the preview.
 
 use std::ops::Range;
 
@@ -18,7 +18,7 @@ use crate::suite::dialect::Right;
 use crate::suite::origin::{self, Origin};
 use crate::suite::texture::cases::TextureCase;
 
-/// Of a PTM file that was asked.
+/// Returns the evidence for a PTM file.
 pub(in crate::report) fn of_case(
     case: &Case,
     table: TableSpelling,
@@ -51,14 +51,14 @@ pub(in crate::report) fn of_case(
     }
 }
 
-/// The largest file that a page holds.
-const DOWNLOAD: usize = 4 << 10;
+/// Maximum size of a file that is embedded in a page, in bytes.
+const MAX_DOWNLOAD: usize = 4 << 10;
 
-/// A file to take along; where it is large, how many bytes it has.
+/// Returns a file to download, or its size if it is large.
 pub(crate) fn download(name: &str, file: &[u8]) -> Markup {
     html! {
         p.download {
-            @if file.len() <= DOWNLOAD {
+            @if file.len() <= MAX_DOWNLOAD {
                 a download=(name) href={ "data:application/octet-stream;base64," (BASE64.encode(file)) } { "Download " (name) }
                 ", " (file.len()) " bytes"
             } @else { (name) " has " (file.len()) " bytes: too large for this page." }
@@ -66,7 +66,7 @@ pub(crate) fn download(name: &str, file: &[u8]) -> Markup {
     }
 }
 
-/// Of a texture question that was asked.
+/// Returns the evidence for a texture question.
 pub(in crate::report) fn of_question(
     case: &TextureCase,
     observation: &Observation<TextureCase>,
@@ -88,7 +88,7 @@ pub(in crate::report) fn of_question(
     }
 }
 
-/// The end of what a decoder complained of.
+/// Returns the end of the decoder's standard error.
 pub(super) fn standard_error(stderr: &str) -> Markup {
     const SHOWN: usize = 700;
     let skipped = stderr.chars().count().saturating_sub(SHOWN);
@@ -145,7 +145,7 @@ fn of_picture(
     }
 }
 
-/// How the text computes the expected value, with the numbers of the file.
+/// Shows the computation of the expected value, with the numbers of the file.
 fn arithmetic(
     file: &[u8],
     view: &View,
@@ -169,12 +169,12 @@ fn arithmetic(
     }
 }
 
-/// The number of the first sample of a texel.
+/// Returns the index of the first sample of a texel.
 fn texel(expected: &Expected, x: usize, y: usize) -> usize {
     (y * expected.size.width as usize + x) * expected.channels
 }
 
-/// Where a sample of `view` comes from.
+/// Returns the bytes that a sample of `view` is computed from.
 fn of_sample(
     case: &Case,
     built: &Built,
@@ -194,7 +194,7 @@ fn of_sample(
             }
             origins
         }
-        // A color is made of whole polynomials.
+        // A color is computed from whole polynomials.
         (View::Rgb(_), Ok(Shape::Rgb)) => stored(6 * channel..6 * channel + 6),
         (View::Rgb(_), Ok(Shape::Lrgb)) => {
             let mut origins = stored(0..6);
@@ -220,7 +220,7 @@ fn origins(name: &str, file: &[u8], origins: &[Origin]) -> Markup {
     }
 }
 
-/// A file that must be refused: what the reference finds wrong, and where.
+/// Shows a file that must be refused: the error that the reference finds, and its place.
 fn accepted(built: &Built) -> Markup {
     match decode(&built.file) {
         Err(error) => html! {
@@ -232,7 +232,7 @@ fn accepted(built: &Built) -> Markup {
     }
 }
 
-/// A file of which no picture came: how it begins.
+/// Shows the beginning of a file for which no image came.
 fn beginning(built: &Built) -> Markup {
     const SHOWN: usize = 320;
     let begins = &built.file[..built.file.len().min(SHOWN)];
@@ -246,7 +246,7 @@ fn beginning(built: &Built) -> Markup {
     }
 }
 
-/// A number as short as it may be.
+/// Returns a number in its shortest form.
 fn number(value: f64) -> String {
     if value != 0.0 && (value.abs() < 1e-3 || value.abs() >= 1e7) {
         return format!("{value:.4e}");
@@ -255,7 +255,7 @@ fn number(value: f64) -> String {
     text.trim_end_matches('0').trim_end_matches('.').to_owned()
 }
 
-/// Lines of sixteen bytes with those of `range` marked. Of a long range only the beginning is shown.
+/// Shows lines of sixteen bytes with those of `range` marked; of a long range only the beginning.
 fn excerpt(file: &[u8], range: &Range<usize>) -> Markup {
     let first = range.start / 16 * 16;
     let last = (range.end.max(range.start + 1) - 1).min(range.start + 31) / 16 * 16 + 16;

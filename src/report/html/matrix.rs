@@ -4,14 +4,14 @@ use maud::{Markup, html};
 
 use crate::report::document::{LikelyCause, Report};
 use crate::report::html::clause_map::{ClauseTally, by_section};
-use crate::report::html::shell::{linked, verdict_mark, whole};
+use crate::report::html::shell::{linked, page_with_head, verdict_mark};
 use crate::suite::clauses::Clause;
 
-/// A table with a column for each of `reports`, all on one suite of `all` cases, and a row for each of its `clauses` that a
-/// case is about.
+/// Returns a table with a column for each of `reports`, all on one suite of `all` cases, and a row for each of its `clauses`
+/// that a case tests.
 ///
 /// # Errors
-/// A sentence if the reports are not of one suite.
+/// A sentence if the reports are of different suites.
 pub fn matrix(reports: &[Report], clauses: &[Clause], all: usize) -> Result<String, String> {
     let suite = reports.first().ok_or("no reports")?.suite;
     if reports.iter().any(|report| report.suite != suite) {
@@ -69,13 +69,13 @@ pub fn matrix(reports: &[Report], clauses: &[Clause], all: usize) -> Result<Stri
             }
         }
     };
-    Ok(whole(
+    Ok(page_with_head(
         &format!("{} decoders — {}", reports.len(), suite.short()),
         &body,
     ))
 }
 
-/// The command of report `i`, with a number where others have the same.
+/// Returns the command of report `i`, with a number if others have the same.
 fn name(reports: &[Report], i: usize) -> Markup {
     let command = &reports[i].decoder.command;
     let alike = |reports: &[Report]| {
@@ -90,7 +90,7 @@ fn name(reports: &[Report], i: usize) -> Markup {
     }
 }
 
-/// Causes of one report that are shown; the page of the report has all of them.
+/// Maximum number of causes of one report that are shown; the page of the report has all of them.
 const MAX_CAUSES: usize = 4;
 
 /// Lists the first causes: misreadings of the catalog by their names, others in words.

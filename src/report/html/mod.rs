@@ -1,7 +1,7 @@
-//! The report as a page: one file that needs no network, no server and no program but a browser.
+//! The report as a web page: one file that needs only a browser, without network, server or other programs.
 //!
-//! [`page`] is the contents page. Whatever a decoder printed is hostile text: `maud` escapes all of it, and the policy in
-//! the head forbids every request and every script but the page's own, which it names by its digest.
+//! [`page`] is the table of contents. All output of a decoder is untrusted: `maud` escapes it, and the policy in the head
+//! forbids every request and every script except that of the page, which it identifies by its digest.
 
 mod page;
 

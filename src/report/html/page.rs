@@ -5,7 +5,7 @@ use maud::{Markup, html};
 use crate::report::document::{CaseResult, Report};
 use crate::report::html::cases::{evidence, failures, groups};
 use crate::report::html::diagnosis::{diagnosis, next_steps};
-use crate::report::html::shell::{linked, mark, verdict_mark, whole};
+use crate::report::html::shell::{linked, mark, page_with_head, verdict_mark};
 use crate::report::html::{clause_map, scene};
 use crate::report::reported::Reported;
 use crate::session::lit_scene::LitScene;
@@ -16,10 +16,10 @@ use crate::suite::address::SITE;
 use crate::suite::cases::Suite;
 use crate::suite::name::SuiteName;
 
-/// The page of a report; with the pictures of `run`, where the run is at hand.
+/// Returns the page of a report, with the images of `run` if the run is available.
 ///
 /// # Errors
-/// None that a report can cause.
+/// No error that depends on the report.
 pub fn page<C: Reported>(
     suite: &Suite<C>,
     report: &Report,
@@ -51,7 +51,7 @@ pub fn page<C: Reported>(
             (about(report))
         }
     };
-    Ok(whole(&title, &body))
+    Ok(page_with_head(&title, &body))
 }
 
 fn header<C: Reported>(suite: &Suite<C>, report: &Report, lit: Option<&LitScene>) -> Markup {
@@ -82,7 +82,7 @@ fn header<C: Reported>(suite: &Suite<C>, report: &Report, lit: Option<&LitScene>
     }
 }
 
-/// The scores, and how many cases have each outcome.
+/// Returns the scores, and the number of cases with each outcome.
 fn results<C: Reported>(suite: &Suite<C>, report: &Report) -> Markup {
     let of = report.cases.len();
     html! {
@@ -108,7 +108,7 @@ fn results<C: Reported>(suite: &Suite<C>, report: &Report) -> Markup {
     }
 }
 
-/// An outcome as the filter takes it, in one word.
+/// Returns the value of the filter for an outcome, in one word.
 fn slug(outcome: Outcome) -> String {
     outcome.name().replace(' ', "-")
 }
@@ -125,7 +125,7 @@ fn score(name: &str, score: Fraction, means: &str) -> Markup {
     }
 }
 
-/// Everything that did not fail, outcome after outcome.
+/// Returns everything that did not fail, outcome by outcome.
 fn others(report: &Report) -> Markup {
     html! {
         section aria-labelledby="others" {
@@ -150,12 +150,12 @@ fn others(report: &Report) -> Markup {
     }
 }
 
-/// A case by its name, which leads to its page.
+/// Returns the id of a case with a link to its page.
 fn of_case(suite: SuiteName, id: &str) -> Markup {
     linked(suite.case_page(id), &html! { code { (id) } })
 }
 
-/// How the decoder reads what the text leaves open, and what it decodes at all.
+/// Returns the decoder's reading of open questions, and the features that it decodes.
 fn dialect<C: Reported>(report: &Report) -> Result<Markup, String> {
     let rulings = C::all_rulings()?;
     Ok(html! {

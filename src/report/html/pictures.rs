@@ -1,8 +1,8 @@
-//! Planes side by side: expected, received, and how far they differ.
+//! Planes side by side: expected, received, and their difference.
 //!
-//! - raw shows a sample as the gray it is, coef each plane from its least to its greatest value, and rgb the colors.
-//! - The difference is: raw, the way around the circle of 256 values; rgb, the plain difference; coef, a part of what the plane
-//!   spans. What is near enough to pass is left blank.
+//! - raw shows samples as gray levels, coef each plane from its minimum to its maximum, and rgb the colors.
+//! - The difference is: raw, modulo 256; rgb, absolute; coef, as a fraction of the range of the plane.
+//!   Differences within the tolerance are blank.
 
 use maud::{Markup, html};
 
@@ -11,10 +11,10 @@ use crate::ptm::channel_name;
 use crate::report::html::compare::{Compared, png};
 use crate::suite::compare::Expected;
 
-/// The largest part of a plane that is shown, in texels a side.
-const LARGEST: usize = 48;
+/// Maximum number of columns and rows of a plane that are shown.
+const MAX_SIDE: usize = 48;
 
-/// Texels that are shown: columns and rows from `x` and `y`.
+/// The texels that are shown: columns and rows from `x` and `y`.
 struct Window {
     x: usize,
     y: usize,
@@ -22,17 +22,17 @@ struct Window {
     height: usize,
 }
 
-/// Two frames of one shape, sample beside sample.
+/// Two frames of one shape, compared sample by sample.
 struct Pair<'a> {
     expected: &'a Expected,
     frame: &'a Frame,
     window: Window,
-    /// For coef, the least and greatest value of each plane in either frame.
+    /// For coef, the minimum and maximum of each plane in both frames.
     spans: Vec<(f64, f64)>,
 }
 
-/// The pictures of a frame that differs from what was expected, `spot` being the first texel and channel that does.
-/// Nothing where there is nothing to lay side by side.
+/// Returns the images of a frame that differs from the expected one, first at texel and channel `spot`. None if the two cannot
+/// be shown side by side.
 pub(super) fn figure(
     expected: &Expected,
     frame: &Frame,
@@ -83,10 +83,10 @@ impl<'a> Pair<'a> {
         if !alike || count != expected.size.texels() * expected.channels {
             return None;
         }
-        // The texel in question in the middle, as far as the edges allow.
+        // The texel in question is in the middle, as far as the edges allow.
         let from = |spot: usize, all: usize| {
-            spot.saturating_sub(LARGEST / 2)
-                .min(all.saturating_sub(LARGEST))
+            spot.saturating_sub(MAX_SIDE / 2)
+                .min(all.saturating_sub(MAX_SIDE))
         };
         let mut pair = Pair {
             expected,
@@ -94,8 +94,8 @@ impl<'a> Pair<'a> {
             window: Window {
                 x: from(spot.0, width),
                 y: from(spot.1, height),
-                width: width.min(LARGEST),
-                height: height.min(LARGEST),
+                width: width.min(MAX_SIDE),
+                height: height.min(MAX_SIDE),
             },
             spans: Vec::new(),
         };
@@ -107,7 +107,7 @@ impl<'a> Pair<'a> {
         Some(pair)
     }
 
-    /// The pictures in color.
+    /// Returns the images in color.
     fn colored(&self, (x, y, _): (usize, usize, usize)) -> Markup {
         let Window { width, height, .. } = self.window;
         let texels = self.expected.size.texels();
@@ -148,7 +148,7 @@ impl<'a> Pair<'a> {
         }
     }
 
-    /// Which part of the picture is shown, where it is not all of it.
+    /// Names the part of the image that is shown, if it is not all of it.
     fn part(&self) -> Markup {
         let Window {
             x,
@@ -170,7 +170,7 @@ impl<'a> Pair<'a> {
         }
     }
 
-    /// How many samples of a plane are wrong, in all of it.
+    /// Returns the number of wrong samples in the whole plane.
     fn wrong(&self, channel: usize) -> usize {
         (0..self.expected.size.texels())
             .map(|texel| texel * self.expected.channels + channel)
@@ -178,13 +178,13 @@ impl<'a> Pair<'a> {
             .count()
     }
 
-    /// Sample number of a channel at a place in the window.
+    /// Returns the index of the sample of a channel at a place in the window.
     fn place(&self, x: usize, y: usize, channel: usize) -> usize {
         let (x, y) = (self.window.x + x, self.window.y + y);
         (y * self.expected.size.width as usize + x) * self.expected.channels + channel
     }
 
-    /// The least and the greatest finite value of a plane in either frame.
+    /// Returns the minimum and maximum finite value of a plane in both frames.
     fn span(&self, channel: usize) -> (f64, f64) {
         let texels = 0..self.expected.size.texels();
         let both = texels.flat_map(|texel| {
@@ -205,7 +205,7 @@ impl<'a> Pair<'a> {
         }
     }
 
-    /// How far apart, from 0 (near enough) to 1.
+    /// Returns the difference, from 0 (within tolerance) to 1.
     fn apart(&self, i: usize, channel: usize) -> f64 {
         let (expected, received) = (self.expected.values[i], self.received(i));
         if self.expected.is_near(i, received) {
@@ -217,7 +217,7 @@ impl<'a> Pair<'a> {
             None if self.frame.view == ViewKind::Raw => apart.min(256.0 - apart) / 128.0,
             None => apart / 255.0,
         };
-        // Something is to be seen of the least difference; and what is no number is as far off as can be.
+        // The smallest difference is visible, and a NaN has the largest one.
         if part.is_finite() {
             part.clamp(0.02, 1.0)
         } else {
@@ -225,7 +225,7 @@ impl<'a> Pair<'a> {
         }
     }
 
-    /// The colour of a channel at a place in the window, in a row of the table.
+    /// Returns the color of a channel at a place in the window, in a row of the table.
     fn texel(&self, row: &str, x: usize, y: usize, channel: usize) -> [u8; 4] {
         let i = self.place(x, y, channel);
         let gray = |value: f64| {
@@ -239,7 +239,7 @@ impl<'a> Pair<'a> {
         }
     }
 
-    /// A table with a column for each plane of `group`.
+    /// Returns a table with a column for each plane of `group`.
     fn table(
         &self,
         group: std::ops::Range<usize>,
@@ -292,7 +292,7 @@ impl<'a> Pair<'a> {
         }
     }
 
-    /// Planes side by side with a column of nothing between them, four bytes a texel.
+    /// Returns planes side by side, separated by an empty column, four bytes per texel.
     fn strip(&self, row: &str, group: std::ops::Range<usize>) -> Vec<u8> {
         let mut pixels = Vec::new();
         for y in 0..self.window.height {
@@ -313,7 +313,7 @@ const EXPECTED: &str = "expected";
 const RECEIVED: &str = "received";
 const DIFFERENCE: &str = "difference";
 
-/// What the colors of a difference mean.
+/// Explains the colors of a difference.
 fn scale_of(view: ViewKind) -> Markup {
     let (least, most) = match view {
         ViewKind::Raw => ("1", "128, around the circle of 256 values"),
@@ -323,7 +323,7 @@ fn scale_of(view: ViewKind) -> Markup {
     html! { p.heat { "difference " (least) " " i {} " " (most) "; blank: near enough" } }
 }
 
-/// Nothing for 0; then from amber over red to violet, which a page of either tone shows.
+/// Returns transparent for 0, then from amber over red to violet, which is visible in light and dark mode.
 fn heat(apart: f64) -> [u8; 4] {
     if apart <= 0.0 {
         return [0; 4];

@@ -1,7 +1,7 @@
-//! The map under a light that one can move: expected beside received.
+//! The map under a movable light: expected next to received.
 //!
-//! The page holds the stored values and evaluates the polynomial (1.0) itself; what is received is drawn with the
-//! decoder's own values.
+//! The page contains the stored values and evaluates the polynomial (1.0) itself; the received image is drawn with the
+//! decoder's values.
 
 use data_encoding::BASE64;
 use maud::{Markup, html};
@@ -12,11 +12,11 @@ use crate::ptm::{ColorMatrix, Ptm, Shape};
 use crate::suite::cases::Built;
 use crate::suite::compare::Expected;
 
-/// The most samples a preview holds; larger maps have none.
-const SAMPLES: usize = 24 << 10;
+/// Maximum number of samples of a preview; larger maps have none.
+const MAX_SAMPLES: usize = 24 << 10;
 
-/// A preview of what `frame` holds beside what it should hold; nothing for pictures under one light, which cannot be lit
-/// anew, for other shapes, and for large maps.
+/// Returns a preview of `frame` next to the expected map; None for images under one light, which cannot be relit, for other
+/// shapes, and for large maps.
 pub(super) fn figure(built: &Built, frame: &Frame) -> Option<Markup> {
     let expected = Expected::of(&built.values, &View::Raw)?;
     let Samples::U8(stored) = expected.frame().samples else {
@@ -27,7 +27,7 @@ pub(super) fn figure(built: &Built, frame: &Frame) -> Option<Markup> {
         expected.size.height,
         expected.channels as u32,
     );
-    if shape != (frame.width, frame.height, frame.channels) || stored.len() > SAMPLES {
+    if shape != (frame.width, frame.height, frame.channels) || stored.len() > MAX_SAMPLES {
         return None;
     }
     let Ptm { header, planes } = decode(&built.file).ok()?;

@@ -1,14 +1,14 @@
-//! The scene at the top: a lit ball as the decoder shows it, and what is wrong with it at a glance.
+//! The scene at the top: a lit ball as the decoder shows it, with visible mistakes named.
 
 use maud::{Markup, html};
 
 use crate::report::html::compare::Compared;
 use crate::session::lit_scene::{LIGHT, LitScene, SIDE};
 
-/// Two pictures are the same to the eye if their samples differ by less than this on average.
-const ALIKE: f64 = 3.0;
+/// Two images look the same if their samples differ by less than this on average.
+const MAX_INVISIBLE_DIFFERENCE: f64 = 3.0;
 
-/// The scene beside the right one.
+/// Returns the scene next to the right one.
 pub(super) fn figure(scene: &LitScene) -> Markup {
     let side = SIDE as usize;
     let pictures = Compared {
@@ -29,7 +29,7 @@ pub(super) fn figure(scene: &LitScene) -> Markup {
     }
 }
 
-/// A change of a picture: what it is called, and where each texel and channel comes from.
+/// A change of an image: its name, and the source of each texel and channel.
 type Change = (
     &'static str,
     fn(usize, usize, usize) -> (usize, usize, usize),
@@ -54,14 +54,14 @@ const CHANGES: &[Change] = &[
     ),
 ];
 
-/// How far samples differ on average.
+/// Returns the mean difference of samples.
 fn mean_difference(one: &[u8], other: &[u8]) -> f64 {
     let pairs = one.iter().zip(other);
     let sum: u32 = pairs.map(|(a, b)| u32::from(a.abs_diff(*b))).sum();
     f64::from(sum) / one.len() as f64
 }
 
-/// What is wrong with the picture, as one sees it.
+/// Returns the visible mistake of the image, in words.
 fn in_words(scene: &LitScene) -> &'static str {
     let (right, received) = (&scene.right, &scene.received);
     let side = SIDE as usize;
@@ -74,10 +74,13 @@ fn in_words(scene: &LitScene) -> &'static str {
     if right == received {
         return "This decoder shows it correctly.";
     }
-    if differs(|x, y, c| (x, y, c)) < ALIKE {
+    if differs(|x, y, c| (x, y, c)) < MAX_INVISIBLE_DIFFERENCE {
         return "This decoder shows it almost correctly.";
     }
-    if let Some((says, _)) = CHANGES.iter().find(|(_, from)| differs(*from) < ALIKE) {
+    if let Some((says, _)) = CHANGES
+        .iter()
+        .find(|(_, from)| differs(*from) < MAX_INVISIBLE_DIFFERENCE)
+    {
         return says;
     }
     let lights = [
@@ -92,7 +95,7 @@ fn in_words(scene: &LitScene) -> &'static str {
     let lit = |u: f64, v: f64| scene.lit(u * LIGHT.0, v * LIGHT.1);
     if let Some((says, ..)) = lights
         .iter()
-        .find(|(_, u, v)| mean_difference(&lit(*u, *v), received) < ALIKE)
+        .find(|(_, u, v)| mean_difference(&lit(*u, *v), received) < MAX_INVISIBLE_DIFFERENCE)
     {
         return says;
     }

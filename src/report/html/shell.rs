@@ -1,4 +1,4 @@
-//! A page with its head, and the signs that stand for outcomes.
+//! A page with its head, and the symbols for outcomes.
 
 use data_encoding::BASE64;
 use maud::{DOCTYPE, Markup, PreEscaped, html};
@@ -10,8 +10,8 @@ use crate::suite::address::published;
 pub const STYLE: &str = include_str!("style.css");
 const SCRIPT: &str = include_str!("report.js");
 
-/// A page with its head.
-pub(super) fn whole(title: &str, body: &Markup) -> String {
+/// Returns a page with its head.
+pub(super) fn page_with_head(title: &str, body: &Markup) -> String {
     let digest = BASE64.encode(&Sha256::digest(SCRIPT));
     let policy = format!(
         "default-src 'none'; img-src data:; style-src 'unsafe-inline'; script-src 'sha256-{digest}'; base-uri 'none'; form-action 'none'"
@@ -23,12 +23,12 @@ pub(super) fn whole(title: &str, body: &Markup) -> String {
                 meta charset="utf-8";
                 meta http-equiv="Content-Security-Policy" content=(policy);
                 meta name="viewport" content="width=device-width, initial-scale=1";
-                // Whoever follows a link does not tell where the report lies.
+                // Followed links do not reveal the location of the report.
                 meta name="referrer" content="no-referrer";
                 meta name="color-scheme" content="light dark";
                 meta name="generator" content=(concat!("ptm-conform ", env!("CARGO_PKG_VERSION")));
                 title { (title) }
-                // No icon, so that no browser asks for one.
+                // No icon, so that browsers do not request one.
                 link rel="icon" href="data:,";
                 style { (PreEscaped(STYLE)) }
             }
@@ -42,7 +42,7 @@ pub(super) fn whole(title: &str, body: &Markup) -> String {
     markup.into_string()
 }
 
-/// A link to a page of the site where it is published; the bare words where it has none. What a report names may be anything.
+/// Returns a link to a page of the published site, or only the words if there is none. Names in a report are untrusted.
 pub(super) fn linked(page: Option<String>, words: &Markup) -> Markup {
     match page {
         Some(page) => html! { a href=(published(&page)) { (words) } },
@@ -50,7 +50,7 @@ pub(super) fn linked(page: Option<String>, words: &Markup) -> Markup {
     }
 }
 
-/// A sign for an outcome, so that no color is needed to tell.
+/// Returns a symbol for an outcome, so that color is not the only distinction.
 pub(super) fn mark(outcome: &str) -> &'static str {
     match outcome {
         "pass" => "✓",
@@ -65,7 +65,7 @@ pub(super) fn mark(outcome: &str) -> &'static str {
     }
 }
 
-/// A sign for a verdict.
+/// Returns a symbol for a verdict.
 pub(super) fn verdict_mark(verdict: &str) -> &'static str {
     if verdict == "pass" { "✓" } else { "✗" }
 }

@@ -1,11 +1,11 @@
-//! The wrong orders in which wrappers are known to send samples.
+//! Wrong orders of samples that are known from wrappers.
 
 use crate::protocol::frame::{Frame, Samples};
 use crate::suite::compare::Expected;
 
 use super::message::{Interpretation, WrapperMistake, mistake};
 
-/// Where the sample of (x, y, channel) is in a raster of (width, height, channels).
+/// A function from (x, y, channel) and (width, height, channels) to the index of the sample in a raster.
 type Position = fn((usize, usize, usize), (usize, usize, usize)) -> usize;
 
 /// Orders of samples: the name of each but the right one, and the position of a sample.
@@ -57,7 +57,7 @@ impl Arrangement {
         all
     }
 
-    /// Returns, for each sample of a right image from the top left on, its place in one that is arranged like this.
+    /// Returns the index of each sample of a right image, from the top left on, in an image with this arrangement.
     fn places(&self, (width, height, channels): (usize, usize, usize)) -> Vec<usize> {
         let order = (self.order).and_then(|name| channel_order(name, channels));
         let order = order.unwrap_or_else(|| (0..channels).collect());
@@ -89,7 +89,7 @@ impl Arrangement {
         }
     }
 
-    /// Returns what is wrong with it; nothing for the right one.
+    /// Returns its mistakes; none for the right one.
     pub(in crate::session) fn mistakes(&self) -> Vec<WrapperMistake> {
         let names = [
             self.layout.0,
@@ -105,7 +105,7 @@ impl Arrangement {
     }
 }
 
-/// Returns the same values in every order in which they may be.
+/// Returns the same values in every possible order.
 pub(super) fn arrangements(values: &[f64], expected: &Expected) -> Vec<Interpretation> {
     let (width, height) = (expected.size.width as usize, expected.size.height as usize);
     let channels = expected.channels;
@@ -123,7 +123,7 @@ pub(super) fn arrangements(values: &[f64], expected: &Expected) -> Vec<Interpret
     all.filter(is_order).map(ordered).collect()
 }
 
-/// Returns the place of each right channel, or `None` if an image of so many channels has no such order.
+/// Returns the index of each right channel, or `None` if images with this number of channels have no such order.
 fn channel_order(name: &str, channels: usize) -> Option<Vec<usize>> {
     let at = |place: fn(usize, usize) -> usize| {
         let colors = (0..3).flat_map(|color| (0..6).map(move |a| (color, a)));

@@ -1,4 +1,4 @@
-//! The first line of a frame and its samples, in every way in which they may be meant.
+//! The first line of a frame and its samples, in all possible interpretations.
 
 use crate::protocol::forms;
 use crate::protocol::frame::{Samples, View, ViewKind};
@@ -6,7 +6,7 @@ use crate::suite::compare::Expected;
 
 use super::message::{Interpretation, Slots, WrapperMistake, mistake};
 
-/// Returns what is wrong with the first line, and the samples in every way in which they may be meant.
+/// Returns the mistakes in the first line, and the samples in all possible interpretations.
 pub(super) fn body(
     bytes: &[u8],
     expected: &Expected,
@@ -21,7 +21,7 @@ pub(super) fn body(
                 .flat_map(|value| value.to_le_bytes())
                 .collect(),
         };
-        // A frame may be well-formed and its samples still be bytes of something else.
+        // A frame may be well-formed and its samples still be bytes of another type.
         let mut meant = interpretations(&bytes, expected);
         if kind == expected.view.sample_type() {
             meant.push((frame.samples.to_reals(), Vec::new()));
@@ -50,7 +50,7 @@ pub(super) fn body(
     Some((mistakes, interpretations(&bytes[end + 1..], expected)))
 }
 
-/// Returns what is wrong with the words of the first line.
+/// Returns the mistakes in the words of the first line.
 fn line_mistakes(
     name: &str,
     (width, height, channels): (u32, u32, u32),
@@ -91,7 +91,7 @@ fn line_mistakes(
     made.map(|(_, name, slots)| mistake(name, slots)).collect()
 }
 
-/// Returns the numbers that the bytes of the samples may mean.
+/// Returns the numbers that the bytes of the samples may represent.
 fn interpretations(bytes: &[u8], expected: &Expected) -> Vec<Interpretation> {
     let is_real = expected.view.sample_type() == "f32";
     let count = expected.size.texels() * expected.channels;
@@ -105,7 +105,7 @@ fn interpretations(bytes: &[u8], expected: &Expected) -> Vec<Interpretation> {
     ways.concat()
 }
 
-/// Reads samples of the right type, perhaps with a line end after them.
+/// Reads samples of the right type, with an optional line end after them.
 fn plain(bytes: &[u8], count: usize, is_real: bool) -> Vec<Interpretation> {
     let size = if is_real { 4 * count } else { count };
     let Some(rest @ 0..=2) = bytes.len().checked_sub(size) else {
@@ -120,7 +120,7 @@ fn plain(bytes: &[u8], count: usize, is_real: bool) -> Vec<Interpretation> {
     vec![(values, (rest > 0).then(says).into_iter().collect())]
 }
 
-/// Reads four bytes a sample: big-endian floats, or floats where bytes are right, perhaps from 0 to 1.
+/// Reads four bytes per sample: big-endian floats, or floats instead of bytes, perhaps from 0 to 1.
 fn wide(bytes: &[u8], count: usize, is_real: bool) -> Vec<Interpretation> {
     if bytes.len() != 4 * count {
         return Vec::new();

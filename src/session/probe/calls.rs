@@ -1,4 +1,4 @@
-//! Calls of the decoder under probe, by the protocol and by other command lines.
+//! Calls of the probed decoder, by the protocol and by other command lines.
 
 use std::ffi::OsString;
 
@@ -11,7 +11,7 @@ use crate::suite::compare::Expected;
 use super::message::{ProbeFault, fault};
 use super::repair;
 
-/// The decoder under probe, and where it works.
+/// The probed decoder, and its working directory.
 pub(super) struct Calls<'a> {
     /// Its command as it was given.
     pub(super) command: &'a [OsString],
@@ -20,12 +20,12 @@ pub(super) struct Calls<'a> {
 }
 
 impl Calls<'_> {
-    /// Asks as the protocol says.
+    /// Sends a request as the protocol defines.
     pub(super) fn ask(&self, view: &View, file: &[u8]) -> Reply {
         self.ask_by(None, view, file)
     }
 
-    /// Asks with a word that is no view.
+    /// Sends a request with a word that is not a view.
     pub(super) fn ask_for(&self, word: &str, after: &[&str], file: &[u8]) -> Reply {
         let words = self.around(&[], &[&[word][..], after].concat());
         self.ask_by(Some(words), &View::Raw, file)
@@ -36,7 +36,7 @@ impl Calls<'_> {
             name: "probe",
             view,
             file,
-            // Whatever it prints is looked at: an f64 for each byte of the file, and more.
+            // All output is examined: an f64 for each byte of the file, and more.
             largest_frame: file.len().max(1 << 12) * 18,
             timeout_factor: 1,
             alone: true,
@@ -47,7 +47,7 @@ impl Calls<'_> {
         }
     }
 
-    /// A template of words around the command.
+    /// Returns a template with words around the command.
     fn around(&self, before: &[&str], after: &[&str]) -> Template {
         let before = before.iter().map(OsString::from);
         let after = after.iter().map(OsString::from);
@@ -55,7 +55,7 @@ impl Calls<'_> {
         Template::of_words(&before.chain(command).chain(after).collect::<Vec<_>>())
     }
 
-    /// Finds a way of calling the decoder that gives a frame although that of the protocol gives none.
+    /// Finds a way of calling the decoder that gives a frame, if that of the protocol gives none.
     pub(super) fn other_way(
         &self,
         file: &[u8],

@@ -1,30 +1,30 @@
-//! The steps of a probe and how each ended.
+//! The steps of a probe and their results.
 
 use std::borrow::Cow;
 use std::fmt::{Display, Write};
 use std::path::Path;
 
-/// How a step ended.
+/// The result of a step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Mark {
-    /// As it should be.
+    /// Correct.
     Good,
     /// To be fixed.
     Bad,
-    /// Not there, and not needed.
+    /// Missing, but optional.
     Absent,
 }
 
 /// One step of the walk.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ProbeStep {
-    /// How it ended.
+    /// Its result.
     pub mark: Mark,
     /// The observation.
     pub says: String,
-    /// What to do next, where there is something to do.
+    /// The next step, if there is something to do.
     pub next: Option<String>,
-    /// How to make the observation by hand, where there is something to fix.
+    /// Instructions to repeat the observation by hand, if there is something to fix.
     pub repeat: Option<Reproduction>,
 }
 
@@ -39,12 +39,12 @@ impl ProbeStep {
     }
 }
 
-/// Requests that show again what was observed.
+/// Requests that reproduce an observation.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Reproduction {
-    /// True if they go to one process in serve mode.
+    /// True if they are sent to one process in serve mode.
     pub serve: bool,
-    /// One after the other.
+    /// The requests, in order.
     pub requests: Vec<ProbeRequest>,
 }
 
@@ -76,7 +76,7 @@ impl Reproduction {
         }
     }
 
-    /// The command line that repeats it, the files lying in `directory` and the decoder being called by `decoder`.
+    /// Returns the command line that repeats it, with the files in `directory` and the command `decoder`.
     #[must_use]
     pub fn command(&self, decoder: &str, directory: &Path) -> String {
         let shown = "xxd | head";
@@ -104,7 +104,7 @@ impl Reproduction {
 /// The steps that were taken.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Checklist {
-    /// In the order in which they were taken.
+    /// The steps, in the order in which they were taken.
     pub steps: Vec<ProbeStep>,
     /// True if any first file gave a well-formed frame.
     pub answers: bool,
@@ -115,7 +115,7 @@ impl Checklist {
         self.steps.push(ProbeStep::new(Mark::Good, says));
     }
 
-    /// Adds something to fix, what to do about it, and how to see it again.
+    /// Adds something to fix, a suggestion, and instructions to reproduce it.
     pub(crate) fn bad(
         &mut self,
         says: impl Into<String>,
@@ -133,7 +133,7 @@ impl Checklist {
         self.steps.push(ProbeStep::new(Mark::Absent, says));
     }
 
-    /// 0 if the decoder is ready for `check`, 3 if it is no decoder yet, 1 otherwise.
+    /// Returns 0 if the decoder is ready for `check`, 3 if it is not a decoder yet, 1 otherwise.
     #[must_use]
     pub fn exit_status(&self) -> u8 {
         match (self.answers, self.faults()) {
@@ -143,14 +143,14 @@ impl Checklist {
         }
     }
 
-    /// How many things are to be fixed.
+    /// Returns the number of steps to be fixed.
     #[must_use]
     pub fn faults(&self) -> usize {
         let bad = self.steps.iter().filter(|step| step.mark == Mark::Bad);
         bad.count()
     }
 
-    /// As text for a terminal; `command` makes the command line that repeats an observation.
+    /// Returns the list as text for a terminal; `command` makes the command line that repeats an observation.
     #[must_use]
     pub fn to_text(&self, command: &dyn Fn(&Reproduction) -> Option<String>) -> String {
         let mut text = String::new();

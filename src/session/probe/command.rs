@@ -1,4 +1,4 @@
-//! Why a command does not run, where it is more than its program: its other words, and what it calls itself.
+//! Reasons why a command of several words does not run.
 
 use std::ffi::OsString;
 use std::path::Path;
@@ -9,7 +9,7 @@ use crate::runner::start::{self, is_script_name};
 
 use super::message::{ProbeFault, fault};
 
-/// Looks at the command before it is run.
+/// Checks the command before it is run.
 pub(super) fn look(command: &[OsString]) -> Result<(), ProbeFault> {
     let Some(word) = command.first() else {
         return Err(fault("no-command", &[]));
@@ -25,7 +25,7 @@ pub(super) fn look(command: &[OsString]) -> Result<(), ProbeFault> {
     Ok(())
 }
 
-/// Returns why the system or a shell did not run the command; `None` if it did.
+/// Returns the reason why the system or a shell did not run the command; `None` if it did.
 pub(super) fn not_run(command: &[OsString], reply: &Reply) -> Option<ProbeFault> {
     command.first()?;
     let last = reply.stderr.lines().last().unwrap_or_default();

@@ -1,4 +1,4 @@
-//! A conversation with a process in serve mode, as loose as a person's would be.
+//! A lenient conversation with a process in serve mode.
 
 use std::ffi::OsStr;
 use std::io::Write;
@@ -13,20 +13,20 @@ use crate::runner::scratch::Workspace;
 use super::calls::Calls;
 use super::message::{ProbeFault, Slots, fault};
 
-/// One answer: its line, and the bytes it announces.
+/// One answer: its line, and the bytes that it declares.
 pub(super) struct ServedAnswer {
     pub(super) line: String,
     pub(super) bytes: Vec<u8>,
 }
 
-/// What the process did while an answer was waited for.
+/// The behavior of the process while an answer was expected.
 pub(super) enum Served {
     Answer(ServedAnswer),
-    /// It wrote nothing whole within the time.
+    /// No complete answer within the timeout.
     Nothing,
-    /// It has ended; whether with status 0.
+    /// The process ended; true for status 0.
     Gone(bool),
-    /// It wrote something else.
+    /// Wrong output.
     Wrong(ProbeFault),
 }
 
@@ -56,7 +56,7 @@ impl<'a> Dialog<'a> {
         })
     }
 
-    /// Writes a file that can be asked for. If it cannot be written, the decoder finds it missing.
+    /// Writes a file for a request. If it cannot be written, the decoder does not find it.
     pub(super) fn lay_down(&mut self, name: &str, bytes: &[u8]) -> PathBuf {
         let path = self.workspace.lay_down(name, bytes);
         path.unwrap_or_else(|_| PathBuf::from(name))
@@ -65,7 +65,7 @@ impl<'a> Dialog<'a> {
     pub(super) fn ask(&mut self, sequence: u32, view: &View, path: &Path) -> Served {
         let request = format!("{sequence} {view} {}\n", path.display());
         if let Some(input) = &mut self.input {
-            // A process that has gone is found gone below.
+            // A process that has ended is noticed below.
             let _ = input.write_all(request.as_bytes());
         }
         match self.wait() {
@@ -78,7 +78,7 @@ impl<'a> Dialog<'a> {
         }
     }
 
-    /// Closes its input and waits for what it still answers, or for its end.
+    /// Closes its input and waits for a last answer, or for its end.
     pub(super) fn end(&mut self) -> Served {
         self.input = None;
         self.wait()
@@ -100,12 +100,12 @@ impl<'a> Dialog<'a> {
             if left.is_zero() || read.is_err() || self.call.output.len() > MAX_ANSWER {
                 return Served::Nothing;
             }
-            // An error is met again in the next reading.
+            // An error will occur again in the next read.
             let _ = self.call.wait_for_news(None, left.min(POLL_INTERVAL));
         }
     }
 
-    /// Takes an answer out of the output, if all of it is there.
+    /// Takes an answer from the output, if it is complete.
     fn whole_answer(&mut self) -> Option<Served> {
         let output = &mut self.call.output;
         let end = output.iter().position(|&byte| byte == b'\n')?;
@@ -133,7 +133,7 @@ impl<'a> Dialog<'a> {
 
 impl Drop for Dialog<'_> {
     fn drop(&mut self) {
-        // An error means that nobody is left.
+        // An error means that no process is left.
         let _ = self.call.end(&self.workspace.workplace);
     }
 }

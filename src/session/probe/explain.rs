@@ -6,7 +6,7 @@ use crate::runner::run::Reply;
 
 use super::message::{ProbeFault, fault};
 
-/// Returns the last line of the decoder's standard error, as a line of its own.
+/// Returns the last line of the decoder's standard error, on a separate line.
 fn its_last_words(reply: &Reply) -> String {
     last_words(&reply.stderr).map_or(String::new(), |line| {
         format!("\nits standard error ends: {line}")
@@ -34,7 +34,7 @@ pub(super) fn explain(reply: &Reply) -> ProbeFault {
     fault(name, &[("answer", &answer), ("stderr", &stderr)])
 }
 
-/// Returns the size of a buffer if the output is a frame of whole buffers only.
+/// Returns the size of a buffer if the output consists of whole buffers of a frame.
 fn buffer_size(reply: &Reply) -> Option<usize> {
     let is_multiple = |step: &usize| reply.stdout.len().is_multiple_of(*step);
     let begins = reply.stdout.starts_with(b"PTM1 ");
@@ -42,7 +42,7 @@ fn buffer_size(reply: &Reply) -> Option<usize> {
     step.filter(|_| begins)
 }
 
-/// Returns true if a frame ends before all of it is written.
+/// Returns true if a frame is truncated.
 pub(super) fn is_cut(reply: &Reply) -> bool {
     matches!(reply.answer, Answer::ProtocolError(_)) && buffer_size(reply).is_some()
 }
@@ -63,7 +63,7 @@ fn protocol_error(reply: &Reply) -> ProbeFault {
     )
 }
 
-/// Explains why a malformed file was not refused.
+/// Explains an answer to a malformed file that was not refused.
 pub(super) fn not_refused(reply: &Reply) -> ProbeFault {
     match (&reply.answer, reply.exit) {
         (Answer::Decoded(_), _) => fault("accepted", &[]),

@@ -21,18 +21,18 @@ static TEMPLATES: LazyLock<BTreeMap<String, ProbeMessage>> = LazyLock::new(|| {
 /// A mistake of a wrapper.
 #[derive(Clone, Debug)]
 pub(in crate::session) struct WrapperMistake {
-    /// What is observed.
+    /// The observation.
     pub(in crate::session) says: String,
-    /// What to do about it.
+    /// The suggested fix.
     pub(in crate::session) next: String,
     /// True if all samples are right and only their order is wrong.
     pub(in crate::session) is_order: bool,
 }
 
-/// Samples as numbers, and the mistakes that had to be undone to read them so.
+/// Samples as numbers, and the mistakes that were undone to read them.
 pub(super) type Interpretation = (Vec<f64>, Vec<WrapperMistake>);
 
-/// What is observed, and what to do about it.
+/// The observation, and a suggested fix.
 pub(super) type ProbeFault = (String, String);
 
 /// The values of the names in braces.

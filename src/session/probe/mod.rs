@@ -1,9 +1,8 @@
-//! Walks the author of a decoder through the contract, one step after the other.
+//! Guides the author of a decoder through the protocol, step by step.
 //!
-//! `check` judges; this explains. Each step asks one thing of the decoder and says in words what is wrong and what to do
-//! about it. A wrong answer is not only distinguished from a right one: it is repaired in all the ways in which wrappers go
-//! wrong (text before the frame, line ends, byte order, whole planes, rows upside down …), and the repair that makes it
-//! right is what has to be fixed.
+//! `check` judges; this explains. Each step sends one request to the decoder and describes errors and their fixes. A wrong
+//! answer is also repaired in all the ways in which wrappers are known to fail (text before the frame, line ends, byte order,
+//! planar samples, rows upside down …), and the repair that makes it right is the fix.
 
 use std::ffi::OsString;
 
@@ -30,8 +29,8 @@ mod sample;
 mod serve;
 mod wrapper;
 
-/// What is wrong with the wrapper of `decoder`, by what it did with the first files, a large one and malformed ones: nothing
-/// where it is ready to be asked. `command` is empty where it is no command that the file can be added to.
+/// Returns the faults of the wrapper of `decoder`, from its answers to the first files, a large one and malformed ones; none if
+/// it is ready. `command` is empty if it is not a command to which the file can be appended.
 #[must_use]
 pub fn wrapper_faults(
     command: &[OsString],
@@ -53,7 +52,7 @@ pub fn wrapper_faults(
     wrapper::faults(&calls, suite, contact, judges_refusals, plan.jobs)
 }
 
-/// Takes all steps with `decoder`, which was made of `command`.
+/// Takes all steps with `decoder`, which was made from `command`.
 #[must_use]
 pub fn probe(command: &[OsString], decoder: &Decoder, scratch: &Scratch) -> Checklist {
     let calls = calls::Calls {

@@ -13,7 +13,7 @@ use super::message::{ProbeFault, Slots, fault};
 use super::sample::Sample;
 use super::{command, repair};
 
-/// Formats by how many readers know them.
+/// Formats, ordered by the number of readers that support them.
 const FORMATS: [Format; 9] = [
     Format::Lrgb,
     Format::Rgb,
@@ -26,7 +26,7 @@ const FORMATS: [Format; 9] = [
     Format::JpeglsLrgb,
 ];
 
-/// A first file that the decoder has answered with a frame.
+/// A first file that the decoder answered with a frame.
 pub(super) struct FirstFrame {
     pub(super) sample: Sample,
     /// The views in which it did.
@@ -56,7 +56,7 @@ impl Asked {
         }
     }
 
-    /// Asks for a format: in the spelling of its table that the decoder reads, if it reads one.
+    /// Requests a format, in the spelling of its table that the decoder reads, if any.
     fn in_best_spelling(calls: &Calls, format: Format) -> Asked {
         let mut best: Option<Asked> = None;
         for sample in Sample::in_all_spellings(format, "5x3") {
@@ -76,7 +76,7 @@ impl Asked {
         best.expect("every format has a spelling")
     }
 
-    /// How well the decoder reads the file.
+    /// Returns how well the decoder reads the file.
     fn rank(&self) -> Rank {
         let one = |(view, reply): &(View, Reply)| match &reply.answer {
             Answer::Decoded(frame) if self.sample.expected(view).compare(frame).is_none() => {
@@ -105,7 +105,7 @@ impl Asked {
     }
 }
 
-/// What came of a file, worst first.
+/// The quality of a result, worst first.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum Rank {
     Nothing,
@@ -114,7 +114,7 @@ enum Rank {
     Right,
 }
 
-/// Looks for a format and views that it decodes; judges the pictures.
+/// Finds a format and views that it decodes; judges the images.
 pub(super) fn first_frame(calls: &Calls, list: &mut Checklist) -> Option<FirstFrame> {
     let mut troubled = None;
     let mut lacking = Vec::new();
@@ -161,7 +161,7 @@ pub(super) fn first_frame(calls: &Calls, list: &mut Checklist) -> Option<FirstFr
     None
 }
 
-/// Says of each view of a file whether it is right, and if not, what would make it right.
+/// Reports for each view of a file whether it is right, and if not, the repair.
 fn judge_views(asked: &Asked, list: &mut Checklist) {
     let sample = &asked.sample;
     let name = sample.format.short_name();
@@ -208,14 +208,14 @@ pub(super) fn why_no_frame(
 ) -> Option<ProbeFault> {
     let repair = repair::repair(&reply.stdout, expected, view).map(|repair| repair.fault());
     let known = repair.or_else(|| command::not_run(calls.command, reply));
-    // A decoder that hangs takes its time in every way of being called.
+    // A decoder that times out would time out in every way of being called.
     if known.is_some() || matches!(reply.answer, Answer::Hung(_)) {
         return known;
     }
     calls.other_way(file, expected, view)
 }
 
-/// A frame that does not fit into a pipe at once.
+/// Requests a frame that is larger than the buffer of a pipe.
 pub(super) fn large_frame(calls: &Calls, first: &FirstFrame, list: &mut Checklist) {
     let sample = Sample::new(first.sample.format, "201x149", first.sample.spelling);
     for view in &first.views {
@@ -239,7 +239,7 @@ pub(super) fn large_frame(calls: &Calls, first: &FirstFrame, list: &mut Checklis
     }
 }
 
-/// Files that every decoder must refuse.
+/// Requests files that every decoder must refuse.
 pub(super) fn refusals(calls: &Calls, first: &FirstFrame, list: &mut Checklist) {
     let (whole, view) = (&first.sample.file, &first.views[0]);
     for (what, file_name, file) in malformed(whole) {
@@ -254,7 +254,7 @@ pub(super) fn refusals(calls: &Calls, first: &FirstFrame, list: &mut Checklist) 
     }
 }
 
-/// Files that every decoder must refuse: what each is, a name, and its bytes.
+/// Returns files that every decoder must refuse: a description, a name, and the bytes of each.
 pub(super) fn malformed(whole: &[u8]) -> [(&'static str, &'static str, &[u8]); 3] {
     [
         ("an empty file", "empty.ptm", b""),
@@ -271,7 +271,7 @@ pub(super) fn malformed(whole: &[u8]) -> [(&'static str, &'static str, &[u8]); 3
     ]
 }
 
-/// A view that nobody has.
+/// Requests a view that does not exist.
 pub(super) fn unknown_view(calls: &Calls, sample: &Sample, list: &mut Checklist) {
     const UNKNOWN: &str = "no-such-view";
     let reply = calls.ask_for(UNKNOWN, &["{in}"], &sample.file);
@@ -284,7 +284,7 @@ pub(super) fn unknown_view(calls: &Calls, sample: &Sample, list: &mut Checklist)
     list.bad(format!("an unknown view: {says}"), next, repeat);
 }
 
-/// What it says about itself.
+/// Requests the capabilities.
 pub(super) fn capabilities(calls: &Calls, list: &mut Checklist) {
     let reply = calls.ask_for("capabilities", &[], b"");
     let text = String::from_utf8_lossy(&reply.stdout);

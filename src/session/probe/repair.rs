@@ -1,4 +1,4 @@
-//! What is wrong with an answer: the mistakes of wrappers, each undone, until the picture is right.
+//! Repair of an answer: the mistakes of wrappers, undone until the image is right.
 
 use crate::protocol::frame::{Frame, View};
 use crate::suite::compare::Expected;
@@ -7,7 +7,7 @@ use super::arrangement::arrangements;
 use super::body::body;
 use super::message::{ProbeFault, WrapperMistake, mistake};
 
-/// The mistakes that, undone, leave the right picture.
+/// The mistakes that must be undone to get the right image.
 pub(super) struct Repair(pub(super) Vec<WrapperMistake>);
 
 impl Repair {
@@ -18,14 +18,14 @@ impl Repair {
     }
 }
 
-/// The fewest mistakes that, undone, make `bytes` the right answer; nothing if there are no such.
+/// Returns the smallest set of mistakes that must be undone to make `bytes` the right answer; None if there is none.
 pub(super) fn repair(bytes: &[u8], expected: &Expected, view: &View) -> Option<Repair> {
     let repairs = repairs(bytes, expected, view);
-    // Among equals the first.
+    // The first among equals.
     repairs.into_iter().min_by_key(|repair| repair.0.len())
 }
 
-/// All sets of mistakes that, undone, make `bytes` the right answer; none where nothing has to be undone.
+/// Returns all sets of mistakes that can be undone to make `bytes` the right answer; none if nothing has to be undone.
 pub(super) fn repairs(bytes: &[u8], expected: &Expected, view: &View) -> Vec<Repair> {
     let mut repairs = Vec::new();
     for (bytes, mistakes) in streams(bytes) {
@@ -45,10 +45,10 @@ pub(super) fn repairs(bytes: &[u8], expected: &Expected, view: &View) -> Vec<Rep
     repairs
 }
 
-/// Bytes, and what had to be undone to get them.
+/// Bytes, and the mistakes that were undone to get them.
 type Stream = (Vec<u8>, Vec<WrapperMistake>);
 
-/// The bytes as they are, and without what text mode, encodings and messages do to them.
+/// Returns the bytes, also with the effects of text mode, encodings and messages undone.
 fn streams(bytes: &[u8]) -> Vec<Stream> {
     let mut streams = vec![(bytes.to_vec(), Vec::new())];
     streams.extend(from_utf16(bytes));
@@ -74,7 +74,7 @@ fn from_utf8(bytes: &[u8]) -> Option<Stream> {
     Some((narrow.collect(), vec![mistake("utf-8", &[])]))
 }
 
-/// Returns the stream from its PTM1 line on, if there is something else before that.
+/// Returns the stream from its PTM1 line on, if other bytes precede it.
 fn without_text_before((bytes, mistakes): &Stream) -> Option<Stream> {
     let line = bytes.windows(5).position(|word| word == b"PTM1 ");
     let line = line.filter(|&line| line > 0)?;
@@ -85,8 +85,8 @@ fn without_text_before((bytes, mistakes): &Stream) -> Option<Stream> {
     Some((bytes[line..].to_vec(), [&mistakes[..], &[text]].concat()))
 }
 
-/// Returns the bytes without the carriage returns that text mode puts before line feeds: those of the first line, those
-/// after it, or all of them.
+/// Returns the bytes without the carriage returns that text mode puts before line feeds: in the first line, after it, or
+/// everywhere.
 fn line_ends(bytes: &[u8]) -> Vec<Stream> {
     let Some(end) = bytes.iter().position(|&byte| byte == b'\n') else {
         return Vec::new();

@@ -1,4 +1,4 @@
-//! The files that a probe asks for.
+//! The files that a probe requests.
 
 use crate::generate::{Model, Recipe, write};
 use crate::protocol::frame::View;
@@ -9,10 +9,10 @@ use crate::suite::values::Values;
 
 use super::checklist::Reproduction;
 
-/// A file, and what a right decoder makes of it.
+/// A file, and the result of a correct decoder.
 pub(super) struct Sample {
     pub(super) format: Format,
-    /// How the count of its table is spelled, if it has a table.
+    /// The spelling of the count of its table, if it has one.
     pub(super) spelling: TableSpelling,
     pub(super) file: Vec<u8>,
     pub(super) size: Size,
@@ -22,7 +22,7 @@ pub(super) struct Sample {
 impl Sample {
     pub(super) fn new(format: Format, size: &str, spelling: TableSpelling) -> Sample {
         let size: Size = size.parse().expect("a constant size");
-        // Text mode shows where there is a line feed to be spoiled.
+        // Text mode is noticed only if there is a line feed to change.
         let tells = |model: &Model| {
             model.samples.contains(&b'\n') && !model.samples.windows(2).any(|pair| pair == b"\r\n")
         };
@@ -48,7 +48,7 @@ impl Sample {
         }
     }
 
-    /// The same map in every spelling that its format has, the ordinary one first.
+    /// Returns the same map in every spelling of its format, the default one first.
     pub(super) fn in_all_spellings(format: Format, size: &str) -> impl Iterator<Item = Sample> {
         let spellings = if format.has_table() { 6 } else { 1 };
         let spellings = TableSpelling::all().take(spellings);
@@ -59,7 +59,7 @@ impl Sample {
         Expected::of(&self.values, view).expect("a painted map has every view")
     }
 
-    /// What its file is called.
+    /// Returns the name of its file.
     pub(super) fn file_name(&self) -> String {
         format!(
             "{}-{}.ptm",

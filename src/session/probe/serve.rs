@@ -1,7 +1,7 @@
-//! The steps of a probe in serve mode, which nobody needs and everybody gains from: one process for all files.
+//! The steps of a probe in serve mode, which is optional but faster: one process for all files.
 //!
-//! `DECODER serve` reads lines `SEQ VIEW PATH` and answers each with `SEQ ok NBYTES` and a frame, `SEQ reject 65` or
-//! `SEQ unsupported FEATURE`, at once. What is right here is what one-shot mode answers, be the picture right or wrong.
+//! `DECODER serve` reads lines `SEQ LIT_VIEW PATH` and answers each with `SEQ ok NBYTES` and a frame, `SEQ reject 65` or `SEQ
+//! unsupported FEATURE`, at once. The right answer here is that of one-shot mode, even if that image is wrong.
 
 use crate::protocol::forms;
 use crate::protocol::frame::{Answer, EXIT_MALFORMED, Frame, View};
@@ -16,14 +16,14 @@ const NOT_OFFERED: &str = "serve: not offered, and not needed";
 
 const MALFORMED: &[u8] = b"PTM_1.2\n";
 
-/// Why the steps end before the last one.
+/// The reason why the steps end before the last one.
 enum Stop {
     NotOffered,
-    /// A fault that shows after so many requests.
+    /// A fault that occurs after this number of requests.
     Fault(usize, ProbeFault),
 }
 
-/// Takes the steps of serve mode: two frames and a refusal, each answered before the next is asked for, then the end.
+/// Takes the steps of serve mode: two frames and a refusal, each answered before the next request, then the end.
 pub(super) fn look(calls: &Calls, sample: &Sample, view: &View, list: &mut Checklist) {
     let one_shot = calls.ask(view, &sample.file);
     let Answer::Decoded(right) = one_shot.answer else {
@@ -70,7 +70,7 @@ fn steps(
     }
 }
 
-/// The first requests of the dialog.
+/// Returns the first requests of the dialog.
 fn requests(sample: &Sample, view: &View, count: usize) -> Reproduction {
     let whole = sample.repeat(view).requests.remove(0);
     let malformed = ProbeRequest {
@@ -86,7 +86,7 @@ fn requests(sample: &Sample, view: &View, count: usize) -> Reproduction {
     }
 }
 
-/// Explains that nothing has come. Some programs take the word for a view and wait; some answer when their input ends.
+/// Explains a missing answer. Some programs take the word for a view and wait; some answer when their input ends.
 fn kept_back(mut dialog: Dialog) -> Stop {
     match dialog.end() {
         Served::Answer(answer) if answer.line.starts_with("1 ") => {

@@ -1,7 +1,7 @@
-//! What is wrong with a wrapper, found by `check` before it asks any case: on the first files, a large one and malformed ones.
+//! Faults of a wrapper, found by `check` before any case is requested, with the first files, a large one and malformed ones.
 //!
-//! A wrapper that loses bytes, swaps them, or exits with 1 fails hundreds of cases, none of which says anything of the
-//! format. So the run ends here, with what [`probe`](super::probe) would say.
+//! A wrapper that loses bytes, swaps them, or exits with 1 fails hundreds of cases for reasons unrelated to the format. So the
+//! run ends here, with the messages of [`probe`](super::probe).
 
 use std::collections::BTreeMap;
 
@@ -20,7 +20,7 @@ use super::one_shot::{malformed, why_no_frame};
 use super::repair::{Repair, repairs};
 use super::sample::Sample;
 
-/// A reply to a first file, and what a right decoder replies.
+/// A reply to a first file, and that of a correct decoder.
 struct FirstReply<'a> {
     case: &'a Case,
     view: &'a View,
@@ -29,8 +29,8 @@ struct FirstReply<'a> {
     reply: &'a Reply,
 }
 
-/// Faults of the wrapper, each with what to do about it and in how many views it shows; `jobs` requests at a time are sent to find them. Refusals are looked
-/// at only if the run is to judge any.
+/// Returns faults of the wrapper, each with a fix and the number of affected views; `jobs` requests are sent in parallel to
+/// find them. Refusals are tested only if the run is to judge any.
 pub(super) fn faults(
     calls: &Calls,
     suite: &Suite,
@@ -70,7 +70,7 @@ pub(super) fn faults(
     each_once(faults)
 }
 
-/// Of faults that are fixed alike the first, with word of how many more there are.
+/// Keeps the first of several faults with the same fix, with the number of the others.
 fn each_once(faults: Vec<ProbeStep>) -> Vec<ProbeStep> {
     let mut each: Vec<(ProbeStep, usize)> = Vec::new();
     for fault in faults {
@@ -107,7 +107,7 @@ impl<'a> FirstReply<'a> {
         matches!(self.reply.answer, Answer::Decoded(_))
     }
 
-    /// What came: the bytes themselves, or those of the frame where a serving process answered.
+    /// Returns the received bytes: as they are, or those of the frame if a serving process answered.
     fn bytes(&self) -> Vec<u8> {
         match &self.reply.answer {
             Answer::Decoded(frame) if self.reply.stdout.is_empty() => {
@@ -144,7 +144,7 @@ fn step(says: String, next: String, repeat: Reproduction) -> ProbeStep {
     }
 }
 
-/// The fewest mistakes that, undone, put most of the frames of a view right, one of them a wrapper's.
+/// Returns the smallest set of mistakes that, undone, corrects most frames of a view, one of them a wrapper's.
 fn of_frames(view: &View, replies: &[FirstReply]) -> Option<ProbeStep> {
     let of_view = || replies.iter().filter(|reply| reply.view == view);
     if of_view().any(FirstReply::is_right) {
@@ -154,7 +154,7 @@ fn of_frames(view: &View, replies: &[FirstReply]) -> Option<ProbeStep> {
         .map(|reply| (reply, reply.bytes()))
         .filter(|(_, bytes)| !bytes.is_empty())
         .collect();
-    // What is to be done about a set of mistakes names it; what shows of it differs from file to file.
+    // The fix identifies a set of mistakes; the observation differs from file to file.
     let mut explained: BTreeMap<Vec<String>, Vec<(&FirstReply, Repair)>> = BTreeMap::new();
     for (reply, bytes) in &printed {
         for repair in repairs(bytes, &reply.expected, view) {
@@ -179,7 +179,7 @@ fn of_frames(view: &View, replies: &[FirstReply]) -> Option<ProbeStep> {
     (of_wrapper && 2 * of.len() > printed.len()).then(|| reply.step(repair.fault()))
 }
 
-/// Why no first file gave a frame, by the first that tells.
+/// Returns the reason why no first file gave a frame, from the first reply that shows one.
 fn no_frame(calls: &Calls, replies: &[FirstReply]) -> Option<ProbeStep> {
     let tells = |reply: &&FirstReply| reply.reply.answer.violation().is_some();
     let first = replies.iter().find(tells).or_else(|| replies.first())?;
@@ -202,13 +202,13 @@ fn no_frame(calls: &Calls, replies: &[FirstReply]) -> Option<ProbeStep> {
     Some(first.step(known.unwrap_or_else(unknown)))
 }
 
-/// The first file that was decoded in a view.
+/// Returns the first file that was decoded in a view.
 fn first_decoded<'a>(view: &View, replies: &'a [FirstReply]) -> Option<&'a FirstReply<'a>> {
     let mut of_view = replies.iter().filter(|reply| reply.view == view);
     of_view.find(|reply| reply.is_decoded())
 }
 
-/// A frame that does not fit into a pipe at once, and ends too soon.
+/// Checks for a truncated frame that is larger than the buffer of a pipe.
 fn cut_frame(calls: &Calls, first: &FirstReply, table: TableSpelling) -> Option<ProbeStep> {
     let sample = Sample::new(first.case.format(), "201x149", table);
     let reply = calls.ask(first.view, &sample.file);
@@ -224,7 +224,7 @@ fn cut_frame(calls: &Calls, first: &FirstReply, table: TableSpelling) -> Option<
     Some(step(says, next, sample.repeat(first.view)))
 }
 
-/// Malformed files that all end in one exit status, and not in that of a refusal.
+/// Checks for malformed files that all end in one exit status which is not that of a refusal.
 fn no_refusal(calls: &Calls, first: &FirstReply, jobs: usize) -> Option<ProbeStep> {
     let files = malformed(&first.file);
     let ask = |i: usize| calls.ask(first.view, files[i].2);

@@ -1,4 +1,4 @@
-//! The suite of texture cases, embedded, and files of cases in the same form.
+//! The embedded suite of texture cases, and files of cases in the same form.
 
 use std::sync::OnceLock;
 
@@ -30,48 +30,48 @@ const FILES: &[(&str, &str)] = &[
 pub struct TextureCase {
     /// A permanent name.
     pub id: String,
-    /// The requirements it is about, the nearest first.
+    /// The requirements that it tests, the most relevant first.
     #[serde(alias = "req")]
     pub clauses: Vec<String>,
-    /// What the answer rests on.
+    /// The basis of the answer.
     pub basis: Basis,
-    /// The ruling, where the chapter's words alone do not settle the answer.
+    /// The ruling, if the words of the chapter alone do not settle the answer.
     pub ruling: Option<String>,
-    /// The step that is asked for.
+    /// The requested step.
     pub op: String,
-    /// What it is asked about; maps may be named.
+    /// The arguments of the step; maps may be named.
     #[serde(default)]
     pub given: Value,
     /// The answer.
     pub expect: Value,
-    /// What other readings answer.
+    /// The answers of other readings.
     #[serde(default, alias = "alt")]
     pub also: Vec<Also>,
-    /// How far a number may be off, where that is not the ordinary tolerance.
+    /// The tolerance for numbers, if it is not the default one.
     pub tol: Option<f64>,
     /// The arithmetic.
     #[serde(alias = "why")]
     pub because: String,
-    /// Whether it is asked before all others, to see if anybody answers.
+    /// True if it is requested before all others, to see if the program answers at all.
     #[serde(default)]
     pub first: bool,
-    /// The question, once it has been read.
+    /// The parsed question, once it is known.
     #[serde(skip)]
     read: OnceLock<Result<Question, Refusal>>,
-    /// The choices of which another reading changes the answer, once they are known.
+    /// The choices whose readings change the answer, once they are known.
     #[serde(skip)]
     pub(super) concerned: OnceLock<Vec<Axis>>,
 }
 
-/// What an expected answer rests on.
+/// The basis of an expected answer.
 #[derive(Clone, Copy, Debug, Deserialize, PartialEq, Eq)]
 #[serde(rename_all = "lowercase")]
 pub enum Basis {
-    /// The chapter says it.
+    /// The text of the chapter.
     Text,
-    /// Another public PEX text says it.
+    /// Another public PEX text.
     Sibling,
-    /// Lost in the chapter, rebuilt from its words and its relatives; no rival is known.
+    /// Lost in the chapter, reconstructed from its words and from related texts; no rival is known.
     Inferred,
     /// One of several readings.
     Reading,
@@ -79,13 +79,13 @@ pub enum Basis {
     Impl,
 }
 
-/// What another reading answers.
+/// The answer of another reading.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Also {
     /// Its name.
     pub reading: String,
-    /// Fields that put the reference into this reading.
+    /// Fields that select this reading in the reference.
     #[serde(default)]
     pub given: Value,
     /// Its answer.
@@ -93,10 +93,10 @@ pub struct Also {
 }
 
 impl Suite<TextureCase> {
-    /// The suite of texture questions that is part of the program.
+    /// Loads the embedded suite of texture questions.
     ///
     /// # Errors
-    /// What is wrong with which file.
+    /// A sentence that names the file and the error.
     pub fn of_textures() -> Result<Suite<TextureCase>, String> {
         let read = |(name, text): &(&str, &str)| {
             cases_of(text).map_err(|error| format!("{name}: {error}"))
@@ -108,10 +108,10 @@ impl Suite<TextureCase> {
     }
 }
 
-/// The cases of a file: a list, or a document whose `cases` are one.
+/// Returns the cases of a file: a list, or a document whose `cases` are a list.
 ///
 /// # Errors
-/// What is wrong, and where.
+/// A sentence that names the error and its place.
 pub fn cases_of(text: &str) -> Result<Vec<TextureCase>, String> {
     let file: Value = from_yaml(text)?;
     let cases = match file {
@@ -131,7 +131,7 @@ pub fn cases_of(text: &str) -> Result<Vec<TextureCase>, String> {
 }
 
 impl TextureCase {
-    /// The question as it is put: one JSON object.
+    /// Returns the question as it is sent: one JSON object.
     #[must_use]
     pub fn question(&self) -> Value {
         let given = match &self.given {
@@ -141,10 +141,10 @@ impl TextureCase {
         json!({ "op": self.op, "given": given })
     }
 
-    /// The question, read.
+    /// Returns the parsed question.
     ///
     /// # Errors
-    /// If the case is not one.
+    /// If the case is not a question.
     pub fn read(&self) -> Result<&Question, Refusal> {
         let read = self
             .read
@@ -153,19 +153,19 @@ impl TextureCase {
     }
 }
 
-/// The requirements of the chapter.
+/// Returns the requirements of the chapter.
 ///
 /// # Errors
-/// What is wrong with the file.
+/// A sentence that names the error in the file.
 pub fn clauses() -> Result<Vec<Clause>, String> {
     from_yaml(include_str!("../../../spec-cases/texture/clauses.yaml"))
         .map_err(|error| format!("texture/clauses.yaml: {error}"))
 }
 
-/// The rulings.
+/// Returns the rulings.
 ///
 /// # Errors
-/// What is wrong with the file.
+/// A sentence that names the error in the file.
 pub fn rulings() -> Result<Vec<Ruling>, String> {
     from_yaml(include_str!("../../../spec-cases/texture/rulings.yaml"))
         .map_err(|error| format!("texture/rulings.yaml: {error}"))

@@ -1,11 +1,11 @@
-//! Open questions of the chapter: the readings that are right, and the one a decoder follows.
+//! Open questions of the chapter: the right readings, and that of a decoder.
 //!
-//! Each choice is a ruling of kind `choice`; what else it means is said by [`Choices`].
+//! Each choice is a ruling of kind `choice`; see [`Choices`].
 
 use crate::suite::dialect::{Choice, Choices};
 use crate::texture::Rules;
 
-/// All of them.
+/// All open questions.
 pub const CHOICES: Choices<Rules> = Choices(&[
     Choice {
         ruling: "texel-grid",
@@ -57,8 +57,8 @@ pub const CHOICES: Choices<Rules> = Choices(&[
     },
 ]);
 
-/// Readings by the names that cases give them where they list what another reading makes of them; of choices and of points
-/// that are left to the implementation.
+/// Returns a reading by its name in the `also` lists of cases; these are readings of choices and of points that are left to the
+/// implementation.
 #[must_use]
 pub fn named(reading: &str) -> Option<fn(Rules) -> Rules> {
     Some(match reading {

@@ -1,7 +1,7 @@
-//! Whether an answer is the expected one.
+//! Comparison of an answer with the expected one.
 //!
-//! Only the fields that are expected are looked at. Numbers may differ by 1e-5 of the larger one and 1e-6, so that single
-//! precision passes; words may be written with the chapter's prefixes. A color may be limited to 0…1 (ruling `color-range`).
+//! Only the expected fields are compared. Numbers may differ by 1e-5 of the larger one plus 1e-6, so that single precision
+//! passes; words may have the prefixes of the chapter. A color may be clamped to 0…1 (ruling `color-range`).
 
 use std::fmt::Display;
 use std::str::FromStr;
@@ -13,12 +13,12 @@ use crate::texture::{
     Boundary, Channel, ClampMethod, Composition, Parameterization, RenderingControl, SampleMethod,
 };
 
-/// How far a number may be off.
+/// A tolerance for numbers.
 #[derive(Clone, Copy, Debug)]
 pub enum Tolerance {
-    /// 1e-5 of the larger number, and 1e-6.
+    /// 1e-5 of the larger number, plus 1e-6.
     Ordinary,
-    /// So much.
+    /// An absolute tolerance.
     Absolute(f64),
 }
 
@@ -31,11 +31,11 @@ impl Tolerance {
     }
 }
 
-/// Where `received` is not what is expected, in words; nothing if it is.
+/// Returns the first difference between `received` and `expected`, in words; None if there is none.
 #[must_use]
 pub fn difference(expected: &Value, received: &Value, tolerance: Tolerance) -> Option<String> {
     let fields = expected.as_object()?;
-    // An answer that is left to the implementation has no value to compare; any sign of that will do.
+    // An answer that is left to the implementation has no value to compare; any value passes.
     if fields.contains_key("impl_defined") {
         return received
             .get("impl_defined")
@@ -46,7 +46,7 @@ pub fn difference(expected: &Value, received: &Value, tolerance: Tolerance) -> O
         let Some(received) = received.get(name) else {
             return Some(format!("{name}: expected {expected}, received nothing"));
         };
-        // A black and white map may have texels of luminance.
+        // The texels of a black and white map may be luminances.
         let gray = name == "texel" && as_gray(expected, received, tolerance);
         (!gray && !equal(name, expected, received, tolerance))
             .then(|| format!("{name}: expected {expected}, received {received}"))
@@ -73,13 +73,15 @@ fn equal(name: &str, expected: &Value, received: &Value, tolerance: Tolerance) -
         (Value::Array(a), Value::Array(b)) => {
             a.len() == b.len() && a.iter().zip(b).all(|(a, b)| equal(name, a, b, tolerance))
         }
-        (Value::String(a), Value::String(b)) => a == b || bare(name, b).as_ref() == Some(a),
+        (Value::String(a), Value::String(b)) => {
+            a == b || without_prefix(name, b).as_ref() == Some(a)
+        }
         (a, b) => a == b,
     }
 }
 
-/// Returns the name of an enumerant without the prefix it was written with.
-fn bare(field: &str, word: &str) -> Option<String> {
+/// Returns the name of an enumerant without its prefix.
+fn without_prefix(field: &str, word: &str) -> Option<String> {
     match field {
         "rendering_control" => canonical::<RenderingControl>(word),
         "parameterization" => canonical::<Parameterization>(word),

@@ -1,4 +1,4 @@
-//! What a texture question expects: under the reference's readings, and under the others that are right too.
+//! Expected answers to texture questions: under the readings of the reference, and under the others that are right too.
 
 use serde_json::Value;
 
@@ -11,19 +11,19 @@ use crate::suite::texture::question::Refusal;
 use crate::texture::Rules;
 
 impl TextureCase {
-    /// How far numbers of an answer may be off.
+    /// Returns the tolerance for numbers of an answer.
     #[must_use]
     pub fn tolerance(&self) -> Tolerance {
         self.tol.map_or(Tolerance::Ordinary, Tolerance::Absolute)
     }
 
-    /// Whether the question is out of the valid range, so that it must be refused.
+    /// Returns true if the question is out of the valid range, so that it must be refused.
     #[must_use]
     pub fn must_be_refused(&self) -> bool {
         self.expect.get("error").is_some()
     }
 
-    /// What one who reads the chapter as `rules` do answers.
+    /// Returns the answer under the reading `rules` of the chapter.
     #[must_use]
     pub fn answer(&self, rules: &Rules) -> Answer<Value> {
         match self.read().and_then(|question| question.answer(rules)) {
@@ -33,8 +33,8 @@ impl TextureCase {
         }
     }
 
-    /// What it expects under a dialect: what it says under the reference's own; else what it lists, which is what the
-    /// reference makes of it under that reading.
+    /// Returns the expected answer under a dialect: its own for the dialect of the reference; else the listed one, which is the
+    /// reference's answer under that reading.
     #[must_use]
     pub fn expected(&self, dialect: &Dialect) -> Value {
         if *dialect == CHOICES.reference() {
@@ -47,7 +47,7 @@ impl TextureCase {
         }
     }
 
-    /// The choices of which another reading changes what it expects.
+    /// Returns the choices whose readings change the expected answer.
     #[must_use]
     pub fn concerned(&self) -> &[Axis] {
         self.concerned.get_or_init(|| {
@@ -58,7 +58,7 @@ impl TextureCase {
                     difference(&self.expect, &self.expected(&dialect), self.tolerance()).is_some()
                 })
             };
-            // What is left to the implementation is right in every dialect.
+            // Points that are left to the implementation are right in every dialect.
             let axes = (0..CHOICES.len()).filter(|_| self.basis != Basis::Impl);
             axes.filter(changes).collect()
         })

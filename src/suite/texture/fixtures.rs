@@ -1,6 +1,6 @@
-//! Maps with names: what stands for `ramp4` or `lit4x4` in a case.
+//! Named maps: the meaning of `ramp4` or `lit4x4` in a case.
 //!
-//! Cases name their maps; a question holds their texels, so that nobody who answers needs this file.
+//! Cases name their maps; a question contains their texels, so that programs under test do not need this file.
 
 use std::collections::BTreeMap;
 use std::sync::LazyLock;
@@ -14,8 +14,7 @@ static MAPS: LazyLock<BTreeMap<String, Value>> = LazyLock::new(|| {
         .expect("the embedded maps are well-formed")
 });
 
-/// What is asked of everybody in a case: its `given` with maps in place of their names, and without the words that say under
-/// which reading it is answered.
+/// Returns the arguments that are sent: `given` with maps in place of their names, and without the words that select a reading.
 #[must_use]
 pub fn spelled_out(given: &Value) -> Value {
     match given {
@@ -40,7 +39,7 @@ pub fn spelled_out(given: &Value) -> Value {
 /// Fields of `given` that name a reading.
 const READINGS: [&str; 2] = ["reading", "grid"];
 
-/// The readings that `given` names.
+/// Returns the readings that `given` names.
 #[must_use]
 pub fn readings(given: &Value) -> Vec<&str> {
     READINGS
@@ -61,7 +60,7 @@ fn map_of(value: &Value) -> Value {
     value
 }
 
-/// The bytes of a file that is written in pieces, in hexadecimal digits.
+/// Returns the bytes of a file that is written in pieces, in hexadecimal digits.
 fn hex(pieces: &Value) -> String {
     let mut digits = String::new();
     for piece in pieces.as_array().into_iter().flatten() {

@@ -1,7 +1,7 @@
 //! Questions about a texture stage, and the reference's answers.
 //!
-//! A question is `{"op": …, "given": {…}}`. Each op is one step of the pipeline, or all of it (`stage`). A field of an entry
-//! that is left out has its fallback value. Enumerants are written as in the chapter, without their prefix.
+//! A question is `{"op": …, "given": {…}}`. Each op is one step of the pipeline, or all of it (`stage`). A missing field of an
+//! entry has its fallback value. Enumerants are written as in the chapter, without their prefix.
 
 use std::collections::BTreeMap;
 use std::fmt::Debug;
@@ -86,7 +86,7 @@ impl Question {
     /// Reads a question from the bytes of a file.
     ///
     /// # Errors
-    /// [`Refusal::Unsupported`] for an unknown op, otherwise [`Refusal::Malformed`]; both name the place.
+    /// [`Refusal::Unsupported`] for an unknown op, else [`Refusal::Malformed`]; both name the place.
     pub fn read(file: &[u8]) -> Result<Question, Refusal> {
         let value: Value =
             serde_json::from_slice(file).map_err(|error| Refusal::Malformed(error.to_string()))?;
@@ -96,7 +96,7 @@ impl Question {
     /// Reads a question from its JSON value.
     ///
     /// # Errors
-    /// As [`Question::read`].
+    /// The errors of [`Question::read`].
     pub fn from_value(value: &Value) -> Result<Question, Refusal> {
         let op = value["op"]
             .as_str()
@@ -115,7 +115,7 @@ impl Question {
     /// Returns the answer under `rules`, a JSON object.
     ///
     /// # Errors
-    /// The question is malformed or not supported.
+    /// If the question is malformed or not supported.
     pub fn answer(&self, rules: &Rules) -> Result<Value, Refusal> {
         self.0.answer(rules).or_else(|reason| match reason {
             Unanswered::Refused(refusal) => Err(refusal),
@@ -154,7 +154,7 @@ fn malformed(message: impl Into<String>) -> Refusal {
     Refusal::Malformed(message.into())
 }
 
-/// No fields: asks for the fallback values.
+/// No fields: requests the fallback values.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Nothing {}
@@ -165,7 +165,7 @@ impl Operation for Nothing {
     }
 }
 
-/// Some fields of an entry; the others have their fallback values.
+/// Some fields of an entry; missing ones have their fallback values.
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(try_from = "Value")]
 pub struct EntryGiven {
@@ -219,7 +219,7 @@ struct SelectGiven {
     bf_interior_style: Option<InteriorStyle>,
     /// Active textures of the back.
     bf_active: Vec<i64>,
-    /// True if back-facing facets have attributes of their own.
+    /// True if back-facing facets have separate attributes.
     facet_distinguish: bool,
     back_facing: bool,
     /// The limit of maps on a facet; none by default.
@@ -269,7 +269,7 @@ impl Operation for ResolveGiven {
     }
 }
 
-/// A spline surface, or whether there is one.
+/// A spline surface, or true if there is one.
 #[derive(Debug, Deserialize)]
 #[serde(untagged)]
 enum Nurb {
@@ -299,7 +299,7 @@ enum Data {
     Many(Vec<f64>),
 }
 
-/// A point of a surface: positions, eyes and normals in three coordinate systems, and what replaces them.
+/// A point of a surface: positions, eyes and normals in three coordinate systems, and their replacements.
 #[derive(Debug, Default, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 struct PointGiven {
@@ -348,7 +348,7 @@ impl PointGiven {
         }
     }
 
-    /// Returns the point of the spline surface: as `nurb` gives it, or as the fields beside it do.
+    /// Returns the point of the spline surface, from `nurb` or from the fields next to it.
     fn spline(&self) -> Option<SplinePoint> {
         let is_given = self.u.is_some() || self.v.is_some() || !self.data_splines.is_empty();
         let (u, v, data_splines) = match &self.nurb {
@@ -434,7 +434,7 @@ impl Operation for OrientGiven {
 struct InterpolateGiven {
     /// One to three coordinates for each corner.
     ts: Vec<Vec<f64>>,
-    /// The share of each corner on the screen.
+    /// The weight of each corner on the screen.
     b: Vec<f64>,
     /// The w of each corner; 1 by default.
     w: Option<Vec<f64>>,
@@ -512,7 +512,7 @@ impl Operation for DepthGiven {
     }
 }
 
-/// Coordinates along one direction of a number of texels.
+/// Coordinates along one direction, and a number of texels.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct IndexGiven {
@@ -745,13 +745,13 @@ fn white() -> Color {
     [1.0; 3]
 }
 
-/// One map of a stage: a texel, or a map and the place where it is sampled.
+/// One map of a stage: a texel, or a map and the position at which it is sampled.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct StageEntry {
     #[serde(default)]
     entry: EntryGiven,
-    /// What was sampled.
+    /// The sampled value.
     texel: Option<TexelGiven>,
     /// The map; the default map if left out.
     map: Option<MapGiven>,

@@ -1,4 +1,4 @@
-//! The suite of texture questions as a run asks it: a question in JSON, answered with a JSON object.
+//! The suite of texture questions as a run uses it: the request is a question in JSON, the answer a JSON object.
 
 use std::collections::BTreeSet;
 use std::fmt;
@@ -13,10 +13,10 @@ use crate::suite::texture::choices::CHOICES;
 use crate::suite::texture::compare::difference;
 use crate::texture::Rules;
 
-/// Most bytes of an answer: a JSON object of a few numbers and words.
-const LARGEST_ANSWER: usize = 1 << 20;
+/// Maximum number of bytes of an answer: a JSON object of a few numbers and words.
+const MAX_ANSWER_BYTES: usize = 1 << 20;
 
-/// The one way in which a texture question is asked.
+/// The only view of a texture question.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TextureView;
 
@@ -90,7 +90,7 @@ impl TestCase for TextureCase {
         self.op.clone()
     }
 
-    /// The step, and maps made of PTM files where it needs them.
+    /// Returns the step, and maps made of PTM files if it needs them.
     fn features(&self, _: &TextureView) -> BTreeSet<String> {
         let mut features = BTreeSet::from([self.op.clone()]);
         if self.given.to_string().contains("\"ptm\"") {
@@ -99,7 +99,7 @@ impl TestCase for TextureCase {
         features
     }
 
-    /// A refusal proves nothing of a step to which every question is refused.
+    /// Lists the other cases of the step: a refusal proves nothing if every question of the step is refused.
     fn twins(cases: &[TextureCase]) -> Vec<Vec<usize>> {
         let accepted = |op: &str| {
             let of_op = cases.iter().enumerate();
@@ -124,7 +124,7 @@ impl TestCase for TextureCase {
     }
 
     fn largest_answer(&self, _: &Vec<u8>) -> usize {
-        LARGEST_ANSWER
+        MAX_ANSWER_BYTES
     }
 
     fn compare(&self, _: &Vec<u8>, _: &TextureView, answer: &Value) -> Comparison<TextureCase> {
@@ -133,7 +133,7 @@ impl TestCase for TextureCase {
         let difference = difference(&self.expect, answer, self.tolerance());
         let axes = self.concerned();
         let right = match axes.is_empty() {
-            // Any words say that it is refused.
+            // Any words that it is refused are accepted.
             true if self.must_be_refused() => Right::Anyway(answer.get("error").is_some()),
             true => Right::Anyway(difference.is_none()),
             false => Right::In {

@@ -1,4 +1,4 @@
-//! The reference against a file of cases: what it answers to each, beside what the file expects.
+//! Comparison of the reference with a file of cases: its answer to each, and the answer that the file expects.
 
 use serde_json::Value;
 
@@ -9,28 +9,28 @@ use crate::suite::texture::fixtures;
 use crate::suite::texture::question::Refusal;
 use crate::texture::Rules;
 
-/// Numbers worked out by hand are exact but for the last digits.
-const BY_HAND: f64 = 1e-9;
+/// Tolerance for numbers that were computed by hand, which are exact except for the last digits.
+const HAND_TOLERANCE: f64 = 1e-9;
 
-/// One expected answer, and what the reference makes of it.
+/// One expected answer, and the answer of the reference.
 #[derive(Clone, Debug)]
 pub struct VerifiedAnswer {
     /// The case.
     pub id: String,
-    /// The reading under which this answer is expected, if it is not the reference's own.
+    /// The reading under which this answer is expected, if it is not that of the reference.
     pub reading: Option<String>,
-    /// Whether the answers agree; nothing if the reading is not known here.
+    /// True if the answers agree; None if the reading is not known here.
     pub holds: Option<bool>,
-    /// The answer, or what differs.
+    /// The answer, or the difference.
     pub says: String,
 }
 
-/// Every answer that `case` expects: its own first, then those of other readings.
+/// Compares every answer that `case` expects: its own first, then those of other readings.
 #[must_use]
 pub fn verify(case: &TextureCase) -> Vec<VerifiedAnswer> {
     let line = |reading: Option<&String>, expect: &Value, rules: Option<Rules>| {
         let (holds, says) = match rules {
-            Some(rules) => held_against(case, expect, &rules),
+            Some(rules) => compare_with_reference(case, expect, &rules),
             None => (None, "this reading is not known here".to_owned()),
         };
         VerifiedAnswer {
@@ -61,8 +61,12 @@ fn with_readings(rules: &Rules, readings: &[&str]) -> Option<Rules> {
     Some(changed)
 }
 
-fn held_against(case: &TextureCase, expect: &Value, rules: &Rules) -> (Option<bool>, String) {
-    let tolerance = Tolerance::Absolute(case.tol.unwrap_or(BY_HAND));
+fn compare_with_reference(
+    case: &TextureCase,
+    expect: &Value,
+    rules: &Rules,
+) -> (Option<bool>, String) {
+    let tolerance = Tolerance::Absolute(case.tol.unwrap_or(HAND_TOLERANCE));
     match case.read().and_then(|question| question.answer(rules)) {
         Ok(answer) => match difference(expect, &answer, tolerance) {
             None => (Some(true), shown(expect, &answer)),
@@ -78,7 +82,7 @@ fn held_against(case: &TextureCase, expect: &Value, rules: &Rules) -> (Option<bo
     }
 }
 
-/// Of an answer the fields that are expected.
+/// Returns the fields of an answer that are expected.
 fn shown(expect: &Value, answer: &Value) -> String {
     let fields = expect.as_object().into_iter().flatten();
     let fields: Vec<String> = fields

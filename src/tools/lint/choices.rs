@@ -1,6 +1,6 @@
-//! What readers make of the file that read the open points in another way: rulings of kind *choice*.
+//! The effect of other readings of the open points on the file: rulings of kind *choice*.
 //!
-//! Each other reading is tried, and what differs is reported; nothing is guessed from what the file looks like.
+//! Each other reading is tried, and differences are reported; nothing is guessed from the appearance of the file.
 
 use super::codes::{self, Problem};
 use super::diagnostic::Findings;
@@ -16,8 +16,8 @@ use crate::tools::place_in_words;
 /// Lights under which colors are compared.
 const LIGHTS: [(f64, f64); 3] = [(0.0, 0.0), (0.3125, -0.4375), (-0.625, 0.5)];
 
-/// Texels whose colors are held at a time.
-const PIECE: usize = 4096;
+/// Number of texels whose colors are in memory at a time.
+const PIECE_TEXELS: usize = 4096;
 
 pub(super) fn diagnose(findings: &mut Findings, streams: Option<&Streams>) {
     let dissection = findings.dissection;
@@ -66,7 +66,7 @@ fn colors(findings: &mut Findings, ptm: &Ptm) {
     }
 }
 
-/// Where the numbers stand that the ruling is about; nothing in a file that lacks its subject, which all readings read alike.
+/// Returns the position of the numbers that the ruling is about; None if the file has none, so that all readings agree.
 fn subject(dissection: &Dissection, ruling: &str) -> Option<Role> {
     let any = |role: fn(usize) -> Role, is: fn(i64) -> bool| {
         (0..dissection.compressed_planes())
@@ -95,7 +95,7 @@ fn subject(dissection: &Dissection, ruling: &str) -> Option<Role> {
     is_there.then_some(place)
 }
 
-/// Reports the spelling of the count of a lookup table, and what follows the table.
+/// Reports the spelling of the count of a lookup table, and the bytes after the table.
 fn tables(findings: &mut Findings, ptm: &Ptm) {
     let dissection = findings.dissection;
     if dissection.part(Role::Count).is_none() {
@@ -114,7 +114,7 @@ fn tables(findings: &mut Findings, ptm: &Ptm) {
     }
 }
 
-/// What another reading makes of the file, where that differs.
+/// Returns the difference of the file under another reading, if any.
 fn difference(
     dissection: &Dissection,
     ptm: &Ptm,
@@ -131,7 +131,7 @@ fn difference(
     }
 }
 
-/// How many texels differ, and where the first is; nothing where none does.
+/// Describes the number of texels that differ, and the first one; None if there are none.
 fn in_words(ptm: &Ptm, differing: &[bool]) -> Option<String> {
     let first = differing.iter().position(|&differs| differs)?;
     let count = differing.iter().filter(|&&differs| differs).count();
@@ -143,7 +143,7 @@ fn in_words(ptm: &Ptm, differing: &[bool]) -> Option<String> {
     ))
 }
 
-/// Which texels have other stored values.
+/// Returns true for each texel with other stored values.
 fn planes_differ(ptm: &Ptm, other: &Stored) -> Vec<bool> {
     let channels = ptm.planes.shape.channels();
     let mut texels = ptm.planes.samples.chunks(channels);
@@ -155,12 +155,12 @@ fn planes_differ(ptm: &Ptm, other: &Stored) -> Vec<bool> {
     differing
 }
 
-/// Which texels have another color under some light, for each reading; piece by piece, because colors take far more room than
-/// what they are made of.
+/// Returns true for each texel with another color under some light, for each reading. Works piece by piece, because colors need
+/// far more memory than stored values.
 fn colors_differ(ptm: &Ptm, readings: &[Reading]) -> Vec<Vec<bool>> {
     let shape = ptm.planes.shape;
     let mut all = vec![Vec::new(); readings.len()];
-    for samples in ptm.planes.samples.chunks(PIECE * shape.channels()) {
+    for samples in ptm.planes.samples.chunks(PIECE_TEXELS * shape.channels()) {
         let size = Size {
             width: (samples.len() / shape.channels()) as u32,
             height: 1,
@@ -170,7 +170,7 @@ fn colors_differ(ptm: &Ptm, readings: &[Reading]) -> Vec<Vec<bool>> {
             shape,
             samples: samples.to_vec(),
         };
-        // Readings of LUM differ in what they make of coefficients, not in the coefficients.
+        // Readings of LUM differ in their use of coefficients, not in the coefficients.
         let finals = evaluate::apply(&ptm.header.scale_bias, &planes, &Reading::SPEC);
         for differing in &mut all {
             differing.resize(differing.len() + size.texels(), false);

@@ -126,22 +126,22 @@ pub struct Code {
     pub problem: Problem,
     /// Its severity.
     pub severity: Severity,
-    /// The clause it is about.
+    /// The clause that it is about.
     #[serde(deserialize_with = "leaked")]
     pub clause: Text,
     /// The problem in a sentence.
     #[serde(deserialize_with = "leaked")]
     pub says: Text,
-    /// What a writer does about it; empty if there is nothing to do.
+    /// The suggested fix for a writer; empty if there is nothing to do.
     #[serde(default, deserialize_with = "leaked")]
     pub fix: Text,
     /// The ruling of kind *choice* that changes the image.
     pub ruling: Option<String>,
-    /// Names of damages and ids of cases; each of them provokes the code.
+    /// Names of damages and ids of cases, each of which provokes the code.
     pub provoked_by: Vec<String>,
 }
 
-/// A text of the table, which lives as long as the program.
+/// A text of the table, with the lifetime of the program.
 type Text = &'static str;
 
 fn leaked<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Text, D::Error> {

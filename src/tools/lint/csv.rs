@@ -1,11 +1,11 @@
-//! A row for each file, for spreadsheets and scripts.
+//! CSV output: a row for each file, for spreadsheets and scripts.
 //!
-//! A cell that a spreadsheet would take for a formula begins with an apostrophe, and no cell has a line feed: names are
-//! [printable](super::names::printable) before they come here.
+//! A cell that a spreadsheet would interpret as a formula begins with an apostrophe, and no cell has a line feed: names are
+//! already [printable](super::names::printable).
 
 use super::Lint;
 
-/// The first row; with two columns for each of these readers.
+/// Returns the first row, with two columns for each of these readers.
 #[must_use]
 pub fn head<'a>(readers: impl Iterator<Item = &'a str>) -> String {
     const OF_FILES: &str =
@@ -17,7 +17,7 @@ pub fn head<'a>(readers: impl Iterator<Item = &'a str>) -> String {
     cells.join(",") + "\n"
 }
 
-/// The row of a file, with what so many readers will show.
+/// Returns the row of a file, with predictions for `readers` readers.
 #[must_use]
 pub fn row(lint: &Lint, readers: usize) -> String {
     let number = |number: Option<u64>| number.map(|number| number.to_string()).unwrap_or_default();
@@ -53,10 +53,10 @@ pub fn row(lint: &Lint, readers: usize) -> String {
     cells.join(",") + "\n"
 }
 
-/// A cell as RFC 4180 quotes it, and as no spreadsheet computes it.
+/// Quotes a cell according to RFC 4180, and so that no spreadsheet interprets it as a formula.
 fn cell(text: &str) -> String {
     const FORMULAS: [char; 8] = ['=', '+', '-', '@', '＝', '＋', '－', '＠'];
-    // As most are.
+    // Most cells are plain.
     let plain = |byte: u8| byte.is_ascii_alphanumeric() || b"/._:-".contains(&byte);
     if text.bytes().all(plain) && !text.starts_with('-') {
         return text.to_owned();

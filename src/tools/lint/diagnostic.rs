@@ -1,31 +1,31 @@
-//! What lint says of a file.
+//! Findings of lint about a file.
 
 use serde::Serialize;
 
 use super::codes::{Problem, Severity};
 use crate::tools::dissection::{Dissection, Role};
 
-/// One thing said of a file, as it is written to YAML and JSON.
+/// One finding about a file, as it is written to YAML and JSON.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Diagnostic {
     /// The id of its [`Code`](super::codes::Code), such as `PTM-E001`.
     pub code: &'static str,
-    /// How bad it is.
+    /// Its severity.
     pub severity: Severity,
-    /// The byte of the file where it shows.
+    /// The byte of the file at which it was found.
     pub offset: usize,
-    /// The clause it is about: the code's own, or the very one that is broken.
+    /// The clause that it is about: that of the code, or the exact one that is broken.
     pub clause: &'static str,
     /// The code's sentence: the same text for every file.
     pub says: &'static str,
-    /// What was found in this file.
+    /// Details of this file.
     pub found: String,
-    /// What a writer does about it; empty where there is nothing to do.
+    /// The suggested fix for a writer; empty if there is nothing to do.
     #[serde(skip_serializing_if = "str::is_empty")]
     pub fix: &'static str,
 }
 
-/// The diagnostics of a file, as they are collected.
+/// The findings about a file, as they are collected.
 pub(super) struct Findings<'a> {
     pub dissection: &'a Dissection<'a>,
     pub list: Vec<Diagnostic>,

@@ -1,4 +1,4 @@
-//! Why the reference does not read a file, sorted into codes.
+//! Errors of the reference, classified into codes.
 
 use super::codes::Problem;
 use super::diagnostic::Findings;
@@ -14,7 +14,7 @@ pub(super) fn diagnose(findings: &mut Findings) {
         return;
     };
     match error.clause() {
-        // Every plane is checked, because the reference stops at the first fault.
+        // Every plane is checked, because the reference stops at the first error.
         "2.9.8/3" | "2.9.8/5" | "2.9.8/6" => planes::faults(findings),
         clause if !is_too_large || error.class() != Class::Limit => {
             let (problem, found) = (code(dissection, error), error.kind().to_string());
@@ -78,12 +78,12 @@ fn expected(clause: &str, token: &[u8]) -> Problem {
         "2.9.6/2" | "2.9.7/3" => Problem::NegativeSize,
         _ if !clause.starts_with("2.9") => Problem::Layout,
         _ if is_text(token) => Problem::ListNumber,
-        // A list ended where its last numbers should stand, and the planes were taken for them.
+        // A list was too short, and planes were read as its last numbers.
         _ => Problem::ListsShort,
     }
 }
 
-/// White space that the text does not know (ruling `header-blanks`).
+/// Returns the problem of white space that the text does not allow (ruling `header-blanks`).
 fn white_space(dissection: &Dissection, error: &Error) -> Option<Problem> {
     if !matches!(error.kind(), Kind::Expected { .. }) {
         return None;
@@ -93,7 +93,7 @@ fn white_space(dissection: &Dissection, error: &Error) -> Option<Problem> {
     let readable = word
         .iter()
         .all(|byte| byte.is_ascii_graphic() || b"\r\t".contains(byte));
-    // The first line is a version only if nothing but its end is odd.
+    // The first line is a version only if nothing but its end is wrong.
     let known = error.clause() != "2.1/1" || there.starts_with(b"PTM_1.2\r");
     if readable && known && word.contains(&b'\r') {
         return Some(Problem::CarriageReturn);
@@ -102,11 +102,11 @@ fn white_space(dissection: &Dissection, error: &Error) -> Option<Problem> {
         return Some(Problem::Tab);
     }
     let blank = matches!(there, [b' ' | b'\n', ..]);
-    // Where a gap should stand and the line ends, a number is missing.
+    // A line end instead of a gap means that a number is missing.
     (blank && !matches!(error.clause(), "2.4/5" | "2.9/2")).then_some(Problem::Layout)
 }
 
-/// The word that stands at `offset`: up to a space or a line feed.
+/// Returns the word at `offset`, up to a space or a line feed.
 fn token(file: &[u8], offset: usize) -> &[u8] {
     let there = &file[offset.min(file.len())..];
     let end = there.iter().position(|byte| matches!(byte, b' ' | b'\n'));

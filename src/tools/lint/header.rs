@@ -1,4 +1,4 @@
-//! How the header is written: what is legal, and where readers fail all the same.
+//! The spelling of the header: legal spellings that some readers do not accept.
 
 use std::collections::HashSet;
 

@@ -1,8 +1,7 @@
-//! What is wrong with a file, what other readers may make of it, and what its writer can fix.
+//! Errors of a file, problems that other readers may have with it, and fixes for its writer.
 //!
-//! Errors are the reference's own, sorted into stable [`codes`], and those of every plane where the planes are at fault;
-//! warnings and infos come from the file's spelling, from its values, from its streams, and from reading it in every way that
-//! the open points allow.
+//! Errors are those of the reference, classified into stable [`codes`], and those of every plane if a plane is wrong. Warnings
+//! and infos come from the file's spelling, its values, its streams, and from all readings of the open points.
 
 pub mod codes;
 
@@ -42,42 +41,42 @@ use crate::ptm::Format;
 use crate::readers::ReaderPrediction;
 use crate::tools::dissection::Dissection;
 
-/// Everything said of a file.
+/// All findings about a file.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct Lint {
-    /// The file's name, as it was given, with what a terminal would obey as escapes.
+    /// The file's name, as it was given, with terminal control characters escaped.
     pub file: String,
-    /// What it is.
+    /// Its status.
     pub status: Status,
-    /// Its format, if that was read.
+    /// Its format, if it could be read.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub format: Option<&'static str>,
-    /// Texels of a row, if that was read.
+    /// Number of texels in a row, if it could be read.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub width: Option<u32>,
-    /// Rows, if that was read.
+    /// Number of rows, if it could be read.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub height: Option<u32>,
-    /// How many bytes it has, where that is known.
+    /// Number of its bytes, if known.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub bytes: Option<u64>,
-    /// Why it was not read, if it was not.
+    /// The reason why it was not read, if it was not.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub reason: Option<String>,
-    /// How many errors there are.
+    /// Number of errors.
     pub errors: usize,
-    /// How many warnings.
+    /// Number of warnings.
     pub warnings: usize,
-    /// How many findings for information.
+    /// Number of findings for information.
     pub infos: usize,
-    /// What readers will show, where that was asked for.
+    /// Predicted results of readers, if requested.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub readers: Vec<ReaderPrediction>,
-    /// What was found, errors first, then by place.
+    /// The findings, errors first, then by position.
     pub findings: Vec<Diagnostic>,
 }
 
-/// Everything that can be said of `file`, errors first, then by place.
+/// Returns all findings about `file`, errors first, then by position.
 #[must_use]
 pub fn lint(file: &[u8]) -> Vec<Diagnostic> {
     Lint::of("", file).findings
@@ -107,7 +106,7 @@ impl Lint {
         lint
     }
 
-    /// What is said of a file of which only the beginning was read, because it is none of a PTM.
+    /// Returns the result for a file of which only the beginning was read, because it is not a PTM.
     #[must_use]
     pub fn of_other(name: &str, beginning: &[u8], bytes: u64) -> Lint {
         Lint {
@@ -139,7 +138,7 @@ impl Lint {
         self.infos = count(Severity::Info);
     }
 
-    /// As lines for a terminal, with its colors; those from `least` on.
+    /// Returns lines for a terminal, in color, for findings of severity `least` and above.
     #[must_use]
     pub fn to_text(&self, least: Severity) -> String {
         let mut out = String::new();
@@ -172,7 +171,7 @@ impl Lint {
         out
     }
 
-    /// What it is, and how many errors, warnings and infos there are, in words.
+    /// Describes its status, and the numbers of errors, warnings and infos.
     #[must_use]
     pub fn summary(&self) -> String {
         let counted = |count: usize, word: &str| {
@@ -190,7 +189,7 @@ impl Lint {
         format!("{}: {}: {said}\n", self.file, self.status.words())
     }
 
-    /// What readers will show, a line each.
+    /// Returns the predicted results of readers, a line each.
     #[must_use]
     pub fn shown(&self) -> String {
         let mut out = String::new();

@@ -1,10 +1,10 @@
-//! Names of files as they are printed: whatever a file is called, its name moves no cursor and forges no line.
+//! Printable names of files: no name can move the cursor or forge a line.
 
 use std::ffi::OsStr;
 use std::fmt::Write as _;
 
-/// A name without control characters: these, marks that turn the direction of text, line separators, and bytes that are not UTF-8
-/// are written as escapes. A backslash is written twice where it is no separator, so that the name can be told from its escapes.
+/// Returns a name without control characters: these, bidirectional marks, line separators, and bytes that are not UTF-8 are
+/// escaped. A backslash that is not a separator is doubled, so that the escapes are unambiguous.
 #[must_use]
 pub fn printable(name: &OsStr) -> String {
     let mut out = String::new();
@@ -12,7 +12,7 @@ pub fn printable(name: &OsStr) -> String {
         for character in chunk.valid().chars() {
             match character {
                 '\\' if !cfg!(windows) => out.push_str("\\\\"),
-                _ if acts(character) => out.extend(character.escape_default()),
+                _ if is_control_character(character) => out.extend(character.escape_default()),
                 _ => out.push(character),
             }
         }
@@ -23,13 +23,13 @@ pub fn printable(name: &OsStr) -> String {
     out
 }
 
-/// Whether a terminal or an editor does something at this character instead of showing it.
-fn acts(character: char) -> bool {
+/// Returns true if a terminal or an editor interprets this character instead of showing it.
+fn is_control_character(character: char) -> bool {
     character.is_control()
         || matches!(character, '\u{200b}'..='\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{2069}' | '\u{feff}')
 }
 
-/// The name as the path of a URI: every byte that is no unreserved character and no separator, as a percent escape.
+/// Returns the name as the path of a URI: all bytes except unreserved characters and separators are percent-encoded.
 #[must_use]
 pub fn as_uri(name: &OsStr) -> String {
     let mut out = String::new();

@@ -1,4 +1,4 @@
-//! The planes of a compressed file: faults of each, and what their lists and streams have that is odd.
+//! The planes of a compressed file: errors in each, and unusual properties of their lists and streams.
 
 use super::codes::Problem;
 use super::diagnostic::{Diagnostic, Findings};
@@ -24,10 +24,10 @@ pub(super) fn diagnose(findings: &mut Findings, streams: Option<&Streams>) {
     let mut all = Findings::new(dissection);
     ranks(&mut all, count);
     parameter(&mut all, format);
-    unused(&mut all, count);
+    unused_transforms(&mut all, count);
     for plane in 0..count {
         stream(&mut all, format, plane);
-        twice(&mut all, plane);
+        duplicate_records(&mut all, plane);
     }
     if let Some(streams) = streams.filter(|_| is_jpeg(format)) {
         other_transforms(&mut all, streams);
@@ -35,7 +35,7 @@ pub(super) fn diagnose(findings: &mut Findings, streams: Option<&Streams>) {
     findings.list.extend(first_of_each(all.list));
 }
 
-/// Reports the faults of all planes; the reference stops at the first.
+/// Reports the errors in all planes; the reference stops at the first.
 pub(super) fn faults(findings: &mut Findings) {
     let dissection = findings.dissection;
     let (Some(format), Some(size)) = (dissection.format, dissection.size) else {
@@ -134,7 +134,7 @@ fn parameter(findings: &mut Findings, format: Format) {
 }
 
 /// Reports transforms and vectors without an effect.
-fn unused(findings: &mut Findings, count: usize) {
+fn unused_transforms(findings: &mut Findings, count: usize) {
     let dissection = findings.dissection;
     let number = |role| dissection.number(role).unwrap_or_default();
     let idle = |plane: &usize| {
@@ -179,7 +179,7 @@ fn odd_segment(format: Format, segment: &Segment, stream: &[u8]) -> Option<Probl
         SegmentKind::Fill => Some(Problem::StreamExtras),
         SegmentKind::Marker(0xdd) => Some(Problem::Restarts),
         SegmentKind::Behind => Some(Problem::StreamTrailing),
-        // LSE of type 1 with MAXVAL below 255; 0 stands for the largest there is (T.87 C.2.4.1.1).
+        // LSE of type 1 with MAXVAL below 255; 0 stands for the maximum (T.87 C.2.4.1.1).
         SegmentKind::Marker(0xf8) => match stream[segment.range.clone()] {
             [_, _, _, _, 1, high, low, ..] => ((1..255).contains(&u16::from_be_bytes([high, low])))
                 .then_some(Problem::StreamMaxval),
@@ -203,7 +203,7 @@ fn other_near(findings: &mut Findings, plane: usize, stream: &[u8], parts: &[Seg
 }
 
 /// Reports the first texel with two records (ruling `side-twice`).
-fn twice(findings: &mut Findings, plane: usize) {
+fn duplicate_records(findings: &mut Findings, plane: usize) {
     let role = Role::Side(plane);
     let block = findings.dissection.bytes(role).unwrap_or_default();
     let records = records(block, 0, usize::MAX).unwrap_or_default();
@@ -219,9 +219,9 @@ fn twice(findings: &mut Findings, plane: usize) {
     }
 }
 
-/// Reports texels of predicted JPEG planes so close to 0 or 255 that another inverse DCT may carry them to the other end.
+/// Reports texels of predicted JPEG planes so close to 0 or 255 that another inverse DCT may wrap them to the other end.
 ///
-/// An inverse DCT may be off by one in every plane on the way, except in blocks of one value, which all decode to the same
+/// An inverse DCT may be off by one in every plane of the chain, except in blocks of one value, which all decode to the same
 /// samples. A corrected texel is certain.
 fn other_transforms(findings: &mut Findings, streams: &Streams) {
     let dissection = findings.dissection;
@@ -251,7 +251,7 @@ fn other_transforms(findings: &mut Findings, streams: &Streams) {
     }
 }
 
-/// The texels of a plane, top row first, that are within `slack` of 0 or 255 and that no record corrects.
+/// Returns the texels of a plane, top row first, that are within `slack` of 0 or 255 and that no record corrects.
 fn near_an_end(
     samples: impl Iterator<Item = u8>,
     slack: u8,
@@ -277,7 +277,7 @@ fn in_blocks_of_one_value(samples: &[u8], width: usize) -> bool {
     (0..samples.len()).all(|at| samples[at] == first_of_block(at))
 }
 
-/// Keeps one diagnostic of each code, with the number of the others: eighteen planes mostly have the same oddity.
+/// Keeps one finding of each code, with the number of the others: usually all planes have the same property.
 fn first_of_each(diagnostics: Vec<Diagnostic>) -> Vec<Diagnostic> {
     let mut kept: Vec<(Diagnostic, usize)> = Vec::new();
     for diagnostic in diagnostics {

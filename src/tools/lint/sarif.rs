@@ -1,5 +1,5 @@
-//! SARIF 2.1.0, the form in which code hosts and editors take results of static analysis. Written piece by piece, so that a
-//! collection of any size is never held: [`head`], a [`results`] for each file, [`tail`].
+//! SARIF 2.1.0, the format in which code hosts and editors import results of static analysis. Written piece by piece, so that a
+//! collection of any size needs little memory: [`head`], [`results`] for each file, [`tail`].
 
 use std::ffi::OsStr;
 
@@ -10,7 +10,7 @@ use super::codes::{ALL, Severity};
 use super::names::as_uri;
 use crate::suite::address::{self, published};
 
-/// Everything before the first result.
+/// Returns everything before the first result.
 #[must_use]
 pub fn head() -> String {
     let rules: Vec<Value> = ALL
@@ -40,7 +40,7 @@ pub fn head() -> String {
     )
 }
 
-/// The results of a file, each a line that ends without a comma.
+/// Returns the results of a file, each a line that ends without a comma.
 #[must_use]
 pub fn results(path: &OsStr, lint: &Lint) -> Vec<String> {
     let artifact = json!({ "uri": as_uri(path) });
@@ -72,7 +72,7 @@ pub fn results(path: &OsStr, lint: &Lint) -> Vec<String> {
     results.map(|result| result.to_string()).collect()
 }
 
-/// Everything after the last result.
+/// Returns everything after the last result.
 #[must_use]
 pub fn tail() -> &'static str {
     "\n], \"columnKind\": \"utf16CodeUnits\"}]}\n"

@@ -1,4 +1,4 @@
-//! What is reported: codes that are left out or asked for alone, other severities, how many findings.
+//! Selection of findings: codes that are allowed or exclusively reported, other severities, a maximum number.
 
 use std::collections::BTreeMap;
 
@@ -7,24 +7,24 @@ use serde::Deserialize;
 use super::Lint;
 use super::codes::{Code, Severity};
 
-/// What is reported of a file, as options and configuration files say it.
+/// The selection of findings, from options and configuration files.
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Settings {
     /// Codes that are not reported.
     pub allow: Vec<String>,
-    /// Codes that alone are reported; all if there are none.
+    /// Codes that are reported exclusively; all if empty.
     pub only: Vec<String>,
-    /// Other severities than the codes' own.
+    /// Severities that replace those of the codes.
     pub severity: BTreeMap<String, Severity>,
-    /// The most findings that are printed for a file, the worst first. All are counted.
+    /// Maximum number of findings that are printed for a file, the worst first. All are counted.
     pub max: Option<usize>,
-    /// Whether a warning makes the run fail.
+    /// True if a warning makes the run fail.
     pub deny_warnings: bool,
 }
 
 impl Settings {
-    /// These settings, and those of `more` besides; where both say something, `more` wins.
+    /// Merges these settings with `more`, which wins in conflicts.
     #[must_use]
     pub fn and(mut self, more: Settings) -> Settings {
         self.allow.extend(more.allow);
@@ -37,10 +37,10 @@ impl Settings {
         }
     }
 
-    /// Checks that every code is one.
+    /// Checks that every code exists.
     ///
     /// # Errors
-    /// A sentence that names the one that is not.
+    /// A sentence that names the first one that does not.
     pub fn check(&self) -> Result<(), String> {
         let codes = self.allow.iter().chain(&self.only);
         let mut codes = codes.chain(self.severity.keys());
@@ -52,7 +52,7 @@ impl Settings {
         }
     }
 
-    /// Leaves out of `lint` what is not reported, and gives the rest the severity that is asked for.
+    /// Removes findings that are not reported from `lint`, and applies the severities.
     #[must_use]
     pub fn select(&self, mut lint: Lint) -> Lint {
         let among = |codes: &[String], code: &str| codes.iter().any(|one| one == code);

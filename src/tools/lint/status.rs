@@ -1,22 +1,22 @@
-//! What a file is to somebody who keeps it: sound, damaged, no PTM at all, or none of these for want of a look inside.
+//! The status of a file: sound, damaged, not a PTM, or not judged.
 
 use serde::Serialize;
 
 use crate::error::Class;
 use crate::tools::dissection::Dissection;
 
-/// The bytes with which every PTM begins, of whatever version.
+/// The first bytes of every PTM, of any version.
 pub const MAGIC: &[u8] = b"PTM_";
 
-/// What a file is.
+/// The status of a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Default, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Status {
     /// A PTM that the reference reads.
     Sound,
-    /// Something else: it does not begin as a PTM does.
+    /// Another kind of file: it does not begin like a PTM.
     NotAPtm,
-    /// It begins as a PTM and breaks a rule of the format.
+    /// It begins like a PTM and breaks a rule of the format.
     Damaged,
     /// It was not read, or it is a PTM of another version, or one beyond what the reference supports.
     #[default]
@@ -24,7 +24,7 @@ pub enum Status {
 }
 
 impl Status {
-    /// All, in the order of the totals.
+    /// All statuses, in the order of the totals.
     pub const ALL: [Status; 4] = [
         Status::Sound,
         Status::Damaged,
@@ -32,7 +32,7 @@ impl Status {
         Status::NotJudged,
     ];
 
-    /// As it is printed for people.
+    /// Returns its name for people.
     #[must_use]
     pub const fn words(self) -> &'static str {
         match self {
@@ -43,7 +43,7 @@ impl Status {
         }
     }
 
-    /// As it is printed for programs.
+    /// Returns its name for programs.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -54,7 +54,7 @@ impl Status {
         }
     }
 
-    /// What the file is that was taken apart.
+    /// Returns the status of a dissected file.
     #[must_use]
     pub fn of(dissection: &Dissection) -> Status {
         match &dissection.outcome {
@@ -67,7 +67,7 @@ impl Status {
     }
 }
 
-/// Whether the first line names a version of the format that is not 1.2, such as `PTM_1.1`.
+/// Returns true if the first line names a version of the format that is not 1.2, such as `PTM_1.1`.
 fn is_another_version(file: &[u8]) -> bool {
     let line = file.strip_prefix(MAGIC).unwrap_or_default();
     let end = line.iter().position(|byte| matches!(byte, b' ' | b'\n'));

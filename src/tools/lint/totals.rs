@@ -1,4 +1,4 @@
-//! What a collection holds: files of each status and format, and how often each code was found.
+//! Totals of a collection: files of each status and format, and the frequency of each code.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -10,11 +10,11 @@ use super::status::Status;
 /// Counts over all files of a run.
 #[derive(Clone, Debug, Default)]
 pub struct Totals {
-    /// How many files there are.
+    /// Number of files.
     pub files: usize,
     statuses: BTreeMap<Status, usize>,
     formats: BTreeMap<&'static str, usize>,
-    /// Files in which a code was found.
+    /// Number of files with each code.
     codes: BTreeMap<&'static str, usize>,
 }
 
@@ -34,13 +34,13 @@ impl Totals {
         }
     }
 
-    /// Files of this status.
+    /// Returns the number of files of this status.
     #[must_use]
     pub fn of(&self, status: Status) -> usize {
         self.statuses.get(&status).copied().unwrap_or_default()
     }
 
-    /// For a terminal: a line for all files, one for each format and one for each code.
+    /// Returns text for a terminal: a line for all files, one for each format and one for each code.
     #[must_use]
     pub fn to_text(&self) -> String {
         let statuses = Status::ALL.map(|status| format!("{} {}", self.of(status), status.words()));

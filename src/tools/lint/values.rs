@@ -46,7 +46,7 @@ fn matrix(findings: &mut Findings) {
     }
 }
 
-/// Checks the size of the lookup table, and whether all of it is used.
+/// Checks the size of the lookup table, and that every entry is used.
 fn table(findings: &mut Findings) {
     let dissection = findings.dissection;
     let entries = dissection.number(Role::Count);

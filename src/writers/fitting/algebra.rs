@@ -1,32 +1,32 @@
 //! Least squares for the six coefficients of a polynomial.
 
-/// What u² v² uv u v 1 are under a light, the terms of clause 1.0/1.
+/// Returns the values of u² v² uv u v 1 under a light, the terms of clause 1.0/1.
 fn terms([u, v]: [f64; 2]) -> [f64; 6] {
     [u * u, v * v, u * v, u, v, 1.0]
 }
 
-/// Directions whose part in all lights is smaller than this, as a fraction of the largest, are not determined by them.
-const DETERMINED: f64 = 1e-10;
+/// Directions whose share in all lights is smaller, as a fraction of the largest, are undetermined.
+const MIN_DETERMINED: f64 = 1e-10;
 
-/// The coefficients of the polynomials that fit best are these rows times the values under the lights; where the lights
-/// leave several, of the smallest ones.
+/// The least-squares coefficients of polynomials are these rows times the values under the lights; if the lights leave several
+/// solutions, the smallest one.
 #[derive(Debug)]
 pub(super) struct LeastSquares {
-    /// For each light what its value adds to each coefficient.
+    /// For each light the contribution of its value to each coefficient.
     rows: Vec<[f64; 6]>,
-    /// Whether the lights determine all six coefficients, with room for rounding.
+    /// True if the lights determine all six coefficients, with a margin for rounding.
     pub is_determined: bool,
 }
 
 impl LeastSquares {
-    /// For these lights.
+    /// Prepares the solution for these lights.
     pub fn of(lights: &[[f64; 2]]) -> LeastSquares {
         let design: Vec<[f64; 6]> = lights.iter().map(|&light| terms(light)).collect();
         let product = |i: usize, j: usize| design.iter().map(|row| row[i] * row[j]).sum();
         let normal: [[f64; 6]; 6] = std::array::from_fn(|i| std::array::from_fn(|j| product(i, j)));
         let (values, vectors) = eigen(normal);
         let largest = values.iter().copied().fold(0.0, f64::max);
-        let kept = |k: &usize| values[*k] > DETERMINED * largest;
+        let kept = |k: &usize| values[*k] > MIN_DETERMINED * largest;
         let row = |light: &[f64; 6]| {
             let mut row = [0.0; 6];
             for k in (0..6).filter(kept) {
@@ -43,7 +43,7 @@ impl LeastSquares {
         }
     }
 
-    /// The best polynomial through a value for each light.
+    /// Returns the best polynomial for a value per light.
     pub fn fit(&self, values: impl Iterator<Item = f64>) -> [f64; 6] {
         let mut best = [0.0; 6];
         for (row, value) in self.rows.iter().zip(values) {
@@ -55,7 +55,7 @@ impl LeastSquares {
     }
 }
 
-/// Eigenvalues and eigenvectors, in columns, of a symmetric matrix: Jacobi's rotations.
+/// Returns eigenvalues and eigenvectors (columns) of a symmetric matrix, by Jacobi rotations.
 pub(super) fn eigen<const N: usize>(mut matrix: [[f64; N]; N]) -> ([f64; N], [[f64; N]; N]) {
     let mut vectors: [[f64; N]; N] =
         std::array::from_fn(|i| std::array::from_fn(|j| f64::from(u8::from(i == j))));
@@ -71,7 +71,7 @@ pub(super) fn eigen<const N: usize>(mut matrix: [[f64; N]; N]) -> ([f64; N], [[f
     (std::array::from_fn(|i| matrix[i][i]), vectors)
 }
 
-/// Turns rows and columns `p` and `q` so that the element between them becomes zero.
+/// Rotates rows and columns `p` and `q` so that the element between them becomes zero.
 fn rotate<const N: usize>(
     matrix: &mut [[f64; N]; N],
     vectors: &mut [[f64; N]; N],

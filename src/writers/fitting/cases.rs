@@ -1,4 +1,4 @@
-//! The suite of photographs as a run asks it, and what its failures are made of.
+//! The suite of photographs as a run uses it, and the causes of failures.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -12,7 +12,7 @@ use crate::suite::cases::{Expect, Suite, TableSpelling};
 use crate::suite::dialect::{Choices, Right};
 use crate::suite::features::Feature;
 use crate::suite::test_case::{Allowance, Comparison, TestCase};
-use crate::writers::diagnose::{describe, described};
+use crate::writers::diagnose::{describe, describe_differences};
 use crate::writers::fault::WriterFault;
 use crate::writers::fitting::judge::judge;
 use crate::writers::fitting::mistakes::{Evidence, MISTAKES};
@@ -26,19 +26,19 @@ pub struct FitCase {
     id: String,
     because: String,
     clauses: Vec<String>,
-    /// The format that is asked for.
+    /// The requested format.
     pub format: Format,
     source: PictureSource,
 }
 
-/// Where the photographs of a case come from.
+/// The source of the photographs of a case.
 #[derive(Clone, Debug)]
 enum PictureSource {
     Made(&'static SetPlan),
     Given(PictureSet),
 }
 
-/// What a fitter is sent.
+/// The input of a fitter.
 pub struct BuiltFit {
     /// The request in JSON, in which the path of the `.lp` file is still a name in braces.
     pub json: Vec<u8>,
@@ -47,7 +47,7 @@ pub struct BuiltFit {
 }
 
 impl Suite<FitCase> {
-    /// The photographs that are part of the program, and those of somebody's own.
+    /// Makes the suite of the embedded photographs, and optionally the user's.
     #[must_use]
     pub fn of_photographs(own: Option<&PictureSet>) -> Suite<FitCase> {
         let made = SETS.iter().map(PictureSource::Made);
@@ -72,7 +72,7 @@ impl Suite<FitCase> {
 }
 
 impl FitCase {
-    /// The photographs.
+    /// Returns the photographs.
     #[must_use]
     pub fn photographs(&self) -> PictureSet {
         match &self.source {
@@ -147,7 +147,7 @@ impl TestCase for FitCase {
         &built.json
     }
 
-    /// Twice what lies in the planes, and the largest header.
+    /// Twice the size of the planes, plus the largest header.
     fn largest_answer(&self, built: &BuiltFit) -> usize {
         2 * built.set.size.texels() * self.format.channels() + 65_536
     }
@@ -174,7 +174,7 @@ impl TestCase for FitCase {
     }
 }
 
-/// Returns why the failures of `run` failed; the mistake that explains most is first.
+/// Returns the causes of the failures of `run`; the mistake that explains most is first.
 pub(super) fn diagnose(
     suite: &Suite<FitCase>,
     run: &Run<FitCase>,
@@ -201,6 +201,6 @@ pub(super) fn diagnose(
             Diagnosis::of(cause, chosen.explains)
         })
         .collect();
-    diagnoses.extend(described(suite, run, &failing));
+    diagnoses.extend(describe_differences(suite, run, &failing));
     diagnoses
 }

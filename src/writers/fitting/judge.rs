@@ -1,8 +1,8 @@
-//! Whether a map fits its photographs as well as it can.
+//! Comparison of a map with its photographs.
 //!
-//! Under each light its error, the root of the mean square, is held against that of the least-squares optimum in the bytes
-//! of the same format. Another fit may be better under one light and worse under another, and rounds in its own way, so
-//! there is room.
+//! Under each light the root mean square error is compared with that of the least-squares optimum in the bytes of the same
+//! format. Another fit may be better under one light and worse under another, and round in a different way, so there is a
+//! tolerance.
 
 use crate::decode::decode;
 use crate::ptm::Format;
@@ -12,18 +12,18 @@ use crate::writers::fitting::pictures::PictureSet;
 use crate::writers::fitting::polynomials::Polynomials;
 use crate::writers::judge::{check_lint, compare_map, refusal};
 
-/// A fit may be worse than the best by this factor and this many levels.
-const ROOM: (f64, f64) = (1.25, 1.0);
+/// A fit may be worse than the best by this factor plus this number of levels.
+const FIT_TOLERANCE: (f64, f64) = (1.25, 1.0);
 
-/// The error that is allowed where the optimum has this one.
-pub(super) fn allowed(best: f64) -> f64 {
-    best * ROOM.0 + ROOM.1
+/// Returns the maximum error, given that of the optimum.
+pub(super) fn max_error(best: f64) -> f64 {
+    best * FIT_TOLERANCE.0 + FIT_TOLERANCE.1
 }
 
 /// Judges the file that was fitted to `set`.
 ///
 /// # Errors
-/// What is wrong with it.
+/// The fault of the file.
 pub fn judge(set: &PictureSet, format: Format, file: &[u8]) -> Result<(), WriterFault> {
     let ptm = decode(file).map_err(|error| refusal(file, &error))?;
     compare_map(format, set.size, &ptm)?;
@@ -36,7 +36,7 @@ pub fn judge(set: &PictureSet, format: Format, file: &[u8]) -> Result<(), Writer
 fn compare(set: &PictureSet, format: Format, found: &Polynomials) -> Result<(), WriterFault> {
     let best = Polynomials::of(&optimum(set, format)).expect("RGB or LRGB");
     let (errors, best) = (found.errors(set), best.errors(set));
-    let excess = |k: &usize| errors[*k] - allowed(best[*k]);
+    let excess = |k: &usize| errors[*k] - max_error(best[*k]);
     let worst = (0..errors.len()).max_by(|i, j| excess(i).total_cmp(&excess(j)));
     let Some(worst) = worst.filter(|k| excess(k) > 0.0) else {
         return Ok(());
@@ -51,7 +51,7 @@ fn compare(set: &PictureSet, format: Format, found: &Polynomials) -> Result<(), 
             set.photographs[worst].name,
             errors[worst],
             best[worst],
-            allowed(best[worst]),
+            max_error(best[worst]),
             errors.len()
         ),
     ))

@@ -1,13 +1,13 @@
-//! What wrong fitters do, found out by doing the same.
+//! Mistakes of fitters, found by making them.
 //!
-//! A mistake with photographs or lights has an optimum of its own: a map that looks like it was fitted with that mistake.
-//! A mistake with the file leaves a map that is right if its numbers are taken in another way. And a map that is near the
-//! optimum as far as its own steps go has steps that are too wide, or ends that are too near.
+//! A mistake with photographs or lights has its own optimum: a map that is near it was fitted with that mistake. A mistake with
+//! the file leaves a map that is right if its numbers are interpreted differently. A map that is near the optimum within its
+//! own steps has steps that are too wide, or a range that is too small.
 
 use crate::decode::decode;
 use crate::ptm::{Format, Ptm, Shape};
 use crate::writers::fitting::algebra::LeastSquares;
-use crate::writers::fitting::judge::allowed;
+use crate::writers::fitting::judge::max_error;
 use crate::writers::fitting::optimum::{Fitted, directions};
 use crate::writers::fitting::pictures::{Photograph, PictureSet};
 use crate::writers::fitting::polynomials::{Polynomials, root_mean_square};
@@ -16,26 +16,26 @@ use crate::writers::fitting::polynomials::{Polynomials, root_mean_square};
 pub(super) struct FitMistake {
     /// The clause that it breaks.
     pub clause: &'static str,
-    /// What such a fitter does, as a sentence without its subject.
+    /// The effect of the mistake, as a sentence without its subject.
     pub effect: &'static str,
-    /// What to do instead.
+    /// The suggested fix.
     pub fix: &'static str,
     sign: Sign,
 }
 
-/// What shows a mistake.
+/// A sign of a mistake.
 enum Sign {
-    /// The map shows what the best fit of these photographs shows.
+    /// The map is near the best fit of these photographs.
     Photographs(fn(&mut PictureSet)),
-    /// It shows what the best fit under these lights shows.
+    /// The map is near the best fit under these lights.
     Lights(fn(&Photograph) -> [f64; 2]),
-    /// It is right if its coefficients are in this order and are these functions of raw value, scale and bias.
+    /// The map is right if its coefficients are in this order and are these functions of raw value, scale and bias.
     Numbers([usize; 6], fn(f64, f64, f64) -> f64),
-    /// Its numbers show it.
+    /// The numbers of the map show it.
     Map(fn(&Evidence) -> bool),
 }
 
-/// A wrong map and what it should be.
+/// A wrong map, with the right one.
 pub(super) struct Evidence {
     set: PictureSet,
     format: Format,
@@ -59,7 +59,7 @@ impl Evidence {
         })
     }
 
-    /// Whether a fitter with this mistake makes such a map.
+    /// Returns true if a fitter with this mistake makes such a map.
     pub fn shows(&self, mistake: &FitMistake) -> bool {
         match &mistake.sign {
             Sign::Photographs(change) => {
@@ -77,7 +77,7 @@ impl Evidence {
         }
     }
 
-    /// Whether the map shows about what `other` shows, and is far from the optimum.
+    /// Returns true if the map looks like `other`, and is far from the optimum.
     fn is_like(&self, other: &Fitted) -> bool {
         let other = other.polynomials();
         let from_best = self.found.distance(&self.best.polynomials(), &self.set);
@@ -89,14 +89,13 @@ impl Evidence {
         let best = self.best.polynomials().errors(&self.set);
         let found = Polynomials::with(&self.ptm, order, value).map(|found| found.errors(&self.set));
         found.is_some_and(|found| {
-            // An offset in whole numbers rounds more than a bias does.
+            // An integer offset rounds more than a bias does.
             let mut pairs = found.iter().zip(best);
-            pairs.all(|(&found, best)| found <= allowed(best) + 2.0)
+            pairs.all(|(&found, best)| found <= max_error(best) + 2.0)
         })
     }
 
-    /// For coefficient `i` of each texel: the raw value, and the one that it should have had under the file's own scale and
-    /// bias.
+    /// Returns for coefficient `i` of each texel the raw value, and the right one under the file's scale and bias.
     fn raw_and_wanted(&self, i: usize) -> Vec<(f64, f64)> {
         let set = &self.ptm.header.scale_bias;
         let channels = self.ptm.planes.shape.channels();
@@ -107,7 +106,7 @@ impl Evidence {
                 let channels = (0..3).map(|c| (f64::from(raw[6 * c + i]), best[c][i]));
                 pairs.extend(channels);
             } else {
-                // Of the brightest color of the file, in which the luminance rounds least.
+                // For the brightest color of the file, in which the luminance rounds least.
                 let brightest = (0..3).max_by_key(|&c| raw[6 + c]).unwrap_or_default();
                 let color = f64::from(raw[6 + brightest]).max(1.0);
                 pairs.push((f64::from(raw[i]), best[brightest][i] * 255.0 / color));
@@ -133,7 +132,7 @@ fn has_wide_steps(evidence: &Evidence) -> bool {
     is_wide && (0..6).all(is_near)
 }
 
-/// Values at an end of the bytes should be past it, and all others are about right.
+/// Returns true if values at the ends of the byte range should be beyond it, and all others are about right.
 fn has_cut_ends(evidence: &Evidence) -> bool {
     let mut cut = 0;
     let others_are_near = (0..6).all(|i| {
@@ -148,7 +147,7 @@ fn has_cut_ends(evidence: &Evidence) -> bool {
     cut > 0 && others_are_near
 }
 
-/// The lights leave coefficients open, and some are out of all proportion.
+/// Returns true if the lights leave coefficients open, and some are extremely large.
 fn has_huge_coefficients(evidence: &Evidence) -> bool {
     let largest = |of: &Polynomials| {
         let all = of.0.iter().flatten().flatten();
@@ -189,7 +188,7 @@ fn in_order_of_names(set: &mut PictureSet) {
     }
 }
 
-/// All that are looked for; where several explain as much, the first is named.
+/// All known mistakes; if several explain as much, the first is named.
 pub(super) const MISTAKES: [FitMistake; 18] = [
     FitMistake {
         clause: "1.0/2",

@@ -1,8 +1,8 @@
-//! The map with the smallest sum of squared differences from the photographs, in the bytes that a format has for it.
+//! The least-squares optimum for photographs, in the bytes of a format.
 //!
 //! Format notes
-//! - RGB: three fits a texel. LRGB: the best color times the best luminance. What a fit of each channel shows, a row for
-//!   each light, is approximated best by its part along the direction of color with the largest square sum.
+//! - RGB: three fits per texel. LRGB: the best color times the best luminance. The fits of all channels, a row for
+//!   each light, are approximated best by their projection on the color direction with the largest sum of squares.
 //! - A scale and a bias serve the whole map, so each is chosen for the range of its coefficient.
 
 use crate::evaluate::polynomial;
@@ -12,28 +12,28 @@ use crate::writers::fitting::pictures::{Photograph, PictureSet};
 use crate::writers::fitting::polynomials::{Polynomials, colored};
 use crate::writers::request::map_of;
 
-/// The best polynomials before they become bytes.
+/// The best polynomials before quantization to bytes.
 #[derive(Clone, Debug)]
 pub(super) struct Fitted {
-    /// Six coefficients each: three polynomials for each texel of RGB, one of LRGB.
+    /// Six coefficients each: three polynomials per texel of RGB, one of LRGB.
     polynomials: Vec<[f64; 6]>,
     /// The color of each texel of LRGB.
     colors: Vec<[u8; 3]>,
 }
 
-/// The best map of `set` in RGB, or in LRGB.
+/// Returns the best map of `set` in RGB, or in LRGB.
 #[must_use]
 pub fn optimum(set: &PictureSet, format: Format) -> Ptm {
     Fitted::of(set, &directions(set), format).in_bytes(set, format)
 }
 
-/// `lu` and `lv` of every light.
+/// Returns `lu` and `lv` of every light.
 pub(super) fn directions(set: &PictureSet) -> Vec<[f64; 2]> {
     set.photographs.iter().map(Photograph::direction).collect()
 }
 
 impl Fitted {
-    /// The best fit under lights that may be others than those of the set.
+    /// Returns the best fit under lights that may differ from those of the set.
     pub fn of(set: &PictureSet, lights: &[[f64; 2]], format: Format) -> Fitted {
         let least_squares = LeastSquares::of(lights);
         let mut fitted = Fitted {
@@ -56,7 +56,7 @@ impl Fitted {
         fitted
     }
 
-    /// Three polynomials for each texel.
+    /// Returns three polynomials per texel.
     pub fn polynomials(&self) -> Polynomials {
         if self.colors.is_empty() {
             return Polynomials(self.polynomials.as_chunks::<3>().0.to_vec());
@@ -65,7 +65,7 @@ impl Fitted {
         Polynomials(texels.map(|(a, &color)| colored(a, color)).collect())
     }
 
-    /// Scales and biases for the range of each coefficient.
+    /// Returns scales and biases for the range of each coefficient.
     pub fn scale_bias(&self) -> ScaleBias {
         let mut set = ScaleBias {
             scale: [0.0; 6],
@@ -77,16 +77,16 @@ impl Fitted {
                 values().fold(f64::INFINITY, f64::min),
                 values().fold(f64::NEG_INFINITY, f64::max),
             );
-            // A bias is a whole number, so the range may lie half a step off; and it should not be a huge one.
+            // A bias is an integer, so the range may be off by half a step; and it should not be huge.
             let scale = ((high - low) / 254.0).max(low.abs() / 1e6).max(1e-6);
-            // What the file has for it.
+            // The value as it is written in the file.
             set.scale[i] = format!("{scale:.6e}").parse().expect("a number");
             set.bias[i] = (-low / set.scale[i]).round();
         }
         set
     }
 
-    /// The same in bytes.
+    /// Quantizes the map to bytes.
     pub fn in_bytes(&self, set: &PictureSet, format: Format) -> Ptm {
         let scale_bias = self.scale_bias();
         let raw = |a: &[f64; 6]| -> [u8; 6] {
@@ -101,7 +101,7 @@ impl Fitted {
     }
 }
 
-/// One polynomial and one color for three polynomials, the best under `lights`.
+/// Returns one polynomial and one color for three polynomials, the best under `lights`.
 fn in_one_color(channels: &[[f64; 6]; 3], lights: &[[f64; 2]]) -> ([f64; 6], [u8; 3]) {
     let shown = |channel: usize, [u, v]: [f64; 2]| polynomial(&channels[channel], u, v);
     let product = |i: usize, j: usize| {

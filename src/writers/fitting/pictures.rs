@@ -9,20 +9,20 @@ use serde::{Deserialize, Serialize};
 use crate::ptm::{Format, Size};
 use crate::tools::render::Image;
 
-/// Fitters are asked for these.
+/// The formats that fitters are asked for.
 pub const FORMATS: [Format; 2] = [Format::Lrgb, Format::Rgb];
 
-/// What a fitter is asked for, in JSON.
+/// A request to a fitter, in JSON.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct FitRequest {
-    /// The name of 2.2: that of RGB or of LRGB.
+    /// The name in 2.2: that of RGB or of LRGB.
     pub format: String,
-    /// Texels in a row, and pixels.
+    /// Number of texels in a row, and of pixels.
     pub width: u32,
-    /// Rows.
+    /// Number of rows.
     pub height: u32,
-    /// The path of the `.lp` file. Names in it are those of files beside it.
+    /// The path of the `.lp` file, which names files in the same directory.
     pub lp: String,
 }
 
@@ -31,7 +31,7 @@ pub struct FitRequest {
 pub struct Photograph {
     /// Its name in the `.lp` file.
     pub name: String,
-    /// The vector to the light as it is listed, of any length: to the right, up, to the camera.
+    /// The vector to the light as it is listed, of any length: right, up, towards the camera.
     pub light: [f64; 3],
     /// Red, green and blue of each pixel, top row first.
     pub pixels: Vec<u8>,
@@ -40,7 +40,7 @@ pub struct Photograph {
 /// Photographs of one object, in the order of their `.lp` file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PictureSet {
-    /// Of every photograph.
+    /// The size of every photograph.
     pub size: Size,
     /// One for each light.
     pub photographs: Vec<Photograph>,
@@ -50,7 +50,7 @@ impl FitRequest {
     /// Reads the JSON of a request.
     ///
     /// # Errors
-    /// What is wrong with it, in a sentence.
+    /// A sentence that names the error.
     pub fn read(json: &[u8]) -> Result<(Format, FitRequest), String> {
         let request: FitRequest =
             serde_json::from_slice(json).map_err(|error| format!("the request: {error}"))?;
@@ -59,7 +59,7 @@ impl FitRequest {
 }
 
 impl Photograph {
-    /// `lu` and `lv`: the light's vector of length 1, seen from above (clause 1.0/2).
+    /// Returns `lu` and `lv`: the normalized vector to the light, projected (clause 1.0/2).
     #[must_use]
     pub fn direction(&self) -> [f64; 2] {
         let [x, y, z] = self.light;
@@ -67,7 +67,7 @@ impl Photograph {
         [x / length, y / length]
     }
 
-    /// As a PNG file.
+    /// Returns a PNG file.
     ///
     /// # Panics
     /// Never for photographs of a set.
@@ -79,7 +79,7 @@ impl Photograph {
 }
 
 impl PictureSet {
-    /// The `.lp` file.
+    /// Returns the `.lp` file.
     #[must_use]
     pub fn lp(&self) -> String {
         let line = |of: &Photograph| {
@@ -90,10 +90,10 @@ impl PictureSet {
         format!("{}\n{lines}", self.photographs.len())
     }
 
-    /// Reads an `.lp` file and the pictures that it lists.
+    /// Reads an `.lp` file and the images that it lists.
     ///
     /// # Errors
-    /// What is wrong with which file or line.
+    /// A sentence that names the file or line and the error.
     pub fn read(path: &Path) -> Result<PictureSet, String> {
         let at = |error: &dyn std::fmt::Display| format!("{}: {error}", path.display());
         let text = fs::read_to_string(path).map_err(|error| at(&error))?;
@@ -118,7 +118,7 @@ impl PictureSet {
     }
 }
 
-/// The photograph of a line: a name, which may have spaces, and three numbers. All are of one size.
+/// Reads the photograph of a line: a name, which may have spaces, and three numbers. All must have the same size.
 fn photograph(line: &str, folder: &Path, size: &mut Option<Size>) -> Result<Photograph, String> {
     let wrong = || format!("expected a name and three numbers, found {line:?}");
     let mut words = line.trim().rsplitn(4, char::is_whitespace);

@@ -1,15 +1,15 @@
-//! A map as what it shows under lights: three polynomials for each texel, whatever the format.
+//! The appearance of a map under lights: three polynomials per texel, for all formats.
 
 use crate::evaluate::{clamp, modulate, polynomial};
 use crate::ptm::{Ptm, Shape};
 use crate::writers::fitting::pictures::{Photograph, PictureSet};
 
-/// The final coefficients of red, green and blue of each texel, top row first; of LRGB those of luminance times color.
+/// The final coefficients of red, green and blue of each texel, top row first; for LRGB those of luminance times color.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Polynomials(pub Vec<[[f64; 6]; 3]>);
 
 impl Polynomials {
-    /// Those of a map. Nothing of LUM, which no fitter is asked for.
+    /// Returns the polynomials of a map; None for LUM, which no fitter is asked for.
     #[must_use]
     pub fn of(ptm: &Ptm) -> Option<Polynomials> {
         Polynomials::with(ptm, [0, 1, 2, 3, 4, 5], |raw, scale, bias| {
@@ -17,7 +17,7 @@ impl Polynomials {
         })
     }
 
-    /// Returns those of a map with coefficient `i` at place `order[i]`, computed by `value` from raw value, scale and bias.
+    /// Returns those of a map with coefficient `i` at place `order[i]`: `value` of raw value, scale and bias.
     pub(super) fn with(
         ptm: &Ptm,
         order: [usize; 6],
@@ -35,13 +35,13 @@ impl Polynomials {
         (!is_lum).then(|| Polynomials(ptm.planes.texels().map(texel).collect()))
     }
 
-    /// The picture under a light, 0 to 255, not rounded.
+    /// Returns the image under a light, 0 to 255, not rounded.
     pub(super) fn shown(&self, [u, v]: [f64; 2]) -> impl Iterator<Item = f64> {
         let values = self.0.iter().flatten();
         values.map(move |a| clamp(polynomial(a, u, v)))
     }
 
-    /// How far the map is from each photograph: the root of the mean square.
+    /// Returns the root mean square error of the map for each photograph.
     #[must_use]
     pub fn errors(&self, set: &PictureSet) -> Vec<f64> {
         let error = |of: &Photograph| {
@@ -51,7 +51,7 @@ impl Polynomials {
         set.photographs.iter().map(error).collect()
     }
 
-    /// How far two maps are from each other under the lights of a set.
+    /// Returns the distance of two maps under the lights of a set.
     pub(super) fn distance(&self, other: &Polynomials, set: &PictureSet) -> f64 {
         let lights = set.photographs.iter().map(Photograph::direction);
         root_mean_square(lights.flat_map(|light| {
@@ -61,12 +61,12 @@ impl Polynomials {
     }
 }
 
-/// Luminance times color (clause 2.7.3/4).
+/// Computes luminance times color (clause 2.7.3/4).
 pub(super) fn colored(luminance: &[f64; 6], color: [u8; 3]) -> [[f64; 6]; 3] {
     color.map(|color| luminance.map(|a| modulate(a, f64::from(color))))
 }
 
-/// The root of the mean of squares; 0 of nothing.
+/// Returns the root mean square; 0 for no values.
 pub(super) fn root_mean_square(values: impl Iterator<Item = f64>) -> f64 {
     let (mut sum, mut count) = (0.0, 0_u32);
     for value in values {

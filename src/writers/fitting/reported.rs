@@ -1,4 +1,4 @@
-//! What a report says of a fitter.
+//! The part of the fitter suite that only reports need.
 
 use maud::{Markup, html};
 

@@ -1,4 +1,4 @@
-//! Photographs that the generator makes: a map of known coefficients under lights, with what photographs have besides.
+//! Generated photographs: a map of known coefficients under lights, with typical defects of photographs.
 
 use crate::generate::{Model, Recipe};
 use crate::ptm::{Format, Ptm, ScaleBias, Size};
@@ -9,9 +9,9 @@ use crate::writers::request::map_of;
 /// A set of photographs before it is made.
 #[derive(Clone, Copy, Debug)]
 pub struct SetPlan {
-    /// What it is called.
+    /// Its name.
     pub name: &'static str,
-    /// Why it is there, in a sentence.
+    /// The purpose of the set, in a sentence.
     pub because: &'static str,
     /// The clause that it is about.
     pub clause: &'static str,
@@ -20,13 +20,13 @@ pub struct SetPlan {
     lights: usize,
     /// True if all lights are on the right, not all around.
     is_one_sided: bool,
-    /// What a5 is multiplied by: the brightness.
+    /// The factor of a5: the brightness.
     brightness: f64,
-    /// The largest error of a pixel.
+    /// The maximum error of a pixel.
     noise: u8,
     /// True if the vectors in the `.lp` file are not of length 1.
     has_long_vectors: bool,
-    /// Whether the names of the pictures are in the order of the `.lp` file.
+    /// True if the names of the images are in the order of the `.lp` file.
     in_order: bool,
 }
 
@@ -43,7 +43,7 @@ const ORDINARY: SetPlan = SetPlan {
     in_order: true,
 };
 
-/// All sets; the first is the first request.
+/// All sets; the first is requested first.
 pub const SETS: [SetPlan; 9] = [
     ORDINARY,
     SetPlan {
@@ -104,7 +104,7 @@ pub const SETS: [SetPlan; 9] = [
 ];
 
 impl SetPlan {
-    /// Makes the photographs, which show one color and one luminance a texel where `format` is LRGB.
+    /// Makes the photographs, which have one color and one luminance per texel if `format` is LRGB.
     #[must_use]
     pub fn made(&self, format: Format) -> PictureSet {
         let size = Size {
@@ -113,7 +113,7 @@ impl SetPlan {
         };
         let map = Polynomials::of(&self.map(size, format)).expect("a map of RGB or LRGB");
         let photograph = |k: usize| {
-            // 7 divides no number of lights, so every name occurs once.
+            // 7 is not a divisor of any number of lights, so every name occurs once.
             let number = if self.in_order {
                 k
             } else {
@@ -136,7 +136,7 @@ impl SetPlan {
         }
     }
 
-    /// The map that is photographed.
+    /// Returns the map that is photographed.
     fn map(&self, size: Size, format: Format) -> Ptm {
         let scale_bias = ScaleBias {
             scale: [0.3, 0.2, 0.25, 0.25, 0.3, self.brightness],
@@ -148,7 +148,7 @@ impl SetPlan {
 
     /// Returns the vector to light `k`.
     fn light(&self, k: usize) -> [f64; 3] {
-        // Multiples of the golden angle never meet; the heights are spread evenly.
+        // Multiples of the golden angle never coincide; the heights are spread evenly.
         const GOLDEN_ANGLE: f64 = 2.399_963;
         let around = GOLDEN_ANGLE * k as f64;
         let angle = if self.is_one_sided {
@@ -165,7 +165,7 @@ impl SetPlan {
         [away * angle.cos(), away * angle.sin(), z].map(|x| (x * length * 1e6).round() / 1e6)
     }
 
-    /// An error for each value of photograph `k`.
+    /// Returns an error for each value of photograph `k`.
     fn noise_of(&self, size: Size, k: usize) -> Vec<f64> {
         let mut recipe = Recipe::ordinary(Format::Lrgb, size);
         recipe.seed = 1000 + k as u32;
