@@ -51,7 +51,7 @@ pub(super) fn attribute(search: &Search, found: &Found) -> (Vec<(Id, Diagnosis)>
         .filter_map(|whole| of_whole(search, &whole, &found.members, &mut shares, &mut left))
         .collect();
     for (place, member) in found.members.iter().enumerate() {
-        if is_denied_guess(search, member, &shares[place])
+        if is_denied_guess(search, member, &shares[place], &left)
             || is_denied_beside(search, &set, &shares, place)
             || is_preceded(search.witnesses, &shares[place].explains, &left)
         {
@@ -120,23 +120,24 @@ fn of_whole(
     Some((Id::MAX, whole.describe(search.witnesses, alike)))
 }
 
-/// Returns true if more cases contradict a misreading than support it, if only malformed files support it and some case
-/// contradicts it, or if it changes values and all that shows is crashes.
-fn is_denied_guess(search: &Search, member: &Member, share: &Share) -> bool {
+/// Returns true if more cases contradict a misreading than support it, if only malformed files support it and some case contradicts
+/// it, if all that shows is signals, or if it changes values and no image shows that, but more unexplained images are wrong.
+fn is_denied_guess(search: &Search, member: &Member, share: &Share, left: &[usize]) -> bool {
     let Some(misreading) = search.mistakes[member.id].listed() else {
         return false;
     };
+    let (witnesses, explained) = (search.witnesses, &share.explains);
     let against = search.contradictions(&[member.id]).len();
-    let is_guess =
-        || acceptances::all_that_shows(search.witnesses, &share.explains, misreading).is_some();
-    let is_crash = |&w: &usize| {
-        matches!(
-            FailureMode::of(&search.witnesses[w]),
-            Some(FailureMode::Crashes(_))
-        )
-    };
-    let only_crashes = misreading.shows == Symptom::Values && share.explains.iter().all(is_crash);
-    only_crashes || against > share.explains.len() || against > 0 && is_guess()
+    let is_guess = || acceptances::all_that_shows(witnesses, explained, misreading).is_some();
+    let mode = |w: &usize| FailureMode::of(&witnesses[*w]);
+    let is_signal =
+        |w| matches!(mode(w), Some(FailureMode::Crashes(how)) if how.starts_with("killed"));
+    let images = |of: &[usize]| of.iter().filter(|w| mode(w).is_none()).count();
+    let is_hidden = misreading.shows == Symptom::Values && images(explained) == 0;
+    explained.iter().all(is_signal)
+        || is_hidden && images(left) > explained.len()
+        || against > explained.len()
+        || against > 0 && is_guess()
 }
 
 /// Failing files on which two mistakes are tried together.

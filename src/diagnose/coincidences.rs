@@ -35,12 +35,14 @@ fn drop_strays(search: &Search, found: &mut Found) {
             explains(&[id]) || explains(&set) && !explains(&without)
         };
         let explained: Vec<usize> = failing.iter().copied().filter(is_explained).collect();
-        if explained.is_empty() || explained.len() * STRAY_SHARE >= failing.len() {
-            return true;
-        }
-        let acting = (failing.iter()).filter(|&&w| search.differ(w, &set, &without));
-        let is_about = (explained.iter()).any(|&w| is_about(&search.witnesses[w], misreading));
-        is_about && explained.len() * 2 >= acting.count()
+        let acts = |w: usize| search.differ(w, &set, &without);
+        let is_image = |w: usize| FailureMode::of(&search.witnesses[w]).is_none();
+        let is_few = explained.len() * STRAY_SHARE < failing.len();
+        let acting = failing
+            .iter()
+            .filter(|&&w| (is_few || is_image(w)) && acts(w));
+        let is_about = || (explained.iter()).any(|&w| is_about(&search.witnesses[w], misreading));
+        explained.is_empty() || explained.len() * 2 >= acting.count() && (!is_few || is_about())
     });
     found.keep(&keep);
 }

@@ -168,8 +168,7 @@ fn scoped(search: &Search, set: &Set, mistake: &Mistake, left: &[usize]) -> Opti
         channels: mistake.channels,
         scope,
     };
-    // In one view, nearly all wrong images that the mistake changes are explained by it; in another view a later mistake may
-    // change them too. A learned table was compared with their texels.
+    // In other views a later mistake may change the images, too. A learned table was compared with their texels.
     let acts = |w: &&usize| search.changes_with(**w, set, &scoped);
     let acting: Vec<usize> = pictures.iter().filter(acts).copied().collect();
     let is_learned = matches!(

@@ -163,8 +163,7 @@ fn follow_earlier_steps(witnesses: &[Witness], left: &[usize], steps: &mut [Step
     }
 }
 
-/// Splits files by a property that most of them share and no file of known behavior has, in all formats or in one. The last part
-/// is the rest.
+/// Splits files by properties that most of them share and no file of known behavior has. The last part is the rest.
 fn split_by_scope(search: &Search, set: &[Id], mut open: Vec<usize>) -> Vec<(Vec<usize>, String)> {
     let witnesses = search.witnesses;
     // A correct or an explained image contradicts a property. A file without an image is no evidence.

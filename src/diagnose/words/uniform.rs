@@ -67,7 +67,6 @@ fn find(witnesses: &[Witness], failing: &[usize]) -> Vec<(String, Vec<usize>)> {
             found.push((format!("shows {what} in view {view}"), of));
             continue;
         }
-        // A few images may show something else.
         let common = shown.iter().find_map(|(_, frame)| value(frame));
         let is_common = |(_, frame): &&(usize, &Frame)| common.is_some() && value(frame) == common;
         let of: Vec<usize> = shown.iter().filter(is_common).map(|&(w, _)| w).collect();
