@@ -61,7 +61,7 @@ pub fn run(args: &ProbeArgs) -> CommandResult {
     let command = in_one_line(&args.decoder);
     let repeat = |repeat: &Reproduction| match args.writer {
         true => None,
-        false => kept(repeat, &command, &args.keep),
+        false => keep_files(repeat, &command, &args.keep),
     };
     let next = match (list.faults(), args.writer) {
         (0, true) => format!("ready. Next: ptm-conform check-writer -- {command}\n"),
@@ -82,7 +82,7 @@ pub fn in_one_line(command: &[OsString]) -> String {
 }
 
 /// Writes the files of some requests, and returns the command line that sends them again; None if the files cannot be written.
-pub fn kept(repeat: &Reproduction, command: &str, directory: &Path) -> Option<String> {
+pub fn keep_files(repeat: &Reproduction, command: &str, directory: &Path) -> Option<String> {
     keep(repeat, directory).ok()?;
     Some(repeat.command(command, directory))
 }
