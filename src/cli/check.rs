@@ -11,7 +11,7 @@ use super::ending::Ending;
 use super::guard::{Guarded, check_trouble, stop_on_signals};
 use super::names::did_you_mean;
 use super::output::{jobs, print};
-use super::probe::{in_one_line, kept};
+use super::probe::{in_one_line, keep_files};
 use super::subject::{self, Answers, Subject};
 use super::terminal::show;
 use super::{CommandResult, EXIT_NOTHING_SELECTED, Failed, own_files};
@@ -158,7 +158,7 @@ fn print_commands(args: &CheckArgs, faults: &[ProbeStep]) {
     }
     let command = in_one_line(&args.decoder);
     for repeat in faults.iter().filter_map(|fault| fault.repeat.as_ref()) {
-        if let Some(command) = kept(repeat, &command, &directory) {
+        if let Some(command) = keep_files(repeat, &command, &directory) {
             show(&format!("see it again:\n  $ {command}\n"));
         }
     }

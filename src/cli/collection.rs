@@ -17,7 +17,7 @@ use ptm_conform::tools::lint::status::MAGIC;
 /// Number of names of a folder that are read and sorted at a time.
 const CHUNK: usize = 4096;
 /// Maximum length of a line of a list.
-const MAX_PATH_LENGTH: u64 = 1 << 16;
+const MAX_PATH: u64 = 1 << 16;
 /// Number of bytes that always contain the first lines of a PTM, and their number: version, format, width and height.
 const FIRST_LINES: usize = 256;
 const LINES: usize = 4;
@@ -138,14 +138,11 @@ fn next_chunk(folder: &mut ReadDir) -> VecDeque<io::Result<(OsString, FileType)>
 }
 
 /// Returns the paths of a list, each ended by `end`; a line that is too long for a path ends the list.
-pub fn listed(mut list: impl BufRead + Send, end: u8) -> impl Iterator<Item = PathBuf> + Send {
+pub fn paths(mut list: impl BufRead + Send, end: u8) -> impl Iterator<Item = PathBuf> + Send {
     std::iter::from_fn(move || {
         loop {
             let mut line = Vec::new();
-            let read = list
-                .by_ref()
-                .take(MAX_PATH_LENGTH)
-                .read_until(end, &mut line);
+            let read = list.by_ref().take(MAX_PATH).read_until(end, &mut line);
             if !matches!(read, Ok(1..)) {
                 return None;
             }

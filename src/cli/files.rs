@@ -88,7 +88,7 @@ pub fn write_whole(path: &Path, bytes: impl AsRef<[u8]>) -> Result<(), String> {
         return fs::write(path, bytes).map_err(named);
     }
     let place = follow_links(path).map_err(named)?;
-    let mut file = beside(directory_of(&place)).map_err(named)?;
+    let mut file = new_temporary_file(directory_of(&place)).map_err(named)?;
     file.write_all(bytes.as_ref()).map_err(named)?;
     file.persist(&place).map_err(|error| named(error.error))?;
     Ok(())
@@ -112,7 +112,7 @@ fn follow_links(path: &Path) -> io::Result<PathBuf> {
 
 /// Makes a temporary file with the usual permissions of new files.
 #[cfg(unix)]
-fn beside(directory: &Path) -> io::Result<tempfile::NamedTempFile> {
+fn new_temporary_file(directory: &Path) -> io::Result<tempfile::NamedTempFile> {
     use std::os::unix::fs::PermissionsExt;
     tempfile::Builder::new()
         .permissions(fs::Permissions::from_mode(0o644))
@@ -121,6 +121,6 @@ fn beside(directory: &Path) -> io::Result<tempfile::NamedTempFile> {
 
 /// Makes a temporary file.
 #[cfg(not(unix))]
-fn beside(directory: &Path) -> io::Result<tempfile::NamedTempFile> {
+fn new_temporary_file(directory: &Path) -> io::Result<tempfile::NamedTempFile> {
     tempfile::NamedTempFile::new_in(directory)
 }

@@ -10,7 +10,7 @@ use indicatif::ProgressBar;
 use serde::Serialize;
 
 use super::arguments::parse_size;
-use super::collection::{Met, Opened, Room, Source, listed, open, walk};
+use super::collection::{Met, Opened, Room, Source, open, paths, walk};
 use super::lint_rows::{RowFormat, Rows};
 use super::output::{self, Machine};
 use super::readers;
@@ -150,7 +150,7 @@ pub fn run(args: &LintArgs) -> CommandResult {
         Row { lint, ..row }
     };
     let mut worst = 0;
-    let walk = walk(named(args), args.recursive);
+    let walk = walk(named_sources(args), args.recursive);
     let walk = walk.take_while(|_| !closed.load(Relaxed));
     in_turn(walk, jobs, &work, |row| {
         let status = status(&row, &settings);
@@ -209,11 +209,11 @@ fn settings(args: &LintArgs) -> Result<Settings, String> {
 }
 
 /// Returns all named paths, from the command line or the list.
-fn named(args: &LintArgs) -> impl Iterator<Item = Source> + Send {
+fn named_sources(args: &LintArgs) -> impl Iterator<Item = Source> + Send {
     let end = if args.null { 0 } else { b'\n' };
     let of_path = move |path: &PathBuf| -> Box<dyn Iterator<Item = Source> + Send> {
         match is_list(path) {
-            true => Box::new(listed(BufReader::new(io::stdin()), end).map(Source::Listed)),
+            true => Box::new(paths(BufReader::new(io::stdin()), end).map(Source::Listed)),
             false => Box::new(std::iter::once(Source::Directly(path.clone()))),
         }
     };

@@ -54,9 +54,9 @@ impl Rows {
     ) -> io::Result<Rows> {
         match format {
             RowFormat::Text | RowFormat::Yaml => {}
-            RowFormat::Json => put("[\n")?,
-            RowFormat::Csv => put(&csv::head(readers.iter().map(|reader| &*reader.name)))?,
-            RowFormat::Sarif => put(&sarif::head())?,
+            RowFormat::Json => emit("[\n")?,
+            RowFormat::Csv => emit(&csv::head(readers.iter().map(|reader| &*reader.name)))?,
+            RowFormat::Sarif => emit(&sarif::head())?,
         }
         Ok(Rows {
             format,
@@ -77,15 +77,15 @@ impl Rows {
         }
         match self.format {
             RowFormat::Text if self.is_collection && lint.status == Status::NotAPtm => {
-                put(&format!("{}: {}\n", lint.file, lint.status.words()))
+                emit(&format!("{}: {}\n", lint.file, lint.status.words()))
             }
             RowFormat::Text => text(&lint),
             RowFormat::Json => {
                 let record = serde_json::to_string(&lint).map_err(io::Error::other)?;
                 self.separated(&[record])
             }
-            RowFormat::Yaml => put(&to_yaml(&[lint]).map_err(io::Error::other)?),
-            RowFormat::Csv => put(&csv::row(&lint, self.readers)),
+            RowFormat::Yaml => emit(&to_yaml(&[lint]).map_err(io::Error::other)?),
+            RowFormat::Csv => emit(&csv::row(&lint, self.readers)),
             RowFormat::Sarif => self.separated(&sarif::results(path.as_os_str(), &lint)),
         }
     }
@@ -93,15 +93,15 @@ impl Rows {
     /// Prints the end of the document.
     pub fn end(&self) -> io::Result<()> {
         match self.format {
-            RowFormat::Json => put("\n]\n")?,
-            RowFormat::Sarif => put(sarif::tail())?,
-            RowFormat::Yaml if self.totals.files == 0 => put("[]\n")?,
+            RowFormat::Json => emit("\n]\n")?,
+            RowFormat::Sarif => emit(sarif::tail())?,
+            RowFormat::Yaml if self.totals.files == 0 => emit("[]\n")?,
             _ => {}
         }
         if self.totals.files > 1 && !output::quiet() {
             let totals = self.totals.to_text();
             match self.format {
-                RowFormat::Text => put(&totals)?,
+                RowFormat::Text => emit(&totals)?,
                 // Standard output has only the document.
                 _ => output::complain(totals.trim_end()),
             }
@@ -116,7 +116,7 @@ impl Rows {
             out += record;
             self.begun = true;
         }
-        put(&out)
+        emit(&out)
     }
 }
 
@@ -132,7 +132,7 @@ fn text(lint: &Lint) -> io::Result<()> {
 }
 
 /// Prints text in one write, so that a run that is killed leaves whole rows.
-fn put(text: &str) -> io::Result<()> {
+fn emit(text: &str) -> io::Result<()> {
     let mut out = io::stdout().lock();
     out.write_all(text.as_bytes())?;
     out.flush()

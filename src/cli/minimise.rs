@@ -78,7 +78,7 @@ pub fn run(args: &MinimiseArgs) -> CommandResult {
         );
         return Ok(2);
     };
-    let out = args.out.clone().unwrap_or_else(|| beside(&args.file));
+    let out = args.out.clone().unwrap_or_else(|| small_path(&args.file));
     std::fs::write(&out, &small).map_err(|error| format!("{}: {error}", out.display()))?;
     print(&format!(
         "{found}: {} bytes instead of {}, in {}\n",
@@ -99,7 +99,7 @@ fn bytes_of(name: &str) -> Result<Vec<u8>, String> {
     }
 }
 
-fn beside(name: &str) -> PathBuf {
+fn small_path(name: &str) -> PathBuf {
     let stem = Path::new(name).file_stem().unwrap_or_default();
     PathBuf::from(format!("{}.small.ptm", stem.to_string_lossy()))
 }

@@ -60,7 +60,7 @@ pub fn run(args: &ProbeArgs) -> CommandResult {
     let command = in_one_line(&args.decoder);
     let repeat = |repeat: &Reproduction| match args.writer {
         true => None,
-        false => kept(repeat, &command, &args.keep),
+        false => keep_files(repeat, &command, &args.keep),
     };
     let next = match (list.faults(), args.writer) {
         (0, true) => format!("ready. Next: ptm-conform check-writer -- {command}\n"),
@@ -81,7 +81,7 @@ pub fn in_one_line(command: &[OsString]) -> String {
 }
 
 /// Keeps the files of some requests, and returns the command line that repeats them, or `None` if they cannot be kept.
-pub fn kept(repeat: &Reproduction, command: &str, directory: &Path) -> Option<String> {
+pub fn keep_files(repeat: &Reproduction, command: &str, directory: &Path) -> Option<String> {
     keep(repeat, directory).ok()?;
     Some(repeat.command(command, directory))
 }

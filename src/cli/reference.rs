@@ -81,7 +81,7 @@ fn write(path: &Path, out: &Path) -> CommandResult {
         let planes = files::read(Path::new(&header.planes))?;
         header.with_planes(&planes)
     });
-    put(path, out, &request.map_err(malformed)?)
+    write_request(path, out, &request.map_err(malformed)?)
 }
 
 /// Answers `reference fit REQUEST OUT`.
@@ -97,11 +97,11 @@ fn fit(path: &Path, out: &Path) -> CommandResult {
         ));
     }
     let set = PictureSet::read(Path::new(&request.lp)).map_err(malformed)?;
-    put(path, out, &WriteRequest::of(&optimum(&set, format)))
+    write_request(path, out, &WriteRequest::of(&optimum(&set, format)))
 }
 
 /// Writes the requested file, or returns the reason why not.
-fn put(path: &Path, out: &Path, request: &WriteRequest) -> CommandResult {
+fn write_request(path: &Path, out: &Path, request: &WriteRequest) -> CommandResult {
     let (status, says) = match reference::written(request) {
         Ok(bytes) => return Ok(files::write_whole(out, bytes).map(|()| 0)?),
         Err(NotWritten::Impossible(says)) => (EXIT_MALFORMED, says),

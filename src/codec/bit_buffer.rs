@@ -139,7 +139,7 @@ mod tests {
     use super::BitBuffer;
 
     /// Reads numbers of these sizes and then the end, and returns all results.
-    fn read_all<'a, const AFTER_FF: u32, B: ReadBits<'a, AFTER_FF>>(
+    fn reads<'a, const AFTER_FF: u32, B: ReadBits<'a, AFTER_FF>>(
         stream: &'a [u8],
         sizes: &[u32],
     ) -> Vec<String> {
@@ -165,12 +165,12 @@ mod tests {
         ) {
             let stream = [vec![0], data].concat();
             prop_assert_eq!(
-                read_all::<0, BitBuffer<0>>(&stream, &sizes),
-                read_all::<0, Bits<0>>(&stream, &sizes)
+                reads::<0, BitBuffer<0>>(&stream, &sizes),
+                reads::<0, Bits<0>>(&stream, &sizes)
             );
             prop_assert_eq!(
-                read_all::<7, BitBuffer<7>>(&stream, &sizes),
-                read_all::<7, Bits<7>>(&stream, &sizes)
+                reads::<7, BitBuffer<7>>(&stream, &sizes),
+                reads::<7, Bits<7>>(&stream, &sizes)
             );
         }
     }

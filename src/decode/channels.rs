@@ -56,7 +56,7 @@ impl Channels<'_> {
     }
 
     /// Returns the number of bytes that it holds in addition to the file.
-    pub fn held(&self) -> usize {
+    pub fn held_bytes(&self) -> usize {
         match &self.values {
             Values::Bytes(Cow::Owned(bytes)) => bytes.len(),
             _ => 0,

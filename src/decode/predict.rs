@@ -55,7 +55,7 @@ pub(crate) fn inverted_then_moved<'a>(
         (reading.invert)(predictor.to_mut());
     }
     if step.moved {
-        predictor = Cow::Owned(displace(&predictor, size, step.motion, reading));
+        predictor = Cow::Owned(shift(&predictor, size, step.motion, reading));
     }
     predictor
 }
@@ -69,7 +69,7 @@ pub(crate) fn moved_then_inverted<'a>(
 ) -> Cow<'a, [u8]> {
     let mut predictor = Cow::Borrowed(reference);
     if step.moved {
-        predictor = Cow::Owned(displace(&predictor, size, step.motion, reading));
+        predictor = Cow::Owned(shift(&predictor, size, step.motion, reading));
     }
     if step.inverted {
         (reading.invert)(predictor.to_mut());
@@ -100,12 +100,7 @@ pub(crate) fn predict_without_offset(residuals: &mut [u8], predictor: &[u8]) {
 }
 
 /// Returns the plane displaced by half a vector: its value at (x, y) is that at (x + mx/2, y + my/2) (clause 2.9.3/2).
-pub(crate) fn displace(
-    plane: &[u8],
-    size: Size,
-    (mx, my): (i64, i64),
-    reading: &Reading,
-) -> Vec<u8> {
+pub(crate) fn shift(plane: &[u8], size: Size, (mx, my): (i64, i64), reading: &Reading) -> Vec<u8> {
     let mx = (reading.motion_sign)(mx);
     let my = (reading.motion_sign)((reading.motion_vertical)(my));
     // Every x of every y, row by row; `inside` is a faster version.
@@ -214,9 +209,9 @@ mod tests {
     }
 
     /// Displaces a plane of `width` columns by a vector.
-    fn displace(plane: &[u8], width: u32, motion: (i64, i64), reading: &Reading) -> Vec<u8> {
+    fn shift(plane: &[u8], width: u32, motion: (i64, i64), reading: &Reading) -> Vec<u8> {
         let height = plane.len() as u32 / width;
-        super::displace(plane, Size { width, height }, motion, reading)
+        super::shift(plane, Size { width, height }, motion, reading)
     }
 
     #[test]
@@ -270,19 +265,19 @@ mod tests {
     fn whole_displacements_look_to_the_right_and_along_the_rows() {
         let plane = [10, 20, 30, 40, 50, 60];
         assert_eq!(
-            displace(&plane, 3, (2, 0), &Reading::SPEC),
+            shift(&plane, 3, (2, 0), &Reading::SPEC),
             [20, 30, 30, 50, 60, 60]
         );
         assert_eq!(
-            displace(&plane, 3, (-2, 0), &Reading::SPEC),
+            shift(&plane, 3, (-2, 0), &Reading::SPEC),
             [10, 10, 20, 40, 40, 50]
         );
         assert_eq!(
-            displace(&plane, 3, (0, 2), &Reading::SPEC),
+            shift(&plane, 3, (0, 2), &Reading::SPEC),
             [40, 50, 60, 40, 50, 60]
         );
         assert_eq!(
-            displace(&plane, 3, (0, -2), &Reading::SPEC),
+            shift(&plane, 3, (0, -2), &Reading::SPEC),
             [10, 20, 30, 10, 20, 30]
         );
     }
@@ -290,21 +285,21 @@ mod tests {
     #[test]
     fn half_displacements_are_means_rounded_up() {
         let plane = [10, 21, 30];
-        assert_eq!(displace(&plane, 3, (1, 0), &Reading::SPEC), [16, 26, 30]);
-        assert_eq!(displace(&plane, 3, (-1, 0), &Reading::SPEC), [10, 16, 26]);
-        assert_eq!(displace(&plane, 3, (3, 0), &Reading::SPEC), [26, 30, 30]);
-        assert_eq!(displace(&plane, 1, (0, 1), &Reading::SPEC), [16, 26, 30]);
+        assert_eq!(shift(&plane, 3, (1, 0), &Reading::SPEC), [16, 26, 30]);
+        assert_eq!(shift(&plane, 3, (-1, 0), &Reading::SPEC), [10, 16, 26]);
+        assert_eq!(shift(&plane, 3, (3, 0), &Reading::SPEC), [26, 30, 30]);
+        assert_eq!(shift(&plane, 1, (0, 1), &Reading::SPEC), [16, 26, 30]);
         // Four samples are added before they are rounded, once: (1 + 2 + 2 + 2 + 2) >> 2 = 2.
         assert_eq!(
-            displace(&[1, 2, 2, 2], 2, (1, 1), &Reading::SPEC),
+            shift(&[1, 2, 2, 2], 2, (1, 1), &Reading::SPEC),
             [2, 2, 2, 2]
         );
         assert_eq!(
-            displace(&[0, 1, 0, 0], 2, (1, 1), &Reading::SPEC),
+            shift(&[0, 1, 0, 0], 2, (1, 1), &Reading::SPEC),
             [0, 1, 0, 0]
         );
         assert_eq!(
-            displace(&plane, 3, (1, 0), &Reading::SPEC.with_halves_rounded_down()),
+            shift(&plane, 3, (1, 0), &Reading::SPEC.with_halves_rounded_down()),
             [15, 25, 30]
         );
     }
@@ -313,27 +308,27 @@ mod tests {
     fn each_motion_choice_has_its_other_reading() {
         let plane = [10, 20, 30, 40];
         assert_eq!(
-            displace(&plane, 4, (2, 0), &Reading::SPEC.with_motion_minus()),
+            shift(&plane, 4, (2, 0), &Reading::SPEC.with_motion_minus()),
             [10, 10, 20, 30]
         );
         assert_eq!(
-            displace(&plane, 1, (0, 2), &Reading::SPEC.with_motion_against_rows()),
+            shift(&plane, 1, (0, 2), &Reading::SPEC.with_motion_against_rows()),
             [10, 10, 20, 30]
         );
         assert_eq!(
-            displace(&plane, 4, (2, 0), &Reading::SPEC.with_motion_against_rows()),
+            shift(&plane, 4, (2, 0), &Reading::SPEC.with_motion_against_rows()),
             [20, 30, 40, 40]
         );
         assert_eq!(
-            displace(&plane, 4, (2, 0), &Reading::SPEC.with_border_wrapped()),
+            shift(&plane, 4, (2, 0), &Reading::SPEC.with_border_wrapped()),
             [20, 30, 40, 10]
         );
         assert_eq!(
-            displace(&plane, 4, (2, 0), &Reading::SPEC.with_border_gray()),
+            shift(&plane, 4, (2, 0), &Reading::SPEC.with_border_gray()),
             [20, 30, 40, 128]
         );
         assert_eq!(
-            displace(&plane, 4, (1, 0), &Reading::SPEC.with_border_gray()),
+            shift(&plane, 4, (1, 0), &Reading::SPEC.with_border_gray()),
             [15, 25, 35, 84]
         );
     }
@@ -375,10 +370,7 @@ mod tests {
                 Reading::SPEC.with_border_wrapped(),
                 Reading::SPEC.with_border_gray(),
             ] {
-                assert_eq!(
-                    displace(&[1, 2, 3, 4, 5, 6], 3, (far, far), &reading).len(),
-                    6
-                );
+                assert_eq!(shift(&[1, 2, 3, 4, 5, 6], 3, (far, far), &reading).len(), 6);
             }
         }
     }

@@ -46,7 +46,7 @@ impl Stored<'_> {
         let Size { width, height } = self.header.size;
         let channels = self.shape.channels();
         // The memory that the parts hold in addition to the file (planes of a compressed file) is in use at the same time.
-        let held: usize = self.parts.iter().map(Channels::held).sum();
+        let held: usize = self.parts.iter().map(Channels::held_bytes).sum();
         let needs = self.header.size.bytes(channels);
         limits.check(needs.saturating_add(held as u64), self.at)?;
         let mut samples = vec![0; self.header.size.texels() * channels];

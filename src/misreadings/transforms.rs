@@ -93,7 +93,7 @@ pub(super) const ACTS: &[(&str, At)] = &[
         At::Reconstruct(|coded, residuals, reading| {
             planes(coded, residuals, reading, |i, plane, done, steps| {
                 if steps[i].reference.is_some() && steps[i].moved {
-                    let moved = rule::displace(plane, coded.size, steps[i].motion, reading);
+                    let moved = rule::shift(plane, coded.size, steps[i].motion, reading);
                     plane.copy_from_slice(&moved);
                 }
                 predict(
@@ -124,7 +124,7 @@ pub(super) const ACTS: &[(&str, At)] = &[
                     },
                 );
                 if steps[i].reference.is_some() && steps[i].moved {
-                    let moved = rule::displace(plane, coded.size, steps[i].motion, reading);
+                    let moved = rule::shift(plane, coded.size, steps[i].motion, reading);
                     plane.copy_from_slice(&moved);
                 }
             })

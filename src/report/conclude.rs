@@ -96,7 +96,7 @@ pub fn causes<C: TestCase, A: 'static>(
 ) -> Report {
     let found = catch_unwind(AssertUnwindSafe(|| search(run)));
     let causes = found.unwrap_or_else(|panic| Causes {
-        faults: vec![in_words(&*panic)],
+        faults: vec![panic_message(&*panic)],
         ..Causes::from(Vec::new())
     });
     let mut report = report.explained_by(suite, &causes.diagnoses);
@@ -114,7 +114,7 @@ pub fn causes<C: TestCase, A: 'static>(
 }
 
 /// Returns the message of a panic.
-fn in_words(panic: &(dyn Any + Send)) -> String {
+fn panic_message(panic: &(dyn Any + Send)) -> String {
     let text = panic.downcast_ref::<&str>().map(|text| (*text).to_owned());
     let text = text.or_else(|| panic.downcast_ref::<String>().cloned());
     text.unwrap_or_else(|| "a panic without a message".to_owned())

@@ -22,7 +22,7 @@ impl Report {
     #[must_use]
     pub fn changes_to(&self, new: &Report, every_case: bool) -> String {
         let mut text = String::new();
-        let changes = Changes::between(self, new);
+        let changes = Changes::new(self, new);
         let in_full = every_case || changes.count() <= MAX_IN_FULL;
         changes
             .write(in_full, &mut text)
@@ -42,7 +42,7 @@ struct Changes<'a> {
 }
 
 impl<'a> Changes<'a> {
-    fn between(old: &'a Report, new: &'a Report) -> Changes<'a> {
+    fn new(old: &'a Report, new: &'a Report) -> Changes<'a> {
         let (before, after) = (places(&old.cases), places(&new.cases));
         let pair = |case| Some((*before.get(id_of(case))?, case));
         let both: Vec<Pair> = new.cases.iter().filter_map(pair).collect();
@@ -80,7 +80,7 @@ impl<'a> Changes<'a> {
             ("reason", yaml(&old.reason), yaml(&new.reason)),
             ("remarks", yaml(&old.remarks), yaml(&new.remarks)),
             ("scores", yaml(&old.scores), yaml(&new.scores)),
-            ("dialect", listed(&old.dialect), listed(&new.dialect)),
+            ("dialect", readings(&old.dialect), readings(&new.dialect)),
             (
                 "outside the specification",
                 leniencies(old),
@@ -121,11 +121,7 @@ impl<'a> Changes<'a> {
     fn write_grouped(&self, out: &mut String, pairs: &[Pair]) -> std::fmt::Result {
         let keyed = pairs.iter().map(|&(old, new)| {
             let how = match old.outcome == new.outcome {
-                true => format!(
-                    "{} ({})",
-                    new.outcome,
-                    differing_fields(old, new).join(", ")
-                ),
+                true => format!("{} ({})", new.outcome, differing(old, new).join(", ")),
                 false => format!("{} → {}", old.outcome, new.outcome),
             };
             let cause = match fails(new) {
@@ -197,7 +193,7 @@ fn causes_in_words(report: &Report, in_full: bool) -> String {
 }
 
 /// Returns the names of the fields in which two results differ.
-fn differing_fields(old: &CaseResult, new: &CaseResult) -> Vec<&'static str> {
+fn differing(old: &CaseResult, new: &CaseResult) -> Vec<&'static str> {
     let fields = [
         ("view", old.view != new.view),
         ("expect", old.expect != new.expect),
@@ -276,7 +272,7 @@ fn write_lines(
 }
 
 /// Returns one line for each reading.
-fn listed(dialect: &[FollowedReading]) -> String {
+fn readings(dialect: &[FollowedReading]) -> String {
     let line = |known: &FollowedReading| format!("{}: {}\n", known.ruling, known.reading);
     dialect.iter().map(line).collect()
 }

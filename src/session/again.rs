@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Mutex;
 
 use crate::protocol::frame::Answer;
-use crate::session::asking::{Counting, Session, after};
+use crate::session::asking::{Counting, Session, after_request};
 use crate::session::judge::Judgement;
 use crate::session::observation::{Nondeterminism, Observation, Response};
 use crate::session::outcome::Outcome;
@@ -159,7 +159,7 @@ fn difference<C: TestCase>(
     once_more: Option<&Observation<C>>,
 ) -> String {
     let (one, other) = (first.response.describe(), alone.response.describe());
-    let after = after(first.after.as_ref());
+    let after = after_request(first.after.as_ref());
     match once_more {
         Some(once_more) if once_more.response.is_like(&first.response) => format!(
             "answers with {one}; asked again, one process ended with {other}; asked once more it answers as before"

@@ -203,7 +203,7 @@ pub(super) fn trouble_of_serving<T>(reply: &Reply<T>) -> Option<Nondeterminism> 
     }
     let says = format!(
         "in serve mode{}: {}; asked alone it answers ({})",
-        after(reply.after.as_ref()),
+        after_request(reply.after.as_ref()),
         served.describe(),
         reply.answer.name()
     );
@@ -211,7 +211,7 @@ pub(super) fn trouble_of_serving<T>(reply: &Reply<T>) -> Option<Nondeterminism> 
 }
 
 /// Names the request that the process answered before.
-pub(super) fn after(before: Option<&String>) -> String {
+pub(super) fn after_request(before: Option<&String>) -> String {
     match before {
         Some(case) => format!(", after {case}"),
         None => ", as the first request".to_owned(),

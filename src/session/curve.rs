@@ -84,7 +84,7 @@ impl Curve {
                 Samples::F32(divided.collect())
             }
             (Samples::U8(bytes), right) => {
-                let nearest: Vec<u8> = (0..=255).map(|byte| self.before(byte)).collect();
+                let nearest: Vec<u8> = (0..=255).map(|byte| self.source_value(byte)).collect();
                 let right = |i: usize| match right {
                     Some(Samples::U8(right)) if right.len() == bytes.len() => Some(right[i]),
                     _ => None,
@@ -113,7 +113,7 @@ impl Curve {
     }
 
     /// Returns the value whose image is nearest to this one.
-    fn before(&self, received: u8) -> u8 {
+    fn source_value(&self, received: u8) -> u8 {
         let off = |v: &u8| (self.table[usize::from(*v)] - f64::from(received)).abs();
         let nearest = (0..=255).min_by(|a, b| off(a).total_cmp(&off(b)));
         nearest.expect("there are 256 values")

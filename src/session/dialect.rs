@@ -116,7 +116,7 @@ mod tests {
         clippy::unnecessary_wraps,
         reason = "others of its type return nothing"
     )]
-    fn shown(rulings: &[&str], right: impl Fn(&[usize]) -> bool) -> Option<Observation> {
+    fn image_right_in(rulings: &[&str], right: impl Fn(&[usize]) -> bool) -> Option<Observation> {
         let axes = CHOICES.axes(rulings);
         let on = |dialect: &Dialect| {
             right(&axes.iter().map(|&axis| dialect.0[axis]).collect::<Vec<_>>())
@@ -156,8 +156,8 @@ mod tests {
     #[test]
     fn groups_that_no_file_joins_are_settled_independently() {
         let observations = [
-            shown(&["motion-sign", "motion-border"], |of| of == [1, 2]),
-            shown(&["side-lossless"], |of| of == [1]),
+            image_right_in(&["motion-sign", "motion-border"], |of| of == [1, 2]),
+            image_right_in(&["side-lossless"], |of| of == [1]),
             None,
         ];
         assert_eq!(
@@ -178,10 +178,10 @@ mod tests {
     fn files_that_share_a_choice_join_their_groups() {
         // The first shows that one of both is read differently from the reference; the second shows which.
         let observations = [
-            shown(&["motion-sign", "jpeg-ls-offset"], |of| {
+            image_right_in(&["motion-sign", "jpeg-ls-offset"], |of| {
                 of.iter().sum::<usize>() == 1
             }),
-            shown(&["jpeg-ls-offset", "side-lossless"], |of| of[0] == 0),
+            image_right_in(&["jpeg-ls-offset", "side-lossless"], |of| of[0] == 0),
         ];
         assert_eq!(settled(&observations[..1]), []);
         assert_eq!(
@@ -192,8 +192,8 @@ mod tests {
 
     #[test]
     fn the_reading_of_most_pictures_counts_and_ties_go_to_the_references() {
-        let other = || shown(&["motion-half"], |of| of == [1]);
-        let reference = || shown(&["motion-half"], |of| of == [0]);
+        let other = || image_right_in(&["motion-half"], |of| of == [1]);
+        let reference = || image_right_in(&["motion-half"], |of| of == [0]);
         let mut all: Vec<_> = (0..8).map(|_| other()).collect();
         all.push(reference());
         assert_eq!(settled(&all), [("motion-half", 1)]);

@@ -75,19 +75,13 @@ pub fn difference(
         };
         let answer = decoder.ask(&request, scratch).answer;
         if !answer.is_like(before) {
-            return Some(locale_difference(locale, &case.id, view, &answer, frame));
+            return Some(message(locale, &case.id, view, &answer, frame));
         }
     }
     None
 }
 
-fn locale_difference(
-    locale: &str,
-    id: &str,
-    view: &View,
-    answer: &Answer,
-    frame: &Frame,
-) -> String {
+fn message(locale: &str, id: &str, view: &View, answer: &Answer, frame: &Frame) -> String {
     let got = match answer {
         Answer::Decoded(other) if (other.width, other.height) != (frame.width, frame.height) => {
             format!("a picture of {}x{}", other.width, other.height)

@@ -24,7 +24,7 @@ const LIST_NAME: &str = "requests.yaml";
 /// The list of requests, for spreadsheets and scripts.
 const TABLE_NAME: &str = "requests.tsv";
 /// The directory for the answers.
-const ANSWERS_DIRECTORY: &str = "outputs";
+const ANSWERS_DIR: &str = "outputs";
 
 /// The output to be made for one file.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -53,7 +53,7 @@ impl Listed {
             file: format!("files/{}.ptm", case.id),
             sha256: sha256(file),
             view: view.to_string(),
-            output: format!("{ANSWERS_DIRECTORY}/{}.{suffix}", case.id),
+            output: format!("{ANSWERS_DIR}/{}.{suffix}", case.id),
         }
     }
 }
@@ -91,7 +91,7 @@ pub fn export(
     put(&directory.join("README.txt"), READ_ME.as_bytes())?;
     put(&directory.join(TABLE_NAME), table.as_bytes())?;
     put(&directory.join(LIST_NAME), yaml.as_bytes())?;
-    fs::create_dir_all(directory.join(ANSWERS_DIRECTORY))?;
+    fs::create_dir_all(directory.join(ANSWERS_DIR))?;
     Ok(list.len())
 }
 
@@ -128,23 +128,19 @@ impl Outputs {
         let list: Vec<Listed> =
             from_yaml(&text_of(&path)?).map_err(|error| format!("{}: {error}", path.display()))?;
         let view = view_of(&list, suite).map_err(|error| format!("{}: {error}", path.display()))?;
-        let (mut given, strangers) = answers(&directory.join(ANSWERS_DIRECTORY), &list)?;
+        let (mut given, strangers) = answers(&directory.join(ANSWERS_DIR), &list)?;
         for (name, meaning) in [
             ("rejected.txt", Given::Rejected),
             ("unsupported.txt", Given::Unsupported),
         ] {
-            for id in listed_ids(
-                &directory.join(ANSWERS_DIRECTORY).join(name),
-                &list,
-                &matches,
-            )? {
+            for id in listed_ids(&directory.join(ANSWERS_DIR).join(name), &list, &matches)? {
                 given.entry(id).or_insert_with(|| meaning.clone());
             }
         }
         if given.is_empty() {
             return Err(format!(
                 "{}: there is no answer to any request",
-                directory.join(ANSWERS_DIRECTORY).display()
+                directory.join(ANSWERS_DIR).display()
             ));
         }
         Ok(Outputs {

@@ -76,7 +76,7 @@ fn page(paper: Paper, misreading: &Misreading) -> SiteFile {
         @if !makers(misreading).is_empty() { p { b { "Seen in " } (sightings(paper, misreading)) "." } }
         h2 { "The smallest file that shows it" }
         @match witness {
-            Some(witness) => (shown(paper, misreading, witness)),
+            Some(witness) => (witness_markup(paper, misreading, witness)),
             None => p { "No file of the suite shows it by itself: it acts on a choice or on the spelling of a table." },
         }
     };
@@ -88,7 +88,7 @@ fn page(paper: Paper, misreading: &Misreading) -> SiteFile {
     )
 }
 
-fn shown(paper: Paper, misreading: &Misreading, witness: &Witness) -> Markup {
+fn witness_markup(paper: Paper, misreading: &Misreading, witness: &Witness) -> Markup {
     let case = &paper.library.suite.cases[witness.case];
     let built = case.build(TableSpelling::default());
     html! {
@@ -140,13 +140,13 @@ pub(super) fn pair(paper: Paper, misreading: &Misreading) -> Markup {
     html! {
         div.pair {
             figure { (or_words(right_frame(&view).as_ref(), "right", "refused: the file breaks a rule")) figcaption { "right" } }
-            figure { (or_words(wrong.as_ref(), "wrong", said(&witness.answer))) figcaption { "with the mistake" } }
+            figure { (or_words(wrong.as_ref(), "wrong", answer_in_words(&witness.answer))) figcaption { "with the mistake" } }
         }
         @if view == View::Raw { p.quiet { "Stored values, plane beside plane; under a light the difference does not show here." } }
     }
 }
 
-fn said(answer: &Answer) -> &'static str {
+fn answer_in_words(answer: &Answer) -> &'static str {
     match answer {
         Answer::Rejected => "refused",
         Answer::Unsupported => "unsupported",

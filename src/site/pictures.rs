@@ -59,13 +59,13 @@ pub(super) fn of_frame(frame: &Frame, says: &str) -> Option<Markup> {
         })
     };
     Some(picture(
-        &beside(&(0..channels).map(plane).collect::<Vec<_>>()),
+        &join_images(&(0..channels).map(plane).collect::<Vec<_>>()),
         says,
     ))
 }
 
 /// Joins gray images side by side, separated by a column.
-fn beside(planes: &[Image]) -> Image {
+fn join_images(planes: &[Image]) -> Image {
     const BETWEEN: u8 = 128;
     let (each, height) = (planes[0].width, planes[0].height);
     let mut samples = Vec::new();

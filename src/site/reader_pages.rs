@@ -152,12 +152,12 @@ fn of_run(paper: Paper, run: &ReaderRun, outcomes: &BTreeMap<String, String>) ->
         } }
         h2 { "Cases" }
         @for (outcome, cases) in &run.outcomes {
-            @if outcome != "pass" { details.others { summary { (cases.len()) " " (outcome) } (listed(paper, cases)) } }
+            @if outcome != "pass" { details.others { summary { (cases.len()) " " (outcome) } (case_list(paper, cases)) } }
         }
     }
 }
 
-fn listed(paper: Paper, cases: &[String]) -> Markup {
+fn case_list(paper: Paper, cases: &[String]) -> Markup {
     let (first, more) = cases.split_at(MAX_LISTED.min(cases.len()));
     html! {
         ul.columns { @for case in first { li { (paper.link(case)) } } }

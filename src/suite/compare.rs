@@ -272,7 +272,7 @@ impl fmt::Display for Difference {
                 samples,
             } => {
                 let pairs = expected.iter().zip(received);
-                let pairs = pairs.map(|(expected, received)| apart(*expected, *received, 3));
+                let pairs = pairs.map(|(expected, received)| distinct(*expected, *received, 3));
                 let (expected, received): (Vec<_>, Vec<_>) = pairs
                     .map(|[expected, received]| (expected, received))
                     .unzip();
@@ -305,7 +305,7 @@ pub(crate) fn short(value: f64, decimals: usize) -> String {
 }
 
 /// Prints two numbers with at most `decimals` decimals; with more if different numbers would look equal.
-pub(crate) fn apart(a: f64, b: f64, decimals: usize) -> [String; 2] {
+pub(crate) fn distinct(a: f64, b: f64, decimals: usize) -> [String; 2] {
     let short = [a, b].map(|value| short(value, decimals));
     match short[0] == short[1] && !is_close(a, b, 0.0) {
         true => [a, b].map(|value| (value as f32).to_string()),
@@ -334,9 +334,9 @@ mod tests {
 
     #[test]
     fn numbers_that_differ_look_different() {
-        assert_eq!(apart(0.5, -0.0, 3), ["0.5", "0"]);
-        assert_eq!(apart(0.1, 0.100_000_001, 3), ["0.1", "0.1"]);
-        assert_eq!(apart(0.038_086, 0.038_114, 3), ["0.038086", "0.038114"]);
+        assert_eq!(distinct(0.5, -0.0, 3), ["0.5", "0"]);
+        assert_eq!(distinct(0.1, 0.100_000_001, 3), ["0.1", "0.1"]);
+        assert_eq!(distinct(0.038_086, 0.038_114, 3), ["0.038086", "0.038114"]);
     }
 
     #[test]

@@ -14,7 +14,7 @@ use crate::tools::segments::{Segment, segments};
 /// Number of entries of a table, or of records, that are shown unless all are requested.
 const MAX_ENTRIES: usize = 8;
 /// Number of bytes of a payload that are shown.
-const PREVIEW_BYTES: usize = 8;
+const PREVIEW: usize = 8;
 
 const DIM: Style = Style::new().dimmed();
 const CLAUSE: Style = AnsiColor::Cyan.on_default();
@@ -459,14 +459,10 @@ fn visible(bytes: &[u8]) -> String {
 fn hexadecimal(bytes: &[u8]) -> String {
     let shown: Vec<String> = bytes
         .iter()
-        .take(PREVIEW_BYTES)
+        .take(PREVIEW)
         .map(|byte| format!("{byte:02x}"))
         .collect();
-    let more = if bytes.len() > PREVIEW_BYTES {
-        " …"
-    } else {
-        ""
-    };
+    let more = if bytes.len() > PREVIEW { " …" } else { "" };
     format!("{}{more}", shown.join(" "))
 }
 

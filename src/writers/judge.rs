@@ -106,7 +106,7 @@ fn compare_numbers(
     let Some(i) = (0..wanted.len()).find(differs) else {
         return Ok(());
     };
-    let [all, instead] = [found, wanted].map(listed);
+    let [all, instead] = [found, wanted].map(join_numbers);
     let says = format!(
         "{name} {i}: expected {}, the file has {} (all of them: {all} instead of {instead})",
         wanted[i], found[i],
@@ -118,7 +118,7 @@ pub(super) fn is_same_number(wanted: f64, found: f64) -> bool {
     (wanted - found).abs() <= NUMBER_TOLERANCE * wanted.abs()
 }
 
-fn listed(numbers: &[f64]) -> String {
+fn join_numbers(numbers: &[f64]) -> String {
     let numbers: Vec<String> = numbers.iter().map(f64::to_string).collect();
     numbers.join(" ")
 }

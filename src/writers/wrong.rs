@@ -26,7 +26,7 @@ const STARTS: [fn(&mut RequestHeader); 3] = [
 #[must_use]
 pub fn miswritten(request: &WriteRequest, mistake: &Misreading) -> Option<Vec<u8>> {
     let right = written(request).ok()?;
-    let lost = || file(&with_values(request, &seen(request, mistake)?));
+    let lost = || file(&with_values(request, &misread(request, mistake)?));
     let repaired = |start: &fn(&mut RequestHeader)| repaired(request, *start, mistake);
     let is_right = |file: &[u8]| SeenFile::of(file, &[]).is_some_and(|seen| seen.is_right(request));
     let shows = |file: &Vec<u8>| !is_right(file) && explains(request, &right, file, mistake);
@@ -43,7 +43,7 @@ fn file(request: &WriteRequest) -> Option<Vec<u8>> {
 }
 
 /// Returns the map that a reader with this mistake gets from the reference's file.
-fn seen(request: &WriteRequest, mistake: &Misreading) -> Option<Ptm> {
+fn misread(request: &WriteRequest, mistake: &Misreading) -> Option<Ptm> {
     let map = SeenFile::of(&file(request)?, &[mistake])?.into_effective_map();
     (map.planes.samples.len() == request.samples.len()).then_some(map)
 }
@@ -66,7 +66,10 @@ fn moved(request: &WriteRequest, mistake: &Misreading) -> Option<Vec<u8>> {
     let mut from = vec![0; count];
     for shift in [0, 8, 16] {
         other.samples = (0..count).map(|i| (i >> shift) as u8).collect();
-        for (from, byte) in from.iter_mut().zip(seen(&other, mistake)?.planes.samples) {
+        for (from, byte) in from
+            .iter_mut()
+            .zip(misread(&other, mistake)?.planes.samples)
+        {
             *from |= usize::from(byte) << shift;
         }
     }
@@ -85,7 +88,7 @@ fn repaired(
     let mut other = request.clone();
     start(&mut other.header);
     for _ in 0..MAX_REPAIRS {
-        let map = seen(&other, mistake)?;
+        let map = misread(&other, mistake)?;
         let values = other.samples.iter_mut().zip(&request.samples);
         for ((value, wanted), seen) in values.zip(&map.planes.samples) {
             *value = value.wrapping_add(wanted.wrapping_sub(*seen));

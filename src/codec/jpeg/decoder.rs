@@ -95,14 +95,14 @@ mod tests {
     const EOI: &str = "FF D9";
 
     /// Returns the smallest stream with one of its eight parts replaced.
-    fn stream_with(part: usize, other: &str) -> String {
+    fn patch(part: usize, other: &str) -> String {
         let mut parts = [SOI, DQT, SOF, DC, AC, SOS, DATA, EOI];
         parts[part] = other;
         parts.join(" ")
     }
 
     #[track_caller]
-    fn read_all(text: &str) -> Vec<u8> {
+    fn reads(text: &str) -> Vec<u8> {
         decode(&bytes(text), 8, 8).unwrap_or_else(|error| panic!("{error}"))
     }
 
@@ -124,55 +124,54 @@ mod tests {
 
     #[test]
     fn the_smallest_stream_is_gray() {
-        assert_eq!(read_all(&stream_with(0, SOI)), [128; 64]);
+        assert_eq!(reads(&patch(0, SOI)), [128; 64]);
     }
 
     #[test]
     fn one_picture_may_be_spelled_in_many_ways() {
         let gray = [128; 64];
-        let more =
-            |part: usize, what: &str, text: &str| stream_with(part, &format!("{what} {text}"));
+        let more = |part: usize, what: &str, text: &str| patch(part, &format!("{what} {text}"));
         assert_eq!(
-            read_all(&more(1, "FF E0 00 04 4A 46  FF FE 00 02", DQT)),
+            reads(&more(1, "FF E0 00 04 4A 46  FF FE 00 02", DQT)),
             gray,
             "APP0 and COM"
         );
-        assert_eq!(read_all(&more(1, "FF FF FF", DQT)), gray, "fill bytes");
+        assert_eq!(reads(&more(1, "FF FF FF", DQT)), gray, "fill bytes");
         assert_eq!(
-            read_all(&more(7, "FF FF", EOI)),
+            reads(&more(7, "FF FF", EOI)),
             gray,
             "fill bytes after the scan"
         );
         assert_eq!(
-            read_all(&more(7, "FF FE 00 03 00", EOI)),
+            reads(&more(7, "FF FE 00 03 00", EOI)),
             gray,
             "a comment after the scan"
         );
         assert_eq!(
-            read_all(&more(5, "FF DD 00 04 00 07", SOS)),
+            reads(&more(5, "FF DD 00 04 00 07", SOS)),
             gray,
             "an interval of 7 blocks"
         );
         assert_eq!(
-            read_all(&more(3, DQT, DC)),
+            reads(&more(3, DQT, DC)),
             gray,
             "tables defined twice and late"
         );
         assert_eq!(
-            read_all(&stream_with(7, "FF D9 01 02 03")),
+            reads(&patch(7, "FF D9 01 02 03")),
             gray,
             "bytes after the end"
         );
         assert_eq!(
-            read_all(&stream_with(1, "FF DB 00 83  10  01*128")),
+            reads(&patch(1, "FF DB 00 83  10  01*128")),
             gray,
             "16-bit steps"
         );
         let sof1 = "FF C1 00 0B  08  00 08 00 08  01  01 43 00";
-        assert_eq!(read_all(&stream_with(2, sof1)), gray, "SOF1, factors 4 x 3");
+        assert_eq!(reads(&patch(2, sof1)), gray, "SOF1, factors 4 x 3");
         let both = "FF C4 00 26  00  01 00*15  00  10  01 00*15  00";
         let text = [SOI, DQT, SOF, both, SOS, DATA, EOI].join(" ");
-        assert_eq!(read_all(&text), gray, "two tables in one segment");
+        assert_eq!(reads(&text), gray, "two tables in one segment");
     }
 
     /// Two blocks with a marker between them; the difference of the second starts at zero again.
@@ -238,34 +237,34 @@ mod tests {
     #[test]
     fn what_is_no_plane_is_rejected() {
         rejects(
-            &stream_with(2, "FF C0 00 0B 08 00 08 00 09 01 01 11 00"),
+            &patch(2, "FF C0 00 0B 08 00 08 00 09 01 01 11 00"),
             "byte 76: expected 8 x 8 samples, found 9 x 8",
         );
         rejects(
-            &stream_with(
+            &patch(
                 2,
                 "FF C0 00 11 08 00 08 00 08 03 01 11 00 02 11 00 03 11 00",
             ),
             "byte 80: expected one component, found 3",
         );
         rejects(
-            &stream_with(2, "FF C0 00 0B 07 00 08 00 08 01 01 11 00"),
+            &patch(2, "FF C0 00 0B 07 00 08 00 08 01 01 11 00"),
             "byte 75: samples of 7 bits do not exist here",
         );
         rejects(
-            &stream_with(2, "FF C0 00 0B 08 00 08 00 08 01 01 15 00"),
+            &patch(2, "FF C0 00 0B 08 00 08 00 08 01 01 15 00"),
             "byte 82: sampling factors 1 x 5 are not within 1 to 4",
         );
         rejects(
-            &stream_with(2, "FF C0 00 0B 08 00 08 00 08 01 01 01 00"),
+            &patch(2, "FF C0 00 0B 08 00 08 00 08 01 01 01 00"),
             "byte 82: sampling factors 0 x 1 are not within 1 to 4",
         );
         rejects(
-            &stream_with(2, "FF C0 00 0A 08 00 08 00 08 01 01 11"),
+            &patch(2, "FF C0 00 0A 08 00 08 00 08 01 01 11"),
             "byte 83: the frame header ends before the quantization table of the component",
         );
         rejects(
-            &stream_with(2, "FF C0 00 0C 08 00 08 00 08 01 01 11 00 00"),
+            &patch(2, "FF C0 00 0C 08 00 08 00 08 01 01 11 00 00"),
             "byte 84: the frame header is 1 bytes too long",
         );
     }
@@ -293,15 +292,15 @@ mod tests {
             "byte 2: hierarchical coding (marker FFDE) is not implemented",
         );
         lacks(
-            &stream_with(2, "FF C1 00 0B 0C 00 08 00 08 01 01 11 00"),
+            &patch(2, "FF C1 00 0B 0C 00 08 00 08 01 01 11 00"),
             "byte 75: samples of 12 bits are not implemented",
         );
         lacks(
-            &stream_with(2, "FF C0 00 0B 08 00 00 00 08 01 01 11 00"),
+            &patch(2, "FF C0 00 0B 08 00 00 00 08 01 01 11 00"),
             "byte 76: a height defined by DNL is not implemented",
         );
         lacks(
-            &stream_with(7, "FF DC 00 04 00 08 FF D9"),
+            &patch(7, "FF DC 00 04 00 08 FF D9"),
             "byte 139: a height defined by DNL (marker FFDC) is not implemented",
         );
     }
@@ -309,51 +308,51 @@ mod tests {
     #[test]
     fn tables_that_are_none_are_rejected() {
         rejects(
-            &stream_with(1, "FF DB 00 03 20"),
+            &patch(1, "FF DB 00 03 20"),
             "byte 6: no quantization table has precision or class 2 and number 0",
         );
         rejects(
-            &stream_with(1, "FF DB 00 03 04"),
+            &patch(1, "FF DB 00 03 04"),
             "byte 6: no quantization table has precision or class 0 and number 4",
         );
         rejects(
-            &stream_with(1, "FF DB 00 03 00"),
+            &patch(1, "FF DB 00 03 00"),
             "byte 7: the quantization table segment ends before 64 quantization steps",
         );
         rejects(
-            &stream_with(1, "FF DB 00 43 00 01*63 00"),
+            &patch(1, "FF DB 00 43 00 01*63 00"),
             "byte 70: a quantization step is zero",
         );
         rejects(
-            &stream_with(3, "FF C4 00 03 20"),
+            &patch(3, "FF C4 00 03 20"),
             "byte 88: no Huffman table has precision or class 2 and number 0",
         );
         rejects(
-            &stream_with(3, "FF C4 00 03 04"),
+            &patch(3, "FF C4 00 03 04"),
             "byte 88: no Huffman table has precision or class 0 and number 4",
         );
         rejects(
-            &stream_with(3, "FF C4 00 03 00"),
+            &patch(3, "FF C4 00 03 00"),
             "byte 89: the Huffman table segment ends before 16 numbers of codes",
         );
         rejects(
-            &stream_with(3, "FF C4 00 13 00 01 00*15"),
+            &patch(3, "FF C4 00 13 00 01 00*15"),
             "byte 105: the Huffman table segment ends before the symbols of a Huffman table",
         );
         rejects(
-            &stream_with(3, "FF C4 00 15 00 02 00*15 00 01"),
+            &patch(3, "FF C4 00 15 00 02 00*15 00 01"),
             "byte 89: a Huffman table has too many codes of 1 bits",
         );
         rejects(
-            &stream_with(3, "FF C4 00 13 00 00*14 FF FF"),
+            &patch(3, "FF C4 00 13 00 00*14 FF FF"),
             "byte 89: a Huffman table of 510 codes has more than 256",
         );
         rejects(
-            &stream_with(5, "FF DD 00 03 00"),
+            &patch(5, "FF DD 00 03 00"),
             "byte 133: the restart interval segment ends before the restart interval",
         );
         rejects(
-            &stream_with(5, "FF DD 00 05 00 00 00"),
+            &patch(5, "FF DD 00 05 00 00 00"),
             "byte 134: the restart interval segment is 1 bytes too long",
         );
     }
@@ -361,47 +360,44 @@ mod tests {
     #[test]
     fn scan_headers_that_do_not_fit_are_rejected() {
         rejects(
-            &stream_with(1, ""),
+            &patch(1, ""),
             "byte 65: quantization table 0 was not defined",
         );
         rejects(
-            &stream_with(3, ""),
+            &patch(3, ""),
             "byte 112: DC Huffman table 0 was not defined",
         );
         rejects(
-            &stream_with(4, ""),
+            &patch(4, ""),
             "byte 112: AC Huffman table 0 was not defined",
         );
+        rejects(&patch(5, ""), "byte 128: expected a marker, found byte 3F");
         rejects(
-            &stream_with(5, ""),
-            "byte 128: expected a marker, found byte 3F",
-        );
-        rejects(
-            &stream_with(5, "FF D9"),
+            &patch(5, "FF D9"),
             "byte 128: expected the scan header, found marker FFD9",
         );
         rejects(
-            &stream_with(5, SOF),
+            &patch(5, SOF),
             "byte 128: expected the scan header, found marker FFC0",
         );
         rejects(
-            &stream_with(5, "FF DA 00 0A 02 01 00 02 00 00 3F 00"),
+            &patch(5, "FF DA 00 0A 02 01 00 02 00 00 3F 00"),
             "byte 132: expected one component, found 2",
         );
         rejects(
-            &stream_with(5, "FF DA 00 08 01 02 00 00 3F 00"),
+            &patch(5, "FF DA 00 08 01 02 00 00 3F 00"),
             "byte 133: the scan is of component 2, the frame has only 1",
         );
         rejects(
-            &stream_with(5, "FF DA 00 08 01 01 00 00 3E 00"),
+            &patch(5, "FF DA 00 08 01 01 00 00 3E 00"),
             "byte 135: a sequential scan has parameters 0 63 0, found 0 62 0",
         );
         rejects(
-            &stream_with(5, "FF DA 00 08 01 01 40 00 3F 00"),
+            &patch(5, "FF DA 00 08 01 01 40 00 3F 00"),
             "byte 134: DC Huffman table 4 was not defined",
         );
         rejects(
-            &stream_with(5, "FF DA 00 07 01 01 00 00 3F"),
+            &patch(5, "FF DA 00 07 01 01 00 00 3F"),
             "byte 137: the scan header ends before its parameters",
         );
     }
@@ -409,31 +405,28 @@ mod tests {
     #[test]
     fn damaged_data_is_rejected() {
         rejects(
-            &stream_with(6, ""),
+            &patch(6, ""),
             "byte 138: the entropy-coded segment ends too early",
         );
         rejects(
-            &stream_with(6, "BF FF 00 FF 00"),
+            &patch(6, "BF FF 00 FF 00"),
             "byte 138: the next bits are no code of the Huffman table",
         );
         rejects(
-            &stream_with(6, "3F 00"),
+            &patch(6, "3F 00"),
             "byte 139: the entropy-coded segment continues after its last sample",
         );
         rejects(
-            &stream_with(6, "FF"),
+            &patch(6, "FF"),
             "byte 138: the entropy-coded segment ends too early",
         );
+        rejects(&patch(7, ""), "byte 139: the stream ends before a marker");
         rejects(
-            &stream_with(7, ""),
-            "byte 139: the stream ends before a marker",
-        );
-        rejects(
-            &stream_with(7, "FF"),
+            &patch(7, "FF"),
             "byte 140: the stream ends before the code of a marker",
         );
         rejects(
-            &stream_with(7, "FF D0"),
+            &patch(7, "FF D0"),
             "byte 139: expected the end of the image, found marker FFD0",
         );
         let (dc, ac) = (
@@ -441,15 +434,15 @@ mod tests {
             |symbol| format!("FF C4 00 14 10 01 00*15 {symbol}"),
         );
         rejects(
-            &stream_with(3, &dc("0C")),
+            &patch(3, &dc("0C")),
             "byte 138: a DC difference of 12 bits does not exist",
         );
         rejects(
-            &stream_with(4, &ac("0B")),
+            &patch(4, &ac("0B")),
             "byte 138: an AC code for run 0, size 11 does not exist",
         );
         rejects(
-            &stream_with(4, &ac("10")),
+            &patch(4, &ac("10")),
             "byte 138: an AC code for run 1, size 0 does not exist",
         );
         // Four runs of sixteen are one too many; so is a run of fifteen before the last
@@ -476,7 +469,7 @@ mod tests {
     /// 65,535 × 65,535 samples would be four gigabytes.
     #[test]
     fn a_short_stream_cannot_claim_a_large_image() {
-        let text = stream_with(2, "FF C0 00 0B 08 FF FF FF FF 01 01 11 00");
+        let text = patch(2, "FF C0 00 0B 08 FF FF FF FF 01 01 11 00");
         let error = decode(&bytes(&text), 65_535, 65_535).expect_err("too little data");
         assert_eq!(
             error.to_string(),
@@ -491,7 +484,7 @@ mod tests {
         let dqt = "FF DB 00 43 00 04*64";
         let dc = "FF C4 00 14 00 01 00*15 0B";
         let text = [SOI, dqt, SOF, dc, AC, SOS, "4B 07", EOI].join(" ");
-        assert_eq!(read_all(&text), [0; 64]);
+        assert_eq!(reads(&text), [0; 64]);
     }
 
     /// An AC coefficient of 1,000 times 200, as the Group's own C code returns it.
@@ -500,9 +493,6 @@ mod tests {
         let dqt = "FF DB 00 43 00 C8*64";
         let ac = "FF C4 00 15 10 00 02 00*14 00 0A";
         let text = [SOI, dqt, SOF, DC, ac, SOS, "3F 41", EOI].join(" ");
-        assert_eq!(
-            read_all(&text),
-            [0, 0, 255, 0, 255, 0, 255, 255].repeat(8)[..]
-        );
+        assert_eq!(reads(&text), [0, 0, 255, 0, 255, 0, 255, 255].repeat(8)[..]);
     }
 }

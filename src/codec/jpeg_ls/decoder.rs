@@ -168,7 +168,7 @@ mod tests {
     const EOI: &str = "FF D9";
 
     /// Returns the smallest stream with one of its five parts replaced.
-    fn stream_with(part: usize, other: &str) -> String {
+    fn patch(part: usize, other: &str) -> String {
         let mut parts = [SOI, SOF, SOS, DATA, EOI];
         parts[part] = other;
         parts.join(" ")
@@ -176,11 +176,11 @@ mod tests {
 
     /// Returns the smallest stream with preset parameters: MAXVAL, T1, T2, T3, RESET.
     fn presets(values: &str) -> String {
-        stream_with(2, &format!("FF F8 00 0D  01  {values}  {SOS}"))
+        patch(2, &format!("FF F8 00 0D  01  {values}  {SOS}"))
     }
 
     #[track_caller]
-    fn read_all(text: &str) -> Vec<u8> {
+    fn reads(text: &str) -> Vec<u8> {
         decode(&bytes(text), 4, 1).unwrap_or_else(|error| panic!("{error}"))
     }
 
@@ -202,13 +202,13 @@ mod tests {
 
     #[test]
     fn the_smallest_stream_is_black() {
-        assert_eq!(read_all(&stream_with(0, SOI)), [0; 4]);
+        assert_eq!(reads(&patch(0, SOI)), [0; 4]);
     }
 
     /// 0: no run. 1 and then 11, because k is 2: number 3, which is error 2.
     #[test]
     fn a_run_may_be_interrupted_at_once() {
-        let one = stream_with(1, "FF F7 00 0B 08 00 01 00 01 01 01 11 00").replace(DATA, "70");
+        let one = patch(1, "FF F7 00 0B 08 00 01 00 01 01 01 11 00").replace(DATA, "70");
         assert_eq!(decode(&bytes(&one), 1, 1), Ok(vec![2]));
     }
 
@@ -216,63 +216,56 @@ mod tests {
     fn one_picture_may_be_spelled_in_many_ways() {
         let black = [0; 4];
         assert_eq!(
-            read_all(&stream_with(
-                1,
-                &format!("FF E8 00 04 4A 46  FF FE 00 02 {SOF}")
-            )),
+            reads(&patch(1, &format!("FF E8 00 04 4A 46  FF FE 00 02 {SOF}"))),
             black,
             "APP8"
         );
         assert_eq!(
-            read_all(&stream_with(1, &format!("FF FF FF {SOF}"))),
+            reads(&patch(1, &format!("FF FF FF {SOF}"))),
             black,
             "fill bytes"
         );
         assert_eq!(
-            read_all(&stream_with(4, "FF FF FF D9")),
+            reads(&patch(4, "FF FF FF D9")),
             black,
             "fill bytes after the scan"
         );
         assert_eq!(
-            read_all(&stream_with(4, "FF FE 00 02 FF D9")),
+            reads(&patch(4, "FF FE 00 02 FF D9")),
             black,
             "a comment after the scan"
         );
         assert_eq!(
-            read_all(&stream_with(4, "FF D9 01 02 03")),
+            reads(&patch(4, "FF D9 01 02 03")),
             black,
             "bytes after the end"
         );
         assert_eq!(
-            read_all(&stream_with(2, &format!("FF DD 00 04 00 00 {SOS}"))),
+            reads(&patch(2, &format!("FF DD 00 04 00 00 {SOS}"))),
             black,
             "no interval"
         );
         assert_eq!(
-            read_all(&presets("00 00 00 00 00 00 00 00 00 00")),
+            reads(&presets("00 00 00 00 00 00 00 00 00 00")),
             black,
             "all defaults"
         );
         assert_eq!(
-            read_all(&presets("00 FF 00 03 00 07 00 15 00 40")),
+            reads(&presets("00 FF 00 03 00 07 00 15 00 40")),
             black,
             "the same, spelled out"
         );
         assert_eq!(
-            read_all(&stream_with(1, &format!("FF F8 00 0D 01 00*10 {SOF}"))),
+            reads(&patch(1, &format!("FF F8 00 0D 01 00*10 {SOF}"))),
             black,
             "presets first"
         );
         assert_eq!(
-            read_all(&stream_with(1, "FF F7 00 0B 08 00 01 00 04 01 01 42 00")),
+            reads(&patch(1, "FF F7 00 0B 08 00 01 00 04 01 01 42 00")),
             black,
             "4 x 2"
         );
-        assert_eq!(
-            read_all(&stream_with(3, "F7")),
-            black,
-            "other bits behind the last"
-        );
+        assert_eq!(reads(&patch(3, "F7")), black, "other bits behind the last");
     }
 
     #[test]
@@ -291,26 +284,23 @@ mod tests {
             "byte 2: expected a JPEG-LS frame header, found marker FFD9",
         );
         rejects(
-            &stream_with(2, SOF),
+            &patch(2, SOF),
             "byte 15: expected the scan header, found marker FFF7",
         );
+        rejects(&patch(4, ""), "byte 26: the stream ends before a marker");
         rejects(
-            &stream_with(4, ""),
-            "byte 26: the stream ends before a marker",
-        );
-        rejects(
-            &stream_with(4, "FF"),
+            &patch(4, "FF"),
             "byte 27: the stream ends before the code of a marker",
         );
         rejects(
-            &stream_with(4, SOS),
+            &patch(4, SOS),
             "byte 26: expected the end of the image, found marker FFDA",
         );
     }
 
     #[test]
     fn what_is_no_plane_is_rejected() {
-        let sof = |content: &str| stream_with(1, &format!("FF F7 00 0B {content}"));
+        let sof = |content: &str| patch(1, &format!("FF F7 00 0B {content}"));
         rejects(
             &sof("08 00 01 00 05 01 01 11 00"),
             "byte 7: expected 4 x 1 samples, found 5 x 1",
@@ -330,7 +320,7 @@ mod tests {
         let later = "byte 7: a height defined by DNL is not implemented";
         lacks(&sof("08 00 00 00 04 01 01 11 00"), later);
         lacks(
-            &stream_with(4, "FF DC"),
+            &patch(4, "FF DC"),
             "byte 26: a height defined by DNL is not implemented",
         );
     }
@@ -356,7 +346,7 @@ mod tests {
             &presets(&format!("{zeros} 01 00")),
             "byte 28: RESET must be within 3 to 255, found 256",
         );
-        let lse = |content: &str| stream_with(2, &format!("FF F8 {content} {SOS}"));
+        let lse = |content: &str| patch(2, &format!("FF F8 {content} {SOS}"));
         rejects(
             &lse("00 0C 01 00*9"),
             "byte 29: the preset parameter segment ends before RESET",
@@ -386,12 +376,12 @@ mod tests {
             "byte 19: the extensions of T.870 are not implemented",
         );
         let interval = "byte 19: restart intervals in JPEG-LS are not implemented";
-        lacks(&stream_with(2, "FF DD 00 04 00 01"), interval);
+        lacks(&patch(2, "FF DD 00 04 00 01"), interval);
     }
 
     #[test]
     fn scan_headers_that_do_not_fit_are_rejected() {
-        let sos = |content: &str| stream_with(2, &format!("FF DA 00 08 {content}"));
+        let sos = |content: &str| patch(2, &format!("FF DA 00 08 {content}"));
         rejects(
             &sos("02 01 00 00 00 00"),
             "byte 19: expected one component, found 2",
@@ -421,33 +411,33 @@ mod tests {
     #[test]
     fn damaged_data_is_rejected() {
         rejects(
-            &stream_with(3, ""),
+            &patch(3, ""),
             "byte 25: the entropy-coded segment ends too early",
         );
         rejects(
-            &stream_with(3, "00"),
+            &patch(3, "00"),
             "byte 26: the entropy-coded segment ends too early",
         );
         rejects(
-            &stream_with(3, "FF"),
+            &patch(3, "FF"),
             "byte 25: the entropy-coded segment ends too early",
         );
         rejects(
-            &stream_with(3, "F0 00"),
+            &patch(3, "F0 00"),
             "byte 26: the entropy-coded segment continues after its last sample",
         );
         rejects(
-            &stream_with(3, "00*5"),
+            &patch(3, "00*5"),
             "byte 25: a code begins with more than 22 zeros",
         );
         // No run; then 22 zeros, a one and 1111 1111: number 256, one more than the largest error.
         rejects(
-            &stream_with(3, "00 00 01 FF 00"),
+            &patch(3, "00 00 01 FF 00"),
             "byte 29: no sample has prediction error -129",
         );
 
         // Four samples, then a run that ends: one more, and another one that interrupts it.
-        let five = stream_with(1, "FF F7 00 0B 08 00 01 00 05 01 01 11 00").replace(DATA, "F4");
+        let five = patch(1, "FF F7 00 0B 08 00 01 00 05 01 01 11 00").replace(DATA, "F4");
         let error = decode(&bytes(&five), 5, 1).expect_err("too long");
         assert_eq!(
             error.to_string(),
@@ -458,7 +448,7 @@ mod tests {
     /// 65,535 × 65,535 samples would be four gigabytes.
     #[test]
     fn a_short_stream_cannot_claim_a_large_image() {
-        let text = stream_with(1, "FF F7 00 0B 08 FF FF FF FF 01 01 11 00");
+        let text = patch(1, "FF F7 00 0B 08 FF FF FF FF 01 01 11 00");
         let error = decode(&bytes(&text), 65_535, 65_535).expect_err("too little data");
         assert_eq!(
             error.to_string(),

@@ -16,7 +16,7 @@ use crate::protocol::frame::{Answer, Frame, View, ViewKind};
 use crate::ptm::{Format, channel_name};
 use crate::session::observation::Response;
 use crate::suite::cases::Expect;
-use crate::suite::compare::{Expected, apart};
+use crate::suite::compare::{Expected, distinct};
 use crate::suite::origin;
 
 /// Channels that are listed.
@@ -425,7 +425,7 @@ fn example_given(search: &Search, set: &[Id], w: usize) -> String {
     };
     let (texel, channel) = (i / pair.channels, i % pair.channels);
     let (x, y) = (texel % pair.width, texel / pair.width);
-    let [got, want] = apart(pair.got[i], pair.want[i], 4);
+    let [got, want] = distinct(pair.got[i], pair.want[i], 4);
     let mut text = format!(
         "for example {id}, texel ({x}, {y}), {}: received {got}, expected {want}",
         channel_name(pair.channels, channel),

@@ -105,13 +105,13 @@ pub(super) fn section(report: &Report, clauses: &[Clause]) -> Markup {
                     }
                 }
             }
-            (in_words(report.suite, clauses, &tallies))
+            (table(report.suite, clauses, &tallies))
         }
     }
 }
 
 /// Returns a table of the clauses with their rules.
-fn in_words(suite: SuiteName, clauses: &[Clause], tallies: &BTreeMap<&str, ClauseTally>) -> Markup {
+fn table(suite: SuiteName, clauses: &[Clause], tallies: &BTreeMap<&str, ClauseTally>) -> Markup {
     html! {
         details.others {
             summary { "The clauses in words" }

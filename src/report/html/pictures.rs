@@ -118,7 +118,8 @@ impl<'a> Pair<'a> {
         let picture =
             |row: &str| -> Vec<u8> { places.clone().flat_map(|(x, y)| color(x, y, row)).collect() };
         let worst = |x: usize, y: usize| {
-            let apart = (0..3).map(|channel| self.apart(self.place(x, y, channel), channel));
+            let apart =
+                (0..3).map(|channel| self.difference_at(self.place(x, y, channel), channel));
             heat(apart.fold(0.0, f64::max))
         };
         let pictures = Compared {
@@ -206,7 +207,7 @@ impl<'a> Pair<'a> {
     }
 
     /// Returns the difference, from 0 (within tolerance) to 1.
-    fn apart(&self, i: usize, channel: usize) -> f64 {
+    fn difference_at(&self, i: usize, channel: usize) -> f64 {
         let (expected, received) = (self.expected.values[i], self.received(i));
         if self.expected.is_near(i, received) {
             return 0.0;
@@ -235,7 +236,7 @@ impl<'a> Pair<'a> {
         match row {
             EXPECTED => gray(self.expected.values[i]),
             RECEIVED => gray(self.received(i)),
-            _ => heat(self.apart(i, channel)),
+            _ => heat(self.difference_at(i, channel)),
         }
     }
 

@@ -22,7 +22,7 @@ pub(super) fn figure(scene: &LitScene) -> Markup {
         figure.scene {
             (pictures.markup("this decoder"))
             figcaption {
-                b { (in_words(scene)) } " A ball lit from the upper left, in " (scene.format.short_name())
+                b { (fault(scene)) } " A ball lit from the upper left, in " (scene.format.short_name())
                 ", asked for " code { (scene.view) } ". The scene is for the eye and is not judged."
             }
         }
@@ -62,7 +62,7 @@ fn mean_difference(one: &[u8], other: &[u8]) -> f64 {
 }
 
 /// Returns the visible mistake of the image, in words.
-fn in_words(scene: &LitScene) -> &'static str {
+fn fault(scene: &LitScene) -> &'static str {
     let (right, received) = (&scene.right, &scene.received);
     let side = SIDE as usize;
     let at = |(x, y, c): (usize, usize, usize)| 3 * (y * side + x) + c;
@@ -144,14 +144,14 @@ mod tests {
                     "lit from below",
                 ),
             ] {
-                let said = in_words(&scene);
+                let said = fault(&scene);
                 assert!(said.contains(says), "{format}: {says}: {said}");
             }
             for (factor, says) in [(0.5, "too dark"), (2.0, "too bright")] {
                 let mut scene = scene(|scene| scene.right.clone());
                 let times = |byte: &mut u8| *byte = (f64::from(*byte) * factor) as u8;
                 scene.received.iter_mut().for_each(times);
-                let said = in_words(&scene);
+                let said = fault(&scene);
                 assert!(said.contains(says), "{format}: {says}: {said}");
             }
         }

@@ -27,7 +27,7 @@ impl Calls<'_> {
 
     /// Sends a request with a word that is not a view.
     pub(super) fn ask_for(&self, word: &str, after: &[&str], file: &[u8]) -> Reply {
-        let words = self.around(&[], &[&[word][..], after].concat());
+        let words = self.template_around(&[], &[&[word][..], after].concat());
         self.ask_by(Some(words), &View::Raw, file)
     }
 
@@ -48,7 +48,7 @@ impl Calls<'_> {
     }
 
     /// Returns a template with words around the command.
-    fn around(&self, before: &[&str], after: &[&str]) -> Template {
+    fn template_around(&self, before: &[&str], after: &[&str]) -> Template {
         let before = before.iter().map(OsString::from);
         let after = after.iter().map(OsString::from);
         let command = self.decoder.command().iter().cloned();
@@ -75,7 +75,7 @@ impl Calls<'_> {
             (&from_stdin, &[], "stdin-alone"),
         ];
         let (.., name) = ways.into_iter().find(|(before, after, _)| {
-            let reply = self.ask_by(Some(self.around(before, after)), view, file);
+            let reply = self.ask_by(Some(self.template_around(before, after)), view, file);
             matches!(reply.answer, Answer::Decoded(_))
                 || repair::repair(&reply.stdout, expected, view).is_some()
         })?;

@@ -1,6 +1,6 @@
 //! The steps of a probe in serve mode, which is optional but faster: one process for all files.
 //!
-//! `DECODER serve` reads lines `SEQ LIT_VIEW PATH` and answers each with `SEQ ok NBYTES` and a frame, `SEQ reject 65` or `SEQ
+//! `DECODER serve` reads lines `SEQ VIEW PATH` and answers each with `SEQ ok NBYTES` and a frame, `SEQ reject 65` or `SEQ
 //! unsupported FEATURE`, at once. The right answer here is that of one-shot mode, even if that image is wrong.
 
 use crate::protocol::forms;

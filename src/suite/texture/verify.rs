@@ -30,7 +30,7 @@ pub struct VerifiedAnswer {
 pub fn verify(case: &TextureCase) -> Vec<VerifiedAnswer> {
     let line = |reading: Option<&String>, expect: &Value, rules: Option<Rules>| {
         let (holds, says) = match rules {
-            Some(rules) => compare_with_reference(case, expect, &rules),
+            Some(rules) => compare(case, expect, &rules),
             None => (None, "this reading is not known here".to_owned()),
         };
         VerifiedAnswer {
@@ -61,15 +61,11 @@ fn with_readings(rules: &Rules, readings: &[&str]) -> Option<Rules> {
     Some(changed)
 }
 
-fn compare_with_reference(
-    case: &TextureCase,
-    expect: &Value,
-    rules: &Rules,
-) -> (Option<bool>, String) {
+fn compare(case: &TextureCase, expect: &Value, rules: &Rules) -> (Option<bool>, String) {
     let tolerance = Tolerance::Absolute(case.tol.unwrap_or(HAND_TOLERANCE));
     match case.read().and_then(|question| question.answer(rules)) {
         Ok(answer) => match difference(expect, &answer, tolerance) {
-            None => (Some(true), shown(expect, &answer)),
+            None => (Some(true), expected_fields(expect, &answer)),
             Some(what) => (Some(false), what),
         },
         Err(Refusal::Malformed(why)) if expect.get("error").is_some() => {
@@ -83,7 +79,7 @@ fn compare_with_reference(
 }
 
 /// Returns the fields of an answer that are expected.
-fn shown(expect: &Value, answer: &Value) -> String {
+fn expected_fields(expect: &Value, answer: &Value) -> String {
     let fields = expect.as_object().into_iter().flatten();
     let fields: Vec<String> = fields
         .filter_map(|(name, _)| Some(format!("{name}: {}", answer.get(name)?)))

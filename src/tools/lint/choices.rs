@@ -58,7 +58,7 @@ fn colors(findings: &mut Findings, ptm: &Ptm) {
     let other = |(choice, ..): &(&Choice<Reading>, _, _)| choice.readings[1].1(Reading::SPEC);
     let others: Vec<Reading> = choices.iter().map(other).collect();
     for ((choice, problem, place), differing) in choices.iter().zip(colors_differ(ptm, &others)) {
-        if let Some(difference) = in_words(ptm, &differing) {
+        if let Some(difference) = describe_texels(ptm, &differing) {
             let words = choice.readings[1].0;
             let found = format!("for a reader for whom {words}, {difference}");
             findings.add(*problem, *place, found);
@@ -126,13 +126,13 @@ fn difference(
         None => open_as(dissection.file, reading, &Limits::default()),
     };
     match other {
-        Ok(other) => in_words(ptm, &planes_differ(ptm, &other)),
+        Ok(other) => describe_texels(ptm, &planes_differ(ptm, &other)),
         Err(error) => Some(format!("it is malformed: {error}")),
     }
 }
 
 /// Describes the number of texels that differ, and the first one; None if there are none.
-fn in_words(ptm: &Ptm, differing: &[bool]) -> Option<String> {
+fn describe_texels(ptm: &Ptm, differing: &[bool]) -> Option<String> {
     let first = differing.iter().position(|&differs| differs)?;
     let count = differing.iter().filter(|&&differs| differs).count();
     Some(format!(
