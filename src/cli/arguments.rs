@@ -1,6 +1,8 @@
 //! Parsing of option values: times, sizes, exit statuses, patterns.
 
 #[cfg(unix)]
+use std::ffi::OsString;
+#[cfg(unix)]
 use std::sync::{Arc, atomic::AtomicBool};
 use std::time::Duration;
 
@@ -14,6 +16,13 @@ pub fn positive_seconds(seconds: f64) -> Result<Duration, String> {
         .ok()
         .filter(|time| !time.is_zero())
         .ok_or_else(|| "a time limit is a positive number of seconds".to_owned())
+}
+
+/// Returns a command quoted for a shell.
+#[cfg(unix)]
+pub fn in_one_line(command: &[OsString]) -> String {
+    let words: Vec<_> = command.iter().map(|word| word.to_string_lossy()).collect();
+    shlex::try_join(words.iter().map(AsRef::as_ref)).unwrap_or_default()
 }
 
 /// Applies the limits of the command line to a program, which stops when `stop` is set.

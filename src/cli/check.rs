@@ -4,14 +4,14 @@ use std::cell::OnceCell;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
-use super::arguments::limit;
+use super::arguments::{in_one_line, limit};
 use super::check_args::CheckArgs;
 use super::driver::Check;
 use super::ending::Ending;
 use super::guard::{Guarded, check_trouble, stop_on_signals};
 use super::names::did_you_mean;
 use super::output::{jobs, print};
-use super::probe::{in_one_line, keep_files};
+use super::probe::keep_files;
 use super::subject::{self, Answers, Subject};
 use super::terminal::show;
 use super::{CommandResult, EXIT_NOTHING_SELECTED, Failed, own_files};

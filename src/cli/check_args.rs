@@ -6,10 +6,9 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::arguments::{
-    globs, memory_limit_to_text, parse_refusal, parse_size, time_limit_to_text,
+    globs, in_one_line, memory_limit_to_text, parse_refusal, parse_size, time_limit_to_text,
 };
 use super::ending::OutputArgs;
-use super::probe::in_one_line;
 use ptm_conform::protocol::frame::ViewKind;
 use ptm_conform::report::shards::Shard;
 use ptm_conform::runner::processes;

@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use super::CommandResult;
+use super::arguments::in_one_line;
 use ptm_conform::runner::processes;
 use ptm_conform::runner::run::Decoder;
 use ptm_conform::session::probe::{Reproduction, probe};
@@ -72,12 +73,6 @@ pub fn run(args: &ProbeArgs) -> CommandResult {
     super::terminal::show(&list.to_text(&repeat));
     super::terminal::show(&next);
     Ok(list.exit_status())
-}
-
-/// Returns a command quoted for a shell.
-pub fn in_one_line(command: &[OsString]) -> String {
-    let words: Vec<_> = command.iter().map(|word| word.to_string_lossy()).collect();
-    shlex::try_join(words.iter().map(AsRef::as_ref)).unwrap_or_default()
 }
 
 /// Keeps the files of some requests, and returns the command line that repeats them, or `None` if they cannot be kept.

@@ -8,7 +8,7 @@ use super::search::{Found, Id, Member, Search, Set, of, without};
 use super::tuning::{MIN_SHARING_FILES, STRAY_SHARE};
 use super::witness::Witness;
 use super::words::acceptances;
-use super::words::formats::formats_of;
+use super::words::formats_of;
 use super::words::place;
 use super::words::refusals::{self, WholeFormats};
 use crate::formula::{Edit, EditedForm};

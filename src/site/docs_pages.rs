@@ -78,7 +78,10 @@ fn rendered(file: &str, text: &str) -> (Vec<String>, Markup) {
     let mut heading: Option<(HeadingLevel, String)> = None;
     let mut inside_link = Vec::new();
     let mut events = Vec::new();
-    for event in Parser::new_ext(text, Options::ENABLE_TABLES) {
+    // Badges are images on other servers.
+    let lines = text.lines().filter(|line| !line.starts_with("[!["));
+    let text = lines.collect::<Vec<_>>().join("\n");
+    for event in Parser::new_ext(&text, Options::ENABLE_TABLES) {
         match event {
             Event::Start(Tag::Link {
                 dest_url,

@@ -1,5 +1,6 @@
 //! Formats of which no file is read correctly. Their files cannot separate several causes.
 
+use super::layout_clause;
 use super::refusals::example;
 use crate::diagnose::diagnosis::{Category, Diagnosis, Words};
 use crate::diagnose::failure_mode::FailureMode;
@@ -48,50 +49,4 @@ pub(in crate::diagnose) fn describe(
         diagnoses.push(diagnosis.about(layout_clause(format)));
     }
     diagnoses
-}
-
-/// Returns the clause about the layout of a format.
-pub(super) const fn layout_clause(format: Format) -> &'static str {
-    match format {
-        Format::Rgb => "2.7.1/1",
-        Format::Lum => "2.7.2/1",
-        Format::Lrgb => "2.7.3/1",
-        Format::PtmLut => "2.8.1/1",
-        Format::PtmCLut => "2.8.2/1",
-        _ => "2.9/1",
-    }
-}
-
-/// Formats that are listed; more are not mentioned.
-const MAX_LISTED: usize = 4;
-
-/// Returns " of RGB, LRGB", the formats of these files, or nothing if there are more than can be listed.
-fn names_of(witnesses: &[Witness], of: &[usize]) -> String {
-    let is_shown = |format: &Format| of.iter().any(|&w| witnesses[w].case.format() == *format);
-    let formats = Format::ALL.into_iter().filter(is_shown);
-    let names: Vec<&str> = formats.map(Format::short_name).collect();
-    match (1..=MAX_LISTED).contains(&names.len()) {
-        true => format!(" of {}", names.join(", ")),
-        false => String::new(),
-    }
-}
-
-/// Returns ", in files of RGB" if a mistake that is made everywhere shows in few formats.
-pub(in crate::diagnose) fn formats_of(witnesses: &[Witness], of: &[usize]) -> String {
-    match names_of(witnesses, of) {
-        names if names.is_empty() => names,
-        names => format!(", in files{names}"),
-    }
-}
-
-/// Returns "12 of 160 legal files of LRGB, LUM".
-pub(super) fn share_of_formats(witnesses: &[Witness], of: &[usize]) -> String {
-    let format = |w: usize| witnesses[w].case.format();
-    let is_akin = |w: &usize| {
-        witnesses[*w].case.expect == Expect::Decode
-            && of.iter().any(|&one| format(one) == format(*w))
-    };
-    let all = (0..witnesses.len()).filter(is_akin).count().max(of.len());
-    let names = names_of(witnesses, of);
-    format!("{} of {all} legal files{names}", of.len())
 }

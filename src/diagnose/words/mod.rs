@@ -17,9 +17,9 @@ use super::witness::Witness;
 use crate::ptm::Format;
 use crate::suite::cases::Expect;
 
-/// Returns "every legal file with predicted planes", "12 of 14 legal files with predicted planes" if some of them are treated
-/// differently, or `None` if most are. The files are those of one format, or of all.
-fn files_in(witnesses: &[Witness], shared: &Shared, format: Option<Format>) -> Option<String> {
+/// Returns "every legal file with predicted planes", or "12 of 14 legal files with predicted planes" if some of them fail in other
+/// ways. The files are those of one format, or of all.
+fn files_in(witnesses: &[Witness], shared: &Shared, format: Option<Format>) -> String {
     let is_other = |w: &usize| {
         let witness = &witnesses[*w];
         witness.case.expect == Expect::Decode
@@ -33,9 +33,60 @@ fn files_in(witnesses: &[Witness], shared: &Shared, format: Option<Format>) -> O
     let scope = of_format + &shared.scope.describe();
     let count = shared.of.len();
     match (0..witnesses.len()).filter(is_other).count() {
-        0 => Some(format!("every legal file {scope}")),
-        others if others >= count => None,
-        others => Some(format!("{count} of {} legal files {scope}", count + others)),
+        0 => format!("every legal file {scope}"),
+        others => {
+            let all = count + others;
+            format!("{count} of {all} legal files {scope} (the others fail, too)")
+        }
+    }
+}
+
+/// Returns the clause about the layout of a format.
+const fn layout_clause(format: Format) -> &'static str {
+    match format {
+        Format::Rgb => "2.7.1/1",
+        Format::Lum => "2.7.2/1",
+        Format::Lrgb => "2.7.3/1",
+        Format::PtmLut => "2.8.1/1",
+        Format::PtmCLut => "2.8.2/1",
+        _ => "2.9/1",
+    }
+}
+
+/// Formats that are listed; more are not mentioned.
+const MAX_FORMATS: usize = 4;
+
+/// Returns " of RGB, LRGB", the formats of these files, or nothing if there are more than can be listed.
+fn names_of(witnesses: &[Witness], of: &[usize]) -> String {
+    let is_shown = |format: &Format| of.iter().any(|&w| witnesses[w].case.format() == *format);
+    let formats = Format::ALL.into_iter().filter(is_shown);
+    let names: Vec<&str> = formats.map(Format::short_name).collect();
+    match (1..=MAX_FORMATS).contains(&names.len()) {
+        true => format!(" of {}", names.join(", ")),
+        false => String::new(),
+    }
+}
+
+/// Returns ", in files of RGB" if a mistake that is made everywhere shows in few formats.
+pub(super) fn formats_of(witnesses: &[Witness], of: &[usize]) -> String {
+    match names_of(witnesses, of) {
+        names if names.is_empty() => names,
+        names => format!(", in files{names}"),
+    }
+}
+
+/// Returns "12 of 160 legal files of LRGB, LUM", and how many of these files need not be decoded.
+fn share_of_formats(witnesses: &[Witness], of: &[usize]) -> String {
+    let format = |w: usize| witnesses[w].case.format();
+    let is_legal = |w: &usize| witnesses[*w].case.expect == Expect::Decode;
+    let is_akin = |w: &usize| is_legal(w) && of.iter().any(|&one| format(one) == format(*w));
+    let all = (0..witnesses.len()).filter(is_akin).count();
+    let legal = of.iter().filter(|w| is_legal(w)).count();
+    let names = names_of(witnesses, of);
+    match (legal, of.len() - legal) {
+        (0, others) => format!("{others} files{names} that need not be decoded"),
+        (_, 0) => format!("{legal} of {all} legal files{names}"),
+        (_, others) => format!("{legal} of {all} legal files{names} (and {others} others)"),
     }
 }
 

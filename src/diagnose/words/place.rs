@@ -4,8 +4,7 @@ use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
 use super::arithmetic::arithmetic;
-use super::files_in;
-use super::formats::share_of_formats;
+use super::{files_in, layout_clause, share_of_formats};
 use crate::diagnose::diagnosis::{Category, Diagnosis, Words};
 use crate::diagnose::pair::Pair;
 use crate::diagnose::scope::shared_scope;
@@ -85,12 +84,7 @@ impl Step {
     /// The clause that states the step.
     fn clause(self, format: Format) -> Option<&'static str> {
         Some(match (self, format) {
-            (Step::Places | Step::StoredValue, Format::Rgb) => "2.7.1/2",
-            (Step::Places | Step::StoredValue, Format::Lum) => "2.7.2/1",
-            (Step::Places | Step::StoredValue, Format::Lrgb) => "2.7.3/1",
-            (Step::Places | Step::StoredValue, Format::PtmLut) => "2.8.1/1",
-            (Step::Places | Step::StoredValue, Format::PtmCLut) => "2.8.2/1",
-            (Step::Places | Step::StoredValue, _) => "2.9.8/9",
+            (Step::Places | Step::StoredValue, format) => layout_clause(format),
             (Step::Stream, _) => "2.9.8/3",
             (Step::Prediction, _) => "2.9.5/4",
             (Step::Correction, _) => "2.9.8/8",
@@ -183,11 +177,10 @@ fn split_by_scope(search: &Search, set: &[Id], mut open: Vec<usize>) -> Vec<(Vec
     for one in [None].into_iter().chain(Format::ALL.map(Some)) {
         let these = of_format(&open, one);
         let shared = shared_scope(witnesses, &these, &of_format(&known, one), true);
-        if let Some(shared) = shared.filter(|shared| shared.of.len() * 2 > open.len())
-            && let Some(files) = files_in(witnesses, &shared, one)
-        {
+        if let Some(shared) = shared.filter(|shared| shared.of.len() * 2 > open.len()) {
+            let place = format!(", in {}", files_in(witnesses, &shared, one));
             open.retain(|w| !shared.of.contains(w));
-            parts.push((shared.of, format!(", in {files}")));
+            parts.push((shared.of, place));
         }
     }
     if !open.is_empty() {

@@ -1,7 +1,6 @@
 //! Legal files that were refused or crashed the decoder: the property that they share and that no accepted file has.
 
-use super::files_in;
-use super::formats::{layout_clause, share_of_formats};
+use super::{files_in, layout_clause, share_of_formats};
 use crate::diagnose::diagnosis::{Category, Cause, Diagnosis, Words};
 use crate::diagnose::failure_mode::FailureMode;
 use crate::diagnose::scope::shared_scope;
@@ -30,12 +29,9 @@ pub(in crate::diagnose) fn describe(
             if open.len() > shared.of.len() * MIN_SHARE_OF_A_PROPERTY {
                 break;
             }
-            let Some(files) = files_in(witnesses, &shared, None) else {
-                break;
-            };
             open.retain(|w| !shared.of.contains(w));
             left.retain(|w| !shared.of.contains(w));
-            let effect = format!("{mode} {files}");
+            let effect = format!("{mode} {}", files_in(witnesses, &shared, None));
             let refusal = refusal(witnesses, &shared.of, &mode, effect);
             diagnoses.push(match shared.scope.clause() {
                 Some(clause) => refusal.about(clause),
@@ -166,7 +162,7 @@ impl WholeFormats {
             .collect();
         let effect = format!("{} every legal file of {}", self.mode, names.join(", "));
         let refusal = refusal(witnesses, &self.of, &self.mode, effect).like(alike);
-        refusal.about(layout_clause(self.formats[0]))
+        refusal.about("2.2/1")
     }
 }
 
@@ -177,7 +173,7 @@ pub(in crate::diagnose) fn all_that_shows(witnesses: &[Witness], of: &[usize]) -
         let is_other = |w: &usize| witnesses[*w].case.expect == Expect::Decode && !of.contains(w);
         let others: Vec<usize> = (0..witnesses.len()).filter(is_other).collect();
         let shared = shared_scope(witnesses, of, &others, false)?;
-        let files = files_in(witnesses, &shared, None)?;
+        let files = files_in(witnesses, &shared, None);
         (shared.of.len() == of.len()).then(|| format!("{mode} {files}"))
     })
 }

@@ -305,7 +305,7 @@ fn every_right_picture_of_the_suite_saved_as_a_fine_jpeg_is_right() {
     );
     assert!(pictures > 1000);
     let told = std::fs::read_to_string(repository("docs/check.md")).expect("a page");
-    assert!(told.contains(&format!("{LOSSY} farther from its color")));
+    assert!(told.contains(&format!("may be off by {LOSSY} more")));
 }
 
 #[test]
