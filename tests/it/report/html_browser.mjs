@@ -88,7 +88,7 @@ try {
   assert.equal(await run("return document.querySelectorAll('details.case[open]').length"), 0);
 
   // 4. The light: dragging changes both pictures, and each is the polynomial under that light.
-  const id = await run("const f = [...document.querySelectorAll('figure.preview[data-channels=\"9\"][data-kind=raw]')].sort((a, b) => b.outerHTML.length - a.outerHTML.length)[0]; for (let e = f; e; e = e.parentElement) if (e.tagName === 'DETAILS') e.open = true; return f.closest('details.case').id");
+  const id = await run("const f = [...document.querySelectorAll('figure.preview[data-channels=\"9\"][data-kind=raw]')].sort((a, b) => Math.min(b.dataset.width, b.dataset.height) - Math.min(a.dataset.width, a.dataset.height))[0]; for (let e = f; e; e = e.parentElement) if (e.tagName === 'DETAILS') e.open = true; return f.closest('details.case').id");
   await until("the preview", "return document.querySelectorAll('#' + arguments[0] + ' canvas').length === 3", id);
   const before = await pixels(`#${id} canvas`);
   await drag(`#${id} canvas`, [0.5, 0.5], [0.35, 0.65]);
