@@ -9,6 +9,7 @@ use super::output::{jobs, note, with_progress};
 use super::{CommandResult, files};
 #[cfg(unix)]
 use ptm_conform::protocol::frame::ViewKind;
+#[cfg(unix)]
 use ptm_conform::session::outputs;
 use ptm_conform::suite::cases::{Suite, TableSpelling};
 use ptm_conform::suite::corpus;

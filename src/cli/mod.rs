@@ -95,5 +95,4 @@ impl From<String> for Failed {
 }
 
 /// Exit status if nothing was selected, so nothing was checked.
-#[cfg(unix)]
 pub const EXIT_NOTHING_SELECTED: u8 = 5;
