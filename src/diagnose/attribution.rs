@@ -66,8 +66,8 @@ pub(super) fn attribute(search: &Search, found: &Found) -> (Vec<(Id, Diagnosis)>
     (diagnoses, left)
 }
 
-/// Returns true if no stored value supports a mistake, and at least half as many unexplained images of the same formats are wrong in
-/// an earlier view: what comes before may explain its images.
+/// Returns true if at least half as many unexplained images of the same formats are wrong in an earlier view than any image that the
+/// mistake explains: an earlier step may explain these images, too.
 fn is_preceded(witnesses: &[Witness], explained: &[usize], left: &[usize]) -> bool {
     let kind = |&w: &usize| witnesses[w].observation.view.kind();
     let format = |&w: &usize| witnesses[w].case.format();

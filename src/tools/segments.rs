@@ -43,7 +43,7 @@ impl SegmentKind {
         let (name, clause) = match self {
             SegmentKind::Fill => ("fill bytes", "T.81 B.1.1.2"),
             SegmentKind::Data => ("entropy-coded data", "T.81 B.1.1.5"),
-            SegmentKind::Behind => ("bytes behind the end", "T.81 B.1.1.3"),
+            SegmentKind::Behind => ("bytes after the end", "T.81 B.1.1.3"),
             SegmentKind::Stray => ("no marker", "T.81 B.1.1.3"),
             SegmentKind::Marker(code) => match code {
                 SOI => ("SOI", "T.81 B.2.1"),

@@ -17,8 +17,8 @@ use super::witness::Witness;
 use crate::ptm::Format;
 use crate::suite::cases::Expect;
 
-/// Returns "every legal file with predicted planes", or "12 of 14 legal files with predicted planes" if some of them fail in other
-/// ways. The files are those of one format, or of all.
+/// Returns "every legal file with predicted planes", or "12 of 14 legal files with predicted planes" if others with the
+/// property fail in another way. The files are those of one format, or of all.
 fn files_in(witnesses: &[Witness], shared: &Shared, format: Option<Format>) -> String {
     let is_other = |w: &usize| {
         let witness = &witnesses[*w];
