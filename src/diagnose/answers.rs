@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 
 use super::mistake::{Channels, Mistake};
-use super::tuning::{MAX_SAMPLE, MIN_FAILURES_OF_A_READING};
+use super::tuning::{MAX_SAMPLE, MIN_SUPPORT, ROUNDING_SLACK};
 use super::witness::{Witness, alike, applies, is_after_decoding};
 use crate::formula::Formula;
 use crate::kit::parallel::in_parallel;
@@ -14,9 +14,6 @@ use crate::session::observation::Response;
 
 /// The clauses about the position of a record.
 const POSITIONS: [&str; 2] = ["2.9.8/5", "2.9.8/6"];
-
-/// The largest error of a color that is computed in single precision.
-const ROUNDING_SLACK: f64 = 0.02;
 
 impl Witness<'_> {
     /// Returns the answer of a decoder with these mistakes.
@@ -169,5 +166,5 @@ pub(super) fn could_be_misread(witnesses: &[Witness], threads: usize) -> bool {
         telling.iter().filter(is_reproduced).count()
     });
     let most = reproduced.into_iter().max().unwrap_or_default();
-    most >= MIN_FAILURES_OF_A_READING.min(telling.len())
+    most >= MIN_SUPPORT.min(telling.len())
 }

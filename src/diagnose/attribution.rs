@@ -2,17 +2,17 @@
 
 use super::diagnosis::{Category, Cause, Diagnosis, Words};
 use super::failure_mode::FailureMode;
-use super::mistake::Mistake;
+use super::mistake::{Channels, Mistake};
 use super::scope::Scope;
-use super::search::{Found, Id, Member, Search, Set, of, without};
-use super::tuning::{MIN_SHARING_FILES, STRAY_SHARE};
+use super::search::{Found, Id, Member, Search, Set, ids_of, without_id};
+use super::tuning::{MAX_SAMPLE, MIN_SHARING_FILES, is_few, is_most, is_much};
 use super::witness::Witness;
 use super::words::acceptances;
 use super::words::formats_of;
 use super::words::place;
 use super::words::refusals::{self, WholeFormats};
 use crate::formula::{Edit, EditedForm};
-use crate::misreadings::{At, Misreading, Symptom};
+use crate::misreadings::{At, Misreading, Stage, Symptom};
 use crate::session::observation::Response;
 use crate::suite::cases::Expect;
 
@@ -25,7 +25,7 @@ struct Share {
 
 /// Returns a diagnosis for each mistake that explains failures, and the failures that none explains.
 pub(super) fn attribute(search: &Search, found: &Found) -> (Vec<(Id, Diagnosis)>, Vec<usize>) {
-    let set = of(&found.members);
+    let set = ids_of(&found.members);
     let mut left = Vec::new();
     let mut shares = vec![Share::default(); set.len()];
     let failed: Vec<usize> = (0..search.witnesses.len())
@@ -66,8 +66,8 @@ pub(super) fn attribute(search: &Search, found: &Found) -> (Vec<(Id, Diagnosis)>
     (diagnoses, left)
 }
 
-/// Returns true if at least half as many unexplained images of the same formats are wrong in an earlier view than any image that the
-/// mistake explains: an earlier step may explain these images, too.
+/// Returns true if more than half as many unexplained images of the same formats are wrong in an earlier view than any image that
+/// the mistake explains: an earlier step may explain these images, too.
 fn is_preceded(witnesses: &[Witness], explained: &[usize], left: &[usize]) -> bool {
     let kind = |&w: &usize| witnesses[w].observation.view.kind();
     let format = |&w: &usize| witnesses[w].case.format();
@@ -79,7 +79,7 @@ fn is_preceded(witnesses: &[Witness], explained: &[usize], left: &[usize]) -> bo
             && explained.iter().any(|of| format(of) == format(w))
     };
     let earlier = left.iter().filter(is_earlier).count();
-    earlier >= MIN_SHARING_FILES && 2 * earlier >= explained.len()
+    earlier >= MIN_SHARING_FILES && is_most(earlier, explained.len())
 }
 
 /// Describes whole formats that fail in one way, instead of the mistakes that explain nothing else. Returns `None` if one of
@@ -94,7 +94,7 @@ fn of_whole(
     let is_of = |w: &usize| whole.of.contains(w);
     let is_seen_elsewhere = |share: &Share| {
         let inside = share.explains.iter().filter(|w| is_of(w)).count();
-        inside * 4 >= whole.of.len() && inside < share.explains.len()
+        is_much(inside, whole.of.len()) && inside < share.explains.len()
     };
     if shares.iter().any(is_seen_elsewhere) {
         return None;
@@ -140,9 +140,6 @@ fn is_denied_guess(search: &Search, member: &Member, share: &Share, left: &[usiz
         || against > 0 && is_guess()
 }
 
-/// Failing files on which two mistakes are tried together.
-const MAX_FILES_ASKED: usize = 64;
-
 /// Returns true if more of the files that another mistake explains alone contradict this mistake than support it. A decoder that
 /// makes both would show other values in these files.
 fn is_denied_beside(search: &Search, set: &[Id], shares: &[Share], place: usize) -> bool {
@@ -152,7 +149,7 @@ fn is_denied_beside(search: &Search, set: &[Id], shares: &[Share], place: usize)
     }
     let others = (0..shares.len()).filter(|&other| shares[other].explains.len() > own);
     let pairs = others.flat_map(|other| {
-        let files = search.smallest(&shares[other].explains, MAX_FILES_ASKED);
+        let files = search.smallest(&shares[other].explains, MAX_SAMPLE);
         files.into_iter().map(move |w| (other, w))
     });
     let denied = search.each(&pairs.collect::<Vec<_>>(), |&(other, w)| {
@@ -202,7 +199,7 @@ fn diagnosis(search: &Search, member: &Member, share: &Share) -> Diagnosis {
         && let Some(effect) = refusals::all_that_shows(witnesses, &share.explains)
     {
         let all = [&[misreading], &alike[..]].concat();
-        return refusals::of_effect(witnesses, &share.explains, effect).like(all);
+        return refusals::of_effect(witnesses, &share.explains, effect).with_alike(all);
     }
     let except = search.contradictions(&[member.id]);
     let cause = Cause::Misreading {
@@ -217,7 +214,7 @@ fn diagnosis(search: &Search, member: &Member, share: &Share) -> Diagnosis {
         })
         .or_else(|| acceptances::all_that_shows(witnesses, &share.explains, misreading)),
         certain: true,
-        ..Diagnosis::of(cause, places(search, &share.explains))
+        ..Diagnosis::new(cause, places(search, &share.explains))
     }
 }
 
@@ -252,7 +249,7 @@ fn of_found(search: &Search, mistake: &Mistake, share: &Share) -> Diagnosis {
     let described = Diagnosis::described(Category::Difference, witnesses, &share.explains, words);
     Diagnosis {
         certain: true,
-        ..described.about(misreading.clause)
+        ..described.with_clause(misreading.clause)
     }
 }
 
@@ -270,7 +267,7 @@ fn computed(edit: &Edit) -> (String, String) {
         ),
         EditedForm::Expression(_) => (
             format!("computes {what} as {computes} instead of {stated}"),
-            format!("compute {stated}"),
+            format!("compute {what} as {stated}"),
         ),
     }
 }
@@ -298,6 +295,16 @@ pub(super) fn indispensable(set: &[Id], holds: impl Fn(&[Id]) -> bool) -> Vec<us
     (0..set.len()).filter(is_needed).collect()
 }
 
+/// Returns true if the colors of an image are computed from channels that a mistake changes.
+fn shows_in_colors(search: &Search, w: usize, member: Id) -> bool {
+    let (witness, mistake) = (&search.witnesses[w], &search.mistakes[member]);
+    mistake.channels != Channels::All
+        && mistake.misreading.at.stage() < Stage::Color
+        && witness.is_in_colors()
+        && witness.concerns(mistake)
+        && FailureMode::of(witness).is_none()
+}
+
 /// Lists failures that a mistake explains in part under it, and removes them from `left`.
 pub(super) fn attribute_in_part(
     search: &Search,
@@ -305,17 +312,17 @@ pub(super) fn attribute_in_part(
     diagnoses: &mut [(Id, Diagnosis)],
     left: &mut Vec<usize>,
 ) {
-    let set = of(&found.members);
+    let set = ids_of(&found.members);
     let acts = |w: usize, member: Id| {
         FailureMode::of(&search.witnesses[w]).is_none()
-            && search.differ(w, &set, &without(&set, member))
+            && search.differ(w, &set, &without_id(&set, member))
     };
     // A mistake that reproduces nearly all images that it changes is made in the others too.
     let explains_nearly_all = |member: Id| {
         let explained = diagnoses.iter().find(|(id, _)| *id == member);
         let explained = explained.map_or(0, |(_, diagnosis)| diagnosis.explains.len());
         let open = left.iter().filter(|&&w| acts(w, member)).count();
-        open * STRAY_SHARE <= explained
+        is_few(open, explained)
     };
     let thorough: Vec<Id> = set
         .iter()
@@ -324,7 +331,9 @@ pub(super) fn attribute_in_part(
         .collect();
     left.retain(|&w| {
         let is_partly = |&&member: &&Id| {
-            thorough.contains(&member) && acts(w, member) || place::is_near(search, w, &set, member)
+            thorough.contains(&member) && acts(w, member)
+                || shows_in_colors(search, w, member)
+                || place::is_near(search, w, &set, member)
         };
         let near = set.iter().find(is_partly);
         let known = near.and_then(|member| diagnoses.iter_mut().find(|(id, _)| id == member));

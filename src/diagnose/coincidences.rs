@@ -3,176 +3,212 @@
 use std::collections::HashSet;
 
 use super::failure_mode::FailureMode;
-use super::search::{Found, Id, Search, of, without};
-use super::tuning::{REFUSALS_PER_CHANCE_IMAGE, STRAY_SHARE};
+use super::search::{Found, Id, Search, Set, ids_of, without_id};
+use super::tuning::{MIN_SHARING_FILES, is_few, is_most, is_nearly_all};
 use super::witness::{Agreement, Witness};
 use super::words::place::is_near;
 use super::words::refusals;
 use crate::misreadings::{Misreading, Stage, Symptom};
 use crate::suite::cases::Expect;
 
-/// Removes mistakes that agree with some answers by chance.
-pub(super) fn remove(search: &Search, found: &mut Found) {
-    drop_refusals(search, found);
-    drop_acceptances(search, found);
-    drop_rare(search, found);
-    drop_strays(search, found);
+/// The failing cases that show whether the decoder makes a mistake.
+#[derive(Default)]
+struct Evidence {
+    /// Legal files whose response the mistake reproduces, alone or together with the others.
+    explained: Vec<usize>,
+    /// The images among these.
+    images: usize,
+    /// The crashes among these.
+    crashes: usize,
+    /// Malformed files that it accepts as the decoder does.
+    accepted: Vec<usize>,
+    /// Images of legal files that it changes in another way than the decoder does.
+    other_images: usize,
+    /// Those of them that it does not bring closer to the decoder's.
+    far: usize,
+    /// Images of legal files that it changes.
+    changed_images: usize,
+    /// Refusals and crashes of legal files that it changes.
+    changed_refusals: usize,
+    /// Images of legal files that it would refuse.
+    against: usize,
 }
 
-/// Removes misreadings that explain few of the failures, if none of these is about the misread clause, or if the misreading
-/// changes more than twice as many: among many wrong images, a few agree with another mistake by chance.
-fn drop_strays(search: &Search, found: &mut Found) {
-    let set = of(&found.members);
-    let failing = failing(search.witnesses);
-    let keep = search.each(&set, |&id| {
-        // Edits were compared with all images that they change.
-        let Some(misreading) = search.mistakes[id].listed() else {
-            return true;
-        };
-        let without = without(&set, id);
-        let is_explained = |&w: &usize| {
-            let explains = |set: &[Id]| search.agreement(w, set).explains();
-            explains(&[id]) || explains(&set) && !explains(&without)
-        };
-        let explained: Vec<usize> = failing.iter().copied().filter(is_explained).collect();
-        let acts = |w: usize| search.differ(w, &set, &without);
-        let is_image = |w: usize| FailureMode::of(&search.witnesses[w]).is_none();
-        let is_few = explained.len() * STRAY_SHARE < failing.len();
-        let acting = failing
-            .iter()
-            .filter(|&&w| (is_few || is_image(w)) && acts(w));
-        let is_about = || (explained.iter()).any(|&w| is_about(&search.witnesses[w], misreading));
-        explained.is_empty() || explained.len() * 2 >= acting.count() && (!is_few || is_about())
-    });
-    found.keep(&keep);
-}
-
-/// One in so many images may agree with a mistake by chance.
-const RARE: usize = 3;
-
-/// Removes misreadings that explain few images and change many others in another way than the decoder does. A misreading must
-/// explain three in four if passing files contradict it, or if only colors show it, because these are rounded.
-fn drop_rare(search: &Search, found: &mut Found) {
-    let set = of(&found.members);
-    let failing = failing(search.witnesses);
-    let keep = search.each(&set, |&id| {
-        if search.mistakes[id].listed().is_none() {
-            return true;
-        }
-        let without = without(&set, id);
-        let (mut explained, mut other, mut far) = (0, 0, 0);
-        for &w in &failing {
-            let is_explained = |set: &[Id]| search.agreement(w, set) == Agreement::Picture;
-            if is_explained(&set) && !is_explained(&without) || is_explained(&[id]) {
-                explained += 1;
-            } else if FailureMode::of(&search.witnesses[w]).is_none()
-                && search.differ(w, &set, &without)
-            {
-                other += 1;
-                far += usize::from(!is_near(search, w, &set, id));
+impl Evidence {
+    /// Compares the answers of a decoder that makes the mistake `id` of `set` with the responses.
+    fn new(search: &Search, set: &Set, failing: &[usize], id: Id) -> Evidence {
+        let without = without_id(set, id);
+        let mut evidence = Evidence::default();
+        for &w in failing {
+            let alone = search.agreement(w, &[id]);
+            let is_needed = |is: fn(Agreement) -> bool| {
+                is(alone) || is(search.agreement(w, set)) && !is(search.agreement(w, &without))
+            };
+            let is_image = FailureMode::of(&search.witnesses[w]).is_none();
+            if search.witnesses[w].case.expect != Expect::Decode {
+                if is_needed(Agreement::explains) {
+                    evidence.accepted.push(w);
+                }
+                continue;
+            }
+            let is_changed = search.differ(w, set, &without);
+            evidence.changed_images += usize::from(is_changed && is_image);
+            evidence.changed_refusals += usize::from(is_changed && !is_image);
+            evidence.against += usize::from(alone == Agreement::Against);
+            if is_needed(Agreement::explains) {
+                evidence.explained.push(w);
+                evidence.images += usize::from(is_image);
+                evidence.crashes += usize::from(alone == Agreement::Crash);
+            } else if is_changed && is_image {
+                evidence.other_images += 1;
+                evidence.far += usize::from(!is_near(search, w, set, id));
             }
         }
-        let is_of_colors = search.mistakes[id].misreading.at.stage() == Stage::Color;
-        let is_rare = explained * RARE <= far;
-        let is_denied = || !search.denied(&[id]).is_empty() && !search.denied(&set).is_empty();
-        explained == 0 || !is_rare && (explained > 3 * other || !is_of_colors && !is_denied())
-    });
-    found.keep(&keep);
+        evidence
+    }
 }
 
-/// Removes mistakes that only refuse files, if a shared property explains more of them, or if passing cases contradict them: many
-/// mistakes end in a refusal.
-fn drop_refusals(search: &Search, found: &mut Found) {
+/// Removes mistakes that agree with some answers by chance.
+pub(super) fn remove(search: &Search, found: &mut Found) {
     let witnesses = search.witnesses;
-    let set = of(&found.members);
-    let failing = failing(witnesses);
+    let failed: Vec<usize> = (0..witnesses.len())
+        .filter(|&w| witnesses[w].failed)
+        .collect();
+    let legal = |of: &[usize]| -> Vec<usize> {
+        let is_legal = |w: &usize| witnesses[*w].case.expect == Expect::Decode;
+        of.iter().copied().filter(is_legal).collect()
+    };
+    let failing = legal(&failed);
     let shared = refusals::widest(witnesses, &failing);
-    let explained = search.each(&set, |&id| {
-        let agreements = failing.iter().map(|&w| (w, search.agreement(w, &[id])));
-        agreements
-            .filter(|(_, agreement)| agreement.explains())
-            .collect::<Vec<(usize, Agreement)>>()
-    });
-    let by = |member: usize, w: usize| explained[member].iter().any(|&(other, _)| other == w);
-    let places: Vec<usize> = (0..set.len()).collect();
-    let keep = search.each(&places, |&member| {
-        let of_member = &explained[member];
-        // A few images among many refusals may agree by chance.
-        let pictures = (of_member.iter())
-            .filter(|(_, agreement)| !matches!(agreement, Agreement::Word | Agreement::Crash));
-        let refuses = pictures.count() * REFUSALS_PER_CHANCE_IMAGE <= of_member.len();
-        let less = |wide: &Vec<usize>| {
-            let covered = of_member.iter().filter(|(w, _)| wide.contains(w)).count();
-            wide.len() > of_member.len() && covered * 10 >= of_member.len() * 9
-        };
-        let one = [set[member]];
-        let contradicted = || {
-            (0..witnesses.len())
-                .any(|w| search.contradicted(w, &one) && search.contradicted(w, &set))
-        };
-        // Refusals that no other mistake explains.
-        let refused = failing.iter().filter(|&&w| {
-            let alone = places.iter().all(|&other| other == member || !by(other, w));
-            FailureMode::of(&witnesses[w]).is_some() && alone
+    // A removed mistake is no evidence for or against the others.
+    for rule in [Rule::Refusals, Rule::Acceptances, Rule::Rare, Rule::Stray] {
+        let set = ids_of(&found.members);
+        let open = search.select(failed.clone(), |w| !search.explains(w, &set));
+        let is_unknown = is_nearly_all(legal(&open).len(), failing.len());
+        let all = search.each(&set, |&id| Evidence::new(search, &set, &failed, id));
+        let places: Vec<usize> = (0..set.len()).collect();
+        let keep = search.each(&places, |&place| {
+            let (id, evidence) = (set[place], &all[place]);
+            let listed = search.mistakes[id].listed();
+            match (rule, listed) {
+                (Rule::Refusals, _) => {
+                    !refuses_by_chance(search, &set, &all, place, &failing, &shared)
+                }
+                (Rule::Acceptances, _) => {
+                    !accepts_by_chance(search, id, evidence, &open, is_unknown)
+                }
+                // Edits were compared with all images that they change.
+                (_, None) => true,
+                (Rule::Rare, Some(_)) => !is_rare(search, &set, id, evidence),
+                (Rule::Stray, Some(misreading)) => {
+                    !is_stray(search, misreading, evidence, failing.len())
+                }
+            }
         });
-        // A misreading that changes values would show an image somewhere. A crash is weaker evidence than a refusal.
-        let crashes = (of_member.iter()).all(|(_, agreement)| *agreement == Agreement::Crash);
-        let few = of_member.len() * if crashes { 1 } else { 3 } < refused.count();
-        let listed = search.mistakes[set[member]].listed();
-        let refuses_only = listed.is_some_and(|listed| listed.shows == Symptom::Refusals);
-        let is_coincidence = !refuses_only && few;
-        // A file that is shown, and that the mistake would refuse.
-        let is_shown =
-            || (failing.iter()).any(|&w| search.agreement(w, &one) == Agreement::Against);
-        of_member.is_empty()
-            || !refuses
-            || !is_coincidence && !shared.iter().any(less) && !contradicted() && !is_shown()
-    });
-    found.keep(&keep);
+        found.keep(&keep);
+    }
 }
 
-/// Different faults that a misreading may explain by chance, because one check is missing.
-const FEW_FAULTS: usize = 2;
+/// The rules, in the order in which they are applied.
+#[derive(Clone, Copy)]
+enum Rule {
+    Refusals,
+    Acceptances,
+    Rare,
+    Stray,
+}
 
-/// Removes mistakes that explain only accepted malformed files, if passing cases contradict them, if they explain few faults and
-/// unexplained failures are about the same clause, or if most failures of legal files are unexplained.
-fn drop_acceptances(search: &Search, found: &mut Found) {
-    let witnesses = search.witnesses;
-    let set = of(&found.members);
-    let failed = (0..witnesses.len()).filter(|&w| witnesses[w].failed);
-    let failed: Vec<usize> = failed.collect();
-    let explains = |w: usize, set: &[Id]| search.agreement(w, set).explains();
-    let open = search.select(failed.clone(), |w| !search.explains(w, &set));
-    let is_legal = |w: &&usize| witnesses[**w].case.expect == Expect::Decode;
-    let legal = |of: &[usize]| of.iter().filter(is_legal).count();
-    let is_unknown = 4 * legal(&open) > 3 * legal(&failed);
-    let keep = search.each(&set, |&id| {
-        let misreading = search.mistakes[id].misreading;
-        let without = without(&set, id);
-        let is_explained =
-            |&w: &usize| explains(w, &[id]) || explains(w, &set) && !explains(w, &without);
-        let of: Vec<usize> = failed.iter().copied().filter(is_explained).collect();
-        let accepts_only = !of.iter().any(|w| is_legal(&w));
-        // A mistake that explains many different faults is no coincidence.
-        let faults: HashSet<_> = (of.iter())
-            .filter_map(|&w| Some(&witnesses[w].case.damage()?.effect))
-            .collect();
-        let is_denied = || !search.denied(&[id]).is_empty();
-        let is_clause_open = || (open.iter()).any(|&w| is_about(&witnesses[w], misreading));
-        let is_coincidence = is_unknown || faults.len() <= FEW_FAULTS && is_clause_open();
-        !accepts_only || !is_coincidence && !is_denied()
-    });
-    found.keep(&keep);
+/// Returns true if a misreading explains few of the failures, and none of these is about the misread clause, or if it changes more
+/// than twice as many: among many wrong images, a few agree with another mistake by chance.
+fn is_stray(search: &Search, misreading: &Misreading, evidence: &Evidence, failing: usize) -> bool {
+    let explained = evidence.explained.len();
+    let is_few = is_few(explained, failing);
+    let changed = match is_few {
+        true => evidence.changed_images + evidence.changed_refusals,
+        false => evidence.changed_images,
+    };
+    let mut about = evidence.explained.iter();
+    let is_about = about.any(|&w| is_about(&search.witnesses[w], misreading));
+    let others = changed.saturating_sub(explained);
+    explained > 0 && (is_most(others, changed) || is_few && !is_about)
+}
+
+/// Returns true if a misreading explains few images and changes many others in another way than the decoder does. It must explain
+/// nearly all if passing files contradict it, or if only colors show it, because these are rounded.
+fn is_rare(search: &Search, set: &Set, id: Id, evidence: &Evidence) -> bool {
+    let (images, far) = (evidence.images, evidence.far);
+    let is_thorough = is_nearly_all(images, images + evidence.other_images);
+    let is_of_colors = search.mistakes[id].misreading.at.stage() == Stage::Color;
+    let is_denied = || !search.denied(&[id]).is_empty() && !search.denied(set).is_empty();
+    images > 0
+        && (is_nearly_all(far, far + images) || !is_thorough && (is_of_colors || is_denied()))
+}
+
+/// Returns true if a mistake only refuses files, and a shared property explains more of them, or other cases contradict it: many
+/// mistakes end in a refusal. `shared` are the failures that one property explains.
+fn refuses_by_chance(
+    search: &Search,
+    set: &Set,
+    all: &[Evidence],
+    place: usize,
+    failing: &[usize],
+    shared: &[Vec<usize>],
+) -> bool {
+    let (evidence, witnesses) = (&all[place], search.witnesses);
+    let explained = &evidence.explained;
+    if explained.is_empty() || !is_few(evidence.images, explained.len()) {
+        return false;
+    }
+    let explains_more = |wide: &Vec<usize>| {
+        let others = explained.iter().filter(|w| !wide.contains(w)).count();
+        wide.len() > explained.len() && is_few(others, explained.len())
+    };
+    // Refusals that no other mistake explains. A misreading that changes values would show an image somewhere.
+    let others = || (0..all.len()).filter(|&other| other != place);
+    let is_refused = |w: &&usize| {
+        let is_other = others().any(|other| all[other].explained.contains(w));
+        FailureMode::of(&witnesses[**w]).is_some() && !is_other
+    };
+    let refused = failing.iter().filter(is_refused).count();
+    let unexplained = refused.saturating_sub(explained.len());
+    // A crash is weaker evidence than a refusal.
+    let are_crashes = evidence.crashes == explained.len();
+    let is_small = is_nearly_all(unexplained, refused) || are_crashes && unexplained > 0;
+    let listed = search.mistakes[set[place]].listed();
+    let refuses_only = listed.is_some_and(|listed| listed.shows == Symptom::Refusals);
+    let one = [set[place]];
+    let is_contradicted = |w| search.contradicted(w, &one) && search.contradicted(w, set);
+    !refuses_only && is_small
+        || evidence.against > 0
+        || shared.iter().any(explains_more)
+        || (0..witnesses.len()).any(is_contradicted)
+}
+
+/// Returns true if a mistake explains only malformed files that are accepted, and passing cases contradict it, or it explains few
+/// faults and unexplained failures are about the same clause, or the causes of nearly all failures of legal files are unknown.
+fn accepts_by_chance(
+    search: &Search,
+    id: Id,
+    evidence: &Evidence,
+    open: &[usize],
+    is_unknown: bool,
+) -> bool {
+    if !evidence.explained.is_empty() {
+        return false;
+    }
+    // A mistake that explains many different faults is no coincidence.
+    let damages = evidence.accepted.iter();
+    let faults = damages.filter_map(|&w| Some(&search.witnesses[w].case.damage()?.effect));
+    let is_one_fault = faults.collect::<HashSet<_>>().len() <= MIN_SHARING_FILES;
+    let misreading = search.mistakes[id].misreading;
+    let is_clause_open = || {
+        open.iter()
+            .any(|&w| is_about(&search.witnesses[w], misreading))
+    };
+    is_unknown || is_one_fault && is_clause_open() || !search.denied(&[id]).is_empty()
 }
 
 /// Returns true if a case is about the misread clause.
 fn is_about(witness: &Witness, misreading: &Misreading) -> bool {
-    let mut clauses = witness.case.clauses.iter();
-    clauses.any(|clause| clause == misreading.clause)
-}
-
-/// Returns the legal files that fail.
-fn failing(witnesses: &[Witness]) -> Vec<usize> {
-    let is_one = |&w: &usize| witnesses[w].failed && witnesses[w].case.expect == Expect::Decode;
-    (0..witnesses.len()).filter(is_one).collect()
+    (witness.case.clauses.iter()).any(|clause| clause == misreading.clause)
 }

@@ -23,7 +23,7 @@ pub(crate) struct CoverCandidate<T> {
 
 impl<T> CoverCandidate<T> {
     /// Tries `cause` on the failing and the passing cases. Returns `None` if it explains nothing.
-    pub fn of(
+    pub fn new(
         cause: T,
         failing: &[usize],
         explains: impl Fn(usize) -> bool,
@@ -59,7 +59,7 @@ impl<A> CoverCandidate<&'static Misreading<A>> {
         Diagnosis {
             certain: self.contradicted.is_empty(),
             except: self.contradicted,
-            ..Diagnosis::of(cause, self.explains)
+            ..Diagnosis::new(cause, self.explains)
         }
     }
 }

@@ -110,7 +110,7 @@ pub(super) struct Words {
 
 impl<A> Diagnosis<A> {
     /// Returns the diagnosis that `cause` explains these cases, and nothing else.
-    pub(crate) fn of(cause: Cause<A>, explains: Vec<usize>) -> Diagnosis<A> {
+    pub(crate) fn new(cause: Cause<A>, explains: Vec<usize>) -> Diagnosis<A> {
         Diagnosis {
             cause,
             explains,
@@ -138,11 +138,11 @@ impl Diagnosis {
             example: words.example,
             alike: Vec::new(),
         };
-        Diagnosis::of(cause, of.iter().map(|&w| witnesses[w].place).collect())
+        Diagnosis::new(cause, of.iter().map(|&w| witnesses[w].place).collect())
     }
 
     /// Sets the misreadings that would look the same.
-    pub(super) fn like(mut self, others: Vec<&'static Misreading>) -> Diagnosis {
+    pub(super) fn with_alike(mut self, others: Vec<&'static Misreading>) -> Diagnosis {
         if let Cause::Described { alike, .. } = &mut self.cause {
             *alike = others;
         }
@@ -150,7 +150,7 @@ impl Diagnosis {
     }
 
     /// Sets the clause, if it is known better than from the clauses of the cases.
-    pub(super) fn about(mut self, known: &str) -> Diagnosis {
+    pub(super) fn with_clause(mut self, known: &str) -> Diagnosis {
         if let Cause::Described { clause, .. } = &mut self.cause {
             known.clone_into(clause);
         }

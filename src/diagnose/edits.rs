@@ -14,11 +14,11 @@ use super::pair::Pair;
 use super::scope::{Scope, scope_between};
 use super::search::{Id, Search, Set, WORTH_OF_A_REFUSAL, spread};
 use super::tuning::{
-    MAX_EDITS, MAX_PROBES, MAX_SCOPED_MISREADINGS, MIN_FAILURES_OF_A_READING, MIN_PROBE_SIZE, MUCH,
+    MAX_EDITS, MAX_PROBES, MAX_SCOPED_MISREADINGS, MIN_PROBE_SIZE, MIN_SUPPORT, is_much,
 };
 use super::witness::{Agreement, explains_a_view};
 use super::words::place::pair_of;
-use crate::formula::{EditedForm, Formula, edits};
+use crate::formula::{EditedForm, Expression, Formula, edits};
 use crate::misreadings::{At, Misreading};
 use crate::protocol::frame::Answer;
 
@@ -91,25 +91,35 @@ fn fitting(search: &Search, set: &Set, probes: &[Vec<usize>]) -> Vec<Mistake> {
             channels.push(wrong);
         }
     }
-    let probes: Vec<(usize, Cow<Answer>)> = probes
+    let with_image = |&w: &usize| (w, search.made(w, set));
+    let firsts: Vec<(usize, Cow<Answer>)> = (probes
         .iter()
-        .flatten()
-        .map(|&w| (w, search.made(w, set)))
-        .collect();
+        .filter_map(|of_kind| of_kind.first())
+        .map(with_image))
+    .collect();
+    let others = probes.iter().flat_map(|of_kind| of_kind.iter().skip(1));
+    let others: Vec<(usize, Cow<Answer>)> = others.map(with_image).collect();
     let counts = search.each(&edits, |&edit| {
         let mut counts = vec![0; channels.len()];
         let edit = Mistake::everywhere(edit);
-        for (w, made) in &probes {
-            let witness = &search.witnesses[*w];
-            if search.is_interrupted() || !witness.could_be(&edit) {
-                continue;
+        let mut count = |probes: &[(usize, Cow<Answer>)]| {
+            for (w, made) in probes {
+                let witness = &search.witnesses[*w];
+                if search.is_interrupted() || !witness.could_be(&edit) {
+                    continue;
+                }
+                let answer = search.answer_with(*w, set, &edit);
+                for (channels, count) in channels.iter().zip(&mut counts) {
+                    let mut image = made.clone();
+                    channels.replace(image.to_mut(), &answer);
+                    *count += usize::from(witness.agreement(&image) == Agreement::Picture);
+                }
             }
-            let answer = search.answer_with(*w, set, &edit);
-            for (channels, count) in channels.iter().zip(&mut counts) {
-                let mut image = made.clone();
-                channels.replace(image.to_mut(), &answer);
-                *count += usize::from(witness.agreement(&image) == Agreement::Picture);
-            }
+            counts.iter().any(|&count| count > 0)
+        };
+        // The other images rank the edits that reproduce one of the first.
+        if count(&firsts) {
+            count(&others);
         }
         counts
     });
@@ -141,7 +151,7 @@ fn wrong_channels(search: &Search, set: &Set, probe: &[usize]) -> Channels {
     let count = pairs.first().map_or(0, |pair| pair.channels);
     let is_wrong = |channel| pairs.iter().any(|pair| pair.wrong_channels()[channel]);
     let wrong: Vec<bool> = (0..count).map(is_wrong).collect();
-    Channels::of(&wrong)
+    Channels::narrowest(&wrong)
 }
 
 /// Returns the mistake in every file, or in the files in which no passing case contradicts it.
@@ -156,11 +166,16 @@ fn scoped(search: &Search, set: &Set, mistake: &Mistake, left: &[usize]) -> Opti
     };
     // Among so many mistakes, one fits the files of some property by chance.
     let is_by_property = !matches!(scope, Scope::All | Scope::Formats(_));
-    if is_by_property && (mistake.listed().is_none() || explained.len() * MUCH < left.len()) {
+    if is_by_property && (mistake.listed().is_none() || !is_much(explained.len(), left.len())) {
         return None;
     }
-    // Two restrictions at once fit too many edits.
-    if mistake.channels != Channels::All && scope != Scope::All {
+    // Two restrictions at once fit too many edits, but values that are never written are no coincidence.
+    let is_limited_twice = mistake.channels != Channels::All && scope != Scope::All;
+    let is_number = matches!(
+        only_edit(mistake),
+        Some(EditedForm::Expression(Expression::Number(_)))
+    );
+    if is_limited_twice && (is_by_property || !is_number) {
         return None;
     }
     let scoped = Mistake {
@@ -171,13 +186,18 @@ fn scoped(search: &Search, set: &Set, mistake: &Mistake, left: &[usize]) -> Opti
     // In other views a later mistake may change the images, too. A learned table was compared with their texels.
     let acts = |w: &&usize| search.changes_with(**w, set, &scoped);
     let acting: Vec<usize> = pictures.iter().filter(acts).copied().collect();
-    let is_learned = matches!(
-        mistake.misreading.at,
-        At::Edits([edit]) if matches!(edit.change, EditedForm::Table(_))
-    );
-    let is_supported = explained.len() >= MIN_FAILURES_OF_A_READING
+    let is_learned = matches!(only_edit(mistake), Some(EditedForm::Table(_)));
+    let is_supported = explained.len() >= MIN_SUPPORT
         && (is_learned || explains_a_view(search.witnesses, &explained, &acting));
     is_supported.then_some(scoped)
+}
+
+/// Returns the edit of a mistake that makes one.
+fn only_edit(mistake: &Mistake) -> Option<&'static EditedForm> {
+    match mistake.misreading.at {
+        At::Edits([edit]) => Some(&edit.change),
+        _ => None,
+    }
 }
 
 /// Adds misreadings of the catalog that passing cases contradict, in the files in which they are made.

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 
 use super::mistake::misreading_of;
 use super::search::{Search, Set};
-use super::tuning::{MIN_SHARE_OF_A_TABLE, MIN_SHARING_FILES};
+use super::tuning::{MIN_SHARING_FILES, is_few, is_most};
 use super::witness::Witness;
 use crate::formula::{Edit, EditedForm, Formula};
 use crate::misreadings::Misreading;
@@ -84,10 +84,10 @@ fn table(search: &Search, set: &Set, pictures: &[usize], of_streams: bool) -> Op
         // Inverse transforms differ by one here and there, so a few texels disagree.
         let votes = |value: u8| shown.votes[usize::from(value)];
         let best = (0..=255).max_by_key(|&value| (votes(value), Reverse(value.abs_diff(right))))?;
-        if (votes(best) - votes(right)) * MIN_SHARE_OF_A_TABLE <= shown.texels {
+        if is_few(votes(best) - votes(right), shown.texels) {
             continue;
         }
-        if 2 * votes(best) <= shown.texels {
+        if !is_most(votes(best), shown.texels) {
             return None;
         }
         table[usize::from(right)] = best;
@@ -98,7 +98,7 @@ fn table(search: &Search, set: &Set, pictures: &[usize], of_streams: bool) -> Op
     let changed = (0..256)
         .filter(|&value| usize::from(table[value]) != value)
         .count();
-    (differing > 1 && 2 * differing >= changed).then_some(table)
+    (differing > 1 && is_most(differing, changed)).then_some(table)
 }
 
 /// Returns, for each sample of an image, the stored values for which a decoder with the mistakes of `set` shows it.

@@ -46,6 +46,8 @@ pub(super) enum Channels {
     Coefficient(usize),
     /// Red, green or blue: a color, or the polynomial of one.
     Color(usize),
+    /// The channels after a5: R, G and B, or Cr and Cb.
+    Chroma,
 }
 
 impl Channels {
@@ -57,14 +59,17 @@ impl Channels {
             (Channels::Coefficient(_), _) => false,
             (Channels::Color(c), 18) => channel / 6 == c,
             (Channels::Color(c), 9) => channel == 6 + c,
+            (Channels::Chroma, 8 | 9) => channel >= 6,
+            (Channels::Chroma, _) => false,
             (Channels::Color(c), _) => count == 3 && channel == c,
         }
     }
 
     /// Returns the narrowest set that has all these channels.
-    pub fn of(wrong: &[bool]) -> Channels {
+    pub fn narrowest(wrong: &[bool]) -> Channels {
         let coefficients = (0..6).map(Channels::Coefficient);
-        let all = coefficients.chain((0..3).map(Channels::Color));
+        let colors = (0..3).map(Channels::Color);
+        let all = coefficients.chain(colors).chain([Channels::Chroma]);
         let has_all = |channels: &Channels| {
             (0..wrong.len()).all(|channel| !wrong[channel] || channels.holds(wrong.len(), channel))
         };
@@ -77,6 +82,7 @@ impl Channels {
             Channels::All => String::new(),
             Channels::Coefficient(i) => format!(", only in a{i}"),
             Channels::Color(c) => format!(", only in {}", ["red", "green", "blue"][c]),
+            Channels::Chroma => ", only in the channels after a5".to_owned(),
         }
     }
 
@@ -86,21 +92,18 @@ impl Channels {
             return;
         };
         let count = image.channels as usize;
-        let is_of = |at: usize| self.holds(count, at % count);
         match (&mut image.samples, &other.samples) {
-            (Samples::U8(image), Samples::U8(other)) => {
-                let pairs = image.iter_mut().zip(other).enumerate();
-                pairs
-                    .filter(|(at, _)| is_of(*at))
-                    .for_each(|(_, (one, other))| *one = *other);
-            }
-            (Samples::F32(image), Samples::F32(other)) => {
-                let pairs = image.iter_mut().zip(other).enumerate();
-                pairs
-                    .filter(|(at, _)| is_of(*at))
-                    .for_each(|(_, (one, other))| *one = *other);
-            }
+            (Samples::U8(image), Samples::U8(other)) => self.replace_samples(count, image, other),
+            (Samples::F32(image), Samples::F32(other)) => self.replace_samples(count, image, other),
             _ => {}
+        }
+    }
+
+    fn replace_samples<T: Copy>(self, count: usize, image: &mut [T], other: &[T]) {
+        for (at, (one, other)) in image.iter_mut().zip(other).enumerate() {
+            if self.holds(count, at % count) {
+                *one = *other;
+            }
         }
     }
 }

@@ -48,7 +48,7 @@ use crate::session::run::Run;
 use crate::suite::cases::Suite;
 use answers::could_be_misread;
 use search::Search;
-use tuning::MIN_FAILURES_OF_A_READING;
+use tuning::MIN_SUPPORT;
 use witness::{reference_reading, witnesses};
 
 /// Returns the causes of the failures of `run`, the one that explains most first. `assumed` are mistakes that the user takes as
@@ -90,34 +90,39 @@ fn diagnose_by(
 ) -> Causes {
     let mut diagnoses = words::nondeterminism::describe(suite, run);
     diagnoses.extend(words::promises::describe(suite, run));
-    let mut judged = run.judgement.cases.iter().flatten();
-    if !judged.any(|judged| judged.outcome == Outcome::Fail) {
+    if run.judgement.with(Outcome::Fail).next().is_none() {
         return diagnoses.into();
     }
     let by_dialect = witnesses(suite, run, None, threads);
     if !by_dialect.iter().any(|witness| witness.failed) {
         return diagnoses.into();
     }
-    let searched = |witnesses| {
+    let searched = |witnesses, with_edits: bool| {
         let mut search = Search::new(witnesses, assumed, threads, run);
         let is_arbitrary =
             words::nondeterminism::is_prevalent(run) || words::uniform::is_prevalent(witnesses);
         let found = match is_arbitrary {
             true => search::Found::default(),
-            false => search.run(&add_candidates),
+            false => search.run(|search, set, left| {
+                if with_edits {
+                    add_candidates(search, set, left);
+                }
+            }),
         };
         (search, found)
     };
-    let (mut search, mut found) = searched(&by_dialect);
+    let (mut search, mut found) = searched(&by_dialect, true);
     // A mistake may look like another reading of an open question. Then the reference's reading leaves less unexplained.
-    let is_plain = search.cost(&found) <= MIN_FAILURES_OF_A_READING;
+    let is_plain = search.cost(&found) <= MIN_SUPPORT;
     let by_reference = reference_reading(run)
         .filter(|_| !is_plain)
         .map(|reading| witnesses(suite, run, Some(reading), threads))
         .filter(|witnesses| could_be_misread(witnesses, threads));
     if let Some(by_reference) = &by_reference {
-        let (other, other_found) = searched(by_reference);
-        if other.cost(&other_found) < search.cost(&found) + MIN_FAILURES_OF_A_READING {
+        // Edits are tried again only if they explained anything.
+        let is_edit = |member: &search::Member| search.mistakes[member.id].listed().is_none();
+        let (other, other_found) = searched(by_reference, found.members.iter().any(is_edit));
+        if other.cost(&other_found) < search.cost(&found) + MIN_SUPPORT {
             (search, found) = (other, other_found);
         }
     }
@@ -145,7 +150,6 @@ fn describe(search: &Search, found: &search::Found) -> Vec<Diagnosis> {
     let witnesses = search.witnesses;
     let (mut attributed, mut left) = attribution::attribute(search, found);
     let mut causes = search.guarded(|| words::uniform::describe(witnesses, &mut left));
-    causes.extend(search.guarded(|| words::formats::describe(witnesses, &mut left)));
     causes.extend(search.guarded(|| words::acceptances::describe(witnesses, &mut left)));
     let violation = search.guarded(|| words::violation::describe(witnesses, &mut left));
     let refusals = search.guarded(|| words::refusals::describe(witnesses, &mut left));
@@ -158,7 +162,7 @@ fn describe(search: &Search, found: &search::Found) -> Vec<Diagnosis> {
     // Without a named mistake, images are compared with the reference alone.
     let is_cause = |(id, _): &(search::Id, Diagnosis)| *id < search.mistakes.len();
     let set = match attributed.iter().any(is_cause) {
-        true => search::of(&found.members),
+        true => search::ids_of(&found.members),
         false => search::Set::new(),
     };
     causes.extend(search.guarded(|| words::place::describe(search, &set, &left)));

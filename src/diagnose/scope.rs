@@ -1,7 +1,7 @@
 //! Sets of files, by a property that they share.
 
 use super::properties::{PROPERTIES, QUANTITIES};
-use super::tuning::{CHANCE_OF_A_PROPERTY, MIN_FILES_OF_A_SIZE, MIN_SHARING_FILES};
+use super::tuning::{CHANCE_OF_A_PROPERTY, MIN_SHARING_FILES, MIN_SUPPORT};
 use super::witness::Witness;
 use crate::ptm::Format;
 
@@ -66,9 +66,9 @@ impl Scope {
                 is_more,
                 edge,
             } => {
-                let [before, after] = QUANTITIES[*quantity].words;
+                let words = QUANTITIES[*quantity].words;
                 let side = if *is_more { "more" } else { "less" };
-                format!("{before} {nearest} or {side} {after} (but not {edge})")
+                format!("with {nearest} or {side} {words} (but not {edge})")
             }
         }
     }
@@ -136,7 +136,7 @@ fn thresholds(witnesses: &[Witness], these: &[usize], others: &[usize]) -> Vec<S
         let least = |of: &[f64]| of.iter().copied().fold(f64::MAX, f64::min);
         let most = |of: &[f64]| of.iter().copied().fold(f64::MIN, f64::max);
         // A single size of the others bounds nothing unless several files have it.
-        let is_one = least(&theirs) == most(&theirs) && theirs.len() < MIN_FILES_OF_A_SIZE;
+        let is_one = least(&theirs) == most(&theirs) && theirs.len() < MIN_SUPPORT;
         if mine.is_empty() || theirs.is_empty() || is_one {
             continue;
         }

@@ -15,10 +15,11 @@ use super::credit::credit;
 use super::mistake::Mistake;
 pub(super) use super::tuning::WORTH_OF_A_REFUSAL;
 use super::tuning::{
-    MAX_EDIT_PASSES, MAX_FINALISTS, MAX_MISTAKES, MAX_PAIRS, MAX_SAMPLE,
-    MAX_SAMPLES_OF_A_SMALL_IMAGE, MAX_WORK, MAX_WORK_ON_PAIRS, MIN_FAILURES_OF_A_READING, MUCH,
+    MAX_AFFORDABLE, MAX_EDIT_PASSES, MAX_FINALISTS, MAX_MISTAKES, MAX_PAIRS, MAX_SAMPLE,
+    MAX_SAMPLES_OF_A_SMALL_IMAGE, MAX_SAMPLES_TRIED, MAX_WORK, MAX_WORK_ON_PAIRS, MIN_SUPPORT,
     SAMPLES_OF_A_UNIT_OF_WORK, WORTH_OF_A_CONTRADICTION, WORTH_OF_A_CRASH,
-    WORTH_OF_A_REFUSAL_OF_AN_IMAGE, WORTH_OF_AN_IMAGE, WORTH_OF_ANOTHER_LENIENT_ANSWER,
+    WORTH_OF_A_REFUSAL_OF_AN_IMAGE, WORTH_OF_AN_IMAGE, WORTH_OF_ANOTHER_LENIENT_ANSWER, is_most,
+    is_much, is_nearly_all,
 };
 use super::witness::{Agreement, Witness};
 use crate::kit::parallel::in_parallel;
@@ -163,23 +164,25 @@ impl<'a> Search<'a> {
     /// Finds the mistakes that explain most, one after the other. `add_candidates` adds mistakes that the catalog lacks.
     pub fn run(&mut self, add_candidates: impl Fn(&mut Search, &Set, &[usize])) -> Found {
         let mut members: Vec<Member> = Vec::new();
-        let mut pairs_are_tried = false;
-        let mut passes = 0;
+        let mut are_pairs_tried = false;
+        let mut edit_passes = 0;
         while members.len() < MAX_MISTAKES && !self.is_interrupted() {
-            let set = of(&members);
+            let set = ids_of(&members);
             let left = self.unexplained(&set);
             if left.is_empty() || self.is_spent() {
                 break;
             }
             let mut single = self.best_single(&set, &left);
-            // No edits are tried if an uncontradicted misreading explains much of the remaining failures.
-            let explains_much = |member: &Member| {
-                let gain = self.gain(&set, &[member.id], &left);
-                gain * MUCH >= left.len() && self.denied(&plus(&set, member.id)).is_empty()
+            // An edit may explain failures that would take several misreadings. It is not needed if one misreading explains nearly all.
+            let explains = |single: &Option<Member>, is_share: fn(usize, usize) -> bool| {
+                single.as_ref().is_some_and(|member| {
+                    let gain = self.gain(&set, &[member.id], &left);
+                    is_share(gain, left.len()) && self.denied(&with_id(&set, member.id)).is_empty()
+                })
             };
-            let is_enough = single.as_ref().is_some_and(explains_much);
-            if !is_enough && passes < MAX_EDIT_PASSES {
-                passes += 1;
+            let is_enough = explains(&single, is_much);
+            if !explains(&single, is_nearly_all) && edit_passes < MAX_EDIT_PASSES {
+                edit_passes += 1;
                 let added = catch_unwind(AssertUnwindSafe(|| add_candidates(self, &set, &left)));
                 if let Err(panic) = added {
                     self.note(&*panic);
@@ -187,15 +190,15 @@ impl<'a> Search<'a> {
                 single = self.best_single(&set, &left);
             }
             let mut grown = single.map(|single| vec![single]);
-            if grown.is_none() || !is_enough && !pairs_are_tried {
-                pairs_are_tried = true;
-                let gain = |more: &Vec<Member>| self.gain(&set, &of(more), &left);
+            if grown.is_none() || !is_enough && !are_pairs_tried {
+                are_pairs_tried = true;
+                let gain = |more: &Vec<Member>| self.gain(&set, &ids_of(more), &left);
                 let pair = self.two_more(&set, &left);
                 // A pair must explain more than twice as much as one mistake.
                 let is_better = |pair: &Vec<Member>| {
-                    grown
-                        .as_ref()
-                        .is_none_or(|single| gain(pair) > 2 * gain(single))
+                    grown.as_ref().is_none_or(|single| {
+                        is_most(gain(pair).saturating_sub(gain(single)), gain(pair))
+                    })
                 };
                 grown = pair.filter(is_better).or(grown);
             }
@@ -210,17 +213,25 @@ impl<'a> Search<'a> {
 
     /// Returns the cost of a result: its mistakes, and the failures that it leaves unexplained.
     pub fn cost(&self, found: &Found) -> usize {
-        self.unexplained(&of(&found.members)).len()
-            + MIN_FAILURES_OF_A_READING * found.members.len()
+        self.unexplained(&ids_of(&found.members)).len() + MIN_SUPPORT * found.members.len()
     }
 
     /// Returns the mistake that adds most to `set`.
     fn best_single(&self, set: &Set, left: &[usize]) -> Option<Member> {
         let mut all: Set = (0..self.mistakes.len())
-            .filter(|id| !set.contains(id) && !self.assumed.contains(id))
+            .filter(|id| self.is_open(set, id))
             .collect();
-        self.one_more(set, &mut all, &self.sample(left))
-            .or_else(|| self.one_more(set, &mut all, &self.affordable(left)))
+        let sample = self.one_more(set, &mut all, &self.sample(left));
+        sample.or_else(|| {
+            let mut affordable = self.smallest(left, MAX_SAMPLES_TRIED);
+            affordable.truncate(MAX_AFFORDABLE);
+            self.one_more(set, &mut all, &affordable)
+        })
+    }
+
+    /// Returns true if a mistake may be added to a set.
+    fn is_open(&self, set: &Set, id: &Id) -> bool {
+        !set.contains(id) && !self.assumed.contains(id)
     }
 
     /// Returns the best agreement of a set with the response to one case.
@@ -266,13 +277,17 @@ impl<'a> Search<'a> {
             && self.fingerprint(w, &self.answer_with(w, set, mistake)) != self.effect(w, set).answer
     }
 
-    /// Returns the small passing files that a set and one more mistake would fail.
+    /// Returns the small passing files that a set and one more mistake would fail. A decoder may go on where an edit leads outside
+    /// the data, so a refusal by an edit denies nothing.
     pub fn denied_with(&self, set: &[Id], mistake: &Mistake) -> Vec<usize> {
         let is_denied = |&w: &usize| {
             let witness = &self.witnesses[w];
-            self.samples(w) <= MAX_SAMPLES_OF_A_SMALL_IMAGE
-                && witness.concerns(mistake)
-                && witness.contradicts(&self.answer_with(w, set, mistake))
+            if self.samples(w) > MAX_SAMPLES_OF_A_SMALL_IMAGE || !witness.concerns(mistake) {
+                return false;
+            }
+            let answer = self.answer_with(w, set, mistake);
+            let is_outside = mistake.listed().is_none() && *answer == Answer::Rejected;
+            !is_outside && witness.contradicts(&answer)
         };
         self.passing.iter().copied().filter(is_denied).collect()
     }
@@ -562,7 +577,7 @@ impl<'a> Search<'a> {
     fn one_more(&self, set: &Set, all: &mut Set, tried: &[usize]) -> Option<Member> {
         let now: Vec<i64> = tried.iter().map(|&w| self.value(w, set)).collect();
         let promise = self.each(all, |&id| {
-            let with = plus(set, id);
+            let with = with_id(set, id);
             let gain = |(&w, &now): (&usize, &i64)| {
                 if self.witnesses[w].could_be(&self.mistakes[id]) {
                     (self.value(w, &with) - now).max(0)
@@ -605,7 +620,7 @@ impl<'a> Search<'a> {
             |&w: &usize| tried[w] && self.witnesses[w].failed && now[w] < WORTH_OF_A_REFUSAL;
         let left: Vec<usize> = (0..now.len()).filter(is_left).collect();
         let gains = self.each(finalists, |&id| {
-            let with = plus(set, id);
+            let with = with_id(set, id);
             let gain = |&w: &usize| match self.witnesses[w].could_be(&self.mistakes[id]) {
                 true => self.value(w, &with) - now[w],
                 false => 0,
@@ -663,7 +678,7 @@ impl<'a> Search<'a> {
         least: i64,
         others: &[usize],
     ) -> Option<i64> {
-        let with = plus(set, id);
+        let with = with_id(set, id);
         let mut total = gain;
         for &w in others {
             if total < least {
@@ -696,7 +711,7 @@ impl<'a> Search<'a> {
             let Some(pair) = self.best_pair(set, pairs, left) else {
                 continue;
             };
-            let gain = |pair: &Vec<Member>| self.gain(set, &of(pair), left);
+            let gain = |pair: &Vec<Member>| self.gain(set, &ids_of(pair), left);
             if best.as_ref().is_none_or(|best| gain(&pair) > gain(best)) {
                 best = Some(pair);
             }
@@ -713,13 +728,9 @@ impl<'a> Search<'a> {
     /// Returns pairs of mistakes that together explain `w`. Tries at most `most` pairs of mistakes that change its answer.
     fn pairs_for(&self, w: usize, set: &Set, most: usize) -> Vec<[Id; 2]> {
         let concerned: Set = (0..self.mistakes.len())
-            .filter(|id| {
-                !set.contains(id)
-                    && !self.assumed.contains(id)
-                    && self.witnesses[w].concerns(&self.mistakes[*id])
-            })
+            .filter(|id| self.is_open(set, id) && self.witnesses[w].concerns(&self.mistakes[*id]))
             .collect();
-        let acting = self.select(concerned, |id| self.differ(w, set, &plus(set, id)));
+        let acting = self.select(concerned, |id| self.differ(w, set, &with_id(set, id)));
         let pairs: Vec<[Id; 2]> = acting
             .iter()
             .enumerate()
@@ -728,12 +739,12 @@ impl<'a> Search<'a> {
             .take(most)
             .collect();
         let explain = self.each(&pairs, |&[a, b]| {
-            self.value(w, &plus(&plus(set, a), b)) >= WORTH_OF_A_REFUSAL
+            self.value(w, &with_id(&with_id(set, a), b)) >= WORTH_OF_A_REFUSAL
         });
         let explaining = pairs.into_iter().zip(explain);
         explaining
             .filter_map(|(pair, explains)| explains.then_some(pair))
-            .take(MAX_FINALISTS * 4)
+            .take(MAX_AFFORDABLE)
             .collect()
     }
 
@@ -744,7 +755,7 @@ impl<'a> Search<'a> {
         let mut pairs: Vec<([Id; 2], i64)> = pairs.into_iter().map(|pair| (pair, 0)).collect();
         for tried in [&self.sample(left), &all] {
             let totals = self.each(&pairs, |&([a, b], _)| {
-                let with = plus(&plus(set, a), b);
+                let with = with_id(&with_id(set, a), b);
                 let gain = |&w: &usize| self.value(w, &with) - self.value(w, set);
                 tried.iter().map(gain).sum::<i64>()
             });
@@ -773,7 +784,7 @@ impl<'a> Search<'a> {
             values.iter().sum::<i64>()
         };
         for place in (0..members.len()).rev() {
-            let with = of(members);
+            let with = ids_of(members);
             let mut without = with.clone();
             without.remove(place);
             let needless = |places: &[usize]| {
@@ -819,17 +830,10 @@ impl<'a> Search<'a> {
                 witness.case.clauses.first().cloned(),
             )
         };
-        let smallest = self.smallest(left, 128 * MAX_SAMPLES_OF_A_SMALL_IMAGE);
+        let smallest = self.smallest(left, MAX_SAMPLES_TRIED);
         let mut sample = spread(&smallest, kind);
         sample.truncate(MAX_SAMPLE);
         sample
-    }
-
-    /// Returns as many failing cases as the budget allows.
-    fn affordable(&self, left: &[usize]) -> Vec<usize> {
-        let mut smallest = self.smallest(left, 128 * MAX_SAMPLES_OF_A_SMALL_IMAGE);
-        smallest.truncate(4 * MAX_SAMPLE);
-        smallest
     }
 
     /// Returns the number of samples of the correct answer.
@@ -885,17 +889,17 @@ fn worth(agreement: Agreement) -> i64 {
     }
 }
 
-pub(super) fn of(members: &[Member]) -> Set {
+pub(super) fn ids_of(members: &[Member]) -> Set {
     members.iter().map(|member| member.id).collect()
 }
 
 /// Returns the other members of a set.
-pub(super) fn without(set: &[Id], member: Id) -> Set {
+pub(super) fn without_id(set: &[Id], member: Id) -> Set {
     let others = set.iter().copied().filter(|&other| other != member);
     others.collect()
 }
 
-fn plus(set: &[Id], id: Id) -> Set {
+fn with_id(set: &[Id], id: Id) -> Set {
     [set, &[id]].concat()
 }
 

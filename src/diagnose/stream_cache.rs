@@ -21,14 +21,9 @@ static DECODED: Mutex<Option<(usize, HashMap<(Format, Size), Samples>)>> = Mutex
 pub(crate) fn stream_once(stream: &PlaneStream) -> Result<Vec<u8>> {
     let (format, size) = (stream.format, stream.size);
     let known = |cache: &Option<(usize, HashMap<_, Samples>)>| {
-        Some(
-            cache
-                .as_ref()?
-                .1
-                .get(&(format, size))?
-                .get(stream.bytes)?
-                .to_vec(),
-        )
+        let (_, decoded) = cache.as_ref()?;
+        let of_size = decoded.get(&(format, size))?;
+        Some(of_size.get(stream.bytes)?.to_vec())
     };
     if let Some(samples) = known(&DECODED.lock().expect("no worker panics")) {
         return Ok(samples);

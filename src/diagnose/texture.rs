@@ -29,7 +29,7 @@ pub fn diagnose(suite: &Suite<TextureCase>, run: &Run<TextureCase>) -> Vec<Diagn
         let rules = misreading.change(own);
         let explains = |i: usize| explains(run, i, &suite.cases[i], &rules);
         let is_wrong = |i: usize| is_wrong(run, &suite.cases[i], &rules);
-        CoverCandidate::of(misreading, &failing, explains, &passing, is_wrong)
+        CoverCandidate::new(misreading, &failing, explains, &passing, is_wrong)
     });
     let candidates = candidates.filter(CoverCandidate::is_supported).collect();
     let chosen = cover(candidates, &mut failing).into_iter();

@@ -33,10 +33,10 @@ pub(super) const MAX_PAIRS: usize = 3;
 pub const MAX_WORK: usize = 400_000;
 /// Units of work in search of two mistakes that hide each other.
 pub(super) const MAX_WORK_ON_PAIRS: usize = 8_000;
-/// A misreading that explains one in so many failures is named before edits are tried.
-pub(super) const MUCH: usize = 4;
-/// Failures that an edit, a scope, or another reading of the open questions must explain to be believed.
-pub(super) const MIN_FAILURES_OF_A_READING: usize = 4;
+/// Failing cases on which a mistake is tried if it explains none of the sample.
+pub(super) const MAX_AFFORDABLE: usize = 160;
+/// Samples of the images on which every mistake is tried.
+pub(super) const MAX_SAMPLES_TRIED: usize = 1 << 20;
 
 // Edits of formulas
 /// Times that every edit is tried: beside nothing, and beside the first mistakes that were found.
@@ -49,22 +49,45 @@ pub(super) const MIN_PROBE_SIZE: u32 = 3;
 pub(super) const MAX_EDITS: usize = 24;
 /// Misreadings for which the files in which they are made are looked for.
 pub(super) const MAX_SCOPED_MISREADINGS: usize = 12;
-/// A value changes in a learned table if one in so many of its texels says so; lossy planes differ by one in a few.
-pub(super) const MIN_SHARE_OF_A_TABLE: usize = 5;
 
-// Coincidences
-/// A property is named if at most one in so many suites would have it by chance.
-pub(super) const CHANCE_OF_A_PROPERTY: f64 = 50.0;
+// Evidence
+/// Failures that support an edit, a scope, a statement about a format, or another reading of the open questions.
+pub(super) const MIN_SUPPORT: usize = 4;
 /// Files that share a property.
 pub(super) const MIN_SHARING_FILES: usize = 2;
-/// Files of one size that bound those of others.
-pub(super) const MIN_FILES_OF_A_SIZE: usize = 3;
-/// A mistake that explains one in so many failures, none about its clause, agrees with them by chance.
-pub(super) const STRAY_SHARE: usize = 12;
-/// One image among so many refusals agrees by chance.
-pub(super) const REFUSALS_PER_CHANCE_IMAGE: usize = 12;
-/// A property is named if it explains one in so many of the failures that nothing else explains.
-pub(super) const MIN_SHARE_OF_A_PROPERTY: usize = 5;
+/// Files that must be read before it is meaningful that no property separates the others from them.
+pub(super) const MIN_READ_FILES: usize = 20;
+/// A property is named if at most one in so many suites would have it by chance.
+pub(super) const CHANCE_OF_A_PROPERTY: f64 = 50.0;
+/// Less than one in so many agrees by chance.
+pub(super) const FEW: usize = 12;
+/// One in so many is much.
+pub(super) const MUCH: usize = 4;
+/// A numerator and a denominator: the other cases of a view may have a second cause.
+pub(super) const NEARLY_ALL: [usize; 2] = [3, 4];
+/// Colors are computed in single precision, with an error up to this.
+pub(super) const ROUNDING_SLACK: f64 = 0.02;
+
+/// Returns true if the part is so small that it may be chance: less than one in [`FEW`].
+pub(super) const fn is_few(part: usize, all: usize) -> bool {
+    part * FEW < all
+}
+
+/// Returns true if the part is at least one in [`MUCH`].
+pub(super) const fn is_much(part: usize, all: usize) -> bool {
+    part * MUCH >= all
+}
+
+/// Returns true if the part is more than half.
+pub(super) const fn is_most(part: usize, all: usize) -> bool {
+    part * 2 > all
+}
+
+/// Returns true if the part is at least the share [`NEARLY_ALL`], and not 0.
+pub(super) const fn is_nearly_all(part: usize, all: usize) -> bool {
+    let [least, of] = NEARLY_ALL;
+    part > 0 && part * of >= all * least
+}
 
 #[cfg(test)]
 mod tests {

@@ -4,6 +4,7 @@ use std::borrow::Cow;
 use std::sync::{Arc, OnceLock};
 
 use super::stream_cache::stream_once;
+use super::tuning::{MIN_SUPPORT, is_most, is_nearly_all};
 use crate::decode::{decode_as, examine_as};
 use crate::generate::Model;
 use crate::kit::parallel::in_parallel;
@@ -123,9 +124,6 @@ pub(super) fn breaks_its_promise(run: &Run, case: &Case, observation: &Observati
     run.offer
         .is_broken_by(case, observation, &run.judgement.unsupported)
 }
-
-/// Colors that are all off by one in one direction and that rounding does not explain.
-const MIN_COLORS_OFF: usize = 6;
 
 impl Witness<'_> {
     /// Returns the answer of a decoder with these misreadings.
@@ -273,25 +271,24 @@ impl Witness<'_> {
             let mut offs = others
                 .iter()
                 .map(|&(made, shown)| i16::from(shown) - i16::from(made));
-            others.len() >= MIN_COLORS_OFF && offs.all(|by| by == off)
+            others.len() >= MIN_SUPPORT && offs.all(|by| by == off)
         };
-        let is_at_limits = others.is_empty() && same * 10 < limits.len() * 9;
+        let is_at_limits =
+            others.is_empty() && !limits.is_empty() && !is_nearly_all(same, limits.len());
         !is_at_limits && !all_off(1) && !all_off(-1)
     }
 
     /// Returns true if `made` is equal to the response, or differs in fewer than half as many samples as the reference's image.
     fn is_nearer(&self, made: &Frame, shown: &Frame) -> bool {
-        let far = |other: &Frame| match (&other.samples, &shown.samples) {
-            (Samples::U8(other), Samples::U8(shown)) => {
-                Some(other.iter().zip(shown).filter(|(a, b)| a != b).count())
-            }
-            _ => None,
+        let (Samples::U8(samples), Answer::Decoded(right)) = (&shown.samples, &self.right) else {
+            return shown == made;
         };
-        match &self.right {
-            _ if shown == made => true,
-            Answer::Decoded(right) => far(made) < far(right).map(|count| count / 2),
-            _ => false,
-        }
+        let far = |other: &Frame| match &other.samples {
+            Samples::U8(other) => other.iter().zip(samples).filter(|(a, b)| a != b).count(),
+            Samples::F32(other) => other.len(),
+        };
+        let (near, far) = (far(made), far(right));
+        shown == made || is_most(far.saturating_sub(near), far)
     }
 
     /// Returns true if that is the reference's image up to rounding. Such an image explains no failure.
@@ -416,7 +413,7 @@ pub(super) fn explains_a_view(
     ViewKind::ALL.into_iter().any(|view| {
         let is_of = |w: &&usize| witnesses[**w].observation.view.kind() == view;
         let count = explained.iter().filter(is_of).count();
-        count > 0 && 4 * count >= 3 * acting.iter().filter(is_of).count()
+        is_nearly_all(count, acting.iter().filter(is_of).count())
     })
 }
 

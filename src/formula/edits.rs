@@ -49,9 +49,12 @@ pub fn all(formula: Formula) -> &'static [Edit] {
 }
 
 fn generate(formula: Formula) -> Vec<Edit> {
-    let stated = &formula.stated().expression;
-    let scope = formula.scope();
-    let mut all: Vec<Expression> = Vec::new();
+    let (stated, scope) = (&formula.stated().expression, formula.scope());
+    let mut all = Vec::new();
+    // A value that is never written stays 0.
+    if let Formula::Shown | Formula::FinalCoefficient | Formula::StoredValue = formula {
+        all.push(number(0.0));
+    }
     for operator in [dropped, exchanged, renamed, reordered, renumbered] {
         all.extend(everywhere(stated, &|node| operator(node, scope)));
     }
@@ -67,11 +70,8 @@ fn generate(formula: Formula) -> Vec<Edit> {
     }
     let mut known = HashSet::from([stated.display(scope)]);
     all.retain(|expression| known.insert(expression.display(scope)));
-    let edit = |expression| Edit {
-        formula,
-        change: EditedForm::Expression(expression),
-    };
-    all.into_iter().map(edit).collect()
+    let changes = all.into_iter().map(EditedForm::Expression);
+    changes.map(|change| Edit { formula, change }).collect()
 }
 
 /// Applies an operator at every node, from the root to the leaves.
@@ -282,19 +282,14 @@ fn padded(value: &Expression, multiple: f64) -> Expression {
 /// Returns all permutations of `count` elements except the identity.
 fn permutations(count: usize) -> Vec<Vec<usize>> {
     let mut all = vec![Vec::new()];
-    for _ in 0..count {
+    for place in 0..count {
         let longer = |order: Vec<usize>| {
-            let unused: Vec<usize> = (0..count).filter(|place| !order.contains(place)).collect();
-            unused.into_iter().map(move |place| {
-                let mut longer = order.clone();
-                longer.push(place);
-                longer
-            })
+            (0..=order.len()).map(move |at| [&order[..at], &[place], &order[at..]].concat())
         };
         all = all.into_iter().flat_map(longer).collect();
     }
-    all.remove(0);
-    all
+    all.sort();
+    all.split_off(1)
 }
 
 /// Replaces a constant by its neighbors, its half and double, and the constants that it is commonly confused with.
@@ -396,15 +391,19 @@ fn conditional(node: &Expression, scope: Scope) -> Vec<Expression> {
         let size = call(Function::Abs, std::slice::from_ref(&variable));
         let is_zero = call(Function::AtMost, &[size, number(0.0)]);
         let is_a_byte = call(Function::AtMost, &[variable, number(255.0)]);
-        let others = (0..scope.variables.len()).filter(|other| other != own);
-        for other in others.map(Expression::Variable) {
-            let choices = [
-                [is_zero.clone(), other.clone(), node.clone()],
-                [is_zero.clone(), node.clone(), other.clone()],
-                [is_a_byte.clone(), node.clone(), other],
-            ];
-            let choices = choices.iter();
-            all.extend(choices.map(|choice| call(Function::Select, choice)));
+        for place in (0..scope.variables.len()).filter(|other| other != own) {
+            let other = Expression::Variable(place);
+            let if_zero = match place == condition {
+                true => number(0.0),
+                false => other.clone(),
+            };
+            let select = |condition: &Expression, then: &Expression, otherwise: &Expression| {
+                let arguments = [condition, then, otherwise].map(Clone::clone);
+                call(Function::Select, &arguments)
+            };
+            all.push(select(&is_zero, &if_zero, node));
+            all.push(select(&is_zero, node, &other));
+            all.push(select(&is_a_byte, node, &other));
         }
     }
     all

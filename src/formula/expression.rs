@@ -93,8 +93,7 @@ impl Function {
     ];
 
     fn name(self) -> &'static str {
-        let of_self = |&&(function, _, _): &&(Function, &str, usize)| function == self;
-        Function::ALL.iter().find(of_self).map_or("", |row| row.1)
+        Function::ALL[self as usize].1
     }
 }
 
@@ -179,7 +178,7 @@ impl Expression {
             || self.children().iter().any(|child| child.uses(place))
     }
 
-    /// Returns the expression as text that [`parse`] reads back, addresses as sums of products.
+    /// Returns the expression as text, addresses as sums of products and choices in words.
     #[must_use]
     pub fn display(&self, scope: Scope) -> String {
         let mut text = String::new();
@@ -241,6 +240,18 @@ impl Expression {
                 text.push_str(" / ");
                 under.write(text, scope, 3);
             }
+            Expression::Call(Function::Select, arguments) => {
+                let [condition, then, otherwise] = &arguments[..] else {
+                    return;
+                };
+                text.push('(');
+                then.write(text, scope, 0);
+                text.push_str(" if ");
+                condition.write_condition(text, scope);
+                text.push_str(", else ");
+                otherwise.write(text, scope, 0);
+                text.push(')');
+            }
             Expression::Call(function, arguments) => {
                 text.push_str(function.name());
                 for (i, argument) in arguments.iter().enumerate() {
@@ -251,6 +262,24 @@ impl Expression {
             }
             Expression::Address(digits) => Expression::write_address(digits, text, scope),
         }
+    }
+
+    /// Writes a condition as a comparison.
+    fn write_condition(&self, text: &mut String, scope: Scope) {
+        let (left, sign, right) = match self {
+            Expression::Call(Function::AtMost, sides) => match &sides[..] {
+                [Expression::Call(Function::Abs, value), zero]
+                    if *zero == Expression::Number(0.0) =>
+                {
+                    (&value[0], " = ", zero)
+                }
+                sides => (&sides[0], " <= ", &sides[1]),
+            },
+            other => (other, " != ", &Expression::Number(0.0)),
+        };
+        left.write(text, scope, 0);
+        text.push_str(sign);
+        right.write(text, scope, 0);
     }
 
     /// Writes the last digit, and before it the other digits times its radix.
@@ -497,6 +526,12 @@ mod tests {
     fn an_address_is_shown_as_arithmetic() {
         let address = parse("[a:3, b + 1:width, 1:6]", SCOPE).expect("an expression");
         assert_eq!(address.display(SCOPE), "(a * width + b + 1) * 6 + 1");
+    }
+
+    #[test]
+    fn a_choice_is_shown_in_words() {
+        let choice = parse("1 + select(at_most(abs(a), 0), b, 2)", SCOPE).expect("an expression");
+        assert_eq!(choice.display(SCOPE), "1 + (b if a = 0, else 2)");
     }
 
     #[test]

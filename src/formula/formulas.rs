@@ -165,18 +165,13 @@ impl Formula {
     /// Returns true if an edit of the formula can lead outside the data, so that the file is refused.
     #[must_use]
     pub fn may_refuse(self) -> bool {
-        let makes_values = [
-            Formula::StoredRow,
-            Formula::StoredColumn,
-            Formula::Inversion,
-            Formula::MeanOfTwo,
-            Formula::MeanOfFour,
-            Formula::Predictor,
-            Formula::StreamSample,
-            Formula::Plane,
-            Formula::Corrected,
+        let addresses = [
+            Formula::RgbSample..=Formula::Reference,
+            Formula::DisplacedX..=Formula::DisplacedY,
+            Formula::EdgeX..=Formula::EdgeY,
+            Formula::RecordCount..=Formula::RecordPlace,
         ];
-        self.stage() == Stage::Decoding && !makes_values.contains(&self)
+        addresses.iter().any(|range| range.contains(&self))
     }
 
     /// Returns the formula of that name.

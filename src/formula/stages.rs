@@ -56,7 +56,7 @@ impl Edits<'_> {
     }
 
     fn edited(&self, formula: Formula, variables: &[f64], lists: &[&[f64]]) -> Option<f64> {
-        Some(match self.change(formula)? {
+        self.change(formula).map(|change| match change {
             EditedForm::Expression(expression) => expression.value(variables, lists),
             EditedForm::Table(table) => f64::from(table[usize::from(byte(variables[0]))]),
         })
@@ -152,10 +152,10 @@ fn outside_data(at: usize) -> Error {
 }
 
 /// Returns the element at an address.
-fn element<T: Copy>(data: &[T], address: f64) -> Result<T> {
+fn element<T>(data: &[T], address: f64) -> Result<&T> {
     let is_address = address >= 0.0 && address.fract() == 0.0;
     let found = is_address.then(|| data.get(address as usize)).flatten();
-    found.copied().ok_or_else(|| outside_data(0))
+    found.ok_or_else(|| outside_data(0))
 }
 
 impl Texels<'_> {
@@ -210,10 +210,8 @@ impl Texels<'_> {
                 _ if channel < 6 => Formula::LrgbCoefficient,
                 _ => Formula::LrgbColor,
             };
-            element(
-                payload,
-                self.address(formula, [row, column], channel, [0.0; 3]),
-            )
+            let address = self.address(formula, [row, column], channel, [0.0; 3]);
+            element(payload, address).copied()
         })
     }
 
@@ -226,8 +224,7 @@ impl Texels<'_> {
         (self.reading.after_table)(input)?;
         let payload = [table, input.rest()].concat();
         let (entries, size) = (count as f64, entry_size as f64);
-        let unknown = [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, entries, size, 0.0];
-        let bytes = self.edits.value(Formula::IndexSize, &unknown, &[]);
+        let bytes = self.address(Formula::IndexSize, [0.0; 2], 0, [entries, size, 0.0]);
         let layout = [entries, size, bytes];
         let last = Cell::new((f64::NAN, f64::NAN, 0.0));
         let index_at = |row: f64, column: f64| -> Result<f64> {
@@ -236,7 +233,7 @@ impl Texels<'_> {
             }
             let stored = |k| {
                 let address = self.address(Formula::IndexByte, [row, column], k, layout);
-                element(&payload, address)
+                element(&payload, address).copied()
             };
             let stored = (0..bytes as usize)
                 .map(stored)
@@ -266,7 +263,7 @@ impl Texels<'_> {
                 }
                 false => self.address(Formula::TableColor, [row, column], channel, layout),
             };
-            element(&payload, address)
+            element(&payload, address).copied()
         })
     }
 
@@ -275,13 +272,12 @@ impl Texels<'_> {
             18 => Formula::RgbPlane,
             _ => Formula::LrgbPlane,
         };
-        let order =
-            (0..planes.len()).map(|channel| self.address(formula, [0.0; 2], channel, [0.0; 3]));
-        let order: Vec<f64> = order.collect();
+        let plane_of = |channel| {
+            let place = self.address(formula, [0.0; 2], channel, [0.0; 3]);
+            element(planes, place)
+        };
+        let planes: Vec<&Vec<u8>> = (0..planes.len()).map(plane_of).collect::<Result<_>>()?;
         let [width, height] = self.size();
-        let places: Vec<usize> = (0..planes.len()).collect();
-        let order = order.into_iter().map(|plane| element(&places, plane));
-        let order = order.collect::<Result<Vec<usize>>>()?;
         self.collect(|row, column, channel| {
             let is_inside = row >= 0.0 && row < height && column >= 0.0 && column < width;
             let address = if is_inside {
@@ -289,7 +285,7 @@ impl Texels<'_> {
             } else {
                 -1.0
             };
-            element(&planes[order[channel]], address)
+            element(planes[channel], address).copied()
         })
     }
 }
@@ -351,21 +347,16 @@ impl CompressedPlanes<'_> {
         if !self.edits.affect(Formula::Transform..=Formula::Reference) {
             return Ok(own);
         }
-        let numbers = |list: &[crate::parts::Number]| -> Vec<f64> {
-            list.iter().map(|number| number.value as f64).collect()
-        };
-        let lists = [
-            &self.lists.transforms,
-            &self.lists.motion,
-            &self.lists.references,
-        ];
-        let lists = lists.map(|list| numbers(list));
+        let raw = self.lists;
+        let lists = [&raw.transforms, &raw.motion, &raw.references];
+        let lists = lists
+            .map(|list| -> Vec<f64> { list.iter().map(|number| number.value as f64).collect() });
         let lists: Vec<&[f64]> = lists.iter().map(Vec::as_slice).collect();
         let variables = [
             p as f64,
             self.coded.plan.steps.len() as f64,
             lists[2][p],
-            self.lists.order[p].value as f64,
+            raw.order[p].value as f64,
         ];
         let value = |formula| self.edits.value(formula, &variables, &lists);
         let edited_or = |formula, own: i64| match self.edits.has(formula) {
@@ -446,10 +437,8 @@ impl CompressedPlanes<'_> {
             return (self.reading.invert)(plane);
         }
         for value in plane {
-            *value = byte(
-                self.edits
-                    .value(Formula::Inversion, &[f64::from(*value)], &[]),
-            );
+            let variables = [f64::from(*value)];
+            *value = byte(self.edits.value(Formula::Inversion, &variables, &[]));
         }
     }
 
@@ -489,12 +478,11 @@ impl CompressedPlanes<'_> {
         if !self.edits.has(formula) {
             return Ok((self.reading.motion_half)(corners));
         }
-        Ok(byte(match formula {
-            Formula::MeanOfFour => self.edits.value(formula, &[a, b, c, d], &[]),
-            _ => self
-                .edits
-                .value(formula, &[a, if left < right { b } else { c }], &[]),
-        }))
+        let values: &[f64] = match formula {
+            Formula::MeanOfFour => &[a, b, c, d],
+            _ => &[a, if left < right { b } else { c }],
+        };
+        Ok(byte(self.edits.value(formula, values, &[])))
     }
 
     /// Returns the sample of a texel, which may lie outside the plane.
@@ -509,7 +497,7 @@ impl CompressedPlanes<'_> {
         let variables = [x, y, width, height];
         let column = self.edits.value(Formula::EdgeX, &variables, &[]);
         let row = self.edits.value(Formula::EdgeY, &variables, &[]);
-        element(plane, row * width + column)
+        element(plane, row * width + column).copied()
     }
 
     /// Adds the predictor to residuals.
@@ -529,44 +517,29 @@ impl CompressedPlanes<'_> {
 
     /// Applies the side information of plane `p`, whose stream holds `residuals`.
     fn correct(&self, p: usize, plane: &mut [u8], residuals: &[u8], predicted: bool) -> Result<()> {
-        let is_of_bytes = self
-            .edits
-            .affect(Formula::RecordCount..=Formula::RecordByte);
-        if !is_of_bytes
-            && !self
-                .edits
-                .affect(Formula::RecordPosition..=Formula::Corrected)
-        {
+        let edits = self.edits;
+        if !edits.affect(Formula::RecordCount..=Formula::Corrected) {
             return self.coded.correct(p, plane, self.reading);
         }
         let block = (self.reading.side_information)(&self.coded, p);
         let at = self.coded.at + self.coded.plan.extents[p].side.start;
-        if !is_of_bytes {
+        if !edits.affect(Formula::RecordCount..=Formula::RecordByte) {
             (self.reading.records)(block, at, plane.len())?;
         }
         let size = [block.len() as f64, self.coded.plan.parameter as f64];
-        let count = self.edits.value(Formula::RecordCount, &size, &[]);
+        let count = edits.value(Formula::RecordCount, &size, &[]);
         if count.fract() != 0.0 {
             return Err(outside_data(at));
         }
         // An edited count may be any number. There are not more records than bytes.
         for r in 0..(count as usize).min(block.len()) {
-            let stored = |k: f64| {
-                let address = self
-                    .edits
-                    .value(Formula::RecordByte, &[r as f64, k, count], &[]);
-                element(block, address).map(f64::from)
-            };
-            let [p3, p2, p1, p0, value] = [
-                stored(0.0)?,
-                stored(1.0)?,
-                stored(2.0)?,
-                stored(3.0)?,
-                stored(4.0)?,
-            ];
-            let position = self
-                .edits
-                .value(Formula::RecordPosition, &[p3, p2, p1, p0, value], &[]);
+            let mut bytes = [0.0; 5];
+            for (k, value) in bytes.iter_mut().enumerate() {
+                let address = edits.value(Formula::RecordByte, &[r as f64, k as f64, count], &[]);
+                *value = f64::from(*element(block, address)?);
+            }
+            let position = edits.value(Formula::RecordPosition, &bytes, &[]);
+            let value = bytes[4];
             let Size { width, height } = self.coded.size;
             let (width, height) = (f64::from(width), f64::from(height));
             let (row, column) = ((position / width).floor(), position.rem_euclid(width));
@@ -574,11 +547,11 @@ impl CompressedPlanes<'_> {
             let record = [
                 position, row, column, width, height, r as f64, value, predicted,
             ];
-            let place = self.edits.value(Formula::RecordPlace, &record, &[]);
-            let before = f64::from(element(plane, place)?);
+            let place = edits.value(Formula::RecordPlace, &record, &[]);
+            let before = f64::from(*element(plane, place)?);
             let residual = f64::from(residuals[place as usize]);
             let correction = [value, before, residual, position, r as f64, predicted];
-            plane[place as usize] = byte(self.edits.value(Formula::Corrected, &correction, &[]));
+            plane[place as usize] = byte(edits.value(Formula::Corrected, &correction, &[]));
         }
         Ok(())
     }

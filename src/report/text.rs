@@ -316,7 +316,7 @@ fn write_details(cause: &LikelyCause, suite: SuiteName, out: &mut String) -> std
     for (slug, words) in known_words(suite, &cause.or).take(MAX_ALIKE) {
         writeln!(
             out,
-            "  Would look the same: it {} (clause {}; {slug})",
+            "  Would look the same: a decoder that {} (clause {}; {slug})",
             words.effect, words.clause
         )?;
     }

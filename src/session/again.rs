@@ -170,6 +170,7 @@ fn difference<C: TestCase>(
         None if served => format!(
             "in serve mode{after}, it answers with {one}; asked alone with {other}: state leaks between files"
         ),
+        _ if one == other => format!("answers differently each time, in both calls with {one}"),
         _ => format!("answers differently each time: first with {one}, asked again with {other}"),
     }
 }

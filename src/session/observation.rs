@@ -103,8 +103,8 @@ impl<C: TestCase> Response<C> {
             Response::Picture {
                 difference: Some(difference),
                 ..
-            } => format!("a wrong picture ({difference})"),
-            Response::Picture { .. } => "a picture".to_owned(),
+            } => format!("a wrong image ({difference})"),
+            Response::Picture { .. } => "an image".to_owned(),
             Response::Rejected => "a refusal".to_owned(),
             Response::Unsupported => "\"unsupported\"".to_owned(),
             Response::Violation(answer) => answer.describe(),

@@ -74,7 +74,7 @@ pub fn diagnose(
             alike: Vec::new(),
             with: vec![second],
         };
-        Diagnosis::of(cause, pair.explains)
+        Diagnosis::new(cause, pair.explains)
     }));
     diagnoses.extend(describe_differences(suite, run, &failing));
     diagnoses
@@ -135,7 +135,7 @@ fn single(
         }
         let explains = |place: usize| exhibits.get(&place).is_some_and(explains);
         let contradicts = |place: usize| exhibits.get(&place).is_some_and(contradicts);
-        CoverCandidate::of(mistake, failing, explains, passing, contradicts)
+        CoverCandidate::new(mistake, failing, explains, passing, contradicts)
     };
     let found = in_parallel(mistakes.len(), threads, &|_, _| (), &candidate);
     found.into_iter().flatten().collect()
@@ -164,7 +164,7 @@ fn pairs(
         let (first, second) = found.into_iter().flatten().next()?;
         let is_explained = |exhibit: &Exhibit| explains(exhibit, [first, second]);
         let explains = |place: usize| exhibits.get(&place).is_some_and(is_explained);
-        CoverCandidate::of((first, second), failing, explains, &[], |_| false)
+        CoverCandidate::new((first, second), failing, explains, &[], |_| false)
     };
     let smallest = smallest_exhibits(exhibits, failing).into_iter();
     smallest
@@ -195,7 +195,7 @@ where
             let (place, fault) = faults[0];
             let example = format!("for example {}: {fault}", suite.cases[place].id());
             let cause = describe(clause, words_of(clause, fault), example);
-            Diagnosis::of(cause, faults.iter().map(|&(place, _)| place).collect())
+            Diagnosis::new(cause, faults.iter().map(|&(place, _)| place).collect())
         })
         .collect();
     diagnoses.sort_by_key(|diagnosis| Reverse(diagnosis.explains.len()));
@@ -222,7 +222,7 @@ fn words_of(clause: &str, fault: &WriterFault) -> (&'static str, &'static str) {
     };
     let effect = match clause {
         "refused" => "writes files that no reader can decode",
-        "1.0/1" => "fits the pictures worse than they can be fitted",
+        "1.0/1" => "fits the images worse than the best map does",
         "2.2/1" => "writes another format than it is asked for",
         "2.3/1" => "writes another size than it is asked for",
         "2.4/3" => "writes other scales than it is asked for",
@@ -235,7 +235,7 @@ fn words_of(clause: &str, fault: &WriterFault) -> (&'static str, &'static str) {
     };
     let fix = match clause {
         "refused" => "look at the byte that the example names",
-        "1.0/1" => "look at the pictures under the light of the example",
+        "1.0/1" => "compare the images under the light of the example",
         "2.2/1" => "write the format of the request, or exit with 69",
         "2.3/1" => "write the width, then the height",
         "2.4/3" => "write all digits of the six scales, in the order of the coefficients",

@@ -28,7 +28,8 @@ pub(in crate::diagnose) fn describe(
     }
     left.retain(|w| !accepted(w));
     clauses.sort_by_key(|(_, of)| std::cmp::Reverse(of.len()));
-    let diagnosis = |(clause, of): (&str, Vec<usize>)| acceptance(witnesses, &of).about(clause);
+    let diagnosis =
+        |(clause, of): (&str, Vec<usize>)| acceptance(witnesses, &of).with_clause(clause);
     clauses.into_iter().map(diagnosis).collect()
 }
 
@@ -58,7 +59,7 @@ pub(in crate::diagnose) fn all_that_shows(
     let is_observation = says_more && !of.is_empty() && of.iter().all(is_accepted);
     is_observation.then(|| {
         acceptance(witnesses, of)
-            .about(clause(&witnesses[of[0]]))
+            .with_clause(clause(&witnesses[of[0]]))
             .cause
     })
 }

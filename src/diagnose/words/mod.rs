@@ -2,7 +2,6 @@
 
 pub(super) mod acceptances;
 mod arithmetic;
-pub(super) mod formats;
 pub(super) mod nondeterminism;
 pub(super) mod place;
 pub(super) mod promises;
@@ -86,7 +85,12 @@ fn share_of_formats(witnesses: &[Witness], of: &[usize]) -> String {
     match (legal, of.len() - legal) {
         (0, others) => format!("{others} files{names} that need not be decoded"),
         (_, 0) => format!("{legal} of {all} legal files{names}"),
-        (_, others) => format!("{legal} of {all} legal files{names} (and {others} others)"),
+        (_, others) => {
+            let files = if others == 1 { "file" } else { "files" };
+            format!(
+                "{legal} of {all} legal files{names} (and {others} {files} that need not be decoded)"
+            )
+        }
     }
 }
 

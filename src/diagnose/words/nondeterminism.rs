@@ -1,6 +1,7 @@
 //! Requests with different responses. They are no evidence for a misreading, only for state that is kept or left to chance.
 
 use crate::diagnose::diagnosis::{Category, Cause, Diagnosis};
+use crate::diagnose::tuning::is_much;
 use crate::protocol::frame::Answer;
 use crate::session::observation::{Nondeterminism, Response};
 use crate::session::outcome::Outcome;
@@ -31,7 +32,7 @@ pub(in crate::diagnose) fn describe(suite: &Suite, run: &Run) -> Vec<Diagnosis> 
     let diagnosis = |of: Vec<(usize, &Nondeterminism)>, effect: &str, fix: &str| {
         let &(place, how) = of.first()?;
         let case = &suite.cases[place];
-        Some(Diagnosis::of(
+        Some(Diagnosis::new(
             Cause::Described {
                 category: Category::Nondeterminism,
                 clause: case.clauses.first().cloned().unwrap_or_default(),
@@ -64,18 +65,15 @@ pub(in crate::diagnose) fn describe(suite: &Suite, run: &Run) -> Vec<Diagnosis> 
         .collect()
 }
 
-/// Returns true if more than a third of the failures differ from call to call, so that common properties of their images are
+/// Returns true if at least a quarter of the failures differ from call to call, so that common properties of their images are
 /// chance.
 pub(in crate::diagnose) fn is_prevalent(run: &Run) -> bool {
-    let failed = |place: &usize| {
-        let judged = run.judgement.cases[*place].as_ref();
-        judged.is_some_and(|judged| judged.outcome == Outcome::Fail)
-    };
     let differs = |place: &usize| {
         let observation = run.observations[*place].as_ref();
         let how = observation.and_then(|observation| observation.nondeterminism.as_ref());
         how.is_some_and(|how| !how.served)
     };
-    let failed: Vec<usize> = (0..run.observations.len()).filter(failed).collect();
-    failed.iter().filter(|place| differs(place)).count() * 3 > failed.len()
+    let failed: Vec<usize> = run.judgement.with(Outcome::Fail).collect();
+    let differing = failed.iter().filter(|place| differs(place)).count();
+    is_much(differing, failed.len())
 }

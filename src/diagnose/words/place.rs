@@ -1,15 +1,16 @@
 //! Wrong images of unknown cause: the step at which values first differ, in which channels and files, and one example.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashMap};
 use std::fmt::Write as _;
 
 use super::arithmetic::arithmetic;
 use super::{files_in, layout_clause, share_of_formats};
 use crate::diagnose::diagnosis::{Category, Diagnosis, Words};
+use crate::diagnose::failure_mode::FailureMode;
 use crate::diagnose::pair::Pair;
 use crate::diagnose::scope::shared_scope;
-use crate::diagnose::search::{Id, Search, without};
-use crate::diagnose::tuning::MIN_SHARING_FILES;
+use crate::diagnose::search::{Id, Search, Set, without_id};
+use crate::diagnose::tuning::{MIN_SHARING_FILES, is_most};
 use crate::diagnose::witness::Witness;
 use crate::protocol::frame::{Answer, Frame, View, ViewKind};
 use crate::ptm::{Format, channel_name};
@@ -24,7 +25,8 @@ const MAX_LISTED: usize = 3;
 /// The step at which the values of an image first differ, as far as one image shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Step {
-    Shape,
+    Size,
+    Channels,
     Choice,
     Malformed,
     Places,
@@ -40,7 +42,10 @@ impl Step {
     /// Returns the decoder's behavior, as a sentence without its subject.
     fn effect(self) -> &'static str {
         match self {
-            Step::Shape => "shows an image of another size or type",
+            Step::Size => "shows an image of another size",
+            Step::Channels => {
+                "shows an image with another number of channels or another sample type"
+            }
             Step::Choice => "follows another reading of an open question than in its other images",
             Step::Malformed => "shows an image of a file that must be refused",
             Step::Places => "shows the correct values in the wrong places",
@@ -58,8 +63,9 @@ impl Step {
     /// Returns the advice.
     fn fix(self) -> &'static str {
         match self {
-            Step::Shape => {
-                "compare width, height, channels and sample type with the expected frame"
+            Step::Size => "compare width and height with the header of the file",
+            Step::Channels => {
+                "compare the number of channels and the sample type with the expected frame"
             }
             Step::Choice => "use one reading of the question in all files",
             Step::Malformed => "refuse the file with exit status 65",
@@ -84,7 +90,8 @@ impl Step {
     /// The clause that states the step.
     fn clause(self, format: Format) -> Option<&'static str> {
         Some(match (self, format) {
-            (Step::Places | Step::StoredValue, format) => layout_clause(format),
+            (Step::Size, _) => "2.3/1",
+            (Step::Channels | Step::Places | Step::StoredValue, format) => layout_clause(format),
             (Step::Stream, _) => "2.9.8/3",
             (Step::Prediction, _) => "2.9.5/4",
             (Step::Correction, _) => "2.9.8/8",
@@ -98,14 +105,16 @@ impl Step {
 }
 
 /// Describes the wrong images in `left`, grouped by the step at which they first differ. `set` are the mistakes that were found.
-pub(in crate::diagnose) fn describe(search: &Search, set: &[Id], left: &[usize]) -> Vec<Diagnosis> {
+pub(in crate::diagnose) fn describe(search: &Search, set: &Set, left: &[usize]) -> Vec<Diagnosis> {
     let mut steps = search.each(left, |&w| step(search, set, w));
     // Where values of files without streams are wrong too, something after the streams is.
     if steps.contains(&Step::StoredValue) {
         let streams = steps.iter_mut().filter(|step| **step == Step::Stream);
         streams.for_each(|step| *step = Step::StoredValue);
     }
-    follow_earlier_steps(search.witnesses, left, &mut steps);
+    let mut known: HashMap<usize, Step> = left.iter().copied().zip(steps).collect();
+    follow_earlier_steps(search, set, &mut known);
+    let steps: Vec<Step> = left.iter().map(|w| known[w]).collect();
     let clause = |(step, &w): (&Step, &usize)| step.clause(search.witnesses[w].case.format());
     let mut clauses: Vec<Option<&str>> = steps.iter().zip(left).map(clause).collect();
     let colors = || (0..left.len()).filter(|&at| steps[at] == Step::Color);
@@ -126,32 +135,36 @@ pub(in crate::diagnose) fn describe(search: &Search, set: &[Id], left: &[usize])
     diagnoses
 }
 
-/// Replaces the steps of final values and colors by the step of an earlier view, if at least half as many images of the format are
-/// wrong in that view: what comes before explains them.
-fn follow_earlier_steps(witnesses: &[Witness], left: &[usize], steps: &mut [Step]) {
-    let first_steps = steps.to_vec();
+/// Replaces the steps of final values and colors by the step of an earlier view, if more than half as many unexplained images of
+/// the format are wrong in that view: what comes before explains them. An image that is described elsewhere counts too.
+fn follow_earlier_steps(search: &Search, set: &Set, steps: &mut HashMap<usize, Step>) {
+    let witnesses = search.witnesses;
+    let mut open = search.unexplained(set);
+    open.retain(|w| {
+        FailureMode::of(&witnesses[*w]).is_none()
+            && witnesses[*w].case.expect == Expect::Decode
+            && steps.get(w).is_none_or(|step| *step >= Step::Places)
+    });
     for format in Format::ALL {
-        let wrong = |view: ViewKind| -> Vec<usize> {
-            let is_wrong = |&at: &usize| {
-                let witness = &witnesses[left[at]];
+        let [raw, coef, rgb] = ViewKind::ALL.map(|view| -> Vec<usize> {
+            let is_of = |w: &usize| {
+                let witness = &witnesses[*w];
                 (witness.case.format(), witness.observation.view.kind()) == (format, view)
-                    && first_steps[at] >= Step::Places
             };
-            (0..left.len()).filter(is_wrong).collect()
-        };
-        for (late, view) in ViewKind::ALL.into_iter().enumerate().skip(1) {
-            let later = wrong(view);
-            let earlier = ViewKind::ALL[..late].iter().map(|&earlier| wrong(earlier));
-            let mut explaining = earlier
-                .filter(|wrong| wrong.len() >= MIN_SHARING_FILES && 2 * wrong.len() >= later.len());
-            let step = explaining
-                .next()
-                .and_then(|wrong| wrong.into_iter().map(|at| steps[at]).max());
-            if let Some(step) = step {
-                let later = later.into_iter();
-                later
-                    .filter(|&at| first_steps[at] >= Step::FinalValue)
-                    .for_each(|at| steps[at] = step);
+            open.iter().copied().filter(is_of).collect()
+        });
+        for (later, earlier) in [(&coef, [&raw, &raw]), (&rgb, [&raw, &coef])] {
+            let explains = |wrong: &&&Vec<usize>| {
+                wrong.len() >= MIN_SHARING_FILES && is_most(wrong.len(), later.len())
+            };
+            let known = |w: &usize| steps.get(w).copied().unwrap_or(Step::StoredValue);
+            let first = earlier.iter().find(explains);
+            let Some(first) = first.and_then(|wrong| wrong.iter().map(known).max()) else {
+                continue;
+            };
+            for w in later {
+                let step = steps.get_mut(w).filter(|step| **step >= Step::FinalValue);
+                step.into_iter().for_each(|step| *step = first);
             }
         }
     }
@@ -177,7 +190,7 @@ fn split_by_scope(search: &Search, set: &[Id], mut open: Vec<usize>) -> Vec<(Vec
     for one in [None].into_iter().chain(Format::ALL.map(Some)) {
         let these = of_format(&open, one);
         let shared = shared_scope(witnesses, &these, &of_format(&known, one), true);
-        if let Some(shared) = shared.filter(|shared| shared.of.len() * 2 > open.len()) {
+        if let Some(shared) = shared.filter(|shared| is_most(shared.of.len(), open.len())) {
             let place = format!(", in {}", files_in(witnesses, &shared, one));
             open.retain(|w| !shared.of.contains(w));
             parts.push((shared.of, place));
@@ -211,7 +224,7 @@ fn difference(
     };
     let described = Diagnosis::described(Category::Difference, witnesses, of, words);
     match clause {
-        Some(clause) => described.about(clause),
+        Some(clause) => described.with_clause(clause),
         None => described,
     }
 }
@@ -268,7 +281,11 @@ fn step(search: &Search, set: &[Id], w: usize) -> Step {
         return Step::Malformed;
     };
     let Some(pair) = Pair::new(wanted, received) else {
-        return Step::Shape;
+        let size = |frame: &Frame| (frame.width, frame.height);
+        return match size(wanted) == size(received) {
+            true => Step::Channels,
+            false => Step::Size,
+        };
     };
     if is_rearranged(&pair) {
         return Step::Places;
@@ -348,7 +365,10 @@ fn step_of_planes(pair: &Pair, witness: &Witness) -> Step {
 /// Returns true if the mistake `member` more than halves the wrong samples of `w`, or may crash there.
 pub(in crate::diagnose) fn is_near(search: &Search, w: usize, set: &[Id], member: Id) -> bool {
     let witness = &search.witnesses[w];
-    let (with, without) = (search.made(w, set), search.made(w, &without(set, member)));
+    let (with, without) = (
+        search.made(w, set),
+        search.made(w, &without_id(set, member)),
+    );
     let (Answer::Decoded(with), Answer::Decoded(without)) = (&*with, &*without) else {
         return false;
     };
@@ -360,7 +380,7 @@ pub(in crate::diagnose) fn is_near(search: &Search, w: usize, set: &[Id], member
             frame: Some(shown), ..
         } => {
             let wrong = |made: &Frame| Some(Pair::new(made, shown)?.wrong().len());
-            matches!((wrong(with), wrong(without)), (Some(with), Some(without)) if with * 2 < without)
+            matches!((wrong(with), wrong(without)), (Some(with), Some(without)) if is_most(without.saturating_sub(with), without))
         }
         // A decoder that reads outside its data may crash in one file and show wrong values in another.
         Response::Violation(Answer::Crashed(_)) => {

@@ -25,7 +25,7 @@ pub(in crate::diagnose) fn describe(suite: &Suite, run: &Run) -> Option<Diagnosi
         .map(|&place| suite.cases[place].format().short_name())
         .collect();
     let formats: Vec<&str> = formats.into_iter().collect();
-    Some(Diagnosis::of(
+    Some(Diagnosis::new(
         Cause::Described {
             category: Category::Refusal,
             clause: "2.2/1".to_owned(),

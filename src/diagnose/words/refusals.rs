@@ -4,16 +4,13 @@ use super::{files_in, layout_clause, share_of_formats};
 use crate::diagnose::diagnosis::{Category, Cause, Diagnosis, Words};
 use crate::diagnose::failure_mode::FailureMode;
 use crate::diagnose::scope::shared_scope;
-use crate::diagnose::tuning::{MIN_SHARE_OF_A_PROPERTY, REFUSALS_PER_CHANCE_IMAGE};
+use crate::diagnose::tuning::{MIN_READ_FILES, MIN_SUPPORT, is_few, is_most, is_much};
 use crate::diagnose::witness::Witness;
 use crate::kit::last_words::last_words;
 use crate::misreadings::{Misreading, Symptom};
 use crate::ptm::Format;
 use crate::session::observation::Response;
 use crate::suite::cases::Expect;
-
-/// Files that must be read before it is meaningful that no property separates the others from them.
-const MIN_READ_FILES: usize = 20;
 
 /// Describes refusals by a property that the refused files share and that no file that is read has. Removes them from `left`.
 pub(in crate::diagnose) fn describe(
@@ -26,7 +23,7 @@ pub(in crate::diagnose) fn describe(
         let mut open = mode.select(witnesses, left);
         while let Some(shared) = shared_scope(witnesses, &open, &read, true) {
             // A property that few of many share is a coincidence.
-            if open.len() > shared.of.len() * MIN_SHARE_OF_A_PROPERTY {
+            if !is_much(shared.of.len(), open.len()) {
                 break;
             }
             open.retain(|w| !shared.of.contains(w));
@@ -34,7 +31,7 @@ pub(in crate::diagnose) fn describe(
             let effect = format!("{mode} {}", files_in(witnesses, &shared, None));
             let refusal = refusal(witnesses, &shared.of, &mode, effect);
             diagnoses.push(match shared.scope.clause() {
-                Some(clause) => refusal.about(clause),
+                Some(clause) => refusal.with_clause(clause),
                 None => refusal,
             });
         }
@@ -87,29 +84,6 @@ fn one_mode(witnesses: &[Witness], of: &[usize]) -> Option<FailureMode> {
     (mode.select(witnesses, of).len() == of.len()).then_some(mode)
 }
 
-/// Returns "refuses every legal file of RGB, LRGB" if these are all the legal files of some formats and fail in one way.
-pub(in crate::diagnose) fn refusal_of_whole_formats(
-    witnesses: &[Witness],
-    of: &[usize],
-) -> Option<String> {
-    let mode = one_mode(witnesses, of)?;
-    let format = |w: usize| witnesses[w].case.format();
-    let formats: Vec<Format> = Format::ALL
-        .into_iter()
-        .filter(|known| of.iter().any(|&w| format(w) == *known))
-        .collect();
-    let is_other = |w: &usize| {
-        witnesses[*w].case.expect == Expect::Decode
-            && formats.contains(&format(*w))
-            && !of.contains(w)
-    };
-    if (0..witnesses.len()).any(|w| is_other(&w)) {
-        return None;
-    }
-    let names: Vec<&str> = formats.iter().map(|format| format.short_name()).collect();
-    Some(format!("{mode} every legal file of {}", names.join(", ")))
-}
-
 /// Formats whose legal files all fail in one way, without an image.
 pub(in crate::diagnose) struct WholeFormats {
     mode: FailureMode,
@@ -117,9 +91,6 @@ pub(in crate::diagnose) struct WholeFormats {
     /// These files, and other files of the formats that fail in the same way.
     pub of: Vec<usize>,
 }
-
-/// Legal files of a format that support a statement about all of it.
-const MIN_FILES_OF_A_FORMAT: usize = 4;
 
 /// Returns the formats whose legal files all fail in one way, grouped by failure mode.
 pub(in crate::diagnose) fn whole_formats(witnesses: &[Witness]) -> Vec<WholeFormats> {
@@ -129,7 +100,7 @@ pub(in crate::diagnose) fn whole_formats(witnesses: &[Witness]) -> Vec<WholeForm
         let is_legal = |w: &usize| witnesses[*w].case.expect == Expect::Decode;
         let all: Vec<usize> = (0..witnesses.len()).filter(of_format).collect();
         let legal: Vec<usize> = all.iter().copied().filter(is_legal).collect();
-        if legal.len() < MIN_FILES_OF_A_FORMAT || !legal.iter().all(|&w| witnesses[w].failed) {
+        if legal.len() < MIN_SUPPORT || !legal.iter().all(|&w| witnesses[w].failed) {
             continue;
         }
         let Some(mode) = one_mode(witnesses, &legal) else {
@@ -161,21 +132,19 @@ impl WholeFormats {
             .map(|format| format.short_name())
             .collect();
         let effect = format!("{} every legal file of {}", self.mode, names.join(", "));
-        let refusal = refusal(witnesses, &self.of, &self.mode, effect).like(alike);
-        refusal.about("2.2/1")
+        let refusal = refusal(witnesses, &self.of, &self.mode, effect).with_alike(alike);
+        refusal.with_clause("2.2/1")
     }
 }
 
-/// Returns the observation if these are all the legal files of some formats, or with some property, and fail in one way.
+/// Returns the observation if these are all the legal files of one format, or with some property, and fail in one way.
 pub(in crate::diagnose) fn all_that_shows(witnesses: &[Witness], of: &[usize]) -> Option<String> {
     let mode = one_mode(witnesses, of)?;
-    refusal_of_whole_formats(witnesses, of).or_else(|| {
-        let is_other = |w: &usize| witnesses[*w].case.expect == Expect::Decode && !of.contains(w);
-        let others: Vec<usize> = (0..witnesses.len()).filter(is_other).collect();
-        let shared = shared_scope(witnesses, of, &others, false)?;
-        let files = files_in(witnesses, &shared, None);
-        (shared.of.len() == of.len()).then(|| format!("{mode} {files}"))
-    })
+    let is_other = |w: &usize| witnesses[*w].case.expect == Expect::Decode && !of.contains(w);
+    let others: Vec<usize> = (0..witnesses.len()).filter(is_other).collect();
+    let shared = shared_scope(witnesses, of, &others, false)?;
+    let files = files_in(witnesses, &shared, None);
+    (shared.of.len() == of.len()).then(|| format!("{mode} {files}"))
 }
 
 /// Returns the diagnosis of these files with this effect.
@@ -212,8 +181,8 @@ pub(in crate::diagnose) fn no_picture(
     let all = (0..witnesses.len()).filter(is_of_formats).count();
     let is_the_mistake = modes.iter().all(is_refusal)
         && (misreading.shows == Symptom::Refusals
-            || of.len() * 2 < all && otherwise() * REFUSALS_PER_CHANCE_IMAGE <= of.len());
-    if of.is_empty() || shown.count() * REFUSALS_PER_CHANCE_IMAGE > of.len() || is_the_mistake {
+            || !is_most(of.len(), all) && is_few(otherwise(), of.len()));
+    if of.is_empty() || !is_few(shown.count(), of.len()) || is_the_mistake {
         return None;
     }
     let mode = modes.first()?;
@@ -262,7 +231,7 @@ pub(in crate::diagnose) fn describe_unexplained(
             example: example(witnesses, &of),
         };
         let described = Diagnosis::described(Category::Refusal, witnesses, &of, words);
-        diagnoses.push(described.about(layout_clause(witnesses[of[0]].case.format())));
+        diagnoses.push(described.with_clause(layout_clause(witnesses[of[0]].case.format())));
     }
     diagnoses
 }

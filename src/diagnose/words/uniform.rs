@@ -2,7 +2,7 @@
 
 use super::refusals::example;
 use crate::diagnose::diagnosis::{Category, Diagnosis, Words};
-use crate::diagnose::tuning::{MIN_FAILURES_OF_A_READING, STRAY_SHARE};
+use crate::diagnose::tuning::{MIN_SUPPORT, is_few, is_most};
 use crate::diagnose::witness::Witness;
 use crate::protocol::frame::{Frame, Samples, ViewKind};
 use crate::session::observation::Response;
@@ -21,7 +21,7 @@ pub(in crate::diagnose) fn describe(
             fix: "start with the example, the smallest of these files".to_owned(),
             example: example(witnesses, &of),
         };
-        Diagnosis::described(Category::Difference, witnesses, &of, words)
+        Diagnosis::described(Category::Difference, witnesses, &of, words).with_clause("2.7/1")
     };
     found.into_iter().map(diagnosis).collect()
 }
@@ -32,7 +32,7 @@ pub(in crate::diagnose) fn is_prevalent(witnesses: &[Witness]) -> bool {
     let failing: Vec<usize> = failing.collect();
     let found = find(witnesses, &failing);
     let count: usize = found.iter().map(|(_, of)| of.len()).sum();
-    count * 2 > failing.len()
+    is_most(count, failing.len())
 }
 
 /// Returns the effect and the cases of each view in which these failing images do not depend on the file.
@@ -56,7 +56,7 @@ fn find(witnesses: &[Witness], failing: &[usize]) -> Vec<(String, Vec<usize>)> {
         let right = &witnesses[first_case].right;
         let are_alike = (shown.iter()).all(|&(w, _)| witnesses[w].right == *right);
         // A few legal files have such an image, and files with equal contents have equal images.
-        if are_alike || shown.len() < MIN_FAILURES_OF_A_READING || shown.len() * 2 < legal {
+        if are_alike || shown.len() < MIN_SUPPORT || !is_most(shown.len(), legal) {
             continue;
         }
         let count = shown.len();
@@ -70,7 +70,7 @@ fn find(witnesses: &[Witness], failing: &[usize]) -> Vec<(String, Vec<usize>)> {
         let common = shown.iter().find_map(|(_, frame)| value(frame));
         let is_common = |(_, frame): &&(usize, &Frame)| common.is_some() && value(frame) == common;
         let of: Vec<usize> = shown.iter().filter(is_common).map(|&(w, _)| w).collect();
-        if let Some(value) = common.filter(|_| (count - of.len()) * STRAY_SHARE <= count) {
+        if let Some(value) = common.filter(|_| is_few(count - of.len(), count)) {
             let effect = format!(
                 "shows {value} in every sample of {} images in view {view}",
                 of.len()

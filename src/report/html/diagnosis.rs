@@ -52,7 +52,7 @@ fn diagnosed(cause: &LikelyCause, group: &Group, failures: usize, clauses: &[Cla
                     }
                 }
                 @for (slug, other) in known_words(group.suite, &cause.or).take(MAX_ALIKE) {
-                    p { "Would look the same: it " (other.effect) " (clause " (other.clause) "; " (linked(Some(group.suite.misreading_page(slug)), &html! { code { (slug) } })) ")." }
+                    p { "Would look the same: a decoder that " (other.effect) " (clause " (other.clause) "; " (linked(Some(group.suite.misreading_page(slug)), &html! { code { (slug) } })) ")." }
                 }
                 @if let Some(more) = more_alike(group.suite, &cause.or) { p { (more) "." } }
                 @for (slug, other) in known_words(group.suite, &cause.with) {

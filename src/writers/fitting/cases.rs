@@ -55,7 +55,7 @@ impl Suite<FitCase> {
         let cases = sources.flat_map(|source| {
             let (name, because, clause) = match &source {
                 PictureSource::Made(plan) => (plan.name, plan.because, plan.clause),
-                PictureSource::Given(_) => ("own", "The pictures that --lp names.", "1.0/1"),
+                PictureSource::Given(_) => ("own", "The images that --lp names.", "1.0/1"),
             };
             FORMATS.map(|format| FitCase {
                 id: format!("fit-{}-{name}", format.short_name().to_lowercase()),
@@ -166,11 +166,11 @@ impl TestCase for FitCase {
     }
 
     fn expected_in_words(&self) -> Option<String> {
-        Some("a map that fits the pictures".to_owned())
+        Some("a map that fits the images".to_owned())
     }
 
     fn fault(&self) -> String {
-        unreachable!("every set of pictures can be fitted")
+        unreachable!("every set of images can be fitted")
     }
 }
 
@@ -188,7 +188,7 @@ pub(super) fn diagnose(
     let evidence: BTreeMap<usize, Evidence> = evidence.collect();
     let candidates = MISTAKES.iter().filter_map(|mistake| {
         let shows = |place: usize| evidence.get(&place).is_some_and(|of| of.shows(mistake));
-        CoverCandidate::of(mistake, &failing, shows, &[], |_| false)
+        CoverCandidate::new(mistake, &failing, shows, &[], |_| false)
     });
     let candidates = candidates.collect();
     let chosen = cover(candidates, &mut failing).into_iter();
@@ -198,7 +198,7 @@ pub(super) fn diagnose(
             let fault = wrong(first).map_or("", |(_, fault)| &fault.says);
             let example = format!("for example {}: {fault}", suite.cases[first].id);
             let cause = describe(mistake.clause, (mistake.effect, mistake.fix), example);
-            Diagnosis::of(cause, chosen.explains)
+            Diagnosis::new(cause, chosen.explains)
         })
         .collect();
     diagnoses.extend(describe_differences(suite, run, &failing));

@@ -192,14 +192,14 @@ fn in_order_of_names(set: &mut PictureSet) {
 pub(super) const MISTAKES: [FitMistake; 18] = [
     FitMistake {
         clause: "1.0/2",
-        effect: "negates v: its map is lit from below where it was lit from above",
-        fix: "v points up; take it from the .lp file as it is",
+        effect: "negates v: a light from above looks like a light from below",
+        fix: "use v of the .lp file unchanged: v points up",
         sign: Sign::Lights(|of| [of.direction()[0], -of.direction()[1]]),
     },
     FitMistake {
         clause: "1.0/2",
-        effect: "negates u: its map is lit from the left where it was lit from the right",
-        fix: "u points to the right; take it from the .lp file as it is",
+        effect: "negates u: a light from the right looks like a light from the left",
+        fix: "use u of the .lp file unchanged: u points right",
         sign: Sign::Lights(|of| [-of.direction()[0], of.direction()[1]]),
     },
     FitMistake {
@@ -210,13 +210,13 @@ pub(super) const MISTAKES: [FitMistake; 18] = [
     },
     FitMistake {
         clause: "1.0/2",
-        effect: "takes u and v from vectors that it does not normalize",
-        fix: "divide each vector to a light by its length before u and v are taken from it",
+        effect: "does not normalize the light vectors",
+        fix: "divide each light vector by its length; u and v are its first two components",
         sign: Sign::Lights(|of| [of.light[0], of.light[1]]),
     },
     FitMistake {
         clause: "1.0/2",
-        effect: "normalizes u and v without the third number, so that all lights lie in the plane",
+        effect: "normalizes u and v without the third component, so all lights lie in the plane",
         fix: "divide u and v by the length of the whole vector",
         sign: Sign::Lights(|of| {
             let [x, y, _] = of.light;
@@ -225,44 +225,44 @@ pub(super) const MISTAKES: [FitMistake; 18] = [
     },
     FitMistake {
         clause: "1.0/2",
-        effect: "takes the pictures in the order of their names, and the lights in that of the .lp file",
-        fix: "take each picture under the name that stands with its light",
+        effect: "sorts the images by name, but keeps the order of the lights in the .lp file",
+        fix: "pair each image with the light on its line of the .lp file",
         sign: Sign::Photographs(in_order_of_names),
     },
     FitMistake {
         clause: "2.7.1/3",
         effect: "stores the top row first",
-        fix: "write the rows of the pictures from the bottom up",
+        fix: "write the bottom row of the images first",
         sign: Sign::Photographs(bottom_row_first),
     },
     FitMistake {
         clause: "2.7.1/2",
         effect: "exchanges red and blue",
-        fix: "the order is red, green, blue; some libraries read pictures as blue, green, red",
+        fix: "the order is red, green, blue; some libraries read images as blue, green, red",
         sign: Sign::Photographs(blue_first),
     },
     FitMistake {
         clause: "1.0/1",
-        effect: "fits the pictures with their gamma removed, so that its map is too dark in the middle",
-        fix: "fit the values of the pixels as they are: a reader shows what the polynomials give",
+        effect: "removes the gamma of the images before the fit, so midtones are too dark",
+        fix: "fit the pixel values unchanged: readers show the values of the polynomials",
         sign: Sign::Photographs(|set| each_pixel(set, |x| x.powf(2.2))),
     },
     FitMistake {
         clause: "1.0/1",
-        effect: "fits the pictures with a gamma applied, so that its map is too bright in the middle",
-        fix: "fit the values of the pixels as they are: a reader shows what the polynomials give",
+        effect: "applies a gamma to the images before the fit, so midtones are too bright",
+        fix: "fit the pixel values unchanged: readers show the values of the polynomials",
         sign: Sign::Photographs(|set| each_pixel(set, |x| x.powf(1.0 / 2.2))),
     },
     FitMistake {
         clause: "2.4/8",
-        effect: "writes a bias that is to be added after the scale",
-        fix: "a coefficient is (raw − bias) · scale: a bias is in the units of the raw value, −minimum / scale",
+        effect: "writes a bias that must be added after scaling",
+        fix: "a coefficient is (raw − bias) · scale, so the bias is −minimum / scale, in units of the raw value",
         sign: Sign::Numbers(IN_ORDER, |raw, scale, bias| raw * scale + bias),
     },
     FitMistake {
         clause: "2.4/8",
-        effect: "writes a bias that is to be subtracted after the scale",
-        fix: "a coefficient is (raw − bias) · scale: a bias is in the units of the raw value, −minimum / scale",
+        effect: "writes a bias that must be subtracted after scaling",
+        fix: "a coefficient is (raw − bias) · scale, so the bias is −minimum / scale, in units of the raw value",
         sign: Sign::Numbers(IN_ORDER, |raw, scale, bias| raw * scale - bias),
     },
     FitMistake {
@@ -285,20 +285,20 @@ pub(super) const MISTAKES: [FitMistake; 18] = [
     },
     FitMistake {
         clause: "2.4/8",
-        effect: "fits without a constraint where the lights do not determine six coefficients: some are large, and the steps of a byte with them",
-        fix: "take the solution with the smallest coefficients, by singular values or with a small ridge",
+        effect: "fits without a constraint if the lights do not determine six coefficients: some become large, and so do their quantization steps",
+        fix: "choose the solution with the smallest coefficients: use the singular value decomposition or ridge regression",
         sign: Sign::Map(has_huge_coefficients),
     },
     FitMistake {
         clause: "2.4/1",
-        effect: "cuts coefficients off at 0 or 255: scale and bias do not cover their range",
-        fix: "choose scale and bias of each coefficient for the smallest and the largest value in the map",
+        effect: "clamps coefficients to 0 or 255: scale and bias do not cover their range",
+        fix: "choose scale and bias so that the range of each coefficient in the map fits in 0 to 255",
         sign: Sign::Map(has_cut_ends),
     },
     FitMistake {
         clause: "2.4/2",
-        effect: "takes scales that are too coarse: a step of a byte is more than the pictures are off",
-        fix: "take as the scale of each coefficient its range in the map, over 255",
+        effect: "uses scales that are too coarse: quantization adds more error than the fit",
+        fix: "divide the range of each coefficient in the map by 255",
         sign: Sign::Map(has_wide_steps),
     },
 ];

@@ -102,7 +102,7 @@ impl PictureSet {
         let count: usize = lines
             .next()
             .and_then(|line| line.trim().parse().ok())
-            .ok_or_else(|| at(&"its first line is not the number of pictures"))?;
+            .ok_or_else(|| at(&"its first line is not the number of images"))?;
         let mut size = None;
         let photographs: Vec<Photograph> = lines
             .map(|line| photograph(line, folder, &mut size))
@@ -111,7 +111,7 @@ impl PictureSet {
         match size {
             Some(size) if photographs.len() == count => Ok(PictureSet { size, photographs }),
             _ => Err(at(&format!(
-                "it announces {count} pictures and lists {}",
+                "it announces {count} images and lists {}",
                 photographs.len()
             ))),
         }
@@ -139,7 +139,7 @@ fn photograph(line: &str, folder: &Path, size: &mut Option<Size>) -> Result<Phot
         height: picture.height(),
     };
     if *size.get_or_insert(found) != found {
-        return Err(named(&"it is of another size than the first picture"));
+        return Err(named(&"its size differs from the size of the first image"));
     }
     Ok(Photograph {
         name: name.to_owned(),

@@ -70,7 +70,7 @@ impl Reported for FitCase {
 
     fn evidence(&self, _: TableSpelling, observation: &Observation<FitCase>) -> Markup {
         html! {
-            p.label { "The lights and pictures" }
+            p.label { "Lights and images" }
             pre.bytes tabindex="0" { (self.photographs().lp()) }
             @if !observation.stderr.is_empty() {
                 p.label { "Its standard error" }

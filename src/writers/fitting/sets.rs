@@ -32,7 +32,7 @@ pub struct SetPlan {
 
 const ORDINARY: SetPlan = SetPlan {
     name: "ordinary",
-    because: "Twelve lights all around, and photographs that are what a map shows.",
+    because: "Twelve lights from all directions, and images that a map reproduces exactly.",
     clause: "1.0/1",
     size: (5, 4),
     lights: 12,
@@ -48,20 +48,20 @@ pub const SETS: [SetPlan; 9] = [
     ORDINARY,
     SetPlan {
         name: "noise",
-        because: "Noise of up to 8 in every pixel: the best fit is not exact.",
+        because: "Every pixel has noise of up to 8, so the best fit is not exact.",
         noise: 8,
         size: (7, 6),
         ..ORDINARY
     },
     SetPlan {
         name: "few-lights",
-        because: "Five lights, too few for six coefficients: many maps fit, and one with small coefficients is wanted.",
+        because: "Five lights do not determine six coefficients: many maps fit, and the one with small coefficients is expected.",
         lights: 5,
         ..ORDINARY
     },
     SetPlan {
         name: "one-side",
-        because: "All lights are on one side, where coefficients stand in for each other.",
+        because: "All lights are on one side, where several coefficients have nearly the same effect.",
         lights: 14,
         is_one_sided: true,
         noise: 3,
@@ -69,33 +69,33 @@ pub const SETS: [SetPlan; 9] = [
     },
     SetPlan {
         name: "saturated",
-        because: "Many pixels are white, whatever the light.",
+        because: "Many pixels are white under every light.",
         brightness: 1.3,
         ..ORDINARY
     },
     SetPlan {
         name: "dark",
-        because: "Many pixels are black, and their color is anybody's guess.",
+        because: "Many pixels are black, so their color is undetermined.",
         brightness: 0.12,
         ..ORDINARY
     },
     SetPlan {
         name: "long-vectors",
-        because: "The vectors to the lights are 1.5 to 3 long, as in files that give positions.",
+        because: "The light vectors have lengths of 1.5 to 3, as in files that state positions.",
         clause: "1.0/2",
         has_long_vectors: true,
         ..ORDINARY
     },
     SetPlan {
         name: "not-in-order-of-names",
-        because: "The .lp file lists the pictures in another order than that of their names.",
+        because: "The .lp file does not list the images in the order of their names.",
         clause: "1.0/2",
         in_order: false,
         ..ORDINARY
     },
     SetPlan {
         name: "many-lights",
-        because: "Sixty lights, and a picture of 17 × 3.",
+        because: "Sixty lights, and images of 17 × 3.",
         lights: 60,
         size: (17, 3),
         noise: 5,
