@@ -56,11 +56,10 @@ impl Channels {
             (Channels::All, _) => true,
             (Channels::Coefficient(i), 18) => channel % 6 == i,
             (Channels::Coefficient(i), 8 | 9) => channel == i,
-            (Channels::Coefficient(_), _) => false,
             (Channels::Color(c), 18) => channel / 6 == c,
             (Channels::Color(c), 9) => channel == 6 + c,
             (Channels::Chroma, 8 | 9) => channel >= 6,
-            (Channels::Chroma, _) => false,
+            (Channels::Coefficient(_) | Channels::Chroma, _) => false,
             (Channels::Color(c), _) => count == 3 && channel == c,
         }
     }

@@ -219,7 +219,7 @@ impl<'a> Search<'a> {
     /// Returns the mistake that adds most to `set`.
     fn best_single(&self, set: &Set, left: &[usize]) -> Option<Member> {
         let mut all: Set = (0..self.mistakes.len())
-            .filter(|id| self.is_open(set, id))
+            .filter(|&id| self.is_open(set, id))
             .collect();
         let sample = self.one_more(set, &mut all, &self.sample(left));
         sample.or_else(|| {
@@ -230,8 +230,8 @@ impl<'a> Search<'a> {
     }
 
     /// Returns true if a mistake may be added to a set.
-    fn is_open(&self, set: &Set, id: &Id) -> bool {
-        !set.contains(id) && !self.assumed.contains(id)
+    fn is_open(&self, set: &Set, id: Id) -> bool {
+        !set.contains(&id) && !self.assumed.contains(&id)
     }
 
     /// Returns the best agreement of a set with the response to one case.
@@ -728,7 +728,7 @@ impl<'a> Search<'a> {
     /// Returns pairs of mistakes that together explain `w`. Tries at most `most` pairs of mistakes that change its answer.
     fn pairs_for(&self, w: usize, set: &Set, most: usize) -> Vec<[Id; 2]> {
         let concerned: Set = (0..self.mistakes.len())
-            .filter(|id| self.is_open(set, id) && self.witnesses[w].concerns(&self.mistakes[*id]))
+            .filter(|&id| self.is_open(set, id) && self.witnesses[w].concerns(&self.mistakes[id]))
             .collect();
         let acting = self.select(concerned, |id| self.differ(w, set, &with_id(set, id)));
         let pairs: Vec<[Id; 2]> = acting
