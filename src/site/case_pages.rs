@@ -43,9 +43,8 @@ pub(super) fn pages(paper: Paper, jobs: usize) -> Vec<SiteFile> {
 fn list(paper: Paper) -> SiteFile {
     let cases = &paper.library.suite.cases;
     let body = html! {
-        h1 { "Cases" }
         p.lead { (cases.len()) " files, each with one thing in it that a reader can get wrong." }
-        (meanings(&[Expect::Decode, Expect::Reject, Expect::Refuse, Expect::Lenient, Expect::Spelling]))
+        (Paper::kinds(&paper.library.texts.expectations, ["decode", "reject", "refuse", "lenient", "spelling"]))
         p { "What each exit status means: " (paper.protocol()) "." }
         (filter("cases"))
         div.scroll tabindex="0" { table.list.cases.filtered {
@@ -55,46 +54,15 @@ fn list(paper: Paper) -> SiteFile {
             } }
         } }
     };
-    paper.page("cases/index.html", "Cases", "Cases", &body)
-}
-
-/// Describes the expected results of these kinds.
-pub(super) fn meanings(kinds: &[Expect]) -> Markup {
-    html! {
-        dl.kinds {
-            @for &expect in kinds {
-                dt { span.chip { (expect.name()) } } dd { (means(expect)) }
-            }
-        }
-    }
-}
-
-fn means(expect: Expect) -> &'static str {
-    match expect {
-        Expect::Decode => "The picture must be right.",
-        Expect::Reject => {
-            "The file breaks a rule: exit status 65, and nothing else. Its twin, one edit away, must be decoded."
-        }
-        Expect::Refuse => {
-            "Refuse it: exit status 65, or 69 if the program takes it for a kind that it does not read."
-        }
-        Expect::Lenient => {
-            "Outside the specification: refusing it (65 or 69) is right, and so is the expected picture; another picture, a crash and a hang are wrong."
-        }
-        Expect::Spelling => {
-            "One of several spellings of a table's count, of which a decoder knows at least one."
-        }
-        Expect::ImplementationDefined => "Any answer is right.",
-    }
+    paper.list("Cases", &body)
 }
 
 fn page(paper: Paper, case: &Case, built: &Built) -> SiteFile {
     let inspection = inspect(&built.file);
     let body = html! {
-        p.kicker { a href="index.html" { "Cases" } }
         h1 { code { (case.id) } }
         p.lead { (paper.prose(&case.because)) }
-        p { span.chip { (case.expect.name()) } " " (means(case.expect)) }
+        p { span.chip { (case.expect.name()) } " " (paper.library.texts.expectations[case.expect.name()]) }
         (facts(paper, case, built))
         (picture(case, built))
         (values(case, built))
@@ -106,7 +74,7 @@ fn page(paper: Paper, case: &Case, built: &Built) -> SiteFile {
         h2 { "Run it" }
         pre.command tabindex="0" { "ptm-conform check --case '" (case.id) "' ./my-decoder\nptm-conform explain " (case.id) }
     };
-    paper.page(&format!("cases/{}.html", case.id), "Cases", &case.id, &body)
+    paper.entry("Cases", &case.id, &case.id, &body)
 }
 
 fn facts(paper: Paper, case: &Case, built: &Built) -> Markup {

@@ -5,7 +5,9 @@ use std::collections::{BTreeMap, BTreeSet, HashMap};
 use super::annotated::{Annotated, CHAPTERS, FILES};
 use super::example::execute_all;
 use super::readers::{ReaderRun, reader_runs};
+use super::texts::{TEXTS, Texts};
 use super::witness::{Witness, witnesses};
+use crate::kit::yaml::from_yaml;
 use crate::misreadings;
 use crate::readers::profiles;
 use crate::suite::address;
@@ -27,6 +29,7 @@ pub(super) struct Library {
     pub requirements: Vec<Clause>,
     pub texture_rulings: Vec<Ruling>,
     pub annotated: Annotated,
+    pub texts: Texts,
     pub runs: Vec<ReaderRun>,
     /// The smallest file that shows each misreading.
     pub witnesses: HashMap<&'static str, Witness>,
@@ -58,6 +61,7 @@ impl Library {
             requirements: texture::clauses()?,
             texture_rulings: texture::rulings()?,
             annotated,
+            texts: from_yaml(TEXTS)?,
             outcomes: runs.iter().map(owned).collect(),
             runs,
             places: HashMap::new(),

@@ -32,7 +32,6 @@ fn list(paper: Paper) -> SiteFile {
     }
     sections.sort_by_key(|(section, _)| *section);
     let body = html! {
-        h1 { "Misreadings" }
         p.lead { (count) " mistakes that a reader of the format can make, each in one clause. Those marked ● were seen in public readers." }
         (filter("misreadings"))
         @for (section, of) in sections {
@@ -45,12 +44,7 @@ fn list(paper: Paper) -> SiteFile {
             }
         }
     };
-    paper.page(
-        "misreadings/index.html",
-        "Misreadings",
-        "Misreadings",
-        &body,
-    )
+    paper.list("Misreadings", &body)
 }
 
 /// Returns a box that filters the entries of a list page.
@@ -68,7 +62,6 @@ fn page(paper: Paper, misreading: &Misreading) -> SiteFile {
     let rule = paper.library.clause(misreading.clause);
     let witness = paper.library.witnesses.get(misreading.slug);
     let body = html! {
-        p.kicker { a href="index.html" { "Misreadings" } }
         h1 { code { (misreading.slug) } }
         p.lead { "The decoder " (misreading.effect) "." }
         p.fix { b { "Fix: " } (paper.prose(misreading.fix)) "." }
@@ -80,12 +73,7 @@ fn page(paper: Paper, misreading: &Misreading) -> SiteFile {
             None => p { "No file of the suite shows it by itself: it acts on a choice or on the spelling of a table." },
         }
     };
-    paper.page(
-        &format!("misreadings/{}.html", misreading.slug),
-        "Misreadings",
-        misreading.slug,
-        &body,
-    )
+    paper.entry("Misreadings", misreading.slug, misreading.slug, &body)
 }
 
 fn witness_markup(paper: Paper, misreading: &Misreading, witness: &Witness) -> Markup {

@@ -13,6 +13,8 @@ pub mod readers;
 
 mod witness;
 
+mod texts;
+
 mod library;
 
 mod paper;

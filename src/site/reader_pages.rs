@@ -8,7 +8,6 @@ use super::paper::{Paper, SiteFile};
 use super::readers::{ReaderRun, ReaderTally};
 use crate::misreadings::{self, Misreading};
 use crate::readers::{Evidence, ReaderProfile, profiles};
-use crate::suite::address;
 use crate::suite::clauses::Clause;
 
 /// Number of cases of an outcome that are visible before the rest is expanded.
@@ -71,7 +70,6 @@ fn profile(reader: &str) -> Option<&'static ReaderProfile> {
 
 fn list(paper: Paper) -> SiteFile {
     let body = html! {
-        h1 { "Readers" }
         p.lead { "Public programs that read PTM files: those on which this suite was run, and those whose source was read. "
             a href="../scoreboard.html" { "The scoreboard" } " compares the runs clause by clause." }
         div.scroll tabindex="0" { table.list {
@@ -87,13 +85,12 @@ fn list(paper: Paper) -> SiteFile {
             } }
         } }
     };
-    paper.page("readers/index.html", "Readers", "Readers", &body)
+    paper.list("Readers", &body)
 }
 
 fn page(paper: Paper, reader: &str, run: Option<usize>) -> SiteFile {
     let mistakes = mistakes(reader);
     let body = html! {
-        p.kicker { a href="index.html" { "Readers" } }
         h1 { (reader) }
         @if let Some(place) = run { (of_run(paper, &paper.library.runs[place], &paper.library.outcomes[place])) }
         @else { p { "The suite was not run on this reader. What is listed here was seen in its source." } }
@@ -105,7 +102,7 @@ fn page(paper: Paper, reader: &str, run: Option<usize>) -> SiteFile {
             } }
         }
     };
-    paper.page(&address::reader(reader), "Readers", reader, &body)
+    paper.entry("Readers", reader, reader, &body)
 }
 
 /// Describes the formats that it reads and its limits, with their evidence.

@@ -58,7 +58,7 @@ pub(super) fn index(library: &Library) -> SiteFile {
     for (heading, place, document) in docs_pages::headings() {
         entries.push(json!([heading, "document", place, document]));
     }
-    for (word, means) in glossary::WORDS {
+    for (word, means) in &library.texts.glossary {
         let place = format!("glossary.html#{}", glossary::anchor(word));
         entries.push(json!([word, "word", place, means]));
     }
