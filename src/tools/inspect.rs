@@ -8,8 +8,9 @@ use serde::Serialize;
 
 use crate::error::{Class, Kind};
 use crate::ptm::{Format, Size};
-use crate::tools::dissection::{Dissection, FilePart, Role};
-use crate::tools::segments::{Segment, segments};
+use crate::tools::dissection::{Dissection, FilePart, Role, index_values};
+use crate::tools::segments::segments;
+use crate::tools::{joined, place_in_words, texel_at};
 
 /// Number of entries of a table, or of records, that are shown unless all are requested.
 const MAX_ENTRIES: usize = 8;
@@ -65,6 +66,9 @@ pub struct InspectedField {
     /// Its role; None within a part.
     #[serde(skip)]
     role: Option<Role>,
+    /// The name of the list it is an element of, if it is one.
+    #[serde(skip)]
+    list: Option<&'static str>,
     /// Its first bytes, if it is not text.
     #[serde(skip_serializing_if = "String::is_empty")]
     pub begins: String,
@@ -139,7 +143,7 @@ fn show(dissection: &Dissection, place: usize) -> InspectedField {
     let part = &dissection.parts[place];
     let bytes = &dissection.file[part.range.clone()];
     let text = |bytes: &[u8]| bytes.escape_ascii().to_string();
-    let (is_payload, name) = (part.role.is_payload(), part.role.name(dissection.format));
+    let (is_payload, name) = (part.role.is_payload(), part.name.clone());
     let (value, parts) = match part.cut_from {
         Some(whole) => (format!("cut: {} of {whole} bytes", bytes.len()), Vec::new()),
         None if is_payload => describe(dissection, part, bytes),
@@ -147,6 +151,7 @@ fn show(dissection: &Dissection, place: usize) -> InspectedField {
     };
     let mut field = InspectedField {
         role: Some(part.role),
+        list: part.list,
         parts,
         ..child(part, 0..bytes.len(), part.clause, name, value)
     };
@@ -167,26 +172,28 @@ fn describe(
     match part.role {
         Role::Table => table(dissection, part, bytes),
         Role::Indices => (indices(bytes, texels), Vec::new()),
-        Role::Stream(plane) => (plan(dissection, plane), stream_parts(part, bytes)),
+        Role::Stream(plane) => {
+            let parts = segments(bytes).into_iter().map(|segment| {
+                let (name, clause) = segment.kind.label();
+                child(part, segment.range, clause, name.into_owned(), segment.says)
+            });
+            (plan(dissection, plane), parts.collect())
+        }
         Role::Side(_) => records(dissection, part, bytes),
         _ => {
             let each = bytes.len().checked_div(texels).unwrap_or(0);
-            (
-                format!("{texels} texels of {each} bytes, bottom row first"),
-                Vec::new(),
-            )
+            let value = format!("{texels} texels of {each} bytes, bottom row first");
+            (value, Vec::new())
         }
     }
 }
 
 /// Returns the entries of the lookup table.
 fn table(dissection: &Dissection, part: &FilePart, bytes: &[u8]) -> (String, Vec<InspectedField>) {
-    let entries = dissection.number(Role::Count);
-    let entries = entries.and_then(|count| usize::try_from(count).ok());
-    let entries = entries.unwrap_or(0);
+    let entries = dissection.entries().unwrap_or(0);
     let size = bytes.len().checked_div(entries).unwrap_or(0);
     let entry = |(i, entry): (usize, &[u8])| {
-        let (name, value) = (format!("entry {i}"), decimal(entry));
+        let (name, value) = (format!("entry {i}"), joined(entry, " "));
         let range = i * size..i * size + entry.len();
         child(part, range, part.clause, name, value)
     };
@@ -197,12 +204,8 @@ fn table(dissection: &Dissection, part: &FilePart, bytes: &[u8]) -> (String, Vec
 /// Describes the indices: their number, width and range.
 fn indices(bytes: &[u8], texels: usize) -> String {
     let width = bytes.len().checked_div(texels).unwrap_or(0);
-    let index = |bytes: &[u8]| {
-        let bytes = bytes.iter().rev();
-        bytes.fold(0, |index, &byte| index << 8 | usize::from(byte))
-    };
-    let largest = bytes.chunks(width.max(1)).map(index).max().unwrap_or(0);
-    let smallest = bytes.chunks(width.max(1)).map(index).min().unwrap_or(0);
+    let largest = index_values(bytes, width).max().unwrap_or(0);
+    let smallest = index_values(bytes, width).min().unwrap_or(0);
     let each = match width {
         1 => "one byte",
         _ => "two bytes, low byte first",
@@ -231,11 +234,8 @@ fn child(
 /// Describes a plane: its channel, its rank, its reference and its transform.
 fn plan(dissection: &Dissection, plane: usize) -> String {
     let number = |role| dissection.number(role).unwrap_or_default();
-    let mut words = format!(
-        "{}, rank {}",
-        dissection.channel(plane),
-        number(Role::Rank(plane))
-    );
+    let (channel, rank) = (dissection.channel(plane), number(Role::Rank(plane)));
+    let mut words = format!("{channel}, rank {rank}");
     let reference = number(Role::Reference(plane));
     if reference < 0 {
         words += ", intra";
@@ -247,23 +247,10 @@ fn plan(dissection: &Dissection, plane: usize) -> String {
         words += " inverted";
     }
     if transform & 2 != 0 {
-        let half = |role| number(role) as f64 / 2.0;
-        let _ = write!(
-            words,
-            " moved by ({}, {})",
-            half(Role::MotionX(plane)),
-            half(Role::MotionY(plane))
-        );
+        let [x, y] = [Role::MotionX, Role::MotionY].map(|role| number(role(plane)) as f64 / 2.0);
+        let _ = write!(words, " moved by ({x}, {y})");
     }
     words
-}
-
-fn stream_parts(part: &FilePart, stream: &[u8]) -> Vec<InspectedField> {
-    let shown = |Segment { kind, range, says }| {
-        let (name, clause) = kind.label();
-        child(part, range, clause, name.into_owned(), says)
-    };
-    segments(stream).into_iter().map(shown).collect()
 }
 
 /// Returns the records of a block of side information (clause 2.9.8/5).
@@ -276,14 +263,19 @@ fn records(
     let (whole, rest) = block.as_chunks::<5>();
     let record = |(i, &[p3, p2, p1, p0, value]): (usize, &[u8; 5])| {
         let position = u32::from_be_bytes([p3, p2, p1, p0]);
-        let place = place(dissection.size, position);
+        let size = dissection.size;
+        let size = size.filter(|size| (position as usize) < size.texels());
+        let place = size.map_or_else(
+            || "no texel".to_owned(),
+            |size| place_in_words(size, texel_at(size, position)),
+        );
         let value = format!("position {position} ({place}) becomes {value}");
         child(part, 5 * i..5 * i + 5, CLAUSE, format!("record {i}"), value)
     };
     let mut parts: Vec<InspectedField> = whole.iter().enumerate().map(record).collect();
     if !rest.is_empty() {
         let (range, name) = (5 * whole.len()..block.len(), "part of a record".to_owned());
-        parts.push(child(part, range, CLAUSE, name, decimal(rest)));
+        parts.push(child(part, range, CLAUSE, name, joined(rest, " ")));
     }
     let words = match whole.len() {
         0 if rest.is_empty() => "no records".to_owned(),
@@ -291,18 +283,6 @@ fn records(
         count => format!("{count} records"),
     };
     (words, parts)
-}
-
-/// Returns the place in the image of a position in the stored raster.
-fn place(size: Option<Size>, position: u32) -> String {
-    match size {
-        Some(size) if (position as usize) < size.texels() => format!(
-            "column {}, row {} from the top",
-            position % size.width,
-            size.height - 1 - position / size.width
-        ),
-        _ => "no texel".to_owned(),
-    }
 }
 
 impl Inspection {
@@ -317,7 +297,7 @@ impl Inspection {
         );
         let mut fault = self.error.as_ref();
         let in_one_line =
-            |a: &InspectedField, b: &InspectedField| a.list().is_some() && a.list() == b.list();
+            |a: &InspectedField, b: &InspectedField| a.list.is_some() && a.list == b.list;
         for line in self.fields.chunk_by(in_one_line) {
             let first = &line[0];
             if first.length == 0 && matches!(first.role, Some(Role::Side(_))) {
@@ -383,7 +363,7 @@ fn end(line: &[InspectedField]) -> usize {
 /// Writes a row of the table: a field, or all elements of a list.
 fn write_line(out: &mut String, line: &[InspectedField], indent: usize) {
     let first = &line[0];
-    let name = first.list().unwrap_or(&first.name);
+    let name = first.list.unwrap_or(&first.name);
     let _ = write!(
         out,
         "{DIM}{:>8} {:>8}{DIM:#}  {CLAUSE}{:<12}{CLAUSE:#}  {:indent$}{NAME}{name}{NAME:#}",
@@ -405,11 +385,6 @@ fn write_line(out: &mut String, line: &[InspectedField], indent: usize) {
 }
 
 impl InspectedField {
-    /// Returns the name of the list it is an element of, if it is one.
-    fn list(&self) -> Option<&'static str> {
-        self.role.and_then(Role::list)
-    }
-
     fn styled(&self) -> String {
         match self.value.as_str() {
             "" => String::new(),
@@ -425,15 +400,14 @@ impl InspectedField {
             let _ = writeln!(out, "{:33}{DIM}{}{DIM:#}", "", words.join(", "));
             return;
         }
-        let limit = if all || is_stream {
-            usize::MAX
-        } else {
-            MAX_ENTRIES
+        let shown = match all || is_stream {
+            true => self.parts.len(),
+            false => MAX_ENTRIES.min(self.parts.len()),
         };
-        for part in self.parts.iter().take(limit) {
-            write_line(out, std::slice::from_ref(part), 2);
-        }
-        let hidden = self.parts.len().saturating_sub(limit);
+        self.parts[..shown]
+            .chunks(1)
+            .for_each(|part| write_line(out, part, 2));
+        let hidden = self.parts.len() - shown;
         if hidden > 0 {
             let _ = writeln!(
                 out,
@@ -446,27 +420,16 @@ impl InspectedField {
 
 /// Returns spaces and line feeds as visible symbols.
 fn visible(bytes: &[u8]) -> String {
-    bytes
-        .iter()
-        .map(|byte| match byte {
-            b' ' => '␠',
-            b'\n' => '␊',
-            _ => '·',
-        })
-        .collect()
+    let symbol = |byte: &u8| match byte {
+        b' ' => '␠',
+        b'\n' => '␊',
+        _ => '·',
+    };
+    bytes.iter().map(symbol).collect()
 }
 
 fn hexadecimal(bytes: &[u8]) -> String {
-    let shown: Vec<String> = bytes
-        .iter()
-        .take(PREVIEW)
-        .map(|byte| format!("{byte:02x}"))
-        .collect();
+    let shown = bytes.iter().take(PREVIEW).map(|byte| format!("{byte:02x}"));
     let more = if bytes.len() > PREVIEW { " …" } else { "" };
-    format!("{}{more}", shown.join(" "))
-}
-
-fn decimal(bytes: &[u8]) -> String {
-    let words: Vec<String> = bytes.iter().map(u8::to_string).collect();
-    words.join(" ")
+    joined(shown, " ") + more
 }

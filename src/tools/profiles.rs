@@ -296,6 +296,7 @@ fn encoded(
     let (size, channels) = (expected.size, expected.channels);
     let png = |image: Image| Ok::<_, String>(("png", image.to_file(ImageFormat::Png)?));
     let values = &expected.values;
+    let floats = ("npy", npy_floats(values, size, channels));
     Ok(match expected.view {
         ViewKind::Raw => {
             let Samples::U8(bytes) = expected.view.samples(values) else {
@@ -307,19 +308,16 @@ fn encoded(
                 _ => vec![npy, png(stacked_planes(&bytes, size, channels))?],
             }
         }
-        ViewKind::Coef => {
-            let npy = ("npy", npy_floats(values, size, channels));
-            match profile {
-                Profile::Exhaustive => {
-                    vec![npy, ("exr", exr_of(values, size, channels, description)?)]
-                }
-                _ => vec![npy],
-            }
+        ViewKind::Coef if profile == Profile::Exhaustive => {
+            vec![
+                floats,
+                ("exr", exr_of(values, size, channels, description)?),
+            ]
         }
+        ViewKind::Coef => vec![floats],
         ViewKind::Rgb => {
-            let npy = ("npy", npy_floats(values, size, channels));
             let bytes = values.iter().map(|value| value.round() as u8);
-            vec![npy, png(Image::rgb(size, bytes.collect()))?]
+            vec![floats, png(Image::rgb(size, bytes.collect()))?]
         }
     })
 }

@@ -12,6 +12,7 @@ use std::collections::HashSet;
 
 use super::dissection::{Dissection, Role};
 use super::lint::Lint;
+use super::segments::{SegmentKind, segments};
 use crate::decode::decode;
 use crate::ptm::Format;
 
@@ -83,10 +84,7 @@ impl<'a> Loose<'a> {
             lines.push((0..count).map(|_| words.next()).collect::<Result<_, _>>()?);
             Ok(())
         };
-        line(1)?;
-        line(1)?;
-        line(6)?;
-        line(6)?;
+        [1, 1, 6, 6].into_iter().try_for_each(&mut line)?;
         match format {
             Format::PtmLut | Format::PtmCLut => {
                 return Err("the spelling of a lookup table's header is left as it is".to_owned());
@@ -184,23 +182,15 @@ impl<'a> Words<'a> {
 
     /// Returns the next word, after any white space.
     fn next(&mut self) -> Result<String, String> {
-        const LONGEST: usize = 256;
-        let is_blank = |byte: &u8| matches!(byte, b' ' | b'\t' | b'\r' | b'\n');
-        let blanks = self
-            .rest()
-            .iter()
-            .take_while(|&byte| is_blank(byte))
-            .count();
-        let word: Vec<u8> = self.rest()[blanks..]
-            .iter()
-            .take(LONGEST)
-            .take_while(|byte| byte.is_ascii_graphic())
-            .copied()
-            .collect();
-        self.at += blanks + word.len();
-        match String::from_utf8(word) {
-            Ok(word) if !word.is_empty() => Ok(word),
-            _ => Err(format!("its header ends at byte {}", self.at)),
+        let is_blank = |byte: &&u8| matches!(byte, b' ' | b'\t' | b'\r' | b'\n');
+        self.at += self.rest().iter().take_while(is_blank).count();
+        let letters = self.rest().iter();
+        let length = letters.take_while(|byte| byte.is_ascii_graphic()).count();
+        let word = String::from_utf8_lossy(&self.rest()[..length]).into_owned();
+        self.at += length;
+        match length {
+            0 => Err(format!("its header ends at byte {}", self.at)),
+            _ => Ok(word),
         }
     }
 }
@@ -211,31 +201,14 @@ fn after_blanks(bytes: &[u8]) -> &[u8] {
     &bytes[blanks.count()..]
 }
 
-/// Returns the length from SOI to EOI, by the lengths of segments and, in the data, by the next marker (T.81 B.1, T.87 C.1).
+/// Returns the length from SOI to EOI, if nothing between them is out of place.
 fn stream_length(stream: &[u8]) -> Option<usize> {
-    let mut at = stream.starts_with(&[0xff, 0xd8]).then_some(2)?;
-    loop {
-        let &[0xff, marker] = stream.get(at..at + 2)? else {
-            return None;
-        };
-        at += 2;
-        match marker {
-            0xd9 => return Some(at),
-            0x01 | 0xd0..=0xd7 => {}
-            0xff => at -= 1,
-            _ => {
-                let length = stream.get(at..at + 2)?;
-                at += usize::from(u16::from_be_bytes([length[0], length[1]])).max(2);
-            }
-        }
-        if marker == 0xda {
-            // In the data 0xff is followed by a byte below 128, or is part of a restart marker.
-            let ends = |pair: &[u8]| {
-                pair[0] == 0xff && pair[1] >= 0x80 && !(0xd0..=0xd7).contains(&pair[1])
-            };
-            at += stream.get(at..)?.windows(2).position(ends)?;
-        }
-    }
+    let parts = segments(stream);
+    let end = parts.iter().position(|part| part.kind.is_end())?;
+    let is_sound = !parts[..end]
+        .iter()
+        .any(|part| part.kind == SegmentKind::Stray);
+    (is_sound && stream.starts_with(&[0xff, 0xd8])).then_some(parts[end].range.end)
 }
 
 /// Removes the bytes after the last value.
