@@ -6,7 +6,7 @@ use super::misreading_pages::filter;
 use super::paper::{Paper, SiteFile};
 use super::pictures;
 use crate::decode::decode;
-use crate::protocol::frame::{Light, View};
+use crate::protocol::frame::View;
 use crate::ptm::channel_name;
 use crate::suite::cases::{Built, Case, Expect, TableSpelling};
 use crate::suite::compare::Expected;
@@ -26,18 +26,14 @@ pub(super) fn pages(paper: Paper, jobs: usize) -> Vec<SiteFile> {
     let made = crate::kit::parallel::in_parallel(cases.len(), jobs, &|_, _| (), &|i| {
         let built = cases[i].build(TableSpelling::default());
         let page = page(paper, &cases[i], &built);
-        let file = (built.file.len() <= MAX_DOWNLOAD).then(|| SiteFile {
-            path: format!("files/{}.ptm", cases[i].id),
-            bytes: built.file.clone(),
-        });
-        (page, file)
+        let path = format!("files/{}.ptm", cases[i].id);
+        let is_small = built.file.len() <= MAX_DOWNLOAD;
+        let file = is_small.then(|| SiteFile::new(path, built.file.clone()));
+        std::iter::once(page).chain(file)
     });
-    let mut pages = vec![list(paper)];
-    for (page, file) in made {
-        pages.push(page);
-        pages.extend(file);
-    }
-    pages
+    std::iter::once(list(paper))
+        .chain(made.into_iter().flatten())
+        .collect()
 }
 
 fn list(paper: Paper) -> SiteFile {
@@ -114,17 +110,14 @@ fn slack(case: &Case, built: &Built) -> Option<String> {
 }
 
 fn picture(case: &Case, built: &Built) -> Markup {
-    let asked = case.views.iter().find_map(|view| match view {
-        View::Rgb(light) => Some(light.clone()),
+    let ordinary: View = View::ORDINARY_LIGHT.parse().expect("a light");
+    let mut views = case.views.iter().chain([&ordinary]);
+    let light = views.find_map(|view| match view {
+        View::Rgb(light) => Some(light),
         _ => None,
     });
-    let ordinary = || match View::ORDINARY_LIGHT.parse() {
-        Ok(View::Rgb(light)) => light,
-        _ => unreachable!("the ordinary light is a light"),
-    };
-    let light: Light = asked.unwrap_or_else(ordinary);
     html! {
-        @if let Ok(ptm) = decode(&built.file) {
+        @if let (Ok(ptm), Some(light)) = (decode(&built.file), light) {
             figure.large {
                 (pictures::of_map(&ptm, (light.lu, light.lv), &format!("the map, {}, under a light", ptm.header.size)))
                 figcaption { (ptm.header.size) " under the light " (light.lu) ", " (light.lv) @if case.expect != Expect::Decode { ", as the reference decodes it" } }
@@ -204,14 +197,8 @@ fn findings(paper: Paper, built: &Built) -> Markup {
 
 /// Returns links to the file that it was edited from, and to those edited from it.
 fn neighbors(paper: Paper, case: &Case) -> Markup {
-    let children: Vec<&str> = paper
-        .library
-        .suite
-        .cases
-        .iter()
-        .filter(|child| child.twin_of.as_ref() == Some(&case.id))
-        .map(|child| child.id.as_str())
-        .collect();
+    let mut children: Vec<&Case> = paper.library.suite.cases.iter().collect();
+    children.retain(|child| child.twin_of.as_ref() == Some(&case.id));
     html! {
         @if let (Some(twin), Some(damage)) = (&case.twin_of, case.damage()) {
             h2 { "Its twin" }
@@ -219,7 +206,7 @@ fn neighbors(paper: Paper, case: &Case) -> Markup {
         }
         @if !children.is_empty() {
             h2 { "Its damaged copies" }
-            ul.columns { @for child in children { li { (paper.link(child)) } } }
+            ul.columns { @for child in children { li { (paper.link(&child.id)) } } }
         }
     }
 }

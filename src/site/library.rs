@@ -2,13 +2,13 @@
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
-use super::annotated::{Annotated, CHAPTERS, FILES};
+use super::annotated::{Annotated, CHAPTERS, Chapter, FILES};
 use super::example::execute_all;
 use super::readers::{ReaderRun, reader_runs};
 use super::texts::{TEXTS, Texts};
 use super::witness::{Witness, witnesses};
 use crate::kit::yaml::from_yaml;
-use crate::misreadings;
+use crate::misreadings::{self, Misreading};
 use crate::readers::profiles;
 use crate::suite::address;
 use crate::suite::cases::{Case, Suite};
@@ -19,6 +19,19 @@ use crate::tools::lint::codes;
 
 /// The id of the protocol between the suite and a decoder.
 pub(super) const PROTOCOL: &str = "PTM-CP 1";
+
+/// What the search index says of it.
+const PROTOCOL_WORDS: &str =
+    "what a decoder is asked, and what exit status 0, 65, 69 and others count as";
+
+/// A subject of a page, as the search index lists it.
+pub(super) struct Subject<'a> {
+    pub id: &'a str,
+    pub kind: &'static str,
+    /// The address of its page, from the root of the site.
+    pub place: String,
+    pub words: &'a str,
+}
 
 /// The data that pages are made from.
 pub(super) struct Library {
@@ -46,12 +59,6 @@ impl Library {
         execute_all(&annotated)?;
         let suite = Suite::load()?.prepared();
         let runs = reader_runs()?;
-        let owned = |run: &ReaderRun| {
-            let outcomes = run.by_case().into_iter();
-            outcomes
-                .map(|(case, outcome)| (case.to_owned(), outcome.to_owned()))
-                .collect()
-        };
         let mut library = Library {
             witnesses: witnesses(&suite, jobs),
             suite,
@@ -62,58 +69,82 @@ impl Library {
             texture_rulings: texture::rulings()?,
             annotated,
             texts: from_yaml(TEXTS)?,
-            outcomes: runs.iter().map(owned).collect(),
+            outcomes: runs.iter().map(ReaderRun::by_case).collect(),
             runs,
             places: HashMap::new(),
         };
-        library.places = library.all_places();
+        let places = library.subjects().into_iter();
+        library.places = places
+            .map(|subject| (subject.id.to_owned(), subject.place))
+            .collect();
         Ok(library)
     }
 
-    fn all_places(&self) -> HashMap<String, String> {
-        let mut places = HashMap::new();
-        let mut put = |id: &str, place: Option<String>| {
-            places.extend(place.map(|place| (id.to_owned(), place)));
-        };
+    /// Returns every subject that has a page, in the order of the search index.
+    pub(super) fn subjects(&self) -> Vec<Subject<'_>> {
         let (ptm, texture) = (SuiteName::Ptm, SuiteName::Texture);
-        put(PROTOCOL, Some(ptm.protocol_page().to_owned()));
-        for case in &self.suite.cases {
-            put(&case.id, ptm.case_page(&case.id));
+        let mut subjects = Vec::new();
+        let mut put = |id, kind, place: Option<String>, words| {
+            subjects.extend(place.map(|place| Subject {
+                id,
+                kind,
+                place,
+                words,
+            }));
+        };
+        let protocol = ptm.protocol_page().to_owned();
+        put(PROTOCOL, "protocol", Some(protocol), PROTOCOL_WORDS);
+        for Chapter { section, title, .. } in &self.annotated.chapters {
+            put(section, "section", Some(address::chapter(section)), title);
         }
-        for misreading in misreadings::all() {
-            put(misreading.slug, Some(ptm.misreading_page(misreading.slug)));
+        for Clause { id, rule, .. } in &self.clauses {
+            put(id, "clause", ptm.clause_page(id), rule);
+        }
+        for Ruling { id, question, .. } in &self.rulings {
+            put(id, "ruling", Some(ptm.ruling_page(id)), question.trim());
         }
         for code in codes::ALL.iter() {
-            put(code.id, Some(address::code(code.id)));
-        }
-        for reader in self.readers() {
-            put(reader, Some(address::reader(reader)));
-        }
-        for chapter in &self.annotated.chapters {
-            put(&chapter.section, Some(address::chapter(&chapter.section)));
-        }
-        let texts = [
-            (ptm, &self.clauses, &self.rulings),
-            (texture, &self.requirements, &self.texture_rulings),
-        ];
-        for (suite, clauses, rulings) in texts {
-            for clause in clauses {
-                put(&clause.id, suite.clause_page(&clause.id));
-            }
-            for ruling in rulings {
-                put(&ruling.id, Some(suite.ruling_page(&ruling.id)));
-            }
-        }
-        for case in &self.textures.cases {
-            put(&case.id, texture.case_page(&case.id));
-        }
-        for misreading in misreadings::texture::all() {
             put(
-                misreading.slug,
-                Some(texture.misreading_page(misreading.slug)),
+                code.id,
+                "lint code",
+                Some(address::code(code.id)),
+                code.says,
             );
         }
-        places
+        for reader in self.readers() {
+            put(reader, "reader", Some(address::reader(reader)), "");
+        }
+        for Misreading { slug, effect, .. } in misreadings::all() {
+            put(slug, "misreading", Some(ptm.misreading_page(slug)), effect);
+        }
+        for Case { id, because, .. } in &self.suite.cases {
+            put(id, "case", ptm.case_page(id), because);
+        }
+        for Clause { id, rule, .. } in &self.requirements {
+            put(id, "texture", texture.clause_page(id), rule);
+        }
+        for Ruling { id, question, .. } in &self.texture_rulings {
+            let page = texture.ruling_page(id);
+            put(id, "texture ruling", Some(page), question.trim());
+        }
+        for misreading in misreadings::texture::all() {
+            let page = texture.misreading_page(misreading.slug);
+            put(
+                misreading.slug,
+                "texture misreading",
+                Some(page),
+                misreading.effect,
+            );
+        }
+        for case in &self.textures.cases {
+            put(
+                &case.id,
+                "texture case",
+                texture.case_page(&case.id),
+                &case.because,
+            );
+        }
+        subjects
     }
 
     /// Returns the page of an id, from the root of the site.

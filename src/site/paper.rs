@@ -13,6 +13,13 @@ pub struct SiteFile {
     pub bytes: Vec<u8>,
 }
 
+impl SiteFile {
+    pub(super) fn new(path: impl Into<String>, bytes: impl Into<Vec<u8>>) -> SiteFile {
+        let (path, bytes) = (path.into(), bytes.into());
+        SiteFile { path, bytes }
+    }
+}
+
 /// The context of a page: the library, and the depth of the page.
 #[derive(Clone, Copy)]
 pub(super) struct Paper<'a> {
@@ -23,16 +30,7 @@ pub(super) struct Paper<'a> {
     pub drop: bool,
 }
 
-impl<'a> Paper<'a> {
-    pub(super) fn new(library: &'a Library, path: &str, drop: bool) -> Paper<'a> {
-        let root = if path.contains('/') { "../" } else { "" };
-        Paper {
-            library,
-            root,
-            drop,
-        }
-    }
-
+impl Paper<'_> {
     /// Returns a link to the page of an id, with its name; only the name if it has no page.
     pub(super) fn link(&self, id: &str) -> Markup {
         self.link_as(id, &html! { code { (id) } })
@@ -144,10 +142,7 @@ impl<'a> Paper<'a> {
                 }
             }
         };
-        SiteFile {
-            path: path.to_owned(),
-            bytes: markup.into_string().into_bytes(),
-        }
+        SiteFile::new(path, markup.into_string())
     }
 
     pub(super) fn head(&self, part: &str) -> Markup {

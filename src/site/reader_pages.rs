@@ -31,35 +31,30 @@ pub(super) fn tallies<'a>(
 
 /// Returns the pages of all readers, and their list.
 pub(super) fn pages(paper: Paper) -> Vec<SiteFile> {
-    let readers = paper.library.readers();
-    let run_of = |reader: &str| {
-        paper
-            .library
-            .runs
-            .iter()
-            .position(|run| run.reader == reader)
-    };
-    let mut pages = vec![list(paper)];
-    for reader in readers {
-        pages.push(page(paper, reader, run_of(reader)));
-    }
-    pages
+    let readers = paper.library.readers().into_iter();
+    let pages = readers.map(|reader| {
+        let mut runs = paper.library.runs.iter();
+        page(paper, reader, runs.position(|run| run.reader == reader))
+    });
+    std::iter::once(list(paper)).chain(pages).collect()
 }
 
 /// Returns its mistakes: those of its profile in the order in which they act, then other sightings.
 fn mistakes(reader: &str) -> Vec<&'static Misreading> {
     let known = profile(reader).map_or(&[][..], |profile| &profile.misreadings);
+    let known = known.iter();
     let mut mistakes: Vec<&Misreading> = known
-        .iter()
         .filter_map(|known| misreadings::named(&known.slug))
         .collect();
-    let seen = |misreading: &&Misreading| {
-        let mut seen = misreading.seen.iter();
-        seen.any(|sighting| sighting.reader == reader)
-    };
-    let profiled: Vec<&str> = mistakes.iter().map(|mistake| mistake.slug).collect();
-    let others = misreadings::all().filter(seen);
-    mistakes.extend(others.filter(|other| !profiled.contains(&other.slug)));
+    for misreading in misreadings::all() {
+        let is_seen = misreading
+            .seen
+            .iter()
+            .any(|sighting| sighting.reader == reader);
+        if is_seen && !mistakes.iter().any(|known| known.slug == misreading.slug) {
+            mistakes.push(misreading);
+        }
+    }
     mistakes
 }
 
@@ -127,9 +122,8 @@ fn profiled(profile: &ReaderProfile) -> Markup {
 fn of_run(paper: Paper, run: &ReaderRun, outcomes: &BTreeMap<String, String>) -> Markup {
     let tallies = tallies(paper, outcomes);
     let failing = |clause: &&Clause| {
-        tallies
-            .get(clause.id.as_str())
-            .is_some_and(|tally| tally.failed > 0)
+        let tally = tallies.get(clause.id.as_str());
+        tally.is_some_and(|tally| tally.failed > 0)
     };
     let clauses: Vec<&Clause> = paper.library.clauses.iter().filter(failing).collect();
     html! {
@@ -165,21 +159,16 @@ fn case_list(paper: Paper, cases: &[String]) -> Markup {
 /// Returns the table of implementations and clauses.
 pub(super) fn scoreboard(paper: Paper) -> SiteFile {
     let runs = &paper.library.runs;
-    let all: Vec<BTreeMap<&str, ReaderTally>> = paper
-        .library
-        .outcomes
-        .iter()
-        .map(|outcomes| tallies(paper, outcomes))
-        .collect();
+    let all = paper.library.outcomes.iter();
+    let all: Vec<_> = all.map(|outcomes| tallies(paper, outcomes)).collect();
     let tally = |place: usize, clause: &str| all[place].get(clause).copied().unwrap_or_default();
     let tested = |clause: &&Clause| {
         (0..runs.len()).any(|place| tally(place, &clause.id) != ReaderTally::default())
     };
     let differs = |clause: &Clause| {
-        let states: std::collections::BTreeSet<&str> = (0..runs.len())
-            .map(|place| tally(place, &clause.id).state().0)
-            .collect();
-        states.len() > 1
+        let mut states = (0..runs.len()).map(|place| tally(place, &clause.id).state());
+        let first = states.next();
+        states.any(|state| Some(state) != first)
     };
     let body = html! {
         h1 { "Scoreboard" }

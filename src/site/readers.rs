@@ -106,13 +106,10 @@ impl ReaderTally {
 
 impl ReaderRun {
     /// Returns the outcome of each case.
-    pub(super) fn by_case(&self) -> BTreeMap<&str, &str> {
+    pub(super) fn by_case(&self) -> BTreeMap<String, String> {
         let outcomes = self.outcomes.iter();
-        let pairs = outcomes.flat_map(|(outcome, cases)| {
-            cases
-                .iter()
-                .map(move |case| (case.as_str(), outcome.as_str()))
-        });
+        let pairs = outcomes
+            .flat_map(|(outcome, cases)| cases.iter().map(|case| (case.clone(), outcome.clone())));
         pairs.collect()
     }
 }

@@ -48,12 +48,8 @@ fn chapter(paper: Paper) -> Result<SiteFile, String> {
 }
 
 fn requirement(paper: Paper, clause: &Clause) -> Markup {
-    let cases = paper
-        .library
-        .textures
-        .cases
-        .iter()
-        .filter(|case| case.clauses.contains(&clause.id));
+    let cases = paper.library.textures.cases.iter();
+    let cases = cases.filter(|case| case.clauses.contains(&clause.id));
     let cases: Vec<&str> = cases.map(|case| case.id.as_str()).collect();
     html! {
         li id=(clause.id) {
@@ -67,18 +63,12 @@ fn requirement(paper: Paper, clause: &Clause) -> Markup {
 
 /// Returns the shortest question of a step with its answer, which is verified with the reference.
 fn question(paper: Paper, (op, does): &(String, String)) -> Result<Markup, String> {
-    let of = paper
-        .library
-        .textures
-        .cases
-        .iter()
-        .filter(|case| case.op == *op);
-    let case = of.min_by_key(|case| case.question().to_string().len());
+    let cases = paper.library.textures.cases.iter();
+    let cases = cases.filter(|case| case.op == *op);
+    let case = cases.min_by_key(|case| case.question().to_string().len());
     let case = case.ok_or_else(|| format!("no case asks for {op}"))?;
-    let wrong = verify(case)
-        .into_iter()
-        .find(|answer| answer.holds == Some(false));
-    if let Some(wrong) = wrong {
+    let mut answers = verify(case).into_iter();
+    if let Some(wrong) = answers.find(|answer| answer.holds == Some(false)) {
         return Err(format!("texture case {}: {}", wrong.id, wrong.says));
     }
     Ok(html! {
@@ -137,10 +127,6 @@ fn mistakes(paper: Paper) -> SiteFile {
             li id=(misreading.slug) { code { (misreading.slug) } " " (paper.link_as(misreading.clause, &html! { (misreading.clause) })) ": the stage " (misreading.effect) ". " b { "Fix: " } (misreading.fix) "." }
         } }
     };
-    paper.page(
-        "texture/misreadings.html",
-        "Texture",
-        "Texture: misreadings",
-        &body,
-    )
+    let title = "Texture: misreadings";
+    paper.page("texture/misreadings.html", "Texture", title, &body)
 }
