@@ -64,39 +64,34 @@ pub fn repair(file: &[u8]) -> Result<Repaired, String> {
 impl<'a> Loose<'a> {
     /// Reads a header with any white space between its words.
     fn read(file: &'a [u8]) -> Result<Loose<'a>, String> {
-        let mut words = Words { file, at: 0 };
-        let version = words.next()?;
+        let mut at = 0;
+        let version = next_word(file, &mut at)?;
         if version != "PTM_1.2" {
             return Err("it does not begin with PTM_1.2".to_owned());
         }
-        let line_end = match after_blanks(words.rest()) {
+        let line_end = match after_blanks(&file[at..]) {
             [b'\r', b'\n', ..] => "\r\n",
             [b'\r', ..] => "\r",
             _ => "\n",
         };
-        let name = words.next()?;
-        let format: Format = name
-            .strip_prefix("PTM_FORMAT_")
-            .and_then(|name| name.parse().ok())
-            .ok_or_else(|| format!("no format is called {name:?}"))?;
+        let name = next_word(file, &mut at)?;
+        let format = Format::ALL.into_iter().find(|format| format.name() == name);
+        let format = format.ok_or_else(|| format!("no format is called {name:?}"))?;
         let mut lines = vec![vec![version], vec![name]];
-        let mut line = |count: usize| -> Result<(), String> {
-            lines.push((0..count).map(|_| words.next()).collect::<Result<_, _>>()?);
-            Ok(())
-        };
-        [1, 1, 6, 6].into_iter().try_for_each(&mut line)?;
-        match format {
+        let planes = format.channels();
+        let more = match format {
             Format::PtmLut | Format::PtmCLut => {
                 return Err("the spelling of a lookup table's header is left as it is".to_owned());
             }
-            Format::Lum => line(16)?,
-            _ if format.is_compressed() => {
-                line(1)?;
-                (0..7).try_for_each(|_| line(format.channels()))?;
-            }
-            _ => {}
+            Format::Lum => vec![16],
+            _ if format.is_compressed() => [&[1][..], &[planes; 7]].concat(),
+            _ => Vec::new(),
+        };
+        for count in [1, 1, 6, 6].into_iter().chain(more) {
+            let words = (0..count).map(|_| next_word(file, &mut at));
+            lines.push(words.collect::<Result<_, _>>()?);
         }
-        let rest = after_blanks(words.rest());
+        let rest = after_blanks(&file[at..]);
         let payload = rest.strip_prefix(line_end.as_bytes());
         Ok(Loose {
             lines,
@@ -130,13 +125,9 @@ impl<'a> Loose<'a> {
     }
 
     fn written(&self) -> Vec<u8> {
-        let mut bytes = Vec::new();
-        for line in &self.lines {
-            bytes.extend_from_slice(line.join(" ").as_bytes());
-            bytes.push(b'\n');
-        }
-        bytes.extend_from_slice(self.payload);
-        bytes
+        let lines = self.lines.iter().map(|line| line.join(" ") + "\n");
+        let header: String = lines.collect();
+        [header.as_bytes(), self.payload].concat()
     }
 
     /// Sets sizes to those of the streams, if the streams fill the file, each beginning at the end of the previous one.
@@ -154,13 +145,9 @@ impl<'a> Loose<'a> {
                 ));
                 *text = size.to_string();
             }
-            let side: usize = self.lines[SIZES + 1][plane]
-                .parse()
-                .map_err(|_| unsettled)?;
-            at = at
-                .checked_add(size)
-                .and_then(|at| at.checked_add(side))
-                .ok_or(unsettled)?;
+            let side = self.lines[SIZES + 1][plane].parse::<usize>();
+            let end = side.ok().and_then(|side| (at + size).checked_add(side));
+            at = end.ok_or(unsettled)?;
         }
         match at == self.payload.len() && !changes.is_empty() {
             true => Ok(()),
@@ -169,29 +156,17 @@ impl<'a> Loose<'a> {
     }
 }
 
-/// The words of a header.
-struct Words<'a> {
-    file: &'a [u8],
-    at: usize,
-}
-
-impl<'a> Words<'a> {
-    fn rest(&self) -> &'a [u8] {
-        &self.file[self.at..]
-    }
-
-    /// Returns the next word, after any white space.
-    fn next(&mut self) -> Result<String, String> {
-        let is_blank = |byte: &&u8| matches!(byte, b' ' | b'\t' | b'\r' | b'\n');
-        self.at += self.rest().iter().take_while(is_blank).count();
-        let letters = self.rest().iter();
-        let length = letters.take_while(|byte| byte.is_ascii_graphic()).count();
-        let word = String::from_utf8_lossy(&self.rest()[..length]).into_owned();
-        self.at += length;
-        match length {
-            0 => Err(format!("its header ends at byte {}", self.at)),
-            _ => Ok(word),
-        }
+/// Returns the next word of a header, after any white space; `at` becomes its end.
+fn next_word(file: &[u8], at: &mut usize) -> Result<String, String> {
+    let is_blank = |byte: &&u8| matches!(byte, b' ' | b'\t' | b'\r' | b'\n');
+    *at += file[*at..].iter().take_while(is_blank).count();
+    let letters = file[*at..].iter();
+    let length = letters.take_while(|byte| byte.is_ascii_graphic()).count();
+    let word = String::from_utf8_lossy(&file[*at..*at + length]).into_owned();
+    *at += length;
+    match length {
+        0 => Err(format!("its header ends at byte {at}")),
+        _ => Ok(word),
     }
 }
 
@@ -216,10 +191,8 @@ fn without_rest(mut bytes: Vec<u8>, changes: &mut Vec<String>) -> Vec<u8> {
     let dissection = Dissection::of(&bytes);
     let (end, is_read) = (dissection.end(), dissection.outcome.is_ok());
     if is_read && end < bytes.len() {
-        changes.push(format!(
-            "{} bytes after the last value are left out",
-            bytes.len() - end
-        ));
+        let rest = bytes.len() - end;
+        changes.push(format!("{rest} bytes after the last value are left out"));
         bytes.truncate(end);
     }
     bytes

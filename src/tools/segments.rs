@@ -30,7 +30,7 @@ pub enum SegmentKind {
     /// Entropy-coded data.
     Data,
     /// Bytes after the end of the image.
-    Behind,
+    Trailing,
     /// Bytes in place of a marker.
     Stray,
 }
@@ -52,7 +52,7 @@ impl SegmentKind {
         let (name, clause) = match self {
             SegmentKind::Fill => ("fill bytes", "T.81 B.1.1.2"),
             SegmentKind::Data => ("entropy-coded data", "T.81 B.1.1.5"),
-            SegmentKind::Behind => ("bytes after the end", "T.81 B.1.1.3"),
+            SegmentKind::Trailing => ("bytes after the end", "T.81 B.1.1.3"),
             SegmentKind::Stray => ("no marker", "T.81 B.1.1.3"),
             SegmentKind::Marker(code) => match code {
                 SOI => ("SOI", "T.81 B.2.1"),
@@ -83,7 +83,7 @@ pub fn segments(stream: &[u8]) -> Vec<Segment<'_>> {
     let (mut rest, mut is_jpeg_ls) = (stream, false);
     while !rest.is_empty() {
         let (kind, length) = match parts.last().map(|part| part.kind) {
-            Some(SegmentKind::Marker(EOI)) => (SegmentKind::Behind, rest.len()),
+            Some(SegmentKind::Marker(EOI)) => (SegmentKind::Trailing, rest.len()),
             Some(SegmentKind::Marker(SOS)) => match data_length(rest, is_jpeg_ls) {
                 0 => marker_or_gap(rest),
                 length => (SegmentKind::Data, length),
@@ -280,7 +280,7 @@ mod tests {
         joined(parts.iter().map(|part| part.kind.label().0), " ")
     }
 
-    fn whole(stream: &[u8]) {
+    fn check_coverage(stream: &[u8]) {
         let mut end = 0;
         for part in segments(stream) {
             assert_eq!(part.range.start, end);
@@ -310,14 +310,14 @@ mod tests {
         let samples: Vec<u8> = (0..64).map(|i| i * 3).collect();
         let stream = jpeg::encode(&samples, 8, 8, &jpeg::JpegOptions::new(90)).stream;
         for at in 0..stream.len() {
-            whole(&stream[..at]);
+            check_coverage(&stream[..at]);
             for byte in [0, 0x7f, 0xda, 0xff] {
                 let mut stream = stream.clone();
                 stream[at] = byte;
-                whole(&stream);
+                check_coverage(&stream);
             }
         }
-        whole(&[0xff; 9]);
-        whole(&[0xff, 0xda, 0, 2, 0xff, 0xff, 0xff]);
+        check_coverage(&[0xff; 9]);
+        check_coverage(&[0xff, 0xda, 0, 2, 0xff, 0xff, 0xff]);
     }
 }

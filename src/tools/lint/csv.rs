@@ -10,11 +10,11 @@ use crate::tools::joined;
 /// Returns the first row, with two columns for each of these readers.
 #[must_use]
 pub fn head<'a>(readers: impl Iterator<Item = &'a str>) -> String {
-    const OF_FILES: &str =
+    const FILE_COLUMNS: &str =
         "file,status,format,width,height,bytes,errors,warnings,infos,codes,first";
-    let of_files = OF_FILES.split(',').map(str::to_owned);
-    let of_readers = readers.flat_map(|reader| [reader.to_owned(), format!("{reader}: how")]);
-    cells(of_files.chain(of_readers))
+    let file_columns = FILE_COLUMNS.split(',').map(str::to_owned);
+    let reader_columns = readers.flat_map(|reader| [reader.to_owned(), format!("{reader}: how")]);
+    cells(file_columns.chain(reader_columns))
 }
 
 /// Returns the row of a file, with predictions for `readers` readers.
@@ -24,7 +24,7 @@ pub fn row(lint: &Lint, readers: usize) -> String {
     let mut codes: Vec<&str> = lint.findings.iter().map(|finding| finding.code).collect();
     codes.dedup();
     let first = lint.findings.first().map(Diagnostic::text);
-    let of_file = [
+    let file_columns = [
         lint.file.clone(),
         lint.status.name(),
         lint.format.unwrap_or_default().to_owned(),
@@ -37,11 +37,11 @@ pub fn row(lint: &Lint, readers: usize) -> String {
         codes.join(" "),
         first.or_else(|| lint.reason.clone()).unwrap_or_default(),
     ];
-    let of_readers = (0..readers).flat_map(|reader| match lint.readers.get(reader) {
+    let reader_columns = (0..readers).flat_map(|reader| match lint.readers.get(reader) {
         Some(shown) => [shown.shows.name().to_owned(), shown.how.clone()],
         None => [String::new(), String::new()],
     });
-    cells(of_file.into_iter().chain(of_readers))
+    cells(file_columns.into_iter().chain(reader_columns))
 }
 
 /// Returns a row of cells.

@@ -168,7 +168,7 @@ fn odd_segment(format: Format, segment: &Segment) -> Option<Problem> {
         SegmentKind::Marker(0xe0..=0xef | 0xfe) if !jfif => Some(Problem::StreamExtras),
         SegmentKind::Fill => Some(Problem::StreamExtras),
         SegmentKind::Marker(0xdd) => Some(Problem::Restarts),
-        SegmentKind::Behind => Some(Problem::StreamTrailing),
+        SegmentKind::Trailing => Some(Problem::StreamTrailing),
         // LSE of type 1 with MAXVAL below 255; 0 stands for the maximum (T.87 C.2.4.1.1).
         SegmentKind::Marker(0xf8) => match *segment.bytes {
             [_, _, _, _, 1, high, low, ..] => ((1..255).contains(&u16::from_be_bytes([high, low])))
