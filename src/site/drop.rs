@@ -27,7 +27,8 @@ pub(super) fn pages(paper: Paper, module: &[u8]) -> Result<Vec<SiteFile>, String
         return Err("the module is not WebAssembly".to_owned());
     }
     let packed = packed(module).map_err(|error| error.to_string())?;
-    let page = |path: &str, own: bool| SiteFile::new(path, whole(paper, &packed, own));
+    let page =
+        |path: &str, standalone: bool| SiteFile::new(path, page_text(paper, &packed, standalone));
     Ok(vec![
         page("drop.html", false),
         page("ptm-viewer.html", true),
@@ -41,11 +42,11 @@ fn packed(module: &[u8]) -> std::io::Result<String> {
 }
 
 /// Returns the page. Its policy forbids all requests, and all scripts except those of the site.
-fn whole(paper: Paper, packed: &str, own: bool) -> String {
+fn page_text(paper: Paper, packed: &str, standalone: bool) -> String {
     let digest = |script: &str| BASE64.encode(&Sha256::digest(script));
     let policy = format!(
         "default-src 'none'; img-src data: blob:; style-src 'unsafe-inline'; {}; base-uri 'none'; form-action 'none'",
-        match own {
+        match standalone {
             true => format!("script-src 'sha256-{}' 'wasm-unsafe-eval'", digest(SCRIPT)),
             // The search index is a separate script.
             false => "script-src 'unsafe-inline' 'self' file: 'wasm-unsafe-eval'".to_owned(),
@@ -65,14 +66,14 @@ fn whole(paper: Paper, packed: &str, own: bool) -> String {
                 link rel="icon" href="data:,";
                 style { (PreEscaped(STYLE)) }
             }
-            body.site data-root=[(!own).then_some("")] {
+            body.site data-root=[(!standalone).then_some("")] {
                 a.skip href="#main" { "To the file" }
-                @if !own { (paper.head("Drop a file")) }
-                main #main tabindex="-1" { (PreEscaped(contents(own))) }
+                @if !standalone { (paper.head("Drop a file")) }
+                main #main tabindex="-1" { (PreEscaped(contents(standalone))) }
                 script #chapters type="application/json" { (PreEscaped(serde_json::json!(sections).to_string())) }
                 script #module type="application/octet-stream" { (packed) }
                 script { (PreEscaped(SCRIPT)) }
-                @if !own { script { (PreEscaped(COMMON)) } }
+                @if !standalone { script { (PreEscaped(COMMON)) } }
             }
         }
     };
@@ -80,9 +81,9 @@ fn whole(paper: Paper, packed: &str, own: bool) -> String {
 }
 
 /// Returns the contents of the page, without the indentation of their source; the standalone page has no link to itself.
-fn contents(own: bool) -> String {
+fn contents(standalone: bool) -> String {
     let lines = CONTENTS.lines().map(str::trim_start);
     lines
-        .filter(|line| !own || !line.contains("ptm-viewer.html"))
+        .filter(|line| !standalone || !line.contains("ptm-viewer.html"))
         .collect()
 }

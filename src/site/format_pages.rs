@@ -61,9 +61,9 @@ fn page(
     before: Option<&Chapter>,
     after: Option<&Chapter>,
 ) -> Result<SiteFile, String> {
-    let mut told = BTreeSet::new();
+    let mut explained = BTreeSet::new();
     let clauses = chapter.clauses.iter();
-    let clauses = clauses.map(|annotated| clause(paper, annotated, &mut told));
+    let clauses = clauses.map(|annotated| clause(paper, annotated, &mut explained));
     let clauses: Vec<Markup> = clauses.collect::<Result<_, _>>()?;
     let to = |chapter: &Chapter| html! { a href={ (chapter.section) ".html" } { (chapter.section) " " (chapter.title) } };
     let body = html! {
@@ -96,7 +96,7 @@ fn page(
 fn clause<'a>(
     paper: Paper<'a>,
     annotated: &AnnotatedClause,
-    told: &mut BTreeSet<&'a str>,
+    explained: &mut BTreeSet<&'a str>,
 ) -> Result<Markup, String> {
     let library = paper.library;
     let id = annotated.clause.as_str();
@@ -116,7 +116,7 @@ fn clause<'a>(
             @for (i, (example, executed)) in annotated.examples.iter().zip(&executed).enumerate() {
                 (worked(paper, example, executed, i + 1, annotated.examples.len()))
             }
-            (ruling_markup(paper, known, told))
+            (ruling_markup(paper, known, explained))
             (misreading_markup(paper, &mistakes))
             (test_markup(paper, known))
         }
@@ -207,12 +207,16 @@ fn as_text(bytes: &[u8]) -> String {
     text.replace('\r', "←").replace('\n', "↵")
 }
 
-/// Returns the rulings of a clause; in full those that were not `told` earlier in the chapter.
-fn ruling_markup<'a>(paper: Paper<'a>, clause: &Clause, told: &mut BTreeSet<&'a str>) -> Markup {
+/// Returns the rulings of a clause; in full those that were not `explained` earlier in the chapter.
+fn ruling_markup<'a>(
+    paper: Paper<'a>,
+    clause: &Clause,
+    explained: &mut BTreeSet<&'a str>,
+) -> Markup {
     let rulings = paper.library.rulings.iter();
     let rulings = rulings.filter(|ruling| ruling.clauses.contains(&clause.id));
     let rulings: Vec<(&Ruling, bool)> = rulings
-        .map(|ruling| (ruling, told.insert(&ruling.id)))
+        .map(|ruling| (ruling, explained.insert(&ruling.id)))
         .collect();
     html! {
         @for (ruling, first) in rulings {
