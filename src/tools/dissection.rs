@@ -6,31 +6,52 @@
 use std::collections::HashMap;
 use std::ops::Range;
 
+use serde::Serialize;
+
 use crate::decode::{Streams, examine, examine_streams};
 use crate::error::{Error, Kind};
 use crate::ptm::{Field, Format, Ptm, Size, channel_name};
 
-/// A part of a file and its role.
-#[derive(Clone, Debug, PartialEq, Eq)]
+/// A part of a file: a field, or an element of one. What `inspect` adds is empty in a dissection.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct FilePart {
-    /// Its role.
-    pub role: Role,
+    /// Its position.
+    pub offset: usize,
+    /// Number of its bytes.
+    pub length: usize,
+    /// The clause that requires it; within a plane, of T.81 or T.87.
+    pub clause: &'static str,
     /// Its name; coefficients, matrix elements and planes are numbered.
     pub name: String,
+    /// Its value; from `inspect`.
+    pub value: String,
+    /// Its first bytes, if it is not text; from `inspect`.
+    #[serde(skip_serializing_if = "String::is_empty")]
+    pub begins: String,
+    /// Its elements: entries, segments, records; from `inspect`.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub parts: Vec<FilePart>,
+    /// Its role.
+    #[serde(skip)]
+    pub role: Role,
     /// The name of the list it is an element of, if it is one.
+    #[serde(skip)]
     pub list: Option<&'static str>,
-    /// The clause that requires it.
-    pub clause: &'static str,
-    /// Its bytes.
-    pub range: Range<usize>,
     /// The number of bytes that it should have, if the file ends earlier.
+    #[serde(skip)]
     pub cut_from: Option<u64>,
+    /// The white space before the next part, in visible form; from `inspect`.
+    #[serde(skip)]
+    pub(super) gap: String,
 }
 
 /// The role of a part; numbers are indices of coefficients, matrix elements, blocks or planes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 #[allow(missing_docs)] // they are the format's words
 pub enum Role {
+    /// An entry, segment or record of another part.
+    #[default]
+    Element,
     Version,
     Format,
     Width,
@@ -113,7 +134,7 @@ impl<'a> Dissection<'a> {
     /// Returns the bytes of the first part of this role.
     #[must_use]
     pub fn bytes(&self, role: Role) -> Option<&'a [u8]> {
-        self.part(role).map(|part| &self.file[part.range.clone()])
+        self.part(role).map(|part| &self.file[part.range()])
     }
 
     /// Returns the first part of this role.
@@ -125,7 +146,7 @@ impl<'a> Dissection<'a> {
     /// Returns the byte at which this role begins; 0 if the file has no such part.
     #[must_use]
     pub fn start(&self, role: Role) -> usize {
-        self.part(role).map_or(0, |part| part.range.start)
+        self.part(role).map_or(0, |part| part.offset)
     }
 
     /// Returns the number of planes of a compressed file; 0 in other formats.
@@ -157,18 +178,18 @@ impl<'a> Dissection<'a> {
     /// Returns the end of the last part.
     #[must_use]
     pub fn end(&self) -> usize {
-        let ends = self.parts.iter().map(|part| part.range.end);
+        let ends = self.parts.iter().map(|part| part.range().end);
         ends.max().unwrap_or(0)
     }
 
     /// Returns the white space between the part at `place` and the next one.
     #[must_use]
     pub fn gap_after(&self, place: usize) -> &'a [u8] {
-        let from = self.parts[place].range.end;
-        let to = self.parts.get(place + 1).map_or_else(
-            || from + self.line_end(from),
-            |next| next.range.start.max(from),
-        );
+        let from = self.parts[place].range().end;
+        let to = self
+            .parts
+            .get(place + 1)
+            .map_or_else(|| from + self.line_end(from), |next| next.offset.max(from));
         &self.file[from..to]
     }
 
@@ -296,6 +317,12 @@ const COMPRESSED_PLANE: &str = "2.9.8/2";
 const SIDE_INFORMATION: &str = "2.9.8/4";
 
 impl FilePart {
+    /// Returns the positions of its bytes.
+    #[must_use]
+    pub fn range(&self) -> Range<usize> {
+        self.offset..self.offset + self.length
+    }
+
     /// Describes a field: the `nth` one of its clause.
     fn new(field: &Field, nth: usize, file: &[u8], format: Option<Format>) -> Option<FilePart> {
         let planes = format.map_or(9, Format::channels);
@@ -357,8 +384,9 @@ impl FilePart {
             name,
             list,
             clause: exact_clause(role, format).unwrap_or(field.clause),
-            range: field.range.clone(),
-            cut_from: None,
+            offset: field.range.start,
+            length: field.range.len(),
+            ..FilePart::default()
         })
     }
 }
@@ -391,8 +419,8 @@ mod tests {
             let dissection = Dissection::of(&written.bytes);
             assert!(dissection.outcome.is_ok(), "{format}");
             // The writer's map and the reader's agree on the position of every part.
-            let ranges = dissection.parts.iter().map(|part| &part.range);
-            let fields = written.fields.iter().map(|field| &field.range);
+            let ranges = dissection.parts.iter().map(FilePart::range);
+            let fields = written.fields.iter().map(|field| field.range.clone());
             assert!(ranges.eq(fields), "{format}");
             assert_eq!(dissection.end(), written.bytes.len());
             for place in 0..dissection.parts.len() {
@@ -410,7 +438,7 @@ mod tests {
             let cut = Dissection::of(&file[..file.len() - 5]);
             let last = cut.parts.last().unwrap();
             assert!(matches!(last.role, Role::Block(_)), "{format}");
-            assert_eq!(last.cut_from, Some(last.range.len() as u64 + 5), "{format}");
+            assert_eq!(last.cut_from, Some(last.length as u64 + 5), "{format}");
         }
     }
 
@@ -424,6 +452,6 @@ mod tests {
         let stream = Role::Stream(0);
         assert_eq!(dissection.bytes(stream), whole.bytes(stream));
         let last = dissection.part(Role::Stream(8)).unwrap();
-        assert_eq!(last.range.end, cut.len());
+        assert_eq!(last.range().end, cut.len());
     }
 }

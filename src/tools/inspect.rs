@@ -38,43 +38,13 @@ pub struct Inspection {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub height: Option<u32>,
     /// Its fields, in file order.
-    pub fields: Vec<InspectedField>,
+    pub fields: Vec<FilePart>,
     /// The error, if any.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub error: Option<Fault>,
     /// Bytes that are not read: after the damage, or after the last value.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rest: Option<Rest>,
-}
-
-/// A field.
-#[derive(Debug, Default, Serialize)]
-pub struct InspectedField {
-    /// Its position.
-    pub offset: usize,
-    /// Number of its bytes.
-    pub length: usize,
-    /// The clause that requires it; within a plane, of T.81 or T.87.
-    pub clause: &'static str,
-    /// Its name.
-    pub name: String,
-    /// Its value.
-    pub value: String,
-    /// The white space before the next field, in visible form.
-    #[serde(skip)]
-    gap: String,
-    /// Its role; None within a part.
-    #[serde(skip)]
-    role: Option<Role>,
-    /// The name of the list it is an element of, if it is one.
-    #[serde(skip)]
-    list: Option<&'static str>,
-    /// Its first bytes, if it is not text.
-    #[serde(skip_serializing_if = "String::is_empty")]
-    pub begins: String,
-    /// Its elements: entries, segments, records.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub parts: Vec<InspectedField>,
 }
 
 /// The position and the reason at which reading ended.
@@ -139,21 +109,19 @@ pub fn inspect(file: &[u8]) -> Inspection {
     }
 }
 
-fn show(dissection: &Dissection, place: usize) -> InspectedField {
+fn show(dissection: &Dissection, place: usize) -> FilePart {
     let part = &dissection.parts[place];
-    let bytes = &dissection.file[part.range.clone()];
-    let text = |bytes: &[u8]| bytes.escape_ascii().to_string();
-    let (is_payload, name) = (part.role.is_payload(), part.name.clone());
+    let bytes = &dissection.file[part.range()];
+    let is_payload = part.role.is_payload();
     let (value, parts) = match part.cut_from {
         Some(whole) => (format!("cut: {} of {whole} bytes", bytes.len()), Vec::new()),
         None if is_payload => describe(dissection, part, bytes),
-        None => (text(bytes), Vec::new()),
+        None => (bytes.escape_ascii().to_string(), Vec::new()),
     };
-    let mut field = InspectedField {
-        role: Some(part.role),
-        list: part.list,
+    let mut field = FilePart {
+        value,
         parts,
-        ..child(part, 0..bytes.len(), part.clause, name, value)
+        ..part.clone()
     };
     match is_payload {
         true => field.begins = hexadecimal(bytes),
@@ -163,11 +131,7 @@ fn show(dissection: &Dissection, place: usize) -> InspectedField {
 }
 
 /// Returns a description of a part of the payload, and its elements.
-fn describe(
-    dissection: &Dissection,
-    part: &FilePart,
-    bytes: &[u8],
-) -> (String, Vec<InspectedField>) {
+fn describe(dissection: &Dissection, part: &FilePart, bytes: &[u8]) -> (String, Vec<FilePart>) {
     let texels = dissection.size.map_or(0, Size::texels);
     match part.role {
         Role::Table => table(dissection, part, bytes),
@@ -189,7 +153,7 @@ fn describe(
 }
 
 /// Returns the entries of the lookup table.
-fn table(dissection: &Dissection, part: &FilePart, bytes: &[u8]) -> (String, Vec<InspectedField>) {
+fn table(dissection: &Dissection, part: &FilePart, bytes: &[u8]) -> (String, Vec<FilePart>) {
     let entries = dissection.entries().unwrap_or(0);
     let size = bytes.len().checked_div(entries).unwrap_or(0);
     let entry = |(i, entry): (usize, &[u8])| {
@@ -220,14 +184,14 @@ fn child(
     clause: &'static str,
     name: String,
     value: String,
-) -> InspectedField {
-    InspectedField {
-        offset: part.range.start + range.start,
+) -> FilePart {
+    FilePart {
+        offset: part.offset + range.start,
         length: range.len(),
         clause,
         name,
         value,
-        ..InspectedField::default()
+        ..FilePart::default()
     }
 }
 
@@ -254,11 +218,7 @@ fn plan(dissection: &Dissection, plane: usize) -> String {
 }
 
 /// Returns the records of a block of side information (clause 2.9.8/5).
-fn records(
-    dissection: &Dissection,
-    part: &FilePart,
-    block: &[u8],
-) -> (String, Vec<InspectedField>) {
+fn records(dissection: &Dissection, part: &FilePart, block: &[u8]) -> (String, Vec<FilePart>) {
     const CLAUSE: &str = "2.9.8/5";
     let (whole, rest) = block.as_chunks::<5>();
     let record = |(i, &[p3, p2, p1, p0, value]): (usize, &[u8; 5])| {
@@ -272,7 +232,7 @@ fn records(
         let value = format!("position {position} ({place}) becomes {value}");
         child(part, 5 * i..5 * i + 5, CLAUSE, format!("record {i}"), value)
     };
-    let mut parts: Vec<InspectedField> = whole.iter().enumerate().map(record).collect();
+    let mut parts: Vec<FilePart> = whole.iter().enumerate().map(record).collect();
     if !rest.is_empty() {
         let (range, name) = (5 * whole.len()..block.len(), "part of a record".to_owned());
         parts.push(child(part, range, CLAUSE, name, joined(rest, " ")));
@@ -296,11 +256,10 @@ impl Inspection {
             ""
         );
         let mut fault = self.error.as_ref();
-        let in_one_line =
-            |a: &InspectedField, b: &InspectedField| a.list.is_some() && a.list == b.list;
+        let in_one_line = |a: &FilePart, b: &FilePart| a.list.is_some() && a.list == b.list;
         for line in self.fields.chunk_by(in_one_line) {
             let first = &line[0];
-            if first.length == 0 && matches!(first.role, Some(Role::Side(_))) {
+            if first.length == 0 && matches!(first.role, Role::Side(_)) {
                 continue;
             }
             write_line(&mut out, line, 0);
@@ -335,10 +294,10 @@ impl Inspection {
 
 impl Fault {
     /// Returns true if the fault is shown after this line: the line of its byte or, for a stream, of its plane.
-    fn is_in(&self, line: &[InspectedField]) -> bool {
+    fn is_in(&self, line: &[FilePart]) -> bool {
         let (start, end) = (line[0].offset, end(line));
         match self.kind {
-            Kind::Stream { plane, .. } => line[0].role == Some(Role::Stream(plane)),
+            Kind::Stream { plane, .. } => line[0].role == Role::Stream(plane),
             Kind::Short { .. } => false,
             _ => (start..end.max(start + 1)).contains(&self.offset),
         }
@@ -356,12 +315,12 @@ fn write_fault(out: &mut String, fault: Option<&Fault>) {
 }
 
 /// Returns the byte after the last field of a line.
-fn end(line: &[InspectedField]) -> usize {
-    line.last().map_or(0, |last| last.offset + last.length)
+fn end(line: &[FilePart]) -> usize {
+    line.last().map_or(0, |last| last.range().end)
 }
 
 /// Writes a row of the table: a field, or all elements of a list.
-fn write_line(out: &mut String, line: &[InspectedField], indent: usize) {
+fn write_line(out: &mut String, line: &[FilePart], indent: usize) {
     let first = &line[0];
     let name = first.list.unwrap_or(&first.name);
     let _ = write!(
@@ -372,7 +331,7 @@ fn write_line(out: &mut String, line: &[InspectedField], indent: usize) {
         first.clause,
         "",
     );
-    let value: String = line.iter().map(InspectedField::styled).collect();
+    let value: String = line.iter().map(FilePart::styled).collect();
     if !value.is_empty() {
         let width = indent + name.chars().count();
         let space = 33_usize.saturating_sub(width).max(1);
@@ -384,7 +343,7 @@ fn write_line(out: &mut String, line: &[InspectedField], indent: usize) {
     out.push('\n');
 }
 
-impl InspectedField {
+impl FilePart {
     fn styled(&self) -> String {
         match self.value.as_str() {
             "" => String::new(),
@@ -394,7 +353,7 @@ impl InspectedField {
 
     /// Writes the entries, segments or records, all or some of them. The segments of an intact stream share one line.
     fn write_parts(&self, out: &mut String, all: bool, damaged: bool) {
-        let is_stream = matches!(self.role, Some(Role::Stream(_))) && !self.parts.is_empty();
+        let is_stream = matches!(self.role, Role::Stream(_)) && !self.parts.is_empty();
         if is_stream && !all && !damaged {
             let words: Vec<&str> = self.parts.iter().map(|part| part.name.as_str()).collect();
             let _ = writeln!(out, "{:33}{DIM}{}{DIM:#}", "", words.join(", "));

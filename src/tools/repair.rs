@@ -10,7 +10,7 @@
 
 use std::collections::HashSet;
 
-use super::dissection::{Dissection, Role};
+use super::dissection::{Dissection, FilePart, Role};
 use super::lint::Lint;
 use super::segments::{SegmentKind, segments};
 use crate::decode::decode;
@@ -209,7 +209,7 @@ fn without_overridden_records(
     }
     let mut edits = Vec::new();
     for plane in 0..dissection.compressed_planes() {
-        let part = |role| dissection.part(role).map(|part| part.range.clone());
+        let part = |role| dissection.part(role).map(FilePart::range);
         let (Some(size), Some(side)) = (part(Role::SideSize(plane)), part(Role::Side(plane)))
         else {
             continue;

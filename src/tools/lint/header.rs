@@ -15,7 +15,7 @@ pub(super) fn diagnose(findings: &mut Findings) {
     for (place, part) in header.take_while(|(_, part)| !part.role.is_payload()) {
         for (problem, found) in odd_gap(part, count, dissection.gap_after(place)) {
             if seen.insert(problem) {
-                findings.add_at(problem, part.range.end, found);
+                findings.add_at(problem, part.range().end, found);
             }
         }
     }
