@@ -213,9 +213,9 @@ fn neighbors(paper: Paper, case: &Case) -> Markup {
 
 /// Returns the results of public readers.
 fn answered(paper: Paper, case: &Case) -> Markup {
-    let runs = paper.library.runs.iter().zip(&paper.library.outcomes);
+    let runs = paper.library.runs.iter();
     let outcomes: Vec<_> = runs
-        .filter_map(|(run, outcomes)| Some((run, outcomes.get(&case.id)?)))
+        .filter_map(|run| Some((run, run.by_case.get(&case.id)?)))
         .collect();
     html! {
         @if !outcomes.is_empty() {

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use maud::{Markup, html};
 
 use super::paper::{Paper, SiteFile};
-use super::readers::makers;
+use super::readers::{ReaderRun, makers};
 use crate::misreadings;
 use crate::suite::cases::{Case, TableSpelling};
 use crate::tools::lint::codes::{self, Code};
@@ -82,25 +82,22 @@ fn affected(paper: Paper, code: &Code, cases: &[&Case]) -> Markup {
     let seen = misreadings::all()
         .filter(|misreading| misreading.clause == code.clause && !makers(misreading).is_empty());
     let seen: Vec<_> = seen.collect();
-    let tally = |outcomes: &BTreeMap<String, String>| {
+    let mut runs: Vec<_> = paper.library.runs.iter().collect();
+    runs.retain(|run| cases.iter().any(|case| run.by_case.contains_key(&case.id)));
+    let tally = |run: &ReaderRun| {
         let mut tally: BTreeMap<String, usize> = BTreeMap::new();
-        for outcome in cases.iter().filter_map(|case| outcomes.get(&case.id)) {
+        for outcome in cases.iter().filter_map(|case| run.by_case.get(&case.id)) {
             *tally.entry(outcome.clone()).or_default() += 1;
         }
         tally
     };
-    let runs = paper.library.runs.iter().zip(&paper.library.outcomes);
-    let runs: Vec<_> = runs
-        .map(|(run, outcomes)| (run, tally(outcomes)))
-        .filter(|(_, tally)| !tally.is_empty())
-        .collect();
     html! {
         @if !seen.is_empty() || !runs.is_empty() {
             h2 { "Readers" }
             @if !runs.is_empty() {
                 p { "Of the files that provoke it:" }
-                ul { @for (run, tally) in runs { li { (paper.link_as(&run.reader, &html! { (run.reader) })) ": "
-                    @for (i, (outcome, count)) in tally.iter().enumerate() { @if i > 0 { ", " } (count) " " (outcome) }
+                ul { @for run in runs { li { (paper.link_as(&run.reader, &html! { (run.reader) })) ": "
+                    @for (i, (outcome, count)) in tally(run).iter().enumerate() { @if i > 0 { ", " } (count) " " (outcome) }
                 } } }
             }
             @if !seen.is_empty() {

@@ -1,6 +1,6 @@
 //! All subjects of the site, and the addresses of their pages.
 
-use std::collections::{BTreeMap, BTreeSet, HashMap};
+use std::collections::{BTreeSet, HashMap};
 
 use super::annotated::{Annotated, CHAPTERS, Chapter, FILES};
 use super::example::execute_all;
@@ -46,8 +46,6 @@ pub(super) struct Library {
     pub runs: Vec<ReaderRun>,
     /// The smallest file that shows each misreading.
     pub witnesses: HashMap<&'static str, Witness>,
-    /// The results of each reader for each case, in the order of `runs`.
-    pub outcomes: Vec<BTreeMap<String, String>>,
     /// Pages by id, from the root of the site.
     places: HashMap<String, String>,
 }
@@ -58,7 +56,6 @@ impl Library {
         let annotated = annotated.map_or_else(|| Annotated::read(CHAPTERS, FILES), Ok)?;
         execute_all(&annotated)?;
         let suite = Suite::load()?.prepared();
-        let runs = reader_runs()?;
         let mut library = Library {
             witnesses: witnesses(&suite, jobs),
             suite,
@@ -69,8 +66,7 @@ impl Library {
             texture_rulings: texture::rulings()?,
             annotated,
             texts: from_yaml(TEXTS)?,
-            outcomes: runs.iter().map(ReaderRun::by_case).collect(),
-            runs,
+            runs: reader_runs()?,
             places: HashMap::new(),
         };
         let places = library.subjects().into_iter();
@@ -85,12 +81,13 @@ impl Library {
         let (ptm, texture) = (SuiteName::Ptm, SuiteName::Texture);
         let mut subjects = Vec::new();
         let mut put = |id, kind, place: Option<String>, words| {
-            subjects.extend(place.map(|place| Subject {
+            let subject = |place| Subject {
                 id,
                 kind,
                 place,
                 words,
-            }));
+            };
+            subjects.extend(place.map(subject));
         };
         let protocol = ptm.protocol_page().to_owned();
         put(PROTOCOL, "protocol", Some(protocol), PROTOCOL_WORDS);
@@ -104,12 +101,8 @@ impl Library {
             put(id, "ruling", Some(ptm.ruling_page(id)), question.trim());
         }
         for code in codes::ALL.iter() {
-            put(
-                code.id,
-                "lint code",
-                Some(address::code(code.id)),
-                code.says,
-            );
+            let page = address::code(code.id);
+            put(code.id, "lint code", Some(page), code.says);
         }
         for reader in self.readers() {
             put(reader, "reader", Some(address::reader(reader)), "");
@@ -127,22 +120,12 @@ impl Library {
             let page = texture.ruling_page(id);
             put(id, "texture ruling", Some(page), question.trim());
         }
-        for misreading in misreadings::texture::all() {
-            let page = texture.misreading_page(misreading.slug);
-            put(
-                misreading.slug,
-                "texture misreading",
-                Some(page),
-                misreading.effect,
-            );
+        for Misreading { slug, effect, .. } in misreadings::texture::all() {
+            let page = texture.misreading_page(slug);
+            put(slug, "texture misreading", Some(page), effect);
         }
-        for case in &self.textures.cases {
-            put(
-                &case.id,
-                "texture case",
-                texture.case_page(&case.id),
-                &case.because,
-            );
+        for TextureCase { id, because, .. } in &self.textures.cases {
+            put(id, "texture case", texture.case_page(id), because);
         }
         subjects
     }

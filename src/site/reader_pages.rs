@@ -14,13 +14,10 @@ use crate::suite::clauses::Clause;
 const MAX_LISTED: usize = 20;
 
 /// Returns the results of a run for each clause.
-pub(super) fn tallies<'a>(
-    paper: Paper<'a>,
-    outcomes: &BTreeMap<String, String>,
-) -> BTreeMap<&'a str, ReaderTally> {
+pub(super) fn tallies<'a>(paper: Paper<'a>, run: &ReaderRun) -> BTreeMap<&'a str, ReaderTally> {
     let mut tallies: BTreeMap<&str, ReaderTally> = BTreeMap::new();
     for case in &paper.library.suite.cases {
-        if let Some(outcome) = outcomes.get(&case.id) {
+        if let Some(outcome) = run.by_case.get(&case.id) {
             for clause in &case.clauses {
                 tallies.entry(clause).or_default().add(outcome);
             }
@@ -32,10 +29,7 @@ pub(super) fn tallies<'a>(
 /// Returns the pages of all readers, and their list.
 pub(super) fn pages(paper: Paper) -> Vec<SiteFile> {
     let readers = paper.library.readers().into_iter();
-    let pages = readers.map(|reader| {
-        let mut runs = paper.library.runs.iter();
-        page(paper, reader, runs.position(|run| run.reader == reader))
-    });
+    let pages = readers.map(|reader| page(paper, reader));
     std::iter::once(list(paper)).chain(pages).collect()
 }
 
@@ -58,6 +52,11 @@ fn mistakes(reader: &str) -> Vec<&'static Misreading> {
     mistakes
 }
 
+/// Returns the run of the suite on the reader, if there was one.
+fn run_of<'a>(paper: Paper<'a>, reader: &str) -> Option<&'a ReaderRun> {
+    paper.library.runs.iter().find(|run| run.reader == reader)
+}
+
 /// Returns the profile that `lint --for` uses.
 fn profile(reader: &str) -> Option<&'static ReaderProfile> {
     profiles().iter().find(|profile| profile.reader == reader)
@@ -70,7 +69,7 @@ fn list(paper: Paper) -> SiteFile {
         div.scroll tabindex="0" { table.list {
             thead { tr { th scope="col" { "reader" } th scope="col" { "run" } th scope="col" { "formats" } th scope="col" { "mistakes known" } } }
             tbody { @for reader in paper.library.readers() {
-                @let run = paper.library.runs.iter().find(|run| run.reader == reader);
+                @let run = run_of(paper, reader);
                 tr {
                     td { (paper.link_as(reader, &html! { (reader) })) }
                     td { @if let Some(run) = run { (run.version) ", " (run.version_date) } @else { "–" } }
@@ -83,11 +82,12 @@ fn list(paper: Paper) -> SiteFile {
     paper.list("Readers", &body)
 }
 
-fn page(paper: Paper, reader: &str, run: Option<usize>) -> SiteFile {
+fn page(paper: Paper, reader: &str) -> SiteFile {
+    let run = run_of(paper, reader);
     let mistakes = mistakes(reader);
     let body = html! {
         h1 { (reader) }
-        @if let Some(place) = run { (of_run(paper, &paper.library.runs[place], &paper.library.outcomes[place])) }
+        @if let Some(run) = run { (run_results(paper, run)) }
         @else { p { "The suite was not run on this reader. What is listed here was seen in its source." } }
         @if let Some(profile) = profile(reader) { (profiled(profile)) }
         @if !mistakes.is_empty() {
@@ -119,8 +119,8 @@ fn profiled(profile: &ReaderProfile) -> Markup {
     }
 }
 
-fn of_run(paper: Paper, run: &ReaderRun, outcomes: &BTreeMap<String, String>) -> Markup {
-    let tallies = tallies(paper, outcomes);
+fn run_results(paper: Paper, run: &ReaderRun) -> Markup {
+    let tallies = tallies(paper, run);
     let failing = |clause: &&Clause| {
         let tally = tallies.get(clause.id.as_str());
         tally.is_some_and(|tally| tally.failed > 0)
@@ -159,8 +159,7 @@ fn case_list(paper: Paper, cases: &[String]) -> Markup {
 /// Returns the table of implementations and clauses.
 pub(super) fn scoreboard(paper: Paper) -> SiteFile {
     let runs = &paper.library.runs;
-    let all = paper.library.outcomes.iter();
-    let all: Vec<_> = all.map(|outcomes| tallies(paper, outcomes)).collect();
+    let all: Vec<_> = runs.iter().map(|run| tallies(paper, run)).collect();
     let tally = |place: usize, clause: &str| all[place].get(clause).copied().unwrap_or_default();
     let tested = |clause: &&Clause| {
         (0..runs.len()).any(|place| tally(place, &clause.id) != ReaderTally::default())
