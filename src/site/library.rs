@@ -69,10 +69,12 @@ impl Library {
             runs: reader_runs()?,
             places: HashMap::new(),
         };
-        let places = library.subjects().into_iter();
-        library.places = places
-            .map(|subject| (subject.id.to_owned(), subject.place))
-            .collect();
+        let mut places = HashMap::new();
+        for Subject { id, place, .. } in library.subjects() {
+            // A mistake may be in both catalogs under one name; it then leads to that of the format.
+            places.entry(id.to_owned()).or_insert(place);
+        }
+        library.places = places;
         Ok(library)
     }
 

@@ -10,10 +10,8 @@ use super::paper::SiteFile;
 /// Returns the index: for each page its id, kind, address and words.
 pub(super) fn index(library: &Library) -> SiteFile {
     let subjects = library.subjects().into_iter();
-    let subjects = subjects.map(|subject| {
-        let place = library.place(subject.id);
-        json!([subject.id, subject.kind, place, subject.words])
-    });
+    let subjects =
+        subjects.map(|subject| json!([subject.id, subject.kind, subject.place, subject.words]));
     let headings = docs_pages::headings()
         .map(|(heading, place, document)| json!([heading, "document", place, document]));
     let words = library.texts.glossary.iter().map(|(word, means)| {
