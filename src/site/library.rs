@@ -71,7 +71,7 @@ impl Library {
         };
         let mut places = HashMap::new();
         for Subject { id, place, .. } in library.subjects() {
-            // A mistake may be in both catalogs under one name; it then leads to that of the format.
+            // If two subjects share a name, links lead to the first.
             places.entry(id.to_owned()).or_insert(place);
         }
         library.places = places;
