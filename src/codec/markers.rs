@@ -29,7 +29,7 @@ use super::stream_error::{Result, malformed};
 pub(super) const RST0: u8 = 0xD0;
 pub(super) const SOI: u8 = 0xD8;
 pub(super) const EOI: u8 = 0xD9;
-pub(super) const SOS: u8 = 0xDA;
+pub(crate) const SOS: u8 = 0xDA;
 pub(super) const DNL: u8 = 0xDC;
 pub(super) const DRI: u8 = 0xDD;
 pub(super) const APP0: u8 = 0xE0;
@@ -38,7 +38,7 @@ const COM: u8 = 0xFE;
 
 /// A marker and the position of its 0xFF.
 #[derive(Clone, Copy)]
-pub(super) struct Marker {
+pub(crate) struct Marker {
     pub code: u8,
     pub at: usize,
 }
@@ -52,7 +52,7 @@ impl fmt::Display for Marker {
 /// A stream, or one marker segment of it, and the next byte to read.
 ///
 /// A segment is the same stream with an earlier end, so that all offsets are relative to the same zero.
-pub(super) struct Cursor<'a> {
+pub(crate) struct Cursor<'a> {
     pub stream: &'a [u8],
     pub at: usize,
     /// The name of the part that ends with `stream`, for error messages.
@@ -132,6 +132,14 @@ impl<'a> Cursor<'a> {
             marker = self.marker()?;
         }
         Ok(marker)
+    }
+
+    /// Reads the next marker and its segment: the code, and the bytes after the length.
+    #[cfg(feature = "generate")]
+    pub fn marker_segment(&mut self) -> Result<(u8, &'a [u8])> {
+        let code = self.marker()?.code;
+        let segment = self.segment("a segment")?;
+        Ok((code, &segment.stream[segment.at..]))
     }
 
     /// Reads the segment of the marker that was just read (B.1.1.4); this cursor continues after it.

@@ -30,7 +30,7 @@
 
 mod stream_error;
 
-mod markers;
+pub(crate) mod markers;
 
 mod headers;
 

@@ -24,9 +24,8 @@ pub(crate) fn split_segments(stream: &[u8]) -> Result<(Vec<Segment>, &[u8])> {
     let mut cursor = Cursor::open(stream)?;
     let mut segments = Vec::new();
     loop {
-        let code = cursor.marker()?.code;
-        let segment = cursor.segment("a segment")?;
-        let content = segment.stream[segment.at..].to_vec();
+        let (code, content) = cursor.marker_segment()?;
+        let content = content.to_vec();
         segments.push(Segment { code, content });
         if code == SOS {
             return Ok((segments, &stream[cursor.at..]));

@@ -13,6 +13,7 @@ use std::panic::catch_unwind;
 use image::codecs::pnm::{PnmDecoder, PnmSubtype};
 use image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader, Limits};
 
+use crate::codec::markers;
 use crate::protocol::frame::{Frame, Samples, ViewKind};
 
 /// The largest quantization step of a JPEG that is accepted: that of libjpeg's quality 95.
@@ -113,7 +114,10 @@ fn is_lossy_webp(bytes: &[u8]) -> bool {
 /// Accepts a JPEG without chroma subsampling whose samples are near the saved ones.
 fn check_quality(bytes: &[u8]) -> Result<(), String> {
     let advice = "write quality 95 or more without subsampling, or another form";
-    for (code, content) in segments(bytes) {
+    let mut stream = markers::Cursor::new(bytes, 2);
+    while let Ok((code, content)) = stream.marker_segment()
+        && code != markers::SOS
+    {
         match (code, content) {
             (0xdb, tables) if largest_step(tables) > MAX_QUANTIZATION_STEP => {
                 let step = largest_step(tables);
@@ -132,23 +136,6 @@ fn check_quality(bytes: &[u8]) -> Result<(), String> {
         }
     }
     Ok(())
-}
-
-/// Returns the marker segments of a JPEG before its first scan: code and content (T.81 B.1.1.4).
-fn segments(bytes: &[u8]) -> impl Iterator<Item = (u8, &[u8])> {
-    let mut rest = bytes.get(2..).unwrap_or_default();
-    std::iter::from_fn(move || {
-        while rest.starts_with(&[0xff, 0xff]) {
-            rest = &rest[1..];
-        }
-        let [0xff, code, high, low, ..] = *rest else {
-            return None;
-        };
-        let end = 2 + usize::from(u16::from_be_bytes([high, low]));
-        let content = rest.get(4..end).filter(|_| code != 0xda)?;
-        rest = &rest[end..];
-        Some((code, content))
-    })
 }
 
 /// Returns the largest step of the quantization tables of a segment (T.81 B.2.4.1).

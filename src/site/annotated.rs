@@ -151,18 +151,6 @@ impl Annotated {
             files: from_yaml(files).map_err(|error| format!("files.yaml: {error}"))?,
         })
     }
-
-    /// Returns the chapter whose page has a clause: that of the longest section that contains it.
-    #[must_use]
-    pub fn chapter_of(&self, clause: &str) -> Option<&Chapter> {
-        let section = clause.split('/').next().unwrap_or(clause);
-        let holds = |chapter: &&Chapter| {
-            let rest = section.strip_prefix(chapter.section.as_str());
-            rest.is_some_and(|rest| rest.is_empty() || rest.starts_with('.'))
-        };
-        let chapters = self.chapters.iter().filter(holds);
-        chapters.max_by_key(|chapter| chapter.section.len())
-    }
 }
 
 impl Files {

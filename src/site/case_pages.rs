@@ -6,7 +6,7 @@ use super::misreading_pages::filter;
 use super::paper::{Paper, SiteFile};
 use super::pictures;
 use crate::decode::decode;
-use crate::protocol::frame::{Light, View};
+use crate::protocol::frame::View;
 use crate::ptm::channel_name;
 use crate::suite::cases::{Built, Case, Expect, TableSpelling};
 use crate::suite::compare::Expected;
@@ -26,26 +26,21 @@ pub(super) fn pages(paper: Paper, jobs: usize) -> Vec<SiteFile> {
     let made = crate::kit::parallel::in_parallel(cases.len(), jobs, &|_, _| (), &|i| {
         let built = cases[i].build(TableSpelling::default());
         let page = page(paper, &cases[i], &built);
-        let file = (built.file.len() <= MAX_DOWNLOAD).then(|| SiteFile {
-            path: format!("files/{}.ptm", cases[i].id),
-            bytes: built.file.clone(),
-        });
-        (page, file)
+        let path = format!("files/{}.ptm", cases[i].id);
+        let is_small = built.file.len() <= MAX_DOWNLOAD;
+        let file = is_small.then(|| SiteFile::new(path, built.file.clone()));
+        std::iter::once(page).chain(file)
     });
-    let mut pages = vec![list(paper)];
-    for (page, file) in made {
-        pages.push(page);
-        pages.extend(file);
-    }
-    pages
+    std::iter::once(list(paper))
+        .chain(made.into_iter().flatten())
+        .collect()
 }
 
 fn list(paper: Paper) -> SiteFile {
     let cases = &paper.library.suite.cases;
     let body = html! {
-        h1 { "Cases" }
         p.lead { (cases.len()) " files, each with one thing in it that a reader can get wrong." }
-        (meanings(&[Expect::Decode, Expect::Reject, Expect::Refuse, Expect::Lenient, Expect::Spelling]))
+        (Paper::kinds(&paper.library.texts.expectations, ["decode", "reject", "refuse", "lenient", "spelling"]))
         p { "What each exit status means: " (paper.protocol()) "." }
         (filter("cases"))
         div.scroll tabindex="0" { table.list.cases.filtered {
@@ -55,46 +50,15 @@ fn list(paper: Paper) -> SiteFile {
             } }
         } }
     };
-    paper.page("cases/index.html", "Cases", "Cases", &body)
-}
-
-/// Describes the expected results of these kinds.
-pub(super) fn meanings(kinds: &[Expect]) -> Markup {
-    html! {
-        dl.kinds {
-            @for &expect in kinds {
-                dt { span.chip { (expect.name()) } } dd { (means(expect)) }
-            }
-        }
-    }
-}
-
-fn means(expect: Expect) -> &'static str {
-    match expect {
-        Expect::Decode => "The picture must be right.",
-        Expect::Reject => {
-            "The file breaks a rule: exit status 65, and nothing else. Its twin, one edit away, must be decoded."
-        }
-        Expect::Refuse => {
-            "Refuse it: exit status 65, or 69 if the program takes it for a kind that it does not read."
-        }
-        Expect::Lenient => {
-            "Outside the specification: refusing it (65 or 69) is right, and so is the expected picture; another picture, a crash and a hang are wrong."
-        }
-        Expect::Spelling => {
-            "One of several spellings of a table's count, of which a decoder knows at least one."
-        }
-        Expect::ImplementationDefined => "Any answer is right.",
-    }
+    paper.list("Cases", &body)
 }
 
 fn page(paper: Paper, case: &Case, built: &Built) -> SiteFile {
     let inspection = inspect(&built.file);
     let body = html! {
-        p.kicker { a href="index.html" { "Cases" } }
         h1 { code { (case.id) } }
         p.lead { (paper.prose(&case.because)) }
-        p { span.chip { (case.expect.name()) } " " (means(case.expect)) }
+        p { span.chip { (case.expect.name()) } " " (paper.library.texts.expectations[case.expect.name()]) }
         (facts(paper, case, built))
         (picture(case, built))
         (values(case, built))
@@ -106,7 +70,7 @@ fn page(paper: Paper, case: &Case, built: &Built) -> SiteFile {
         h2 { "Run it" }
         pre.command tabindex="0" { "ptm-conform check --case '" (case.id) "' ./my-decoder\nptm-conform explain " (case.id) }
     };
-    paper.page(&format!("cases/{}.html", case.id), "Cases", &case.id, &body)
+    paper.entry("Cases", &case.id, &case.id, &body)
 }
 
 fn facts(paper: Paper, case: &Case, built: &Built) -> Markup {
@@ -146,17 +110,14 @@ fn slack(case: &Case, built: &Built) -> Option<String> {
 }
 
 fn picture(case: &Case, built: &Built) -> Markup {
-    let asked = case.views.iter().find_map(|view| match view {
-        View::Rgb(light) => Some(light.clone()),
+    let ordinary: View = View::ORDINARY_LIGHT.parse().expect("a light");
+    let mut views = case.views.iter().chain([&ordinary]);
+    let light = views.find_map(|view| match view {
+        View::Rgb(light) => Some(light),
         _ => None,
     });
-    let ordinary = || match View::ORDINARY_LIGHT.parse() {
-        Ok(View::Rgb(light)) => light,
-        _ => unreachable!("the ordinary light is a light"),
-    };
-    let light: Light = asked.unwrap_or_else(ordinary);
     html! {
-        @if let Ok(ptm) = decode(&built.file) {
+        @if let (Ok(ptm), Some(light)) = (decode(&built.file), light) {
             figure.large {
                 (pictures::of_map(&ptm, (light.lu, light.lv), &format!("the map, {}, under a light", ptm.header.size)))
                 figcaption { (ptm.header.size) " under the light " (light.lu) ", " (light.lv) @if case.expect != Expect::Decode { ", as the reference decodes it" } }
@@ -236,14 +197,8 @@ fn findings(paper: Paper, built: &Built) -> Markup {
 
 /// Returns links to the file that it was edited from, and to those edited from it.
 fn neighbors(paper: Paper, case: &Case) -> Markup {
-    let children: Vec<&str> = paper
-        .library
-        .suite
-        .cases
-        .iter()
-        .filter(|child| child.twin_of.as_ref() == Some(&case.id))
-        .map(|child| child.id.as_str())
-        .collect();
+    let mut children: Vec<&Case> = paper.library.suite.cases.iter().collect();
+    children.retain(|child| child.twin_of.as_ref() == Some(&case.id));
     html! {
         @if let (Some(twin), Some(damage)) = (&case.twin_of, case.damage()) {
             h2 { "Its twin" }
@@ -251,16 +206,16 @@ fn neighbors(paper: Paper, case: &Case) -> Markup {
         }
         @if !children.is_empty() {
             h2 { "Its damaged copies" }
-            ul.columns { @for child in children { li { (paper.link(child)) } } }
+            ul.columns { @for child in children { li { (paper.link(&child.id)) } } }
         }
     }
 }
 
 /// Returns the results of public readers.
 fn answered(paper: Paper, case: &Case) -> Markup {
-    let runs = paper.library.runs.iter().zip(&paper.library.outcomes);
+    let runs = paper.library.runs.iter();
     let outcomes: Vec<_> = runs
-        .filter_map(|(run, outcomes)| Some((run, outcomes.get(&case.id)?)))
+        .filter_map(|run| Some((run, run.by_case.get(&case.id)?)))
         .collect();
     html! {
         @if !outcomes.is_empty() {

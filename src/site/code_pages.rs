@@ -5,23 +5,22 @@ use std::collections::BTreeMap;
 use maud::{Markup, html};
 
 use super::paper::{Paper, SiteFile};
-use super::readers::makers;
+use super::readers::{ReaderRun, makers};
 use crate::misreadings;
 use crate::suite::cases::{Case, TableSpelling};
-use crate::tools::lint::codes::{self, Code, Severity};
+use crate::tools::lint::codes::{self, Code};
 use crate::tools::lint::lint;
 
 /// Returns the pages of all codes, and their list.
 pub(super) fn pages(paper: Paper) -> Vec<SiteFile> {
     let list = html! {
-        h1 { "Lint codes" }
         p.lead { code { "ptm-conform lint" } " reports these. E: the file breaks a rule, or the reference cannot read it. W: some readers refuse it or show another picture. I: for information." }
         div.scroll tabindex="0" { table.list {
             thead { tr { th scope="col" { "code" } th scope="col" { "clause" } th scope="col" { "what" } } }
             tbody { @for code in codes::ALL.iter() { tr { td { (paper.link(code.id)) } td { (paper.link_as(code.clause, &html! { (code.clause) })) } td { (code.says) } } } }
         } }
     };
-    let mut pages = vec![paper.page("codes/index.html", "Lint codes", "Lint codes", &list)];
+    let mut pages = vec![paper.list("Lint codes", &list)];
     pages.extend(codes::ALL.iter().map(|code| page(paper, code)));
     pages
 }
@@ -33,11 +32,10 @@ fn page(paper: Paper, code: &Code) -> SiteFile {
     };
     let cases: Vec<&Case> = paper.library.suite.cases.iter().filter(provokes).collect();
     let body = html! {
-        p.kicker { a href="index.html" { "Lint codes" } }
         h1 { code { (code.id) } " " span.chip data-severity=(code.severity.name()) { (code.severity.name()) } }
         p.lead { "Lint says: " (code.says) "." }
         h2 { "Why it matters" }
-        p { (impact(code.severity)) }
+        p { (paper.library.texts.severities[code.severity.name()]) }
         @if let Some(clause) = paper.library.clause(code.clause) { p { "Clause " (paper.link(&clause.id)) ": " (clause.rule) } }
         @if !code.fix.is_empty() { h2 { "What to do" } p { (sentence(code.fix)) } }
         (example(paper, code, &cases))
@@ -47,24 +45,7 @@ fn page(paper: Paper, code: &Code) -> SiteFile {
             ul.columns { @for case in &cases { li { (paper.link(&case.id)) } } }
         }
     };
-    paper.page(
-        &format!("codes/{}.html", code.id),
-        "Lint codes",
-        code.id,
-        &body,
-    )
-}
-
-fn impact(severity: Severity) -> &'static str {
-    match severity {
-        Severity::Error => {
-            "The file breaks a rule of the format. Readers refuse it, or show a picture of which nobody can say whether it is right."
-        }
-        Severity::Warning => {
-            "The reference reads the file. Other readers refuse it or show another picture, so it will not open everywhere."
-        }
-        Severity::Info => "The file is in order. This is good to know when it was meant otherwise.",
-    }
+    paper.entry("Lint codes", code.id, code.id, &body)
 }
 
 /// Returns a phrase as a sentence.
@@ -101,25 +82,22 @@ fn affected(paper: Paper, code: &Code, cases: &[&Case]) -> Markup {
     let seen = misreadings::all()
         .filter(|misreading| misreading.clause == code.clause && !makers(misreading).is_empty());
     let seen: Vec<_> = seen.collect();
-    let tally = |outcomes: &BTreeMap<String, String>| {
+    let mut runs: Vec<_> = paper.library.runs.iter().collect();
+    runs.retain(|run| cases.iter().any(|case| run.by_case.contains_key(&case.id)));
+    let tally = |run: &ReaderRun| {
         let mut tally: BTreeMap<String, usize> = BTreeMap::new();
-        for outcome in cases.iter().filter_map(|case| outcomes.get(&case.id)) {
+        for outcome in cases.iter().filter_map(|case| run.by_case.get(&case.id)) {
             *tally.entry(outcome.clone()).or_default() += 1;
         }
         tally
     };
-    let runs = paper.library.runs.iter().zip(&paper.library.outcomes);
-    let runs: Vec<_> = runs
-        .map(|(run, outcomes)| (run, tally(outcomes)))
-        .filter(|(_, tally)| !tally.is_empty())
-        .collect();
     html! {
         @if !seen.is_empty() || !runs.is_empty() {
             h2 { "Readers" }
             @if !runs.is_empty() {
                 p { "Of the files that provoke it:" }
-                ul { @for (run, tally) in runs { li { (paper.link_as(&run.reader, &html! { (run.reader) })) ": "
-                    @for (i, (outcome, count)) in tally.iter().enumerate() { @if i > 0 { ", " } (count) " " (outcome) }
+                ul { @for run in runs { li { (paper.link_as(&run.reader, &html! { (run.reader) })) ": "
+                    @for (i, (outcome, count)) in tally(run).iter().enumerate() { @if i > 0 { ", " } (count) " " (outcome) }
                 } } }
             }
             @if !seen.is_empty() {

@@ -1,7 +1,7 @@
 //! The documents of the repository as pages.
 
 use maud::{Markup, PreEscaped, html};
-use pulldown_cmark::{CowStr, Event, HeadingLevel, Options, Parser, Tag, TagEnd};
+use pulldown_cmark::{Event, HeadingLevel, Options, Parser, Tag, TagEnd};
 
 use super::paper::{Paper, SiteFile};
 
@@ -49,10 +49,7 @@ pub(super) fn pages(paper: Paper) -> Vec<SiteFile> {
         };
         paper.page(&format!("docs/{name}.html"), "Program", &headings[0], &body)
     };
-    let picture = SiteFile {
-        path: format!("docs/{}", PICTURE.1),
-        bytes: PICTURE.2.to_vec(),
-    };
+    let picture = SiteFile::new(format!("docs/{}", PICTURE.1), PICTURE.2);
     DOCUMENTS.iter().map(page).chain([picture]).collect()
 }
 
@@ -77,64 +74,39 @@ fn rendered(file: &str, text: &str) -> (Vec<String>, Markup) {
     let mut headings = Vec::new();
     let mut heading: Option<(HeadingLevel, String)> = None;
     let mut inside_link = Vec::new();
-    let mut events = Vec::new();
     // Badges are images on other servers.
     let lines = text.lines().filter(|line| !line.starts_with("[!["));
     let text = lines.collect::<Vec<_>>().join("\n");
-    for event in Parser::new_ext(&text, Options::ENABLE_TABLES) {
-        match event {
-            Event::Start(Tag::Link {
-                dest_url,
-                link_type,
-                title: says,
-                id,
-            }) => {
-                let page = page_of(file, &dest_url);
+    let events = Parser::new_ext(&text, Options::ENABLE_TABLES).filter_map(|mut event| {
+        match &mut event {
+            Event::Start(Tag::Link { dest_url, .. }) => {
+                let page = page_of(file, dest_url);
                 inside_link.push(page.is_some());
-                if let Some(page) = page {
-                    events.push(Event::Start(Tag::Link {
-                        dest_url: CowStr::from(page),
-                        link_type,
-                        title: says,
-                        id,
-                    }));
-                }
+                *dest_url = page?.into();
             }
-            Event::End(TagEnd::Link) => {
-                if inside_link.pop() == Some(true) {
-                    events.push(Event::End(TagEnd::Link));
-                }
+            Event::End(TagEnd::Link) if inside_link.pop() != Some(true) => return None,
+            Event::Start(Tag::Image { dest_url, .. }) => *dest_url = PICTURE.1.into(),
+            Event::Start(Tag::Heading { level, .. }) => {
+                heading = Some((*level, String::new()));
+                return None;
             }
-            Event::Start(Tag::Image {
-                link_type,
-                title: says,
-                id,
-                ..
-            }) => events.push(Event::Start(Tag::Image {
-                dest_url: CowStr::from(PICTURE.1),
-                link_type,
-                title: says,
-                id,
-            })),
-            Event::Start(Tag::Heading { level, .. }) => heading = Some((level, String::new())),
             Event::End(TagEnd::Heading(_)) => {
-                if let Some((level, text)) = heading.take() {
-                    events.push(Event::Html(CowStr::from(set_heading(level, &text))));
-                    headings.push(text);
-                }
+                let (level, text) = heading.take()?;
+                event = Event::Html(set_heading(level, &text).into());
+                headings.push(text);
             }
             // Headings contain only text.
-            Event::Text(ref text) | Event::Code(ref text) if heading.is_some() => {
-                if let Some((_, heading)) = &mut heading {
-                    heading.push_str(text);
-                }
+            Event::Text(text) | Event::Code(text) if heading.is_some() => {
+                heading.as_mut()?.1.push_str(text);
+                return None;
             }
-            Event::Html(_) | Event::InlineHtml(_) => {}
-            event => events.push(event),
+            Event::Html(_) | Event::InlineHtml(_) => return None,
+            _ => {}
         }
-    }
+        Some(event)
+    });
     let mut markup = String::new();
-    pulldown_cmark::html::push_html(&mut markup, events.into_iter());
+    pulldown_cmark::html::push_html(&mut markup, events);
     let markup = markup
         .replace(
             "<table>",
@@ -152,11 +124,9 @@ fn set_heading(level: HeadingLevel, text: &str) -> String {
 }
 
 fn anchor(heading: &str) -> String {
-    let letters = heading.to_lowercase();
-    let letters = letters
-        .chars()
-        .filter(|c| c.is_alphanumeric() || matches!(c, ' ' | '-'));
-    letters.map(|c| if c == ' ' { '-' } else { c }).collect()
+    let mut anchor = heading.to_lowercase().replace(' ', "-");
+    anchor.retain(|c| c.is_alphanumeric() || c == '-');
+    anchor
 }
 
 /// Returns the page of the site for a link in a document; None if it leads to a file of the repository.
@@ -166,22 +136,14 @@ fn page_of(file: &str, link: &str) -> Option<String> {
     }
     let folder = file.rsplit_once('/').map_or("", |(folder, _)| folder);
     let mut path: Vec<&str> = folder.split('/').filter(|part| !part.is_empty()).collect();
-    let (place, anchor) = link
-        .split_once('#')
-        .map_or((link, None), |(place, anchor)| (place, Some(anchor)));
-    for part in place.split('/') {
+    let (place, anchor) = link.split_at(link.find('#').unwrap_or(link.len()));
+    for part in place.split('/').filter(|&part| part != ".") {
         match part {
-            ".." => {
-                path.pop();
-            }
-            "." => {}
+            ".." => drop(path.pop()),
             part => path.push(part),
         }
     }
     let place = path.join("/");
     let (_, page, _) = DOCUMENTS.iter().find(|(file, _, _)| *file == place)?;
-    Some(anchor.map_or_else(
-        || format!("{page}.html"),
-        |anchor| format!("{page}.html#{anchor}"),
-    ))
+    Some(format!("{page}.html{anchor}"))
 }

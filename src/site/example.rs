@@ -36,17 +36,65 @@ impl WorkedExample {
     /// # Errors
     /// If the file has no such texel or channel.
     pub fn find_in(&self, file: &[u8]) -> Result<Found, String> {
-        Asked::of(self)?.find(file, &Reading::SPEC)
+        self.find(file, &Reading::SPEC)
+    }
+
+    fn find(&self, file: &[u8], reading: &Reading) -> Result<Found, String> {
+        let ptm = match decode_as(file, reading, &Limits::default()) {
+            Ok(ptm) => ptm,
+            Err(error) => return Ok(Found::Refused(error.clause(), error.to_string())),
+        };
+        let (count, values) = values_in(self.asks().parse()?, &ptm, reading);
+        let channels = match numbers(self.channels.as_deref().unwrap_or_default())? {
+            all if all.is_empty() => (0..count).collect(),
+            some if some.iter().all(|&channel| channel < count) => some,
+            _ => return Err(format!("a texel has {count} channels")),
+        };
+        let size = ptm.header.size;
+        let (width, height) = (size.width as usize, size.height as usize);
+        let texels = match self.texel.as_deref() {
+            Some("all") => 0..size.texels(),
+            place => match numbers(place.unwrap_or("0 0"))?[..] {
+                [x, y] if x < width && y < height => y * width + x..y * width + x + 1,
+                [_, _] => return Err(format!("the map is {size}")),
+                _ => return Err(format!("expected column and row, found {place:?}")),
+            },
+        };
+        let row = |texel: usize| {
+            let name = format!("({}, {})", texel % width, texel / width);
+            let values = channels.iter().map(|i| values[texel * count + i]);
+            (name, values.collect())
+        };
+        let names = channels.iter().map(|&i| channel_name(count, i));
+        Ok(Found::Values(names.collect(), texels.map(row).collect()))
+    }
+
+    /// Returns the view that it asks for.
+    fn asks(&self) -> &str {
+        self.view.as_deref().unwrap_or("raw")
     }
 }
 
-/// A question about a file.
-struct Asked {
-    view: View,
-    /// Column and row; None for all texels.
-    texel: Option<(usize, usize)>,
-    /// All channels if empty.
-    channels: Vec<usize>,
+/// Returns the number of channels of a texel in the view, and the values of all texels.
+fn values_in(view: View, ptm: &Ptm, reading: &Reading) -> (usize, Vec<f64>) {
+    let channels = ptm.planes.shape.channels();
+    let finals = evaluate::apply(&ptm.header.scale_bias, &ptm.planes, reading);
+    match view {
+        View::Raw => {
+            let samples = ptm.planes.samples.iter();
+            (channels, samples.map(|&byte| f64::from(byte)).collect())
+        }
+        View::Coef => (channels, finals.values),
+        View::Rgb(light) => {
+            let image = evaluate::evaluate(&finals, light.lu, light.lv, reading);
+            (3, image.values)
+        }
+    }
+}
+
+fn numbers(text: &str) -> Result<Vec<usize>, String> {
+    let numbers: Result<_, _> = text.split_whitespace().map(str::parse).collect();
+    numbers.map_err(|_| format!("expected numbers, found {text:?}"))
 }
 
 /// Executes every example of the annotated format.
@@ -54,13 +102,10 @@ struct Asked {
 /// # Errors
 /// A line for each example that fails, with its clause.
 pub fn execute_all(annotated: &Annotated) -> Result<(), String> {
-    let clauses = annotated
-        .chapters
-        .iter()
-        .flat_map(|chapter| &chapter.clauses);
-    let errors: Vec<String> = clauses
-        .filter_map(|clause| execute(clause, None, &annotated.files).err())
-        .collect();
+    let chapters = annotated.chapters.iter();
+    let clauses = chapters.flat_map(|chapter| &chapter.clauses);
+    let executed = clauses.map(|clause| execute(clause, None, &annotated.files));
+    let errors: Vec<String> = executed.filter_map(Result::err).collect();
     match errors.is_empty() {
         true => Ok(()),
         false => Err(errors.join("\n")),
@@ -89,16 +134,12 @@ pub fn execute(
 
 fn one(example: &WorkedExample, ruling: Option<&str>, files: &Files) -> Result<Executed, String> {
     let parts = files.parts(&example.file, &example.with)?;
-    if let Some(name) = example
-        .look
-        .iter()
-        .find(|&name| parts.iter().all(|(is, _)| is != name))
-    {
+    let is_missing = |name: &&String| parts.iter().all(|(is, _)| is != *name);
+    if let Some(name) = example.look.iter().find(is_missing) {
         return Err(format!("{} has no part {name:?}", example.file));
     }
     let file: Vec<u8> = parts.iter().flat_map(|(_, bytes)| bytes).copied().collect();
-    let asked = Asked::of(example)?;
-    let found = asked.find(&file, &Reading::SPEC)?;
+    let found = example.find_in(&file)?;
     holds(example, &found)?;
     let readings = CHOICES
         .iter()
@@ -106,14 +147,14 @@ fn one(example: &WorkedExample, ruling: Option<&str>, files: &Files) -> Result<E
     let readings = readings.flat_map(|choice| &choice.readings[1..]);
     let mut otherwise = Vec::new();
     for (says, change) in readings {
-        let other = asked.find(&file, &change(Reading::SPEC))?;
+        let other = example.find(&file, &change(Reading::SPEC))?;
         if other != found {
             otherwise.push((*says, other));
         }
     }
     Ok(Executed {
         parts,
-        asks: example.view.clone().unwrap_or_else(|| "raw".to_owned()),
+        asks: example.asks().to_owned(),
         found,
         otherwise,
     })
@@ -130,19 +171,15 @@ fn holds(example: &WorkedExample, found: &Found) -> Result<(), String> {
             "the file is decoded, and not refused (clause {expected})"
         )),
         (Found::Values(_, rows), Some(value), None) => {
-            let found: Vec<f64> = rows
-                .iter()
-                .flat_map(|(_, values)| values)
-                .copied()
-                .collect();
+            let found: Vec<f64> = rows.iter().flat_map(|(_, values)| values.clone()).collect();
             let words: Vec<&str> = value.split_whitespace().collect();
             let is_equal = |(word, value): (&&str, &f64)| {
                 let decimals = word
                     .split_once('.')
                     .map_or(0, |(_, decimals)| decimals.len());
-                word.parse().is_ok_and(|said: f64| {
-                    (said - value).abs() < 0.5e-9 + 0.5 * 0.1_f64.powi(decimals as i32 + 3)
-                })
+                let tolerance = 0.5e-9 + 0.5 * 0.1_f64.powi(decimals as i32 + 3);
+                word.parse()
+                    .is_ok_and(|said: f64| (said - value).abs() < tolerance)
             };
             if words.len() == found.len() && words.iter().zip(&found).all(is_equal) {
                 return Ok(());
@@ -151,90 +188,5 @@ fn holds(example: &WorkedExample, found: &Found) -> Result<(), String> {
             Err(format!("expected {value}, found {}", found.join(" ")))
         }
         (Found::Values(..), None, None) => Err("it expects nothing".to_owned()),
-    }
-}
-
-impl Asked {
-    fn of(example: &WorkedExample) -> Result<Asked, String> {
-        let numbers = |text: &str| -> Result<Vec<usize>, String> {
-            let numbers = text.split_whitespace().map(str::parse);
-            numbers
-                .collect::<Result<_, _>>()
-                .map_err(|_| format!("expected numbers, found {text:?}"))
-        };
-        let texel = match example.texel.as_deref() {
-            None => Some((0, 0)),
-            Some("all") => None,
-            Some(text) => match numbers(text)?[..] {
-                [x, y] => Some((x, y)),
-                _ => return Err(format!("expected column and row, found {text:?}")),
-            },
-        };
-        Ok(Asked {
-            view: example.view.as_deref().unwrap_or("raw").parse()?,
-            texel,
-            channels: numbers(example.channels.as_deref().unwrap_or_default())?,
-        })
-    }
-
-    fn find(&self, file: &[u8], reading: &Reading) -> Result<Found, String> {
-        match decode_as(file, reading, &Limits::default()) {
-            Err(error) => Ok(Found::Refused(error.clause(), error.to_string())),
-            Ok(ptm) => self.values(&ptm, reading),
-        }
-    }
-
-    fn values(&self, ptm: &Ptm, reading: &Reading) -> Result<Found, String> {
-        let size = ptm.header.size;
-        let (count, values) = self.all_values(ptm, reading);
-        let all: Vec<usize> = (0..count).collect();
-        let channels = if self.channels.is_empty() {
-            &all
-        } else {
-            &self.channels
-        };
-        if channels.iter().any(|&channel| channel >= count) {
-            return Err(format!("a texel has {count} channels"));
-        }
-        let (width, height) = (size.width as usize, size.height as usize);
-        let texels = match self.texel {
-            Some((x, y)) if x < width && y < height => vec![(x, y)],
-            Some(_) => return Err(format!("the map is {size}")),
-            None => (0..width * height)
-                .map(|texel| (texel % width, texel / width))
-                .collect(),
-        };
-        let row = |(x, y): (usize, usize)| {
-            let at = (y * width + x) * count;
-            (
-                format!("({x}, {y})"),
-                channels
-                    .iter()
-                    .map(|channel| values[at + channel])
-                    .collect(),
-            )
-        };
-        let names = channels.iter().map(|&channel| channel_name(count, channel));
-        Ok(Found::Values(
-            names.collect(),
-            texels.into_iter().map(row).collect(),
-        ))
-    }
-
-    /// Returns the number of channels of a texel in the view, and the values of all texels.
-    fn all_values(&self, ptm: &Ptm, reading: &Reading) -> (usize, Vec<f64>) {
-        let channels = ptm.planes.shape.channels();
-        let finals = evaluate::apply(&ptm.header.scale_bias, &ptm.planes, reading);
-        match &self.view {
-            View::Raw => {
-                let samples = ptm.planes.samples.iter();
-                (channels, samples.map(|&byte| f64::from(byte)).collect())
-            }
-            View::Coef => (channels, finals.values),
-            View::Rgb(light) => {
-                let picture = evaluate::evaluate(&finals, light.lu, light.lv, reading);
-                (3, picture.values)
-            }
-        }
     }
 }

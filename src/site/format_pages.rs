@@ -51,12 +51,8 @@ fn contents(paper: Paper) -> SiteFile {
         (overview::drawing(paper))
         (overview::flow(paper))
     };
-    paper.page(
-        "format/index.html",
-        "Format",
-        "The format, annotated",
-        &body,
-    )
+    let title = "The format, annotated";
+    paper.page("format/index.html", "Format", title, &body)
 }
 
 fn page(
@@ -65,14 +61,10 @@ fn page(
     before: Option<&Chapter>,
     after: Option<&Chapter>,
 ) -> Result<SiteFile, String> {
-    let mut told = BTreeSet::new();
-    let mut clauses = chapter.clauses.iter();
-    let clauses: Result<Vec<Markup>, String> =
-        clauses.try_fold(Vec::new(), |mut done, annotated| {
-            done.push(clause(paper, annotated, &mut told)?);
-            Ok(done)
-        });
-    let clauses = clauses?;
+    let mut explained = BTreeSet::new();
+    let clauses = chapter.clauses.iter();
+    let clauses = clauses.map(|annotated| clause(paper, annotated, &mut explained));
+    let clauses: Vec<Markup> = clauses.collect::<Result<_, _>>()?;
     let to = |chapter: &Chapter| html! { a href={ (chapter.section) ".html" } { (chapter.section) " " (chapter.title) } };
     let body = html! {
         p.kicker { a href="index.html" { "The format, annotated" } }
@@ -97,18 +89,14 @@ fn page(
         }
     };
     let path = format!("format/{}.html", chapter.section);
-    Ok(paper.page(
-        &path,
-        "Format",
-        &format!("{} {}", chapter.section, chapter.title),
-        &body,
-    ))
+    let title = format!("{} {}", chapter.section, chapter.title);
+    Ok(paper.page(&path, "Format", &title, &body))
 }
 
 fn clause<'a>(
     paper: Paper<'a>,
     annotated: &AnnotatedClause,
-    told: &mut BTreeSet<&'a str>,
+    explained: &mut BTreeSet<&'a str>,
 ) -> Result<Markup, String> {
     let library = paper.library;
     let id = annotated.clause.as_str();
@@ -128,7 +116,7 @@ fn clause<'a>(
             @for (i, (example, executed)) in annotated.examples.iter().zip(&executed).enumerate() {
                 (worked(paper, example, executed, i + 1, annotated.examples.len()))
             }
-            (ruling_markup(paper, known, told))
+            (ruling_markup(paper, known, explained))
             (misreading_markup(paper, &mistakes))
             (test_markup(paper, known))
         }
@@ -143,24 +131,19 @@ fn worked(
     number: usize,
     of: usize,
 ) -> Markup {
-    let mut at = 0;
-    let placed: Vec<(usize, &(String, Vec<u8>))> = executed
-        .parts
-        .iter()
-        .map(|part| {
-            let offset = at;
-            at += part.1.len();
-            (offset, part)
-        })
-        .filter(|(_, (_, bytes))| !bytes.is_empty())
-        .collect();
+    let placed = executed.parts.iter().scan(0, |end, (is, bytes)| {
+        let offset = *end;
+        *end += bytes.len();
+        Some((offset, is, bytes))
+    });
+    let placed = placed.filter(|(.., bytes)| !bytes.is_empty());
     html! {
         figure.example {
             figcaption { b { "Example" @if of > 1 { " " (number) } } @if let Some(says) = &example.says { " " (paper.prose(says)) } }
             div.scroll tabindex="0" { table.hex {
                 thead { tr { th.number scope="col" { "byte" } th scope="col" { "what" } th scope="col" { "bytes" } th scope="col" { "as text" } } }
                 tbody {
-                    @for (offset, (is, bytes)) in placed {
+                    @for (offset, is, bytes) in placed {
                         tr data-look[example.look.iter().any(|name| name == is)] {
                             td.number { (offset) } td { (is) } td { code { (hex(bytes)) } } td { code { (as_text(bytes)) } }
                         }
@@ -203,15 +186,13 @@ fn in_line(found: &Found) -> Markup {
 
 /// Returns bytes in hexadecimal; only the first and the last if there are many.
 fn hex(bytes: &[u8]) -> String {
-    let words = |bytes: &[u8]| -> String {
-        let words: Vec<String> = bytes.iter().map(|byte| format!("{byte:02x}")).collect();
-        words.join(" ")
-    };
-    if bytes.len() <= SHOWN {
-        return words(bytes);
+    let words: Vec<String> = bytes.iter().map(|byte| format!("{byte:02x}")).collect();
+    if words.len() <= SHOWN {
+        return words.join(" ");
     }
-    let (first, last) = (&bytes[..SHOWN / 2], &bytes[bytes.len() - SHOWN / 4..]);
-    format!("{} … {} ({} bytes)", words(first), words(last), bytes.len())
+    let (first, last) = (&words[..SHOWN / 2], &words[words.len() - SHOWN / 4..]);
+    let (first, last) = (first.join(" "), last.join(" "));
+    format!("{first} … {last} ({} bytes)", words.len())
 }
 
 /// Returns a header line as text; empty for data.
@@ -222,18 +203,20 @@ fn as_text(bytes: &[u8]) -> String {
     if !is_text || !bytes.ends_with(b"\n") && !bytes.ends_with(b" ") {
         return String::new();
     }
-    String::from_utf8_lossy(bytes)
-        .replace('\r', "←")
-        .replace('\n', "↵")
-        .replace(' ', "␣")
+    let text = String::from_utf8_lossy(bytes).replace(' ', "␣");
+    text.replace('\r', "←").replace('\n', "↵")
 }
 
-/// Returns the rulings of a clause; in full those that were not `told` earlier in the chapter.
-fn ruling_markup<'a>(paper: Paper<'a>, clause: &Clause, told: &mut BTreeSet<&'a str>) -> Markup {
+/// Returns the rulings of a clause; in full those that were not `explained` earlier in the chapter.
+fn ruling_markup<'a>(
+    paper: Paper<'a>,
+    clause: &Clause,
+    explained: &mut BTreeSet<&'a str>,
+) -> Markup {
     let rulings = paper.library.rulings.iter();
     let rulings = rulings.filter(|ruling| ruling.clauses.contains(&clause.id));
     let rulings: Vec<(&Ruling, bool)> = rulings
-        .map(|ruling| (ruling, told.insert(&ruling.id)))
+        .map(|ruling| (ruling, explained.insert(&ruling.id)))
         .collect();
     html! {
         @for (ruling, first) in rulings {

@@ -10,63 +10,56 @@ use maud::{Markup, PreEscaped, html};
 
 /// Returns a display formula.
 pub(super) fn formula(text: &str) -> Markup {
-    let mut chars = text.chars().peekable();
-    html! { (PreEscaped("<math display=\"block\">")) (row(&mut chars, None)) (PreEscaped("</math>")) }
+    let row = row(&mut text.chars().peekable(), None);
+    PreEscaped(format!("<math display=\"block\">{row}</math>"))
 }
 
 /// Reads everything up to and including `end`.
-fn row(chars: &mut Peekable<Chars>, end: Option<char>) -> Markup {
-    let mut parts = Vec::new();
+fn row(chars: &mut Peekable<Chars>, end: Option<char>) -> String {
+    let mut parts = String::new();
     // Two names separated only by a space keep that space.
     let mut after_name = false;
-    while let Some(&next) = chars.peek() {
-        if Some(next) == end {
-            chars.next();
-            break;
-        }
-        if next == ' ' {
-            chars.next();
+    while let Some(&next) = chars.peek()
+        && Some(next) != end
+    {
+        if chars.next_if_eq(&' ').is_some() {
             continue;
         }
         let is_name = next.is_alphanumeric();
         if is_name && after_name {
-            parts.push(PreEscaped("<mspace width=\".4em\"></mspace>".to_owned()));
+            parts += "<mspace width=\".4em\"></mspace>";
         }
         after_name = is_name;
-        parts.push(scripted_atom(chars));
+        parts += &scripted_atom(chars);
     }
-    html! { (PreEscaped("<mrow>")) @for part in parts { (part) } (PreEscaped("</mrow>")) }
+    chars.next();
+    format!("<mrow>{parts}</mrow>")
 }
 
 /// Reads an atom with its subscript and superscript.
-fn scripted_atom(chars: &mut Peekable<Chars>) -> Markup {
+fn scripted_atom(chars: &mut Peekable<Chars>) -> String {
     let base = atom(chars);
     let mut script = |sign| {
-        let stands = chars.next_if_eq(&sign).is_some();
-        stands.then(|| match chars.next_if_eq(&'{') {
+        chars.next_if_eq(&sign)?;
+        Some(match chars.next_if_eq(&'{') {
             Some(_) => row(chars, Some('}')),
             None => atom(chars),
         })
     };
-    let (below, above) = (script('_'), script('^'));
-    let tagged = |tag: &str, parts: &[&Markup]| {
-        let inside: String = parts.iter().map(|part| part.0.as_str()).collect();
-        PreEscaped(format!("<{tag}>{inside}</{tag}>"))
-    };
-    match (below, above) {
-        (Some(below), Some(above)) => tagged("msubsup", &[&base, &below, &above]),
-        (Some(below), None) => tagged("msub", &[&base, &below]),
-        (None, Some(above)) => tagged("msup", &[&base, &above]),
+    match (script('_'), script('^')) {
+        (Some(below), Some(above)) => format!("<msubsup>{base}{below}{above}</msubsup>"),
+        (Some(below), None) => format!("<msub>{base}{below}</msub>"),
+        (None, Some(above)) => format!("<msup>{base}{above}</msup>"),
         (None, None) => base,
     }
 }
 
-fn atom(chars: &mut Peekable<Chars>) -> Markup {
+fn atom(chars: &mut Peekable<Chars>) -> String {
     let Some(first) = chars.next() else {
-        return PreEscaped(String::new());
+        return String::new();
     };
     if first == '√' && chars.next_if_eq(&'(').is_some() {
-        return PreEscaped(format!("<msqrt>{}</msqrt>", row(chars, Some(')')).0));
+        return format!("<msqrt>{}</msqrt>", row(chars, Some(')')));
     }
     let (tag, belongs): (&str, fn(char) -> bool) = if first.is_ascii_digit() {
         ("mn", |c| c.is_ascii_digit() || c == '.')
@@ -79,8 +72,7 @@ fn atom(chars: &mut Peekable<Chars>) -> Markup {
     while let Some(next) = chars.next_if(|&next| belongs(next)) {
         word.push(next);
     }
-    let inside = html! { (word) }.0;
-    PreEscaped(format!("<{tag}>{inside}</{tag}>"))
+    format!("<{tag}>{}</{tag}>", html! { (word) }.0)
 }
 
 #[cfg(test)]

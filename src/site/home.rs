@@ -15,31 +15,11 @@ const LIGHTS: [(f64, f64); 4] = [(-0.7, 0.3), (0.0, 0.7), (0.5, 0.5), (0.7, -0.3
 pub(super) fn page(paper: Paper) -> SiteFile {
     let library = paper.library;
     let counts = [
-        (
-            "format/index.html",
-            library.clauses.len(),
-            "clauses, each with an example in bytes that was executed",
-        ),
-        (
-            "cases/index.html",
-            library.suite.cases.len(),
-            "cases: files with one thing in them that a reader can get wrong",
-        ),
-        (
-            "misreadings/index.html",
-            misreadings::all().count(),
-            "misreadings, with the smallest file that shows each",
-        ),
-        (
-            "rulings/index.html",
-            library.rulings.len(),
-            "rulings where the text is silent, with their evidence",
-        ),
-        (
-            "readers/index.html",
-            library.readers().len(),
-            "public readers, and what they make of it",
-        ),
+        library.clauses.len(),
+        library.suite.cases.len(),
+        misreadings::all().count(),
+        library.rulings.len(),
+        library.readers().len(),
     ];
     let body = html! {
         h1 { "Polynomial Texture Maps, PTM 1.2" }
@@ -48,7 +28,7 @@ pub(super) fn page(paper: Paper) -> SiteFile {
             "in its own way. Here it is explained rule by rule, and tested."
         }
         (lit())
-        ul.doors { @for (place, count, what) in counts { li { a href=(place) { b { (count) } " " (what) } } } }
+        ul.doors { @for ((place, what), count) in library.texts.counts.iter().zip(counts) { li { a href=(place) { b { (count) } " " (what) } } } }
         h2 { "The file in one drawing" }
         (overview::drawing(paper))
         h2 { "From bytes to a picture" }

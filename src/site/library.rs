@@ -1,12 +1,14 @@
 //! All subjects of the site, and the addresses of their pages.
 
-use std::collections::{BTreeMap, BTreeSet, HashMap};
+use std::collections::{BTreeSet, HashMap};
 
-use super::annotated::{Annotated, CHAPTERS, FILES};
+use super::annotated::{Annotated, CHAPTERS, Chapter, FILES};
 use super::example::execute_all;
 use super::readers::{ReaderRun, reader_runs};
+use super::texts::{TEXTS, Texts};
 use super::witness::{Witness, witnesses};
-use crate::misreadings;
+use crate::kit::yaml::from_yaml;
+use crate::misreadings::{self, Misreading};
 use crate::readers::profiles;
 use crate::suite::address;
 use crate::suite::cases::{Case, Suite};
@@ -18,6 +20,19 @@ use crate::tools::lint::codes;
 /// The id of the protocol between the suite and a decoder.
 pub(super) const PROTOCOL: &str = "PTM-CP 1";
 
+/// What the search index says of it.
+const PROTOCOL_WORDS: &str =
+    "what a decoder is asked, and what exit status 0, 65, 69 and others count as";
+
+/// A subject of a page, as the search index lists it.
+pub(super) struct Subject<'a> {
+    pub id: &'a str,
+    pub kind: &'static str,
+    /// The address of its page, from the root of the site.
+    pub place: String,
+    pub words: &'a str,
+}
+
 /// The data that pages are made from.
 pub(super) struct Library {
     pub suite: Suite,
@@ -27,11 +42,10 @@ pub(super) struct Library {
     pub requirements: Vec<Clause>,
     pub texture_rulings: Vec<Ruling>,
     pub annotated: Annotated,
+    pub texts: Texts,
     pub runs: Vec<ReaderRun>,
     /// The smallest file that shows each misreading.
     pub witnesses: HashMap<&'static str, Witness>,
-    /// The results of each reader for each case, in the order of `runs`.
-    pub outcomes: Vec<BTreeMap<String, String>>,
     /// Pages by id, from the root of the site.
     places: HashMap<String, String>,
 }
@@ -42,13 +56,6 @@ impl Library {
         let annotated = annotated.map_or_else(|| Annotated::read(CHAPTERS, FILES), Ok)?;
         execute_all(&annotated)?;
         let suite = Suite::load()?.prepared();
-        let runs = reader_runs()?;
-        let owned = |run: &ReaderRun| {
-            let outcomes = run.by_case().into_iter();
-            outcomes
-                .map(|(case, outcome)| (case.to_owned(), outcome.to_owned()))
-                .collect()
-        };
         let mut library = Library {
             witnesses: witnesses(&suite, jobs),
             suite,
@@ -58,58 +65,71 @@ impl Library {
             requirements: texture::clauses()?,
             texture_rulings: texture::rulings()?,
             annotated,
-            outcomes: runs.iter().map(owned).collect(),
-            runs,
+            texts: from_yaml(TEXTS)?,
+            runs: reader_runs()?,
             places: HashMap::new(),
         };
-        library.places = library.all_places();
+        let mut places = HashMap::new();
+        for Subject { id, place, .. } in library.subjects() {
+            // If two subjects share a name, links lead to the first.
+            places.entry(id.to_owned()).or_insert(place);
+        }
+        library.places = places;
         Ok(library)
     }
 
-    fn all_places(&self) -> HashMap<String, String> {
-        let mut places = HashMap::new();
-        let mut put = |id: &str, place: Option<String>| {
-            places.extend(place.map(|place| (id.to_owned(), place)));
-        };
+    /// Returns every subject that has a page, in the order of the search index.
+    pub(super) fn subjects(&self) -> Vec<Subject<'_>> {
         let (ptm, texture) = (SuiteName::Ptm, SuiteName::Texture);
-        put(PROTOCOL, Some(ptm.protocol_page().to_owned()));
-        for case in &self.suite.cases {
-            put(&case.id, ptm.case_page(&case.id));
+        let mut subjects = Vec::new();
+        let mut put = |id, kind, place: Option<String>, words| {
+            let subject = |place| Subject {
+                id,
+                kind,
+                place,
+                words,
+            };
+            subjects.extend(place.map(subject));
+        };
+        let protocol = ptm.protocol_page().to_owned();
+        put(PROTOCOL, "protocol", Some(protocol), PROTOCOL_WORDS);
+        for Chapter { section, title, .. } in &self.annotated.chapters {
+            put(section, "section", Some(address::chapter(section)), title);
         }
-        for misreading in misreadings::all() {
-            put(misreading.slug, Some(ptm.misreading_page(misreading.slug)));
+        for Clause { id, rule, .. } in &self.clauses {
+            put(id, "clause", ptm.clause_page(id), rule);
+        }
+        for Ruling { id, question, .. } in &self.rulings {
+            put(id, "ruling", Some(ptm.ruling_page(id)), question.trim());
         }
         for code in codes::ALL.iter() {
-            put(code.id, Some(address::code(code.id)));
+            let page = address::code(code.id);
+            put(code.id, "lint code", Some(page), code.says);
         }
         for reader in self.readers() {
-            put(reader, Some(address::reader(reader)));
+            put(reader, "reader", Some(address::reader(reader)), "");
         }
-        for chapter in &self.annotated.chapters {
-            put(&chapter.section, Some(address::chapter(&chapter.section)));
+        for Misreading { slug, effect, .. } in misreadings::all() {
+            put(slug, "misreading", Some(ptm.misreading_page(slug)), effect);
         }
-        let texts = [
-            (ptm, &self.clauses, &self.rulings),
-            (texture, &self.requirements, &self.texture_rulings),
-        ];
-        for (suite, clauses, rulings) in texts {
-            for clause in clauses {
-                put(&clause.id, suite.clause_page(&clause.id));
-            }
-            for ruling in rulings {
-                put(&ruling.id, Some(suite.ruling_page(&ruling.id)));
-            }
+        for Case { id, because, .. } in &self.suite.cases {
+            put(id, "case", ptm.case_page(id), because);
         }
-        for case in &self.textures.cases {
-            put(&case.id, texture.case_page(&case.id));
+        for Clause { id, rule, .. } in &self.requirements {
+            put(id, "texture", texture.clause_page(id), rule);
         }
-        for misreading in misreadings::texture::all() {
-            put(
-                misreading.slug,
-                Some(texture.misreading_page(misreading.slug)),
-            );
+        for Ruling { id, question, .. } in &self.texture_rulings {
+            let page = texture.ruling_page(id);
+            put(id, "texture ruling", Some(page), question.trim());
         }
-        places
+        for Misreading { slug, effect, .. } in misreadings::texture::all() {
+            let page = texture.misreading_page(slug);
+            put(slug, "texture misreading", Some(page), effect);
+        }
+        for TextureCase { id, because, .. } in &self.textures.cases {
+            put(id, "texture case", texture.case_page(id), because);
+        }
+        subjects
     }
 
     /// Returns the page of an id, from the root of the site.

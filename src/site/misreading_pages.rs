@@ -1,5 +1,7 @@
 //! A page for each misreading: its effect, the smallest file that shows it, right and wrong images, the fix.
 
+use std::collections::BTreeMap;
+
 use maud::{Markup, html};
 
 use super::paper::{Paper, SiteFile};
@@ -22,43 +24,33 @@ pub(super) fn pages(paper: Paper) -> Vec<SiteFile> {
 
 fn list(paper: Paper) -> SiteFile {
     let count = misreadings::all().count();
-    let mut sections: Vec<(&str, Vec<&Misreading>)> = Vec::new();
+    let mut sections: BTreeMap<&str, Vec<&Misreading>> = BTreeMap::new();
     for misreading in misreadings::all() {
-        let section = section_of(misreading.clause);
-        match sections.iter_mut().find(|(known, _)| *known == section) {
-            Some((_, of)) => of.push(misreading),
-            None => sections.push((section, vec![misreading])),
-        }
+        let section = sections.entry(section_of(misreading.clause));
+        section.or_default().push(misreading);
     }
-    sections.sort_by_key(|(section, _)| *section);
     let body = html! {
-        h1 { "Misreadings" }
         p.lead { (count) " mistakes that a reader of the format can make, each in one clause. Those marked ● were seen in public readers." }
         (filter("misreadings"))
-        @for (section, of) in sections {
+        @for (section, misreadings) in sections {
             section.filtered aria-label={ "Section " (section) } {
                 h2 { "Section " (paper.link_as(section, &html! { (section) })) }
-                ul.plain { @for misreading in of { li {
+                ul.plain { @for misreading in misreadings { li {
                     (paper.link(misreading.slug)) @if !makers(misreading).is_empty() { span.seen title="seen in a public reader" { " ●" } }
                     " " span.quiet { (misreading.clause) } " " (misreading.effect)
                 } } }
             }
         }
     };
-    paper.page(
-        "misreadings/index.html",
-        "Misreadings",
-        "Misreadings",
-        &body,
-    )
+    paper.list("Misreadings", &body)
 }
 
 /// Returns a box that filters the entries of a list page.
-pub(super) fn filter(of: &str) -> Markup {
+pub(super) fn filter(entries: &str) -> Markup {
     html! {
         form.tools role="search" {
             label for="list-filter" { "Filter" }
-            input #list-filter type="search" placeholder={ "words or clauses; only matching " (of) " stay" } autocomplete="off" spellcheck="false";
+            input #list-filter type="search" placeholder={ "words or clauses; only matching " (entries) " stay" } autocomplete="off" spellcheck="false";
             span #list-found role="status" aria-live="polite" {}
         }
     }
@@ -68,7 +60,6 @@ fn page(paper: Paper, misreading: &Misreading) -> SiteFile {
     let rule = paper.library.clause(misreading.clause);
     let witness = paper.library.witnesses.get(misreading.slug);
     let body = html! {
-        p.kicker { a href="index.html" { "Misreadings" } }
         h1 { code { (misreading.slug) } }
         p.lead { "The decoder " (misreading.effect) "." }
         p.fix { b { "Fix: " } (paper.prose(misreading.fix)) "." }
@@ -80,12 +71,7 @@ fn page(paper: Paper, misreading: &Misreading) -> SiteFile {
             None => p { "No file of the suite shows it by itself: it acts on a choice or on the spelling of a table." },
         }
     };
-    paper.page(
-        &format!("misreadings/{}.html", misreading.slug),
-        "Misreadings",
-        misreading.slug,
-        &body,
-    )
+    paper.entry("Misreadings", misreading.slug, misreading.slug, &body)
 }
 
 fn witness_markup(paper: Paper, misreading: &Misreading, witness: &Witness) -> Markup {
@@ -119,10 +105,8 @@ pub(super) fn pair(paper: Paper, misreading: &Misreading) -> Markup {
     let file = &case.build(TableSpelling::default()).file;
     let right = decode(file);
     let right_frame = |view: &View| {
-        right
-            .as_ref()
-            .ok()
-            .map(|ptm| Frame::under(ptm, view, &Reading::SPEC))
+        let ptm = right.as_ref().ok()?;
+        Some(Frame::under(ptm, view, &Reading::SPEC))
     };
     let light: View = match &witness.view {
         View::Rgb(_) => witness.view.clone(),
@@ -131,11 +115,9 @@ pub(super) fn pair(paper: Paper, misreading: &Misreading) -> Markup {
     let wrong_lit = Witness::lit(misreading, file, &light);
     let shows = right.is_err() || wrong_lit.is_none() || wrong_lit != right_frame(&light);
     // A mistake that is invisible under a light is visible in the stored values.
-    let view = if shows { light } else { View::Raw };
-    let wrong = if shows {
-        wrong_lit
-    } else {
-        Witness::lit(misreading, file, &View::Raw)
+    let (view, wrong) = match shows {
+        true => (light, wrong_lit),
+        false => (View::Raw, Witness::lit(misreading, file, &View::Raw)),
     };
     html! {
         div.pair {

@@ -13,6 +13,8 @@ pub mod readers;
 
 mod witness;
 
+mod texts;
+
 mod library;
 
 mod paper;
@@ -67,11 +69,15 @@ pub fn build(
     jobs: usize,
 ) -> Result<Vec<SiteFile>, String> {
     let library = Library::open(annotated, jobs)?;
-    let paper = |path| Paper::new(&library, path, module.is_some());
-    let (below, top) = (paper("a/b"), paper("a"));
+    let top = Paper {
+        library: &library,
+        root: "",
+        drop: module.is_some(),
+    };
+    let below = Paper { root: "../", ..top };
     let mut files = vec![
-        text("style.css", STYLE),
-        text("site.js", SCRIPT),
+        SiteFile::new("style.css", STYLE),
+        SiteFile::new("site.js", SCRIPT),
         search::index(&library),
     ];
     if let Some(module) = module {
@@ -89,11 +95,4 @@ pub fn build(
     files.extend(docs_pages::pages(below));
     files.extend(case_pages::pages(below, jobs));
     Ok(files)
-}
-
-fn text(path: &str, text: &str) -> SiteFile {
-    SiteFile {
-        path: path.to_owned(),
-        bytes: text.as_bytes().to_vec(),
-    }
 }

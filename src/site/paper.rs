@@ -3,6 +3,7 @@
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 use super::library::{Library, PROTOCOL};
+use super::texts::Named;
 
 /// A file of the site.
 pub struct SiteFile {
@@ -12,19 +13,12 @@ pub struct SiteFile {
     pub bytes: Vec<u8>,
 }
 
-/// The parts of the site, in the order of the navigation.
-const PARTS: &[(&str, &str)] = &[
-    ("format/index.html", "Format"),
-    ("cases/index.html", "Cases"),
-    ("misreadings/index.html", "Misreadings"),
-    ("rulings/index.html", "Rulings"),
-    ("codes/index.html", "Lint codes"),
-    ("readers/index.html", "Readers"),
-    ("scoreboard.html", "Scoreboard"),
-    ("texture/index.html", "Texture"),
-    ("glossary.html", "Glossary"),
-    ("docs/index.html", "Program"),
-];
+impl SiteFile {
+    pub(super) fn new(path: impl Into<String>, bytes: impl Into<Vec<u8>>) -> SiteFile {
+        let (path, bytes) = (path.into(), bytes.into());
+        SiteFile { path, bytes }
+    }
+}
 
 /// The context of a page: the library, and the depth of the page.
 #[derive(Clone, Copy)]
@@ -36,16 +30,7 @@ pub(super) struct Paper<'a> {
     pub drop: bool,
 }
 
-impl<'a> Paper<'a> {
-    pub(super) fn new(library: &'a Library, path: &str, drop: bool) -> Paper<'a> {
-        let root = if path.contains('/') { "../" } else { "" };
-        Paper {
-            library,
-            root,
-            drop,
-        }
-    }
-
+impl Paper<'_> {
     /// Returns a link to the page of an id, with its name; only the name if it has no page.
     pub(super) fn link(&self, id: &str) -> Markup {
         self.link_as(id, &html! { code { (id) } })
@@ -109,6 +94,28 @@ impl<'a> Paper<'a> {
         PreEscaped(out + &html! { (rest) }.0)
     }
 
+    /// Describes kinds of things, each by its name.
+    pub(super) fn kinds<'b>(texts: &Named, names: impl IntoIterator<Item = &'b str>) -> Markup {
+        html! {
+            dl.kinds { @for name in names { dt { span.chip { (name) } } dd { (texts[name]) } } }
+        }
+    }
+
+    /// Returns the list page of a part of the site.
+    pub(super) fn list(&self, part: &str, contents: &Markup) -> SiteFile {
+        let mut parts = self.library.texts.navigation.iter();
+        let known = parts.find(|(_, name)| name == part);
+        let (path, _) = known.expect("a part of the navigation");
+        self.page(path, part, part, &html! { h1 { (part) } (contents) })
+    }
+
+    /// Returns the page of an id, below the list page of its part.
+    pub(super) fn entry(&self, part: &str, id: &str, title: &str, contents: &Markup) -> SiteFile {
+        let path = self.library.place(id).expect("every subject has a page");
+        let kicker = html! { p.kicker { a href="index.html" { (part) } } };
+        self.page(path, part, title, &html! { (kicker) (contents) })
+    }
+
     /// Returns the whole page; `path` is its path, `part` the part of the site that it belongs to.
     pub(super) fn page(&self, path: &str, part: &str, title: &str, body: &Markup) -> SiteFile {
         let root = self.root;
@@ -135,18 +142,14 @@ impl<'a> Paper<'a> {
                 }
             }
         };
-        SiteFile {
-            path: path.to_owned(),
-            bytes: markup.into_string().into_bytes(),
-        }
+        SiteFile::new(path, markup.into_string())
     }
 
     pub(super) fn head(&self, part: &str) -> Markup {
         let root = self.root;
-        let parts = PARTS
-            .iter()
-            .copied()
-            .chain(self.drop.then_some(("drop.html", "Drop a file")));
+        let parts = self.library.texts.navigation.iter();
+        let parts = parts.map(|(place, name)| (place.as_str(), name.as_str()));
+        let parts = parts.chain(self.drop.then_some(("drop.html", "Drop a file")));
         html! {
             header.top {
                 div.bar {

@@ -21,13 +21,8 @@ pub(super) fn of_map(ptm: &Ptm, (lu, lv): (f64, f64), says: &str) -> Markup {
 
 /// Renders coefficients under a light.
 pub(super) fn of_coefficients(map: &Coefficients, (lu, lv): (f64, f64), says: &str) -> Markup {
-    let image = Image {
-        width: map.size.width as usize,
-        height: map.size.height as usize,
-        channels: 3,
-        samples: map.evaluate(lu, lv).to_bytes(),
-    };
-    picture(&image, says)
+    let samples = map.evaluate(lu, lv).to_bytes();
+    picture(&Image::rgb(map.size, samples), says)
 }
 
 /// Returns the image of a frame: colors as they are, other views as planes side by side.
@@ -42,26 +37,17 @@ pub(super) fn of_frame(frame: &Frame, says: &str) -> Option<Markup> {
     }
     if frame.view == ViewKind::Rgb {
         let image = Image {
-            width,
-            height,
             channels,
-            samples: samples.clone(),
+            ..Image::gray(width, height, samples.clone())
         };
         return Some(picture(&thinned(image), says));
     }
     let plane = |channel: usize| {
         let samples = samples.iter().skip(channel).step_by(channels).copied();
-        thinned(Image {
-            width,
-            height,
-            channels: 1,
-            samples: samples.collect(),
-        })
+        thinned(Image::gray(width, height, samples.collect()))
     };
-    Some(picture(
-        &join_images(&(0..channels).map(plane).collect::<Vec<_>>()),
-        says,
-    ))
+    let planes: Vec<Image> = (0..channels).map(plane).collect();
+    Some(picture(&join_images(&planes), says))
 }
 
 /// Joins gray images side by side, separated by a column.
@@ -77,13 +63,7 @@ fn join_images(planes: &[Image]) -> Image {
             samples.extend(&plane.samples[y * each..(y + 1) * each]);
         }
     }
-    let width = planes.len() * (each + 1) - 1;
-    Image {
-        width,
-        height,
-        channels: 1,
-        samples,
-    }
+    Image::gray(planes.len() * (each + 1) - 1, height, samples)
 }
 
 fn thinned(image: Image) -> Image {
@@ -96,10 +76,8 @@ fn thinned(image: Image) -> Image {
     let places = (0..width * height).map(|i| texel(i % width, i / width));
     let samples = places.flat_map(|at| &image.samples[at..at + image.channels]);
     Image {
-        width,
-        height,
         channels: image.channels,
-        samples: samples.copied().collect(),
+        ..Image::gray(width, height, samples.copied().collect())
     }
 }
 

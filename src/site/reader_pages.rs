@@ -8,20 +8,16 @@ use super::paper::{Paper, SiteFile};
 use super::readers::{ReaderRun, ReaderTally};
 use crate::misreadings::{self, Misreading};
 use crate::readers::{Evidence, ReaderProfile, profiles};
-use crate::suite::address;
 use crate::suite::clauses::Clause;
 
 /// Number of cases of an outcome that are visible before the rest is expanded.
 const MAX_LISTED: usize = 20;
 
 /// Returns the results of a run for each clause.
-pub(super) fn tallies<'a>(
-    paper: Paper<'a>,
-    outcomes: &BTreeMap<String, String>,
-) -> BTreeMap<&'a str, ReaderTally> {
+pub(super) fn tallies<'a>(paper: Paper<'a>, run: &ReaderRun) -> BTreeMap<&'a str, ReaderTally> {
     let mut tallies: BTreeMap<&str, ReaderTally> = BTreeMap::new();
     for case in &paper.library.suite.cases {
-        if let Some(outcome) = outcomes.get(&case.id) {
+        if let Some(outcome) = run.by_case.get(&case.id) {
             for clause in &case.clauses {
                 tallies.entry(clause).or_default().add(outcome);
             }
@@ -32,36 +28,33 @@ pub(super) fn tallies<'a>(
 
 /// Returns the pages of all readers, and their list.
 pub(super) fn pages(paper: Paper) -> Vec<SiteFile> {
-    let readers = paper.library.readers();
-    let run_of = |reader: &str| {
-        paper
-            .library
-            .runs
-            .iter()
-            .position(|run| run.reader == reader)
-    };
-    let mut pages = vec![list(paper)];
-    for reader in readers {
-        pages.push(page(paper, reader, run_of(reader)));
-    }
-    pages
+    let readers = paper.library.readers().into_iter();
+    let pages = readers.map(|reader| page(paper, reader));
+    std::iter::once(list(paper)).chain(pages).collect()
 }
 
 /// Returns its mistakes: those of its profile in the order in which they act, then other sightings.
 fn mistakes(reader: &str) -> Vec<&'static Misreading> {
     let known = profile(reader).map_or(&[][..], |profile| &profile.misreadings);
+    let known = known.iter();
     let mut mistakes: Vec<&Misreading> = known
-        .iter()
         .filter_map(|known| misreadings::named(&known.slug))
         .collect();
-    let seen = |misreading: &&Misreading| {
-        let mut seen = misreading.seen.iter();
-        seen.any(|sighting| sighting.reader == reader)
-    };
-    let profiled: Vec<&str> = mistakes.iter().map(|mistake| mistake.slug).collect();
-    let others = misreadings::all().filter(seen);
-    mistakes.extend(others.filter(|other| !profiled.contains(&other.slug)));
+    for misreading in misreadings::all() {
+        let is_seen = misreading
+            .seen
+            .iter()
+            .any(|sighting| sighting.reader == reader);
+        if is_seen && !mistakes.iter().any(|known| known.slug == misreading.slug) {
+            mistakes.push(misreading);
+        }
+    }
     mistakes
+}
+
+/// Returns the run of the suite on the reader, if there was one.
+fn run_of<'a>(paper: Paper<'a>, reader: &str) -> Option<&'a ReaderRun> {
+    paper.library.runs.iter().find(|run| run.reader == reader)
 }
 
 /// Returns the profile that `lint --for` uses.
@@ -71,13 +64,12 @@ fn profile(reader: &str) -> Option<&'static ReaderProfile> {
 
 fn list(paper: Paper) -> SiteFile {
     let body = html! {
-        h1 { "Readers" }
         p.lead { "Public programs that read PTM files: those on which this suite was run, and those whose source was read. "
             a href="../scoreboard.html" { "The scoreboard" } " compares the runs clause by clause." }
         div.scroll tabindex="0" { table.list {
             thead { tr { th scope="col" { "reader" } th scope="col" { "run" } th scope="col" { "formats" } th scope="col" { "mistakes known" } } }
             tbody { @for reader in paper.library.readers() {
-                @let run = paper.library.runs.iter().find(|run| run.reader == reader);
+                @let run = run_of(paper, reader);
                 tr {
                     td { (paper.link_as(reader, &html! { (reader) })) }
                     td { @if let Some(run) = run { (run.version) ", " (run.version_date) } @else { "–" } }
@@ -87,15 +79,15 @@ fn list(paper: Paper) -> SiteFile {
             } }
         } }
     };
-    paper.page("readers/index.html", "Readers", "Readers", &body)
+    paper.list("Readers", &body)
 }
 
-fn page(paper: Paper, reader: &str, run: Option<usize>) -> SiteFile {
+fn page(paper: Paper, reader: &str) -> SiteFile {
+    let run = run_of(paper, reader);
     let mistakes = mistakes(reader);
     let body = html! {
-        p.kicker { a href="index.html" { "Readers" } }
         h1 { (reader) }
-        @if let Some(place) = run { (of_run(paper, &paper.library.runs[place], &paper.library.outcomes[place])) }
+        @if let Some(run) = run { (run_results(paper, run)) }
         @else { p { "The suite was not run on this reader. What is listed here was seen in its source." } }
         @if let Some(profile) = profile(reader) { (profiled(profile)) }
         @if !mistakes.is_empty() {
@@ -105,7 +97,7 @@ fn page(paper: Paper, reader: &str, run: Option<usize>) -> SiteFile {
             } }
         }
     };
-    paper.page(&address::reader(reader), "Readers", reader, &body)
+    paper.entry("Readers", reader, reader, &body)
 }
 
 /// Describes the formats that it reads and its limits, with their evidence.
@@ -127,12 +119,11 @@ fn profiled(profile: &ReaderProfile) -> Markup {
     }
 }
 
-fn of_run(paper: Paper, run: &ReaderRun, outcomes: &BTreeMap<String, String>) -> Markup {
-    let tallies = tallies(paper, outcomes);
+fn run_results(paper: Paper, run: &ReaderRun) -> Markup {
+    let tallies = tallies(paper, run);
     let failing = |clause: &&Clause| {
-        tallies
-            .get(clause.id.as_str())
-            .is_some_and(|tally| tally.failed > 0)
+        let tally = tallies.get(clause.id.as_str());
+        tally.is_some_and(|tally| tally.failed > 0)
     };
     let clauses: Vec<&Clause> = paper.library.clauses.iter().filter(failing).collect();
     html! {
@@ -168,21 +159,15 @@ fn case_list(paper: Paper, cases: &[String]) -> Markup {
 /// Returns the table of implementations and clauses.
 pub(super) fn scoreboard(paper: Paper) -> SiteFile {
     let runs = &paper.library.runs;
-    let all: Vec<BTreeMap<&str, ReaderTally>> = paper
-        .library
-        .outcomes
-        .iter()
-        .map(|outcomes| tallies(paper, outcomes))
-        .collect();
+    let all: Vec<_> = runs.iter().map(|run| tallies(paper, run)).collect();
     let tally = |place: usize, clause: &str| all[place].get(clause).copied().unwrap_or_default();
     let tested = |clause: &&Clause| {
         (0..runs.len()).any(|place| tally(place, &clause.id) != ReaderTally::default())
     };
     let differs = |clause: &Clause| {
-        let states: std::collections::BTreeSet<&str> = (0..runs.len())
-            .map(|place| tally(place, &clause.id).state().0)
-            .collect();
-        states.len() > 1
+        let mut states = (0..runs.len()).map(|place| tally(place, &clause.id).state());
+        let first = states.next();
+        states.any(|state| Some(state) != first)
     };
     let body = html! {
         h1 { "Scoreboard" }

@@ -34,6 +34,9 @@ pub struct ReaderRun {
     pub views: Vec<String>,
     /// Each outcome with the ids of its cases.
     pub outcomes: BTreeMap<String, Vec<String>>,
+    /// The outcome of each case.
+    #[serde(skip)]
+    pub(super) by_case: BTreeMap<String, String>,
 }
 
 const FILES: &[(&str, &str)] = &[
@@ -61,12 +64,16 @@ const FILES: &[(&str, &str)] = &[
 /// A sentence that names the file and the error.
 pub fn reader_runs() -> Result<Vec<ReaderRun>, String> {
     let read = |(name, text): &(&str, &str)| {
-        let run: ReaderRun = from_yaml(text).map_err(|error| format!("{name}: {error}"))?;
+        let mut run: ReaderRun = from_yaml(text).map_err(|error| format!("{name}: {error}"))?;
         let known = |outcome: &String| Outcome::ALL.iter().any(|known| known.name() == outcome);
-        match run.outcomes.keys().find(|&outcome| !known(outcome)) {
-            Some(outcome) => Err(format!("{name}: no outcome is called {outcome:?}")),
-            None => Ok(run),
+        for (outcome, cases) in &run.outcomes {
+            if !known(outcome) {
+                return Err(format!("{name}: no outcome is called {outcome:?}"));
+            }
+            let cases = cases.iter().map(|case| (case.clone(), outcome.clone()));
+            run.by_case.extend(cases);
         }
+        Ok(run)
     };
     FILES.iter().map(read).collect()
 }
@@ -101,19 +108,6 @@ impl ReaderTally {
             ReaderTally { open: 1.., .. } => ("open", "–"),
             ReaderTally { .. } => ("none", "·"),
         }
-    }
-}
-
-impl ReaderRun {
-    /// Returns the outcome of each case.
-    pub(super) fn by_case(&self) -> BTreeMap<&str, &str> {
-        let outcomes = self.outcomes.iter();
-        let pairs = outcomes.flat_map(|(outcome, cases)| {
-            cases
-                .iter()
-                .map(move |case| (case.as_str(), outcome.as_str()))
-        });
-        pairs.collect()
     }
 }
 

@@ -10,51 +10,6 @@ use crate::suite::clauses::Clause;
 use crate::suite::texture::cases::TextureCase;
 use crate::suite::texture::verify::verify;
 
-/// The topics of the chapter by their letters, in the order of the pipeline.
-const TOPICS: &[(&str, &str)] = &[
-    ("R-TBL", "The table: fields and their fallback values"),
-    ("R-SEL", "Selection: which entries a surface uses"),
-    ("R-RCT", "Rendering control: before or after lighting"),
-    ("R-PAR", "Parameterization: where coordinates come from"),
-    ("R-ORI", "Orientation, interpolation and perspective"),
-    ("R-SMP", "Sampling: which texels, and their mean"),
-    ("R-BND", "Boundaries: outside the map"),
-    ("R-CLM", "Clamp methods"),
-    ("R-CMP", "Composition: texel and surface color"),
-    ("R-CHN", "Channels"),
-    ("R-HNT", "Hints"),
-    ("R-RST", "Restrictions"),
-];
-
-/// The steps, each with its effect.
-const STEPS: &[(&str, &str)] = &[
-    ("defaults", "all fields of an entry in which nothing is set"),
-    ("select", "which entries of the table a surface uses"),
-    (
-        "resolve",
-        "the fields of one entry, fallback values included",
-    ),
-    (
-        "parameterize",
-        "a point of the surface → texture coordinates",
-    ),
-    ("reflect", "eye vector and normal → reflection vector"),
-    ("orient", "coordinates × orientation matrix"),
-    (
-        "interpolate",
-        "coordinates of the corners → coordinates inside",
-    ),
-    ("sites", "where samples are taken: facet, vertex or pixel"),
-    ("depth", "how far the map is reduced or magnified"),
-    (
-        "index",
-        "a coordinate → the closest texel, under a boundary condition",
-    ),
-    ("sample", "coordinates → a texel or a mean of texels"),
-    ("compose", "texel and surface color → color"),
-    ("stage", "all of it, for a surface"),
-];
-
 /// Returns the pages of the chapter.
 ///
 /// # Errors
@@ -69,9 +24,9 @@ pub(super) fn pages(paper: Paper) -> Result<Vec<SiteFile>, String> {
 }
 
 fn chapter(paper: Paper) -> Result<SiteFile, String> {
-    let questions: Result<Vec<Markup>, String> =
-        STEPS.iter().map(|step| question(paper, step)).collect();
-    let questions = questions?;
+    let texts = &paper.library.texts;
+    let questions = texts.steps.iter().map(|step| question(paper, step));
+    let questions: Vec<Markup> = questions.collect::<Result<_, _>>()?;
     let body = html! {
         h1 { "Texture mapping, annotated" }
         p.lead { "A PTM under a light is a picture, and a picture is a texture. The chapter “Texture Mapping Table” of PEXlib 5.2 says what becomes of it on a surface. Its formulas were pictures and are "
@@ -81,8 +36,8 @@ fn chapter(paper: Paper) -> Result<SiteFile, String> {
         p { "Every answer was computed by the reference when this page was built, and compared with the one that the suite expects." }
         @for question in &questions { (question) }
         h2 #requirements { "The requirements" }
-        @for (letters, title) in TOPICS {
-            @let of: Vec<&Clause> = paper.library.requirements.iter().filter(|clause| section_of(&clause.id) == *letters).collect();
+        @for (letters, title) in &texts.topics {
+            @let of: Vec<&Clause> = paper.library.requirements.iter().filter(|clause| section_of(&clause.id) == letters).collect();
             @if !of.is_empty() {
                 h3 id=(letters) { (title) " " span.quiet { (letters) } }
                 ul.plain { @for clause in of { (requirement(paper, clause)) } }
@@ -93,12 +48,8 @@ fn chapter(paper: Paper) -> Result<SiteFile, String> {
 }
 
 fn requirement(paper: Paper, clause: &Clause) -> Markup {
-    let cases = paper
-        .library
-        .textures
-        .cases
-        .iter()
-        .filter(|case| case.clauses.contains(&clause.id));
+    let cases = paper.library.textures.cases.iter();
+    let cases = cases.filter(|case| case.clauses.contains(&clause.id));
     let cases: Vec<&str> = cases.map(|case| case.id.as_str()).collect();
     html! {
         li id=(clause.id) {
@@ -111,19 +62,13 @@ fn requirement(paper: Paper, clause: &Clause) -> Markup {
 }
 
 /// Returns the shortest question of a step with its answer, which is verified with the reference.
-fn question(paper: Paper, (op, does): &(&str, &str)) -> Result<Markup, String> {
-    let of = paper
-        .library
-        .textures
-        .cases
-        .iter()
-        .filter(|case| case.op == *op);
-    let case = of.min_by_key(|case| case.question().to_string().len());
+fn question(paper: Paper, (op, does): &(String, String)) -> Result<Markup, String> {
+    let cases = paper.library.textures.cases.iter();
+    let cases = cases.filter(|case| case.op == *op);
+    let case = cases.min_by_key(|case| case.question().to_string().len());
     let case = case.ok_or_else(|| format!("no case asks for {op}"))?;
-    let wrong = verify(case)
-        .into_iter()
-        .find(|answer| answer.holds == Some(false));
-    if let Some(wrong) = wrong {
+    let mut answers = verify(case).into_iter();
+    if let Some(wrong) = answers.find(|answer| answer.holds == Some(false)) {
         return Err(format!("texture case {}: {}", wrong.id, wrong.says));
     }
     Ok(html! {
@@ -182,10 +127,6 @@ fn mistakes(paper: Paper) -> SiteFile {
             li id=(misreading.slug) { code { (misreading.slug) } " " (paper.link_as(misreading.clause, &html! { (misreading.clause) })) ": the stage " (misreading.effect) ". " b { "Fix: " } (misreading.fix) "." }
         } }
     };
-    paper.page(
-        "texture/misreadings.html",
-        "Texture",
-        "Texture: misreadings",
-        &body,
-    )
+    let title = "Texture: misreadings";
+    paper.page("texture/misreadings.html", "Texture", title, &body)
 }

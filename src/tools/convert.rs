@@ -13,7 +13,7 @@ use crate::generate::plan::Residuals;
 use crate::generate::{Model, Recipe, write};
 use crate::ptm::{Format, Ptm, Shape};
 use crate::tools::dissection::{Dissection, Role};
-use crate::tools::place_in_words;
+use crate::tools::{joined, place_in_words};
 
 /// The target of a conversion.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -33,7 +33,7 @@ impl Target {
     /// A JPEG format without a quality, another format with a quality, or a loss for a format other than JPEG-LS.
     pub fn check(self) -> Result<(), String> {
         let format = self.format;
-        let is_jpeg = matches!(format, Format::JpegRgb | Format::JpegLrgb);
+        let is_jpeg = format.is_jpeg();
         match self.quality {
             None if is_jpeg => Err(format!(
                 "quality from 20 to 100 is needed: {format} loses something; a JPEGLS format can be exact"
@@ -81,15 +81,11 @@ pub fn convert(dissection: &Dissection, ptm: &Ptm, target: Target) -> Result<Con
 /// Returns header and spelling: scales as they were written, biases as integers, the rest as every known reader accepts it.
 fn recipe(dissection: &Dissection, ptm: &Ptm, target: Target) -> Result<Recipe, String> {
     let texts = |role: fn(usize) -> Role, count: usize| {
-        let texts: Vec<String> = (0..count)
-            .filter_map(|i| dissection.text(role(i)))
-            .collect();
-        texts.join(" ")
+        joined((0..count).filter_map(|i| dissection.text(role(i))), " ")
     };
     let mut recipe = Recipe::ordinary(target.format, ptm.header.size);
     recipe.scale = texts(Role::Scale, 6).parse()?;
-    let biases = ptm.header.scale_bias.bias.iter();
-    let biases: Vec<String> = biases.map(|bias| format!("{bias:.0}")).collect();
+    let biases = ptm.header.scale_bias.bias.map(|bias| format!("{bias:.0}"));
     recipe.bias = biases.join(" ").parse()?;
     if let Shape::Lum(_) = ptm.planes.shape {
         recipe.matrix = texts(Role::Matrix, 16).parse()?;
@@ -148,23 +144,20 @@ fn each_texel(ptm: &Ptm, target: Format, why: &str, convert: Texel) -> Result<Ve
     let bias = set.bias.map(|bias| bias as i64);
     let counts = set.scale.map(|scale| scale != 0.0);
     let mut samples = Vec::with_capacity(ptm.planes.size.texels() * target.channels());
-    let (mut misfits, mut first) = (0, 0);
+    let mut misfits = Vec::new();
     for (place, texel) in ptm.planes.texels().enumerate() {
-        if let Some(texel) = convert(texel, &bias, counts) {
-            samples.extend(texel);
-        } else {
-            if misfits == 0 {
-                first = place;
-            }
-            misfits += 1;
+        match convert(texel, &bias, counts) {
+            Some(texel) => samples.extend(texel),
+            None => misfits.push(place),
         }
     }
-    if misfits == 0 {
+    let Some(&first) = misfits.first() else {
         return Ok(samples);
-    }
+    };
     Err(format!(
-        "{} into {target}: {misfits} of {} texels do not fit, the first at {}: {why}",
+        "{} into {target}: {} of {} texels do not fit, the first at {}: {why}",
         ptm.header.format,
+        misfits.len(),
         ptm.planes.size.texels(),
         place_in_words(ptm.planes.size, first)
     ))
@@ -188,9 +181,8 @@ fn factor_colors(texel: &[u8], bias: &[i64; 6], counts: [bool; 6]) -> Option<Vec
     let Some(longest) = vectors.iter().find(|vector| vector.iter().any(|&x| x != 0)) else {
         return Some([&texel[..6], &[0, 0, 0]].concat());
     };
-    let factor = longest
-        .iter()
-        .fold(0, |a, &b| greatest_common_divisor(a, b.abs()));
+    let sizes = longest.iter().map(|x| x.abs());
+    let factor = sizes.fold(0, greatest_common_divisor);
     let direction = longest.map(|x| x / factor);
     let lead = direction.iter().position(|&x| x != 0)?;
     let multiples = vectors.map(|vector| vector[lead] / direction[lead]);
@@ -251,8 +243,7 @@ fn verify(bytes: &[u8], ptm: &Ptm, samples: &[u8], target: Target) -> Result<u8,
     }
     let pairs = back.planes.samples.iter().zip(samples);
     let largest = pairs.map(|(a, b)| a.abs_diff(*b)).max().unwrap_or(0);
-    let lossy = matches!(target.format, Format::JpegRgb | Format::JpegLrgb);
-    if !lossy && largest > target.loss {
+    if !target.format.is_jpeg() && largest > target.loss {
         return Err(wrong("holds other values"));
     }
     if back.planes.shape.channels() != ptm.planes.shape.channels() && largest == 0 {
@@ -274,11 +265,8 @@ fn same_colors(a: &Ptm, b: &Ptm) -> Result<(), String> {
     let (a, b) = (a.coefficients(), b.coefficients());
     for (lu, lv) in LIGHTS {
         let (a, b) = (a.evaluate(lu, lv), b.evaluate(lu, lv));
-        if a.values
-            .iter()
-            .zip(&b.values)
-            .any(|(a, b)| (a - b).abs() > 1e-6)
-        {
+        let mut pairs = a.values.iter().zip(&b.values);
+        if pairs.any(|(a, b)| (a - b).abs() > 1e-6) {
             return Err(format!("has other colors under the light {lu},{lv}"));
         }
     }

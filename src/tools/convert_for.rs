@@ -31,10 +31,8 @@ pub fn convert_for(
     let own = ptm.header.format;
     let others = FORMATS_TO_TRY.into_iter().filter(|&format| format != own);
     let read_by_all = |format: &Format| readers.iter().all(|reader| reader.reads(*format));
-    let formats: Vec<Format> = std::iter::once(own)
-        .chain(others)
-        .filter(read_by_all)
-        .collect();
+    let formats = std::iter::once(own).chain(others);
+    let formats: Vec<Format> = formats.filter(read_by_all).collect();
     let names: Vec<&str> = readers.iter().map(|reader| &*reader.name).collect();
     let names = names.join(" and ");
     if formats.is_empty() {
@@ -62,7 +60,7 @@ fn attempt(
     format: Format,
     readers: &[&ReaderProfile],
 ) -> Result<Converted, String> {
-    if matches!(format, Format::JpegRgb | Format::JpegLrgb) {
+    if format.is_jpeg() {
         return Err(format!("{format} would lose something"));
     }
     let target = Target {

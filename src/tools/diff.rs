@@ -57,22 +57,16 @@ pub fn diff(a: (&[u8], &Ptm), b: (&[u8], &Ptm)) -> MapDifference {
         difference.planes = planes(&a.planes, &b.planes);
     }
     if a.header.format != b.header.format {
-        difference.written.push(format!(
-            "format: {} and {}",
-            a.header.format, b.header.format
-        ));
+        let (a, b) = (a.header.format, b.header.format);
+        difference.written.push(format!("format: {a} and {b}"));
     }
     difference.same = difference.header.is_empty() && difference.planes.is_empty();
     if difference.same && difference.written.is_empty() && a_file != b_file {
-        let first = a_file
-            .iter()
-            .zip(b_file)
-            .position(|(a, b)| a != b)
-            .unwrap_or(a_file.len().min(b_file.len()));
+        let (a, b) = (a_file.len(), b_file.len());
+        let first = a_file.iter().zip(b_file).position(|(a, b)| a != b);
+        let first = first.unwrap_or(a.min(b));
         difference.written.push(format!(
-            "{} and {} bytes, the first that differs is byte {first}",
-            a_file.len(),
-            b_file.len()
+            "{a} and {b} bytes, the first that differs is byte {first}"
         ));
     }
     difference
@@ -108,12 +102,11 @@ fn header(a: &Ptm, b: &Ptm) -> Vec<String> {
         }
     }
     if let (Shape::Lum(a), Shape::Lum(b)) = (a_shape, b_shape) {
-        let elements =
-            a.0.iter()
-                .zip(b.0)
-                .enumerate()
-                .filter(|(_, (a, b))| **a != *b);
-        words.extend(elements.map(|(i, (a, b))| format!("matrix element {i}: {a} and {b}")));
+        for (i, (a, b)) in a.0.into_iter().zip(b.0).enumerate() {
+            if a != b {
+                words.push(format!("matrix element {i}: {a} and {b}"));
+            }
+        }
     }
     words
 }
@@ -126,13 +119,8 @@ fn planes(a: &Planes, b: &Planes) -> Vec<PlaneDifference> {
     let channels = a.shape.channels();
     let width = a.size.width as usize;
     let one = |plane: usize| {
-        let pairs = || {
-            a.samples
-                .iter()
-                .zip(&b.samples)
-                .skip(plane)
-                .step_by(channels)
-        };
+        let pairs = a.samples.iter().zip(&b.samples);
+        let pairs = || pairs.clone().skip(plane).step_by(channels);
         let first = pairs().position(|(a, b)| a != b)?;
         let texel = first * channels + plane;
         Some(PlaneDifference {

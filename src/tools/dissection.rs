@@ -6,27 +6,52 @@
 use std::collections::HashMap;
 use std::ops::Range;
 
+use serde::Serialize;
+
 use crate::decode::{Streams, examine, examine_streams};
 use crate::error::{Error, Kind};
 use crate::ptm::{Field, Format, Ptm, Size, channel_name};
 
-/// A part of a file and its role.
-#[derive(Clone, Debug, PartialEq, Eq)]
+/// A part of a file: a field, or an element of one. What `inspect` adds is empty in a dissection.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct FilePart {
-    /// Its role.
-    pub role: Role,
-    /// The clause that requires it.
+    /// Its position.
+    pub offset: usize,
+    /// Number of its bytes.
+    pub length: usize,
+    /// The clause that requires it; within a plane, of T.81 or T.87.
     pub clause: &'static str,
-    /// Its bytes.
-    pub range: Range<usize>,
+    /// Its name; coefficients, matrix elements and planes are numbered.
+    pub name: String,
+    /// Its value; from `inspect`.
+    pub value: String,
+    /// Its first bytes, if it is not text; from `inspect`.
+    #[serde(skip_serializing_if = "String::is_empty")]
+    pub begins: String,
+    /// Its elements: entries, segments, records; from `inspect`.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub parts: Vec<FilePart>,
+    /// Its role.
+    #[serde(skip)]
+    pub role: Role,
+    /// The name of the list it is an element of, if it is one.
+    #[serde(skip)]
+    pub list: Option<&'static str>,
     /// The number of bytes that it should have, if the file ends earlier.
+    #[serde(skip)]
     pub cut_from: Option<u64>,
+    /// The white space before the next part, in visible form; from `inspect`.
+    #[serde(skip)]
+    pub(super) gap: String,
 }
 
 /// The role of a part; numbers are indices of coefficients, matrix elements, blocks or planes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 #[allow(missing_docs)] // they are the format's words
 pub enum Role {
+    /// An entry, segment or record of another part.
+    #[default]
+    Element,
     Version,
     Format,
     Width,
@@ -88,14 +113,9 @@ impl<'a> Dissection<'a> {
         let mut counts: HashMap<&str, usize> = HashMap::new();
         let parts = fields.iter().filter_map(|field| {
             let nth = counts.entry(field.clause).or_default();
-            let role = role(field.clause, *nth, &file[field.range.clone()], format)?;
+            let part = FilePart::new(field, *nth, file, format)?;
             *nth += 1;
-            Some(FilePart {
-                role,
-                clause: exact_clause(role, format).unwrap_or(field.clause),
-                range: field.range.clone(),
-                cut_from: None,
-            })
+            Some(part)
         });
         let mut dissection = Dissection {
             file,
@@ -114,7 +134,7 @@ impl<'a> Dissection<'a> {
     /// Returns the bytes of the first part of this role.
     #[must_use]
     pub fn bytes(&self, role: Role) -> Option<&'a [u8]> {
-        self.part(role).map(|part| &self.file[part.range.clone()])
+        self.part(role).map(|part| &self.file[part.range()])
     }
 
     /// Returns the first part of this role.
@@ -126,7 +146,7 @@ impl<'a> Dissection<'a> {
     /// Returns the byte at which this role begins; 0 if the file has no such part.
     #[must_use]
     pub fn start(&self, role: Role) -> usize {
-        self.part(role).map_or(0, |part| part.range.start)
+        self.part(role).map_or(0, |part| part.offset)
     }
 
     /// Returns the number of planes of a compressed file; 0 in other formats.
@@ -143,6 +163,12 @@ impl<'a> Dissection<'a> {
         std::str::from_utf8(self.bytes(role)?).ok()?.parse().ok()
     }
 
+    /// Returns the number of entries of the lookup table.
+    #[must_use]
+    pub fn entries(&self) -> Option<usize> {
+        usize::try_from(self.number(Role::Count)?).ok()
+    }
+
     /// Returns the text of the part of this role.
     #[must_use]
     pub fn text(&self, role: Role) -> Option<String> {
@@ -152,21 +178,18 @@ impl<'a> Dissection<'a> {
     /// Returns the end of the last part.
     #[must_use]
     pub fn end(&self) -> usize {
-        self.parts
-            .iter()
-            .map(|part| part.range.end)
-            .max()
-            .unwrap_or(0)
+        let ends = self.parts.iter().map(|part| part.range().end);
+        ends.max().unwrap_or(0)
     }
 
     /// Returns the white space between the part at `place` and the next one.
     #[must_use]
     pub fn gap_after(&self, place: usize) -> &'a [u8] {
-        let from = self.parts[place].range.end;
-        let to = self.parts.get(place + 1).map_or_else(
-            || from + self.line_end(from),
-            |next| next.range.start.max(from),
-        );
+        let from = self.parts[place].range().end;
+        let to = self
+            .parts
+            .get(place + 1)
+            .map_or_else(|| from + self.line_end(from), |next| next.offset.max(from));
         &self.file[from..to]
     }
 
@@ -188,9 +211,8 @@ impl<'a> Dissection<'a> {
 
     fn read_size(&self) -> Option<Size> {
         let side = |role| {
-            u32::try_from(self.number(role)?)
-                .ok()
-                .filter(|&side| side > 0)
+            let side = u32::try_from(self.number(role)?).ok();
+            side.filter(|&side| side > 0)
         };
         Some(Size {
             width: side(Role::Width)?,
@@ -209,39 +231,62 @@ impl<'a> Dissection<'a> {
         if error.clause() == COMPRESSED_PLANE {
             return self.show_cut_planes(error.offset());
         }
-        let blocks = self.parts.iter();
-        let blocks = blocks.filter(|part| matches!(part.role, Role::Block(_)));
-        let role = role(error.clause(), blocks.count(), &[], self.format);
-        self.parts.extend(role.map(|role| FilePart {
-            role,
-            clause: exact_clause(role, self.format).unwrap_or(error.clause()),
-            range: error.offset()..self.file.len(),
-            cut_from: Some(needs),
-        }));
+        let mut blocks = 0;
+        while self.part(Role::Block(blocks)).is_some() {
+            blocks += 1;
+        }
+        let (clause, range) = (error.clause(), error.offset()..self.file.len());
+        self.show_cut_part(
+            &Field {
+                clause,
+                name: "",
+                range,
+            },
+            blocks,
+            Some(needs),
+        );
+    }
+
+    fn show_cut_part(&mut self, field: &Field, nth: usize, cut_from: Option<u64>) {
+        let part = FilePart::new(field, nth, self.file, self.format);
+        self.parts
+            .extend(part.map(|part| FilePart { cut_from, ..part }));
     }
 
     /// Adds the planes from byte `at` on, as far as the file goes.
     fn show_cut_planes(&mut self, mut at: usize) {
         for plane in 0..self.compressed_planes() {
-            let (stream, side) = (Role::StreamSize(plane), Role::SideSize(plane));
-            for (role, size, clause) in [
-                (Role::Stream(plane), stream, COMPRESSED_PLANE),
-                (Role::Side(plane), side, SIDE_INFORMATION),
+            for (size, clause) in [
+                (Role::StreamSize(plane), COMPRESSED_PLANE),
+                (Role::SideSize(plane), SIDE_INFORMATION),
             ] {
                 let size = self.number(size).and_then(|size| u64::try_from(size).ok());
                 let size = size.unwrap_or(0);
                 let there = (self.file.len() - at) as u64;
-                let end = at + size.min(there) as usize;
-                self.parts.push(FilePart {
-                    role,
-                    clause,
-                    range: at..end,
-                    cut_from: (there < size).then_some(size),
-                });
-                at = end;
+                let range = at..at + size.min(there) as usize;
+                at = range.end;
+                let cut_from = (there < size).then_some(size);
+                self.show_cut_part(
+                    &Field {
+                        clause,
+                        name: "",
+                        range,
+                    },
+                    plane,
+                    cut_from,
+                );
             }
         }
     }
+}
+
+/// Returns the indices of a lookup table, each in `width` bytes, low byte first (2.8.1/2).
+pub(crate) fn index_values(bytes: &[u8], width: usize) -> impl Iterator<Item = usize> {
+    let value = |bytes: &[u8]| {
+        let bytes = bytes.iter().rev();
+        bytes.fold(0, |index, &byte| index << 8 | usize::from(byte))
+    };
+    bytes.chunks(width.max(1)).map(value)
 }
 
 impl Role {
@@ -252,56 +297,6 @@ impl Role {
             self,
             Role::Table | Role::Indices | Role::Block(_) | Role::Stream(_) | Role::Side(_)
         )
-    }
-
-    /// Returns the plane it belongs to, in a compressed file.
-    #[must_use]
-    pub fn plane(self) -> Option<usize> {
-        let (number, ..) = self.naming(None);
-        number.filter(|_| !matches!(self, Role::Scale(_) | Role::Bias(_) | Role::Matrix(_)))
-    }
-
-    /// Returns the name of the list it is an element of, if it is one.
-    #[must_use]
-    pub fn list(self) -> Option<&'static str> {
-        self.naming(None).2
-    }
-
-    /// Returns its name; planes are numbered.
-    #[must_use]
-    pub fn name(self, format: Option<Format>) -> String {
-        let (number, name, _) = self.naming(format);
-        number.map_or_else(|| name.to_owned(), |n| name.replace("{n}", &n.to_string()))
-    }
-
-    /// Returns its number among its kind, its name with the place of the number, and the name of its list.
-    fn naming(self, format: Option<Format>) -> (Option<usize>, &'static str, Option<&'static str>) {
-        let alone = |name| (None, name, None);
-        let element = |n, name, list| (Some(n), name, Some(list));
-        match self {
-            Role::Version => alone("version"),
-            Role::Format => alone("format"),
-            Role::Width => alone("width"),
-            Role::Height => alone("height"),
-            Role::Scale(i) => element(i, "scale of a{n}", "scales of a0…a5"),
-            Role::Bias(i) => element(i, "bias of a{n}", "biases of a0…a5"),
-            Role::CountWord => alone("word at the number of entries"),
-            Role::Count => alone("number of entries"),
-            Role::Table => alone("lookup table"),
-            Role::Matrix(i) => element(i, "matrix element {n}", "color matrix"),
-            Role::Indices => alone("indices"),
-            Role::Block(i) => alone(block_name(format, i)),
-            Role::Parameter => alone("compression parameter"),
-            Role::Transform(i) => element(i, "transform of plane {n}", "transforms"),
-            Role::MotionX(i) => element(i, "vector of plane {n}, x", "vectors, x"),
-            Role::MotionY(i) => element(i, "vector of plane {n}, y", "vectors, y"),
-            Role::Rank(i) => element(i, "rank of plane {n}", "order"),
-            Role::Reference(i) => element(i, "reference of plane {n}", "references"),
-            Role::StreamSize(i) => element(i, "compressed size of plane {n}", "compressed sizes"),
-            Role::SideSize(i) => element(i, "side information size of plane {n}", "side sizes"),
-            Role::Stream(i) => (Some(i), "plane {n}", None),
-            Role::Side(i) => (Some(i), "side information of plane {n}", None),
-        }
     }
 }
 
@@ -321,35 +316,79 @@ const FORMAT_NAME: &str = "2.2/1";
 const COMPRESSED_PLANE: &str = "2.9.8/2";
 const SIDE_INFORMATION: &str = "2.9.8/4";
 
-/// Returns the role of the `nth` field of `clause`.
-fn role(clause: &str, nth: usize, bytes: &[u8], format: Option<Format>) -> Option<Role> {
-    let planes = format.map_or(9, Format::channels);
-    Some(match clause {
-        "2.1/1" => Role::Version,
-        FORMAT_NAME => Role::Format,
-        "2.3/1" if nth == 0 => Role::Width,
-        "2.3/1" => Role::Height,
-        "2.4/3" => Role::Scale(nth),
-        "2.4/4" => Role::Bias(nth),
-        "2.5/2" if matches!(bytes, b"nentries" | b"N_LUT_ENTRIES") => Role::CountWord,
-        "2.5/2" => Role::Count,
-        "2.5/3" => Role::Table,
-        "2.6/2" => Role::Matrix(nth),
-        // Bytes that are present, and bytes that are missing.
-        "2.7/1" | "2.7/3" => Role::Block(nth),
-        "2.8.1/1" => Role::Indices,
-        "2.9.1/1" => Role::Parameter,
-        "2.9.2/1" => Role::Transform(nth),
-        "2.9.3/1" if nth < planes => Role::MotionX(nth),
-        "2.9.3/1" => Role::MotionY(nth - planes),
-        "2.9.4/1" => Role::Rank(nth),
-        "2.9.5/1" => Role::Reference(nth),
-        "2.9.6/1" => Role::StreamSize(nth),
-        "2.9.7/1" => Role::SideSize(nth),
-        COMPRESSED_PLANE => Role::Stream(nth),
-        SIDE_INFORMATION => Role::Side(nth),
-        _ => return None,
-    })
+impl FilePart {
+    /// Returns the positions of its bytes.
+    #[must_use]
+    pub fn range(&self) -> Range<usize> {
+        self.offset..self.offset + self.length
+    }
+
+    /// Describes a field: the `nth` one of its clause.
+    fn new(field: &Field, nth: usize, file: &[u8], format: Option<Format>) -> Option<FilePart> {
+        let planes = format.map_or(9, Format::channels);
+        let plain = |role, name: &str| (role, name.to_owned(), None);
+        let element = |role: fn(usize) -> Role, name: &str, list| {
+            (role(nth), format!("{name} {nth}"), Some(list))
+        };
+        let coefficient = |role, name: &str, list| (role, format!("{name} of a{nth}"), Some(list));
+        let (role, name, list) = match field.clause {
+            "2.1/1" => plain(Role::Version, "version"),
+            FORMAT_NAME => plain(Role::Format, "format"),
+            "2.3/1" if nth == 0 => plain(Role::Width, "width"),
+            "2.3/1" => plain(Role::Height, "height"),
+            "2.4/3" => coefficient(Role::Scale(nth), "scale", "scales of a0…a5"),
+            "2.4/4" => coefficient(Role::Bias(nth), "bias", "biases of a0…a5"),
+            "2.5/2" => match &file[field.range.clone()] {
+                b"nentries" | b"N_LUT_ENTRIES" => {
+                    plain(Role::CountWord, "word at the number of entries")
+                }
+                _ => plain(Role::Count, "number of entries"),
+            },
+            "2.5/3" => plain(Role::Table, "lookup table"),
+            "2.6/2" => element(Role::Matrix, "matrix element", "color matrix"),
+            // Bytes that are present, and bytes that are missing.
+            "2.7/1" | "2.7/3" => plain(Role::Block(nth), block_name(format, nth)),
+            "2.8.1/1" => plain(Role::Indices, "indices"),
+            "2.9.1/1" => plain(Role::Parameter, "compression parameter"),
+            "2.9.2/1" => element(Role::Transform, "transform of plane", "transforms"),
+            "2.9.3/1" if nth < planes => {
+                let name = format!("vector of plane {nth}, x");
+                (Role::MotionX(nth), name, Some("vectors, x"))
+            }
+            "2.9.3/1" => {
+                let plane = nth - planes;
+                let name = format!("vector of plane {plane}, y");
+                (Role::MotionY(plane), name, Some("vectors, y"))
+            }
+            "2.9.4/1" => element(Role::Rank, "rank of plane", "order"),
+            "2.9.5/1" => element(Role::Reference, "reference of plane", "references"),
+            "2.9.6/1" => element(
+                Role::StreamSize,
+                "compressed size of plane",
+                "compressed sizes",
+            ),
+            "2.9.7/1" => element(
+                Role::SideSize,
+                "side information size of plane",
+                "side sizes",
+            ),
+            COMPRESSED_PLANE => plain(Role::Stream(nth), &format!("plane {nth}")),
+            SIDE_INFORMATION => {
+                let name = format!("side information of plane {nth}");
+                plain(Role::Side(nth), &name)
+            }
+            _ => return None,
+        };
+        Some(FilePart {
+            role,
+            name,
+            list,
+            clause: exact_clause(role, format).unwrap_or(field.clause),
+            offset: field.range.start,
+            length: field.range.len(),
+            ..FilePart::default()
+        })
+    }
 }
 
 /// Returns the clause for the format of the file, if the decoder cites the one that all formats share.
@@ -380,23 +419,13 @@ mod tests {
             let dissection = Dissection::of(&written.bytes);
             assert!(dissection.outcome.is_ok(), "{format}");
             // The writer's map and the reader's agree on the position of every part.
-            let ranges: Vec<_> = dissection
-                .parts
-                .iter()
-                .map(|part| part.range.clone())
-                .collect();
-            let fields: Vec<_> = written
-                .fields
-                .iter()
-                .map(|field| field.range.clone())
-                .collect();
-            assert_eq!(ranges, fields, "{format}");
+            let ranges = dissection.parts.iter().map(FilePart::range);
+            let fields = written.fields.iter().map(|field| field.range.clone());
+            assert!(ranges.eq(fields), "{format}");
             assert_eq!(dissection.end(), written.bytes.len());
             for place in 0..dissection.parts.len() {
-                assert!(
-                    [&b""[..], b" ", b"\n"].contains(&dissection.gap_after(place)),
-                    "{format}"
-                );
+                let gap = dissection.gap_after(place);
+                assert!(matches!(gap, b"" | b" " | b"\n"), "{format}");
             }
         }
     }
@@ -409,7 +438,7 @@ mod tests {
             let cut = Dissection::of(&file[..file.len() - 5]);
             let last = cut.parts.last().unwrap();
             assert!(matches!(last.role, Role::Block(_)), "{format}");
-            assert_eq!(last.cut_from, Some(last.range.len() as u64 + 5), "{format}");
+            assert_eq!(last.cut_from, Some(last.length as u64 + 5), "{format}");
         }
     }
 
@@ -418,15 +447,11 @@ mod tests {
         let recipe = Recipe::ordinary(Format::JpeglsLrgb, "4x3".parse().unwrap());
         let file = write(&recipe, &Model::paint(&recipe)).bytes;
         let cut = &file[..file.len() - 5];
-        let dissection = Dissection::of(cut);
+        let (whole, dissection) = (Dissection::of(&file), Dissection::of(cut));
         assert!(dissection.outcome.is_err());
-        assert_eq!(
-            dissection.bytes(Role::Stream(0)),
-            Dissection::of(&file).bytes(Role::Stream(0))
-        );
-        assert_eq!(
-            dissection.part(Role::Stream(8)).unwrap().range.end,
-            cut.len()
-        );
+        let stream = Role::Stream(0);
+        assert_eq!(dissection.bytes(stream), whole.bytes(stream));
+        let last = dissection.part(Role::Stream(8)).unwrap();
+        assert_eq!(last.range().end, cut.len());
     }
 }

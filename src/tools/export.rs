@@ -8,17 +8,17 @@ use exr::prelude::{
     LayerAttributes, LineOrder, WritableImage,
 };
 
-use crate::ptm::{Ptm, Shape, Size};
+use crate::ptm::{self, Ptm, Shape, Size};
+use crate::tools::joined;
 use crate::tools::render::Image;
 
 /// Returns the name of channel `channel` in an EXR file: `a3`, `R`; with three polynomials `green.a3`.
 #[must_use]
 pub fn channel_name(channels: usize, channel: usize) -> String {
-    match (channels, channel) {
-        (18, _) => format!("{}.a{}", ["red", "green", "blue"][channel / 6], channel % 6),
-        (_, 0..6) => format!("a{channel}"),
-        (9, _) => ["R", "G", "B"][channel - 6].to_owned(),
-        _ => ["Cr", "Cb"][channel - 6].to_owned(),
+    let name = ptm::channel_name(channels, channel);
+    match name.split_once(" of ") {
+        Some((coefficient, color)) => format!("{color}.{coefficient}"),
+        None => name,
     }
 }
 
@@ -29,21 +29,14 @@ pub fn channel_name(channels: usize, channel: usize) -> String {
 /// If the map is too large for the format.
 pub fn exr(ptm: &Ptm) -> Result<Vec<u8>, String> {
     let coefficients = ptm.coefficients();
-    let mut about = format!(
-        "{}; scale {}; bias {}",
-        ptm.header.format,
-        words(&ptm.header.scale_bias.scale),
-        words(&ptm.header.scale_bias.bias)
-    );
+    let set = &ptm.header.scale_bias;
+    let (scale, bias) = (joined(set.scale, " "), joined(set.bias, " "));
+    let mut about = format!("{}; scale {scale}; bias {bias}", ptm.header.format);
     if let Shape::Lum(matrix) = &coefficients.shape {
-        about = format!("{about}; matrix, columns first, {}", words(&matrix.0));
+        about = format!("{about}; matrix, columns first, {}", joined(matrix.0, " "));
     }
-    exr_of(
-        &coefficients.values,
-        coefficients.size,
-        coefficients.shape.channels(),
-        &about,
-    )
+    let channels = coefficients.shape.channels();
+    exr_of(&coefficients.values, coefficients.size, channels, &about)
 }
 
 /// Returns an EXR file of `values`, texel after texel, top row first, with an attribute `ptm` that describes them.
@@ -52,15 +45,9 @@ pub fn exr(ptm: &Ptm) -> Result<Vec<u8>, String> {
 /// If the map is too large for the format.
 pub fn exr_of(values: &[f64], size: Size, channels: usize, about: &str) -> Result<Vec<u8>, String> {
     let channel = |channel: usize| {
-        let plane = values
-            .iter()
-            .skip(channel)
-            .step_by(channels)
-            .map(|&value| value as f32);
-        AnyChannel::new(
-            channel_name(channels, channel).as_str(),
-            FlatSamples::F32(plane.collect()),
-        )
+        let plane = values.iter().skip(channel).step_by(channels);
+        let samples = FlatSamples::F32(plane.map(|&value| value as f32).collect());
+        AnyChannel::new(&*channel_name(channels, channel), samples)
     };
     let encoding = Encoding {
         compression: Compression::ZIP16,
@@ -69,15 +56,11 @@ pub fn exr_of(values: &[f64], size: Size, channels: usize, about: &str) -> Resul
     };
     let mut attributes = LayerAttributes::default();
     // Only one attribute, because the library writes several in random order.
-    attributes
-        .other
-        .insert(Text::from("ptm"), AttributeValue::Text(Text::from(about)));
-    let layer = Layer::new(
-        (size.width as usize, size.height as usize),
-        attributes,
-        encoding,
-        AnyChannels::sort((0..channels).map(channel).collect()),
-    );
+    let about = AttributeValue::Text(Text::from(about));
+    attributes.other.insert(Text::from("ptm"), about);
+    let side_lengths = (size.width as usize, size.height as usize);
+    let channels = AnyChannels::sort((0..channels).map(channel).collect());
+    let layer = Layer::new(side_lengths, attributes, encoding, channels);
     let mut bytes = Cursor::new(Vec::new());
     ExrImage::from_layer(layer)
         .write()
@@ -97,84 +80,40 @@ pub fn npy_bytes(values: &[u8], size: Size, channels: usize) -> Vec<u8> {
 #[must_use]
 pub fn npy_floats(values: &[f64], size: Size, channels: usize) -> Vec<u8> {
     let mut bytes = npy_header("<f4", size, channels);
-    bytes.extend(
-        values
-            .iter()
-            .flat_map(|&value| (value as f32).to_le_bytes()),
-    );
+    let values = values.iter().map(|&value| value as f32);
+    bytes.extend(values.flat_map(f32::to_le_bytes));
     bytes
 }
 
 /// Returns the header of NPY 1.0: magic, version, length, and a Python dictionary padded to a multiple of 64 bytes.
 fn npy_header(kind: &str, size: Size, channels: usize) -> Vec<u8> {
     let shape = format!("({}, {}, {channels})", size.height, size.width);
-    let mut dictionary =
-        format!("{{'descr': '{kind}', 'fortran_order': False, 'shape': {shape}, }}");
-    while !(10 + dictionary.len() + 1).is_multiple_of(64) {
-        dictionary.push(' ');
-    }
-    dictionary.push('\n');
-    [
-        &b"\x93NUMPY\x01\x00"[..],
-        &(dictionary.len() as u16).to_le_bytes(),
-        dictionary.as_bytes(),
-    ]
-    .concat()
+    let dictionary = format!("{{'descr': '{kind}', 'fortran_order': False, 'shape': {shape}, }}");
+    let length = (10 + dictionary.len() + 1).next_multiple_of(64) - 10;
+    let mut header = b"\x93NUMPY\x01\x00".to_vec();
+    header.extend((length as u16).to_le_bytes());
+    header.extend(format!("{dictionary:<width$}\n", width = length - 1).bytes());
+    header
 }
 
 /// Stacks the planes of samples that lie texel after texel: a gray image of `channels * height` rows.
 #[must_use]
 pub fn stacked_planes(samples: &[u8], size: Size, channels: usize) -> Image {
     let plane = |channel: usize| samples.iter().skip(channel).step_by(channels).copied();
-    Image {
-        width: size.width as usize,
-        height: size.height as usize * channels,
-        channels: 1,
-        samples: (0..channels).flat_map(plane).collect(),
-    }
-}
-
-fn words(numbers: &[f64]) -> String {
-    let words: Vec<String> = numbers.iter().map(f64::to_string).collect();
-    words.join(" ")
+    let (width, height) = (size.width as usize, size.height as usize * channels);
+    Image::gray(width, height, (0..channels).flat_map(plane).collect())
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    const SIZE: Size = Size {
-        width: 2,
-        height: 1,
-    };
-
     #[test]
     fn an_array_has_a_header_of_whole_lines_of_64_bytes() {
-        let bytes = npy_bytes(&[1, 2, 3, 4, 5, 6], SIZE, 3);
+        let size = "2x1".parse().expect("a size");
+        let bytes = npy_bytes(&[1, 2, 3, 4, 5, 6], size, 3);
         assert_eq!(bytes.len(), 128 + 6);
         assert!(bytes.starts_with(b"\x93NUMPY\x01\x00\x76\x00{'descr': '|u1', 'fortran_order': False, 'shape': (1, 2, 3), }"));
         assert_eq!(bytes[127], b'\n');
-    }
-
-    #[test]
-    fn planes_are_stacked_in_the_order_of_the_text() {
-        let image = stacked_planes(&[1, 2, 3, 4, 5, 6], SIZE, 3);
-        assert_eq!((image.width, image.height), (2, 3));
-        assert_eq!(image.samples, [1, 4, 2, 5, 3, 6]);
-    }
-
-    #[test]
-    fn channels_have_names_that_layers_understand() {
-        let names = |channels| {
-            (0..channels)
-                .map(|channel| channel_name(channels, channel))
-                .collect::<Vec<_>>()
-        };
-        assert_eq!(names(8), ["a0", "a1", "a2", "a3", "a4", "a5", "Cr", "Cb"]);
-        assert_eq!(names(9)[5..], ["a5", "R", "G", "B"]);
-        assert_eq!(
-            [&names(18)[0], &names(18)[10], &names(18)[17]],
-            ["red.a0", "green.a4", "blue.a5"]
-        );
     }
 }

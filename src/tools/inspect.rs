@@ -8,8 +8,9 @@ use serde::Serialize;
 
 use crate::error::{Class, Kind};
 use crate::ptm::{Format, Size};
-use crate::tools::dissection::{Dissection, FilePart, Role};
-use crate::tools::segments::{Segment, segments};
+use crate::tools::dissection::{Dissection, FilePart, Role, index_values};
+use crate::tools::segments::segments;
+use crate::tools::{joined, place_in_words, texel_at};
 
 /// Number of entries of a table, or of records, that are shown unless all are requested.
 const MAX_ENTRIES: usize = 8;
@@ -37,40 +38,13 @@ pub struct Inspection {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub height: Option<u32>,
     /// Its fields, in file order.
-    pub fields: Vec<InspectedField>,
+    pub fields: Vec<FilePart>,
     /// The error, if any.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub error: Option<Fault>,
     /// Bytes that are not read: after the damage, or after the last value.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rest: Option<Rest>,
-}
-
-/// A field.
-#[derive(Debug, Default, Serialize)]
-pub struct InspectedField {
-    /// Its position.
-    pub offset: usize,
-    /// Number of its bytes.
-    pub length: usize,
-    /// The clause that requires it; within a plane, of T.81 or T.87.
-    pub clause: &'static str,
-    /// Its name.
-    pub name: String,
-    /// Its value.
-    pub value: String,
-    /// The white space before the next field, in visible form.
-    #[serde(skip)]
-    gap: String,
-    /// Its role; None within a part.
-    #[serde(skip)]
-    role: Option<Role>,
-    /// Its first bytes, if it is not text.
-    #[serde(skip_serializing_if = "String::is_empty")]
-    pub begins: String,
-    /// Its elements: entries, segments, records.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub parts: Vec<InspectedField>,
 }
 
 /// The position and the reason at which reading ended.
@@ -135,20 +109,19 @@ pub fn inspect(file: &[u8]) -> Inspection {
     }
 }
 
-fn show(dissection: &Dissection, place: usize) -> InspectedField {
+fn show(dissection: &Dissection, place: usize) -> FilePart {
     let part = &dissection.parts[place];
-    let bytes = &dissection.file[part.range.clone()];
-    let text = |bytes: &[u8]| bytes.escape_ascii().to_string();
-    let (is_payload, name) = (part.role.is_payload(), part.role.name(dissection.format));
+    let bytes = &dissection.file[part.range()];
+    let is_payload = part.role.is_payload();
     let (value, parts) = match part.cut_from {
         Some(whole) => (format!("cut: {} of {whole} bytes", bytes.len()), Vec::new()),
         None if is_payload => describe(dissection, part, bytes),
-        None => (text(bytes), Vec::new()),
+        None => (bytes.escape_ascii().to_string(), Vec::new()),
     };
-    let mut field = InspectedField {
-        role: Some(part.role),
+    let mut field = FilePart {
+        value,
         parts,
-        ..child(part, 0..bytes.len(), part.clause, name, value)
+        ..part.clone()
     };
     match is_payload {
         true => field.begins = hexadecimal(bytes),
@@ -158,35 +131,33 @@ fn show(dissection: &Dissection, place: usize) -> InspectedField {
 }
 
 /// Returns a description of a part of the payload, and its elements.
-fn describe(
-    dissection: &Dissection,
-    part: &FilePart,
-    bytes: &[u8],
-) -> (String, Vec<InspectedField>) {
+fn describe(dissection: &Dissection, part: &FilePart, bytes: &[u8]) -> (String, Vec<FilePart>) {
     let texels = dissection.size.map_or(0, Size::texels);
     match part.role {
         Role::Table => table(dissection, part, bytes),
         Role::Indices => (indices(bytes, texels), Vec::new()),
-        Role::Stream(plane) => (plan(dissection, plane), stream_parts(part, bytes)),
+        Role::Stream(plane) => {
+            let parts = segments(bytes).into_iter().map(|segment| {
+                let (name, clause) = segment.kind.label();
+                child(part, segment.range, clause, name.into_owned(), segment.says)
+            });
+            (plan(dissection, plane), parts.collect())
+        }
         Role::Side(_) => records(dissection, part, bytes),
         _ => {
             let each = bytes.len().checked_div(texels).unwrap_or(0);
-            (
-                format!("{texels} texels of {each} bytes, bottom row first"),
-                Vec::new(),
-            )
+            let value = format!("{texels} texels of {each} bytes, bottom row first");
+            (value, Vec::new())
         }
     }
 }
 
 /// Returns the entries of the lookup table.
-fn table(dissection: &Dissection, part: &FilePart, bytes: &[u8]) -> (String, Vec<InspectedField>) {
-    let entries = dissection.number(Role::Count);
-    let entries = entries.and_then(|count| usize::try_from(count).ok());
-    let entries = entries.unwrap_or(0);
+fn table(dissection: &Dissection, part: &FilePart, bytes: &[u8]) -> (String, Vec<FilePart>) {
+    let entries = dissection.entries().unwrap_or(0);
     let size = bytes.len().checked_div(entries).unwrap_or(0);
     let entry = |(i, entry): (usize, &[u8])| {
-        let (name, value) = (format!("entry {i}"), decimal(entry));
+        let (name, value) = (format!("entry {i}"), joined(entry, " "));
         let range = i * size..i * size + entry.len();
         child(part, range, part.clause, name, value)
     };
@@ -197,12 +168,8 @@ fn table(dissection: &Dissection, part: &FilePart, bytes: &[u8]) -> (String, Vec
 /// Describes the indices: their number, width and range.
 fn indices(bytes: &[u8], texels: usize) -> String {
     let width = bytes.len().checked_div(texels).unwrap_or(0);
-    let index = |bytes: &[u8]| {
-        let bytes = bytes.iter().rev();
-        bytes.fold(0, |index, &byte| index << 8 | usize::from(byte))
-    };
-    let largest = bytes.chunks(width.max(1)).map(index).max().unwrap_or(0);
-    let smallest = bytes.chunks(width.max(1)).map(index).min().unwrap_or(0);
+    let largest = index_values(bytes, width).max().unwrap_or(0);
+    let smallest = index_values(bytes, width).min().unwrap_or(0);
     let each = match width {
         1 => "one byte",
         _ => "two bytes, low byte first",
@@ -217,25 +184,22 @@ fn child(
     clause: &'static str,
     name: String,
     value: String,
-) -> InspectedField {
-    InspectedField {
-        offset: part.range.start + range.start,
+) -> FilePart {
+    FilePart {
+        offset: part.offset + range.start,
         length: range.len(),
         clause,
         name,
         value,
-        ..InspectedField::default()
+        ..FilePart::default()
     }
 }
 
 /// Describes a plane: its channel, its rank, its reference and its transform.
 fn plan(dissection: &Dissection, plane: usize) -> String {
     let number = |role| dissection.number(role).unwrap_or_default();
-    let mut words = format!(
-        "{}, rank {}",
-        dissection.channel(plane),
-        number(Role::Rank(plane))
-    );
+    let (channel, rank) = (dissection.channel(plane), number(Role::Rank(plane)));
+    let mut words = format!("{channel}, rank {rank}");
     let reference = number(Role::Reference(plane));
     if reference < 0 {
         words += ", intra";
@@ -247,43 +211,31 @@ fn plan(dissection: &Dissection, plane: usize) -> String {
         words += " inverted";
     }
     if transform & 2 != 0 {
-        let half = |role| number(role) as f64 / 2.0;
-        let _ = write!(
-            words,
-            " moved by ({}, {})",
-            half(Role::MotionX(plane)),
-            half(Role::MotionY(plane))
-        );
+        let [x, y] = [Role::MotionX, Role::MotionY].map(|role| number(role(plane)) as f64 / 2.0);
+        let _ = write!(words, " moved by ({x}, {y})");
     }
     words
 }
 
-fn stream_parts(part: &FilePart, stream: &[u8]) -> Vec<InspectedField> {
-    let shown = |Segment { kind, range, says }| {
-        let (name, clause) = kind.label();
-        child(part, range, clause, name.into_owned(), says)
-    };
-    segments(stream).into_iter().map(shown).collect()
-}
-
 /// Returns the records of a block of side information (clause 2.9.8/5).
-fn records(
-    dissection: &Dissection,
-    part: &FilePart,
-    block: &[u8],
-) -> (String, Vec<InspectedField>) {
+fn records(dissection: &Dissection, part: &FilePart, block: &[u8]) -> (String, Vec<FilePart>) {
     const CLAUSE: &str = "2.9.8/5";
     let (whole, rest) = block.as_chunks::<5>();
     let record = |(i, &[p3, p2, p1, p0, value]): (usize, &[u8; 5])| {
         let position = u32::from_be_bytes([p3, p2, p1, p0]);
-        let place = place(dissection.size, position);
+        let size = dissection.size;
+        let size = size.filter(|size| (position as usize) < size.texels());
+        let place = size.map_or_else(
+            || "no texel".to_owned(),
+            |size| place_in_words(size, texel_at(size, position)),
+        );
         let value = format!("position {position} ({place}) becomes {value}");
         child(part, 5 * i..5 * i + 5, CLAUSE, format!("record {i}"), value)
     };
-    let mut parts: Vec<InspectedField> = whole.iter().enumerate().map(record).collect();
+    let mut parts: Vec<FilePart> = whole.iter().enumerate().map(record).collect();
     if !rest.is_empty() {
         let (range, name) = (5 * whole.len()..block.len(), "part of a record".to_owned());
-        parts.push(child(part, range, CLAUSE, name, decimal(rest)));
+        parts.push(child(part, range, CLAUSE, name, joined(rest, " ")));
     }
     let words = match whole.len() {
         0 if rest.is_empty() => "no records".to_owned(),
@@ -291,18 +243,6 @@ fn records(
         count => format!("{count} records"),
     };
     (words, parts)
-}
-
-/// Returns the place in the image of a position in the stored raster.
-fn place(size: Option<Size>, position: u32) -> String {
-    match size {
-        Some(size) if (position as usize) < size.texels() => format!(
-            "column {}, row {} from the top",
-            position % size.width,
-            size.height - 1 - position / size.width
-        ),
-        _ => "no texel".to_owned(),
-    }
 }
 
 impl Inspection {
@@ -316,11 +256,10 @@ impl Inspection {
             ""
         );
         let mut fault = self.error.as_ref();
-        let in_one_line =
-            |a: &InspectedField, b: &InspectedField| a.list().is_some() && a.list() == b.list();
+        let in_one_line = |a: &FilePart, b: &FilePart| a.list.is_some() && a.list == b.list;
         for line in self.fields.chunk_by(in_one_line) {
             let first = &line[0];
-            if first.length == 0 && matches!(first.role, Some(Role::Side(_))) {
+            if first.length == 0 && matches!(first.role, Role::Side(_)) {
                 continue;
             }
             write_line(&mut out, line, 0);
@@ -355,10 +294,10 @@ impl Inspection {
 
 impl Fault {
     /// Returns true if the fault is shown after this line: the line of its byte or, for a stream, of its plane.
-    fn is_in(&self, line: &[InspectedField]) -> bool {
+    fn is_in(&self, line: &[FilePart]) -> bool {
         let (start, end) = (line[0].offset, end(line));
         match self.kind {
-            Kind::Stream { plane, .. } => line[0].role == Some(Role::Stream(plane)),
+            Kind::Stream { plane, .. } => line[0].role == Role::Stream(plane),
             Kind::Short { .. } => false,
             _ => (start..end.max(start + 1)).contains(&self.offset),
         }
@@ -376,14 +315,14 @@ fn write_fault(out: &mut String, fault: Option<&Fault>) {
 }
 
 /// Returns the byte after the last field of a line.
-fn end(line: &[InspectedField]) -> usize {
-    line.last().map_or(0, |last| last.offset + last.length)
+fn end(line: &[FilePart]) -> usize {
+    line.last().map_or(0, |last| last.range().end)
 }
 
 /// Writes a row of the table: a field, or all elements of a list.
-fn write_line(out: &mut String, line: &[InspectedField], indent: usize) {
+fn write_line(out: &mut String, line: &[FilePart], indent: usize) {
     let first = &line[0];
-    let name = first.list().unwrap_or(&first.name);
+    let name = first.list.unwrap_or(&first.name);
     let _ = write!(
         out,
         "{DIM}{:>8} {:>8}{DIM:#}  {CLAUSE}{:<12}{CLAUSE:#}  {:indent$}{NAME}{name}{NAME:#}",
@@ -392,7 +331,7 @@ fn write_line(out: &mut String, line: &[InspectedField], indent: usize) {
         first.clause,
         "",
     );
-    let value: String = line.iter().map(InspectedField::styled).collect();
+    let value: String = line.iter().map(FilePart::styled).collect();
     if !value.is_empty() {
         let width = indent + name.chars().count();
         let space = 33_usize.saturating_sub(width).max(1);
@@ -404,12 +343,7 @@ fn write_line(out: &mut String, line: &[InspectedField], indent: usize) {
     out.push('\n');
 }
 
-impl InspectedField {
-    /// Returns the name of the list it is an element of, if it is one.
-    fn list(&self) -> Option<&'static str> {
-        self.role.and_then(Role::list)
-    }
-
+impl FilePart {
     fn styled(&self) -> String {
         match self.value.as_str() {
             "" => String::new(),
@@ -419,21 +353,20 @@ impl InspectedField {
 
     /// Writes the entries, segments or records, all or some of them. The segments of an intact stream share one line.
     fn write_parts(&self, out: &mut String, all: bool, damaged: bool) {
-        let is_stream = matches!(self.role, Some(Role::Stream(_))) && !self.parts.is_empty();
+        let is_stream = matches!(self.role, Role::Stream(_)) && !self.parts.is_empty();
         if is_stream && !all && !damaged {
             let words: Vec<&str> = self.parts.iter().map(|part| part.name.as_str()).collect();
             let _ = writeln!(out, "{:33}{DIM}{}{DIM:#}", "", words.join(", "));
             return;
         }
-        let limit = if all || is_stream {
-            usize::MAX
-        } else {
-            MAX_ENTRIES
+        let shown = match all || is_stream {
+            true => self.parts.len(),
+            false => MAX_ENTRIES.min(self.parts.len()),
         };
-        for part in self.parts.iter().take(limit) {
-            write_line(out, std::slice::from_ref(part), 2);
-        }
-        let hidden = self.parts.len().saturating_sub(limit);
+        self.parts[..shown]
+            .chunks(1)
+            .for_each(|part| write_line(out, part, 2));
+        let hidden = self.parts.len() - shown;
         if hidden > 0 {
             let _ = writeln!(
                 out,
@@ -446,27 +379,16 @@ impl InspectedField {
 
 /// Returns spaces and line feeds as visible symbols.
 fn visible(bytes: &[u8]) -> String {
-    bytes
-        .iter()
-        .map(|byte| match byte {
-            b' ' => '␠',
-            b'\n' => '␊',
-            _ => '·',
-        })
-        .collect()
+    let symbol = |byte: &u8| match byte {
+        b' ' => '␠',
+        b'\n' => '␊',
+        _ => '·',
+    };
+    bytes.iter().map(symbol).collect()
 }
 
 fn hexadecimal(bytes: &[u8]) -> String {
-    let shown: Vec<String> = bytes
-        .iter()
-        .take(PREVIEW)
-        .map(|byte| format!("{byte:02x}"))
-        .collect();
+    let shown = bytes.iter().take(PREVIEW).map(|byte| format!("{byte:02x}"));
     let more = if bytes.len() > PREVIEW { " …" } else { "" };
-    format!("{}{more}", shown.join(" "))
-}
-
-fn decimal(bytes: &[u8]) -> String {
-    let words: Vec<String> = bytes.iter().map(u8::to_string).collect();
-    words.join(" ")
+    joined(shown, " ") + more
 }

@@ -29,6 +29,18 @@ pub mod diff;
 #[cfg(feature = "cli")]
 pub mod profiles;
 
+/// Returns the number of the texel, counted from the top left, of a position in the stored raster, whose bottom row is first.
+fn texel_at(size: Size, position: u32) -> usize {
+    let (column, row) = (position % size.width, position / size.width);
+    ((size.height - 1 - row) * size.width + column) as usize
+}
+
+/// Joins the texts of `items`.
+fn joined<T: ToString>(items: impl IntoIterator<Item = T>, separator: &str) -> String {
+    let texts: Vec<String> = items.into_iter().map(|item| item.to_string()).collect();
+    texts.join(separator)
+}
+
 /// Returns the place of a texel, counted from the top left, in words.
 fn place_in_words(size: Size, texel: usize) -> String {
     let width = size.width as usize;

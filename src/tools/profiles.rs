@@ -36,23 +36,22 @@ pub enum Profile {
 }
 
 impl Profile {
+    /// All profiles, each with its name and the maximum number of bytes of a file.
+    const ALL: [(Profile, &'static str, usize); 3] = [
+        (Profile::Minimal, "minimal", 4 << 10),
+        (Profile::Standard, "standard", 64 << 10),
+        (Profile::Exhaustive, "exhaustive", usize::MAX),
+    ];
+
     /// Returns its name.
     #[must_use]
     pub const fn name(self) -> &'static str {
-        match self {
-            Profile::Minimal => "minimal",
-            Profile::Standard => "standard",
-            Profile::Exhaustive => "exhaustive",
-        }
+        Self::ALL[self as usize].1
     }
 
     /// Returns the maximum number of bytes of a file.
     const fn largest(self) -> usize {
-        match self {
-            Profile::Minimal => 4 * 1024,
-            Profile::Standard => 64 * 1024,
-            Profile::Exhaustive => usize::MAX,
-        }
+        Self::ALL[self as usize].2
     }
 
     /// Returns the views for which the right answer of a case is included.
@@ -65,6 +64,7 @@ impl Profile {
         let more = of_case.iter().filter(|view| **view != View::Raw).cloned();
         std::iter::once(View::Raw).chain(more).collect()
     }
+
     /// Returns its cases, in the order of the suite.
     #[must_use]
     pub fn cases(self, suite: &Suite) -> Vec<&Case> {
@@ -95,10 +95,10 @@ impl FromStr for Profile {
     type Err = String;
 
     fn from_str(name: &str) -> Result<Profile, String> {
-        [Profile::Minimal, Profile::Standard, Profile::Exhaustive]
-            .into_iter()
-            .find(|profile| profile.name() == name)
-            .ok_or_else(|| format!("profiles are minimal, standard and exhaustive, not {name:?}"))
+        let mut profiles = Profile::ALL.into_iter();
+        let found = profiles.find(|(_, known, _)| *known == name);
+        let found = found.map(|(profile, ..)| profile);
+        found.ok_or_else(|| format!("profiles are minimal, standard and exhaustive, not {name:?}"))
     }
 }
 
@@ -225,9 +225,14 @@ fn entry(case: &Case, profile: Profile) -> Result<(ProfileCase, Vec<Output>), St
             let axes = concerned(case, &view).into_iter();
             let shows: Vec<&str> = axes.map(|axis| CHOICES[axis].ruling).collect();
             let stem = format!("expected/{place}/{}.{}", case.id, suffix(&view));
-            let (more, files) = answers(&values, &view, &stem, profile, &shows)?;
-            expected.extend(more);
-            outputs.extend(files);
+            expected.extend(answers(
+                &values,
+                &view,
+                &stem,
+                profile,
+                &shows,
+                &mut outputs,
+            )?);
         }
     }
     let refused = matches!(case.expect, Expect::Reject | Expect::Refuse);
@@ -264,8 +269,9 @@ fn answers(
     stem: &str,
     profile: Profile,
     shows: &[&'static str],
-) -> Result<(Vec<ProfiledAnswer>, Vec<Output>), String> {
-    let (mut answers, mut outputs) = (Vec::new(), Vec::new());
+    outputs: &mut Vec<Output>,
+) -> Result<Vec<ProfiledAnswer>, String> {
+    let mut answers = Vec::new();
     let (size, channels) = (expected.size, expected.channels);
     let slack = (!expected.slack.is_empty()).then(|| format!("{stem}.slack.npy"));
     if let Some(path) = &slack {
@@ -284,7 +290,7 @@ fn answers(
         });
         outputs.push((path, bytes));
     }
-    Ok((answers, outputs))
+    Ok(answers)
 }
 
 /// Returns an answer as NPY, and as the image or EXR of the profile, each with its suffix.
@@ -296,6 +302,7 @@ fn encoded(
     let (size, channels) = (expected.size, expected.channels);
     let png = |image: Image| Ok::<_, String>(("png", image.to_file(ImageFormat::Png)?));
     let values = &expected.values;
+    let floats = ("npy", npy_floats(values, size, channels));
     Ok(match expected.view {
         ViewKind::Raw => {
             let Samples::U8(bytes) = expected.view.samples(values) else {
@@ -307,34 +314,22 @@ fn encoded(
                 _ => vec![npy, png(stacked_planes(&bytes, size, channels))?],
             }
         }
-        ViewKind::Coef => {
-            let npy = ("npy", npy_floats(values, size, channels));
-            match profile {
-                Profile::Exhaustive => {
-                    vec![npy, ("exr", exr_of(values, size, channels, description)?)]
-                }
-                _ => vec![npy],
-            }
+        ViewKind::Coef if profile == Profile::Exhaustive => {
+            vec![
+                floats,
+                ("exr", exr_of(values, size, channels, description)?),
+            ]
         }
+        ViewKind::Coef => vec![floats],
         ViewKind::Rgb => {
-            let npy = ("npy", npy_floats(values, size, channels));
             let bytes = values.iter().map(|value| value.round() as u8);
-            vec![npy, png(Image::rgb(size, bytes.collect()))?]
+            vec![floats, png(Image::rgb(size, bytes.collect()))?]
         }
     })
 }
 
 /// Git must not change any bytes.
-const GITATTRIBUTES: &str = "\
-*.ptm binary
-*.npy binary
-*.png binary
-*.exr binary
-*.md text eol=lf
-MANIFEST.yaml text eol=lf
-MANIFEST.json text eol=lf
-.gitattributes text eol=lf
-";
+const GITATTRIBUTES: &str = include_str!("../../spec-cases/profile.gitattributes");
 
 /// Instructions for the corpus.
 const README: &str = include_str!("../../spec-cases/profile.md");

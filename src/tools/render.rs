@@ -55,26 +55,21 @@ pub fn sheet(ptm: &Ptm, side: usize, cell: usize) -> Result<Image, String> {
         1 => 0.0,
         _ => 2.0 * at as f64 / (side - 1) as f64 - 1.0,
     };
-    let (width, height) = (
-        coefficients.size.width as usize,
-        coefficients.size.height as usize,
-    );
+    let size = coefficients.size;
+    let (width, height) = (size.width as usize, size.height as usize);
     let factor = width.max(height).div_ceil(cell.max(1));
     let (cell_width, cell_height) = (width.div_ceil(factor), height.div_ceil(factor));
     let place = |at: usize, length: usize| MARGIN + at * (length + MARGIN);
-    let bytes = place(side, cell_width)
-        .saturating_mul(place(side, cell_height))
-        .saturating_mul(3);
+    let (width, height) = (place(side, cell_width), place(side, cell_height));
+    let bytes = width.saturating_mul(height).saturating_mul(3);
     if bytes > MAX_IMAGE_BYTES {
         return Err(format!(
             "a sheet of {bytes} bytes is too large; ask for fewer or smaller pictures"
         ));
     }
     let mut sheet = Image {
-        width: place(side, cell_width),
-        height: place(side, cell_height),
         channels: 3,
-        samples: vec![BACKGROUND; bytes],
+        ..Image::gray(width, height, vec![BACKGROUND; bytes])
     };
     for row in 0..side {
         for column in 0..side {
@@ -120,9 +115,7 @@ pub fn normals(ptm: &Ptm) -> Image {
 /// Of several equally bright directions the one nearest to the zenith is taken; a flat polynomial has the zenith.
 #[must_use]
 pub fn normal(a: &[f64; 6]) -> [f64; 3] {
-    let largest = a[..5]
-        .iter()
-        .fold(0.0_f64, |largest, a| largest.max(a.abs()));
+    let largest = a[..5].iter().map(|a| a.abs()).fold(0.0, f64::max);
     if largest == 0.0 {
         return [0.0, 0.0, 1.0];
     }
@@ -130,10 +123,8 @@ pub fn normal(a: &[f64; 6]) -> [f64; 3] {
     let (a0, a1, a2) = (a[0] - 1e-9 * largest, a[1] - 1e-9 * largest, a[2]);
     let determinant = 4.0 * a0 * a1 - a2 * a2;
     if a0 < 0.0 && determinant > 0.0 {
-        let (u, v) = (
-            (a2 * a[4] - 2.0 * a1 * a[3]) / determinant,
-            (a2 * a[3] - 2.0 * a0 * a[4]) / determinant,
-        );
+        let u = (a2 * a[4] - 2.0 * a1 * a[3]) / determinant;
+        let v = (a2 * a[3] - 2.0 * a0 * a[4]) / determinant;
         if u.hypot(v) < 1.0 {
             return [u, v, (1.0 - u * u - v * v).sqrt()];
         }
@@ -150,32 +141,38 @@ pub fn normal(a: &[f64; 6]) -> [f64; 3] {
 fn brightest_angle(brightness: &impl Fn(f64) -> f64) -> f64 {
     const STEPS: usize = 64;
     let mut step = std::f64::consts::TAU / STEPS as f64;
-    let mut best = 0.0;
-    for i in 1..STEPS {
-        if brightness(i as f64 * step) > brightness(best) {
-            best = i as f64 * step;
-        }
-    }
+    let brighter = |best: f64, angle: f64| match brightness(angle) > brightness(best) {
+        true => angle,
+        false => best,
+    };
+    let mut best = (1..STEPS).map(|i| i as f64 * step).fold(0.0, brighter);
     for _ in 0..24 {
         step /= 2.0;
-        for angle in [best - step, best + step] {
-            if brightness(angle) > brightness(best) {
-                best = angle;
-            }
-        }
+        best = [best - step, best + step].into_iter().fold(best, brighter);
     }
     best
 }
 
 impl Image {
+    /// Returns an image of one sample per pixel.
+    #[must_use]
+    pub fn gray(width: usize, height: usize, samples: Vec<u8>) -> Image {
+        let channels = 1;
+        Image {
+            width,
+            height,
+            channels,
+            samples,
+        }
+    }
+
     /// Returns an image of three samples per pixel.
     #[must_use]
     pub fn rgb(size: Size, samples: Vec<u8>) -> Image {
+        let (width, height) = (size.width as usize, size.height as usize);
         Image {
-            width: size.width as usize,
-            height: size.height as usize,
             channels: 3,
-            samples,
+            ..Image::gray(width, height, samples)
         }
     }
 
@@ -190,22 +187,20 @@ impl Image {
             1 => ExtendedColorType::L8,
             _ => ExtendedColorType::Rgb8,
         };
-        let mut out = Cursor::new(Vec::new());
-        let written =
-            match format {
-                // By default it would write the newer variant P7, which few programs read.
-                ImageFormat::Pnm => PnmEncoder::new(&mut out)
-                    .with_subtype(match self.channels {
-                        1 => PnmSubtype::Graymap(SampleEncoding::Binary),
-                        _ => PnmSubtype::Pixmap(SampleEncoding::Binary),
-                    })
-                    .write_image(&self.samples, width, height, color),
-                ImageFormat::Jpeg => JpegEncoder::new_with_quality(&mut out, JPEG_QUALITY)
-                    .write_image(&self.samples, width, height, color),
-                _ => {
-                    write_buffer_with_format(&mut out, &self.samples, width, height, color, format)
-                }
-            };
+        // By default it would write the newer variant P7, which few programs read.
+        let subtype = match self.channels {
+            1 => PnmSubtype::Graymap(SampleEncoding::Binary),
+            _ => PnmSubtype::Pixmap(SampleEncoding::Binary),
+        };
+        let (mut out, samples) = (Cursor::new(Vec::new()), &self.samples);
+        let written = match format {
+            ImageFormat::Pnm => PnmEncoder::new(&mut out)
+                .with_subtype(subtype)
+                .write_image(samples, width, height, color),
+            ImageFormat::Jpeg => JpegEncoder::new_with_quality(&mut out, JPEG_QUALITY)
+                .write_image(samples, width, height, color),
+            _ => write_buffer_with_format(&mut out, samples, width, height, color, format),
+        };
         written.map_err(|error| error.to_string())?;
         Ok(out.into_inner())
     }
@@ -215,10 +210,8 @@ impl Image {
     /// # Errors
     /// If the image needs more than 1 GiB.
     pub fn enlarged(&self, factor: usize) -> Result<Image, String> {
-        let bytes = self
-            .samples
-            .len()
-            .saturating_mul(factor.saturating_mul(factor));
+        let area = factor.saturating_mul(factor);
+        let bytes = self.samples.len().saturating_mul(area);
         if bytes > MAX_IMAGE_BYTES {
             return Err(format!(
                 "a picture of {bytes} bytes is too large; enlarge it less"
@@ -233,8 +226,8 @@ impl Image {
         Ok(Image {
             width: self.width * factor,
             height: self.height * factor,
-            channels: self.channels,
             samples: rows.flat_map(|row| wide(row).repeat(factor)).collect(),
+            ..*self
         })
     }
 
@@ -244,30 +237,24 @@ impl Image {
             return self.clone();
         }
         let (width, height) = (self.width.div_ceil(factor), self.height.div_ceil(factor));
-        let mean = |x: usize, y: usize, channel: usize| {
+        let mean = |i: usize| {
+            let (pixel, channel) = (i / self.channels, i % self.channels);
+            let (x, y) = (pixel % width * factor, pixel / width * factor);
             let (mut sum, mut count) = (0, 0);
-            for row in y * factor..((y + 1) * factor).min(self.height) {
-                for column in x * factor..((x + 1) * factor).min(self.width) {
-                    sum += usize::from(
-                        self.samples[(row * self.width + column) * self.channels + channel],
-                    );
+            for row in y..(y + factor).min(self.height) {
+                for column in x..(x + factor).min(self.width) {
+                    let at = (row * self.width + column) * self.channels + channel;
+                    sum += usize::from(self.samples[at]);
                     count += 1;
                 }
             }
             ((sum + count / 2) / count) as u8
         };
-        let samples = (0..width * height * self.channels).map(|i| {
-            mean(
-                i / self.channels % width,
-                i / self.channels / width,
-                i % self.channels,
-            )
-        });
         Image {
             width,
             height,
-            channels: self.channels,
-            samples: samples.collect(),
+            samples: (0..width * height * self.channels).map(mean).collect(),
+            ..*self
         }
     }
 
@@ -287,27 +274,19 @@ mod tests {
     #[track_caller]
     fn points(a: [f64; 6], expected: [f64; 3]) {
         let found = normal(&a);
-        assert!(
-            found
-                .iter()
-                .zip(expected)
-                .all(|(a, b)| (a - b).abs() < 1e-6),
-            "{found:?}, expected {expected:?}"
-        );
+        for (a, b) in found.iter().zip(expected) {
+            assert!((a - b).abs() < 1e-6, "{found:?}, expected {expected:?}");
+        }
     }
 
     #[test]
     fn a_normal_points_to_the_brightest_light() {
         // −(u − 0.3)² − (v + 0.4)², up to a constant.
-        points(
-            [-1.0, -1.0, 0.0, 0.6, -0.8, 7.0],
-            [0.3, -0.4, 0.75_f64.sqrt()],
-        );
+        let height = 0.75_f64.sqrt();
+        points([-1.0, -1.0, 0.0, 0.6, -0.8, 7.0], [0.3, -0.4, height]);
         // With a mixed term: the summit of −u² − v² + uv + 0.3u is (0.2, 0.1).
-        points(
-            [-1.0, -1.0, 1.0, 0.3, 0.0, 0.0],
-            [0.2, 0.1, 0.95_f64.sqrt()],
-        );
+        let height = 0.95_f64.sqrt();
+        points([-1.0, -1.0, 1.0, 0.3, 0.0, 0.0], [0.2, 0.1, height]);
     }
 
     #[test]
@@ -336,29 +315,16 @@ mod tests {
 
     #[test]
     fn an_enlarged_picture_has_squares() {
-        let image = Image {
-            width: 2,
-            height: 2,
-            channels: 1,
-            samples: vec![1, 2, 3, 4],
-        };
+        let image = Image::gray(2, 2, vec![1, 2, 3, 4]);
         let large = image.enlarged(2).expect("a small picture");
-        assert_eq!((large.width, large.height), (4, 4));
-        assert_eq!(
-            large.samples,
-            [1, 1, 2, 2, 1, 1, 2, 2, 3, 3, 4, 4, 3, 3, 4, 4]
-        );
+        let samples = vec![1, 1, 2, 2, 1, 1, 2, 2, 3, 3, 4, 4, 3, 3, 4, 4];
+        assert_eq!(large, Image::gray(4, 4, samples));
         assert!(image.enlarged(usize::MAX).is_err());
     }
 
     #[test]
     fn a_picture_becomes_a_file_of_every_form() {
-        let image = Image {
-            width: 1,
-            height: 1,
-            channels: 3,
-            samples: vec![7, 7, 7],
-        };
+        let image = Image::rgb("1x1".parse().expect("a size"), vec![7, 7, 7]);
         let file = |format| image.to_file(format).expect("a small picture");
         assert_eq!(file(ImageFormat::Pnm), b"P6\n1 1 255\n\x07\x07\x07");
         for format in [
@@ -376,14 +342,7 @@ mod tests {
 
     #[test]
     fn a_shrunk_picture_has_means() {
-        let image = Image {
-            width: 3,
-            height: 2,
-            channels: 1,
-            samples: vec![10, 20, 31, 30, 41, 33],
-        };
-        let small = image.shrunk(2);
-        assert_eq!((small.width, small.height), (2, 1));
-        assert_eq!(small.samples, [25, 32]);
+        let image = Image::gray(3, 2, vec![10, 20, 31, 30, 41, 33]);
+        assert_eq!(image.shrunk(2), Image::gray(2, 1, vec![25, 32]));
     }
 }

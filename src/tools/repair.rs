@@ -10,8 +10,9 @@
 
 use std::collections::HashSet;
 
-use super::dissection::{Dissection, Role};
+use super::dissection::{Dissection, FilePart, Role};
 use super::lint::Lint;
+use super::segments::{SegmentKind, segments};
 use crate::decode::decode;
 use crate::ptm::Format;
 
@@ -63,42 +64,34 @@ pub fn repair(file: &[u8]) -> Result<Repaired, String> {
 impl<'a> Loose<'a> {
     /// Reads a header with any white space between its words.
     fn read(file: &'a [u8]) -> Result<Loose<'a>, String> {
-        let mut words = Words { file, at: 0 };
-        let version = words.next()?;
+        let mut at = 0;
+        let version = next_word(file, &mut at)?;
         if version != "PTM_1.2" {
             return Err("it does not begin with PTM_1.2".to_owned());
         }
-        let line_end = match after_blanks(words.rest()) {
+        let line_end = match after_blanks(&file[at..]) {
             [b'\r', b'\n', ..] => "\r\n",
             [b'\r', ..] => "\r",
             _ => "\n",
         };
-        let name = words.next()?;
-        let format: Format = name
-            .strip_prefix("PTM_FORMAT_")
-            .and_then(|name| name.parse().ok())
-            .ok_or_else(|| format!("no format is called {name:?}"))?;
+        let name = next_word(file, &mut at)?;
+        let format = Format::ALL.into_iter().find(|format| format.name() == name);
+        let format = format.ok_or_else(|| format!("no format is called {name:?}"))?;
         let mut lines = vec![vec![version], vec![name]];
-        let mut line = |count: usize| -> Result<(), String> {
-            lines.push((0..count).map(|_| words.next()).collect::<Result<_, _>>()?);
-            Ok(())
-        };
-        line(1)?;
-        line(1)?;
-        line(6)?;
-        line(6)?;
-        match format {
+        let planes = format.channels();
+        let more = match format {
             Format::PtmLut | Format::PtmCLut => {
                 return Err("the spelling of a lookup table's header is left as it is".to_owned());
             }
-            Format::Lum => line(16)?,
-            _ if format.is_compressed() => {
-                line(1)?;
-                (0..7).try_for_each(|_| line(format.channels()))?;
-            }
-            _ => {}
+            Format::Lum => vec![16],
+            _ if format.is_compressed() => [&[1][..], &[planes; 7]].concat(),
+            _ => Vec::new(),
+        };
+        for count in [1, 1, 6, 6].into_iter().chain(more) {
+            let words = (0..count).map(|_| next_word(file, &mut at));
+            lines.push(words.collect::<Result<_, _>>()?);
         }
-        let rest = after_blanks(words.rest());
+        let rest = after_blanks(&file[at..]);
         let payload = rest.strip_prefix(line_end.as_bytes());
         Ok(Loose {
             lines,
@@ -132,13 +125,9 @@ impl<'a> Loose<'a> {
     }
 
     fn written(&self) -> Vec<u8> {
-        let mut bytes = Vec::new();
-        for line in &self.lines {
-            bytes.extend_from_slice(line.join(" ").as_bytes());
-            bytes.push(b'\n');
-        }
-        bytes.extend_from_slice(self.payload);
-        bytes
+        let lines = self.lines.iter().map(|line| line.join(" ") + "\n");
+        let header: String = lines.collect();
+        [header.as_bytes(), self.payload].concat()
     }
 
     /// Sets sizes to those of the streams, if the streams fill the file, each beginning at the end of the previous one.
@@ -156,13 +145,9 @@ impl<'a> Loose<'a> {
                 ));
                 *text = size.to_string();
             }
-            let side: usize = self.lines[SIZES + 1][plane]
-                .parse()
-                .map_err(|_| unsettled)?;
-            at = at
-                .checked_add(size)
-                .and_then(|at| at.checked_add(side))
-                .ok_or(unsettled)?;
+            let side = self.lines[SIZES + 1][plane].parse::<usize>();
+            let end = side.ok().and_then(|side| (at + size).checked_add(side));
+            at = end.ok_or(unsettled)?;
         }
         match at == self.payload.len() && !changes.is_empty() {
             true => Ok(()),
@@ -171,37 +156,17 @@ impl<'a> Loose<'a> {
     }
 }
 
-/// The words of a header.
-struct Words<'a> {
-    file: &'a [u8],
-    at: usize,
-}
-
-impl<'a> Words<'a> {
-    fn rest(&self) -> &'a [u8] {
-        &self.file[self.at..]
-    }
-
-    /// Returns the next word, after any white space.
-    fn next(&mut self) -> Result<String, String> {
-        const LONGEST: usize = 256;
-        let is_blank = |byte: &u8| matches!(byte, b' ' | b'\t' | b'\r' | b'\n');
-        let blanks = self
-            .rest()
-            .iter()
-            .take_while(|&byte| is_blank(byte))
-            .count();
-        let word: Vec<u8> = self.rest()[blanks..]
-            .iter()
-            .take(LONGEST)
-            .take_while(|byte| byte.is_ascii_graphic())
-            .copied()
-            .collect();
-        self.at += blanks + word.len();
-        match String::from_utf8(word) {
-            Ok(word) if !word.is_empty() => Ok(word),
-            _ => Err(format!("its header ends at byte {}", self.at)),
-        }
+/// Returns the next word of a header, after any white space; `at` becomes its end.
+fn next_word(file: &[u8], at: &mut usize) -> Result<String, String> {
+    let is_blank = |byte: &&u8| matches!(byte, b' ' | b'\t' | b'\r' | b'\n');
+    *at += file[*at..].iter().take_while(is_blank).count();
+    let letters = file[*at..].iter();
+    let length = letters.take_while(|byte| byte.is_ascii_graphic()).count();
+    let word = String::from_utf8_lossy(&file[*at..*at + length]).into_owned();
+    *at += length;
+    match length {
+        0 => Err(format!("its header ends at byte {at}")),
+        _ => Ok(word),
     }
 }
 
@@ -211,31 +176,14 @@ fn after_blanks(bytes: &[u8]) -> &[u8] {
     &bytes[blanks.count()..]
 }
 
-/// Returns the length from SOI to EOI, by the lengths of segments and, in the data, by the next marker (T.81 B.1, T.87 C.1).
+/// Returns the length from SOI to EOI, if nothing between them is out of place.
 fn stream_length(stream: &[u8]) -> Option<usize> {
-    let mut at = stream.starts_with(&[0xff, 0xd8]).then_some(2)?;
-    loop {
-        let &[0xff, marker] = stream.get(at..at + 2)? else {
-            return None;
-        };
-        at += 2;
-        match marker {
-            0xd9 => return Some(at),
-            0x01 | 0xd0..=0xd7 => {}
-            0xff => at -= 1,
-            _ => {
-                let length = stream.get(at..at + 2)?;
-                at += usize::from(u16::from_be_bytes([length[0], length[1]])).max(2);
-            }
-        }
-        if marker == 0xda {
-            // In the data 0xff is followed by a byte below 128, or is part of a restart marker.
-            let ends = |pair: &[u8]| {
-                pair[0] == 0xff && pair[1] >= 0x80 && !(0xd0..=0xd7).contains(&pair[1])
-            };
-            at += stream.get(at..)?.windows(2).position(ends)?;
-        }
-    }
+    let parts = segments(stream);
+    let end = parts.iter().position(|part| part.kind.is_end())?;
+    let is_sound = !parts[..end]
+        .iter()
+        .any(|part| part.kind == SegmentKind::Stray);
+    (is_sound && stream.starts_with(&[0xff, 0xd8])).then_some(parts[end].range.end)
 }
 
 /// Removes the bytes after the last value.
@@ -243,10 +191,8 @@ fn without_rest(mut bytes: Vec<u8>, changes: &mut Vec<String>) -> Vec<u8> {
     let dissection = Dissection::of(&bytes);
     let (end, is_read) = (dissection.end(), dissection.outcome.is_ok());
     if is_read && end < bytes.len() {
-        changes.push(format!(
-            "{} bytes after the last value are left out",
-            bytes.len() - end
-        ));
+        let rest = bytes.len() - end;
+        changes.push(format!("{rest} bytes after the last value are left out"));
         bytes.truncate(end);
     }
     bytes
@@ -263,7 +209,7 @@ fn without_overridden_records(
     }
     let mut edits = Vec::new();
     for plane in 0..dissection.compressed_planes() {
-        let part = |role| dissection.part(role).map(|part| part.range.clone());
+        let part = |role| dissection.part(role).map(FilePart::range);
         let (Some(size), Some(side)) = (part(Role::SideSize(plane)), part(Role::Side(plane)))
         else {
             continue;

@@ -5,13 +5,17 @@
 use std::borrow::Cow;
 use std::ops::Range;
 
+use crate::tools::joined;
+
 /// A part of a stream.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Segment {
+pub struct Segment<'a> {
     /// Its kind.
     pub kind: SegmentKind,
-    /// Its bytes, relative to the beginning of the stream.
+    /// Its position, relative to the beginning of the stream.
     pub range: Range<usize>,
+    /// Its bytes.
+    pub bytes: &'a [u8],
     /// A description; empty if there is none.
     pub says: String,
 }
@@ -26,7 +30,7 @@ pub enum SegmentKind {
     /// Entropy-coded data.
     Data,
     /// Bytes after the end of the image.
-    Behind,
+    Trailing,
     /// Bytes in place of a marker.
     Stray,
 }
@@ -37,13 +41,18 @@ const SOS: u8 = 0xda;
 const SOF55: u8 = 0xf7;
 
 impl SegmentKind {
+    /// Returns true for the marker EOI.
+    pub(super) fn is_end(self) -> bool {
+        self == SegmentKind::Marker(EOI)
+    }
+
     /// Returns its name in its standard, and the clause of the standard that describes it.
     #[must_use]
     pub fn label(self) -> (Cow<'static, str>, &'static str) {
         let (name, clause) = match self {
             SegmentKind::Fill => ("fill bytes", "T.81 B.1.1.2"),
             SegmentKind::Data => ("entropy-coded data", "T.81 B.1.1.5"),
-            SegmentKind::Behind => ("bytes after the end", "T.81 B.1.1.3"),
+            SegmentKind::Trailing => ("bytes after the end", "T.81 B.1.1.3"),
             SegmentKind::Stray => ("no marker", "T.81 B.1.1.3"),
             SegmentKind::Marker(code) => match code {
                 SOI => ("SOI", "T.81 B.2.1"),
@@ -69,151 +78,122 @@ impl SegmentKind {
 
 /// Returns the parts of `stream` in sequence, without gaps.
 #[must_use]
-pub fn segments(stream: &[u8]) -> Vec<Segment> {
-    let mut walk = Walk {
-        stream,
-        parts: Vec::new(),
-        jpeg_ls: false,
-    };
-    while walk.at() < stream.len() {
-        walk.step();
+pub fn segments(stream: &[u8]) -> Vec<Segment<'_>> {
+    let mut parts: Vec<Segment> = Vec::new();
+    let (mut rest, mut is_jpeg_ls) = (stream, false);
+    while !rest.is_empty() {
+        let (kind, length) = match parts.last().map(|part| part.kind) {
+            Some(SegmentKind::Marker(EOI)) => (SegmentKind::Trailing, rest.len()),
+            Some(SegmentKind::Marker(SOS)) => match data_length(rest, is_jpeg_ls) {
+                0 => marker_or_gap(rest),
+                length => (SegmentKind::Data, length),
+            },
+            _ => marker_or_gap(rest),
+        };
+        is_jpeg_ls |= kind == SegmentKind::Marker(SOF55);
+        let bytes;
+        (bytes, rest) = rest.split_at(length.min(rest.len()));
+        let end = stream.len() - rest.len();
+        parts.push(Segment {
+            kind,
+            range: end - bytes.len()..end,
+            bytes,
+            says: describe(kind, bytes, is_jpeg_ls),
+        });
     }
-    walk.parts
+    parts
+}
+
+/// Returns the part with which `rest` begins, outside the data, and its length.
+fn marker_or_gap(rest: &[u8]) -> (SegmentKind, usize) {
+    match *rest {
+        [0xff, 0xff, ..] => {
+            let fill = rest.iter().take_while(|&&byte| byte == 0xff).count() - 1;
+            (SegmentKind::Fill, fill)
+        }
+        [0xff, code, ..] if has_no_segment(code) => (SegmentKind::Marker(code), 2),
+        // A length counts its own two bytes and not the marker (T.81 B.1.1.4).
+        [0xff, code, high, low, ..] if code != 0 => {
+            let length = usize::from(u16::from_be_bytes([high, low]));
+            (SegmentKind::Marker(code), 2 + length.max(2))
+        }
+        [0xff, code, ..] if code != 0 => (SegmentKind::Marker(code), rest.len()),
+        _ => {
+            let stray = rest[1..].iter().position(|&byte| byte == 0xff);
+            (SegmentKind::Stray, stray.map_or(rest.len(), |at| at + 1))
+        }
+    }
+}
+
+/// Returns true for markers without a segment (T.81 Table B.1).
+const fn has_no_segment(code: u8) -> bool {
+    matches!(code, 0x01 | 0xd0..=0xd9)
+}
+
+/// Returns the length of the data up to the next marker that is not a restart: in data, FF is followed by 00 (T.81) or by a
+/// byte below 80 (T.87).
+fn data_length(rest: &[u8], is_jpeg_ls: bool) -> usize {
+    let is_in_data = |byte| match byte {
+        0 | 0xd0..=0xd7 => true,
+        _ => is_jpeg_ls && byte < 0x80,
+    };
+    let ends = |pair: &[u8]| pair[0] == 0xff && !is_in_data(pair[1]);
+    rest.windows(2).position(ends).unwrap_or(rest.len())
 }
 
 /// Returns values of the frame header among `parts`: its code, precision, height, width and number of components.
 #[must_use]
-pub fn frame(stream: &[u8], parts: &[Segment]) -> Option<(u8, u8, u16, u16, u8)> {
-    let is_frame =
-        |code| matches!(code, 0xc0..=0xcf | SOF55) && !matches!(code, 0xc4 | 0xc8 | 0xcc);
-    parts.iter().find_map(|part| match part.kind {
-        SegmentKind::Marker(code) if is_frame(code) => match stream[part.range.clone()] {
-            [_, _, _, _, precision, h1, h0, w1, w0, components, ..] => Some((
-                code,
-                precision,
-                u16::from_be_bytes([h1, h0]),
-                u16::from_be_bytes([w1, w0]),
-                components,
-            )),
-            _ => None,
-        },
+pub fn frame(parts: &[Segment]) -> Option<(u8, u8, u16, u16, u8)> {
+    parts.iter().find_map(|part| match (part.kind, part.bytes) {
+        (SegmentKind::Marker(0xc4 | 0xc8 | 0xcc), _) => None,
+        (
+            SegmentKind::Marker(code @ (0xc0..=0xcf | SOF55)),
+            &[_, _, _, _, precision, h1, h0, w1, w0, components, ..],
+        ) => Some((
+            code,
+            precision,
+            u16::from_be_bytes([h1, h0]),
+            u16::from_be_bytes([w1, w0]),
+            components,
+        )),
         _ => None,
     })
 }
 
 /// Returns NEAR from the scan header of a JPEG-LS stream (T.87 C.2.3).
 #[must_use]
-pub fn near(stream: &[u8], parts: &[Segment]) -> Option<u8> {
-    let scan = parts
-        .iter()
-        .find(|part| part.kind == SegmentKind::Marker(SOS))?;
-    let body = stream.get(scan.range.start + 4..scan.range.end)?;
+pub fn near(parts: &[Segment]) -> Option<u8> {
+    let is_scan = |part: &&Segment| part.kind == SegmentKind::Marker(SOS);
+    let body = parts.iter().find(is_scan)?.bytes.get(4..)?;
     let components = usize::from(*body.first()?);
     body.get(1 + 2 * components).copied()
 }
 
-struct Walk<'a> {
-    stream: &'a [u8],
-    parts: Vec<Segment>,
-    jpeg_ls: bool,
-}
-
-impl Walk<'_> {
-    fn at(&self) -> usize {
-        self.parts.last().map_or(0, |part| part.range.end)
-    }
-
-    fn push(&mut self, kind: SegmentKind, length: usize, says: String) {
-        let start = self.at();
-        let end = start.saturating_add(length).min(self.stream.len());
-        self.parts.push(Segment {
-            kind,
-            range: start..end,
-            says,
-        });
-    }
-
-    fn step(&mut self) {
-        let rest = &self.stream[self.at()..];
-        let last = self.parts.last().map(|part| part.kind);
-        if last == Some(SegmentKind::Marker(EOI)) {
-            return self.push(SegmentKind::Behind, rest.len(), String::new());
-        }
-        if last == Some(SegmentKind::Marker(SOS)) {
-            return self.data();
-        }
-        match *rest {
-            [0xff, 0xff, ..] => {
-                let fill = rest.iter().take_while(|&&byte| byte == 0xff).count() - 1;
-                self.push(SegmentKind::Fill, fill, String::new());
-            }
-            [0xff, code, ..] if code != 0 => self.marker(code),
-            _ => {
-                let stray = rest[1..].iter().position(|&byte| byte == 0xff);
-                self.push(
-                    SegmentKind::Stray,
-                    stray.map_or(rest.len(), |at| at + 1),
-                    String::new(),
-                );
+/// Describes a part of a stream; the text is empty if there is nothing to say.
+fn describe(kind: SegmentKind, bytes: &[u8], is_jpeg_ls: bool) -> String {
+    match (kind, bytes) {
+        (SegmentKind::Data, _) => {
+            let is_restart = |pair: &&[u8]| matches!(pair, [0xff, 0xd0..=0xd7]);
+            match bytes.windows(2).filter(is_restart).count() {
+                0 => String::new(),
+                restarts => format!("{restarts} restart markers within"),
             }
         }
-    }
-
-    fn marker(&mut self, code: u8) {
-        let rest = &self.stream[self.at()..];
-        self.jpeg_ls |= code == SOF55;
-        if matches!(code, 0x01 | 0xd0..=0xd9) {
-            return self.push(SegmentKind::Marker(code), 2, String::new());
-        }
-        // A length counts its own two bytes and not the marker (T.81 B.1.1.4).
-        let length = match *rest {
-            [_, _, high, low, ..] => usize::from(u16::from_be_bytes([high, low])),
-            _ => return self.push(SegmentKind::Marker(code), rest.len(), "cut".to_owned()),
-        };
-        let body = rest.get(4..2 + length.max(2));
-        let says = body.map_or_else(
-            || format!("cut: {length} bytes, {} remain", rest.len() - 2),
-            |body| describe(code, body, self.jpeg_ls),
-        );
-        self.push(SegmentKind::Marker(code), 2 + length.max(2), says);
-    }
-
-    /// Reads up to the next marker that is not a restart: in data, FF is followed by 00 (T.81) or by a byte below 80 (T.87).
-    fn data(&mut self) {
-        let rest = &self.stream[self.at()..];
-        let mut restarts = 0;
-        let mut at = 0;
-        let end = loop {
-            let Some(found) = rest[at..].iter().position(|&byte| byte == 0xff) else {
-                break rest.len();
-            };
-            at += found;
-            match rest.get(at + 1) {
-                Some(0xd0..=0xd7) => restarts += 1,
-                Some(0) => {}
-                Some(0x01..=0x7f) if self.jpeg_ls => {}
-                Some(_) => break at,
-                None => break rest.len(),
+        (SegmentKind::Marker(code), _) if has_no_segment(code) => String::new(),
+        (SegmentKind::Marker(code), &[_, _, high, low, ref body @ ..]) => {
+            let length = usize::from(u16::from_be_bytes([high, low]));
+            match bytes.len() < 2 + length {
+                true => format!("cut: {length} bytes, {} remain", bytes.len() - 2),
+                false => describe_segment(code, body, is_jpeg_ls),
             }
-            at += 2;
-        };
-        let says = match restarts {
-            0 => String::new(),
-            _ => format!("{restarts} restart markers within"),
-        };
-        // At least one byte, so that the walk progresses: after an empty scan the marker is taken.
-        if end == 0 {
-            return match *rest {
-                [0xff, code, ..] if code != 0xff => self.marker(code),
-                _ => self.push(SegmentKind::Fill, 1, String::new()),
-            };
         }
-        self.push(SegmentKind::Data, end, says);
+        (SegmentKind::Marker(_), _) => "cut".to_owned(),
+        _ => String::new(),
     }
 }
 
-/// Describes a segment.
-fn describe(code: u8, body: &[u8], jpeg_ls: bool) -> String {
+/// Describes the contents of a marker segment.
+fn describe_segment(code: u8, body: &[u8], is_jpeg_ls: bool) -> String {
     match (code, body) {
         (0xc4, _) => huffman_tables(body),
         (0xc0..=0xcf | SOF55, &[precision, h1, h0, w1, w0, count, ..]) => {
@@ -233,14 +213,14 @@ fn describe(code: u8, body: &[u8], jpeg_ls: bool) -> String {
         (SOS, &[count, ..]) => {
             let after = body.get(1 + 2 * usize::from(count)..).unwrap_or_default();
             match *after {
-                [near, interleave, ..] if jpeg_ls => {
+                [near, interleave, ..] if is_jpeg_ls => {
                     format!("NEAR {near}, interleave {interleave}")
                 }
                 [first, last, ..] => format!("coefficients {first} to {last}"),
                 _ => String::new(),
             }
         }
-        (0xdb, _) => quantisation_tables(body),
+        (0xdb, _) => quantization_tables(body),
         (0xdd, &[high, low]) => format!("interval {}", u16::from_be_bytes([high, low])),
         (0xf8, &[1, ref rest @ ..]) => {
             let names = ["MAXVAL", "T1", "T2", "T3", "RESET"];
@@ -249,12 +229,8 @@ fn describe(code: u8, body: &[u8], jpeg_ls: bool) -> String {
                 .0
                 .iter()
                 .map(|pair| u16::from_be_bytes(*pair));
-            let words: Vec<String> = names
-                .iter()
-                .zip(numbers)
-                .map(|(name, number)| format!("{name} {number}"))
-                .collect();
-            words.join(", ")
+            let words = names.iter().zip(numbers);
+            joined(words.map(|(name, number)| format!("{name} {number}")), ", ")
         }
         (0xe0..=0xef | 0xfe, _) => body[..body.len().min(24)].escape_ascii().to_string(),
         _ => String::new(),
@@ -264,10 +240,9 @@ fn describe(code: u8, body: &[u8], jpeg_ls: bool) -> String {
 /// Describes the tables of a DHT segment (T.81 B.2.4.2): class, number, number of codes.
 fn huffman_tables(mut body: &[u8]) -> String {
     let mut words = Vec::new();
-    while let [kind, rest @ ..] = body {
-        let Some((counts, values)) = rest.split_at_checked(16) else {
-            break;
-        };
+    while let [kind, rest @ ..] = body
+        && let Some((counts, values)) = rest.split_at_checked(16)
+    {
         let codes: usize = counts.iter().map(|&count| usize::from(count)).sum();
         let class = if kind >> 4 == 0 { "DC" } else { "AC" };
         words.push(format!("{class} table {} of {codes} codes", kind & 15));
@@ -277,22 +252,18 @@ fn huffman_tables(mut body: &[u8]) -> String {
 }
 
 /// Describes the tables of a DQT segment (T.81 B.2.4.1): number, width, and the step of the DC coefficient.
-fn quantisation_tables(mut body: &[u8]) -> String {
+fn quantization_tables(mut body: &[u8]) -> String {
     let mut words = Vec::new();
     while let [kind, rest @ ..] = body {
-        let wide = kind >> 4 != 0;
-        let Some((table, more)) = rest.split_at_checked(if wide { 128 } else { 64 }) else {
+        let size = if kind >> 4 == 0 { 1 } else { 2 };
+        let Some((table, more)) = rest.split_at_checked(64 * size) else {
             break;
         };
-        let first = if wide {
-            u16::from_be_bytes([table[0], table[1]])
-        } else {
-            u16::from(table[0])
-        };
+        let first = table[..size].iter();
+        let first = first.fold(0, |step, &byte| step << 8 | u16::from(byte));
+        let (number, bits) = (kind & 15, 8 * size);
         words.push(format!(
-            "table {} of {} bits, first divisor {first}",
-            kind & 15,
-            if wide { 16 } else { 8 }
+            "table {number} of {bits} bits, first divisor {first}"
         ));
         body = more;
     }
@@ -304,54 +275,34 @@ mod tests {
     use super::*;
     use crate::codec::{jpeg, jpeg_ls};
 
-    fn names(stream: &[u8]) -> Vec<Cow<'static, str>> {
+    fn names(stream: &[u8]) -> String {
         let parts = segments(stream);
-        parts.iter().map(|part| part.kind.label().0).collect()
+        joined(parts.iter().map(|part| part.kind.label().0), " ")
     }
 
-    fn whole(stream: &[u8]) {
-        let parts = segments(stream);
-        let ends: Vec<usize> = parts.iter().map(|part| part.range.end).collect();
-        let starts: Vec<usize> = parts.iter().map(|part| part.range.start).collect();
-        assert_eq!(starts.first().copied().unwrap_or(0), 0);
-        assert_eq!(ends.last().copied().unwrap_or(0), stream.len());
-        assert!(
-            starts
-                .iter()
-                .skip(1)
-                .eq(ends.iter().take(ends.len().saturating_sub(1)))
-        );
+    fn check_coverage(stream: &[u8]) {
+        let mut end = 0;
+        for part in segments(stream) {
+            assert_eq!(part.range.start, end);
+            end = part.range.end;
+        }
+        assert_eq!(end, stream.len());
     }
 
     #[test]
     fn the_segments_of_both_codecs_are_named() {
         let samples: Vec<u8> = (0..=255).collect();
         let jpeg = jpeg::encode(&samples, 16, 16, &jpeg::JpegOptions::new(75)).stream;
-        assert_eq!(
-            names(&jpeg),
-            [
-                "SOI",
-                "APP0",
-                "DQT",
-                "SOF0",
-                "DHT",
-                "DHT",
-                "SOS",
-                "entropy-coded data",
-                "EOI"
-            ]
-        );
-        assert!(frame(&jpeg, &segments(&jpeg)) == Some((0xc0, 8, 16, 16, 1)));
+        let expected = "SOI APP0 DQT SOF0 DHT DHT SOS entropy-coded data EOI";
+        assert_eq!(names(&jpeg), expected);
+        assert_eq!(frame(&segments(&jpeg)), Some((0xc0, 8, 16, 16, 1)));
         let options = jpeg_ls::JpegLsOptions {
             near: 3,
             presets: None,
         };
         let stream = jpeg_ls::encode(&samples, 16, 16, &options).stream;
-        assert_eq!(
-            names(&stream),
-            ["SOI", "SOF55", "SOS", "entropy-coded data", "EOI"]
-        );
-        assert_eq!(near(&stream, &segments(&stream)), Some(3));
+        assert_eq!(names(&stream), "SOI SOF55 SOS entropy-coded data EOI");
+        assert_eq!(near(&segments(&stream)), Some(3));
     }
 
     #[test]
@@ -359,14 +310,14 @@ mod tests {
         let samples: Vec<u8> = (0..64).map(|i| i * 3).collect();
         let stream = jpeg::encode(&samples, 8, 8, &jpeg::JpegOptions::new(90)).stream;
         for at in 0..stream.len() {
-            whole(&stream[..at]);
+            check_coverage(&stream[..at]);
             for byte in [0, 0x7f, 0xda, 0xff] {
                 let mut stream = stream.clone();
                 stream[at] = byte;
-                whole(&stream);
+                check_coverage(&stream);
             }
         }
-        whole(&[0xff; 9]);
-        whole(&[0xff, 0xda, 0, 2, 0xff, 0xff, 0xff]);
+        check_coverage(&[0xff; 9]);
+        check_coverage(&[0xff, 0xda, 0, 2, 0xff, 0xff, 0xff]);
     }
 }

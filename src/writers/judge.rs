@@ -198,7 +198,7 @@ fn byte_of(
     let mut blocks = (Reading::SPEC.blocks)(request.format).iter().enumerate();
     let (place, block) = blocks
         .find(|(_, block)| (block.channel..block.channel + block.channels).contains(&channel))?;
-    let start = dissection.part(Role::Block(place))?.range.start;
+    let start = dissection.part(Role::Block(place))?.offset;
     Some(start + texel * block.channels + channel - block.channel)
 }
 

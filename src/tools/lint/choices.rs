@@ -73,10 +73,7 @@ fn subject(dissection: &Dissection, ruling: &str) -> Option<Role> {
             .any(|plane| dissection.number(role(plane)).is_some_and(is))
     };
     let is_lum = dissection.part(Role::Matrix(0)).is_some();
-    let is_jpeg_ls = matches!(
-        dissection.format,
-        Some(Format::JpeglsRgb | Format::JpeglsLrgb)
-    );
+    let is_jpeg_ls = dissection.format.is_some_and(Format::is_jpeg_ls);
     let moves = || any(Role::Transform, |transform| transform & 2 != 0);
     let (place, is_there) = match ruling {
         "lum-vector" | "lum-major" => (Role::Matrix(0), is_lum),

@@ -4,17 +4,17 @@
 //! already [printable](super::names::printable).
 
 use super::Lint;
+use super::diagnostic::Diagnostic;
+use crate::tools::joined;
 
 /// Returns the first row, with two columns for each of these readers.
 #[must_use]
 pub fn head<'a>(readers: impl Iterator<Item = &'a str>) -> String {
-    const OF_FILES: &str =
+    const FILE_COLUMNS: &str =
         "file,status,format,width,height,bytes,errors,warnings,infos,codes,first";
-    let of_readers = readers.flat_map(|reader| [cell(reader), cell(&format!("{reader}: how"))]);
-    let cells: Vec<String> = std::iter::once(OF_FILES.to_owned())
-        .chain(of_readers)
-        .collect();
-    cells.join(",") + "\n"
+    let file_columns = FILE_COLUMNS.split(',').map(str::to_owned);
+    let reader_columns = readers.flat_map(|reader| [reader.to_owned(), format!("{reader}: how")]);
+    cells(file_columns.chain(reader_columns))
 }
 
 /// Returns the row of a file, with predictions for `readers` readers.
@@ -23,16 +23,10 @@ pub fn row(lint: &Lint, readers: usize) -> String {
     let number = |number: Option<u64>| number.map(|number| number.to_string()).unwrap_or_default();
     let mut codes: Vec<&str> = lint.findings.iter().map(|finding| finding.code).collect();
     codes.dedup();
-    let first = lint
-        .findings
-        .first()
-        .map(|finding| match finding.found.as_str() {
-            "" => finding.says.to_owned(),
-            found => format!("{}: {found}", finding.says),
-        });
-    let cells = [
+    let first = lint.findings.first().map(Diagnostic::text);
+    let file_columns = [
         lint.file.clone(),
-        lint.status.name().to_owned(),
+        lint.status.name(),
         lint.format.unwrap_or_default().to_owned(),
         number(lint.width.map(u64::from)),
         number(lint.height.map(u64::from)),
@@ -43,14 +37,16 @@ pub fn row(lint: &Lint, readers: usize) -> String {
         codes.join(" "),
         first.or_else(|| lint.reason.clone()).unwrap_or_default(),
     ];
-    let mut cells = cells.to_vec();
-    for reader in 0..readers {
-        let shown = lint.readers.get(reader);
-        cells.push(shown.map_or(String::new(), |shown| shown.shows.name().to_owned()));
-        cells.push(shown.map_or(String::new(), |shown| shown.how.clone()));
-    }
-    let cells: Vec<String> = cells.iter().map(|text| cell(text)).collect();
-    cells.join(",") + "\n"
+    let reader_columns = (0..readers).flat_map(|reader| match lint.readers.get(reader) {
+        Some(shown) => [shown.shows.name().to_owned(), shown.how.clone()],
+        None => [String::new(), String::new()],
+    });
+    cells(file_columns.into_iter().chain(reader_columns))
+}
+
+/// Returns a row of cells.
+fn cells(texts: impl Iterator<Item = String>) -> String {
+    joined(texts.map(|text| cell(&text)), ",") + "\n"
 }
 
 /// Quotes a cell according to RFC 4180, and so that no spreadsheet interprets it as a formula.
@@ -65,10 +61,7 @@ fn cell(text: &str) -> String {
         true => format!("'{text}"),
         false => text.to_owned(),
     };
-    let text: String = text
-        .chars()
-        .map(|c| if c.is_control() { ' ' } else { c })
-        .collect();
+    let text = text.replace(char::is_control, " ");
     let quoted = text.contains([',', ';', '"', '\'']) || text.trim() != text;
     match quoted {
         true => format!("\"{}\"", text.replace('"', "\"\"")),

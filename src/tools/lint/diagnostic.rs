@@ -25,6 +25,17 @@ pub struct Diagnostic {
     pub fix: &'static str,
 }
 
+impl Diagnostic {
+    /// Returns the sentence of its code, with the details of this file.
+    #[must_use]
+    pub fn text(&self) -> String {
+        match self.found.as_str() {
+            "" => self.says.to_owned(),
+            found => format!("{}: {found}", self.says),
+        }
+    }
+}
+
 /// The findings about a file, as they are collected.
 pub(super) struct Findings<'a> {
     pub dissection: &'a Dissection<'a>,

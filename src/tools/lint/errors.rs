@@ -90,9 +90,8 @@ fn white_space(dissection: &Dissection, error: &Error) -> Option<Problem> {
     }
     let there = &dissection.file[error.offset().min(dissection.file.len())..];
     let word = token(dissection.file, error.offset());
-    let readable = word
-        .iter()
-        .all(|byte| byte.is_ascii_graphic() || b"\r\t".contains(byte));
+    let is_readable = |byte: &u8| byte.is_ascii_graphic() || b"\r\t".contains(byte);
+    let readable = word.iter().all(is_readable);
     // The first line is a version only if nothing but its end is wrong.
     let known = error.clause() != "2.1/1" || there.starts_with(b"PTM_1.2\r");
     if readable && known && word.contains(&b'\r') {
@@ -118,9 +117,7 @@ fn is_text(token: &[u8]) -> bool {
 }
 
 fn is_whole(token: &[u8]) -> bool {
-    let digits = token
-        .strip_prefix(b"-")
-        .or(token.strip_prefix(b"+"))
-        .unwrap_or(token);
+    let unsigned = token.strip_prefix(b"-").or(token.strip_prefix(b"+"));
+    let digits = unsigned.unwrap_or(token);
     !digits.is_empty() && digits.iter().all(u8::is_ascii_digit)
 }

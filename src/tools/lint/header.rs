@@ -4,31 +4,31 @@ use std::collections::HashSet;
 
 use super::codes::Problem;
 use super::diagnostic::Findings;
-use crate::tools::dissection::{Dissection, FilePart, Role};
+use crate::tools::dissection::{FilePart, Role};
 
 /// Reports each problem once, at its first place.
 pub(super) fn diagnose(findings: &mut Findings) {
     let dissection = findings.dissection;
+    let count = dissection.compressed_planes();
     let header = dissection.parts.iter().enumerate();
     let mut seen = HashSet::new();
     for (place, part) in header.take_while(|(_, part)| !part.role.is_payload()) {
-        for (problem, found) in odd_gap(dissection, part, dissection.gap_after(place)) {
+        for (problem, found) in odd_gap(part, count, dissection.gap_after(place)) {
             if seen.insert(problem) {
-                findings.add_at(problem, part.range.end, found);
+                findings.add_at(problem, part.range().end, found);
             }
         }
     }
 }
 
 /// Returns what is unusual about the white space after a part of the header.
-fn odd_gap(dissection: &Dissection, part: &FilePart, gap: &[u8]) -> Vec<(Problem, String)> {
-    let after = || format!("after the {}", part.role.name(dissection.format));
+fn odd_gap(part: &FilePart, planes: usize, gap: &[u8]) -> Vec<(Problem, String)> {
+    let after = || format!("after the {}", part.name);
     let mut odd = Vec::new();
     if gap == b" \n" {
-        let is_name = matches!(part.role, Role::Version | Role::Format);
-        let problem = match is_name {
-            true => Problem::SpaceAfterName,
-            false => Problem::SpaceBeforeNewline,
+        let problem = match part.role {
+            Role::Version | Role::Format => Problem::SpaceAfterName,
+            _ => Problem::SpaceBeforeNewline,
         };
         odd.push((problem, after()));
     }
@@ -42,13 +42,20 @@ fn odd_gap(dissection: &Dissection, part: &FilePart, gap: &[u8]) -> Vec<(Problem
         true => format!("no line ends {}", after()),
         false => format!("a line ends {}", after()),
     };
-    let last = |plane| plane + 1 == dissection.compressed_planes();
     match part.role {
         Role::Width if one_line => odd.push((Problem::SizeOnOneLine, String::new())),
         Role::Scale(5) if one_line => odd.push((Problem::ScaleBiasOnOneLine, String::new())),
         Role::Matrix(0..15) if ends => odd.push((Problem::MatrixLayout, ending())),
         Role::Parameter if one_line => odd.push((Problem::ListLayout, ending())),
-        role if role.list().is_some() && role.plane().map(last) == Some(one_line) => {
+        Role::Transform(plane)
+        | Role::MotionX(plane)
+        | Role::MotionY(plane)
+        | Role::Rank(plane)
+        | Role::Reference(plane)
+        | Role::StreamSize(plane)
+        | Role::SideSize(plane)
+            if (plane + 1 == planes) == one_line =>
+        {
             odd.push((Problem::ListLayout, ending()));
         }
         _ => {}

@@ -142,11 +142,8 @@ impl Lint {
     #[must_use]
     pub fn to_text(&self, least: Severity) -> String {
         let mut out = String::new();
-        for finding in self
-            .findings
-            .iter()
-            .filter(|finding| finding.severity <= least)
-        {
+        let shown = |finding: &&Diagnostic| finding.severity <= least;
+        for finding in self.findings.iter().filter(shown) {
             let style = match finding.severity {
                 Severity::Error => AnsiColor::Red.on_default().bold(),
                 Severity::Warning => AnsiColor::Yellow.on_default().bold(),
@@ -177,15 +174,12 @@ impl Lint {
         let counted = |count: usize, word: &str| {
             format!("{count} {word}{}", if count == 1 { "" } else { "s" })
         };
-        let counts = || {
-            let counts = [
-                counted(self.errors, "error"),
-                counted(self.warnings, "warning"),
-                counted(self.infos, "info"),
-            ];
-            counts.join(", ")
-        };
-        let said = self.reason.clone().unwrap_or_else(counts);
+        let counts = [
+            counted(self.errors, "error"),
+            counted(self.warnings, "warning"),
+            counted(self.infos, "info"),
+        ];
+        let said = self.reason.clone().unwrap_or_else(|| counts.join(", "));
         format!("{}: {}: {said}\n", self.file, self.status.words())
     }
 

@@ -8,8 +8,8 @@ use crate::decode::planes::records;
 use crate::error::Kind;
 use crate::ptm::{Format, Size};
 use crate::tools::dissection::Role;
-use crate::tools::place_in_words;
 use crate::tools::segments::{Segment, SegmentKind, frame, near, segments};
+use crate::tools::{joined, place_in_words, texel_at};
 
 /// Reports what is unusual about lists and streams.
 pub(super) fn diagnose(findings: &mut Findings, streams: Option<&Streams>) {
@@ -29,7 +29,7 @@ pub(super) fn diagnose(findings: &mut Findings, streams: Option<&Streams>) {
         stream(&mut all, format, plane);
         duplicate_records(&mut all, plane);
     }
-    if let Some(streams) = streams.filter(|_| is_jpeg(format)) {
+    if let Some(streams) = streams.filter(|_| format.is_jpeg()) {
         other_transforms(&mut all, streams);
     }
     findings.list.extend(first_of_each(all.list));
@@ -64,15 +64,11 @@ pub(super) fn faults(findings: &mut Findings) {
 }
 
 fn decode(format: Format, stream: &[u8], size: Size) -> Result<Vec<u8>, codec::StreamError> {
-    if is_jpeg(format) {
+    if format.is_jpeg() {
         jpeg::decode(stream, size.width, size.height)
     } else {
         jpeg_ls::decode(stream, size.width, size.height)
     }
-}
-
-fn is_jpeg(format: Format) -> bool {
-    matches!(format, Format::JpegRgb | Format::JpegLrgb)
 }
 
 /// Returns the problem of a stream that the codec refuses, as its markers show it.
@@ -85,12 +81,11 @@ fn stream_problem(
     if error.fault == codec::StreamFault::Unsupported {
         return Problem::StreamKind;
     }
-    let parts = segments(stream);
     if !stream.starts_with(&[0xff, 0xd8]) {
         return Problem::NotAStream;
     }
-    match frame(stream, &parts) {
-        Some((code, ..)) if (code == 0xf7) == is_jpeg(format) => Problem::NotAStream,
+    match frame(&segments(stream)) {
+        Some((code, ..)) if (code == 0xf7) == format.is_jpeg() => Problem::NotAStream,
         Some((_, _, height, width, components))
             if (u32::from(width), u32::from(height), components)
                 != (size.width, size.height, 1) =>
@@ -109,12 +104,8 @@ fn ranks(findings: &mut Findings, count: usize) {
     let mut sorted = ranks.clone();
     sorted.sort_unstable();
     if !sorted.iter().copied().eq((0..).take(count)) {
-        let words: Vec<String> = ranks.iter().map(i64::to_string).collect();
-        findings.add(
-            Problem::Ranks,
-            Role::Rank(0),
-            format!("ranks {}", words.join(" ")),
-        );
+        let found = format!("ranks {}", joined(&ranks, " "));
+        findings.add(Problem::Ranks, Role::Rank(0), found);
     }
     let reference = |plane| number(Role::Reference(plane));
     if let Some(plane) = (0..count).find(|&plane| reference(plane) < -1) {
@@ -125,7 +116,7 @@ fn ranks(findings: &mut Findings, count: usize) {
 
 /// Checks the range of the parameter (clause 2.9.1/2).
 fn parameter(findings: &mut Findings, format: Format) {
-    let range = if is_jpeg(format) { 20..=100 } else { 0..=127 };
+    let range = if format.is_jpeg() { 20..=100 } else { 0..=127 };
     let value = findings.dissection.number(Role::Parameter);
     if let Some(value) = value.filter(|value| !range.contains(value)) {
         let found = format!("{value}, expected {} to {}", range.start(), range.end());
@@ -145,8 +136,7 @@ fn unused_transforms(findings: &mut Findings, count: usize) {
     };
     let planes: Vec<usize> = (0..count).filter(idle).collect();
     if let Some(&first) = planes.first() {
-        let words: Vec<String> = planes.iter().map(usize::to_string).collect();
-        let found = format!("planes {}", words.join(", "));
+        let found = format!("planes {}", joined(&planes, ", "));
         findings.add(Problem::PredictionUnused, Role::Transform(first), found);
     }
 }
@@ -160,7 +150,7 @@ fn stream(findings: &mut Findings, format: Format, plane: usize) {
     }
     let (start, parts) = (findings.dissection.start(role), segments(stream));
     for segment in &parts {
-        if let Some(problem) = odd_segment(format, segment, stream) {
+        if let Some(problem) = odd_segment(format, segment) {
             let says = match segment.says.as_str() {
                 "" => String::new(),
                 says => format!(" ({says})"),
@@ -169,18 +159,18 @@ fn stream(findings: &mut Findings, format: Format, plane: usize) {
             findings.add_at(problem, start + segment.range.start, found);
         }
     }
-    other_near(findings, plane, stream, &parts);
+    other_near(findings, plane, &parts);
 }
 
-fn odd_segment(format: Format, segment: &Segment, stream: &[u8]) -> Option<Problem> {
-    let jfif = is_jpeg(format) && segment.kind == SegmentKind::Marker(0xe0);
+fn odd_segment(format: Format, segment: &Segment) -> Option<Problem> {
+    let jfif = format.is_jpeg() && segment.kind == SegmentKind::Marker(0xe0);
     match segment.kind {
         SegmentKind::Marker(0xe0..=0xef | 0xfe) if !jfif => Some(Problem::StreamExtras),
         SegmentKind::Fill => Some(Problem::StreamExtras),
         SegmentKind::Marker(0xdd) => Some(Problem::Restarts),
-        SegmentKind::Behind => Some(Problem::StreamTrailing),
+        SegmentKind::Trailing => Some(Problem::StreamTrailing),
         // LSE of type 1 with MAXVAL below 255; 0 stands for the maximum (T.87 C.2.4.1.1).
-        SegmentKind::Marker(0xf8) => match stream[segment.range.clone()] {
+        SegmentKind::Marker(0xf8) => match *segment.bytes {
             [_, _, _, _, 1, high, low, ..] => ((1..255).contains(&u16::from_be_bytes([high, low])))
                 .then_some(Problem::StreamMaxval),
             _ => None,
@@ -190,9 +180,9 @@ fn odd_segment(format: Format, segment: &Segment, stream: &[u8]) -> Option<Probl
 }
 
 /// Reports a JPEG-LS stream whose NEAR is not the parameter.
-fn other_near(findings: &mut Findings, plane: usize, stream: &[u8], parts: &[Segment]) {
-    let is_jpeg_ls = frame(stream, parts).is_some_and(|(code, ..)| code == 0xf7);
-    let near = near(stream, parts).filter(|_| is_jpeg_ls);
+fn other_near(findings: &mut Findings, plane: usize, parts: &[Segment]) {
+    let is_jpeg_ls = frame(parts).is_some_and(|(code, ..)| code == 0xf7);
+    let near = near(parts).filter(|_| is_jpeg_ls);
     let parameter = findings.dissection.number(Role::Parameter);
     if let (Some(near), Some(parameter)) = (near, parameter)
         && i64::from(near) != parameter
@@ -261,8 +251,7 @@ fn near_an_end(
     let near = |sample: u8| sample < slack || 255 - sample < slack;
     let mut texels: Vec<bool> = samples.map(near).collect();
     for &(position, _) in &records(side, 0, size.texels()).unwrap_or_default() {
-        let (x, y) = (position % size.width, position / size.width);
-        texels[((size.height - 1 - y) * size.width + x) as usize] = false;
+        texels[texel_at(size, position)] = false;
     }
     let first = texels.iter().position(|&near| near)?;
     let count = texels.iter().filter(|&&near| near).count();

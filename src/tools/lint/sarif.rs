@@ -45,15 +45,11 @@ pub fn head() -> String {
 pub fn results(path: &OsStr, lint: &Lint) -> Vec<String> {
     let artifact = json!({ "uri": as_uri(path) });
     let of_finding = |finding: &super::diagnostic::Diagnostic| {
-        let text = match finding.found.as_str() {
-            "" => finding.says.to_owned(),
-            found => format!("{}: {found}", finding.says),
-        };
         json!({
             "ruleId": finding.code,
             "ruleIndex": ALL.iter().position(|code| code.id == finding.code),
             "level": level(finding.severity),
-            "message": { "text": text },
+            "message": { "text": finding.text() },
             "locations": [{ "physicalLocation": {
                 "artifactLocation": artifact,
                 "region": { "byteOffset": finding.offset, "byteLength": 0 },

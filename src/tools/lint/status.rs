@@ -43,15 +43,10 @@ impl Status {
         }
     }
 
-    /// Returns its name for programs.
+    /// Returns its name for programs, as it is serialized.
     #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Status::Sound => "sound",
-            Status::NotAPtm => "not-a-ptm",
-            Status::Damaged => "damaged",
-            Status::NotJudged => "not-judged",
-        }
+    pub fn name(self) -> String {
+        self.words().to_lowercase().replace(' ', "-")
     }
 
     /// Returns the status of a dissected file.

@@ -2,7 +2,7 @@
 
 use super::codes::Problem;
 use super::diagnostic::Findings;
-use crate::tools::dissection::Role;
+use crate::tools::dissection::{Role, index_values};
 
 pub(super) fn diagnose(findings: &mut Findings) {
     (0..6).for_each(|i| scale_and_bias(findings, i));
@@ -16,11 +16,8 @@ fn scale_and_bias(findings: &mut Findings, i: usize) {
     let dissection = findings.dissection;
     let number = |role| dissection.text(role)?.parse::<f64>().ok();
     if number(Role::Scale(i)) == Some(0.0) {
-        findings.add(
-            Problem::ScaleZero,
-            Role::Scale(i),
-            format!("the scale of a{i}"),
-        );
+        let found = format!("the scale of a{i}");
+        findings.add(Problem::ScaleZero, Role::Scale(i), found);
     }
     let bias = number(Role::Bias(i)).filter(|bias| bias.is_finite() && bias.fract() == 0.0);
     if let (Some(text), Some(bias)) = (dissection.text(Role::Bias(i)), bias) {
@@ -49,24 +46,19 @@ fn matrix(findings: &mut Findings) {
 /// Checks the size of the lookup table, and that every entry is used.
 fn table(findings: &mut Findings) {
     let dissection = findings.dissection;
-    let entries = dissection.number(Role::Count);
-    let Some(entries) = entries.and_then(|entries| usize::try_from(entries).ok()) else {
+    let Some(entries) = dissection.entries() else {
         return;
     };
     if entries > 65_536 {
-        findings.add(
-            Problem::HugeTable,
-            Role::Count,
-            format!("{entries} entries"),
-        );
+        let found = format!("{entries} entries");
+        findings.add(Problem::HugeTable, Role::Count, found);
     }
     let (Ok(_), Some(indices)) = (&dissection.outcome, dissection.bytes(Role::Indices)) else {
         return;
     };
     let mut used = vec![false; entries];
-    for index in indices.chunks(if entries <= 256 { 1 } else { 2 }) {
-        let bytes = index.iter().rev();
-        used[bytes.fold(0, |index, &byte| index << 8 | usize::from(byte))] = true;
+    for index in index_values(indices, if entries <= 256 { 1 } else { 2 }) {
+        used[index] = true;
     }
     if let Some(first) = used.iter().position(|&used| !used) {
         let unused = used.iter().filter(|&&used| !used).count();

@@ -8,7 +8,8 @@ use crate::common::{have_python, program, repository, run};
 use ptm_conform::generate::{Model, Recipe, write};
 use ptm_conform::ptm::Format;
 use ptm_conform::suite::cases::{Suite, TableSpelling};
-use ptm_conform::tools::inspect::{InspectedField, inspect};
+use ptm_conform::tools::dissection::FilePart;
+use ptm_conform::tools::inspect::inspect;
 use ptm_conform::tools::profiles::Profile;
 use serde_json::Value;
 
@@ -95,7 +96,7 @@ fn frame(view: &str, file: &Path) -> Vec<u8> {
 
 #[test]
 fn every_part_of_every_file_of_the_suite_lies_within_it() {
-    fn check(id: &str, bytes: usize, shown: &[InspectedField]) {
+    fn check(id: &str, bytes: usize, shown: &[FilePart]) {
         let mut end = 0;
         for part in shown {
             assert!(
