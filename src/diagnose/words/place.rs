@@ -163,8 +163,9 @@ fn follow_earlier_steps(search: &Search, set: &Set, steps: &mut HashMap<usize, S
                 continue;
             };
             for w in later {
-                let step = steps.get_mut(w).filter(|step| **step >= Step::FinalValue);
-                step.into_iter().for_each(|step| *step = first);
+                if let Some(step) = steps.get_mut(w).filter(|step| **step >= Step::FinalValue) {
+                    *step = first;
+                }
             }
         }
     }
