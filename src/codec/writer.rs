@@ -130,6 +130,6 @@ pub(super) fn check_size(samples: &[u8], width: u32, height: u32) {
     assert_eq!(
         samples.len(),
         width as usize * height as usize,
-        "samples of a picture of {width} x {height}"
+        "samples of an image of {width} x {height}"
     );
 }

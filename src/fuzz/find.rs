@@ -196,7 +196,7 @@ impl Explanation {
 /// Describes an unexplained behavior in words that are the same for every file.
 fn symptom(name: &str, words: Option<&str>) -> String {
     match name {
-        "decoded" => "a wrong picture".to_owned(),
+        "decoded" => "a wrong image".to_owned(),
         "rejected" => "refuses a legal file".to_owned(),
         "unsupported" => "exits with 69 on a file of a kind it decodes".to_owned(),
         "crash" => format!("crash: {}", words.unwrap_or_default()),

@@ -17,7 +17,7 @@ pub fn read(bytes: &[u8], view: &View, most: usize) -> Result<Frame, String> {
         picture
     } else if let Some(form) = unsupported_form(bytes) {
         Err(format!(
-            "{form}; a picture is a PNG, PNM, TIFF, BMP, WebP or JPEG, or a PTM1 line and samples"
+            "{form}; an image is a PNG, PNM, TIFF, BMP, WebP or JPEG, or a PTM1 line and samples"
         ))
     } else {
         Frame::read(bytes)
@@ -26,10 +26,7 @@ pub fn read(bytes: &[u8], view: &View, most: usize) -> Result<Frame, String> {
 
 /// Returns the name of a known form that is not an answer, by its first bytes.
 fn unsupported_form(bytes: &[u8]) -> Option<&'static str> {
-    let forms: [(&[u8], &str); 2] = [
-        (b"GIF8", "a GIF picture"),
-        (b"PTM_1.", "the PTM file itself"),
-    ];
+    let forms: [(&[u8], &str); 2] = [(b"GIF8", "a GIF image"), (b"PTM_1.", "the PTM file itself")];
     forms
         .into_iter()
         .find(|(first, _)| bytes.starts_with(first))

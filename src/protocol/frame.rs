@@ -414,7 +414,7 @@ impl Frame {
         };
         let (width, height, channels) = (number(width)?, number(height)?, number(channels)?);
         if [width, height, channels].contains(&0) {
-            return Err(format!("{line:?} announces a picture without a texel"));
+            return Err(format!("{line:?} announces an image without texels"));
         }
         let samples = match kind {
             "u8" => Samples::U8(Vec::new()),

@@ -86,7 +86,7 @@ impl Pictures {
         };
         if self.sizes[0] != self.sizes[1] {
             let (width, height) = self.sizes[1];
-            return Some(format!("a picture of {width} x {height}"));
+            return Some(format!("an image of {width} x {height}"));
         }
         let [truth, other] = &self.lit[light];
         let words = self
@@ -200,7 +200,7 @@ impl Sums {
     fn words(&self) -> String {
         let [x, y, xx, yy, xy] = self.moments.map(|sum| sum / self.texels.max(1.0));
         let share = self.differing / self.texels.max(1.0);
-        let percent = format!("{:.0} % of the picture", (100.0 * share).max(1.0));
+        let percent = format!("{:.0} % of the image", (100.0 * share).max(1.0));
         let spread = |mean: f64, square: f64| (square - mean * mean).max(0.0).sqrt();
         let likeness = (xy - x * y) / (spread(x, xx) * spread(y, yy)).max(1e-9);
         if self.largest <= MAX_INVISIBLE_DIFFERENCE {
@@ -222,7 +222,7 @@ impl Sums {
             () if y < 0.9 * x && (likeness > 0.8 || y < 0.3 * x) => "too dark",
             () if y > 1.1 * x && likeness > 0.8 => "too bright",
             () if likeness > 0.8 => "wrong colors or shading",
-            () => "another picture, as of noise",
+            () => "an image that resembles noise",
         };
         format!("{words}: {percent}")
     }

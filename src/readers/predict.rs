@@ -130,7 +130,7 @@ impl<'a> OpenedFile<'a> {
         };
         let Ok(truth) = &self.truth else {
             return match profile.reads(shown.header.format) {
-                true => (Shown::Wrong, "a picture of a damaged file".to_owned()),
+                true => (Shown::Wrong, "an image of a damaged file".to_owned()),
                 false => (
                     Shown::Nothing,
                     format!("it does not read {}", shown.header.format),

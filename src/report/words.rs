@@ -63,7 +63,7 @@ pub(super) fn how_it_is_called(suite: SuiteName, command: &str) -> String {
             "A fitter is called as: FITTER fit REQUEST OUT, for example: {command} fit request.json out.ptm\nREQUEST is a JSON file that names an .lp file, and the PTM goes to OUT; see docs/writers.md."
         ),
         SuiteName::Ptm if command.contains("{in}") => {
-            "A program called by --cmd reads the file {in} and writes a picture to {out}, or prints it; see docs/check.md.".to_owned()
+            "A program called by --cmd reads the file {in} and writes an image to {out}, or prints it; see docs/check.md.".to_owned()
         }
         SuiteName::Ptm => format!(
             "A decoder is called as: DECODER VIEW FILE, for example: {command} raw x.ptm\nFor raw it prints \"PTM1 raw WIDTH HEIGHT CHANNELS u8\", a line feed and the samples; see docs/protocol.md.\nTo find out what is wrong, step by step: ptm-conform probe DECODER"

@@ -35,7 +35,7 @@ impl SuiteName {
             SuiteName::Ptm => "Conformance with the Polynomial Texture Map format, PTM 1.2",
             SuiteName::Texture => "Conformance with the texture mapping table of PEXlib",
             SuiteName::Writers => "Conformance of the PTM 1.2 files that are written",
-            SuiteName::Fitters => "How well PTM 1.2 files fit the pictures they are made from",
+            SuiteName::Fitters => "How well PTM 1.2 files fit the images they were made from",
         }
     }
 

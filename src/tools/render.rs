@@ -64,7 +64,7 @@ pub fn sheet(ptm: &Ptm, side: usize, cell: usize) -> Result<Image, String> {
     let bytes = width.saturating_mul(height).saturating_mul(3);
     if bytes > MAX_IMAGE_BYTES {
         return Err(format!(
-            "a sheet of {bytes} bytes is too large; ask for fewer or smaller pictures"
+            "a sheet of {bytes} bytes is too large; request fewer or smaller images"
         ));
     }
     let mut sheet = Image {
@@ -181,7 +181,7 @@ impl Image {
     /// # Errors
     /// If the image is too large for the format.
     pub fn to_file(&self, format: ImageFormat) -> Result<Vec<u8>, String> {
-        let side = |length: usize| u32::try_from(length).map_err(|_| "the picture is too large");
+        let side = |length: usize| u32::try_from(length).map_err(|_| "the image is too large");
         let (width, height) = (side(self.width)?, side(self.height)?);
         let color = match self.channels {
             1 => ExtendedColorType::L8,
@@ -214,7 +214,7 @@ impl Image {
         let bytes = self.samples.len().saturating_mul(area);
         if bytes > MAX_IMAGE_BYTES {
             return Err(format!(
-                "a picture of {bytes} bytes is too large; enlarge it less"
+                "an image of {bytes} bytes is too large; enlarge it less"
             ));
         }
         let row_bytes = (self.width * self.channels).max(1);

@@ -50,7 +50,7 @@ pub(super) fn figure(built: &Built, frame: &Frame) -> Option<Markup> {
         figure.preview data-width=(frame.width) data-height=(frame.height) data-channels=(frame.channels)
             data-scale=(numbers(&header.scale_bias.scale)) data-bias=(numbers(&header.scale_bias.bias))
             data-matrix=(matrix) data-expected=(BASE64.encode(&stored)) data-kind=(frame.view) data-received=(received) {
-            figcaption { "Under a light: drag over a picture, or use the sliders." }
+            figcaption { "To move the light, drag over an image or use the sliders." }
         }
     })
 }

@@ -449,7 +449,7 @@ fn arrays_that_are_none() {
 fn other_files_are_named() {
     refuses(
         b"GIF89a",
-        "a GIF picture; a picture is a PNG, PNM, TIFF, BMP, WebP or JPEG",
+        "a GIF image; an image is a PNG, PNM, TIFF, BMP, WebP or JPEG",
     );
     refuses(b"\xff\xd8\xff\xe0JFIF", "a JPEG: ");
     refuses(b"BM1234", "a BMP: ");

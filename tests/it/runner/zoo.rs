@@ -208,7 +208,7 @@ const QUIET: &[Faulty] = &[
     ),
     fails(
         "differs-each-time",
-        &["answers differently each time: first with a wrong picture"],
+        &["answers differently each time: first with a wrong image"],
         Fails::Count(15),
     ),
     fails(

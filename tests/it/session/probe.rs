@@ -384,10 +384,7 @@ fn frames_whose_samples_stand_elsewhere() {
     );
     told(
         "b\"\".join(bytes(255 - x for x in t) for t in ptm.texels)",
-        &[
-            "the picture is wrong: texel (0, 0)",
-            "check names the clause",
-        ],
+        &["the image is wrong: texel (0, 0)", "check names the clause"],
     );
     let bgr =
         "samples = bytes(color_byte(channel) for color in colors for channel in list(color)[::-1])";
