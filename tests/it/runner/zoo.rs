@@ -160,7 +160,7 @@ const QUIET: &[Faulty] = &[
         &["protocol error: standard output is empty"],
     ),
     is_no_decoder("apologises", &["begins with"]),
-    is_no_decoder("shows-nothing", &["a picture without a texel"]),
+    is_no_decoder("shows-nothing", &["an image without texels"]),
     is_no_decoder(
         "text-mode",
         &["CR LF", "set standard output to binary mode"],
@@ -462,7 +462,7 @@ const SERVING: &[Faulty] = &[
     serves(
         "serves-with-leaks",
         1,
-        &["state leaks between files", "asked alone with a picture"],
+        &["state leaks between files", "asked alone with an image"],
         Fails::Count(11),
     ),
     serves(
@@ -470,7 +470,7 @@ const SERVING: &[Faulty] = &[
         1,
         &[
             "state leaks between files",
-            "it answers with \"unsupported\"; asked alone with a picture",
+            "it answers with \"unsupported\"; asked alone with an image",
         ],
         Fails::Some,
     ),
