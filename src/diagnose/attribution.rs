@@ -13,7 +13,6 @@ use super::words::place;
 use super::words::refusals::{self, WholeFormats};
 use crate::formula::{Edit, EditedForm};
 use crate::misreadings::{At, Misreading, Stage, Symptom};
-use crate::session::observation::Response;
 use crate::suite::cases::Expect;
 
 /// The failures listed under a mistake, and the other mistakes that they need.
@@ -54,6 +53,7 @@ pub(super) fn attribute(search: &Search, found: &Found) -> (Vec<(Id, Diagnosis)>
         if is_denied_guess(search, member, &shares[place], &left)
             || is_denied_beside(search, &set, &shares, place)
             || is_preceded(search.witnesses, &shares[place].explains, &left)
+            || is_minor(search.witnesses, &shares[place].explains, &left)
         {
             left.append(&mut shares[place].explains);
         }
@@ -80,6 +80,19 @@ fn is_preceded(witnesses: &[Witness], explained: &[usize], left: &[usize]) -> bo
     };
     let earlier = left.iter().filter(is_earlier).count();
     earlier >= MIN_SHARING_FILES && is_most(earlier, explained.len())
+}
+
+/// Returns true if all that shows is legal images, and these are less than a quarter of the wrong images of their formats that have
+/// no other cause: a larger mistake may explain them, too.
+fn is_minor(witnesses: &[Witness], explained: &[usize], left: &[usize]) -> bool {
+    let format = |w: &usize| witnesses[*w].case.format();
+    let is_image = |w: &usize| {
+        let witness = &witnesses[*w];
+        witness.case.expect == Expect::Decode && FailureMode::of(witness).is_none()
+    };
+    let is_open = |w: &&usize| is_image(w) && explained.iter().any(|of| format(of) == format(w));
+    let (open, images) = (left.iter().filter(is_open).count(), explained.len());
+    explained.iter().all(is_image) && !is_much(images, images + open)
 }
 
 /// Describes whole formats that fail in one way, instead of the mistakes that explain nothing else. Returns `None` if one of
@@ -121,7 +134,7 @@ fn of_whole(
 }
 
 /// Returns true if more cases contradict a misreading than support it, if only malformed files support it and some case contradicts
-/// it, if all that shows is signals, or if it changes values and no image shows that, but more unexplained images are wrong.
+/// it, if no image but a signal shows it, or if it changes values and no image shows that, but more unexplained images are wrong.
 fn is_denied_guess(search: &Search, member: &Member, share: &Share, left: &[usize]) -> bool {
     let Some(misreading) = search.mistakes[member.id].listed() else {
         return false;
@@ -134,7 +147,7 @@ fn is_denied_guess(search: &Search, member: &Member, share: &Share, left: &[usiz
         |w| matches!(mode(w), Some(FailureMode::Crashes(how)) if how.starts_with("killed"));
     let images = |of: &[usize]| of.iter().filter(|w| mode(w).is_none()).count();
     let is_hidden = misreading.shows == Symptom::Values && images(explained) == 0;
-    explained.iter().all(is_signal)
+    images(explained) == 0 && explained.iter().any(is_signal)
         || is_hidden && images(left) > explained.len()
         || against > explained.len()
         || against > 0 && is_guess()
@@ -161,24 +174,6 @@ fn is_denied_beside(search: &Search, set: &[Id], shares: &[Share], place: usize)
     denied.into_iter().filter(|denied| *denied).count() > own
 }
 
-/// Counts the wrong images that this mistake changes but does not reproduce, in the formats of the failures that it explains.
-fn otherwise(search: &Search, id: Id, share: &Share) -> usize {
-    let witnesses = search.witnesses;
-    let format = |w: usize| witnesses[w].case.format();
-    let is_akin = |w: &usize| {
-        let shown = &witnesses[*w].observation.response;
-        witnesses[*w].failed
-            && matches!(shown, Response::Picture { .. })
-            && share.explains.iter().any(|&of| format(of) == format(*w))
-    };
-    let akin: Vec<usize> = (0..witnesses.len()).filter(is_akin).collect();
-    let differs = search.each(&akin, |&w| {
-        let acts = search.differ(w, &[id], &[]);
-        acts && !search.agreement(w, &[id]).explains()
-    });
-    differs.into_iter().filter(|differs| *differs).count()
-}
-
 fn diagnosis(search: &Search, member: &Member, share: &Share) -> Diagnosis {
     let witnesses = search.witnesses;
     let listed = |set: &[Id]| -> Vec<&'static Misreading> {
@@ -195,11 +190,9 @@ fn diagnosis(search: &Search, member: &Member, share: &Share) -> Diagnosis {
         .iter()
         .filter_map(|&id| search.mistakes[id].of_catalog());
     let alike: Vec<&Misreading> = alike.collect();
-    if misreading.shows == Symptom::Values
-        && let Some(effect) = refusals::all_that_shows(witnesses, &share.explains)
-    {
-        let all = [&[misreading], &alike[..]].concat();
-        return refusals::of_effect(witnesses, &share.explains, effect).with_alike(all);
+    let observed = refusals::all_that_shows(witnesses, &share.explains);
+    if let Some(observed) = observed.filter(|_| misreading.shows == Symptom::Values) {
+        return observed.with_alike([&[misreading], &alike[..]].concat());
     }
     let except = search.contradictions(&[member.id]);
     let cause = Cause::Misreading {
@@ -209,10 +202,8 @@ fn diagnosis(search: &Search, member: &Member, share: &Share) -> Diagnosis {
     };
     Diagnosis {
         except: except.iter().map(|&w| witnesses[w].place).collect(),
-        shows: refusals::no_picture(witnesses, &share.explains, misreading, || {
-            otherwise(search, member.id, share)
-        })
-        .or_else(|| acceptances::all_that_shows(witnesses, &share.explains, misreading)),
+        shows: refusals::no_picture(witnesses, &share.explains, misreading)
+            .or_else(|| acceptances::all_that_shows(witnesses, &share.explains, misreading)),
         certain: true,
         ..Diagnosis::new(cause, places(search, &share.explains))
     }

@@ -302,12 +302,6 @@ pub(super) const PROPERTIES: &[Property] = &[
     property("with several tables in one marker segment", |f| {
         f.is_planned(|plan| plan.stream.tables_together)
     }),
-    property("with unused tables in their streams", |f| {
-        f.is_planned(|plan| plan.stream.table_numbers.is_some())
-    }),
-    property("with optimized Huffman tables", |f| {
-        f.is_planned(|plan| plan.stream.optimized)
-    }),
     property("with 16-bit quantization tables", |f| {
         f.format.is_jpeg() && f.is_planned(|plan| !plan.stream.baseline && plan.parameter < 24)
     }),

@@ -277,8 +277,8 @@ impl<'a> Search<'a> {
             && self.fingerprint(w, &self.answer_with(w, set, mistake)) != self.effect(w, set).answer
     }
 
-    /// Returns the small passing files that a set and one more mistake would fail. A decoder may go on where an edit leads outside
-    /// the data, so a refusal by an edit denies nothing.
+    /// Returns the small passing files that a set and one more mistake would fail. An edit says nothing about the checks of a
+    /// decoder, so files that it refuses and malformed files deny no edit.
     pub fn denied_with(&self, set: &[Id], mistake: &Mistake) -> Vec<usize> {
         let is_denied = |&w: &usize| {
             let witness = &self.witnesses[w];
@@ -286,8 +286,9 @@ impl<'a> Search<'a> {
                 return false;
             }
             let answer = self.answer_with(w, set, mistake);
-            let is_outside = mistake.listed().is_none() && *answer == Answer::Rejected;
-            !is_outside && witness.contradicts(&answer)
+            let is_check = *answer == Answer::Rejected || witness.case.expect != Expect::Decode;
+            let is_unknown = mistake.listed().is_none() && is_check;
+            !is_unknown && witness.contradicts(&answer)
         };
         self.passing.iter().copied().filter(is_denied).collect()
     }

@@ -1,6 +1,7 @@
 //! The response to one case, compared with the answer of a decoder that makes some mistakes.
 
 use std::borrow::Cow;
+use std::collections::HashMap;
 use std::sync::{Arc, OnceLock};
 
 use super::stream_cache::stream_once;
@@ -31,6 +32,8 @@ pub(super) struct Witness<'a> {
     pub observation: &'a Observation,
     pub built: Arc<Built>,
     pub failed: bool,
+    /// The legal files of its format that passed or failed, with those whose responses differ.
+    pub legal_files: usize,
     /// The reading of the open questions in which mistakes are made.
     pub reading: Reading,
     /// The reference's answer in the dialect in which the decoder was judged.
@@ -86,6 +89,16 @@ pub(super) fn witnesses<'a>(
     threads: usize,
 ) -> Vec<Witness<'a>> {
     let dialect = dialect_reading(run);
+    let mut legal_files = HashMap::new();
+    for place in run
+        .judgement
+        .with(Outcome::Pass)
+        .chain(run.judgement.with(Outcome::Fail))
+    {
+        let case = &suite.cases[place];
+        *legal_files.entry(case.format()).or_default() +=
+            usize::from(case.expect == Expect::Decode);
+    }
     let witness = |place: usize| {
         let case = &suite.cases[place];
         let outcome = run.judgement.cases[place].as_ref()?.outcome;
@@ -107,6 +120,7 @@ pub(super) fn witnesses<'a>(
             observation,
             built,
             failed: outcome == Outcome::Fail,
+            legal_files: legal_files.get(&case.format()).copied().unwrap_or_default(),
             reading: reading.unwrap_or(dialect),
             right,
             unmistaken,

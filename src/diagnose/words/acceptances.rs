@@ -55,11 +55,14 @@ pub(in crate::diagnose) fn all_that_shows(
     misreading: &Misreading,
 ) -> Option<Cause> {
     let is_accepted = |w: &usize| witnesses[*w].right == Answer::Rejected;
+    let expect = |w: &usize| witnesses[*w].case.expect;
+    let is_malformed = |w: &usize| matches!(expect(w), Expect::Reject | Expect::Refuse);
+    let malformed: Vec<usize> = of.iter().copied().filter(is_malformed).collect();
     let says_more = !misreading.effect.starts_with("accepts");
-    let is_observation = says_more && !of.is_empty() && of.iter().all(is_accepted);
-    is_observation.then(|| {
-        acceptance(witnesses, of)
-            .with_clause(clause(&witnesses[of[0]]))
+    let &first = malformed.first()?;
+    (says_more && of.iter().all(is_accepted)).then(|| {
+        acceptance(witnesses, &malformed)
+            .with_clause(clause(&witnesses[first]))
             .cause
     })
 }

@@ -30,8 +30,10 @@ fn files_in(witnesses: &[Witness], shared: &Shared, format: Option<Format>) -> S
         format!("of {} ", format.short_name())
     });
     let scope = of_format + &shared.scope.describe();
-    let count = shared.of.len();
+    let is_legal = |w: &&usize| witnesses[**w].case.expect == Expect::Decode;
+    let count = shared.of.iter().filter(is_legal).count();
     match (0..witnesses.len()).filter(is_other).count() {
+        0 if count == 0 => format!("{} files {scope} that need not be decoded", shared.of.len()),
         0 => format!("every legal file {scope}"),
         others => {
             let all = count + others;
@@ -78,18 +80,20 @@ pub(super) fn formats_of(witnesses: &[Witness], of: &[usize]) -> String {
 fn share_of_formats(witnesses: &[Witness], of: &[usize]) -> String {
     let format = |w: usize| witnesses[w].case.format();
     let is_legal = |w: &usize| witnesses[*w].case.expect == Expect::Decode;
-    let is_akin = |w: &usize| is_legal(w) && of.iter().any(|&one| format(one) == format(*w));
-    let all = (0..witnesses.len()).filter(is_akin).count();
+    let of_format = |one: Format| of.iter().find(|&&w| format(w) == one);
+    let counts = Format::ALL
+        .into_iter()
+        .filter_map(of_format)
+        .map(|&w| witnesses[w].legal_files);
+    let all: usize = counts.sum();
     let legal = of.iter().filter(|w| is_legal(w)).count();
     let names = names_of(witnesses, of);
     match (legal, of.len() - legal) {
+        (0, 1) => format!("1 file{names} that need not be decoded"),
         (0, others) => format!("{others} files{names} that need not be decoded"),
         (_, 0) => format!("{legal} of {all} legal files{names}"),
         (_, others) => {
-            let files = if others == 1 { "file" } else { "files" };
-            format!(
-                "{legal} of {all} legal files{names} (and {others} {files} that need not be decoded)"
-            )
+            format!("{legal} of {all} legal files{names} (and {others} that need not be decoded)")
         }
     }
 }

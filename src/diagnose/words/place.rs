@@ -153,7 +153,11 @@ fn follow_earlier_steps(search: &Search, set: &Set, steps: &mut HashMap<usize, S
             };
             open.iter().copied().filter(is_of).collect()
         });
-        for (later, earlier) in [(&coef, [&raw, &raw]), (&rgb, [&raw, &coef])] {
+        let views = [
+            (ViewKind::Coef, &coef, [&raw, &raw]),
+            (ViewKind::Rgb, &rgb, [&raw, &coef]),
+        ];
+        for (view, later, earlier) in views {
             let explains = |wrong: &&&Vec<usize>| {
                 wrong.len() >= MIN_SHARING_FILES && is_most(wrong.len(), later.len())
             };
@@ -162,8 +166,11 @@ fn follow_earlier_steps(search: &Search, set: &Set, steps: &mut HashMap<usize, S
             let Some(first) = first.and_then(|wrong| wrong.iter().map(known).max()) else {
                 continue;
             };
-            for w in later {
-                if let Some(step) = steps.get_mut(w).filter(|step| **step >= Step::FinalValue) {
+            for (w, step) in steps.iter_mut() {
+                let witness = &witnesses[*w];
+                let is_of =
+                    (witness.case.format(), witness.observation.view.kind()) == (format, view);
+                if is_of && *step >= Step::FinalValue {
                     *step = first;
                 }
             }

@@ -4,7 +4,7 @@ use super::{files_in, layout_clause, share_of_formats};
 use crate::diagnose::diagnosis::{Category, Cause, Diagnosis, Words};
 use crate::diagnose::failure_mode::FailureMode;
 use crate::diagnose::scope::shared_scope;
-use crate::diagnose::tuning::{MIN_READ_FILES, MIN_SUPPORT, is_few, is_most, is_much};
+use crate::diagnose::tuning::{MIN_READ_FILES, MIN_SUPPORT, is_few, is_much};
 use crate::diagnose::witness::Witness;
 use crate::kit::last_words::last_words;
 use crate::misreadings::{Misreading, Symptom};
@@ -21,14 +21,18 @@ pub(in crate::diagnose) fn describe(
     let read = files_read(witnesses);
     for mode in FailureMode::among(witnesses, left) {
         let mut open = mode.select(witnesses, left);
-        while let Some(shared) = shared_scope(witnesses, &open, &read, true) {
-            // A property that few of many share is a coincidence.
-            if !is_much(shared.of.len(), open.len()) {
-                break;
-            }
+        // A property that few of many share is a coincidence.
+        let shared_by = |open: &[usize], one: Option<Format>| {
+            let is_of = |w: &usize| one.is_none_or(|one| witnesses[*w].case.format() == one);
+            let of = |all: &[usize]| -> Vec<usize> { all.iter().copied().filter(is_of).collect() };
+            let shared = shared_scope(witnesses, &of(open), &of(&read), true)?;
+            is_much(shared.of.len(), open.len()).then_some((shared, one))
+        };
+        let formats = || [None].into_iter().chain(Format::ALL.map(Some));
+        while let Some((shared, one)) = formats().find_map(|one| shared_by(&open, one)) {
             open.retain(|w| !shared.of.contains(w));
             left.retain(|w| !shared.of.contains(w));
-            let effect = format!("{mode} {}", files_in(witnesses, &shared, None));
+            let effect = format!("{mode} {}", files_in(witnesses, &shared, one));
             let refusal = refusal(witnesses, &shared.of, &mode, effect);
             diagnoses.push(match shared.scope.clause() {
                 Some(clause) => refusal.with_clause(clause),
@@ -137,33 +141,25 @@ impl WholeFormats {
     }
 }
 
-/// Returns the observation if these are all the legal files of one format, or with some property, and fail in one way.
-pub(in crate::diagnose) fn all_that_shows(witnesses: &[Witness], of: &[usize]) -> Option<String> {
+/// Describes these files if they are all the legal files of one format, or with some property, and fail in one way.
+pub(in crate::diagnose) fn all_that_shows(
+    witnesses: &[Witness],
+    of: &[usize],
+) -> Option<Diagnosis> {
     let mode = one_mode(witnesses, of)?;
     let is_other = |w: &usize| witnesses[*w].case.expect == Expect::Decode && !of.contains(w);
     let others: Vec<usize> = (0..witnesses.len()).filter(is_other).collect();
     let shared = shared_scope(witnesses, of, &others, false)?;
-    let files = files_in(witnesses, &shared, None);
-    (shared.of.len() == of.len()).then(|| format!("{mode} {files}"))
-}
-
-/// Returns the diagnosis of these files with this effect.
-pub(in crate::diagnose) fn of_effect(
-    witnesses: &[Witness],
-    of: &[usize],
-    effect: String,
-) -> Diagnosis {
-    let mode = one_mode(witnesses, of).unwrap_or(FailureMode::Refuses);
-    refusal(witnesses, of, &mode, effect)
+    let effect = format!("{mode} {}", files_in(witnesses, &shared, None));
+    (shared.of.len() == of.len()).then(|| refusal(witnesses, of, &mode, effect))
 }
 
 /// Describes how the legal ones among these files end, if they have hardly any images and no other evidence supports the
-/// misreading. Returns `None` if the refusals are the misreading. `otherwise` counts the wrong images that it does not produce.
+/// misreading. Returns `None` if the refusals are the misreading.
 pub(in crate::diagnose) fn no_picture(
     witnesses: &[Witness],
     of: &[usize],
     misreading: &Misreading,
-    otherwise: impl Fn() -> usize,
 ) -> Option<Cause> {
     let is_legal = |w: &usize| witnesses[*w].case.expect == Expect::Decode;
     let of: Vec<usize> = of.iter().copied().filter(is_legal).collect();
@@ -173,15 +169,7 @@ pub(in crate::diagnose) fn no_picture(
     let shown = of
         .iter()
         .filter(|&&w| FailureMode::of(&witnesses[w]).is_none());
-    // A few refused files of many show what the decoder does; whole formats do not.
-    let is_of_formats = |w: &usize| {
-        let mut formats = of.iter().map(|&w| witnesses[w].case.format());
-        is_legal(w) && formats.any(|format| format == witnesses[*w].case.format())
-    };
-    let all = (0..witnesses.len()).filter(is_of_formats).count();
-    let is_the_mistake = modes.iter().all(is_refusal)
-        && (misreading.shows == Symptom::Refusals
-            || !is_most(of.len(), all) && is_few(otherwise(), of.len()));
+    let is_the_mistake = modes.iter().all(is_refusal) && misreading.shows == Symptom::Refusals;
     if of.is_empty() || !is_few(shown.count(), of.len()) || is_the_mistake {
         return None;
     }
@@ -220,10 +208,7 @@ pub(in crate::diagnose) fn describe_unexplained(
             count if files_read(witnesses).len() < MIN_READ_FILES => format!(
                 "{mode} {count} legal files; it reads too few others to find a property that separates them"
             ),
-            _ => format!(
-                "{mode} {}; no known property separates these files from the others",
-                share_of_formats(witnesses, &of)
-            ),
+            _ => format!("{mode} {}", share_of_formats(witnesses, &of)),
         };
         let words = Words {
             effect,
