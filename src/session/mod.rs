@@ -12,7 +12,6 @@ pub mod files;
 pub mod judge;
 pub mod lit_scene;
 pub mod locale;
-pub mod metamorphic;
 pub mod observation;
 pub mod offer;
 #[cfg(test)]
