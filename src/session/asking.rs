@@ -3,6 +3,7 @@
 //! The decoder is a closure from request to reply, so that misreadings inside this program and external programs are asked,
 //! compared and judged in the same way.
 
+use std::borrow::Cow;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -92,7 +93,7 @@ impl<'a, C: TestCase> Session<'a, C> {
         worker: usize,
     ) -> (Observation<C>, ReplyTo<C>) {
         let timeout_factor = self.tally.call();
-        let (observation, reply) = self.request(case, view, table, worker, timeout_factor, false);
+        let (observation, reply) = self.request(case, view, table, worker, Some(timeout_factor));
         if reply.answer.violation().is_some() || reply.served.is_some() {
             self.tally.count_violation();
         }
@@ -107,17 +108,17 @@ impl<'a, C: TestCase> Session<'a, C> {
         table: TableSpelling,
         worker: usize,
     ) -> Observation<C> {
-        self.request(case, view, table, worker, 1, true).0
+        self.request(case, view, table, worker, None).0
     }
 
+    /// Sends a request, to a new process if there is no factor for its timeout.
     fn request(
         &self,
         case: &C,
         view: &C::View,
         table: TableSpelling,
         worker: usize,
-        timeout_factor: u32,
-        alone: bool,
+        timeout_factor: Option<u32>,
     ) -> (Observation<C>, ReplyTo<C>) {
         let built = case.made(table);
         let request = Request {
@@ -125,8 +126,8 @@ impl<'a, C: TestCase> Session<'a, C> {
             view,
             file: C::file(&built),
             largest_frame: case.largest_answer(&built),
-            timeout_factor,
-            alone,
+            timeout_factor: timeout_factor.unwrap_or(1),
+            alone: timeout_factor.is_none(),
         };
         let reply = (self.ask)(&request, worker);
         let response = match &reply.answer {
@@ -134,13 +135,21 @@ impl<'a, C: TestCase> Session<'a, C> {
             Answer::Unsupported => Response::Unsupported,
             Answer::Decoded(output) => {
                 let mut undo = self.undo.iter();
-                match undo.find(|undo| undo.view == C::view_name(view)) {
-                    None => picture(case.compare(&built, view, output), output),
-                    Some(undo) => {
-                        let right = case.expected_output(view);
-                        let output = (undo.undo)(output, right.as_ref());
-                        picture(case.compare(&built, view, &output), &output)
-                    }
+                let undo = undo.find(|undo| undo.view == C::view_name(view));
+                let output = undo.map_or(Cow::Borrowed(output), |undo| {
+                    Cow::Owned((undo.undo)(output, case.expected_output(view).as_ref()))
+                });
+                let Comparison {
+                    right,
+                    difference,
+                    allowance,
+                } = case.compare(&built, view, &output);
+                let differs = right != Right::Anyway(true) && difference.is_some();
+                Response::Picture {
+                    right,
+                    difference,
+                    allowance,
+                    frame: differs.then(|| output.into_owned()),
                 }
             }
             _ => Response::Violation(reply.answer.clone()),
@@ -171,21 +180,6 @@ impl<'a, C: TestCase> Session<'a, C> {
                 }
             }
         });
-    }
-}
-
-fn picture<C: TestCase>(comparison: Comparison<C>, output: &C::Output) -> Response<C> {
-    let Comparison {
-        right,
-        difference,
-        allowance,
-    } = comparison;
-    let differs = right != Right::Anyway(true) && difference.is_some();
-    Response::Picture {
-        right,
-        difference,
-        allowance,
-        frame: differs.then(|| output.clone()),
     }
 }
 

@@ -28,6 +28,10 @@ impl<C: TestCase> First<C> {
     fn is_decoded(&self) -> bool {
         matches!(self.reply.answer, Answer::Decoded(_))
     }
+
+    fn is_unsupported(&self) -> bool {
+        matches!(self.reply.answer, Answer::Unsupported)
+    }
 }
 
 /// Knowledge about a decoder before any case is judged.
@@ -78,14 +82,14 @@ impl<C: TestCase> Session<'_, C> {
             return contact;
         }
         // A decoder of tables only may refuse all first files because it expects another spelling of the count.
-        let answers = contact.first.is_empty()
-            || (contact.first.iter())
-                .any(|first| matches!(first.reply.answer, Answer::Decoded(_) | Answer::Rejected));
-        let mut table = answers.then(|| self.table_spelling(&contact.offer));
-        if answers && !self.plan.precomputed && table.flatten().is_none() {
-            table = Some(self.likely_spelling(&contact.offer));
-        }
-        match table.flatten() {
+        let is_answer =
+            |first: &First<C>| matches!(first.reply.answer, Answer::Decoded(_) | Answer::Rejected);
+        let spelling = match contact.first.is_empty() || contact.first.iter().any(is_answer) {
+            true => (self.table_spelling(&contact.offer))
+                .or_else(|| self.likely_spelling(&contact.offer)),
+            false => None,
+        };
+        match spelling {
             Some(table) => contact.table = table,
             None => contact.not_a_decoder = no_decoder(&contact.first),
         }
@@ -115,16 +119,15 @@ impl<C: TestCase> Session<'_, C> {
         let in_order = plan.repeat == Repeat::FailuresAndSample;
         let mut replies: Vec<First<C>> = Vec::new();
         let mut left = Vec::new();
-        let mut decoded = false;
         for (case, view) in work {
             let hung = |first: &First<C>| first.case == case && is_hang(&first.reply);
+            let decoded = replies.iter().any(First::is_decoded);
             if decoded && !in_order || replies.last().is_some_and(hung) {
                 left.push((case, view));
                 continue;
             }
             let first = ask((case, view), 0);
             let hopeless = matches!(first.reply.answer, Answer::NotStarted(_)) || self.is_over();
-            decoded |= first.is_decoded();
             replies.push(first);
             if hopeless {
                 return replies;
@@ -133,10 +136,8 @@ impl<C: TestCase> Session<'_, C> {
         let others = Mutex::new(BTreeMap::new());
         self.side_by_side(left.len(), |place, worker| {
             let first = ask(left[place], worker);
-            others
-                .lock()
-                .expect("no worker panics")
-                .insert(place, first);
+            let mut others = others.lock().expect("no worker panics");
+            others.insert(place, first);
             !self.is_over()
         });
         replies.extend(others.into_inner().expect("no worker panics").into_values());
@@ -176,9 +177,7 @@ impl<C: TestCase> Session<'_, C> {
             if !offer.views.iter().any(has) {
                 let is_of_kind = |one: &&First<C>| suite.cases[one.case].kind() == kind;
                 let mut of_kind = first.iter().filter(is_of_kind).peekable();
-                let is_unsupported =
-                    |first: &First<C>| matches!(first.reply.answer, Answer::Unsupported);
-                if of_kind.peek().is_some() && of_kind.all(is_unsupported) {
+                if of_kind.peek().is_some() && of_kind.all(First::is_unsupported) {
                     offer.unsupported.push(kind);
                 }
                 continue;
@@ -215,63 +214,51 @@ impl<C: TestCase> Session<'_, C> {
 
 /// Returns a remark on the first of the first files that was not answered in serve mode.
 fn first_trouble<C: TestCase>(suite: &Suite<C>, first: &[First<C>]) -> Option<Remark> {
-    first.iter().find_map(|first| {
-        let id = suite.cases[first.case].id();
-        let what = trouble_of_serving(&first.reply)?;
-        Some(Remark::failure(format!(
-            "{id} in {}, {}",
-            first.view, what.says
-        )))
+    first.iter().find_map(|First { case, view, reply }| {
+        let id = suite.cases[*case].id();
+        let says = trouble_of_serving(reply)?.says;
+        Some(Remark::failure(format!("{id} in {view}, {says}")))
     })
 }
 
 /// Returns the reason why the program behind these replies is not a decoder, if it is not.
 fn no_decoder<C: TestCase>(first: &[First<C>]) -> Option<String> {
-    let answers = || first.iter().map(|first| &first.reply.answer);
-    let decoded = answers().any(|answer| matches!(answer, Answer::Decoded(_)));
-    let refused = answers().any(|answer| matches!(answer, Answer::Rejected));
-    let First { reply, .. } = first
-        .iter()
-        .find(|first| first.reply.answer.violation().is_some())
-        .or(first.first())?;
+    let decoded = first.iter().any(First::is_decoded);
+    let is_refused = |first: &&First<C>| matches!(first.reply.answer, Answer::Rejected);
+    let refused = first.iter().filter(is_refused).count();
+    let is_violation = |first: &&First<C>| first.reply.answer.violation().is_some();
+    let First { reply, .. } = first.iter().find(is_violation).or(first.first())?;
     let why = match (&reply.answer, reply.exit) {
         (Answer::NotStarted(why), _) => format!("it cannot be started: {why}"),
         (_, Some(status @ (126 | 127))) if !decoded => {
             format!("its command cannot be run: exit status {status}")
         }
         _ if decoded => return None,
-        (Answer::Unsupported, _) if !refused => {
+        (Answer::Unsupported, _) if refused == 0 => {
             "it answers every first file with 69 (unsupported) in every view".to_owned()
         }
-        (Answer::Rejected | Answer::Unsupported, _) => {
-            let refusals = answers().filter(|answer| matches!(answer, Answer::Rejected));
-            format!(
-                "it decodes no first file in any view: of {} requests for ordinary files it refuses {} with 65",
-                first.len(),
-                refusals.count()
-            )
-        }
+        (Answer::Rejected | Answer::Unsupported, _) => format!(
+            "it decodes no first file in any view: of {} requests for ordinary files it refuses {refused} with 65",
+            first.len()
+        ),
         (answer, _) => format!(
             "it answers no first file with a well-formed frame, in any view; the first of its answers: {}",
             answer.describe()
         ),
     };
-    Some(if reply.stderr.is_empty() {
-        why
-    } else {
-        format!("{why}\nits standard error begins:\n{}", reply.stderr)
+    Some(match reply.stderr.as_str() {
+        "" => why,
+        stderr => format!("{why}\nits standard error begins:\n{stderr}"),
     })
 }
 
 /// Returns true if a first file was decoded in this view. A refusal offers nothing. But if no view decodes any first file,
 /// every view that is not answered 69 is offered, so that the run can report the errors.
 fn is_offered<C: TestCase>(first: &[First<C>], view: &str) -> bool {
-    let mut in_view = first
-        .iter()
-        .filter(|first| C::view_name(&first.view) == view);
+    let mut in_view = (first.iter()).filter(|first| C::view_name(&first.view) == view);
     match first.iter().any(First::is_decoded) {
         true => in_view.any(First::is_decoded),
-        false => in_view.any(|first| !matches!(first.reply.answer, Answer::Unsupported)),
+        false => !in_view.all(First::is_unsupported),
     }
 }
 
@@ -285,6 +272,6 @@ fn answered<C: TestCase>(
     first.iter().any(|first| {
         C::view_name(&first.view) == view
             && kind.is_none_or(|kind| suite.cases[first.case].kind() == *kind)
-            && !matches!(first.reply.answer, Answer::Unsupported)
+            && !first.is_unsupported()
     })
 }

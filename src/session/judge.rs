@@ -59,24 +59,21 @@ pub fn judge<C: TestCase>(
         let case = &suite.cases[i];
         let twins = twins[i].iter();
         let twins = twins.map(|&twin| (suite.cases[twin].id(), observations[twin].as_ref()));
-        let verdict = |observation| {
-            let evidence = Evidence {
+        let (outcome, says) = match &observations[i] {
+            None => (
+                Outcome::NotJudged,
+                "none of its views is offered".to_owned(),
+            ),
+            Some(observation) => Evidence {
                 case,
                 observation,
                 twins: twins.collect(),
                 dialect: &dialect,
                 unsupported: &unsupported,
                 spelling_known,
-            };
-            evidence.verdict(offer)
+            }
+            .verdict(offer),
         };
-        let not_judged = || {
-            (
-                Outcome::NotJudged,
-                "none of its views is offered".to_owned(),
-            )
-        };
-        let (outcome, says) = observations[i].as_ref().map_or_else(not_judged, verdict);
         Judged { outcome, says }
     };
     Judgement {
@@ -148,7 +145,7 @@ impl<C: TestCase> Evidence<'_, C> {
                 let own = self.difference_in_own_dialect(frame.as_ref());
                 let differs = own.as_ref().or(difference.as_ref());
                 let differs = differs.map(ToString::to_string).unwrap_or_default();
-                self.of_wrong_picture(right, differs)
+                self.wrong_picture(right, differs)
             }
         }
     }
@@ -185,12 +182,12 @@ impl<C: TestCase> Evidence<'_, C> {
 
     /// Returns a reason if none of the accepted twins of a negative case was decoded.
     fn stands_on_nothing(&self) -> Option<String> {
-        let decoded = |twin: Option<&Observation<C>>| {
+        let is_decoded = |&(_, twin): &(&str, Option<&Observation<C>>)| {
             twin.is_some_and(|twin| matches!(twin.response, Response::Picture { .. }))
         };
         match &self.twins[..] {
             [] => None,
-            twins if twins.iter().any(|&(_, twin)| decoded(twin)) => None,
+            twins if twins.iter().any(is_decoded) => None,
             [(id, _)] => Some(format!("its twin {id} was not decoded")),
             [(id, _), ..] => Some(format!(
                 "no legal file of its kind was decoded, such as {id}"
@@ -210,18 +207,17 @@ impl<C: TestCase> Evidence<'_, C> {
         }
     }
 
-    fn of_wrong_picture(&self, right: &Right, differs: String) -> Verdict {
-        let is_right = |twin: &Observation<C>| is_right(twin, self.dialect);
-        let twin_is_wrong = || {
-            let mut twins = self.twins.iter();
-            !self.twins.is_empty() && !twins.any(|(_, twin)| twin.is_some_and(is_right))
+    /// Returns the verdict on a wrong image, or any image of a file that must be refused.
+    fn wrong_picture(&self, right: &Right, differs: String) -> Verdict {
+        let is_right = |(_, twin): &(_, Option<&Observation<C>>)| {
+            twin.is_some_and(|twin| is_right(twin, self.dialect))
         };
         match (self.case.expect(), right) {
             (Expect::Reject | Expect::Refuse, _) => {
                 fail(format!("{}: {}", C::ACCEPTED, self.case.fault()))
             }
             (Expect::Spelling, _) if self.spelling_known => (Outcome::OtherDialect, String::new()),
-            (Expect::Lenient, _) if twin_is_wrong() => (
+            (Expect::Lenient, _) if !self.twins.is_empty() && !self.twins.iter().any(is_right) => (
                 Outcome::Inconclusive,
                 "its twin was decoded wrongly".to_owned(),
             ),
@@ -242,10 +238,8 @@ impl<C: TestCase> Evidence<'_, C> {
 
     /// Describes the readings that the decoder mixes if the answer is right in another dialect.
     fn mixed(&self, axes: &[usize], other: &Dialect) -> String {
-        let differing = axes
-            .iter()
-            .filter(|&&axis| other.0[axis] != self.dialect.0[axis]);
-        let readings = differing.map(|&axis| {
+        let differs = |&&axis: &&usize| other.0[axis] != self.dialect.0[axis];
+        let readings = axes.iter().filter(differs).map(|&axis| {
             let choice = &C::CHOICES[axis];
             let name = |dialect: &Dialect| choice.readings[dialect.0[axis]].0;
             let (here, elsewhere) = (name(other), name(self.dialect));
@@ -277,21 +271,18 @@ fn features<C: TestCase>(
         let Some(observation) = observation else {
             continue;
         };
+        let (kind, expect) = (case.kind(), case.expect());
         // A first file of its kind was answered 69, whether or not it is selected.
-        if offer.unsupported.contains(&case.kind()) {
-            asked.entry(case.kind()).or_insert((1, 1));
+        if offer.unsupported.contains(&kind) {
+            asked.entry(kind.clone()).or_insert((1, 1));
         }
-        if !matches!(
-            case.expect(),
-            Expect::Decode | Expect::ImplementationDefined
-        ) {
+        if !matches!(expect, Expect::Decode | Expect::ImplementationDefined) {
             continue;
         }
         let unsupported = matches!(observation.response, Response::Unsupported);
         for feature in case.features(&observation.view) {
             // A missing view of this kind is no evidence against the kind.
-            if unsupported && feature == case.kind() && offer.lacks(&observation.view, &case.kind())
-            {
+            if unsupported && feature == kind && offer.lacks(&observation.view, &kind) {
                 continue;
             }
             let (all, answered) = asked.entry(feature.clone()).or_default();
