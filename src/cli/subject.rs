@@ -1,20 +1,101 @@
-//! The subject of a check: a decoder, this program, a program that a template calls, or precomputed answers.
+//! The subject of a run: a decoder, this program, a program that a template calls, or precomputed answers; and the limits of its
+//! calls.
 
-use std::borrow::Cow;
 use std::ffi::OsString;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
+use clap::Args;
+
 use ptm_conform::protocol::frame::{Answer, ViewKind};
 use ptm_conform::runner::caller::Caller;
+use ptm_conform::runner::processes;
 use ptm_conform::runner::run::{Decoder, Reply, Request};
 use ptm_conform::runner::template::Template;
 use ptm_conform::session::outputs::Outputs;
 use ptm_conform::suite::cases::{Case, Expect, Suite};
 
-use super::arguments::limit;
+use super::arguments::{parse_refusal, parse_size, positive_seconds};
 use super::check_args::CheckArgs;
+use super::files::named;
+
+/// Options of the run of a suite.
+#[derive(Args)]
+pub struct RunArgs {
+    /// The file for the YAML report.
+    #[arg(long, value_name = "FILE", default_value = "ptm-conform-report.yaml")]
+    pub report: PathBuf,
+    /// Calls in parallel; by default one per processor.
+    #[arg(long, value_name = "N")]
+    pub jobs: Option<usize>,
+    /// Wall-clock limit of a call; the first call gets three times as much.
+    #[arg(long, value_name = "SECONDS", default_value_t = 10.0)]
+    timeout: f64,
+    /// Memory limit of a call, all its processes together: bytes, or with K, M or G.
+    #[arg(long, value_name = "SIZE", default_value = "2G", value_parser = parse_size)]
+    memory: u64,
+}
+
+impl RunArgs {
+    /// Applies the limits to a program, which stops when `stop` is set.
+    pub fn limit(&self, program: &mut Decoder, stop: &Arc<AtomicBool>) -> Result<(), String> {
+        limit(program, self.timeout, self.memory, stop)
+    }
+
+    /// Returns the limits in force, in words.
+    pub fn limits_to_text(&self) -> Vec<String> {
+        let (seconds, size) = (self.timeout, self.memory >> 20);
+        let memory = match processes::can_be_watched() {
+            true => {
+                format!("memory: {size} MiB, the resident sets of a call's processes, sampled")
+            }
+            false => "memory: not limited, because this system has no /proc".to_owned(),
+        };
+        let time = format!("wall clock: {seconds} s a call, three times that for the first");
+        vec![time, memory]
+    }
+}
+
+/// Options for calls of a decoder.
+#[derive(Args)]
+pub struct CallArgs {
+    /// Calls at a time; by default as many as there are processors.
+    #[arg(long, value_name = "N")]
+    pub jobs: Option<usize>,
+    /// Wall-clock limit of a call.
+    #[arg(long, value_name = "SECONDS", default_value_t = 10.0)]
+    timeout: f64,
+    /// Memory that a call may hold, all its processes together: bytes, or with K, M or G.
+    #[arg(long, value_name = "SIZE", default_value = "2G", value_parser = parse_size)]
+    memory: u64,
+    /// An exit status that means "malformed" besides 65.
+    #[arg(long, value_name = "N", value_parser = parse_refusal)]
+    reject_exit: Option<i32>,
+}
+
+impl CallArgs {
+    /// Returns the decoder that `command` starts; it stops when `stop` is set.
+    pub fn decoder(&self, command: &[OsString], stop: &Arc<AtomicBool>) -> Result<Decoder, String> {
+        processes::prepare();
+        let mut decoder = Decoder::new(command).map_err(|error| error.to_string())?;
+        limit(&mut decoder, self.timeout, self.memory, stop)?;
+        decoder.reject_exit = self.reject_exit;
+        Ok(decoder)
+    }
+}
+
+fn limit(
+    program: &mut Decoder,
+    seconds: f64,
+    memory: u64,
+    stop: &Arc<AtomicBool>,
+) -> Result<(), String> {
+    program.timeout = positive_seconds(seconds)?;
+    program.memory = memory;
+    program.stop = Arc::clone(stop);
+    Ok(())
+}
 
 /// The subject of a check, and the part of the suite that applies to it.
 pub struct Subject {
@@ -63,36 +144,33 @@ impl Subject {
     /// Returns the subject that the command line names, under the limits that it gives.
     pub fn new(args: &CheckArgs, suite: &Suite, stop: &Arc<AtomicBool>) -> Result<Subject, String> {
         let is_asked = |view: &&str| args.views.iter().any(|asked| asked == view);
-        let mut subject = Subject {
+        let subject = |answers: Answers, words: Vec<String>| Subject {
+            answers,
+            words,
             views: ViewKind::NAMES.into_iter().filter(is_asked).collect(),
             withheld: Vec::new(),
-            words: Vec::new(),
-            answers: match (&args.caller, &args.cmd, &args.outputs) {
-                (Some(socket), ..) => Answers::Caller(
-                    Caller::connect(socket, stop)
-                        .map_err(|error| format!("{}: {error}", socket.display()))?,
-                ),
-                (None, Some(text), _) => Answers::Program(called_by(text)?),
-                (None, None, Some(directory)) => Answers::Precomputed(outputs(directory, suite)?),
-                (None, None, None) => Answers::Program(program(&args.decoder)?),
-            },
         };
-        match (&mut subject.answers, &args.cmd, &args.outputs) {
-            (Answers::Program(decoder), cmd, _) => {
-                limit(decoder, args.timeout, args.memory, stop)?;
-                subject.words = match cmd {
-                    Some(text) => shlex::split(text).unwrap_or_default(),
-                    None => words_of(&args.decoder)?,
-                };
-            }
-            (Answers::Precomputed(outputs), _, Some(directory)) => {
-                subject.views = vec![outputs.view];
-                subject.withheld = outputs.withheld(suite);
-                let directory = directory.to_string_lossy().into_owned();
-                subject.words = vec!["--outputs".to_owned(), directory];
-            }
-            _ => subject.words = vec!["a function of the caller".to_owned()],
+        if let Some(socket) = &args.caller {
+            let caller = Caller::connect(socket, stop).map_err(named(socket))?;
+            let words = vec!["a function of the caller".to_owned()];
+            return Ok(subject(Answers::Caller(caller), words));
         }
+        if let Some(directory) = &args.outputs {
+            let outputs = outputs(directory, suite)?;
+            let directory = directory.to_string_lossy().into_owned();
+            let words = vec!["--outputs".to_owned(), directory];
+            return Ok(Subject {
+                views: vec![outputs.view],
+                withheld: outputs.withheld(suite),
+                ..subject(Answers::Precomputed(outputs), words)
+            });
+        }
+        let (mut decoder, words) = match &args.cmd {
+            Some(text) => called_by(text, Template::parse(text))?,
+            None => program(&args.decoder)?,
+        };
+        args.run.limit(&mut decoder, stop)?;
+        let mut subject = subject(Answers::Program(decoder), words);
         if let Some(text) = &args.cmd {
             subject.restrict_to(&Template::parse(text)?, args, suite)?;
         }
@@ -120,10 +198,10 @@ impl Subject {
             }
         }
         if args.reject_exit.is_none() {
-            let refusal = |case: &Case| {
-                (case.expect != Expect::Decode && case.expect != Expect::Spelling).then(|| {
-                    "a program called by --cmd shows no refusal without --reject-exit".to_owned()
-                })
+            let why = "a program called by --cmd shows no refusal without --reject-exit";
+            let refusal = |case: &Case| match case.expect {
+                Expect::Decode | Expect::Spelling => None,
+                _ => Some(why.to_owned()),
             };
             self.withheld = suite.cases.iter().map(refusal).collect();
         }
@@ -149,29 +227,33 @@ fn outputs(directory: &Path, suite: &Suite) -> Result<Outputs, String> {
     Ok(outputs)
 }
 
-/// Returns a program that a template calls.
-fn called_by(text: &str) -> Result<Decoder, String> {
-    let template = Template::parse(text).map_err(|error| format!("--cmd: {error}"))?;
-    Decoder::with_template(template).map_err(|error| error.to_string())
+/// Returns a program that a template calls, and the words of the template for the report.
+pub fn called_by(
+    text: &str,
+    template: Result<Template, String>,
+) -> Result<(Decoder, Vec<String>), String> {
+    let template = template.map_err(|error| format!("--cmd: {error}"))?;
+    let decoder = Decoder::with_template(template).map_err(|error| error.to_string())?;
+    Ok((decoder, shlex::split(text).unwrap_or_default()))
 }
 
-/// Returns the program that a command starts; this program if the command is empty.
-pub fn program(command: &[OsString]) -> Result<Decoder, String> {
-    Decoder::new(&command_or_reference(command)?).map_err(|error| error.to_string())
-}
-
-/// Returns the words of a command, for the report.
-pub fn words_of(command: &[OsString]) -> Result<Vec<String>, String> {
-    let command = command_or_reference(command)?;
-    let words = command.iter().map(|word| word.to_string_lossy());
-    Ok(words.map(Cow::into_owned).collect())
-}
-
-fn command_or_reference(command: &[OsString]) -> Result<Vec<OsString>, String> {
-    if !command.is_empty() {
-        return Ok(command.to_vec());
+/// Returns the program that a command starts, and its words for the report; this program if the command is empty.
+pub fn program(command: &[OsString]) -> Result<(Decoder, Vec<String>), String> {
+    let mut command = command.to_vec();
+    if command.is_empty() {
+        let program = std::env::current_exe();
+        let program = program.map_err(|error| format!("cannot find this program: {error}"))?;
+        command = vec![program.into(), "reference".into()];
     }
-    let program =
-        std::env::current_exe().map_err(|error| format!("cannot find this program: {error}"))?;
-    Ok(vec![program.into(), "reference".into()])
+    let words = command
+        .iter()
+        .map(|word| word.to_string_lossy().into_owned());
+    let decoder = Decoder::new(&command).map_err(|error| error.to_string())?;
+    Ok((decoder, words.collect()))
+}
+
+/// Returns a command quoted for a shell.
+pub fn in_one_line(command: &[OsString]) -> String {
+    let words: Vec<_> = command.iter().map(|word| word.to_string_lossy()).collect();
+    shlex::try_join(words.iter().map(AsRef::as_ref)).unwrap_or_default()
 }
