@@ -53,7 +53,6 @@ pub mod reference;
 pub mod render;
 #[cfg(unix)]
 pub mod report;
-mod rules;
 #[cfg(unix)]
 pub mod site;
 #[cfg(unix)]
