@@ -86,12 +86,9 @@ fn beginning(line: &str) -> Option<(usize, Style)> {
     // A heading is the word and the name after it.
     let length = match (start.ends_with(' '), indent) {
         (false, _) => start.len(),
-        (true, 0) => {
-            start.len()
-                + text[start.len()..]
-                    .find(' ')
-                    .unwrap_or(text.len() - start.len())
-        }
+        (true, 0) => text[start.len()..]
+            .find(' ')
+            .map_or(text.len(), |end| start.len() + end),
         (true, _) => return None,
     };
     Some((indent + length, *style))
