@@ -192,16 +192,15 @@ pub(super) fn is_hang<T>(reply: &Reply<T>) -> bool {
 /// Returns the failure of a serving process, if a new process answered without reaching a limit.
 pub(super) fn trouble_of_serving<T>(reply: &Reply<T>) -> Option<Nondeterminism> {
     let served = reply.served.as_ref()?;
-    if served.is_of_kind(&reply.answer) {
-        return None;
-    }
-    let says = format!(
-        "in serve mode{}: {}; asked alone it answers ({})",
-        after_request(reply.after.as_ref()),
-        served.describe(),
-        reply.answer.name()
-    );
-    Some(Nondeterminism { served: true, says })
+    let (after, alone) = (after_request(reply.after.as_ref()), &reply.answer);
+    let says = || {
+        let (trouble, alone) = (served.describe(), alone.name());
+        format!("in serve mode{after}: {trouble}; asked alone it answers ({alone})")
+    };
+    (!served.is_of_kind(alone)).then(|| Nondeterminism {
+        served: true,
+        says: says(),
+    })
 }
 
 /// Names the request that the process answered before.

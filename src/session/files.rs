@@ -152,17 +152,15 @@ fn encode(ptm: &Ptm, format: Format, spelling: Spelling) -> Option<Vec<u8>> {
     if format.is_compressed() && size.width.max(size.height) > 65_535 {
         return None;
     }
-    let ordinary = Recipe::ordinary(format, size);
-    let recipe = Recipe {
-        scale: numbers(&ptm.header.scale_bias.scale)?,
-        bias: numbers(&ptm.header.scale_bias.bias)?,
-        matrix: match ptm.planes.shape {
-            Shape::Lum(matrix) => numbers(&matrix.0)?,
-            _ => ordinary.matrix,
-        },
+    let mut recipe = Recipe {
         spelling,
-        ..ordinary
+        ..Recipe::ordinary(format, size)
     };
+    recipe.scale = numbers(&ptm.header.scale_bias.scale)?;
+    recipe.bias = numbers(&ptm.header.scale_bias.bias)?;
+    if let Shape::Lum(matrix) = ptm.planes.shape {
+        recipe.matrix = numbers(&matrix.0)?;
+    }
     let model = Model::of(&recipe, &ptm.planes.samples).ok()?;
     Some(write(&recipe, &model).bytes)
 }
@@ -177,7 +175,7 @@ fn numbers<const N: usize>(values: &[f64; N]) -> Option<Numbers<N>> {
 fn expected(file: &[u8], view: &View, reading: &Reading) -> Option<Expected> {
     let ptm = decode_as(file, reading, &Limits::default()).ok()?;
     let (format, planes) = (ptm.header.format, ptm.planes);
-    if !matches!(format, Format::JpegRgb | Format::JpegLrgb) {
+    if !format.is_jpeg() {
         return Expected::under(file, view, reading);
     }
     let model = Model {
@@ -233,10 +231,8 @@ fn held_against_reference(file: &[u8], view: &View, shown: &Answer) -> Result<St
             };
             match CHOICES.combinations(&open).iter().skip(1).find(fits) {
                 Some(dialect) => {
-                    let others = CHOICES
-                        .iter()
-                        .zip(&dialect.0)
-                        .filter(|&(_, &taken)| taken > 0);
+                    let readings = CHOICES.iter().zip(&dialect.0);
+                    let others = readings.filter(|&(_, &taken)| taken > 0);
                     let names = others.map(|(choice, &taken)| choice.readings[taken].0);
                     let names = names.collect::<Vec<_>>().join("; ");
                     Ok(format!("right in its own reading: {names}"))
@@ -260,8 +256,8 @@ impl FilesReport {
     pub fn new(files: Vec<FileResult>) -> FilesReport {
         let has_failed = |file: &FileResult| file.outcome == Outcome::Fail.name();
         let verdict = match files.iter().any(has_failed) {
-            true => "fail",
-            false => "pass",
+            true => Outcome::Fail.name(),
+            false => Outcome::Pass.name(),
         };
         FilesReport { verdict, files }
     }
@@ -270,10 +266,9 @@ impl FilesReport {
     #[must_use]
     pub fn exit_status(&self) -> u8 {
         let is_unread = |file: &FileResult| file.outcome == Outcome::Unsupported.name();
-        match self.verdict {
-            _ if self.files.iter().all(is_unread) => 3,
-            "pass" => 0,
-            _ => 1,
+        match self.files.iter().all(is_unread) {
+            true => 3,
+            false => u8::from(self.verdict == Outcome::Fail.name()),
         }
     }
 
@@ -281,18 +276,16 @@ impl FilesReport {
     #[must_use]
     pub fn to_text(&self) -> String {
         let mut text = String::new();
-        for file in &self.files {
-            let says = file.says.as_deref().unwrap_or_default();
+        for result in &self.files {
+            let view = result.view.as_deref().unwrap_or("in no view");
+            let says = result.says.as_ref().map(|says| format!("; {says}"));
+            let (says, count) = (says.unwrap_or_default(), result.encodings);
+            let (outcome, file) = (result.outcome, &result.file);
             let _ = writeln!(
                 text,
-                "{} {} {}: {} other encodings{}{says}",
-                file.outcome,
-                file.file,
-                file.view.as_deref().unwrap_or("in no view"),
-                file.encodings,
-                if says.is_empty() { "" } else { "; " },
+                "{outcome} {file} {view}: {count} other encodings{says}"
             );
-            for relation in &file.relations {
+            for relation in &result.relations {
                 let _ = writeln!(text, "  {relation}");
             }
         }

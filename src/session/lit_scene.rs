@@ -209,20 +209,23 @@ mod tests {
     use crate::misreadings::answer;
     use crate::runner::run::Reply;
 
+    fn scene(view: ViewKind, format: Format, decoder: &Ask) -> Option<LitScene> {
+        let offer = Offer {
+            views: vec![view.name()],
+            ..Offer::default()
+        };
+        ask(&offer, &BTreeSet::from([Feature::Format(format)]), decoder)
+    }
+
     #[test]
     fn every_format_and_view_shows_the_same_scene() {
         let wanted = lit(&ball(SIDE));
+        let reference = |request: &Request<'_>, _: usize| {
+            Reply::from(answer(&[], Reading::SPEC, request.file, request.view))
+        };
         for format in Format::ALL {
             for view in ViewKind::ALL {
-                let offer = Offer {
-                    views: vec![view.name()],
-                    ..Offer::default()
-                };
-                let decoded = BTreeSet::from([Feature::Format(format)]);
-                let reference = |request: &Request<'_>, _: usize| {
-                    Reply::from(answer(&[], Reading::SPEC, request.file, request.view))
-                };
-                let scene = ask(&offer, &decoded, &reference).expect("a scene");
+                let scene = scene(view, format, &reference).expect("a scene");
                 assert_eq!((scene.format, scene.view), (format, view));
                 assert_eq!(scene.right, scene.received);
                 let pairs = wanted.iter().zip(&scene.right);
@@ -236,13 +239,8 @@ mod tests {
 
     #[test]
     fn a_refusal_and_another_shape_are_no_scene() {
-        let offer = Offer {
-            views: vec!["raw"],
-            ..Offer::default()
-        };
-        let decoded = BTreeSet::from([Feature::Format(Format::Lrgb)]);
         let refusing = |_: &Request<'_>, _: usize| Reply::from(Answer::Rejected);
-        assert_eq!(ask(&offer, &decoded, &refusing), None);
+        assert_eq!(scene(ViewKind::Raw, Format::Lrgb, &refusing), None);
         let small = |_: &Request<'_>, _: usize| {
             Reply::from(Answer::Decoded(Frame {
                 view: ViewKind::Raw,
@@ -253,7 +251,7 @@ mod tests {
                 lossy: false,
             }))
         };
-        assert_eq!(ask(&offer, &decoded, &small), None);
-        assert_eq!(ask(&offer, &BTreeSet::new(), &refusing), None);
+        assert_eq!(scene(ViewKind::Raw, Format::Lrgb, &small), None);
+        assert_eq!(ask(&Offer::default(), &BTreeSet::new(), &small), None);
     }
 }

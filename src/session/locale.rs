@@ -47,26 +47,21 @@ pub fn difference(
 ) -> Option<String> {
     let mut decoder = decoder.clone();
     locale.clone_into(&mut decoder.locale);
-    for (i, case) in suite.cases.iter().enumerate() {
-        let decoded = |view: ViewKind| {
-            run.first.iter().find_map(
-                |First {
-                     case,
-                     view: asked,
-                     reply,
-                 }| match &reply.answer {
-                    Answer::Decoded(frame) if *case == i && asked.kind() == view => {
-                        Some((asked, frame, &reply.answer))
-                    }
-                    _ => None,
-                },
-            )
+    // Stored values need no numbers except the size, so they are requested only if there is nothing else.
+    let preference = |view: &View| match view.kind() {
+        ViewKind::Coef => 0,
+        ViewKind::Rgb => 1,
+        ViewKind::Raw => 2,
+    };
+    let mut first: Vec<&First> = run.first.iter().collect();
+    first.retain(|first| matches!(first.reply.answer, Answer::Decoded(_)));
+    first.sort_by_key(|first| (first.case, preference(&first.view)));
+    first.dedup_by_key(|first| first.case);
+    first.into_iter().find_map(|First { case, view, reply }| {
+        let Answer::Decoded(frame) = &reply.answer else {
+            return None;
         };
-        // Stored values need no numbers except the size, so they are requested only if there is nothing else.
-        let mut views = [ViewKind::Coef, ViewKind::Rgb, ViewKind::Raw].into_iter();
-        let Some((view, frame, before)) = views.find_map(decoded) else {
-            continue;
-        };
+        let case = &suite.cases[*case];
         let request = Request {
             name: &case.id,
             view,
@@ -76,11 +71,8 @@ pub fn difference(
             alone: true,
         };
         let answer = decoder.ask(&request, scratch).answer;
-        if !answer.is_like(before) {
-            return Some(message(locale, &case.id, view, &answer, frame));
-        }
-    }
-    None
+        (!answer.is_like(&reply.answer)).then(|| message(locale, &case.id, view, &answer, frame))
+    })
 }
 
 fn message(locale: &str, id: &str, view: &View, answer: &Answer, frame: &Frame) -> String {

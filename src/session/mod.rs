@@ -23,7 +23,6 @@ pub mod probe;
 pub mod remark;
 pub mod run;
 pub mod scores;
-mod spelling;
 mod tally;
 pub mod texture_stage;
 pub mod transform;

@@ -129,6 +129,11 @@ impl Checklist {
         self.add(Mark::Bad, says, Some(next.into()));
     }
 
+    /// Adds something to fix in `what`, and instructions to reproduce it.
+    pub(super) fn fault(&mut self, what: &dyn Display, fault: ProbeFault, repeat: Reproduction) {
+        self.steps.push(ProbeStep::bad(what, fault, repeat));
+    }
+
     pub(crate) fn absent(&mut self, says: impl Into<String>) {
         self.add(Mark::Absent, says, None);
     }

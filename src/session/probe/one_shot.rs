@@ -6,7 +6,7 @@ use crate::runner::run::Reply;
 use crate::suite::cases::TableSpelling;
 
 use super::calls::Calls;
-use super::checklist::{Checklist, ProbeStep, Reproduction};
+use super::checklist::{Checklist, Reproduction};
 use super::explain::{explain, not_refused};
 use super::message::{Slots, fault};
 use super::repair::repair;
@@ -48,15 +48,13 @@ impl Asked {
     /// Requests a format, in the spelling of its table that the decoder reads, if any.
     fn in_best_spelling(calls: &Calls, format: Format) -> Asked {
         let mut best: Option<Asked> = None;
-        for sample in Sample::in_all_spellings(format, "5x3") {
+        for sample in Sample::in_all_spellings(format) {
             let asked = Asked::new(calls, sample);
-            let rank = asked.rank();
-            if best.as_ref().is_none_or(|best| rank > best.rank()) {
+            if (best.as_ref()).is_none_or(|best| asked.rank() > best.rank()) {
                 best = Some(asked);
             }
             let unsupported = |(_, reply): &(View, Reply)| reply.answer == Answer::Unsupported;
-            let is_settled =
-                |best: &Asked| best.rank() == Rank::Right || best.replies.iter().all(unsupported);
+            let is_settled = |best: &Asked| best.rank()[2] || best.replies.iter().all(unsupported);
             if best.as_ref().is_some_and(is_settled) {
                 break;
             }
@@ -64,17 +62,16 @@ impl Asked {
         best.expect("every format has a spelling")
     }
 
-    /// Returns how well the decoder reads the file.
-    fn rank(&self) -> Rank {
+    /// Returns how well the decoder reads the file: whether it answers with a frame, one of the right size, the right image.
+    fn rank(&self) -> [bool; 3] {
         let one = |(view, reply): &(View, Reply)| match &reply.answer {
-            Answer::Decoded(frame) if self.sample.expected(view).compare(frame).is_none() => {
-                Rank::Right
+            Answer::Decoded(frame) => {
+                let is_right = self.sample.expected(view).compare(frame).is_none();
+                [true, self.sample.has_size(frame), is_right]
             }
-            Answer::Decoded(frame) if self.sample.has_size(frame) => Rank::RightSize,
-            Answer::Decoded(_) => Rank::Frame,
-            _ => Rank::Nothing,
+            _ => [false; 3],
         };
-        self.replies.iter().map(one).max().unwrap_or(Rank::Nothing)
+        self.replies.iter().map(one).max().unwrap_or_default()
     }
 
     /// Returns true if more files would only take time.
@@ -88,22 +85,13 @@ impl Asked {
     }
 }
 
-/// The quality of a result, worst first.
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-enum Rank {
-    Nothing,
-    Frame,
-    RightSize,
-    Right,
-}
-
 /// Finds a format that it decodes and judges the images. Returns the replies that are frames.
 pub(super) fn first_frames(calls: &Calls, list: &mut Checklist) -> Option<Asked> {
     let mut troubled = None;
     let mut lacking = Vec::new();
     for format in FORMATS {
         let mut asked = Asked::in_best_spelling(calls, format);
-        if asked.rank() > Rank::Nothing {
+        if asked.rank()[0] {
             judge_views(&asked, list);
             if !lacking.is_empty() {
                 list.absent(format!("not decoded: {}", lacking.join(", ")));
@@ -130,8 +118,7 @@ pub(super) fn first_frames(calls: &Calls, list: &mut Checklist) -> Option<Asked>
     let known = calls.why_no_frame(&sample.file, &sample.expected(view), view, reply);
     let what = format!("{} {view}", sample.format.short_name());
     let fault = known.unwrap_or_else(|| explain(reply));
-    let step = ProbeStep::bad(&what, fault, sample.repeat(view));
-    list.steps.push(step);
+    list.fault(&what, fault, sample.repeat(view));
     None
 }
 
@@ -168,8 +155,7 @@ fn judge_views(Asked { sample, replies }: &Asked, list: &mut Checklist) {
             answer => fault("no-image", &[("answer", &answer.describe())]),
         };
         let fault = repair(&reply.stdout, &expected, view).unwrap_or(wrong);
-        let step = ProbeStep::bad(&what, fault, sample.repeat(view));
-        list.steps.push(step);
+        list.fault(&what, fault, sample.repeat(view));
     }
 }
 
@@ -191,8 +177,7 @@ pub(super) fn large_frame(calls: &Calls, first: &Asked, list: &mut Checklist) {
             }
             _ => explain(&reply),
         };
-        let step = ProbeStep::bad(&what, fault, sample.repeat(view));
-        list.steps.push(step);
+        list.fault(&what, fault, sample.repeat(view));
     }
 }
 
@@ -206,8 +191,7 @@ pub(super) fn refusals(calls: &Calls, first: &Asked, list: &mut Checklist) {
             continue;
         }
         let repeat = Reproduction::one_shot(view, file_name, file);
-        let step = ProbeStep::bad(&what, not_refused(&reply), repeat);
-        list.steps.push(step);
+        list.fault(&what, not_refused(&reply), repeat);
     }
 }
 
@@ -231,8 +215,7 @@ pub(super) fn unknown_view(calls: &Calls, sample: &Sample, list: &mut Checklist)
         Answer::Decoded(_) => fault("unknown-view-shown", &[]),
         answer => fault("unknown-view", &[("answer", &answer.describe())]),
     };
-    let step = ProbeStep::bad(&"an unknown view", fault, sample.repeat(&UNKNOWN));
-    list.steps.push(step);
+    list.fault(&"an unknown view", fault, sample.repeat(&UNKNOWN));
 }
 
 /// Requests the capabilities.

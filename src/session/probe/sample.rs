@@ -61,10 +61,10 @@ impl Sample {
     }
 
     /// Returns the same map in every spelling of its format, the default one first.
-    pub(super) fn in_all_spellings(format: Format, size: &str) -> impl Iterator<Item = Sample> {
+    pub(super) fn in_all_spellings(format: Format) -> impl Iterator<Item = Sample> {
         let spellings = if format.has_table() { 6 } else { 1 };
         let spellings = TableSpelling::all().take(spellings);
-        spellings.map(move |spelling| Sample::new(format, size, spelling))
+        spellings.map(move |spelling| Sample::new(format, "5x3", spelling))
     }
 
     pub(super) fn expected(&self, view: &View) -> Expected {

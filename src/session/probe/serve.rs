@@ -15,7 +15,7 @@ use crate::runner::call::{Call, MAX_WAIT, POLL_INTERVAL};
 use crate::runner::scratch::Workspace;
 
 use super::calls::Calls;
-use super::checklist::{Checklist, ProbeRequest, ProbeStep, Reproduction};
+use super::checklist::{Checklist, ProbeRequest, Reproduction};
 use super::message::{ProbeFault, Slots, fault};
 use super::one_shot::Asked;
 
@@ -30,8 +30,7 @@ pub(super) fn look(calls: &Calls, first: &Asked, list: &mut Checklist) {
         Ok(()) => list.good("serve: it ends when its input ends"),
         Err(None) => list.absent("serve: not offered, and not needed"),
         Err(Some((count, fault))) => {
-            let step = ProbeStep::bad(&"serve", fault, requests(first, count));
-            list.steps.push(step);
+            list.fault(&"serve", fault, requests(first, count));
         }
     }
 }
