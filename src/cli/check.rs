@@ -4,6 +4,7 @@ use std::cell::OnceCell;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
+use super::calls::in_one_line;
 use super::check_args::CheckArgs;
 use super::driver::{Check, ProgramRun};
 use super::ending::Ending;
@@ -11,7 +12,7 @@ use super::guard::{Guarded, check_trouble, stop_on_signals};
 use super::names::did_you_mean;
 use super::output::{jobs, print};
 use super::probe::keep_files;
-use super::subject::{Answers, Subject, in_one_line, program};
+use super::subject::{Answers, Subject, program};
 use super::terminal::show;
 use super::{CommandResult, EXIT_NOTHING_SELECTED, Failed, own_files};
 use ptm_conform::misreadings;
@@ -114,7 +115,7 @@ fn check_decoder(args: &CheckArgs, stop: &Arc<AtomicBool>) -> CommandResult {
         let _ = faults.set(found);
     });
     subject.program().map_or(Ok(()), check_trouble)?;
-    if args.written.has_page() && run.ended_early.is_none() {
+    if args.written.html.is_some() && run.ended_early.is_none() {
         run.scene = lit_scene::ask(&run.offer, &run.judgement.decoded, &ask);
     }
     let given_up = servers.filter(Servers::have_given_up);

@@ -6,8 +6,8 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::arguments::{id_filter, is_at_or_below, parse_refusal};
+use super::calls::{RunArgs, in_one_line};
 use super::ending::OutputArgs;
-use super::subject::{RunArgs, in_one_line};
 use ptm_conform::protocol::frame::ViewKind;
 use ptm_conform::report::shards::Shard;
 use ptm_conform::runner::processes;

@@ -8,10 +8,11 @@ use std::sync::atomic::AtomicBool;
 use clap::Args;
 
 use super::arguments::id_filter;
+use super::calls::RunArgs;
 use super::driver::ProgramRun;
 use super::ending::OutputArgs;
 use super::guard::{Guarded, stop_on_signals};
-use super::subject::{RunArgs, called_by, program};
+use super::subject::{called_by, program};
 use super::{CommandResult, EXIT_NOTHING_SELECTED, Failed};
 use ptm_conform::ptm::Format;
 use ptm_conform::runner::processes;

@@ -10,6 +10,7 @@ use std::io::{self, BufRead, Read};
 use std::path::{Path, PathBuf};
 use std::sync::{Condvar, Mutex};
 
+use super::files::path_of;
 use ptm_conform::ptm::Format;
 use ptm_conform::tools::dissection::Dissection;
 use ptm_conform::tools::lint::status::MAGIC;
@@ -154,16 +155,6 @@ pub fn paths(mut list: impl BufRead + Send, end: u8) -> impl Iterator<Item = Pat
             }
         }
     })
-}
-
-fn path_of(bytes: Vec<u8>) -> PathBuf {
-    #[cfg(unix)]
-    let path = <OsString as std::os::unix::ffi::OsStringExt>::from_vec(bytes);
-    #[cfg(not(unix))]
-    let path = String::from_utf8_lossy(&bytes)
-        .trim_end_matches('\r')
-        .to_owned();
-    path.into()
 }
 
 /// A file that has been read, if it is not longer than the limit.

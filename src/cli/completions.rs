@@ -27,15 +27,11 @@ pub struct ManArgs {
     directory: PathBuf,
 }
 
-#[expect(
-    clippy::unnecessary_wraps,
-    reason = "others of its type return nothing"
-)]
-pub fn run(args: &CompletionsArgs, mut program: Command) -> CommandResult {
+pub fn run(args: &CompletionsArgs, mut program: Command) -> u8 {
     let mut text = Vec::new();
     clap_complete::generate(args.shell, &mut program, "ptm-conform", &mut text);
     output::print(&String::from_utf8_lossy(&text));
-    Ok(0)
+    0
 }
 
 pub fn run_man(args: &ManArgs, program: &Command) -> CommandResult {

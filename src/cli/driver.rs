@@ -9,12 +9,12 @@ use std::sync::mpsc::{self, RecvTimeoutError};
 use std::time::{Duration, Instant};
 
 use super::CommandResult;
+use super::calls::RunArgs;
 use super::ending::{Ending, OutputArgs};
 use super::files::named;
 use super::guard::check_trouble;
 use super::output::jobs;
 use super::progress::{self, ProgressLine};
-use super::subject::RunArgs;
 use ptm_conform::diagnose::MAX_WORK;
 use ptm_conform::report::conclude::{causes, first_causes, undo_common_transforms, verdicts};
 use ptm_conform::report::reported::Reported;

@@ -25,7 +25,7 @@ use ptm_conform::suite::test_case::TestCase;
 pub struct OutputArgs {
     /// Also write the report as an HTML page with images of the failures.
     #[arg(long, value_name = "FILE")]
-    html: Option<PathBuf>,
+    pub html: Option<PathBuf>,
     /// Also write the report as `JUnit` XML.
     #[arg(long, value_name = "FILE")]
     junit: Option<PathBuf>,
@@ -68,11 +68,6 @@ impl OutputArgs {
             }
         }
         Ok(())
-    }
-
-    /// Returns true if an HTML page with images is requested.
-    pub fn has_page(&self) -> bool {
-        self.html.is_some()
     }
 }
 

@@ -19,6 +19,17 @@ pub fn named<E: Display>(path: &Path) -> impl Fn(E) -> String + '_ {
     move |error| format!("{}: {error}", path.display())
 }
 
+/// Converts a path, which may have any bytes on Unix systems.
+pub fn path_of(bytes: Vec<u8>) -> PathBuf {
+    #[cfg(unix)]
+    let path = <std::ffi::OsString as std::os::unix::ffi::OsStringExt>::from_vec(bytes);
+    #[cfg(not(unix))]
+    let path = String::from_utf8_lossy(&bytes)
+        .trim_end_matches('\r')
+        .to_owned();
+    path.into()
+}
+
 /// Reads a file; the error is a sentence.
 pub fn read(path: &Path) -> Result<Vec<u8>, String> {
     let file = fs::File::open(path).map_err(named(path))?;

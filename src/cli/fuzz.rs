@@ -10,9 +10,9 @@ use std::time::Duration;
 use clap::Args;
 
 use super::arguments::positive_seconds;
+use super::calls::CallArgs;
 use super::guard::{Guarded, check_trouble, stop_on_signals};
 use super::output::{bar, jobs, print};
-use super::subject::CallArgs;
 use super::{CommandResult, Failed};
 use ptm_conform::fuzz::find::Find;
 use ptm_conform::fuzz::write::{because, write};

@@ -6,11 +6,11 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use super::CommandResult;
+use super::calls::CallArgs;
 use super::files;
 use super::fuzz::CALLS_TEMPLATE;
 use super::guard::{Guarded, check_trouble, stop_on_signals};
 use super::output::{bar, print};
-use super::subject::CallArgs;
 use ptm_conform::fuzz::reduce;
 use ptm_conform::protocol::frame::{Answer, Frame, View};
 use ptm_conform::runner::run::Request;

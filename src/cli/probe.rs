@@ -8,8 +8,8 @@ use clap::Args;
 
 use super::CommandResult;
 use super::arguments::positive_seconds;
+use super::calls::in_one_line;
 use super::guard::{Guarded, check_trouble};
-use super::subject::in_one_line;
 use super::terminal::show;
 use ptm_conform::runner::processes;
 use ptm_conform::runner::run::Decoder;

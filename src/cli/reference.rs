@@ -124,7 +124,7 @@ fn answer(line: &[u8]) -> io::Result<Vec<u8>> {
     let Some(view) = view.and_then(|view| view.parse::<View>().ok()) else {
         return Ok(with_number("unsupported view".to_owned()));
     };
-    let file = files::read(path_of(path)?).map_err(io::Error::other)?;
+    let file = files::read(&files::path_of(path.to_vec())).map_err(io::Error::other)?;
     Ok(match ptm_conform::decode(&file) {
         Ok(ptm) => {
             let mut frame = Vec::new();
@@ -136,22 +136,6 @@ fn answer(line: &[u8]) -> io::Result<Vec<u8>> {
         }
         Err(error) => with_number(format!("unsupported {error}").replace('\n', " ")),
     })
-}
-
-/// Converts a path, which may have any bytes.
-#[cfg(unix)]
-#[allow(clippy::unnecessary_wraps, reason = "elsewhere it is not")]
-fn path_of(bytes: &[u8]) -> io::Result<&Path> {
-    use std::os::unix::ffi::OsStrExt;
-    Ok(Path::new(std::ffi::OsStr::from_bytes(bytes)))
-}
-
-/// Converts a path, which must be text.
-#[cfg(not(unix))]
-fn path_of(bytes: &[u8]) -> io::Result<&Path> {
-    let text = std::str::from_utf8(bytes);
-    text.map(Path::new)
-        .map_err(|_| io::Error::other("a path is not UTF-8"))
 }
 
 fn capabilities() -> String {
