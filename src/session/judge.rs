@@ -59,11 +59,8 @@ pub fn judge<C: TestCase>(
         let case = &suite.cases[i];
         let twins = twins[i].iter();
         let twins = twins.map(|&twin| (suite.cases[twin].id(), observations[twin].as_ref()));
-        let (outcome, says) = match &observations[i] {
-            None => (
-                Outcome::NotJudged,
-                "none of its views is offered".to_owned(),
-            ),
+        match &observations[i] {
+            None => verdict(Outcome::NotJudged, "none of its views is offered"),
             Some(observation) => Evidence {
                 case,
                 observation,
@@ -73,8 +70,7 @@ pub fn judge<C: TestCase>(
                 spelling_known,
             }
             .verdict(offer),
-        };
-        Judged { outcome, says }
+        }
     };
     Judgement {
         cases: (0..suite.cases.len())
@@ -99,17 +95,18 @@ struct Evidence<'a, C: TestCase> {
     spelling_known: bool,
 }
 
-type Verdict = (Outcome, String);
-
-fn fail(says: impl Into<String>) -> Verdict {
-    (Outcome::Fail, says.into())
+fn verdict(outcome: Outcome, says: impl Into<String>) -> Judged {
+    let says = says.into();
+    Judged { outcome, says }
 }
 
-const PASS: Verdict = (Outcome::Pass, String::new());
+fn fail(says: impl Into<String>) -> Judged {
+    verdict(Outcome::Fail, says)
+}
 
 impl<C: TestCase> Evidence<'_, C> {
     /// Returns the outcome and the reason: those of the table, with the exceptions that docs/protocol.md lists below it.
-    fn verdict(&self, offer: &Offer<C>) -> Verdict {
+    fn verdict(&self, offer: &Offer<C>) -> Judged {
         let (case, observation) = (self.case, self.observation);
         let expect = case.expect();
         if let Some(how) = &observation.nondeterminism {
@@ -123,15 +120,15 @@ impl<C: TestCase> Evidence<'_, C> {
         }
         let outcome = outcome(expect, self.is_supported(offer), self.response_kind());
         if outcome == Outcome::Unsupported {
-            return (outcome, String::new());
+            return verdict(outcome, "");
         }
         if let Some(says) = self.stands_on_nothing() {
-            return (Outcome::Inconclusive, says);
+            return verdict(Outcome::Inconclusive, says);
         }
         match &observation.response {
-            _ if outcome == Outcome::Pass => PASS,
+            _ if outcome == Outcome::Pass => verdict(outcome, ""),
             Response::Violation(answer) => fail(answer.describe()),
-            Response::Rejected => (outcome, self.refusal_in_words()),
+            Response::Rejected => verdict(outcome, self.refusal_in_words()),
             Response::Unsupported if expect == Expect::Reject => {
                 fail("exited with 69 (unsupported) on a malformed file of a kind it decodes")
             }
@@ -208,7 +205,7 @@ impl<C: TestCase> Evidence<'_, C> {
     }
 
     /// Returns the verdict on a wrong image, or any image of a file that must be refused.
-    fn wrong_picture(&self, right: &Right, differs: String) -> Verdict {
+    fn wrong_picture(&self, right: &Right, differs: String) -> Judged {
         let is_right = |(_, twin): &(_, Option<&Observation<C>>)| {
             twin.is_some_and(|twin| is_right(twin, self.dialect))
         };
@@ -216,12 +213,11 @@ impl<C: TestCase> Evidence<'_, C> {
             (Expect::Reject | Expect::Refuse, _) => {
                 fail(format!("{}: {}", C::ACCEPTED, self.case.fault()))
             }
-            (Expect::Spelling, _) if self.spelling_known => (Outcome::OtherDialect, String::new()),
-            (Expect::Lenient, _) if !self.twins.is_empty() && !self.twins.iter().any(is_right) => (
-                Outcome::Inconclusive,
-                "its twin was decoded wrongly".to_owned(),
-            ),
-            (Expect::ImplementationDefined, _) => (
+            (Expect::Spelling, _) if self.spelling_known => verdict(Outcome::OtherDialect, ""),
+            (Expect::Lenient, _) if !self.twins.is_empty() && !self.twins.iter().any(is_right) => {
+                verdict(Outcome::Inconclusive, "its twin was decoded wrongly")
+            }
+            (Expect::ImplementationDefined, _) => verdict(
                 Outcome::ImplementationDefined,
                 format!("left to the implementation; the reference differs: {differs}"),
             ),
