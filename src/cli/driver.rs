@@ -130,20 +130,20 @@ impl<'a, C: Reported> Check<'a, C> {
         };
         let mut observations = vec![None; self.suite.cases.len()];
         // A short run would end before its first causes were read.
-        if soonest.is_empty() || others.len() < MIN_OTHER_CASES {
-            let all = [soonest, others].concat();
-            self.progress.begin("asking");
-            session.ask_some(contact, &all, &mut observations, &progress);
-            return observations;
-        }
-        self.foretell(pace, soonest.len(), all);
-        self.progress.begin("asking the smoke subset:");
-        session.ask_some(contact, &soonest, &mut observations, &progress);
-        if !session.is_over() {
-            let run = session.so_far(contact, &soonest, &observations);
-            let patience = pace.mul_f64(all as f64 / 10.0).max(MIN_PATIENCE);
-            self.tell_first_causes(run, patience);
-        }
+        let is_short = soonest.is_empty() || others.len() < MIN_OTHER_CASES;
+        let others = if is_short {
+            [soonest, others].concat()
+        } else {
+            self.foretell(pace, soonest.len(), all);
+            self.progress.begin("asking the smoke subset:");
+            session.ask_some(contact, &soonest, &mut observations, &progress);
+            if !session.is_over() {
+                let run = session.so_far(contact, &soonest, &observations);
+                let patience = pace.mul_f64(all as f64 / 10.0).max(MIN_PATIENCE);
+                self.tell_first_causes(run, patience);
+            }
+            others
+        };
         self.progress.begin("asking");
         session.ask_some(contact, &others, &mut observations, &progress);
         observations
