@@ -49,31 +49,29 @@ pub fn ask(offer: &Offer, decoded: &BTreeSet<Feature>, ask: &Ask) -> Option<LitS
     formats.retain(|format| decoded.contains(&Feature::Format(*format)));
     // The simplest first, then those without loss, then those whose scene is lossy or has other colors.
     let format = formats.into_iter().min_by_key(|&format| {
-        let (is_loss, is_table) = (format.is_jpeg(), format.has_table());
-        let is_compressed = format.is_compressed();
+        let (is_lum, is_lossy) = (format == Format::Lum, format.is_jpeg());
+        let (has_table, is_compressed) = (format.has_table(), format.is_compressed());
         (
-            format == Format::Lum,
-            is_loss,
-            is_table,
+            is_lum,
+            is_lossy,
+            has_table,
             is_compressed,
             format.channels(),
         )
     })?;
     let mut views = [ViewKind::Rgb, ViewKind::Coef, ViewKind::Raw].into_iter();
     let view = views.find(|view| offer.views.contains(&view.name()))?;
-    let asked: View = match view {
+    let asked = match view {
         ViewKind::Rgb => format!("rgb:{},{}", LIGHT.0, LIGHT.1),
         _ => view.name().to_owned(),
-    }
-    .parse()
-    .expect("a view");
-    // lut-count: a decoder may support only one spelling of the count.
-    let spellings = if format.has_table() {
-        Count::ALL.len()
-    } else {
-        1
     };
-    Count::ALL[..spellings].iter().find_map(|&count| {
+    let asked: View = asked.parse().expect("a view");
+    // lut-count: a decoder may support only one spelling of the count.
+    let spellings = match format.has_table() {
+        true => &Count::ALL[..],
+        false => &Count::ALL[..1],
+    };
+    spellings.iter().find_map(|&count| {
         let file = file(format, count);
         let request = Request {
             name: "lit-scene",
