@@ -103,7 +103,7 @@ fn main() -> ExitCode {
         Command::Export(args) => cli::export::run(&args),
         Command::Convert(args) => cli::convert::run(&args),
         Command::Diff(args) => cli::diff::run(&args),
-        Command::Completions(args) => cli::completions::run(&args, Cli::command()),
+        Command::Completions(args) => Ok(cli::completions::run(&args, Cli::command())),
         Command::Man(args) => cli::completions::run_man(&args, &Cli::command()),
         #[cfg(unix)]
         Command::Texture(args) => cli::texture::run(&args),

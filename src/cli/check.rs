@@ -4,15 +4,15 @@ use std::cell::OnceCell;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
-use super::arguments::{in_one_line, limit};
+use super::calls::in_one_line;
 use super::check_args::CheckArgs;
-use super::driver::Check;
+use super::driver::{Check, ProgramRun};
 use super::ending::Ending;
 use super::guard::{Guarded, check_trouble, stop_on_signals};
 use super::names::did_you_mean;
 use super::output::{jobs, print};
 use super::probe::keep_files;
-use super::subject::{self, Answers, Subject};
+use super::subject::{Answers, Subject, program};
 use super::terminal::show;
 use super::{CommandResult, EXIT_NOTHING_SELECTED, Failed, own_files};
 use ptm_conform::misreadings;
@@ -38,7 +38,7 @@ pub fn run(args: &CheckArgs) -> CommandResult {
     args.refuse_bare_hyphens()?;
     let stop = stop_on_signals()?;
     processes::prepare();
-    args.written.check(&args.report)?;
+    args.written.check(&args.run.report)?;
     let is_reference = args.is_of_reference();
     if is_reference {
         print("No decoder is given: checking the built-in reference.\n");
@@ -65,15 +65,14 @@ fn check_decoder(args: &CheckArgs, stop: &Arc<AtomicBool>) -> CommandResult {
     let selected = selected(args, &suite, &among)?;
     for slug in &args.assumed {
         let slugs = misreadings::all().map(|misreading| misreading.slug);
-        let meant = did_you_mean(slug, slugs);
-        named(std::slice::from_ref(slug)).map_err(|error| error + &meant)?;
+        named(std::slice::from_ref(slug)).map_err(|error| error + &did_you_mean(slug, slugs))?;
     }
     let mut subject = Subject::new(args, &suite, stop)?;
     let guarded = Guarded::new()?;
     let scratch = &guarded.scratch;
     let capabilities = capabilities(&mut subject, args, scratch);
     if let (Some(directory), Some(decoder)) = (&args.files, subject.program()) {
-        return own_files::check(directory, &args.views, &args.report, decoder, scratch);
+        return own_files::check(directory, &args.views, &args.run.report, decoder, scratch);
     }
     let serves = args.serve || capabilities.serves && !args.one_shot;
     let plan = plan(args, &suite, selected, stop, &subject, serves)?.declared_by(&capabilities);
@@ -97,7 +96,7 @@ fn check_decoder(args: &CheckArgs, stop: &Arc<AtomicBool>) -> CommandResult {
         ..Circumstances::of(&suite, &plan, &subject.words, &args.assumed)
     };
 
-    let ending = Ending::new(&suite, &args.report, args.show, &args.written)?;
+    let ending = Ending::new(&suite, &args.run.report, &args.written)?;
     let mut check = Check::new(&suite, &plan, circumstances, ending, args.shard)?;
     if !serves && args.cmd.is_none() {
         check.faster = SERVE_MODE_IS_FASTER;
@@ -116,19 +115,19 @@ fn check_decoder(args: &CheckArgs, stop: &Arc<AtomicBool>) -> CommandResult {
         let _ = faults.set(found);
     });
     subject.program().map_or(Ok(()), check_trouble)?;
-    if args.written.has_page() && run.ended_early.is_none() {
+    if args.written.html.is_some() && run.ended_early.is_none() {
         run.scene = lit_scene::ask(&run.offer, &run.judgement.decoded, &ask);
     }
-    let given_up = servers.as_ref().is_some_and(Servers::have_given_up);
-    drop(servers);
-    let not_served = given_up.then(|| Remark::failure(NOT_SERVED.to_owned()));
+    let given_up = servers.filter(Servers::have_given_up);
     let notes = capabilities.remarks.iter();
     let notes = notes.map(|says| Remark::note(format!("capabilities: {says}")));
+    let locale = locale_remark(&suite, &run, &subject, scratch);
     let others = OtherRemarks {
-        before: not_served.into_iter().collect(),
-        after: notes
-            .chain(locale_remark(&suite, &run, &subject, scratch))
+        before: given_up
+            .map(|_| Remark::failure(NOT_SERVED.to_owned()))
+            .into_iter()
             .collect(),
+        after: notes.chain(locale).collect(),
     };
     let status = check.conclude(run, others)?;
     print_commands(args, &faults.into_inner().unwrap_or_default());
@@ -152,10 +151,10 @@ fn tell(contact: &mut Contact, faults: &[ProbeStep]) {
 
 /// Prints commands that reproduce the faults of the wrapper.
 fn print_commands(args: &CheckArgs, faults: &[ProbeStep]) {
-    let directory = args.report.with_file_name("ptm-conform-probe");
     if args.cmd.is_some() {
         return;
     }
+    let directory = args.run.report.with_file_name("ptm-conform-probe");
     let command = in_one_line(&args.decoder);
     for repeat in faults.iter().filter_map(|fault| fault.repeat.as_ref()) {
         if let Some(command) = keep_files(repeat, &command, &directory) {
@@ -169,29 +168,24 @@ fn check_stage(args: &CheckArgs, stop: &Arc<AtomicBool>) -> CommandResult {
     refuse_options_of_files(args)?;
     let suite = Suite::of_textures()?;
     let selected = selected(args, &suite, &vec![true; suite.cases.len()])?;
-    let mut decoder = subject::program(&args.decoder)?;
-    limit(&mut decoder, args.timeout, args.memory, stop)?;
-    let words = subject::words_of(&args.decoder)?;
+    let (mut decoder, words) = program(&args.decoder)?;
+    args.run.limit(&mut decoder, stop)?;
     let guarded = Guarded::new()?;
-    let plan = RunPlan {
-        selected,
-        repeat: Repeat::Failures,
-        stop: Arc::clone(stop),
-        ..RunPlan::of(&suite, jobs(args.jobs)?)
-    };
-    let circumstances = Circumstances {
+    let run = ProgramRun {
+        program: &decoder,
+        words: &words,
         limits: args.limits(false),
-        ..Circumstances::of(&suite, &plan, &words, &args.assumed)
+        args: &args.run,
+        written: &args.written,
+        shard: args.shard,
+        stop,
     };
-
-    let ending = Ending::new(&suite, &args.report, args.show, &args.written)?;
-    let check = Check::new(&suite, &plan, circumstances, ending, args.shard)?;
-    let run = check.ask(
+    run.check(
+        &suite,
+        selected,
         &|request, _| texture_stage::ask(&decoder, request, &guarded.scratch),
         &|_| (),
-    );
-    check_trouble(&decoder)?;
-    Ok(check.conclude(run, OtherRemarks::default())?)
+    )
 }
 
 /// Returns the cases that are selected; it is a failure if there are none.
@@ -205,14 +199,12 @@ fn selected<C: TestCase>(
         return Ok(selected);
     }
     let ids = || suite.cases.iter().map(TestCase::id);
-    let meant = (args.cases.iter()).map(|name| did_you_mean(name, ids()));
+    let meant = args.cases.iter().map(|name| did_you_mean(name, ids()));
     let meant: String = meant.collect();
-    Err(Failed::new(
-        EXIT_NOTHING_SELECTED,
-        &format!(
-            "no case matches what --case, --clause and --shard ask for{meant}; ptm-conform explain 2.5 lists clauses and cases"
-        ),
-    ))
+    let says = format!(
+        "no case matches what --case, --clause and --shard ask for{meant}; ptm-conform explain 2.5 lists clauses and cases"
+    );
+    Err(Failed::new(EXIT_NOTHING_SELECTED, &says))
 }
 
 /// Refuses options that have no meaning for texture questions.
@@ -263,7 +255,7 @@ fn plan(
             (false, false) => Repeat::Failures,
         },
         stop: Arc::clone(stop),
-        ..RunPlan::of(suite, jobs(args.jobs)?)
+        ..RunPlan::of(suite, jobs(args.run.jobs)?)
     })
 }
 

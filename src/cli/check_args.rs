@@ -5,9 +5,8 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::arguments::{
-    globs, in_one_line, memory_limit_to_text, parse_refusal, parse_size, time_limit_to_text,
-};
+use super::arguments::{id_filter, is_at_or_below, parse_refusal};
+use super::calls::{RunArgs, in_one_line};
 use super::ending::OutputArgs;
 use ptm_conform::protocol::frame::ViewKind;
 use ptm_conform::report::shards::Shard;
@@ -29,18 +28,8 @@ use ptm_conform::suite::test_case::TestCase;
     after_help = "Examples:\n  ptm-conform check ./my-decoder\n  ptm-conform check -- python3 decode.py --strict\n  ptm-conform check --case '*lut*' --jobs 1 ./my-decoder\n  ptm-conform check --cmd 'viewer -u {lu} -v {lv} {in} -o {out}.png' --reject-exit 1\n  ptm-conform check --baseline known-failures.yaml ./my-decoder"
 )]
 pub struct CheckArgs {
-    /// The file for the YAML report.
-    #[arg(long, value_name = "FILE", default_value = "ptm-conform-report.yaml")]
-    pub report: PathBuf,
-    /// Calls in parallel; by default one per processor.
-    #[arg(long, value_name = "N")]
-    pub jobs: Option<usize>,
-    /// Wall-clock limit of a call; the first call gets three times as much.
-    #[arg(long, value_name = "SECONDS", default_value_t = 10.0)]
-    pub timeout: f64,
-    /// Memory limit of a call, all its processes together: bytes, or with K, M or G.
-    #[arg(long, value_name = "SIZE", default_value = "2G", value_parser = parse_size)]
-    pub memory: u64,
+    #[command(flatten)]
+    pub run: RunArgs,
     /// Run only cases whose id matches; * and ? are wildcards. Repeatable.
     #[arg(long = "case", value_name = "GLOB")]
     pub cases: Vec<String>,
@@ -99,9 +88,6 @@ pub struct CheckArgs {
     pub caller: Option<PathBuf>,
     #[command(flatten)]
     pub written: OutputArgs,
-    /// Number of failures to print in full; the report has all of them.
-    #[arg(long, value_name = "N", default_value_t = 10)]
-    pub show: usize,
     /// The decoder and its arguments. Without a decoder, the built-in reference is checked.
     #[arg(value_name = "DECODER", trailing_var_arg = true)]
     pub decoder: Vec<OsString>,
@@ -120,10 +106,8 @@ impl CheckArgs {
     pub fn refuse_bare_hyphens(&self) -> Result<(), String> {
         let last = std::env::args_os().next_back();
         if self.decoder.is_empty() && last.is_some_and(|last| last == "--") {
-            return Err(
-                "check: no decoder follows --; try: ptm-conform check -- python3 decode.py (without -- and a decoder, check runs the built-in reference)"
-                    .to_owned(),
-            );
+            let says = "check: no decoder follows --; try: ptm-conform check -- python3 decode.py (without -- and a decoder, check runs the built-in reference)";
+            return Err(says.to_owned());
         }
         Ok(())
     }
@@ -143,22 +127,21 @@ impl CheckArgs {
         Some(format!("ptm-conform check {}", in_one_line(&words)))
     }
 
-    /// Which cases match the globs, the clauses and the shard, of those among which `also` is; all if nothing is asked for.
+    /// Returns the cases that match the patterns, the clauses and the shard, of those among which `also` is.
     pub fn selection<C: TestCase>(
         &self,
         suite: &Suite<C>,
         also: &[bool],
     ) -> Result<Vec<bool>, String> {
-        let globs = globs(&self.cases)?;
-        let about = |clause: &String| {
-            self.clauses.iter().any(|asked| {
-                let rest = clause.strip_prefix(asked.as_str());
-                rest.is_some_and(|rest| rest.is_empty() || rest.starts_with(['/', '.', '-']))
-            })
+        let is_named = id_filter(&self.cases)?;
+        let is_about = |clause: &String| {
+            self.clauses
+                .iter()
+                .any(|asked| is_at_or_below(clause, asked))
         };
         let matches = |case: &C| {
-            (globs.is_empty() || globs.iter().any(|glob| glob.matches(case.id())))
-                && (self.clauses.is_empty() || case.clauses().iter().any(about))
+            is_named(case.id())
+                && (self.clauses.is_empty() || case.clauses().iter().any(is_about))
                 && self.shard.is_none_or(|shard| shard.holds(case.id()))
         };
         let cases = suite.cases.iter().zip(also);
@@ -174,21 +157,18 @@ impl CheckArgs {
             return vec!["none: the decoder is a function of the calling process".to_owned()];
         }
         let left = match processes::can_be_watched() {
-            true => {
-                "processes: the group of a call, and what has left it, are killed when the call is over"
-            }
-            false => "processes: the group of a call is killed when the call is over",
+            true => ", and what has left it, are",
+            false => " is",
         };
-        let mut limits = vec![
-            time_limit_to_text(self.timeout),
-            memory_limit_to_text(self.memory),
+        let mut limits = self.run.limits_to_text();
+        limits.extend([
             "standard output: 4 times the largest frame of the file and 64 KiB".to_owned(),
             "files: 4 GiB each, no core dumps".to_owned(),
-            left.to_owned(),
+            format!("processes: the group of a call{left} killed when the call is over"),
             "input: each file is held against its bytes after the call".to_owned(),
             "locale: C; the first files once more in one with a decimal comma, where there is one"
                 .to_owned(),
-        ];
+        ]);
         if serves {
             limits.push(format!("serve mode: one process a job; failures and one in {SAMPLE} of the rest are asked again one-shot"));
         }

@@ -7,19 +7,17 @@ use std::sync::atomic::AtomicBool;
 
 use clap::Args;
 
-use super::arguments::{globs, limit, memory_limit_to_text, parse_size, time_limit_to_text};
-use super::driver::Check;
-use super::ending::{Ending, OutputArgs};
-use super::guard::{Guarded, check_trouble, stop_on_signals};
-use super::output::jobs;
-use super::subject;
+use super::arguments::id_filter;
+use super::calls::RunArgs;
+use super::driver::ProgramRun;
+use super::ending::OutputArgs;
+use super::guard::{Guarded, stop_on_signals};
+use super::subject::{called_by, program};
 use super::{CommandResult, EXIT_NOTHING_SELECTED, Failed};
 use ptm_conform::ptm::Format;
-use ptm_conform::report::shards::{Circumstances, OtherRemarks};
 use ptm_conform::runner::processes;
 use ptm_conform::runner::run::{Decoder, Request};
 use ptm_conform::runner::template::Template;
-use ptm_conform::session::plan::{Repeat, RunPlan};
 use ptm_conform::suite::cases::Suite;
 use ptm_conform::writers::asking::{self, VALUES, WritingCase};
 use ptm_conform::writers::fitting::pictures::PictureSet;
@@ -39,18 +37,8 @@ use ptm_conform::writers::test_case::WriteView;
     after_help = "Examples:\n  ptm-conform check-writer ./my-writer\n  ptm-conform check-writer --format LRGB -- python3 write.py\n  ptm-conform check-writer --format LRGB --cmd 'convert-to-ptm --size {width}x{height} --scale {scale} --bias {bias} {planes} {out}.ptm'"
 )]
 pub struct CheckWriterArgs {
-    /// The file for the YAML report.
-    #[arg(long, value_name = "FILE", default_value = "ptm-conform-report.yaml")]
-    report: PathBuf,
-    /// Calls in parallel; by default one per processor.
-    #[arg(long, value_name = "N")]
-    jobs: Option<usize>,
-    /// Wall-clock limit of a call; the first call gets three times as much.
-    #[arg(long, value_name = "SECONDS", default_value_t = 10.0)]
-    timeout: f64,
-    /// Memory limit of a call, all its processes together: bytes, or with K, M or G.
-    #[arg(long, value_name = "SIZE", default_value = "2G", value_parser = parse_size)]
-    memory: u64,
+    #[command(flatten)]
+    run: RunArgs,
     /// Run only requests for this format: LRGB, JPEG_RGB, … Repeatable.
     #[arg(long = "format", value_name = "FORMAT")]
     formats: Vec<Format>,
@@ -78,9 +66,6 @@ pub struct CheckWriterArgs {
     cmd: Option<String>,
     #[command(flatten)]
     written: OutputArgs,
-    /// Number of failures to print in full; the report has all of them.
-    #[arg(long, value_name = "N", default_value_t = 10)]
-    show: usize,
     /// The writer and its arguments. Without a writer, the built-in writer is checked.
     #[arg(value_name = "WRITER", trailing_var_arg = true)]
     writer: Vec<OsString>,
@@ -93,7 +78,7 @@ pub const MAX_FILE_SIZE: u64 = 64 << 20;
 pub fn run(args: &CheckWriterArgs) -> CommandResult {
     let stop = stop_on_signals()?;
     processes::prepare_for(MAX_FILE_SIZE);
-    args.written.check(&args.report)?;
+    args.written.check(&args.run.report)?;
     if args.fitter {
         let own = args.lp.as_deref().map(PictureSet::read).transpose()?;
         check(args, &Suite::of_photographs(own.as_ref()), &stop)
@@ -114,35 +99,29 @@ fn check<C: WritingCase>(
         return Err(Failed::new(EXIT_NOTHING_SELECTED, says));
     }
     let (writer, words) = args.writer(C::VERB, stop)?;
-    let plan = RunPlan {
-        selected,
-        repeat: Repeat::Failures,
-        stop: Arc::clone(stop),
-        ..RunPlan::of(suite, jobs(args.jobs)?)
-    };
-    let ending = Ending::new(suite, &args.report, args.show, &args.written)?;
     let guarded = Guarded::new()?;
-    let circumstances = Circumstances {
-        limits: args.limits(),
-        ..Circumstances::of(suite, &plan, &words, &[])
-    };
-    let check = Check::new(suite, &plan, circumstances, ending, None)?;
     let ask = |request: &Request<'_, WriteView>, _: usize| {
         let case = suite.case(request.name).expect("a case of this suite");
         asking::ask(&writer, case, request.timeout_factor, &guarded.scratch)
     };
-    let mut run = check.ask(&ask, &|_| ());
-    check_trouble(&writer)?;
-    asking::reword(&mut run);
-    Ok(check.conclude(run, OtherRemarks::default())?)
+    let run = ProgramRun {
+        program: &writer,
+        words: &words,
+        limits: args.limits(),
+        args: &args.run,
+        written: &args.written,
+        shard: None,
+        stop,
+    };
+    run.check(suite, selected, &ask, &asking::reword)
 }
 
 impl CheckWriterArgs {
     /// Returns the requests that match; the first ones of the selected formats are always included.
     fn selected<C: WritingCase>(&self, suite: &Suite<C>) -> Result<Vec<bool>, String> {
-        let globs = globs(&self.cases)?;
+        let is_named = id_filter(&self.cases)?;
         let matches = |case: &C| {
-            (globs.is_empty() || globs.iter().any(|glob| glob.matches(case.id())))
+            is_named(case.id())
                 && (self.formats.is_empty() || self.formats.contains(&case.format()))
                 && (!self.smoke || case.is_smoke())
         };
@@ -152,28 +131,22 @@ impl CheckWriterArgs {
     /// Returns the writer with its limits, and its command for the report.
     fn writer(&self, verb: &str, stop: &Arc<AtomicBool>) -> Result<(Decoder, Vec<String>), String> {
         let (mut writer, words) = if let Some(text) = &self.cmd {
-            let template = Template::parse_for_writer(text, &VALUES);
-            let template = template.map_err(|error| format!("--cmd: {error}"))?;
-            let writer = Decoder::with_template(template).map_err(|error| error.to_string())?;
-            (writer, shlex::split(text).unwrap_or_default())
+            called_by(text, Template::parse_for_writer(text, &VALUES))?
         } else {
-            let program = subject::program(&self.writer)?;
-            (program.as_writer(verb), subject::words_of(&self.writer)?)
+            let (program, words) = program(&self.writer)?;
+            (program.as_writer(verb), words)
         };
-        limit(&mut writer, self.timeout, self.memory, stop)?;
+        self.run.limit(&mut writer, stop)?;
         Ok((writer, words))
     }
 
     /// Returns the limits in force, in words.
     fn limits(&self) -> Vec<String> {
-        vec![
-            time_limit_to_text(self.timeout),
-            memory_limit_to_text(self.memory),
-            "the file: twice the bytes of its planes and 64 KiB; larger ones are not read"
-                .to_owned(),
-            format!("files: {} MiB each, no core dumps", MAX_FILE_SIZE >> 20),
-            "input: the request and its files are held against their bytes after the call"
-                .to_owned(),
-        ]
+        let others = [
+            "the file: twice the bytes of its planes and 64 KiB; larger ones are not read",
+            &format!("files: {} MiB each, no core dumps", MAX_FILE_SIZE >> 20),
+            "input: the request and its files are held against their bytes after the call",
+        ];
+        [self.run.limits_to_text(), others.map(str::to_owned).into()].concat()
     }
 }

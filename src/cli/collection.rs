@@ -10,6 +10,7 @@ use std::io::{self, BufRead, Read};
 use std::path::{Path, PathBuf};
 use std::sync::{Condvar, Mutex};
 
+use super::files::path_of;
 use ptm_conform::ptm::Format;
 use ptm_conform::tools::dissection::Dissection;
 use ptm_conform::tools::lint::status::MAGIC;
@@ -156,82 +157,53 @@ pub fn paths(mut list: impl BufRead + Send, end: u8) -> impl Iterator<Item = Pat
     })
 }
 
-#[cfg(unix)]
-fn path_of(bytes: Vec<u8>) -> PathBuf {
-    use std::os::unix::ffi::OsStringExt;
-    OsString::from_vec(bytes).into()
-}
-
-#[cfg(not(unix))]
-fn path_of(bytes: Vec<u8>) -> PathBuf {
-    String::from_utf8_lossy(&bytes)
-        .trim_end_matches('\r')
-        .into()
-}
-
-/// A file whose beginning has been read.
+/// A file that has been read, if it is not longer than the limit.
 pub enum Opened {
     /// Not a PTM: its beginning and its length.
     Other(Vec<u8>, u64),
-    /// Longer than the limit, with its length.
-    TooLong(u64),
-    /// A file that begins like a PTM.
-    Candidate(Candidate),
+    /// Longer than the limit, with its length if it is known.
+    TooLong(Option<u64>),
+    /// A whole file that begins like a PTM.
+    Map(Vec<u8>),
 }
 
-/// A file that begins like a PTM, and is not longer than the limit as far as its length is known.
-pub struct Candidate {
-    file: File,
-    beginning: Vec<u8>,
+/// Reads a file and does `work` with it, for a PTM as soon as there is room for it and its planes.
+pub fn open<T>(
+    path: &Path,
     limit: u64,
-    /// Number of bytes that the file and its planes need.
-    pub room: u64,
-}
-
-/// Opens a file and reads its beginning.
-pub fn open(path: &Path, limit: u64) -> io::Result<Opened> {
+    room: &Room,
+    work: impl FnOnce(Opened) -> T,
+) -> io::Result<T> {
     let mut file = File::open(path)?;
     let length = file.metadata()?.len();
-    let mut beginning = Vec::with_capacity(HEAD_BYTES as usize);
-    file.by_ref().take(HEAD_BYTES).read_to_end(&mut beginning)?;
-    if !beginning.starts_with(MAGIC) {
+    let mut bytes = Vec::with_capacity(HEAD_BYTES as usize);
+    file.by_ref().take(HEAD_BYTES).read_to_end(&mut bytes)?;
+    if !bytes.starts_with(MAGIC) {
         // The length of something other than a regular file is unknown before its end.
-        let length = length.max(beginning.len() as u64);
-        return Ok(Opened::Other(beginning, length));
+        let length = length.max(bytes.len() as u64);
+        return Ok(work(Opened::Other(bytes, length)));
     }
     if length > limit {
-        return Ok(Opened::TooLong(length));
+        return Ok(work(Opened::TooLong(Some(length))));
     }
+    let mut words = bytes.windows(4).take(FIRST_LINES);
     // Only compressed planes are much larger than their file.
-    let room = match beginning
-        .windows(4)
-        .take(FIRST_LINES)
-        .any(|word| word == b"JPEG")
-    {
+    let needed = match words.any(|word| word == b"JPEG") {
         // The decoded streams, and the texels that are made from them.
-        true => length.saturating_add(planes(&beginning).saturating_mul(2)),
+        true => length.saturating_add(planes(&bytes).saturating_mul(2)),
         false => length.saturating_mul(2),
     };
-    Ok(Opened::Candidate(Candidate {
-        file,
-        beginning,
-        limit,
-        room,
-    }))
-}
-
-impl Candidate {
-    /// Reads the rest; None if it is longer than the limit.
-    pub fn read(self) -> io::Result<Option<Vec<u8>>> {
-        let mut bytes = self.beginning;
-        // The file ended within its beginning.
-        if (bytes.len() as u64) < HEAD_BYTES {
-            return Ok((bytes.len() as u64 <= self.limit).then_some(bytes));
+    room.with(needed, || {
+        // A shorter file ended within its beginning.
+        if bytes.len() as u64 == HEAD_BYTES {
+            let rest = limit.saturating_add(1).saturating_sub(HEAD_BYTES);
+            file.take(rest).read_to_end(&mut bytes)?;
         }
-        let rest = (self.limit.saturating_add(1)).saturating_sub(bytes.len() as u64);
-        self.file.take(rest).read_to_end(&mut bytes)?;
-        Ok((bytes.len() as u64 <= self.limit).then_some(bytes))
-    }
+        Ok(work(match bytes.len() as u64 <= limit {
+            true => Opened::Map(bytes),
+            false => Opened::TooLong(None),
+        }))
+    })
 }
 
 /// Returns the number of bytes of the planes that the header declares.
@@ -266,12 +238,8 @@ impl Room {
         const POISONED: &str = "nothing panics while it holds the lock";
         let bytes = bytes.min(self.all);
         let left = self.left.lock().expect(POISONED);
-        let mut left = self
-            .freed
-            .wait_while(left, |left| *left < bytes)
-            .expect(POISONED);
-        *left -= bytes;
-        drop(left);
+        let left = self.freed.wait_while(left, |left| *left < bytes);
+        *left.expect(POISONED) -= bytes;
         let done = work();
         *self.left.lock().expect(POISONED) += bytes;
         self.freed.notify_all();

@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use clap::{Args, Command};
 use clap_complete::Shell;
 
+use super::files::named;
 use super::{CommandResult, output};
 
 /// Print completions for a shell.
@@ -26,21 +27,17 @@ pub struct ManArgs {
     directory: PathBuf,
 }
 
-#[expect(
-    clippy::unnecessary_wraps,
-    reason = "others of its type return nothing"
-)]
-pub fn run(args: &CompletionsArgs, mut program: Command) -> CommandResult {
+pub fn run(args: &CompletionsArgs, mut program: Command) -> u8 {
     let mut text = Vec::new();
     clap_complete::generate(args.shell, &mut program, "ptm-conform", &mut text);
     output::print(&String::from_utf8_lossy(&text));
-    Ok(0)
+    0
 }
 
 pub fn run_man(args: &ManArgs, program: &Command) -> CommandResult {
-    let named = |error: std::io::Error| format!("{}: {error}", args.directory.display());
-    fs::create_dir_all(&args.directory).map_err(named)?;
-    clap_mangen::generate_to(program.clone(), &args.directory).map_err(named)?;
-    output::note(&format!("man pages in {}\n", args.directory.display()));
+    let directory = &args.directory;
+    fs::create_dir_all(directory).map_err(named(directory))?;
+    clap_mangen::generate_to(program.clone(), directory).map_err(named(directory))?;
+    output::note(&format!("man pages in {}\n", directory.display()));
     Ok(0)
 }

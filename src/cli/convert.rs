@@ -71,27 +71,25 @@ pub fn run(args: &ConvertArgs) -> CommandResult {
     };
     let (format, converted) = converted.map_err(|why| Failed::new(1, &why))?;
     files::write_whole(&args.output, &converted.bytes)?;
-    let sizes = format!("{} -> {} bytes", file.len(), converted.bytes.len());
+    let (output, source) = (args.output.display(), ptm.header.format);
+    let (before, after, losses) = (file.len(), converted.bytes.len(), losses(&converted));
     output::note(&format!(
-        "{}: {} -> {format}, {sizes}, {}\n",
-        args.output.display(),
-        ptm.header.format,
-        losses(&converted)
+        "{output}: {source} -> {format}, {before} -> {after} bytes, {losses}\n"
     ));
     Ok(0)
 }
 
 /// Writes a repaired file, never replacing an existing one.
 fn repaired(args: &ConvertArgs) -> CommandResult {
+    let output = args.output.display();
     if args.output.symlink_metadata().is_ok() {
-        let there = args.output.display();
-        return Err(format!("{there} is there already; a repaired file is a new file").into());
+        return Err(format!("{output} is there already; a repaired file is a new file").into());
     }
-    let unrepaired = |why| Failed::new(1, &format!("{}: {why}", args.file.display()));
+    let unrepaired = |why: String| Failed::new(1, &files::named(&args.file)(why));
     let repaired = repair(&files::read(&args.file)?).map_err(unrepaired)?;
     files::write_whole(&args.output, &repaired.bytes)?;
     for change in &repaired.changes {
-        output::note(&format!("{}: {change}\n", args.output.display()));
+        output::note(&format!("{output}: {change}\n"));
     }
     Ok(0)
 }
@@ -101,18 +99,14 @@ fn losses(converted: &Converted) -> String {
         0 => "without loss".to_owned(),
         most => format!("stored values off by {most} at most"),
     };
-    let entries = converted
-        .entries
-        .map(|entries| format!(", {entries} table entries"));
+    let entries = converted.entries;
+    let entries = entries.map(|entries| format!(", {entries} table entries"));
     loss + &entries.unwrap_or_default()
 }
 
 fn parse_format(text: &str) -> Result<Format, String> {
     text.to_uppercase().parse::<Format>().map_err(|_| {
-        let names: Vec<&str> = Format::ALL
-            .iter()
-            .map(|format| format.short_name())
-            .collect();
+        let names = Format::ALL.map(Format::short_name);
         format!("formats are {}", names.join(", "))
     })
 }

@@ -32,29 +32,23 @@ pub struct DiffArgs {
 pub fn run(args: &DiffArgs) -> CommandResult {
     let (a_file, b_file) = (files::read(&args.a)?, files::read(&args.b)?);
     let (a_anatomy, b_anatomy) = (Dissection::of(&a_file), Dissection::of(&b_file));
-    let (a, b) = (
+    let maps = [
         files::map(&args.a, &a_anatomy),
         files::map(&args.b, &b_anatomy),
-    );
-    let (a, b) = match (a, b) {
-        (Ok(a), Ok(b)) => (a, b),
-        (a, b) => {
-            for failed in [a.err(), b.err()].into_iter().flatten() {
-                output::complain(&failed.says);
-            }
-            return Ok(2);
+    ];
+    let [Ok(a), Ok(b)] = maps else {
+        for failed in maps.into_iter().filter_map(Result::err) {
+            output::complain(&failed.says);
         }
+        return Ok(2);
     };
     let difference = diff((&a_file, a), (&b_file, b));
-    if !args.machine.print(&difference)? {
-        let same = if difference.same {
-            "the same map\n"
-        } else {
-            ""
+    if !args.machine.print(&difference)? && !output::quiet() {
+        let same = match difference.same {
+            true => "the same map\n",
+            false => "",
         };
-        if !output::quiet() {
-            show(&(difference.to_text() + same));
-        }
+        show(&(difference.to_text() + same));
     }
     Ok(u8::from(!difference.same))
 }

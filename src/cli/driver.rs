@@ -3,23 +3,28 @@
 use std::fs;
 use std::io::Write;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::mpsc::{self, RecvTimeoutError};
-use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
-use super::ending::Ending;
+use super::CommandResult;
+use super::calls::RunArgs;
+use super::ending::{Ending, OutputArgs};
+use super::files::named;
+use super::guard::check_trouble;
+use super::output::jobs;
 use super::progress::{self, ProgressLine};
 use ptm_conform::diagnose::MAX_WORK;
 use ptm_conform::report::conclude::{causes, first_causes, undo_common_transforms, verdicts};
 use ptm_conform::report::reported::Reported;
 use ptm_conform::report::shards::{Circumstances, End, Keeper, OtherRemarks, Shard, beside};
 use ptm_conform::report::text::first_causes_to_text;
-use ptm_conform::runner::run::Request;
+use ptm_conform::runner::run::{Decoder, Request};
 use ptm_conform::session::asking::Ask;
 use ptm_conform::session::contact::Contact;
 use ptm_conform::session::observation::Observation;
-use ptm_conform::session::plan::RunPlan;
+use ptm_conform::session::plan::{Repeat, RunPlan};
 use ptm_conform::session::run::{Run, Session};
 use ptm_conform::suite::cases::Suite;
 
@@ -56,9 +61,8 @@ impl<'a, C: Reported> Check<'a, C> {
         shard: Option<Shard>,
     ) -> Result<Check<'a, C>, String> {
         let path = beside(ending.path);
-        let keeper = shard
-            .map(|shard| Keeper::new(&path).map(|keeper| (shard, keeper)))
-            .transpose();
+        let keeper = shard.map(|shard| Keeper::new(&path).map(|keeper| (shard, keeper)));
+        let keeper = keeper.transpose().map_err(named(&path))?;
         Ok(Check {
             suite,
             plan,
@@ -67,7 +71,7 @@ impl<'a, C: Reported> Check<'a, C> {
             ending,
             progress: ProgressLine::new("first contact"),
             faster: "",
-            keeper: keeper.map_err(|error| format!("{}: {error}", path.display()))?,
+            keeper,
         })
     }
 
@@ -126,20 +130,20 @@ impl<'a, C: Reported> Check<'a, C> {
         };
         let mut observations = vec![None; self.suite.cases.len()];
         // A short run would end before its first causes were read.
-        if soonest.is_empty() || others.len() < MIN_OTHER_CASES {
-            let all = [soonest, others].concat();
-            self.progress.begin("asking");
-            session.ask_some(contact, &all, &mut observations, &progress);
-            return observations;
-        }
-        self.foretell(pace, soonest.len(), all);
-        self.progress.begin("asking the smoke subset:");
-        session.ask_some(contact, &soonest, &mut observations, &progress);
-        if !session.is_over() {
-            let run = session.so_far(contact, &soonest, &observations);
-            let patience = pace.mul_f64(all as f64 / 10.0).max(MIN_PATIENCE);
-            self.tell_first_causes(run, patience);
-        }
+        let is_short = soonest.is_empty() || others.len() < MIN_OTHER_CASES;
+        let others = if is_short {
+            [soonest, others].concat()
+        } else {
+            self.foretell(pace, soonest.len(), all);
+            self.progress.begin("asking the smoke subset:");
+            session.ask_some(contact, &soonest, &mut observations, &progress);
+            if !session.is_over() {
+                let run = session.so_far(contact, &soonest, &observations);
+                let patience = pace.mul_f64(all as f64 / 10.0).max(MIN_PATIENCE);
+                self.tell_first_causes(run, patience);
+            }
+            others
+        };
         self.progress.begin("asking");
         session.ask_some(contact, &others, &mut observations, &progress);
         observations
@@ -147,15 +151,14 @@ impl<'a, C: Reported> Check<'a, C> {
 
     /// Announces how long a slow decoder will take.
     fn foretell(&self, pace: Duration, soonest: usize, all: usize) {
-        let of = |count: usize| progress::in_words(pace.mul_f64(count as f64));
         if pace.mul_f64(all as f64) < MIN_ANNOUNCED_TIME {
             return;
         }
+        let [long, short] =
+            [all, soonest].map(|count| progress::in_words(pace.mul_f64(count as f64)));
         let faster = self.faster;
         self.progress.say(&format!(
-            "{all} requests will take about {}; the first causes come after {soonest}, in about {}.{faster}",
-            of(all),
-            of(soonest),
+            "{all} requests will take about {long}; the first causes come after {soonest}, in about {short}.{faster}"
         ));
     }
 
@@ -181,55 +184,83 @@ impl<'a, C: Reported> Check<'a, C> {
 
     /// Writes the report, then searches for causes.
     pub fn conclude(self, mut run: Run<C>, others: OtherRemarks) -> Result<u8, String> {
-        let Check {
-            suite,
-            plan,
-            circumstances,
-            ending,
-            progress,
-            partial,
-            keeper,
-            ..
-        } = self;
-        progress.begin("writing the report");
-        let mut report = verdicts(suite, &mut run, &circumstances, &others, plan.jobs)?;
+        let (suite, jobs) = (self.suite, self.plan.jobs);
+        let assumed = self.circumstances.assumed.clone();
+        self.progress.begin("writing the report");
+        let mut report = verdicts(suite, &mut run, &self.circumstances, &others, jobs)?;
         // The verdicts do not wait for the search for causes, which may take long or fail.
-        ending.write(suite, &run, &mut report)?;
-        let assumed = circumstances.assumed.clone();
-        if let Some((shard, keeper)) = keeper {
-            let end = End::of(
-                suite,
-                plan,
-                &run,
-                &report.tool,
-                shard,
-                circumstances,
-                others,
-            );
-            let kept = keeper.finish(end);
-            kept.map_err(|error| format!("{}: {error}", beside(ending.path).display()))?;
+        self.ending.write(suite, &run, &mut report)?;
+        if let Some((shard, keeper)) = self.keeper {
+            let (plan, tool) = (self.plan, &report.tool);
+            let end = End::of(suite, plan, &run, tool, shard, self.circumstances, others);
+            let path = beside(self.ending.path);
+            keeper.finish(end).map_err(named(&path))?;
         }
-        progress.begin_counted("searching for causes", &run.searched, MAX_WORK);
+        self.progress
+            .begin_counted("searching for causes", &run.searched, MAX_WORK);
         let report = causes(suite, &run, report, |run| {
-            let found = C::diagnose(suite, run, &assumed, plan.jobs);
+            let found = C::diagnose(suite, run, &assumed, jobs);
             if let Some(time) = found.cpu_time
                 && !found.diagnoses.is_empty()
             {
-                progress.say(&cost_to_text(found.answered, time));
+                let (answers, seconds) = (found.answered, time.as_secs_f64());
+                self.progress.say(&format!(
+                    "searched for causes: {answers} answers compared in {seconds:.1} s of CPU time"
+                ));
             }
             found
         });
-        drop(progress);
-        let status = ending.finish(suite, &run, report)?;
-        partial.remove();
+        drop(self.progress);
+        let status = self.ending.finish(suite, &run, report)?;
+        self.partial.remove();
         Ok(status)
     }
 }
 
-/// Returns the cost of a search for causes as a sentence.
-fn cost_to_text(answers: usize, cpu_time: Duration) -> String {
-    let seconds = cpu_time.as_secs_f64();
-    format!("searched for causes: {answers} answers compared in {seconds:.1} s of CPU time")
+/// The run of a suite whose answers all come from one program, without serve mode.
+pub struct ProgramRun<'a> {
+    /// The program.
+    pub program: &'a Decoder,
+    /// Its command, for the report.
+    pub words: &'a [String],
+    /// The limits in force, in words.
+    pub limits: Vec<String>,
+    /// The report, and the number of calls in parallel.
+    pub args: &'a RunArgs,
+    /// Other forms of the report.
+    pub written: &'a OutputArgs,
+    /// The part of the suite, if it is not the whole.
+    pub shard: Option<Shard>,
+    /// Set when the user ends the run.
+    pub stop: &'a Arc<AtomicBool>,
+}
+
+impl ProgramRun<'_> {
+    /// Runs the selected cases, and returns the exit status. `reword` is applied to the verdicts.
+    pub fn check<C: Reported>(
+        self,
+        suite: &Suite<C>,
+        selected: Vec<bool>,
+        ask: &Ask<C>,
+        reword: &dyn Fn(&mut Run<C>),
+    ) -> CommandResult {
+        let plan = RunPlan {
+            selected,
+            repeat: Repeat::Failures,
+            stop: Arc::clone(self.stop),
+            ..RunPlan::of(suite, jobs(self.args.jobs)?)
+        };
+        let ending = Ending::new(suite, &self.args.report, self.written)?;
+        let circumstances = Circumstances {
+            limits: self.limits,
+            ..Circumstances::of(suite, &plan, self.words, &[])
+        };
+        let check = Check::new(suite, &plan, circumstances, ending, self.shard)?;
+        let mut run = check.ask(ask, &|_| ());
+        check_trouble(self.program)?;
+        reword(&mut run);
+        Ok(check.conclude(run, OtherRemarks::default())?)
+    }
 }
 
 /// Does the work, and sets `stop` after this time, or when the user sets `end`.
@@ -258,7 +289,7 @@ fn within<T>(
 /// The results so far, in a file next to the report: a list in YAML, valid after every case.
 struct Partial {
     path: PathBuf,
-    file: Mutex<fs::File>,
+    file: fs::File,
 }
 
 impl Partial {
@@ -267,23 +298,15 @@ impl Partial {
         let mut path = report.as_os_str().to_owned();
         path.push(".partial");
         let path = PathBuf::from(path);
-        let file =
-            fs::File::create(&path).map_err(|error| format!("{}: {error}", path.display()))?;
-        Ok(Partial {
-            path,
-            file: Mutex::new(file),
-        })
+        let file = fs::File::create(&path).map_err(named(&path))?;
+        Ok(Partial { path, file })
     }
 
     /// Adds a case.
     fn append(&self, id: &str, view: &str, answer: &str) {
         let line = format!("- {{ id: {id}, view: \"{view}\", answer: {answer} }}\n");
         // One write per line; results that cannot be written are still in the report.
-        let _ = self
-            .file
-            .lock()
-            .expect("no worker panics")
-            .write_all(line.as_bytes());
+        let _ = (&self.file).write_all(line.as_bytes());
     }
 
     /// Removes the list after the report is written.

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
-use super::files::{can_be_written, write_whole};
+use super::files::{can_be_written, named, write_whole};
 use super::output::{complain, print};
 use super::terminal::show;
 use ptm_conform::report::Report;
@@ -25,7 +25,7 @@ use ptm_conform::suite::test_case::TestCase;
 pub struct OutputArgs {
     /// Also write the report as an HTML page with images of the failures.
     #[arg(long, value_name = "FILE")]
-    html: Option<PathBuf>,
+    pub html: Option<PathBuf>,
     /// Also write the report as `JUnit` XML.
     #[arg(long, value_name = "FILE")]
     junit: Option<PathBuf>,
@@ -50,6 +50,9 @@ pub struct OutputArgs {
     /// is not a decoder.
     #[arg(long, value_name = "FILE")]
     write_baseline: Option<PathBuf>,
+    /// Number of failures to print in full; the report has all of them.
+    #[arg(long, value_name = "N", default_value_t = 10)]
+    show: usize,
 }
 
 impl OutputArgs {
@@ -57,7 +60,7 @@ impl OutputArgs {
     pub fn check(&self, report: &Path) -> Result<(), String> {
         let others = [&self.html, &self.junit, &self.json, &self.write_baseline];
         let others = others.into_iter().flatten().map(PathBuf::as_path);
-        let outputs: Vec<&Path> = std::iter::once(report).chain(others).collect();
+        let outputs: Vec<&Path> = [report].into_iter().chain(others).collect();
         for (i, path) in outputs.iter().enumerate() {
             can_be_written(path)?;
             if outputs[..i].contains(path) {
@@ -66,19 +69,12 @@ impl OutputArgs {
         }
         Ok(())
     }
-
-    /// Returns true if an HTML page with images is requested.
-    pub fn has_page(&self) -> bool {
-        self.html.is_some()
-    }
 }
 
 /// The destinations and forms of a report.
 pub struct Ending<'a> {
     /// The report.
     pub path: &'a Path,
-    /// Maximum number of failures that are printed in full.
-    show: usize,
     args: &'a OutputArgs,
     known: Option<Baseline>,
 }
@@ -88,17 +84,11 @@ impl<'a> Ending<'a> {
     pub fn new<C: TestCase>(
         suite: &Suite<C>,
         path: &'a Path,
-        show: usize,
         args: &'a OutputArgs,
     ) -> Result<Ending<'a>, String> {
         let known = args.baseline.as_ref();
         let known = known.map(|path| Baseline::read(path, suite)).transpose()?;
-        Ok(Ending {
-            path,
-            show,
-            args,
-            known,
-        })
+        Ok(Ending { path, args, known })
     }
 
     /// Writes the report in its current state, atomically, with known and new failures.
@@ -124,7 +114,7 @@ impl<'a> Ending<'a> {
         if let Some(why) = run.ended_early {
             complain(&format!("ptm-conform: {why}"));
         }
-        let text = report.to_text(suite, self.show);
+        let text = report.to_text(suite, self.args.show);
         // A GitHub runner would interpret some output of a decoder as commands.
         show(&match self.args.github {
             true => github::without_commands(&text),
@@ -161,12 +151,12 @@ impl<'a> Ending<'a> {
         if self.args.github {
             print(&github::annotations(report));
             let summary = std::env::var_os("GITHUB_STEP_SUMMARY").filter(|path| !path.is_empty());
-            if let Some(path) = summary {
+            if let Some(path) = summary.as_deref().map(Path::new) {
                 // The steps of a job append to one file.
-                let file = fs::OpenOptions::new().append(true).create(true).open(&path);
+                let file = fs::OpenOptions::new().append(true).create(true).open(path);
                 let text = github::summary(report, suite.cases.len());
                 file.and_then(|mut file| file.write_all(text.as_bytes()))
-                    .map_err(|error| format!("{}: {error}", Path::new(&path).display()))?;
+                    .map_err(named(path))?;
             }
         }
         Ok(())
@@ -179,9 +169,8 @@ impl<'a> Ending<'a> {
         };
         if run.ended_early.is_some() || run.not_a_decoder.is_some() {
             let path = path.display();
-            complain(&format!(
-                "ptm-conform: the run is incomplete, so {path} is not written"
-            ));
+            let says = format!("ptm-conform: the run is incomplete, so {path} is not written");
+            complain(&says);
             return Ok(());
         }
         let list = self.known.clone().unwrap_or_default();
@@ -192,19 +181,12 @@ impl<'a> Ending<'a> {
 }
 
 /// Describes the failures that are not known, and the known ones that no longer fail.
-#[expect(
-    clippy::format_push_string,
-    reason = "texts are short where they are put together"
-)]
 fn news_to_text(news: &BaselineNews) -> String {
-    let mut text = format!("known failures: {}", news.known.len());
-    for (what, ids) in [
-        ("new, not in the list", &news.new),
-        ("stale, listed but passing", &news.stale),
-    ] {
-        if !ids.is_empty() {
-            text += &format!("; {what}: {}\n  {}", ids.len(), ids.join("\n  "));
-        }
-    }
-    text + "\n"
+    let list = |what: &str, ids: &[String]| match ids.len() {
+        0 => String::new(),
+        count => format!("; {what}: {count}\n  {}", ids.join("\n  ")),
+    };
+    let new = list("new, not in the list", &news.new);
+    let stale = list("stale, listed but passing", &news.stale);
+    format!("known failures: {}{new}{stale}\n", news.known.len())
 }

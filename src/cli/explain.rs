@@ -9,11 +9,11 @@ use std::time::Duration;
 use clap::Args;
 
 use super::CommandResult;
+use super::arguments::is_at_or_below;
 use super::links::page_line;
 use super::names::nearest;
 #[cfg(unix)]
 use super::output::{bar, jobs};
-use super::rules::{evidence_to_text, rule_to_text};
 use super::terminal::show;
 use ptm_conform::kit::digest::sha256;
 use ptm_conform::misreadings::{self, Misreading, writing};
@@ -22,11 +22,12 @@ use ptm_conform::session::outcome::Outcome;
 #[cfg(unix)]
 use ptm_conform::strength::matrix::ask_all;
 use ptm_conform::suite::address;
-use ptm_conform::suite::cases::{self, Case, Suite};
+use ptm_conform::suite::cases::{Case, Suite, TableSpelling};
 use ptm_conform::suite::clauses::{self, Clause, Ruling};
 use ptm_conform::suite::name::SuiteName;
 #[cfg(unix)]
 use ptm_conform::suite::test_case::TestCase;
+use ptm_conform::suite::texture::cases as texture;
 use ptm_conform::tools::lint::codes::{self, Code};
 
 /// Explain a case, a clause, a ruling, a misreading or a lint code.
@@ -57,6 +58,8 @@ fn explain_request(id: &str) -> Result<String, String> {
         return Ok(String::new());
     };
     let request = case.request();
+    let first = request.samples.iter().take(18);
+    let first: Vec<String> = first.map(|byte| format!("{byte:02x}")).collect();
     Ok(format!(
         "request {id} to writers ({})\n  {}\n  expected: {}\n{}  planes: {} bytes, the top row first; they begin {}\n",
         case.clauses.join(", "),
@@ -64,11 +67,7 @@ fn explain_request(id: &str) -> Result<String, String> {
         case.expectation(),
         request.header.to_json(),
         request.samples.len(),
-        request.samples[..request.samples.len().min(18)]
-            .iter()
-            .map(|byte| format!("{byte:02x}"))
-            .collect::<Vec<_>>()
-            .join(" ")
+        first.join(" ")
     ))
 }
 
@@ -84,15 +83,14 @@ fn list(suite: &Suite) -> Result<String, String> {
         clauses.len()
     );
     for of in &sections {
-        let count = |ids: &[String]| ids.iter().any(|clause| section(clause) == *of);
-        let clauses = clauses.iter().filter(|clause| section(&clause.id) == *of);
-        let cases = suite.cases.iter().filter(|case| count(&case.clauses));
-        let _ = writeln!(
-            text,
-            "  {of:<7} {:>3} clauses, {:>4} cases",
-            clauses.count(),
-            cases.count()
-        );
+        let is_about = |id: &String| section(id) == *of;
+        let clauses = clauses.iter().filter(|clause| is_about(&clause.id));
+        let cases = suite
+            .cases
+            .iter()
+            .filter(|case| case.clauses.iter().any(is_about));
+        let (clauses, cases) = (clauses.count(), cases.count());
+        let _ = writeln!(text, "  {of:<7} {clauses:>3} clauses, {cases:>4} cases");
     }
     let rulings = clauses::rulings()?;
     let names: Vec<&str> = rulings.iter().map(|ruling| ruling.id.as_str()).collect();
@@ -106,93 +104,138 @@ fn list(suite: &Suite) -> Result<String, String> {
         }
     }
     let codes: Vec<&str> = codes::ALL.iter().map(|code| code.id).collect();
-    let _ = writeln!(
-        text,
-        "\n{} codes of lint:\n  {}",
-        codes.len(),
-        codes.join(", ")
-    );
+    let (count, codes) = (codes.len(), codes.join(", "));
+    let _ = writeln!(text, "\n{count} codes of lint:\n  {codes}");
     Ok(text)
 }
 
 /// Describes an id, if it is known.
 fn explain(id: &str) -> Result<Option<String>, String> {
-    let suite = Suite::load()?;
+    let (suite, pages) = (Suite::load()?, SuiteName::Ptm);
     let clauses = clauses::clauses()?;
     let mut text = String::new();
     if let Some(case) = suite.case(id) {
         text += &explain_case(case);
-        text += &page_line(SuiteName::Ptm.case_page(id));
+        text += &page_line(pages.case_page(id));
     }
     #[cfg(unix)]
     text.push_str(&explain_request(id)?);
-    let below = |clause: &&Clause| {
-        let rest = clause.id.strip_prefix(id);
-        rest.is_some_and(|rest| rest.is_empty() || rest.starts_with(['/', '.']))
-    };
-    for clause in clauses.iter().filter(below) {
-        text += &explain_clause(clause, &suite);
-        if clause.id == id {
-            text += &page_line(SuiteName::Ptm.clause_page(id));
-        }
+    for clause in clauses
+        .iter()
+        .filter(|clause| is_at_or_below(&clause.id, id))
+    {
+        let about = suite
+            .cases
+            .iter()
+            .filter(|case| case.clauses.contains(&clause.id));
+        let cases = abbreviated(about, "cases");
+        let _ = writeln!(text, "clause {}\n  {cases}", rule_to_text(clause, "it "));
+        text += &page_line(pages.clause_page(id).filter(|_| clause.id == id));
     }
     for ruling in clauses::rulings()?.iter().filter(|ruling| ruling.id == id) {
-        text += &explain_ruling(ruling);
-        text += &page_line(Some(SuiteName::Ptm.ruling_page(id)));
+        let kind = format!("{:?}", ruling.kind);
+        text += &explain_ruling(ruling, &kind, ["clauses", "open: ", "the reference"]);
+        text += &page_line(Some(pages.ruling_page(id)));
     }
     if let Some(misreading) = misreadings::named(id) {
+        text += &explain_misreading(misreading, "clause");
         let clause = clauses.iter().find(|clause| clause.id == misreading.clause);
-        text += &explain_misreading(misreading, clause);
+        if let Some(clause) = clause {
+            let _ = writeln!(text, "  The clause says: {}", clause.rule);
+        }
+        let readers: Vec<String> = misreading.seen.iter().map(ToString::to_string).collect();
+        if !readers.is_empty() {
+            let _ = writeln!(text, "  Seen in: {}.", readers.join(", "));
+        }
         if let Some(mistake) = writing::named(id) {
+            let (effect, fix) = (mistake.effect, mistake.fix);
             let _ = writeln!(
                 text,
-                "  A writer with this mistake {}.\n  Fix: {}.",
-                mistake.effect, mistake.fix
+                "  A writer with this mistake {effect}.\n  Fix: {fix}."
             );
         }
         #[cfg(unix)]
         text.push_str(&shown_by(misreading, &suite)?);
-        text += &page_line(Some(SuiteName::Ptm.misreading_page(id)));
+        text += &page_line(Some(pages.misreading_page(id)));
     }
     if let Some(known) = Code::named(&id.to_uppercase()) {
         text += &explain_code(known, &suite);
         text += &page_line(Some(address::code(known.id)));
     }
-    #[cfg(unix)]
-    text.push_str(&super::texture::explain(id)?);
+    text += &explain_texture(id)?;
     Ok(Some(text).filter(|text| !text.is_empty()))
 }
 
-fn explain_clause(clause: &Clause, suite: &Suite) -> String {
-    let about = |case: &&Case| case.clauses.contains(&clause.id);
-    let cases = abbreviated(suite.cases.iter().filter(about), "cases");
-    format!("clause {}  {cases}\n", rule_to_text(clause, "it "))
+/// Describes an id of the texture suite.
+fn explain_texture(id: &str) -> Result<String, String> {
+    let (suite, pages) = (Suite::of_textures()?, SuiteName::Texture);
+    let mut text = String::new();
+    if let Some(case) = suite.case(id) {
+        let clauses = case.clauses.join(", ");
+        let _ = writeln!(text, "case {id} ({clauses}): {}", case.because);
+        let _ = writeln!(text, "  question: {}", case.question());
+        let _ = writeln!(text, "  expected: {}", case.expect);
+        for also in &case.also {
+            let _ = writeln!(text, "  read as {}: {}", also.reading, also.expect);
+        }
+        if let Some(ruling) = &case.ruling {
+            let _ = writeln!(text, "  ruling: {ruling}");
+        }
+        text += &page_line(pages.case_page(id));
+    }
+    for clause in texture::clauses()?
+        .iter()
+        .filter(|clause| is_at_or_below(&clause.id, id))
+    {
+        let about = suite
+            .cases
+            .iter()
+            .filter(|case| case.clauses.contains(&clause.id));
+        let cases: Vec<&str> = about.map(|case| case.id.as_str()).collect();
+        let (rule, cases) = (rule_to_text(clause, ""), cases.join(", "));
+        let _ = writeln!(text, "requirement {rule}\n  cases: {cases}");
+        text += &page_line(pages.clause_page(id).filter(|_| clause.id == id));
+    }
+    for ruling in texture::rulings()?.iter().filter(|ruling| ruling.id == id) {
+        text += &explain_ruling(ruling, ruling.kind.name(), ["requirements", "", "reading"]);
+        text += &page_line(Some(pages.ruling_page(id)));
+    }
+    if let Some(misreading) = misreadings::texture::named(id) {
+        text += &explain_misreading(misreading, "requirement");
+        text += &page_line(Some(pages.misreading_page(id)));
+    }
+    Ok(text)
 }
 
-fn explain_ruling(ruling: &Ruling) -> String {
-    let text = format!(
-        "ruling {} ({:?}), clauses {}\n  open: {}\n  the reference: {}\n",
+/// Returns a clause with its ruling, and why it is not tested if it is not; `untested` begins that reason.
+fn rule_to_text(clause: &Clause, untested: &str) -> String {
+    let mut text = format!("{}: {}", clause.id, clause.rule);
+    if let Some(ruling) = &clause.ruling {
+        let _ = write!(text, " Ruling: {ruling}.");
+    }
+    if let Some(why) = &clause.why {
+        let _ = write!(text, " Not tested: {untested}{why}.");
+    }
+    text
+}
+
+fn explain_ruling(ruling: &Ruling, kind: &str, [rules, open, reference]: [&str; 3]) -> String {
+    let also = ruling.also.iter();
+    let also: String = also.map(|also| format!("  also right: {also}\n")).collect();
+    format!(
+        "ruling {} ({kind}), {rules} {}\n  {open}{}\n  {reference}: {}\n{also}  evidence: {}\n",
         ruling.id,
-        ruling.kind,
         ruling.clauses.join(", "),
         ruling.question.trim(),
-        ruling.reading.trim()
-    );
-    text + &evidence_to_text(ruling)
+        ruling.reading.trim(),
+        ruling.evidence.trim()
+    )
 }
 
-fn explain_misreading(misreading: &Misreading, clause: Option<&Clause>) -> String {
-    let rule = clause.map(|clause| format!("  The clause says: {}\n", clause.rule));
-    let readers: Vec<String> = misreading.seen.iter().map(ToString::to_string).collect();
-    let seen = (!readers.is_empty()).then(|| format!("  Seen in: {}.\n", readers.join(", ")));
+fn explain_misreading<A>(misreading: &Misreading<A>, rule: &str) -> String {
     format!(
-        "misreading {} of clause {}: the decoder {}.\n  Fix: {}.\n{}{}",
-        misreading.slug,
-        misreading.clause,
-        misreading.effect,
-        misreading.fix,
-        rule.unwrap_or_default(),
-        seen.unwrap_or_default()
+        "misreading {} of {rule} {}: the decoder {}.\n  Fix: {}.\n",
+        misreading.slug, misreading.clause, misreading.effect, misreading.fix
     )
 }
 
@@ -204,11 +247,14 @@ fn shown_by(misreading: &Misreading, suite: &Suite) -> Result<String, String> {
     let (run, _) = ask_all(suite, &[misreading], &[], jobs(None)?, &HashMap::new());
     bar.finish_and_clear();
     let failing: Vec<usize> = run.judgement.with(Outcome::Fail).collect();
-    let size = |&place: &usize| {
-        let spelling = cases::TableSpelling::default();
-        suite.cases[place].build(spelling).file.len()
+    let size = |place: usize| {
+        suite.cases[place]
+            .build(TableSpelling::default())
+            .file
+            .len()
     };
-    let Some((bytes, place)) = failing.iter().map(|place| (size(place), *place)).min() else {
+    let smallest = failing.iter().map(|&place| (size(place), place)).min();
+    let Some((bytes, place)) = smallest else {
         return Ok(String::new());
     };
     let case = &suite.cases[place];
@@ -227,7 +273,8 @@ fn shown_by(misreading: &Misreading, suite: &Suite) -> Result<String, String> {
 fn explain_case(case: &Case) -> String {
     let (id, clauses, because) = (&case.id, case.clauses.join(", "), &case.because);
     let views: Vec<String> = case.views.iter().map(ToString::to_string).collect();
-    let built = case.build(cases::TableSpelling::default());
+    let views = views.join(", ");
+    let built = case.build(TableSpelling::default());
     let mut lines = vec![
         format!("case {id} (clauses {clauses}): {because}"),
         format!("  expected: {}", case.expect.name()),
@@ -236,8 +283,7 @@ fn explain_case(case: &Case) -> String {
         lines.push(format!("  it is {twin}, in which {}", damage.effect));
     }
     lines.push(format!(
-        "  asked in the first of these views that the decoder offers: {}",
-        views.join(", ")
+        "  asked in the first of these views that the decoder offers: {views}"
     ));
     lines.extend(
         case.ruling
@@ -246,30 +292,26 @@ fn explain_case(case: &Case) -> String {
     );
     let (size, digest) = (built.file.len(), sha256(&built.file));
     lines.push(format!("  file: {size} bytes, sha-256 {digest}"));
-    let pieces = case.pieces();
-    let pieces = pieces
-        .iter()
-        .map(|(is, bytes)| format!("    {is:<40} {}", bytes.escape_ascii()));
-    lines.extend(pieces);
-    lines.extend(built.fields.iter().map(|field| {
+    for (is, bytes) in case.pieces() {
+        lines.push(format!("    {is:<40} {}", bytes.escape_ascii()));
+    }
+    for field in &built.fields {
+        let (start, name, clause) = (field.range.start, &field.name, &field.clause);
         let bytes = &built.file[field.range.clone()];
         let shown = bytes[..bytes.len().min(24)].escape_ascii();
         let more = if bytes.len() > 24 { "…" } else { "" };
-        format!(
-            "    byte {:>5}  {:<22} {:<8} {shown}{more}",
-            field.range.start, field.name, field.clause
-        )
-    }));
+        lines.push(format!(
+            "    byte {start:>5}  {name:<22} {clause:<8} {shown}{more}"
+        ));
+    }
     lines.join("\n") + "\n"
 }
 
 /// Returns the message for an unknown id, with similar ids.
 fn unknown(id: &str, suite: &Suite) -> Result<String, String> {
     let (clauses, rulings) = (clauses::clauses()?, clauses::rulings()?);
-    let known = suite
-        .cases
-        .iter()
-        .map(|case| case.id.as_str())
+    let cases = suite.cases.iter().map(|case| case.id.as_str());
+    let known = cases
         .chain(clauses.iter().map(|clause| clause.id.as_str()))
         .chain(rulings.iter().map(|ruling| ruling.id.as_str()))
         .chain(misreadings::all().map(|misreading| misreading.slug))
@@ -290,18 +332,14 @@ fn explain_code(code: &Code, suite: &Suite) -> String {
         let damage = case.damage().map(|damage| damage.name.as_str());
         code.is_provoked_by(&case.id) || damage.is_some_and(|damage| code.is_provoked_by(damage))
     };
+    let cases = abbreviated(suite.cases.iter().filter(provokes), "cases provoke it");
     let fix = match code.fix {
         "" => String::new(),
         fix => format!("  Fix: {fix}\n"),
     };
-    format!(
-        "code {} ({}, clause {}): {}\n{fix}  {}\n",
-        code.id,
-        code.severity.name(),
-        code.clause,
-        code.says,
-        abbreviated(suite.cases.iter().filter(provokes), "cases provoke it")
-    )
+    let (id, severity, clause) = (code.id, code.severity.name(), code.clause);
+    let says = code.says;
+    format!("code {id} ({severity}, clause {clause}): {says}\n{fix}  {cases}\n")
 }
 
 /// Returns the number of cases, and the first six.

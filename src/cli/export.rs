@@ -6,7 +6,6 @@ use clap::Args;
 use image::ImageFormat;
 
 use super::{CommandResult, files, output};
-use ptm_conform::tools::dissection::Dissection;
 use ptm_conform::tools::export;
 
 /// Export the values of a map as OpenEXR, NPY or PNG, selected by the suffix of the output.
@@ -47,9 +46,8 @@ impl ExportEncoding {
             "exr" => Ok(ExportEncoding::Exr),
             "npy" => Ok(ExportEncoding::Npy),
             "png" => Ok(ExportEncoding::Png),
-            _ => Err(format!(
-                "{}: expected a name that ends in .exr, .npy or .png",
-                path.display()
+            _ => Err(files::named(path)(
+                "expected a name that ends in .exr, .npy or .png",
             )),
         }
     }
@@ -60,32 +58,29 @@ pub fn run(args: &ExportArgs) -> CommandResult {
     if args.final_values && encoding == ExportEncoding::Png {
         return Err("final coefficients are real numbers, which PNG cannot hold; name the output .exr or .npy".to_owned().into());
     }
-    let file = files::read(&args.file)?;
-    let dissection = Dissection::of(&file);
-    let ptm = files::map(&args.file, &dissection)?;
-    let channels = ptm.planes.shape.channels();
-    let what = match (encoding, args.final_values) {
-        (ExportEncoding::Exr, _) => format!("final coefficients in {channels} float channels"),
-        (ExportEncoding::Npy, true) => "final coefficients, 32-bit floats".to_owned(),
-        (ExportEncoding::Npy, false) => "stored bytes".to_owned(),
-        (ExportEncoding::Png, _) => format!("{channels} stored planes below each other"),
-    };
+    let ptm = files::read_map(&args.file)?;
     let (size, samples) = (ptm.planes.size, &ptm.planes.samples);
-    let bytes = match (encoding, args.final_values) {
-        (ExportEncoding::Exr, _) => export::exr(ptm)?,
-        (ExportEncoding::Npy, true) => {
-            export::npy_floats(&ptm.coefficients().values, size, channels)
-        }
-        (ExportEncoding::Npy, false) => export::npy_bytes(samples, size, channels),
-        (ExportEncoding::Png, _) => {
-            export::stacked_planes(samples, size, channels).to_file(ImageFormat::Png)?
-        }
+    let channels = ptm.planes.shape.channels();
+    let (bytes, what) = match (encoding, args.final_values) {
+        (ExportEncoding::Exr, _) => (
+            export::exr(&ptm)?,
+            format!("final coefficients in {channels} float channels"),
+        ),
+        (ExportEncoding::Npy, true) => (
+            export::npy_floats(&ptm.coefficients().values, size, channels),
+            "final coefficients, 32-bit floats".to_owned(),
+        ),
+        (ExportEncoding::Npy, false) => (
+            export::npy_bytes(samples, size, channels),
+            "stored bytes".to_owned(),
+        ),
+        (ExportEncoding::Png, _) => (
+            export::stacked_planes(samples, size, channels).to_file(ImageFormat::Png)?,
+            format!("{channels} stored planes below each other"),
+        ),
     };
     files::write_whole(&args.output, bytes)?;
-    output::note(&format!(
-        "{}: {what}, {} texels\n",
-        args.output.display(),
-        ptm.header.size
-    ));
+    let (output, size) = (args.output.display(), ptm.header.size);
+    output::note(&format!("{output}: {what}, {size} texels\n"));
     Ok(0)
 }

@@ -1,5 +1,6 @@
 //! Reading maps and writing results.
 
+use std::fmt::Display;
 use std::fs;
 use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
@@ -13,23 +14,34 @@ use ptm_conform::tools::dissection::Dissection;
 /// Maximum number of bytes read from something other than a regular file, which may be endless: a pipe, a device.
 const MAX_STREAM_BYTES: u64 = 1 << 28;
 
+/// Returns a function that names the file of an error.
+pub fn named<E: Display>(path: &Path) -> impl Fn(E) -> String + '_ {
+    move |error| format!("{}: {error}", path.display())
+}
+
+/// Converts a path, which may have any bytes on Unix systems.
+pub fn path_of(bytes: Vec<u8>) -> PathBuf {
+    #[cfg(unix)]
+    let path = <std::ffi::OsString as std::os::unix::ffi::OsStringExt>::from_vec(bytes);
+    #[cfg(not(unix))]
+    let path = String::from_utf8_lossy(&bytes)
+        .trim_end_matches('\r')
+        .to_owned();
+    path.into()
+}
+
 /// Reads a file; the error is a sentence.
 pub fn read(path: &Path) -> Result<Vec<u8>, String> {
-    let named = |error: io::Error| format!("{}: {error}", path.display());
-    let file = fs::File::open(path).map_err(named)?;
-    if file.metadata().map_err(named)?.is_file() {
-        return fs::read(path).map_err(named);
+    let file = fs::File::open(path).map_err(named(path))?;
+    if file.metadata().map_err(named(path))?.is_file() {
+        return fs::read(path).map_err(named(path));
     }
     let mut bytes = Vec::new();
-    file.take(MAX_STREAM_BYTES)
-        .read_to_end(&mut bytes)
-        .map_err(named)?;
-    if bytes.len() as u64 == MAX_STREAM_BYTES {
-        return Err(format!(
-            "{}: not a regular file, and longer than {} MiB",
-            path.display(),
-            MAX_STREAM_BYTES >> 20
-        ));
+    let read = file.take(MAX_STREAM_BYTES).read_to_end(&mut bytes);
+    if read.map_err(named(path))? as u64 == MAX_STREAM_BYTES {
+        let size = MAX_STREAM_BYTES >> 20;
+        let says = format!("not a regular file, and longer than {size} MiB");
+        return Err(named(path)(says));
     }
     Ok(bytes)
 }
@@ -42,16 +54,15 @@ pub fn can_be_written(path: &Path) -> Result<(), String> {
     if path.exists() {
         return Ok(());
     }
-    let path = &follow_links(path).map_err(|error| format!("{}: {error}", path.display()))?;
+    let path = &follow_links(path).map_err(named(path))?;
     let directory = directory_of(path);
-    if !directory.is_dir() {
-        return Err(format!(
-            "{}: there is no directory {}",
-            path.display(),
+    match directory.is_dir() {
+        true => Ok(()),
+        false => Err(named(path)(format!(
+            "there is no directory {}",
             directory.display()
-        ));
+        ))),
     }
-    Ok(())
 }
 
 /// Returns the directory of a file.
@@ -70,6 +81,11 @@ pub fn map<'a>(path: &Path, dissection: &'a Dissection) -> Result<&'a Ptm, Faile
     })
 }
 
+/// Returns the map in the file at this path.
+pub fn read_map(path: &Path) -> Result<Ptm, Failed> {
+    map(path, &Dissection::of(&read(path)?)).cloned()
+}
+
 /// Returns the exit status for the class of an error.
 pub fn status(error: &ptm_conform::error::Error) -> u8 {
     let status = match error.class() {
@@ -82,15 +98,15 @@ pub fn status(error: &ptm_conform::error::Error) -> u8 {
 /// Writes a file next to its place and moves it there, so that it is never seen incomplete. If there is a symbolic link, its
 /// target is written, and the link stays.
 pub fn write_whole(path: &Path, bytes: impl AsRef<[u8]>) -> Result<(), String> {
-    let named = |error: io::Error| format!("{}: {error}", path.display());
     can_be_written(path)?;
     if path.exists() && !path.is_file() {
-        return fs::write(path, bytes).map_err(named);
+        return fs::write(path, bytes).map_err(named(path));
     }
-    let place = follow_links(path).map_err(named)?;
-    let mut file = new_temporary_file(directory_of(&place)).map_err(named)?;
-    file.write_all(bytes.as_ref()).map_err(named)?;
-    file.persist(&place).map_err(|error| named(error.error))?;
+    let place = follow_links(path).map_err(named(path))?;
+    let mut file = new_temporary_file(directory_of(&place)).map_err(named(path))?;
+    file.write_all(bytes.as_ref()).map_err(named(path))?;
+    file.persist(&place)
+        .map_err(|error| named(path)(error.error))?;
     Ok(())
 }
 
@@ -110,17 +126,10 @@ fn follow_links(path: &Path) -> io::Result<PathBuf> {
     Err(io::Error::other("too many symbolic links"))
 }
 
-/// Makes a temporary file with the usual permissions of new files.
-#[cfg(unix)]
+/// Makes a temporary file, with the usual permissions of new files.
 fn new_temporary_file(directory: &Path) -> io::Result<tempfile::NamedTempFile> {
-    use std::os::unix::fs::PermissionsExt;
-    tempfile::Builder::new()
-        .permissions(fs::Permissions::from_mode(0o644))
-        .tempfile_in(directory)
-}
-
-/// Makes a temporary file.
-#[cfg(not(unix))]
-fn new_temporary_file(directory: &Path) -> io::Result<tempfile::NamedTempFile> {
-    tempfile::NamedTempFile::new_in(directory)
+    let mut file = tempfile::Builder::new();
+    #[cfg(unix)]
+    file.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o644));
+    file.tempfile_in(directory)
 }

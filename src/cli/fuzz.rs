@@ -9,7 +9,8 @@ use std::time::Duration;
 
 use clap::Args;
 
-use super::arguments::CallArgs;
+use super::arguments::positive_seconds;
+use super::calls::CallArgs;
 use super::guard::{Guarded, check_trouble, stop_on_signals};
 use super::output::{bar, jobs, print};
 use super::{CommandResult, Failed};
@@ -78,7 +79,7 @@ pub fn run(args: &FuzzArgs) -> CommandResult {
     let serves = declared.serves && !args.one_shot;
     let plan = args.plan(declared, &stop)?;
     if let Some(seconds) = args.seconds {
-        stop_after(super::arguments::positive_seconds(seconds)?, &stop);
+        stop_after(positive_seconds(seconds)?, &stop);
     }
     let bar = bar(Some(args.executions as u64), CALLS_TEMPLATE);
     let servers = Servers::new(&decoder, scratch, plan.jobs);
@@ -137,13 +138,10 @@ impl FuzzArgs {
 
 /// Returns the number of calls and of finds.
 fn summary(result: &FuzzResult, end: &str) -> String {
-    let count = result.finds.len();
-    let mut text = format!(
-        "{} files drawn, {} calls, {count} mistake{} found{end}\n",
-        result.files,
-        result.executions,
-        if count == 1 { "" } else { "s" }
-    );
+    let (files, calls, count) = (result.files, result.executions, result.finds.len());
+    let plural = if count == 1 { "" } else { "s" };
+    let mut text =
+        format!("{files} files drawn, {calls} calls, {count} mistake{plural} found{end}\n");
     for find in &result.finds {
         let _ = writeln!(text, "  {:>6}  {}", find.seen, find.cause.name());
     }

@@ -67,26 +67,21 @@ pub fn run(args: &GenerateArgs) -> CommandResult {
     if let Some(profile) = args.profile {
         return write_profile(&suite, profile, out, jobs(args.jobs)?);
     }
-    let largest = match args.all {
-        true => usize::MAX,
-        false => corpus::COMMITTED,
+    let (largest, hint) = match args.all {
+        true => (usize::MAX, ""),
+        false => (
+            corpus::COMMITTED,
+            "; larger files are only listed, --all writes them",
+        ),
     };
     let jobs = jobs(args.jobs)?;
     let entries = with_progress(|progress| corpus::write(&suite, out, largest, jobs, &progress))
         .map_err(|error| error.to_string())?;
-    let bytes: usize = entries
-        .iter()
-        .map(|entry| entry.bytes)
-        .filter(|&bytes| bytes <= largest)
-        .sum();
+    let bytes = entries.iter().map(|entry| entry.bytes);
+    let bytes: usize = bytes.filter(|&bytes| bytes <= largest).sum();
+    let (count, out) = (entries.len(), out.display());
     note(&format!(
-        "{} cases, {bytes} bytes of PTM files in {}{}\n",
-        entries.len(),
-        out.display(),
-        match args.all {
-            true => "",
-            false => "; larger files are only listed, --all writes them",
-        }
+        "{count} cases, {bytes} bytes of PTM files in {out}{hint}\n"
     ));
     Ok(0)
 }
@@ -100,11 +95,9 @@ fn write_case(suite: &Suite, id: &str, path: Option<&Path>) -> CommandResult {
     let path = path.map_or_else(|| PathBuf::from(format!("{id}.ptm")), Path::to_path_buf);
     let file = &case.build(TableSpelling::default()).file;
     files::write_whole(&path, file)?;
+    let (path, size, expected) = (path.display(), file.len(), case.expect.name());
     note(&format!(
-        "{}: {} bytes; expected: {}. More: ptm-conform explain {id}\n",
-        path.display(),
-        file.len(),
-        case.expect.name()
+        "{path}: {size} bytes; expected: {expected}. More: ptm-conform explain {id}\n"
     ));
     Ok(0)
 }
@@ -124,10 +117,9 @@ fn write_profile(suite: &Suite, profile: Profile, out: &Path, jobs: usize) -> Co
     let manifest = with_progress(|progress| profiles::write(suite, out, profile, jobs, &progress))
         .map_err(|error| error.to_string())?;
     let answers: usize = manifest.cases.iter().map(|case| case.expected.len()).sum();
+    let (files, out) = (manifest.cases.len(), out.display());
     note(&format!(
-        "{} files and {answers} right answers in {}; its README.md says how to use them\n",
-        manifest.cases.len(),
-        out.display()
+        "{files} files and {answers} right answers in {out}; its README.md says how to use them\n"
     ));
     Ok(0)
 }

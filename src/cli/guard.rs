@@ -87,11 +87,12 @@ pub fn watch(run: u32, directories: &[PathBuf]) -> u8 {
 
 /// Checks that this program could do its part of a run. The error says why the run was stopped, without a verdict.
 pub fn check_trouble(decoder: &Decoder) -> Result<(), String> {
-    decoder.trouble().map_or(Ok(()), |trouble| {
-        Err(format!(
+    match decoder.trouble() {
+        None => Ok(()),
+        Some(trouble) => Err(format!(
             "{trouble}. This is no fault of the decoder; the run was stopped without a verdict"
-        ))
-    })
+        )),
+    }
 }
 
 /// Resets two signals that may be inherited. A program that is started with SIGCHLD ignored cannot wait for its children; one

@@ -35,9 +35,6 @@ pub fn run(args: &InspectArgs) -> CommandResult {
     if !args.machine.print(&inspection)? {
         output::print(&inspection.to_text(&args.file.display().to_string(), args.all));
     }
-    Ok(Dissection::of(&file)
-        .outcome
-        .as_ref()
-        .err()
-        .map_or(0, files::status))
+    let outcome = &Dissection::of(&file).outcome;
+    Ok(outcome.as_ref().err().map_or(0, files::status))
 }

@@ -15,9 +15,8 @@ use ptm_conform::tools::lint::codes;
 
 /// Returns a line with the page about something.
 pub fn page_line(page: Option<String>) -> String {
-    page.map_or_else(String::new, |page| {
-        format!("  page: {}\n", published(&page))
-    })
+    let line = page.map(|page| format!("  page: {}\n", published(&page)));
+    line.unwrap_or_default()
 }
 
 /// Returns text with links, if standard output is a terminal that is known to support them; never for a pipe or a file.
@@ -39,19 +38,17 @@ static PAGES: LazyLock<HashMap<String, String>> = LazyLock::new(|| {
         let page = page.filter(|_| id.contains(['-', '/']));
         pages.extend(page.map(|page| (id.to_owned(), page)));
     };
-    let suites = (Suite::load(), Suite::of_textures());
     // Errors in a file of the suite are reported elsewhere.
-    for case in suites.0.iter().flat_map(|suite| &suite.cases) {
+    for case in Suite::load().iter().flat_map(|suite| &suite.cases) {
         put(&case.id, ptm.case_page(&case.id));
     }
-    for case in suites.1.iter().flat_map(|suite| &suite.cases) {
+    for case in Suite::of_textures().iter().flat_map(|suite| &suite.cases) {
         put(&case.id, stage.case_page(&case.id));
     }
-    for clause in clauses::clauses().into_iter().flatten() {
-        put(&clause.id, ptm.clause_page(&clause.id));
-    }
-    for clause in texture::clauses().into_iter().flatten() {
-        put(&clause.id, stage.clause_page(&clause.id));
+    for (suite, clauses) in [(ptm, clauses::clauses()), (stage, texture::clauses())] {
+        for clause in clauses.into_iter().flatten() {
+            put(&clause.id, suite.clause_page(&clause.id));
+        }
     }
     for misreading in misreadings::all() {
         put(misreading.slug, Some(ptm.misreading_page(misreading.slug)));

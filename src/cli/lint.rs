@@ -11,6 +11,7 @@ use serde::Serialize;
 
 use super::arguments::parse_size;
 use super::collection::{Met, Opened, Room, Source, open, paths, walk};
+use super::files::named;
 use super::lint_rows::{RowFormat, Rows};
 use super::output::{self, Machine};
 use super::readers;
@@ -111,14 +112,6 @@ struct Row {
     failed: bool,
 }
 
-impl LintArgs {
-    /// Returns true if the arguments are folders or lists, not single files.
-    fn is_collection(&self) -> bool {
-        let mut paths = self.files.iter();
-        paths.any(|path| is_list(path) || path.is_dir())
-    }
-}
-
 pub fn run(args: &LintArgs) -> CommandResult {
     if args.codes {
         return list_codes(args);
@@ -133,26 +126,21 @@ pub fn run(args: &LintArgs) -> CommandResult {
     };
     let profiles = readers::known(args.profiles.as_deref())?;
     let readers = readers::asked(&profiles, &args.readers)?;
-    let rows = Rows::new(format, &readers, settings.max, args.is_collection());
+    let mut paths = args.files.iter();
+    let is_collection = paths.any(|path| is_list(path) || path.is_dir());
+    let rows = Rows::new(format, &readers, settings.max, is_collection);
     let mut rows = rows.map_err(|error| error.to_string())?;
-    let room = Room::new(args.limit.saturating_mul(2));
-    let (bar, closed) = (progress(args), AtomicBool::new(false));
-    let work = |met: Met| {
-        let row = look(
-            met,
-            &Judge {
-                limit: args.limit,
-                room: &room,
-                readers: &readers,
-            },
-        );
-        let lint = settings.select(row.lint);
-        Row { lint, ..row }
+    let judge = Judge {
+        limit: args.limit,
+        room: Room::new(args.limit.saturating_mul(2)),
+        readers: &readers,
+        settings: &settings,
     };
+    let (bar, closed) = (progress(args), AtomicBool::new(false));
     let mut worst = 0;
     let walk = walk(named_sources(args), args.recursive);
     let walk = walk.take_while(|_| !closed.load(Relaxed));
-    in_turn(walk, jobs, &work, |row| {
+    in_turn(walk, jobs, &|met| judge.look(met), |row| {
         let status = status(&row, &settings);
         worst = std::cmp::min_by_key(worst, status, |status| {
             WORST_FIRST.iter().position(|one| one == status)
@@ -166,10 +154,9 @@ pub fn run(args: &LintArgs) -> CommandResult {
     bar.finish_and_clear();
     let _ = rows.end();
     if count == 0 {
-        let hint = if args.recursive {
-            ""
-        } else {
-            "; -r includes subfolders"
+        let hint = match args.recursive {
+            true => "",
+            false => "; -r includes subfolders",
         };
         output::complain(&format!("ptm-conform: no file to check{hint}"));
         return Ok(EXIT_NOTHING_SELECTED);
@@ -193,8 +180,7 @@ fn status(row: &Row, settings: &Settings) -> u8 {
 
 fn settings(args: &LintArgs) -> Result<Settings, String> {
     let file = match &args.config {
-        Some(path) => yaml::from_yaml(&yaml::text_of(path)?)
-            .map_err(|error| format!("{}: {error}", path.display()))?,
+        Some(path) => yaml::from_yaml(&yaml::text_of(path)?).map_err(named(path))?,
         None => Settings::default(),
     };
     let settings = file.and(Settings {
@@ -240,77 +226,66 @@ fn progress(args: &LintArgs) -> ProgressBar {
     bar
 }
 
-/// Reads and checks a file. An internal error affects only this file.
-fn look(met: Met, judge: &Judge) -> Row {
-    let unread = |path: &Path, reason: String| {
-        Lint::unread(&printable(path.as_os_str()), None, Some(reason))
-    };
-    let (path, lint, failed) = match met {
-        Met::File(path) => {
-            let judged = catch_unwind(AssertUnwindSafe(|| judge.judge(&path)));
-            let (lint, failed) = match judged {
-                Ok(Ok(lint)) => (lint, false),
-                Ok(Err(error)) => (unread(&path, error.to_string()), true),
-                Err(_) => (
-                    unread(&path, "a mistake of ptm-conform's own".to_owned()),
-                    true,
-                ),
-            };
-            (path, lint, failed)
-        }
-        Met::Skipped(path, why) => (path.clone(), unread(&path, why.to_owned()), false),
-        Met::Unreadable(path, error) => (path.clone(), unread(&path, error.to_string()), true),
-    };
-    Row { path, lint, failed }
-}
-
 /// The criteria for every file.
 struct Judge<'a> {
     limit: u64,
-    room: &'a Room,
+    room: Room,
     readers: &'a [&'a ReaderProfile],
+    settings: &'a Settings,
 }
 
 impl Judge<'_> {
+    /// Reads and checks a file. An internal error affects only this file.
+    fn look(&self, met: Met) -> Row {
+        let unread = |path: &Path, reason: &str| {
+            Lint::unread(&printable(path.as_os_str()), None, Some(reason.to_owned()))
+        };
+        let (path, judged) = match met {
+            Met::File(path) => {
+                let judged = catch_unwind(AssertUnwindSafe(|| self.judge(&path)));
+                let own = |_| Err(io::Error::other("a mistake of ptm-conform's own"));
+                let judged = judged.unwrap_or_else(own);
+                (path, judged)
+            }
+            Met::Skipped(path, why) => (path.clone(), Ok(unread(&path, why))),
+            Met::Unreadable(path, error) => (path, Err(error)),
+        };
+        let failed = judged.is_err();
+        let lint = judged.unwrap_or_else(|error| unread(&path, &error.to_string()));
+        let lint = self.settings.select(lint);
+        Row { path, lint, failed }
+    }
+
     fn judge(&self, path: &Path) -> io::Result<Lint> {
         let name = printable(path.as_os_str());
-        let too_long = |bytes: Option<u64>| {
-            let reason = format!("larger than the limit of {} bytes", self.limit);
-            Lint::unread(&name, bytes, Some(reason))
-        };
-        match open(path, self.limit)? {
-            Opened::Other(beginning, bytes) => Ok(Lint::of_other(&name, &beginning, bytes)),
-            Opened::TooLong(bytes) => Ok(too_long(Some(bytes))),
-            Opened::Candidate(ptm) => self.room.with(ptm.room, || {
-                let Some(file) = ptm.read()? else {
-                    return Ok(too_long(None));
-                };
+        open(path, self.limit, &self.room, |opened| match opened {
+            Opened::Other(beginning, bytes) => Lint::of_other(&name, &beginning, bytes),
+            Opened::TooLong(bytes) => {
+                let reason = format!("larger than the limit of {} bytes", self.limit);
+                Lint::unread(&name, bytes, Some(reason))
+            }
+            Opened::Map(file) => {
                 let mut lint = Lint::of(&name, &file);
                 lint.readers = readers::predictions(&file, self.readers);
-                Ok(lint)
-            }),
-        }
+                lint
+            }
+        })
     }
 }
 
 fn list_codes(args: &LintArgs) -> CommandResult {
-    let listed: Vec<Listed> = ALL
-        .iter()
-        .map(|code| Listed {
-            code: code.id,
-            severity: code.severity,
-            clause: code.clause,
-            says: code.says,
-            fix: code.fix,
-            provoked_by: &code.provoked_by,
-        })
-        .collect();
-    if !args.machine.print(&listed)? {
-        for code in listed {
-            output::print(&format!(
-                "{}  {:<8} {}\n",
-                code.code, code.clause, code.says
-            ));
+    let listed = ALL.iter().map(|code| Listed {
+        code: code.id,
+        severity: code.severity,
+        clause: code.clause,
+        says: code.says,
+        fix: code.fix,
+        provoked_by: &code.provoked_by,
+    });
+    if !args.machine.print(&listed.collect::<Vec<_>>())? {
+        for code in ALL.iter() {
+            let (id, clause, says) = (code.id, code.clause, code.says);
+            output::print(&format!("{id}  {clause:<8} {says}\n"));
         }
     }
     Ok(0)
@@ -323,9 +298,6 @@ fn parse_severity(text: &str) -> Result<(String, Severity), String> {
         let severity = severities.into_iter().find(|one| one.name() == level)?;
         Some((code.to_owned(), severity))
     });
-    pair.ok_or_else(|| {
-        format!(
-            "expected a code and error, warning or info, such as PTM-W301=error, found {text:?}"
-        )
-    })
+    let expected = "expected a code and error, warning or info, such as PTM-W301=error";
+    pair.ok_or_else(|| format!("{expected}, found {text:?}"))
 }

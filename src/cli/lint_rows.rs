@@ -41,7 +41,7 @@ pub struct Rows {
     /// True if a row, or a result, has been printed.
     begun: bool,
     /// Counts of everything, printed or not.
-    pub totals: Totals,
+    totals: Totals,
 }
 
 impl Rows {
@@ -125,15 +125,16 @@ fn text(lint: &Lint) -> io::Result<()> {
         true => (Severity::Error, String::new()),
         false => (Severity::Info, lint.summary()),
     };
-    let text = lint.to_text(least) + &summary + &lint.shown();
-    let mut out = anstream::stdout().lock();
-    out.write_all(linked(&text).as_bytes())?;
-    out.flush()
+    let text = linked(&(lint.to_text(least) + &summary + &lint.shown()));
+    whole(anstream::stdout().lock(), &text)
+}
+
+fn emit(text: &str) -> io::Result<()> {
+    whole(io::stdout().lock(), text)
 }
 
 /// Prints text in one write, so that a run that is killed leaves whole rows.
-fn emit(text: &str) -> io::Result<()> {
-    let mut out = io::stdout().lock();
+fn whole(mut out: impl Write, text: &str) -> io::Result<()> {
     out.write_all(text.as_bytes())?;
     out.flush()
 }

@@ -6,9 +6,10 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use super::CommandResult;
-use super::arguments::CallArgs;
+use super::calls::CallArgs;
+use super::files;
 use super::fuzz::CALLS_TEMPLATE;
-use super::guard::{Guarded, stop_on_signals};
+use super::guard::{Guarded, check_trouble, stop_on_signals};
 use super::output::{bar, print};
 use ptm_conform::fuzz::reduce;
 use ptm_conform::protocol::frame::{Answer, Frame, View};
@@ -71,51 +72,43 @@ pub fn run(args: &MinimiseArgs) -> CommandResult {
     };
     let small = reduce::reduce(&file, &stop, &fails);
     bar.finish_and_clear();
-    super::guard::check_trouble(&decoder)?;
+    check_trouble(&decoder)?;
     let Some(small) = small else {
         print(
             "the failure depends on how the header is written: the file cannot be made smaller\n",
         );
         return Ok(2);
     };
-    let out = args.out.clone().unwrap_or_else(|| small_path(&args.file));
-    std::fs::write(&out, &small).map_err(|error| format!("{}: {error}", out.display()))?;
+    let out = args.out.clone().unwrap_or_else(|| {
+        let stem = Path::new(&args.file).file_stem().unwrap_or_default();
+        PathBuf::from(format!("{}.small.ptm", stem.to_string_lossy()))
+    });
+    std::fs::write(&out, &small).map_err(files::named(&out))?;
+    let (after, before, out) = (small.len(), file.len(), out.display());
     print(&format!(
-        "{found}: {} bytes instead of {}, in {}\n",
-        small.len(),
-        file.len(),
-        out.display()
+        "{found}: {after} bytes instead of {before}, in {out}\n"
     ));
     Ok(0)
 }
 
 fn bytes_of(name: &str) -> Result<Vec<u8>, String> {
     let suite = Suite::load()?;
-    match suite.case(name) {
-        Some(case) => Ok(case.build(TableSpelling::default()).file.clone()),
-        None => super::files::read(Path::new(name)).map_err(|error| {
-            format!("neither the id of a case nor a file that can be read: {error}")
-        }),
+    if let Some(case) = suite.case(name) {
+        return Ok(case.build(TableSpelling::default()).file.clone());
     }
-}
-
-fn small_path(name: &str) -> PathBuf {
-    let stem = Path::new(name).file_stem().unwrap_or_default();
-    PathBuf::from(format!("{}.small.ptm", stem.to_string_lossy()))
+    files::read(Path::new(name))
+        .map_err(|error| format!("neither the id of a case nor a file that can be read: {error}"))
 }
 
 /// Describes how an answer differs from the reference's; returns `None` if it does not.
 fn symptom(file: &[u8], view: &View, answer: &Answer) -> Option<&'static str> {
-    let expected = ptm_conform::decode(file)
-        .ok()
-        .map(|ptm| Frame::of(&ptm, view));
-    match (expected, answer) {
-        (Some(expected), Answer::Decoded(frame)) => {
-            let alike = ptm_conform::diagnose::alike(&expected, frame);
-            (!alike).then_some("another picture")
+    match (ptm_conform::decode(file), answer) {
+        (Ok(ptm), Answer::Decoded(frame)) => {
+            let is_like = ptm_conform::diagnose::alike(&Frame::of(&ptm, view), frame);
+            (!is_like).then_some("another picture")
         }
-        (None, Answer::Decoded(_)) => Some("a picture of a malformed file"),
-        (Some(_), Answer::Rejected) => Some("a refusal of a legal file"),
+        (Err(_), Answer::Decoded(_)) => Some("a picture of a malformed file"),
+        (Ok(_), Answer::Rejected) => Some("a refusal of a legal file"),
         (_, Answer::Rejected | Answer::Unsupported) => None,
         (_, other) => Some(other.name()),
     }

@@ -9,6 +9,8 @@ use std::path::Path;
 #[cfg_attr(not(unix), allow(dead_code))]
 mod arguments;
 #[cfg(unix)]
+mod calls;
+#[cfg(unix)]
 pub mod check;
 #[cfg(unix)]
 pub mod check_args;
@@ -53,7 +55,6 @@ pub mod reference;
 pub mod render;
 #[cfg(unix)]
 pub mod report;
-mod rules;
 #[cfg(unix)]
 pub mod site;
 #[cfg(unix)]

@@ -98,9 +98,8 @@ impl Machine {
         if self.yaml {
             print(&to_yaml(value)?);
         } else if self.json {
-            print(
-                &(serde_json::to_string_pretty(value).map_err(|error| error.to_string())? + "\n"),
-            );
+            let json = serde_json::to_string_pretty(value).map_err(|error| error.to_string())?;
+            print(&(json + "\n"));
         }
         Ok(self.yaml || self.json)
     }

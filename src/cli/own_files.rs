@@ -1,7 +1,7 @@
 //! `check --files`: the user's files.
 
+use std::ffi::OsStr;
 use std::fs;
-use std::io;
 use std::path::{Path, PathBuf};
 
 use ptm_conform::kit::yaml::to_yaml;
@@ -10,7 +10,7 @@ use ptm_conform::runner::run::{Decoder, Request};
 use ptm_conform::runner::scratch::Scratch;
 use ptm_conform::session::files::{FilesReport, check_file};
 
-use super::files::write_whole;
+use super::files::{named, read, write_whole};
 use super::guard::check_trouble;
 use super::output::{print, with_progress};
 use super::{CommandResult, EXIT_NOTHING_SELECTED, Failed};
@@ -28,16 +28,14 @@ pub fn check(
         let says = format!("no .ptm file in {}", directory.display());
         return Err(Failed::new(EXIT_NOTHING_SELECTED, &says));
     }
-    let views: Vec<View> = ["raw", "coef", View::ORDINARY_LIGHT]
-        .iter()
-        .map(|view| view.parse::<View>().expect("a view"))
-        .filter(|view| asked.is_empty() || asked.iter().any(|asked| asked == view.name()))
-        .collect();
+    let views = ["raw", "coef", View::ORDINARY_LIGHT].map(|view| view.parse().expect("a view"));
+    let mut views: Vec<View> = views.into();
+    views.retain(|view| asked.is_empty() || asked.iter().any(|asked| asked == view.name()));
     let ask = |request: &Request<'_>| decoder.ask(request, scratch);
     let results: Result<Vec<_>, String> = with_progress(|progress| {
         let results = paths.iter().enumerate().map(|(i, path)| {
             let name = path.file_name().unwrap_or_default().to_string_lossy();
-            let result = check_file(&name, &super::files::read(path)?, &views, &ask);
+            let result = check_file(&name, &read(path)?, &views, &ask);
             check_trouble(decoder)?;
             progress(i + 1, paths.len());
             Ok(result)
@@ -53,16 +51,11 @@ pub fn check(
 
 /// Returns the PTM files of a directory, by name.
 fn maps_in(directory: &Path) -> Result<Vec<PathBuf>, String> {
-    let named = |error: io::Error| format!("{}: {error}", directory.display());
-    let mut paths: Vec<PathBuf> = fs::read_dir(directory)
-        .map_err(named)?
-        .map(|entry| entry.map(|entry| entry.path()).map_err(named))
-        .collect::<Result<_, _>>()?;
-    let is_ptm = |path: &PathBuf| {
-        let suffix = path.extension();
-        suffix.is_some_and(|suffix| suffix.eq_ignore_ascii_case("ptm"))
-    };
-    paths.retain(is_ptm);
+    let entries = fs::read_dir(directory).map_err(named(directory))?;
+    let paths = entries.map(|entry| entry.map(|entry| entry.path()));
+    let mut paths: Vec<PathBuf> = paths.collect::<Result<_, _>>().map_err(named(directory))?;
+    let is_ptm = |suffix: &OsStr| suffix.eq_ignore_ascii_case("ptm");
+    paths.retain(|path| path.extension().is_some_and(is_ptm));
     paths.sort();
     Ok(paths)
 }

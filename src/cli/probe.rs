@@ -7,7 +7,10 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use super::CommandResult;
-use super::arguments::in_one_line;
+use super::arguments::positive_seconds;
+use super::calls::in_one_line;
+use super::guard::{Guarded, check_trouble};
+use super::terminal::show;
 use ptm_conform::runner::processes;
 use ptm_conform::runner::run::Decoder;
 use ptm_conform::session::probe::{Reproduction, probe};
@@ -51,18 +54,15 @@ pub fn run(args: &ProbeArgs) -> CommandResult {
     if args.writer {
         program = program.as_writer("write");
     }
-    program.timeout = super::arguments::positive_seconds(args.timeout)?;
-    let guarded = super::guard::Guarded::new()?;
+    program.timeout = positive_seconds(args.timeout)?;
+    let guarded = Guarded::new()?;
     let list = match args.writer {
         true => ptm_conform::writers::probe::probe(&program, &guarded.scratch)?,
         false => probe(&args.decoder, &program, &guarded.scratch),
     };
-    super::guard::check_trouble(&program)?;
+    check_trouble(&program)?;
     let command = in_one_line(&args.decoder);
-    let repeat = |repeat: &Reproduction| match args.writer {
-        true => None,
-        false => keep_files(repeat, &command, &args.keep),
-    };
+    let repeat = |repeat: &Reproduction| keep_files(repeat, &command, &args.keep);
     let next = match (list.faults(), args.writer) {
         (0, true) => format!("ready. Next: ptm-conform check-writer -- {command}\n"),
         (faults, true) => format!("to fix: {faults}; then probe again\n"),
@@ -70,20 +70,16 @@ pub fn run(args: &ProbeArgs) -> CommandResult {
         (1, false) => "1 thing to fix; then probe again\n".to_owned(),
         (faults, false) => format!("{faults} things to fix; then probe again\n"),
     };
-    super::terminal::show(&list.to_text(&repeat));
-    super::terminal::show(&next);
+    show(&list.to_text(&repeat));
+    show(&next);
     Ok(list.exit_status())
 }
 
 /// Keeps the files of some requests, and returns the command line that repeats them, or `None` if they cannot be kept.
 pub fn keep_files(repeat: &Reproduction, command: &str, directory: &Path) -> Option<String> {
-    keep(repeat, directory).ok()?;
+    fs::create_dir_all(directory).ok()?;
+    for request in &repeat.requests {
+        fs::write(directory.join(&request.file_name), &request.file).ok()?;
+    }
     Some(repeat.command(command, directory))
-}
-
-/// Writes the files of some requests.
-fn keep(repeat: &Reproduction, directory: &Path) -> std::io::Result<()> {
-    fs::create_dir_all(directory)?;
-    let mut requests = repeat.requests.iter();
-    requests.try_for_each(|request| fs::write(directory.join(&request.file_name), &request.file))
 }

@@ -42,7 +42,7 @@ impl Doing {
         }
         let elapsed = self.since.elapsed();
         if done < MIN_DONE || done > self.all {
-            return words + ", for " + &in_words(elapsed);
+            return format!("{words}, for {}", in_words(elapsed));
         }
         let bound = if self.is_limit { "at most" } else { "about" };
         let left = elapsed.mul_f64((self.all - done) as f64 / done as f64);
@@ -155,37 +155,33 @@ mod tests {
 
     #[test]
     fn the_line_says_what_is_done_and_what_is_left() {
-        let doing = Doing {
-            what: "asking",
-            done: Arc::new(AtomicUsize::new(100)),
-            all: 300,
-            is_limit: false,
-            wrong: 7,
-            since: (Instant::now().checked_sub(Duration::from_secs(120))).expect("it is later"),
+        let said = |what: &'static str, done: usize, all: usize, is_limit: bool| {
+            let since = Instant::now().checked_sub(Duration::from_secs(120));
+            let doing = Doing {
+                what,
+                done: Arc::new(AtomicUsize::new(done)),
+                all,
+                is_limit,
+                wrong: 7,
+                since: since.expect("it is later"),
+            };
+            doing.in_words()
         };
-        assert_eq!(
-            doing.in_words(),
-            "asking 100 of 300, 7 wrong so far, about 4 min left"
-        );
-        let searching = Doing {
-            what: "searching for causes",
-            all: 0,
-            done: Arc::default(),
-            ..doing
-        };
-        assert_eq!(
-            searching.in_words(),
-            "searching for causes, 7 wrong so far, for 2 min"
-        );
-        let counted = Doing {
-            done: Arc::new(AtomicUsize::new(100)),
-            is_limit: true,
-            all: 150,
-            ..searching
-        };
-        assert_eq!(
-            counted.in_words(),
-            "searching for causes, 7 wrong so far, at most 60 s left"
-        );
+        for (said, expected) in [
+            (
+                said("asking", 100, 300, false),
+                "asking 100 of 300, 7 wrong so far, about 4 min left",
+            ),
+            (
+                said("searching", 0, 0, false),
+                "searching, 7 wrong so far, for 2 min",
+            ),
+            (
+                said("searching", 100, 150, true),
+                "searching, 7 wrong so far, at most 60 s left",
+            ),
+        ] {
+            assert_eq!(said, expected);
+        }
     }
 }

@@ -9,14 +9,14 @@ use ptm_conform::readers::{
 use ptm_conform::tools::convert_for::convert_for;
 use ptm_conform::tools::dissection::Dissection;
 
+use super::files::named;
 use super::names::did_you_mean;
 
 /// Returns the profiles of a file, or the known ones.
 pub fn known(file: Option<&Path>) -> Result<Vec<ReaderProfile>, String> {
     match file {
         None => Ok(profiles().to_vec()),
-        Some(path) => profiles_of(&yaml::text_of(path)?)
-            .map_err(|error| format!("{}: {error}", path.display())),
+        Some(path) => profiles_of(&yaml::text_of(path)?).map_err(named(path)),
     }
 }
 
@@ -70,11 +70,9 @@ fn fix(file: &[u8], reader: &ReaderProfile) -> String {
     let Ok(ptm) = &dissection.outcome else {
         return "write the file anew from its source; `lint` says what is wrong with it".to_owned();
     };
-    match convert_for(&dissection, ptm, &[reader]) {
-        Ok((format, _)) => format!(
-            "`ptm-conform convert --for {}` writes the same map as {format}",
-            reader.name
-        ),
-        Err(why) => why,
-    }
+    let name = &reader.name;
+    convert_for(&dissection, ptm, &[reader]).map_or_else(
+        |why| why,
+        |(format, _)| format!("`ptm-conform convert --for {name}` writes the same map as {format}"),
+    )
 }

@@ -58,46 +58,38 @@ fn status(outcome: io::Result<()>) -> CommandResult {
 
 fn one(view: &View, path: &Path) -> CommandResult {
     let file = files::read(path)?;
-    match ptm_conform::decode::open(&file) {
-        Ok(map) => {
-            // Buffered in large chunks, because standard output itself is line-buffered.
-            let mut out = io::BufWriter::with_capacity(1 << 18, io::stdout().lock());
-            let written = write_view(&map, view, &mut out);
-            status(written.and_then(|()| out.flush()))
-        }
-        Err(error) => Err(Failed::refused(
-            path,
-            files::status(&error),
-            &error.to_string(),
-        )),
-    }
+    let map = ptm_conform::decode::open(&file)
+        .map_err(|error| Failed::refused(path, files::status(&error), &error.to_string()))?;
+    // Buffered in large chunks, because standard output itself is line-buffered.
+    let mut out = io::BufWriter::with_capacity(1 << 18, io::stdout().lock());
+    let written = write_view(&map, view, &mut out);
+    status(written.and_then(|()| out.flush()))
 }
 
 /// Answers `reference write REQUEST OUT`.
 fn write(path: &Path, out: &Path) -> CommandResult {
-    let malformed = |error: String| Failed::refused(path, EXIT_MALFORMED as u8, &error);
     let request = files::read(path).and_then(|json| {
         let header = RequestHeader::read(&json)?;
         let planes = files::read(Path::new(&header.planes))?;
         header.with_planes(&planes)
     });
-    write_request(path, out, &request.map_err(malformed)?)
+    write_request(path, out, &request.map_err(malformed(path))?)
 }
 
 /// Answers `reference fit REQUEST OUT`.
 fn fit(path: &Path, out: &Path) -> CommandResult {
-    let malformed = |error: String| Failed::refused(path, EXIT_MALFORMED as u8, &error);
     let request = files::read(path).and_then(|json| FitRequest::read(&json));
-    let (format, request) = request.map_err(malformed)?;
+    let (format, request) = request.map_err(malformed(path))?;
     if !FORMATS.contains(&format) {
-        return Err(Failed::refused(
-            path,
-            EXIT_UNSUPPORTED as u8,
-            "fits are LRGB or RGB",
-        ));
+        let status = EXIT_UNSUPPORTED as u8;
+        return Err(Failed::refused(path, status, "fits are LRGB or RGB"));
     }
-    let set = PictureSet::read(Path::new(&request.lp)).map_err(malformed)?;
+    let set = PictureSet::read(Path::new(&request.lp)).map_err(malformed(path))?;
     write_request(path, out, &WriteRequest::of(&optimum(&set, format)))
+}
+
+fn malformed(path: &Path) -> impl Fn(String) -> Failed + '_ {
+    |error| Failed::refused(path, EXIT_MALFORMED as u8, &error)
 }
 
 /// Writes the requested file, or returns the reason why not.
@@ -113,67 +105,43 @@ fn write_request(path: &Path, out: &Path, request: &WriteRequest) -> CommandResu
 /// Answers requests until there are no more.
 fn serve(requests: impl BufRead, mut answers: impl Write) -> io::Result<()> {
     for line in requests.split(b'\n') {
-        let line = line?;
-        answers.write_all(&answer(&line)?)?;
+        answers.write_all(&answer(&line?)?)?;
         answers.flush()?;
     }
     Ok(())
 }
 
 fn answer(line: &[u8]) -> io::Result<Vec<u8>> {
-    let mut words = line.splitn(3, |&byte| byte == b' ');
-    let (Some(sequence), Some(view), Some(path)) = (words.next(), words.next(), words.next())
-    else {
+    let words: Vec<&[u8]> = line.splitn(3, |&byte| byte == b' ').collect();
+    let [sequence, view, path] = words[..] else {
         let shown = line.escape_ascii();
         return Err(io::Error::other(format!(
             "expected \"SEQ VIEW PATH\", found \"{shown}\""
         )));
     };
     let with_number = |words: String| [sequence, b" ", words.as_bytes(), b"\n"].concat();
-    let Some(view) = std::str::from_utf8(view)
-        .ok()
-        .and_then(|view| view.parse::<View>().ok())
-    else {
+    let view = std::str::from_utf8(view).ok();
+    let Some(view) = view.and_then(|view| view.parse::<View>().ok()) else {
         return Ok(with_number("unsupported view".to_owned()));
     };
-    let path = path_of(path)?;
-    let file = files::read(path).map_err(io::Error::other)?;
-    match ptm_conform::decode(&file) {
+    let file = files::read(&files::path_of(path.to_vec())).map_err(io::Error::other)?;
+    Ok(match ptm_conform::decode(&file) {
         Ok(ptm) => {
             let mut frame = Vec::new();
             Frame::of(&ptm, &view).write(&mut frame)?;
-            Ok([with_number(format!("ok {}", frame.len())), frame].concat())
+            [with_number(format!("ok {}", frame.len())), frame].concat()
         }
         Err(error) if error.class() == Class::Malformed => {
-            Ok(with_number(format!("reject {EXIT_MALFORMED}")))
+            with_number(format!("reject {EXIT_MALFORMED}"))
         }
-        Err(error) => Ok(with_number(
-            format!("unsupported {error}").replace('\n', " "),
-        )),
-    }
-}
-
-/// Converts a path, which may have any bytes.
-#[cfg(unix)]
-#[allow(clippy::unnecessary_wraps, reason = "elsewhere it is not")]
-fn path_of(bytes: &[u8]) -> io::Result<&Path> {
-    use std::os::unix::ffi::OsStrExt;
-    Ok(Path::new(std::ffi::OsStr::from_bytes(bytes)))
-}
-
-/// Converts a path, which must be text.
-#[cfg(not(unix))]
-fn path_of(bytes: &[u8]) -> io::Result<&Path> {
-    let text = std::str::from_utf8(bytes);
-    text.map(Path::new)
-        .map_err(|_| io::Error::other("a path is not UTF-8"))
+        Err(error) => with_number(format!("unsupported {error}").replace('\n', " ")),
+    })
 }
 
 fn capabilities() -> String {
-    let formats: Vec<&str> = Format::ALL.into_iter().map(Format::name).collect();
+    let formats = Format::ALL.map(Format::name).join(", ");
     format!(
-        "protocol: 1\nname: ptm-conform reference\nversion: \"{}\"\nviews: [raw, coef, rgb]\nformats: [{}]\nmodes: [one-shot, serve]\nreject_exit: {EXIT_MALFORMED}\n",
-        env!("CARGO_PKG_VERSION"),
-        formats.join(", ")
+        "protocol: 1\nname: ptm-conform reference\nversion: \"{}\"\nviews: [raw, coef, rgb]\nformats: [{formats}]\nmodes: [one-shot, serve]\nreject_exit: {EXIT_MALFORMED}\n",
+        env!("CARGO_PKG_VERSION")
     )
 }

@@ -1,13 +1,12 @@
 //! `ptm-conform render`
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use clap::Args;
 use image::ImageFormat;
 
 use super::arguments::parse_pair;
 use super::{CommandResult, files, output};
-use ptm_conform::tools::dissection::Dissection;
 use ptm_conform::tools::render::{lit, normals, sheet};
 
 /// Render a map: under one light, under many lights, or its normals.
@@ -48,48 +47,35 @@ pub struct RenderArgs {
 const MAX_SMALL_SIDE: usize = 32;
 
 pub fn run(args: &RenderArgs) -> CommandResult {
-    let format = format_of(&args.output)?;
-    let file = files::read(&args.file)?;
-    let dissection = Dissection::of(&file);
-    let ptm = files::map(&args.file, &dissection)?;
+    let format = ImageFormat::from_path(&args.output).ok();
+    let format = format.filter(ImageFormat::writing_enabled).ok_or_else(|| {
+        let expected = "expected a name that ends in .png, .ppm, .tiff, .bmp, .webp or .jpg";
+        files::named(&args.output)(expected)
+    })?;
+    let ptm = files::read_map(&args.file)?;
     let (image, what) = match (args.sheet, args.normals, args.light) {
         (Some(side), ..) => (
-            sheet(ptm, side.into(), args.cell.into())?,
+            sheet(&ptm, side.into(), args.cell.into())?,
             format!("{side} x {side} lights"),
         ),
-        (None, true, _) => (normals(ptm), "normals, x to the right, y up".to_owned()),
-        (None, false, (lu, lv)) => (lit(ptm, lu, lv), format!("light {lu},{lv}")),
+        (None, true, _) => (normals(&ptm), "normals, x to the right, y up".to_owned()),
+        (None, false, (lu, lv)) => (lit(&ptm, lu, lv), format!("light {lu},{lv}")),
     };
-    let small =
-        args.sheet.is_none() && args.zoom == 1 && image.width.max(image.height) <= MAX_SMALL_SIDE;
+    let is_small = image.width.max(image.height) <= MAX_SMALL_SIDE;
+    let hint = match args.sheet.is_none() && args.zoom == 1 && is_small {
+        true => "; --zoom 32 enlarges them",
+        false => "",
+    };
     let image = match args.zoom {
         1 => image,
         zoom => image.enlarged(zoom.into())?,
     };
     files::write_whole(&args.output, image.to_file(format)?)?;
+    let (output, width, height) = (args.output.display(), image.width, image.height);
     output::note(&format!(
-        "{}: {what}, {} x {} pixels{}\n",
-        args.output.display(),
-        image.width,
-        image.height,
-        if small {
-            "; --zoom 32 enlarges them"
-        } else {
-            ""
-        }
+        "{output}: {what}, {width} x {height} pixels{hint}\n"
     ));
     Ok(0)
-}
-
-/// Returns the image format for a file name.
-fn format_of(path: &Path) -> Result<ImageFormat, String> {
-    let format = ImageFormat::from_path(path).ok();
-    format.filter(ImageFormat::writing_enabled).ok_or_else(|| {
-        format!(
-            "{}: expected a name that ends in .png, .ppm, .tiff, .bmp, .webp or .jpg",
-            path.display()
-        )
-    })
 }
 
 /// Parses a direction within the hemisphere.

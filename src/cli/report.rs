@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, Subcommand};
 
+use super::arguments::id_filter;
 use super::ending::{Ending, OutputArgs};
 use super::{CommandResult, EXIT_NOTHING_SELECTED, Failed};
 use ptm_conform::report::Report;
@@ -92,9 +93,6 @@ struct MergeArgs {
     /// The output file.
     #[arg(long, value_name = "FILE", default_value = "ptm-conform-report.yaml")]
     report: PathBuf,
-    /// Number of failures to print in full; the report has all of them.
-    #[arg(long, value_name = "N", default_value_t = 10)]
-    show: usize,
     #[command(flatten)]
     outputs: OutputArgs,
 }
@@ -170,12 +168,10 @@ pub fn run(args: &ReportArgs) -> CommandResult {
 
 fn show_report<C: Reported>(report: &Report, cases: &[String], show: usize) -> CommandResult {
     let suite = C::suite()?;
-    if cases.is_empty() {
-        super::terminal::show(&printable(&report.to_text(&suite, show)));
-        return Ok(0);
-    }
-    let globs = super::arguments::globs(cases)?;
-    let text = report.cases_to_text(&suite, |id| globs.iter().any(|glob| glob.matches(id)));
+    let text = match cases {
+        [] => report.to_text(&suite, show),
+        cases => report.cases_to_text(&suite, id_filter(cases)?),
+    };
     if text.is_empty() {
         let says = "no case of the report matches";
         return Err(Failed::new(EXIT_NOTHING_SELECTED, says));
@@ -194,7 +190,7 @@ fn html_page<C: Reported>(reports: &[Report]) -> Result<String, String> {
 
 fn merge<C: Reported>(args: &MergeArgs) -> CommandResult {
     let suite = C::suite()?;
-    let ending = Ending::new(&suite, &args.report, args.show, &args.outputs)?;
+    let ending = Ending::new(&suite, &args.report, &args.outputs)?;
     let answers = KeptAnswers::read(&suite, &args.parts)?;
     let jobs = super::output::jobs(None)?;
     let (run, report) = super::output::with_progress(|progress| {
@@ -205,13 +201,10 @@ fn merge<C: Reported>(args: &MergeArgs) -> CommandResult {
 
 /// Makes text of untrusted reports safe for a terminal: escapes control characters other than line feeds and tabs.
 fn printable(text: &str) -> String {
-    let mut shown = String::with_capacity(text.len());
-    for c in text.chars() {
-        if c.is_control() && c != '\n' && c != '\t' {
-            shown.extend(c.escape_default());
-        } else {
-            shown.push(c);
-        }
-    }
-    shown
+    let shown = |c: char| match c {
+        '\n' | '\t' => c.to_string(),
+        c if c.is_control() => c.escape_default().to_string(),
+        c => c.to_string(),
+    };
+    text.chars().map(shown).collect()
 }

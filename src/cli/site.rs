@@ -7,7 +7,7 @@ use clap::Args;
 use ptm_conform::site::build;
 
 use super::CommandResult;
-use super::files::read;
+use super::files::{named, read};
 use super::output::{jobs, print};
 
 /// Write the website: the annotated format, and a page for each case, misreading, ruling, lint code and reader.
@@ -34,18 +34,14 @@ pub fn run(args: &SiteArgs) -> CommandResult {
     let mut bytes = 0;
     for file in &files {
         let path = args.out.join(&file.path);
-        let named = |error: std::io::Error| format!("{}: {error}", path.display());
         if let Some(folder) = path.parent() {
-            std::fs::create_dir_all(folder).map_err(named)?;
+            std::fs::create_dir_all(folder).map_err(named(&path))?;
         }
-        std::fs::write(&path, &file.bytes).map_err(named)?;
+        std::fs::write(&path, &file.bytes).map_err(named(&path))?;
         bytes += file.bytes.len();
     }
-    print(&format!(
-        "{} files, {} MB: {}\n",
-        files.len(),
-        bytes.div_ceil(1_000_000),
-        args.out.join("index.html").display()
-    ));
+    let (count, size) = (files.len(), bytes.div_ceil(1_000_000));
+    let index = args.out.join("index.html");
+    print(&format!("{count} files, {size} MB: {}\n", index.display()));
     Ok(0)
 }

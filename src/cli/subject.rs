@@ -1,6 +1,5 @@
 //! The subject of a check: a decoder, this program, a program that a template calls, or precomputed answers.
 
-use std::borrow::Cow;
 use std::ffi::OsString;
 use std::path::Path;
 use std::sync::Arc;
@@ -13,8 +12,8 @@ use ptm_conform::runner::template::Template;
 use ptm_conform::session::outputs::Outputs;
 use ptm_conform::suite::cases::{Case, Expect, Suite};
 
-use super::arguments::limit;
 use super::check_args::CheckArgs;
+use super::files::named;
 
 /// The subject of a check, and the part of the suite that applies to it.
 pub struct Subject {
@@ -63,36 +62,33 @@ impl Subject {
     /// Returns the subject that the command line names, under the limits that it gives.
     pub fn new(args: &CheckArgs, suite: &Suite, stop: &Arc<AtomicBool>) -> Result<Subject, String> {
         let is_asked = |view: &&str| args.views.iter().any(|asked| asked == view);
-        let mut subject = Subject {
+        let subject = |answers: Answers, words: Vec<String>| Subject {
+            answers,
+            words,
             views: ViewKind::NAMES.into_iter().filter(is_asked).collect(),
             withheld: Vec::new(),
-            words: Vec::new(),
-            answers: match (&args.caller, &args.cmd, &args.outputs) {
-                (Some(socket), ..) => Answers::Caller(
-                    Caller::connect(socket, stop)
-                        .map_err(|error| format!("{}: {error}", socket.display()))?,
-                ),
-                (None, Some(text), _) => Answers::Program(called_by(text)?),
-                (None, None, Some(directory)) => Answers::Precomputed(outputs(directory, suite)?),
-                (None, None, None) => Answers::Program(program(&args.decoder)?),
-            },
         };
-        match (&mut subject.answers, &args.cmd, &args.outputs) {
-            (Answers::Program(decoder), cmd, _) => {
-                limit(decoder, args.timeout, args.memory, stop)?;
-                subject.words = match cmd {
-                    Some(text) => shlex::split(text).unwrap_or_default(),
-                    None => words_of(&args.decoder)?,
-                };
-            }
-            (Answers::Precomputed(outputs), _, Some(directory)) => {
-                subject.views = vec![outputs.view];
-                subject.withheld = outputs.withheld(suite);
-                let directory = directory.to_string_lossy().into_owned();
-                subject.words = vec!["--outputs".to_owned(), directory];
-            }
-            _ => subject.words = vec!["a function of the caller".to_owned()],
+        if let Some(socket) = &args.caller {
+            let caller = Caller::connect(socket, stop).map_err(named(socket))?;
+            let words = vec!["a function of the caller".to_owned()];
+            return Ok(subject(Answers::Caller(caller), words));
         }
+        if let Some(directory) = &args.outputs {
+            let outputs = outputs(directory, suite)?;
+            let directory = directory.to_string_lossy().into_owned();
+            let words = vec!["--outputs".to_owned(), directory];
+            return Ok(Subject {
+                views: vec![outputs.view],
+                withheld: outputs.withheld(suite),
+                ..subject(Answers::Precomputed(outputs), words)
+            });
+        }
+        let (mut decoder, words) = match &args.cmd {
+            Some(text) => called_by(text, Template::parse(text))?,
+            None => program(&args.decoder)?,
+        };
+        args.run.limit(&mut decoder, stop)?;
+        let mut subject = subject(Answers::Program(decoder), words);
         if let Some(text) = &args.cmd {
             subject.restrict_to(&Template::parse(text)?, args, suite)?;
         }
@@ -120,10 +116,10 @@ impl Subject {
             }
         }
         if args.reject_exit.is_none() {
-            let refusal = |case: &Case| {
-                (case.expect != Expect::Decode && case.expect != Expect::Spelling).then(|| {
-                    "a program called by --cmd shows no refusal without --reject-exit".to_owned()
-                })
+            let why = "a program called by --cmd shows no refusal without --reject-exit";
+            let refusal = |case: &Case| match case.expect {
+                Expect::Decode | Expect::Spelling => None,
+                _ => Some(why.to_owned()),
             };
             self.withheld = suite.cases.iter().map(refusal).collect();
         }
@@ -149,29 +145,27 @@ fn outputs(directory: &Path, suite: &Suite) -> Result<Outputs, String> {
     Ok(outputs)
 }
 
-/// Returns a program that a template calls.
-fn called_by(text: &str) -> Result<Decoder, String> {
-    let template = Template::parse(text).map_err(|error| format!("--cmd: {error}"))?;
-    Decoder::with_template(template).map_err(|error| error.to_string())
+/// Returns a program that a template calls, and the words of the template for the report.
+pub fn called_by(
+    text: &str,
+    template: Result<Template, String>,
+) -> Result<(Decoder, Vec<String>), String> {
+    let template = template.map_err(|error| format!("--cmd: {error}"))?;
+    let decoder = Decoder::with_template(template).map_err(|error| error.to_string())?;
+    Ok((decoder, shlex::split(text).unwrap_or_default()))
 }
 
-/// Returns the program that a command starts; this program if the command is empty.
-pub fn program(command: &[OsString]) -> Result<Decoder, String> {
-    Decoder::new(&command_or_reference(command)?).map_err(|error| error.to_string())
-}
-
-/// Returns the words of a command, for the report.
-pub fn words_of(command: &[OsString]) -> Result<Vec<String>, String> {
-    let command = command_or_reference(command)?;
-    let words = command.iter().map(|word| word.to_string_lossy());
-    Ok(words.map(Cow::into_owned).collect())
-}
-
-fn command_or_reference(command: &[OsString]) -> Result<Vec<OsString>, String> {
-    if !command.is_empty() {
-        return Ok(command.to_vec());
+/// Returns the program that a command starts, and its words for the report; this program if the command is empty.
+pub fn program(command: &[OsString]) -> Result<(Decoder, Vec<String>), String> {
+    let mut command = command.to_vec();
+    if command.is_empty() {
+        let program = std::env::current_exe();
+        let program = program.map_err(|error| format!("cannot find this program: {error}"))?;
+        command = vec![program.into(), "reference".into()];
     }
-    let program =
-        std::env::current_exe().map_err(|error| format!("cannot find this program: {error}"))?;
-    Ok(vec![program.into(), "reference".into()])
+    let words = command
+        .iter()
+        .map(|word| word.to_string_lossy().into_owned());
+    let decoder = Decoder::new(&command).map_err(|error| error.to_string())?;
+    Ok((decoder, words.collect()))
 }

@@ -86,12 +86,9 @@ fn beginning(line: &str) -> Option<(usize, Style)> {
     // A heading is the word and the name after it.
     let length = match (start.ends_with(' '), indent) {
         (false, _) => start.len(),
-        (true, 0) => {
-            start.len()
-                + text[start.len()..]
-                    .find(' ')
-                    .unwrap_or(text.len() - start.len())
-        }
+        (true, 0) => text[start.len()..]
+            .find(' ')
+            .map_or(text.len(), |end| start.len() + end),
         (true, _) => return None,
     };
     Some((indent + length, *style))
@@ -104,18 +101,11 @@ mod tests {
     const TEXT: &str = "64 of 64 failures: the decoder reads the high byte of an index first.\n  Fix: read the low byte first.\n  FAIL a-case  (2.5/2)\n    byte     0  version    PTM_1.2\n  $ printf '1 raw a-very-long-name.ptm' | decoder serve | xxd | head\n";
 
     #[test]
-    fn without_color_and_off_a_terminal_nothing_changes() {
-        let plain = anstream::adapter::strip_str(&page(TEXT, None)).to_string();
-        assert_eq!(plain, TEXT);
-    }
-
-    #[test]
-    fn lines_go_on_further_in_and_commands_stay_whole() {
-        let plain = anstream::adapter::strip_str(&page(TEXT, Some(40))).to_string();
-        assert_eq!(
-            plain,
-            "64 of 64 failures: the decoder reads the\n  high byte of an index first.\n  Fix: read the low byte first.\n  FAIL a-case  (2.5/2)\n    byte     0  version    PTM_1.2\n  $ printf '1 raw a-very-long-name.ptm' | decoder serve | xxd | head\n"
-        );
+    fn nothing_but_color_changes_off_a_terminal_and_commands_stay_whole_on_one() {
+        let plain = |width| anstream::adapter::strip_str(&page(TEXT, width)).to_string();
+        assert_eq!(plain(None), TEXT);
+        let wrapped = TEXT.replacen("the high byte", "the\n  high byte", 1);
+        assert_eq!(plain(Some(40)), wrapped);
     }
 
     #[test]

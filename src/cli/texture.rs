@@ -6,23 +6,16 @@ use std::path::{Path, PathBuf};
 use clap::{Args, Subcommand};
 
 use super::arguments::parse_pair;
-use super::links::page_line;
-use super::rules::{evidence_to_text, rule_to_text};
+use super::files::{self, named, write_whole};
+use super::output::print;
+use super::{CommandResult, EXIT_NOTHING_SELECTED, Failed};
 
 use ptm_conform::kit::yaml::from_yaml;
-use ptm_conform::misreadings::texture as misreadings;
-use ptm_conform::suite::cases::Suite;
-use ptm_conform::suite::clauses::{Clause, Ruling};
-use ptm_conform::suite::name::SuiteName;
-use ptm_conform::suite::texture::cases::{self, TextureCase};
+use ptm_conform::suite::texture::cases::cases_of;
 use ptm_conform::suite::texture::question::{EntryGiven, Question};
 use ptm_conform::suite::texture::verify::verify;
 use ptm_conform::texture::{Preview, PreviewShape, Rounding, Rules, TextureMap, preview};
 use ptm_conform::tools::render::Image;
-
-use super::files::{self, write_whole};
-use super::output::print;
-use super::{CommandResult, EXIT_NOTHING_SELECTED, Failed};
 
 /// Texture mapping: check a file of cases, or render a table entry.
 #[derive(Args)]
@@ -96,10 +89,9 @@ struct RenderArgs {
 }
 
 fn parse_around(text: &str) -> Result<f64, String> {
-    text.parse()
-        .ok()
-        .filter(|around| (0.0..=1000.0).contains(around))
-        .ok_or_else(|| format!("expected a number from 0 to 1000, found {text:?}"))
+    let around = text.parse().ok();
+    let around = around.filter(|around| (0.0..=1000.0).contains(around));
+    around.ok_or_else(|| format!("expected a number from 0 to 1000, found {text:?}"))
 }
 
 fn parse_light(text: &str) -> Result<(f64, f64), String> {
@@ -128,10 +120,8 @@ pub fn run(args: &TextureArgs) -> CommandResult {
 }
 
 fn run_cases(args: &CasesArgs) -> CommandResult {
-    let named = |error: String| format!("{}: {error}", args.file.display());
-    let text =
-        String::from_utf8(files::read(&args.file)?).map_err(|error| named(error.to_string()))?;
-    let cases = cases::cases_of(&text).map_err(named)?;
+    let text = String::from_utf8(files::read(&args.file)?).map_err(named(&args.file))?;
+    let cases = cases_of(&text).map_err(named(&args.file))?;
     let (mut held, mut wrong, mut unknown) = (0, 0, 0);
     let mut out = String::new();
     for line in cases.iter().flat_map(verify) {
@@ -141,8 +131,8 @@ fn run_cases(args: &CasesArgs) -> CommandResult {
             None => ("----", &mut unknown),
         };
         *count += 1;
-        let reading = line.reading.map(|name| format!(" under {name}"));
         if line.holds == Some(false) || !args.quiet {
+            let reading = line.reading.map(|name| format!(" under {name}"));
             let reading = reading.unwrap_or_default();
             let _ = writeln!(out, "{word} {}{reading}: {}", line.id, line.says);
         }
@@ -152,11 +142,9 @@ fn run_cases(args: &CasesArgs) -> CommandResult {
         _ => format!(", {unknown} of readings that are not known here"),
     };
     let count = cases.len();
-    let _ = writeln!(
-        out,
-        "{count} cases: {held} answers hold, {wrong} do not{aside}"
-    );
-    print(&out);
+    print(&format!(
+        "{out}{count} cases: {held} answers hold, {wrong} do not{aside}\n"
+    ));
     Ok(match count {
         0 => EXIT_NOTHING_SELECTED,
         _ => u8::from(wrong > 0),
@@ -173,79 +161,6 @@ pub fn answer(file: &Path) -> CommandResult {
     Ok(0)
 }
 
-/// Explains an id of the texture suite.
-pub fn explain(id: &str) -> Result<String, String> {
-    let suite = Suite::of_textures()?;
-    let mut text = String::new();
-    if let Some(case) = suite.case(id) {
-        text += &explain_case(case);
-        text += &page_line(SuiteName::Texture.case_page(id));
-    }
-    for clause in cases::clauses()? {
-        let rest = clause.id.strip_prefix(id);
-        if rest.is_some_and(|rest| rest.is_empty() || rest.starts_with('-')) {
-            text += &explain_clause(&clause, &suite);
-        }
-        if clause.id == id {
-            text += &page_line(SuiteName::Texture.clause_page(id));
-        }
-    }
-    for ruling in cases::rulings()?.iter().filter(|ruling| ruling.id == id) {
-        text += &explain_ruling(ruling);
-        text += &page_line(Some(SuiteName::Texture.ruling_page(id)));
-    }
-    if let Some(misreading) = misreadings::named(id) {
-        let _ = writeln!(
-            text,
-            "misreading {} of requirement {}: the decoder {}.\n  Fix: {}.",
-            misreading.slug, misreading.clause, misreading.effect, misreading.fix
-        );
-        text += &page_line(Some(SuiteName::Texture.misreading_page(id)));
-    }
-    Ok(text)
-}
-
-fn explain_case(case: &TextureCase) -> String {
-    let mut text = format!(
-        "case {} ({}): {}\n  question: {}\n  expected: {}\n",
-        case.id,
-        case.clauses.join(", "),
-        case.because,
-        case.question(),
-        case.expect
-    );
-    for also in &case.also {
-        let _ = writeln!(text, "  read as {}: {}", also.reading, also.expect);
-    }
-    if let Some(ruling) = &case.ruling {
-        let _ = writeln!(text, "  ruling: {ruling}");
-    }
-    text
-}
-
-fn explain_clause(clause: &Clause, suite: &Suite<TextureCase>) -> String {
-    let about = suite.cases.iter();
-    let about = about.filter(|case| case.clauses.contains(&clause.id));
-    let about: Vec<&str> = about.map(|case| case.id.as_str()).collect();
-    format!(
-        "requirement {}  cases: {}\n",
-        rule_to_text(clause, ""),
-        about.join(", ")
-    )
-}
-
-fn explain_ruling(ruling: &Ruling) -> String {
-    let text = format!(
-        "ruling {} ({}), requirements {}\n  {}\n  reading: {}\n",
-        ruling.id,
-        ruling.kind.name(),
-        ruling.clauses.join(", "),
-        ruling.question.trim(),
-        ruling.reading.trim()
-    );
-    text + &evidence_to_text(ruling)
-}
-
 fn run_render(args: &RenderArgs) -> CommandResult {
     let mut fields: serde_json::Value =
         from_yaml(&args.entry).map_err(|error| format!("--entry: {error}"))?;
@@ -259,10 +174,13 @@ fn run_render(args: &RenderArgs) -> CommandResult {
     }
     let given: EntryGiven =
         serde_json::from_value(fields).map_err(|error| format!("--entry: {error}"))?;
-    let entry = given.entry(&Rules::SPEC);
     let map = match &args.map {
         None => TextureMap::checkerboard(&Rules::SPEC),
-        Some(path) => ptm_map(path, args.ptm_light)?,
+        Some(path) => {
+            let ptm = ptm_conform::decode(&files::read(path)?).map_err(named(path))?;
+            let (lu, lv) = args.ptm_light;
+            TextureMap::from_ptm(&ptm.coefficients(), lu, lv, Rounding::None, &Rules::SPEC)
+        }
     };
     let scene = Preview {
         shape: match args.shape.as_str() {
@@ -273,7 +191,7 @@ fn run_render(args: &RenderArgs) -> CommandResult {
             true => map.with_box_levels(),
             false => map,
         },
-        entry,
+        entry: given.entry(&Rules::SPEC),
         light: args.light,
         color: args.surface_color,
         around: args.around,
@@ -286,21 +204,6 @@ fn run_render(args: &RenderArgs) -> CommandResult {
         channels: 3,
         samples: drawn.rgb,
     };
-    let bytes = image.to_file(image::ImageFormat::Png)?;
-    write_whole(&args.output, bytes)?;
+    write_whole(&args.output, image.to_file(image::ImageFormat::Png)?)?;
     Ok(0)
-}
-
-fn ptm_map(path: &Path, (lu, lv): (f64, f64)) -> Result<TextureMap, String> {
-    let named = |error: String| format!("{}: {error}", path.display());
-    let file = files::read(path)?;
-    let ptm = ptm_conform::decode(&file).map_err(|error| named(error.to_string()))?;
-    let coefficients = ptm.coefficients();
-    Ok(TextureMap::from_ptm(
-        &coefficients,
-        lu,
-        lv,
-        Rounding::None,
-        &Rules::SPEC,
-    ))
 }

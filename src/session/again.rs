@@ -18,9 +18,6 @@ const MAX_ALIKE: usize = 8;
 /// A run with fewer requests may be repeated as a whole.
 const MIN_REPEATED: usize = 24;
 
-/// A case, the response of a new process, and a third response if the first two are of different kinds.
-type Repeated<C> = (usize, Observation<C>, Option<Observation<C>>);
-
 impl<C: TestCase> Session<'_, C> {
     /// Repeats failures and a sample of the other cases; returns true if a response differed.
     ///
@@ -36,20 +33,12 @@ impl<C: TestCase> Session<'_, C> {
         if self.plan.repeat == Repeat::Nothing {
             return false;
         }
-        let wanted = (0..observations.len())
-            .filter(|&i| self.is_asked_again(observations, judgement, i))
-            .collect();
+        let is_wanted = |&i: &usize| self.is_asked_again(observations, judgement, i);
+        let wanted = (0..observations.len()).filter(is_wanted).collect();
         let (some, rest) = self.some_of_each_kind(observations, wanted);
-        let mut repeat = |places: &[usize]| {
-            let mut differs = false;
-            for repeated in self.repeat_alone(table, observations, places, progress) {
-                differs |= self.note_difference(observations, repeated);
-            }
-            differs
-        };
-        let differs = repeat(&some);
+        let differs = self.repeat_alone(table, observations, &some, progress);
         if differs {
-            repeat(&rest);
+            self.repeat_alone(table, observations, &rest, progress);
         }
         differs
     }
@@ -75,53 +64,48 @@ impl<C: TestCase> Session<'_, C> {
         wanted.into_iter().partition(|i| some.contains(i))
     }
 
-    /// Asks a new process for each of these cases, and another one if the first two responses are of different kinds.
+    /// Asks a new process for each of these cases, and another one if the first two responses are of different kinds. Records
+    /// the differences; returns true if there is one.
     fn repeat_alone(
         &self,
         table: TableSpelling,
-        observations: &[Option<Observation<C>>],
+        observations: &mut [Option<Observation<C>>],
         places: &[usize],
         progress: &Counting,
-    ) -> Vec<Repeated<C>> {
-        let repeated = Mutex::new(Vec::new());
+    ) -> bool {
+        let served = self.plan.repeat == Repeat::FailuresAndSample;
+        let state = Mutex::new((observations, 0, false));
+        let lock = || state.lock().expect("no worker panics");
         self.side_by_side(places.len(), |at, worker| {
             let place = places[at];
-            let first = (observations[place].as_ref()).expect("only observations are repeated");
+            let first = lock().0[place].clone();
+            let mut first = first.expect("only observations are repeated");
             let ask = || self.observe_alone(&self.suite.cases[place], &first.view, table, worker);
             let alone = ask();
             // A crash, a timeout or truncated output may be an accident of that one process.
             let is_no_answer =
                 |seen: &Observation<C>| matches!(seen.response, Response::Violation(_));
-            let once_more = (is_no_answer(&alone) != is_no_answer(first)).then(ask);
+            let once_more = (is_no_answer(&alone) != is_no_answer(&first)).then(ask);
             if self.is_over() {
                 return false;
             }
-            let mut repeated = repeated.lock().expect("no worker panics");
-            repeated.push((place, alone, once_more));
-            progress(repeated.len(), places.len());
+            let differs = !alone.response.is_like(&first.response);
+            if differs {
+                let says = difference(served, &first, &alone, once_more.as_ref());
+                first.nondeterminism = Some(Nondeterminism { served, says });
+            }
+            // A serving process may not have printed anything about this file yet.
+            if first.stderr.is_empty() {
+                first.stderr = alone.stderr;
+            }
+            let (observations, done, differ) = &mut *lock();
+            observations[place] = Some(first);
+            *done += 1;
+            *differ |= differs;
+            progress(*done, places.len());
             true
         });
-        repeated.into_inner().expect("no worker panics")
-    }
-
-    /// Records the difference between the responses to a request; returns true if there is one.
-    fn note_difference(
-        &self,
-        observations: &mut [Option<Observation<C>>],
-        (place, alone, once_more): Repeated<C>,
-    ) -> bool {
-        let first = (observations[place].as_mut()).expect("only observations are repeated");
-        let differs = !alone.response.is_like(&first.response);
-        if differs {
-            let served = self.plan.repeat == Repeat::FailuresAndSample;
-            let says = difference(served, first, &alone, once_more.as_ref());
-            first.nondeterminism = Some(Nondeterminism { served, says });
-        }
-        // A serving process may not have printed anything about this file yet.
-        if first.stderr.is_empty() {
-            first.stderr = alone.stderr;
-        }
-        differs
+        state.into_inner().expect("no worker panics").2
     }
 
     fn is_asked_again(

@@ -3,6 +3,7 @@
 //! The decoder is a closure from request to reply, so that misreadings inside this program and external programs are asked,
 //! compared and judged in the same way.
 
+use std::borrow::Cow;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -92,7 +93,7 @@ impl<'a, C: TestCase> Session<'a, C> {
         worker: usize,
     ) -> (Observation<C>, ReplyTo<C>) {
         let timeout_factor = self.tally.call();
-        let (observation, reply) = self.request(case, view, table, worker, timeout_factor, false);
+        let (observation, reply) = self.request(case, view, table, worker, Some(timeout_factor));
         if reply.answer.violation().is_some() || reply.served.is_some() {
             self.tally.count_violation();
         }
@@ -107,17 +108,17 @@ impl<'a, C: TestCase> Session<'a, C> {
         table: TableSpelling,
         worker: usize,
     ) -> Observation<C> {
-        self.request(case, view, table, worker, 1, true).0
+        self.request(case, view, table, worker, None).0
     }
 
+    /// Sends a request, to a new process if there is no factor for its timeout.
     fn request(
         &self,
         case: &C,
         view: &C::View,
         table: TableSpelling,
         worker: usize,
-        timeout_factor: u32,
-        alone: bool,
+        timeout_factor: Option<u32>,
     ) -> (Observation<C>, ReplyTo<C>) {
         let built = case.made(table);
         let request = Request {
@@ -125,8 +126,8 @@ impl<'a, C: TestCase> Session<'a, C> {
             view,
             file: C::file(&built),
             largest_frame: case.largest_answer(&built),
-            timeout_factor,
-            alone,
+            timeout_factor: timeout_factor.unwrap_or(1),
+            alone: timeout_factor.is_none(),
         };
         let reply = (self.ask)(&request, worker);
         let response = match &reply.answer {
@@ -134,13 +135,21 @@ impl<'a, C: TestCase> Session<'a, C> {
             Answer::Unsupported => Response::Unsupported,
             Answer::Decoded(output) => {
                 let mut undo = self.undo.iter();
-                match undo.find(|undo| undo.view == C::view_name(view)) {
-                    None => picture(case.compare(&built, view, output), output),
-                    Some(undo) => {
-                        let right = case.expected_output(view);
-                        let output = (undo.undo)(output, right.as_ref());
-                        picture(case.compare(&built, view, &output), &output)
-                    }
+                let undo = undo.find(|undo| undo.view == C::view_name(view));
+                let output = undo.map_or(Cow::Borrowed(output), |undo| {
+                    Cow::Owned((undo.undo)(output, case.expected_output(view).as_ref()))
+                });
+                let Comparison {
+                    right,
+                    difference,
+                    allowance,
+                } = case.compare(&built, view, &output);
+                let differs = right != Right::Anyway(true) && difference.is_some();
+                Response::Picture {
+                    right,
+                    difference,
+                    allowance,
+                    frame: differs.then(|| output.into_owned()),
                 }
             }
             _ => Response::Violation(reply.answer.clone()),
@@ -174,21 +183,6 @@ impl<'a, C: TestCase> Session<'a, C> {
     }
 }
 
-fn picture<C: TestCase>(comparison: Comparison<C>, output: &C::Output) -> Response<C> {
-    let Comparison {
-        right,
-        difference,
-        allowance,
-    } = comparison;
-    let differs = right != Right::Anyway(true) && difference.is_some();
-    Response::Picture {
-        right,
-        difference,
-        allowance,
-        frame: differs.then(|| output.clone()),
-    }
-}
-
 /// Returns true if a call timed out, whether or not a new process answered then.
 pub(super) fn is_hang<T>(reply: &Reply<T>) -> bool {
     let mut answers = reply.served.iter().chain([&reply.answer]);
@@ -198,16 +192,15 @@ pub(super) fn is_hang<T>(reply: &Reply<T>) -> bool {
 /// Returns the failure of a serving process, if a new process answered without reaching a limit.
 pub(super) fn trouble_of_serving<T>(reply: &Reply<T>) -> Option<Nondeterminism> {
     let served = reply.served.as_ref()?;
-    if served.is_of_kind(&reply.answer) {
-        return None;
-    }
-    let says = format!(
-        "in serve mode{}: {}; asked alone it answers ({})",
-        after_request(reply.after.as_ref()),
-        served.describe(),
-        reply.answer.name()
-    );
-    Some(Nondeterminism { served: true, says })
+    let (after, alone) = (after_request(reply.after.as_ref()), &reply.answer);
+    let says = || {
+        let (trouble, alone) = (served.describe(), alone.name());
+        format!("in serve mode{after}: {trouble}; asked alone it answers ({alone})")
+    };
+    (!served.is_of_kind(alone)).then(|| Nondeterminism {
+        served: true,
+        says: says(),
+    })
 }
 
 /// Names the request that the process answered before.

@@ -11,6 +11,7 @@ use crate::session::plan::Repeat;
 use crate::session::remark::Remark;
 use crate::session::tally::HangWatch;
 use crate::suite::cases::{Case, Expect, Suite, TableSpelling};
+use crate::suite::dialect::Right;
 use crate::suite::test_case::TestCase;
 
 /// The reply of the decoder to a first file.
@@ -27,6 +28,10 @@ pub struct First<C: TestCase = Case> {
 impl<C: TestCase> First<C> {
     fn is_decoded(&self) -> bool {
         matches!(self.reply.answer, Answer::Decoded(_))
+    }
+
+    fn is_unsupported(&self) -> bool {
+        matches!(self.reply.answer, Answer::Unsupported)
     }
 }
 
@@ -78,14 +83,14 @@ impl<C: TestCase> Session<'_, C> {
             return contact;
         }
         // A decoder of tables only may refuse all first files because it expects another spelling of the count.
-        let answers = contact.first.is_empty()
-            || (contact.first.iter())
-                .any(|first| matches!(first.reply.answer, Answer::Decoded(_) | Answer::Rejected));
-        let mut table = answers.then(|| self.table_spelling(&contact.offer));
-        if answers && !self.plan.precomputed && table.flatten().is_none() {
-            table = Some(self.likely_spelling(&contact.offer));
-        }
-        match table.flatten() {
+        let is_answer =
+            |first: &First<C>| matches!(first.reply.answer, Answer::Decoded(_) | Answer::Rejected);
+        let spelling = match contact.first.is_empty() || contact.first.iter().any(is_answer) {
+            true => (self.table_spelling(&contact.offer))
+                .or_else(|| self.likely_spelling(&contact.offer)),
+            false => None,
+        };
+        match spelling {
             Some(table) => contact.table = table,
             None => contact.not_a_decoder = no_decoder(&contact.first),
         }
@@ -115,16 +120,15 @@ impl<C: TestCase> Session<'_, C> {
         let in_order = plan.repeat == Repeat::FailuresAndSample;
         let mut replies: Vec<First<C>> = Vec::new();
         let mut left = Vec::new();
-        let mut decoded = false;
         for (case, view) in work {
             let hung = |first: &First<C>| first.case == case && is_hang(&first.reply);
+            let decoded = replies.iter().any(First::is_decoded);
             if decoded && !in_order || replies.last().is_some_and(hung) {
                 left.push((case, view));
                 continue;
             }
             let first = ask((case, view), 0);
             let hopeless = matches!(first.reply.answer, Answer::NotStarted(_)) || self.is_over();
-            decoded |= first.is_decoded();
             replies.push(first);
             if hopeless {
                 return replies;
@@ -133,10 +137,8 @@ impl<C: TestCase> Session<'_, C> {
         let others = Mutex::new(BTreeMap::new());
         self.side_by_side(left.len(), |place, worker| {
             let first = ask(left[place], worker);
-            others
-                .lock()
-                .expect("no worker panics")
-                .insert(place, first);
+            let mut others = others.lock().expect("no worker panics");
+            others.insert(place, first);
             !self.is_over()
         });
         replies.extend(others.into_inner().expect("no worker panics").into_values());
@@ -176,9 +178,7 @@ impl<C: TestCase> Session<'_, C> {
             if !offer.views.iter().any(has) {
                 let is_of_kind = |one: &&First<C>| suite.cases[one.case].kind() == kind;
                 let mut of_kind = first.iter().filter(is_of_kind).peekable();
-                let is_unsupported =
-                    |first: &First<C>| matches!(first.reply.answer, Answer::Unsupported);
-                if of_kind.peek().is_some() && of_kind.all(is_unsupported) {
+                if of_kind.peek().is_some() && of_kind.all(First::is_unsupported) {
                     offer.unsupported.push(kind);
                 }
                 continue;
@@ -211,67 +211,113 @@ impl<C: TestCase> Session<'_, C> {
             !matches!(observation.response, Response::Unsupported)
         })
     }
+
+    /// Returns the first spelling of a table that the decoder reads correctly.
+    pub(super) fn table_spelling(&self, offer: &Offer<C>) -> Option<TableSpelling> {
+        let cases = self.suite.cases.iter().enumerate();
+        let mut asked = cases.filter(|&(i, _)| self.plan.asks(i));
+        asked.find_map(|(_, case)| {
+            let (spelling, view) = (case.spelling()?, offer.chosen_view(case)?);
+            let (observation, _) = self.observe(case, view, TableSpelling::default(), 0);
+            let right = Right::Anyway(true);
+            matches!(observation.response, Response::Picture { right: shown, .. } if shown == right)
+                .then_some(spelling)
+        })
+    }
+
+    /// Returns the spelling of tables that a decoder that shows no `spelling` case correctly reads best, by small tables;
+    /// `None` if the evidence is weak.
+    pub(super) fn likely_spelling(&self, offer: &Offer<C>) -> Option<TableSpelling> {
+        const PROBES: usize = 4;
+        if self.plan.precomputed {
+            return None;
+        }
+        let cases = self.suite.cases.iter();
+        let mut probes: Vec<&C> = cases
+            .filter(|case| case.expect() == Expect::Decode && case.has_table())
+            .collect();
+        // Each file is made once.
+        probes.sort_by_cached_key(|case| C::file(&case.made(TableSpelling::default())).len());
+        probes.truncate(PROBES);
+        let mut scores: Vec<(f64, TableSpelling)> = Vec::new();
+        for table in TableSpelling::all() {
+            let (mut score, mut silent) = (0.0, 0);
+            for case in &probes {
+                let Some(view) = offer.chosen_view(case) else {
+                    continue;
+                };
+                let (observation, _) = self.observe(case, view, table, 0);
+                if self.is_over() {
+                    return None;
+                }
+                match observation.response {
+                    Response::Unsupported | Response::Violation(Answer::Hung(_)) => silent += 1,
+                    // A wrong image is better evidence than none: its values may be wrong for another reason.
+                    Response::Picture { difference, .. } => {
+                        score +=
+                            1.0 + difference.map_or(1.0, |difference| C::likeness(&difference));
+                    }
+                    _ => {}
+                }
+            }
+            if silent == probes.len() {
+                return None;
+            }
+            scores.push((score, table));
+        }
+        let &(ordinary, _) = scores.first()?;
+        let best = scores.into_iter().max_by(|a, b| a.0.total_cmp(&b.0))?;
+        (best.0 > ordinary + PROBES as f64 / 4.0).then_some(best.1)
+    }
 }
 
 /// Returns a remark on the first of the first files that was not answered in serve mode.
 fn first_trouble<C: TestCase>(suite: &Suite<C>, first: &[First<C>]) -> Option<Remark> {
-    first.iter().find_map(|first| {
-        let id = suite.cases[first.case].id();
-        let what = trouble_of_serving(&first.reply)?;
-        Some(Remark::failure(format!(
-            "{id} in {}, {}",
-            first.view, what.says
-        )))
+    first.iter().find_map(|First { case, view, reply }| {
+        let id = suite.cases[*case].id();
+        let says = trouble_of_serving(reply)?.says;
+        Some(Remark::failure(format!("{id} in {view}, {says}")))
     })
 }
 
 /// Returns the reason why the program behind these replies is not a decoder, if it is not.
 fn no_decoder<C: TestCase>(first: &[First<C>]) -> Option<String> {
-    let answers = || first.iter().map(|first| &first.reply.answer);
-    let decoded = answers().any(|answer| matches!(answer, Answer::Decoded(_)));
-    let refused = answers().any(|answer| matches!(answer, Answer::Rejected));
-    let First { reply, .. } = first
-        .iter()
-        .find(|first| first.reply.answer.violation().is_some())
-        .or(first.first())?;
+    let decoded = first.iter().any(First::is_decoded);
+    let is_refused = |first: &&First<C>| matches!(first.reply.answer, Answer::Rejected);
+    let refused = first.iter().filter(is_refused).count();
+    let is_violation = |first: &&First<C>| first.reply.answer.violation().is_some();
+    let First { reply, .. } = first.iter().find(is_violation).or(first.first())?;
     let why = match (&reply.answer, reply.exit) {
         (Answer::NotStarted(why), _) => format!("it cannot be started: {why}"),
         (_, Some(status @ (126 | 127))) if !decoded => {
             format!("its command cannot be run: exit status {status}")
         }
         _ if decoded => return None,
-        (Answer::Unsupported, _) if !refused => {
+        (Answer::Unsupported, _) if refused == 0 => {
             "it answers every first file with 69 (unsupported) in every view".to_owned()
         }
-        (Answer::Rejected | Answer::Unsupported, _) => {
-            let refusals = answers().filter(|answer| matches!(answer, Answer::Rejected));
-            format!(
-                "it decodes no first file in any view: of {} requests for ordinary files it refuses {} with 65",
-                first.len(),
-                refusals.count()
-            )
-        }
+        (Answer::Rejected | Answer::Unsupported, _) => format!(
+            "it decodes no first file in any view: of {} requests for ordinary files it refuses {refused} with 65",
+            first.len()
+        ),
         (answer, _) => format!(
             "it answers no first file with a well-formed frame, in any view; the first of its answers: {}",
             answer.describe()
         ),
     };
-    Some(if reply.stderr.is_empty() {
-        why
-    } else {
-        format!("{why}\nits standard error begins:\n{}", reply.stderr)
+    Some(match reply.stderr.as_str() {
+        "" => why,
+        stderr => format!("{why}\nits standard error begins:\n{stderr}"),
     })
 }
 
 /// Returns true if a first file was decoded in this view. A refusal offers nothing. But if no view decodes any first file,
 /// every view that is not answered 69 is offered, so that the run can report the errors.
 fn is_offered<C: TestCase>(first: &[First<C>], view: &str) -> bool {
-    let mut in_view = first
-        .iter()
-        .filter(|first| C::view_name(&first.view) == view);
+    let mut in_view = (first.iter()).filter(|first| C::view_name(&first.view) == view);
     match first.iter().any(First::is_decoded) {
         true => in_view.any(First::is_decoded),
-        false => in_view.any(|first| !matches!(first.reply.answer, Answer::Unsupported)),
+        false => !in_view.all(First::is_unsupported),
     }
 }
 
@@ -285,6 +331,6 @@ fn answered<C: TestCase>(
     first.iter().any(|first| {
         C::view_name(&first.view) == view
             && kind.is_none_or(|kind| suite.cases[first.case].kind() == *kind)
-            && !matches!(first.reply.answer, Answer::Unsupported)
+            && !first.is_unsupported()
     })
 }

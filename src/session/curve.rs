@@ -6,17 +6,14 @@ use crate::suite::compare::Expected;
 /// A curve over bytes, or a factor for real numbers.
 #[derive(Clone, Debug)]
 pub(super) struct Curve {
-    /// Its effect on all images.
-    pub(super) says: String,
-    /// The suggested fix.
-    pub(super) next: &'static str,
     /// The image of each right byte.
     table: Vec<f64>,
-    /// The factor of real values.
-    factor: f64,
     /// Tolerance of a right byte against the reference: colors may be rounded in any way.
     slack: u8,
 }
+
+/// A curve, its effect on all images, and the suggested fix.
+type Candidate = ((String, String), Curve);
 
 /// Curves by name, as functions from 0 … 1.
 const NAMED: [(&str, fn(f64) -> f64); 8] = [
@@ -47,51 +44,51 @@ const NAMED: [(&str, fn(f64) -> f64); 8] = [
 const NO_CURVE: &str =
     "a color is a linear number from 0 to 255: no gamma, no color management, no auto-contrast";
 
+fn candidate(says: &str, next: &str, slack: u8, curve: impl Fn(f64) -> f64) -> Candidate {
+    let table = (0..256).map(|v| curve(f64::from(v))).collect();
+    ((says.to_owned(), next.to_owned()), Curve { table, slack })
+}
+
+/// Returns the possible curves of these images: a factor, and for colors the named curves and the fitted one.
+pub(super) fn candidates(view: ViewKind, pairs: &[(&Expected, &Frame)]) -> Vec<Candidate> {
+    let mut points: Vec<(f64, f64)> = Vec::new();
+    for (expected, frame) in pairs {
+        let received = frame.samples.to_reals();
+        if expected.values.len() == received.len() {
+            points.extend(expected.values.iter().copied().zip(received));
+        }
+    }
+    let mut curves: Vec<Candidate> = factor(view, &points).into_iter().collect();
+    if view == ViewKind::Rgb {
+        let named = |(says, curve): (&str, fn(f64) -> f64)| {
+            candidate(says, NO_CURVE, 1, |v| 255.0 * curve(v / 255.0))
+        };
+        curves.extend(NAMED.map(named));
+        curves.extend(fitted(points));
+    }
+    curves
+}
+
 impl Curve {
-    fn new(says: String, next: &'static str, slack: u8, curve: impl Fn(f64) -> f64) -> Curve {
-        Curve {
-            says,
-            next,
-            table: (0..256).map(|v| curve(f64::from(v))).collect(),
-            factor: 1.0,
-            slack,
-        }
-    }
-
-    /// Returns the possible curves of these images: a factor, and for colors the named curves and the fitted one.
-    pub(super) fn candidates(view: ViewKind, pairs: &[(&Expected, &Frame)]) -> Vec<Curve> {
-        let points = points(pairs);
-        let slack = u8::from(view == ViewKind::Rgb);
-        let mut curves: Vec<Curve> = factor(view, &points).into_iter().collect();
-        if view == ViewKind::Rgb {
-            curves.extend(NAMED.into_iter().map(|(says, curve)| {
-                Curve::new(says.to_owned(), NO_CURVE, slack, |v| {
-                    255.0 * curve(v / 255.0)
-                })
-            }));
-            curves.extend(fitted(points));
-        }
-        curves
-    }
-
     /// Returns the frame before the curve, with the right values if they explain the received ones.
     pub(super) fn undo(&self, frame: &Frame, right: Option<&Frame>) -> Frame {
-        let samples = match (&frame.samples, right.map(|right| &right.samples)) {
-            (Samples::F32(values), _) => {
+        let samples = match &frame.samples {
+            Samples::F32(values) => {
+                // Real values are only ever multiplied, so the factor is the image of 1.
                 let divided = values
                     .iter()
-                    .map(|&value| (f64::from(value) / self.factor) as f32);
+                    .map(|&v| (f64::from(v) / self.table[1]) as f32);
                 Samples::F32(divided.collect())
             }
-            (Samples::U8(bytes), right) => {
+            Samples::U8(bytes) => {
                 let nearest: Vec<u8> = (0..=255).map(|byte| self.source_value(byte)).collect();
-                let right = |i: usize| match right {
-                    Some(Samples::U8(right)) if right.len() == bytes.len() => Some(right[i]),
-                    _ => None,
+                let right = match right.map(|right| &right.samples) {
+                    Some(Samples::U8(right)) if right.len() == bytes.len() => &right[..],
+                    _ => &[],
                 };
                 let undone = bytes.iter().enumerate().map(|(i, &byte)| {
-                    let right = right(i).filter(|&right| self.explains(right, byte));
-                    right.unwrap_or(nearest[usize::from(byte)])
+                    let right = right.get(i).filter(|right| self.explains(**right, byte));
+                    *right.unwrap_or(&nearest[usize::from(byte)])
                 });
                 Samples::U8(undone.collect())
             }
@@ -106,10 +103,8 @@ impl Curve {
     fn explains(&self, right: u8, received: u8) -> bool {
         let near = right.saturating_sub(self.slack)..=right.saturating_add(self.slack);
         let values = near.map(|v| self.table[usize::from(v)].clamp(0.0, 255.0));
-        let (least, most) = values.fold((256.0, -1.0), |(least, most): (f64, f64), value| {
-            (least.min(value), most.max(value))
-        });
-        (least - 1.0..=most + 1.0).contains(&f64::from(received))
+        let apart: Vec<f64> = values.map(|value| f64::from(received) - value).collect();
+        apart.iter().any(|apart| *apart >= -1.0) && apart.iter().any(|apart| *apart <= 1.0)
     }
 
     /// Returns the value whose image is nearest to this one.
@@ -120,21 +115,9 @@ impl Curve {
     }
 }
 
-/// Returns pairs of expected and received values, without images of another shape.
-fn points(pairs: &[(&Expected, &Frame)]) -> Vec<(f64, f64)> {
-    let mut points = Vec::new();
-    for (expected, frame) in pairs {
-        let received = frame.samples.to_reals();
-        if expected.values.len() == received.len() {
-            points.extend(expected.values.iter().copied().zip(received));
-        }
-    }
-    points
-}
-
 /// Returns the factor between expected and received values, by least squares, if it differs enough from 1. Bytes at the ends of
 /// the range are no evidence.
-fn factor(view: ViewKind, points: &[(f64, f64)]) -> Option<Curve> {
+fn factor(view: ViewKind, points: &[(f64, f64)]) -> Option<Candidate> {
     let is_real = view == ViewKind::Coef;
     let is_evidence = |received: f64| is_real || received > 0.0 && received < 255.0;
     let evidence = points.iter().filter(|point| is_evidence(point.1));
@@ -154,14 +137,12 @@ fn factor(view: ViewKind, points: &[(f64, f64)]) -> Option<Curve> {
         true => "send the values as they are",
         false => "send the values as they are, from 0 to 255",
     };
-    Some(Curve {
-        factor,
-        ..Curve::new(says, next, u8::from(view == ViewKind::Rgb), |v| v * factor)
-    })
+    let slack = u8::from(view == ViewKind::Rgb);
+    Some(candidate(&says, next, slack, |v| v * factor))
 }
 
 /// Returns the monotone curve that all colors follow; `None` if they follow none, or the evidence is weak.
-fn fitted(mut points: Vec<(f64, f64)>) -> Option<Curve> {
+fn fitted(mut points: Vec<(f64, f64)>) -> Option<Candidate> {
     const MIN_INNER_STEPS: usize = 24;
     points.sort_by(|a, b| a.0.total_cmp(&b.0));
     let steps = rising_steps(&points);
@@ -172,7 +153,7 @@ fn fitted(mut points: Vec<(f64, f64)>) -> Option<Curve> {
     }
     let shown = [32.0, 64.0, 128.0, 192.0].map(|v| format!("{v} → {:.0}", interpolate(&steps, v)));
     let says = format!("one curve is over all values: {}", shown.join(", "));
-    Some(Curve::new(says, NO_CURVE, 1, |v| interpolate(&steps, v)))
+    Some(candidate(&says, NO_CURVE, 1, |v| interpolate(&steps, v)))
 }
 
 /// Returns the monotone steps that are nearest to points in order of their first number: decreasing neighbors are merged at
@@ -187,9 +168,7 @@ fn rising_steps(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
         }
         steps.push(step);
     }
-    let means = steps
-        .iter()
-        .map(|(at, value, count)| (at / count, value / count));
+    let means = steps.iter().map(|(at, value, n)| (at / n, value / n));
     means.collect()
 }
 
@@ -198,8 +177,7 @@ fn interpolate(steps: &[(f64, f64)], at: f64) -> f64 {
     let next = steps.partition_point(|step| step.0 < at);
     match (next.checked_sub(1).map(|last| steps[last]), steps.get(next)) {
         (Some(low), Some(high)) => low.1 + (high.1 - low.1) * (at - low.0) / (high.0 - low.0),
-        (Some(end), None) => end.1,
-        (None, Some(end)) => end.1,
+        (Some(end), None) | (None, Some(&end)) => end.1,
         (None, None) => at,
     }
 }

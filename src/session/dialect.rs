@@ -19,29 +19,33 @@ pub enum Certainty {
 /// answers of a mistaken decoder are right in another reading by chance.
 const MIN_ANSWERS_TO_ONE: usize = 8;
 
+/// The choices that an answer shows, and whether it is right in each combination of their readings.
+type Shown<'a> = (&'a [Axis], &'a [bool]);
+
 /// Returns the dialect in which most answers are right, among equals the one nearest to the reference's, and for each choice
 /// how well the evidence distinguishes its reading from every other.
 pub(super) fn dialect_of<C: TestCase>(
     observations: &[Option<Observation<C>>],
 ) -> (Dialect, Vec<Certainty>) {
+    let observed = observations.iter().flatten();
+    let settled = observed.filter(|observation| observation.nondeterminism.is_none());
+    let shown = settled.filter_map(|observation| match &observation.response {
+        Response::Picture {
+            right: Right::In { axes, combinations },
+            ..
+        } => Some((&axes[..], &combinations[..])),
+        _ => None,
+    });
+    dialect_in::<C>(&shown.collect::<Vec<_>>())
+}
+
+fn dialect_in<C: TestCase>(shown: &[Shown]) -> (Dialect, Vec<Certainty>) {
     let mut dialect = C::CHOICES.reference();
     let mut certain = vec![Certainty::Open; dialect.0.len()];
-    let shown: Vec<(&[Axis], &[bool])> = observations
-        .iter()
-        .flatten()
-        .filter(|observation| observation.nondeterminism.is_none())
-        .filter_map(|observation| match &observation.response {
-            Response::Picture {
-                right: Right::In { axes, combinations },
-                ..
-            } => Some((&axes[..], &combinations[..])),
-            _ => None,
-        })
-        .collect();
     // Choices that no case shows together are independent: the number of right answers in a dialect is the sum over the groups,
     // so it is largest if it is largest in every group.
     for axes in grouped_axes(C::CHOICES.len(), shown.iter().map(|&(axes, _)| axes)) {
-        for (axis, reading, certainty) in evidence::<C>(&axes, &shown) {
+        for (axis, reading, certainty) in evidence::<C>(&axes, shown) {
             (dialect.0[axis], certain[axis]) = (reading, certainty);
         }
     }
@@ -50,16 +54,11 @@ pub(super) fn dialect_of<C: TestCase>(
 
 /// Returns, for each of these axes, the reading in which most of the answers that show any of them are right, and how well they
 /// distinguish it from the others.
-fn evidence<C: TestCase>(
-    axes: &[Axis],
-    shown: &[(&[Axis], &[bool])],
-) -> Vec<(Axis, usize, Certainty)> {
-    let about = shown.iter();
-    let about: Vec<_> = about
-        .filter(|(of, _)| of.iter().any(|axis| axes.contains(axis)))
-        .collect();
+fn evidence<C: TestCase>(axes: &[Axis], shown: &[Shown]) -> Vec<(Axis, usize, Certainty)> {
+    let is_about = |(shown, _): &&Shown| shown.iter().any(|axis| axes.contains(axis));
+    let about: Vec<&Shown> = shown.iter().filter(is_about).collect();
     let is_right =
-        |dialect: &Dialect, (of, right): &(&[Axis], &[bool])| right[C::CHOICES.place(dialect, of)];
+        |dialect: &Dialect, (axes, right): &Shown| right[C::CHOICES.place(dialect, axes)];
     let all = C::CHOICES.combinations(axes);
     let right_in = |dialect| about.iter().filter(|one| is_right(dialect, one)).count();
     let counts: Vec<usize> = all.iter().map(right_in).collect();
@@ -75,7 +74,7 @@ fn evidence<C: TestCase>(
         }
         let mut plain = best[0].clone();
         plain.0[axis] = 0;
-        let of_axis = || about.iter().filter(|(of, _)| of.contains(&axis));
+        let of_axis = || about.iter().filter(|(shown, _)| shown.contains(&axis));
         let against = of_axis().filter(|one| !is_right(best[0], one)).count();
         let alone = of_axis().filter(|one| is_right(best[0], one) && !is_right(&plain, one));
         let is_believed = taken == 0 || alone.count() >= MIN_ANSWERS_TO_ONE * against;
@@ -106,102 +105,77 @@ fn grouped_axes<'a>(choices: usize, together: impl Iterator<Item = &'a [Axis]>) 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::protocol::frame::View;
     use crate::suite::cases::Case;
     use crate::suite::choices::CHOICES;
-    use crate::suite::test_case::Allowance;
+
+    type Image = (Vec<Axis>, Vec<bool>);
 
     /// Returns an image that is right in the combinations of `rulings` that `right` accepts, by its readings of them.
-    #[expect(
-        clippy::unnecessary_wraps,
-        reason = "others of its type return nothing"
-    )]
-    fn image_right_in(rulings: &[&str], right: impl Fn(&[usize]) -> bool) -> Option<Observation> {
+    fn image_right_in(rulings: &[&str], right: impl Fn(&[usize]) -> bool) -> Image {
         let axes = CHOICES.axes(rulings);
-        let on = |dialect: &Dialect| {
-            right(&axes.iter().map(|&axis| dialect.0[axis]).collect::<Vec<_>>())
+        let is_right = |dialect: &Dialect| {
+            let readings: Vec<usize> = axes.iter().map(|&axis| dialect.0[axis]).collect();
+            right(&readings)
         };
-        let combinations = CHOICES.combinations(&axes).iter().map(on).collect();
-        let right = Right::In { axes, combinations };
-        Some(Observation {
-            view: View::Raw,
-            response: Response::Picture {
-                right,
-                difference: None,
-                allowance: Allowance::None,
-                frame: None,
-            },
-            weak: false,
-            stderr: String::new(),
-            after: None,
-            nondeterminism: None,
-        })
+        let combinations = CHOICES.combinations(&axes).iter().map(is_right).collect();
+        (axes, combinations)
     }
 
-    fn settled(observations: &[Option<Observation>]) -> Vec<(&'static str, usize)> {
-        let (dialect, certain) = dialect_of::<Case>(observations);
-        let readings = CHOICES.iter().zip(dialect.0).zip(certain);
-        readings
+    /// Returns the dialect, and the settled readings by their rulings.
+    fn settled(images: &[Image]) -> (Vec<usize>, Vec<(&'static str, usize)>) {
+        let shown: Vec<Shown> = images
+            .iter()
+            .map(|(axes, right)| (&**axes, &**right))
+            .collect();
+        let (dialect, certain) = dialect_in::<Case>(&shown);
+        let readings = CHOICES.iter().zip(dialect.0.clone()).zip(certain);
+        let settled = readings
             .filter(|(_, certain)| *certain == Certainty::Settled)
-            .map(|((choice, reading), _)| (choice.ruling, reading))
-            .collect()
+            .map(|((choice, reading), _)| (choice.ruling, reading));
+        (dialect.0, settled.collect())
     }
 
     #[test]
     fn without_evidence_the_dialect_is_the_references() {
-        assert_eq!(dialect_of::<Case>(&[]).0, CHOICES.reference());
-        assert_eq!(settled(&[]), []);
+        assert_eq!(settled(&[]), (CHOICES.reference().0, vec![]));
     }
 
     #[test]
     fn groups_that_no_file_joins_are_settled_independently() {
-        let observations = [
+        let (dialect, settled) = settled(&[
             image_right_in(&["motion-sign", "motion-border"], |of| of == [1, 2]),
             image_right_in(&["side-lossless"], |of| of == [1]),
-            None,
+        ]);
+        let readings = [
+            ("motion-sign", 1),
+            ("motion-border", 2),
+            ("side-lossless", 1),
         ];
-        assert_eq!(
-            settled(&observations),
-            [
-                ("motion-sign", 1),
-                ("motion-border", 2),
-                ("side-lossless", 1)
-            ]
-        );
-        assert_eq!(
-            dialect_of(&observations).0.0,
-            [0, 0, 0, 0, 1, 0, 0, 2, 0, 1]
-        );
+        assert_eq!(settled, readings);
+        assert_eq!(dialect, [0, 0, 0, 0, 1, 0, 0, 2, 0, 1]);
     }
 
     #[test]
     fn files_that_share_a_choice_join_their_groups() {
         // The first shows that one of both is read differently from the reference; the second shows which.
-        let observations = [
-            image_right_in(&["motion-sign", "jpeg-ls-offset"], |of| {
-                of.iter().sum::<usize>() == 1
-            }),
+        let images = [
+            image_right_in(&["motion-sign", "jpeg-ls-offset"], |of| of[0] + of[1] == 1),
             image_right_in(&["jpeg-ls-offset", "side-lossless"], |of| of[0] == 0),
         ];
-        assert_eq!(settled(&observations[..1]), []);
-        assert_eq!(
-            settled(&observations),
-            [("motion-sign", 1), ("jpeg-ls-offset", 0)]
-        );
+        assert_eq!(settled(&images[..1]).1, []);
+        let readings = [("motion-sign", 1), ("jpeg-ls-offset", 0)];
+        assert_eq!(settled(&images).1, readings);
     }
 
     #[test]
     fn the_reading_of_most_pictures_counts_and_ties_go_to_the_references() {
-        let other = || image_right_in(&["motion-half"], |of| of == [1]);
-        let reference = || image_right_in(&["motion-half"], |of| of == [0]);
-        let mut all: Vec<_> = (0..8).map(|_| other()).collect();
-        all.push(reference());
-        assert_eq!(settled(&all), [("motion-half", 1)]);
+        let image = |reading: usize| image_right_in(&["motion-half"], move |of| of == [reading]);
+        let mut all = vec![image(1); 8];
+        all.push(image(0));
+        assert_eq!(settled(&all).1, [("motion-half", 1)]);
         // If several are not, it is not a reading.
-        assert_eq!(settled(&all[4..]), []);
-        assert_eq!(dialect_of(&all[4..]).0.0, dialect_of(&all).0.0);
-        let tie = [other(), reference()];
-        assert_eq!(settled(&tie), []);
-        assert_eq!(dialect_of(&tie).0, CHOICES.reference());
+        assert_eq!(settled(&all[4..]), (settled(&all).0, vec![]));
+        let tie = [image(1), image(0)];
+        assert_eq!(settled(&tie), (CHOICES.reference().0, vec![]));
     }
 }

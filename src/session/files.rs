@@ -9,12 +9,12 @@ use serde::Serialize;
 
 use crate::decode::{decode_as, fields};
 use crate::error::Class;
-use crate::generate::Model;
+use crate::generate::spelling::Line;
+use crate::generate::{Model, Numbers, Recipe, Spelling, write};
 use crate::protocol::frame::{Answer, View};
-use crate::ptm::{Field, Format, Limits};
+use crate::ptm::{Field, Format, Limits, Ptm, Shape};
 use crate::reading::Reading;
 use crate::runner::run::{Reply, Request};
-use crate::session::metamorphic::encodings;
 use crate::session::outcome::Outcome;
 use crate::suite::choices::CHOICES;
 use crate::suite::compare::Expected;
@@ -58,11 +58,12 @@ pub fn check_file(
     ask: &dyn Fn(&Request) -> Reply,
 ) -> FileResult {
     let answer = |view: &View, file: &[u8]| {
+        let texels = crate::decode(file).map_or(file.len(), |ptm| ptm.planes.size.texels());
         let request = Request {
             name,
             view,
             file,
-            largest_frame: largest_frame(file),
+            largest_frame: texels * 72,
             timeout_factor: 3,
             alone: true,
         };
@@ -81,39 +82,100 @@ pub fn check_file(
         return result;
     };
     result.view = Some(view.to_string());
-    let (mut outcome, says) = match held_against_reference(file, view, &shown) {
-        Ok(says) => (Outcome::Pass, says),
-        Err(says) => (Outcome::Fail, says),
-    };
-    result.says = Some(says).filter(|says| !says.is_empty());
+    let compared = held_against_reference(file, view, &shown);
     if let (Answer::Decoded(shown), Ok(ptm)) = (&shown, crate::decode(file)) {
         let slack = expected(file, view, &Reading::SPEC).map(|right| right.slack);
         let first = Expected {
             slack: slack.unwrap_or_default(),
             ..Expected::of_frame(shown)
         };
-        for encoding in encodings(&ptm) {
-            let again = answer(view, &encoding.file);
-            if again != Answer::Unsupported {
-                result.encodings += 1;
-                let broken = relation(&first, &again);
-                let broken = broken.map(|says| format!("{}: {says}", encoding.how));
-                result.relations.extend(broken);
-            }
+        for (how, other) in encodings(&ptm) {
+            let broken = match answer(view, &other) {
+                Answer::Unsupported => continue,
+                Answer::Decoded(again) => (first.compare(&again))
+                    .map(|difference| format!("{how}: another picture: {difference}")),
+                other => Some(format!("{how}: no picture, but {}", other.name())),
+            };
+            result.encodings += 1;
+            result.relations.extend(broken);
         }
     }
-    if !result.relations.is_empty() {
-        outcome = Outcome::Fail;
-    }
-    result.outcome = outcome.name();
+    result.outcome = match compared.is_ok() && result.relations.is_empty() {
+        true => Outcome::Pass.name(),
+        false => Outcome::Fail.name(),
+    };
+    result.says = Some(compared.unwrap_or_else(|fault| fault)).filter(|says| !says.is_empty());
     result
+}
+
+/// Returns the same values in other formats and in other spellings of the header: the difference of each in words, and the file.
+/// No correct decoder shows another image, and that needs no expected output.
+fn encodings(ptm: &Ptm) -> Vec<(String, Vec<u8>)> {
+    use Format::{JpeglsLrgb, JpeglsRgb, Lrgb, Lum, PtmCLut, PtmLut, Rgb};
+    type Spell = fn(&mut Spelling);
+    let formats: &[Format] = match ptm.planes.shape {
+        Shape::Rgb => &[Rgb, JpeglsRgb],
+        Shape::Lrgb => &[Lrgb, PtmLut, PtmCLut, JpeglsLrgb],
+        Shape::Lum(_) => &[Lum],
+    };
+    let spellings: [(&str, Spell); 4] = [
+        (", with width and height on one line", |s| {
+            s.size_on_two_lines = false;
+        }),
+        (", with scales and biases on one line", |s| {
+            s.scale_bias_on_two_lines = false;
+        }),
+        (", with a space before each line feed of the header", |s| {
+            s.space_before_newline = Line::ALL.to_vec();
+        }),
+        (", with two spaces between numbers", |s| s.gap = 2),
+    ];
+    let in_formats = formats
+        .iter()
+        .map(|&format| (format, ("", (|_| ()) as Spell)));
+    let spelled = spellings.map(|spelling| (formats[0], spelling));
+    let encodings = in_formats
+        .chain(spelled)
+        .filter_map(|(format, (how, spell))| {
+            let mut spelling = Spelling::default();
+            spell(&mut spelling);
+            let file = encode(ptm, format, spelling)?;
+            Some((format!("as {}{how}", format.short_name()), file))
+        });
+    encodings.collect()
+}
+
+/// Returns the values of `ptm` in another format of the same shape, or `None` if they do not fit into it.
+fn encode(ptm: &Ptm, format: Format, spelling: Spelling) -> Option<Vec<u8>> {
+    let size = ptm.planes.size;
+    // A JPEG-LS stream has at most 65,535 columns and rows.
+    if format.is_compressed() && size.width.max(size.height) > 65_535 {
+        return None;
+    }
+    let mut recipe = Recipe {
+        spelling,
+        ..Recipe::ordinary(format, size)
+    };
+    recipe.scale = numbers(&ptm.header.scale_bias.scale)?;
+    recipe.bias = numbers(&ptm.header.scale_bias.bias)?;
+    if let Shape::Lum(matrix) = ptm.planes.shape {
+        recipe.matrix = numbers(&matrix.0)?;
+    }
+    let model = Model::of(&recipe, &ptm.planes.samples).ok()?;
+    Some(write(&recipe, &model).bytes)
+}
+
+/// Returns numbers in a spelling that is read as the same value.
+fn numbers<const N: usize>(values: &[f64; N]) -> Option<Numbers<N>> {
+    let texts: Vec<String> = values.iter().map(f64::to_string).collect();
+    texts.join(" ").parse().ok()
 }
 
 /// Returns the expected image of a file. Lossy JPEG planes have the tolerance of inverse DCTs (ruling `jpeg-samples`).
 fn expected(file: &[u8], view: &View, reading: &Reading) -> Option<Expected> {
     let ptm = decode_as(file, reading, &Limits::default()).ok()?;
     let (format, planes) = (ptm.header.format, ptm.planes);
-    if !matches!(format, Format::JpegRgb | Format::JpegLrgb) {
+    if !format.is_jpeg() {
         return Expected::under(file, view, reading);
     }
     let model = Model {
@@ -150,31 +212,31 @@ fn transforms_in_a_row(file: &[u8]) -> Vec<u8> {
 
 /// Returns the fault of an answer, or a remark on a right one.
 fn held_against_reference(file: &[u8], view: &View, shown: &Answer) -> Result<String, String> {
-    let reference = decode_as(file, &Reading::SPEC, &Limits::default());
-    match (shown, reference) {
+    match (shown, crate::decode(file)) {
         (Answer::Decoded(shown), Ok(ptm)) => {
-            let right =
-                expected(file, view, &Reading::SPEC).expect("the reference has just decoded it");
-            let Some(difference) = right.compare(shown) else {
+            let right = |reading: &Reading| expected(file, view, reading);
+            let spec = right(&Reading::SPEC).expect("the reference has just decoded it");
+            let Some(difference) = spec.compare(shown) else {
                 return Ok(String::new());
             };
-            let open = match ptm.header.format {
-                Format::Lum => CHOICES.axes(&["lum-vector", "lum-major", "lum-range"]),
-                format if format.is_compressed() => (0..CHOICES.len())
-                    .filter(|&axis| !CHOICES[axis].ruling.starts_with("lum"))
-                    .collect(),
-                _ => Vec::new(),
+            let format = ptm.header.format;
+            let is_open = |&axis: &usize| {
+                let is_lum = CHOICES[axis].ruling.starts_with("lum");
+                is_lum && format == Format::Lum || !is_lum && format.is_compressed()
             };
-            let fits = |dialect: &Dialect| {
-                expected(file, view, &CHOICES.under(dialect, Reading::SPEC))
-                    .is_some_and(|right| right.compare(shown).is_none())
+            let open: Vec<usize> = (0..CHOICES.len()).filter(is_open).collect();
+            let fits = |dialect: &&Dialect| {
+                let right = right(&CHOICES.under(dialect, Reading::SPEC));
+                right.is_some_and(|right| right.compare(shown).is_none())
             };
-            let dialects = CHOICES.combinations(&open);
-            match dialects.iter().skip(1).find(|dialect| fits(dialect)) {
-                Some(dialect) => Ok(format!(
-                    "right in its own reading: {}",
-                    other_readings(dialect)
-                )),
+            match CHOICES.combinations(&open).iter().skip(1).find(fits) {
+                Some(dialect) => {
+                    let readings = CHOICES.iter().zip(&dialect.0);
+                    let others = readings.filter(|&(_, &taken)| taken > 0);
+                    let names = others.map(|(choice, &taken)| choice.readings[taken].0);
+                    let names = names.collect::<Vec<_>>().join("; ");
+                    Ok(format!("right in its own reading: {names}"))
+                }
                 None => Err(difference.to_string()),
             }
         }
@@ -188,40 +250,14 @@ fn held_against_reference(file: &[u8], view: &View, shown: &Answer) -> Result<St
     }
 }
 
-/// Returns the readings in which a dialect differs from the reference.
-fn other_readings(dialect: &Dialect) -> String {
-    let readings = CHOICES.iter().zip(&dialect.0);
-    let others = readings.filter(|&(_, &taken)| taken > 0);
-    let names: Vec<&str> = others
-        .map(|(choice, &taken)| choice.readings[taken].0)
-        .collect();
-    names.join("; ")
-}
-
-/// Describes the difference between the image of another encoding and the first one.
-fn relation(first: &Expected, again: &Answer) -> Option<String> {
-    match again {
-        Answer::Decoded(again) => {
-            let difference = first.compare(again)?;
-            Some(format!("another picture: {difference}"))
-        }
-        other => Some(format!("no picture, but {}", other.name())),
-    }
-}
-
-/// Returns the maximum number of bytes of a frame of that file.
-fn largest_frame(file: &[u8]) -> usize {
-    crate::decode(file).map_or(file.len() * 72, |ptm| ptm.planes.size.texels() * 72)
-}
-
 impl FilesReport {
     /// Creates the report of some files.
     #[must_use]
     pub fn new(files: Vec<FileResult>) -> FilesReport {
         let has_failed = |file: &FileResult| file.outcome == Outcome::Fail.name();
         let verdict = match files.iter().any(has_failed) {
-            true => "fail",
-            false => "pass",
+            true => Outcome::Fail.name(),
+            false => Outcome::Pass.name(),
         };
         FilesReport { verdict, files }
     }
@@ -230,10 +266,9 @@ impl FilesReport {
     #[must_use]
     pub fn exit_status(&self) -> u8 {
         let is_unread = |file: &FileResult| file.outcome == Outcome::Unsupported.name();
-        match self.verdict {
-            _ if self.files.iter().all(is_unread) => 3,
-            "pass" => 0,
-            _ => 1,
+        match self.files.iter().all(is_unread) {
+            true => 3,
+            false => u8::from(self.verdict == Outcome::Fail.name()),
         }
     }
 
@@ -241,22 +276,41 @@ impl FilesReport {
     #[must_use]
     pub fn to_text(&self) -> String {
         let mut text = String::new();
-        for file in &self.files {
-            let says = file.says.as_deref().unwrap_or_default();
+        for result in &self.files {
+            let view = result.view.as_deref().unwrap_or("in no view");
+            let says = result.says.as_ref().map(|says| format!("; {says}"));
+            let (says, count) = (says.unwrap_or_default(), result.encodings);
+            let (outcome, file) = (result.outcome, &result.file);
             let _ = writeln!(
                 text,
-                "{} {} {}: {} other encodings{}{says}",
-                file.outcome,
-                file.file,
-                file.view.as_deref().unwrap_or("in no view"),
-                file.encodings,
-                if says.is_empty() { "" } else { "; " },
+                "{outcome} {file} {view}: {count} other encodings{says}"
             );
-            for relation in &file.relations {
+            for relation in &result.relations {
                 let _ = writeln!(text, "  {relation}");
             }
         }
         let _ = writeln!(text, "{}: {} files", self.verdict, self.files.len());
         text
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_encoding_holds_the_same_values() {
+        for format in [Format::Rgb, Format::Lrgb, Format::Lum, Format::PtmLut] {
+            let recipe = Recipe::ordinary(format, "7x5".parse().expect("a size"));
+            let file = write(&recipe, &Model::paint(&recipe)).bytes;
+            let ptm = crate::decode(&file).expect("a generated file is legal");
+            let encodings = encodings(&ptm);
+            assert!(encodings.len() >= 5);
+            for (how, file) in encodings {
+                let again = crate::decode(&file).expect("an encoding is legal");
+                assert_eq!(again.planes, ptm.planes, "{format} {how}");
+                assert_eq!(again.header.scale_bias, ptm.header.scale_bias);
+            }
+        }
     }
 }

@@ -59,25 +59,18 @@ pub fn judge<C: TestCase>(
         let case = &suite.cases[i];
         let twins = twins[i].iter();
         let twins = twins.map(|&twin| (suite.cases[twin].id(), observations[twin].as_ref()));
-        let verdict = |observation| {
-            let evidence = Evidence {
+        match &observations[i] {
+            None => verdict(Outcome::NotJudged, "none of its views is offered"),
+            Some(observation) => Evidence {
                 case,
                 observation,
                 twins: twins.collect(),
                 dialect: &dialect,
                 unsupported: &unsupported,
                 spelling_known,
-            };
-            evidence.verdict(offer)
-        };
-        let not_judged = || {
-            (
-                Outcome::NotJudged,
-                "none of its views is offered".to_owned(),
-            )
-        };
-        let (outcome, says) = observations[i].as_ref().map_or_else(not_judged, verdict);
-        Judged { outcome, says }
+            }
+            .verdict(offer),
+        }
     };
     Judgement {
         cases: (0..suite.cases.len())
@@ -102,17 +95,18 @@ struct Evidence<'a, C: TestCase> {
     spelling_known: bool,
 }
 
-type Verdict = (Outcome, String);
-
-fn fail(says: impl Into<String>) -> Verdict {
-    (Outcome::Fail, says.into())
+fn verdict(outcome: Outcome, says: impl Into<String>) -> Judged {
+    let says = says.into();
+    Judged { outcome, says }
 }
 
-const PASS: Verdict = (Outcome::Pass, String::new());
+fn fail(says: impl Into<String>) -> Judged {
+    verdict(Outcome::Fail, says)
+}
 
 impl<C: TestCase> Evidence<'_, C> {
     /// Returns the outcome and the reason: those of the table, with the exceptions that docs/protocol.md lists below it.
-    fn verdict(&self, offer: &Offer<C>) -> Verdict {
+    fn verdict(&self, offer: &Offer<C>) -> Judged {
         let (case, observation) = (self.case, self.observation);
         let expect = case.expect();
         if let Some(how) = &observation.nondeterminism {
@@ -126,15 +120,15 @@ impl<C: TestCase> Evidence<'_, C> {
         }
         let outcome = outcome(expect, self.is_supported(offer), self.response_kind());
         if outcome == Outcome::Unsupported {
-            return (outcome, String::new());
+            return verdict(outcome, "");
         }
         if let Some(says) = self.stands_on_nothing() {
-            return (Outcome::Inconclusive, says);
+            return verdict(Outcome::Inconclusive, says);
         }
         match &observation.response {
-            _ if outcome == Outcome::Pass => PASS,
+            _ if outcome == Outcome::Pass => verdict(outcome, ""),
             Response::Violation(answer) => fail(answer.describe()),
-            Response::Rejected => (outcome, self.refusal_in_words()),
+            Response::Rejected => verdict(outcome, self.refusal_in_words()),
             Response::Unsupported if expect == Expect::Reject => {
                 fail("exited with 69 (unsupported) on a malformed file of a kind it decodes")
             }
@@ -148,7 +142,7 @@ impl<C: TestCase> Evidence<'_, C> {
                 let own = self.difference_in_own_dialect(frame.as_ref());
                 let differs = own.as_ref().or(difference.as_ref());
                 let differs = differs.map(ToString::to_string).unwrap_or_default();
-                self.of_wrong_picture(right, differs)
+                self.wrong_picture(right, differs)
             }
         }
     }
@@ -185,12 +179,12 @@ impl<C: TestCase> Evidence<'_, C> {
 
     /// Returns a reason if none of the accepted twins of a negative case was decoded.
     fn stands_on_nothing(&self) -> Option<String> {
-        let decoded = |twin: Option<&Observation<C>>| {
+        let is_decoded = |&(_, twin): &(&str, Option<&Observation<C>>)| {
             twin.is_some_and(|twin| matches!(twin.response, Response::Picture { .. }))
         };
         match &self.twins[..] {
             [] => None,
-            twins if twins.iter().any(|&(_, twin)| decoded(twin)) => None,
+            twins if twins.iter().any(is_decoded) => None,
             [(id, _)] => Some(format!("its twin {id} was not decoded")),
             [(id, _), ..] => Some(format!(
                 "no legal file of its kind was decoded, such as {id}"
@@ -210,22 +204,20 @@ impl<C: TestCase> Evidence<'_, C> {
         }
     }
 
-    fn of_wrong_picture(&self, right: &Right, differs: String) -> Verdict {
-        let is_right = |twin: &Observation<C>| is_right(twin, self.dialect);
-        let twin_is_wrong = || {
-            let mut twins = self.twins.iter();
-            !self.twins.is_empty() && !twins.any(|(_, twin)| twin.is_some_and(is_right))
+    /// Returns the verdict on a wrong image, or any image of a file that must be refused.
+    fn wrong_picture(&self, right: &Right, differs: String) -> Judged {
+        let is_right = |(_, twin): &(_, Option<&Observation<C>>)| {
+            twin.is_some_and(|twin| is_right(twin, self.dialect))
         };
         match (self.case.expect(), right) {
             (Expect::Reject | Expect::Refuse, _) => {
                 fail(format!("{}: {}", C::ACCEPTED, self.case.fault()))
             }
-            (Expect::Spelling, _) if self.spelling_known => (Outcome::OtherDialect, String::new()),
-            (Expect::Lenient, _) if twin_is_wrong() => (
-                Outcome::Inconclusive,
-                "its twin was decoded wrongly".to_owned(),
-            ),
-            (Expect::ImplementationDefined, _) => (
+            (Expect::Spelling, _) if self.spelling_known => verdict(Outcome::OtherDialect, ""),
+            (Expect::Lenient, _) if !self.twins.is_empty() && !self.twins.iter().any(is_right) => {
+                verdict(Outcome::Inconclusive, "its twin was decoded wrongly")
+            }
+            (Expect::ImplementationDefined, _) => verdict(
                 Outcome::ImplementationDefined,
                 format!("left to the implementation; the reference differs: {differs}"),
             ),
@@ -242,10 +234,8 @@ impl<C: TestCase> Evidence<'_, C> {
 
     /// Describes the readings that the decoder mixes if the answer is right in another dialect.
     fn mixed(&self, axes: &[usize], other: &Dialect) -> String {
-        let differing = axes
-            .iter()
-            .filter(|&&axis| other.0[axis] != self.dialect.0[axis]);
-        let readings = differing.map(|&axis| {
+        let differs = |&&axis: &&usize| other.0[axis] != self.dialect.0[axis];
+        let readings = axes.iter().filter(differs).map(|&axis| {
             let choice = &C::CHOICES[axis];
             let name = |dialect: &Dialect| choice.readings[dialect.0[axis]].0;
             let (here, elsewhere) = (name(other), name(self.dialect));
@@ -277,21 +267,18 @@ fn features<C: TestCase>(
         let Some(observation) = observation else {
             continue;
         };
+        let (kind, expect) = (case.kind(), case.expect());
         // A first file of its kind was answered 69, whether or not it is selected.
-        if offer.unsupported.contains(&case.kind()) {
-            asked.entry(case.kind()).or_insert((1, 1));
+        if offer.unsupported.contains(&kind) {
+            asked.entry(kind.clone()).or_insert((1, 1));
         }
-        if !matches!(
-            case.expect(),
-            Expect::Decode | Expect::ImplementationDefined
-        ) {
+        if !matches!(expect, Expect::Decode | Expect::ImplementationDefined) {
             continue;
         }
         let unsupported = matches!(observation.response, Response::Unsupported);
         for feature in case.features(&observation.view) {
             // A missing view of this kind is no evidence against the kind.
-            if unsupported && feature == case.kind() && offer.lacks(&observation.view, &case.kind())
-            {
+            if unsupported && feature == kind && offer.lacks(&observation.view, &kind) {
                 continue;
             }
             let (all, answered) = asked.entry(feature.clone()).or_default();

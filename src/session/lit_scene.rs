@@ -4,11 +4,11 @@
 use std::collections::BTreeSet;
 
 use crate::decode::decode;
-use crate::evaluate::Coefficients;
+use crate::evaluate::{Coefficients, polynomial};
 use crate::generate::plan::Residuals;
 use crate::generate::spelling::Count;
 use crate::generate::{Model, Recipe, write};
-use crate::protocol::frame::{Answer, Frame, Samples, ViewKind};
+use crate::protocol::frame::{Answer, Frame, Samples, View, ViewKind};
 use crate::ptm::{Format, Ptm, Shape, Size};
 use crate::runner::run::Request;
 use crate::session::asking::Ask;
@@ -19,21 +19,6 @@ use crate::suite::features::Feature;
 pub const SIDE: u32 = 64;
 /// The light, from the upper left.
 pub const LIGHT: (f64, f64) = (-0.5, 0.5);
-/// The view under that light.
-const LIT_VIEW: &str = "rgb:-0.5,0.5";
-/// The formats, in order of preference: the simplest first, then those without loss, then those whose scene is lossy or has
-/// other colors.
-const FORMATS: [Format; 9] = [
-    Format::Lrgb,
-    Format::Rgb,
-    Format::JpeglsLrgb,
-    Format::JpeglsRgb,
-    Format::PtmLut,
-    Format::PtmCLut,
-    Format::JpegLrgb,
-    Format::JpegRgb,
-    Format::Lum,
-];
 
 /// The scene under its light: red, green and blue of every texel, the top row first.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -52,7 +37,7 @@ impl LitScene {
     /// Returns the right scene under another light.
     #[must_use]
     pub fn lit(&self, lu: f64, lv: f64) -> Vec<u8> {
-        let ptm = decode(&file(self.format)).expect("the scene is a legal file");
+        let ptm = decode(&file(self.format, Count::default())).expect("the scene is a legal file");
         ptm.coefficients().evaluate(lu, lv).to_bytes()
     }
 }
@@ -60,26 +45,37 @@ impl LitScene {
 /// Requests the scene in a format and a view that the decoder has; `None` if it has none, or shows no image.
 #[must_use]
 pub fn ask(offer: &Offer, decoded: &BTreeSet<Feature>, ask: &Ask) -> Option<LitScene> {
-    let reads = |format: &Format| decoded.contains(&Feature::Format(*format));
-    let format = FORMATS.into_iter().find(reads)?;
+    let mut formats = Format::ALL.to_vec();
+    formats.retain(|format| decoded.contains(&Feature::Format(*format)));
+    // The simplest first, then those without loss, then those whose scene is lossy or has other colors.
+    let format = formats.into_iter().min_by_key(|&format| {
+        let (is_lum, is_lossy) = (format == Format::Lum, format.is_jpeg());
+        let (has_table, is_compressed) = (format.has_table(), format.is_compressed());
+        (
+            is_lum,
+            is_lossy,
+            has_table,
+            is_compressed,
+            format.channels(),
+        )
+    })?;
     let mut views = [ViewKind::Rgb, ViewKind::Coef, ViewKind::Raw].into_iter();
     let view = views.find(|view| offer.views.contains(&view.name()))?;
-    let asked = if view == ViewKind::Rgb {
-        LIT_VIEW
-    } else {
-        view.name()
+    let asked = match view {
+        ViewKind::Rgb => format!("rgb:{},{}", LIGHT.0, LIGHT.1),
+        _ => view.name().to_owned(),
     };
+    let asked: View = asked.parse().expect("a view");
     // lut-count: a decoder may support only one spelling of the count.
-    let spellings = if format.has_table() {
-        Count::ALL.len()
-    } else {
-        1
+    let spellings = match format.has_table() {
+        true => &Count::ALL[..],
+        false => &Count::ALL[..1],
     };
-    Count::ALL[..spellings].iter().find_map(|&count| {
-        let file = file_with_count(format, count);
+    spellings.iter().find_map(|&count| {
+        let file = file(format, count);
         let request = Request {
             name: "lit-scene",
-            view: &asked.parse().expect("a view"),
+            view: &asked,
             file: &file,
             largest_frame: (SIDE * SIDE) as usize * 18 * 4,
             timeout_factor: 1,
@@ -123,39 +119,31 @@ pub fn picture(file: &[u8], frame: &Frame) -> Option<Vec<u8>> {
     }
 }
 
-/// Returns the scene as a file.
-///
-/// # Panics
-/// Never: it has no more distinct texels than a table can have entries.
-#[must_use]
-pub fn file(format: Format) -> Vec<u8> {
-    file_with_count(format, Count::default())
-}
-
 /// Returns the scene as a file, with the count of its table, if any, in this spelling.
-fn file_with_count(format: Format, count: Count) -> Vec<u8> {
+#[must_use]
+pub fn file(format: Format, count: Count) -> Vec<u8> {
     let map = ball(SIDE);
     let mut recipe = Recipe::ordinary(format, map.size);
     recipe.scale = "2 2 2 2 2 2".parse().expect("numbers");
     recipe.bias = "128 128 128 128 128 128".parse().expect("numbers");
     recipe.spelling.count = count;
     recipe.compression.residuals = Residuals::Natural;
-    if matches!(format, Format::JpegRgb | Format::JpegLrgb) {
+    if format.is_jpeg() {
         recipe.compression.parameter = 95;
     }
     recipe.matrix = "1 1 1 0 1 0 0 0 0 0 1 0 0 0 0 1".parse().expect("numbers");
     let stored = |coefficient: f64| (coefficient / 2.0 + 128.0).round() as u8;
     let texels = map.values.chunks_exact(9).flat_map(|texel| {
-        let (polynomial, color) = texel.split_first_chunk::<6>().expect("nine values");
-        let by_channel = |color: &f64| polynomial.map(|a| stored(a * color / 255.0));
-        if format.channels() == 18 {
-            return color.iter().flat_map(by_channel).collect::<Vec<u8>>();
+        let (coefficients, color) = texel.split_first_chunk::<6>().expect("nine values");
+        let by_channel = |color: &f64| coefficients.map(|a| stored(a * color / 255.0));
+        match format.channels() {
+            18 => color.iter().flat_map(by_channel).collect::<Vec<u8>>(),
+            8 => luminance_and_tints(coefficients, color).to_vec(),
+            _ => {
+                let color = color.iter().map(|&color| color as u8);
+                coefficients.map(stored).into_iter().chain(color).collect()
+            }
         }
-        if format == Format::Lum {
-            return luminance_and_tints(polynomial, color).to_vec();
-        }
-        let color = color.iter().map(|&color| color as u8);
-        polynomial.map(stored).into_iter().chain(color).collect()
     });
     let samples: Vec<u8> = texels.collect();
     let model = Model::of(&recipe, &samples).expect("no table is needed");
@@ -164,14 +152,11 @@ fn file_with_count(format: Format, count: Count) -> Vec<u8> {
 
 /// Returns a texel of LUM: its luminance is the green under the light of the scene, Cr and Cb are the excess of red and blue.
 /// It has fewer colors than other formats, because these differences cannot be negative.
-fn luminance_and_tints(polynomial: &[f64; 6], color: &[f64]) -> [u8; 8] {
-    let (u, v) = LIGHT;
-    let powers = [u * u, v * v, u * v, u, v, 1.0];
-    let terms = polynomial.iter().zip(powers).map(|(a, power)| a * power);
-    let light = terms.sum::<f64>().clamp(0.0, 255.0) / 255.0;
+fn luminance_and_tints(coefficients: &[f64; 6], color: &[f64]) -> [u8; 8] {
+    let light = polynomial(coefficients, LIGHT.0, LIGHT.1).clamp(0.0, 255.0) / 255.0;
     let tint = |more: f64| (more.max(0.0) * light).round() as u8;
     let [a0, a1, a2, a3, a4, a5] =
-        polynomial.map(|a| (a * color[1] / 255.0 / 2.0 + 128.0).round() as u8);
+        coefficients.map(|a| (a * color[1] / 255.0 / 2.0 + 128.0).round() as u8);
     let (cr, cb) = (tint(color[0] - color[1]), tint(color[2] - color[1]));
     [a0, a1, a2, a3, a4, a5, cr, cb]
 }
@@ -222,20 +207,23 @@ mod tests {
     use crate::misreadings::answer;
     use crate::runner::run::Reply;
 
+    fn scene(view: ViewKind, format: Format, decoder: &Ask) -> Option<LitScene> {
+        let offer = Offer {
+            views: vec![view.name()],
+            ..Offer::default()
+        };
+        ask(&offer, &BTreeSet::from([Feature::Format(format)]), decoder)
+    }
+
     #[test]
     fn every_format_and_view_shows_the_same_scene() {
         let wanted = lit(&ball(SIDE));
-        for format in FORMATS {
+        let reference = |request: &Request<'_>, _: usize| {
+            Reply::from(answer(&[], Reading::SPEC, request.file, request.view))
+        };
+        for format in Format::ALL {
             for view in ViewKind::ALL {
-                let offer = Offer {
-                    views: vec![view.name()],
-                    ..Offer::default()
-                };
-                let decoded = BTreeSet::from([Feature::Format(format)]);
-                let reference = |request: &Request<'_>, _: usize| {
-                    Reply::from(answer(&[], Reading::SPEC, request.file, request.view))
-                };
-                let scene = ask(&offer, &decoded, &reference).expect("a scene");
+                let scene = scene(view, format, &reference).expect("a scene");
                 assert_eq!((scene.format, scene.view), (format, view));
                 assert_eq!(scene.right, scene.received);
                 let pairs = wanted.iter().zip(&scene.right);
@@ -249,13 +237,8 @@ mod tests {
 
     #[test]
     fn a_refusal_and_another_shape_are_no_scene() {
-        let offer = Offer {
-            views: vec!["raw"],
-            ..Offer::default()
-        };
-        let decoded = BTreeSet::from([Feature::Format(Format::Lrgb)]);
         let refusing = |_: &Request<'_>, _: usize| Reply::from(Answer::Rejected);
-        assert_eq!(ask(&offer, &decoded, &refusing), None);
+        assert_eq!(scene(ViewKind::Raw, Format::Lrgb, &refusing), None);
         let small = |_: &Request<'_>, _: usize| {
             Reply::from(Answer::Decoded(Frame {
                 view: ViewKind::Raw,
@@ -266,7 +249,7 @@ mod tests {
                 lossy: false,
             }))
         };
-        assert_eq!(ask(&offer, &decoded, &small), None);
-        assert_eq!(ask(&offer, &BTreeSet::new(), &refusing), None);
+        assert_eq!(scene(ViewKind::Raw, Format::Lrgb, &small), None);
+        assert_eq!(ask(&Offer::default(), &BTreeSet::new(), &small), None);
     }
 }

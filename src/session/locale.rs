@@ -8,6 +8,7 @@ use std::process::{Command, Stdio};
 use crate::protocol::frame::{Answer, Frame, View, ViewKind};
 use crate::runner::run::{Decoder, Request};
 use crate::runner::scratch::Scratch;
+use crate::session::contact::First;
 use crate::session::run::Run;
 use crate::suite::cases::Suite;
 
@@ -26,13 +27,12 @@ pub fn with_comma() -> Option<String> {
 }
 
 fn choose(list: &str) -> Option<String> {
+    let language_of = |name: &str| name.split(['.', '@']).next().unwrap_or_default().to_owned();
     WITH_COMMA.iter().find_map(|language| {
-        let is_of_language = |name: &&str| {
-            let rest = name.strip_prefix(language);
-            rest.is_some_and(|rest| rest.is_empty() || rest.starts_with(['.', '@']))
-        };
         let mut names = list.lines().map(str::trim);
-        names.find(is_of_language).map(str::to_owned)
+        names
+            .find(|name| language_of(name) == *language)
+            .map(str::to_owned)
     })
 }
 
@@ -47,24 +47,21 @@ pub fn difference(
 ) -> Option<String> {
     let mut decoder = decoder.clone();
     locale.clone_into(&mut decoder.locale);
-    for (i, case) in suite.cases.iter().enumerate() {
-        let decoded = |view: ViewKind| {
-            run.first
-                .iter()
-                .find_map(|first| match &first.reply.answer {
-                    before @ Answer::Decoded(frame)
-                        if first.case == i && first.view.kind() == view =>
-                    {
-                        Some((&first.view, frame, before))
-                    }
-                    _ => None,
-                })
+    // Stored values need no numbers except the size, so they are requested only if there is nothing else.
+    let preference = |view: &View| match view.kind() {
+        ViewKind::Coef => 0,
+        ViewKind::Rgb => 1,
+        ViewKind::Raw => 2,
+    };
+    let mut first: Vec<&First> = run.first.iter().collect();
+    first.retain(|first| matches!(first.reply.answer, Answer::Decoded(_)));
+    first.sort_by_key(|first| (first.case, preference(&first.view)));
+    first.dedup_by_key(|first| first.case);
+    first.into_iter().find_map(|First { case, view, reply }| {
+        let Answer::Decoded(frame) = &reply.answer else {
+            return None;
         };
-        // Stored values need no numbers except the size, so they are requested only if there is nothing else.
-        let mut views = [ViewKind::Coef, ViewKind::Rgb, ViewKind::Raw].into_iter();
-        let Some((view, frame, before)) = views.find_map(decoded) else {
-            continue;
-        };
+        let case = &suite.cases[*case];
         let request = Request {
             name: &case.id,
             view,
@@ -74,11 +71,8 @@ pub fn difference(
             alone: true,
         };
         let answer = decoder.ask(&request, scratch).answer;
-        if !answer.is_like(before) {
-            return Some(message(locale, &case.id, view, &answer, frame));
-        }
-    }
-    None
+        (!answer.is_like(&reply.answer)).then(|| message(locale, &case.id, view, &answer, frame))
+    })
 }
 
 fn message(locale: &str, id: &str, view: &View, answer: &Answer, frame: &Frame) -> String {
@@ -101,10 +95,8 @@ mod tests {
     #[test]
     fn a_locale_with_a_comma_is_found_by_its_language() {
         assert_eq!(choose("C\nC.utf8\nPOSIX\nen_US.utf8\n"), None);
-        assert_eq!(
-            choose("C\nfr_FR.utf8\nde_DE@euro\n"),
-            Some("de_DE@euro".to_owned())
-        );
+        let euro = Some("de_DE@euro".to_owned());
+        assert_eq!(choose("C\nfr_FR.utf8\nde_DE@euro\n"), euro);
         assert_eq!(choose("de_DEX\nsv_SE\n"), Some("sv_SE".to_owned()));
     }
 }

@@ -12,7 +12,6 @@ pub mod files;
 pub mod judge;
 pub mod lit_scene;
 pub mod locale;
-pub mod metamorphic;
 pub mod observation;
 pub mod offer;
 #[cfg(test)]
@@ -24,7 +23,6 @@ pub mod probe;
 pub mod remark;
 pub mod run;
 pub mod scores;
-mod spelling;
 mod tally;
 pub mod texture_stage;
 pub mod transform;

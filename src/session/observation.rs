@@ -77,19 +77,14 @@ impl<C: TestCase> Response<C> {
     #[must_use]
     pub fn is_like(&self, other: &Response<C>) -> bool {
         match (self, other) {
-            (
-                Response::Picture { right, frame, .. },
-                Response::Picture {
-                    right: other_right,
-                    frame: other_frame,
-                    ..
-                },
-            ) => {
-                let alike = match (frame, other_frame) {
+            (Response::Picture { right: a, .. }, Response::Picture { right: b, .. }) if a != b => {
+                false
+            }
+            (Response::Picture { frame: a, .. }, Response::Picture { frame: b, .. }) => {
+                match (a, b) {
                     (Some(a), Some(b)) => C::is_like(a, b),
                     (a, b) => a.is_none() && b.is_none(),
-                };
-                right == other_right && alike
+                }
             }
             (Response::Violation(a), Response::Violation(b)) => a.is_of_kind(b),
             _ => std::mem::discriminant(self) == std::mem::discriminant(other),

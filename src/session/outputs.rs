@@ -4,7 +4,7 @@
 //! for each file an image, a frame or an array under the name of the case, with any suffix; or the information that it was
 //! refused. It answers requests like a decoder, so the verdicts are the same.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashSet};
 use std::fs;
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
@@ -95,14 +95,14 @@ pub fn export(
     Ok(list.len())
 }
 
-/// The answer that was given for a case.
-#[derive(Clone, Debug, PartialEq, Eq)]
-enum Given {
-    /// An answer, in this file.
-    File(PathBuf),
-    Rejected,
-    Unsupported,
-}
+/// The answer that was given for a case: a file, or a refusal.
+type Given = Result<PathBuf, Answer>;
+
+/// Lists of refused and of unsupported files, and the suffix of a file that stands for one.
+const REFUSALS: [(&str, &str, Answer); 2] = [
+    ("rejected.txt", "reject", Answer::Rejected),
+    ("unsupported.txt", "unsupported", Answer::Unsupported),
+];
 
 /// Answers made elsewhere.
 #[derive(Clone, Debug)]
@@ -125,23 +125,20 @@ impl Outputs {
         matches: impl Fn(&str, &str) -> Result<bool, String>,
     ) -> Result<Outputs, String> {
         let path = directory.join(LIST_NAME);
-        let list: Vec<Listed> =
-            from_yaml(&text_of(&path)?).map_err(|error| format!("{}: {error}", path.display()))?;
-        let view = view_of(&list, suite).map_err(|error| format!("{}: {error}", path.display()))?;
-        let (mut given, strangers) = answers(&directory.join(ANSWERS_DIR), &list)?;
-        for (name, meaning) in [
-            ("rejected.txt", Given::Rejected),
-            ("unsupported.txt", Given::Unsupported),
-        ] {
-            for id in listed_ids(&directory.join(ANSWERS_DIR).join(name), &list, &matches)? {
-                given.entry(id).or_insert_with(|| meaning.clone());
+        let named = |error: String| format!("{}: {error}", path.display());
+        let list: Vec<Listed> = from_yaml(&text_of(&path)?).map_err(named)?;
+        let view = view_of(&list, suite).map_err(named)?;
+        let directory = directory.join(ANSWERS_DIR);
+        let (mut given, strangers) = answers(&directory, &list)
+            .map_err(|error| format!("{}: {error}", directory.display()))?;
+        for (name, _, refusal) in REFUSALS {
+            for id in listed_ids(&directory.join(name), &list, &matches)? {
+                given.entry(id).or_insert_with(|| Err(refusal.clone()));
             }
         }
         if given.is_empty() {
-            return Err(format!(
-                "{}: there is no answer to any request",
-                directory.join(ANSWERS_DIR).display()
-            ));
+            let directory = directory.display();
+            return Err(format!("{directory}: there is no answer to any request"));
         }
         Ok(Outputs {
             given,
@@ -164,14 +161,12 @@ impl Outputs {
     pub fn ask(&self, request: &Request) -> Reply {
         let answer = match self.given.get(request.name) {
             None => Answer::NotStarted("no answer was given".to_owned()),
-            Some(Given::Rejected) => Answer::Rejected,
-            Some(Given::Unsupported) => Answer::Unsupported,
-            Some(Given::File(path)) => {
-                let most = 4 * request.largest_frame + 65_536;
-                match read(path, most).and_then(|bytes| forms::read(&bytes, request.view, most)) {
-                    Ok(frame) => Answer::Decoded(frame),
-                    Err(what) => Answer::ProtocolError(what),
-                }
+            Some(Err(refusal)) => refusal.clone(),
+            Some(Ok(path)) => {
+                let most = request.most();
+                read(path, most)
+                    .and_then(|bytes| forms::read(&bytes, request.view, most))
+                    .map_or_else(Answer::ProtocolError, Answer::Decoded)
             }
         };
         Reply::from(answer)
@@ -189,11 +184,8 @@ fn listed_ids(
         false => String::new(),
     };
     let mut ids = Vec::new();
-    for (number, line) in text.lines().enumerate() {
-        let fault = |what: &str| {
-            let number = number + 1;
-            format!("{}: line {number}: {what}: {line:?}", path.display())
-        };
+    for (number, line) in (1..).zip(text.lines()) {
+        let fault = |what: &str| format!("{}: line {number}: {what}: {line:?}", path.display());
         let pattern = line.trim();
         if pattern.is_empty() || pattern.starts_with('#') {
             continue;
@@ -218,9 +210,8 @@ fn view_of(list: &[Listed], suite: &Suite) -> Result<&'static str, String> {
     for listed in list {
         let case = suite.case(&listed.id).ok_or(other)?;
         let mut views = case.views.iter();
-        let asked = views
-            .find(|view| view.to_string() == listed.view)
-            .ok_or(other)?;
+        let asked = views.find(|view| view.to_string() == listed.view);
+        let asked = asked.ok_or(other)?;
         if *listed != Listed::of(case, asked, &case.build(TableSpelling::default()).file) {
             return Err(other.to_owned());
         }
@@ -235,31 +226,24 @@ fn view_of(list: &[Listed], suite: &Suite) -> Result<&'static str, String> {
 fn answers(
     directory: &Path,
     list: &[Listed],
-) -> Result<(BTreeMap<String, Given>, Vec<String>), String> {
-    let named = |error: io::Error| format!("{}: {error}", directory.display());
-    let ids: std::collections::HashSet<&str> = list.iter().map(|listed| &*listed.id).collect();
+) -> io::Result<(BTreeMap<String, Given>, Vec<String>)> {
+    let ids: HashSet<&str> = list.iter().map(|listed| &*listed.id).collect();
     let mut given = BTreeMap::new();
     let mut strangers = Vec::new();
-    for entry in fs::read_dir(directory).map_err(named)? {
-        let path = entry.map_err(named)?.path();
+    for entry in fs::read_dir(directory)? {
+        let path = entry?.path();
         let name = path.file_name().unwrap_or_default().to_string_lossy();
         let (id, suffix) = name.split_once('.').unwrap_or((&name, ""));
         if !ids.contains(id) {
-            if !["rejected.txt", "unsupported.txt"].contains(&&*name) {
+            if !REFUSALS.iter().any(|(list, ..)| *list == name) {
                 strangers.push(name.into_owned());
             }
             continue;
         }
-        let is = match suffix {
-            "reject" => Given::Rejected,
-            "unsupported" => Given::Unsupported,
-            _ => Given::File(path.clone()),
-        };
-        if given.insert(id.to_owned(), is).is_some() {
-            return Err(format!(
-                "{}: there are two answers for {id}",
-                directory.display()
-            ));
+        let refusal = REFUSALS.into_iter().find(|(_, of, _)| *of == suffix);
+        let answer = refusal.map_or_else(|| Ok(path.clone()), |(.., refusal)| Err(refusal));
+        if given.insert(id.to_owned(), answer).is_some() {
+            return Err(io::Error::other(format!("there are two answers for {id}")));
         }
     }
     strangers.sort();
@@ -268,18 +252,18 @@ fn answers(
 
 /// Reads an answer of at most `most` bytes. Only a regular file is opened.
 fn read(path: &Path, most: usize) -> Result<Vec<u8>, String> {
-    let fault = |what: &dyn std::fmt::Display| format!("its output file {what}");
-    let about = fs::symlink_metadata(path).map_err(|error| fault(&error))?;
-    if !about.is_file() {
-        return Err(fault(&"is no plain file"));
-    }
     let mut bytes = Vec::new();
-    fs::File::open(path)
-        .and_then(|file| file.take(most as u64 + 1).read_to_end(&mut bytes))
-        .map_err(|error| fault(&error))?;
-    match bytes.len() {
-        0 => Err(fault(&"is empty")),
-        length if length > most => Err(fault(&"is larger than any picture of that file")),
-        _ => Ok(bytes),
-    }
+    let read = fs::symlink_metadata(path).and_then(|about| match about.is_file() {
+        true => fs::File::open(path)?
+            .take(most as u64 + 1)
+            .read_to_end(&mut bytes),
+        false => Err(io::Error::other("is no plain file")),
+    });
+    let fault = match read {
+        Err(error) => error.to_string(),
+        Ok(0) => "is empty".to_owned(),
+        Ok(length) if length > most => "is larger than any picture of that file".to_owned(),
+        Ok(_) => return Ok(bytes),
+    };
+    Err(format!("its output file {fault}"))
 }

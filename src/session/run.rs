@@ -102,8 +102,7 @@ impl<C: TestCase> Session<'_, C> {
         }
         let is_legal = |&place: &usize| cases[places[place]].expect() == Expect::Decode;
         let watch = HangWatch::new((0..places.len()).filter(is_legal).collect());
-        let done = AtomicUsize::new(0);
-        let made = Mutex::new(observations);
+        let made = Mutex::new((observations, 0));
         self.side_by_side(places.len(), |place, worker| {
             let i = places[place];
             let Some(view) = contact.offer.chosen_view(&cases[i]) else {
@@ -116,13 +115,14 @@ impl<C: TestCase> Session<'_, C> {
             if stop.load(Ordering::Relaxed) {
                 return false;
             }
-            let done = done.fetch_add(1, Ordering::Relaxed) + 1;
-            progress(&cases[i], &observation, done, places.len());
-            made.lock().expect("no worker panics")[i] = Some(observation);
+            let (observations, done) = &mut *made.lock().expect("no worker panics");
+            *done += 1;
+            progress(&cases[i], &observation, *done, places.len());
+            observations[i] = Some(observation);
             watch.note(place, is_hang(&reply), &self.tally);
             true
         });
-        let observations = made.into_inner().expect("no worker panics");
+        let (observations, _) = made.into_inner().expect("no worker panics");
         let Some(last) = watch.last() else { return };
         for &i in &places[last + 1..] {
             if let Some(observation) = observations[i].take() {
@@ -171,16 +171,12 @@ impl<C: TestCase> Session<'_, C> {
     ) -> Run<C> {
         let (suite, table) = (self.suite, contact.table);
         let nothing = vec![false; suite.cases.len()];
-        let selected = match contact.not_a_decoder {
-            Some(_) => &nothing,
-            None => &self.plan.selected,
+        let why_over = self.tally.why_over();
+        let (selected, ended_early) = match contact.not_a_decoder {
+            Some(_) => (&nothing, why_over),
+            None => (&self.plan.selected, contact.ends.or(why_over)),
         };
         let mut judgement = judge(suite, selected, &observations, &contact.offer);
-        let why_over = self.tally.why_over();
-        let ended_early = match contact.not_a_decoder {
-            Some(_) => why_over,
-            None => contact.ends.or(why_over),
-        };
         if ended_early.is_none() && self.ask_again(table, &mut observations, &judgement, again) {
             judgement = judge(suite, selected, &observations, &contact.offer);
         }
@@ -222,18 +218,15 @@ impl<C: TestCase> Session<'_, C> {
     }
 }
 
-/// Returns true if every must-accept file was answered 69.
+/// Returns the reason why a program that answered 69 to every must-accept file is not a decoder.
 fn nothing_decoded<C: TestCase>(
     suite: &Suite<C>,
     observations: &[Option<Observation<C>>],
 ) -> Option<String> {
-    let accepted = suite.cases.iter().zip(observations);
-    let mut asked = accepted
-        .filter(|(case, _)| case.expect() == Expect::Decode)
-        .filter_map(|(_, observation)| observation.as_ref())
-        .peekable();
-    let unsupported =
-        |observation: &Observation<C>| matches!(observation.response, Response::Unsupported);
+    let cases = suite.cases.iter().zip(observations);
+    let legal = cases.filter(|(case, _)| case.expect() == Expect::Decode);
+    let mut asked = legal.filter_map(|(_, seen)| seen.as_ref()).peekable();
+    let unsupported = |seen: &Observation<C>| matches!(seen.response, Response::Unsupported);
     (asked.peek().is_some() && asked.all(unsupported))
         .then(|| "it exits with 69 (unsupported) on every file that it should decode".to_owned())
 }
@@ -262,12 +255,10 @@ impl<C: TestCase> Run<C> {
             *reason = format!("{reason}\n{why}");
             return;
         }
-        let not_run = self.judgement.with(Outcome::NotRun).count();
-        let says = format!(
-            "{why}; {not_run} cases were not run, after {} requests",
-            self.asked
-        );
-        self.remarks.push(Remark::failure(says));
+        let (not_run, asked) = (self.judgement.with(Outcome::NotRun).count(), self.asked);
+        self.remarks.push(Remark::failure(format!(
+            "{why}; {not_run} cases were not run, after {asked} requests"
+        )));
     }
 
     /// Returns the scores of this run.
@@ -298,20 +289,15 @@ impl<C: TestCase> Run<C> {
     /// Returns the exit status if not every failure counts: `failed` is true if one does.
     #[must_use]
     pub fn status(&self, failed: bool) -> u8 {
-        match self.not_a_decoder {
-            Some(_) => 3,
-            None => u8::from(
-                failed
-                    || self.ended_early.is_some()
-                    || self.remarks.iter().any(|remark| remark.failure)
-                    || !self.decoded_something(),
-            ),
+        if self.not_a_decoder.is_some() {
+            return 3;
         }
-    }
-
-    /// Returns true if any file gave an image.
-    fn decoded_something(&self) -> bool {
-        let mut observed = self.observations.iter().flatten();
-        observed.any(|observation| matches!(observation.response, Response::Picture { .. }))
+        let is_image = |seen: &Observation<C>| matches!(seen.response, Response::Picture { .. });
+        u8::from(
+            failed
+                || self.ended_early.is_some()
+                || self.remarks.iter().any(|remark| remark.failure)
+                || !self.observations.iter().flatten().any(is_image),
+        )
     }
 }

@@ -1,7 +1,7 @@
 //! Counts during a run, and reasons to end it.
 
 use std::sync::Mutex;
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering::Relaxed};
 
 /// Number of consecutive legal files that time out before a run ends.
 const HANGS_THAT_END_A_RUN: usize = 3;
@@ -28,7 +28,7 @@ impl<'a> Tally<'a> {
 
     /// Counts a call; returns the factor for its timeout, because the first call may have to warm up.
     pub fn call(&self) -> u32 {
-        match self.calls.fetch_add(1, Ordering::Relaxed) {
+        match self.calls.fetch_add(1, Relaxed) {
             0 => 3,
             _ => 1,
         }
@@ -36,37 +36,27 @@ impl<'a> Tally<'a> {
 
     /// Counts a call that ended in neither a frame nor a refusal.
     pub fn count_violation(&self) {
-        self.violation.fetch_add(1, Ordering::Relaxed);
+        self.violation.fetch_add(1, Relaxed);
     }
 
     /// Removes a call from the counts.
     pub fn forget(&self, violation: bool) {
-        self.calls.fetch_sub(1, Ordering::Relaxed);
-        self.violation
-            .fetch_sub(usize::from(violation), Ordering::Relaxed);
-    }
-
-    /// Ends the run because of timeouts.
-    fn end(&self) {
-        self.hung.store(true, Ordering::Relaxed);
+        self.calls.fetch_sub(1, Relaxed);
+        self.violation.fetch_sub(violation.into(), Relaxed);
     }
 
     /// Returns the reason to end the run, if there is one.
     pub fn why_over(&self) -> Option<&'static str> {
-        if self.stop.load(Ordering::Relaxed) {
-            Some("the run was ended by its user")
-        } else if self.hung.load(Ordering::Relaxed) {
-            Some("the run ended early: three legal files in a row hung")
-        } else {
-            None
+        match (self.stop.load(Relaxed), self.hung.load(Relaxed)) {
+            (true, _) => Some("the run was ended by its user"),
+            (false, true) => Some("the run ended early: three legal files in a row hung"),
+            (false, false) => None,
         }
     }
 
     /// Returns the number of calls, and of those that ended in neither a frame nor a refusal.
     pub fn counts(&self) -> (usize, usize) {
-        let [calls, violation] =
-            [&self.calls, &self.violation].map(|count| count.load(Ordering::Relaxed));
-        (calls, violation)
+        (self.calls.load(Relaxed), self.violation.load(Relaxed))
     }
 }
 
@@ -103,19 +93,19 @@ impl HangWatch {
         let mut rows = rows.take(HANGS_THAT_END_A_RUN);
         if let Some(row) = rows.position(|row| row.iter().all(|hung| *hung == Some(true))) {
             let last = self.legal[near + row + HANGS_THAT_END_A_RUN - 1];
-            self.last.fetch_min(last, Ordering::Relaxed);
-            tally.end();
+            self.last.fetch_min(last, Relaxed);
+            tally.hung.store(true, Relaxed);
         }
     }
 
     /// Returns the index of the last file that is requested; None if the run continues.
     pub fn last(&self) -> Option<usize> {
-        Some(self.last.load(Ordering::Relaxed)).filter(|&last| last < usize::MAX)
+        Some(self.last.load(Relaxed)).filter(|&last| last < usize::MAX)
     }
 
     /// Returns true if no file at this index is requested any more.
     pub fn is_over_at(&self, place: usize) -> bool {
-        place > self.last.load(Ordering::Relaxed)
+        place > self.last.load(Relaxed)
     }
 }
 
@@ -123,17 +113,22 @@ impl HangWatch {
 mod tests {
     use super::*;
 
-    /// Returns the index at which a run ends if the files at `hanging` time out, answered in this order; the files at even
-    /// indices are legal.
-    fn end(answered: impl IntoIterator<Item = usize>, hanging: &[usize]) -> Option<usize> {
+    /// Returns the index at which a run ends after these answers; each is true if the file at its index timed out. The files at
+    /// even indices are legal.
+    fn end_after(answers: impl IntoIterator<Item = (usize, bool)>) -> Option<usize> {
         let stop = AtomicBool::new(false);
         let tally = Tally::new(&stop);
         let watch = HangWatch::new((0..20).step_by(2).collect());
-        for place in answered {
-            watch.note(place, hanging.contains(&place), &tally);
+        for (place, is_hang) in answers {
+            watch.note(place, is_hang, &tally);
         }
         assert_eq!(tally.why_over().is_some(), watch.last().is_some());
         watch.last()
+    }
+
+    fn end(answered: impl IntoIterator<Item = usize>, hanging: &[usize]) -> Option<usize> {
+        let answered = answered.into_iter();
+        end_after(answered.map(|place| (place, hanging.contains(&place))))
     }
 
     #[test]
@@ -149,19 +144,13 @@ mod tests {
     fn other_hangs_do_not_end_a_run() {
         assert_eq!(end(0..20, &[4, 6, 10, 12, 16, 18]), None);
         assert_eq!(end([4, 6, 10, 8], &[4, 6, 10]), None);
-        let malformed: Vec<usize> = (1..20).step_by(2).collect();
-        assert_eq!(end(0..20, &malformed), None);
+        assert_eq!(end(0..20, &[1, 3, 5, 7, 9, 11]), None);
     }
 
     #[test]
     fn a_file_that_is_answered_in_another_view_does_not_hang() {
         assert_eq!(end([0, 2, 2, 4], &[0, 2, 4]), Some(4));
-        let stop = AtomicBool::new(false);
-        let tally = Tally::new(&stop);
-        let watch = HangWatch::new(vec![0, 1, 2]);
-        for (place, is_hang) in [(0, true), (1, true), (1, false), (1, true), (2, true)] {
-            watch.note(place, is_hang, &tally);
-        }
-        assert_eq!(watch.last(), None);
+        let answers = [(0, true), (2, true), (2, false), (2, true), (4, true)];
+        assert_eq!(end_after(answers), None);
     }
 }

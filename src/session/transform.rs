@@ -8,10 +8,10 @@ use std::sync::Arc;
 
 use crate::protocol::frame::{Answer, Frame, ViewKind};
 use crate::ptm::Format;
-use crate::session::asking::Undo;
-use crate::session::contact::Contact;
-use crate::session::curve::Curve;
-use crate::session::probe::Arrangement;
+use crate::session::asking::{Undo, Undoing};
+use crate::session::contact::{Contact, First};
+use crate::session::curve;
+use crate::session::probe::{Arrangement, ProbeFault, joined};
 use crate::session::remark::Remark;
 use crate::suite::cases::{Case, Suite};
 use crate::suite::compare::Expected;
@@ -77,11 +77,7 @@ pub fn in_words(transforms: &[CommonTransform]) -> Vec<Remark> {
 }
 
 fn pictures<'a>(suite: &Suite, contact: &'a Contact, view: ViewKind) -> Vec<Picture<'a>> {
-    let of_view = contact
-        .first
-        .iter()
-        .filter(|first| first.view.kind() == view);
-    let decoded = of_view.filter_map(|first| {
+    let decoded = |first: &'a First| {
         let Answer::Decoded(frame) = &first.reply.answer else {
             return None;
         };
@@ -93,8 +89,10 @@ fn pictures<'a>(suite: &Suite, contact: &'a Contact, view: ViewKind) -> Vec<Pict
             frame,
             right: case.expected_output(&first.view),
         })
-    });
-    decoded.collect()
+    };
+    let first = contact.first.iter();
+    let of_view = first.filter(|first| first.view.kind() == view);
+    of_view.filter_map(decoded).collect()
 }
 
 fn in_common(view: ViewKind, pictures: &[Picture]) -> Option<CommonTransform> {
@@ -123,46 +121,41 @@ fn in_common(view: ViewKind, pictures: &[Picture]) -> Option<CommonTransform> {
             && right.iter().all(|picture| picture.is_explained_by(undo));
         is_said.then_some(right.len() + explained.len())
     };
-    let (count, says, next, undo) = candidates(view, pictures)
+    let (count, change) = candidates(view, pictures)
         .into_iter()
-        .find_map(|(says, next, undo)| Some((explained(&undo)?, says, next, undo)))?;
-    let says = match count == pictures.len() {
+        .find_map(|change| Some((explained(&change.undo)?, change)))?;
+    let (says, all) = (change.says, pictures.len());
+    let says = match count == all {
         true => format!("{says}, in all first files"),
-        false => format!("{says}, in {count} of {} first files", pictures.len()),
+        false => format!("{says}, in {count} of {all} first files"),
     };
-    Some(CommonTransform { undo, says, next })
+    Some(CommonTransform { says, ..change })
 }
 
-/// Returns the possible changes of all images, those with the fewest mistakes first: the message, the fix, and the function
-/// that undoes each.
-fn candidates(view: ViewKind, pictures: &[Picture]) -> Vec<(String, String, Undo<Case>)> {
-    let arrangements = Arrangement::all().into_iter().skip(1);
-    let mut all: Vec<_> = arrangements
-        .map(|arrangement| {
-            let mistakes = arrangement.mistakes();
-            let says: Vec<&str> = mistakes.iter().map(|mistake| &*mistake.says).collect();
-            let next: Vec<&str> = mistakes.iter().map(|mistake| &*mistake.next).collect();
-            let undo = Arc::new(move |frame: &Frame, _: Option<&Frame>| arrangement.undo(frame));
-            let view = view.name();
-            (says.join("; and "), next.join("\n  "), Undo { view, undo })
-        })
-        .collect();
-    all.sort_by_key(|(says, ..)| says.matches("; and ").count());
+/// Returns the possible changes of all images, those with the fewest mistakes first.
+fn candidates(view: ViewKind, pictures: &[Picture]) -> Vec<CommonTransform> {
+    let change = |(says, next): ProbeFault, undo: Arc<Undoing<Frame>>| CommonTransform {
+        undo: Undo {
+            view: view.name(),
+            undo,
+        },
+        says,
+        next,
+    };
+    let mut arrangements: Vec<Arrangement> = Arrangement::all().skip(1).collect();
+    arrangements.sort_by_key(|arrangement| arrangement.mistakes().len());
+    let arrangements = arrangements.into_iter().map(|arrangement| {
+        let mistakes = joined(arrangement.mistakes(), "\n  ");
+        change(mistakes, Arc::new(move |frame, _| arrangement.undo(frame)))
+    });
     let pairs = pictures.iter();
-    let pairs: Vec<_> = pairs
-        .map(|picture| (&picture.expected, picture.frame))
-        .collect();
-    all.extend(Curve::candidates(view, &pairs).into_iter().map(|curve| {
-        let (says, next) = (curve.says.clone(), curve.next.to_owned());
-        let undo = Arc::new(move |frame: &Frame, right: Option<&Frame>| curve.undo(frame, right));
-        (
-            says,
-            next,
-            Undo {
-                view: view.name(),
-                undo,
-            },
+    let pairs: Vec<_> = pairs.map(|one| (&one.expected, one.frame)).collect();
+    let curves = curve::candidates(view, &pairs).into_iter();
+    let curves = curves.map(|(fault, curve)| {
+        change(
+            fault,
+            Arc::new(move |frame, right| curve.undo(frame, right)),
         )
-    }));
-    all
+    });
+    arrangements.chain(curves).collect()
 }

@@ -32,7 +32,7 @@ pub fn probe(writer: &Decoder, scratch: &Scratch) -> Result<Checklist, String> {
             Answer::Unsupported => list.absent(format!("it does not write {format}: 69")),
             _ => {
                 let (says, next) = explain(&reply);
-                list.bad(format!("{format}: {says}"), next, None);
+                list.bad(format!("{format}: {says}"), next);
             }
         }
         // A program that cannot be started, or never ends, does so for every format.
@@ -42,7 +42,7 @@ pub fn probe(writer: &Decoder, scratch: &Scratch) -> Result<Checklist, String> {
     }
     if !list.answers && list.faults() == 0 {
         let next = "write at least one format; LRGB is the one that most readers know";
-        list.bad("it answers every request with 69 (unsupported)", next, None);
+        list.bad("it answers every request with 69 (unsupported)", next);
     }
     Ok(list)
 }
@@ -63,7 +63,7 @@ fn look_at(list: &mut Checklist, case: &WriterCase, file: &WrittenFile) {
         ),
         None => format!("clause {}: ptm-conform explain {0}", fault.clause),
     };
-    list.bad(format!("{format}: {fault}"), next, None);
+    list.bad(format!("{format}: {fault}"), next);
 }
 
 /// Explains an answer that is not a file, with a fix.

@@ -3,7 +3,7 @@
 use crate::protocol::frame::{Frame, Samples};
 use crate::suite::compare::Expected;
 
-use super::message::{Interpretation, WrapperMistake, mistake};
+use super::message::{ProbeFault, fault};
 
 /// A function from (x, y, channel) and (width, height, channels) to the index of the sample in a raster.
 type Position = fn((usize, usize, usize), (usize, usize, usize)) -> usize;
@@ -42,19 +42,19 @@ pub(in crate::session) struct Arrangement {
 
 impl Arrangement {
     /// Returns all arrangements, the right one first.
-    pub(in crate::session) fn all() -> Vec<Arrangement> {
-        let mut all = Vec::new();
-        for layout in LAYOUTS {
-            for order in ORDERS {
-                all.extend((0..4).map(|flip| Arrangement {
+    pub(in crate::session) fn all() -> impl Iterator<Item = Arrangement> {
+        let layouts = LAYOUTS.into_iter();
+        let orders = layouts.flat_map(|layout| ORDERS.map(|order| (layout, order)));
+        orders.flat_map(|(layout, order)| {
+            [(false, false), (false, true), (true, false), (true, true)].map(
+                |(upside_down, mirrored)| Arrangement {
                     layout,
                     order,
-                    upside_down: flip & 2 != 0,
-                    mirrored: flip & 1 != 0,
-                }));
-            }
-        }
-        all
+                    upside_down,
+                    mirrored,
+                },
+            )
+        })
     }
 
     /// Returns the index of each sample of a right image, from the top left on, in an image with this arrangement.
@@ -75,13 +75,12 @@ impl Arrangement {
 
     /// Returns the same image with its samples in the right order.
     pub(in crate::session) fn undo(&self, frame: &Frame) -> Frame {
-        let shape = (frame.width, frame.height, frame.channels);
-        let places = self.places((shape.0 as usize, shape.1 as usize, shape.2 as usize));
+        let [width, height, channels] =
+            [frame.width, frame.height, frame.channels].map(|count| count as usize);
+        let places = self.places((width, height, channels)).into_iter();
         let samples = match &frame.samples {
-            Samples::U8(bytes) => Samples::U8(places.iter().map(|&place| bytes[place]).collect()),
-            Samples::F32(values) => {
-                Samples::F32(places.iter().map(|&place| values[place]).collect())
-            }
+            Samples::U8(bytes) => Samples::U8(places.map(|place| bytes[place]).collect()),
+            Samples::F32(values) => Samples::F32(places.map(|place| values[place]).collect()),
         };
         Frame {
             samples,
@@ -90,23 +89,20 @@ impl Arrangement {
     }
 
     /// Returns its mistakes; none for the right one.
-    pub(in crate::session) fn mistakes(&self) -> Vec<WrapperMistake> {
-        let names = [
-            self.layout.0,
-            self.order,
-            self.upside_down.then_some("upside-down"),
-            self.mirrored.then_some("mirrored"),
-        ];
-        let order = |name| WrapperMistake {
-            is_order: true,
-            ..mistake(name, &[])
-        };
-        names.into_iter().flatten().map(order).collect()
+    pub(in crate::session) fn mistakes(&self) -> Vec<ProbeFault> {
+        let upside_down = self.upside_down.then_some("upside-down");
+        let mirrored = self.mirrored.then_some("mirrored");
+        let names = [self.layout.0, self.order, upside_down, mirrored];
+        let mistakes = names.into_iter().flatten().map(|name| fault(name, &[]));
+        mistakes.collect()
     }
 }
 
-/// Returns the same values in every possible order.
-pub(super) fn arrangements(values: &[f64], expected: &Expected) -> Vec<Interpretation> {
+/// Returns the same values in every possible order, with the mistakes of each.
+pub(super) fn arrangements(
+    values: &[f64],
+    expected: &Expected,
+) -> Vec<(Vec<f64>, Vec<ProbeFault>)> {
     let (width, height) = (expected.size.width as usize, expected.size.height as usize);
     let channels = expected.channels;
     if values.len() != width * height * channels {
@@ -115,20 +111,15 @@ pub(super) fn arrangements(values: &[f64], expected: &Expected) -> Vec<Interpret
     let is_order =
         |of: &Arrangement| (of.order).is_none_or(|name| channel_order(name, channels).is_some());
     let ordered = |of: Arrangement| {
-        let places = of.places((width, height, channels));
-        let ordered = places.into_iter().map(|place| values[place]).collect();
-        (ordered, of.mistakes())
+        let places = of.places((width, height, channels)).into_iter();
+        (places.map(|place| values[place]).collect(), of.mistakes())
     };
-    let all = Arrangement::all().into_iter();
-    all.filter(is_order).map(ordered).collect()
+    Arrangement::all().filter(is_order).map(ordered).collect()
 }
 
 /// Returns the index of each right channel, or `None` if images with this number of channels have no such order.
 fn channel_order(name: &str, channels: usize) -> Option<Vec<usize>> {
-    let at = |place: fn(usize, usize) -> usize| {
-        let colors = (0..3).flat_map(|color| (0..6).map(move |a| (color, a)));
-        colors.map(|(color, a)| place(color, a)).collect::<Vec<_>>()
-    };
+    let at = |place: fn(usize, usize) -> usize| (0..18).map(|c| place(c / 6, c % 6)).collect();
     Some(match (channels, name) {
         (3, "bgr") => vec![2, 1, 0],
         (8, "cb-first") => vec![0, 1, 2, 3, 4, 5, 7, 6],

@@ -1,25 +1,43 @@
 //! Calls of the probed decoder, by the protocol and by other command lines.
 
 use std::ffi::OsString;
+use std::path::Path;
 
 use crate::protocol::frame::{Answer, View};
 use crate::runner::run::{Decoder, Reply, Request};
 use crate::runner::scratch::Scratch;
+use crate::runner::start::{check_program, is_script_name};
 use crate::runner::template::Template;
 use crate::suite::compare::Expected;
 
 use super::message::{ProbeFault, fault};
-use super::repair;
+use super::repair::repair;
 
 /// The probed decoder, and its working directory.
 pub(super) struct Calls<'a> {
-    /// Its command as it was given.
+    /// Its command as it was given; empty if it is not a command to which the file can be appended.
     pub(super) command: &'a [OsString],
     pub(super) decoder: &'a Decoder,
     pub(super) scratch: &'a Scratch,
 }
 
 impl Calls<'_> {
+    /// Checks the command before it is run.
+    pub(super) fn check_command(&self) -> Result<(), ProbeFault> {
+        let Some((program, words)) = self.command.split_first() else {
+            return Err(fault("no-command", &[]));
+        };
+        check_program(program, &program.to_string_lossy())?;
+        for word in words {
+            let text = word.to_string_lossy();
+            let is_script = is_script_name(&text) && !text.starts_with('-');
+            if is_script && !Path::new(word).exists() {
+                return Err(fault("no-script", &[("word", &text)]));
+            }
+        }
+        Ok(())
+    }
+
     /// Sends a request as the protocol defines.
     pub(super) fn ask(&self, view: &View, file: &[u8]) -> Reply {
         self.ask_by(None, view, file)
@@ -55,13 +73,33 @@ impl Calls<'_> {
         Template::of_words(&before.chain(command).chain(after).collect::<Vec<_>>())
     }
 
-    /// Finds a way of calling the decoder that gives a frame, if that of the protocol gives none.
-    pub(super) fn other_way(
+    /// Explains an answer that is not a frame, if its cause is known.
+    pub(super) fn why_no_frame(
         &self,
         file: &[u8],
         expected: &Expected,
         view: &View,
+        reply: &Reply,
     ) -> Option<ProbeFault> {
+        let last = reply.stderr.lines().last().unwrap_or_default();
+        let not_run = match (&reply.answer, reply.exit) {
+            (Answer::NotStarted(why), _) => Some(("not-started", why.as_str())),
+            (Answer::Crashed(_), Some(127)) => Some(("status-127", last)),
+            (Answer::Crashed(_), Some(126)) => Some(("status-126", last)),
+            _ => None,
+        };
+        let not_run = not_run.filter(|_| !self.command.is_empty());
+        let known = repair(&reply.stdout, expected, view)
+            .or_else(|| not_run.map(|(name, why)| fault(name, &[("why", &why), ("last", &why)])));
+        // A decoder that times out would time out in every way of being called.
+        if known.is_some() || matches!(reply.answer, Answer::Hung(_)) {
+            return known;
+        }
+        self.other_way(file, expected, view)
+    }
+
+    /// Finds a way of calling the decoder that gives a frame, if that of the protocol gives none.
+    fn other_way(&self, file: &[u8], expected: &Expected, view: &View) -> Option<ProbeFault> {
         let here = std::env::current_dir().ok()?;
         let (here, stdin) = (here.to_string_lossy(), "exec \"$@\" < \"$0\"");
         let home = ["sh", "-c", "cd \"$0\" && exec \"$@\"", &here];
@@ -77,7 +115,7 @@ impl Calls<'_> {
         let (.., name) = ways.into_iter().find(|(before, after, _)| {
             let reply = self.ask_by(Some(self.template_around(before, after)), view, file);
             matches!(reply.answer, Answer::Decoded(_))
-                || repair::repair(&reply.stdout, expected, view).is_some()
+                || repair(&reply.stdout, expected, view).is_some()
         })?;
         Some(fault(name, &[]))
     }

@@ -4,6 +4,8 @@ use std::borrow::Cow;
 use std::fmt::{Display, Write};
 use std::path::Path;
 
+use super::message::ProbeFault;
+
 /// The result of a step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Mark {
@@ -29,12 +31,13 @@ pub struct ProbeStep {
 }
 
 impl ProbeStep {
-    fn new(mark: Mark, says: impl Into<String>) -> ProbeStep {
+    /// Creates a step with something to fix in `what`, and instructions to reproduce it.
+    pub(super) fn bad(what: &dyn Display, fault: ProbeFault, repeat: Reproduction) -> ProbeStep {
         ProbeStep {
-            mark,
-            says: says.into(),
-            next: None,
-            repeat: None,
+            mark: Mark::Bad,
+            says: format!("{what}: {}", fault.0),
+            next: Some(fault.1),
+            repeat: Some(repeat),
         }
     }
 }
@@ -80,24 +83,21 @@ impl Reproduction {
     #[must_use]
     pub fn command(&self, decoder: &str, directory: &Path) -> String {
         let shown = "xxd | head";
-        let quoted = |path: &Path| {
-            let path = path.to_string_lossy().into_owned();
-            shlex::try_quote(&path).map_or(path.clone(), Cow::into_owned)
-        };
-        if !self.serve {
-            let one = |request: &ProbeRequest| {
-                let path = quoted(&directory.join(&request.file_name));
-                format!("{decoder} {} {path} | {shown}", request.view)
-            };
-            return self.requests.iter().map(one).collect::<Vec<_>>().join("\n");
+        let requests = (1..).zip(&self.requests).map(|(number, request)| {
+            let path = directory.join(&request.file_name);
+            let path = path.to_string_lossy();
+            let view = &request.view;
+            if self.serve {
+                return format!("{number} {view} {path}\\n");
+            }
+            let path = shlex::try_quote(&path).unwrap_or(Cow::Borrowed(&path));
+            format!("{decoder} {view} {path} | {shown}")
+        });
+        let requests: Vec<String> = requests.collect();
+        match self.serve {
+            true => format!("printf '{}' | {decoder} serve | {shown}", requests.concat()),
+            false => requests.join("\n"),
         }
-        let lines: Vec<String> = (self.requests.iter().enumerate())
-            .map(|(i, request)| {
-                let path = directory.join(&request.file_name);
-                format!("{} {} {}\\n", i + 1, request.view, path.display())
-            })
-            .collect();
-        format!("printf '{}' | {decoder} serve | {shown}", lines.concat())
     }
 }
 
@@ -111,26 +111,31 @@ pub struct Checklist {
 }
 
 impl Checklist {
-    pub(crate) fn good(&mut self, says: impl Into<String>) {
-        self.steps.push(ProbeStep::new(Mark::Good, says));
-    }
-
-    /// Adds something to fix, a suggestion, and instructions to reproduce it.
-    pub(crate) fn bad(
-        &mut self,
-        says: impl Into<String>,
-        next: impl Into<String>,
-        repeat: impl Into<Option<Reproduction>>,
-    ) {
+    fn add(&mut self, mark: Mark, says: impl Into<String>, next: Option<String>) {
         self.steps.push(ProbeStep {
-            next: Some(next.into()),
-            repeat: repeat.into(),
-            ..ProbeStep::new(Mark::Bad, says)
+            mark,
+            says: says.into(),
+            next,
+            repeat: None,
         });
     }
 
+    pub(crate) fn good(&mut self, says: impl Into<String>) {
+        self.add(Mark::Good, says, None);
+    }
+
+    /// Adds something to fix, and a suggestion.
+    pub(crate) fn bad(&mut self, says: impl Into<String>, next: impl Into<String>) {
+        self.add(Mark::Bad, says, Some(next.into()));
+    }
+
+    /// Adds something to fix in `what`, and instructions to reproduce it.
+    pub(super) fn fault(&mut self, what: &dyn Display, fault: ProbeFault, repeat: Reproduction) {
+        self.steps.push(ProbeStep::bad(what, fault, repeat));
+    }
+
     pub(crate) fn absent(&mut self, says: impl Into<String>) {
-        self.steps.push(ProbeStep::new(Mark::Absent, says));
+        self.add(Mark::Absent, says, None);
     }
 
     /// Returns 0 if the decoder is ready for `check`, 3 if it is not a decoder yet, 1 otherwise.

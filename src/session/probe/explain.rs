@@ -4,7 +4,7 @@ use crate::kit::last_words::last_words;
 use crate::protocol::frame::Answer;
 use crate::runner::run::Reply;
 
-use super::message::{ProbeFault, fault};
+use super::message::{ProbeFault, Slots, fault};
 
 /// Returns the last line of the decoder's standard error, on a separate line.
 fn its_last_words(reply: &Reply) -> String {
@@ -34,33 +34,25 @@ pub(super) fn explain(reply: &Reply) -> ProbeFault {
     fault(name, &[("answer", &answer), ("stderr", &stderr)])
 }
 
-/// Returns the size of a buffer if the output consists of whole buffers of a frame.
-fn buffer_size(reply: &Reply) -> Option<usize> {
+/// Returns the size of a buffer if the output consists of whole buffers of a frame, which is truncated then.
+pub(super) fn buffer_size(reply: &Reply) -> Option<usize> {
     let is_multiple = |step: &usize| reply.stdout.len().is_multiple_of(*step);
     let begins = reply.stdout.starts_with(b"PTM1 ");
     let step = [65_536, 4096].into_iter().find(is_multiple);
-    step.filter(|_| begins)
-}
-
-/// Returns true if a frame is truncated.
-pub(super) fn is_cut(reply: &Reply) -> bool {
-    matches!(reply.answer, Answer::ProtocolError(_)) && buffer_size(reply).is_some()
+    step.filter(|_| begins && matches!(reply.answer, Answer::ProtocolError(_)))
 }
 
 fn protocol_error(reply: &Reply) -> ProbeFault {
     let (answer, size) = (reply.answer.describe(), reply.stdout.len());
-    let begins = reply.stdout.starts_with(b"PTM1 ");
     let (name, step) = match buffer_size(reply) {
         _ if size == 0 && reply.stderr.contains("PTM1 ") => ("frame-on-stderr", 0),
         _ if size == 0 => ("no-output", 0),
         Some(step) => ("cut", step),
-        None if begins => ("wrong-length", 0),
+        None if reply.stdout.starts_with(b"PTM1 ") => ("wrong-length", 0),
         None => ("no-line", 0),
     };
-    fault(
-        name,
-        &[("size", &size), ("step", &step), ("answer", &answer)],
-    )
+    let slots: &Slots = &[("size", &size), ("step", &step), ("answer", &answer)];
+    fault(name, slots)
 }
 
 /// Explains an answer to a malformed file that was not refused.
@@ -70,11 +62,8 @@ pub(super) fn not_refused(reply: &Reply) -> ProbeFault {
         (Answer::Unsupported, _) => fault("unsupported-malformed", &[]),
         (Answer::ProtocolError(what), _) => fault("silent-malformed", &[("what", what)]),
         (Answer::Crashed(_), Some(status)) => {
-            let stderr = its_last_words(reply);
-            fault(
-                "crash-malformed",
-                &[("status", &status), ("stderr", &stderr)],
-            )
+            let slots: &Slots = &[("status", &status), ("stderr", &its_last_words(reply))];
+            fault("crash-malformed", slots)
         }
         _ => explain(reply),
     }

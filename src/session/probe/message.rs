@@ -4,61 +4,33 @@ use std::collections::BTreeMap;
 use std::fmt::Display;
 use std::sync::LazyLock;
 
-use serde::Deserialize;
-
 use crate::kit::yaml::from_yaml;
 
-#[derive(Deserialize)]
-struct ProbeMessage {
-    says: String,
-    next: String,
-}
-
-static TEMPLATES: LazyLock<BTreeMap<String, ProbeMessage>> = LazyLock::new(|| {
-    from_yaml(include_str!("../../../spec-cases/probe.yaml")).expect("a test reads them")
-});
-
-/// A mistake of a wrapper.
-#[derive(Clone, Debug)]
-pub(in crate::session) struct WrapperMistake {
-    /// The observation.
-    pub(in crate::session) says: String,
-    /// The suggested fix.
-    pub(in crate::session) next: String,
-    /// True if all samples are right and only their order is wrong.
-    pub(in crate::session) is_order: bool,
-}
-
-/// Samples as numbers, and the mistakes that were undone to read them.
-pub(super) type Interpretation = (Vec<f64>, Vec<WrapperMistake>);
-
-/// The observation, and a suggested fix.
-pub(super) type ProbeFault = (String, String);
+/// An observation, and a suggested fix.
+pub(in crate::session) type ProbeFault = (String, String);
 
 /// The values of the names in braces.
 pub(super) type Slots<'a> = [(&'static str, &'a dyn Display)];
 
+static TEMPLATES: LazyLock<BTreeMap<String, BTreeMap<String, String>>> = LazyLock::new(|| {
+    from_yaml(include_str!("../../../spec-cases/probe.yaml")).expect("a test reads them")
+});
+
 /// Returns the message of this name, with its slots filled in.
 pub(super) fn fault(name: &str, slots: &Slots) -> ProbeFault {
-    let ProbeMessage { says, next } = &TEMPLATES[name];
-    let fill = |text: &String| {
-        let mut text = text.clone();
-        for (slot, value) in slots {
-            text = text.replace(&format!("{{{slot}}}"), &value.to_string());
-        }
-        text
+    let fill = |part: &str| {
+        let filled = |text: String, (slot, value): &(&str, &dyn Display)| {
+            text.replace(&format!("{{{slot}}}"), &value.to_string())
+        };
+        slots.iter().fold(TEMPLATES[name][part].clone(), filled)
     };
-    (fill(says), fill(next))
+    (fill("says"), fill("next"))
 }
 
-/// Returns the mistake with the message of this name.
-pub(super) fn mistake(name: &str, slots: &Slots) -> WrapperMistake {
-    let (says, next) = fault(name, slots);
-    WrapperMistake {
-        says,
-        next,
-        is_order: false,
-    }
+/// Joins the messages of several mistakes; `separator` is between their fixes.
+pub(in crate::session) fn joined(mistakes: Vec<ProbeFault>, separator: &str) -> ProbeFault {
+    let (says, next): (Vec<String>, Vec<String>) = mistakes.into_iter().unzip();
+    (says.join("; and "), next.join(separator))
 }
 
 #[cfg(test)]
@@ -71,8 +43,6 @@ mod tests {
             include_str!("arrangement.rs"),
             include_str!("body.rs"),
             include_str!("calls.rs"),
-            include_str!("command.rs"),
-            include_str!("dialog.rs"),
             include_str!("explain.rs"),
             include_str!("one_shot.rs"),
             include_str!("repair.rs"),
@@ -81,11 +51,9 @@ mod tests {
         for name in TEMPLATES.keys() {
             assert!(source.contains(&format!("\"{name}\"")), "unused: {name}");
         }
-        for call in ["fault(\"", "mistake(\"", "explained(\""] {
-            for used in source.split(call).skip(1) {
-                let name = used.split('"').next().unwrap_or_default();
-                assert!(TEMPLATES.contains_key(name), "no message: {name}");
-            }
+        for used in source.split("fault(\"").skip(1) {
+            let name = used.split('"').next().unwrap_or_default();
+            assert!(TEMPLATES.contains_key(name), "no message: {name}");
         }
     }
 }

@@ -8,19 +8,16 @@ use std::ffi::OsString;
 
 use crate::runner::run::Decoder;
 use crate::runner::scratch::Scratch;
-use crate::session::contact::Contact;
-use crate::session::plan::RunPlan;
-use crate::suite::cases::{Case, Expect, Suite};
 
 pub(super) use arrangement::Arrangement;
 pub use checklist::{Checklist, Mark, ProbeRequest, ProbeStep, Reproduction};
+pub(super) use message::{ProbeFault, joined};
+pub use wrapper::wrapper_faults;
 
 mod arrangement;
 mod body;
 mod calls;
 mod checklist;
-mod command;
-mod dialog;
 mod explain;
 mod message;
 mod one_shot;
@@ -28,29 +25,6 @@ mod repair;
 mod sample;
 mod serve;
 mod wrapper;
-
-/// Returns the faults of the wrapper of `decoder`, from its answers to the first files, a large one and malformed ones; none if
-/// it is ready. `command` is empty if it is not a command to which the file can be appended.
-#[must_use]
-pub fn wrapper_faults(
-    command: &[OsString],
-    decoder: &Decoder,
-    scratch: &Scratch,
-    suite: &Suite,
-    plan: &RunPlan,
-    contact: &Contact,
-) -> Vec<ProbeStep> {
-    let calls = calls::Calls {
-        command,
-        decoder,
-        scratch,
-    };
-    let is_judged_refusal = |(i, case): (usize, &Case)| {
-        plan.selected[i] && plan.asks(i) && matches!(case.expect, Expect::Reject | Expect::Refuse)
-    };
-    let judges_refusals = suite.cases.iter().enumerate().any(is_judged_refusal);
-    wrapper::faults(&calls, suite, contact, judges_refusals, plan.jobs)
-}
 
 /// Takes all steps with `decoder`, which was made from `command`.
 #[must_use]
@@ -61,11 +35,11 @@ pub fn probe(command: &[OsString], decoder: &Decoder, scratch: &Scratch) -> Chec
         scratch,
     };
     let mut list = Checklist::default();
-    if let Err((says, next)) = command::look(command) {
-        list.bad(says, next, None);
+    if let Err((says, next)) = calls.check_command() {
+        list.bad(says, next);
         return list;
     }
-    let Some(first) = one_shot::first_frame(&calls, &mut list) else {
+    let Some(first) = one_shot::first_frames(&calls, &mut list) else {
         return list;
     };
     list.answers = true;
@@ -73,6 +47,6 @@ pub fn probe(command: &[OsString], decoder: &Decoder, scratch: &Scratch) -> Chec
     one_shot::refusals(&calls, &first, &mut list);
     one_shot::unknown_view(&calls, &first.sample, &mut list);
     one_shot::capabilities(&calls, &mut list);
-    serve::look(&calls, &first.sample, &first.views[0], &mut list);
+    serve::look(&calls, &first, &mut list);
     list
 }

@@ -5,24 +5,27 @@ use crate::suite::compare::Expected;
 
 use super::arrangement::arrangements;
 use super::body::body;
-use super::message::{ProbeFault, WrapperMistake, mistake};
+use super::message::{ProbeFault, fault, joined};
 
 /// The mistakes that must be undone to get the right image.
-pub(super) struct Repair(pub(super) Vec<WrapperMistake>);
+pub(super) struct Repair {
+    pub(super) mistakes: Vec<ProbeFault>,
+    /// True if all samples are right and only their order is wrong.
+    pub(super) is_order: bool,
+}
 
 impl Repair {
-    pub(super) fn fault(&self) -> ProbeFault {
-        let says: Vec<&str> = self.0.iter().map(|mistake| &*mistake.says).collect();
-        let next: Vec<&str> = self.0.iter().map(|mistake| &*mistake.next).collect();
-        (says.join("; and "), next.join("\n"))
+    pub(super) fn fault(self) -> ProbeFault {
+        joined(self.mistakes, "\n")
     }
 }
 
-/// Returns the smallest set of mistakes that must be undone to make `bytes` the right answer; None if there is none.
-pub(super) fn repair(bytes: &[u8], expected: &Expected, view: &View) -> Option<Repair> {
-    let repairs = repairs(bytes, expected, view);
+/// Returns the fewest mistakes that must be undone to make `bytes` the right answer; None if there are none.
+pub(super) fn repair(bytes: &[u8], expected: &Expected, view: &View) -> Option<ProbeFault> {
+    let repairs = repairs(bytes, expected, view).into_iter();
     // The first among equals.
-    repairs.into_iter().min_by_key(|repair| repair.0.len())
+    let smallest = repairs.min_by_key(|repair| repair.mistakes.len());
+    smallest.map(Repair::fault)
 }
 
 /// Returns all sets of mistakes that can be undone to make `bytes` the right answer; none if nothing has to be undone.
@@ -33,11 +36,12 @@ pub(super) fn repairs(bytes: &[u8], expected: &Expected, view: &View) -> Vec<Rep
             continue;
         };
         for (values, encoded) in values {
+            let mistakes = [&mistakes[..], &shape, &encoded].concat();
+            let is_order = mistakes.is_empty();
             for (values, arranged) in arrangements(&values, expected) {
-                let all: Vec<WrapperMistake> =
-                    [&mistakes[..], &shape, &encoded, &arranged].concat();
-                if !all.is_empty() && is_right(&values, expected) {
-                    repairs.push(Repair(all));
+                let mistakes = [&mistakes[..], &arranged].concat();
+                if !mistakes.is_empty() && is_right(&values, expected) {
+                    repairs.push(Repair { mistakes, is_order });
                 }
             }
         }
@@ -46,7 +50,7 @@ pub(super) fn repairs(bytes: &[u8], expected: &Expected, view: &View) -> Vec<Rep
 }
 
 /// Bytes, and the mistakes that were undone to get them.
-type Stream = (Vec<u8>, Vec<WrapperMistake>);
+type Stream = (Vec<u8>, Vec<ProbeFault>);
 
 /// Returns the bytes, also with the effects of text mode, encodings and messages undone.
 fn streams(bytes: &[u8]) -> Vec<Stream> {
@@ -62,26 +66,23 @@ fn streams(bytes: &[u8]) -> Vec<Stream> {
 fn from_utf16(bytes: &[u8]) -> Option<Stream> {
     let pairs = bytes.strip_prefix(b"\xff\xfe")?.as_chunks::<2>().0;
     let narrow = pairs.iter().map(|&pair| u16::from_le_bytes(pair) as u8);
-    Some((narrow.collect(), vec![mistake("utf-16", &[])]))
+    Some((narrow.collect(), vec![fault("utf-16", &[])]))
 }
 
 fn from_utf8(bytes: &[u8]) -> Option<Stream> {
     let text = std::str::from_utf8(bytes).ok()?;
-    if bytes.is_ascii() || text.chars().any(|c| u32::from(c) > 255) {
-        return None;
-    }
-    let narrow = text.chars().map(|c| u32::from(c) as u8);
-    Some((narrow.collect(), vec![mistake("utf-8", &[])]))
+    let narrow: Option<Vec<u8>> = text.chars().map(|c| u8::try_from(c).ok()).collect();
+    narrow
+        .filter(|_| !bytes.is_ascii())
+        .map(|narrow| (narrow, vec![fault("utf-8", &[])]))
 }
 
 /// Returns the stream from its PTM1 line on, if other bytes precede it.
 fn without_text_before((bytes, mistakes): &Stream) -> Option<Stream> {
     let line = bytes.windows(5).position(|word| word == b"PTM1 ");
     let line = line.filter(|&line| line > 0)?;
-    let text = mistake(
-        "text-before",
-        &[("text", &bytes[..line.min(60)].escape_ascii())],
-    );
+    let shown = bytes[..line.min(60)].escape_ascii();
+    let text = fault("text-before", &[("text", &shown)]);
     Some((bytes[line..].to_vec(), [&mistakes[..], &[text]].concat()))
 }
 
@@ -92,37 +93,22 @@ fn line_ends(bytes: &[u8]) -> Vec<Stream> {
         return Vec::new();
     };
     let (line, samples) = bytes.split_at(end + 1);
-    let (fixed_line, fixed) = (
-        without_carriage_returns(line),
-        without_carriage_returns(samples),
-    );
+    let [fixed_line, fixed] = [line, samples].map(without_carriage_returns);
     let (line_changed, changed) = (fixed_line != line, fixed != samples);
     let candidates = [
-        (
-            line_changed,
-            [&fixed_line[..], samples].concat(),
-            "crlf-line",
-        ),
-        (changed, [line, &fixed].concat(), "crlf-samples"),
-        (
-            line_changed && changed,
-            [fixed_line, fixed].concat(),
-            "crlf",
-        ),
+        (line_changed, "crlf-line", [&fixed_line, samples]),
+        (changed, "crlf-samples", [line, &fixed]),
+        (line_changed && changed, "crlf", [&fixed_line, &fixed]),
     ];
     let changed = candidates.into_iter().filter(|(changed, ..)| *changed);
-    let fixed = changed.map(|(_, bytes, name)| (bytes, vec![mistake(name, &[])]));
+    let fixed = changed.map(|(_, name, parts)| (parts.concat(), vec![fault(name, &[])]));
     fixed.collect()
 }
 
 fn without_carriage_returns(bytes: &[u8]) -> Vec<u8> {
-    let mut kept = Vec::with_capacity(bytes.len());
-    for (i, &byte) in bytes.iter().enumerate() {
-        if byte != b'\r' || bytes.get(i + 1) != Some(&b'\n') {
-            kept.push(byte);
-        }
-    }
-    kept
+    let is_before_line_feed = |i: usize| bytes[i..].starts_with(b"\r\n");
+    let kept = (0..bytes.len()).filter(|&i| !is_before_line_feed(i));
+    kept.map(|i| bytes[i]).collect()
 }
 
 fn is_right(values: &[f64], expected: &Expected) -> bool {

@@ -1,7 +1,9 @@
 //! The files that a probe requests.
 
+use std::fmt::Display;
+
 use crate::generate::{Model, Recipe, write};
-use crate::protocol::frame::View;
+use crate::protocol::frame::{Frame, View};
 use crate::ptm::{Format, Size};
 use crate::suite::cases::TableSpelling;
 use crate::suite::compare::Expected;
@@ -20,23 +22,23 @@ pub(super) struct Sample {
 }
 
 impl Sample {
-    pub(super) fn new(format: Format, size: &str, spelling: TableSpelling) -> Sample {
+    fn new(format: Format, size: &str, spelling: TableSpelling) -> Sample {
         let size: Size = size.parse().expect("a constant size");
+        let mut made = (1..=1000).map(|seed| {
+            let mut recipe = Recipe {
+                seed,
+                ..Recipe::ordinary(format, size)
+            };
+            recipe.spelling.count = spelling.count;
+            recipe.spelling.newline_after_table = spelling.newline;
+            let model = Model::paint(&recipe);
+            (recipe, model)
+        });
         // Text mode is noticed only if there is a line feed to change.
         let tells = |model: &Model| {
             model.samples.contains(&b'\n') && !model.samples.windows(2).any(|pair| pair == b"\r\n")
         };
-        let (recipe, model) = (1..=1000)
-            .map(|seed| {
-                let mut recipe = Recipe {
-                    seed,
-                    ..Recipe::ordinary(format, size)
-                };
-                recipe.spelling.count = spelling.count;
-                recipe.spelling.newline_after_table = spelling.newline;
-                let model = Model::paint(&recipe);
-                (recipe, model)
-            })
+        let (recipe, model) = made
             .find(|(_, model)| size.texels() > 100 || tells(model))
             .expect("one of a thousand files of noise has a line feed in it");
         Sample {
@@ -48,27 +50,35 @@ impl Sample {
         }
     }
 
+    /// Returns a file whose frame is larger than the buffer of a pipe.
+    pub(super) fn large(format: Format, spelling: TableSpelling) -> Sample {
+        Sample::new(format, "201x149", spelling)
+    }
+
+    /// Describes a frame by its size.
+    pub(super) fn size_in_words(&self, view: &View) -> String {
+        format!("a frame of {} texels in {view}", self.size.texels())
+    }
+
     /// Returns the same map in every spelling of its format, the default one first.
-    pub(super) fn in_all_spellings(format: Format, size: &str) -> impl Iterator<Item = Sample> {
+    pub(super) fn in_all_spellings(format: Format) -> impl Iterator<Item = Sample> {
         let spellings = if format.has_table() { 6 } else { 1 };
         let spellings = TableSpelling::all().take(spellings);
-        spellings.map(move |spelling| Sample::new(format, size, spelling))
+        spellings.map(move |spelling| Sample::new(format, "5x3", spelling))
     }
 
     pub(super) fn expected(&self, view: &View) -> Expected {
         Expected::of(&self.values, view).expect("a painted map has every view")
     }
 
-    /// Returns the name of its file.
-    pub(super) fn file_name(&self) -> String {
-        format!(
-            "{}-{}.ptm",
-            self.format.short_name().to_lowercase(),
-            self.size
-        )
+    /// Returns true if a frame has the size of the map.
+    pub(super) fn has_size(&self, frame: &Frame) -> bool {
+        (frame.width, frame.height) == (self.size.width, self.size.height)
     }
 
-    pub(super) fn repeat(&self, view: &View) -> Reproduction {
-        Reproduction::one_shot(view, self.file_name(), &self.file)
+    /// Returns instructions to request it in `view`.
+    pub(super) fn repeat(&self, view: &dyn Display) -> Reproduction {
+        let name = self.format.short_name().to_lowercase();
+        Reproduction::one_shot(view, format!("{name}-{}.ptm", self.size), &self.file)
     }
 }

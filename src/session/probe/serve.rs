@@ -3,76 +3,89 @@
 //! `DECODER serve` reads lines `SEQ VIEW PATH` and answers each with `SEQ ok NBYTES` and a frame, `SEQ reject 65` or `SEQ
 //! unsupported FEATURE`, at once. The right answer here is that of one-shot mode, even if that image is wrong.
 
+use std::ffi::OsStr;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::process::Stdio;
+use std::time::{Duration, Instant};
+
 use crate::protocol::forms;
 use crate::protocol::frame::{Answer, EXIT_MALFORMED, Frame, View};
+use crate::runner::call::{Call, MAX_WAIT, POLL_INTERVAL};
+use crate::runner::scratch::Workspace;
 
 use super::calls::Calls;
 use super::checklist::{Checklist, ProbeRequest, Reproduction};
-use super::dialog::{Dialog, Served, ServedAnswer};
-use super::message::{ProbeFault, fault};
-use super::sample::Sample;
-
-const NOT_OFFERED: &str = "serve: not offered, and not needed";
+use super::message::{ProbeFault, Slots, fault};
+use super::one_shot::Asked;
 
 const MALFORMED: &[u8] = b"PTM_1.2\n";
 
-/// The reason why the steps end before the last one.
-enum Stop {
-    NotOffered,
-    /// A fault that occurs after this number of requests.
-    Fault(usize, ProbeFault),
-}
+/// The reason why the steps end before the last one: a fault after a number of requests, or None if serve mode is not offered.
+type Stop = Option<(usize, ProbeFault)>;
 
 /// Takes the steps of serve mode: two frames and a refusal, each answered before the next request, then the end.
-pub(super) fn look(calls: &Calls, sample: &Sample, view: &View, list: &mut Checklist) {
-    let one_shot = calls.ask(view, &sample.file);
-    let Answer::Decoded(right) = one_shot.answer else {
-        return;
-    };
-    match steps(calls, sample, view, &right, list) {
-        Ok(()) => {}
-        Err(Stop::NotOffered) => list.absent(NOT_OFFERED),
-        Err(Stop::Fault(count, (says, next))) => {
-            let repeat = requests(sample, view, count);
-            list.bad(format!("serve: {says}"), next, repeat);
+pub(super) fn look(calls: &Calls, first: &Asked, list: &mut Checklist) {
+    match steps(calls, first, list) {
+        Ok(()) => list.good("serve: it ends when its input ends"),
+        Err(None) => list.absent("serve: not offered, and not needed"),
+        Err(Some((count, fault))) => {
+            list.fault(&"serve", fault, requests(first, count));
         }
     }
 }
 
-fn steps(
-    calls: &Calls,
-    sample: &Sample,
-    view: &View,
-    right: &Frame,
-    list: &mut Checklist,
-) -> Result<(), Stop> {
-    let mut dialog = Dialog::start(calls).ok_or(Stop::NotOffered)?;
-    let whole = dialog.lay_down("one file.ptm", &sample.file);
+fn steps(calls: &Calls, first: &Asked, list: &mut Checklist) -> Result<(), Stop> {
+    let (view, reply) = &first.replies[0];
+    let Answer::Decoded(right) = &reply.answer else {
+        return Err(None);
+    };
+    let mut dialog = Dialog::start(calls).ok_or(None)?;
+    let whole = dialog.lay_down("one file.ptm", &first.sample.file);
     let malformed = dialog.lay_down("malformed.ptm", MALFORMED);
-    let at = |count| move |fault| Stop::Fault(count, fault);
+    let after = |count: usize, name: &str| Err(Some((count, fault(name, &[]))));
     match dialog.ask(1, view, &whole) {
-        Served::Answer(answer) => judge(&answer, view, right).map_err(at(1))?,
-        Served::Nothing => return Err(kept_back(dialog)),
-        Served::Gone(_) => return Err(Stop::NotOffered),
-        Served::Wrong(fault) => return Err(Stop::Fault(1, fault)),
+        Served::Answer(line, bytes) => {
+            judge(&line, &bytes, view, right).map_err(|fault| Some((1, fault)))?;
+        }
+        // Some programs take the word for a view and wait; some answer when their input ends.
+        Served::Nothing => match dialog.end() {
+            Served::Answer(line, _) if line.starts_with("1 ") => return after(1, "serve-buffered"),
+            _ => return Err(None),
+        },
+        Served::Gone(_) => return Err(None),
+        Served::Wrong(fault) => return Err(Some((1, fault))),
     }
     list.good("serve: the first request is answered at once, as in one-shot mode");
-    refused(dialog.ask(2, view, &malformed), calls.decoder.reject_exit).map_err(at(2))?;
+    match dialog.ask(2, view, &malformed) {
+        Served::Answer(line, _) => {
+            let code = line.trim_end().strip_prefix("2 reject ");
+            let code: Option<i32> = code.and_then(|code| code.parse().ok());
+            if code.is_none() || code != Some(EXIT_MALFORMED) && code != calls.decoder.reject_exit {
+                let line = format!("{line:?}");
+                let fault = fault("serve-wrong-refusal", &[("line", &line)]);
+                return Err(Some((2, fault)));
+            }
+        }
+        Served::Gone(_) => return after(2, "serve-gone"),
+        Served::Nothing | Served::Wrong(_) => return after(2, "serve-no-refusal"),
+    }
     list.good("serve: a malformed file is refused");
-    answered_again(&dialog.ask(3, view, &whole), view, right).map_err(at(3))?;
+    match dialog.ask(3, view, &whole) {
+        Served::Answer(line, bytes) if judge(&line, &bytes, view, right).is_ok() => {}
+        Served::Answer(..) => return after(3, "serve-state"),
+        _ => return after(3, "serve-third"),
+    }
     list.good("serve: what was refused leaves no trace");
     match dialog.end() {
-        Served::Gone(true) => {
-            list.good("serve: it ends when its input ends");
-            Ok(())
-        }
-        _ => Err(Stop::Fault(3, fault("serve-end", &[]))),
+        Served::Gone(true) => Ok(()),
+        _ => after(3, "serve-end"),
     }
 }
 
 /// Returns the first requests of the dialog.
-fn requests(sample: &Sample, view: &View, count: usize) -> Reproduction {
-    let whole = sample.repeat(view).requests.remove(0);
+fn requests(first: &Asked, count: usize) -> Reproduction {
+    let whole = first.sample.repeat(&first.replies[0].0).requests.remove(0);
     let malformed = ProbeRequest {
         file_name: "malformed.ptm".to_owned(),
         file: MALFORMED.to_vec(),
@@ -86,28 +99,15 @@ fn requests(sample: &Sample, view: &View, count: usize) -> Reproduction {
     }
 }
 
-/// Explains a missing answer. Some programs take the word for a view and wait; some answer when their input ends.
-fn kept_back(mut dialog: Dialog) -> Stop {
-    match dialog.end() {
-        Served::Answer(answer) if answer.line.starts_with("1 ") => {
-            Stop::Fault(1, fault("serve-buffered", &[]))
-        }
-        _ => Stop::NotOffered,
-    }
-}
-
 /// Checks that an answer is the frame of one-shot mode.
-fn judge(answer: &ServedAnswer, view: &View, right: &Frame) -> Result<(), ProbeFault> {
-    let most = answer.bytes.len().max(1 << 16);
-    let frame = forms::read(&answer.bytes, view, most).map_err(|error| {
-        let name = match answer.bytes.contains(&b'\n') {
+fn judge(line: &str, bytes: &[u8], view: &View, right: &Frame) -> Result<(), ProbeFault> {
+    let frame = forms::read(bytes, view, bytes.len().max(1 << 16)).map_err(|error| {
+        let name = match bytes.contains(&b'\n') {
             true => "serve-count",
             false => "serve-frame",
         };
-        fault(
-            name,
-            &[("error", &error), ("line", &format!("{:?}", answer.line))],
-        )
+        let line = format!("{line:?}");
+        fault(name, &[("error", &error), ("line", &line)])
     })?;
     match frame.is_like(right) {
         true => Ok(()),
@@ -115,27 +115,121 @@ fn judge(answer: &ServedAnswer, view: &View, right: &Frame) -> Result<(), ProbeF
     }
 }
 
-fn refused(served: Served, reject_exit: Option<i32>) -> Result<(), ProbeFault> {
-    let is_refusal = |line: &str| {
-        let code = line.trim_end().strip_prefix("2 reject ");
-        let code = code.and_then(|code| code.parse().ok());
-        code.is_some() && (code == Some(EXIT_MALFORMED) || code == reject_exit)
-    };
-    match served {
-        Served::Answer(answer) if is_refusal(&answer.line) => Ok(()),
-        Served::Answer(answer) => {
-            let line = format!("{:?}", answer.line);
-            Err(fault("serve-wrong-refusal", &[("line", &line)]))
+/// The behavior of the process while an answer was expected.
+enum Served {
+    /// The line of an answer, and the bytes that it declares.
+    Answer(String, Vec<u8>),
+    /// No complete answer within the timeout.
+    Nothing,
+    /// The process ended; true for status 0.
+    Gone(bool),
+    /// Wrong output.
+    Wrong(ProbeFault),
+}
+
+/// A lenient conversation with a process in serve mode.
+struct Dialog<'a> {
+    call: Call,
+    workspace: Workspace<'a>,
+    timeout: Duration,
+}
+
+/// The most bytes of an answer.
+const MAX_ANSWER: usize = 1 << 20;
+
+impl<'a> Dialog<'a> {
+    fn start(calls: &Calls<'a>) -> Option<Dialog<'a>> {
+        let (decoder, workspace) = (calls.decoder, calls.scratch.workspace().ok()?);
+        let words = decoder.followed_by(&[OsStr::new("serve")]);
+        let call = decoder.start(&words, &workspace.workplace, Stdio::piped());
+        Some(Dialog {
+            call: call.ok()?,
+            workspace,
+            timeout: decoder.timeout,
+        })
+    }
+
+    /// Writes a file for a request. If it cannot be written, the decoder does not find it.
+    fn lay_down(&mut self, name: &str, bytes: &[u8]) -> PathBuf {
+        let path = self.workspace.lay_down(name, bytes);
+        path.unwrap_or_else(|_| PathBuf::from(name))
+    }
+
+    fn ask(&mut self, sequence: u32, view: &View, path: &Path) -> Served {
+        let request = format!("{sequence} {view} {}\n", path.display());
+        if let Some(input) = &mut self.call.child.stdin {
+            // A process that has ended is noticed below.
+            let _ = input.write_all(request.as_bytes());
         }
-        Served::Gone(_) => Err(fault("serve-gone", &[])),
-        Served::Nothing | Served::Wrong(_) => Err(fault("serve-no-refusal", &[])),
+        match self.wait() {
+            Served::Answer(line, _) if !line.starts_with(&format!("{sequence} ")) => {
+                let line = format!("{line:?}");
+                let slots: &Slots = &[("sequence", &sequence), ("line", &line)];
+                Served::Wrong(fault("serve-sequence", slots))
+            }
+            served => served,
+        }
+    }
+
+    /// Closes its input and waits for a last answer, or for its end.
+    fn end(&mut self) -> Served {
+        self.call.child.stdin = None;
+        self.wait()
+    }
+
+    fn wait(&mut self) -> Served {
+        let deadline = Instant::now() + self.timeout.min(MAX_WAIT);
+        loop {
+            let has_ended = self.call.has_ended();
+            let read = self.call.read_what_is_there(MAX_ANSWER);
+            if let Some(served) = self.whole_answer() {
+                return served;
+            }
+            if has_ended {
+                let status = self.call.end(&self.workspace.workplace);
+                return Served::Gone(status.is_ok_and(|status| status.success()));
+            }
+            let left = deadline.saturating_duration_since(Instant::now());
+            if left.is_zero() || read.is_err() || self.call.output.len() > MAX_ANSWER {
+                return Served::Nothing;
+            }
+            // An error will occur again in the next read.
+            let _ = self.call.wait_for_news(None, left.min(POLL_INTERVAL));
+        }
+    }
+
+    /// Takes an answer from the output, if it is complete.
+    fn whole_answer(&mut self) -> Option<Served> {
+        let output = &mut self.call.output;
+        let end = output.iter().position(|&byte| byte == b'\n')?;
+        let line = String::from_utf8_lossy(&output[..end]).into_owned();
+        let words: Vec<&str> = line.split(' ').collect();
+        let size = match words[..] {
+            [_, "ok", size] => {
+                let size = size.parse().ok();
+                let size = size.filter(|&size| size <= MAX_ANSWER);
+                size.ok_or("serve-size")
+            }
+            [_, "reject" | "unsupported", ..] => Ok(0),
+            _ => Err("serve-words"),
+        };
+        match size {
+            Ok(size) => {
+                let bytes = output.get(end + 1..end + 1 + size)?.to_vec();
+                output.drain(..end + 1 + size);
+                Some(Served::Answer(line, bytes))
+            }
+            Err(name) => {
+                let line = format!("{line:?}");
+                Some(Served::Wrong(fault(name, &[("line", &line)])))
+            }
+        }
     }
 }
 
-fn answered_again(served: &Served, view: &View, right: &Frame) -> Result<(), ProbeFault> {
-    match served {
-        Served::Answer(answer) if judge(answer, view, right).is_ok() => Ok(()),
-        Served::Answer(_) => Err(fault("serve-state", &[])),
-        _ => Err(fault("serve-third", &[])),
+impl Drop for Dialog<'_> {
+    fn drop(&mut self) {
+        // An error means that no process is left.
+        let _ = self.call.end(&self.workspace.workplace);
     }
 }

@@ -3,20 +3,24 @@
 //! A wrapper that loses bytes, swaps them, or exits with 1 fails hundreds of cases for reasons unrelated to the format. So the
 //! run ends here, with the messages of [`probe`](super::probe).
 
+use std::cmp::Reverse;
 use std::collections::BTreeMap;
+use std::ffi::OsString;
 
 use crate::kit::parallel::in_parallel;
 use crate::protocol::frame::{Answer, View};
-use crate::runner::run::Reply;
+use crate::runner::run::{Decoder, Reply};
+use crate::runner::scratch::Scratch;
 use crate::session::contact::{Contact, First};
-use crate::suite::cases::{Case, Suite, TableSpelling};
+use crate::session::plan::RunPlan;
+use crate::suite::cases::{Case, Expect, Suite, TableSpelling};
 use crate::suite::compare::Expected;
 
 use super::calls::Calls;
-use super::checklist::{Mark, ProbeStep, Reproduction};
-use super::explain::{explain, is_cut, not_refused};
+use super::checklist::{ProbeStep, Reproduction};
+use super::explain::{buffer_size, explain, not_refused};
 use super::message::ProbeFault;
-use super::one_shot::{malformed, why_no_frame};
+use super::one_shot::malformed;
 use super::repair::{Repair, repairs};
 use super::sample::Sample;
 
@@ -29,16 +33,25 @@ struct FirstReply<'a> {
     reply: &'a Reply,
 }
 
-/// Returns faults of the wrapper, each with a fix and the number of affected views; `jobs` requests are sent in parallel to
-/// find them. Refusals are tested only if the run is to judge any.
-pub(super) fn faults(
-    calls: &Calls,
+/// Returns the faults of the wrapper of `decoder`, from its answers to the first files, a large one and malformed ones; none if
+/// it is ready. Each has a fix and the number of affected views. `command` is empty if it is not a command to which the file
+/// can be appended. Refusals are tested only if the run is to judge any.
+#[must_use]
+pub fn wrapper_faults(
+    command: &[OsString],
+    decoder: &Decoder,
+    scratch: &Scratch,
     suite: &Suite,
+    plan: &RunPlan,
     contact: &Contact,
-    judges_refusals: bool,
-    jobs: usize,
 ) -> Vec<ProbeStep> {
-    let replies: Vec<FirstReply> = (contact.first.iter())
+    let calls = Calls {
+        command,
+        decoder,
+        scratch,
+    };
+    let first = contact.first.iter();
+    let replies: Vec<FirstReply> = first
         .filter_map(|first| FirstReply::new(suite, first))
         .collect();
     let mut views: Vec<&View> = Vec::new();
@@ -47,25 +60,28 @@ pub(super) fn faults(
             views.push(reply.view);
         }
     }
-    let mut faults: Vec<ProbeStep> = (views.iter())
-        .filter_map(|&view| of_frames(view, &replies))
-        .collect();
+    let of_view = |&view: &&View| fault_of_frames(view, &replies);
+    let faults: Vec<ProbeStep> = views.iter().filter_map(of_view).collect();
     if !faults.is_empty() {
         return each_once(faults);
     }
     if contact.not_a_decoder.is_some() {
-        faults.extend(no_frame(calls, &replies));
-        return faults;
+        return no_frame(&calls, &replies).into_iter().collect();
     }
-    let sizes = views
-        .iter()
-        .filter_map(|&view| first_decoded(view, &replies));
-    let sizes: Vec<&FirstReply> = sizes.collect();
-    let large = |i: usize| cut_frame(calls, sizes[i], contact.table);
-    let cut = in_parallel(sizes.len(), jobs, &|_, _| (), &large);
-    faults.extend(cut.into_iter().flatten());
-    if let (true, Some(&first)) = (judges_refusals, sizes.first()) {
-        faults.extend(no_refusal(calls, first, jobs));
+    let decoded = |view: &&View| {
+        let mut replies = replies.iter().filter(|reply| reply.view == *view);
+        replies.find(|reply| matches!(reply.reply.answer, Answer::Decoded(_)))
+    };
+    let decoded: Vec<&FirstReply> = views.iter().filter_map(decoded).collect();
+    let large = |i: usize| cut_frame(&calls, decoded[i], contact.table);
+    let cut = in_parallel(decoded.len(), plan.jobs, &|_, _| (), &large);
+    let mut faults: Vec<ProbeStep> = cut.into_iter().flatten().collect();
+    let is_judged_refusal = |(i, case): (usize, &Case)| {
+        plan.selected[i] && plan.asks(i) && matches!(case.expect, Expect::Reject | Expect::Refuse)
+    };
+    let judges_refusals = suite.cases.iter().enumerate().any(is_judged_refusal);
+    if let (true, Some(&first)) = (judges_refusals, decoded.first()) {
+        faults.extend(no_refusal(&calls, first, plan.jobs));
     }
     each_once(faults)
 }
@@ -82,7 +98,7 @@ fn each_once(faults: Vec<ProbeStep>) -> Vec<ProbeStep> {
     let with_count = |(first, more): (ProbeStep, usize)| ProbeStep {
         says: match more {
             0 => first.says,
-            1 => format!("{}\n(and likewise in another view)", first.says),
+            1 => first.says + "\n(and likewise in another view)",
             _ => format!("{}\n(and likewise in {more} other views)", first.says),
         },
         ..first
@@ -103,80 +119,55 @@ impl<'a> FirstReply<'a> {
         })
     }
 
-    fn is_decoded(&self) -> bool {
-        matches!(self.reply.answer, Answer::Decoded(_))
-    }
-
     /// Returns the received bytes: as they are, or those of the frame if a serving process answered.
     fn bytes(&self) -> Vec<u8> {
-        match &self.reply.answer {
-            Answer::Decoded(frame) if self.reply.stdout.is_empty() => {
-                let mut bytes = Vec::new();
-                frame
-                    .write(&mut bytes)
-                    .expect("writing to memory does not fail");
-                bytes
-            }
-            _ => self.reply.stdout.clone(),
+        let mut bytes = self.reply.stdout.clone();
+        if let (Answer::Decoded(frame), true) = (&self.reply.answer, bytes.is_empty()) {
+            let written = frame.write(&mut bytes);
+            written.expect("writing to memory does not fail");
         }
+        bytes
     }
 
     fn is_right(&self) -> bool {
-        let Answer::Decoded(frame) = &self.reply.answer else {
-            return false;
-        };
-        self.expected.compare(frame).is_none()
+        matches!(&self.reply.answer, Answer::Decoded(frame) if self.expected.compare(frame).is_none())
     }
 
-    fn step(&self, (says, next): ProbeFault) -> ProbeStep {
+    fn step(&self, fault: ProbeFault) -> ProbeStep {
         let file_name = format!("{}.ptm", self.case.id);
         let repeat = Reproduction::one_shot(self.view, file_name, &self.file);
-        step(format!("{}: {says}", self.view), next, repeat)
-    }
-}
-
-fn step(says: String, next: String, repeat: Reproduction) -> ProbeStep {
-    ProbeStep {
-        mark: Mark::Bad,
-        says,
-        next: Some(next),
-        repeat: Some(repeat),
+        ProbeStep::bad(self.view, fault, repeat)
     }
 }
 
 /// Returns the smallest set of mistakes that, undone, corrects most frames of a view, one of them a wrapper's.
-fn of_frames(view: &View, replies: &[FirstReply]) -> Option<ProbeStep> {
+fn fault_of_frames(view: &View, replies: &[FirstReply]) -> Option<ProbeStep> {
     let of_view = || replies.iter().filter(|reply| reply.view == view);
     if of_view().any(FirstReply::is_right) {
         return None;
     }
-    let printed: Vec<(&FirstReply, Vec<u8>)> = of_view()
-        .map(|reply| (reply, reply.bytes()))
-        .filter(|(_, bytes)| !bytes.is_empty())
-        .collect();
+    let mut printed = 0;
     // The fix identifies a set of mistakes; the observation differs from file to file.
     let mut explained: BTreeMap<Vec<String>, Vec<(&FirstReply, Repair)>> = BTreeMap::new();
-    for (reply, bytes) in &printed {
-        for repair in repairs(bytes, &reply.expected, view) {
-            let key: Vec<String> = repair
-                .0
-                .iter()
-                .map(|mistake| mistake.next.clone())
-                .collect();
-            let of_key = explained.entry(key).or_default();
-            if of_key
+    for reply in of_view() {
+        let bytes = reply.bytes();
+        printed += usize::from(!bytes.is_empty());
+        for repair in repairs(&bytes, &reply.expected, view) {
+            let fixes = repair.mistakes.iter().map(|(_, next)| next.clone());
+            let same = explained.entry(fixes.collect()).or_default();
+            if same
                 .last()
-                .is_none_or(|(last, _)| last.case.id != reply.case.id)
+                .is_none_or(|(last, _)| !std::ptr::eq(*last, reply))
             {
-                of_key.push((reply, repair));
+                same.push((reply, repair));
             }
         }
     }
-    let by_count = |(key, of): &(&Vec<String>, &Vec<_>)| (of.len(), std::cmp::Reverse(key.len()));
-    let (_, of) = explained.iter().max_by_key(by_count)?;
-    let (reply, repair) = of.first()?;
-    let of_wrapper = repair.0.iter().any(|mistake| !mistake.is_order);
-    (of_wrapper && 2 * of.len() > printed.len()).then(|| reply.step(repair.fault()))
+    let by_count = |(fixes, same): &(Vec<String>, Vec<_>)| (same.len(), Reverse(fixes.len()));
+    let (_, same) = explained.into_iter().max_by_key(by_count)?;
+    let is_common = 2 * same.len() > printed;
+    let (reply, repair) = same.into_iter().next()?;
+    (is_common && !repair.is_order).then(|| reply.step(repair.fault()))
 }
 
 /// Returns the reason why no first file gave a frame, from the first reply that shows one.
@@ -190,38 +181,23 @@ fn no_frame(calls: &Calls, replies: &[FirstReply]) -> Option<ProbeStep> {
     if calls.command.is_empty() || is_plain {
         return None;
     }
-    let file = (&first.file[..], &first.expected);
-    let known = why_no_frame(calls, file, first.view, first.reply);
+    let known = calls.why_no_frame(&first.file, &first.expected, first.view, first.reply);
     // The answer itself has been reported.
     let unknown = || {
-        (
-            "this is an ordinary file".to_owned(),
-            explain(first.reply).1,
-        )
+        let (_, next) = explain(first.reply);
+        ("this is an ordinary file".to_owned(), next)
     };
     Some(first.step(known.unwrap_or_else(unknown)))
 }
 
-/// Returns the first file that was decoded in a view.
-fn first_decoded<'a>(view: &View, replies: &'a [FirstReply]) -> Option<&'a FirstReply<'a>> {
-    let mut of_view = replies.iter().filter(|reply| reply.view == view);
-    of_view.find(|reply| reply.is_decoded())
-}
-
 /// Checks for a truncated frame that is larger than the buffer of a pipe.
 fn cut_frame(calls: &Calls, first: &FirstReply, table: TableSpelling) -> Option<ProbeStep> {
-    let sample = Sample::new(first.case.format(), "201x149", table);
-    let reply = calls.ask(first.view, &sample.file);
-    if !is_cut(&reply) {
-        return None;
-    }
-    let (says, next) = explain(&reply);
-    let says = format!(
-        "a frame of {} texels in {}: {says}",
-        sample.size.texels(),
-        first.view
-    );
-    Some(step(says, next, sample.repeat(first.view)))
+    let (sample, view) = (Sample::large(first.case.format(), table), first.view);
+    let reply = calls.ask(view, &sample.file);
+    buffer_size(&reply)?;
+    let what = sample.size_in_words(view);
+    let step = ProbeStep::bad(&what, explain(&reply), sample.repeat(view));
+    Some(step)
 }
 
 /// Checks for malformed files that all end in one exit status which is not that of a refusal.
@@ -229,15 +205,13 @@ fn no_refusal(calls: &Calls, first: &FirstReply, jobs: usize) -> Option<ProbeSte
     let files = malformed(&first.file);
     let ask = |i: usize| calls.ask(first.view, files[i].2);
     let replies = in_parallel(files.len(), jobs, &|_, _| (), &ask);
-    let status = replies[0].exit?;
-    let exits =
-        |reply: &Reply| matches!(reply.answer, Answer::Crashed(_)) && reply.exit == Some(status);
-    if !replies.iter().all(exits) {
+    let is_crash = |reply: &Reply| matches!(reply.answer, Answer::Crashed(_));
+    let exit = replies[0].exit?;
+    if !(replies.iter()).all(|reply| is_crash(reply) && reply.exit == Some(exit)) {
         return None;
     }
-    let (says, next) = not_refused(&replies[0]);
     let (what, file_name, file) = files[0];
-    let says = format!("{what}, and other malformed ones: {says}");
+    let what = format!("{what}, and other malformed ones");
     let repeat = Reproduction::one_shot(first.view, file_name, file);
-    Some(step(says, next, repeat))
+    Some(ProbeStep::bad(&what, not_refused(&replies[0]), repeat))
 }

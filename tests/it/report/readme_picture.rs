@@ -5,6 +5,7 @@ use std::path::Path;
 
 use crate::common::repository;
 use ptm_conform::Reading;
+use ptm_conform::generate::spelling::Count;
 use ptm_conform::misreadings::{self, Misreading};
 use ptm_conform::protocol::frame::{Answer, View};
 use ptm_conform::ptm::Format;
@@ -25,7 +26,7 @@ const GAP: usize = 8;
 
 #[test]
 fn the_picture_is_what_the_program_makes() {
-    let file = file(Format::Lrgb);
+    let file = file(Format::Lrgb, Count::default());
     let view: View = "rgb:-0.5,0.5".parse().expect("a view");
     let pictures = MISTAKES.map(|slug| {
         let mistake = slug.map(|slug| misreadings::named(slug).expect("a misreading"));

@@ -1,0 +1,95 @@
+//! Options for calls of other programs: limits, and the number of calls in parallel.
+
+use std::ffi::OsString;
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+
+use clap::Args;
+
+use super::arguments::{parse_refusal, parse_size, positive_seconds};
+use ptm_conform::runner::processes;
+use ptm_conform::runner::run::Decoder;
+
+/// Options of the run of a suite.
+#[derive(Args)]
+pub struct RunArgs {
+    /// The file for the YAML report.
+    #[arg(long, value_name = "FILE", default_value = "ptm-conform-report.yaml")]
+    pub report: PathBuf,
+    /// Calls in parallel; by default one per processor.
+    #[arg(long, value_name = "N")]
+    pub jobs: Option<usize>,
+    /// Wall-clock limit of a call; the first call gets three times as much.
+    #[arg(long, value_name = "SECONDS", default_value_t = 10.0)]
+    timeout: f64,
+    /// Memory limit of a call, all its processes together: bytes, or with K, M or G.
+    #[arg(long, value_name = "SIZE", default_value = "2G", value_parser = parse_size)]
+    memory: u64,
+}
+
+impl RunArgs {
+    /// Applies the limits to a program, which stops when `stop` is set.
+    pub fn limit(&self, program: &mut Decoder, stop: &Arc<AtomicBool>) -> Result<(), String> {
+        limit(program, self.timeout, self.memory, stop)
+    }
+
+    /// Returns the limits in force, in words.
+    pub fn limits_to_text(&self) -> Vec<String> {
+        let (seconds, size) = (self.timeout, self.memory >> 20);
+        let memory = match processes::can_be_watched() {
+            true => {
+                format!("memory: {size} MiB, the resident sets of a call's processes, sampled")
+            }
+            false => "memory: not limited, because this system has no /proc".to_owned(),
+        };
+        let time = format!("wall clock: {seconds} s a call, three times that for the first");
+        vec![time, memory]
+    }
+}
+
+/// Options for calls of a decoder.
+#[derive(Args)]
+pub struct CallArgs {
+    /// Calls at a time; by default as many as there are processors.
+    #[arg(long, value_name = "N")]
+    pub jobs: Option<usize>,
+    /// Wall-clock limit of a call.
+    #[arg(long, value_name = "SECONDS", default_value_t = 10.0)]
+    timeout: f64,
+    /// Memory that a call may hold, all its processes together: bytes, or with K, M or G.
+    #[arg(long, value_name = "SIZE", default_value = "2G", value_parser = parse_size)]
+    memory: u64,
+    /// An exit status that means "malformed" besides 65.
+    #[arg(long, value_name = "N", value_parser = parse_refusal)]
+    reject_exit: Option<i32>,
+}
+
+impl CallArgs {
+    /// Returns the decoder that `command` starts; it stops when `stop` is set.
+    pub fn decoder(&self, command: &[OsString], stop: &Arc<AtomicBool>) -> Result<Decoder, String> {
+        processes::prepare();
+        let mut decoder = Decoder::new(command).map_err(|error| error.to_string())?;
+        limit(&mut decoder, self.timeout, self.memory, stop)?;
+        decoder.reject_exit = self.reject_exit;
+        Ok(decoder)
+    }
+}
+
+fn limit(
+    program: &mut Decoder,
+    seconds: f64,
+    memory: u64,
+    stop: &Arc<AtomicBool>,
+) -> Result<(), String> {
+    program.timeout = positive_seconds(seconds)?;
+    program.memory = memory;
+    program.stop = Arc::clone(stop);
+    Ok(())
+}
+
+/// Returns a command quoted for a shell.
+pub fn in_one_line(command: &[OsString]) -> String {
+    let words: Vec<_> = command.iter().map(|word| word.to_string_lossy()).collect();
+    shlex::try_join(words.iter().map(AsRef::as_ref)).unwrap_or_default()
+}
