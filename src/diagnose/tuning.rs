@@ -69,22 +69,22 @@ pub(super) const NEARLY_ALL: [usize; 2] = [3, 4];
 pub(super) const ROUNDING_SLACK: f64 = 0.02;
 
 /// Returns true if the part is so small that it may be chance: less than one in [`FEW`].
-pub(super) const fn is_few(part: usize, all: usize) -> bool {
+pub(super) fn is_few(part: usize, all: usize) -> bool {
     part * FEW < all
 }
 
 /// Returns true if the part is at least one in [`MUCH`].
-pub(super) const fn is_much(part: usize, all: usize) -> bool {
+pub(super) fn is_much(part: usize, all: usize) -> bool {
     part * MUCH >= all
 }
 
 /// Returns true if the part is more than half.
-pub(super) const fn is_most(part: usize, all: usize) -> bool {
+pub(super) fn is_most(part: usize, all: usize) -> bool {
     part * 2 > all
 }
 
 /// Returns true if the part is at least the share [`NEARLY_ALL`], and not 0.
-pub(super) const fn is_nearly_all(part: usize, all: usize) -> bool {
+pub(super) fn is_nearly_all(part: usize, all: usize) -> bool {
     let [least, of] = NEARLY_ALL;
     part > 0 && part * of >= all * least
 }
