@@ -99,9 +99,7 @@ fn diagnose_by(
     }
     let searched = |witnesses, with_edits: bool| {
         let mut search = Search::new(witnesses, assumed, threads, run);
-        let is_arbitrary =
-            words::nondeterminism::is_prevalent(run) || words::uniform::is_prevalent(witnesses);
-        let found = match is_arbitrary {
+        let found = match search.is_arbitrary {
             true => search::Found::default(),
             false => search.run(|search, set, left| {
                 if with_edits {

@@ -22,15 +22,13 @@ use super::tuning::{
     is_much, is_nearly_all,
 };
 use super::witness::{Agreement, Witness};
+use super::words::{nondeterminism, uniform};
 use crate::kit::parallel::in_parallel;
 use crate::misreadings::{self, At, Misreading};
 use crate::protocol::frame::{Answer, Frame, Samples};
 use crate::session::observation::Response;
 use crate::session::run::Run;
 use crate::suite::cases::Expect;
-
-/// Panics of this program that are reported.
-const MAX_FAULTS: usize = 8;
 
 /// Mistakes that together reproduce the decoder's responses.
 #[derive(Default)]
@@ -62,6 +60,8 @@ pub(super) struct Search<'a> {
     /// Mistakes that the user takes as given: every set makes them, and they are never named.
     pub assumed: Set,
     pub threads: usize,
+    /// True if most responses do not depend on the file, so that common properties are chance.
+    pub is_arbitrary: bool,
     stop: &'a AtomicBool,
     /// Units of work so far. An answer is one unit, or several if the map is large.
     work: &'a AtomicUsize,
@@ -131,6 +131,7 @@ impl<'a> Search<'a> {
             clauses: clauses.map(String::as_str).collect(),
             witnesses,
             threads,
+            is_arbitrary: nondeterminism::is_prevalent(run) || uniform::is_prevalent(witnesses),
             stop: &run.stop,
             work: &run.searched,
             answered: AtomicUsize::new(0),
@@ -418,7 +419,7 @@ impl<'a> Search<'a> {
         let text = text.unwrap_or_else(|| "a panic without a message".to_owned());
         // A panic of one thread is reported once.
         let is_told = faults.contains(&text) || text == "a scoped thread panicked";
-        if faults.len() < MAX_FAULTS && !is_told {
+        if !is_told {
             faults.push(text);
         }
     }

@@ -195,7 +195,8 @@ fn split_by_scope(search: &Search, set: &[Id], mut open: Vec<usize>) -> Vec<(Vec
         of.iter().copied().filter(is_of).collect()
     };
     let mut parts = Vec::new();
-    for one in [None].into_iter().chain(Format::ALL.map(Some)) {
+    let formats = [None].into_iter().chain(Format::ALL.map(Some));
+    for one in formats.filter(|_| !search.is_arbitrary) {
         let these = of_format(&open, one);
         let shared = shared_scope(witnesses, &these, &of_format(&known, one), true);
         if let Some(shared) = shared.filter(|shared| is_most(shared.of.len(), open.len())) {

@@ -52,8 +52,9 @@ fn describe_files(witnesses: &[Witness], these: &[usize], refuses: bool) -> Stri
     damages.sort_unstable();
     damages.dedup();
     let others = if refuses { "; it refuses others" } else { "" };
+    let files = if these.len() == 1 { "file" } else { "files" };
     format!(
-        "{} files that must or may be refused ({}){others}",
+        "{} {files} that must or may be refused ({}){others}",
         these.len(),
         first_of(&damages, "kind")
     )

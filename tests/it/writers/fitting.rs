@@ -81,7 +81,7 @@ fn a_set_is_read_back_from_its_files() {
     fs::write(&lp, "2\nlight-00.png 0 0 1\n").expect("a file");
     let error = PictureSet::read(&lp).expect_err("one is missing");
     assert!(
-        error.ends_with("it announces 2 pictures and lists 1"),
+        error.ends_with("it announces 2 images and lists 1"),
         "{error}"
     );
 }
@@ -164,7 +164,7 @@ const COPIES: [Copy; 14] = [
     (
         "lights = lights / np.linalg.norm(lights, axis=1, keepdims=True)",
         "pass",
-        "vectors that it does not normalize",
+        "does not normalize the light vectors",
     ),
     ("pictures[:, ::-1]", "pictures", "stores the top row first"),
     (
@@ -175,7 +175,7 @@ const COPIES: [Copy; 14] = [
     (
         "fit(design, texels.astype(float))",
         "fit(design, (texels / 255) ** 2.2 * 255)",
-        "with their gamma removed",
+        "removes the gamma of the images",
     ),
     (
         "np.linalg.lstsq(design, values, rcond=1e-6)[0]",
@@ -186,7 +186,7 @@ const COPIES: [Copy; 14] = [
     (
         "return scale, np.round(-low / scale)",
         "return scale, np.zeros(6)",
-        "cuts coefficients off",
+        "clamps coefficients",
     ),
     (
         "np.maximum((high - low) / 254, 1e-6)",
@@ -196,12 +196,12 @@ const COPIES: [Copy; 14] = [
     (
         "raw = np.round(coefficients / scale[:, None] + bias[:, None])",
         "raw = np.round(coefficients / scale[:, None] + bias[:, None]); bias *= -scale; bias[:] = np.round(bias)",
-        "to be added after the scale",
+        "added after scaling",
     ),
     (
         "return scale, np.round(-low / scale)",
         "return scale, np.round(low / scale)",
-        "cuts coefficients off",
+        "clamps coefficients",
     ),
     (
         "raw = np.round(coefficients / scale[:, None] + bias[:, None])",
@@ -216,7 +216,7 @@ const COPIES: [Copy; 14] = [
     (
         "\" \".join(line[:-3]))) for line in lines]",
         "name)) for name in sorted(\" \".join(line[:-3]) for line in lines)]",
-        "in the order of their names",
+        "sorts the images by name",
     ),
 ];
 
