@@ -126,10 +126,15 @@ fn follow_links(path: &Path) -> io::Result<PathBuf> {
     Err(io::Error::other("too many symbolic links"))
 }
 
-/// Makes a temporary file, with the usual permissions of new files.
+/// Makes a temporary file with the usual permissions of new files.
+#[cfg(unix)]
 fn new_temporary_file(directory: &Path) -> io::Result<tempfile::NamedTempFile> {
-    let mut file = tempfile::Builder::new();
-    #[cfg(unix)]
-    file.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o644));
-    file.tempfile_in(directory)
+    let permissions = std::os::unix::fs::PermissionsExt::from_mode(0o644);
+    (tempfile::Builder::new().permissions(permissions)).tempfile_in(directory)
+}
+
+/// Makes a temporary file.
+#[cfg(not(unix))]
+fn new_temporary_file(directory: &Path) -> io::Result<tempfile::NamedTempFile> {
+    tempfile::NamedTempFile::new_in(directory)
 }
