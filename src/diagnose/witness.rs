@@ -32,7 +32,7 @@ pub(super) struct Witness<'a> {
     pub observation: &'a Observation,
     pub built: Arc<Built>,
     pub failed: bool,
-    /// The legal files of its format that passed or failed, with those whose responses differ.
+    /// The legal files of its format that were judged.
     pub legal_files: usize,
     /// The reading of the open questions in which mistakes are made.
     pub reading: Reading,
@@ -90,14 +90,9 @@ pub(super) fn witnesses<'a>(
 ) -> Vec<Witness<'a>> {
     let dialect = dialect_reading(run);
     let mut legal_files = HashMap::new();
-    for place in run
-        .judgement
-        .with(Outcome::Pass)
-        .chain(run.judgement.with(Outcome::Fail))
-    {
-        let case = &suite.cases[place];
-        *legal_files.entry(case.format()).or_default() +=
-            usize::from(case.expect == Expect::Decode);
+    for (case, judged) in suite.cases.iter().zip(&run.judgement.cases) {
+        let is_counted = case.expect == Expect::Decode && judged.is_some();
+        *legal_files.entry(case.format()).or_default() += usize::from(is_counted);
     }
     let witness = |place: usize| {
         let case = &suite.cases[place];
