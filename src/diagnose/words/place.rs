@@ -28,7 +28,7 @@ enum Step {
     Size,
     Channels,
     Choice,
-    Malformed,
+    NoReading,
     Places,
     Stream,
     Prediction,
@@ -47,7 +47,7 @@ impl Step {
                 "shows an image with another number of channels or another sample type"
             }
             Step::Choice => "follows another reading of an open question than in its other images",
-            Step::Malformed => "shows an image of a file that must be refused",
+            Step::NoReading => "shows an image that is wrong in every reading of the file",
             Step::Places => "shows the correct values in the wrong places",
             Step::Stream => "shows wrong values in planes that are neither predicted nor corrected",
             Step::Prediction => {
@@ -68,7 +68,7 @@ impl Step {
                 "compare the number of channels and the sample type with the expected frame"
             }
             Step::Choice => "use one reading of the question in all files",
-            Step::Malformed => "refuse the file with exit status 65",
+            Step::NoReading => "show the image of one reading, or exit with 65",
             Step::Places => "compare the order of rows, columns and blocks with the clause",
             Step::Stream => {
                 "decode the example's stream with another JPEG or JPEG-LS decoder and compare; try the test images of the standard"
@@ -287,7 +287,7 @@ fn step(search: &Search, set: &[Id], w: usize) -> Step {
     let made = search.made(w, set);
     let ((Answer::Decoded(wanted), _) | (_, Answer::Decoded(wanted))) = (&*made, &witness.right)
     else {
-        return Step::Malformed;
+        return Step::NoReading;
     };
     let Some(pair) = Pair::new(wanted, received) else {
         let size = |frame: &Frame| (frame.width, frame.height);
