@@ -16,15 +16,15 @@ use crate::suite::cases::Expect;
 struct Evidence {
     /// Legal files whose response the mistake reproduces, alone or together with the others.
     explained: Vec<usize>,
-    /// The images among these.
+    /// The number of images in `explained`.
     images: usize,
-    /// The crashes among these.
+    /// The number of crashes in `explained`.
     crashes: usize,
     /// Malformed files that it accepts as the decoder does.
     accepted: Vec<usize>,
     /// Images of legal files that it changes in another way than the decoder does.
     other_images: usize,
-    /// Those of them that it does not bring closer to the decoder's.
+    /// The images among `other_images` that it does not bring closer to the response.
     far: usize,
     /// Images of legal files that it changes.
     changed_images: usize,
@@ -80,7 +80,7 @@ pub(super) fn remove(search: &Search, found: &mut Found) {
     };
     let failing = legal(&failed);
     let shared = refusals::widest(witnesses, &failing);
-    // A removed mistake is no evidence for or against the others.
+    // Each rule weighs only the mistakes that the rules before it kept.
     for rule in [Rule::Refusals, Rule::Acceptances, Rule::Rare, Rule::Stray] {
         let set = ids_of(&found.members);
         let open = search.select(failed.clone(), |w| !search.explains(w, &set));

@@ -278,8 +278,8 @@ impl<'a> Search<'a> {
             && self.fingerprint(w, &self.answer_with(w, set, mistake)) != self.effect(w, set).answer
     }
 
-    /// Returns the small passing files that a set and one more mistake would fail. An edit says nothing about the checks of a
-    /// decoder, so files that it refuses and malformed files deny no edit.
+    /// Returns the small passing files that a set and one more mistake would fail. An edit does not describe the
+    /// decoder's checks, so neither files that the edit refuses nor malformed files contradict it.
     pub fn denied_with(&self, set: &[Id], mistake: &Mistake) -> Vec<usize> {
         let is_denied = |&w: &usize| {
             let witness = &self.witnesses[w];

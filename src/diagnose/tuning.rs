@@ -39,15 +39,15 @@ pub(super) const MAX_AFFORDABLE: usize = 160;
 pub(super) const MAX_SAMPLES_TRIED: usize = 1 << 20;
 
 // Edits of formulas
-/// Times that every edit is tried: beside nothing, and beside the first mistakes that were found.
+/// Times that every edit is tried: alone, and together with the first mistakes that were found.
 pub(super) const MAX_EDIT_PASSES: usize = 2;
 /// Failing files of one format and view on which every edit is tried.
 pub(super) const MAX_PROBES: usize = 2;
 /// Texels along each axis that separate rows, columns and texels.
 pub(super) const MIN_PROBE_SIZE: u32 = 3;
-/// Edits that are held against every case.
+/// Edits that are compared with every case.
 pub(super) const MAX_EDITS: usize = 24;
-/// Misreadings for which the files in which they are made are looked for.
+/// Misreadings that are tried on part of the files.
 pub(super) const MAX_SCOPED_MISREADINGS: usize = 12;
 
 // Evidence
@@ -55,17 +55,17 @@ pub(super) const MAX_SCOPED_MISREADINGS: usize = 12;
 pub(super) const MIN_SUPPORT: usize = 4;
 /// Files that share a property.
 pub(super) const MIN_SHARING_FILES: usize = 2;
-/// Files that must be read before it is meaningful that no property separates the others from them.
+/// Files that the decoder must read before refused files without a common property mean anything.
 pub(super) const MIN_READ_FILES: usize = 20;
-/// A property is named if at most one in so many suites would have it by chance.
+/// A property is named if the probability of a coincidence is less than one in this number.
 pub(super) const CHANCE_OF_A_PROPERTY: f64 = 50.0;
-/// Less than one in so many agrees by chance.
+/// A share of less than one in this number may be a coincidence.
 pub(super) const FEW: usize = 12;
-/// One in so many is much.
+/// A share of one in this number is a substantial part.
 pub(super) const MUCH: usize = 4;
-/// A numerator and a denominator: the other cases of a view may have a second cause.
+/// A share, as numerator and denominator: the rest of a view may have a second cause.
 pub(super) const NEARLY_ALL: [usize; 2] = [3, 4];
-/// Colors are computed in single precision, with an error up to this.
+/// The largest rounding error of colors that are computed in single precision.
 pub(super) const ROUNDING_SLACK: f64 = 0.02;
 
 /// Returns true if the part is so small that it may be chance: less than one in [`FEW`].

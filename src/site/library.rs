@@ -20,7 +20,7 @@ use crate::tools::lint::codes;
 /// The id of the protocol between the suite and a decoder.
 pub(super) const PROTOCOL: &str = "PTM-CP 1";
 
-/// What the search index says of it.
+/// The description of the protocol in the search index.
 const PROTOCOL_WORDS: &str =
     "what a decoder is asked, and what exit status 0, 65, 69 and others count as";
 
