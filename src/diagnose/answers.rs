@@ -5,7 +5,6 @@ use std::borrow::Cow;
 use super::mistake::{Channels, Mistake};
 use super::tuning::{MAX_SAMPLE, MIN_SUPPORT, ROUNDING_SLACK};
 use super::witness::{Witness, alike, applies, is_after_decoding};
-use crate::formula::Formula;
 use crate::kit::parallel::in_parallel;
 use crate::misreadings::{self, At, Misreading, Stage};
 use crate::protocol::frame::{Answer, Samples, View};
@@ -37,15 +36,8 @@ impl Witness<'_> {
     /// Returns the response if it is the colors that these mistakes produce, rounded or truncated to bytes. This comparison is
     /// stricter than the tolerance, so it also separates mistakes with small effects.
     pub fn shown_by(&self, mistakes: &[&Mistake], made: &Answer) -> Option<Answer> {
-        let View::Rgb(light) = &self.observation.view else {
-            return None;
-        };
-        let (
-            Response::Picture {
-                frame: Some(shown), ..
-            },
-            Answer::Decoded(made),
-        ) = (&self.observation.response, made)
+        let (View::Rgb(light), Some(shown), Answer::Decoded(made)) =
+            (&self.observation.view, self.shown(), made)
         else {
             return None;
         };
@@ -130,12 +122,9 @@ impl Witness<'_> {
             View::Rgb(_) => Stage::Color,
         };
         let is_used = match misreading.at {
-            At::Edits(edits) => {
-                let formulas = edits.iter().map(|edit| edit.formula);
-                formulas
-                    .into_iter()
-                    .any(|formula: Formula| formula.is_used_by(self.case.format()))
-            }
+            At::Edits(edits) => edits
+                .iter()
+                .any(|edit| edit.formula.is_used_by(self.case.format())),
             _ => applies(misreading, &self.built.file),
         };
         is_used && misreading.at.stage() <= last && mistake.scope.holds(self)

@@ -7,7 +7,6 @@ use super::witness::{Agreement, Witness, witnesses};
 use crate::misreadings::{self, Misreading};
 use crate::protocol::frame::Answer;
 use crate::reading::Reading;
-use crate::session::observation::Response;
 use crate::session::outcome::Outcome;
 use crate::session::run::Run;
 use crate::suite::cases::Suite;
@@ -30,12 +29,7 @@ pub fn assume(suite: &Suite, run: &mut Run, assumed: &[&'static Misreading], thr
         }
         if is_explained(&witness, &made, assumed) {
             said.push((witness.place, Outcome::Assumed, String::new()));
-        } else if let (
-            Response::Picture {
-                frame: Some(shown), ..
-            },
-            Answer::Decoded(made),
-        ) = (&witness.observation.response, &*made)
+        } else if let (Some(shown), Answer::Decoded(made)) = (witness.shown(), &*made)
             && let Some(difference) = Expected::of_frame(made).compare(shown)
         {
             said.push((
@@ -65,11 +59,7 @@ fn is_explained(witness: &Witness, made: &Answer, assumed: &[&'static Misreading
     explained(made)
         || CHOICES.combinations(&axes).iter().skip(1).any(|dialect| {
             let (file, view) = (&witness.built.file, &witness.observation.view);
-            explained(&misreadings::answer(
-                assumed,
-                CHOICES.under(dialect, Reading::SPEC),
-                file,
-                view,
-            ))
+            let reading = CHOICES.under(dialect, Reading::SPEC);
+            explained(&misreadings::answer(assumed, reading, file, view))
         })
 }

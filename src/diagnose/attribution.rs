@@ -27,9 +27,7 @@ pub(super) fn attribute(search: &Search, found: &Found) -> (Vec<(Id, Diagnosis)>
     let set = ids_of(&found.members);
     let mut left = Vec::new();
     let mut shares = vec![Share::default(); set.len()];
-    let failed: Vec<usize> = (0..search.witnesses.len())
-        .filter(|&w| search.witnesses[w].failed)
-        .collect();
+    let failed = search.failing();
     let needed = search.each(&failed, |&w| needed(search, w, &set));
     for (w, needed) in failed.into_iter().zip(needed) {
         // The case is listed under the last of the mistakes that it needs.

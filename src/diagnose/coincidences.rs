@@ -54,7 +54,8 @@ impl Evidence {
             let is_changed = search.differ(w, set, &without);
             evidence.changed_images += usize::from(is_changed && is_image);
             evidence.changed_refusals += usize::from(is_changed && !is_image);
-            evidence.against += usize::from(alone == Agreement::Against);
+            let is_against = [alone, search.agreement(w, set)] == [Agreement::Against; 2];
+            evidence.against += usize::from(is_against);
             if is_needed(Agreement::explains) {
                 evidence.explained.push(w);
                 evidence.images += usize::from(is_image);
@@ -71,9 +72,7 @@ impl Evidence {
 /// Removes mistakes that agree with some answers by chance.
 pub(super) fn remove(search: &Search, found: &mut Found) {
     let witnesses = search.witnesses;
-    let failed: Vec<usize> = (0..witnesses.len())
-        .filter(|&w| witnesses[w].failed)
-        .collect();
+    let failed = search.failing();
     let legal = |of: &[usize]| -> Vec<usize> {
         let is_legal = |w: &usize| witnesses[*w].case.expect == Expect::Decode;
         of.iter().copied().filter(is_legal).collect()
@@ -81,7 +80,15 @@ pub(super) fn remove(search: &Search, found: &mut Found) {
     let failing = legal(&failed);
     let shared = refusals::widest(witnesses, &failing);
     // Each rule weighs only the mistakes that the rules before it kept.
-    for rule in [Rule::Refusals, Rule::Acceptances, Rule::Rare, Rule::Stray] {
+    // The last rule is applied once more, because mistakes that were removed by it may have hidden what others change.
+    let rules = [
+        Rule::Refusals,
+        Rule::Acceptances,
+        Rule::Rare,
+        Rule::Stray,
+        Rule::Stray,
+    ];
+    for rule in rules {
         let set = ids_of(&found.members);
         let open = search.select(failed.clone(), |w| !search.explains(w, &set));
         let is_unknown = is_nearly_all(legal(&open).len(), failing.len());
@@ -90,6 +97,9 @@ pub(super) fn remove(search: &Search, found: &mut Found) {
         let keep = search.each(&places, |&place| {
             let (id, evidence) = (set[place], &all[place]);
             let listed = search.mistakes[id].listed();
+            if evidence.explained.is_empty() && evidence.accepted.is_empty() {
+                return false;
+            }
             match (rule, listed) {
                 (Rule::Refusals, _) => {
                     !refuses_by_chance(search, &set, &all, place, &failing, &shared)
@@ -118,8 +128,9 @@ enum Rule {
     Stray,
 }
 
-/// Returns true if a misreading explains few of the failures, and none of these is about the misread clause, or if it changes more
-/// than twice as many: among many wrong images, a few agree with another mistake by chance.
+/// Returns true if a misreading explains few of the failures, and none of these is about the misread clause, if it changes more than
+/// twice as many, or if it would refuse more images than it explains: among many wrong images, a few agree with another mistake by
+/// chance.
 fn is_stray(search: &Search, misreading: &Misreading, evidence: &Evidence, failing: usize) -> bool {
     let explained = evidence.explained.len();
     let is_few = is_few(explained, failing);
@@ -130,7 +141,8 @@ fn is_stray(search: &Search, misreading: &Misreading, evidence: &Evidence, faili
     let mut about = evidence.explained.iter();
     let is_about = about.any(|&w| is_about(&search.witnesses[w], misreading));
     let others = changed.saturating_sub(explained);
-    explained > 0 && (is_most(others, changed) || is_few && !is_about)
+    explained > 0
+        && (is_most(others, changed) || is_few && !is_about || evidence.against > explained)
 }
 
 /// Returns true if a misreading explains few images and changes many others in another way than the decoder does. It must explain

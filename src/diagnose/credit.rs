@@ -1,28 +1,22 @@
 //! The worth of a mistake that explains part of an image.
 
 use super::pair::Pair;
-use super::tuning::WORTH_OF_PART_OF_AN_IMAGE;
+use super::tuning::{MIN_SUPPORT, WORTH_OF_PART_OF_AN_IMAGE};
 use super::witness::Witness;
 use crate::protocol::frame::Answer;
-use crate::session::observation::Response;
 
 /// Returns the share of [`WORTH_OF_PART_OF_AN_IMAGE`] for the wrong channels that this answer reproduces, or 0 if it spoils a
 /// correct channel.
 pub(super) fn credit(witness: &Witness, answer: &Answer) -> i64 {
-    let Response::Picture {
-        frame: Some(received),
-        ..
-    } = &witness.observation.response
+    let (Some(received), Answer::Decoded(right), Answer::Decoded(made)) =
+        (witness.shown(), &witness.right, answer)
     else {
-        return 0;
-    };
-    let (Answer::Decoded(right), Answer::Decoded(made)) = (&witness.right, answer) else {
         return 0;
     };
     let (Some(right), Some(made)) = (Pair::new(right, received), Pair::new(made, received)) else {
         return 0;
     };
-    if right.width * right.height < 4 {
+    if right.width * right.height < MIN_SUPPORT {
         return 0;
     }
     let (before, after) = (right.wrong_channels(), made.wrong_channels());

@@ -125,12 +125,8 @@ fn fitting(search: &Search, set: &Set, probes: &[Vec<usize>]) -> Vec<Mistake> {
     });
     let mut ranked: Vec<(usize, usize, usize)> = Vec::new();
     for (edit, counts) in counts.into_iter().enumerate() {
-        ranked.extend(
-            counts
-                .into_iter()
-                .enumerate()
-                .map(|(channels, count)| (count, channels, edit)),
-        );
+        let counts = counts.into_iter().enumerate();
+        ranked.extend(counts.map(|(channels, count)| (count, channels, edit)));
     }
     ranked.retain(|&(count, ..)| count > 0);
     ranked.sort_by_key(|&(count, channels, edit)| (Reverse(count), channels, edit));
@@ -144,10 +140,8 @@ fn fitting(search: &Search, set: &Set, probes: &[Vec<usize>]) -> Vec<Mistake> {
 
 /// Returns the channels in which these images are wrong.
 fn wrong_channels(search: &Search, set: &Set, probe: &[usize]) -> Channels {
-    let pairs: Vec<Pair> = probe
-        .iter()
-        .filter_map(|&w| pair_of(search, set, w))
-        .collect();
+    let pairs = probe.iter().filter_map(|&w| pair_of(search, set, w));
+    let pairs: Vec<Pair> = pairs.collect();
     let count = pairs.first().map_or(0, |pair| pair.channels);
     let is_wrong = |channel| pairs.iter().any(|pair| pair.wrong_channels()[channel]);
     let wrong: Vec<bool> = (0..count).map(is_wrong).collect();

@@ -11,7 +11,6 @@ use crate::formula::{Edit, EditedForm, Formula};
 use crate::misreadings::Misreading;
 use crate::protocol::frame::{Answer, Frame, Samples, View};
 use crate::ptm::Ptm;
-use crate::session::observation::Response;
 
 /// The stored values that may have been shown as one value: a bit for each of 0 to 255.
 type Candidates = [bool; 256];
@@ -47,13 +46,7 @@ fn table(search: &Search, set: &Set, pictures: &[usize], of_streams: bool) -> Op
     let mut shown: BTreeMap<u8, Shown> = BTreeMap::new();
     for &w in pictures {
         let witness = &search.witnesses[w];
-        let (
-            Ok(ptm),
-            Response::Picture {
-                frame: Some(frame), ..
-            },
-        ) = (witness.decoded(), &witness.observation.response)
-        else {
+        let (Ok(ptm), Some(frame)) = (witness.decoded(), witness.shown()) else {
             continue;
         };
         // Corrected and predicted planes are compared with the table later.

@@ -1,9 +1,10 @@
 //! Sets of files, by a property that they share.
 
 use super::properties::{PROPERTIES, QUANTITIES};
-use super::tuning::{CHANCE_OF_A_PROPERTY, MIN_SHARING_FILES, MIN_SUPPORT};
+use super::tuning::{CHANCE_OF_A_PROPERTY, MIN_SHARING_FILES, MIN_SUPPORT, is_much};
 use super::witness::Witness;
 use crate::ptm::Format;
+use crate::suite::cases::Expect;
 
 /// The files in which a mistake is made.
 #[derive(Clone, Debug, PartialEq)]
@@ -67,8 +68,12 @@ impl Scope {
                 edge,
             } => {
                 let words = QUANTITIES[*quantity].words;
-                let side = if *is_more { "more" } else { "less" };
-                format!("with {nearest} or {side} {words} (but not {edge})")
+                let [side, rest] = if *is_more {
+                    ["more", "less"]
+                } else {
+                    ["less", "more"]
+                };
+                format!("with {nearest} or {side} {words} (but not with {edge} or {rest})")
             }
         }
     }
@@ -78,6 +83,26 @@ impl Scope {
 pub(super) struct Shared {
     pub scope: Scope,
     pub of: Vec<usize>,
+}
+
+impl Shared {
+    /// Returns the number of legal files of the group that are in the scope, and of the others in it: of one format, or of all.
+    pub fn legal_files(&self, witnesses: &[Witness], format: Option<Format>) -> (usize, usize) {
+        let is_legal = |w: &usize| {
+            let case = witnesses[*w].case;
+            case.expect == Expect::Decode && format.is_none_or(|format| case.format() == format)
+        };
+        let in_scope =
+            (0..witnesses.len()).filter(|w| is_legal(w) && self.scope.holds(&witnesses[*w]));
+        let (own, others): (Vec<usize>, Vec<usize>) = in_scope.partition(|w| self.of.contains(w));
+        (own.len(), others.len())
+    }
+
+    /// Returns true if a substantial part of the legal files in the scope belongs to the group.
+    pub fn is_prevalent(&self, witnesses: &[Witness], format: Option<Format>) -> bool {
+        let (own, others) = self.legal_files(witnesses, format);
+        is_much(own, own + others)
+    }
 }
 
 /// Returns the scope that has most of `these` files and none of `others`, unless it may be a coincidence. The requested view is
@@ -144,11 +169,11 @@ fn thresholds(witnesses: &[Witness], these: &[usize], others: &[usize]) -> Vec<S
             (true, least(&mine), most(&theirs)),
             (false, most(&mine), least(&theirs)),
         ] {
-            if if is_more {
-                nearest > edge
-            } else {
-                nearest < edge
-            } {
+            let is_apart = match is_more {
+                true => nearest > edge,
+                false => nearest < edge,
+            };
+            if is_apart {
                 found.push(Scope::Beyond {
                     quantity,
                     nearest,

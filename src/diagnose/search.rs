@@ -26,7 +26,6 @@ use super::words::{nondeterminism, uniform};
 use crate::kit::parallel::in_parallel;
 use crate::misreadings::{self, At, Misreading};
 use crate::protocol::frame::{Answer, Frame, Samples};
-use crate::session::observation::Response;
 use crate::session::run::Run;
 use crate::suite::cases::Expect;
 
@@ -155,11 +154,15 @@ impl<'a> Search<'a> {
         self.probed.insert((w, showing))
     }
 
+    /// Returns the failing cases.
+    pub fn failing(&self) -> Vec<usize> {
+        let all = 0..self.witnesses.len();
+        all.filter(|&w| self.witnesses[w].failed).collect()
+    }
+
     /// Returns the failing cases that a set does not explain.
     pub fn unexplained(&self, set: &Set) -> Vec<usize> {
-        let failing = (0..self.witnesses.len()).filter(|&w| self.witnesses[w].failed);
-        let is_open = |w| self.value(w, set) < WORTH_OF_A_REFUSAL;
-        self.select(failing.collect(), is_open)
+        self.select(self.failing(), |w| self.value(w, set) < WORTH_OF_A_REFUSAL)
     }
 
     /// Finds the mistakes that explain most, one after the other. `add_candidates` adds mistakes that the catalog lacks.
@@ -252,14 +255,14 @@ impl<'a> Search<'a> {
 
     /// Returns the cases that the decoder passes and a set would fail.
     pub fn contradictions(&self, set: &[Id]) -> Vec<usize> {
-        let passing = (0..self.witnesses.len()).filter(|&w| !self.witnesses[w].failed);
-        self.select(passing.collect(), |w| self.contradicted(w, set))
+        let mut passing = self.passing.clone();
+        passing.sort_unstable();
+        self.select(passing, |w| self.contradicted(w, set))
     }
 
     /// Returns the small files that the decoder passes and a set would fail.
     pub fn denied(&self, set: &[Id]) -> Vec<usize> {
-        let small = |&w: &usize| self.samples(w) <= MAX_SAMPLES_OF_A_SMALL_IMAGE;
-        let small = self.passing.iter().copied().filter(small);
+        let small = self.passing.iter().copied().filter(|&w| self.is_small(w));
         self.select(small.collect(), |w| self.contradicted(w, set))
     }
 
@@ -283,7 +286,7 @@ impl<'a> Search<'a> {
     pub fn denied_with(&self, set: &[Id], mistake: &Mistake) -> Vec<usize> {
         let is_denied = |&w: &usize| {
             let witness = &self.witnesses[w];
-            if self.samples(w) > MAX_SAMPLES_OF_A_SMALL_IMAGE || !witness.concerns(mistake) {
+            if !self.is_small(w) || !witness.concerns(mistake) {
                 return false;
             }
             let answer = self.answer_with(w, set, mistake);
@@ -330,11 +333,8 @@ impl<'a> Search<'a> {
         if showing.is_empty() || showing.len() == concerned.len() {
             return false;
         }
-        let answers = self.answers_of(w, &concerned);
-        let mut agreements = answers
-            .iter()
-            .map(|answer| self.witnesses[w].agreement(answer));
-        agreements.any(Agreement::explains)
+        let explains = |answer: &Cow<Answer>| self.witnesses[w].agreement(answer).explains();
+        self.answers_of(w, &concerned).iter().any(explains)
     }
 
     /// Returns the mistakes of a set, and those that are assumed, that can change the answer.
@@ -353,10 +353,7 @@ impl<'a> Search<'a> {
                 with.retain(|&other| self.stackable(other, id));
                 let replaces = with.len() < variant.len();
                 with.push(id);
-                for variant in [replaces.then_some(variant), Some(with)]
-                    .into_iter()
-                    .flatten()
-                {
+                for variant in replaces.then_some(variant).into_iter().chain([with]) {
                     if !grown.contains(&variant) {
                         grown.push(variant);
                     }
@@ -429,15 +426,12 @@ impl<'a> Search<'a> {
     fn add_other_order(&self, variants: &mut Vec<Set>) {
         for at in 0..variants.len() {
             let variant = &variants[at];
-            let pairs = || {
-                variant
-                    .iter()
-                    .enumerate()
-                    .flat_map(|(i, &a)| variant[i + 1..].iter().map(move |&b| (a, b)))
+            let is_ordered = |(i, &a): (usize, &Id)| {
+                let mut later = variant[i + 1..].iter();
+                later.any(|&b| self.depends_on_order(a, b))
             };
-            if pairs().any(|(a, b)| self.depends_on_order(a, b)) {
-                let reversed = variant.iter().rev().copied().collect();
-                variants.push(reversed);
+            if variant.iter().enumerate().any(is_ordered) {
+                variants.push(variant.iter().rev().copied().collect());
             }
         }
     }
@@ -580,20 +574,14 @@ impl<'a> Search<'a> {
         let now: Vec<i64> = tried.iter().map(|&w| self.value(w, set)).collect();
         let promise = self.each(all, |&id| {
             let with = with_id(set, id);
-            let gain = |(&w, &now): (&usize, &i64)| {
-                if self.witnesses[w].could_be(&self.mistakes[id]) {
-                    (self.value(w, &with) - now).max(0)
-                } else {
-                    0
-                }
+            let gain = |(&w, &now): (&usize, &i64)| match self.could_be(w, id) {
+                true => (self.value(w, &with) - now).max(0),
+                false => 0,
             };
             tried.iter().zip(&now).map(gain).sum::<i64>()
         });
-        let mut promising: Vec<(i64, Id)> = promise
-            .into_iter()
-            .zip(all.iter().copied())
-            .filter(|&(gain, _)| gain >= WORTH_OF_A_CRASH)
-            .collect();
+        let mut promising: Vec<(i64, Id)> = promise.into_iter().zip(all.iter().copied()).collect();
+        promising.retain(|&(gain, _)| gain >= WORTH_OF_A_CRASH);
         // Among equals, misreadings of the clauses under test come first, then the order of the catalog.
         promising.sort_by_key(|&(gain, id)| (-gain, !self.is_about(id)));
         promising.truncate(MAX_FINALISTS);
@@ -603,14 +591,15 @@ impl<'a> Search<'a> {
         best
     }
 
+    fn could_be(&self, w: usize, id: Id) -> bool {
+        self.witnesses[w].could_be(&self.mistakes[id])
+    }
+
     /// Marks the cases on which mistakes are tried: all but large maps, or all if only large maps are left.
     fn tried_for(&self, left: &[usize]) -> Vec<bool> {
-        let with_large = left
-            .iter()
-            .all(|&w| self.samples(w) > MAX_SAMPLES_OF_A_SMALL_IMAGE);
-        (0..self.witnesses.len())
-            .map(|w| with_large || self.samples(w) <= MAX_SAMPLES_OF_A_SMALL_IMAGE)
-            .collect()
+        let with_large = left.iter().all(|&w| !self.is_small(w));
+        let all = 0..self.witnesses.len();
+        all.map(|w| with_large || self.is_small(w)).collect()
     }
 
     /// Returns the best of `finalists` on every case that is marked in `tried`, with the equally good ones.
@@ -623,7 +612,7 @@ impl<'a> Search<'a> {
         let left: Vec<usize> = (0..now.len()).filter(is_left).collect();
         let gains = self.each(finalists, |&id| {
             let with = with_id(set, id);
-            let gain = |&w: &usize| match self.witnesses[w].could_be(&self.mistakes[id]) {
+            let gain = |&w: &usize| match self.could_be(w, id) {
                 true => self.value(w, &with) - now[w],
                 false => 0,
             };
@@ -740,14 +729,13 @@ impl<'a> Search<'a> {
             .filter(|&[a, b]| self.stackable(a, b))
             .take(most)
             .collect();
-        let explain = self.each(&pairs, |&[a, b]| {
-            self.value(w, &with_id(&with_id(set, a), b)) >= WORTH_OF_A_REFUSAL
-        });
-        let explaining = pairs.into_iter().zip(explain);
-        explaining
-            .filter_map(|(pair, explains)| explains.then_some(pair))
-            .take(MAX_AFFORDABLE)
-            .collect()
+        let explains = |place: usize| {
+            let with = [&set[..], &pairs[place]].concat();
+            self.value(w, &with) >= WORTH_OF_A_REFUSAL
+        };
+        let explaining = self.select((0..pairs.len()).collect(), explains);
+        let explaining = explaining.into_iter().take(MAX_AFFORDABLE);
+        explaining.map(|place| pairs[place]).collect()
     }
 
     /// Returns the pair that explains most of the remaining failures. Tries all on a sample, and the best on every case.
@@ -757,7 +745,7 @@ impl<'a> Search<'a> {
         let mut pairs: Vec<([Id; 2], i64)> = pairs.into_iter().map(|pair| (pair, 0)).collect();
         for tried in [&self.sample(left), &all] {
             let totals = self.each(&pairs, |&([a, b], _)| {
-                let with = with_id(&with_id(set, a), b);
+                let with = [&set[..], &[a, b]].concat();
                 let gain = |&w: &usize| self.value(w, &with) - self.value(w, set);
                 tried.iter().map(gain).sum::<i64>()
             });
@@ -767,9 +755,8 @@ impl<'a> Search<'a> {
             pairs.sort_by_key(|&(_, total)| -total);
             pairs.truncate(MAX_PAIRS);
         }
-        let &(pair, _) = pairs
-            .first()
-            .filter(|&&(_, total)| total >= WORTH_OF_A_CRASH)?;
+        let best = pairs.first();
+        let &(pair, _) = best.filter(|&&(_, total)| total >= WORTH_OF_A_CRASH)?;
         let member = |id| Member {
             id,
             alike: Vec::new(),
@@ -779,8 +766,8 @@ impl<'a> Search<'a> {
 
     /// Removes every mistake without which as much is explained, including large maps.
     fn drop_needless(&self, members: &mut Vec<Member>) {
-        let (small, large): (Vec<usize>, Vec<usize>) = (0..self.witnesses.len())
-            .partition(|&w| self.samples(w) <= MAX_SAMPLES_OF_A_SMALL_IMAGE);
+        let (small, large): (Vec<usize>, Vec<usize>) =
+            (0..self.witnesses.len()).partition(|&w| self.is_small(w));
         let total = |set: &Set, places: &[usize]| {
             let values = self.each(places, |&w| self.value(w, set));
             values.iter().sum::<i64>()
@@ -800,18 +787,10 @@ impl<'a> Search<'a> {
 
     /// Returns the small images of the correct shape.
     pub fn solvable(&self, left: &[usize]) -> Vec<usize> {
-        let has_shape = |w: &usize| match (
-            &self.witnesses[*w].observation.response,
-            &self.witnesses[*w].right,
-        ) {
-            (
-                Response::Picture {
-                    frame: Some(shown), ..
-                },
-                Answer::Decoded(right),
-            ) => {
+        let has_shape = |w: &usize| match (self.witnesses[*w].shown(), &self.witnesses[*w].right) {
+            (Some(shown), Answer::Decoded(right)) => {
                 let shape = |frame: &Frame| (frame.view, frame.width, frame.height, frame.channels);
-                shape(shown) == shape(right) && self.samples(*w) <= MAX_SAMPLES_OF_A_SMALL_IMAGE
+                shape(shown) == shape(right) && self.is_small(*w)
             }
             _ => false,
         };
@@ -846,6 +825,11 @@ impl<'a> Search<'a> {
             }
             _ => 0,
         }
+    }
+
+    /// Returns true if every mistake is tried on this image.
+    pub fn is_small(&self, w: usize) -> bool {
+        self.samples(w) <= MAX_SAMPLES_OF_A_SMALL_IMAGE
     }
 
     /// Returns the smallest of these cases, with at most `most` samples and bytes together, but at least one.

@@ -51,7 +51,8 @@ pub(super) const MAX_EDITS: usize = 24;
 pub(super) const MAX_SCOPED_MISREADINGS: usize = 12;
 
 // Evidence
-/// Failures that support an edit, a scope, a statement about a format, or another reading of the open questions.
+/// Failures that support an edit, a scope, a statement about a format, or another reading of the open questions; samples or texels
+/// that support a statement about an image.
 pub(super) const MIN_SUPPORT: usize = 4;
 /// Files that share a property.
 pub(super) const MIN_SHARING_FILES: usize = 2;

@@ -20,8 +20,7 @@ use crate::session::run::Run;
 use crate::suite::cases::{Built, Case, Expect, Suite};
 use crate::suite::choices::CHOICES;
 use crate::suite::compare::{Expected, is_close};
-use crate::suite::dialect::Dialect;
-use crate::suite::dialect::Right;
+use crate::suite::dialect::{Dialect, Right};
 use crate::suite::values::Values;
 
 /// A judged case: its file, the response, and the correct answer.
@@ -181,6 +180,11 @@ impl Witness<'_> {
             .get_or_init(|| examine_as(&self.built.file, &self.reading).0)
     }
 
+    /// Returns the image if it differs from the reference's.
+    pub fn shown(&self) -> Option<&Frame> {
+        self.observation.response.wrong_image()
+    }
+
     /// Returns true if colors were requested.
     pub fn is_in_colors(&self) -> bool {
         matches!(self.observation.view, View::Rgb(_))
@@ -271,10 +275,10 @@ impl Witness<'_> {
         }
         let all = right.iter().zip(made.iter().zip(shown));
         let wrong = all.filter(|(right, (_, shown))| right.abs_diff(**shown) > 1);
-        let is_limit = |shown: u8| shown <= 1 || shown >= 254;
-        let (limits, others): (Vec<_>, Vec<_>) = wrong
-            .map(|(_, (&made, &shown))| (made, shown))
-            .partition(|&(_, shown)| is_limit(shown));
+        let wrong = wrong.map(|(_, (&made, &shown))| (made, shown));
+        // Colors at the limits of a byte, up to rounding.
+        let (limits, others): (Vec<_>, Vec<_>) =
+            wrong.partition(|&(_, shown)| shown <= 1 || shown >= 254);
         let same = limits.iter().filter(|(made, shown)| made == shown).count();
         let all_off = |off: i16| {
             let mut offs = others
@@ -369,15 +373,11 @@ pub(super) fn reference_reading(run: &Run) -> Option<Reading> {
 pub(crate) fn dialect_reading(run: &Run) -> Reading {
     let judgement = &run.judgement;
     let followed = judgement.dialect.0.iter().zip(&judgement.certain);
-    let settled = Dialect(
-        followed
-            .map(|(&reading, certain)| match certain {
-                Certainty::Open => 0,
-                _ => reading,
-            })
-            .collect(),
-    );
-    let reading = CHOICES.under(&settled, Reading::SPEC);
+    let settled = followed.map(|(&reading, certain)| match certain {
+        Certainty::Open => 0,
+        _ => reading,
+    });
+    let reading = CHOICES.under(&Dialect(settled.collect()), Reading::SPEC);
     let reading = match run.table.newline {
         true => reading.with_newline_after_table(),
         false => reading,

@@ -91,6 +91,15 @@ impl<C: TestCase> Response<C> {
         }
     }
 
+    /// Returns the image if it was compared and differs.
+    #[must_use]
+    pub const fn wrong_image(&self) -> Option<&C::Output> {
+        match self {
+            Response::Picture { frame, .. } => frame.as_ref(),
+            _ => None,
+        }
+    }
+
     /// Describes it in words.
     #[must_use]
     pub fn describe(&self) -> String {

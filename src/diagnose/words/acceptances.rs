@@ -86,8 +86,8 @@ fn list_faults(witnesses: &[Witness], of: &[usize]) -> String {
 }
 
 fn fault(witness: &Witness) -> String {
-    witness.case.damage().map_or_else(
-        || witness.case.because.clone(),
-        |damage| damage.effect.clone(),
-    )
+    let damage = witness.case.damage();
+    damage
+        .map_or(&witness.case.because, |damage| &damage.effect)
+        .clone()
 }

@@ -19,21 +19,13 @@ use crate::suite::cases::Expect;
 /// Returns "every legal file with predicted planes", or "12 of 14 legal files with predicted planes" if others with the
 /// property fail in another way. The files are those of one format, or of all.
 fn files_in(witnesses: &[Witness], shared: &Shared, format: Option<Format>) -> String {
-    let is_other = |w: &usize| {
-        let witness = &witnesses[*w];
-        witness.case.expect == Expect::Decode
-            && format.is_none_or(|format| witness.case.format() == format)
-            && shared.scope.holds(witness)
-            && !shared.of.contains(w)
-    };
+    let (count, others) = shared.legal_files(witnesses, format);
     let of_format = format.map_or(String::new(), |format| {
         format!("of {} ", format.short_name())
     });
     let scope = of_format + &shared.scope.describe();
-    let is_legal = |w: &&usize| witnesses[**w].case.expect == Expect::Decode;
-    let count = shared.of.iter().filter(is_legal).count();
-    match (0..witnesses.len()).filter(is_other).count() {
-        0 if count == 0 => format!("{} files {scope} that need not be decoded", shared.of.len()),
+    match others {
+        _ if count == 0 => format!("{} files {scope} that need not be decoded", shared.of.len()),
         0 => format!("every legal file {scope}"),
         others => {
             let all = count + others;

@@ -59,10 +59,8 @@ pub(in crate::diagnose) fn describe(suite: &Suite, run: &Run) -> Vec<Diagnosis> 
         "gives different responses to the same request",
         "look for uninitialized memory, data races, clocks and random numbers",
     );
-    [garbling, serving, by_chance]
-        .into_iter()
-        .flatten()
-        .collect()
+    let all = [garbling, serving, by_chance].into_iter();
+    all.flatten().collect()
 }
 
 /// Returns true if at least a quarter of the failures differ from call to call, so that common properties of their images are

@@ -8,11 +8,11 @@ use super::{files_in, layout_clause, share_of_formats};
 use crate::diagnose::diagnosis::{Category, Diagnosis, Words};
 use crate::diagnose::failure_mode::FailureMode;
 use crate::diagnose::pair::Pair;
-use crate::diagnose::scope::shared_scope;
+use crate::diagnose::scope::{Shared, shared_scope};
 use crate::diagnose::search::{Id, Search, Set, without_id};
-use crate::diagnose::tuning::{MIN_SHARING_FILES, is_most};
+use crate::diagnose::tuning::{MIN_SHARING_FILES, MIN_SUPPORT, is_few, is_most};
 use crate::diagnose::witness::Witness;
-use crate::protocol::frame::{Answer, Frame, View, ViewKind};
+use crate::protocol::frame::{Answer, Frame, ViewKind};
 use crate::ptm::{Format, channel_name};
 use crate::session::observation::Response;
 use crate::suite::cases::Expect;
@@ -39,6 +39,15 @@ enum Step {
 }
 
 impl Step {
+    /// Returns the step that the values of a view follow from.
+    fn in_view(view: ViewKind) -> Step {
+        match view {
+            ViewKind::Raw => Step::StoredValue,
+            ViewKind::Coef => Step::FinalValue,
+            ViewKind::Rgb => Step::Color,
+        }
+    }
+
     /// Returns the decoder's behavior, as a sentence without its subject.
     fn effect(self) -> &'static str {
         match self {
@@ -112,15 +121,36 @@ pub(in crate::diagnose) fn describe(search: &Search, set: &Set, left: &[usize]) 
         let streams = steps.iter_mut().filter(|step| **step == Step::Stream);
         streams.for_each(|step| *step = Step::StoredValue);
     }
+    // Few values, or similar ones, may be exchanged by chance.
+    let format = |w: usize| search.witnesses[w].case.format();
+    let count = |one: Format, has: fn(Step) -> bool| {
+        let these = steps.iter().zip(left).filter(|(_, w)| format(**w) == one);
+        these.filter(|(step, _)| has(**step)).count()
+    };
+    let is_chance = |one: &Format| {
+        let all = count(*one, |step| step >= Step::Places);
+        !is_most(count(*one, |step| step == Step::Places), all)
+    };
+    let chance: Vec<Format> = Format::ALL.into_iter().filter(is_chance).collect();
+    for (step, &w) in steps.iter_mut().zip(left) {
+        if *step == Step::Places && chance.contains(&format(w)) {
+            *step = Step::in_view(search.witnesses[w].observation.view.kind());
+        }
+    }
     let mut known: HashMap<usize, Step> = left.iter().copied().zip(steps).collect();
     follow_earlier_steps(search, set, &mut known);
     let steps: Vec<Step> = left.iter().map(|w| known[w]).collect();
-    let clause = |(step, &w): (&Step, &usize)| step.clause(search.witnesses[w].case.format());
+    let clause = |(step, &w): (&Step, &usize)| step.clause(format(w));
     let mut clauses: Vec<Option<&str>> = steps.iter().zip(left).map(clause).collect();
-    let colors = || (0..left.len()).filter(|&at| steps[at] == Step::Color);
-    // Colors of several shapes are computed from the same polynomial.
-    if colors().any(|at| colors().any(|other| clauses[other] != clauses[at])) {
-        colors().for_each(|at| clauses[at] = Step::Color.clause(Format::Rgb));
+    // Colors of several shapes are computed from the same polynomial, and the number of channels follows from the format.
+    for (shared, clause) in [
+        (Step::Color, Step::Color.clause(Format::Rgb)),
+        (Step::Channels, Some("2.2/1")),
+    ] {
+        let places = || (0..left.len()).filter(|&at| steps[at] == shared);
+        if places().any(|at| places().any(|other| clauses[other] != clauses[at])) {
+            places().for_each(|at| clauses[at] = clause);
+        }
     }
     let mut groups: BTreeMap<(Step, Option<&str>), Vec<usize>> = BTreeMap::new();
     for ((step, clause), &w) in steps.iter().zip(clauses).zip(left) {
@@ -136,7 +166,8 @@ pub(in crate::diagnose) fn describe(search: &Search, set: &Set, left: &[usize]) 
 }
 
 /// Replaces the steps of final values and colors by the step of an earlier view, if more than half as many unexplained images of
-/// the format are wrong in that view: what comes before explains them. An image that is described elsewhere counts too.
+/// the format, or of all formats with wrong images in that view, are wrong there: what comes before explains them. An image that
+/// is described elsewhere counts too.
 fn follow_earlier_steps(search: &Search, set: &Set, steps: &mut HashMap<usize, Step>) {
     let witnesses = search.witnesses;
     let mut open = search.unexplained(set);
@@ -145,25 +176,34 @@ fn follow_earlier_steps(search: &Search, set: &Set, steps: &mut HashMap<usize, S
             && witnesses[*w].case.expect == Expect::Decode
             && steps.get(w).is_none_or(|step| *step >= Step::Places)
     });
+    let in_view = |view: ViewKind, formats: &[Format]| -> Vec<usize> {
+        let is_of = |w: &usize| {
+            let witness = &witnesses[*w];
+            witness.observation.view.kind() == view && formats.contains(&witness.case.format())
+        };
+        open.iter().copied().filter(is_of).collect()
+    };
     for format in Format::ALL {
-        let [raw, coef, rgb] = ViewKind::ALL.map(|view| -> Vec<usize> {
-            let is_of = |w: &usize| {
-                let witness = &witnesses[*w];
-                (witness.case.format(), witness.observation.view.kind()) == (format, view)
-            };
-            open.iter().copied().filter(is_of).collect()
-        });
         let views = [
-            (ViewKind::Coef, &coef, [&raw, &raw]),
-            (ViewKind::Rgb, &rgb, [&raw, &coef]),
+            (ViewKind::Coef, &[ViewKind::Raw][..]),
+            (ViewKind::Rgb, &[ViewKind::Raw, ViewKind::Coef]),
         ];
-        for (view, later, earlier) in views {
-            let explains = |wrong: &&&Vec<usize>| {
-                wrong.len() >= MIN_SHARING_FILES && is_most(wrong.len(), later.len())
+        for (view, earlier) in views {
+            let explains = |earlier: &&ViewKind| {
+                let is_wrong = |of: &Format| in_view(**earlier, &[*of]).len() >= MIN_SHARING_FILES;
+                let formats: Vec<Format> = Format::ALL.into_iter().filter(is_wrong).collect();
+                let is_in = |formats: &[Format]| {
+                    is_most(
+                        in_view(**earlier, formats).len(),
+                        in_view(view, formats).len(),
+                    )
+                };
+                formats.contains(&format) && (is_in(&[format]) || is_in(&formats))
             };
             let known = |w: &usize| steps.get(w).copied().unwrap_or(Step::StoredValue);
             let first = earlier.iter().find(explains);
-            let Some(first) = first.and_then(|wrong| wrong.iter().map(known).max()) else {
+            let first = first.and_then(|first| in_view(*first, &[format]).iter().map(known).max());
+            let Some(first) = first else {
                 continue;
             };
             for (w, step) in steps.iter_mut() {
@@ -196,10 +236,18 @@ fn split_by_scope(search: &Search, set: &[Id], mut open: Vec<usize>) -> Vec<(Vec
     };
     let mut parts = Vec::new();
     let formats = [None].into_iter().chain(Format::ALL.map(Some));
-    for one in formats.filter(|_| !search.is_arbitrary) {
+    // The rest of what a mistake explains nearly always shares some property by chance.
+    let is_explained = |w: &&usize| {
+        witnesses[**w].failed && open.iter().any(|other| format(*other) == format(**w))
+    };
+    let is_rest = is_few(open.len(), known.iter().filter(is_explained).count());
+    for one in formats.filter(|_| !search.is_arbitrary && !is_rest) {
         let these = of_format(&open, one);
         let shared = shared_scope(witnesses, &these, &of_format(&known, one), true);
-        if let Some(shared) = shared.filter(|shared| is_most(shared.of.len(), open.len())) {
+        let is_rule = |shared: &Shared| {
+            is_most(shared.of.len(), open.len()) && shared.is_prevalent(witnesses, one)
+        };
+        if let Some(shared) = shared.filter(is_rule) {
             let place = format!(", in {}", files_in(witnesses, &shared, one));
             open.retain(|w| !shared.of.contains(w));
             parts.push((shared.of, place));
@@ -277,11 +325,7 @@ fn channels(search: &Search, set: &[Id], of: &[usize]) -> String {
 /// Returns the step at which the values of an image first differ.
 fn step(search: &Search, set: &[Id], w: usize) -> Step {
     let witness = &search.witnesses[w];
-    let Response::Picture {
-        frame: Some(received),
-        ..
-    } = &witness.observation.response
-    else {
+    let Some(received) = witness.shown() else {
         return Step::Choice;
     };
     let made = search.made(w, set);
@@ -299,17 +343,15 @@ fn step(search: &Search, set: &[Id], w: usize) -> Step {
     if is_rearranged(&pair) {
         return Step::Places;
     }
-    let is_compressed = witness.case.format().is_compressed();
-    match &witness.observation.view {
-        View::Raw if is_compressed => step_of_planes(&pair, witness),
-        View::Raw => Step::StoredValue,
+    let plain = Step::in_view(pair.view);
+    if plain == Step::Color || !witness.case.format().is_compressed() {
+        return plain;
+    }
+    match step_of_planes(&pair, witness) {
+        step @ (Step::Prediction | Step::Correction) => step,
+        step if pair.view == ViewKind::Raw => step,
         // What comes after a stream may explain its samples.
-        View::Coef if is_compressed => match step_of_planes(&pair, witness) {
-            step @ (Step::Prediction | Step::Correction) => step,
-            _ => Step::FinalValue,
-        },
-        View::Coef => Step::FinalValue,
-        View::Rgb(_) => Step::Color,
+        _ => plain,
     }
 }
 
@@ -320,7 +362,7 @@ fn is_rearranged(pair: &Pair) -> bool {
         bits.sort_unstable();
         bits
     };
-    pair.wrong().len() > 2 && sorted(&pair.want) == sorted(&pair.got)
+    pair.wrong().len() >= MIN_SUPPORT && sorted(&pair.want) == sorted(&pair.got)
 }
 
 /// Returns the step of a compressed file. A stream is named only if a plane that is neither predicted nor corrected has wrong
@@ -404,16 +446,9 @@ pub(in crate::diagnose) fn is_near(search: &Search, w: usize, set: &[Id], member
 
 /// Returns the received image and the image of a decoder with these mistakes, if their shapes are equal.
 pub(in crate::diagnose) fn pair_of(search: &Search, set: &[Id], w: usize) -> Option<Pair> {
-    match (
-        &search.witnesses[w].observation.response,
-        &*search.made(w, set),
-    ) {
-        (
-            Response::Picture {
-                frame: Some(shown), ..
-            },
-            Answer::Decoded(wanted),
-        ) => Pair::new(wanted, shown),
+    let shown = search.witnesses[w].shown()?;
+    match &*search.made(w, set) {
+        Answer::Decoded(wanted) => Pair::new(wanted, shown),
         _ => None,
     }
 }

@@ -9,22 +9,17 @@ use crate::suite::cases::Suite;
 
 /// Describes all declared formats that are not read.
 pub(in crate::diagnose) fn describe(suite: &Suite, run: &Run) -> Option<Diagnosis> {
-    let asked = suite.cases.iter().zip(&run.observations).enumerate();
-    let of: Vec<usize> = asked
-        .filter(|&(place, (case, observation))| {
-            run.judgement.cases[place].is_some()
-                && observation
-                    .as_ref()
-                    .is_some_and(|observation| breaks_its_promise(run, case, observation))
-        })
-        .map(|(place, _)| place)
-        .collect();
+    let is_broken = |&place: &usize| {
+        let observation = run.observations[place].as_ref();
+        run.judgement.cases[place].is_some()
+            && observation.is_some_and(|seen| breaks_its_promise(run, &suite.cases[place], seen))
+    };
+    let of: Vec<usize> = (0..suite.cases.len()).filter(is_broken).collect();
     let first = &suite.cases[*of.first()?];
-    let formats: BTreeSet<&str> = of
+    let formats = of
         .iter()
-        .map(|&place| suite.cases[place].format().short_name())
-        .collect();
-    let formats: Vec<&str> = formats.into_iter().collect();
+        .map(|&place| suite.cases[place].format().short_name());
+    let formats: Vec<&str> = formats.collect::<BTreeSet<_>>().into_iter().collect();
     Some(Diagnosis::new(
         Cause::Described {
             category: Category::Refusal,

@@ -15,13 +15,18 @@ pub(in crate::diagnose) fn describe(
 ) -> Vec<Diagnosis> {
     let found = find(witnesses, left);
     let diagnosis = |(effect, of): (String, Vec<usize>)| {
+        let clause = match witnesses[of[0]].observation.view.kind() {
+            ViewKind::Raw => "2.7/1",
+            ViewKind::Coef => "2.4/8",
+            ViewKind::Rgb => "1.0/1",
+        };
         left.retain(|w| !of.contains(w));
         let words = Words {
             effect,
             fix: "start with the example, the smallest of these files".to_owned(),
             example: example(witnesses, &of),
         };
-        Diagnosis::described(Category::Difference, witnesses, &of, words).with_clause("2.7/1")
+        Diagnosis::described(Category::Difference, witnesses, &of, words).with_clause(clause)
     };
     found.into_iter().map(diagnosis).collect()
 }
