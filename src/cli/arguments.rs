@@ -9,7 +9,7 @@ pub fn positive_seconds(seconds: f64) -> Result<Duration, String> {
     Duration::try_from_secs_f64(seconds)
         .ok()
         .filter(|time| !time.is_zero())
-        .ok_or_else(|| "a time limit is a positive number of seconds".to_owned())
+        .ok_or_else(|| "expected a positive number of seconds".to_owned())
 }
 
 /// Parses an exit status that may mean a refusal; 0 and 69 have other meanings.

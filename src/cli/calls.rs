@@ -43,7 +43,7 @@ impl RunArgs {
             }
             false => "memory: not limited, because this system has no /proc".to_owned(),
         };
-        let time = format!("wall clock: {seconds} s a call, three times that for the first");
+        let time = format!("wall clock: {seconds} s per call, three times that for the first");
         vec![time, memory]
     }
 }
@@ -51,16 +51,16 @@ impl RunArgs {
 /// Options for calls of a decoder.
 #[derive(Args)]
 pub struct CallArgs {
-    /// Calls at a time; by default as many as there are processors.
+    /// Calls in parallel; by default one per processor.
     #[arg(long, value_name = "N")]
     pub jobs: Option<usize>,
     /// Wall-clock limit of a call.
     #[arg(long, value_name = "SECONDS", default_value_t = 10.0)]
     timeout: f64,
-    /// Memory that a call may hold, all its processes together: bytes, or with K, M or G.
+    /// Memory limit of a call, all its processes together: bytes, or with K, M or G.
     #[arg(long, value_name = "SIZE", default_value = "2G", value_parser = parse_size)]
     memory: u64,
-    /// An exit status that means "malformed" besides 65.
+    /// Another exit status that means "malformed", in addition to 65.
     #[arg(long, value_name = "N", value_parser = parse_refusal)]
     reject_exit: Option<i32>,
 }

@@ -202,7 +202,7 @@ fn selected<C: TestCase>(
     let meant = args.cases.iter().map(|name| did_you_mean(name, ids()));
     let meant: String = meant.collect();
     let says = format!(
-        "no case matches what --case, --clause and --shard ask for{meant}; ptm-conform explain 2.5 lists clauses and cases"
+        "no case matches --case, --clause and --shard{meant}; ptm-conform explain 2.5 lists clauses and cases"
     );
     Err(Failed::new(EXIT_NOTHING_SELECTED, &says))
 }
@@ -268,10 +268,12 @@ fn locale_remark(suite: &Suite, run: &Run, subject: &Subject, scratch: &Scratch)
 }
 
 /// The reason why no case is requested from a decoder with a faulty wrapper.
-const FIX_THE_WRAPPER: &str = "the run ended at first contact: what is wrong with the wrapper has to be fixed before cases say anything";
+const FIX_THE_WRAPPER: &str = "the run ended at first contact: fix the wrapper first, because its faults would fail most cases";
 
 /// Remark on a decoder whose serving processes never answered.
-const NOT_SERVED: &str = "serve mode does not work: its first requests went unanswered, and all others were asked of a process of their own";
+const NOT_SERVED: &str =
+    "serve mode failed: its first requests were not answered; fell back to one process per request";
 
 /// Hint for a decoder that starts slowly.
-const SERVE_MODE_IS_FASTER: &str = "\nFaster: serve mode, in which one process answers all requests. See docs/check.md; it takes a loop around what you have.";
+const SERVE_MODE_IS_FASTER: &str =
+    "\nServe mode is faster: one process answers all requests. See docs/check.md.";

@@ -83,7 +83,7 @@ pub struct CheckArgs {
     /// an output are not judged.
     #[arg(long, value_name = "DIR", conflicts_with_all = ["decoder", "cmd", "serve", "reject_exit", "views", "files", "shard"])]
     pub outputs: Option<PathBuf>,
-    /// Ask the process that listens at this Unix socket, and answers by a function of its own: for packages of other languages.
+    /// Ask the process that listens on this Unix socket: for packages of other languages.
     #[arg(long, value_name = "SOCKET", hide = true, conflicts_with_all = ["decoder", "cmd", "serve", "one_shot", "outputs", "files", "shard"])]
     pub caller: Option<PathBuf>,
     #[command(flatten)]
@@ -165,12 +165,12 @@ impl CheckArgs {
             "standard output: 4 times the largest frame of the file and 64 KiB".to_owned(),
             "files: 4 GiB each, no core dumps".to_owned(),
             format!("processes: the group of a call{left} killed when the call is over"),
-            "input: each file is held against its bytes after the call".to_owned(),
-            "locale: C; the first files once more in one with a decimal comma, where there is one"
+            "input: each file is compared with its original bytes after the call".to_owned(),
+            "locale: C; the first files are repeated in a locale with a decimal comma, if there is one"
                 .to_owned(),
         ]);
         if serves {
-            limits.push(format!("serve mode: one process a job; failures and one in {SAMPLE} of the rest are asked again one-shot"));
+            limits.push(format!("serve mode: one process per job; failures and one in {SAMPLE} other cases are repeated in one-shot mode"));
         }
         limits
     }

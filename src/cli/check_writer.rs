@@ -95,7 +95,7 @@ fn check<C: WritingCase>(
 ) -> CommandResult {
     let selected = args.selected(suite)?;
     if !selected.contains(&true) {
-        let says = "no request matches what --case, --format and --smoke ask for";
+        let says = "no request matches --case, --format and --smoke";
         return Err(Failed::new(EXIT_NOTHING_SELECTED, says));
     }
     let (writer, words) = args.writer(C::VERB, stop)?;
@@ -145,7 +145,7 @@ impl CheckWriterArgs {
         let others = [
             "the file: twice the bytes of its planes and 64 KiB; larger ones are not read",
             &format!("files: {} MiB each, no core dumps", MAX_FILE_SIZE >> 20),
-            "input: the request and its files are held against their bytes after the call",
+            "input: the request and its files are compared with their original bytes after the call",
         ];
         [self.run.limits_to_text(), others.map(str::to_owned).into()].concat()
     }

@@ -83,7 +83,7 @@ pub fn run(args: &ConvertArgs) -> CommandResult {
 fn repaired(args: &ConvertArgs) -> CommandResult {
     let output = args.output.display();
     if args.output.symlink_metadata().is_ok() {
-        return Err(format!("{output} is there already; a repaired file is a new file").into());
+        return Err(format!("{output} already exists; --repair never overwrites a file").into());
     }
     let unrepaired = |why: String| Failed::new(1, &files::named(&args.file)(why));
     let repaired = repair(&files::read(&args.file)?).map_err(unrepaired)?;

@@ -158,7 +158,7 @@ impl<'a, C: Reported> Check<'a, C> {
             [all, soonest].map(|count| progress::in_words(pace.mul_f64(count as f64)));
         let faster = self.faster;
         self.progress.say(&format!(
-            "{all} requests will take about {long}; the first causes come after {soonest}, in about {short}.{faster}"
+            "{all} requests will take about {long}; the first causes will be known after {soonest}, in about {short}.{faster}"
         ));
     }
 

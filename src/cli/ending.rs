@@ -64,7 +64,10 @@ impl OutputArgs {
         for (i, path) in outputs.iter().enumerate() {
             can_be_written(path)?;
             if outputs[..i].contains(path) {
-                return Err(format!("{} is to be written twice", path.display()));
+                return Err(format!(
+                    "{} is the output file of two options",
+                    path.display()
+                ));
             }
         }
         Ok(())

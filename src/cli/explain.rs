@@ -283,7 +283,7 @@ fn explain_case(case: &Case) -> String {
         lines.push(format!("  it is {twin}, in which {}", damage.effect));
     }
     lines.push(format!(
-        "  asked in the first of these views that the decoder offers: {views}"
+        "  requested in the first of these views that the decoder offers: {views}"
     ));
     lines.extend(
         case.ruling

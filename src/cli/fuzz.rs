@@ -103,9 +103,9 @@ pub fn run(args: &FuzzArgs) -> CommandResult {
         return Err(Failed::new(3, &format!("not a decoder: {why}")));
     }
     let end = match result.ended_early {
-        _ if decoder.stop.load(Ordering::Relaxed) => "; the run was ended by its user",
-        _ if stop.load(Ordering::Relaxed) => "; the time is over",
-        Some(_) => "; the decoder does not come to an end",
+        _ if decoder.stop.load(Ordering::Relaxed) => "; interrupted",
+        _ if stop.load(Ordering::Relaxed) => "; the time limit is reached",
+        Some(_) => "; the decoder does not terminate",
         None => "",
     };
     print(&summary(&result, end));
@@ -141,7 +141,7 @@ fn summary(result: &FuzzResult, end: &str) -> String {
     let (files, calls, count) = (result.files, result.executions, result.finds.len());
     let plural = if count == 1 { "" } else { "s" };
     let mut text =
-        format!("{files} files drawn, {calls} calls, {count} mistake{plural} found{end}\n");
+        format!("{files} files generated, {calls} calls, {count} mistake{plural} found{end}\n");
     for find in &result.finds {
         let _ = writeln!(text, "  {:>6}  {}", find.seen, find.cause.name());
     }

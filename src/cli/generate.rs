@@ -17,7 +17,7 @@ use ptm_conform::tools::profiles::{self, Profile};
 
 /// Write test files: every file of the suite, the expected frame, and a manifest with digests.
 ///
-/// A profile writes a corpus for other projects: expected images as arrays and pictures, a manifest in YAML and JSON, and a README.
+/// A profile writes a corpus for other projects: expected images as arrays and image files, a manifest in YAML and JSON, and a README.
 /// minimal has small files for every clause and NPY; standard adds every file up to 64 KiB and PNG; exhaustive has every
 /// file and adds EXR. A version writes the same bytes on every machine.
 #[derive(Args)]
@@ -119,7 +119,7 @@ fn write_profile(suite: &Suite, profile: Profile, out: &Path, jobs: usize) -> Co
     let answers: usize = manifest.cases.iter().map(|case| case.expected.len()).sum();
     let (files, out) = (manifest.cases.len(), out.display());
     note(&format!(
-        "{files} files and {answers} right answers in {out}; its README.md says how to use them\n"
+        "{files} files and {answers} correct answers in {out}; README.md explains how to use them\n"
     ));
     Ok(0)
 }

@@ -56,16 +56,16 @@ pub struct LintArgs {
     /// The form of the results: text, json, yaml, csv (a row for each file) or sarif (2.1.0).
     #[arg(long, value_name = "FORMAT", conflicts_with_all = ["yaml", "json"], hide_possible_values = true)]
     format: Option<RowFormat>,
-    /// Do not report this code. May be given more than once.
+    /// Do not report this code. Repeatable.
     #[arg(long, value_name = "CODE")]
     allow: Vec<String>,
-    /// Report this code only. May be given more than once.
+    /// Report this code only. Repeatable.
     #[arg(long, value_name = "CODE")]
     only: Vec<String>,
     /// Print at most N findings of each file, the worst first; all are counted.
     #[arg(long, value_name = "N")]
     max: Option<usize>,
-    /// Give a code another severity: error, warning or info. May be given more than once.
+    /// Give a code another severity: error, warning or info. Repeatable.
     #[arg(long, value_name = "CODE=LEVEL", value_parser = parse_severity)]
     severity: Vec<(String, Severity)>,
     /// Exit with 1 for warnings, too.
@@ -77,13 +77,13 @@ pub struct LintArgs {
     /// Do not read files larger than this.
     #[arg(long, value_name = "SIZE", default_value = "1G", value_parser = parse_size)]
     limit: u64,
-    /// Say what these readers will show, separated by commas, or all that are known: right, wrong and in which way, or nothing.
+    /// Predict what these readers show, separated by commas, or all: the correct image, a wrong image and why, or none.
     #[arg(long = "for", value_name = "READER,…", value_delimiter = ',')]
     readers: Vec<String>,
-    /// A YAML file with profiles of readers, as spec-cases/readers.yaml has them, instead of the known ones.
+    /// A YAML file with reader profiles in the form of spec-cases/readers.yaml, instead of the built-in ones.
     #[arg(long = "readers", value_name = "FILE", requires = "readers")]
     profiles: Option<PathBuf>,
-    /// Files that are read at a time; by default as many as the machine has processors.
+    /// Files read in parallel; by default one per processor.
     #[arg(long, value_name = "N")]
     jobs: Option<usize>,
     /// List all codes and stop.

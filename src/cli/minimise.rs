@@ -105,9 +105,9 @@ fn symptom(file: &[u8], view: &View, answer: &Answer) -> Option<&'static str> {
     match (ptm_conform::decode(file), answer) {
         (Ok(ptm), Answer::Decoded(frame)) => {
             let is_like = ptm_conform::diagnose::alike(&Frame::of(&ptm, view), frame);
-            (!is_like).then_some("another picture")
+            (!is_like).then_some("another image")
         }
-        (Err(_), Answer::Decoded(_)) => Some("a picture of a malformed file"),
+        (Err(_), Answer::Decoded(_)) => Some("an image of a malformed file"),
         (Ok(_), Answer::Rejected) => Some("a refusal of a legal file"),
         (_, Answer::Rejected | Answer::Unsupported) => None,
         (_, other) => Some(other.name()),

@@ -68,7 +68,7 @@ pub fn predictions(file: &[u8], readers: &[&ReaderProfile]) -> Vec<ReaderPredict
 fn fix(file: &[u8], reader: &ReaderProfile) -> String {
     let dissection = Dissection::of(file);
     let Ok(ptm) = &dissection.outcome else {
-        return "write the file anew from its source; `lint` says what is wrong with it".to_owned();
+        return "write the file again from its source; `lint` lists its errors".to_owned();
     };
     let name = &reader.name;
     convert_for(&dissection, ptm, &[reader]).map_or_else(

@@ -108,15 +108,16 @@ impl Subject {
             }
             if self.views.len() > 1 {
                 return Err(
-                    "--cmd: without {view} it answers one view only; name one by --view".to_owned(),
+                    "--cmd: without {view} a template serves one view; select it with --view"
+                        .to_owned(),
                 );
             }
             if self.views == ["rgb"] && !template.names_light() {
-                return Err("--cmd: a picture needs its light: {lu} and {lv}, or {view}".to_owned());
+                return Err("--cmd: view rgb needs the light: {lu} and {lv}, or {view}".to_owned());
             }
         }
         if args.reject_exit.is_none() {
-            let why = "a program called by --cmd shows no refusal without --reject-exit";
+            let why = "without --reject-exit, refusals of a program that --cmd calls cannot be recognized";
             let refusal = |case: &Case| match case.expect {
                 Expect::Decode | Expect::Spelling => None,
                 _ => Some(why.to_owned()),

@@ -70,7 +70,7 @@ struct RenderArgs {
     /// The light on the surface.
     #[arg(long, value_name = "LU,LV", default_value = "-0.4,0.5", allow_hyphen_values = true, value_parser = parse_light)]
     light: (f64, f64),
-    /// Fields of the table entry, in YAML. What is left out has its fallback value, with two exceptions that show more: the
+    /// Fields of the table entry, in YAML. Omitted fields have their fallback values, with two exceptions that show more: the
     /// shape's own coordinates (`parameterization: FloatData`) and `rendering_control: PreLight`.
     #[arg(long, value_name = "YAML", default_value = "{}")]
     entry: String,
@@ -139,7 +139,7 @@ fn run_cases(args: &CasesArgs) -> CommandResult {
     }
     let aside = match unknown {
         0 => String::new(),
-        _ => format!(", {unknown} of readings that are not known here"),
+        _ => format!(", {unknown} under unknown readings"),
     };
     let count = cases.len();
     print(&format!(
@@ -197,7 +197,7 @@ fn run_render(args: &RenderArgs) -> CommandResult {
         around: args.around,
     };
     let drawn = preview(&scene, args.size as usize, &Rules::SPEC)
-        .map_err(|error| format!("such coordinates cannot be drawn: {error}"))?;
+        .map_err(|error| format!("these coordinates cannot be drawn: {error}"))?;
     let image = Image {
         width: drawn.side,
         height: drawn.side,

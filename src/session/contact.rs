@@ -160,11 +160,11 @@ impl<C: TestCase> Session<'_, C> {
                 offer.views.push(view);
             } else if answered(suite, first, view, None) {
                 remarks.push(Remark::failure(format!(
-                    "in the view {view} it decodes none of the first files, which it decodes in another view; it is not asked in {view}"
+                    "it decodes none of the first files in view {view}, but decodes them in another view; {view} is not requested"
                 )));
             } else if declared.contains(&view) && asked_for(view) {
                 remarks.push(Remark::failure(format!(
-                    "its capabilities declare the view {view}, and it exits with 69 (unsupported) on every first file in it"
+                    "its capabilities declare view {view}, but it exits with 69 (unsupported) on every first file in that view"
                 )));
             }
         }
@@ -189,7 +189,7 @@ impl<C: TestCase> Session<'_, C> {
                 }
                 if declared.contains(&view) && offer.declared.contains(&kind) {
                     remarks.push(Remark::failure(format!(
-                        "its capabilities declare the view {view} and {kind}, and it exits with 69 (unsupported) on such files in that view"
+                        "its capabilities declare view {view} and {kind}, but it exits with 69 (unsupported) on these files in that view"
                     )));
                 }
                 offer.lacking.push((view, kind.clone()));
@@ -294,14 +294,14 @@ fn no_decoder<C: TestCase>(first: &[First<C>]) -> Option<String> {
         }
         _ if decoded => return None,
         (Answer::Unsupported, _) if refused == 0 => {
-            "it answers every first file with 69 (unsupported) in every view".to_owned()
+            "it exits with 69 (unsupported) on every first file in every view".to_owned()
         }
         (Answer::Rejected | Answer::Unsupported, _) => format!(
-            "it decodes no first file in any view: of {} requests for ordinary files it refuses {refused} with 65",
+            "it decodes no first file in any view; it refuses {refused} of {} requests for ordinary files with 65",
             first.len()
         ),
         (answer, _) => format!(
-            "it answers no first file with a well-formed frame, in any view; the first of its answers: {}",
+            "it answers no first file with a well-formed frame in any view; its first answer: {}",
             answer.describe()
         ),
     };

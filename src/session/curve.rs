@@ -17,28 +17,33 @@ type Candidate = ((String, String), Curve);
 
 /// Curves by name, as functions from 0 … 1.
 const NAMED: [(&str, fn(f64) -> f64); 8] = [
-    ("the curve of sRGB is over all values", |v| {
+    ("the sRGB curve is applied to all values", |v| {
         match v <= 0.003_130_8 {
             true => 12.92 * v,
             false => 1.055 * v.powf(1.0 / 2.4) - 0.055,
         }
     }),
-    ("the curve of sRGB is taken off all values", |v| {
+    ("the sRGB curve is removed from all values", |v| {
         match v <= 0.040_45 {
             true => v / 12.92,
             false => ((v + 0.055) / 1.055).powf(2.4),
         }
     }),
-    ("a gamma of 1/2.2 is over all values", |v| v.powf(1.0 / 2.2)),
-    ("a gamma of 2.2 is over all values", |v| v.powf(2.2)),
-    ("a gamma of 1/1.8 is over all values", |v| v.powf(1.0 / 1.8)),
+    ("a gamma of 1/2.2 is applied to all values", |v| {
+        v.powf(1.0 / 2.2)
+    }),
+    ("a gamma of 2.2 is applied to all values", |v| v.powf(2.2)),
+    ("a gamma of 1/1.8 is applied to all values", |v| {
+        v.powf(1.0 / 1.8)
+    }),
     ("values run from 16 to 235, as in video", |v| {
         (16.0 + 219.0 * v) / 255.0
     }),
-    ("values from 16 to 235 are stretched, as of video", |v| {
-        (255.0 * v - 16.0) / 219.0
-    }),
-    ("each value is 255 minus the right one", |v| 1.0 - v),
+    (
+        "values from 16 to 235 are stretched to 0 to 255, as in video",
+        |v| (255.0 * v - 16.0) / 219.0,
+    ),
+    ("each value is 255 minus the correct one", |v| 1.0 - v),
 ];
 
 const NO_CURVE: &str =
@@ -152,7 +157,7 @@ fn fitted(mut points: Vec<(f64, f64)>) -> Option<Candidate> {
         return None;
     }
     let shown = [32.0, 64.0, 128.0, 192.0].map(|v| format!("{v} → {:.0}", interpolate(&steps, v)));
-    let says = format!("one curve is over all values: {}", shown.join(", "));
+    let says = format!("one curve is applied to all values: {}", shown.join(", "));
     Some(candidate(&says, NO_CURVE, 1, |v| interpolate(&steps, v)))
 }
 

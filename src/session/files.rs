@@ -93,8 +93,8 @@ pub fn check_file(
             let broken = match answer(view, &other) {
                 Answer::Unsupported => continue,
                 Answer::Decoded(again) => (first.compare(&again))
-                    .map(|difference| format!("{how}: another picture: {difference}")),
-                other => Some(format!("{how}: no picture, but {}", other.name())),
+                    .map(|difference| format!("{how}: another image: {difference}")),
+                other => Some(format!("{how}: no image, but {}", other.name())),
             };
             result.encodings += 1;
             result.relations.extend(broken);
@@ -235,13 +235,13 @@ fn held_against_reference(file: &[u8], view: &View, shown: &Answer) -> Result<St
                     let others = readings.filter(|&(_, &taken)| taken > 0);
                     let names = others.map(|(choice, &taken)| choice.readings[taken].0);
                     let names = names.collect::<Vec<_>>().join("; ");
-                    Ok(format!("right in its own reading: {names}"))
+                    Ok(format!("correct in its own reading: {names}"))
                 }
                 None => Err(difference.to_string()),
             }
         }
         (Answer::Decoded(_), Err(error)) if error.class() == Class::Malformed => Err(format!(
-            "shows a picture of a file that the reference refuses: {error}"
+            "shows an image of a file that the reference refuses: {error}"
         )),
         (Answer::Decoded(_), Err(error)) => Ok(format!("the reference does not read it: {error}")),
         (Answer::Rejected, Ok(_)) => Err("refuses a file that the reference reads".to_owned()),

@@ -60,7 +60,7 @@ pub fn judge<C: TestCase>(
         let twins = twins[i].iter();
         let twins = twins.map(|&twin| (suite.cases[twin].id(), observations[twin].as_ref()));
         match &observations[i] {
-            None => verdict(Outcome::NotJudged, "none of its views is offered"),
+            None => verdict(Outcome::NotJudged, "the decoder offers none of its views"),
             Some(observation) => Evidence {
                 case,
                 observation,
@@ -115,7 +115,7 @@ impl<C: TestCase> Evidence<'_, C> {
         if offer.is_broken_by(case, observation, self.unsupported) {
             let kind = case.kind();
             return fail(format!(
-                "its capabilities declare {kind}, and it exits with 69 (unsupported) and decodes no such file"
+                "its capabilities declare {kind}, but it decodes no such file and exits with 69 (unsupported)"
             ));
         }
         let outcome = outcome(expect, self.is_supported(offer), self.response_kind());
@@ -130,7 +130,7 @@ impl<C: TestCase> Evidence<'_, C> {
             Response::Violation(answer) => fail(answer.describe()),
             Response::Rejected => verdict(outcome, self.refusal_in_words()),
             Response::Unsupported if expect == Expect::Reject => {
-                fail("exited with 69 (unsupported) on a malformed file of a kind it decodes")
+                fail("exited with 69 (unsupported) on a malformed file of a kind that it decodes")
             }
             Response::Unsupported => fail(C::NOT_UNSUPPORTED),
             Response::Picture {

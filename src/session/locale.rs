@@ -78,13 +78,13 @@ pub fn difference(
 fn message(locale: &str, id: &str, view: &View, answer: &Answer, frame: &Frame) -> String {
     let got = match answer {
         Answer::Decoded(other) if (other.width, other.height) != (frame.width, frame.height) => {
-            format!("a picture of {}x{}", other.width, other.height)
+            format!("an image of {}x{}", other.width, other.height)
         }
-        Answer::Decoded(_) => "another picture".to_owned(),
+        Answer::Decoded(_) => "another image".to_owned(),
         other => other.describe(),
     };
     format!(
-        "in the locale {locale}, which writes numbers with a comma, {id} in {view} gives {got}: numbers of PTM files have a point whatever the locale (LC_NUMERIC)"
+        "in the locale {locale}, which writes numbers with a comma, {id} in {view} gives {got}: numbers in PTM files have a decimal point in every locale (LC_NUMERIC)"
     )
 }
 

@@ -257,12 +257,12 @@ fn read(path: &Path, most: usize) -> Result<Vec<u8>, String> {
         true => fs::File::open(path)?
             .take(most as u64 + 1)
             .read_to_end(&mut bytes),
-        false => Err(io::Error::other("is no plain file")),
+        false => Err(io::Error::other("is not a regular file")),
     });
     let fault = match read {
         Err(error) => error.to_string(),
         Ok(0) => "is empty".to_owned(),
-        Ok(length) if length > most => "is larger than any picture of that file".to_owned(),
+        Ok(length) if length > most => "is larger than any image of that file".to_owned(),
         Ok(_) => return Ok(bytes),
     };
     Err(format!("its output file {fault}"))

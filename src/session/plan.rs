@@ -91,7 +91,7 @@ impl<C: TestCase> RunPlan<C> {
             for (case, why) in suite.cases.iter().zip(&mut withheld) {
                 if case.has_table() && case.expect() != Expect::Spelling {
                     why.get_or_insert_with(|| {
-                        "its table is spelled in a way that the decoder does not know".to_owned()
+                        "the decoder does not support the spelling of its table".to_owned()
                     });
                 }
             }

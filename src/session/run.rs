@@ -257,7 +257,7 @@ impl<C: TestCase> Run<C> {
         }
         let (not_run, asked) = (self.judgement.with(Outcome::NotRun).count(), self.asked);
         self.remarks.push(Remark::failure(format!(
-            "{why}; {not_run} cases were not run, after {asked} requests"
+            "{why}; {not_run} cases were not run; {asked} requests were sent"
         )));
     }
 

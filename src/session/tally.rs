@@ -48,7 +48,7 @@ impl<'a> Tally<'a> {
     /// Returns the reason to end the run, if there is one.
     pub fn why_over(&self) -> Option<&'static str> {
         match (self.stop.load(Relaxed), self.hung.load(Relaxed)) {
-            (true, _) => Some("the run was ended by its user"),
+            (true, _) => Some("the run was interrupted"),
             (false, true) => Some("the run ended early: three legal files in a row hung"),
             (false, false) => None,
         }

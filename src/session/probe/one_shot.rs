@@ -141,7 +141,7 @@ fn judge_views(Asked { sample, replies }: &Asked, list: &mut Checklist) {
         let wrong = match &reply.answer {
             Answer::Decoded(frame) => match expected.compare(frame) {
                 None => {
-                    list.good(format!("{what}: decoded, and the picture is right"));
+                    list.good(format!("{what}: decoded correctly"));
                     continue;
                 }
                 Some(difference) => fault("wrong-image", &[("difference", &difference)]),

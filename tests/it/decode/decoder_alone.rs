@@ -88,7 +88,7 @@ fn wrong(entry: &Entry, file: &[u8], frame: Option<Vec<u8>>) -> Option<String> {
                 (a - b).abs() <= slack || a as f32 == b as f32 || (a - b).abs() <= 1e-6 * b.abs()
             };
             let same = samples.len() == expected.len() && samples.iter().zip(&expected).all(near);
-            (!same).then(|| "another picture".to_owned())
+            (!same).then(|| "another image".to_owned())
         }
         ("reject", Err(error)) if error.class() != Class::Malformed => Some(error.to_string()),
         ("decode", Err(error)) => Some(error.to_string()),

@@ -161,7 +161,7 @@ fn diff_leaves_no_change_unsaid() {
     };
     for (new, says) in [
         (
-            edit("10 s a call", "20 s a call"),
+            edit("10 s per call", "20 s per call"),
             "  + - \"wall clock: 20 s",
         ),
         (edit("  - coef\n", ""), "  - - coef\n"),

@@ -231,7 +231,7 @@ const QUIET: &[Faulty] = &[
     ),
     fails(
         "brightens",
-        &["rgb: the curve of sRGB is over all values, in all first files"],
+        &["rgb: the sRGB curve is applied to all values, in all first files"],
         Fails::None,
     ),
     fails(
@@ -724,7 +724,7 @@ fn a_decimal_comma_is_found_where_a_locale_writes_one() {
     };
     let checked = check("reads-commas");
     assert_eq!(checked.status, 1, "{}", checked.text);
-    assert!(checked.text.contains("FAIL: in the locale de_DE.utf8, which writes numbers with a comma, first-rgb in coef gives another picture"), "{}", checked.text);
+    assert!(checked.text.contains("FAIL: in the locale de_DE.utf8, which writes numbers with a comma, first-rgb in coef gives another image"), "{}", checked.text);
     assert!(checked.cases("fail").is_empty());
     assert_eq!(check("right").status, 0);
 }

@@ -561,7 +561,7 @@ fn a_reader_of_one_spelling_of_the_count_is_ready() {
             "case $1 in raw|coef|rgb:*) grep -aq _LUT \"$2\" && {knows} \"$2\" || exit 65;; *) exit 69;; esac\n\
              right \"$@\""
         );
-        let right = "PTM_C_LUT raw: decoded, and the picture is right";
+        let right = "PTM_C_LUT raw: decoded correctly";
         is_told(&shell(&text), 0, &[right, says, "ready. Next"]);
     }
 }
