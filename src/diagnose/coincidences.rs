@@ -71,6 +71,7 @@ impl Evidence {
 
 /// Removes mistakes that agree with some answers by chance.
 pub(super) fn remove(search: &Search, found: &mut Found) {
+    use Rule::{Acceptances, Rare, Refusals, Stray};
     let witnesses = search.witnesses;
     let failed = search.failing();
     let legal = |of: &[usize]| -> Vec<usize> {
@@ -81,14 +82,7 @@ pub(super) fn remove(search: &Search, found: &mut Found) {
     let shared = refusals::widest(witnesses, &failing);
     // Each rule weighs only the mistakes that the rules before it kept.
     // The last rule is applied once more, because mistakes that were removed by it may have hidden what others change.
-    let rules = [
-        Rule::Refusals,
-        Rule::Acceptances,
-        Rule::Rare,
-        Rule::Stray,
-        Rule::Stray,
-    ];
-    for rule in rules {
+    for rule in [Refusals, Acceptances, Rare, Stray, Stray] {
         let set = ids_of(&found.members);
         let open = search.select(failed.clone(), |w| !search.explains(w, &set));
         let is_unknown = is_nearly_all(legal(&open).len(), failing.len());
@@ -101,18 +95,12 @@ pub(super) fn remove(search: &Search, found: &mut Found) {
                 return false;
             }
             match (rule, listed) {
-                (Rule::Refusals, _) => {
-                    !refuses_by_chance(search, &set, &all, place, &failing, &shared)
-                }
-                (Rule::Acceptances, _) => {
-                    !accepts_by_chance(search, id, evidence, &open, is_unknown)
-                }
+                (Refusals, _) => !refuses_by_chance(search, &set, &all, place, &failing, &shared),
+                (Acceptances, _) => !accepts_by_chance(search, id, evidence, &open, is_unknown),
                 // Edits were compared with all images that they change.
                 (_, None) => true,
-                (Rule::Rare, Some(_)) => !is_rare(search, &set, id, evidence),
-                (Rule::Stray, Some(misreading)) => {
-                    !is_stray(search, misreading, evidence, failing.len())
-                }
+                (Rare, Some(_)) => !is_rare(search, &set, id, evidence),
+                (Stray, Some(misreading)) => !is_stray(search, misreading, evidence, failing.len()),
             }
         });
         found.keep(&keep);

@@ -77,12 +77,9 @@ pub(crate) fn cover<T: Copy>(
         candidates.retain(|candidate| !candidate.explains.is_empty());
         let best = (0..candidates.len()).min_by_key(|&at| {
             let candidate = &candidates[at];
-            let explained = Reverse(candidate.explains.len());
-            (
-                !candidate.is_supported(),
-                explained,
-                candidate.contradicted.len(),
-            )
+            let (explained, contradicted) = (&candidate.explains, &candidate.contradicted);
+            let order = (Reverse(explained.len()), contradicted.len());
+            (!candidate.is_supported(), order)
         });
         let Some(best) = best else {
             return chosen;

@@ -88,10 +88,8 @@ fn table(search: &Search, set: &Set, pictures: &[usize], of_streams: bool) -> Op
         differing += usize::from(shown.files.len() >= MIN_SHARING_FILES);
     }
     // A table is shorter than the data: most values of it are seen in several files.
-    let changed = (0..256)
-        .filter(|&value| usize::from(table[value]) != value)
-        .count();
-    (differing > 1 && is_most(differing, changed)).then_some(table)
+    let changed = (0..256).filter(|&value| usize::from(table[value]) != value);
+    (differing > 1 && is_most(differing, changed.count())).then_some(table)
 }
 
 /// Returns, for each sample of an image, the stored values for which a decoder with the mistakes of `set` shows it.

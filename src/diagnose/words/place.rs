@@ -1,6 +1,6 @@
 //! Wrong images of unknown cause: the step at which values first differ, in which channels and files, and one example.
 
-use std::collections::{BTreeMap, HashMap};
+use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::fmt::Write as _;
 
 use super::arithmetic::arithmetic;
@@ -96,6 +96,16 @@ impl Step {
         }
     }
 
+    /// Returns the clause that states the step in formats of several layouts: their colors are computed from the same polynomial,
+    /// and the number of channels follows from the format.
+    fn common_clause(self) -> Option<&'static str> {
+        match self {
+            Step::Color => Step::Color.clause(Format::Rgb),
+            Step::Channels => Some("2.2/1"),
+            _ => None,
+        }
+    }
+
     /// The clause that states the step.
     fn clause(self, format: Format) -> Option<&'static str> {
         Some(match (self, format) {
@@ -121,53 +131,41 @@ pub(in crate::diagnose) fn describe(search: &Search, set: &Set, left: &[usize]) 
         let streams = steps.iter_mut().filter(|step| **step == Step::Stream);
         streams.for_each(|step| *step = Step::StoredValue);
     }
-    // Few values, or similar ones, may be exchanged by chance.
     let format = |w: usize| search.witnesses[w].case.format();
-    let count = |one: Format, has: fn(Step) -> bool| {
-        let these = steps.iter().zip(left).filter(|(_, w)| format(**w) == one);
-        these.filter(|(step, _)| has(**step)).count()
-    };
-    let is_chance = |one: &Format| {
-        let all = count(*one, |step| step >= Step::Places);
-        !is_most(count(*one, |step| step == Step::Places), all)
-    };
-    let chance: Vec<Format> = Format::ALL.into_iter().filter(is_chance).collect();
-    for (step, &w) in steps.iter_mut().zip(left) {
-        if *step == Step::Places && chance.contains(&format(w)) {
-            *step = Step::in_view(search.witnesses[w].observation.view.kind());
-        }
-    }
     let mut known: HashMap<usize, Step> = left.iter().copied().zip(steps).collect();
     follow_earlier_steps(search, set, &mut known);
-    let steps: Vec<Step> = left.iter().map(|w| known[w]).collect();
-    let clause = |(step, &w): (&Step, &usize)| step.clause(format(w));
-    let mut clauses: Vec<Option<&str>> = steps.iter().zip(left).map(clause).collect();
-    // Colors of several shapes are computed from the same polynomial, and the number of channels follows from the format.
-    for (shared, clause) in [
-        (Step::Color, Step::Color.clause(Format::Rgb)),
-        (Step::Channels, Some("2.2/1")),
-    ] {
-        let places = || (0..left.len()).filter(|&at| steps[at] == shared);
-        if places().any(|at| places().any(|other| clauses[other] != clauses[at])) {
-            places().for_each(|at| clauses[at] = clause);
-        }
-    }
-    let mut groups: BTreeMap<(Step, Option<&str>), Vec<usize>> = BTreeMap::new();
-    for ((step, clause), &w) in steps.iter().zip(clauses).zip(left) {
-        groups.entry((*step, clause)).or_default().push(w);
+    let mut by_step: BTreeMap<Step, Vec<usize>> = BTreeMap::new();
+    for w in left {
+        by_step.entry(known[w]).or_default().push(*w);
     }
     let mut diagnoses = Vec::new();
-    for ((step, clause), of) in groups {
-        for (of, place) in split_by_scope(search, set, of) {
-            diagnoses.push(difference(search, set, step, clause, &of, &place));
+    for (step, mut of) in by_step {
+        let mut parts = take_scopes(search, set, &mut of, &[None]);
+        let mut by_clause: BTreeMap<Option<&str>, Vec<usize>> = BTreeMap::new();
+        for &w in &of {
+            let clause = step.common_clause().or(step.clause(format(w)));
+            by_clause.entry(clause).or_default().push(w);
         }
+        for mut of in by_clause.into_values() {
+            parts.extend(take_scopes(search, set, &mut of, &Format::ALL.map(Some)));
+            if !of.is_empty() {
+                let place = share_of_formats(search.witnesses, &of);
+                parts.push(Part {
+                    of,
+                    place,
+                    clause: None,
+                });
+            }
+        }
+        let parts = parts.iter();
+        diagnoses.extend(parts.map(|part| difference(search, set, step, part)));
     }
     diagnoses
 }
 
 /// Replaces the steps of final values and colors by the step of an earlier view, if more than half as many unexplained images of
 /// the format, or of all formats with wrong images in that view, are wrong there: what comes before explains them. An image that
-/// is described elsewhere counts too.
+/// is described elsewhere counts too. Values in the wrong places are a cause if most wrong images of the format have them.
 fn follow_earlier_steps(search: &Search, set: &Set, steps: &mut HashMap<usize, Step>) {
     let witnesses = search.witnesses;
     let mut open = search.unexplained(set);
@@ -184,6 +182,15 @@ fn follow_earlier_steps(search: &Search, set: &Set, steps: &mut HashMap<usize, S
         open.iter().copied().filter(is_of).collect()
     };
     for format in Format::ALL {
+        let mut of_format: Vec<usize> = steps.keys().copied().collect();
+        of_format.retain(|&w| steps[&w] >= Step::Places && witnesses[w].case.format() == format);
+        let all = of_format.len();
+        of_format.retain(|w| steps[w] == Step::Places);
+        // Few values, or similar ones, may be exchanged by chance.
+        if !is_most(of_format.len(), all) {
+            let plain = |w: usize| (w, Step::in_view(witnesses[w].observation.view.kind()));
+            steps.extend(of_format.into_iter().map(plain));
+        }
         let views = [
             (ViewKind::Coef, &[ViewKind::Raw][..]),
             (ViewKind::Rgb, &[ViewKind::Raw, ViewKind::Coef]),
@@ -218,8 +225,20 @@ fn follow_earlier_steps(search: &Search, set: &Set, steps: &mut HashMap<usize, S
     }
 }
 
-/// Splits files by properties that most of them share and no file of known behavior has. The last part is the rest.
-fn split_by_scope(search: &Search, set: &[Id], mut open: Vec<usize>) -> Vec<(Vec<usize>, String)> {
+/// Wrong images with one cause: the files in words, and the clause about their common property.
+struct Part {
+    of: Vec<usize>,
+    place: String,
+    clause: Option<&'static str>,
+}
+
+/// Removes the files with a property that most of `open` share and no file of known behavior has, of all formats or of each.
+fn take_scopes(
+    search: &Search,
+    set: &[Id],
+    open: &mut Vec<usize>,
+    formats: &[Option<Format>],
+) -> Vec<Part> {
     let witnesses = search.witnesses;
     // A correct or an explained image contradicts a property. A file without an image is no evidence.
     let is_known = |w: &usize| {
@@ -234,46 +253,45 @@ fn split_by_scope(search: &Search, set: &[Id], mut open: Vec<usize>) -> Vec<(Vec
         let is_of = |w: &usize| one.is_none_or(|one| format(*w) == one);
         of.iter().copied().filter(is_of).collect()
     };
-    let mut parts = Vec::new();
-    let formats = [None].into_iter().chain(Format::ALL.map(Some));
     // The rest of what a mistake explains nearly always shares some property by chance.
     let is_explained = |w: &&usize| {
         witnesses[**w].failed && open.iter().any(|other| format(*other) == format(**w))
     };
     let is_rest = is_few(open.len(), known.iter().filter(is_explained).count());
-    for one in formats.filter(|_| !search.is_arbitrary && !is_rest) {
-        let these = of_format(&open, one);
-        let shared = shared_scope(witnesses, &these, &of_format(&known, one), true);
+    let mut parts = Vec::new();
+    for &one in formats.iter().filter(|_| !search.is_arbitrary && !is_rest) {
+        let these = of_format(open, one);
+        let shared = shared_scope(witnesses, &these, &of_format(&known, one), false);
         let is_rule = |shared: &Shared| {
             is_most(shared.of.len(), open.len()) && shared.is_prevalent(witnesses, one)
         };
         if let Some(shared) = shared.filter(is_rule) {
-            let place = format!(", in {}", files_in(witnesses, &shared, one));
             open.retain(|w| !shared.of.contains(w));
-            parts.push((shared.of, place));
+            parts.push(Part {
+                place: files_in(witnesses, &shared, one),
+                clause: shared.scope.clause(),
+                of: shared.of,
+            });
         }
-    }
-    if !open.is_empty() {
-        let place = format!(", in {}", share_of_formats(witnesses, &open));
-        parts.push((open, place));
     }
     parts
 }
 
-fn difference(
-    search: &Search,
-    set: &[Id],
-    step: Step,
-    clause: Option<&'static str>,
-    of: &[usize],
-    place: &str,
-) -> Diagnosis {
-    let witnesses = search.witnesses;
+fn difference(search: &Search, set: &[Id], step: Step, part: &Part) -> Diagnosis {
+    let (witnesses, of) = (search.witnesses, &part.of[..]);
+    let clauses = of.iter().map(|&w| step.clause(witnesses[w].case.format()));
+    let clauses: BTreeSet<_> = clauses.collect();
+    let first = clauses.first().copied().flatten();
+    let clause = match clauses.len() {
+        1 => first,
+        _ => step.common_clause().or(part.clause).or(first),
+    };
     let words = Words {
         effect: format!(
-            "{}{}{place}{}",
+            "{}{}, in {}{}",
             step.effect(),
             channels(search, set, of),
+            part.place,
             views(witnesses, of)
         ),
         fix: step.fix().to_owned(),
@@ -426,22 +444,18 @@ pub(in crate::diagnose) fn is_near(search: &Search, w: usize, set: &[Id], member
     if with == without {
         return false;
     }
-    match &witness.observation.response {
-        Response::Picture {
-            frame: Some(shown), ..
-        } => {
-            let wrong = |made: &Frame| Some(Pair::new(made, shown)?.wrong().len());
-            matches!((wrong(with), wrong(without)), (Some(with), Some(without)) if is_most(without.saturating_sub(with), without))
-        }
-        // A decoder that reads outside its data may crash in one file and show wrong values in another.
-        Response::Violation(Answer::Crashed(_)) => {
-            let clause = search.mistakes[member].misreading.clause;
-            ["2.5", "2.6", "2.8", "2.9"]
-                .iter()
-                .any(|section| clause.starts_with(section))
-        }
-        _ => false,
+    if let Some(shown) = witness.shown() {
+        let wrong = |made: &Frame| Some(Pair::new(made, shown)?.wrong().len());
+        return matches!((wrong(with), wrong(without)), (Some(with), Some(without)) if is_most(without.saturating_sub(with), without));
     }
+    // A decoder that reads outside its data may crash in one file and show wrong values in another.
+    let clause = search.mistakes[member].misreading.clause;
+    let mut sections = ["2.5", "2.6", "2.8", "2.9"].iter();
+    let is_crash = matches!(
+        witness.observation.response,
+        Response::Violation(Answer::Crashed(_))
+    );
+    is_crash && sections.any(|section| clause.starts_with(section))
 }
 
 /// Returns the received image and the image of a decoder with these mistakes, if their shapes are equal.
