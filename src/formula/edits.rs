@@ -127,8 +127,8 @@ fn dropped(node: &Expression, _: Scope) -> Vec<Expression> {
     }
 }
 
-/// Exchanges an operator for its counterpart, or the order of two nested functions.
-fn exchanged(node: &Expression, _: Scope) -> Vec<Expression> {
+/// Exchanges an operator for its counterpart, in one place or in every term of a sum, or the order of two nested functions.
+fn exchanged(node: &Expression, scope: Scope) -> Vec<Expression> {
     match node {
         Expression::Sum(terms) => {
             let one = |place: usize| {
@@ -139,17 +139,29 @@ fn exchanged(node: &Expression, _: Scope) -> Vec<Expression> {
             let mut all: Vec<Expression> = terms.iter().map(negative).collect();
             // A positive term comes first, for readability.
             all.sort_by_key(|term| matches!(term, Expression::Negative(_)));
+            let in_every_term = |place: usize| {
+                let changed = |term: &Expression| match term {
+                    Expression::Product(_) => exchanged(term, scope)[place].clone(),
+                    other => other.clone(),
+                };
+                Expression::Sum(terms.iter().map(changed).collect())
+            };
             let each = (0..terms.len()).rev().map(one);
-            each.chain([Expression::Sum(all)]).collect()
+            let each = each.chain([Expression::Sum(all)]);
+            each.chain([1, 0].map(in_every_term)).collect()
         }
         Expression::Product(factors) => {
-            let split = |place: usize| {
-                let parts = [&factors[..place], &factors[place..]];
+            let split = |(start, place): (usize, usize)| {
+                let parts = [&factors[start..place], &factors[place..]];
                 let [a, b] = parts.map(|part| single_or(part.to_vec(), Expression::Product));
                 let sum = Expression::Sum(vec![a.clone(), b.clone()]);
-                [Expression::Quotient(Box::new(a), Box::new(b)), sum]
+                [Expression::Quotient(Box::new(a), Box::new(b)), sum].map(|part| {
+                    single_or([&factors[..start], &[part]].concat(), Expression::Product)
+                })
             };
-            (1..factors.len()).flat_map(split).collect()
+            let ranges = (0..factors.len())
+                .flat_map(|start| (start + 1..factors.len()).map(move |place| (start, place)));
+            ranges.flat_map(split).collect()
         }
         Expression::Quotient(over, under) => {
             let both = [over, under].map(|part| (**part).clone());
@@ -192,12 +204,10 @@ fn renamed(node: &Expression, scope: Scope) -> Vec<Expression> {
             let cyclic = |by| call(Function::Mod, &[next(by), number(last + 1.0)]);
             let reversed = Expression::Sum(vec![number(last), negative(index)]);
             let double = Expression::Product(vec![(**index).clone(), number(2.0)]);
-            let first = [number(0.0), number(last), double];
-            let indices = [cyclic(1.0), cyclic(last), next(1.0), next(-1.0), reversed]
-                .into_iter()
-                .chain(first)
-                .map(|index| Expression::Element(*list, Box::new(index)));
-            other_lists.chain(indices).collect()
+            let near = [cyclic(1.0), cyclic(last), next(1.0), next(-1.0), reversed];
+            let indices = near.into_iter().chain([number(0.0), number(last), double]);
+            let elements = indices.map(|index| Expression::Element(*list, Box::new(index)));
+            other_lists.chain(elements).collect()
         }
         _ => Vec::new(),
     }
@@ -245,12 +255,11 @@ fn reordered(node: &Expression, _: Scope) -> Vec<Expression> {
     let Expression::Address(digits) = node else {
         return Vec::new();
     };
-    let mut all: Vec<Expression> = permutations(digits.len())
-        .into_iter()
-        .map(|order| {
-            Expression::Address(order.iter().map(|&place| digits[place].clone()).collect())
-        })
-        .collect();
+    let in_order = |order: Vec<usize>| {
+        Expression::Address(order.iter().map(|&place| digits[place].clone()).collect())
+    };
+    let permutations = permutations(digits.len()).into_iter();
+    let mut all: Vec<Expression> = permutations.map(in_order).collect();
     let with_digit = |place: usize, digit: Expression, radix: Expression| {
         let mut changed = digits.clone();
         changed[place] = (digit, radix);
@@ -330,10 +339,8 @@ fn wrapped(node: &Expression, _: Scope) -> Vec<Expression> {
     let between = |least, most| call(Function::Min, &[two(Function::Max, least), number(most)]);
     let signed = |half: f64| {
         let shifted = Expression::Sum(vec![own(), number(half)]);
-        Expression::Sum(vec![
-            call(Function::Mod, &[shifted, number(2.0 * half)]),
-            number(-half),
-        ])
+        let remainder = call(Function::Mod, &[shifted, number(2.0 * half)]);
+        Expression::Sum(vec![remainder, number(-half)])
     };
     vec![
         of(Function::Truncate),
@@ -419,29 +426,20 @@ mod tests {
 
     #[test]
     fn ordinary_mistakes_are_generated() {
+        use Formula::{Color, FinalCoefficient, LumSample, Plane, Predictor, StoredRow};
         for (formula, wanted) in [
-            (Formula::FinalCoefficient, "(raw + bias[i]) * scale[i]"),
-            (
-                Formula::FinalCoefficient,
-                "(raw - bias[i]) * scale[mod(i + 1, 6)]",
-            ),
-            (Formula::FinalCoefficient, "(raw - scale[i]) * bias[i]"),
-            (
-                Formula::FinalCoefficient,
-                "truncate((raw - bias[i]) * scale[i])",
-            ),
-            (Formula::FinalCoefficient, "(bias[i] - raw) * scale[i]"),
-            (Formula::Color, "min(max(L, 0), 255) * rgb / 255"),
-            (Formula::StoredRow, "y"),
-            (Formula::StoredRow, "width - 1 - y"),
-            (
-                Formula::LumSample,
-                "(row * (floor((width + 3) / 4) * 4) + x) * 8 + i",
-            ),
-            (Formula::LumSample, "(i * height + row) * width + x"),
-            (Formula::Plane, "mod(residual + predictor - 128, 255)"),
-            (Formula::Predictor, "invert(displace(reference))"),
-            (Formula::Predictor, "displace(invert(coded))"),
+            (FinalCoefficient, "(raw + bias[i]) * scale[i]"),
+            (FinalCoefficient, "(raw - bias[i]) * scale[mod(i + 1, 6)]"),
+            (FinalCoefficient, "(raw - scale[i]) * bias[i]"),
+            (FinalCoefficient, "truncate((raw - bias[i]) * scale[i])"),
+            (FinalCoefficient, "(bias[i] - raw) * scale[i]"),
+            (Color, "min(max(L, 0), 255) * rgb / 255"),
+            (StoredRow, "y"),
+            (StoredRow, "width - 1 - y"),
+            (LumSample, "(i * height + row) * width + x"),
+            (Plane, "mod(residual + predictor - 128, 255)"),
+            (Predictor, "invert(displace(reference))"),
+            (Predictor, "displace(invert(coded))"),
         ] {
             let is_generated = texts(formula).iter().any(|text| text == wanted);
             assert!(is_generated, "{wanted} is not generated");
