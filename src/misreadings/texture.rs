@@ -108,11 +108,11 @@ const ACTS: &[(&str, Change)] = &[
         r.is_textured = |style| matches!(style, InteriorStyle::Texture | InteriorStyle::Solid);
     }),
     ("back-attributes-without-distinguishing", |r| {
-        r.uses_back = |_, back| back;
+        r.uses_back = |surface| surface.back_facing;
     }),
-    ("back-attributes-ignored", |r| r.uses_back = |_, _| false),
+    ("back-attributes-ignored", |r| r.uses_back = |_| false),
     ("back-attributes-on-the-front", |r| {
-        r.uses_back = |surface, _| surface.facet_distinguish;
+        r.uses_back = |surface| surface.facet_distinguish;
     }),
     ("limit-ignored", |r| {
         r.within_limit = |active, _| active.to_vec();

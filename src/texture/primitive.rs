@@ -24,8 +24,10 @@ enumerants! {
     }
 }
 
-/// The part of the pipeline's state that selects textures.
+/// A facet, and the part of the pipeline's state that selects its textures.
 #[derive(Clone, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "harness", derive(serde::Deserialize))]
+#[cfg_attr(feature = "harness", serde(default, deny_unknown_fields))]
 pub struct Surface {
     /// The style of both sides, or of the front.
     pub interior_style: InteriorStyle,
@@ -37,8 +39,24 @@ pub struct Surface {
     pub bf_active: Vec<i64>,
     /// True if back-facing facets have separate attributes.
     pub facet_distinguish: bool,
+    /// True if the back of the facet is seen.
+    pub back_facing: bool,
     /// Maximum number of maps on a facet (R-SEL-05).
     pub max_texture_maps: usize,
+}
+
+impl Default for Surface {
+    fn default() -> Surface {
+        Surface {
+            interior_style: InteriorStyle::Hollow,
+            active: Vec::new(),
+            bf_interior_style: InteriorStyle::Hollow,
+            bf_active: Vec::new(),
+            facet_distinguish: false,
+            back_facing: false,
+            max_texture_maps: usize::MAX,
+        }
+    }
 }
 
 /// The textures that are applied to a facet.

@@ -22,7 +22,7 @@ pub struct Rules {
     pub(crate) valid_index: fn(i64) -> bool,
     pub(crate) undefined_entry: fn(&Table, &Rules) -> Entry,
     // selection
-    pub(crate) uses_back: fn(&Surface, back_facing: bool) -> bool,
+    pub(crate) uses_back: fn(&Surface) -> bool,
     pub(crate) is_textured: fn(InteriorStyle) -> bool,
     pub(crate) empty_list: fn() -> Selection,
     pub(crate) within_limit: fn(&[i64], usize) -> Vec<i64>,

@@ -11,10 +11,10 @@
 use super::primitive::{InteriorStyle, Selection, Surface};
 use super::rules::Rules;
 
-/// Returns the textures for a front-facing or back-facing facet.
+/// Returns the textures for a facet.
 #[must_use]
-pub fn select(surface: &Surface, back_facing: bool, rules: &Rules) -> Selection {
-    let (style, active) = if (rules.uses_back)(surface, back_facing) {
+pub fn select(surface: &Surface, rules: &Rules) -> Selection {
+    let (style, active) = if (rules.uses_back)(surface) {
         (surface.bf_interior_style, &surface.bf_active)
     } else {
         (surface.interior_style, &surface.active)
@@ -29,8 +29,8 @@ pub fn select(surface: &Surface, back_facing: bool, rules: &Rules) -> Selection 
 }
 
 /// Returns true if style and list of the back apply: to back-facing facets, if facets are distinguished (R-SEL-02).
-pub(crate) fn uses_back(surface: &Surface, back_facing: bool) -> bool {
-    surface.facet_distinguish && back_facing
+pub(crate) fn uses_back(surface: &Surface) -> bool {
+    surface.facet_distinguish && surface.back_facing
 }
 
 /// Returns true for style Texture (R-SEL-01).

@@ -4,24 +4,23 @@
 //! entry has its fallback value. Enumerants are written as in the chapter, without their prefix.
 
 use std::collections::BTreeMap;
-use std::fmt::Debug;
 use std::sync::Arc;
 
 use data_encoding::HEXLOWER_PERMISSIVE;
 use serde::Deserialize;
-use serde::de::{DeserializeOwned, Error as _};
+use serde::de::Error as _;
 use serde_json::{Map, Value, json};
 
 use crate::protocol::frame::{EXIT_MALFORMED, EXIT_UNSUPPORTED};
 use crate::texture::{
-    self, Boundary, Color, Correction, Entry, Fetched, Footprint, Frequency, InteriorStyle,
-    Interpolation, Level, Lit, Matrix, NoValue, Place, Point, Rounding, Rules, Selection, Shade,
-    SplinePoint, Surface, Table, Texel, TexelKind, TextureMap, Vector,
+    self, Boundary, Color, Correction, Entry, Fetched, Footprint, Frequency, Interpolation, Level,
+    Lit, Matrix, NoValue, Place, Point, Rounding, Rules, Selection, Shade, SplinePoint, Surface,
+    Table, Texel, TexelKind, TextureMap, Vector,
 };
 
 /// One question.
 #[derive(Clone, Debug)]
-pub struct Question(Arc<dyn Operation>);
+pub struct Question(Arc<Step>);
 
 /// Why a question has no answer.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -51,36 +50,22 @@ impl Refusal {
     }
 }
 
-/// Reads the `given` of one op.
-type Reader = fn(&Value) -> serde_json::Result<Arc<dyn Operation>>;
-
-/// The ops, in the order of the pipeline.
-const OPERATIONS: [(&str, Reader); 13] = [
-    ("defaults", read::<Nothing>),
-    ("select", read::<SelectGiven>),
-    ("resolve", read::<ResolveGiven>),
-    ("parameterize", read::<ParameterizeGiven>),
-    ("reflect", read::<ReflectGiven>),
-    ("orient", read::<OrientGiven>),
-    ("interpolate", read::<InterpolateGiven>),
-    ("sites", read::<SitesGiven>),
-    ("depth", read::<DepthGiven>),
-    ("index", read::<IndexGiven>),
-    ("sample", read::<SampleGiven>),
-    ("compose", read::<ComposeGiven>),
-    ("stage", read::<StageGiven>),
+/// The names of the steps, in the order of the pipeline.
+pub const OPERATIONS: [&str; 13] = [
+    "defaults",
+    "select",
+    "resolve",
+    "parameterize",
+    "reflect",
+    "orient",
+    "interpolate",
+    "sites",
+    "depth",
+    "index",
+    "sample",
+    "compose",
+    "stage",
 ];
-
-/// Returns the names of the ops, in the order of the pipeline.
-pub fn operation_names() -> impl Iterator<Item = &'static str> {
-    OPERATIONS.iter().map(|&(name, _)| name)
-}
-
-fn read<T: Operation + DeserializeOwned + 'static>(
-    given: &Value,
-) -> serde_json::Result<Arc<dyn Operation>> {
-    Ok(Arc::new(T::deserialize(given)?))
-}
 
 impl Question {
     /// Reads a question from the bytes of a file.
@@ -100,16 +85,16 @@ impl Question {
     pub fn from_value(value: &Value) -> Result<Question, Refusal> {
         let op = value["op"]
             .as_str()
-            .ok_or_else(|| Refusal::Malformed("a question has an op".to_owned()))?;
-        let (_, read) = OPERATIONS
-            .iter()
-            .find(|(name, _)| *name == op)
-            .ok_or_else(|| Refusal::Unsupported(format!("unknown op {op:?}")))?;
-        let given = value.get("given");
-        let operation = given.map_or_else(|| Err(serde_json::Error::missing_field("given")), read);
-        operation
-            .map(Question)
-            .map_err(|error| Refusal::Malformed(format!("{op}: {error}")))
+            .ok_or_else(|| malformed("a question has an op"))?;
+        if !OPERATIONS.contains(&op) {
+            return Err(Refusal::Unsupported(format!("unknown op {op:?}")));
+        }
+        let step = match value.get("given") {
+            Some(given) => serde_json::from_value(json!({ op: given })),
+            None => Err(serde_json::Error::missing_field("given")),
+        };
+        let step = step.map_err(|error| malformed(format!("{op}: {error}")))?;
+        Ok(Question(Arc::new(step)))
     }
 
     /// Returns the answer under `rules`, a JSON object.
@@ -122,17 +107,12 @@ impl Question {
             Unanswered::NoValue(NoValue::ImplementationDefined(ruling)) => {
                 Ok(json!({ "impl_defined": ruling }))
             }
-            Unanswered::NoValue(other) => Err(Refusal::Malformed(other.to_string())),
+            Unanswered::NoValue(other) => Err(malformed(other.to_string())),
         })
     }
 }
 
-/// The `given` of one op.
-trait Operation: Debug + Send + Sync {
-    fn answer(&self, rules: &Rules) -> Result<Value, Unanswered>;
-}
-
-/// Why an operation has no answer.
+/// Why a step has no answer.
 enum Unanswered {
     Refused(Refusal),
     NoValue(NoValue),
@@ -154,15 +134,224 @@ fn malformed(message: impl Into<String>) -> Refusal {
     Refusal::Malformed(message.into())
 }
 
-/// No fields: requests the fallback values.
+/// A step of the pipeline with its arguments: the `op` and the `given` of a question.
 #[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct Nothing {}
+#[serde(rename_all = "lowercase", deny_unknown_fields)]
+enum Step {
+    /// Requests the fallback values.
+    Defaults {},
+    /// Selects entries for a facet.
+    Select(Surface),
+    /// Looks an index up in a table.
+    Resolve {
+        #[serde(default)]
+        table: BTreeMap<i64, EntryGiven>,
+        index: i64,
+    },
+    /// Derives 1, 2 or 3 coordinates from a point.
+    Parameterize {
+        #[serde(default)]
+        entry: EntryGiven,
+        #[serde(default)]
+        point: PointGiven,
+        #[serde(default = "two")]
+        dim: usize,
+    },
+    /// Reflects a unit vector from the eye at a normal.
+    Reflect { i: Vector, n: Vector },
+    /// Transforms coordinates by a matrix of four rows.
+    Orient { matrix: Matrix, t: Vector },
+    /// Interpolates between the corners of a facet.
+    Interpolate {
+        /// One to three coordinates for each corner.
+        ts: Vec<Vec<f64>>,
+        /// The weight of each corner on the screen.
+        b: Vec<f64>,
+        /// The w of each corner; 1 by default.
+        w: Option<Vec<f64>>,
+        correction: Correction,
+    },
+    /// Returns the places where a surface is sampled.
+    Sites {
+        interp: Interpolation,
+        frequency: Frequency,
+    },
+    /// Returns the sample depth of a footprint on a map.
+    Depth(DepthGiven),
+    /// Returns the texels at coordinates along one direction.
+    Index {
+        boundary: Boundary,
+        size: usize,
+        t: Vec<f64>,
+    },
+    /// Samples a map.
+    Sample {
+        map: MapGiven,
+        t: Vector,
+        /// The sample depth.
+        #[serde(default)]
+        depth: f64,
+        /// True if the map is enlarged.
+        #[serde(default)]
+        mag: bool,
+        #[serde(default)]
+        entry: EntryGiven,
+    },
+    /// Applies one map to the color of a primitive.
+    Compose {
+        #[serde(default)]
+        entry: EntryGiven,
+        texel: TexelGiven,
+        /// The primitive's color; in the split form, the lit one.
+        color: Color,
+        #[serde(default = "opaque")]
+        alpha: f64,
+        /// The light on white; present in the split form only.
+        #[serde(default = "white")]
+        cw: Color,
+    },
+    /// Applies all maps of a primitive, in order.
+    Stage {
+        surface: SurfaceGiven,
+        interp: Option<Interpolation>,
+        frequency: Option<Frequency>,
+        entries: Vec<StageEntry>,
+    },
+}
 
-impl Operation for Nothing {
+impl Step {
     fn answer(&self, rules: &Rules) -> Result<Value, Unanswered> {
-        Ok(entry_json(&rules.fallback_entry()))
+        Ok(match self {
+            Step::Defaults {} => entry_json(&rules.fallback_entry()),
+            Step::Select(surface) => match texture::select(surface, rules) {
+                Selection::Untextured => json!({ "entries": "untextured" }),
+                Selection::Default => json!({ "entries": ["default"] }),
+                Selection::Entries(entries) => json!({ "entries": entries }),
+            },
+            Step::Resolve { table, index } => {
+                let table = table.iter();
+                let table: Table = table
+                    .map(|(&index, given)| (index, given.entry(rules)))
+                    .collect();
+                entry_json(&texture::resolve(&table, *index, rules)?)
+            }
+            Step::Parameterize { dim, .. } if !(1..=3).contains(dim) => {
+                return Err(malformed("dim: 1, 2 or 3").into());
+            }
+            Step::Parameterize { entry, point, dim } => {
+                let (entry, point) = (entry.entry(rules), point.point());
+                let t = texture::parameterize(&entry, &point, *dim, rules)?;
+                json!({ "t": numbers(&t) })
+            }
+            Step::Reflect { i, n } => json!({ "s": numbers(&rules.reflected(*i, *n)) }),
+            Step::Orient { matrix, t } => {
+                json!({ "t": numbers(&texture::orient(matrix, *t, rules)) })
+            }
+            Step::Interpolate {
+                ts,
+                b,
+                w,
+                correction,
+            } => interpolate(ts, b, w.as_deref(), *correction, rules)?,
+            Step::Sites { interp, frequency } => {
+                let site = texture::site(*interp, *frequency, rules);
+                json!({ "site": site.name().to_lowercase() })
+            }
+            Step::Depth(given) => given.answer(rules)?,
+            Step::Index { size, .. } if !(1..=1 << 31).contains(size) => {
+                return Err(malformed("size: from 1 to 2^31").into());
+            }
+            Step::Index { boundary, size, t } => {
+                let index = |&t: &f64| texture::texel_index(*boundary, t, *size, rules);
+                json!({ "index": t.iter().map(index).collect::<Vec<usize>>() })
+            }
+            Step::Sample { .. } | Step::Compose { .. } | Step::Stage { .. } => {
+                return self.color(rules);
+            }
+        })
     }
+
+    /// Answers the steps that return a texel or a color.
+    fn color(&self, rules: &Rules) -> Result<Value, Unanswered> {
+        Ok(match self {
+            Step::Sample {
+                map,
+                t,
+                depth,
+                mag,
+                entry,
+            } => {
+                let (map, entry) = (map.map(rules)?, entry.entry(rules));
+                let fetched = texture::fetch(&entry, &map, *t, *depth, *mag, rules);
+                match fetched.components() {
+                    Some(components) => json!({ "texel": numbers(components) }),
+                    None => json!({ "texel": "discontinue" }),
+                }
+            }
+            &Step::Compose {
+                ref entry,
+                ref texel,
+                color,
+                alpha,
+                cw,
+            } => {
+                let (fetched, entry) = (texel.fetched()?, entry.entry(rules));
+                let input = Shade { color, alpha };
+                shade_json(texture::compose(&entry, &fetched, input, cw, rules))
+            }
+            Step::Stage {
+                surface,
+                interp,
+                frequency,
+                entries,
+            } => {
+                let maps = entries.iter().map(|given| {
+                    let entry = given.entry.entry(rules);
+                    let fetched = given.fetched(&entry, rules)?;
+                    Ok((entry, fetched))
+                });
+                let maps = maps.collect::<Result<Vec<_>, Unanswered>>()?;
+                let interpolation = interp.unwrap_or(Interpolation::None);
+                let frequency = frequency.unwrap_or(Frequency::InterpDep);
+                let lit = surface.lit();
+                shade_json(texture::stage(&maps, &lit, interpolation, frequency, rules))
+            }
+            _ => unreachable!("the other steps have been answered"),
+        })
+    }
+}
+
+fn interpolate(
+    ts: &[Vec<f64>],
+    b: &[f64],
+    w: Option<&[f64]>,
+    correction: Correction,
+    rules: &Rules,
+) -> Result<Value, Unanswered> {
+    let count = ts.first().map_or(0, Vec::len);
+    let all_one = vec![1.0; b.len()];
+    let w = w.unwrap_or(&all_one);
+    let equal_counts = ts.iter().all(|t| t.len() == count);
+    let equal_corners = ts.len() == b.len() && b.len() == w.len();
+    if !(1..=3).contains(&count) || !equal_counts || !equal_corners {
+        let expected = "ts, b and w: as many as there are corners, 1 to 3 coordinates each";
+        return Err(malformed(expected).into());
+    }
+    let ts: Vec<Vector> = ts.iter().map(|t| padded(t, 0.0)).collect();
+    let t = texture::interpolate(&ts, b, w, correction, rules)?;
+    Ok(json!({ "t": numbers(&t[..count]) }))
+}
+
+fn two() -> usize {
+    2
+}
+
+fn opaque() -> f64 {
+    1.0
+}
+
+fn white() -> Color {
+    [1.0; 3]
 }
 
 /// Some fields of an entry; missing ones have their fallback values.
@@ -204,68 +393,6 @@ impl EntryGiven {
             fields[name] = value.clone();
         }
         serde_json::from_value(fields).expect("every field was read before")
-    }
-}
-
-/// The state of the pipeline that selects entries.
-#[derive(Debug, Default, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-struct SelectGiven {
-    /// The style of both sides, or of the front; Hollow by default.
-    interior_style: Option<InteriorStyle>,
-    /// Active textures: indices of the table.
-    active: Vec<i64>,
-    /// The style of the back; Hollow by default.
-    bf_interior_style: Option<InteriorStyle>,
-    /// Active textures of the back.
-    bf_active: Vec<i64>,
-    /// True if back-facing facets have separate attributes.
-    facet_distinguish: bool,
-    back_facing: bool,
-    /// The limit of maps on a facet; none by default.
-    max_texture_maps: Option<usize>,
-}
-
-impl Operation for SelectGiven {
-    fn answer(&self, rules: &Rules) -> Result<Value, Unanswered> {
-        let surface = Surface {
-            interior_style: self.interior_style.unwrap_or(InteriorStyle::Hollow),
-            active: self.active.clone(),
-            bf_interior_style: self.bf_interior_style.unwrap_or(InteriorStyle::Hollow),
-            bf_active: self.bf_active.clone(),
-            facet_distinguish: self.facet_distinguish,
-            max_texture_maps: self.max_texture_maps.unwrap_or(usize::MAX),
-        };
-        Ok(match texture::select(&surface, self.back_facing, rules) {
-            Selection::Untextured => json!({ "entries": "untextured" }),
-            Selection::Default => json!({ "entries": ["default"] }),
-            Selection::Entries(entries) => json!({ "entries": entries }),
-        })
-    }
-}
-
-/// A table and an index.
-#[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct ResolveGiven {
-    /// Entries by index.
-    #[serde(default)]
-    table: BTreeMap<String, EntryGiven>,
-    /// The index to resolve.
-    index: i64,
-}
-
-impl Operation for ResolveGiven {
-    fn answer(&self, rules: &Rules) -> Result<Value, Unanswered> {
-        let mut table = Table::new();
-        for (index, given) in &self.table {
-            let index = index
-                .parse()
-                .map_err(|_| malformed(format!("table: {index:?} is no index")))?;
-            table.insert(index, given.entry(rules));
-        }
-        let entry = texture::resolve(&table, self.index, rules)?;
-        Ok(entry_json(&entry))
     }
 }
 
@@ -332,15 +459,16 @@ impl PointGiven {
             normal,
             geometric_normal,
         };
-        let [mc, wc, vrc] = [
-            (self.mc, self.eye_mc, self.mc_normal),
-            (self.wc, self.eye_wc, self.wc_normal),
-            (self.vrc, self.eye_vrc, self.vrc_normal),
-        ];
+        let (eye_mc, eye_wc, eye_vrc) = (self.eye_mc, self.eye_wc, self.eye_vrc);
         Point {
-            mc: place(mc.0, mc.1, mc.2, self.mc_geometric_normal),
-            wc: place(wc.0, wc.1, wc.2, self.wc_geometric_normal),
-            vrc: place(vrc.0, vrc.1, vrc.2, self.vrc_geometric_normal),
+            mc: place(self.mc, eye_mc, self.mc_normal, self.mc_geometric_normal),
+            wc: place(self.wc, eye_wc, self.wc_normal, self.wc_geometric_normal),
+            vrc: place(
+                self.vrc,
+                eye_vrc,
+                self.vrc_normal,
+                self.vrc_geometric_normal,
+            ),
             fp_data: self.fp_data.clone(),
             spline: self.spline(),
             sight: self.i,
@@ -370,109 +498,6 @@ impl PointGiven {
     }
 }
 
-/// An entry, a point, and the number of coordinates of the map.
-#[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct ParameterizeGiven {
-    #[serde(default)]
-    entry: EntryGiven,
-    #[serde(default)]
-    point: PointGiven,
-    /// 1, 2 or 3.
-    #[serde(default = "two")]
-    dim: usize,
-}
-
-fn two() -> usize {
-    2
-}
-
-impl Operation for ParameterizeGiven {
-    fn answer(&self, rules: &Rules) -> Result<Value, Unanswered> {
-        if !(1..=3).contains(&self.dim) {
-            return Err(malformed("dim: 1, 2 or 3").into());
-        }
-        let (entry, point) = (self.entry.entry(rules), self.point.point());
-        let t = texture::parameterize(&entry, &point, self.dim, rules)?;
-        Ok(json!({ "t": numbers(&t) }))
-    }
-}
-
-/// A line of sight and a normal.
-#[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct ReflectGiven {
-    /// The unit vector from the eye.
-    i: Vector,
-    /// The normal.
-    n: Vector,
-}
-
-impl Operation for ReflectGiven {
-    fn answer(&self, rules: &Rules) -> Result<Value, Unanswered> {
-        Ok(json!({ "s": numbers(&rules.reflected(self.i, self.n)) }))
-    }
-}
-
-/// A matrix of four rows, and coordinates.
-#[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct OrientGiven {
-    matrix: Matrix,
-    t: Vector,
-}
-
-impl Operation for OrientGiven {
-    fn answer(&self, rules: &Rules) -> Result<Value, Unanswered> {
-        Ok(json!({ "t": numbers(&texture::orient(&self.matrix, self.t, rules)) }))
-    }
-}
-
-/// Corners of a facet.
-#[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct InterpolateGiven {
-    /// One to three coordinates for each corner.
-    ts: Vec<Vec<f64>>,
-    /// The weight of each corner on the screen.
-    b: Vec<f64>,
-    /// The w of each corner; 1 by default.
-    w: Option<Vec<f64>>,
-    correction: Correction,
-}
-
-impl Operation for InterpolateGiven {
-    fn answer(&self, rules: &Rules) -> Result<Value, Unanswered> {
-        let count = self.ts.first().map_or(0, Vec::len);
-        let all_one = vec![1.0; self.b.len()];
-        let w = self.w.as_ref().unwrap_or(&all_one);
-        let equal_counts = self.ts.iter().all(|t| t.len() == count);
-        let equal_corners = self.ts.len() == self.b.len() && self.b.len() == w.len();
-        if !(1..=3).contains(&count) || !equal_counts || !equal_corners {
-            let expected = "ts, b and w: as many as there are corners, 1 to 3 coordinates each";
-            return Err(malformed(expected).into());
-        }
-        let ts: Vec<Vector> = self.ts.iter().map(|t| padded(t, 0.0)).collect();
-        let t = texture::interpolate(&ts, &self.b, w, self.correction, rules)?;
-        Ok(json!({ "t": numbers(&t[..count]) }))
-    }
-}
-
-/// The interpolation method and the sample frequency of a surface.
-#[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct SitesGiven {
-    interp: Interpolation,
-    frequency: Frequency,
-}
-
-impl Operation for SitesGiven {
-    fn answer(&self, rules: &Rules) -> Result<Value, Unanswered> {
-        let site = texture::site(self.interp, self.frequency, rules);
-        Ok(json!({ "site": site.name().to_lowercase() }))
-    }
-}
-
 /// A footprint on a map.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -491,12 +516,12 @@ struct DepthGiven {
     freq: Vec<f64>,
 }
 
-impl Operation for DepthGiven {
-    fn answer(&self, rules: &Rules) -> Result<Value, Unanswered> {
+impl DepthGiven {
+    fn answer(&self, rules: &Rules) -> Result<Value, Refusal> {
         let count = self.size.len();
         if !(1..=3).contains(&count) || self.dtdx.len() > 3 || self.dtdy.len() > 3 {
             let expected = "size: one number for each of 1 to 3 directions";
-            return Err(malformed(expected).into());
+            return Err(malformed(expected));
         }
         let footprint = Footprint {
             dt_dx: padded(&self.dtdx, 0.0),
@@ -509,26 +534,6 @@ impl Operation for DepthGiven {
             false => "min",
         };
         Ok(json!({ "depth": number(depth), "mode": mode }))
-    }
-}
-
-/// Coordinates along one direction, and a number of texels.
-#[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct IndexGiven {
-    boundary: Boundary,
-    size: usize,
-    t: Vec<f64>,
-}
-
-impl Operation for IndexGiven {
-    fn answer(&self, rules: &Rules) -> Result<Value, Unanswered> {
-        if !(1..=1 << 31).contains(&self.size) {
-            return Err(malformed("size: from 1 to 2^31").into());
-        }
-        let index = |&t: &f64| texture::texel_index(self.boundary, t, self.size, rules);
-        let indices: Vec<usize> = self.t.iter().map(index).collect();
-        Ok(json!({ "index": indices }))
     }
 }
 
@@ -646,33 +651,6 @@ impl LevelsGiven {
     }
 }
 
-/// A map, and the coordinates and the depth at which it is sampled.
-#[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct SampleGiven {
-    map: MapGiven,
-    t: Vector,
-    /// The sample depth.
-    #[serde(default)]
-    depth: f64,
-    /// True if the map is enlarged.
-    #[serde(default)]
-    mag: bool,
-    #[serde(default)]
-    entry: EntryGiven,
-}
-
-impl Operation for SampleGiven {
-    fn answer(&self, rules: &Rules) -> Result<Value, Unanswered> {
-        let (map, entry) = (self.map.map(rules)?, self.entry.entry(rules));
-        let fetched = texture::fetch(&entry, &map, self.t, self.depth, self.mag, rules);
-        Ok(match fetched.components() {
-            Some(components) => json!({ "texel": numbers(components) }),
-            None => json!({ "texel": "discontinue" }),
-        })
-    }
-}
-
 /// A texel: kind and components, or `"discontinue"`.
 #[derive(Debug, Deserialize)]
 #[serde(untagged)]
@@ -693,38 +671,6 @@ impl TexelGiven {
     }
 }
 
-/// One map on the color of a primitive.
-#[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct ComposeGiven {
-    #[serde(default)]
-    entry: EntryGiven,
-    texel: TexelGiven,
-    /// The primitive's color; in the split form, the lit one.
-    color: Color,
-    #[serde(default = "opaque")]
-    alpha: f64,
-    /// The light on white; present in the split form only.
-    cw: Option<Color>,
-}
-
-fn opaque() -> f64 {
-    1.0
-}
-
-impl Operation for ComposeGiven {
-    fn answer(&self, rules: &Rules) -> Result<Value, Unanswered> {
-        let input = Shade {
-            color: self.color,
-            alpha: self.alpha,
-        };
-        let (fetched, entry) = (self.texel.fetched()?, self.entry.entry(rules));
-        let white = self.cw.unwrap_or_else(white);
-        let shade = texture::compose(&entry, &fetched, input, white, rules);
-        Ok(shade_json(shade))
-    }
-}
-
 /// A primitive and its light.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -741,8 +687,17 @@ struct SurfaceGiven {
     cs: Color,
 }
 
-fn white() -> Color {
-    [1.0; 3]
+impl SurfaceGiven {
+    fn lit(&self) -> Lit {
+        Lit {
+            surface: Shade {
+                color: self.color,
+                alpha: self.alpha,
+            },
+            white: self.cw,
+            specular: self.cs,
+        }
+    }
 }
 
 /// One map of a stage: a texel, or a map and the position at which it is sampled.
@@ -786,39 +741,6 @@ impl StageEntry {
         };
         let fetched = texture::fetch(entry, &map, t, self.depth, self.mag, rules);
         Ok(fetched)
-    }
-}
-
-/// A primitive, its light and its maps, in order.
-#[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct StageGiven {
-    surface: SurfaceGiven,
-    interp: Option<Interpolation>,
-    frequency: Option<Frequency>,
-    entries: Vec<StageEntry>,
-}
-
-impl Operation for StageGiven {
-    fn answer(&self, rules: &Rules) -> Result<Value, Unanswered> {
-        let mut maps = Vec::new();
-        for given in &self.entries {
-            let entry = given.entry.entry(rules);
-            let fetched = given.fetched(&entry, rules)?;
-            maps.push((entry, fetched));
-        }
-        let lit = Lit {
-            surface: Shade {
-                color: self.surface.color,
-                alpha: self.surface.alpha,
-            },
-            white: self.surface.cw,
-            specular: self.surface.cs,
-        };
-        let interpolation = self.interp.unwrap_or(Interpolation::None);
-        let frequency = self.frequency.unwrap_or(Frequency::InterpDep);
-        let shade = texture::stage(&maps, &lit, interpolation, frequency, rules);
-        Ok(shade_json(shade))
     }
 }
 

@@ -19,7 +19,7 @@ use ptm_conform::suite::test_case::TestCase;
 use ptm_conform::suite::texture::cases::{self, Basis, TextureCase};
 use ptm_conform::suite::texture::choices::CHOICES;
 use ptm_conform::suite::texture::compare::difference;
-use ptm_conform::suite::texture::question::{Question, Refusal, operation_names};
+use ptm_conform::suite::texture::question::{OPERATIONS, Question, Refusal};
 use ptm_conform::suite::texture::test_case::TextureView;
 use ptm_conform::suite::texture::verify::verify;
 use ptm_conform::texture::Rules;
@@ -354,7 +354,7 @@ fn every_enumerant_has_a_case() {
     for name in enumerants {
         assert!(all.contains(&format!("\"{name}\"")), "{name}");
     }
-    for op in operation_names() {
+    for op in OPERATIONS {
         assert!(suite.cases.iter().any(|case| case.op == op), "{op}");
     }
 }
