@@ -1,41 +1,110 @@
 //! Limits of readers that misread no clause: facts of their source that have no misreading in the catalog.
 
-use serde::Deserialize;
+use serde::de::{Deserialize, Deserializer, Error};
 
 use crate::decode::examine;
 use crate::ptm::{Field, Format};
 
 /// A limit of a reader.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Limit {
-    /// Refuses a compressed file with a space after a list or two spaces within one; lines of vectors are not checked.
-    BlanksOfCompressedRefused,
-    /// Refuses a compressed file unless each list has one line, and the vectors two.
-    ListsOnOtherLinesRefused,
-    /// Refuses a file with bytes after the last value.
-    BytesAfterTheEndRefused,
-    /// Refuses a file whose twelve scales and biases are on one line that ends in a space.
-    SpaceAfterTwelveNumbersRefused,
-    /// Refuses a space after the name of the format, though not after the version.
-    SpaceAfterFormatRefused,
-    /// Refuses a scale that is too small for its floating-point type.
-    UnderflowRefused,
-    /// Refuses a file in which a transform has the bit of motion compensation.
-    MotionRefused,
-    /// Does not displace references, whatever the transform says.
-    MotionNotApplied,
-    /// Reads no colors from an LRGB file whose version is followed by a space.
-    ColorsLostAfterASpace,
+#[derive(Clone, Copy, Debug)]
+pub struct Limit {
+    /// Its name in `readers.yaml`.
+    pub slug: &'static str,
+    /// The behavior of such a reader.
+    pub words: &'static str,
+    /// The effect on a file that is not within the limit.
+    effect: Effect,
+    is_exceeded: fn(&Marks) -> bool,
 }
 
 /// The effect of a limit on a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Struck {
+pub(super) enum Effect {
     /// The file is refused, with the reason.
     Refused(&'static str),
     /// The file is shown wrong, with a description.
     Wrong(&'static str),
+}
+
+const LIMITS: [Limit; 9] = [
+    // Lines of vectors are not checked.
+    Limit {
+        slug: "blanks-of-compressed-refused",
+        words: "refuses a compressed file in which a list ends in a space or has two in a row",
+        effect: Effect::Refused("a list ends in a space or has two in a row"),
+        is_exceeded: |file| file.is_compressed() && file.has_blanks_in_lists(),
+    },
+    // The vectors have two lines.
+    Limit {
+        slug: "lists-on-other-lines-refused",
+        words: "refuses a compressed file whose lists do not have a line each",
+        effect: Effect::Refused("a list does not have a line of its own"),
+        is_exceeded: |file| file.is_compressed() && !file.lists_have_a_line_each(),
+    },
+    Limit {
+        slug: "bytes-after-the-end-refused",
+        words: "refuses bytes after the last value",
+        effect: Effect::Refused("bytes follow the last value"),
+        is_exceeded: |file| file.is_legal && file.end() < file.file.len(),
+    },
+    Limit {
+        slug: "space-after-twelve-numbers-refused",
+        words: "refuses a space after twelve scales and biases on one line",
+        effect: Effect::Refused("a space follows twelve numbers on one line"),
+        is_exceeded: |file| file.is_legal && file.twelve_numbers_end_in_a_space(),
+    },
+    // It accepts a space after the version.
+    Limit {
+        slug: "space-after-format-refused",
+        words: "refuses a space after the name of the format",
+        effect: Effect::Refused("a space follows the name of the format"),
+        is_exceeded: |file| file.space_after_format(),
+    },
+    Limit {
+        slug: "underflow-refused",
+        words: "refuses a scale that is too small for its floating-point type",
+        effect: Effect::Refused("a scale is next to nothing"),
+        is_exceeded: |file| file.has_underflow(),
+    },
+    Limit {
+        slug: "motion-refused",
+        words: "refuses planes with motion vectors",
+        effect: Effect::Refused("a plane has a motion vector"),
+        is_exceeded: |file| file.moves(),
+    },
+    Limit {
+        slug: "motion-not-applied",
+        words: "does not move planes that have motion vectors",
+        effect: Effect::Wrong("planes with motion vectors are not moved"),
+        is_exceeded: |file| file.moves() && file.numbers("2.9.3/1").any(|vector| vector != 0),
+    },
+    Limit {
+        slug: "colors-lost-after-a-space",
+        words: "reads no colors from an LRGB file whose version is followed by a space",
+        effect: Effect::Wrong("the colors are missing"),
+        is_exceeded: |file| {
+            file.format == Some(Format::Lrgb) && file.file.starts_with(b"PTM_1.2 \n")
+        },
+    },
+];
+
+impl Limit {
+    /// Returns its effect on a file; None if the file is within the limit.
+    pub(super) fn effect(&self, file: &Marks) -> Option<Effect> {
+        (self.is_exceeded)(file).then_some(self.effect)
+    }
+}
+
+impl<'de> Deserialize<'de> for Limit {
+    /// Looks the limit up by its slug.
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Limit, D::Error> {
+        let slug = String::deserialize(deserializer)?;
+        let known = LIMITS.iter().find(|limit| limit.slug == slug);
+        known.copied().ok_or_else(|| {
+            let slugs = LIMITS.map(|limit| limit.slug).join(", ");
+            Error::custom(format!("unknown limit `{slug}`, expected one of {slugs}"))
+        })
+    }
 }
 
 /// The properties of a file that limits depend on.
@@ -68,8 +137,10 @@ impl<'a> Marks<'a> {
         }
     }
 
-    fn header(&self) -> &'a [u8] {
-        &self.file[..self.payload]
+    fn of_clause<'s>(&'s self, clause: &'s str) -> impl Iterator<Item = &'s Field> {
+        self.fields
+            .iter()
+            .filter(move |field| field.clause == clause)
     }
 
     /// Returns true if a list that is split at single spaces has an empty part.
@@ -77,19 +148,15 @@ impl<'a> Marks<'a> {
         let lists = [
             "2.4/3", "2.4/4", "2.9.2/1", "2.9.4/1", "2.9.5/1", "2.9.6/1", "2.9.7/1",
         ];
-        let mut numbers = self
-            .fields
-            .iter()
-            .filter(|field| lists.contains(&field.clause));
+        let mut numbers = lists.iter().flat_map(|list| self.of_clause(list));
         numbers.any(|field| {
-            let after = &self.header()[field.range.end..];
+            let after = &self.file[field.range.end..self.payload];
             after.starts_with(b" \n") || after.starts_with(b"  ")
         })
     }
 
     fn has_underflow(&self) -> bool {
-        let mut scales = self.fields.iter().filter(|field| field.clause == "2.4/3");
-        scales.any(|field| {
+        self.of_clause("2.4/3").any(|field| {
             let text = String::from_utf8_lossy(&self.file[field.range.clone()]);
             let mantissa = text.split(['e', 'E']).next().unwrap_or_default();
             let is_zero = !mantissa.contains(|digit: char| ('1'..='9').contains(&digit));
@@ -103,12 +170,8 @@ impl<'a> Marks<'a> {
     }
 
     /// Returns the numbers of a clause in the header.
-    fn numbers(&self, clause: &str) -> impl Iterator<Item = i64> {
-        let of_it = self
-            .fields
-            .iter()
-            .filter(move |field| field.clause == clause);
-        of_it.filter_map(|field| {
+    fn numbers<'s>(&'s self, clause: &'s str) -> impl Iterator<Item = i64> + 's {
+        self.of_clause(clause).filter_map(|field| {
             std::str::from_utf8(&self.file[field.range.clone()])
                 .ok()?
                 .parse()
@@ -118,12 +181,11 @@ impl<'a> Marks<'a> {
 
     /// Returns true if the lists of a compressed file have the line breaks of HP's encoder.
     fn lists_have_a_line_each(&self) -> bool {
-        let start = self.fields.iter().find(|field| field.clause == "2.9.1/1");
-        let Some(start) = start.map(|field| field.range.start) else {
+        let Some(Field { range, .. }) = self.of_clause("2.9.1/1").next() else {
             return true;
         };
         let planes = self.format.map_or(0, Format::channels);
-        let lines = self.file[start..self.payload].split(|&byte| byte == b'\n');
+        let lines = self.file[range.start..self.payload].split(|&byte| byte == b'\n');
         let words = |line: &[u8]| {
             line.split(|&byte| byte == b' ')
                 .filter(|word| !word.is_empty())
@@ -145,93 +207,15 @@ impl<'a> Marks<'a> {
             .max()
             .unwrap_or(0)
     }
-}
 
-impl Limit {
-    /// Describes the behavior of such a reader.
-    #[must_use]
-    pub const fn words(self) -> &'static str {
-        match self {
-            Limit::BlanksOfCompressedRefused => {
-                "refuses a compressed file in which a list ends in a space or has two in a row"
-            }
-            Limit::ListsOnOtherLinesRefused => {
-                "refuses a compressed file whose lists do not have a line each"
-            }
-            Limit::BytesAfterTheEndRefused => "refuses bytes after the last value",
-            Limit::SpaceAfterTwelveNumbersRefused => {
-                "refuses a space after twelve scales and biases on one line"
-            }
-            Limit::SpaceAfterFormatRefused => "refuses a space after the name of the format",
-            Limit::UnderflowRefused => {
-                "refuses a scale that is too small for its floating-point type"
-            }
-            Limit::MotionRefused => "refuses planes with motion vectors",
-            Limit::MotionNotApplied => "does not move planes that have motion vectors",
-            Limit::ColorsLostAfterASpace => {
-                "reads no colors from an LRGB file whose version is followed by a space"
-            }
-        }
-    }
-
-    /// Returns its effect on a file; None if the file is within the limit.
-    pub(super) fn strikes(self, marks: &Marks) -> Option<Struck> {
-        let refused = |so: bool, why| so.then_some(Struck::Refused(why));
-        let wrong = |so: bool, how| so.then_some(Struck::Wrong(how));
-        match self {
-            Limit::BlanksOfCompressedRefused => refused(
-                marks.is_compressed() && marks.has_blanks_in_lists(),
-                "a list ends in a space or has two in a row",
-            ),
-            Limit::ListsOnOtherLinesRefused => refused(
-                marks.is_compressed() && !marks.lists_have_a_line_each(),
-                "a list does not have a line of its own",
-            ),
-            Limit::BytesAfterTheEndRefused => refused(
-                marks.is_legal && marks.end() < marks.file.len(),
-                "bytes follow the last value",
-            ),
-            Limit::SpaceAfterTwelveNumbersRefused => refused(
-                marks.is_legal && marks.twelve_numbers_end_in_a_space(),
-                "a space follows twelve numbers on one line",
-            ),
-            Limit::SpaceAfterFormatRefused => refused(
-                marks.space_after_format(),
-                "a space follows the name of the format",
-            ),
-            Limit::UnderflowRefused => refused(marks.has_underflow(), "a scale is next to nothing"),
-            Limit::MotionRefused => refused(marks.moves(), "a plane has a motion vector"),
-            Limit::MotionNotApplied => wrong(
-                marks.moves()
-                    && marks
-                        .numbers("2.9.3/1")
-                        .any(|displacement| displacement != 0),
-                "planes with motion vectors are not moved",
-            ),
-            Limit::ColorsLostAfterASpace => wrong(
-                marks.format == Some(Format::Lrgb) && marks.file.starts_with(b"PTM_1.2 \n"),
-                "the colors are missing",
-            ),
-        }
-    }
-}
-
-impl Marks<'_> {
     fn space_after_format(&self) -> bool {
-        let format = self.fields.iter().find(|field| field.clause == "2.2/1");
-        format.is_some_and(|field| self.file[field.range.end..].starts_with(b" \n"))
+        let mut format = self.of_clause("2.2/1");
+        format.any(|field| self.file[field.range.end..].starts_with(b" \n"))
     }
 
     fn twelve_numbers_end_in_a_space(&self) -> bool {
-        let of_clause = |clause: &'static str| {
-            self.fields
-                .iter()
-                .filter(move |field| field.clause == clause)
-        };
-        let (Some(scale), Some(bias)) = (
-            of_clause("2.4/3").next_back(),
-            of_clause("2.4/4").next_back(),
-        ) else {
+        let [Some(scale), Some(bias)] = ["2.4/3", "2.4/4"].map(|list| self.of_clause(list).last())
+        else {
             return false;
         };
         let between = &self.file[scale.range.end..bias.range.start];

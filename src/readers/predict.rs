@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::difference::Pictures;
-use super::limits::{Marks, Struck};
+use super::limits::{Effect, Marks};
 use super::profile::ReaderProfile;
 use crate::decode::decode;
 use crate::error::Error;
@@ -91,13 +91,13 @@ impl<'a> OpenedFile<'a> {
             let how = format!("it does not read {}", ptm.header.format);
             return says(Shown::Nothing, how, Vec::new());
         }
-        let struck = profile.limits.iter();
-        let struck: Vec<Struck> = struck
-            .filter_map(|known| known.limit.strikes(&self.marks))
+        let limits = profile.limits.iter();
+        let effects: Vec<Effect> = limits
+            .filter_map(|known| known.limit.effect(&self.marks))
             .collect();
-        if let Some(why) = struck.iter().find_map(|struck| match struck {
-            Struck::Refused(why) => Some(*why),
-            Struck::Wrong(_) => None,
+        if let Some(why) = effects.iter().find_map(|effect| match effect {
+            Effect::Refused(why) => Some(*why),
+            Effect::Wrong(_) => None,
         }) {
             return says(Shown::Nothing, why.to_owned(), Vec::new());
         }
@@ -108,8 +108,8 @@ impl<'a> OpenedFile<'a> {
             Shown::Right => Vec::new(),
             _ => self.causes(&acting, shows, profile),
         };
-        match (shows, struck.first()) {
-            (Shown::Right, Some(Struck::Wrong(how))) => {
+        match (shows, effects.first()) {
+            (Shown::Right, Some(Effect::Wrong(how))) => {
                 says(Shown::Wrong, (*how).to_owned(), Vec::new())
             }
             _ => says(shows, how, because),
