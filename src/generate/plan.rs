@@ -92,6 +92,11 @@ impl Stream {
 
 /// The painted samples of planes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(
+    feature = "harness",
+    derive(serde::Deserialize),
+    serde(rename_all = "kebab-case")
+)]
 pub enum Residuals {
     /// The samples of the scene, as planes; the residuals follow by prediction.
     Natural,
@@ -103,21 +108,6 @@ pub enum Residuals {
     Wraps,
     /// 128 everywhere.
     Gray,
-}
-
-impl FromStr for Residuals {
-    type Err = String;
-
-    fn from_str(name: &str) -> Result<Residuals, String> {
-        Ok(match name {
-            "natural" => Residuals::Natural,
-            "blocks" => Residuals::Blocks,
-            "framed" => Residuals::Framed,
-            "wraps" => Residuals::Wraps,
-            "gray" => Residuals::Gray,
-            _ => return Err(format!("unknown residuals {name:?}")),
-        })
-    }
 }
 
 /// Additional records of side information that no texel needs.
@@ -181,6 +171,11 @@ impl FromStr for Records {
 
 /// The references of planes and their order of decoding.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(
+    feature = "harness",
+    derive(serde::Deserialize),
+    serde(rename_all = "kebab-case")
+)]
 pub enum Structure {
     /// No references.
     Intra,
@@ -208,29 +203,6 @@ pub enum Structure {
     NoRankZero,
     /// No references, written −2 (ruling `ranks`).
     BelowMinusOne,
-}
-
-impl FromStr for Structure {
-    type Err = String;
-
-    fn from_str(name: &str) -> Result<Structure, String> {
-        Ok(match name {
-            "intra" => Structure::Intra,
-            "chain" => Structure::Chain,
-            "star" => Structure::Star,
-            "deep" => Structure::Deep,
-            "two-trees" => Structure::TwoTrees,
-            "shared-reference" => Structure::SharedReference,
-            "upward" => Structure::Upward,
-            "rotated" => Structure::Rotated,
-            "tablet" => Structure::Tablet,
-            "equal-ranks" => Structure::EqualRanks,
-            "gaps" => Structure::Gaps,
-            "no-rank-zero" => Structure::NoRankZero,
-            "below-minus-one" => Structure::BelowMinusOne,
-            _ => return Err(format!("unknown structure {name:?}")),
-        })
-    }
 }
 
 impl Structure {

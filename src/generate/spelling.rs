@@ -4,6 +4,11 @@ use std::str::FromStr;
 
 /// A line of the header, named after the last item on it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(
+    feature = "harness",
+    derive(serde::Deserialize),
+    serde(rename_all = "kebab-case")
+)]
 pub enum Line {
     /// 2.1
     Version,
@@ -59,48 +64,6 @@ impl Line {
         Line::Sizes,
         Line::SideSizes,
     ];
-
-    /// Their names.
-    const NAMES: [&str; 16] = [
-        "version",
-        "format",
-        "width",
-        "height",
-        "scale",
-        "bias",
-        "count",
-        "matrix",
-        "parameter",
-        "transforms",
-        "motion-x",
-        "motion-y",
-        "order",
-        "references",
-        "sizes",
-        "side-sizes",
-    ];
-}
-
-impl Line {
-    /// Returns its name in cases.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        Line::NAMES[self as usize]
-    }
-}
-
-impl FromStr for Line {
-    type Err = String;
-
-    fn from_str(name: &str) -> Result<Line, String> {
-        let position = Line::NAMES.iter().position(|&known| known == name);
-        position.map(|i| Line::ALL[i]).ok_or_else(|| {
-            format!(
-                "unknown header line {name:?}; lines are {}",
-                Line::NAMES.join(", ")
-            )
-        })
-    }
 }
 
 /// The spelling of the number of table entries (ruling `lut-count`).
@@ -143,6 +106,11 @@ impl FromStr for Count {
 
 /// The split of the lists of 2.9 into lines.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
+#[cfg_attr(
+    feature = "harness",
+    derive(serde::Deserialize),
+    serde(rename_all = "kebab-case")
+)]
 pub enum Lists {
     /// Each list on its own line, motion on two (ruling `list-layout`).
     #[default]
@@ -153,20 +121,6 @@ pub enum Lists {
     OneLine,
     /// Every number on its own line.
     NumberPerLine,
-}
-
-impl FromStr for Lists {
-    type Err = String;
-
-    fn from_str(name: &str) -> Result<Lists, String> {
-        Ok(match name {
-            "lines" => Lists::Lines,
-            "motion-on-one-line" => Lists::MotionOnOneLine,
-            "one-line" => Lists::OneLine,
-            "number-per-line" => Lists::NumberPerLine,
-            _ => return Err(format!("unknown layout of lists {name:?}")),
-        })
-    }
 }
 
 /// The spelling of one file. Every known reader accepts the default.

@@ -221,13 +221,19 @@ impl Samples {
         self.len() == 0
     }
 
+    /// Returns the value of sample `i`.
+    #[must_use]
+    pub fn real(&self, i: usize) -> f64 {
+        match self {
+            Samples::U8(bytes) => f64::from(bytes[i]),
+            Samples::F32(values) => f64::from(values[i]),
+        }
+    }
+
     /// Returns the values of the samples.
     #[must_use]
     pub fn to_reals(&self) -> Vec<f64> {
-        match self {
-            Samples::U8(bytes) => bytes.iter().copied().map(f64::from).collect(),
-            Samples::F32(values) => values.iter().copied().map(f64::from).collect(),
-        }
+        (0..self.len()).map(|i| self.real(i)).collect()
     }
 
     /// Returns `u8` or `f32`.

@@ -9,7 +9,7 @@ use std::fmt;
 
 use crate::decode::decode_as;
 use crate::evaluate;
-use crate::protocol::frame::{Frame, Light, Samples, View, ViewKind};
+use crate::protocol::frame::{Frame, Light, View, ViewKind};
 use crate::ptm::{Ptm, Size, channel_name};
 use crate::reading::Reading;
 use crate::suite::values::{HandValues, Values};
@@ -156,10 +156,7 @@ impl Expected {
             });
         }
         let loss = if frame.lossy { LOSSY } else { 0.0 };
-        match &frame.samples {
-            Samples::U8(received) => self.difference(|i| f64::from(received[i]), loss),
-            Samples::F32(received) => self.difference(|i| f64::from(received[i]), loss),
-        }
+        self.difference(|i| frame.samples.real(i), loss)
     }
 
     /// Returns true if `frame` has the stored values of lossy JPEG planes as decoded by another inverse DCT.

@@ -1,10 +1,8 @@
 //! Recipes in the notation of cases.
 
-use std::str::FromStr;
-
 use serde::Deserialize;
 
-use super::words::{FieldText, Words, number};
+use super::words::{FieldText, Words, number, word};
 use crate::codec::jpeg_ls::PresetParameters;
 use crate::generate::Recipe;
 use crate::generate::plan::{Compression, Stream};
@@ -108,7 +106,10 @@ impl SpellingRecord {
         if let Some(lines) = self.space_before_newline.filled(words) {
             to.space_before_newline = match lines.as_str() {
                 "all" => Line::ALL.to_vec(),
-                _ => parse_words(&lines)?,
+                _ => lines
+                    .split_whitespace()
+                    .map(word)
+                    .collect::<Result<_, _>>()?,
             };
         }
         let lines = ["2", "1"];
@@ -125,7 +126,7 @@ impl SpellingRecord {
             .flag("newline_after_table", words, newline)?;
         self.matrix_line
             .number("matrix_line", words, &mut to.matrix_line)?;
-        self.lists.parse(words, &mut to.lists)
+        self.lists.word(words, &mut to.lists)
     }
 }
 
@@ -135,7 +136,7 @@ impl CompressionRecord {
         self.parameter
             .number("parameter", words, &mut plan.parameter)?;
         if let Some(structure) = self.structure.filled(words) {
-            plan.set_structure(structure.parse()?);
+            plan.set_structure(word(&structure)?);
         }
         if let Some(references) = self.references.numbers("references", words)? {
             plan.references = references;
@@ -160,9 +161,10 @@ impl CompressionRecord {
             plan.motion_y = plan.cycled(&motion, everywhere);
         }
         if let Some(records) = self.records.filled(words) {
-            plan.records = parse_words(&records)?;
+            let records = records.split_whitespace().map(str::parse);
+            plan.records = records.collect::<Result<_, _>>()?;
         }
-        self.residuals.parse(words, &mut plan.residuals)?;
+        self.residuals.word(words, &mut plan.residuals)?;
         self.alternates
             .flag("alternates", words, &mut plan.alternates)?;
         self.apply_to_streams(&mut plan.stream, words)
@@ -208,10 +210,6 @@ impl CompressionRecord {
         }
         Ok(())
     }
-}
-
-fn parse_words<T: FromStr<Err = String>>(text: &str) -> Result<Vec<T>, String> {
-    text.split_whitespace().map(str::parse).collect()
 }
 
 /// Parses `any`, `below-256`, `bytes-differ`, or a list of numbers.

@@ -3,6 +3,8 @@
 use std::collections::BTreeMap;
 use std::str::FromStr;
 
+use serde::de::{DeserializeOwned, IntoDeserializer, value};
+
 /// One combination of the words of `for_each`.
 pub(crate) struct Words<'a>(Vec<(&'a str, &'a str)>);
 
@@ -51,6 +53,12 @@ pub(crate) trait FieldText {
             .map_or(Ok(()), |text| text.parse().map(|value| *slot = value))
     }
 
+    /// Reads a word that an enum derives, into `slot`.
+    fn word<T: DeserializeOwned>(&self, words: &Words, slot: &mut T) -> Result<(), String> {
+        self.filled(words)
+            .map_or(Ok(()), |text| word(&text).map(|value| *slot = value))
+    }
+
     /// Parses a number, decimal or after `0x` hexadecimal, into `slot`.
     fn number<T: FromStr>(&self, name: &str, words: &Words, slot: &mut T) -> Result<(), String> {
         self.filled(words).map_or(Ok(()), |text| {
@@ -91,6 +99,12 @@ impl FieldText for Option<String> {
     fn filled(&self, words: &Words) -> Option<String> {
         self.as_ref().map(|text| words.fill(text))
     }
+}
+
+/// Reads a word that an enum derives.
+pub(super) fn word<T: DeserializeOwned>(text: &str) -> Result<T, String> {
+    let read: Result<T, value::Error> = T::deserialize(text.into_deserializer());
+    read.map_err(|error| error.to_string())
 }
 
 /// Parses a number, decimal or after `0x` hexadecimal.

@@ -7,7 +7,7 @@ use maud::{Markup, html};
 
 use crate::decode::decode;
 use crate::diagnose::arithmetic_steps;
-use crate::protocol::frame::{Frame, Samples, View};
+use crate::protocol::frame::{Frame, View};
 use crate::ptm::{Shape, Size, channel_name};
 use crate::report::html::pictures;
 use crate::report::html::preview;
@@ -110,11 +110,8 @@ fn of_picture(
     let (Some(expected), Difference::Samples { x, y, .. }) = (&expected, difference) else {
         return beginning(built);
     };
-    let first = texel(expected, *x, *y);
-    let received = |i: usize| match &frame.samples {
-        Samples::U8(samples) => f64::from(samples[i]),
-        Samples::F32(samples) => f64::from(samples[i]),
-    };
+    let first = (y * expected.size.width as usize + x) * expected.channels;
+    let received = |i: usize| frame.samples.real(i);
     let channel = (0..expected.channels)
         .find(|channel| !expected.is_near(first + channel, received(first + channel)))
         .unwrap_or_default();
@@ -167,11 +164,6 @@ fn arithmetic(
             p.arithmetic { code { (name) " = " (steps) (ends) (number(exact)) } }
         }
     }
-}
-
-/// Returns the index of the first sample of a texel.
-fn texel(expected: &Expected, x: usize, y: usize) -> usize {
-    (y * expected.size.width as usize + x) * expected.channels
 }
 
 /// Returns the bytes that a sample of `view` is computed from.

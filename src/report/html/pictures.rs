@@ -6,7 +6,7 @@
 
 use maud::{Markup, html};
 
-use crate::protocol::frame::{Frame, Samples, ViewKind};
+use crate::protocol::frame::{Frame, ViewKind};
 use crate::ptm::channel_name;
 use crate::report::html::compare::{Compared, png};
 use crate::suite::compare::Expected;
@@ -74,13 +74,9 @@ pub(super) fn figure(
 impl<'a> Pair<'a> {
     fn new(expected: &'a Expected, frame: &'a Frame, spot: (usize, usize)) -> Option<Pair<'a>> {
         let (width, height) = (expected.size.width as usize, expected.size.height as usize);
-        let count = match &frame.samples {
-            Samples::U8(samples) => samples.len(),
-            Samples::F32(samples) => samples.len(),
-        };
         let alike = (frame.width, frame.height, frame.channels as usize)
             == (expected.size.width, expected.size.height, expected.channels);
-        if !alike || count != expected.size.texels() * expected.channels {
+        if !alike || frame.samples.len() != expected.size.texels() * expected.channels {
             return None;
         }
         // The texel in question is in the middle, as far as the edges allow.
@@ -165,10 +161,7 @@ impl<'a> Pair<'a> {
     }
 
     fn received(&self, i: usize) -> f64 {
-        match &self.frame.samples {
-            Samples::U8(samples) => f64::from(samples[i]),
-            Samples::F32(samples) => f64::from(samples[i]),
-        }
+        self.frame.samples.real(i)
     }
 
     /// Returns the number of wrong samples in the whole plane.
