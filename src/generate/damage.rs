@@ -8,22 +8,22 @@
 use std::collections::BTreeMap;
 use std::ops::Range;
 
+use serde::Deserialize;
+use serde::de::{IntoDeserializer, value};
+
 use super::model::Model;
 use super::output::Written;
 use super::place::{Named, Place, Spot};
+use super::plan::Coding;
 use super::stand_in::StandIn;
 use crate::ptm::{Format, Size};
 
 /// A named edit.
-#[derive(Clone, Debug, Default)]
-#[cfg_attr(
-    feature = "harness",
-    derive(serde::Deserialize),
-    serde(deny_unknown_fields, default)
-)]
+#[derive(Clone, Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields, default)]
 pub struct Damage {
     /// A slug that cases use.
-    #[cfg_attr(feature = "harness", serde(rename = "slug"))]
+    #[serde(rename = "slug")]
     pub name: String,
     /// The clause that it breaks or goes beyond.
     pub clause: String,
@@ -54,40 +54,17 @@ pub struct Damage {
 }
 
 /// The only files that a damage applies to.
-#[derive(Clone, Debug, Default)]
-#[cfg_attr(
-    feature = "harness",
-    derive(serde::Deserialize),
-    serde(deny_unknown_fields, default)
-)]
+#[derive(Clone, Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields, default)]
 struct Needs {
     planes: Option<usize>,
     size: Option<String>,
-    coding: Option<Codec>,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(
-    feature = "harness",
-    derive(serde::Deserialize),
-    serde(rename_all = "kebab-case")
-)]
-enum Codec {
-    Jpeg,
-    JpegLs,
+    coding: Option<Coding>,
 }
 
 /// A texel whose index is set, in stored order.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-#[cfg_attr(
-    feature = "harness",
-    derive(serde::Deserialize),
-    serde(rename_all = "kebab-case")
-)]
-#[cfg_attr(
-    not(feature = "harness"),
-    allow(dead_code, reason = "the suite reads them from damages.yaml")
-)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 enum Texel {
     First,
     Middle,
@@ -95,16 +72,8 @@ enum Texel {
 }
 
 /// The new value of an index.
-#[derive(Clone, Copy, Debug)]
-#[cfg_attr(
-    feature = "harness",
-    derive(serde::Deserialize),
-    serde(rename_all = "kebab-case")
-)]
-#[cfg_attr(
-    not(feature = "harness"),
-    allow(dead_code, reason = "the suite reads them from damages.yaml")
-)]
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 enum Index {
     /// The number of entries.
     Entries,
@@ -112,20 +81,12 @@ enum Index {
 }
 
 /// The resulting values, for a reader that reads on regardless.
-#[derive(Clone, Copy, Debug)]
-#[cfg_attr(
-    feature = "harness",
-    derive(serde::Deserialize),
-    serde(rename_all = "kebab-case")
-)]
-#[cfg_attr(
-    not(feature = "harness"),
-    allow(dead_code, reason = "the suite reads them from damages.yaml")
-)]
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 enum Change {
     /// LRGB values, read as version 1.1: nine adjacent bytes per texel, from the bottom left.
     InterleavedTexels,
-    #[cfg_attr(feature = "harness", serde(rename = "plane-1-is-128"))]
+    #[serde(rename = "plane-1-is-128")]
     PlaneOneIs128,
 }
 
@@ -253,8 +214,8 @@ impl Needs {
             .map(|size| size.parse::<Size>())
             .transpose()?;
         let coding = match model.format {
-            Format::JpegRgb | Format::JpegLrgb => Some(Codec::Jpeg),
-            Format::JpeglsRgb | Format::JpeglsLrgb => Some(Codec::JpegLs),
+            Format::JpegRgb | Format::JpegLrgb => Some(Coding::Jpeg),
+            Format::JpeglsRgb | Format::JpeglsLrgb => Some(Coding::JpegLs),
             _ => None,
         };
         let met = self
@@ -276,7 +237,11 @@ fn content_of(content: &str, file: &Named, at: &Range<usize>) -> Result<Vec<u8>,
         return Ok(words.collect::<Result<Vec<_>, _>>()?.concat());
     }
     if let Some(name) = content.strip_prefix("stream ") {
-        return name.parse::<StandIn>()?.stream(file.model);
+        let stand_in: Result<StandIn, value::Error> =
+            StandIn::deserialize(name.into_deserializer());
+        return stand_in
+            .map_err(|error| error.to_string())?
+            .stream(file.model);
     }
     let (mut bytes, mut rest) = (String::new(), content);
     while let Some((text, (inside, after))) = rest

@@ -61,14 +61,18 @@ mod paint;
 pub mod model;
 
 /// Damages: one fault at a time.
+#[cfg(feature = "harness")]
 pub mod damage;
 
 /// Places in a file, as damages name them.
+#[cfg(feature = "harness")]
 mod place;
 
 /// Streams with the wrong properties, to replace one of a file.
+#[cfg(feature = "harness")]
 mod stand_in;
 
+#[cfg(feature = "harness")]
 pub use damage::Damage;
 pub use model::Model;
 pub use output::Written;

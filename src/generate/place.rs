@@ -7,12 +7,8 @@ use super::model::Model;
 use super::output::Written;
 
 /// A place: a field or a part of it.
-#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
-#[cfg_attr(
-    feature = "harness",
-    derive(serde::Deserialize),
-    serde(try_from = "String")
-)]
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, serde::Deserialize)]
+#[serde(try_from = "String")]
 pub(super) struct Place {
     name: String,
     which: Which,

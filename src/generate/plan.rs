@@ -10,6 +10,11 @@ use crate::ptm::{Format, Size};
 
 /// The standard of the streams.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(
+    feature = "harness",
+    derive(serde::Deserialize),
+    serde(rename_all = "kebab-case")
+)]
 pub enum Coding {
     /// ITU-T T.81.
     Jpeg,

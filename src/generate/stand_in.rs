@@ -1,7 +1,7 @@
 //! Streams with the wrong properties, to replace one of a file: gray planes of another size, codec or number of components.
 //! They need an encoder, so `spec-cases/damages.yaml` only names them.
 
-use std::str::FromStr;
+use serde::Deserialize;
 
 use super::model::Model;
 use super::place::segment;
@@ -9,28 +9,14 @@ use crate::codec::{jpeg, jpeg_ls};
 use crate::ptm::Format;
 
 /// A gray plane, 128 everywhere.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub(super) enum StandIn {
-    OneWider,
-    OneHigher,
-    ExchangedSides,
-    OtherCodec,
-    ThreeComponents,
-}
-
-impl FromStr for StandIn {
-    type Err = String;
-
-    fn from_str(name: &str) -> Result<StandIn, String> {
-        Ok(match name {
-            "gray-one-wider" => StandIn::OneWider,
-            "gray-one-higher" => StandIn::OneHigher,
-            "gray-with-exchanged-sides" => StandIn::ExchangedSides,
-            "gray-by-the-other-codec" => StandIn::OtherCodec,
-            "gray-of-three-components" => StandIn::ThreeComponents,
-            _ => return Err(format!("unknown stream {name:?}")),
-        })
-    }
+    GrayOneWider,
+    GrayOneHigher,
+    GrayWithExchangedSides,
+    GrayByTheOtherCodec,
+    GrayOfThreeComponents,
 }
 
 impl StandIn {
@@ -39,14 +25,14 @@ impl StandIn {
         let (width, height) = (model.size.width, model.size.height);
         let is_jpeg = matches!(model.format, Format::JpegRgb | Format::JpegLrgb);
         Ok(match self {
-            StandIn::OneWider => gray(width + 1, height, is_jpeg),
-            StandIn::OneHigher => gray(width, height + 1, is_jpeg),
-            StandIn::ExchangedSides if width == height => {
+            StandIn::GrayOneWider => gray(width + 1, height, is_jpeg),
+            StandIn::GrayOneHigher => gray(width, height + 1, is_jpeg),
+            StandIn::GrayWithExchangedSides if width == height => {
                 return Err("the sides of a square are equal".to_owned());
             }
-            StandIn::ExchangedSides => gray(height, width, is_jpeg),
-            StandIn::OtherCodec => gray(width, height, !is_jpeg),
-            StandIn::ThreeComponents => three_components(&gray(width, height, is_jpeg)),
+            StandIn::GrayWithExchangedSides => gray(height, width, is_jpeg),
+            StandIn::GrayByTheOtherCodec => gray(width, height, !is_jpeg),
+            StandIn::GrayOfThreeComponents => three_components(&gray(width, height, is_jpeg)),
         })
     }
 }
