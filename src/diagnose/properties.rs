@@ -297,16 +297,16 @@ pub(super) const PROPERTIES: &[Property] = &[
         f.is_planned(|plan| plan.parameter == 0)
     }),
     property("with restart markers", |f| {
-        f.is_planned(|plan| plan.stream.restart_interval > 0)
+        f.is_planned(|plan| plan.stream.jpeg.restart_interval > 0)
     }),
     property("with several tables in one marker segment", |f| {
-        f.is_planned(|plan| plan.stream.tables_together)
+        f.is_planned(|plan| plan.stream.jpeg.tables_together)
     }),
     property("with 16-bit quantization tables", |f| {
-        f.format.is_jpeg() && f.is_planned(|plan| !plan.stream.baseline && plan.parameter < 24)
+        f.format.is_jpeg() && f.is_planned(|plan| !plan.stream.jpeg.baseline && plan.parameter < 24)
     }),
     property("with sampling factors other than 1x1", |f| {
-        f.format.is_jpeg() && f.is_planned(|plan| plan.stream.sampling != (1, 1))
+        f.format.is_jpeg() && f.is_planned(|plan| plan.stream.jpeg.sampling != (1, 1))
     }),
     property("with preset parameters (LSE)", |f| {
         f.is_planned(|plan| plan.stream.presets.is_some())

@@ -3,7 +3,8 @@
 use std::sync::atomic::AtomicBool;
 
 use super::draft::{Draft, Words};
-use super::shrink::shrink;
+use super::shrink::{shrink, smaller_sizes};
+use crate::ptm::Size;
 use crate::suite::cases::TableSpelling;
 
 /// Returns the smallest draft reached from `draft` by steps after each of which it still `fails`.
@@ -71,32 +72,16 @@ fn steps(draft: &Draft) -> Vec<Draft> {
     all
 }
 
-/// Returns narrower and lower drafts; a vertical strip is also turned.
+/// Returns narrower and lower drafts. Records may be past the new end; such a file cannot be written and is skipped.
 fn sizes(draft: &Draft) -> Vec<Draft> {
-    let smaller = |side: u32| {
-        let mut sides = vec![
-            1,
-            2,
-            side / 2,
-            side - side / 4,
-            side.saturating_sub(8),
-            side.saturating_sub(1),
-        ];
-        sides.retain(|&smaller| (1..side).contains(&smaller));
-        sides.push(side);
-        sides.dedup();
-        sides
+    let (width, height) = (draft.width, draft.height);
+    let resized = |Size { width, height }| Draft {
+        width,
+        height,
+        ..draft.clone()
     };
-    let mut all = Vec::new();
-    for width in smaller(draft.width) {
-        for height in smaller(draft.height) {
-            let mut draft = draft.clone();
-            // Records may be past the new end; such a file cannot be written and is skipped.
-            (draft.width, draft.height) = (width, height);
-            all.push(draft);
-        }
-    }
-    all
+    let sizes = smaller_sizes(Size { width, height }).into_iter();
+    sizes.map(resized).collect()
 }
 
 /// Returns numbers nearer to zero, or lists with one word less or one word simpler.

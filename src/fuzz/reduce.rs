@@ -6,7 +6,7 @@
 use std::ops::Range;
 use std::sync::atomic::AtomicBool;
 
-use super::shrink::shrink;
+use super::shrink::{shrink, smaller_sizes};
 use crate::codec::{Encoded, jpeg, jpeg_ls};
 use crate::decode::{decode, fields};
 use crate::generate::plan::Coding;
@@ -81,18 +81,7 @@ impl Parts {
         if recipe.format == Format::Lum {
             recipe.matrix = fields.text("2.6/2", 0..16).parse().ok()?;
         }
-        let mut model = Model {
-            format: recipe.format,
-            size: recipe.size,
-            samples: ptm.planes.samples,
-            table: Vec::new(),
-            indices: Vec::new(),
-            scale: recipe.scale.values,
-            bias: recipe.bias.values,
-            matrix: recipe.matrix.values,
-            compressed: None,
-            slack: Vec::new(),
-        };
+        let mut model = Model::uncompressed(&recipe, ptm.planes.samples);
         if recipe.format.has_table() {
             model.table = fields.bytes("2.5/3", 0)?.to_vec();
             recipe.entries = model.entries() as u32;
@@ -119,7 +108,8 @@ impl Parts {
             change(&mut parts);
             parts
         };
-        let mut all = self.smaller();
+        let sizes = smaller_sizes(self.recipe.size).into_iter();
+        let mut all: Vec<Parts> = sizes.filter_map(|size| self.cropped(size)).collect();
         all.extend(SIMPLER.map(|change| simpler(&change)));
         if self.recipe.format.has_table() {
             all.extend([1, 2, 4].map(|share| self.with_fewer_entries(share)));
@@ -132,31 +122,15 @@ impl Parts {
         all
     }
 
-    /// Returns narrower and lower inputs.
-    fn smaller(&self) -> Vec<Parts> {
-        let Size { width, height } = self.recipe.size;
-        let smaller = |side: u32| {
-            let sides = [1, 2, side / 2, side - side / 4, side - 1, side];
-            sides
-                .into_iter()
-                .filter(move |new| (1..=side).contains(new))
-        };
-        smaller(width)
-            .flat_map(|w| smaller(height).map(move |h| (w, h)))
-            .filter(|&new| new != (width, height))
-            .filter_map(|(w, h)| self.cropped(w, h))
-            .collect()
-    }
-
     fn compressed(&mut self) -> &mut Compressed {
         self.model.compressed.as_mut().expect("a compressed format")
     }
 
     /// Returns the top left corner.
-    fn cropped(&self, width: u32, height: u32) -> Option<Parts> {
-        let old = self.recipe.size;
+    fn cropped(&self, size: Size) -> Option<Parts> {
+        let (old, Size { width, height }) = (self.recipe.size, size);
         let mut parts = self.clone();
-        (parts.recipe.size, parts.model.size) = (Size { width, height }, Size { width, height });
+        (parts.recipe.size, parts.model.size) = (size, size);
         let channels = self.recipe.format.channels();
         parts.model.samples = crop(&self.model.samples, channels, old, width, height);
         if self.recipe.format.has_table() {

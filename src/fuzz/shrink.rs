@@ -2,6 +2,8 @@
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use crate::ptm::Size;
+
 /// Maximum number of requests for one file.
 const MAX_REQUESTS: usize = 3000;
 
@@ -34,4 +36,26 @@ pub(super) fn shrink<T, W: Ord>(
             None => return best,
         }
     }
+}
+
+/// Returns narrower and lower sizes.
+pub(super) fn smaller_sizes(Size { width, height }: Size) -> Vec<Size> {
+    let smaller = |side: u32| {
+        let steps = [1, 2, side / 2, side - side / 4];
+        let steps = steps
+            .into_iter()
+            .chain([8, 1].map(|less| side.saturating_sub(less)));
+        let mut sides: Vec<u32> = steps.filter(|new| (1..side).contains(new)).collect();
+        sides.push(side);
+        sides.dedup();
+        sides
+    };
+    let heights = smaller(height);
+    let sizes = smaller(width).into_iter().flat_map(|width| {
+        let heights = heights.iter();
+        heights.map(move |&height| Size { width, height })
+    });
+    sizes
+        .filter(|new| (new.width, new.height) != (width, height))
+        .collect()
 }

@@ -71,7 +71,7 @@ impl Model {
     }
 
     /// Returns the values, with neither table nor streams yet.
-    fn uncompressed(recipe: &Recipe, samples: Vec<u8>) -> Model {
+    pub(crate) fn uncompressed(recipe: &Recipe, samples: Vec<u8>) -> Model {
         Model {
             format: recipe.format,
             size: recipe.size,

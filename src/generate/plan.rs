@@ -5,6 +5,7 @@
 use std::str::FromStr;
 
 use super::predict::{INVERSION, MOTION};
+use crate::codec::jpeg::JpegOptions;
 use crate::codec::jpeg_ls::PresetParameters;
 use crate::ptm::{Format, Size};
 
@@ -49,25 +50,9 @@ pub struct Compression {
 
 /// Choices that JPEG and JPEG-LS leave to an encoder.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[expect(
-    clippy::struct_excessive_bools,
-    reason = "each is a choice that a writer may take"
-)]
 pub struct Stream {
-    /// JPEG: blocks between restart markers; 0 for none.
-    pub restart_interval: u16,
-    /// JPEG: Huffman tables computed for the plane.
-    pub optimized: bool,
-    /// JPEG: no step over 255; without it, low qualities have 16-bit tables.
-    pub baseline: bool,
-    /// JPEG: the two sampling factors of the one component.
-    pub sampling: (u8, u8),
-    /// JPEG: one step for all coefficients instead of those of the quality.
-    pub step: Option<u16>,
-    /// JPEG: the numbers of the quantization, the DC and the AC table, in addition to unused tables.
-    pub table_numbers: Option<[u8; 3]>,
-    /// JPEG: all quantization tables in one segment, and all Huffman tables in one.
-    pub tables_together: bool,
+    /// JPEG: the options of the encoder; the quality is that of the plan.
+    pub jpeg: JpegOptions,
     /// JPEG: a JFIF segment, which the standards of 2.9.8 do not require.
     pub jfif: bool,
     /// JPEG-LS: preset parameters.
@@ -81,13 +66,7 @@ pub struct Stream {
 impl Stream {
     /// The defaults.
     pub const PLAIN: Stream = Stream {
-        restart_interval: 0,
-        optimized: false,
-        baseline: true,
-        sampling: (1, 1),
-        step: None,
-        table_numbers: None,
-        tables_together: false,
+        jpeg: JpegOptions::new(75),
         jfif: true,
         presets: None,
         component: 1,
@@ -473,9 +452,9 @@ impl Compression {
             Coding::Jpeg if !(1..=100).contains(&self.parameter) => {
                 Err("a quality is 1 to 100".to_owned())
             }
-            Coding::Jpeg if self.stream.step == Some(0) => Err("no divisor is 0".to_owned()),
+            Coding::Jpeg if self.stream.jpeg.step == Some(0) => Err("no divisor is 0".to_owned()),
             Coding::Jpeg
-                if (self.stream.table_numbers)
+                if (self.stream.jpeg.table_numbers)
                     .is_some_and(|numbers| numbers.iter().any(|&number| number > 3)) =>
             {
                 Err("tables have numbers of at most 3".to_owned())

@@ -257,10 +257,10 @@ fn exact_step(recipe: &Recipe) -> u32 {
     } else {
         200 - 2 * quality
     };
-    let stream = &recipe.compression.stream;
-    let largest = if stream.baseline { 255 } else { 32767 };
+    let options = &recipe.compression.stream.jpeg;
+    let largest = if options.baseline { 255 } else { 32767 };
     let of_quality = ((16 * percent + 50) / 100).clamp(1, largest);
-    let divisor = stream.step.map_or(of_quality, u32::from);
+    let divisor = options.step.map_or(of_quality, u32::from);
     divisor >> divisor.trailing_zeros().min(3)
 }
 
@@ -287,13 +287,7 @@ fn run_codec(recipe: &Recipe, plane: usize, residual: &[u8]) -> Encoded {
         Coding::Jpeg => {
             let options = jpeg::JpegOptions {
                 quality: plan.parameter,
-                baseline: stream.baseline,
-                optimized: stream.optimized,
-                restart_interval: stream.restart_interval,
-                sampling: stream.sampling,
-                step: stream.step,
-                table_numbers: stream.table_numbers,
-                tables_together: stream.tables_together,
+                ..stream.jpeg
             };
             jpeg::encode(residual, width, height, &options)
         }
@@ -398,7 +392,7 @@ mod tests {
             for baseline in [true, false] {
                 let mut recipe = recipe(Format::JpegLrgb, "17x9");
                 recipe.compression.parameter = quality;
-                recipe.compression.stream.baseline = baseline;
+                recipe.compression.stream.jpeg.baseline = baseline;
                 assert!(Model::paint(&recipe).slack.is_empty(), "quality {quality}");
             }
         }

@@ -8,6 +8,7 @@ use super::pictures;
 use crate::decode::decode;
 use crate::protocol::frame::View;
 use crate::ptm::channel_name;
+use crate::report::html::number;
 use crate::suite::cases::{Built, Case, Expect, TableSpelling};
 use crate::suite::compare::Expected;
 use crate::tools::inspect::{Inspection, inspect};
@@ -142,20 +143,11 @@ fn values(case: &Case, built: &Built) -> Markup {
             thead { tr { th scope="col" { code { (view) } } @for channel in 0..expected.channels { th.number scope="col" { (channel_name(expected.channels, channel)) } } } }
             tbody { @for texel in 0..texels.min(MAX_TEXELS) { tr {
                 th scope="row" { "(" (texel % width) ", " (texel / width) ")" }
-                @for channel in 0..expected.channels { td.number { (number(&expected, texel * expected.channels + channel)) } }
+                @for channel in 0..expected.channels { td.number { (number(expected.values[texel * expected.channels + channel])) } }
             } } }
         } }
         @if texels > MAX_TEXELS { p.quiet { "The first " (MAX_TEXELS) " of " (texels) " texels; (0, 0) is the top left one." } }
     }
-}
-
-fn number(expected: &Expected, i: usize) -> String {
-    let value = expected.values[i];
-    if value != 0.0 && (value.abs() < 1e-3 || value.abs() >= 1e7) {
-        return format!("{value:.4e}");
-    }
-    let text = format!("{value:.4}");
-    text.trim_end_matches('0').trim_end_matches('.').to_owned()
 }
 
 fn fields(paper: Paper, inspection: &Inspection) -> Markup {

@@ -171,27 +171,28 @@ impl CompressionRecord {
     }
 
     fn apply_to_streams(&self, to: &mut Stream, words: &Words) -> Result<(), String> {
-        let interval = &mut to.restart_interval;
+        let jpeg = &mut to.jpeg;
+        let interval = &mut jpeg.restart_interval;
         self.restart_interval
             .number("restart_interval", words, interval)?;
         self.optimised_tables
-            .flag("optimised_tables", words, &mut to.optimized)?;
-        self.baseline.flag("baseline", words, &mut to.baseline)?;
-        self.jfif.flag("jfif", words, &mut to.jfif)?;
+            .flag("optimised_tables", words, &mut jpeg.optimized)?;
+        self.baseline.flag("baseline", words, &mut jpeg.baseline)?;
         if let Some(sampling) = self.sampling.filled(words) {
             let factors = sampling.split_once('x');
             let (across, down) = factors.ok_or("sampling factors are written 2x1")?;
-            to.sampling = (number("sampling", across)?, number("sampling", down)?);
+            jpeg.sampling = (number("sampling", across)?, number("sampling", down)?);
         }
         if let Some(step) = self.step.filled(words) {
-            to.step = Some(number("step", &step)?);
+            jpeg.step = Some(number("step", &step)?);
         }
         if let Some(numbers) = self.table_numbers.numbers("table_numbers", words)? {
             let numbers = numbers.try_into();
-            to.table_numbers = Some(numbers.map_err(|_| "table_numbers are three")?);
+            jpeg.table_numbers = Some(numbers.map_err(|_| "table_numbers are three")?);
         }
         self.tables_together
-            .flag("tables_together", words, &mut to.tables_together)?;
+            .flag("tables_together", words, &mut jpeg.tables_together)?;
+        self.jfif.flag("jfif", words, &mut to.jfif)?;
         self.component
             .number("component", words, &mut to.component)?;
         self.frame_moved

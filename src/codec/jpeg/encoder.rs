@@ -49,7 +49,7 @@ pub struct JpegOptions {
 impl JpegOptions {
     /// Returns the default options for a quality: baseline, the tables of Annex K, no restart markers, factors 1 × 1.
     #[must_use]
-    pub fn new(quality: u8) -> JpegOptions {
+    pub const fn new(quality: u8) -> JpegOptions {
         JpegOptions {
             quality,
             baseline: true,

@@ -239,7 +239,7 @@ fn beginning(built: &Built) -> Markup {
 }
 
 /// Returns a number in its shortest form.
-fn number(value: f64) -> String {
+pub(crate) fn number(value: f64) -> String {
     if value != 0.0 && (value.abs() < 1e-3 || value.abs() >= 1e7) {
         return format!("{value:.4e}");
     }

@@ -26,7 +26,7 @@ mod matrix;
 mod shell;
 
 #[cfg(feature = "cli")]
-pub(crate) use evidence::download;
+pub(crate) use evidence::{download, number};
 pub use matrix::matrix;
 pub use page::page;
 pub use shell::STYLE;
