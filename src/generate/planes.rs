@@ -346,25 +346,6 @@ mod tests {
     }
 
     #[test]
-    fn a_record_is_five_bytes_high_byte_first() {
-        let plane = StoredPlane {
-            stream: Vec::new(),
-            records: vec![(0x0001_0203, 0xfe)],
-        };
-        assert_eq!(plane.side_information(), [0x00, 0x01, 0x02, 0x03, 0xfe]);
-    }
-
-    #[test]
-    fn lossless_planes_are_what_was_painted_whatever_predicts_them() {
-        let mut recipe = recipe(Format::JpeglsLrgb, "7x5");
-        let intra = Model::paint(&recipe).samples;
-        recipe.compression.set_structure(Structure::Deep);
-        recipe.compression.transforms = recipe.compression.cycled(&[3, 1, 2, 0], false);
-        recipe.compression.motion_x = recipe.compression.cycled(&[1, -4, 3], false);
-        assert_eq!(Model::paint(&recipe).samples, intra);
-    }
-
-    #[test]
     fn a_loss_never_puts_a_texel_on_the_other_end_of_the_scale() {
         let mut lossy = recipe(Format::JpeglsLrgb, "9x9");
         lossy.scene = crate::generate::Scene::Extremes;

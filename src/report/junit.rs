@@ -26,18 +26,15 @@ pub fn junit(report: &Report) -> Result<String, String> {
         suite.add_property((name, value.as_str()));
     }
     if let Some(reason) = &report.reason {
-        let mut status = TestCaseStatus::non_success(NonSuccessKind::Error);
-        status
-            .set_message(report.verdict.as_str())
-            .set_description(reason);
+        let mut status = not_passed(NonSuccessKind::Error, &report.verdict);
+        status.set_description(reason);
         let mut case = TestCase::new("first-files", status);
         case.set_classname("ptm-conform");
         suite.add_test_case(case);
     }
     let failures = report.remarks.iter().filter(|remark| remark.failure);
     for (number, remark) in (1..).zip(failures) {
-        let mut status = TestCaseStatus::non_success(NonSuccessKind::Failure);
-        status.set_message(remark.says.as_str());
+        let status = not_passed(NonSuccessKind::Failure, &remark.says);
         let mut case = TestCase::new(format!("whole-run-{number}"), status);
         case.set_classname("ptm-conform");
         suite.add_test_case(case);
@@ -67,14 +64,10 @@ fn status(report: &Report, case: &CaseResult) -> TestCaseStatus {
     let says = case.says.as_deref().unwrap_or(&case.outcome);
     let is = |outcome: Outcome| case.outcome == outcome.name();
     if report.is_known(case) {
-        let mut status = TestCaseStatus::skipped();
-        status.set_message(format!("known failure: {says}"));
-        status
+        skipped(&format!("known failure: {says}"))
     } else if is(Outcome::Fail) {
-        let mut status = TestCaseStatus::non_success(NonSuccessKind::Failure);
-        status
-            .set_message(says)
-            .set_type(format!("clause {}", case.clauses.join(", ")));
+        let mut status = not_passed(NonSuccessKind::Failure, says);
+        status.set_type(format!("clause {}", case.clauses.join(", ")));
         if let Some(cause) = report.cause_of(case) {
             status.set_description(format!(
                 "The {} {} (clause {}). Fix: {}.",
@@ -86,18 +79,24 @@ fn status(report: &Report, case: &CaseResult) -> TestCaseStatus {
         }
         status
     } else if is(Outcome::NotRun) {
-        let mut status = TestCaseStatus::non_success(NonSuccessKind::Error);
-        status.set_message(format!("not run: {says}"));
-        status
+        not_passed(NonSuccessKind::Error, &format!("not run: {says}"))
     } else if is(Outcome::Pass) && case.expect != Expect::Lenient.name() {
         TestCaseStatus::success()
+    } else if is(Outcome::Pass) {
+        skipped("lenient: more than one answer is right, and this was one of them")
     } else {
-        let mut status = TestCaseStatus::skipped();
-        status.set_message(if is(Outcome::Pass) {
-            "lenient: more than one answer is right, and this was one of them"
-        } else {
-            says
-        });
-        status
+        skipped(says)
     }
+}
+
+fn not_passed(kind: NonSuccessKind, message: &str) -> TestCaseStatus {
+    let mut status = TestCaseStatus::non_success(kind);
+    status.set_message(message);
+    status
+}
+
+fn skipped(message: &str) -> TestCaseStatus {
+    let mut status = TestCaseStatus::skipped();
+    status.set_message(message);
+    status
 }

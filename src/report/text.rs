@@ -6,11 +6,10 @@ use std::fmt::Write;
 use crate::kit::last_words::last_words;
 use crate::report::document::{CaseResult, DecoderInfo, FollowedReading, LikelyCause, Report};
 use crate::report::leniency::Leniency;
-use crate::report::words::{MAX_ALIKE, how_it_is_called, known_words, more_alike, partly};
+use crate::report::words::{Detail, details, how_it_is_called};
 use crate::session::outcome::Outcome;
 use crate::session::run::Run;
 use crate::suite::cases::Suite;
-use crate::suite::name::SuiteName;
 use crate::suite::test_case::TestCase;
 
 /// Maximum number of failures under a cause of the catalog, and under a described one.
@@ -151,7 +150,18 @@ impl<C: TestCase> Page<'_, C> {
             self.report.suite.subject(),
             cause.effect
         )?;
-        write_details(cause, self.report.suite, out)?;
+        for Detail {
+            before,
+            name,
+            after,
+            ..
+        } in details(cause, self.report.suite)
+        {
+            writeln!(out, "  {before}{name}{after}")?;
+        }
+        if let Some(example) = &cause.example {
+            writeln!(out, "  {}", capitalized(example))?;
+        }
         match &cause.misreading {
             Some(slug) => writeln!(
                 out,
@@ -307,42 +317,6 @@ fn write_list(out: &mut String, name: &str, items: &[String]) -> std::fmt::Resul
     match items.is_empty() {
         true => Ok(()),
         false => writeln!(out, "{name}: {}", items.join("; ")),
-    }
-}
-
-/// Writes further details of a cause, a line each.
-fn write_details(cause: &LikelyCause, suite: SuiteName, out: &mut String) -> std::fmt::Result {
-    let subject = suite.subject();
-    for (slug, words) in known_words(suite, &cause.or).take(MAX_ALIKE) {
-        writeln!(
-            out,
-            "  Would look the same: a decoder that {} (clause {}; {slug})",
-            words.effect, words.clause
-        )?;
-    }
-    if let Some(more) = more_alike(suite, &cause.or) {
-        writeln!(out, "  {more}")?;
-    }
-    for (slug, words) in known_words(suite, &cause.with) {
-        writeln!(
-            out,
-            "  In some of these cases also: it {} ({slug})",
-            words.effect
-        )?;
-    }
-    if let Some(partly) = partly(cause) {
-        writeln!(out, "  {partly}")?;
-    }
-    if let Some(passing) = cause.except.first() {
-        writeln!(
-            out,
-            "  But not everywhere: such a {subject} would fail {} cases that pass, for example {passing}",
-            cause.except.len()
-        )?;
-    }
-    match &cause.example {
-        Some(example) => writeln!(out, "  {}", capitalized(example)),
-        None => Ok(()),
     }
 }
 

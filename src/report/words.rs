@@ -5,16 +5,13 @@ use crate::report::document::LikelyCause;
 use crate::suite::name::SuiteName;
 
 /// The clause and the effect of a misreading of any suite.
-pub(super) struct Words {
-    pub clause: &'static str,
-    pub effect: &'static str,
+struct Words {
+    clause: &'static str,
+    effect: &'static str,
 }
 
 /// Returns the slugs of `slugs` that a catalog knows, with their words.
-pub(super) fn known_words(
-    suite: SuiteName,
-    slugs: &[String],
-) -> impl Iterator<Item = (&str, Words)> {
+fn known_words(suite: SuiteName, slugs: &[String]) -> impl Iterator<Item = (&str, Words)> {
     slugs.iter().filter_map(move |slug| {
         if suite == SuiteName::Writers {
             let of = writing::named(slug)?;
@@ -28,26 +25,64 @@ pub(super) fn known_words(
 }
 
 /// Maximum number of misreadings with the same effect that are described; the others are counted.
-pub(super) const MAX_ALIKE: usize = 3;
+const MAX_ALIKE: usize = 3;
 
-/// Counts the misreadings with the same effect beyond the first [`MAX_ALIKE`].
-pub(super) fn more_alike(suite: SuiteName, or: &[String]) -> Option<String> {
-    match known_words(suite, or).skip(MAX_ALIKE).count() {
-        0 => None,
-        1 => Some("Would look the same: 1 other misreading, see the report".to_owned()),
-        more => Some(format!(
-            "Would look the same: {more} other misreadings, see the report"
-        )),
-    }
+/// A further detail of a cause: a sentence without its full stop, around a name.
+pub(super) struct Detail<'a> {
+    pub before: String,
+    /// A misreading or a case; may be empty.
+    pub name: &'a str,
+    pub after: &'static str,
+    /// The page of the misreading on the site.
+    pub page: Option<String>,
 }
 
-/// Counts the failures that a cause explains in part.
-pub(super) fn partly(cause: &LikelyCause) -> Option<String> {
-    match cause.partly.len() {
-        0 => None,
-        1 => Some("1 other failure is explained in part".to_owned()),
-        count => Some(format!("{count} other failures are explained in part")),
+/// Returns the details of a cause: what would look the same, what else shows, and which cases it does not explain.
+pub(super) fn details(cause: &LikelyCause, suite: SuiteName) -> Vec<Detail<'_>> {
+    let detail = |before, name, after| Detail {
+        before,
+        name,
+        after,
+        page: None,
+    };
+    let mut details = Vec::new();
+    for (slug, Words { clause, effect }) in known_words(suite, &cause.or).take(MAX_ALIKE) {
+        let before = format!("Would look the same: a decoder that {effect} (clause {clause}; ");
+        details.push(Detail {
+            page: Some(suite.misreading_page(slug)),
+            ..detail(before, slug, ")")
+        });
     }
+    let more = known_words(suite, &cause.or).skip(MAX_ALIKE).count();
+    let misreadings = if more == 1 {
+        "misreading"
+    } else {
+        "misreadings"
+    };
+    if more > 0 {
+        let before = format!("Would look the same: {more} other {misreadings}, see the report");
+        details.push(detail(before, "", ""));
+    }
+    for (slug, Words { effect, .. }) in known_words(suite, &cause.with) {
+        let before = format!("In some of these cases also: it {effect} (");
+        details.push(detail(before, slug, ")"));
+    }
+    let before = match cause.partly.len() {
+        0 => String::new(),
+        1 => "1 other failure is explained in part".to_owned(),
+        count => format!("{count} other failures are explained in part"),
+    };
+    if !before.is_empty() {
+        details.push(detail(before, "", ""));
+    }
+    if let Some(passing) = cause.except.first() {
+        let (subject, count) = (suite.subject(), cause.except.len());
+        let before = format!(
+            "But not everywhere: such a {subject} would fail {count} cases that pass, for example "
+        );
+        details.push(detail(before, passing, ""));
+    }
+    details
 }
 
 /// Returns the lines that explain how a program is called.

@@ -157,9 +157,4 @@ mod tests {
             assert_eq!(CHOICES.place(dialect, &some), place);
         }
     }
-
-    #[test]
-    fn no_axis_means_one_combination() {
-        assert_eq!(CHOICES.combinations(&[]), [CHOICES.reference()]);
-    }
 }

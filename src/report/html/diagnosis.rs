@@ -5,7 +5,7 @@ use maud::{Markup, html};
 use crate::report::document::{LikelyCause, Report};
 use crate::report::html::cases::{Group, failed};
 use crate::report::html::shell::linked;
-use crate::report::words::{MAX_ALIKE, how_it_is_called, known_words, more_alike, partly};
+use crate::report::words::{Detail, details, how_it_is_called};
 use crate::suite::address::published;
 use crate::suite::clauses::Clause;
 
@@ -39,28 +39,19 @@ pub(super) fn diagnosis(report: &Report, groups: &[Group], clauses: &[Clause]) -
 
 fn diagnosed(cause: &LikelyCause, group: &Group, failures: usize, clauses: &[Clause]) -> Markup {
     let rule = clauses.iter().find(|clause| clause.id == cause.clause);
-    let subject = group.suite.subject();
     html! {
         article.cause {
             p.share { b { (cause.explains.len()) } " of " (failures) " failures" }
             div {
-                h3 { "The " (subject) " " (cause.effect) "." }
+                h3 { "The " (group.suite.subject()) " " (cause.effect) "." }
                 p.fix { b { "Fix: " } (cause.fix) "." }
                 @if cause.blames_its_clause() {
                     p.rule {
                         b { "Clause " (linked(group.suite.clause_page(&cause.clause), &html! { (cause.clause) })) } @if let Some(rule) = rule { ": " (rule.rule) }
                     }
                 }
-                @for (slug, other) in known_words(group.suite, &cause.or).take(MAX_ALIKE) {
-                    p { "Would look the same: a decoder that " (other.effect) " (clause " (other.clause) "; " (linked(Some(group.suite.misreading_page(slug)), &html! { code { (slug) } })) ")." }
-                }
-                @if let Some(more) = more_alike(group.suite, &cause.or) { p { (more) "." } }
-                @for (slug, other) in known_words(group.suite, &cause.with) {
-                    p { "In some of these cases also: it " (other.effect) " (" code { (slug) } ")." }
-                }
-                @if let Some(partly) = partly(cause) { p { (partly) "." } }
-                @if let Some(passing) = cause.except.first() {
-                    p { "But not everywhere: such a " (subject) " would fail " (cause.except.len()) " cases that pass, for example " code { (passing) } "." }
+                @for Detail { before, name, after, page } in details(cause, group.suite) {
+                    p { (before) @if !name.is_empty() { (linked(page, &html! { code { (name) } })) } (after) "." }
                 }
                 @if let Some(example) = &cause.example { p { "For example " (example.strip_prefix("for example ").unwrap_or(example).trim_end_matches('.')) "." } }
                 p.quiet {

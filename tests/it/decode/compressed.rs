@@ -1,6 +1,6 @@
 //! What the cases of 2.9 promise of themselves.
 
-use ptm_conform::generate::plan::{Coding, Residuals};
+use ptm_conform::generate::plan::{Coding, Residuals, Structure};
 use ptm_conform::generate::{self, Model, Recipe, Scene};
 use ptm_conform::protocol::frame::View;
 use ptm_conform::ptm::Format;
@@ -150,16 +150,16 @@ fn decoded(recipe: &Recipe) -> Vec<u8> {
 #[test]
 fn a_scene_is_the_same_in_every_lossless_prediction_structure() {
     let structures = [
-        "intra",
-        "chain",
-        "star",
-        "deep",
-        "two-trees",
-        "shared-reference",
-        "upward",
-        "rotated",
-        "tablet",
-        "gaps",
+        Structure::Intra,
+        Structure::Chain,
+        Structure::Star,
+        Structure::Deep,
+        Structure::TwoTrees,
+        Structure::SharedReference,
+        Structure::Upward,
+        Structure::Rotated,
+        Structure::Tablet,
+        Structure::Gaps,
     ];
     for (plain, compressed) in [
         (Format::Rgb, Format::JpeglsRgb),
@@ -175,13 +175,13 @@ fn a_scene_is_the_same_in_every_lossless_prediction_structure() {
                     let mut recipe = Recipe::ordinary(compressed, size);
                     (recipe.scene, recipe.seed) = (scene, seed);
                     let plan = &mut recipe.compression;
-                    plan.set_structure(structure.parse().expect("a structure"));
+                    plan.set_structure(structure);
                     plan.transforms = plan.cycled(transforms, false);
                     plan.motion_x = plan.cycled(&[1, -4, 3, 0], false);
                     plan.motion_y = plan.cycled(&[0, 2, -3], false);
                     assert!(
                         decoded(&recipe) == planes,
-                        "{} in structure {structure} with transforms {transforms:?}",
+                        "{} in structure {structure:?} with transforms {transforms:?}",
                         compressed.name()
                     );
                 }
