@@ -7,6 +7,7 @@ use std::path::Path;
 
 use super::find::{Explanation, Find};
 use crate::protocol::frame::{Frame, View};
+use crate::suite::address::slug;
 use crate::suite::cases::{Built, TableSpelling};
 use crate::suite::compare::Expected;
 
@@ -20,7 +21,7 @@ const MAX_SHOWN: usize = 24;
 /// Errors of the file system.
 pub fn write(find: &Find, table: TableSpelling, directory: &Path) -> io::Result<String> {
     fs::create_dir_all(directory)?;
-    let name = slug(&find.cause.name());
+    let name: String = slug(&find.cause.name()).chars().take(60).collect();
     let at = |suffix: &str| directory.join(format!("{name}.{suffix}"));
     let id = format!("found-{name}");
     let case = find.small.cases(&id).map_err(io::Error::other)?.pop();
@@ -111,14 +112,4 @@ fn annotated(built: &Built) -> String {
         let _ = writeln!(out, "  {}", start.escape_ascii());
     }
     out
-}
-
-/// Returns a name for files.
-fn slug(name: &str) -> String {
-    let words: Vec<String> = name
-        .split(|c: char| !c.is_ascii_alphanumeric())
-        .filter(|word| !word.is_empty())
-        .map(str::to_lowercase)
-        .collect();
-    words.join("-").chars().take(60).collect()
 }

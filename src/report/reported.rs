@@ -30,6 +30,11 @@ pub trait Reported: TestCase {
     /// The name of the suite.
     const SUITE: SuiteName;
 
+    /// Reads the clauses of the text: of the PTM specification, unless the suite has another text.
+    const CLAUSES: fn() -> Result<Vec<Clause>, String> = clauses::clauses;
+    /// Reads the rulings on open questions of the text.
+    const RULINGS: fn() -> Result<Vec<Ruling>, String> = clauses::rulings;
+
     /// The place where its misreadings act.
     type Place: 'static;
 
@@ -38,20 +43,6 @@ pub trait Reported: TestCase {
     /// # Errors
     /// A sentence that names the file and the error.
     fn suite() -> Result<Suite<Self>, String>;
-    /// Returns the clauses of the text: of the PTM specification, unless the suite has another text.
-    ///
-    /// # Errors
-    /// A sentence that names the error in the file.
-    fn all_clauses() -> Result<Vec<Clause>, String> {
-        clauses::clauses()
-    }
-    /// Returns the rulings on open questions of the text.
-    ///
-    /// # Errors
-    /// A sentence that names the error in the file.
-    fn all_rulings() -> Result<Vec<Ruling>, String> {
-        clauses::rulings()
-    }
     /// Returns a digest of all requests and expected results, in order.
     fn digest(suite: &Suite<Self>) -> String;
     /// Returns readings of open questions that affect only the file that is sent, and no answer.
@@ -84,7 +75,7 @@ pub trait Reported: TestCase {
     ) -> Result<(), String> {
         match slugs {
             [] => Ok(()),
-            _ => Err("--assume is for decoders".to_owned()),
+            _ => Err("--assume is for the suite of PTM files".to_owned()),
         }
     }
     /// Returns the causes of failures, in addition to the assumed mistakes; the one that explains most first.
@@ -177,19 +168,13 @@ impl Reported for Case {
 
 impl Reported for TextureCase {
     const SUITE: SuiteName = SuiteName::Texture;
+    const CLAUSES: fn() -> Result<Vec<Clause>, String> = texture::cases::clauses;
+    const RULINGS: fn() -> Result<Vec<Ruling>, String> = texture::cases::rulings;
 
     type Place = Change;
 
     fn suite() -> Result<Suite<TextureCase>, String> {
         Suite::of_textures()
-    }
-
-    fn all_clauses() -> Result<Vec<Clause>, String> {
-        texture::cases::clauses()
-    }
-
-    fn all_rulings() -> Result<Vec<Ruling>, String> {
-        texture::cases::rulings()
     }
 
     fn digest(suite: &Suite<TextureCase>) -> String {
@@ -202,18 +187,6 @@ impl Reported for TextureCase {
 
     fn evidence(&self, _: TableSpelling, observation: &Observation<TextureCase>) -> Markup {
         evidence::of_question(self, observation)
-    }
-
-    fn assume(
-        _: &Suite<TextureCase>,
-        _: &mut Run<TextureCase>,
-        slugs: &[String],
-        _: usize,
-    ) -> Result<(), String> {
-        match slugs {
-            [] => Ok(()),
-            _ => Err("--assume is for the suite of PTM files".to_owned()),
-        }
     }
 
     fn diagnose(

@@ -34,16 +34,14 @@ pub fn code(id: &str) -> String {
 /// Returns the page of a public reader.
 #[must_use]
 pub fn reader(name: &str) -> String {
-    format!("readers/{}.html", reader_slug(name))
+    format!("readers/{}.html", slug(name))
 }
 
-/// Returns a reader's name as a file name.
-fn reader_slug(name: &str) -> String {
-    let words = name.to_lowercase();
-    let words: Vec<&str> = words
-        .split(|c: char| !c.is_ascii_alphanumeric())
-        .filter(|word| !word.is_empty())
-        .collect();
+/// Returns a name in the form of file names: its words in lower case, with hyphens between them.
+pub(crate) fn slug(name: &str) -> String {
+    let name = name.to_lowercase();
+    let words = name.split(|c: char| !c.is_ascii_alphanumeric());
+    let words: Vec<&str> = words.filter(|word| !word.is_empty()).collect();
     words.join("-")
 }
 

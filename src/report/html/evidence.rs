@@ -265,20 +265,12 @@ fn excerpt(file: &[u8], range: &Range<usize>) -> Markup {
                 }
                 (" ".repeat(3 * (at + 16 - end) + 2))
                 @for (i, part) in parts.iter().enumerate().filter(|(_, part)| !part.is_empty()) {
-                    @let text: String = file[part.clone()].iter().map(|&byte| printable(byte)).collect();
+                    @let text: String = file[part.clone()].iter().map(|&byte| if matches!(byte, b' '..=b'~') { char::from(byte) } else { '·' }).collect();
                     @if i == 1 { mark { (text) } } @else { (text) }
                 }
                 "\n"
             }
             @if range.start >= file.len() { span.offset { "the file ends here" } }
         }
-    }
-}
-
-fn printable(byte: u8) -> char {
-    if byte.is_ascii_graphic() || byte == b' ' {
-        char::from(byte)
-    } else {
-        '·'
     }
 }

@@ -25,7 +25,7 @@ pub fn page<C: Reported>(
     report: &Report,
     run: Option<&Run<C>>,
 ) -> Result<String, String> {
-    let clauses = C::all_clauses()?;
+    let clauses = (C::CLAUSES)()?;
     let groups = groups(report);
     let evidence = evidence(suite, run, &groups);
     let title = format!(
@@ -157,7 +157,7 @@ fn of_case(suite: SuiteName, id: &str) -> Markup {
 
 /// Returns the decoder's reading of open questions, and the features that it decodes.
 fn dialect<C: Reported>(report: &Report) -> Result<Markup, String> {
-    let rulings = C::all_rulings()?;
+    let rulings = (C::RULINGS)()?;
     Ok(html! {
         section aria-labelledby="dialect" {
             h2 #dialect { "Dialect and breadth" }
