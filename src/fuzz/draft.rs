@@ -80,10 +80,10 @@ impl Draft {
     /// Draws scale, bias, matrix and scene.
     fn draw_numbers(&mut self, u: &mut Unstructured) -> Result<()> {
         if u.ratio(2, 3)? {
-            self.make.insert("scale", draw_list(6, u, draw_scale)?);
+            put(&mut self.make, "scale", draw_list(6, u, draw_scale)?);
         }
         if u.ratio(2, 3)? {
-            self.make.insert("bias", draw_list(6, u, draw_bias)?);
+            put(&mut self.make, "bias", draw_list(6, u, draw_bias)?);
         }
         if self.format == Format::Lum && u.ratio(1, 2)? {
             // Column-major; the last row is 0 0 0 1 and there is no translation, because its place is an open question.
@@ -91,22 +91,25 @@ impl Draft {
             for _ in 0..3 {
                 matrix.push(draw_list(3, u, draw_factor)? + " 0");
             }
-            self.make
-                .insert("matrix", format!("{} 0 0 0 1", matrix.join(" ")));
+            let matrix = format!("{} 0 0 0 1", matrix.join(" "));
+            put(&mut self.make, "matrix", matrix);
         }
         if u.ratio(1, 2)? {
-            let scene = match u.int_in_range(0..=9)? {
-                0 => "extremes".to_owned(),
-                1 => "ramp".to_owned(),
-                2 => "stripes".to_owned(),
-                3 => "soft".to_owned(),
-                4 => "columns".to_owned(),
-                5 => "rows".to_owned(),
-                6 => "diagonals".to_owned(),
-                7 => "unlit".to_owned(),
-                _ => format!("flat-{}", u.choose(&[0, 1, 127, 128, 129, 254, 255])?),
+            const SCENES: [&str; 8] = [
+                "extremes",
+                "ramp",
+                "stripes",
+                "soft",
+                "columns",
+                "rows",
+                "diagonals",
+                "unlit",
+            ];
+            let scene = match SCENES.get(u.int_in_range(0..=9)?) {
+                Some(&scene) => scene.to_owned(),
+                None => format!("flat-{}", u.choose(&[0, 1, 127, 128, 129, 254, 255])?),
             };
-            self.make.insert("scene", scene);
+            put(&mut self.make, "scene", scene);
         }
         Ok(())
     }
@@ -121,22 +124,20 @@ impl Draft {
                 6..=9 => u.int_in_range(259..=1500)?,
                 _ => u.int_in_range(1..=40)?,
             };
-            self.make.insert("entries", entries.to_string());
+            put(&mut self.make, "entries", entries);
             match u.int_in_range(0..=9)? {
-                0 if entries > 2 => self.make.insert("indices", "bytes-differ".to_owned()),
-                1 => self.make.insert("indices", "below-256".to_owned()),
-                2 => self.make.insert("indices", (entries - 1).to_string()),
-                3 => self
-                    .make
-                    .insert("indices", u.int_in_range(0..=entries - 1)?.to_string()),
-                _ => None,
-            };
+                0 if entries > 2 => put(&mut self.make, "indices", "bytes-differ"),
+                1 => put(&mut self.make, "indices", "below-256"),
+                2 => put(&mut self.make, "indices", entries - 1),
+                3 => put(&mut self.make, "indices", u.int_in_range(0..=entries - 1)?),
+                _ => {}
+            }
         }
         if u.ratio(1, 3)? {
             let byte = *u.choose(&[
                 0x00, 0x09, 0x0a, 0x0d, 0x1a, 0x20, 0x23, 0x2d, 0x30, 0x39, 0x7f, 0x80, 0xfe, 0xff,
             ])?;
-            self.make.insert("first_byte", format!("{byte:#04x}"));
+            put(&mut self.make, "first_byte", format!("{byte:#04x}"));
         }
         Ok(())
     }
@@ -146,10 +147,9 @@ impl Draft {
         let lossy = jpeg || u.ratio(1, 3)?;
         if jpeg {
             let quality = *u.choose(&[1, 10, 20, 23, 24, 25, 50, 75, 90, 95, 99, 100])?;
-            self.compression.insert("parameter", quality.to_string());
+            put(&mut self.compression, "parameter", quality);
         } else if lossy {
-            self.compression
-                .insert("parameter", u.int_in_range(1..=10)?.to_string());
+            put(&mut self.compression, "parameter", u.int_in_range(1..=10)?);
         }
         self.draw_forest(u)?;
         let moves = self.draw_transforms(u)?;
@@ -161,7 +161,7 @@ impl Draft {
             5 => "gray",
             _ => "blocks",
         };
-        self.compression.insert("residuals", residuals.to_owned());
+        put(&mut self.compression, "residuals", residuals);
         self.draw_records(u)?;
         self.draw_stream(jpeg, u)
     }
@@ -180,8 +180,7 @@ impl Draft {
             "tablet",
         ];
         if u.ratio(1, 2)? {
-            let structure = (*u.choose(&STRUCTURES)?).to_owned();
-            self.compression.insert("structure", structure);
+            put(&mut self.compression, "structure", u.choose(&STRUCTURES)?);
             return Ok(());
         }
         let count = self.format.channels();
@@ -196,8 +195,8 @@ impl Draft {
                 references[plane] = by_rank[u.int_in_range(0..=rank - 1)?] as i64;
             }
         }
-        self.compression.insert("references", join(&references));
-        self.compression.insert("order", join(&order));
+        put(&mut self.compression, "references", join(&references));
+        put(&mut self.compression, "order", join(&order));
         Ok(())
     }
 
@@ -210,9 +209,9 @@ impl Draft {
         let pool: &[u32] = if with_motion { &[0, 1, 2, 3] } else { &[0, 1] };
         let length = u.int_in_range(1..=5)?;
         let transforms = draw_list(length, u, |u| Ok(u.choose(pool)?.to_string()))?;
-        self.compression.insert("transforms", transforms);
+        put(&mut self.compression, "transforms", transforms);
         if u.ratio(1, 5)? {
-            self.compression.insert("everywhere", "true".to_owned());
+            put(&mut self.compression, "everywhere", true);
         }
         for axis in ["motion_x", "motion_y"] {
             if with_motion && u.ratio(3, 4)? {
@@ -222,7 +221,7 @@ impl Draft {
                     let most = *u.choose(&[7, 7, 7, 7, 7, 7, 7, 7, 7, 80, 300])?;
                     Ok(u.int_in_range(-most..=most)?.to_string())
                 })?;
-                self.compression.insert(axis, vectors);
+                put(&mut self.compression, axis, vectors);
             }
         }
         Ok(with_motion)
@@ -256,7 +255,7 @@ impl Draft {
             };
             records.push(format!("{planes}:{texels}"));
         }
-        self.compression.insert("records", records.join(" "));
+        put(&mut self.compression, "records", records.join(" "));
         Ok(())
     }
 
@@ -265,30 +264,27 @@ impl Draft {
         if u.ratio(1, 2)? {
             return Ok(());
         }
+        let plan = &mut self.compression;
         if jpeg {
-            let interval = *u.choose(&[0, 0, 1, 2, 3, 7])?;
-            self.compression
-                .insert("restart_interval", interval.to_string());
-            self.compression
-                .insert("optimised_tables", u.arbitrary::<bool>()?.to_string());
-            self.compression
-                .insert("baseline", u.arbitrary::<bool>()?.to_string());
-            let sampling = (*u.choose(&["1x1", "2x1", "1x2", "2x2", "4x1", "3x2"])?).to_owned();
-            self.compression.insert("sampling", sampling);
+            put(plan, "restart_interval", u.choose(&[0, 0, 1, 2, 3, 7])?);
+            put(plan, "optimised_tables", u.arbitrary::<bool>()?);
+            put(plan, "baseline", u.arbitrary::<bool>()?);
+            let sampling = u.choose(&["1x1", "2x1", "1x2", "2x2", "4x1", "3x2"])?;
+            put(plan, "sampling", sampling);
             if u.ratio(1, 3)? {
-                self.compression.insert("jfif", "false".to_owned());
+                put(plan, "jfif", false);
             }
-        } else if !self.compression.contains_key("parameter") {
-            let presets = *u.choose(&[
+        } else if !plan.contains_key("parameter") {
+            let presets = u.choose(&[
                 "255 3 7 21 64",
                 "255 2 5 9 31",
                 "255 10 40 90 255",
                 "255 2 2 2 3",
             ])?;
-            self.compression.insert("presets", presets.to_owned());
+            put(plan, "presets", presets);
         }
         if u.ratio(1, 4)? {
-            self.compression.insert("alternates", "true".to_owned());
+            put(plan, "alternates", true);
         }
         Ok(())
     }
@@ -366,6 +362,14 @@ impl Draft {
     }
 }
 
+#[expect(
+    clippy::needless_pass_by_value,
+    reason = "numbers and texts are written in the call"
+)]
+fn put(words: &mut Words, key: &'static str, word: impl ToString) {
+    words.insert(key, word.to_string());
+}
+
 /// Returns the section that describes the payload of a format.
 fn section(format: Format) -> &'static str {
     match format {
@@ -410,15 +414,15 @@ fn draw_spelling(u: &mut Unstructured) -> Result<Words> {
             let length = u.int_in_range(1..=2)?;
             draw_list(length, u, |u| Ok((*u.choose(&LINES)?).to_owned()))?
         };
-        words.insert("space_before_newline", lines);
+        put(&mut words, "space_before_newline", lines);
     }
     for key in ["size_lines", "scale_bias_lines"] {
         if u.ratio(1, 3)? {
-            words.insert(key, "1".to_owned());
+            put(&mut words, key, 1);
         }
     }
     if u.ratio(1, 6)? {
-        words.insert("gap", u.choose(&[2, 3, 10, 90])?.to_string());
+        put(&mut words, "gap", u.choose(&[2, 3, 10, 90])?);
     }
     Ok(words)
 }

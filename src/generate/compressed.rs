@@ -26,41 +26,22 @@ fn write_lists(compressed: &Compressed, out: &mut Output) {
         .map(|plane| plane.side_information().len())
         .collect();
 
-    write_list(
-        "2.9.1/1",
-        "parameter",
-        &[plan.parameter],
-        Line::Parameter,
-        out,
-    );
-    write_list(
-        "2.9/3",
-        "transforms",
-        &plan.transforms,
-        Line::Transforms,
-        out,
-    );
-    write_list("2.9.3/1", "motion x", &plan.motion_x, Line::MotionX, out);
-    write_list("2.9.3/1", "motion y", &plan.motion_y, Line::MotionY, out);
-    write_list("2.9/3", "order", &plan.order, Line::Order, out);
-    write_list(
-        "2.9/3",
-        "references",
-        &plan.references,
-        Line::References,
-        out,
-    );
-    write_list("2.9/3", "compressed sizes", &sizes, Line::Sizes, out);
-    write_list("2.9/3", "side sizes", &side_sizes, Line::SideSizes, out);
+    write_list(Line::Parameter, "parameter", &[plan.parameter], out);
+    write_list(Line::Transforms, "transforms", &plan.transforms, out);
+    write_list(Line::MotionX, "motion x", &plan.motion_x, out);
+    write_list(Line::MotionY, "motion y", &plan.motion_y, out);
+    write_list(Line::Order, "order", &plan.order, out);
+    write_list(Line::References, "references", &plan.references, out);
+    write_list(Line::Sizes, "compressed sizes", &sizes, out);
+    write_list(Line::SideSizes, "side sizes", &side_sizes, out);
 }
 
-fn write_list(
-    clause: &'static str,
-    name: &'static str,
-    numbers: &[impl ToString],
-    line: Line,
-    out: &mut Output,
-) {
+fn write_list(line: Line, name: &'static str, numbers: &[impl ToString], out: &mut Output) {
+    let clause = match line {
+        Line::Parameter => "2.9.1/1",
+        Line::MotionX | Line::MotionY => "2.9.3/1",
+        _ => "2.9/3",
+    };
     for (i, number) in numbers.iter().enumerate() {
         if i > 0 {
             out.line_end_or_gap(out.spelling.lists == Lists::NumberPerLine, line);
