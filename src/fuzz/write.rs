@@ -6,7 +6,7 @@ use std::io;
 use std::path::Path;
 
 use super::find::{Explanation, Find};
-use crate::protocol::frame::{Frame, View};
+use crate::protocol::frame::View;
 use crate::suite::address::slug;
 use crate::suite::cases::{Built, TableSpelling};
 use crate::suite::compare::Expected;
@@ -34,19 +34,13 @@ pub fn write(find: &Find, table: TableSpelling, directory: &Path) -> io::Result<
         .as_ref()
         .and_then(|view| Expected::of(&built.values, view));
     if let Some(expected) = &expected {
-        write_frame(&expected.frame(), &at("expected"))?;
+        fs::write(at("expected"), expected.frame().to_bytes())?;
     }
     if let Some(received) = &find.received {
-        write_frame(received, &at("received"))?;
+        fs::write(at("received"), received.to_bytes())?;
     }
     fs::write(at("txt"), explanation(find, &built, expected.as_ref()))?;
     Ok(name)
-}
-
-fn write_frame(frame: &Frame, path: &Path) -> io::Result<()> {
-    let mut file = io::BufWriter::new(fs::File::create(path)?);
-    frame.write(&mut file)?;
-    io::Write::flush(&mut file)
 }
 
 /// Returns the cause in a sentence.

@@ -237,10 +237,11 @@ fn content_of(content: &str, file: &Named, at: &Range<usize>) -> Result<Vec<u8>,
         return Ok(words.collect::<Result<Vec<_>, _>>()?.concat());
     }
     if let Some(name) = content.strip_prefix("stream ") {
-        let stand_in: Result<StandIn, value::Error> =
-            StandIn::deserialize(name.into_deserializer());
+        let unknown = || format!("unknown stream {name:?}");
+        let gray = name.strip_prefix("gray-").ok_or_else(unknown)?;
+        let stand_in = StandIn::deserialize(gray.into_deserializer());
         return stand_in
-            .map_err(|error| error.to_string())?
+            .map_err(|_: value::Error| unknown())?
             .stream(file.model);
     }
     let (mut bytes, mut rest) = (String::new(), content);

@@ -8,15 +8,15 @@ use super::place::segment;
 use crate::codec::{jpeg, jpeg_ls};
 use crate::ptm::Format;
 
-/// A gray plane, 128 everywhere.
+/// A gray plane, 128 everywhere: `gray-one-wider` and so on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub(super) enum StandIn {
-    GrayOneWider,
-    GrayOneHigher,
-    GrayWithExchangedSides,
-    GrayByTheOtherCodec,
-    GrayOfThreeComponents,
+    OneWider,
+    OneHigher,
+    WithExchangedSides,
+    ByTheOtherCodec,
+    OfThreeComponents,
 }
 
 impl StandIn {
@@ -25,14 +25,14 @@ impl StandIn {
         let (width, height) = (model.size.width, model.size.height);
         let is_jpeg = matches!(model.format, Format::JpegRgb | Format::JpegLrgb);
         Ok(match self {
-            StandIn::GrayOneWider => gray(width + 1, height, is_jpeg),
-            StandIn::GrayOneHigher => gray(width, height + 1, is_jpeg),
-            StandIn::GrayWithExchangedSides if width == height => {
+            StandIn::OneWider => gray(width + 1, height, is_jpeg),
+            StandIn::OneHigher => gray(width, height + 1, is_jpeg),
+            StandIn::WithExchangedSides if width == height => {
                 return Err("the sides of a square are equal".to_owned());
             }
-            StandIn::GrayWithExchangedSides => gray(height, width, is_jpeg),
-            StandIn::GrayByTheOtherCodec => gray(width, height, !is_jpeg),
-            StandIn::GrayOfThreeComponents => three_components(&gray(width, height, is_jpeg)),
+            StandIn::WithExchangedSides => gray(height, width, is_jpeg),
+            StandIn::ByTheOtherCodec => gray(width, height, !is_jpeg),
+            StandIn::OfThreeComponents => three_components(&gray(width, height, is_jpeg)),
         })
     }
 }

@@ -331,6 +331,15 @@ impl Frame {
         self.write_samples(out)
     }
 
+    /// Returns the line and the samples.
+    #[must_use]
+    pub fn to_bytes(&self) -> Vec<u8> {
+        let mut bytes = Vec::new();
+        self.write(&mut bytes)
+            .expect("writing to memory does not fail");
+        bytes
+    }
+
     /// Writes the line of a frame of that size.
     fn write_line(&self, size: Size, out: &mut impl Write) -> io::Result<()> {
         let Size { width, height } = size;
@@ -581,9 +590,7 @@ const LOSSY: &str = "lossy ";
 /// A frame as text: its bytes in hexadecimal.
 impl Serialize for Frame {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let mut bytes = Vec::new();
-        self.write(&mut bytes)
-            .expect("writing to memory does not fail");
+        let bytes = self.to_bytes();
         let mark = if self.lossy { LOSSY } else { "" };
         let digits = bytes.iter().map(|byte| format!("{byte:02x}"));
         let text: String = std::iter::once(mark.to_owned()).chain(digits).collect();

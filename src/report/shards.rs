@@ -18,6 +18,7 @@ use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
+use crate::kit::digest::sha256;
 use crate::protocol::frame::Answer;
 use crate::report::document::Tool;
 use crate::runner::run::Request;
@@ -236,11 +237,7 @@ pub fn beside(report: &Path) -> PathBuf {
 
 /// Returns the beginning of the digest of a file.
 pub(super) fn digest(file: &[u8]) -> String {
-    let digest = Sha256::digest(file);
-    digest[..8]
-        .iter()
-        .map(|byte| format!("{byte:02x}"))
-        .collect()
+    sha256(file)[..16].to_owned()
 }
 
 /// Records answers as they come.

@@ -68,11 +68,7 @@ pub fn entry(case: &Case) -> (ManifestEntry, Vec<Output>) {
     let mut outputs = Vec::new();
     let view = &case.views[0];
     if let Some(expected) = Expected::of(&built.values, view) {
-        let mut frame = Vec::new();
-        expected
-            .frame()
-            .write(&mut frame)
-            .expect("writing to memory does not fail");
+        let frame = expected.frame().to_bytes();
         let path = format!("{place}/{}.{}", case.id, view.name());
         entry.expected = Some(ExpectedFile {
             view: view.to_string(),

@@ -121,12 +121,10 @@ impl<'a> FirstReply<'a> {
 
     /// Returns the received bytes: as they are, or those of the frame if a serving process answered.
     fn bytes(&self) -> Vec<u8> {
-        let mut bytes = self.reply.stdout.clone();
-        if let (Answer::Decoded(frame), true) = (&self.reply.answer, bytes.is_empty()) {
-            let written = frame.write(&mut bytes);
-            written.expect("writing to memory does not fail");
+        match &self.reply.answer {
+            Answer::Decoded(frame) if self.reply.stdout.is_empty() => frame.to_bytes(),
+            _ => self.reply.stdout.clone(),
         }
-        bytes
     }
 
     fn is_right(&self) -> bool {
