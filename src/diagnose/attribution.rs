@@ -80,8 +80,8 @@ fn is_preceded(witnesses: &[Witness], explained: &[usize], left: &[usize]) -> bo
     earlier >= MIN_SHARING_FILES && is_most(earlier, explained.len())
 }
 
-/// Returns true if all that shows is legal images, and these are less than a quarter of the wrong images of their formats that have
-/// no other cause: a larger mistake may explain them, too.
+/// Returns true if most of what shows is legal images, and these are less than a quarter of the wrong images of their formats that
+/// have no other cause: a larger mistake may explain them, too.
 fn is_minor(witnesses: &[Witness], explained: &[usize], left: &[usize]) -> bool {
     let format = |w: &usize| witnesses[*w].case.format();
     let is_image = |w: &usize| {
@@ -89,8 +89,9 @@ fn is_minor(witnesses: &[Witness], explained: &[usize], left: &[usize]) -> bool 
         witness.case.expect == Expect::Decode && FailureMode::of(witness).is_none()
     };
     let is_open = |w: &&usize| is_image(w) && explained.iter().any(|of| format(of) == format(w));
-    let (open, images) = (left.iter().filter(is_open).count(), explained.len());
-    explained.iter().all(is_image) && !is_much(images, images + open)
+    let open = left.iter().filter(is_open).count();
+    let images = explained.iter().filter(|w| is_image(w)).count();
+    is_most(images, explained.len()) && !is_much(images, images + open)
 }
 
 /// Describes whole formats that fail in one way, instead of the mistakes that explain nothing else. Returns `None` if one of

@@ -6,7 +6,7 @@ use crate::diagnose::witness::Witness;
 use crate::misreadings::Misreading;
 use crate::protocol::frame::Answer;
 use crate::session::observation::Response;
-use crate::suite::cases::Expect;
+use crate::suite::cases::{Case, Expect};
 
 /// Describes acceptances by clause, and removes them from `left`.
 pub(in crate::diagnose) fn describe(
@@ -75,19 +75,17 @@ fn clause<'w>(witness: &'w Witness<'_>) -> &'w str {
 
 /// Lists the faults of these files, each fault once.
 fn list_faults(witnesses: &[Witness], of: &[usize]) -> String {
-    let mut faults: Vec<String> = Vec::new();
-    for fault in of.iter().map(|&w| fault(&witnesses[w])) {
+    let mut faults: Vec<&str> = Vec::new();
+    for fault in of.iter().map(|&w| fault(witnesses[w].case)) {
         if !faults.contains(&fault) {
             faults.push(fault);
         }
     }
-    let faults: Vec<&str> = faults.iter().map(String::as_str).collect();
     first_of(&faults, "fault")
 }
 
-fn fault(witness: &Witness) -> String {
-    let damage = witness.case.damage();
-    damage
-        .map_or(&witness.case.because, |damage| &damage.effect)
-        .clone()
+/// Returns the damage of a file, or the reason for its case.
+pub(super) fn fault(case: &Case) -> &str {
+    let because = case.because.trim_end_matches('.');
+    case.damage().map_or(because, |damage| &damage.effect)
 }

@@ -34,6 +34,18 @@ fn files_in(witnesses: &[Witness], shared: &Shared, format: Option<Format>) -> S
     }
 }
 
+/// Returns the clause about the layout of these files: of their format, of tables or of compressed planes. Files of other formats
+/// have only the header in common.
+fn shared_clause(witnesses: &[Witness], of: &[usize]) -> &'static str {
+    let formats: Vec<Format> = of.iter().map(|&w| witnesses[w].case.format()).collect();
+    let first = layout_clause(formats[0]);
+    match formats.iter().all(|format| layout_clause(*format) == first) {
+        true => first,
+        false if formats.iter().all(|format| format.has_table()) => "2.5/1",
+        false => "2.0/1",
+    }
+}
+
 /// Returns the clause about the layout of a format.
 const fn layout_clause(format: Format) -> &'static str {
     match format {

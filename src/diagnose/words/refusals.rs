@@ -1,6 +1,6 @@
 //! Legal files that were refused or crashed the decoder: the property that they share and that no accepted file has.
 
-use super::{files_in, layout_clause, share_of_formats};
+use super::{files_in, share_of_formats, shared_clause};
 use crate::diagnose::diagnosis::{Category, Cause, Diagnosis, Words};
 use crate::diagnose::failure_mode::FailureMode;
 use crate::diagnose::scope::shared_scope;
@@ -130,11 +130,8 @@ pub(in crate::diagnose) fn whole_formats(witnesses: &[Witness]) -> Vec<WholeForm
 impl WholeFormats {
     /// Describes the observation, with the misreadings that would look the same.
     pub fn describe(&self, witnesses: &[Witness], alike: Vec<&'static Misreading>) -> Diagnosis {
-        let names: Vec<&str> = self
-            .formats
-            .iter()
-            .map(|format| format.short_name())
-            .collect();
+        let names = self.formats.iter().map(|format| format.short_name());
+        let names: Vec<&str> = names.collect();
         let effect = format!("{} every legal file of {}", self.mode, names.join(", "));
         let refusal = refusal(witnesses, &self.of, &self.mode, effect).with_alike(alike);
         refusal.with_clause("2.2/1")
@@ -175,7 +172,8 @@ pub(in crate::diagnose) fn no_picture(
     }
     let mode = modes.first()?;
     let effect = ways(witnesses, &of, &modes);
-    Some(refusal(witnesses, &of, mode, effect).cause)
+    let refusal = refusal(witnesses, &of, mode, effect);
+    Some(refusal.with_clause(misreading.clause).cause)
 }
 
 /// Returns "crashes (exit status 1) on 12 legal files, and refuses 1 legal file".
@@ -216,7 +214,7 @@ pub(in crate::diagnose) fn describe_unexplained(
             example: example(witnesses, &of),
         };
         let described = Diagnosis::described(Category::Refusal, witnesses, &of, words);
-        diagnoses.push(described.with_clause(layout_clause(witnesses[of[0]].case.format())));
+        diagnoses.push(described.with_clause(shared_clause(witnesses, &of)));
     }
     diagnoses
 }

@@ -1,5 +1,6 @@
 //! Files that must or may be refused, and whose response was a crash, a hang, a malformed frame or "unsupported".
 
+use super::acceptances::fault;
 use super::first_of;
 use super::refusals::example;
 use crate::diagnose::diagnosis::{Category, Diagnosis, Words};
@@ -41,14 +42,8 @@ pub(in crate::diagnose) fn describe(
 
 /// Describes the files by their damages.
 fn describe_files(witnesses: &[Witness], these: &[usize], refuses: bool) -> String {
-    let mut damages: Vec<&str> = these
-        .iter()
-        .map(|&w| {
-            let case = witnesses[w].case;
-            case.damage()
-                .map_or(case.because.trim_end_matches('.'), |damage| &damage.effect)
-        })
-        .collect();
+    let damages = these.iter().map(|&w| fault(witnesses[w].case));
+    let mut damages: Vec<&str> = damages.collect();
     damages.sort_unstable();
     damages.dedup();
     let others = if refuses { "; it refuses others" } else { "" };
