@@ -1,8 +1,8 @@
-//! Digests: what files, corpus and runs are known by.
+//! Digests of files, of the corpus and of runs.
 
 use sha2::{Digest, Sha256};
 
-/// The SHA-256 digest in hexadecimal.
+/// Returns the SHA-256 digest in hexadecimal.
 #[must_use]
 pub fn sha256(bytes: &[u8]) -> String {
     Sha256::digest(bytes)

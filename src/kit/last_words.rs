@@ -1,9 +1,9 @@
-//! What a program that crashed said last.
+//! The last message of a program that crashed.
 
-/// What interpreters add after it: where it happened, which version they are, what else could be tried.
+/// Beginnings of lines that interpreters print after the message: locations, versions, hints.
 const AFTERWORDS: [&str; 4] = ["at ", "Node.js v", "note: ", "}"];
 
-/// The last line of a standard error that says what happened; nothing if it has none.
+/// Returns the last line of standard error that is a message, or `None`.
 pub(crate) fn last_words(stderr: &str) -> Option<&str> {
     let lines = stderr.lines().rev().map(str::trim_end);
     let mut said = lines.filter(|line| !line.is_empty());

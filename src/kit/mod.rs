@@ -1,4 +1,4 @@
-//! What several rooms need and none owns: work on all threads, digests, YAML at the door, last words.
+//! Shared by several modules: work on all threads, digests, YAML, last messages of crashed programs.
 
 pub mod digest;
 

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 use std::sync::{Condvar, Mutex};
 
-/// Calls `work` with every number below `count`, each on a thread of its own; on this thread where the system has no more.
+/// Calls `work` with every number below `count`, each on a separate thread, or on this thread if the system has no more.
 pub(crate) fn on_threads(count: usize, work: &(impl Fn(usize) + Sync)) {
     std::thread::scope(|scope| {
         let refused = |&i: &usize| {
@@ -16,7 +16,7 @@ pub(crate) fn on_threads(count: usize, work: &(impl Fn(usize) + Sync)) {
     });
 }
 
-/// What `make` makes of every number below `count`, in order, made by `jobs` at a time.
+/// Returns the results of `make` for every number below `count`, in order; `jobs` run in parallel.
 pub(crate) fn in_parallel<T: Send>(
     count: usize,
     jobs: usize,
@@ -41,18 +41,18 @@ pub(crate) fn in_parallel<T: Send>(
     made.flatten().collect()
 }
 
-/// Results that may wait for an earlier one.
+/// Results that wait for an earlier one.
 const WAITING: usize = 256;
 
-/// What is shown next, and what came before its turn.
+/// The place of the next result to show, and the results after it that are ready.
 struct Line<R, S> {
     next: usize,
     waiting: BTreeMap<usize, R>,
     show: S,
 }
 
-/// Calls `work` with every item, `jobs` at a time, and `show` with every result, in the order of the items. However many there
-/// are, only a few are held: who is far ahead waits. `work` must not panic.
+/// Calls `work` with every item, `jobs` in parallel, and `show` with every result, in the order of the items. Only a few results
+/// are held: a thread that is far ahead waits. `work` must not panic.
 pub fn in_turn<T: Send, R: Send>(
     items: impl Iterator<Item = T> + Send,
     jobs: usize,

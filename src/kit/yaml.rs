@@ -1,8 +1,7 @@
-//! YAML at the door.
+//! Reading and writing YAML.
 //!
-//! A file is read once into a tree of nodes that know their lines, and records are read from the tree. So the parser is
-//! compiled once, whatever the number of records, and every error names the line at fault. Only so much of a file is read,
-//! and anchors, aliases and tags have no business in it.
+//! A file is read into a tree of nodes with their lines, and records are read from the tree, so every error names its line. Size
+//! and depth are limited. Anchors, aliases and tags are refused.
 
 use std::collections::HashSet;
 use std::fmt;
@@ -16,14 +15,14 @@ use serde::de::value::{MapAccessDeserializer, MapDeserializer, SeqDeserializer};
 use serde::de::{self, DeserializeOwned, Deserializer, IntoDeserializer, Unexpected, Visitor};
 use serde::forward_to_deserialize_any;
 
-/// Limit of the size of a file: some two hundred thousand cases.
+/// Maximum size of a file in bytes: about 200,000 cases.
 const MAX_BYTES: u64 = 64 << 20;
-/// Limit of the nodes of a file.
+/// Maximum number of nodes of a file.
 const MAX_NODES: usize = 8_000_000;
-/// Limit of the depth of nested lists and mappings.
+/// Maximum depth of nested lists and mappings.
 const MAX_DEPTH: usize = 16;
 
-/// The text of a file that a user names.
+/// Returns the text of a file that a user names.
 ///
 /// # Errors
 /// A sentence that names the file.
@@ -57,15 +56,15 @@ pub fn text_of(path: &Path) -> Result<String, String> {
 /// Reads one value.
 ///
 /// # Errors
-/// A sentence that names the line at fault.
+/// A sentence that names the line.
 pub fn from_yaml<T: DeserializeOwned>(text: &str) -> Result<T, String> {
     T::deserialize(&parse(text)?).map_err(|error| error.to_string())
 }
 
-/// Reads a list of records, each with the line on which it begins. A file that holds nothing is an empty list.
+/// Reads a list of records, each with the line on which it begins. An empty file is an empty list.
 ///
 /// # Errors
-/// A sentence that names the line at fault.
+/// A sentence that names the line.
 pub fn records<T: DeserializeOwned>(text: &str) -> Result<Vec<(usize, T)>, String> {
     let Node { line, value } = parse(text)?;
     let nodes = match value {
@@ -81,19 +80,19 @@ pub fn records<T: DeserializeOwned>(text: &str) -> Result<Vec<(usize, T)>, Strin
 /// Writes a value.
 ///
 /// # Errors
-/// For what YAML cannot hold, which none of the program's records is.
+/// If YAML cannot represent the value; this program has no such records.
 pub fn to_yaml(value: &impl Serialize) -> Result<String, String> {
     serde_saphyr::to_string(value).map_err(|error| error.to_string())
 }
 
-/// A scalar, list or mapping and the line on which it begins, counted from 1.
+/// A scalar, list or mapping, and the line on which it begins, counted from 1.
 struct Node {
     line: usize,
     value: Value,
 }
 
 enum Value {
-    /// Its text, and whether it stands without quotation marks, so that it may be a number, a Boolean or nothing.
+    /// Its text, and true if it is unquoted, so that it may be a number, a Boolean or null.
     Scalar {
         text: String,
         plain: bool,
@@ -102,7 +101,7 @@ enum Value {
     Map(Vec<(Node, Node)>),
 }
 
-/// What is wrong and where; line 0 until a node says its own.
+/// An error and its line; 0 if the line is not known yet.
 #[derive(Debug)]
 struct Flaw {
     line: usize,
@@ -126,7 +125,7 @@ impl de::Error for Flaw {
     }
 }
 
-/// The tree of a text.
+/// Parses a text into a tree.
 fn parse(text: &str) -> Result<Node, String> {
     let mut open: Vec<(Node, Option<Node>)> = Vec::new();
     let mut root: Option<Node> = None;
@@ -186,7 +185,7 @@ fn parse(text: &str) -> Result<Node, String> {
     }))
 }
 
-/// Puts a finished node into the innermost open one. An open mapping comes with the key that waits for its value.
+/// Adds a finished node to the innermost open one. An open mapping has the key that waits for its value.
 fn put(node: Node, open: &mut [(Node, Option<Node>)], root: &mut Option<Node>) {
     let Some((parent, waiting)) = open.last_mut() else {
         *root = Some(node);
@@ -203,7 +202,7 @@ fn put(node: Node, open: &mut [(Node, Option<Node>)], root: &mut Option<Node>) {
 }
 
 impl Node {
-    /// Keys are scalars, and none is there twice.
+    /// Checks that a key is a scalar and not a duplicate.
     fn check_keys(&self) -> Result<(), String> {
         let Value::Map(entries) = &self.value else {
             return Ok(());
@@ -221,7 +220,7 @@ impl Node {
         Ok(())
     }
 
-    /// What a scalar without quotation marks says, by the core schema of YAML 1.2.
+    /// Parses an unquoted scalar by the core schema of YAML 1.2.
     fn meaning(&self) -> Unexpected<'_> {
         let (text, plain) = match &self.value {
             Value::List(_) => return Unexpected::Seq,
@@ -250,7 +249,7 @@ fn number(text: &str) -> Option<Unexpected<'_>> {
         }
         ".inf" | ".Inf" | ".INF" => return Some(Unexpected::Float(f64::INFINITY)),
         ".nan" | ".NaN" | ".NAN" => return Some(Unexpected::Float(f64::NAN)),
-        // Rust's own parser knows words such as infinity.
+        // Rust's parser also accepts words such as infinity.
         _ if !digits.starts_with(|c: char| c == '.' || c.is_ascii_digit()) => return None,
         _ => {}
     }
@@ -260,7 +259,7 @@ fn number(text: &str) -> Option<Unexpected<'_>> {
     unsigned.or_else(|_| signed()).or_else(|_| float()).ok()
 }
 
-/// Reads by a function of the node, and puts the node's line to an error that has none.
+/// Reads with a function of the node, and adds the node's line to an error without one.
 macro_rules! read {
     ($($name:ident($($more:ident: $type:ty),*) = $read:expr;)*) => {$(
         fn $name<V: Visitor<'de>>(self, $($more: $type,)* visitor: V) -> Result<V::Value, Flaw> {
@@ -290,7 +289,7 @@ impl<'de> Deserializer<'de> for &Node {
             (_, Unexpected::Float(value)) => visitor.visit_f64(value),
             (Value::Scalar { text, .. }, _) => visitor.visit_str(text),
         };
-        // A text needs no quotation marks where a text is expected, even if it looks like a number.
+        // If a string is expected, it needs no quotation marks, even if it looks like a number.
         deserialize_str() = |node, visitor| match &node.value {
             Value::Scalar { plain: true, .. } if matches!(node.meaning(), Unexpected::Unit) => {
                 Err(node.flaw(&visitor))

@@ -1,27 +1,27 @@
-//! A file as the edits of bytes see it: its bytes, and what they are as far as they can be read.
+//! A file and its header fields, for misreadings that edit bytes.
 
 use crate::decode::examine_as;
 use crate::ptm::Field;
 use crate::reading::Reading;
 
-/// What a reader with a mistake makes of the bytes.
+/// The file as a reader with a mistake sees it.
 pub enum Seen {
-    /// It refuses them.
+    /// It is refused.
     Refused,
-    /// It reads them as if they were these.
+    /// It is read as if it had these bytes.
     File(Vec<u8>),
 }
 
-/// A file and its header's parts, for mistakes that act on bytes.
+/// A file and its fields.
 pub struct Anatomy<'a> {
     /// The file.
     pub file: &'a [u8],
-    /// Its fields as far as they can be read.
+    /// Its fields, up to the first error.
     pub fields: Vec<Field>,
 }
 
 impl<'a> Anatomy<'a> {
-    /// Takes `file` apart under a reading of the open points.
+    /// Finds the fields of `file` in a reading of the open questions.
     #[must_use]
     pub fn of(file: &'a [u8], reading: &Reading) -> Anatomy<'a> {
         Anatomy {
@@ -30,13 +30,13 @@ impl<'a> Anatomy<'a> {
         }
     }
 
-    /// The file, unchanged.
+    /// Returns the file, unchanged.
     #[must_use]
     pub fn unchanged(&self) -> Seen {
         Seen::File(self.file.to_vec())
     }
 
-    /// Refused if `refused`, else unchanged.
+    /// Refuses the file if `refused`.
     #[must_use]
     pub fn refused_if(&self, refused: bool) -> Seen {
         if refused {
@@ -46,7 +46,7 @@ impl<'a> Anatomy<'a> {
         }
     }
 
-    /// The header's fields: all before the first byte of the payload.
+    /// Returns the fields of the header.
     fn tokens(&self) -> impl Iterator<Item = &Field> {
         self.fields.iter().take_while(|field| {
             !matches!(
@@ -56,13 +56,13 @@ impl<'a> Anatomy<'a> {
         })
     }
 
-    /// The `n`th field of a clause in the header.
+    /// Returns the `n`th field of a clause in the header.
     #[must_use]
     pub fn field(&self, clause: &str, n: usize) -> Option<&Field> {
         self.tokens().filter(|field| field.clause == clause).nth(n)
     }
 
-    /// The text of the fields of these clauses.
+    /// Returns the texts of the fields of these clauses.
     #[must_use]
     pub fn texts(&self, clauses: &[&str]) -> Vec<&'a str> {
         let chosen = self
@@ -73,7 +73,7 @@ impl<'a> Anatomy<'a> {
             .collect()
     }
 
-    /// Where the payload starts: after the line feed that ends the last line of the header.
+    /// Returns the offset of the payload, after the line feed of the last header line.
     #[must_use]
     pub fn payload(&self) -> usize {
         let end = self.tokens().last().map_or(0, |field| field.range.end);
@@ -81,13 +81,13 @@ impl<'a> Anatomy<'a> {
         line_feed.map_or(self.file.len(), |length| end + length + 1)
     }
 
-    /// The header.
+    /// Returns the bytes of the header.
     #[must_use]
     pub fn header(&self) -> &'a [u8] {
         &self.file[..self.payload()]
     }
 
-    /// The bytes between the `n`th field of a clause and the one after it.
+    /// Returns the bytes between the `n`th field of a clause and the next field.
     #[must_use]
     pub fn after(&self, clause: &str, n: usize) -> &'a [u8] {
         let mut from = self
@@ -101,9 +101,9 @@ impl<'a> Anatomy<'a> {
         })
     }
 
-    /// The file with its header spelled anew: `spell` gives another text for a field, or none.
+    /// Returns the file with other texts for its header fields. `spell` returns the new text of a field, or `None`.
     ///
-    /// A field that cannot be read ends the taking apart, so it goes on until nothing changes any more.
+    /// Fields after an error are unknown, so this is repeated until nothing changes.
     pub fn respelled(&self, spell: fn(clause: &str, text: &str) -> Option<String>) -> Seen {
         let mut file = self.file.to_vec();
         for _ in 0..40 {

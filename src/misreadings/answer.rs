@@ -1,4 +1,4 @@
-//! A decoder with mistakes: what it answers.
+//! The answer of a decoder with mistakes.
 
 use std::borrow::Cow;
 
@@ -11,7 +11,7 @@ use crate::protocol::frame::{Answer, Frame, View};
 use crate::ptm::Ptm;
 use crate::reading::Reading;
 
-/// How a decoder with these mistakes answers, if it reads the open questions as `reading` does.
+/// Returns the answer of a decoder with these mistakes that otherwise follows `reading`.
 #[must_use]
 pub fn answer(misreadings: &[&Misreading], reading: Reading, file: &[u8], view: &View) -> Answer {
     match read(misreadings, reading, file) {
@@ -20,7 +20,7 @@ pub fn answer(misreadings: &[&Misreading], reading: Reading, file: &[u8], view: 
     }
 }
 
-/// What is answered to a file that is not read; without a reason it is a mistake that refuses it.
+/// Returns the answer to a file that is not read. Without an error, a mistake refuses it.
 pub(crate) fn refused(why: Option<Error>) -> Answer {
     match why {
         Some(error) if error.class() != Class::Malformed => Answer::Unsupported,
@@ -28,8 +28,10 @@ pub(crate) fn refused(why: Option<Error>) -> Answer {
     }
 }
 
-/// What a decoder with these mistakes finds in a file, before its mistakes with finished planes, and how it goes on reading;
-/// or why it refuses the file, where that is no mistake itself.
+/// Returns the map that a decoder with these mistakes reads, before mistakes that change finished planes, and its reading.
+///
+/// # Errors
+/// The error for which it refuses the file, or `None` if a mistake refuses it.
 pub(crate) fn read(
     misreadings: &[&Misreading],
     reading: Reading,
@@ -50,14 +52,14 @@ pub(crate) fn read(
     Ok((ptm, reading))
 }
 
-/// `reading` with these mistakes in its decisions.
+/// Returns `reading` with these mistakes.
 pub(crate) fn misread(misreadings: &[&Misreading], reading: Reading) -> Reading {
     misreadings
         .iter()
         .fold(reading, |reading, misreading| misreading.at.change(reading))
 }
 
-/// How a decoder with these mistakes, which `reading` has in it, shows what it found in a file.
+/// Returns the image that a decoder with these mistakes shows for a decoded map. `reading` includes them.
 pub(crate) fn show(
     misreadings: &[&Misreading],
     reading: &Reading,
@@ -102,7 +104,7 @@ pub(crate) fn edits_of(misreadings: &[&Misreading]) -> Vec<&'static Edit> {
     edits.flatten().collect()
 }
 
-/// What these mistakes do to finished planes.
+/// Applies the mistakes that change finished planes.
 pub(crate) fn edits_of_planes(misreadings: &[&Misreading]) -> impl Iterator<Item = fn(&mut Ptm)> {
     misreadings
         .iter()

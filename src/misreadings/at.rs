@@ -11,24 +11,24 @@ use crate::reading::{
     Finals, Predictor, ReadIndices, ReadRecords, Reading, Reconstruct, SideInformation,
 };
 
-/// The one place where a mistake acts, and what it does there.
+/// The place where a mistake acts, and its function there.
 #[derive(Clone, Copy, Debug)]
 #[allow(missing_docs)] // a decision is documented at the function that `Reading::SPEC` names
 pub enum At {
-    /// The file as such a reader sees it.
+    /// Changes the bytes of the file.
     Bytes(fn(&Anatomy) -> Seen),
-    /// What it makes of the result.
+    /// Changes the decoded map.
     Planes(fn(&mut Ptm)),
-    /// Formulas that it computes differently.
+    /// Edits formulas.
     Edits(&'static [Edit]),
-    // Decisions of `Reading`, each as it stands there. 1.0
+    // Decisions of `Reading`, with the same types. 1.0
     Light(fn(f64, f64) -> (f64, f64)),
     Polynomial(fn(&[f64], f64, f64) -> f64),
     // 2.4
     FinalCoefficient(fn(u8, usize, &ScaleBias) -> f64),
     Finals(Finals),
     // 2.6
-    /// What the matrix multiplies, of a reader who has Y first and of one who has Cr first (ruling `lum-vector`).
+    /// The vector that the matrix multiplies, for readers with Y first and with Cr first (ruling `lum-vector`).
     LumVector(fn(f64, f64, f64) -> [f64; 3], fn(f64, f64, f64) -> [f64; 3]),
     LumMatrix(fn(&ColorMatrix) -> [[f64; 4]; 3]),
     LumTranslation(fn(f64) -> f64),
@@ -46,7 +46,7 @@ pub enum At {
     Predictor(Predictor),
     Invert(fn(&mut [u8])),
     MotionHalf(fn([u8; 4]) -> u8),
-    /// In JPEG planes and in JPEG-LS planes alike.
+    /// Acts on JPEG and on JPEG-LS planes.
     Predict(fn(&mut [u8], &[u8])),
     Reconstruct(Reconstruct),
     Stream(fn(&PlaneStream) -> Result<Vec<u8>>),
@@ -56,7 +56,7 @@ pub enum At {
 }
 
 impl At {
-    /// `reading` with this mistake, where it is one in a decision.
+    /// Returns `reading` with this mistake, if it is a decision of [`Reading`].
     pub(crate) fn change(self, reading: Reading) -> Reading {
         let mut other = reading;
         match self {
@@ -92,7 +92,7 @@ impl At {
         other
     }
 
-    /// At which stage of decoding it acts.
+    /// Returns the stage of decoding at which it acts.
     #[must_use]
     pub fn stage(&self) -> Stage {
         match self {
@@ -114,7 +114,7 @@ impl At {
         }
     }
 
-    /// Whether a file may be refused because of it; the others only make values.
+    /// Returns true if it may refuse a file; other mistakes only change values.
     #[must_use]
     pub fn may_refuse(&self) -> bool {
         if let At::Edits(edits) = self {
@@ -133,12 +133,12 @@ impl At {
         self.stage() <= Stage::Decoding && !makes_values
     }
 
-    /// Returns true if both act at one place: on the bytes, on the result, in the same decision or on the same formula.
+    /// Returns true if both act in the same place: the bytes, the decoded map, one decision or one formula.
     #[must_use]
     pub fn is_at(&self, other: &At) -> bool {
         let is_edited = matches!(self, At::Edits(_)) || matches!(other, At::Edits(_));
         match is_edited {
-            // Of formulas that only one of two mistakes edits, each keeps its own.
+            // Two mistakes that edit different formulas act in different places.
             true => !self.formulas().is_empty() && self.formulas() == other.formulas(),
             false => discriminant(self) == discriminant(other),
         }
@@ -164,7 +164,7 @@ impl At {
         }
     }
 
-    /// Whether it is a decision of [`Reading`], of which a decoder makes each in one way.
+    /// Returns true if it is a decision of [`Reading`]. A decoder makes each decision in one way.
     #[must_use]
     pub const fn is_decision(&self) -> bool {
         !matches!(self, At::Bytes(_) | At::Planes(_))

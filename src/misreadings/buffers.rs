@@ -1,4 +1,4 @@
-//! §2.0–2.9: what strings, buffers and short integers make of a file
+//! §2.0–2.9: mistakes with strings, buffers and short integers
 
 use super::anatomy::{Anatomy, Seen};
 use super::at::At;
@@ -171,7 +171,7 @@ pub(super) const ACTS: &[(&str, At)] = &[
     ),
 ];
 
-/// The file with at most `count` words on these of its lines, where size, scales and biases have the lines of the plain
+/// Returns the file with at most `count` words on these lines, if size, scales and biases have the lines of the ordinary
 /// spelling.
 fn with_words(file: &Anatomy, lines: std::ops::Range<usize>, count: usize) -> Seen {
     let mut parts = file.file.splitn(7, |&byte| byte == b'\n');

@@ -9,7 +9,7 @@ use super::{
     side_information, transforms,
 };
 
-/// Read when the first misreading is asked for, once.
+/// The catalog, read on first use.
 static ALL: LazyLock<Vec<Misreading>> = LazyLock::new(|| {
     let sections = [
         header::ACTS,
@@ -32,12 +32,12 @@ static ALL: LazyLock<Vec<Misreading>> = LazyLock::new(|| {
     .unwrap_or_else(|error| unreachable!("misreadings.yaml, which a test reads: {error}"))
 });
 
-/// All misreadings, section after section.
+/// Returns all misreadings, in the order of the sections.
 pub fn all() -> impl Iterator<Item = &'static Misreading> {
     ALL.iter()
 }
 
-/// The misreading of that name.
+/// Returns the misreading with this slug.
 #[must_use]
 pub fn named(slug: &str) -> Option<&'static Misreading> {
     all().find(|misreading| misreading.slug == slug)

@@ -1,4 +1,4 @@
-//! §2.9.8: the streams of planes, and which way their rows run
+//! §2.9.8: the streams of planes, and the order of their rows
 
 use super::at::At;
 use super::layout::{turned, turned_if};
@@ -86,7 +86,7 @@ pub(super) const ACTS: &[(&str, At)] = &[
     (
         "jpeg-gamma",
         At::Stream(|plane| {
-            // A square root is near enough to what color management does, and the same everywhere.
+            // A square root is similar to color management, and exact on every machine.
             each(planes::stream(plane), plane.format.is_jpeg(), |value| {
                 (u16::from(value) * 255).isqrt() as u8
             })
@@ -100,7 +100,7 @@ pub(super) const ACTS: &[(&str, At)] = &[
             })
         }),
     ),
-    // What streams may have
+    // Optional features of streams
     (
         "restart-markers-refused",
         At::Stream(|plane| refused_if(has(plane.bytes, 0xDD), plane)),
@@ -129,7 +129,7 @@ pub(super) const ACTS: &[(&str, At)] = &[
                         .map(|(&mut first, table)| (first, table)),
                 ) {
                     for entry in table.chunks_exact_mut(2) {
-                        // A divisor of 0 is no divisor; such a reader finds at least 1.
+                        // A divisor of 0 becomes 1.
                         entry[0] = 0;
                         entry[1] = entry[1].max(1);
                     }
@@ -148,7 +148,7 @@ pub(super) const ACTS: &[(&str, At)] = &[
                 if let (0xDB, [0..=15, table @ ..]) = (code, segment)
                     && table.len() == 64
                 {
-                    // Entry k of the file is taken for the frequency at place k, which stands at another place of the file.
+                    // Entry k of the file is used for frequency k, although the file is in zigzag order.
                     let stored = table.to_vec();
                     table
                         .iter_mut()
@@ -239,7 +239,7 @@ pub(super) const ACTS: &[(&str, At)] = &[
         "presets-refused",
         At::Stream(|plane| refused_if(has(plane.bytes, 0xF8), plane)),
     ),
-    // What streams must not be
+    // Streams that must be refused
     (
         "plane-size-unchecked",
         At::Stream(|plane| {
@@ -306,14 +306,14 @@ pub(super) const ACTS: &[(&str, At)] = &[
     ),
 ];
 
-/// All planes, where those without a segment of this marker have that of the plane before.
+/// Decodes all planes; a plane without a segment of this marker uses the previous plane's.
 fn keeping(coded: &Coded, reading: &Reading, marker: u8) -> Result<Vec<Vec<u8>>> {
     let mut payload = Vec::new();
     let mut plan = coded.plan.clone();
     let mut known: Vec<u8> = Vec::new();
     for extent in &mut plan.extents {
         let mut stream = coded.payload[extent.stream.clone()].to_vec();
-        // With its marker and length, four bytes.
+        // Four bytes: the marker and the length.
         let own = places(&stream)
             .into_iter()
             .find(|&(code, _)| code == marker)
@@ -340,7 +340,7 @@ fn keeping(coded: &Coded, reading: &Reading, marker: u8) -> Result<Vec<Vec<u8>>>
     planes::reconstruct(&kept, planes::residuals(&kept, reading)?, reading)
 }
 
-/// Other samples, where they are `concerned`.
+/// Changes the samples of the streams that are `concerned`.
 fn each(samples: Samples, concerned: bool, change: fn(u8) -> u8) -> Samples {
     let mut samples = samples?;
     if concerned {
@@ -351,7 +351,7 @@ fn each(samples: Samples, concerned: bool, change: fn(u8) -> u8) -> Samples {
     Ok(samples)
 }
 
-/// The first samples of a buffer in which rows are filled up to a multiple of `unit`, taken for the plane.
+/// Returns the first samples of a buffer whose rows are padded to a multiple of `unit`.
 fn sheared(samples: Samples, concerned: bool, size: Size, unit: usize) -> Samples {
     let samples = samples?;
     if !concerned {
@@ -375,7 +375,7 @@ fn refused_if(refused: bool, plane: &PlaneStream) -> Samples {
     planes::stream(plane)
 }
 
-/// The markers of a stream up to its scan and what their segments hold after their length.
+/// Returns the markers of a stream up to its scan, with the contents of their segments.
 fn segments(bytes: &[u8]) -> impl Iterator<Item = (u8, &[u8])> {
     places(bytes)
         .into_iter()
@@ -403,7 +403,7 @@ fn places(bytes: &[u8]) -> Vec<(u8, std::ops::Range<usize>)> {
     found
 }
 
-/// The stream with other segments.
+/// Returns the stream with other segments.
 fn edited(bytes: &[u8], edit: impl Fn(u8, &mut [u8])) -> Vec<u8> {
     let mut stream = bytes.to_vec();
     for (code, range) in places(bytes) {
@@ -412,7 +412,7 @@ fn edited(bytes: &[u8], edit: impl Fn(u8, &mut [u8])) -> Vec<u8> {
     stream
 }
 
-/// The stream with other preset parameters; 0 is the default of each.
+/// Returns the stream with other preset parameters; 0 stands for the default.
 fn with_presets(plane: &PlaneStream, edit: fn(&mut [u8])) -> Samples {
     let changed = edited(plane.bytes, |code, segment| {
         if code == 0xF8 && segment.len() == 11 && segment[0] == 1 {
@@ -425,10 +425,10 @@ fn with_presets(plane: &PlaneStream, edit: fn(&mut [u8])) -> Samples {
     })
 }
 
-/// For each place in rows, which entry in zigzag order it has; and, entry by entry, the inverse.
+/// Returns the zigzag index of each place in row order, and the inverse.
 fn zigzag() -> [usize; 64] {
     let mut order: Vec<usize> = (0..64).collect();
-    // Diagonal after diagonal; up the even ones, down the odd ones.
+    // Diagonals in turn: even ones upward, odd ones downward.
     order.sort_by_key(|&place| {
         let (row, column) = (place / 8, place % 8);
         let diagonal = row + column;

@@ -1,4 +1,4 @@
-//! §2.0–2.3, and the spelling of 2.4's numbers
+//! §2.0–2.3, and the spelling of the numbers of §2.4
 
 use super::anatomy::{Anatomy, Seen};
 use super::at::At;
@@ -193,7 +193,7 @@ pub(super) const ACTS: &[(&str, At)] = &[
         "last-number-needs-space",
         At::Bytes(|file| {
             let mut bytes = file.file.to_vec();
-            // The biases first, so that the scales stay where they are.
+            // The biases are changed first, so that the offsets of the scales stay valid.
             for clause in [BIAS, SCALE] {
                 if let (Some(field), b"\n") = (file.field(clause, 5), file.after(clause, 5)) {
                     bytes.splice(field.range.clone(), *b"0");
@@ -476,7 +476,7 @@ pub(super) const ACTS: &[(&str, At)] = &[
     ),
 ];
 
-/// Without the bytes at the beginning of the payload that `skip` takes for white space.
+/// Removes the bytes at the start of the payload that `skip` accepts as white space.
 fn skipped(file: &Anatomy, skip: fn(u8) -> bool) -> Seen {
     let count = file.file[file.payload()..]
         .iter()
@@ -485,12 +485,12 @@ fn skipped(file: &Anatomy, skip: fn(u8) -> bool) -> Seen {
     without(file, count)
 }
 
-/// Without the first bytes of the payload.
+/// Removes the first bytes of the payload.
 fn without(file: &Anatomy, count: usize) -> Seen {
     Seen::File([file.header(), &file.file[file.payload() + count..]].concat())
 }
 
-/// An LRGB payload sorted so that a reader of two blocks finds what a reader of nine interleaved bytes would.
+/// Rearranges an LRGB payload so that a correct reader finds the values that a reader of nine interleaved bytes would find.
 fn as_interleaved(file: &Anatomy) -> Seen {
     if file.texts(&["2.2/1"]) != ["PTM_FORMAT_LRGB"] {
         return file.unchanged();
@@ -502,7 +502,7 @@ fn as_interleaved(file: &Anatomy) -> Seen {
     Seen::File(file.header().iter().chain(blocks).copied().collect())
 }
 
-/// The longest beginning that is a number; 0 if there is none.
+/// Returns the value of the longest prefix that is a number, or 0.
 fn prefix(text: &str) -> String {
     let ends = (1..=text.len())
         .rev()

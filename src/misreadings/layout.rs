@@ -1,4 +1,4 @@
-//! §2.7 Uncompressed Per Texel Data: how texels lie in the file
+//! §2.7 Uncompressed Per Texel Data: the layout of texels
 
 use std::ops::Range;
 
@@ -163,7 +163,7 @@ pub(super) const ACTS: &[(&str, At)] = &[
             else {
                 return file.unchanged();
             };
-            // The blocks that follow the first one start a byte later each.
+            // Each block after the first starts one byte later than the previous one.
             let first = file.payload() + ptm.header.size.texels() * 6;
             let second = first + ptm.header.size.texels() * 6 + 1;
             let mut bytes = file.file.to_vec();
@@ -192,7 +192,7 @@ pub(super) const ACTS: &[(&str, At)] = &[
     ),
 ];
 
-/// The stored row of a reader who takes the first one for the top, in some files.
+/// Returns the stored row of a reader that reads some files top row first.
 pub(super) fn turned_if(top_down: bool, header: &Header, row: usize) -> usize {
     if top_down {
         row
@@ -201,7 +201,7 @@ pub(super) fn turned_if(top_down: bool, header: &Header, row: usize) -> usize {
     }
 }
 
-/// Some channels upside down.
+/// Flips some channels vertically.
 pub(super) fn turned(ptm: &mut Ptm, channels: Range<usize>) {
     let (row, texel) = row_and_channels(ptm);
     let upright = ptm.planes.samples.clone();
@@ -221,7 +221,7 @@ pub(super) fn each(ptm: &mut Ptm, change: fn(&mut [u8])) {
         .for_each(change);
 }
 
-/// Bytes of a row, bytes of a texel.
+/// Returns the number of bytes of a row, and of a texel.
 fn row_and_channels(ptm: &Ptm) -> (usize, usize) {
     let channels = ptm.planes.shape.channels();
     (ptm.planes.size.width as usize * channels, channels)

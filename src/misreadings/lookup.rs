@@ -54,7 +54,7 @@ pub(super) const ACTS: &[(&str, At)] = &[
             if count >= 256 {
                 return file.unchanged();
             }
-            // Such a reader finds the indices 256 entries after the start of the table.
+            // The indices are read 256 entries after the start of the table.
             let table = file.payload();
             match file.file.get(table + 256 * size..) {
                 Some(rest) => Seen::File([&file.file[..table + count * size], rest].concat()),
@@ -142,10 +142,10 @@ fn format(file: &Anatomy) -> Option<Format> {
     file.texts(&["2.2/1"]).first()?.parse().ok()
 }
 
-/// Entries of the largest table that a mistake makes room for: far more than an index of two bytes can name.
+/// Maximum number of entries of a table that a mistake allocates, far more than two-byte indices can address.
 const MOST_ENTRIES: usize = 1 << 20;
 
-/// The number of table entries, where the file gives one.
+/// Returns the number of table entries, if the file states one.
 fn entries(file: &Anatomy) -> Option<usize> {
     format(file).filter(|format| format.has_table())?;
     file.texts(&["2.5/2"])
@@ -166,7 +166,7 @@ fn renamed(file: &Anatomy, name: &[u8]) -> Seen {
     Seen::File(bytes)
 }
 
-/// The file with a table of another length, the rest after it: `length` gives where the table starts and its length.
+/// Returns the file with a table of another length. `length` returns the start of the table and its length.
 fn with_table(file: &Anatomy, length: fn(usize, usize, usize) -> Option<(usize, usize)>) -> Seen {
     let (Some(count), Some(size)) = (entries(file), entry_size(file)) else {
         return file.unchanged();

@@ -137,7 +137,7 @@ pub(super) const ACTS: &[(&str, At)] = &[
     ),
 ];
 
-/// Red, green and blue with the constants of JFIF.
+/// Returns red, green and blue by the constants of JFIF.
 fn colors_of_jfif(y: f64, cr: f64, cb: f64) -> [f64; 3] {
     let (cr, cb) = (cr - 128.0, cb - 128.0);
     [
@@ -147,7 +147,7 @@ fn colors_of_jfif(y: f64, cr: f64, cb: f64) -> [f64; 3] {
     ]
 }
 
-/// The byte of this value, read as a signed one.
+/// Returns the byte of this value as a signed number.
 fn signed(value: f64) -> f64 {
     f64::from(value as u8 as i8)
 }

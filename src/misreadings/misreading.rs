@@ -1,4 +1,4 @@
-//! What is said of a mistake, beside the place where it acts.
+//! The record of a misreading.
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -9,33 +9,33 @@ use super::at::At;
 use crate::formula::Edit;
 use crate::kit::yaml;
 
-/// One mistake: a record of `misreadings.yaml` and the place in the program where it acts. The PTM suite and the texture
-/// suite have the same record and differ in the kind of place.
+/// A mistake: a record of `misreadings.yaml`, and the place where it acts. The PTM suite and the texture suite share the record
+/// and have different places.
 #[derive(Clone, Debug)]
 pub struct Misreading<A = At> {
     /// A permanent name.
     pub slug: &'static str,
-    /// The clause it misreads.
+    /// The clause that it misreads.
     pub clause: &'static str,
-    /// What a decoder with this mistake does, as a sentence without its subject: "reads …".
+    /// Its effect, as a sentence without its subject: "reads …".
     pub effect: &'static str,
-    /// What to do about it, as a sentence without its full stop.
+    /// The fix, as a sentence without a period.
     pub fix: &'static str,
-    /// How it shows.
+    /// Its symptom.
     pub shows: Symptom,
     /// Public readers that make it.
     pub seen: Vec<Sighting>,
-    /// Where it acts.
+    /// The place where it acts.
     pub at: A,
 }
 
-/// How a mistake shows in the answers of a decoder.
+/// The symptom of a mistake in the answers of a decoder.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Symptom {
-    /// Legal files are refused, and that is all.
+    /// It only refuses legal files.
     Refusals,
-    /// Wrong values in at least some files, or files accepted that should be refused.
+    /// It changes values in some files, or accepts files that should be refused.
     #[default]
     Values,
 }
@@ -44,9 +44,9 @@ pub enum Symptom {
 #[derive(Clone, Debug, PartialEq, Eq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Sighting {
-    /// Its name, or its owner and name where it is a repository.
+    /// Its name; for a repository, owner and name.
     pub reader: String,
-    /// The version that was looked at, where it is known.
+    /// The examined version, if known.
     pub version: Option<String>,
 }
 
@@ -59,7 +59,7 @@ impl fmt::Display for Sighting {
     }
 }
 
-/// A misreading as the YAML has it.
+/// A record of the YAML file.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Record {
@@ -71,18 +71,18 @@ struct Record {
     shows: Symptom,
     #[serde(default)]
     seen: Vec<Sighting>,
-    /// The formulas that it computes differently, by their names.
+    /// Edits of formulas, by the names of the formulas.
     #[serde(default)]
     edits: BTreeMap<String, String>,
 }
 
-/// Joins the records of a YAML file with the places where they act. A record either lists the formulas that it edits, and
-/// `edited` is its place, or its slug is the next one of `acts`.
+/// Joins the records of a YAML file with the places where they act. The place of a record with formulas is made by `edited`; the
+/// slug of any other record must be the next one of `acts`.
 ///
-/// The texts live as long as the program; a catalog is made once.
+/// The texts are never freed; a catalog is made once.
 ///
 /// # Errors
-/// A sentence that names the line at fault.
+/// A sentence that names the line.
 pub(crate) fn catalog<A: Copy + 'static>(
     yaml: &str,
     mut acts: impl Iterator<Item = &'static (&'static str, A)>,

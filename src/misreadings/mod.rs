@@ -1,12 +1,11 @@
-//! Executable mistakes: each a plausible misreading of one clause, at the one place where it acts.
+//! Executable mistakes: each is a plausible misreading of one clause.
 //!
-//! The same catalog names the mistake of a failing decoder, measures the suite (every misreading must be caught, every
-//! pair told apart), and proves that each clause is really tested.
+//! One catalog names the mistakes of failing decoders, measures the suite (every misreading must be caught, and every pair
+//! distinguished), and proves that each clause is tested.
 //!
-//! A [`Misreading`] is data and one function. `spec-cases/misreadings.yaml` says what it is: slug, clause, effect, fix.
-//! The files of the sections say where it acts: a line for each slug, in the order of the YAML, with the place ([`At`])
-//! and what is done there. Every one is *total*: on any bytes, and on whatever another misreading left of them, it
-//! returns, and indexes nothing that it has not measured.
+//! A [`Misreading`] is data and one function. `spec-cases/misreadings.yaml` has slug, clause, effect and fix. The files of the
+//! sections have one line for each slug, in the order of the YAML, with the place ([`At`]) and the function. Every function is
+//! *total*: it returns on any bytes, also on the output of other misreadings, and checks every index.
 
 mod misreading;
 
@@ -14,7 +13,7 @@ mod at;
 
 mod anatomy;
 
-/// §2.0–2.3, and the spelling of 2.4's numbers
+/// §2.0–2.3, and the spelling of the numbers of §2.4
 mod header;
 
 /// §2.0–2.9: strings, buffers and short integers
@@ -32,7 +31,7 @@ mod layout;
 /// §2.9 and §2.9.1: lines, sizes and the compression parameter
 mod lists;
 
-/// §2.9.2: which transform, and what it does
+/// §2.9.2: the choice and the effect of transforms
 mod transforms;
 
 /// §2.9.3: motion vectors
@@ -41,7 +40,7 @@ mod motion;
 /// §2.9.4 and §2.9.5: ranks, references, and the sum
 mod prediction;
 
-/// §2.9.6–2.9.8/1: sizes, where the planes lie, and which plane is which
+/// §2.9.6–2.9.8/1: sizes, offsets and order of the planes
 mod places;
 
 /// §2.9.8: side information
@@ -52,7 +51,7 @@ mod codecs;
 
 mod catalog;
 
-/// The texture suite's
+/// The misreadings of the texture suite
 pub mod texture;
 
 /// The same mistakes, made by writers

@@ -92,7 +92,7 @@ fn bounded(displacement: i64) -> i64 {
     displacement.clamp(-(1 << 40), 1 << 40)
 }
 
-/// The reference as the rule has it, but with another way to find a sample at (x, y), in the plane or outside of it.
+/// Displaces a reference by the correct rule, with another function for the sample at (x, y), inside or outside the plane.
 fn displaced<'a>(
     reference: &'a [u8],
     step: &Step,
@@ -110,17 +110,17 @@ fn displaced<'a>(
 /// One axis of a plane.
 struct Axis {
     is_x: bool,
-    /// Samples along it.
+    /// Number of samples along it.
     length: i64,
-    /// Samples along the other one.
+    /// Number of samples along the other axis.
     other: i64,
 }
 
-/// Where the two samples stand of which one is made along an axis: of where it is, and how many half texels this axis and
-/// the other one are displaced.
+/// Returns the positions of the two samples that are averaged along an axis, from the position and the displacements of both axes
+/// in half texels.
 type Taps = fn(at: i64, displacements: [i64; 2], &Axis) -> [i64; 2];
 
-/// The reference as the rule has it, but with other places for the samples of which one is made.
+/// Displaces a reference by the correct rule, with other positions of the averaged samples.
 fn tapped<'a>(
     reference: &'a [u8],
     step: &Step,
@@ -133,7 +133,7 @@ fn tapped<'a>(
     })
 }
 
-/// The reference with every sample the mean of four, which `taps` place and `sample` finds.
+/// Displaces a reference; each sample is the mean of four, at positions from `taps`, read by `sample`.
 fn walked<'a>(
     reference: &'a [u8],
     step: &Step,

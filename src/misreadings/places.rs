@@ -1,4 +1,4 @@
-//! §2.9.6–2.9.8/1: sizes, where the planes lie, and which plane is which
+//! §2.9.6–2.9.8/1: sizes, offsets and order of the planes
 
 use super::at::At;
 use crate::decode::compressed;
@@ -6,7 +6,7 @@ use crate::error::Result;
 use crate::parts::{Extent, Number, Plan, RawLists};
 
 pub(super) const ACTS: &[(&str, At)] = &[
-    // 2.9.6, 2.9.7 and where the planes lie
+    // 2.9.6, 2.9.7 and the offsets of the planes
     (
         "planes-in-decode-order",
         At::Plan(|lists| {
@@ -28,7 +28,7 @@ pub(super) const ACTS: &[(&str, At)] = &[
         "sizes-by-rank",
         At::Plan(|lists| {
             relaid(lists, |_, plan| {
-                // The first stream is the one decoded first for such a reader, and so are its sizes.
+                // The first stream, with its sizes, belongs to the plane that is decoded first.
                 let before = plan.extents.clone();
                 for (place, &i) in plan.sequence.iter().enumerate() {
                     plan.extents[i] = before[place].clone();
@@ -112,10 +112,10 @@ pub(super) const ACTS: &[(&str, At)] = &[
             compressed::plan(&lists)
         }),
     ),
-    // 2.9.8: which plane is which
+    // 2.9.8: the order of the planes
 ];
 
-/// The plan with the planes in other places.
+/// Returns the plan with the planes in other places.
 fn relaid(lists: &RawLists, change: fn(&RawLists, &mut Plan)) -> Result<Plan> {
     let mut plan = compressed::plan(lists)?;
     change(lists, &mut plan);
@@ -136,7 +136,7 @@ fn sized(plan: &mut Plan, sizes: impl Fn(usize) -> (usize, usize)) {
     }
 }
 
-/// A size that has been found to be none or more bytes.
+/// Returns a size that has been checked not to be negative.
 fn size(number: &Number) -> usize {
     number.value.max(0) as usize
 }

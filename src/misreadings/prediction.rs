@@ -145,7 +145,7 @@ pub(super) const ACTS: &[(&str, At)] = &[
     ),
 ];
 
-/// The plan of a reader who uses other numbers as references, and checks them correctly.
+/// Returns the plan of a reader that uses other numbers as references, and checks them correctly.
 fn referring(lists: &RawLists, change: impl Fn(usize, i64) -> i64) -> Result<Plan> {
     let mut lists = lists.clone();
     for (i, reference) in lists.references.iter_mut().enumerate() {
@@ -154,7 +154,7 @@ fn referring(lists: &RawLists, change: impl Fn(usize, i64) -> i64) -> Result<Pla
     compressed::plan(&lists)
 }
 
-/// The same of a reader that does not look at their ranks.
+/// Returns the plan of a reader that uses other numbers as references, and does not check their ranks.
 fn referring_to(lists: &RawLists, change: impl Fn(usize, i64) -> i64) -> Result<Plan> {
     let sequence = compressed::plan(lists)?.sequence;
     let mut lists = lists.clone();
@@ -167,8 +167,8 @@ fn referring_to(lists: &RawLists, change: impl Fn(usize, i64) -> i64) -> Result<
     })
 }
 
-/// The plan of a reader that does not look at ranks: planes in plane order, from references that may come later. What is
-/// not decoded yet is full of zeros.
+/// Returns the plan of a reader that ignores ranks: planes are decoded in plane order. A reference that is not decoded yet is
+/// all zeros.
 fn unranked(lists: &RawLists) -> Result<Plan> {
     let mut intra = lists.clone();
     intra
@@ -187,13 +187,13 @@ fn unranked(lists: &RawLists) -> Result<Plan> {
     Ok(plan)
 }
 
-/// The order list as planes.
+/// Returns the order list as plane numbers.
 fn listed(lists: &RawLists) -> Result<Vec<usize>> {
     let numbers = lists.order.iter();
     numbers.map(|number| plane(lists, number)).collect()
 }
 
-/// The plane of that number, if there is one.
+/// Returns the plane with this number, if there is one.
 fn plane(lists: &RawLists, number: &Number) -> Result<usize> {
     let planes = lists.format.channels();
     let found = usize::try_from(number.value)

@@ -7,7 +7,7 @@ use crate::parts::Coded;
 use crate::reading::Reading;
 
 pub(super) const ACTS: &[(&str, At)] = &[
-    // When
+    // The time of correction
     (
         "side-information-too-late",
         At::Reconstruct(|coded, residuals, reading| {
@@ -73,7 +73,7 @@ pub(super) const ACTS: &[(&str, At)] = &[
             skipped_if(lossless, coded, plane)
         }),
     ),
-    // Where
+    // The position
     (
         "side-last-texel-skipped",
         At::Records(|block, at, texels| {
@@ -90,7 +90,7 @@ pub(super) const ACTS: &[(&str, At)] = &[
         "side-position-past-the-end-ignored",
         At::Records(|block, _, texels| {
             let (whole, rest) = block.as_chunks::<5>();
-            // A partial record is refused as ever.
+            // A partial record is still refused.
             rule::records(rest, 0, texels)?;
             Ok(inside(
                 whole
@@ -100,7 +100,7 @@ pub(super) const ACTS: &[(&str, At)] = &[
             ))
         }),
     ),
-    // What
+    // The value
     (
         "side-little-endian",
         At::Records(|block, at, texels| {
@@ -169,7 +169,7 @@ pub(super) const ACTS: &[(&str, At)] = &[
         "side-partial-record-ignored",
         At::Records(|block, at, texels| rule::records(&block[..block.len() / 5 * 5], at, texels)),
     ),
-    // How
+    // The format of records
     (
         "side-values-exclusive-or",
         At::Correct(|plane, records| each(plane, records, |old, value| old ^ value)),
@@ -183,7 +183,7 @@ pub(super) const ACTS: &[(&str, At)] = &[
     ),
 ];
 
-/// The side information of a plane, or none where it is skipped.
+/// Returns the side information of a plane, or nothing if it is skipped.
 fn skipped_if<'a>(skipped: bool, coded: &Coded<'a>, plane: usize) -> &'a [u8] {
     if skipped {
         &[]
@@ -192,12 +192,12 @@ fn skipped_if<'a>(skipped: bool, coded: &Coded<'a>, plane: usize) -> &'a [u8] {
     }
 }
 
-/// All planes without any correction.
+/// Returns all planes without corrections.
 fn uncorrected(coded: &Coded, residuals: Vec<Vec<u8>>, reading: &Reading) -> Result<Vec<Vec<u8>>> {
     only(coded, residuals, reading, |_, _| false)
 }
 
-/// All planes, of which only some are corrected.
+/// Returns all planes, with corrections of some of them.
 fn only(
     coded: &Coded,
     residuals: Vec<Vec<u8>>,
@@ -215,7 +215,7 @@ fn only(
     Ok(done)
 }
 
-/// Some of the records of a legal block.
+/// Returns some of the records of a legal block.
 fn kept(
     block: &[u8],
     at: usize,
@@ -228,7 +228,7 @@ fn kept(
         .collect())
 }
 
-/// The records of a legal block, read in another way; those past the end are ignored.
+/// Reads the records of a legal block in another way; positions past the end are ignored.
 fn reread(
     block: &[u8],
     at: usize,

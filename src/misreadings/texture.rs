@@ -1,7 +1,7 @@
-//! Executable misreadings of the texture chapter: one for each, at the decision where it acts.
+//! Executable misreadings of the texture chapter.
 //!
-//! The same catalog names the mistake of a failing decoder and measures the suite: every misreading must be caught, and
-//! every pair must be told apart. A misreading replaces one decision of [`Rules`](crate::texture::Rules), usually by an edit of the right one.
+//! One catalog names the mistakes of a failing stage and measures the suite: every misreading must be caught, and every pair must
+//! be distinguished. A misreading replaces one decision of [`Rules`](crate::texture::Rules), usually by an edit of the right one.
 
 use std::sync::LazyLock;
 
@@ -49,7 +49,7 @@ pub fn named(slug: &str) -> Option<&'static Misreading<Change>> {
 
 const SPEC: Rules = Rules::SPEC;
 
-/// Where each acts, in the order of `spec-cases/texture/misreadings.yaml`.
+/// The function of each misreading, in the order of `spec-cases/texture/misreadings.yaml`.
 const ACTS: &[(&str, Change)] = &[
     // ---------------------------------------------------------------- fallback values
     ("pre-light-by-default", |r| {
@@ -775,7 +775,7 @@ fn with<T>(mut value: T, change: impl FnOnce(&mut T)) -> T {
     value
 }
 
-/// Returns the fallback values of a reader who has others in some fields.
+/// Returns the fallback values of a reader with other values in some fields.
 fn fallback(change: fn(&mut Entry)) -> Entry {
     with(Entry::default(), change)
 }

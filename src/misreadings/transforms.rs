@@ -1,4 +1,4 @@
-//! §2.9.2: which transform, and what it does
+//! §2.9.2: the choice and the effect of transforms
 
 use super::at::At;
 use crate::decode::{compressed, predict as rule};
@@ -7,7 +7,7 @@ use crate::parts::{Coded, Number, Plan, RawLists, Step};
 use crate::reading::Reading;
 
 pub(super) const ACTS: &[(&str, At)] = &[
-    // 2.9.2: which transform
+    // 2.9.2: the choice of the transform
     (
         "any-transform-refused",
         At::Plan(|lists| refusing(lists, |transform| transform != 0)),
@@ -26,7 +26,7 @@ pub(super) const ACTS: &[(&str, At)] = &[
             compressed::plan(&lists)
         }),
     ),
-    // 2.9.2: what it does
+    // 2.9.2: the effect of the transform
     (
         "inversion-turns-the-plane-round",
         At::Invert(<[u8]>::reverse),
@@ -179,7 +179,7 @@ pub(super) const ACTS: &[(&str, At)] = &[
     ),
 ];
 
-/// The plan of a reader who refuses some transforms.
+/// Returns the plan of a reader that refuses some transforms.
 fn refusing(lists: &RawLists, refuses: fn(i64) -> bool) -> Result<Plan> {
     let mut transforms = lists.transforms.iter();
     match transforms.find(|transform| refuses(transform.value)) {
@@ -199,7 +199,7 @@ pub(super) fn refused(number: &Number) -> Error {
     )
 }
 
-/// All planes, each made of its residuals by `make`, then fixed.
+/// Decodes all planes: `make` turns residuals into a plane, which is then corrected.
 pub(super) fn planes(
     coded: &Coded,
     residuals: Vec<Vec<u8>>,
@@ -215,7 +215,7 @@ pub(super) fn planes(
     Ok(done)
 }
 
-/// Predicts plane `i` as `step` says.
+/// Predicts plane `i` by a step of the plan.
 fn predict(coded: &Coded, reading: &Reading, plane: &mut [u8], done: &[Vec<u8>], step: Step) {
     if let Some(reference) = step.reference {
         rule::apply(

@@ -1,6 +1,6 @@
-//! The catalog from the other side: what a writer does that makes the same mistake.
+//! The same mistakes, made by writers.
 //!
-//! `spec-cases/writers/mistakes.yaml` has the words; slug and clause are those of the misreading.
+//! `spec-cases/writers/mistakes.yaml` has the texts; slug and clause are those of the misreading.
 
 use std::sync::LazyLock;
 
@@ -9,10 +9,10 @@ use serde::Deserialize;
 use super::misreading::Misreading;
 use crate::kit::yaml;
 
-/// A mistake of a writer. It acts where a reader misreads.
+/// A mistake of a writer, in the place where a reader misreads.
 pub type Miswriting = Misreading<&'static Misreading>;
 
-/// A mistake as the YAML has it.
+/// A record of the YAML file.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Words {
@@ -21,7 +21,7 @@ struct Words {
     fix: String,
 }
 
-/// Read when the first one is asked for, once.
+/// The catalog, read on first use.
 static ALL: LazyLock<Vec<Miswriting>> = LazyLock::new(|| {
     let yaml = include_str!("../../spec-cases/writers/mistakes.yaml");
     read(yaml).unwrap_or_else(|error| unreachable!("mistakes.yaml, which a test reads: {error}"))
@@ -45,12 +45,12 @@ fn read(yaml: &str) -> Result<Vec<Miswriting>, String> {
     records.map(join).collect()
 }
 
-/// All mistakes of writers, in the order of the sections.
+/// Returns all mistakes of writers, in the order of the sections.
 pub fn all() -> impl Iterator<Item = &'static Miswriting> {
     ALL.iter()
 }
 
-/// The mistake of that name.
+/// Returns the mistake with this slug.
 #[must_use]
 pub fn named(slug: &str) -> Option<&'static Miswriting> {
     all().find(|mistake| mistake.slug == slug)
