@@ -18,7 +18,7 @@ use super::progress::{self, ProgressLine};
 use ptm_conform::diagnose::MAX_WORK;
 use ptm_conform::report::conclude::{causes, first_causes, undo_common_transforms, verdicts};
 use ptm_conform::report::reported::Reported;
-use ptm_conform::report::shards::{Circumstances, End, Keeper, OtherRemarks, Shard, beside};
+use ptm_conform::report::shards::{Circumstances, End, Keeper, OtherRemarks, Shard, answers_path};
 use ptm_conform::report::text::first_causes_to_text;
 use ptm_conform::runner::run::{Decoder, Request};
 use ptm_conform::session::asking::Ask;
@@ -60,7 +60,7 @@ impl<'a, C: Reported> Check<'a, C> {
         ending: Ending<'a>,
         shard: Option<Shard>,
     ) -> Result<Check<'a, C>, String> {
-        let path = beside(ending.path);
+        let path = answers_path(ending.path);
         let keeper = shard.map(|shard| Keeper::new(&path).map(|keeper| (shard, keeper)));
         let keeper = keeper.transpose().map_err(named(&path))?;
         Ok(Check {
@@ -193,7 +193,7 @@ impl<'a, C: Reported> Check<'a, C> {
         if let Some((shard, keeper)) = self.keeper {
             let (plan, tool) = (self.plan, &report.tool);
             let end = End::of(suite, plan, &run, tool, shard, self.circumstances, others);
-            let path = beside(self.ending.path);
+            let path = answers_path(self.ending.path);
             keeper.finish(end).map_err(named(&path))?;
         }
         self.progress

@@ -38,7 +38,7 @@ const LIMITS: [Limit; 9] = [
     Limit {
         slug: "lists-on-other-lines-refused",
         words: "refuses a compressed file whose lists do not have a line each",
-        effect: Effect::Refused("a list does not have a line of its own"),
+        effect: Effect::Refused("a list is not on a separate line"),
         is_exceeded: |file| file.is_compressed() && !file.lists_have_a_line_each(),
     },
     Limit {

@@ -42,8 +42,8 @@ impl<C: Reported> KeptAnswers<C> {
         let mut known = HashMap::new();
         let mut ends: Vec<(&Path, End)> = Vec::new();
         for report in reports {
-            let (kept, end) = read(&shards::beside(report))
-                .map_err(|error| format!("{}: {error}", shards::beside(report).display()))?;
+            let (kept, end) = read(&shards::answers_path(report))
+                .map_err(|error| format!("{}: {error}", shards::answers_path(report).display()))?;
             known.extend(kept.into_iter().map(|kept| {
                 let key = (kept.file.clone(), kept.view.clone(), kept.alone);
                 (key, kept)

@@ -229,7 +229,7 @@ pub(super) enum Record<T> {
 
 /// Returns the path of the recorded answers next to a report.
 #[must_use]
-pub fn beside(report: &Path) -> PathBuf {
+pub fn answers_path(report: &Path) -> PathBuf {
     let mut path = report.as_os_str().to_owned();
     path.push(".answers");
     path.into()

@@ -420,7 +420,7 @@ fn read_frame(bytes: &[u8], length: u64, most: usize) -> Result<Option<Answer>, 
 fn unexpected(line: &[u8], sequence: u64) -> String {
     let hint = match line {
         [.., b'\r'] => "; is standard output in text mode?",
-        [b'P', b'T', b'M', b'1', ..] => "; a frame comes after a line of its own",
+        [b'P', b'T', b'M', b'1', ..] => "; a frame follows a separate line",
         _ => "",
     };
     format!(
@@ -503,7 +503,7 @@ mod tests {
         );
         says(b"7 ok -1\n", "expected \"7 ok NBYTES\"");
         says(b"7 ok 19\r\n", "text mode");
-        says(FRAME, "a frame comes after a line of its own");
+        says(FRAME, "a frame follows a separate line");
         says(b"hello\n", "found \"hello\"");
         says(&[b'x'; 2000], "has no line end");
         says(

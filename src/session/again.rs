@@ -146,15 +146,15 @@ fn difference<C: TestCase>(
     let after = after_request(first.after.as_ref());
     match once_more {
         Some(once_more) if once_more.response.is_like(&first.response) => format!(
-            "answers with {one}; asked again, one process ended with {other}; asked once more it answers as before"
+            "answers with {one}; one repetition in a new process ended with {other}, and the next as before"
         ),
-        Some(_) if served => format!(
-            "in serve mode{after}, it answers with {one}; a process of its own ends with {other}"
-        ),
+        Some(_) if served => {
+            format!("in serve mode{after}, it answers with {one}; in one-shot mode, with {other}")
+        }
         None if served => format!(
-            "in serve mode{after}, it answers with {one}; asked alone with {other}: state leaks between files"
+            "in serve mode{after}, it answers with {one}; alone, with {other}: state leaks between files"
         ),
-        _ if one == other => format!("answers differently each time, in both calls with {one}"),
-        _ => format!("answers differently each time: first with {one}, asked again with {other}"),
+        _ if one == other => format!("two calls returned different responses, each {one}"),
+        _ => format!("two calls returned different responses: {one}, then {other}"),
     }
 }

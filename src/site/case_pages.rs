@@ -105,7 +105,7 @@ fn slack(case: &Case, built: &Built) -> Option<String> {
         View::Rgb(_) => "each byte within 1 + 1/64 of the exact color",
     };
     Some(match most > 0.0 {
-        true => format!("{own}; besides up to {most}, because inverse DCTs differ"),
+        true => format!("{own}; plus up to {most}, because inverse DCTs differ"),
         false => own.to_owned(),
     })
 }

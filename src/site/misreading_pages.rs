@@ -124,7 +124,7 @@ pub(super) fn pair(paper: Paper, misreading: &Misreading) -> Markup {
             figure { (or_words(right_frame(&view).as_ref(), "right", "refused: the file breaks a rule")) figcaption { "right" } }
             figure { (or_words(wrong.as_ref(), "wrong", answer_in_words(&witness.answer))) figcaption { "with the mistake" } }
         }
-        @if view == View::Raw { p.quiet { "Stored values, plane beside plane; under a light the difference does not show here." } }
+        @if view == View::Raw { p.quiet { "Stored values, one plane next to the other; under a light the difference is not visible." } }
     }
 }
 

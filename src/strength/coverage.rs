@@ -195,7 +195,7 @@ impl Coverage {
         } = &self.separation;
         writeln!(
             out,
-            "pairs of misreadings: {separated} of {pairs} told apart"
+            "pairs of misreadings: {separated} of {pairs} distinguished"
         )?;
         for set in alike {
             writeln!(out, "  alike in every case: {}", set.join(", "))?;

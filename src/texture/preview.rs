@@ -93,11 +93,11 @@ fn color_at(preview: &Preview, x: f64, y: f64, step: f64, rules: &Rules) -> Resu
     };
     let here = coordinates(preview, &point, rules)?;
     // At the edge of a ball the next pixel may be outside it; the map is hardly visible there.
-    let beside = |x, y| match surface(preview, x, y) {
+    let neighbor = |x, y| match surface(preview, x, y) {
         Some(point) => coordinates(preview, &point, rules),
         None => Ok(here),
     };
-    let (right, above) = (beside(x + step, y)?, beside(x, y + step)?);
+    let (right, above) = (neighbor(x + step, y)?, neighbor(x, y + step)?);
     if is_outline(preview, here, [right, above]) {
         return Ok(OUTLINE);
     }

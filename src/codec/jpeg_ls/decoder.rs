@@ -265,7 +265,7 @@ mod tests {
             black,
             "4 x 2"
         );
-        assert_eq!(reads(&patch(3, "F7")), black, "other bits behind the last");
+        assert_eq!(reads(&patch(3, "F7")), black, "other bits after the last");
     }
 
     #[test]

@@ -9,7 +9,7 @@ use ptm_conform::report::Report;
 use ptm_conform::report::conclude::{conclude, undo_common_transforms};
 use ptm_conform::report::document::Tool;
 use ptm_conform::report::merge::KeptAnswers;
-use ptm_conform::report::shards::{Circumstances, End, Keeper, OtherRemarks, Shard, beside};
+use ptm_conform::report::shards::{Circumstances, End, Keeper, OtherRemarks, Shard, answers_path};
 use ptm_conform::runner::run::{Reply, Request};
 use ptm_conform::session::asking::Ask;
 use ptm_conform::session::plan::{Repeat, RunPlan};
@@ -64,7 +64,7 @@ fn whole(suite: &Suite, decoder: &Decoder) -> Report {
     conclude(suite, &mut run, &circumstances(), &remarks(), 2).expect("no misreading is assumed")
 }
 
-/// Runs one part and keeps its answers beside the path that is returned.
+/// Runs one part and keeps its answers answers_path the path that is returned.
 fn run_part(
     suite: &Suite,
     part: Shard,
@@ -73,7 +73,7 @@ fn run_part(
     directory: &Path,
 ) -> PathBuf {
     let report = directory.join(format!("part-{}.yaml", part.number));
-    let keeper = Keeper::new(&beside(&report)).expect("a file");
+    let keeper = Keeper::new(&answers_path(&report)).expect("a file");
     let ask = |request: &Request<'_>, _: usize| {
         let reply = Reply::from(decoder(request));
         keeper.answered(request, &reply);
@@ -173,7 +173,7 @@ fn parts_that_make_no_whole_are_refused() {
     let other = run(3, 3);
     assert!(refused(&[first.clone(), other]).contains("not of the same run as "));
 
-    let cut = beside(&second);
+    let cut = answers_path(&second);
     let text = std::fs::read_to_string(&cut).expect("text");
     let lines = text.lines().count();
     let without_end: Vec<&str> = text.lines().take(lines - 1).collect();

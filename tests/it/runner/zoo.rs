@@ -208,7 +208,7 @@ const QUIET: &[Faulty] = &[
     ),
     fails(
         "differs-each-time",
-        &["answers differently each time: first with a wrong image"],
+        &["two calls returned different responses: a wrong image"],
         Fails::Count(15),
     ),
     fails(
@@ -374,7 +374,7 @@ const SERVING: &[Faulty] = &[
         "serves-bare-frames",
         &[
             "serve mode does not work",
-            "a frame comes after a line of its own",
+            "a frame follows a separate line",
         ],
     ),
     serves_not(
@@ -462,7 +462,7 @@ const SERVING: &[Faulty] = &[
     serves(
         "serves-with-leaks",
         1,
-        &["state leaks between files", "asked alone with an image"],
+        &["state leaks between files", "alone, with an image"],
         Fails::Count(11),
     ),
     serves(
@@ -470,7 +470,7 @@ const SERVING: &[Faulty] = &[
         1,
         &[
             "state leaks between files",
-            "it answers with \"unsupported\"; asked alone with an image",
+            "it answers with \"unsupported\"; alone, with an image",
         ],
         Fails::Some,
     ),
