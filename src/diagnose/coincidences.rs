@@ -178,7 +178,7 @@ fn refuses_by_chance(
     let refuses_only = listed.is_some_and(|listed| listed.shows == Symptom::Refusals);
     let one = [set[place]];
     let is_contradicted = |w| search.contradicted(w, &one) && search.contradicted(w, set);
-    !refuses_only && is_small
+    (!refuses_only || is_few(explained.len(), refused)) && is_small
         || evidence.against > 0
         || shared.iter().any(explains_more)
         || (0..witnesses.len()).any(is_contradicted)

@@ -10,14 +10,13 @@ use std::sync::LazyLock;
 
 use super::learned;
 use super::mistake::{Channels, Mistake, misreading_of};
-use super::pair::Pair;
 use super::scope::{Scope, scope_between};
 use super::search::{Id, Search, Set, WORTH_OF_A_REFUSAL, spread};
 use super::tuning::{
     MAX_EDITS, MAX_PROBES, MAX_SCOPED_MISREADINGS, MIN_PROBE_SIZE, MIN_SUPPORT, is_much,
 };
 use super::witness::{Agreement, explains_a_view};
-use super::words::place::pair_of;
+use super::words::place::wrong_channels;
 use crate::formula::{EditedForm, Expression, Formula, edits};
 use crate::misreadings::{At, Misreading};
 use crate::protocol::frame::Answer;
@@ -86,7 +85,7 @@ fn fitting(search: &Search, set: &Set, probes: &[Vec<usize>]) -> Vec<Mistake> {
     let edits: Vec<&'static Misreading> = EDITS.iter().filter(is_free).collect();
     let mut channels = vec![Channels::All];
     for probe in probes {
-        let wrong = wrong_channels(search, set, probe);
+        let wrong = Channels::narrowest(&wrong_channels(search, set, probe));
         if !channels.contains(&wrong) {
             channels.push(wrong);
         }
@@ -136,16 +135,6 @@ fn fitting(search: &Search, set: &Set, probes: &[Vec<usize>]) -> Vec<Mistake> {
         ..Mistake::everywhere(edits[edit])
     };
     ranked.iter().map(mistake).collect()
-}
-
-/// Returns the channels in which these images are wrong.
-fn wrong_channels(search: &Search, set: &Set, probe: &[usize]) -> Channels {
-    let pairs = probe.iter().filter_map(|&w| pair_of(search, set, w));
-    let pairs: Vec<Pair> = pairs.collect();
-    let count = pairs.first().map_or(0, |pair| pair.channels);
-    let is_wrong = |channel| pairs.iter().any(|pair| pair.wrong_channels()[channel]);
-    let wrong: Vec<bool> = (0..count).map(is_wrong).collect();
-    Channels::narrowest(&wrong)
 }
 
 /// Returns the mistake in every file, or in the files in which no passing case contradicts it.

@@ -335,7 +335,7 @@ const fn quantity(
 }
 
 pub(super) const QUANTITIES: &[Quantity] = &[
-    quantity("2.3/1", "texels", |f| {
+    quantity("2.7/3", "texels", |f| {
         f.size.map(|(w, h)| f64::from(w) * f64::from(h))
     }),
     quantity("2.3/1", "columns", |f| {

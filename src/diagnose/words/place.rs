@@ -286,14 +286,19 @@ fn difference(search: &Search, set: &[Id], step: Step, part: &Part) -> Diagnosis
         1 => first,
         _ => step.common_clause().or(part.clause).or(first),
     };
+    let mut wrong = wrong_channels(search, set, of);
+    wrong.retain(|_| of.len() >= MIN_SHARING_FILES);
+    // Only R, G and B of a format with one polynomial are wrong.
+    let are_colors = wrong.len() == 9 && !wrong[..6].contains(&true);
+    let clause = match (step, clause) {
+        (Step::StoredValue, Some("2.7.3/1")) if are_colors => Some("2.7.3/2"),
+        (Step::StoredValue, Some("2.8.1/1")) if are_colors => Some("2.8.1/4"),
+        (Step::FinalValue, _) if are_colors => Some("2.4/9"),
+        _ => clause,
+    };
+    let (effect, only, views) = (step.effect(), only_in(&wrong), views(witnesses, of));
     let words = Words {
-        effect: format!(
-            "{}{}, in {}{}",
-            step.effect(),
-            channels(search, set, of),
-            part.place,
-            views(witnesses, of)
-        ),
+        effect: format!("{effect}{only}, in {}{views}", part.place),
         fix: step.fix().to_owned(),
         example: example_given(search, set, smallest(witnesses, of)),
     };
@@ -320,22 +325,27 @@ fn views(witnesses: &[Witness], of: &[usize]) -> String {
     }
 }
 
-/// Returns ", only in a3" if no other channel is wrong in the images of the first view.
-fn channels(search: &Search, set: &[Id], of: &[usize]) -> String {
+/// Returns, for each channel, true if it is wrong in an image of the first view; nothing if the numbers of channels differ.
+pub(in crate::diagnose) fn wrong_channels(search: &Search, set: &[Id], of: &[usize]) -> Vec<bool> {
     let mut pairs: Vec<Pair> = of.iter().filter_map(|&w| pair_of(search, set, w)).collect();
     let first = pairs.iter().map(|pair| pair.view).min();
     pairs.retain(|pair| Some(pair.view) == first);
     let count = pairs.first().map_or(0, |pair| pair.channels);
-    if of.len() < MIN_SHARING_FILES || pairs.iter().any(|pair| pair.channels != count) {
-        return String::new();
+    if pairs.iter().any(|pair| pair.channels != count) {
+        return Vec::new();
     }
     let is_wrong = |channel: usize| pairs.iter().any(|pair| pair.wrong_channels()[channel]);
-    let wrong: Vec<String> = (0..count)
-        .filter(|&channel| is_wrong(channel))
-        .map(|channel| channel_name(count, channel))
+    (0..count).map(is_wrong).collect()
+}
+
+/// Returns ", only in a3" if no other channel is wrong.
+fn only_in(wrong: &[bool]) -> String {
+    let names: Vec<String> = (0..wrong.len())
+        .filter(|&channel| wrong[channel])
+        .map(|channel| channel_name(wrong.len(), channel))
         .collect();
-    match (1..=MAX_LISTED).contains(&wrong.len()) && wrong.len() < count {
-        true => format!(", only in {}", wrong.join(", ")),
+    match (1..=MAX_LISTED).contains(&names.len()) && names.len() < wrong.len() {
+        true => format!(", only in {}", names.join(", ")),
         false => String::new(),
     }
 }
