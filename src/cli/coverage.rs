@@ -16,6 +16,7 @@ use super::output::{jobs, print, with_progress};
 /// Measure the suite: covered clauses, misreadings that it catches and tells apart, parameter pairs, redundant cases. Takes
 /// minutes.
 #[derive(Args)]
+#[command(after_help = "Example:\n  ptm-conform coverage --yaml > coverage.yaml")]
 pub struct CoverageArgs {
     /// Print everything as YAML instead of a summary.
     #[arg(long)]

@@ -32,6 +32,9 @@ use ptm_conform::tools::lint::codes::{self, Code};
 
 /// Explain a case, a clause, a ruling, a misreading or a lint code.
 #[derive(Args)]
+#[command(
+    after_help = "Examples:\n  ptm-conform explain 2.4/8\n  ptm-conform explain hand-rgb-blocks\n  ptm-conform explain rows-top-down"
+)]
 pub struct ExplainArgs {
     /// An id such as hand-rgb-blocks, 2.4/8, lut-count, rows-top-down or PTM-W102; without one, all ids are listed.
     id: Option<String>,
@@ -318,12 +321,10 @@ fn unknown(id: &str, suite: &Suite) -> Result<String, String> {
         .chain(codes::ALL.iter().map(|code| code.id));
     let near = nearest(id, known);
     let hint = match near.is_empty() {
-        true => "a section such as 2.8 lists its clauses, and its clauses their cases".to_owned(),
+        true => "explain 2.8 lists the clauses of that section, and their cases".to_owned(),
         false => format!("did you mean {}?", near.join(" or ")),
     };
-    Ok(format!(
-        "no case, clause, ruling, misreading or code is called {id:?}; {hint}"
-    ))
+    Ok(format!("unknown id {id:?}; {hint}"))
 }
 
 /// Describes a lint code, and the cases that provoke it.
@@ -367,6 +368,6 @@ mod tests {
             assert!(said.contains(meant), "{asked}: {said}");
         }
         let said = unknown("zzz", &suite).expect("the clauses load");
-        assert!(said.contains("a section such as 2.8"), "{said}");
+        assert!(said.contains("explain 2.8 lists"), "{said}");
     }
 }

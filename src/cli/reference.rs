@@ -21,6 +21,9 @@ use super::{CommandResult, Failed, files};
 ///
 /// Exit status: 0, 65 if the file is malformed, 69 if it is not supported.
 #[derive(clap::Args)]
+#[command(
+    after_help = "Examples:\n  ptm-conform reference raw coin.ptm > coin.frame\n  ptm-conform reference rgb:0.3,0.4 coin.ptm > coin.frame"
+)]
 pub struct Args {
     /// raw, coef or rgb:LU,LV; or serve, capabilities, texture, write, or fit
     view: String,

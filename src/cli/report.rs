@@ -30,6 +30,9 @@ pub struct ReportArgs {
 #[derive(Subcommand)]
 enum ReportCommand {
     /// Print a report like check does.
+    #[command(
+        after_help = "Example:\n  ptm-conform report show ptm-conform-report.yaml --case '*lut*'"
+    )]
     Show {
         /// The report.
         file: PathBuf,
@@ -43,6 +46,7 @@ enum ReportCommand {
     /// Write an HTML page: of one report, or a table of decoders and clauses of several.
     ///
     /// A report contains no images; `check --html` writes a page with images.
+    #[command(after_help = "Example:\n  ptm-conform report html old.yaml new.yaml -o page.html")]
     Html {
         /// The reports.
         #[arg(required = true, value_name = "FILE")]
@@ -52,10 +56,13 @@ enum ReportCommand {
         output: PathBuf,
     },
     /// Write a report as `JUnit` XML.
+    #[command(after_help = "Example:\n  ptm-conform report junit report.yaml -o junit.xml")]
     Junit(Made),
     /// Write an SVG badge with the three scores.
+    #[command(after_help = "Example:\n  ptm-conform report badge report.yaml -o badge.svg")]
     Badge(Made),
     /// Write a summary in Markdown.
+    #[command(after_help = "Example:\n  ptm-conform report markdown report.yaml -o summary.md")]
     Markdown(Made),
     /// Show what changed between two reports.
     ///
@@ -63,6 +70,7 @@ enum ReportCommand {
     /// scores, dialect and causes. Many changed cases are grouped by cause and clause.
     ///
     /// Exit status: 0 the reports are equal, 1 they differ, 2 one of them cannot be read.
+    #[command(after_help = "Example:\n  ptm-conform report diff old.yaml new.yaml")]
     Diff {
         /// The old report.
         old: PathBuf,

@@ -15,6 +15,7 @@ use super::output::{jobs, print};
 /// The pages need no server; open index.html. Every example of the annotated format is executed, and nothing is written if one
 /// does not hold.
 #[derive(Args)]
+#[command(after_help = "Example:\n  ptm-conform site --out site")]
 pub struct SiteArgs {
     /// The output directory; other files in it are kept.
     #[arg(long, value_name = "DIR")]

@@ -37,6 +37,7 @@ enum Command {
 ///
 /// Exit status: 0 all cases hold, 1 a case does not, 2 the file cannot be read, 5 it has no cases.
 #[derive(Args)]
+#[command(after_help = "Example:\n  ptm-conform texture cases spec-cases/texture/cases/table.yaml")]
 struct CasesArgs {
     /// A file of cases.
     file: PathBuf,
