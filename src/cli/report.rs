@@ -22,6 +22,7 @@ use ptm_conform::writers::fitting::cases::FitCase;
 
 /// Show, compare, merge and convert reports of check.
 #[derive(Args)]
+#[command(after_help = "Example:\n  ptm-conform report show ptm-conform-report.yaml")]
 pub struct ReportArgs {
     #[command(subcommand)]
     command: ReportCommand,

@@ -19,6 +19,7 @@ use ptm_conform::tools::render::Image;
 
 /// Texture mapping: check a file of cases, or render a table entry.
 #[derive(Args)]
+#[command(after_help = "Example:\n  ptm-conform texture render --shape sphere -o sphere.png")]
 pub struct TextureArgs {
     #[command(subcommand)]
     command: Command,
