@@ -1,43 +1,232 @@
 //! Runs the program as its users do.
 
+use std::fs;
 use std::io::Read;
 use std::os::unix::fs::PermissionsExt;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
 use std::thread::JoinHandle;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
-/// What `check` said.
+use ptm_conform::kit::yaml::from_yaml;
+use serde_json::Value;
+use tempfile::TempDir;
+
+pub use crate::table::rows;
+
+/// A temporary directory in which the program runs, so that command lines name files without a path.
+///
+/// Command lines are split into words as a shell splits them; they do not name the program itself.
+pub struct Workspace(TempDir);
+
+impl Workspace {
+    pub fn new() -> Workspace {
+        Workspace(tempfile::tempdir().expect("a temporary directory"))
+    }
+
+    pub fn path(&self, name: &str) -> PathBuf {
+        self.0.path().join(name)
+    }
+
+    /// Returns the program with the words of a command line, to be run in this directory.
+    pub fn command(&self, line: &str) -> Command {
+        let mut command = program();
+        command.current_dir(&self.0).args(words(line));
+        command
+    }
+
+    /// Runs the program; returns its exit status, and standard output followed by standard error.
+    pub fn run(&self, line: &str) -> (i32, String) {
+        outcome(&self.command(line).output().expect("the program starts"))
+    }
+
+    /// Runs the program, which must exit with this status; returns its output.
+    #[track_caller]
+    pub fn exits(&self, status: i32, line: &str) -> String {
+        let (found, text) = self.run(line);
+        assert_eq!(found, status, "{line}: {text}");
+        text
+    }
+
+    /// Runs the program, which must exit with 0; returns its output.
+    #[track_caller]
+    pub fn succeeds(&self, line: &str) -> String {
+        self.exits(0, line)
+    }
+
+    /// Runs the command lines of a table. Each row has the exit status, the command line, and parts of the output.
+    #[track_caller]
+    pub fn assert_lines(&self, table: &str) {
+        for [status, line, says] in rows(table) {
+            let (found, text) = self.run(&line);
+            assert_eq!(found.to_string(), status, "{line}: {text}");
+            assert_says(&text, &says);
+        }
+    }
+
+    /// Runs `check --report report.yaml` with the rest of a command line.
+    pub fn check(&self, line: &str) -> Checked {
+        let (status, text) = self.run(&format!("check --report report.yaml {line}"));
+        Checked::new(status, text, &self.path("report.yaml"))
+    }
+
+    /// Runs `check-writer --report report.yaml` with the rest of a command line.
+    pub fn check_writer(&self, line: &str) -> Checked {
+        let (status, text) = self.run(&format!("check-writer --report report.yaml {line}"));
+        Checked::new(status, text, &self.path("report.yaml"))
+    }
+
+    /// Writes a file, and its directory if that is missing.
+    pub fn write(&self, name: &str, bytes: impl AsRef<[u8]>) -> PathBuf {
+        let path = self.path(name);
+        fs::create_dir_all(path.parent().expect("a directory")).expect("a directory");
+        fs::write(&path, bytes).expect("a file is written");
+        path
+    }
+
+    /// Writes a file that can be executed.
+    pub fn write_program(&self, name: &str, text: impl AsRef<[u8]>) -> PathBuf {
+        let path = self.write(name, text);
+        fs::set_permissions(&path, fs::Permissions::from_mode(0o755)).expect("permissions");
+        path
+    }
+
+    pub fn read(&self, name: &str) -> Vec<u8> {
+        fs::read(self.path(name)).unwrap_or_else(|error| panic!("{name}: {error}"))
+    }
+
+    pub fn text(&self, name: &str) -> String {
+        String::from_utf8(self.read(name)).expect("a text")
+    }
+
+    /// Copies a file of the corpus, such as `lrgb/first-lrgb.ptm`, under its last name.
+    pub fn corpus(&self, file: &str) {
+        let name = file.rsplit('/').next().expect("a last part");
+        fs::copy(repository(&format!("corpus/{file}")), self.path(name)).expect("a copy");
+    }
+}
+
+/// Splits a command line as a shell does.
+pub fn words(line: &str) -> Vec<String> {
+    shlex::split(line).unwrap_or_else(|| panic!("quotation marks in {line}"))
+}
+
+/// The exit status of a program, and standard output followed by standard error.
+pub fn outcome(output: &Output) -> (i32, String) {
+    let text = [&output.stdout[..], &output.stderr].concat();
+    let text = String::from_utf8_lossy(&text).into_owned();
+    (output.status.code().unwrap_or(-1), text)
+}
+
+/// Runs a command of another program, which must succeed; returns its standard output.
+#[track_caller]
+pub fn stdout(command: &mut Command) -> String {
+    let output = command.output().expect("it starts");
+    assert!(output.status.success(), "{}", outcome(&output).1);
+    String::from_utf8(output.stdout).expect("a text")
+}
+
+/// Asserts that a text contains each of several parts, which are separated by ` && `.
+#[track_caller]
+pub fn assert_says(text: &str, parts: &str) {
+    for part in parts.split(" && ") {
+        assert!(text.contains(part), "{part:?} is not in:\n{text}");
+    }
+}
+
+/// Replaces the only occurrence of `find`.
+#[track_caller]
+pub fn edited(text: &str, find: &str, replace: &str) -> String {
+    assert_eq!(text.matches(find).count(), 1, "{find}");
+    text.replace(find, replace)
+}
+
+/// Waits until a condition holds; returns false if it does not within some seconds.
+pub fn eventually(seconds: u64, condition: impl Fn() -> bool) -> bool {
+    let deadline = Instant::now() + Duration::from_secs(seconds);
+    while !condition() {
+        if Instant::now() > deadline {
+            return false;
+        }
+        std::thread::sleep(Duration::from_millis(20));
+    }
+    true
+}
+
+/// Returns the ids and command lines of the processes whose command line and environment match.
+pub fn processes(matches: impl Fn(&str, &str) -> bool) -> Vec<(String, String)> {
+    let read = |path: PathBuf| {
+        let text = fs::read(path).unwrap_or_default();
+        String::from_utf8_lossy(&text).replace('\0', " ")
+    };
+    let process = |entry: fs::DirEntry| {
+        let command = read(entry.path().join("cmdline"));
+        let is_wanted = matches(&command, &read(entry.path().join("environ")));
+        is_wanted.then(|| (entry.file_name().to_string_lossy().into_owned(), command))
+    };
+    let entries = fs::read_dir("/proc").expect("/proc").flatten();
+    entries.filter_map(process).collect()
+}
+
+/// Returns true where processes can be looked for; says SKIPPED if not.
+pub fn have_proc() -> bool {
+    let there = Path::new("/proc/self/environ").exists();
+    if !there {
+        println!("SKIPPED: there is no /proc to look for processes in");
+    }
+    there
+}
+
+/// The result of a `check`.
 pub struct Checked {
-    /// Its exit status.
+    /// The exit status.
     pub status: i32,
     /// Standard output, then standard error.
     pub text: String,
-    /// The report, or nothing if there is none.
-    pub report: serde_json::Value,
+    /// The report, or null if there is none.
+    pub report: Value,
 }
 
 impl Checked {
-    /// The ids of the cases with that outcome.
+    pub fn new(status: i32, text: String, report: &Path) -> Checked {
+        let report = fs::read_to_string(report).ok();
+        let report = report.and_then(|text| from_yaml(&text).ok());
+        Checked {
+            status,
+            text,
+            report: report.unwrap_or_default(),
+        }
+    }
+
+    /// Asserts the exit status, and that the output contains parts separated by ` && `.
+    #[track_caller]
+    pub fn ends(&self, status: i32, parts: &str) {
+        assert_eq!(self.status, status, "{}", self.text);
+        assert_says(&self.text, parts);
+    }
+
+    /// Returns the report's entry about a case, or null.
+    pub fn case(&self, id: &str) -> &Value {
+        let mut cases = self.report["cases"].as_array().into_iter().flatten();
+        cases.find(|case| case["id"] == id).unwrap_or(&Value::Null)
+    }
+
+    /// Returns the ids of the cases with this outcome.
     pub fn cases(&self, outcome: &str) -> Vec<String> {
-        let cases = self.report["cases"].as_array().cloned().unwrap_or_default();
-        let with = cases.iter().filter(|case| case["outcome"] == outcome);
+        let cases = self.report["cases"].as_array().into_iter().flatten();
+        let with = cases.filter(|case| case["outcome"] == outcome);
         with.filter_map(|case| case["id"].as_str().map(str::to_owned))
             .collect()
     }
 
     /// Returns the misreadings that are named or would look the same, the most telling first.
     pub fn diagnoses(&self) -> Vec<String> {
-        let causes = self.report["diagnoses"]
-            .as_array()
-            .cloned()
-            .unwrap_or_default();
-        causes
-            .iter()
-            .flat_map(|cause| {
-                let equivalents = cause["or"].as_array().cloned().unwrap_or_default();
-                std::iter::once(cause["misreading"].clone()).chain(equivalents)
-            })
+        let causes = self.report["diagnoses"].as_array().into_iter().flatten();
+        let slugs = causes.flat_map(|cause| {
+            let equivalents = cause["or"].as_array().into_iter().flatten();
+            std::iter::once(&cause["misreading"]).chain(equivalents)
+        });
+        slugs
             .filter_map(|slug| slug.as_str().map(str::to_owned))
             .collect()
     }
@@ -45,39 +234,23 @@ impl Checked {
 
 /// The program under test.
 pub fn program() -> Command {
-    Command::new(env!("CARGO_BIN_EXE_ptm-conform"))
+    Command::new(PROGRAM)
 }
 
-/// `ptm-conform ARGS…`
-pub fn run(args: &[&str]) -> Output {
-    program().args(args).output().expect("the program starts")
+/// The path of the program under test.
+pub const PROGRAM: &str = env!("CARGO_BIN_EXE_ptm-conform");
+
+/// Runs `check` with the rest of a command line in a new workspace.
+pub fn check(line: &str) -> Checked {
+    Workspace::new().check(line)
 }
 
-/// `ptm-conform check OPTIONS… -- DECODER…`
-pub fn check_with(options: &[&str], decoder: &[&str]) -> Checked {
-    let scratch = tempfile::tempdir().expect("a scratch directory");
-    let report = scratch.path().join("report.yaml");
-    let mut command = program();
-    command
-        .arg("check")
-        .args(options)
-        .arg("--report")
-        .arg(&report)
-        .arg("--")
-        .args(decoder);
-    let output = command.output().expect("the program starts");
-    let text = [output.stdout, output.stderr].concat();
-    let report = std::fs::read_to_string(&report)
-        .ok()
-        .and_then(|text| ptm_conform::kit::yaml::from_yaml(&text).ok());
-    Checked {
-        status: output.status.code().unwrap_or(-1),
-        text: String::from_utf8_lossy(&text).into_owned(),
-        report: report.unwrap_or_default(),
-    }
+/// Runs `check-writer` with the rest of a command line in a new workspace.
+pub fn check_writer(line: &str) -> Checked {
+    Workspace::new().check_writer(line)
 }
 
-/// Runs a `check` whose report goes to `report`, and says how much memory it held at most, in KiB (0 where there is no
+/// Runs a `check` whose report goes to `report`; returns also the most memory that it held, in KiB (0 where there is no
 /// /proc).
 pub fn measured(mut command: Command, report: &Path) -> (Checked, u64) {
     let mut child = command
@@ -92,7 +265,7 @@ pub fn measured(mut command: Command, report: &Path) -> (Checked, u64) {
     ];
     let mut most = 0;
     let exit = loop {
-        let held = std::fs::read_to_string(&status).unwrap_or_default();
+        let held = fs::read_to_string(&status).unwrap_or_default();
         let held = held.lines().find_map(|line| line.strip_prefix("VmHWM:"));
         let held = held.and_then(|held| held.trim().strip_suffix(" kB")?.parse().ok());
         most = most.max(held.unwrap_or_default());
@@ -101,20 +274,12 @@ pub fn measured(mut command: Command, report: &Path) -> (Checked, u64) {
         }
         std::thread::sleep(Duration::from_millis(5));
     };
-    let text: Vec<u8> = output
-        .into_iter()
-        .flatten()
+    let readers = output.into_iter().flatten();
+    let text: Vec<u8> = readers
         .flat_map(|reader| reader.join().expect("no reader panics"))
         .collect();
-    let report = std::fs::read_to_string(report)
-        .ok()
-        .and_then(|text| ptm_conform::kit::yaml::from_yaml(&text).ok());
-    let checked = Checked {
-        status: exit.code().unwrap_or(-1),
-        text: String::from_utf8_lossy(&text).into_owned(),
-        report: report.unwrap_or_default(),
-    };
-    (checked, most)
+    let text = String::from_utf8_lossy(&text).into_owned();
+    (Checked::new(exit.code().unwrap_or(-1), text, report), most)
 }
 
 fn read_aside(mut pipe: impl Read + Send + 'static) -> JoinHandle<Vec<u8>> {
@@ -125,16 +290,17 @@ fn read_aside(mut pipe: impl Read + Send + 'static) -> JoinHandle<Vec<u8>> {
     })
 }
 
-/// What keeps a report from conforming to its schema.
-pub fn report_errors(report: &serde_json::Value) -> Vec<String> {
-    let schema = std::fs::read_to_string(repository("spec-cases/schema/report.schema.json"));
-    let schema = serde_json::from_str(&schema.expect("a schema")).expect("a schema is JSON");
+/// Asserts that a value conforms to a schema of `spec-cases/schema`.
+#[track_caller]
+pub fn conforms(value: &Value, schema: &str) {
+    let text = repository_text(&format!("spec-cases/schema/{schema}.schema.json"));
+    let schema = serde_json::from_str(&text).expect("a schema is JSON");
     let validator = jsonschema::validator_for(&schema).expect("a schema is a schema");
-    let errors = validator.iter_errors(report);
-    errors
-        .take(5)
+    let errors = validator.iter_errors(value).take(5);
+    let errors: Vec<String> = errors
         .map(|error| format!("{}: {error}", error.instance_path()))
-        .collect()
+        .collect();
+    assert!(errors.is_empty(), "{errors:#?}");
 }
 
 /// Keeps processors busy as long as it lives.
@@ -160,40 +326,35 @@ impl Drop for Load {
     }
 }
 
-/// Lets a file be executed.
-pub fn make_executable(path: &Path) {
-    let executable = std::fs::Permissions::from_mode(0o755);
-    std::fs::set_permissions(path, executable).expect("permissions");
+/// Returns the command line of a program from the zoo of wrong decoders.
+pub fn zoo(kind: &str) -> String {
+    let directory = Path::new(PROGRAM).parent().expect("a directory");
+    format!("{}/examples/zoo {kind}", directory.display())
 }
 
-/// The directory of the programs that cargo builds beside the tests.
-pub fn examples() -> PathBuf {
-    Path::new(env!("CARGO_BIN_EXE_ptm-conform"))
-        .parent()
-        .expect("a directory")
-        .join("examples")
+/// Returns the command line of an example in Python, such as `decoders/ptm_decoder.py`.
+pub fn python_example(name: &str) -> String {
+    format!("python3 {}", repository(&format!("examples/{name}")))
 }
 
-/// The zoo of wrong programs.
-pub fn zoo() -> String {
-    examples().join("zoo").to_string_lossy().into_owned()
-}
-
-/// A file of the repository.
+/// Returns the absolute path of a file of the repository.
 pub fn repository(path: &str) -> String {
-    Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join(path)
-        .to_string_lossy()
-        .into_owned()
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    root.join(path).to_string_lossy().into_owned()
 }
 
-/// Whether a program can be started; says SKIPPED if not.
+/// Reads a text of the repository.
+pub fn repository_text(path: &str) -> String {
+    fs::read_to_string(repository(path)).unwrap_or_else(|error| panic!("{path}: {error}"))
+}
+
+/// Returns true if a program can be started; says SKIPPED if not.
 pub fn have(program: &str) -> bool {
     let there = Command::new(program).arg("--version").output().is_ok();
     there || skipped(&format!("{program} is not there"))
 }
 
-/// Whether the compiler has the libraries of a target.
+/// Returns true if the compiler has the libraries of a target; says SKIPPED if not.
 pub fn have_target(target: &str) -> bool {
     let libraries = Command::new("rustc")
         .args(["--print", "target-libdir", "--target", target])
@@ -202,7 +363,7 @@ pub fn have_target(target: &str) -> bool {
         || skipped(&format!("rustc has no {target}"))
 }
 
-/// Whether python3 has these packages; says SKIPPED if not.
+/// Returns true if python3 has these packages; says SKIPPED if not.
 pub fn have_python(packages: &[&str]) -> bool {
     let imports = packages.join(", ");
     let imported = Command::new("python3")
@@ -212,8 +373,8 @@ pub fn have_python(packages: &[&str]) -> bool {
         || skipped(&format!("python3 with {imports} is not there"))
 }
 
-/// Says why a test does nothing; false. Where everything that can be installed is (`PTM_CONFORM_SKIP_NOTHING`), a skip is
-/// a failure.
+/// Says why a test does nothing, and returns false. A skip is a failure if `PTM_CONFORM_SKIP_NOTHING` is set, as where
+/// everything is installed.
 fn skipped(why: &str) -> bool {
     println!("SKIPPED: {why}");
     assert!(

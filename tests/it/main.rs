@@ -1,7 +1,10 @@
-//! One binary for all integration tests; folders are named as the rooms of `src` that they test.
+//! One binary for all integration tests; folders are named as the modules of `src` that they test.
 
 #[cfg(all(unix, feature = "cli"))]
 mod common;
+#[cfg(feature = "harness")]
+mod in_process;
+mod table;
 
 mod cli;
 mod codec;

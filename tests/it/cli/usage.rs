@@ -1,343 +1,176 @@
 //! The program, as its users meet it.
 
-use std::fs;
-
-use crate::common::{check_with, program, run};
-
-fn text(output: &std::process::Output) -> String {
-    String::from_utf8_lossy(&[output.stdout.clone(), output.stderr.clone()].concat()).into_owned()
-}
+use crate::common::{
+    PROGRAM, Workspace, assert_says, check, repository, repository_text, rows, zoo,
+};
 
 #[test]
 fn the_reference_passes_every_case() {
-    let scratch = tempfile::tempdir().expect("a scratch directory");
-    let output = program()
-        .current_dir(scratch.path())
-        .arg("check")
-        .output()
-        .expect("the program starts");
-    assert_eq!(output.status.code(), Some(0), "{}", text(&output));
-    let report =
-        fs::read_to_string(scratch.path().join("ptm-conform-report.yaml")).expect("a report");
-    let published = fs::read_to_string(crate::common::repository("reports/reference.yaml"))
-        .expect("the published report");
+    let here = Workspace::new();
+    here.succeeds("check");
     assert!(
-        report == published,
+        here.text("ptm-conform-report.yaml") == repository_text("reports/reference.yaml"),
         "run: ptm-conform check --report reports/reference.yaml"
     );
 }
 
 #[test]
 fn two_runs_give_equal_reports() {
-    let scratch = tempfile::tempdir().expect("a scratch directory");
-    let report = |name: &str, jobs: &str| {
-        let path = scratch.path().join(name);
-        let output = program()
-            .args(["check", "--jobs", jobs, "--case", "lrgb-*", "--report"])
-            .arg(&path)
-            .output()
-            .expect("the program starts");
-        assert_eq!(output.status.code(), Some(0), "{}", text(&output));
-        fs::read_to_string(path).expect("a report")
-    };
-    assert_eq!(report("one", "1"), report("two", "7"));
-}
-
-#[test]
-fn wrong_usage_is_2() {
-    for args in [
-        &["check", "--jobs", "0"][..],
-        &["check", "--timeout", "0"],
-        &["check", "--timeout", "-1"],
-        &["check", "--timeout", "nan"],
-        &["check", "--view", "png"],
-        &["check", "--case", "[", "x"],
-        &["check", "--no-such-option"],
-        &["no-such-command"],
-        &["explain", "no-such-thing"],
-        &["reference", "png", "x.ptm"],
-        &["reference", "raw", "no-such-file.ptm"],
-        &[
-            "check",
-            "--report",
-            "no-such-directory/report.yaml",
-            "--case",
-            "hand-lum",
-        ],
-    ] {
-        assert_eq!(run(args).status.code(), Some(2), "{args:?}");
+    let here = Workspace::new();
+    for (name, jobs) in [("one", 1), ("two", 7)] {
+        here.succeeds(&format!(
+            "check --jobs {jobs} --case lrgb-* --report {name}"
+        ));
     }
+    assert_eq!(here.text("one"), here.text("two"));
 }
 
 #[test]
-fn a_check_without_a_decoder_says_first_and_last_that_it_checks_the_reference() {
-    let scratch = tempfile::tempdir().expect("a scratch directory");
+fn command_lines_end_with_their_status_and_output() {
+    let here = Workspace::new();
+    here.assert_lines(
+        "
+2 | check --jobs 0 |
+2 | check --timeout 0 |
+2 | check --timeout -1 |
+2 | check --timeout nan |
+2 | check --view png |
+2 | check --case [ x |
+2 | check --no-such-option |
+2 | no-such-command |
+2 | explain no-such-thing |
+2 | reference png x.ptm |
+2 | reference raw no-such-file.ptm |
+2 | check --report no-such-directory/report.yaml --case hand-lum |
+2 | check -- | ptm-conform check -- python3 decode.py
+2 | check --case hand-lum -- | ptm-conform check -- python3 decode.py
+5 | check --case no-such-case |
+5 | check --clause 9.9 |
+5 | check --case hand-lom | did you mean hand-lum
+2 | explain hand-lom | did you mean hand-lum
+3 | check --case hand-lum --report /dev/null -- sh -c 'exit 127' | not a decoder
+0 | check --help | DECODER && VIEW && 65 && 69 && Exit status && Examples
+0 | explain | 2.9.8 && lut-count && rows-top-down && PTM-W102
+0 | explain hand-rgb-blocks | 2.7.1/2
+0 | explain table-of-257-entries-ptm-lut | N_LUT_ENTRIES
+0 | explain width-zero-lrgb | the width is 0
+0 | explain 2.4/8 | (raw − bias) · scale
+0 | explain 2.8 | 2.8/1
+0 | explain lut-count | nentries
+0 | explain rows-top-down
+  | the first stored row as the top && expected 24 25 26 && received 16 17 18
+0 | explain big-endian-index
+  | Fix: read the low byte first && cases: table-of-257-entries-ptm-lut
+  && generate --case entries-of-the-first-and-last-texels-of-a-wide-table-ptm-lut && raw: refused a legal file",
+    );
+    assert_says(
+        &here.run("generate --case hand-lom").1,
+        "did you mean hand-lum",
+    );
+}
+
+#[test]
+fn a_check_without_a_decoder_names_the_reference_first_and_last() {
+    let here = Workspace::new();
     for suite in ["ptm", "texture"] {
-        let output = program()
-            .current_dir(scratch.path())
-            .args([
-                "check", "--quiet", "--suite", suite, "--case", "*lum*", "--case", "DEP-01",
-            ])
-            .output()
-            .expect("the program starts");
-        let said = String::from_utf8_lossy(&output.stdout).into_owned();
-        let lines: Vec<&str> = said.lines().collect();
+        let line = format!("check --quiet --suite {suite} --case *lum* --case DEP-01");
+        let output = here.command(&line).output().expect("the program starts");
+        let text = String::from_utf8(output.stdout).expect("a text");
+        let lines: Vec<&str> = text.lines().collect();
         for line in [lines[0], lines[lines.len() - 1]] {
-            assert!(line.contains("built-in reference"), "{suite}: {said}");
+            assert!(line.contains("built-in reference"), "{suite}: {text}");
         }
     }
-    let checked = check_with(&["--case", "hand-lum"], &[&crate::common::zoo(), "right"]);
+    let checked = check(&format!("--case hand-lum -- {}", zoo("right")));
     assert!(!checked.text.contains("reference"), "{}", checked.text);
 }
 
 #[test]
-fn two_hyphens_without_a_decoder_are_wrong_usage() {
-    for args in [&["check", "--"][..], &["check", "--case", "hand-lum", "--"]] {
-        let output = run(args);
-        assert_eq!(output.status.code(), Some(2), "{}", text(&output));
-        assert!(
-            text(&output).contains("ptm-conform check -- python3 decode.py"),
-            "{}",
-            text(&output)
-        );
-    }
-}
-
-#[test]
-fn a_run_that_ends_early_says_why_on_standard_error() {
-    let scratch = tempfile::tempdir().expect("a scratch directory");
-    let output = program()
-        .current_dir(scratch.path())
-        .args([
-            "check",
-            "--quiet",
-            "--timeout",
-            "0.3",
-            "--",
-            &crate::common::zoo(),
-            "hangs",
-        ])
-        .output()
-        .expect("the program starts");
-    let why = "the run ended early: three legal files in a row hung";
-    for said in [output.stdout, output.stderr] {
-        let said = String::from_utf8_lossy(&said);
-        assert!(said.contains(why), "{said}");
-    }
-}
-
-#[test]
-fn nothing_selected_is_5() {
-    assert_eq!(
-        run(&["check", "--case", "no-such-case"]).status.code(),
-        Some(5)
-    );
-    assert_eq!(run(&["check", "--clause", "9.9"]).status.code(), Some(5));
-}
-
-#[test]
-fn what_cannot_be_started_is_3() {
-    for decoder in [
-        &["./no-such-decoder"][..],
-        &["no-such-decoder-in-path"],
-        &["sh", "-c", "exit 127"],
-        &["/"],
-    ] {
-        let checked = check_with(&["--case", "hand-lum"], decoder);
-        assert_eq!(checked.status, 3, "{decoder:?}: {}", checked.text);
-        assert_eq!(checked.report["verdict"], "not a decoder");
+fn a_run_that_ends_early_gives_the_reason_on_standard_error() {
+    let here = Workspace::new();
+    let line = format!("check --quiet --timeout 0.3 -- {}", zoo("hangs"));
+    let output = here.command(&line).output().expect("the program starts");
+    for text in [output.stdout, output.stderr] {
+        let why = "the run ended early: three legal files in a row hung";
+        assert_says(&String::from_utf8_lossy(&text), why);
     }
 }
 
 #[test]
 fn a_clause_or_a_section_selects_its_cases() {
-    let clause = check_with(
-        &["--clause", "2.8.1/3"],
-        &[
-            &crate::common::examples().join("zoo").to_string_lossy(),
-            "right",
-        ],
-    );
-    let section = check_with(
-        &["--clause", "2.8"],
-        &[
-            &crate::common::examples().join("zoo").to_string_lossy(),
-            "right",
-        ],
-    );
-    let (clause, section) = (clause.cases("pass"), section.cases("pass"));
+    let passing =
+        |clause: &str| check(&format!("--clause {clause} -- {}", zoo("right"))).cases("pass");
+    let (clause, section) = (passing("2.8.1/3"), passing("2.8"));
     assert!(clause.contains(&"table-of-257-entries-ptm-lut".to_owned()));
     assert!(clause.len() < section.len() && clause.iter().all(|id| section.contains(id)));
 }
 
 #[test]
-fn everything_can_be_explained() {
-    for (id, says) in [
-        ("hand-rgb-blocks", "2.7.1/2"),
-        ("table-of-257-entries-ptm-lut", "N_LUT_ENTRIES"),
-        ("width-zero-lrgb", "the width is 0"),
-        ("2.4/8", "(raw − bias) · scale"),
-        ("2.8", "2.8/1"),
-        ("lut-count", "nentries"),
-        ("rows-top-down", "the first stored row as the top"),
-    ] {
-        let output = run(&["explain", id]);
-        assert!(
-            output.status.success() && text(&output).contains(says),
-            "{id}: {}",
-            text(&output)
-        );
-    }
-}
-
-#[test]
-fn explain_alone_lists_what_it_knows() {
-    let said = text(&run(&["explain"]));
-    for known in ["2.9.8 ", "lut-count", "rows-top-down", "PTM-W102"] {
-        assert!(said.contains(known), "{known}: {said}");
-    }
-}
-
-#[test]
-fn a_misreading_is_explained_by_the_smallest_file_that_shows_it() {
-    let said = text(&run(&["explain", "big-endian-index"]));
-    for part in [
-        "Fix: read the low byte first",
-        " cases: table-of-257-entries-ptm-lut",
-        "generate --case entries-of-the-first-and-last-texels-of-a-wide-table-ptm-lut",
-        "raw: refused a legal file",
-    ] {
-        assert!(said.contains(part), "{part}: {said}");
-    }
-    let said = text(&run(&["explain", "rows-top-down"]));
-    assert!(
-        said.contains("expected 24 25 26") && said.contains("received 16 17 18"),
-        "{said}"
-    );
-}
-
-#[test]
-fn what_was_meant_is_suggested() {
-    for args in [
-        &["check", "--case", "hand-lom"][..],
-        &["generate", "--case", "hand-lom"],
-        &["explain", "hand-lom"],
-    ] {
-        let said = text(&run(args));
-        assert!(said.contains("did you mean hand-lum"), "{args:?}: {said}");
-    }
-}
-
-#[test]
 fn the_file_of_one_case_is_written_alone() {
-    let scratch = tempfile::tempdir().expect("a scratch directory");
-    let path = scratch.path().join("x.ptm");
-    let output = program()
-        .args(["generate", "--case", "hand-lum", "-o"])
-        .arg(&path)
-        .output()
-        .expect("the program starts");
-    assert!(output.status.success(), "{}", text(&output));
-    let committed = crate::common::repository("corpus/lum/hand-lum.ptm");
-    assert_eq!(fs::read(path).ok(), fs::read(committed).ok());
+    let here = Workspace::new();
+    here.succeeds("generate --case hand-lum -o x.ptm");
+    let committed = std::fs::read(repository("corpus/lum/hand-lum.ptm"));
+    assert_eq!(here.read("x.ptm"), committed.expect("a file"));
 }
 
 #[test]
-fn what_is_no_program_is_called_what_it_is() {
-    let source = crate::common::repository("src/main.rs");
-    for (named, says) in [
+fn a_file_that_is_no_program_is_named_by_its_kind() {
+    let source = repository("src/main.rs");
+    let missing = "--cmd 'no-such-viewer {in} {lu} {lv}'";
+    for (decoder, says) in [
         (
-            source.as_str(),
+            &*format!("-- {source}"),
             "main.rs is Rust source code, not a program; build it",
         ),
-        ("/dev/null", "null is a device, a pipe or a socket"),
+        ("-- /dev/null", "null is a device, a pipe or a socket"),
+        (missing, "no program of this name is in PATH"),
     ] {
-        let checked = check_with(&["--case", "hand-lum"], &[named]);
-        assert_eq!(checked.status, 3);
-        assert!(checked.text.contains(says), "{}", checked.text);
+        let checked = check(&format!("--case hand-lum {decoder}"));
+        checked.ends(3, says);
         assert!(!checked.text.contains("os error"), "{}", checked.text);
     }
-    let output = run(&[
-        "check",
-        "--case",
-        "hand-lum",
-        "--report",
-        "/dev/null",
-        "--cmd",
-        "no-such-viewer {in} {lu} {lv}",
-    ]);
-    let said = text(&output);
-    assert!(
-        said.contains("no program of this name is in PATH"),
-        "{said}"
-    );
-    assert!(!said.contains("os error"), "{said}");
 }
 
 #[test]
 fn a_pipe_gets_no_color_unless_it_is_asked_for() {
-    let escapes = |args: &[&str]| run(args).stdout.contains(&0x1b);
-    assert!(!escapes(&["explain", "lut-count"]));
-    assert!(escapes(&["--color", "always", "explain", "lut-count"]));
+    let here = Workspace::new();
+    here.corpus("lrgb/first-lrgb.ptm");
+    for [line, colored] in rows(
+        "
+explain lut-count | false
+--color always explain lut-count | true
+inspect first-lrgb.ptm | false
+inspect --color always first-lrgb.ptm | true
+--color never inspect first-lrgb.ptm | false",
+    ) {
+        let text = here.succeeds(&line);
+        assert_eq!(text.contains('\x1b').to_string(), colored, "{line}");
+    }
 }
 
 #[test]
 fn the_reference_speaks_the_protocol() {
-    let scratch = tempfile::tempdir().expect("a scratch directory");
-    let path = scratch.path().join("a file.ptm");
-    let ask = |view: &str, bytes: &[u8]| {
-        fs::write(&path, bytes).expect("a file");
-        program()
-            .args(["reference", view])
-            .arg(&path)
-            .output()
-            .expect("the program starts")
-    };
+    let here = Workspace::new();
     let file = b"PTM_1.2\nPTM_FORMAT_LRGB\n1\n1\n1 1 1 1 1 0.5\n0 0 0 0 0 0\n\x01\x02\x03\x04\x05\x80\xff\x80\x00";
-    assert_eq!(
-        ask("raw", file).stdout,
-        b"PTM1 raw 1 1 9 u8\n\x01\x02\x03\x04\x05\x80\xff\x80\x00"
-    );
-    assert_eq!(
-        ask("rgb:0,0", file).stdout,
-        b"PTM1 rgb 1 1 3 u8\n\x40\x20\x00"
-    );
-    assert_eq!(
-        ask("coef", file).stdout[..23],
-        *b"PTM1 coef 1 1 9 f32\n\x00\x00\x80"
-    );
-    assert_eq!(ask("raw", &file[..file.len() - 1]).status.code(), Some(65));
+    here.write("a file.ptm", file);
+    let ask = |view: &str| {
+        let output = here
+            .command(&format!("reference {view} 'a file.ptm'"))
+            .output();
+        output.expect("the program starts").stdout
+    };
+    let raw = b"PTM1 raw 1 1 9 u8\n\x01\x02\x03\x04\x05\x80\xff\x80\x00";
+    assert_eq!(ask("raw"), raw);
+    assert_eq!(ask("rgb:0,0"), b"PTM1 rgb 1 1 3 u8\n\x40\x20\x00");
+    assert_eq!(ask("coef")[..23], *b"PTM1 coef 1 1 9 f32\n\x00\x00\x80");
+    here.write("a file.ptm", &file[..file.len() - 1]);
+    here.exits(65, "reference raw 'a file.ptm'");
 }
 
 #[test]
 fn a_decoder_is_found_from_the_users_own_directory() {
-    let scratch = tempfile::tempdir().expect("a scratch directory");
-    let folder = scratch.path().join("my decoders");
-    fs::create_dir(&folder).expect("a directory");
-    let script = format!(
-        "#!/bin/sh\nexec '{}' reference \"$@\"\n",
-        env!("CARGO_BIN_EXE_ptm-conform")
-    );
-    fs::write(folder.join("decode it"), script).expect("a script");
-    let output = program()
-        .current_dir(scratch.path())
-        .args([
-            "check",
-            "--case",
-            "hand-*",
-            "--",
-            "sh",
-            "my decoders/decode it",
-        ])
-        .output();
-    let output = output.expect("the program starts");
-    assert_eq!(output.status.code(), Some(0), "{}", text(&output));
-}
-
-#[test]
-fn help_teaches() {
-    let output = run(&["check", "--help"]);
-    for word in ["DECODER", "VIEW", "65", "69", "Exit status", "Examples"] {
-        assert!(text(&output).contains(word), "{word}");
-    }
+    let here = Workspace::new();
+    let script = format!("#!/bin/sh\nexec '{PROGRAM}' reference \"$@\"\n");
+    here.write("my decoders/decode it", script);
+    here.succeeds("check --case hand-* -- sh 'my decoders/decode it'");
 }

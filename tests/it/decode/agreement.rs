@@ -1,6 +1,6 @@
 //! The decoder in Python and the reference, which were written apart from each other, on files that nobody chose.
 
-use crate::common::{have_python, program, repository};
+use crate::common::{Workspace, have_python, python_example};
 
 const FILES: usize = 10_000;
 
@@ -13,29 +13,10 @@ fn the_python_decoder_agrees_with_the_reference_on_10_000_generated_files() {
     if !have_python(&["PIL", "pillow_jpls"]) {
         return;
     }
-    let scratch = tempfile::tempdir().expect("a scratch directory");
-    let output = program()
-        .args([
-            "fuzz",
-            "--seed",
-            "2001",
-            "--view",
-            "raw",
-            "--executions",
-            &CALLS.to_string(),
-            "--out",
-        ])
-        .arg(scratch.path().join("finds"))
-        .args([
-            "--",
-            "python3",
-            &repository("examples/decoders/ptm_decoder.py"),
-        ])
-        .output()
-        .expect("the program starts");
-    let said = String::from_utf8_lossy(&[output.stdout, output.stderr].concat()).into_owned();
+    let decoder = python_example("decoders/ptm_decoder.py");
+    let options = format!("--seed 2001 --view raw --executions {CALLS} --out finds");
+    let said = Workspace::new().succeeds(&format!("fuzz {options} -- {decoder}"));
     println!("{said}");
-    assert_eq!(output.status.code(), Some(0), "{said}");
     let drawn: usize = said
         .split_whitespace()
         .next()

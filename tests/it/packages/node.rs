@@ -1,25 +1,16 @@
-//! The npm package: built by its script, tried by its own test, its reference once more in a browser.
+//! The npm package: built by its script and tested by its test; its reference is also tested in a browser.
 
 use std::path::Path;
 use std::process::Command;
 
-use crate::common::{have, have_target, repository};
+use crate::common::{PROGRAM, Workspace, have, have_target, repository, stdout};
 
-const PROGRAM: &str = env!("CARGO_BIN_EXE_ptm-conform");
 const TARGET: &str = "wasm32-unknown-unknown";
 
-/// What a command says; it must succeed.
-#[track_caller]
-fn said(command: &mut Command) -> String {
-    let output = command.output().expect("it starts");
-    assert!(output.status.success(), "{output:?}");
-    String::from_utf8_lossy(&output.stdout).into_owned()
-}
-
-/// Builds the package; its reference is not optimized as it is released, which takes longer than all that is tried here.
+/// Builds the package. Its reference is not optimized as in a release, which would take longer than the test.
 fn build(package: &Path) {
     let directory = concat!(env!("CARGO_TARGET_TMPDIR"), "/wasm");
-    said(
+    stdout(
         Command::new("cargo")
             .args(["build", "--quiet", "--release", "--locked"])
             .args(["--target", TARGET, "--target-dir", directory])
@@ -30,7 +21,7 @@ fn build(package: &Path) {
             .arg("--manifest-path")
             .arg(repository("packages/wasm/Cargo.toml")),
     );
-    said(
+    stdout(
         Command::new("node")
             .arg(repository("packages/npm/build.mjs"))
             .args([Path::new(PROGRAM), package])
@@ -46,10 +37,10 @@ fn the_package_reads_every_file_as_the_program_does_in_node_and_in_a_browser() {
     if !(have("node") && have_target(TARGET)) {
         return;
     }
-    let scratch = tempfile::tempdir().expect("a scratch directory");
-    let package = scratch.path().join("package");
+    let here = Workspace::new();
+    let package = here.path("package");
     build(&package);
-    let own = said(
+    let own = stdout(
         Command::new("node")
             .arg("test.mjs")
             .current_dir(&package)
@@ -59,7 +50,7 @@ fn the_package_reads_every_file_as_the_program_does_in_node_and_in_a_browser() {
     if !(have("chromium") && have("chromedriver")) {
         return;
     }
-    let browser = said(
+    let browser = stdout(
         Command::new("node")
             .arg(repository("tests/it/packages/browser.mjs"))
             .args([&package, Path::new(PROGRAM)]),

@@ -2,32 +2,24 @@
 
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::process::Command;
 
-use crate::common::{have_python, repository, run};
-
-fn text(output: &Output) -> String {
-    String::from_utf8_lossy(&[output.stdout.clone(), output.stderr.clone()].concat()).into_owned()
-}
+use crate::common::{PROGRAM, Workspace, assert_says, have_python, outcome, repository, stdout};
+use data_encoding::HEXLOWER;
 
 fn python(arguments: &[&str]) -> Command {
     let mut python = Command::new("python3");
-    python
-        .args(arguments)
-        .env("PTM_CONFORM_PROGRAM", env!("CARGO_BIN_EXE_ptm-conform"));
+    python.args(arguments).env("PTM_CONFORM_PROGRAM", PROGRAM);
     python
 }
 
 /// Builds the wheel around a file that stands for the program.
 fn wheel(program: &Path, out: &Path) -> PathBuf {
     let script = repository("packages/python/build_wheel.py");
-    let output = python(&[&script])
-        .args([program, out])
-        .args(["--platform", "manylinux2014_x86_64.musllinux_1_1_x86_64"])
-        .output()
-        .expect("python3 starts");
-    assert!(output.status.success(), "{}", text(&output));
-    text(&output).trim().into()
+    let platform = "manylinux2014_x86_64.musllinux_1_1_x86_64";
+    let mut build = python(&[&script]);
+    build.args([program, out]).args(["--platform", platform]);
+    stdout(&mut build).trim().into()
 }
 
 #[test]
@@ -35,10 +27,9 @@ fn the_same_program_gives_the_same_wheel_and_its_list_is_right() {
     if !have_python(&["zipfile"]) {
         return;
     }
-    let scratch = tempfile::tempdir().expect("a scratch directory");
-    let program = scratch.path().join("ptm-conform");
-    fs::write(&program, "not a program").expect("a file");
-    let [first, second] = ["a", "b"].map(|name| wheel(&program, &scratch.path().join(name)));
+    let here = Workspace::new();
+    let program = here.write("ptm-conform", "not a program");
+    let [first, second] = ["a", "b"].map(|name| wheel(&program, &here.path(name)));
     let version = env!("CARGO_PKG_VERSION");
     let name =
         format!("ptm_conform-{version}-py3-none-manylinux2014_x86_64.musllinux_1_1_x86_64.whl");
@@ -60,9 +51,7 @@ assert program.external_attr >> 16 == 0o100755
 assert wheel.read("ptm_conform/__init__.py").count(b"@") == 0
 assert wheel.read("ptm_conform/cases.json").startswith(b'["first-rgb", ')
 "#;
-    let output = python(&["-c", check]).arg(&first).output();
-    let output = output.expect("python3 starts");
-    assert!(output.status.success(), "{}", text(&output));
+    stdout(python(&["-c", check]).arg(&first));
 }
 
 #[test]
@@ -86,22 +75,22 @@ for damaged in (b"", file[:-1]):
     except ptm_conform.Malformed as what:
         assert "byte" in str(what) and "/" not in str(what), what
 "#;
-    let output = python(&["-c", script, &repository("packages/python"), &file]).output();
-    let output = output.expect("python3 starts");
-    assert!(output.status.success(), "{}", text(&output));
-    let frame = run(&["reference", "raw", &file]).stdout;
+    let text = stdout(&mut python(&[
+        "-c",
+        script,
+        &repository("packages/python"),
+        &file,
+    ]));
+    let reference = Workspace::new()
+        .command(&format!("reference raw {file}"))
+        .output();
+    let frame = reference.expect("the program starts").stdout;
     let samples = frame.splitn(2, |byte| *byte == b'\n').nth(1);
-    let hex: String = samples
-        .expect("samples")
-        .iter()
-        .map(|byte| format!("{byte:02x}"))
-        .collect();
-    let said = text(&output);
-    assert!(
-        said.contains(" uint8 ") && said.contains(" float32 ") && said.contains(&hex),
-        "{said}"
+    let hex = HEXLOWER.encode(samples.expect("samples"));
+    assert_says(
+        &text,
+        &format!(" uint8  &&  float32  && {hex} && 'PTM-W303'"),
     );
-    assert!(said.contains("'PTM-W303'"), "{said}");
 }
 
 #[test]
@@ -110,19 +99,21 @@ fn functions_and_programs_get_the_same_verdicts() {
         return;
     }
     let script = repository("packages/python/measure.py");
-    let output = python(&[&script, "--copies", "1", "--options=--smoke", "--no-speed"]).output();
-    let output = output.expect("python3 starts");
-    let said = text(&output);
-    assert!(output.status.success(), "{said}");
-    assert!(
-        said.contains("equal: 0 failures, no cause  the example"),
-        "{said}"
+    let text = stdout(&mut python(&[
+        &script,
+        "--copies",
+        "1",
+        "--options=--smoke",
+        "--no-speed",
+    ]));
+    assert_says(
+        &text,
+        "equal: 0 failures, no cause  the example && big-endian-index",
     );
-    assert!(said.contains("big-endian-index"), "{said}");
 }
 
 #[test]
-fn what_a_function_does_wrong_is_told_apart() {
+fn mistakes_of_a_function_have_their_own_messages() {
     if !have_python(&["numpy"]) {
         return;
     }
@@ -146,10 +137,7 @@ try:
 except KeyboardInterrupt:
     pass
 "#;
-    let output = python(&["-c", script, &repository("packages/python")]).output();
-    let output = output.expect("python3 starts");
-    let said = text(&output);
-    assert!(output.status.success(), "{said}");
+    let text = stdout(&mut python(&["-c", script, &repository("packages/python")]));
     for part in [
         "it returned NoneType, not an array",
         "its array has the shape (2, 2), not (height, width, channels)",
@@ -157,7 +145,7 @@ except KeyboardInterrupt:
         "KeyError: 'lost'; if that means a malformed file, pass malformed=KeyError",
         "True ['pass'",
     ] {
-        assert!(said.contains(part), "{part}: {said}");
+        assert_says(&text, part);
     }
 }
 
@@ -166,40 +154,22 @@ fn pytest_has_a_test_for_each_case() {
     if !have_python(&["numpy", "pytest"]) {
         return;
     }
-    let scratch = tempfile::tempdir().expect("a scratch directory");
-    let program = Path::new(env!("CARGO_BIN_EXE_ptm-conform"));
-    let stand_in = scratch.path().join("ptm-conform");
-    fs::write(&stand_in, "").expect("a file");
-    let wheel = wheel(&stand_in, scratch.path());
-    let unpacked = scratch.path().join("unpacked");
-    let output = python(&["-m", "zipfile", "-e"])
-        .args([&wheel, &unpacked])
-        .output();
-    assert!(output.expect("python3 starts").status.success());
+    let here = Workspace::new();
+    let stand_in = here.write("ptm-conform", "");
+    let wheel = wheel(&stand_in, &here.path(""));
+    stdout(python(&["-m", "zipfile", "-e"]).args([wheel, here.path("unpacked")]));
     let tests = "import ptm_conform, pytest\n\
         @pytest.fixture(scope='session')\n\
         def ptm_decoder():\n    return lambda file: ptm_conform.decode(file)[::-1]\n\
         def test_ptm(ptm_case):\n    ptm_case.check()\n";
-    fs::write(scratch.path().join("test_ptm.py"), tests).expect("a test");
-    let output = python(&[
-        "-m",
-        "pytest",
-        "-q",
-        "-rA",
-        "-p",
-        "no:cacheprovider",
-        "-k",
-        "hand-rgb-blocks or width-zero-lrgb",
-    ])
-    .env("PYTHONPATH", &unpacked)
-    .env("PTM_CONFORM_PROGRAM", program)
-    .current_dir(scratch.path())
-    .output()
-    .expect("python3 starts");
-    let said = text(&output);
-    assert!(
-        said.contains("FAILED test_ptm.py::test_ptm[hand-rgb-blocks]"),
-        "{said}"
-    );
-    assert!(said.contains("test_ptm[width-zero-lrgb]"), "{said}");
+    here.write("test_ptm.py", tests);
+    let options = "-m pytest -q -rA -p no:cacheprovider -k";
+    let output = python(&options.split(' ').collect::<Vec<_>>())
+        .arg("hand-rgb-blocks or width-zero-lrgb")
+        .env("PYTHONPATH", here.path("unpacked"))
+        .current_dir(here.path(""))
+        .output();
+    let (_, text) = outcome(&output.expect("python3 starts"));
+    let says = "FAILED test_ptm.py::test_ptm[hand-rgb-blocks] && test_ptm[width-zero-lrgb]";
+    assert_says(&text, says);
 }

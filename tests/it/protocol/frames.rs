@@ -2,13 +2,14 @@
 
 use std::io::Cursor;
 
-use crate::common::repository;
 use image::codecs::jpeg::JpegEncoder;
 use image::{ExtendedColorType, ImageEncoder, ImageFormat, write_buffer_with_format};
 use ptm_conform::protocol::forms::read;
 use ptm_conform::protocol::frame::{Frame, Samples, View, ViewKind};
 use ptm_conform::suite::cases::{Suite, TableSpelling};
 use ptm_conform::suite::compare::{Expected, LOSSY};
+
+use crate::table::rows;
 
 const MOST: usize = 1 << 20;
 
@@ -54,20 +55,15 @@ fn png(color: png::ColorType, depth: png::BitDepth, size: (u32, u32), samples: &
 fn npy(version: u8, header: &str, data: &[u8]) -> Vec<u8> {
     let mut bytes = b"\x93NUMPY".to_vec();
     bytes.extend([version, 0]);
-    let length = header.len() as u32;
-    let length = length.to_le_bytes();
-    bytes.extend(if version == 1 {
-        &length[..2]
-    } else {
-        &length[..]
-    });
+    let length = (header.len() as u32).to_le_bytes();
+    bytes.extend(&length[..if version == 1 { 2 } else { 4 }]);
     bytes.extend(header.as_bytes());
     bytes.extend(data);
     bytes
 }
 
 #[test]
-fn a_netpbm_file_is_a_picture() {
+fn a_netpbm_file_is_an_image() {
     let color = frame(ViewKind::Rgb, (2, 1, 3), Samples::U8(b"\n12 56".to_vec()));
     for header in [
         "P6\n2 1\n255\n",
@@ -94,7 +90,7 @@ fn a_netpbm_file_is_a_picture() {
 }
 
 #[test]
-fn netpbm_files_that_are_none() {
+fn malformed_netpbm_files_are_refused() {
     for (file, says) in [
         (&b"P6\n2 1\n255\n12345"[..], ""),
         (b"P6\n2 1\n255\n1234567", "1 bytes follow its end"),
@@ -123,7 +119,7 @@ fn small(color: ExtendedColorType, format: ImageFormat) -> Vec<u8> {
             .collect(),
     };
     let mut bytes = Cursor::new(Vec::new());
-    write_buffer_with_format(&mut bytes, &samples, 2, 2, color, format).expect("a small picture");
+    write_buffer_with_format(&mut bytes, &samples, 2, 2, color, format).expect("a small image");
     bytes.into_inner()
 }
 
@@ -154,56 +150,41 @@ fn every_lossless_form_has_the_samples_that_were_saved() {
     }
 }
 
-/// The same file with other bytes where `before` stands first.
+/// Replaces bytes of a file, at an offset from the first occurrence of `before`.
 fn patched(mut file: Vec<u8>, before: &[u8], offset: usize, bytes: &[u8]) -> Vec<u8> {
-    let at = file
-        .windows(before.len())
-        .position(|window| window == before);
-    let at = at.expect("it is there") + offset;
+    let mut windows = file.windows(before.len());
+    let at = windows
+        .position(|window| window == before)
+        .expect("it is there")
+        + offset;
     file[at..at + bytes.len()].copy_from_slice(bytes);
     file
 }
 
-/// A few bytes that announce far more texels than they have.
+/// Returns short files that announce far more texels than they have.
 fn huge() -> Vec<(&'static str, Vec<u8>)> {
-    let color = ExtendedColorType::Rgb8;
+    let small = |format| small(ExtendedColorType::Rgb8, format);
+    let side = 60_000_u32.to_le_bytes();
     let mut png = Vec::new();
     let writer = png::Encoder::new(&mut png, 60_000, 60_000).write_header();
     let begun = writer.and_then(|mut writer| writer.write_chunk(png::chunk::IDAT, &[0x78]));
     begun.expect("it is written");
-    let tiff = small(color, ImageFormat::Tiff);
     let tiff = patched(
-        tiff,
+        small(ImageFormat::Tiff),
         &[0, 1, 4, 0, 1, 0, 0, 0, 2],
         8,
-        &60_000_u32.to_le_bytes(),
+        &side,
     );
-    let tiff = patched(
-        tiff,
-        &[1, 1, 4, 0, 1, 0, 0, 0, 2],
-        8,
-        &60_000_u32.to_le_bytes(),
-    );
-    let side = 60_000_u32.to_le_bytes();
-    let bmp = patched(
-        small(color, ImageFormat::Bmp),
-        b"BM",
-        18,
-        &[side, side].concat(),
-    );
+    let tiff = patched(tiff, &[1, 1, 4, 0, 1, 0, 0, 0, 2], 8, &side);
+    let bmp = patched(small(ImageFormat::Bmp), b"BM", 18, &[side, side].concat());
     // Fourteen bits for each side, one less than it is.
     let webp = patched(
-        small(color, ImageFormat::WebP),
+        small(ImageFormat::WebP),
         b"VP8L",
         9,
         &[0xfe, 0xbf, 0xff, 0x0f],
     );
-    let jpeg = patched(
-        small(color, ImageFormat::Jpeg),
-        &[0xff, 0xc0],
-        5,
-        &[0xff; 4],
-    );
+    let jpeg = patched(small(ImageFormat::Jpeg), &[0xff, 0xc0], 5, &[0xff; 4]);
     vec![
         ("a PNG", png),
         ("a Netpbm file", b"P5 60000 60000 255 1".to_vec()),
@@ -215,7 +196,7 @@ fn huge() -> Vec<(&'static str, Vec<u8>)> {
 }
 
 #[test]
-fn a_small_file_that_announces_a_huge_picture_is_refused_before_there_is_room_for_it() {
+fn a_small_file_that_announces_a_huge_image_is_refused_before_memory_is_allocated() {
     for (name, file) in huge() {
         let error = read(&file, &rgb(), MOST).expect_err("no answer");
         assert!(error.starts_with(name), "{error}");
@@ -227,7 +208,7 @@ fn a_small_file_that_announces_a_huge_picture_is_refused_before_there_is_room_fo
 }
 
 #[test]
-fn a_picture_that_is_cut_or_torn_is_refused_or_read_without_a_panic() {
+fn a_cut_or_damaged_image_causes_no_panic() {
     let mut forms = LOSSLESS.to_vec();
     forms.push((ImageFormat::Jpeg, "a JPEG"));
     for (format, name) in forms {
@@ -248,21 +229,19 @@ fn jpeg(samples: &[u8], size: (u32, u32), quality: u8) -> Vec<u8> {
     let mut bytes = Vec::new();
     JpegEncoder::new_with_quality(&mut bytes, quality)
         .write_image(samples, size.0, size.1, ExtendedColorType::Rgb8)
-        .expect("a small picture");
+        .expect("a small image");
     bytes
 }
 
 #[test]
 fn a_jpeg_is_lossy_and_fine_enough_or_refused() {
     let samples: Vec<u8> = (0..192).collect();
-    let frame = read(&jpeg(&samples, (8, 8), 95), &rgb(), MOST).expect("a picture");
+    let frame = read(&jpeg(&samples, (8, 8), 95), &rgb(), MOST).expect("an image");
     assert!(frame.lossy && (frame.width, frame.height, frame.channels) == (8, 8, 3));
     // As text and back it is the same.
     let text = serde_json::to_string(&frame).expect("text");
-    assert_eq!(
-        serde_json::from_str::<Frame>(&text).expect("a frame"),
-        frame
-    );
+    let read_back: Frame = serde_json::from_str(&text).expect("a frame");
+    assert_eq!(read_back, frame);
     refuses(&jpeg(&samples, (8, 8), 90), "too coarse");
     let fine = jpeg(&samples, (8, 8), 95);
     let of_four = patched(fine.clone(), &[0xff, 0xc0], 11, &[0x22]);
@@ -271,9 +250,9 @@ fn a_jpeg_is_lossy_and_fine_enough_or_refused() {
 }
 
 #[test]
-fn every_right_picture_of_the_suite_saved_as_a_fine_jpeg_is_right() {
+fn every_correct_image_of_the_suite_passes_as_a_fine_jpeg() {
     let suite = Suite::load().expect("the suite loads");
-    let (mut pictures, mut most) = (0, 0.0_f64);
+    let (mut images, mut most) = (0, 0.0_f64);
     for case in &suite.cases {
         let Some(view) = case.views.iter().find(|view| view.name() == "rgb") else {
             continue;
@@ -289,27 +268,27 @@ fn every_right_picture_of_the_suite_saved_as_a_fine_jpeg_is_right() {
             continue;
         }
         let file = jpeg(&samples, size, 95);
-        let frame = read(&file, view, samples.len().max(MOST)).expect("a picture");
+        let frame = read(&file, view, samples.len().max(MOST)).expect("an image");
         assert_eq!(expected.compare(&frame), None, "{}", case.id);
         let Samples::U8(found) = &frame.samples else {
-            unreachable!("a picture has bytes")
+            unreachable!("an image has bytes")
         };
         let losses = values.iter().zip(found);
         most = losses.fold(most, |most, (value, &found)| {
             most.max((value - f64::from(found)).abs())
         });
-        pictures += 1;
+        images += 1;
     }
     println!(
-        "{pictures} pictures; the farthest sample is {most:.1} from its color, the room is {LOSSY}"
+        "{images} images; the farthest sample is {most:.1} from its color, the tolerance is {LOSSY}"
     );
-    assert!(pictures > 1000);
-    let told = std::fs::read_to_string(repository("docs/check.md")).expect("a page");
-    assert!(told.contains(&format!("may be off by {LOSSY} more")));
+    assert!(images > 1000);
+    let page = include_str!("../../../docs/check.md");
+    assert!(page.contains(&format!("may be off by {LOSSY} more")));
 }
 
 #[test]
-fn a_png_is_a_picture_whatever_its_color_type() {
+fn a_png_of_any_color_type_is_an_image() {
     use png::{BitDepth::Eight, BitDepth::One, ColorType};
     let color = [10, 20, 30, 40, 50, 60];
     let grey = [7, 7, 7, 200, 200, 200];
@@ -333,28 +312,22 @@ fn a_png_is_a_picture_whatever_its_color_type() {
 }
 
 #[test]
-fn pngs_that_are_none() {
+fn malformed_pngs_are_refused() {
     use png::{BitDepth, ColorType};
     let sound = png(ColorType::Rgb, BitDepth::Eight, (2, 1), b"123456");
     refuses(&[&sound[..], b"x"].concat(), "1 bytes follow its end");
     refuses(&[&sound[..], &sound[..]].concat(), "bytes follow its end");
     for length in 0..sound.len() {
-        assert!(
-            read(&sound[..length], &rgb(), MOST).is_err(),
-            "{length} bytes"
-        );
+        let found = read(&sound[..length], &rgb(), MOST);
+        assert!(found.is_err(), "{length} bytes");
     }
     let deep = png(ColorType::Rgb, BitDepth::Sixteen, (1, 1), b"123456");
     refuses(&deep, "16 bits");
     let clear = png(ColorType::Rgba, BitDepth::Eight, (1, 2), b"123\xff456\x80");
     refuses(&clear, "texel (0, 1) is not opaque");
     // Two thousand rows of nothing are a few bytes of file.
-    let large = png(
-        ColorType::Grayscale,
-        BitDepth::Eight,
-        (2000, 2000),
-        &vec![0; 4_000_000],
-    );
+    let (gray, black) = (ColorType::Grayscale, vec![0; 4_000_000]);
+    let large = png(gray, BitDepth::Eight, (2000, 2000), &black);
     assert!(large.len() < 50_000);
     refuses(&large, "than the file can have");
     let mut torn = sound;
@@ -384,73 +357,51 @@ fn an_array_is_a_frame_of_the_view_asked_for() {
 }
 
 #[test]
-fn arrays_that_are_none() {
-    let with = |descr: &str, order: &str, shape: &str, data: &[u8]| {
+fn malformed_arrays_are_refused() {
+    for [descr, order, shape, data, says] in rows(
+        "
+'|u1' | True | (1, 1, 3) | 123 | Fortran order
+'>f4' | False | (1, 1, 1) | 1234 | high byte first
+'<f8' | False | (1, 1, 1) | 12345678 | f64
+'<i8' | False | (1, 1, 1) | 12345678 | \"<i8\"
+[('r', '|u1')] | False | (1, 1, 1) | 1 | a string before
+'|u1' | False | (1, 3) | 123 | 2 numbers
+'|u1' | False | (1, 1, 4) | 123 | needs 4 bytes, 3 follow
+'|u1' | False | (1, 1, 2) | 123 | needs 2 bytes, 3 follow
+'<f4' | False | (4294967295, 4294967295, 4294967295) | | more bytes than can be counted
+'|u1' | False | (-1, 1, 1) | 1 | a number before
+'|u1' | 0 | (1, 1, 1) | 1 | neither True nor False",
+    ) {
         let header =
             format!("{{'descr': {descr}, 'fortran_order': {order}, 'shape': {shape}, }}\n");
-        npy(1, &header, data)
-    };
-    refuses(&with("'|u1'", "True", "(1, 1, 3)", b"123"), "Fortran order");
-    refuses(
-        &with("'>f4'", "False", "(1, 1, 1)", b"1234"),
-        "high byte first",
-    );
-    refuses(&with("'<f8'", "False", "(1, 1, 1)", b"12345678"), "f64");
-    refuses(&with("'<i8'", "False", "(1, 1, 1)", b"12345678"), "\"<i8\"");
-    refuses(
-        &with("[('r', '|u1')]", "False", "(1, 1, 1)", b"1"),
-        "a string before",
-    );
-    refuses(&with("'|u1'", "False", "(1, 3)", b"123"), "2 numbers");
-    refuses(
-        &with("'|u1'", "False", "(1, 1, 4)", b"123"),
-        "needs 4 bytes, 3 follow",
-    );
-    refuses(
-        &with("'|u1'", "False", "(1, 1, 2)", b"123"),
-        "needs 2 bytes, 3 follow",
-    );
-    refuses(
-        &with(
-            "'<f4'",
-            "False",
-            "(4294967295, 4294967295, 4294967295)",
-            b"",
+        refuses(&npy(1, &header, data.as_bytes()), &says);
+    }
+    let deep = format!("{{'shape': {}\n", "(".repeat(60_000));
+    for (version, header, says) in [
+        (
+            1,
+            "{'descr': '|u1', 'descr': '|u1', 'fortran_order': False, 'shape': (1, 1, 1)}\n",
+            "twice",
         ),
-        "more bytes than can be counted",
-    );
-    refuses(
-        &with("'|u1'", "False", "(-1, 1, 1)", b"1"),
-        "a number before",
-    );
-    refuses(
-        &with("'|u1'", "0", "(1, 1, 1)", b"1"),
-        "neither True nor False",
-    );
-    let header = "{'descr': '|u1', 'descr': '|u1', 'fortran_order': False, 'shape': (1, 1, 1)}\n";
-    refuses(&npy(1, header, b"1"), "twice");
-    refuses(&npy(1, "{'descr': '|u1'}\n", b"1"), "lacks");
-    refuses(&npy(1, "{'x': 1}\n", b"1"), "unknown key");
-    refuses(&npy(1, "{} []\n", b"1"), "goes on");
-    refuses(&npy(1, "{", b""), "line feed");
-    refuses(&npy(4, "{}\n", b""), "version");
+        (1, "{'descr': '|u1'}\n", "lacks"),
+        (1, "{'x': 1}\n", "unknown key"),
+        (1, "{} []\n", "goes on"),
+        (1, "{", "line feed"),
+        (4, "{}\n", "version"),
+        (1, &deep, "a number before"),
+    ] {
+        refuses(&npy(version, header, b"1"), says);
+    }
     refuses(&npy(2, "", b"")[..10], "within its header");
     let mut cut = npy(2, "{}\n", b"");
     cut[8..12].copy_from_slice(&u32::MAX.to_le_bytes());
     refuses(&cut, "within its header");
-    let deep = "(".repeat(60_000);
-    refuses(
-        &npy(1, &format!("{{'shape': {deep}\n"), b""),
-        "a number before",
-    );
 }
 
 #[test]
 fn other_files_are_named() {
-    refuses(
-        b"GIF89a",
-        "a GIF image; an image is a PNG, PNM, TIFF, BMP, WebP or JPEG",
-    );
+    let gif = "a GIF image; an image is a PNG, PNM, TIFF, BMP, WebP or JPEG";
+    refuses(b"GIF89a", gif);
     refuses(b"\xff\xd8\xff\xe0JFIF", "a JPEG: ");
     refuses(b"BM1234", "a BMP: ");
     refuses(b"PTM_1.2\n", "the PTM file itself");

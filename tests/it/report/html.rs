@@ -1,10 +1,12 @@
-//! What is made of a report for people and for other programs.
+//! The forms of a report for people and for other programs.
 
+use std::path::Path;
+use std::process::Command;
 use std::sync::LazyLock;
 
-use crate::common::{have_python, repository, run};
+use crate::common::{Workspace, have_python, repository_text, rows, stdout};
+use crate::in_process::{misread, misreading, right, suite};
 use data_encoding::BASE64;
-use ptm_conform::Reading;
 use ptm_conform::diagnose::diagnose;
 use ptm_conform::misreadings;
 use ptm_conform::protocol::frame::{Answer, Samples, ViewKind};
@@ -25,23 +27,17 @@ use ptm_conform::suite::texture::test_case::TextureView;
 use ptm_conform::suite::values::Values;
 use ptm_conform::texture::Rules;
 
-/// What a hostile decoder might print.
+/// Output of a hostile decoder.
 const HOSTILE: &str = "<script>document.title = 'owned'</script>\n<img src=x onerror=alert(1)> & \"quoted\" 'too'\n::error::x\n\u{1b}[31mred";
 
 /// The run of a decoder with one mistake that prints hostile words, over every fourth case, and its report.
 fn mistaken(slug: &str) -> (Suite, Run, Report) {
-    let suite = Suite::load().expect("the suite");
-    let misreading = misreadings::named(slug).expect("a misreading");
+    let (suite, mistake) = (suite(), misreading(slug));
     let mut plan = RunPlan::of(&suite, 2);
     plan.selected = (0..suite.cases.len()).map(|i| i % 4 == 0).collect();
     let ask = |request: &Request<'_>, _: usize| Reply {
         stderr: HOSTILE.to_owned(),
-        ..Reply::from(misreadings::answer(
-            &[misreading],
-            Reading::SPEC,
-            request.file,
-            request.view,
-        ))
+        ..Reply::from(misread(&[mistake], request))
     };
     let run = check(&suite, &plan, &ask, &|_, _, _, _| ());
     let diagnoses = diagnose(&suite, &run, &[], 2).diagnoses;
@@ -50,7 +46,7 @@ fn mistaken(slug: &str) -> (Suite, Run, Report) {
     (suite, run, report)
 }
 
-/// That of one who reads the rows from the top: it fails nearly everything.
+/// The run of a decoder that reads the rows from the top: it fails nearly everything.
 fn upside_down() -> &'static (Suite, Run, Report) {
     static RUN: LazyLock<(Suite, Run, Report)> = LazyLock::new(|| mistaken("rows-top-down"));
     &RUN
@@ -65,13 +61,10 @@ fn failures(report: &Report) -> usize {
     cases.filter(|case| case.outcome == "fail").count()
 }
 
-/// The page lies where the browser's test finds it.
+/// Keeps a page where the browser's test finds it.
 fn keep(name: &str, text: &str) {
-    std::fs::write(
-        std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join(name),
-        text,
-    )
-    .expect("a file");
+    let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
+    std::fs::write(path, text).expect("a file");
 }
 
 #[test]
@@ -94,14 +87,7 @@ fn a_page_of_hundreds_of_failures_is_whole_small_and_asks_for_nothing() {
     let links = page.matches("href=\"https://").count();
     assert!(links > 1000 && page.matches("https:").count() == links);
     assert_eq!(page.matches(&format!("href=\"{SITE}")).count(), links);
-    for address in [
-        "http:",
-        "//cdn",
-        "@import",
-        "url(",
-        "fetch(",
-        "XMLHttpRequest",
-    ] {
+    for address in "http: //cdn @import url( fetch( XMLHttpRequest".split(' ') {
         assert!(!page.contains(address), "{address}");
     }
     let twice = html::page(suite, report, Some(run)).expect("a page");
@@ -109,7 +95,7 @@ fn a_page_of_hundreds_of_failures_is_whole_small_and_asks_for_nothing() {
 }
 
 #[test]
-fn what_a_decoder_says_stays_text() {
+fn output_of_a_decoder_stays_text() {
     let (suite, run, report) = mistaken("v-negated");
     for page in [
         html::page(&suite, &report, Some(&run)).expect("a page"),
@@ -126,7 +112,7 @@ fn what_a_decoder_says_stays_text() {
 }
 
 #[test]
-fn pictures_hold_what_was_painted() {
+fn images_have_the_painted_samples() {
     let (suite, run, report) = upside_down();
     let page = html::page(suite, report, Some(run)).expect("a page");
     let mut seen = 0;
@@ -137,21 +123,18 @@ fn pictures_hold_what_was_painted() {
         let Values::Painted(model) = &built.values else {
             continue;
         };
-        let raw = part.contains("Asked for <code>raw</code>");
-        if !raw || model.format.channels() == 18 || model.size.width > 48 || model.size.height > 48
-        {
+        let is_raw = part.contains("Asked for <code>raw</code>");
+        let is_large = model.size.width > 48 || model.size.height > 48;
+        if !is_raw || model.format.channels() == 18 || is_large {
             continue;
         }
-        let pictures: Vec<&str> = part.split("data:image/png;base64,").skip(1).collect();
-        let Some(picture) = pictures.first() else {
+        let Some(image) = part.split("data:image/png;base64,").nth(1) else {
             continue;
         };
-        let bytes = BASE64
-            .decode(picture.split('"').next().expect("an end").as_bytes())
-            .expect("base 64");
-        let mut reader = png::Decoder::new(std::io::Cursor::new(bytes))
-            .read_info()
-            .expect("a PNG");
+        let image = image.split('"').next().expect("an end");
+        let bytes = BASE64.decode(image.as_bytes()).expect("base 64");
+        let reader = png::Decoder::new(std::io::Cursor::new(bytes)).read_info();
+        let mut reader = reader.expect("a PNG");
         let mut pixels = vec![0; reader.output_buffer_size().expect("a size")];
         reader.next_frame(&mut pixels).expect("pixels");
         let (width, height) = (model.size.width as usize, model.size.height as usize);
@@ -204,18 +187,15 @@ fn several_reports_make_a_table_of_decoders_and_clauses() {
             .filter_map(|cell| cell.split('"').next().map(str::to_owned))
             .collect()
     };
-    let selected = format!(
-        "{} of {}",
-        reports[0].cases.len(),
-        upside_down().0.cases.len()
-    );
+    let all = upside_down().0.cases.len();
+    let selected = format!("{} of {all}", reports[0].cases.len());
     assert_eq!(page.matches(&selected).count(), 2, "{selected}");
     assert_eq!(states("2.7.1/3"), ["fail", "pass"]);
     assert_eq!(states("2.9.5/4"), ["fail", "fail"]);
 }
 
 #[test]
-fn a_crash_is_said_in_words_and_misreads_no_clause() {
+fn a_crash_is_described_and_misreads_no_clause() {
     let (suite, _, report) = upside_down();
     let mut report = report.clone();
     report.diagnoses.truncate(1);
@@ -232,17 +212,13 @@ fn a_crash_is_said_in_words_and_misreads_no_clause() {
     assert!(matrix.contains("crashes on two files"));
     assert!(!matrix.contains("violation"));
     for number in ["(1)", "(2)"] {
-        assert_eq!(
-            matrix
-                .matches(&format!("<span class=\"quiet\">{number}</span>"))
-                .count(),
-            1
-        );
+        let number = format!("<span class=\"quiet\">{number}</span>");
+        assert_eq!(matrix.matches(&number).count(), 1);
     }
 }
 
 #[test]
-fn the_badge_says_all_three_scores_in_140_pixels() {
+fn the_badge_has_all_three_scores_in_140_pixels() {
     let (_, _, report) = upside_down();
     let mut report = report.clone();
     keep("badge.svg", &badge::badge(&report));
@@ -256,21 +232,14 @@ fn the_badge_says_all_three_scores_in_140_pixels() {
             report.verdict = verdict.to_owned();
             report.reason = (verdict == not).then(|| "it does not start".to_owned());
             let badge = badge::badge(&report);
-            for score in [
-                report.scores.correctness,
-                report.scores.breadth,
-                report.scores.robustness,
-            ] {
+            let scores = &report.scores;
+            for score in [scores.correctness, scores.breadth, scores.robustness] {
                 assert!(badge.contains(&score.to_string()));
             }
             assert!(!badge.contains("<b>"));
             let width = badge.split("width=\"").nth(1).expect("a width");
-            let width: u32 = width
-                .split('"')
-                .next()
-                .expect("an end")
-                .parse()
-                .expect("pixels");
+            let (width, _) = width.split_once('"').expect("an end");
+            let width: u32 = width.parse().expect("pixels");
             assert!((60..=140).contains(&width), "{suite:?} {verdict}: {width}");
         }
     }
@@ -278,7 +247,7 @@ fn the_badge_says_all_three_scores_in_140_pixels() {
 
 /// Every failing case has a command that runs it alone, and its file where that is small.
 #[test]
-fn a_failing_case_can_be_taken_along_and_run_again() {
+fn a_failing_case_has_its_file_and_a_command() {
     let (suite, run, report) = upside_down();
     let page = html::page(suite, report, Some(run)).expect("a page");
     let mut files = 0;
@@ -302,14 +271,12 @@ fn a_failing_case_can_be_taken_along_and_run_again() {
     assert!(files > 100, "{files}");
 }
 
-/// A decoder that answers in colors alone: pictures, arithmetic and the scene.
+/// A decoder that answers in colors only: images, arithmetic and the scene.
 #[test]
 fn colors_are_shown_with_their_arithmetic() {
-    let suite = Suite::load().expect("the suite");
+    let suite = suite();
     let swap = |request: &Request<'_>, _: usize| {
-        let Answer::Decoded(mut frame) =
-            misreadings::answer(&[], Reading::SPEC, request.file, request.view)
-        else {
+        let Answer::Decoded(mut frame) = right(request) else {
             return Reply::from(Answer::Rejected);
         };
         if frame.view != ViewKind::Rgb {
@@ -336,7 +303,7 @@ fn colors_are_shown_with_their_arithmetic() {
 }
 
 #[test]
-fn what_is_no_decoder_is_told_what_to_do_next() {
+fn the_page_of_a_program_that_is_not_a_decoder_names_the_next_step() {
     let (suite, _, report) = upside_down();
     let mut report = report.clone();
     report.verdict = "not a decoder".to_owned();
@@ -358,9 +325,9 @@ fn what_is_no_decoder_is_told_what_to_do_next() {
     }
 }
 
-/// The same page of the other suite: its questions, its places on the site, its command.
+/// The page of the other suite has its questions, its places on the site, and its command.
 #[test]
-fn questions_of_the_texture_stage_are_shown_alike() {
+fn questions_of_the_texture_stage_are_shown() {
     let suite = Suite::of_textures().expect("the texture suite");
     let plan = RunPlan::of(&suite, 2);
     let mistake = misreadings::texture::all().next().expect("a misreading");
@@ -374,11 +341,8 @@ fn questions_of_the_texture_stage_are_shown_alike() {
     keep("texture.html", &page);
     let failing = failures(&report);
     assert!(failing > 0);
-    assert_eq!(
-        page.matches("ptm-conform check --suite texture --case ")
-            .count(),
-        failing
-    );
+    let command = "ptm-conform check --suite texture --case ";
+    assert_eq!(page.matches(command).count(), failing);
     assert!(page.matches(".json\" href=\"data:").count() > 0);
     assert!(page.contains(&format!("{SITE}texture/cases.html#")));
 }
@@ -394,14 +358,10 @@ fn github_sees_text_and_no_commands() {
     report.reason =
         Some("it says:\n::set-env name=PATH::x\r\n  ::stop-commands::y, 100%".to_owned());
     let annotations = github::annotations(&report);
-    assert!(annotations.starts_with(
-        "::error title=not a decoder::it says:%0A::set-env name=PATH::x%0D%0A  ::stop-commands::y, 100%25\n"
-    ));
-    assert!(
-        annotations
-            .lines()
-            .all(|line| line.starts_with("::error ") || line.starts_with("::notice "))
-    );
+    let escaped = "it says:%0A::set-env name=PATH::x%0D%0A  ::stop-commands::y, 100%25\n";
+    assert!(annotations.starts_with(&format!("::error title=not a decoder::{escaped}")));
+    let is_known = |line: &str| line.starts_with("::error ") || line.starts_with("::notice ");
+    assert!(annotations.lines().all(is_known));
     let text = github::without_commands("fine\n  ::add-mask::x\n##[error]y\nends");
     assert_eq!(text, "fine\n>   ::add-mask::x\n> ##[error]y\nends");
     let summary = github::summary(&report, suite.cases.len());
@@ -422,11 +382,8 @@ fn junit_is_read_by_a_consumer() {
         let cases = report.cases.iter();
         cases.filter(|case| case.outcome == outcome).count()
     };
-    let lenient = report
-        .cases
-        .iter()
-        .filter(|case| case.outcome == "pass" && case.expect == "lenient")
-        .count();
+    let passed = report.cases.iter().filter(|case| case.outcome == "pass");
+    let lenient = passed.filter(|case| case.expect == "lenient").count();
     let skipped = report.cases.len() - with("pass") - with("fail") - with("not run") + lenient;
     assert!(skipped > lenient && lenient > 0);
     let script = "import sys, junitparser\n\
@@ -436,69 +393,43 @@ fn junit_is_read_by_a_consumer() {
         kind = lambda k: sum(any(isinstance(r, k) for r in c.result) for c in cases)\n\
         print(len(suites), len(cases), kind(junitparser.Failure), kind(junitparser.Error), kind(junitparser.Skipped))\n\
         print(suites[0].tests, suites[0].failures, suites[0].errors, suites[0].skipped)\n";
-    let python = |script: &str| {
-        let path = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join("junit.xml");
-        std::process::Command::new("python3")
-            .args(["-c", script])
-            .arg(path)
-            .output()
-    };
     if !have_python(&["junitparser"]) {
         return;
     }
-    let output = python(script).expect("python3");
-    let counts = format!(
-        "{} {} {} {skipped}",
-        report.cases.len(),
-        with("fail"),
-        with("not run")
-    );
-    assert_eq!(
-        String::from_utf8_lossy(&output.stdout),
-        format!("1 {counts}\n{counts}\n"),
-        "{}",
-        String::from_utf8_lossy(&output.stderr)
-    );
+    let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join("junit.xml");
+    let text = stdout(Command::new("python3").args(["-c", script]).arg(path));
+    let (cases, failed, not_run) = (report.cases.len(), with("fail"), with("not run"));
+    let counts = format!("{cases} {failed} {not_run} {skipped}");
+    assert_eq!(text, format!("1 {counts}\n{counts}\n"));
 }
 
 #[test]
 fn the_program_writes_them_all() {
-    let scratch = tempfile::tempdir().expect("a scratch directory");
-    let path = |name: &str| scratch.path().join(name).to_string_lossy().into_owned();
-    let (yaml, page, xml) = (path("report.yaml"), path("report.html"), path("junit.xml"));
-    let output = crate::common::program()
-        .env("GITHUB_STEP_SUMMARY", path("summary.md"))
-        .args(["check", "--case", "hand-*", "--github", "--report", &yaml])
-        .args(["--html", &page, "--junit", &xml])
-        .output()
-        .expect("the program starts");
-    assert_eq!(output.status.code(), Some(0));
-    let read = |name: &str| std::fs::read_to_string(path(name)).expect("a file");
-    assert!(read("report.html").starts_with("<!DOCTYPE html>"));
-    assert!(read("junit.xml").contains("<testsuites"));
-    assert!(read("summary.md").starts_with("## ✅ PTM 1.2"));
-    let published = repository("reports/reference.yaml");
-    for (args, begins) in [
-        (vec!["html", &yaml, "-o"], "<!DOCTYPE html>"),
-        (vec!["html", &yaml, &published, "-o"], "<!DOCTYPE html>"),
-        (vec!["junit", &yaml, "-o"], "<?xml"),
-        (vec!["badge", &published, "-o"], "<svg"),
-        (vec!["markdown", &published, "-o"], "## ✅"),
-    ] {
-        let made = path("made");
-        let args: Vec<&str> = ["report"]
-            .into_iter()
-            .chain(args)
-            .chain([made.as_str()])
-            .collect();
-        let output = run(&args);
-        assert_eq!(output.status.code(), Some(0), "{args:?}");
-        assert!(read("made").starts_with(begins), "{args:?}");
+    let here = Workspace::new();
+    let outputs = "--report report.yaml --html report.html --junit junit.xml";
+    let mut check = here.command(&format!("check --case hand-* --github {outputs}"));
+    let checked = check
+        .env("GITHUB_STEP_SUMMARY", here.path("summary.md"))
+        .status();
+    assert!(checked.expect("the program starts").success());
+    here.write("published.yaml", repository_text("reports/reference.yaml"));
+    assert!(here.text("report.html").starts_with("<!DOCTYPE html>"));
+    assert!(here.text("summary.md").starts_with("## ✅ PTM 1.2"));
+    for [line, begins] in rows(
+        "
+html report.yaml | <!DOCTYPE html>
+html report.yaml published.yaml | <!DOCTYPE html>
+junit report.yaml | <?xml
+badge published.yaml | <svg
+markdown published.yaml | ## ✅",
+    ) {
+        here.succeeds(&format!("report {line} -o made"));
+        assert!(here.text("made").starts_with(&begins), "{line}");
     }
-    std::fs::write(path("broken.yaml"), "tool: [").expect("a file");
-    for wrong in [path("broken.yaml"), path("missing.yaml")] {
-        let output = run(&["report", "badge", &wrong]);
-        assert_eq!(output.status.code(), Some(2));
-        assert!(String::from_utf8_lossy(&output.stderr).contains(&wrong));
+    assert!(here.text("junit.xml").contains("<testsuites"));
+    here.write("broken.yaml", "tool: [");
+    for wrong in ["broken.yaml", "missing.yaml"] {
+        let text = here.exits(2, &format!("report badge {wrong}"));
+        assert!(text.contains(wrong), "{text}");
     }
 }

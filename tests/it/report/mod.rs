@@ -4,7 +4,7 @@ mod html;
 #[cfg(all(unix, feature = "cli"))]
 mod html_browser;
 
-#[cfg(feature = "cli")]
+#[cfg(all(unix, feature = "cli"))]
 mod shards;
 
 #[cfg(all(unix, feature = "cli"))]

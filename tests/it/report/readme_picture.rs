@@ -1,4 +1,4 @@
-//! The picture in the README is made by this program: the lit scene, right and as decoders with one mistake show it.
+//! This program makes the image in the README: the lit scene, correct and as decoders with one mistake show it.
 
 use std::fs;
 use std::path::Path;
@@ -11,7 +11,9 @@ use ptm_conform::protocol::frame::{Answer, View};
 use ptm_conform::ptm::Format;
 use ptm_conform::session::lit_scene::{SIDE, file, picture};
 
-/// The mistakes, in the order of the picture, whose first one has none.
+use crate::in_process::misreading;
+
+/// The mistakes, in the order of the image. The first scene is correct.
 const MISTAKES: [Option<&str>; 6] = [
     None,
     Some("rows-top-down"),
@@ -25,21 +27,20 @@ const SCALE: usize = 2;
 const GAP: usize = 8;
 
 #[test]
-fn the_picture_is_what_the_program_makes() {
+fn the_image_is_made_by_the_program() {
     let file = file(Format::Lrgb, Count::default());
     let view: View = "rgb:-0.5,0.5".parse().expect("a view");
-    let pictures = MISTAKES.map(|slug| {
-        let mistake = slug.map(|slug| misreadings::named(slug).expect("a misreading"));
-        let mistakes: Vec<&Misreading> = mistake.into_iter().collect();
+    let scenes = MISTAKES.map(|slug| {
+        let mistakes: Vec<&Misreading> = slug.map(misreading).into_iter().collect();
         let answer = misreadings::answer(&mistakes, Reading::SPEC, &file, &view);
         let Answer::Decoded(frame) = answer else {
-            panic!("{slug:?}: a picture")
+            panic!("{slug:?}: an image")
         };
         picture(&file, &frame).expect("of the scene")
     });
-    let distinct: std::collections::BTreeSet<_> = pictures.iter().collect();
-    assert_eq!(distinct.len(), pictures.len(), "two mistakes look alike");
-    let png = side_by_side(&pictures);
+    let distinct: std::collections::BTreeSet<_> = scenes.iter().collect();
+    assert_eq!(distinct.len(), scenes.len(), "two mistakes look alike");
+    let png = side_by_side(&scenes);
     assert!(png.len() <= 60_000, "{} bytes", png.len());
     let made = Path::new(env!("CARGO_TARGET_TMPDIR")).join("mistakes.png");
     fs::write(&made, &png).expect("a file");
@@ -47,15 +48,15 @@ fn the_picture_is_what_the_program_makes() {
     assert!(kept == png, "copy {} to docs/mistakes.png", made.display());
 }
 
-fn side_by_side(pictures: &[Vec<u8>]) -> Vec<u8> {
+fn side_by_side(scenes: &[Vec<u8>]) -> Vec<u8> {
     let side = SIDE as usize * SCALE;
-    let width = pictures.len() * (side + GAP) - GAP;
+    let width = scenes.len() * (side + GAP) - GAP;
     let mut pixels = vec![0; width * side * 4];
-    for (i, picture) in pictures.iter().enumerate() {
+    for (i, scene) in scenes.iter().enumerate() {
         for (y, x) in (0..side).flat_map(|y| (0..side).map(move |x| (y, x))) {
             let from = 3 * (y / SCALE * SIDE as usize + x / SCALE);
             let to = 4 * (y * width + i * (side + GAP) + x);
-            pixels[to..to + 3].copy_from_slice(&picture[from..from + 3]);
+            pixels[to..to + 3].copy_from_slice(&scene[from..from + 3]);
             pixels[to + 3] = 255;
         }
     }

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use ptm_conform::Reading;
-use ptm_conform::misreadings::{answer, named};
+use ptm_conform::misreadings::answer;
 use ptm_conform::protocol::frame::Answer;
 use ptm_conform::report::Report;
 use ptm_conform::report::conclude::{conclude, undo_common_transforms};
@@ -16,6 +16,9 @@ use ptm_conform::session::plan::{Repeat, RunPlan};
 use ptm_conform::session::remark::Remark;
 use ptm_conform::session::run::{Run, Session};
 use ptm_conform::suite::cases::{Case, Suite};
+
+use crate::common::{Workspace, zoo};
+use crate::in_process::{misread, misreading, right, suite};
 
 fn circumstances() -> Circumstances {
     Circumstances {
@@ -64,7 +67,7 @@ fn whole(suite: &Suite, decoder: &Decoder) -> Report {
     conclude(suite, &mut run, &circumstances(), &remarks(), 2).expect("no misreading is assumed")
 }
 
-/// Runs one part and keeps its answers answers_path the path that is returned.
+/// Runs one part and keeps its answers next to the report, whose path is returned.
 fn run_part(
     suite: &Suite,
     part: Shard,
@@ -88,32 +91,27 @@ fn run_part(
 
 /// Eight parts and the whole.
 #[track_caller]
-fn comes_out_the_same(suite: &Suite, decoder: &Decoder) {
+fn assert_same_report(suite: &Suite, decoder: &Decoder) {
     let whole = whole(suite, decoder);
     let scratch = tempfile::tempdir().expect("a directory");
-    let mut parts: Vec<PathBuf> = (1..=8)
-        .map(|number| {
-            let part = Shard { number, of: 8 };
-            run_part(suite, part, decoder, &whole.tool, scratch.path())
-        })
-        .collect();
-    parts.rotate_left(3); // in any order
+    let run = |number| {
+        run_part(
+            suite,
+            Shard { number, of: 8 },
+            decoder,
+            &whole.tool,
+            scratch.path(),
+        )
+    };
+    // In any order.
+    let parts = [4, 5, 6, 7, 8, 1, 2, 3].map(run);
     let answers = KeptAnswers::read(suite, &parts).expect("all parts are there");
     let merged = answers.merge(suite, 2, &|_, _, _, _| {});
     let (_, merged) = merged.expect("every answer is there");
     assert_eq!(merged.to_yaml(), whole.to_yaml());
 }
 
-fn misread(slug: &str) -> impl Fn(&Request) -> Answer + Sync {
-    let misreading = named(slug).expect("a misreading");
-    move |request| answer(&[misreading], Reading::SPEC, request.file, request.view)
-}
-
-fn right(request: &Request) -> Answer {
-    answer(&[], Reading::SPEC, request.file, request.view)
-}
-
-/// The same for the same file, and without a pattern otherwise.
+/// Draws by the bytes of the file, so that the result for a file is always the same.
 fn draw(request: &Request, of: u32) -> bool {
     let sum = request.file.iter().fold(7_u32, |sum, &byte| {
         sum.wrapping_mul(31).wrapping_add(u32::from(byte))
@@ -121,19 +119,20 @@ fn draw(request: &Request, of: u32) -> bool {
     (sum >> 7).is_multiple_of(of)
 }
 
-/// Each of these has verdicts in one part that depend on answers in another.
+/// Each decoder has verdicts in one part that depend on answers in another.
 #[test]
 fn eight_parts_merged_are_the_whole_run() {
-    let suite = Suite::load().expect("the suite loads").prepared();
-    comes_out_the_same(&suite, &right);
-    comes_out_the_same(&suite, &misread("rows-top-down"));
-    // Refuses what it supports: told only from files of the same feature that it decodes.
-    comes_out_the_same(&suite, &|request| match draw(request, 5) {
+    let suite = suite().prepared();
+    assert_same_report(&suite, &right);
+    let mistake = misreading("rows-top-down");
+    assert_same_report(&suite, &|request| misread(&[mistake], request));
+    // Refuses files of a feature that it supports: other files of the feature show it.
+    assert_same_report(&suite, &|request| match draw(request, 5) {
         true => Answer::Unsupported,
         false => right(request),
     });
     // Two dialects.
-    comes_out_the_same(&suite, &|request| {
+    assert_same_report(&suite, &|request| {
         let reading = match draw(request, 2) {
             true => Reading::SPEC.with_motion_minus(),
             false => Reading::SPEC,
@@ -141,7 +140,7 @@ fn eight_parts_merged_are_the_whole_run() {
         answer(&[], reading, request.file, request.view)
     });
     // Knows one spelling of tables, and crashes now and then.
-    comes_out_the_same(&suite, &|request| {
+    assert_same_report(&suite, &|request| {
         let spelled = |word: &[u8]| request.file.windows(word.len()).any(|at| at == word);
         if spelled(b"N_LUT_ENTRIES") || spelled(b"_LUT\n") && !spelled(b"nentries ") {
             Answer::Rejected
@@ -154,8 +153,8 @@ fn eight_parts_merged_are_the_whole_run() {
 }
 
 #[test]
-fn parts_that_make_no_whole_are_refused() {
-    let suite = Suite::load().expect("the suite loads").prepared();
+fn incomplete_or_foreign_parts_are_refused() {
+    let suite = suite().prepared();
     let scratch = tempfile::tempdir().expect("a directory");
     let tool = whole(&suite, &right).tool;
     let run = |number, of| {
@@ -166,22 +165,17 @@ fn parts_that_make_no_whole_are_refused() {
 
     let (first, second) = (run(1, 2), run(2, 2));
     assert_eq!(refused(std::slice::from_ref(&first)), "part 2/2 is missing");
-    assert_eq!(
-        refused(&[first.clone(), second.clone(), first.clone()]),
-        "duplicate part 1/2"
-    );
+    let twice = [first.clone(), second.clone(), first.clone()];
+    assert_eq!(refused(&twice), "duplicate part 1/2");
     let other = run(3, 3);
     assert!(refused(&[first.clone(), other]).contains("not of the same run as "));
 
     let cut = answers_path(&second);
     let text = std::fs::read_to_string(&cut).expect("text");
-    let lines = text.lines().count();
-    let without_end: Vec<&str> = text.lines().take(lines - 1).collect();
-    std::fs::write(&cut, without_end.join("\n")).expect("a file");
-    assert!(
-        refused(&[first.clone(), second.clone()])
-            .ends_with("the last line is missing; was the run interrupted?")
-    );
+    let (without_end, _) = text.trim_end().rsplit_once('\n').expect("lines");
+    std::fs::write(&cut, without_end).expect("a file");
+    let message = "the last line is missing; was the run interrupted?";
+    assert!(refused(&[first.clone(), second.clone()]).ends_with(message));
     std::fs::write(&cut, "{\n").expect("a file");
     assert!(refused(&[first, second.clone()]).contains("line 1: "));
     std::fs::remove_file(&cut).expect("a file");
@@ -189,40 +183,21 @@ fn parts_that_make_no_whole_are_refused() {
 }
 
 #[test]
-fn the_program_merges_what_it_ran_in_parts() {
-    let scratch = tempfile::tempdir().expect("a directory");
-    let path = |name: &str| scratch.path().join(name).to_string_lossy().into_owned();
-    let chosen = ["--case", "hand-*", "--case", "first-*", "--case", "lut-*"];
-    let check = |options: &[&str], report: &str| {
-        let mut words = vec!["check", "--report", report];
-        words.extend(chosen);
-        words.extend(options);
-        let zoo = crate::common::zoo();
-        words.extend(["--", &zoo, "accepts-malformed"]);
-        crate::common::run(&words).status.code()
+fn the_program_merges_a_run_in_parts() {
+    let here = Workspace::new();
+    let decoder = zoo("accepts-malformed");
+    let check = |options: &str| {
+        let cases = "--case hand-* --case first-* --case lut-*";
+        here.run(&format!("check {cases} {options} -- {decoder}")).0
     };
-    assert_eq!(check(&[], &path("whole.yaml")), Some(1));
-    for part in ["1/2", "2/2"] {
-        let report = path(&format!("part-{}.yaml", &part[..1]));
-        assert!(check(&["--shard", part], &report).is_some_and(|status| status < 2));
+    assert_eq!(check("--report whole.yaml"), 1);
+    for part in [1, 2] {
+        assert!(check(&format!("--shard {part}/2 --report part-{part}.yaml")) < 2);
     }
-    let (first, second) = (path("part-1.yaml"), path("part-2.yaml"));
-    let merged = crate::common::run(&[
-        "report",
-        "merge",
-        &first,
-        &second,
-        "--report",
-        &path("merged.yaml"),
-    ]);
-    assert_eq!(
-        merged.status.code(),
-        Some(1),
-        "{}",
-        String::from_utf8_lossy(&merged.stderr)
+    here.exits(
+        1,
+        "report merge part-1.yaml part-2.yaml --report merged.yaml",
     );
-    let read = |name: &str| std::fs::read_to_string(path(name)).expect("a report");
-    assert_eq!(read("merged.yaml"), read("whole.yaml"));
-    let missing = crate::common::run(&["report", "merge", &first]);
-    assert_eq!(missing.status.code(), Some(2));
+    assert_eq!(here.text("merged.yaml"), here.text("whole.yaml"));
+    here.exits(2, "report merge part-1.yaml");
 }

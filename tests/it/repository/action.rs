@@ -5,16 +5,16 @@ use std::os::unix::fs::symlink;
 use std::path::Path;
 use std::process::{Command, Output};
 
-use crate::common::{have, repository};
+use crate::common::{PROGRAM, Workspace, have, repository, repository_text, stdout};
+use ptm_conform::kit::yaml::from_yaml;
 use serde_json::Value;
 
 fn action() -> Value {
-    let text = fs::read_to_string(repository("action.yml")).expect("the action");
-    ptm_conform::kit::yaml::from_yaml(&text).expect("YAML")
+    from_yaml(&repository_text("action.yml")).expect("YAML")
 }
 
-/// A step's script, to be run in `directory` as a runner does.
-fn step(id: &str, directory: &Path) -> Command {
+/// Returns the script of a step, to be run as a runner does.
+fn step(id: &str, here: &Workspace) -> Command {
     let action = action();
     let steps = action["runs"]["steps"].as_array().expect("steps").clone();
     let step = steps
@@ -24,29 +24,29 @@ fn step(id: &str, directory: &Path) -> Command {
     let mut bash = Command::new("bash");
     bash.args(["--noprofile", "--norc", "-eo", "pipefail", "-c"])
         .arg(step["run"].as_str().expect("a script"))
-        .current_dir(directory)
-        .env("RUNNER_TEMP", directory);
+        .current_dir(here.path(""))
+        .env("RUNNER_TEMP", here.path(""));
     bash
 }
 
-/// Runs the check in `directory` with these inputs.
-fn check(directory: &Path, decoder: &str, args: &str) -> Output {
-    step("check", directory)
+/// Runs the check with these inputs.
+fn check(here: &Workspace, decoder: &str, args: &str) -> Output {
+    step("check", here)
         .env("DECODER", decoder)
         .env("CMD", "")
         .env("ARGS", args)
         .env("BASELINE", "")
         .env("DIRECTORY", "made here")
-        .env("PROGRAM", env!("CARGO_BIN_EXE_ptm-conform"))
-        .env("GITHUB_OUTPUT", directory.join("output"))
-        .env("GITHUB_STEP_SUMMARY", directory.join("summary.md"))
+        .env("PROGRAM", PROGRAM)
+        .env("GITHUB_OUTPUT", here.path("output"))
+        .env("GITHUB_STEP_SUMMARY", here.path("summary.md"))
         .output()
         .expect("bash starts")
 }
 
 #[test]
 fn every_input_that_a_step_uses_is_one() {
-    let text = fs::read_to_string(repository("action.yml")).expect("the action");
+    let text = repository_text("action.yml");
     let action = action();
     let mut used = 0;
     for part in text.split("inputs.").skip(1) {
@@ -84,31 +84,24 @@ fn workflows_name_the_actions_of_others_by_digest() {
 }
 
 #[test]
-fn the_action_passes_on_what_the_check_says() {
+fn the_action_passes_on_the_result_of_the_check() {
     if !have("bash") {
         return;
     }
-    let scratch = tempfile::tempdir().expect("a scratch directory");
-    let place = |name: &str| scratch.path().join(name);
-    let reference = format!("{} reference", env!("CARGO_BIN_EXE_ptm-conform"));
-    let passed = check(scratch.path(), &reference, "--case hand-* --jobs 2");
+    let here = Workspace::new();
+    let reference = format!("{PROGRAM} reference");
+    let passed = check(&here, &reference, "--case hand-* --jobs 2");
     assert_eq!(passed.status.code(), Some(0), "{passed:?}");
     for name in ["report.yaml", "report.html", "junit.xml", "badge.svg"] {
-        assert!(place("made here").join(name).exists(), "{name}");
+        assert!(here.path("made here").join(name).exists(), "{name}");
     }
-    let failed = check(
-        scratch.path(),
-        "false $(touch owned) ; touch owned",
-        "--case hand-*",
-    );
+    let decoder = "false $(touch owned) ; touch owned";
+    let failed = check(&here, decoder, "--case hand-*");
     assert_eq!(failed.status.code(), Some(3));
-    assert!(!place("owned").exists());
+    assert!(!here.path("owned").exists());
     assert!(String::from_utf8_lossy(&failed.stdout).contains("\n::error title=not a decoder::"));
-    assert_eq!(
-        fs::read_to_string(place("output")).expect("outputs"),
-        "status=0\nstatus=3\n"
-    );
-    let summary = fs::read_to_string(place("summary.md")).expect("a summary");
+    assert_eq!(here.text("output"), "status=0\nstatus=3\n");
+    let summary = here.text("summary.md");
     assert!(
         summary.contains("✅") && summary.contains("❌"),
         "{summary}"
@@ -120,77 +113,48 @@ fn words_are_lines_where_there_are_several() {
     if !have("bash") {
         return;
     }
-    let scratch = tempfile::tempdir().expect("a scratch directory");
-    let program = scratch.path().join("my decoder");
-    symlink(env!("CARGO_BIN_EXE_ptm-conform"), &program).expect("a link");
+    let here = Workspace::new();
+    let program = here.path("my decoder");
+    symlink(PROGRAM, &program).expect("a link");
     let decoder = format!("{}\nreference\n", program.display());
-    let passed = check(scratch.path(), &decoder, "--case\nhand-*\n");
+    let passed = check(&here, &decoder, "--case\nhand-*\n");
     assert_eq!(passed.status.code(), Some(0), "{passed:?}");
-    assert_eq!(check(scratch.path(), "", "").status.code(), Some(2));
+    assert_eq!(check(&here, "", "").status.code(), Some(2));
 }
 
 /// The steps as they run where nobody has a compiler: on an archive that `scripts/pack.sh` has made, and with a PATH that
 /// has what every runner has.
 #[test]
 fn the_action_takes_a_release_and_no_compiler() {
-    let tools = [
-        "bash",
-        "cat",
-        "chmod",
-        "cp",
-        "curl",
-        "cut",
-        "dirname",
-        "grep",
-        "gzip",
-        "mkdir",
-        "mktemp",
-        "mv",
-        "rm",
-        "sha256sum",
-        "tar",
-        "uname",
-    ];
-    if !tools.iter().all(|tool| have(tool)) {
+    let tools =
+        "bash cat chmod cp curl cut dirname grep gzip mkdir mktemp mv rm sha256sum tar uname";
+    if !tools.split(' ').all(have) {
         return;
     }
-    let scratch = tempfile::tempdir().expect("a scratch directory");
-    let place = |name: &str| scratch.path().join(name);
-    let path = place("bin");
+    let here = Workspace::new();
+    let path = here.path("bin");
     fs::create_dir(&path).expect("a directory");
-    for tool in tools {
-        let found = Command::new("sh")
-            .args(["-c", &format!("command -v {tool}")])
-            .output();
-        let found = String::from_utf8(found.expect("sh starts").stdout).expect("a path");
+    for tool in tools.split(' ') {
+        let found = stdout(Command::new("sh").args(["-c", &format!("command -v {tool}")]));
         symlink(found.trim(), path.join(tool)).expect("a link");
     }
     let version = env!("CARGO_PKG_VERSION");
     assert_eq!(action()["inputs"]["version"]["default"], version);
     let target = format!("{}-unknown-linux-musl", std::env::consts::ARCH);
-    let releases = place(&format!("releases/v{version}"));
-    let packed = Command::new(repository("scripts/pack.sh"))
-        .arg(
-            Path::new(env!("CARGO_BIN_EXE_ptm-conform"))
-                .parent()
-                .expect("a directory"),
-        )
+    let releases = here.path(&format!("releases/v{version}"));
+    let programs = Path::new(PROGRAM).parent().expect("a directory");
+    let mut pack = Command::new(repository("scripts/pack.sh"));
+    pack.arg(programs)
         .args([&target, &format!("v{version}")])
-        .arg(&releases)
-        .env("PATH", &path)
-        .output()
-        .expect("bash starts");
-    assert!(packed.status.success(), "{packed:?}");
+        .arg(&releases);
+    stdout(pack.env("PATH", &path));
     let sums = "sha256sum -- * > SHA256SUMS";
-    let summed = Command::new("bash")
-        .args(["-c", sums])
-        .current_dir(&releases)
-        .status();
-    assert!(summed.expect("bash starts").success());
+    let mut bash = Command::new("bash");
+    stdout(bash.args(["-c", sums]).current_dir(&releases));
 
-    let url = format!("file://{}", place("releases").display());
+    let url = format!("file://{}", here.path("releases").display());
     let release = || {
-        let mut release = step("release", scratch.path());
+        let mut release = step("release", &here);
         release
             .env("VERSION", version)
             .env("PTM_CONFORM_RELEASES", &url)
@@ -199,35 +163,25 @@ fn the_action_takes_a_release_and_no_compiler() {
     };
     let taken = release();
     assert!(taken.status.success(), "{taken:?}");
-    let checked = step("check", scratch.path())
-        .env(
-            "DECODER",
-            format!(
-                "{} reference",
-                place("ptm-conform/bin/ptm-conform").display()
-            ),
-        )
-        .envs([
-            ("CMD", ""),
-            ("ARGS", "--smoke"),
-            ("BASELINE", ""),
-            ("PROGRAM", ""),
-            ("DIRECTORY", "report"),
-        ])
-        .env("GITHUB_OUTPUT", place("output"))
-        .env("GITHUB_STEP_SUMMARY", place("summary.md"))
+    let program = here.path("ptm-conform/bin/ptm-conform");
+    let checked = step("check", &here)
+        .env("DECODER", format!("{} reference", program.display()))
+        .envs([("CMD", ""), ("ARGS", "--smoke"), ("BASELINE", "")])
+        .envs([("PROGRAM", ""), ("DIRECTORY", "report")])
+        .env("GITHUB_OUTPUT", here.path("output"))
+        .env("GITHUB_STEP_SUMMARY", here.path("summary.md"))
         .env("PATH", &path)
         .output()
         .expect("bash starts");
     assert_eq!(checked.status.code(), Some(0), "{checked:?}");
-    assert!(place("report/report.html").exists());
+    assert!(here.path("report/report.html").exists());
 
     // An archive that is not the one whose digest was published is not run.
-    fs::remove_dir_all(place("ptm-conform")).expect("it was there");
+    fs::remove_dir_all(here.path("ptm-conform")).expect("it was there");
     let archive = releases.join(format!("ptm-conform-v{version}-{target}.tar.gz"));
     let mut bytes = fs::read(&archive).expect("the archive");
     bytes.push(0);
     fs::write(&archive, bytes).expect("the archive");
     assert!(!release().status.success());
-    assert!(!place("ptm-conform/bin/ptm-conform").exists());
+    assert!(!program.exists());
 }

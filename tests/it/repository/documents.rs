@@ -1,4 +1,4 @@
-//! What the documents say: their counts are the program's, and their links lead to files that the packed crate has.
+//! The documents: their counts are those of the program, and their links lead to files of the packed crate.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -9,13 +9,15 @@ use ptm_conform::suite::cases::Suite;
 use ptm_conform::suite::texture::cases as texture;
 use ptm_conform::tools::profiles::Profile;
 
+use crate::common::repository_text;
+
 fn root() -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR"))
 }
 
 /// A document with every line break and its indentation as one space.
 fn document(path: &str) -> String {
-    let text = fs::read_to_string(root().join(path)).unwrap_or_else(|why| panic!("{path}: {why}"));
+    let text = repository_text(path);
     text.split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
@@ -41,7 +43,7 @@ fn counts_in_documents_are_those_of_the_program() {
         let files = thousands(profile.cases(&suite).len());
         format!("| `{}` | {files}: ", profile.name())
     };
-    let claims = [
+    for (path, claim) in [
         (
             "README.md",
             format!("The suite has {cases} cases, and its catalog has {misreadings} *misreadings*"),
@@ -63,8 +65,7 @@ fn counts_in_documents_are_those_of_the_program() {
             format!("{stages} cases with their arithmetic"),
         ),
         ("CHANGELOG.md", format!("a reference, {stages} cases")),
-    ];
-    for (path, claim) in claims {
+    ] {
         assert!(
             document(path).contains(&claim),
             "{path} should say: {claim}"
@@ -77,9 +78,7 @@ fn the_failing_run_in_the_readme_adds_up() {
     let suite = Suite::load().expect("the suite loads");
     let text = document("README.md");
     let number_before = |words: &str| -> usize {
-        let (before, _) = text
-            .split_once(words)
-            .unwrap_or_else(|| panic!("no {words:?}"));
+        let (before, _) = text.split_once(words).expect(words);
         let number = before.rsplit(' ').next().expect("a word");
         number.parse().unwrap_or_else(|_| panic!("{number:?}"))
     };
@@ -92,16 +91,17 @@ fn the_failing_run_in_the_readme_adds_up() {
 
 #[test]
 fn links_lead_to_files_of_the_packed_crate() {
-    let manifest = fs::read_to_string(root().join("Cargo.toml")).expect("Cargo.toml");
-    let include = manifest
-        .lines()
-        .find(|line| line.starts_with("include = "))
-        .expect("what is packed");
-    let packed: Vec<glob::Pattern> = include
+    let manifest = repository_text("Cargo.toml");
+    let mut lines = manifest.lines();
+    let include = lines.find(|line| line.starts_with("include = "));
+    let patterns = include
+        .expect("the packed files")
         .split('"')
         .skip(1)
-        .step_by(2)
-        .map(|pattern| glob::Pattern::new(pattern.trim_start_matches('/')).expect("a pattern"))
+        .step_by(2);
+    let pattern = |pattern: &str| glob::Pattern::new(pattern.trim_start_matches('/'));
+    let packed: Vec<glob::Pattern> = patterns
+        .map(|text| pattern(text).expect("a pattern"))
         .collect();
     let docs = fs::read_dir(root().join("docs")).expect("docs");
     let docs = docs.map(|entry| Path::new("docs").join(entry.expect("an entry").file_name()));
@@ -109,11 +109,8 @@ fn links_lead_to_files_of_the_packed_crate() {
     let mut links = 0;
     for path in docs.chain(["README.md".into()]) {
         let text = fs::read_to_string(root().join(&path)).expect("a document");
-        for link in text
-            .split("](")
-            .skip(1)
-            .filter_map(|rest| rest.split(')').next())
-        {
+        let links_of = text.split("](").skip(1);
+        for link in links_of.filter_map(|rest| rest.split(')').next()) {
             if link.contains("://") || link.starts_with('#') {
                 continue;
             }
@@ -127,11 +124,8 @@ fn links_lead_to_files_of_the_packed_crate() {
             }
             links += 1;
             assert!(root().join(&target).is_file(), "{}: {link}", path.display());
-            assert!(
-                packed.iter().any(|pattern| pattern.matches_path(&target)),
-                "{}: {link} is not packed",
-                path.display()
-            );
+            let is_packed = packed.iter().any(|pattern| pattern.matches_path(&target));
+            assert!(is_packed, "{}: {link} is not packed", path.display());
         }
     }
     assert!(links > 10, "{links} links");

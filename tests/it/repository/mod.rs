@@ -10,27 +10,38 @@ mod order;
 
 mod tidy;
 
+#[cfg(feature = "harness")]
+use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 
 use proc_macro2::{Delimiter, TokenTree};
 
-fn files_below(directory: &Path) -> Vec<PathBuf> {
-    let entries = fs::read_dir(directory)
-        .expect("a directory")
-        .map(|entry| entry.expect("an entry").path());
-    entries
-        .flat_map(|path| {
-            if path.is_dir() {
-                files_below(&path)
-            } else {
-                vec![path]
-            }
-        })
-        .collect()
+/// Returns the files below a directory.
+pub fn files_below(directory: &Path) -> Vec<PathBuf> {
+    let entries = fs::read_dir(directory).expect("a directory");
+    let paths = entries.map(|entry| entry.expect("an entry").path());
+    let files = paths.flat_map(|path| match path.is_dir() {
+        true => files_below(&path),
+        false => vec![path],
+    });
+    files.collect()
 }
 
-/// Whether an attribute comes next that leaves the item to tests: `cfg(test)`, or `cfg(all(…, test))`.
+/// Returns the files below a directory by their relative paths, with their bytes.
+#[cfg(feature = "harness")]
+pub fn tree(directory: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
+    let file = |path: PathBuf| {
+        let name = path
+            .strip_prefix(directory)
+            .expect("it is below")
+            .to_owned();
+        (name, fs::read(path).expect("a file"))
+    };
+    files_below(directory).into_iter().map(file).collect()
+}
+
+/// Returns true if the next attribute keeps the item for tests: `cfg(test)`, or `cfg(all(…, test))`.
 pub fn is_for_tests(tokens: &[TokenTree]) -> bool {
     let [hash, TokenTree::Group(attribute), ..] = tokens else {
         return false;
@@ -40,7 +51,7 @@ pub fn is_for_tests(tokens: &[TokenTree]) -> bool {
         && (text == "cfg(test)" || text.starts_with("cfg(all(") && text.contains("test"))
 }
 
-/// How many tokens an item has: up to its semicolon or its body.
+/// Returns the number of tokens of an item, up to its semicolon or its body.
 pub fn item_length(tokens: &[TokenTree]) -> usize {
     let ends = |token: &TokenTree| {
         is_punct(token, ';')

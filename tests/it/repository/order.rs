@@ -1,6 +1,6 @@
-//! The rooms of `src` depend on each other in one direction, and no file circles back to itself through others.
+//! The modules of `src` depend on each other in one direction, and no file imports itself through others.
 //!
-//! Every import of every file is read: paths in `use` and in code, inside macros too. What only tests need does not count.
+//! Every import of every file counts: paths in `use` and in code, also inside macros, except those for tests.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
@@ -9,47 +9,21 @@ use std::path::Path;
 use proc_macro2::{Delimiter, TokenStream, TokenTree};
 
 use super::{files_below, is_for_tests, is_punct, item_length};
+use crate::table::rows;
 
-/// The rooms, each above all that it may import.
-const ROOMS: [&str; 27] = [
-    "error",
-    "ptm",
-    "parts",
-    "input",
-    "reading",
-    "codec",
-    "evaluate",
-    "decode",
-    "generate",
-    "texture",
-    "kit",
-    "formula",
-    "protocol",
-    "suite",
-    "misreadings",
-    "readers",
-    "runner",
-    "session",
-    "diagnose",
-    "strength",
-    "report",
-    "fuzz",
-    "tools",
-    "writers",
-    "site",
-    "cli",
-    "main",
-];
+/// The modules at the top, each after all that it may import.
+const MODULES: &str = "error ptm parts input reading codec evaluate decode generate texture kit formula protocol suite \
+    misreadings readers runner session diagnose strength report fuzz tools writers site cli main";
 
 /// A module path below the crate, `["decode", "planes"]`; the file that holds it.
 type Modules = BTreeMap<Vec<String>, String>;
 
 #[test]
-fn rooms_depend_in_one_direction() {
+fn modules_depend_in_one_direction() {
     let place = |file: &str| {
-        let room = file.split(['/', '.']).next().expect("a first part");
-        let place = ROOMS.iter().position(|&of| of == room);
-        place.unwrap_or_else(|| panic!("{file} is in no room that the order knows"))
+        let module = file.split(['/', '.']).next().expect("a first part");
+        let place = MODULES.split(' ').position(|of| of == module);
+        place.unwrap_or_else(|| panic!("the order lacks the module of {file}"))
     };
     let back: Vec<String> = imports()
         .iter()
@@ -64,7 +38,7 @@ fn rooms_depend_in_one_direction() {
 #[test]
 fn no_files_import_each_other_in_a_circle() {
     let imports = imports();
-    // What is left when files that import nothing left are taken away, again and again, lies on circles or above them.
+    // Files that import no file that is left are removed, again and again; the rest lies on circles or above them.
     let mut left: BTreeSet<&String> = imports.keys().collect();
     while let Some(&free) = left
         .iter()
@@ -72,38 +46,32 @@ fn no_files_import_each_other_in_a_circle() {
     {
         left.remove(free);
     }
-    // And what nothing left imports lies above them.
+    // Files that no file that is left imports lie above the circles.
     while let Some(&above) = left
         .iter()
         .find(|&&file| left.iter().all(|&other| !imports[other].contains(file)))
     {
         left.remove(above);
     }
-    let circles: Vec<String> = left
-        .iter()
-        .map(|&file| {
-            let to: Vec<&str> = imports[file]
-                .iter()
-                .filter(|to| left.contains(to))
-                .map(String::as_str)
-                .collect();
-            format!("{file} imports {}", to.join(", "))
-        })
-        .collect();
+    let circle = |file: &&String| {
+        let to = imports[*file].iter().filter(|to| left.contains(to));
+        let to: Vec<&str> = to.map(String::as_str).collect();
+        format!("{file} imports {}", to.join(", "))
+    };
+    let circles: Vec<String> = left.iter().map(circle).collect();
     assert!(circles.is_empty(), "on circles:\n{}", circles.join("\n"));
 }
 
 /// A test that reads imports must see them: one of each way to write them.
 #[test]
 fn every_way_to_import_is_seen() {
-    let modules: Modules = ["a", "a/b", "a/c", "d"]
-        .map(|file| {
-            (
-                file.split('/').map(str::to_owned).collect(),
-                file.to_owned(),
-            )
-        })
-        .into();
+    let module = |file: &str| {
+        (
+            file.split('/').map(str::to_owned).collect(),
+            file.to_owned(),
+        )
+    };
+    let modules: Modules = ["a", "a/b", "a/c", "d"].map(module).into();
     let seen = |code: &str| {
         let tokens: TokenStream = code.parse().expect("Rust");
         let file = File {
@@ -112,22 +80,18 @@ fn every_way_to_import_is_seen() {
         };
         file.imports(tokens).into_iter().collect::<Vec<_>>()
     };
-    assert_eq!(seen("use crate::d::X;"), ["d"]);
-    assert_eq!(seen("use super::c;"), ["a/c"]);
-    assert_eq!(seen("use crate::{a::{c::{X, Y}}, d};"), ["a/c", "d"]);
-    assert_eq!(
-        seen("fn f() -> u8 { println!(\"{}\", crate::d::x()); 1 }"),
-        ["d"]
-    );
-    assert_eq!(seen("mod inner { use super::super::c::X; }"), ["a/c"]);
-    assert_eq!(
-        seen("#[cfg(test)] mod tests { use crate::d::X; } use super::c;"),
-        ["a/c"]
-    );
-    assert_eq!(
-        seen("#[cfg(all(unix, test))] use crate::d::X; mod c;"),
-        [""; 0]
-    );
+    for [code, files] in rows(
+        r#"
+use crate::d::X; | d
+use super::c; | a/c
+use crate::{a::{c::{X, Y}}, d}; | a/c d
+fn f() -> u8 { println!("{}", crate::d::x()); 1 } | d
+mod inner { use super::super::c::X; } | a/c
+#[cfg(test)] mod tests { use crate::d::X; } use super::c; | a/c
+#[cfg(all(unix, test))] use crate::d::X; mod c; |"#,
+    ) {
+        assert_eq!(seen(&code).join(" "), files, "{code}");
+    }
 }
 
 /// Each file of `src` with the files that it imports from.
@@ -265,7 +229,7 @@ impl File<'_> {
     }
 }
 
-/// Whether `::` comes next.
+/// Returns true if `::` comes next.
 fn leads_on(tokens: &[TokenTree]) -> bool {
     matches!(tokens, [a, b, ..] if is_punct(a, ':') && is_punct(b, ':'))
 }
@@ -279,7 +243,7 @@ fn two_words(tokens: &[TokenTree]) -> Option<(&'static str, String)> {
     }
 }
 
-/// Whether `pub(in …)`, `pub(super)` or `pub(crate)` stands here.
+/// Returns true at `pub(in …)`, `pub(super)` or `pub(crate)`.
 fn is_visibility(tokens: &[TokenTree]) -> bool {
     matches!(
         tokens,

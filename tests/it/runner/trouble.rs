@@ -1,39 +1,26 @@
-//! What the harness itself cannot do is never a verdict about the decoder: with little space, few open files, few
-//! processes and odd signals, a right decoder passes, or the run ends with status 2 and says what is missing.
+//! A failure of the harness is never a verdict about the decoder: with little space, few open files, few processes and
+//! odd signals, a correct decoder passes, or the run ends with status 2 and names the missing resource.
 
 use std::fs;
 use std::os::unix::fs::MetadataExt;
 use std::path::Path;
-use std::process::{Command, Output};
+use std::process::{Command, Stdio};
 
-use crate::common::{program, zoo};
+use crate::common::{PROGRAM, Workspace, have_proc, outcome, zoo};
 
 /// A few small cases.
 const FEW: &str = "--case hand-* --case header-plain-*";
 
-/// `check` of a right decoder, started by a shell after `before`; `with` are words before the program.
+/// Checks a correct decoder from a shell, after the commands `before` and with the words `with` before the program.
 fn check(before: &str, with: &str, options: &str) -> (i32, String) {
-    let root = tempfile::tempdir().expect("a scratch directory");
+    let here = Workspace::new();
     let open = std::os::unix::fs::PermissionsExt::from_mode(0o777);
-    fs::set_permissions(root.path(), open).expect("permissions");
-    let script = format!(
-        "cd '{}'; set -f; {before}; exec {with} \"$0\" check {FEW} --timeout 60 {options} -- \"$1\" right",
-        root.path().display()
-    );
-    let mut command = Command::new("sh");
-    command
-        .args(["-c", &script])
-        .arg(program().get_program())
-        .arg(zoo());
-    told(&command.output().expect("a shell starts"))
-}
-
-fn told(output: &Output) -> (i32, String) {
-    let text = [&output.stdout[..], &output.stderr].concat();
-    (
-        output.status.code().unwrap_or(-1),
-        String::from_utf8_lossy(&text).into_owned(),
-    )
+    fs::set_permissions(here.path(""), open).expect("permissions");
+    let line = format!("check {FEW} --timeout 60 {options} -- {}", zoo("right"));
+    let script = format!("set -f; {before}; exec {with} '{PROGRAM}' {line}");
+    let mut shell = Command::new("sh");
+    shell.current_dir(here.path("")).args(["-c", &script]);
+    outcome(&shell.output().expect("a shell starts"))
 }
 
 #[track_caller]
@@ -42,9 +29,9 @@ fn passes((status, text): (i32, String)) {
     assert!(text.contains("pass: "), "{text}");
 }
 
-/// A right decoder passes, or the run says what is missing.
+/// A correct decoder passes, or the output names the missing resource.
 #[track_caller]
-fn passes_or_says((status, text): (i32, String), what: &str) {
+fn passes_or_names((status, text): (i32, String), what: &str) {
     match status {
         0 => assert!(text.contains("pass: "), "{text}"),
         2 => assert!(
@@ -55,7 +42,7 @@ fn passes_or_says((status, text): (i32, String), what: &str) {
     }
 }
 
-/// Whether a shell command can be run as this user.
+/// Returns true if this user can run a shell command.
 fn can(command: &str) -> bool {
     let output = Command::new("sh").args(["-c", command]).output();
     let can = output.is_ok_and(|output| output.status.success());
@@ -75,16 +62,16 @@ fn a_program_that_was_started_with_children_ignored_waits_for_them() {
 }
 
 #[test]
-fn few_open_files_are_waited_for() {
+fn open_files_are_waited_for_where_few_are_allowed() {
     passes(check("ulimit -n 64", "", "--jobs 32"));
     for limit in [20, 14, 12, 10, 8] {
         let before = format!("ulimit -n {limit}");
-        passes_or_says(check(&before, "", "--jobs 2"), "open files");
+        passes_or_names(check(&before, "", "--jobs 2"), "open files");
     }
 }
 
 #[test]
-fn a_limit_on_the_size_of_files_is_told() {
+fn a_limit_on_the_size_of_files_is_reported() {
     // Root may write more all the same.
     let (status, text) = check("ulimit -f 0", "", "");
     match status {
@@ -95,15 +82,15 @@ fn a_limit_on_the_size_of_files_is_told() {
 }
 
 #[test]
-fn few_processes_are_told() {
+fn a_lack_of_processes_is_reported() {
     const USER: &str = "setpriv --reuid 54321 --regid 54321 --clear-groups";
-    if !is_root() || !can(&format!("{USER} test -x '{}'", zoo())) {
+    if !is_root() || !can(&format!("{USER} test -x {}", zoo(""))) {
         return;
     }
     for limit in [40, 8, 6, 5, 4, 3] {
         // The limit is that of the user; root has none.
         let with = format!("{USER} prlimit --nproc={limit}");
-        passes_or_says(check("umask 0", &with, "--jobs 2"), "processes");
+        passes_or_names(check("umask 0", &with, "--jobs 2"), "processes");
     }
 }
 
@@ -118,18 +105,15 @@ fn inputs_go_where_there_is_room() {
     }
     let check = |places: &str| {
         let root = tempfile::tempdir_in(env!("CARGO_TARGET_TMPDIR")).expect("a directory");
-        let script = format!(
-            "{}; cd '{}'; \"$0\" check --case table-of-32768-entries-ptm-lut --timeout 60 -- \"$1\" right",
-            mount(places),
-            root.path().display()
-        );
-        let mut command = Command::new("unshare");
-        command
+        let line = "check --case table-of-32768-entries-ptm-lut --timeout 60";
+        let (mount, right) = (mount(places), zoo("right"));
+        let root = root.path().display();
+        let script = format!("{mount}; cd '{root}'; '{PROGRAM}' {line} -- {right}");
+        let output = Command::new("unshare")
             .args(["--mount", "--map-root-user", "sh", "-c", &script])
-            .arg(program().get_program())
-            .arg(zoo())
-            .env_remove("TMPDIR");
-        told(&command.output().expect("unshare starts"))
+            .env_remove("TMPDIR")
+            .output();
+        outcome(&output.expect("unshare starts"))
     };
     passes(check("/dev/shm"));
     if Path::new(env!("CARGO_TARGET_TMPDIR")).starts_with("/tmp") {
@@ -144,20 +128,21 @@ fn inputs_go_where_there_is_room() {
     );
 }
 
-/// Orphans of a decoder that have ended are taken leave of while the run goes on.
+/// The run collects orphans of a decoder that have ended.
 #[test]
 fn orphans_that_have_ended_do_not_pile_up() {
-    if !Path::new("/proc/self/stat").exists() {
-        println!("SKIPPED: there is no /proc to look for processes in");
+    if !have_proc() {
         return;
     }
-    let root = tempfile::tempdir().expect("a scratch directory");
-    let mut run = program()
-        .current_dir(root.path())
-        .args(["check", "--smoke", "--jobs", "2", "--timeout", "60", "--"])
-        .args([&zoo(), "leaves-orphans"])
-        .stdout(std::process::Stdio::null())
-        .stderr(std::process::Stdio::null())
+    let here = Workspace::new();
+    let line = format!(
+        "check --smoke --jobs 2 --timeout 60 -- {}",
+        zoo("leaves-orphans")
+    );
+    let mut run = here
+        .command(&line)
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
         .spawn()
         .expect("the program starts");
     let mut most = 0;

@@ -1,37 +1,25 @@
-//! The example decoders in C and in shell pass; what they lack is listed as unsupported.
+//! The example decoders in C, shell and JavaScript pass; the features that they lack are listed as unsupported.
 
-use std::fs;
-use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use crate::common::{Checked, check_with, have, repository};
+use crate::common::{Checked, Workspace, have, program, repository, stdout};
 
-/// The C decoder, compiled into `directory`; nothing where there is no compiler.
-fn compiled(directory: &Path) -> Option<PathBuf> {
-    if !have("cc") {
-        return None;
-    }
-    let program = directory.join("ptm_decoder");
-    let output = Command::new("cc")
-        .args([
-            "-std=c99",
-            "-pedantic",
-            "-Wall",
-            "-Wextra",
-            "-Werror",
-            "-O1",
-            "-o",
-        ])
-        .arg(&program)
-        .arg(repository("examples/decoders/ptm_decoder.c"))
-        .arg("-lm")
-        .output()
-        .expect("the compiler starts");
-    let said = String::from_utf8_lossy(&output.stderr);
-    assert!(output.status.success(), "{said}");
-    Some(program)
+/// A workspace with `ptm_decoder`, the compiled decoder in C; nothing where there is no compiler.
+fn with_c_decoder() -> Option<Workspace> {
+    let here = Workspace::new();
+    let flags = "-std=c99 -pedantic -Wall -Wextra -Werror -O1 -o ptm_decoder";
+    have("cc").then(|| {
+        let mut compiler = Command::new("cc");
+        compiler
+            .current_dir(here.path(""))
+            .args(flags.split(' '))
+            .args([&repository("examples/decoders/ptm_decoder.c"), "-lm"]);
+        stdout(&mut compiler);
+        here
+    })
 }
 
+/// The features that the decoder in C lacks.
 const LACKS: [&str; 10] = [
     "LUM",
     "JPEG_RGB",
@@ -46,80 +34,101 @@ const LACKS: [&str; 10] = [
 ];
 
 #[track_caller]
-fn passes(checked: &Checked, lacks: &[&str]) {
-    assert_eq!(checked.status, 0, "{}", checked.text);
+fn assert_passes(checked: &Checked, lacks: &[&str]) {
+    checked.ends(0, "");
     assert_eq!(checked.report["verdict"], "pass");
-    assert_eq!(
-        checked.report["decoder"]["unsupported"],
-        serde_json::json!(lacks),
-        "{}",
-        checked.text
-    );
+    let unsupported = &checked.report["decoder"]["unsupported"];
+    assert_eq!(*unsupported, serde_json::json!(lacks));
     assert!(checked.cases("pass").len() > 500, "{}", checked.text);
 }
 
 #[test]
 fn the_c_decoder_passes_in_every_view() {
-    let scratch = tempfile::tempdir().expect("a scratch directory");
-    let Some(program) = compiled(scratch.path()) else {
-        return;
-    };
-    let program = program.to_string_lossy();
-    passes(&check_with(&[], &[&program]), &LACKS);
-    let without_color_of_lum: Vec<&str> = LACKS
-        .into_iter()
-        .filter(|lack| *lack != "rgb of LUM")
-        .collect();
-    passes(
-        &check_with(&["--view", "coef"], &[&program]),
+    let Some(here) = with_c_decoder() else { return };
+    let without_color_of_lum = LACKS.into_iter().filter(|lack| *lack != "rgb of LUM");
+    let without_color_of_lum: Vec<&str> = without_color_of_lum.collect();
+    assert_passes(&here.check("-- ./ptm_decoder"), &LACKS);
+    assert_passes(
+        &here.check("--view coef -- ./ptm_decoder"),
         &without_color_of_lum,
     );
-    passes(&check_with(&["--view", "rgb"], &[&program]), &LACKS);
+    assert_passes(&here.check("--view rgb -- ./ptm_decoder"), &LACKS);
 }
 
 #[test]
 fn the_c_decoder_reads_the_other_spellings_of_tables() {
-    let scratch = tempfile::tempdir().expect("a scratch directory");
-    let Some(program) = compiled(scratch.path()) else {
-        return;
-    };
-    for count in ["256 N_LUT_ENTRIES", "256", "nentries 256"] {
-        let count = count.replace("256", "1");
+    let Some(here) = with_c_decoder() else { return };
+    for count in ["1 N_LUT_ENTRIES", "1", "nentries 1"] {
         let header =
             format!("PTM_1.2\nPTM_FORMAT_PTM_C_LUT\n1 1\n1 1 1 1 1 1\n0 0 0 0 0 0\n{count}\n");
-        let path = scratch.path().join("a.ptm");
-        fs::write(&path, [header.as_bytes(), b"abcdefghi\0"].concat()).expect("a file");
-        let output = Command::new(&program)
-            .arg("raw")
-            .arg(&path)
-            .output()
-            .expect("it starts");
-        assert_eq!(output.stdout, b"PTM1 raw 1 1 9 u8\nabcdefghi", "{count}");
+        let file = here.write("a.ptm", header + "abcdefghi\0");
+        let frame = stdout(Command::new(here.path("ptm_decoder")).arg("raw").arg(file));
+        assert_eq!(frame, "PTM1 raw 1 1 9 u8\nabcdefghi", "{count}");
     }
 }
 
-/// A viewer that writes pictures, made of the C decoder: `viewer LU LV FILE PICTURE`, exit status 1 for all that fails.
+/// The viewer is made of the decoder in C: `viewer LU LV FILE IMAGE`, exit status 1 for every failure.
 #[test]
-fn a_viewer_that_only_writes_pictures_passes_in_its_wrapper() {
-    let scratch = tempfile::tempdir().expect("a scratch directory");
-    let Some(program) = compiled(scratch.path()) else {
-        return;
-    };
-    let viewer = scratch.path().join("viewer");
+fn a_viewer_that_only_writes_images_passes_in_its_wrapper() {
+    let Some(here) = with_c_decoder() else { return };
+    let program = here.path("ptm_decoder");
     let text = format!(
         "'{}' \"rgb:$1,$2\" \"$3\" > frame || exit 1\n\
          {{ read -r magic view width height rest; printf 'P6\\n%s %s\\n255\\n' $width $height; cat; }} < frame > \"$4\"\n",
         program.display()
     );
-    fs::write(&viewer, text).expect("a script");
+    let viewer = here.write("viewer", text);
     let wrapper = repository("examples/decoders/wrap_viewer.sh");
-    let named = format!("VIEWER=sh {}", viewer.display());
-    let checked = check_with(&[], &["env", &named, "sh", &wrapper]);
-    assert_eq!(
-        checked.report["decoder"]["views"],
-        serde_json::json!(["rgb"]),
-        "{}",
-        checked.text
+    let checked = here.check(&format!(
+        "-- env 'VIEWER=sh {}' sh {wrapper}",
+        viewer.display()
+    ));
+    let views = &checked.report["decoder"]["views"];
+    assert_eq!(*views, serde_json::json!(["rgb"]), "{}", checked.text);
+    assert_passes(&checked, &LACKS);
+}
+
+#[test]
+fn the_decoder_in_javascript_passes() {
+    if !have("node") {
+        return;
+    }
+    // A part of the suite that has all of its formats, spellings and views; the whole takes a process for each file.
+    let cases = "--case first-* --case hand-* --case header-* --case table-* --case lum-* --case *-missing-* \
+                 --case index-* --case lrgb-under-*";
+    let decoder = repository("examples/decoders/ptm_decoder.js");
+    let checked = crate::common::check(&format!("{cases} -- node {decoder}"));
+    checked.ends(0, "");
+    assert!(checked.cases("pass").len() > 100, "{}", checked.text);
+    let unsupported = checked.cases("unsupported");
+    let is_expected = |id: &String| id.contains("jpeg") || id.contains("tablet");
+    assert!(
+        !unsupported.is_empty() && unsupported.iter().all(is_expected),
+        "{unsupported:?}"
     );
-    passes(&checked, &LACKS);
+}
+
+#[test]
+fn the_decoder_in_javascript_writes_a_large_image_whole() {
+    if !have("node") {
+        return;
+    }
+    // 600 × 400 texels of nine bytes: many times the size of a pipe's buffer.
+    let here = Workspace::new();
+    let header = b"PTM_1.2\nPTM_FORMAT_LRGB\n600\n400\n1 1 1 1 1 1\n0 0 0 0 0 0\n";
+    let samples = (0..600 * 400 * 9_u32).map(|i| (i.wrapping_mul(2_654_435_761) >> 24) as u8);
+    let file = header.iter().copied().chain(samples).collect::<Vec<u8>>();
+    let file = here.write("large.ptm", file);
+    let frame = |program: &mut Command| {
+        let output = program.arg("coef").arg(&file).output();
+        output.expect("the program starts").stdout
+    };
+    let expected = frame(program().arg("reference"));
+    let found = frame(Command::new("node").arg(repository("examples/decoders/ptm_decoder.js")));
+    assert!(
+        expected == found,
+        "{} and {} bytes",
+        expected.len(),
+        found.len()
+    );
 }

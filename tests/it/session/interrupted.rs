@@ -2,11 +2,12 @@
 
 use std::collections::HashSet;
 use std::fs;
-use std::path::Path;
-use std::process::Stdio;
+use std::os::unix::fs::symlink;
+use std::process::{Child, Stdio};
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 use std::time::{Duration, Instant, SystemTime};
 
+use ptm_conform::kit::yaml::from_yaml;
 use ptm_conform::report::Report;
 use ptm_conform::runner::run::{Decoder, Request};
 use ptm_conform::runner::scratch::Scratch;
@@ -14,10 +15,11 @@ use ptm_conform::runner::serve::Servers;
 use ptm_conform::session::plan::RunPlan;
 use ptm_conform::session::run::check;
 use ptm_conform::suite::cases::{Case, Suite};
+use serde_json::Value;
 
-use crate::common::{program, zoo};
+use crate::common::{PROGRAM, Workspace, conforms, eventually, have_proc, processes, zoo};
 
-/// `PTM_KILLS=20` for more.
+/// Returns the number of runs to kill: `PTM_KILLS=20` for more.
 fn kills() -> u32 {
     std::env::var("PTM_KILLS")
         .ok()
@@ -25,7 +27,7 @@ fn kills() -> u32 {
         .unwrap_or(4)
 }
 
-/// Some number of milliseconds below 1500.
+/// Returns some time below 1500 ms.
 fn some_time() -> Duration {
     let now = SystemTime::now()
         .duration_since(SystemTime::UNIX_EPOCH)
@@ -33,69 +35,54 @@ fn some_time() -> Duration {
     Duration::from_millis(u64::from(now.subsec_micros() % 1500))
 }
 
+/// Starts a check in the background.
+fn start(here: &Workspace, environment: &[(&str, &str)], line: &str) -> Child {
+    let temporary = here.path("tmp");
+    fs::create_dir_all(&temporary).expect("a directory");
+    here.command(&format!("check {line}"))
+        .env("TMPDIR", temporary)
+        .envs(environment.iter().copied())
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .spawn()
+        .expect("the program starts")
+}
+
+fn kill(run: &mut Child) {
+    run.kill().expect("it can be killed");
+    run.wait().expect("it is dead");
+}
+
 #[test]
-fn a_run_that_is_killed_leaves_what_it_found_and_no_process() {
-    if !Path::new("/proc/self/environ").exists() {
-        println!("SKIPPED: there is no /proc to look for processes in");
+fn a_run_that_is_killed_leaves_its_findings_and_no_process() {
+    if !have_proc() {
         return;
     }
-    for kill in 0..kills() {
-        let root = tempfile::tempdir().expect("a scratch directory");
-        let temporary = root.path().join("tmp");
-        fs::create_dir(&temporary).expect("a directory");
-        let report = root.path().join("report.yaml");
-        let kind = ["right", "leaves-a-grandchild", "serves", "hangs"][kill as usize % 4];
-        let mut run = program()
-            .env("TMPDIR", &temporary)
-            .env("ZOO_NAP", format!("1001.{}", std::process::id()))
-            .args(["check", "--report"])
-            .arg(&report)
-            .args(["--", &zoo(), kind])
-            .stdout(Stdio::null())
-            .stderr(Stdio::null())
-            .spawn()
-            .expect("the program starts");
+    for turn in 0..kills() {
+        let here = Workspace::new();
+        let kind = ["right", "leaves-a-grandchild", "serves", "hangs"][turn as usize % 4];
+        let nap = format!("1001.{}", std::process::id());
+        let line = format!("--report report.yaml -- {}", zoo(kind));
+        let mut run = start(&here, &[("ZOO_NAP", &nap)], &line);
         let after = some_time();
         std::thread::sleep(after);
         let finished = run.try_wait().expect("it can be asked").is_some();
-        run.kill().expect("it can be killed");
-        run.wait().expect("it is dead");
+        kill(&mut run);
         let killed = Instant::now();
-        let deadline = killed + Duration::from_secs(10);
-        while !processes_below(&temporary).is_empty() && Instant::now() < deadline {
-            std::thread::sleep(Duration::from_millis(50));
-        }
-        let alive = processes_below(&temporary);
-        assert!(
-            alive.is_empty(),
-            "{kind} after {after:?}: {alive:?} survive"
-        );
-        println!(
-            "{kind}, killed after {after:?}: its last process is gone {:?} later",
-            killed.elapsed()
-        );
-        while fs::read_dir(&temporary)
-            .expect("a directory")
-            .next()
-            .is_some()
-            && Instant::now() < deadline
-        {
-            std::thread::sleep(Duration::from_millis(50));
-        }
-        assert_eq!(
-            fs::read_dir(&temporary).expect("a directory").count(),
-            0,
-            "{kind} after {after:?}"
-        );
-        let partial = root.path().join("report.yaml.partial");
-        if finished || !partial.exists() {
+        let mark = format!("TMPDIR={}", here.path("tmp").display());
+        let alive = || processes(|_, environment| environment.contains(&mark));
+        let is_gone = eventually(10, || alive().is_empty());
+        assert!(is_gone, "{kind} after {after:?}: {:?} survive", alive());
+        let gone = killed.elapsed();
+        println!("{kind}, killed after {after:?}: its last process is gone {gone:?} later");
+        let files = || fs::read_dir(here.path("tmp")).expect("a directory").count();
+        assert!(eventually(10, || files() == 0), "{kind} after {after:?}");
+        let partial = here.path("report.yaml.partial");
+        let text = fs::read_to_string(partial).unwrap_or_default();
+        if finished || text.is_empty() {
             continue;
         }
-        let text = fs::read_to_string(&partial).expect("a text");
-        if text.is_empty() {
-            continue;
-        }
-        let found: Vec<serde_json::Value> = ptm_conform::kit::yaml::from_yaml(&text)
+        let found: Vec<Value> = from_yaml(&text)
             .unwrap_or_else(|error| panic!("{kind} after {after:?}: {error}\n{text}"));
         let ids: HashSet<&str> = found
             .iter()
@@ -108,128 +95,81 @@ fn a_run_that_is_killed_leaves_what_it_found_and_no_process() {
 
 #[test]
 fn a_report_that_is_a_link_stays_one() {
-    let root = tempfile::tempdir().expect("a scratch directory");
-    fs::create_dir(root.path().join("reports")).expect("a directory");
-    let check = |name: &str| {
-        let output = program()
-            .current_dir(root.path())
-            .args(["check", "--case", "hand-lum", "--report", name])
-            .output()
-            .expect("the program starts");
-        assert_eq!(output.status.code(), Some(0), "{output:?}");
-    };
+    let here = Workspace::new();
+    here.write("reports/yesterday.yaml", "");
     // To a file that is not there yet, by way of another link, and then once more.
-    std::os::unix::fs::symlink("reports/today.yaml", root.path().join("b")).expect("a link");
-    std::os::unix::fs::symlink("b", root.path().join("a")).expect("a link");
+    symlink("reports/today.yaml", here.path("b")).expect("a link");
+    symlink("b", here.path("a")).expect("a link");
     for _ in 0..2 {
-        check("a");
+        here.succeeds("check --case hand-lum --report a");
         for link in ["a", "b"] {
-            let about = fs::symlink_metadata(root.path().join(link)).expect("it is there");
+            let about = fs::symlink_metadata(here.path(link)).expect("it is there");
             assert!(about.is_symlink(), "{link}");
         }
-        let report = fs::read_to_string(root.path().join("reports/today.yaml"));
-        assert!(report.expect("a report").contains("verdict: pass"));
-        fs::write(root.path().join("reports/today.yaml"), "old").expect("a file");
+        let report = here.text("reports/today.yaml");
+        assert!(report.contains("verdict: pass"), "{report}");
+        here.write("reports/today.yaml", "old");
     }
 }
 
 /// A decoder that hides where it works is known to the watcher as a child of the run.
 #[test]
 fn a_run_that_is_killed_leaves_no_hidden_process_either() {
-    if !Path::new("/proc/self/cmdline").exists() {
-        println!("SKIPPED: there is no /proc to look for processes in");
+    if !have_proc() {
         return;
     }
-    let root = tempfile::tempdir().expect("a scratch directory");
     for (round, kind) in ["leaves-a-hidden-child", "leaves-a-daemon"]
         .iter()
         .enumerate()
     {
+        let here = Workspace::new();
         let nap = format!("1002.{}{round}", std::process::id());
-        let mut run = program()
-            .current_dir(root.path())
-            .env("ZOO_NAP", &nap)
-            .env("ZOO_LINGERS", "1")
-            .args(["check", "--timeout", "60", "--", &zoo(), kind])
-            .stdout(Stdio::null())
-            .stderr(Stdio::null())
-            .spawn()
-            .expect("the program starts");
-        let deadline = Instant::now() + Duration::from_secs(60);
-        while sleepers(&nap).is_empty() && Instant::now() < deadline {
-            std::thread::sleep(Duration::from_millis(10));
-        }
-        let early = sleepers(&nap);
-        assert!(!early.is_empty(), "{kind} leaves processes");
-        // What begins after the watcher's last look it has not seen. It sleeps before each look, however busy the machine is.
-        let naps = naps_of_watcher(run.id());
-        while naps_of_watcher(run.id()) < naps + 3 && Instant::now() < deadline {
-            std::thread::sleep(Duration::from_millis(20));
-        }
-        run.kill().expect("it can be killed");
-        run.wait().expect("it is dead");
-        let survive = || {
-            let left = sleepers(&nap);
-            early.iter().any(|pid| left.contains(pid))
+        let environment = [("ZOO_NAP", &*nap), ("ZOO_LINGERS", "1")];
+        let mut run = start(
+            &here,
+            &environment,
+            &format!("--timeout 60 -- {}", zoo(kind)),
+        );
+        let sleepers = || {
+            let sleepers = processes(|command, _| command == format!("sleep {nap} "));
+            sleepers.into_iter().map(|(pid, _)| pid).collect::<Vec<_>>()
         };
-        let deadline = Instant::now() + Duration::from_secs(10);
-        while survive() && Instant::now() < deadline {
-            std::thread::sleep(Duration::from_millis(50));
-        }
-        let survive = survive();
-        let _ = std::process::Command::new("kill")
-            .args(sleepers(&nap))
-            .status();
-        assert!(!survive, "{kind}: some of {early:?} survive");
+        assert!(
+            eventually(60, || !sleepers().is_empty()),
+            "{kind} leaves processes"
+        );
+        let early = sleepers();
+        // The watcher has not seen processes that began after its last look. It sleeps before each look, however busy the
+        // machine is.
+        let naps = naps_of_watcher(run.id());
+        eventually(60, || naps_of_watcher(run.id()) >= naps + 3);
+        kill(&mut run);
+        let is_gone = || {
+            let left = sleepers();
+            !early.iter().any(|pid| left.contains(pid))
+        };
+        let is_gone = eventually(10, is_gone);
+        let _ = std::process::Command::new("kill").args(sleepers()).status();
+        assert!(is_gone, "{kind}: some of {early:?} survive");
     }
 }
 
-/// How often the watcher of a run has gone to sleep so far.
+/// Returns the number of times that the watcher of a run has gone to sleep so far.
 fn naps_of_watcher(run: u32) -> u64 {
-    let words = format!("watch\0{run}\0");
-    let processes = fs::read_dir("/proc").expect("/proc").flatten();
-    let is_watcher = |path: &Path| {
-        let command = fs::read(path.join("cmdline")).unwrap_or_default();
-        String::from_utf8_lossy(&command).contains(&words)
-    };
-    let watcher = processes
-        .map(|entry| entry.path())
-        .find(|path| is_watcher(path));
-    let status = watcher.and_then(|path| fs::read_to_string(path.join("status")).ok());
-    let naps = status.unwrap_or_default().lines().find_map(|line| {
-        let count = line.strip_prefix("voluntary_ctxt_switches:")?;
-        count.trim().parse().ok()
-    });
-    naps.unwrap_or_default()
+    let words = format!("watch {run} ");
+    let watchers = processes(|command, _| command.contains(&words));
+    let status = watchers
+        .first()
+        .map(|(pid, _)| format!("/proc/{pid}/status"));
+    status.map_or(0, |status| number_in(&status, "voluntary_ctxt_switches:"))
 }
 
-/// The numbers of the processes that sleep so long.
-fn sleepers(nap: &str) -> Vec<String> {
-    let sleeps = |path: &Path| {
-        let command = fs::read(path.join("cmdline")).unwrap_or_default();
-        command == format!("sleep\0{nap}\0").as_bytes()
-    };
-    let processes = fs::read_dir("/proc").expect("/proc").flatten();
-    processes
-        .filter(|entry| sleeps(&entry.path()))
-        .map(|entry| entry.file_name().to_string_lossy().into_owned())
-        .collect()
-}
-
-fn processes_below(place: &Path) -> Vec<String> {
-    let mark = format!("TMPDIR={}", place.display());
-    let processes = fs::read_dir("/proc")
-        .expect("/proc")
-        .flatten()
-        .filter_map(|entry| {
-            let environment = fs::read(entry.path().join("environ")).ok()?;
-            let command = fs::read(entry.path().join("cmdline")).ok()?;
-            let is_below = String::from_utf8_lossy(&environment)
-                .split('\0')
-                .any(|variable| variable.starts_with(&mark));
-            is_below.then(|| String::from_utf8_lossy(&command).replace('\0', " "))
-        });
-    processes.collect()
+/// Returns the number after a word at the start of a line of a file of /proc; 0 if it is missing.
+fn number_in(file: &str, word: &str) -> u64 {
+    let text = fs::read_to_string(file).unwrap_or_default();
+    let rest = text.lines().find_map(|line| line.strip_prefix(word));
+    let number = rest.and_then(|rest| rest.split_whitespace().next()?.parse().ok());
+    number.unwrap_or_default()
 }
 
 /// The suite over and over under new names, `count` cases in all.
@@ -250,23 +190,10 @@ fn long_suite(count: usize) -> Suite {
     }
 }
 
-/// Memory that this process holds, in KiB; 0 where the system does not tell.
-fn memory() -> u64 {
-    let status = fs::read_to_string("/proc/self/status").unwrap_or_default();
-    let held = status.lines().find_map(|line| {
-        line.strip_prefix("VmRSS:")?
-            .trim()
-            .strip_suffix(" kB")?
-            .parse()
-            .ok()
-    });
-    held.unwrap_or_default()
-}
-
 #[test]
 fn ten_thousand_cases_take_no_more_memory_than_their_findings() {
     const COUNT: usize = 10_000;
-    let command = [env!("CARGO_BIN_EXE_ptm-conform").into(), "reference".into()];
+    let command = [PROGRAM.into(), "reference".into()];
     let mut decoder = Decoder::new(&command).expect("a directory");
     decoder.timeout = Duration::from_secs(60);
     let suite = long_suite(COUNT);
@@ -277,24 +204,18 @@ fn ten_thousand_cases_take_no_more_memory_than_their_findings() {
     let held: Vec<AtomicU64> = (0..=COUNT / 1000).map(|_| AtomicU64::new(0)).collect();
     let run = check(&suite, &RunPlan::of(&suite, 2), &ask, &|_, _, done, _| {
         if done % 100 == 0 {
-            held[done / 1000].fetch_max(memory(), Relaxed);
+            held[done / 1000].fetch_max(number_in("/proc/self/status", "VmRSS:"), Relaxed);
         }
     });
     assert_eq!(run.exit_status(), 0, "{:?}", run.remarks);
     let held: Vec<u64> = held.into_iter().map(AtomicU64::into_inner).collect();
     println!("KiB held in every thousand of cases: {held:?}");
-    // A observation is some hundred bytes.
+    // An observation is some hundred bytes.
     let (early, late) = (held[1], held[COUNT / 1000 - 1]);
     assert!(late < early + (COUNT as u64) + 4096, "{held:?} KiB");
-    let report = Report::of(
-        &suite,
-        &run,
-        &["reference".to_owned()],
-        vec!["none".to_owned()],
-    );
+    let command = ["reference".to_owned()];
+    let report = Report::of(&suite, &run, &command, vec!["none".to_owned()]);
     assert_eq!(report.cases.len(), COUNT);
     let text = report.to_yaml().expect("a report");
-    let value: serde_json::Value = ptm_conform::kit::yaml::from_yaml(&text).expect("it is YAML");
-    let errors = crate::common::report_errors(&value);
-    assert!(errors.is_empty(), "{errors:#?}");
+    conforms(&from_yaml(&text).expect("YAML"), "report");
 }

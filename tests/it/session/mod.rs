@@ -8,9 +8,6 @@ mod examples;
 mod interrupted;
 
 #[cfg(all(unix, feature = "cli"))]
-mod javascript;
-
-#[cfg(all(unix, feature = "cli"))]
 mod outputs;
 
 #[cfg(all(unix, feature = "cli"))]

@@ -1,170 +1,112 @@
 //! Answers made elsewhere, from an exported list of requests.
 
 use std::fs;
-use std::path::Path;
 
-use crate::common::program;
+use serde_json::json;
 
-fn run(directory: &Path, args: &[&str]) -> (i32, String) {
-    let output = program()
-        .current_dir(directory)
-        .args(args)
-        .output()
-        .expect("the program starts");
-    let text = [output.stdout, output.stderr].concat();
-    (
-        output.status.code().unwrap_or(-1),
-        String::from_utf8_lossy(&text).into_owned(),
-    )
+use crate::common::{Checked, Workspace, assert_says, rows};
+
+/// Judges the answers in the directory `e`.
+fn check(here: &Workspace) -> Checked {
+    here.check("--outputs e")
 }
 
-/// `check --outputs e`, its report as a value.
-fn check(directory: &Path) -> (i32, String, serde_json::Value) {
-    let (status, text) = run(
-        directory,
-        &["check", "--outputs", "e", "--report", "r.yaml"],
-    );
-    let report = fs::read_to_string(directory.join("r.yaml"))
-        .ok()
-        .and_then(|text| ptm_conform::kit::yaml::from_yaml(&text).ok());
-    (status, text, report.unwrap_or_default())
-}
-
-fn outcome(report: &serde_json::Value, id: &str) -> String {
-    let cases = report["cases"].as_array().expect("cases");
-    let case = cases
-        .iter()
-        .find(|case| case["id"] == id)
-        .expect("the case");
-    case["outcome"].as_str().unwrap_or_default().to_owned()
-}
-
-/// The requests whose id begins so: id, file, view, output.
-fn requests(directory: &Path, beginning: &str) -> Vec<[String; 4]> {
-    let table = fs::read_to_string(directory.join("e/requests.tsv")).expect("the list");
-    let lines = table
-        .lines()
-        .skip(1)
-        .filter(|line| line.starts_with(beginning));
-    lines
-        .map(|line| {
-            let words: Vec<String> = line.split('\t').map(str::to_owned).collect();
-            words.try_into().expect("four columns")
-        })
+/// Returns the requests whose id begins with these letters: id, file, view, output.
+fn requests(here: &Workspace, beginning: &str) -> Vec<[String; 4]> {
+    let table = here.text("e/requests.tsv");
+    let lines = table.lines().skip(1);
+    let lines = lines.filter(|line| line.starts_with(beginning));
+    let cells = lines.map(|line| line.split('\t').map(str::to_owned).collect::<Vec<_>>());
+    cells
+        .map(|cells| cells.try_into().expect("four columns"))
         .collect()
 }
 
-/// Answers the requests whose id begins so, by the reference; what it refuses is listed.
-#[expect(
-    clippy::format_push_string,
-    reason = "texts are short where they are put together"
-)]
-fn answer(directory: &Path, beginning: &str) {
-    let mut refused = String::new();
-    for [id, file, view, output] in requests(directory, beginning) {
-        let said = program()
-            .current_dir(directory.join("e"))
-            .args(["reference", &view, &file])
-            .output()
-            .expect("the program starts");
-        if said.status.success() {
-            fs::write(directory.join("e").join(output), said.stdout).expect("an output");
+/// Answers requests by the reference; refusals are listed.
+fn answer(here: &Workspace, beginning: &str) {
+    let mut refused = Vec::new();
+    for [id, file, view, output] in requests(here, beginning) {
+        let mut reference = here.command(&format!("reference {view} {file}"));
+        let frame = reference.current_dir(here.path("e")).output();
+        let frame = frame.expect("the program starts");
+        if frame.status.success() {
+            here.write(&format!("e/{output}"), frame.stdout);
         } else {
-            refused += &format!("{id}\n");
+            refused.push(id + "\n");
         }
     }
-    fs::write(directory.join("e/outputs/rejected.txt"), refused).expect("a list");
+    here.write("e/outputs/rejected.txt", refused.concat());
 }
 
 #[test]
 fn answers_made_elsewhere_are_judged_as_those_of_a_decoder() {
-    let scratch = tempfile::tempdir().expect("a scratch directory");
-    let here = scratch.path();
     for view in ["rgb", "raw", "coef"] {
-        let _ = fs::remove_dir_all(here.join("e"));
-        let (status, text) = run(here, &["generate", "--requests", view, "--out", "e"]);
-        assert_eq!(status, 0, "{text}");
-        answer(here, "header-");
-        answer(here, "first-lrgb");
-        let [id, _, asked, _] = &requests(here, "first-lrgb")[0];
+        let here = Workspace::new();
+        here.succeeds(&format!("generate --requests {view} --out e"));
+        answer(&here, "header-");
+        answer(&here, "first-lrgb");
+        let [id, _, asked, _] = &requests(&here, "first-lrgb")[0];
         assert!(id == "first-lrgb" && asked.starts_with(view), "{asked}");
-        let (status, text, report) = check(here);
-        assert_eq!(status, 0, "{text}");
-        assert_eq!(outcome(&report, "first-lrgb"), "pass");
-        assert_eq!(outcome(&report, "first-rgb"), "not judged");
-        assert_eq!(report["decoder"]["views"], serde_json::json!([view]));
+        let checked = check(&here);
+        checked.ends(0, "");
+        assert_eq!(checked.case("first-lrgb")["outcome"], "pass");
+        assert_eq!(checked.case("first-rgb")["outcome"], "not judged");
+        assert_eq!(checked.report["decoder"]["views"], json!([view]));
     }
 }
 
 #[test]
 fn refusals_are_files_or_lists() {
-    let scratch = tempfile::tempdir().expect("a scratch directory");
-    let here = scratch.path();
-    assert_eq!(run(here, &["generate", "--requests", "--out", "e"]).0, 0);
-    let outputs = here.join("e/outputs");
-    let (status, text, _) = check(here);
-    assert!(
-        status == 2 && text.contains("no answer to any request"),
-        "{text}"
-    );
+    let here = Workspace::new();
+    here.succeeds("generate --requests --out e");
+    check(&here).ends(2, "no answer to any request");
 
-    answer(here, "header-plain-lrgb");
-    let put = |name: &str, text: &str| fs::write(outputs.join(name), text).expect("a file");
-    put("version-1-3-lrgb.reject", "");
-    put("unsupported.txt", "# all of them\n\n*-lum\nlum-*\r\n");
-    let (status, text, report) = check(here);
-    assert_eq!(status, 0, "{text}");
-    assert_eq!(outcome(&report, "version-1-3-lrgb"), "pass");
-    assert_eq!(outcome(&report, "first-lum"), "unsupported");
-    assert_eq!(outcome(&report, "first-rgb"), "not judged");
+    answer(&here, "header-plain-lrgb");
+    let write = |name: &str, text: &str| here.write(&format!("e/outputs/{name}"), text);
+    write("version-1-3-lrgb.reject", "");
+    write("unsupported.txt", "# all of them\n\n*-lum\nlum-*\r\n");
+    let checked = check(&here);
+    checked.ends(0, "");
+    assert_eq!(checked.case("version-1-3-lrgb")["outcome"], "pass");
+    assert_eq!(checked.case("first-lum")["outcome"], "unsupported");
+    assert_eq!(checked.case("first-rgb")["outcome"], "not judged");
 
-    // A legal file that was refused, a picture that is none, and one of another file.
-    put("rejected.txt", "first-lrgb\n");
-    put("hand-final-coefficients.png", "no picture");
-    let picture = fs::read(outputs.join("header-plain-lrgb.png")).expect("an answer");
-    fs::write(outputs.join("lrgb-under-0-5-0"), picture).expect("an answer");
-    let (status, text, report) = check(here);
-    assert_eq!(status, 1, "{text}");
+    // A legal file that was refused, a text instead of an image, and the image of another file.
+    write("rejected.txt", "first-lrgb\n");
+    write("hand-final-coefficients.png", "no image");
+    let image = here.read("e/outputs/header-plain-lrgb.png");
+    let other = here.write("e/outputs/lrgb-under-0-5-0", image);
+    let checked = check(&here);
+    checked.ends(1, "");
     for id in ["first-lrgb", "lrgb-under-0-5-0"] {
-        assert_eq!(outcome(&report, id), "fail", "{text}");
+        assert_eq!(checked.case(id)["outcome"], "fail", "{}", checked.text);
     }
-    fs::remove_file(outputs.join("lrgb-under-0-5-0")).expect("a file");
+    fs::remove_file(other).expect("a file");
 
-    for (name, text, says) in [
-        (
-            "rejected.txt",
-            "first-lrgb\nno-such-case\n",
-            "line 2: no request matches",
-        ),
-        ("rejected.txt", "[\n", "line 1"),
-        (
-            "version-1-3-lrgb.png",
-            "x",
-            "two answers for version-1-3-lrgb",
-        ),
-    ] {
-        let before = fs::read(outputs.join(name)).ok();
-        put(name, text);
-        let (status, told, _) = check(here);
-        assert!(status == 2 && told.contains(says), "{says}: {told}");
+    for [name, text, says] in rows(
+        "
+rejected.txt | first-lrgb↵no-such-case↵ | line 2: no request matches
+rejected.txt | [↵ | line 1
+version-1-3-lrgb.png | x | two answers for version-1-3-lrgb",
+    ) {
+        let before = fs::read(here.path("e/outputs").join(&name)).ok();
+        let path = write(&name, &text);
+        check(&here).ends(2, &says);
         match before {
-            Some(before) => fs::write(outputs.join(name), before).expect("a file"),
-            None => fs::remove_file(outputs.join(name)).expect("a file"),
+            Some(before) => fs::write(path, before).expect("a file"),
+            None => fs::remove_file(path).expect("a file"),
         }
     }
-    put("Thumbs.db", "");
-    let (_, told, _) = check(here);
-    let says = "files in the outputs belong to no request: ";
-    assert!(told.contains(says) && told.contains("Thumbs.db"), "{told}");
+    write("Thumbs.db", "");
+    let says = "files in the outputs belong to no request:  && Thumbs.db";
+    assert_says(&check(&here).text, says);
 }
 
 #[test]
-fn lists_of_another_version_are_told() {
-    let scratch = tempfile::tempdir().expect("a scratch directory");
-    let here = scratch.path();
-    assert_eq!(run(here, &["generate", "--requests", "--out", "e"]).0, 0);
-    let list = here.join("e/requests.yaml");
-    let sound = fs::read_to_string(&list).expect("the list");
+fn lists_of_another_version_are_wrong_usage() {
+    let here = Workspace::new();
+    here.succeeds("generate --requests --out e");
+    let sound = here.text("e/requests.yaml");
     let at = sound.find("sha256: ").expect("a digest") + 8;
     let other = format!("{}{}{}", &sound[..at], "0".repeat(64), &sound[at + 64..]);
     for (text, says) in [
@@ -173,20 +115,15 @@ fn lists_of_another_version_are_told() {
         ("- id: x\n", "line 1"),
         ("&a [*a]", "line 1"),
     ] {
-        fs::write(&list, text).expect("a list");
-        let (status, told, _) = check(here);
-        assert!(
-            status == 2 && told.contains("requests.yaml: ") && told.contains(says),
-            "{says}: {told}"
-        );
+        here.write("e/requests.yaml", text);
+        check(&here).ends(2, &format!("requests.yaml:  && {says}"));
     }
-    for args in [
-        &["check", "--outputs", "e", "decoder"][..],
-        &["check", "--outputs", "e", "--reject-exit", "1"],
-        &["check", "--outputs", "no-such-directory"],
-        &["generate", "--requests", "png", "--out", "e"],
-        &["generate", "--requests", "rgb", "--all"],
-    ] {
-        assert_eq!(run(here, args).0, 2, "{args:?}");
-    }
+    here.assert_lines(
+        "
+2 | check --outputs e decoder |
+2 | check --outputs e --reject-exit 1 |
+2 | check --outputs no-such-directory |
+2 | generate --requests png --out e |
+2 | generate --requests rgb --all |",
+    );
 }

@@ -1,9 +1,5 @@
-//! What a run makes of answers: the table of outcomes, features that are not supported, hangs and limits.
+//! Verdicts of a run: the table of outcomes, features that are not supported, hangs and limits.
 
-use std::fs;
-
-use ptm_conform::Reading;
-use ptm_conform::misreadings::answer;
 use ptm_conform::protocol::frame::Answer;
 use ptm_conform::ptm::Format;
 use ptm_conform::report::Report;
@@ -14,23 +10,15 @@ use ptm_conform::session::plan::{Repeat, RunPlan};
 use ptm_conform::session::run::{Run, check};
 use ptm_conform::suite::cases::{Case, Expect, Suite};
 
-use crate::common::repository;
+use crate::common::repository_text;
+use crate::in_process::{self, right, suite};
 
-fn suite() -> Suite {
-    Suite::load().expect("the suite loads")
-}
-
-fn right(request: &Request) -> Answer {
-    answer(&[], Reading::SPEC, request.file, request.view)
-}
-
-/// A run against a decoder whose answers depend on the case; nothing is said where it answers rightly.
+/// Runs the suite against a decoder whose answers depend on the case; they are correct where it returns none.
 fn run(suite: &Suite, plan: &RunPlan, decoder: impl Fn(&Case) -> Option<Answer> + Sync) -> Run {
-    let ask = |request: &Request<'_>, _: usize| {
+    in_process::run(suite, plan, |request| {
         let case = suite.case(request.name).expect("a case of the suite");
-        Reply::from(decoder(case).unwrap_or_else(|| right(request)))
-    };
-    check(suite, plan, &ask, &|_, _, _, _| ())
+        decoder(case).unwrap_or_else(|| right(request))
+    })
 }
 
 fn hang() -> Answer {
@@ -43,7 +31,7 @@ fn cases<'a>(suite: &'a Suite, run: &'a Run, outcome: Outcome) -> impl Iterator<
 
 /// The rows of the table of outcomes in a document: the words of a row, and its outcomes.
 fn table(document: &str) -> Vec<(String, Vec<String>)> {
-    let text = fs::read_to_string(repository(document)).expect("a document");
+    let text = repository_text(document);
     let lines = text
         .lines()
         .skip_while(|line| !line.starts_with("| response |"));
@@ -111,13 +99,10 @@ fn a_decoder_without_tables_passes_no_case_with_a_table_and_fails_none() {
         case.format().has_table().then_some(Answer::Unsupported)
     });
     let with_tables = suite.cases.iter().filter(|case| case.format().has_table());
-    let unsupported: Vec<&str> = cases(&suite, &run, Outcome::Unsupported)
-        .map(|case| case.id.as_str())
-        .collect();
-    assert_eq!(
-        unsupported,
-        with_tables.map(|case| &case.id).collect::<Vec<_>>()
-    );
+    let ids = cases(&suite, &run, Outcome::Unsupported).map(|case| &case.id);
+    let unsupported: Vec<&String> = ids.collect();
+    let expected: Vec<&String> = with_tables.map(|case| &case.id).collect();
+    assert_eq!(unsupported, expected);
     for expect in [
         Expect::Decode,
         Expect::Reject,
@@ -148,10 +133,8 @@ fn a_decoder_that_refuses_tables_by_65_here_and_there_passes_no_case_with_a_tabl
 #[test]
 fn a_feature_is_known_not_to_be_supported_although_no_legal_file_with_it_is_selected() {
     let suite = suite();
-    let selected = suite
-        .cases
-        .iter()
-        .map(|case| case.expect == Expect::Spelling);
+    let cases = suite.cases.iter();
+    let selected = cases.map(|case| case.expect == Expect::Spelling);
     let plan = RunPlan {
         selected: selected.collect(),
         ..RunPlan::of(&suite, 2)
@@ -185,10 +168,8 @@ fn hangs_on_files_that_need_not_be_decoded_end_no_run() {
     });
     assert_eq!(run.ended_early, None);
     assert_eq!(run.judgement.with(Outcome::NotRun).count(), 0);
-    let hung = suite
-        .cases
-        .iter()
-        .filter(|case| !matches!(case.expect, Expect::Decode | Expect::Spelling));
+    let is_hung = |case: &&Case| !matches!(case.expect, Expect::Decode | Expect::Spelling);
+    let hung = suite.cases.iter().filter(is_hung);
     assert_eq!(run.judgement.with(Outcome::Fail).count(), hung.count());
 }
 
@@ -215,25 +196,15 @@ fn two_legal_files_in_a_row_that_hang_end_no_run() {
 fn three_legal_files_in_a_row_that_hang_end_a_run_alike_for_any_number_of_jobs() {
     let suite = suite();
     let legal = some_legal(&suite);
-    let hanging: Vec<&String> = legal[..3]
-        .iter()
-        .map(|&place| &suite.cases[place].id)
-        .collect();
+    let hanging = [0, 1, 2].map(|place| &suite.cases[legal[place]].id);
     let reports = [1, 4].map(|jobs| {
         let plan = RunPlan::of(&suite, jobs);
         let run = run(&suite, &plan, |case| hanging.contains(&&case.id).then(hang));
         let not_run: Vec<usize> = run.judgement.with(Outcome::NotRun).collect();
-        assert_eq!(
-            not_run,
-            (legal[2] + 1..suite.cases.len()).collect::<Vec<_>>()
-        );
+        assert!(not_run.iter().copied().eq(legal[2] + 1..suite.cases.len()));
         assert_eq!(run.exit_status(), 1);
-        let report = Report::of(
-            &suite,
-            &run,
-            &["decoder".to_owned()],
-            vec!["none".to_owned()],
-        );
+        let command = ["decoder".to_owned()];
+        let report = Report::of(&suite, &run, &command, vec!["none".to_owned()]);
         let xml = junit::junit(&report).expect("XML");
         let page = html::page(&suite, &report, Some(&run)).expect("a page");
         let text = report.to_text(&suite, 10);
@@ -267,9 +238,8 @@ fn a_first_file_that_hangs_in_every_view_ends_no_run() {
         let run = run(&suite, &RunPlan::of(&suite, 2), |case| {
             (case.first && case.format() == format).then(hang)
         });
-        assert_eq!(
-            (run.ended_early, run.not_a_decoder),
-            (None, None),
+        assert!(
+            run.ended_early.is_none() && run.not_a_decoder.is_none(),
             "{format}"
         );
     }

@@ -1,4 +1,4 @@
-//! The pages: links lead somewhere, nothing is fetched, the bytes are the same each time and not too many.
+//! The pages: links lead somewhere, nothing is fetched, and the bytes are the same each time and not too many.
 
 use std::collections::{HashMap, HashSet};
 
@@ -19,7 +19,11 @@ fn is_page(file: &SiteFile) -> bool {
     file.path.rsplit('.').next() == Some("html")
 }
 
-/// The values of an attribute, wherever it stands.
+fn text(file: &SiteFile) -> &str {
+    std::str::from_utf8(&file.bytes).expect("UTF-8")
+}
+
+/// Returns the values of an attribute, in the order of the page.
 fn values<'a>(page: &'a str, attribute: &str) -> Vec<&'a str> {
     let start = format!(" {attribute}=\"");
     let pieces = page.split(start.as_str()).skip(1);
@@ -45,25 +49,15 @@ fn target(from: &str, link: &str) -> String {
 fn every_link_and_anchor_leads_somewhere() {
     let paths: HashSet<&str> = SITE.iter().map(|file| file.path.as_str()).collect();
     let pages = SITE.iter().filter(|file| is_page(file));
-    let pages: HashMap<&str, &str> = pages
-        .map(|file| {
-            (
-                file.path.as_str(),
-                std::str::from_utf8(&file.bytes).expect("UTF-8"),
-            )
-        })
-        .collect();
+    let pages: HashMap<&str, &str> = pages.map(|file| (&*file.path, text(file))).collect();
     let ids: HashMap<&str, HashSet<&str>> = pages
         .iter()
         .map(|(path, page)| (*path, values(page, "id").into_iter().collect()))
         .collect();
     let mut links = 0;
     for (path, page) in &pages {
-        assert_eq!(
-            values(page, "id").len(),
-            ids[path].len(),
-            "{path}: an id stands there twice"
-        );
+        let count = values(page, "id").len();
+        assert_eq!(count, ids[path].len(), "{path}: a duplicate id");
         for link in [values(page, "href"), values(page, "src")].concat() {
             if link.starts_with("data:") || link.starts_with("https://") {
                 continue;
@@ -77,10 +71,8 @@ fn every_link_and_anchor_leads_somewhere() {
                 target(path, file)
             };
             assert!(paths.contains(leads.as_str()), "{path}: {link}");
-            assert!(
-                anchor.is_empty() || ids[leads.as_str()].contains(anchor),
-                "{path}: {link}"
-            );
+            let is_there = anchor.is_empty() || ids[leads.as_str()].contains(anchor);
+            assert!(is_there, "{path}: {link}");
         }
     }
     assert!(links > 50_000, "{links} links");
@@ -89,38 +81,31 @@ fn every_link_and_anchor_leads_somewhere() {
 #[test]
 fn nothing_is_fetched_from_anywhere() {
     for file in SITE.iter().filter(|file| is_page(file)) {
-        let page = std::str::from_utf8(&file.bytes).expect("UTF-8");
+        let page = text(file);
         for source in values(page, "src") {
             assert!(!source.contains("://"), "{}: {source}", file.path);
         }
         let styles = page.split("rel=\"stylesheet\" href=\"").skip(1);
-        assert!(
-            styles
-                .filter_map(|piece| piece.split('"').next())
-                .all(|style| !style.contains("://"))
-        );
+        let mut styles = styles.filter_map(|piece| piece.split('"').next());
+        assert!(styles.all(|style| !style.contains("://")));
     }
 }
 
-/// By the program, in a process of its own and on one thread.
-#[cfg(feature = "cli")]
+/// The program makes them again in another process, on one thread.
+#[cfg(all(unix, feature = "cli"))]
 #[test]
 fn the_same_bytes_are_made_each_time_and_not_too_many() {
-    let again = tempfile::tempdir().expect("a scratch directory");
-    let made = crate::common::program()
-        .args(["site", "--jobs", "1", "--out"])
-        .arg(again.path())
-        .status();
-    assert!(made.expect("the program starts").success());
+    let here = crate::common::Workspace::new();
+    here.succeeds("site --jobs 1 --out again");
     let bytes: usize = SITE.iter().map(|file| file.bytes.len()).sum();
     assert!(bytes <= 40_000_000, "{bytes} bytes");
     for file in SITE.iter() {
-        let other = std::fs::read(again.path().join(&file.path)).expect("the same files");
+        let other = here.read(&format!("again/{}", file.path));
         assert!(file.bytes == other, "{}", file.path);
     }
 }
 
-/// Whoever names a page outside the site names one that is there: every id of every catalog.
+/// Addresses that the program prints: every id of every catalog.
 #[test]
 fn every_address_leads_to_a_page() {
     let mut addresses: Vec<String> = Vec::new();
@@ -150,7 +135,7 @@ fn every_address_leads_to_a_page() {
     for address in &addresses {
         let (path, anchor) = address.split_once('#').unwrap_or((address, ""));
         let page = pages.get(path).unwrap_or_else(|| panic!("{address}"));
-        let page = std::str::from_utf8(&page.bytes).expect("UTF-8");
+        let page = text(page);
         let id = format!(" id=\"{anchor}\"");
         assert!(anchor.is_empty() || page.contains(&id), "{address}");
     }
@@ -160,7 +145,7 @@ fn every_address_leads_to_a_page() {
 #[test]
 fn the_search_finds_documents_words_and_the_protocol() {
     let file = SITE.iter().find(|file| file.path == "search-index.js");
-    let script = std::str::from_utf8(&file.expect("the index").bytes).expect("UTF-8");
+    let script = text(file.expect("the index"));
     let entries = script.strip_prefix("window.searchIndex = ");
     let entries = entries.and_then(|entries| entries.trim_end().strip_suffix(';'));
     let entries: Vec<[String; 4]> =
@@ -179,17 +164,17 @@ fn the_search_finds_documents_words_and_the_protocol() {
         let (path, anchor) = place.split_once('#').unwrap_or((place, ""));
         let page = SITE.iter().find(|file| file.path == path);
         let page = page.unwrap_or_else(|| panic!("{id}: {place}"));
-        let page = std::str::from_utf8(&page.bytes).expect("UTF-8");
+        let page = text(page);
         let is_there = page.contains(&format!(" id=\"{anchor}\""));
         assert!(anchor.is_empty() || is_there, "{id}: {place}");
     }
 }
 
 #[test]
-fn a_ruling_tells_each_of_its_cases_with_its_own_verdict() {
+fn a_ruling_lists_each_of_its_cases_with_its_verdict() {
     let ruling = |path| {
         let page = SITE.iter().find(|file| file.path == path);
-        std::str::from_utf8(&page.expect("a page").bytes).expect("UTF-8")
+        text(page.expect("a page"))
     };
     let says = "Its cases marked lenient";
     assert!(ruling("rulings/numbers.html").contains(says));
@@ -211,19 +196,13 @@ fn runs_of_readers_name_cases_of_the_suite_each_once() {
     let suite = Suite::load().expect("the suite loads");
     let runs = reader_runs().expect("the runs are read");
     let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("reports/readers");
-    assert_eq!(
-        runs.len(),
-        std::fs::read_dir(folder).expect("the runs").count()
-    );
+    let files = std::fs::read_dir(folder).expect("the runs");
+    assert_eq!(runs.len(), files.count());
     for run in runs {
         let cases: Vec<&String> = run.outcomes.values().flatten().collect();
         let unknown: Vec<_> = cases.iter().filter(|id| suite.case(id).is_none()).collect();
         assert!(unknown.is_empty(), "{}: {unknown:?}", run.reader);
-        assert_eq!(
-            cases.iter().collect::<HashSet<_>>().len(),
-            cases.len(),
-            "{}",
-            run.reader
-        );
+        let distinct: HashSet<_> = cases.iter().collect();
+        assert_eq!(distinct.len(), cases.len(), "{}", run.reader);
     }
 }

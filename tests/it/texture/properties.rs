@@ -1,6 +1,7 @@
-//! What holds of every texture map, entry and light.
+//! Properties of every texture map, entry and light.
 
 use proptest::prelude::*;
+use proptest::sample::select;
 
 use ptm_conform::evaluate::Coefficients;
 use ptm_conform::ptm::{Shape, Size};
@@ -14,10 +15,8 @@ use ptm_conform::texture::{
 const RULES: &Rules = &Rules::SPEC;
 
 fn close(a: &[f64], b: &[f64]) -> bool {
-    a.len() == b.len()
-        && a.iter()
-            .zip(b)
-            .all(|(a, b)| (a - b).abs() <= 1e-9 * (1.0 + a.abs()))
+    let mut pairs = a.iter().zip(b);
+    a.len() == b.len() && pairs.all(|(a, b)| (a - b).abs() <= 1e-9 * (1.0 + a.abs()))
 }
 
 fn unit() -> impl Strategy<Value = f64> {
@@ -29,7 +28,7 @@ fn color() -> impl Strategy<Value = Color> {
 }
 
 fn kind() -> impl Strategy<Value = TexelKind> {
-    proptest::sample::select(TexelKind::ALL)
+    select(TexelKind::ALL)
 }
 
 fn texel() -> impl Strategy<Value = Texel> {
@@ -39,21 +38,21 @@ fn texel() -> impl Strategy<Value = Texel> {
 }
 
 fn entry() -> impl Strategy<Value = Entry> {
-    (
-        proptest::sample::select(Composition::ALL),
-        proptest::sample::select(Channel::ALL),
+    let fields = (
+        select(Composition::ALL),
+        select(Channel::ALL),
         color(),
         color(),
+    );
+    fields.prop_map(
+        |(composition, channel, env_color, background_color)| Entry {
+            composition,
+            channel,
+            env_color,
+            background_color,
+            ..Entry::default()
+        },
     )
-        .prop_map(
-            |(composition, channel, env_color, background_color)| Entry {
-                composition,
-                channel,
-                env_color,
-                background_color,
-                ..Entry::default()
-            },
-        )
 }
 
 fn pre_light(entry: Entry) -> Entry {
@@ -65,10 +64,7 @@ fn pre_light(entry: Entry) -> Entry {
 
 fn sampled(entry: &Entry, map: &TextureMap, t: [f64; 3], depth: f64) -> Vec<f64> {
     let fetched = fetch(entry, map, t, depth, false, RULES);
-    fetched
-        .components()
-        .map(<[f64]>::to_vec)
-        .unwrap_or_default()
+    fetched.components().unwrap_or_default().to_vec()
 }
 
 fn bounded(boundary: [Boundary; 3], min_sample: SampleMethod) -> Entry {
@@ -84,20 +80,15 @@ fn luminance_map() -> impl Strategy<Value = TextureMap> {
     (1..=3_usize, [1..=5_usize, 1..=5, 1..=5]).prop_flat_map(|(dimensions, mut size)| {
         size[dimensions..].fill(1);
         let count = size.iter().product::<usize>();
-        proptest::collection::vec(unit(), count)
-            .prop_map(move |values| map_of(dimensions, size, &values))
+        let values = proptest::collection::vec(unit(), count);
+        values.prop_map(move |values| map_of(dimensions, size, &values))
     })
 }
 
 fn map_of(dimensions: usize, size: [usize; 3], values: &[f64]) -> TextureMap {
-    let texels = values
-        .iter()
-        .map(|&value| Texel::new(TexelKind::L, &[value]).expect("one component"));
-    let level = Level {
-        size,
-        texels: texels.collect(),
-    };
-    TextureMap::new(dimensions, vec![level]).expect("a map")
+    let texel = |&value: &f64| Texel::new(TexelKind::L, &[value]).expect("one component");
+    let texels = values.iter().map(texel).collect();
+    TextureMap::new(dimensions, vec![Level { size, texels }]).expect("a map")
 }
 
 /// A coordinate that lies on no edge of a cell of up to 255, exact in binary.
@@ -106,7 +97,15 @@ fn coordinate() -> impl Strategy<Value = f64> {
 }
 
 fn method() -> impl Strategy<Value = SampleMethod> {
-    proptest::sample::select(SampleMethod::ALL)
+    select(SampleMethod::ALL)
+}
+
+fn coefficients(width: u32, height: u32, values: Vec<f64>) -> Coefficients {
+    Coefficients {
+        size: Size { width, height },
+        shape: Shape::Rgb,
+        values,
+    }
 }
 
 /// A PTM of three polynomials whose colors stay within 0…255 under every light.
@@ -115,15 +114,10 @@ fn ptm() -> impl Strategy<Value = Coefficients> {
         let texels = (width * height) as usize;
         let polynomial = [-16..16_i32, -16..16, -16..16, -16..16, -16..16, 90..160];
         let texel = [polynomial.clone(), polynomial.clone(), polynomial];
-        proptest::collection::vec(texel, texels).prop_map(move |texels| Coefficients {
-            size: Size { width, height },
-            shape: Shape::Rgb,
-            values: texels
-                .iter()
-                .flatten()
-                .flatten()
-                .map(|&a| f64::from(a))
-                .collect(),
+        proptest::collection::vec(texel, texels).prop_map(move |texels| {
+            let values = texels.iter().flatten().flatten();
+            let values = values.map(|&a| f64::from(a)).collect();
+            coefficients(width, height, values)
         })
     })
 }
@@ -136,29 +130,17 @@ fn light() -> impl Strategy<Value = (f64, f64)> {
 fn coefficient_map(ptm: &Coefficients, channel: usize) -> TextureMap {
     let (width, height) = (ptm.size.width as usize, ptm.size.height as usize);
     let at = |x: usize, y: usize| ptm.values[(y * width + x) * 18 + channel];
-    let values: Vec<f64> = (0..height)
+    let places = (0..height)
         .rev()
-        .flat_map(|y| (0..width).map(move |x| (x, y)))
-        .map(|(x, y)| at(x, y))
-        .collect();
+        .flat_map(|y| (0..width).map(move |x| (x, y)));
+    let values: Vec<f64> = places.map(|(x, y)| at(x, y)).collect();
     map_of(2, [width, height, 1], &values)
 }
 
 /// A texel's 18 coefficients under a light, from 0 to 1.
 fn lit_color(values: Vec<f64>, (lu, lv): (f64, f64)) -> Vec<f64> {
-    let one = Coefficients {
-        size: Size {
-            width: 1,
-            height: 1,
-        },
-        shape: Shape::Rgb,
-        values,
-    };
-    one.evaluate(lu, lv)
-        .values
-        .iter()
-        .map(|c| c / 255.0)
-        .collect()
+    let lit = coefficients(1, 1, values).evaluate(lu, lv);
+    lit.values.iter().map(|c| c / 255.0).collect()
 }
 
 proptest! {
@@ -183,7 +165,7 @@ proptest! {
     #[test]
     fn bilinear_sampling_commutes_with_relighting(
         ptm in ptm(), light in light(), t in [coordinate(), coordinate()],
-        boundary in proptest::sample::select(&[Boundary::Wrap, Boundary::Mirror, Boundary::ClampBorder]),
+        boundary in select(&[Boundary::Wrap, Boundary::Mirror, Boundary::ClampBorder]),
     ) {
         let t = [t[0], t[1], 0.0];
         let entry = bounded([boundary; 3], SampleMethod::WeightedBase);
@@ -241,7 +223,7 @@ proptest! {
     #[test]
     fn an_average_at_the_middle_of_a_texel_is_that_texel_and_lies_between_its_texels_elsewhere(
         map in luminance_map(), at in [0..5_usize, 0..5, 0..5], t in [coordinate(), coordinate(), coordinate()],
-        boundary in proptest::sample::select(Boundary::ALL),
+        boundary in select(Boundary::ALL),
     ) {
         let size = map.levels()[0].size;
         let middle = [0, 1, 2].map(|d| ((at[d] % size[d]) as f64 + 0.5) / size[d] as f64);
@@ -258,7 +240,7 @@ proptest! {
     #[test]
     fn a_constant_map_is_constant(
         value in unit(), size in [1..5_usize, 1..5], t in [coordinate(), coordinate()], depth in -2.0..5.0, method in method(),
-        boundary in proptest::sample::select(&[Boundary::Wrap, Boundary::Mirror, Boundary::ClampBorder]),
+        boundary in select(&[Boundary::Wrap, Boundary::Mirror, Boundary::ClampBorder]),
     ) {
         let map = map_of(2, [size[0], size[1], 1], &vec![value; size[0] * size[1]]).with_box_levels();
         let entry = bounded([boundary; 3], method);
@@ -338,10 +320,8 @@ proptest! {
 #[test]
 fn orientation_comes_before_interpolation() {
     // A matrix that is not affine tells the order: the reference orients vertices, and interpolates what results.
-    let mut matrix: Matrix = [[0.0; 4]; 4];
-    for (i, row) in matrix.iter_mut().enumerate() {
-        row[i] = 1.0;
-    }
+    let mut matrix: Matrix =
+        [0, 1, 2, 3].map(|i| [0, 1, 2, 3].map(|j| if i == j { 1.0 } else { 0.0 }));
     matrix[3][0] = 1.0;
     let corners = [[0.0; 3], [1.0, 0.0, 0.0]];
     let oriented = corners.map(|t| orient(&matrix, t, RULES));

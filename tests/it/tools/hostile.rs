@@ -1,4 +1,4 @@
-//! The tools for files meet files that are damaged anyhow: they may say anything, and they end.
+//! The tools for files end on every damaged file.
 
 use proptest::prelude::*;
 use ptm_conform::generate::{Model, Recipe, write};
@@ -12,7 +12,7 @@ use ptm_conform::tools::lint::codes::Severity;
 use ptm_conform::tools::lint::lint;
 use ptm_conform::tools::{diff, export, render};
 
-/// Everything that can be asked of a file; and that it says the same as the decoder.
+/// Runs every tool on a file; their results agree with the decoder.
 fn ask_everything(file: &[u8]) {
     let dissection = Dissection::of(file);
     let decoded = ptm_conform::decode(file);

@@ -1,9 +1,8 @@
-//! What is repaired is what the file was before it was damaged, and nothing else is repaired.
+//! A repaired file is the file before it was damaged, and nothing else is repaired.
 
 use std::collections::BTreeMap;
-use std::fs;
 
-use crate::common::{repository, run};
+use crate::common::Workspace;
 use ptm_conform::decode;
 use ptm_conform::suite::cases::{Expect, Suite, TableSpelling};
 use ptm_conform::tools::lint::Lint;
@@ -38,18 +37,9 @@ fn a_repaired_file_is_its_twin_and_lints_clean() {
             .or_default() += 1;
     }
     println!("{repaired:?}");
-    for name in [
-        "cr-lf",
-        "tabs",
-        "empty-line",
-        "leading-blank",
-        "two-spaces-before-newline",
-        "compressed-size-one-less",
-        "compressed-size-one-more",
-        "newline-behind",
-        "bytes-behind",
-        "record-twice-jpeg-lrgb",
-    ] {
+    let names = "cr-lf tabs empty-line leading-blank two-spaces-before-newline compressed-size-one-less \
+                 compressed-size-one-more newline-behind bytes-behind record-twice-jpeg-lrgb";
+    for name in names.split(' ') {
         assert!(repaired.contains_key(name), "{name} is not repaired");
     }
 }
@@ -84,23 +74,16 @@ fn a_file_copied_in_text_mode_is_not_repaired() {
 
 #[test]
 fn a_repaired_file_is_a_new_file() {
-    let scratch = tempfile::tempdir().expect("a scratch directory");
-    let path = |name: &str| scratch.path().join(name).to_string_lossy().into_owned();
-    let (old, new) = (path("old.ptm"), path("new.ptm"));
-    let sound = fs::read(repository("corpus/lrgb/first-lrgb.ptm")).expect("a file");
+    let here = Workspace::new();
+    here.corpus("lrgb/first-lrgb.ptm");
+    let sound = here.read("first-lrgb.ptm");
     let damaged = [&sound[..], b"\0\0"].concat();
-    fs::write(&old, &damaged).expect("a file");
-    let status = |args: &[&str]| {
-        run(&[&["convert", "--repair"], args].concat())
-            .status
-            .code()
-    };
-    assert_eq!(status(&[&old, "-o", &old]), Some(2));
-    assert_eq!(fs::read(&old).expect("a file"), damaged);
-    let output = run(&["convert", "--repair", &old, "-o", &new]);
-    assert_eq!(output.status.code(), Some(0));
-    assert!(String::from_utf8_lossy(&output.stdout).contains("2 bytes after the last value"));
-    assert_eq!(fs::read(&new).expect("a file"), sound);
-    assert_eq!(status(&[&old, "-o", &new]), Some(2));
-    assert_eq!(status(&[&new, "-o", &path("newer.ptm")]), Some(1));
+    here.write("old.ptm", &damaged);
+    here.exits(2, "convert --repair old.ptm -o old.ptm");
+    assert_eq!(here.read("old.ptm"), damaged);
+    let text = here.succeeds("convert --repair old.ptm -o new.ptm");
+    assert!(text.contains("2 bytes after the last value"), "{text}");
+    assert_eq!(here.read("new.ptm"), sound);
+    here.exits(2, "convert --repair old.ptm -o new.ptm");
+    here.exits(1, "convert --repair new.ptm -o newer.ptm");
 }

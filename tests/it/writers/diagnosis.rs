@@ -1,7 +1,6 @@
-//! The catalog of misreadings from the other side names the mistake of a writer.
+//! The catalog of misreadings, read as mistakes of writers, names the mistake of a writer.
 
 use std::collections::HashMap;
-use std::fs;
 
 use ptm_conform::diagnose::Cause;
 use ptm_conform::misreadings::writing::{self, Miswriting};
@@ -19,8 +18,7 @@ use ptm_conform::writers::request::{RequestHeader, WriteRequest};
 use ptm_conform::writers::test_case::{WriteView, WrittenFile};
 use ptm_conform::writers::wrong::miswritten;
 
-use super::examples::check_writer;
-use crate::common::{have, repository};
+use crate::common::{Workspace, edited, have, repository_text, rows};
 
 /// Requests whose files are small, with the reference's files.
 struct Requests {
@@ -33,12 +31,12 @@ impl Requests {
         let mut suite = Suite::of_requests().expect("the requests load");
         let large = |case: &WriterCase| {
             let request = case.request();
-            let most = if request.format.is_compressed() {
+            let limit = if request.format.is_compressed() {
                 1300
             } else {
                 3200
             };
-            request.samples.len() > most || case.expect != Expect::Decode
+            request.samples.len() > limit || case.expect != Expect::Decode
         };
         suite.cases.retain(|case| !large(case));
         let all = suite.cases.iter().map(|case| {
@@ -52,7 +50,7 @@ impl Requests {
         }
     }
 
-    /// How many requests a writer with this mistake gets wrong, the first cause, and what is noted as equivalent to it.
+    /// Returns the number of requests that a writer with this mistake gets wrong, the first cause, and its equivalents.
     fn first_cause(&self, mistake: &Miswriting) -> (usize, String, Vec<String>) {
         let ask = |asked: &Request<'_, WriteView>, _: usize| {
             let (request, right) = &self.all[asked.name];
@@ -77,7 +75,7 @@ impl Requests {
         }
     }
 
-    /// How many of these mistakes are caught, are the first cause, and are that or noted as equivalent to it.
+    /// Counts the mistakes that are caught, that are the first cause, and that are the first cause or equivalent to it.
     fn named(&self, mistakes: &[&'static Miswriting]) -> (usize, usize, usize) {
         let (mut caught, mut first, mut noted) = (0, 0, 0);
         for mistake in mistakes {
@@ -98,11 +96,10 @@ impl Requests {
 fn there_are_mistakes_of_writers_in_all_sections() {
     let all: Vec<&Miswriting> = writing::all().collect();
     assert!(all.len() >= 150, "{} mistakes", all.len());
-    for section in [
-        "2.0", "2.2", "2.3", "2.4", "2.5", "2.6", "2.7", "2.8", "2.9",
-    ] {
+    for section in "2.0 2.2 2.3 2.4 2.5 2.6 2.7 2.8 2.9".split(' ') {
+        let mut clauses = all.iter().map(|one| one.clause);
         assert!(
-            all.iter().any(|one| one.clause.starts_with(section)),
+            clauses.any(|clause| clause.starts_with(section)),
             "{section}"
         );
     }
@@ -120,14 +117,12 @@ fn a_wrong_writer_is_named_by_its_mistake() {
     assert_eq!((caught, noted), (some.len(), some.len()));
 }
 
-/// A wrong matrix is no wrong scale, and lost digits of scales are no wrong matrix.
+/// A wrong matrix is not explained by scales, and lost digits of scales are not explained by the matrix.
 #[test]
 fn a_mistake_that_does_not_show_in_a_file_does_not_explain_it() {
     let mut requests = Requests::small();
-    requests
-        .suite
-        .cases
-        .retain(|case| case.format() == Format::Lum);
+    let cases = &mut requests.suite.cases;
+    cases.retain(|case| case.format() == Format::Lum);
     let first = |edit: fn(&mut RequestHeader)| {
         let ask = |asked: &Request<'_, WriteView>, _: usize| {
             let mut request = requests.all[asked.name].0.clone();
@@ -158,230 +153,88 @@ fn every_mistake_of_a_wrong_writer_is_named() {
     let requests = Requests::small();
     let all: Vec<&'static Miswriting> = writing::all().collect();
     let (caught, first, noted) = requests.named(&all);
+    let count = all.len();
     println!(
-        "{} mistakes: {caught} have a wrong writer, {first} are named first, {noted} with equivalents",
-        all.len()
+        "{count} mistakes: {caught} have a wrong writer, {first} are named first, {noted} with equivalents"
     );
-    assert!(caught * 100 >= all.len() * 70, "{caught} of {}", all.len());
+    assert!(caught * 100 >= count * 70, "{caught} of {count}");
     assert!(noted * 100 >= caught * 95, "{noted} of {caught}");
 }
 
-/// A copy of the writer in Python with one mistake: what is replaced by what, and what the first cause says.
-type Copy = (&'static str, &'static str, &'static str);
+/// Copies of the writer in Python with one mistake: the text that is replaced, its replacement, and a part of the first
+/// cause.
+const COPIES: &str = r#"
+b"".join(reversed(rows)) | b"".join(rows) | explain rows-top-down
+"little") | "big") | explain big-endian-index
+wide = entries > 256 | wide = entries >= 256 | explain width-at-256
+wide = entries > 256 | wide = entries > 255 | explain width-at-256
+wide = entries > 256 | wide = True | explain width-always-two
+table.setdefault(entry, len(table)) | table.setdefault(entry, len(table)) + 1 | explain index-one-based
+block(texels, 18, 0, 6) + block(texels, 18, 6, 6) + block(texels, 18, 12, 6)
+  | block(texels, 18, 12, 6) + block(texels, 18, 6, 6) + block(texels, 18, 0, 6) | explain rgb-blocks-bgr
+block(texels, 18, 0, 6) + block(texels, 18, 6, 6) + block(texels, 18, 12, 6)
+  | block(texels, 18, 0, 6) + block(texels, 18, 12, 6) + block(texels, 18, 6, 6)
+  | explain rgb-green-and-blue-exchanged
+block(texels, 18, 0, 6) + block(texels, 18, 6, 6) + block(texels, 18, 12, 6) | texels
+  | explain rgb-eighteen-interleaved
+block(texels, 18, 0, 6) + block(texels, 18, 6, 6) + block(texels, 18, 12, 6)
+  | b"".join(block(texels, 18, i, 1) for i in range(18)) | explain rgb-eighteen-planes
+return header(request), block(texels, 9, 0, 6) + block(texels, 9, 6, 3) | return header(request), texels
+  | explain lrgb-nine-interleaved
+return header(request), block(texels, 9, 0, 6) + block(texels, 9, 6, 3)
+  | return header(request), block(texels, 9, 6, 3) + block(texels, 9, 0, 6) | explain color-block-first
+return header(request), block(texels, 9, 0, 6) + block(texels, 9, 6, 3)
+  | return header(request), b"".join(block(texels, 9, i, 1) for i in range(9)) | explain lrgb-nine-planes
+return header(request), block(texels, 9, 0, 6) + block(texels, 9, 6, 3)
+  | return header(request), block(texels, 9, 0, 6) + block(texels, 9, 8, 1) + block(texels, 9, 7, 1) + block(texels, 9, 6, 1)
+  | colors-in-planes
+line(request["matrix"]), texels | line(request["matrix"]), block(texels, 8, 0, 6) + block(texels, 8, 6, 2)
+  | explain lum-two-blocks
+line(request["matrix"]), texels | line(request["matrix"]), b"".join(block(texels, 8, i, 1) for i in range(8))
+  | explain lum-planar
++ line(request["matrix"]), texels | , texels | clause 2.6
+line(request["matrix"]), texels | line(request["matrix"][4 * (i % 4) + i // 4] for i in range(16)), texels
+  | clause 2.6
++ line(request["bias"]) | + line(min(max(b, 0), 255) for b in request["bias"]) | explain bias-clamped
++ line(request["bias"]) | + line(max(b, 0) for b in request["bias"]) | explain bias-not-negative
++ line(request["bias"]) | + line(min(b, 255) for b in request["bias"]) | explain bias-at-most-255
++ line(request["bias"]) | + line(b % 256 for b in request["bias"]) | explain bias-in-a-byte
++ line(request["bias"]) | + line(abs(b) for b in request["bias"]) | explain bias-sign-lost
++ line(request["bias"]) | + line(-b for b in request["bias"]) | explain bias-added
++ line(request["bias"]) | + line(0 for b in request["bias"]) | explain bias-ignored
++ line(request["bias"]) | + line(b / 255 for b in request["bias"]) | clause 2.4
++ line(request["scale"]) | + line(round(s, 3) for s in request["scale"]) | explain scale-with-three-decimals
++ line(request["scale"]) | + " ".join("%f" % s for s in request["scale"]) + "\n" | clause 2.4/3
++ line(request["scale"]) | + line(abs(s) for s in request["scale"]) | explain scale-sign-lost
++ line(request["scale"]) | + line(1 / s if s else 0 for s in request["scale"]) | explain scale-divides
++ line(request["scale"]) | + line(reversed(request["scale"])) | explain scales-reversed
+"%d\n%d\n" % (request["width"], request["height"]) | "%d\n%d\n" % (request["height"], request["width"])
+  | explain height-before-width
+"PTM_1.2\n" | "PTM_1.1\n" | clause 2.1/1
+request["format"] + "\n" | request["format"].lower() + "\n" | explain format-in-any-case
+text.encode("ascii") + payload | (text.encode("ascii") + payload).replace(b"\n", b"\r\n") | clause 2
+text.encode("ascii") + payload | text.encode("ascii") + payload.replace(b"\n", b"\r\n") | explain text-mode
+text.encode("ascii") + payload | text.encode("ascii") + b"\n" + payload | line-
+text.encode("ascii") + payload | text.encode("ascii") + payload.rstrip(b"\0") | zero
+payload = b"".join(table) | payload = b"".join(bytes(entry[i] for entry in table) for i in range(entry_size))
+  | explain table-in-planes
+payload += block(texels, 9, 6, 3) | payload += b"".join(block(texels, 9, i, 1) for i in (6, 7, 8))
+  | explain lut-colors-in-planes
+"#;
 
-const COPIES: &[Copy] = &[
-    (
-        "b\"\".join(reversed(rows))",
-        "b\"\".join(rows)",
-        "explain rows-top-down",
-    ),
-    ("\"little\")", "\"big\")", "explain big-endian-index"),
-    (
-        "wide = entries > 256",
-        "wide = entries >= 256",
-        "explain width-at-256",
-    ),
-    (
-        "wide = entries > 256",
-        "wide = entries > 255",
-        "explain width-at-256",
-    ),
-    (
-        "wide = entries > 256",
-        "wide = True",
-        "explain width-always-two",
-    ),
-    (
-        "table.setdefault(entry, len(table))",
-        "table.setdefault(entry, len(table)) + 1",
-        "explain index-one-based",
-    ),
-    (
-        "block(texels, 18, 0, 6) + block(texels, 18, 6, 6) + block(texels, 18, 12, 6)",
-        "block(texels, 18, 12, 6) + block(texels, 18, 6, 6) + block(texels, 18, 0, 6)",
-        "explain rgb-blocks-bgr",
-    ),
-    (
-        "block(texels, 18, 0, 6) + block(texels, 18, 6, 6) + block(texels, 18, 12, 6)",
-        "block(texels, 18, 0, 6) + block(texels, 18, 12, 6) + block(texels, 18, 6, 6)",
-        "explain rgb-green-and-blue-exchanged",
-    ),
-    (
-        "block(texels, 18, 0, 6) + block(texels, 18, 6, 6) + block(texels, 18, 12, 6)",
-        "texels",
-        "explain rgb-eighteen-interleaved",
-    ),
-    (
-        "block(texels, 18, 0, 6) + block(texels, 18, 6, 6) + block(texels, 18, 12, 6)",
-        "b\"\".join(block(texels, 18, i, 1) for i in range(18))",
-        "explain rgb-eighteen-planes",
-    ),
-    (
-        "return header(request), block(texels, 9, 0, 6) + block(texels, 9, 6, 3)",
-        "return header(request), texels",
-        "explain lrgb-nine-interleaved",
-    ),
-    (
-        "return header(request), block(texels, 9, 0, 6) + block(texels, 9, 6, 3)",
-        "return header(request), block(texels, 9, 6, 3) + block(texels, 9, 0, 6)",
-        "explain color-block-first",
-    ),
-    (
-        "return header(request), block(texels, 9, 0, 6) + block(texels, 9, 6, 3)",
-        "return header(request), b\"\".join(block(texels, 9, i, 1) for i in range(9))",
-        "explain lrgb-nine-planes",
-    ),
-    (
-        "return header(request), block(texels, 9, 0, 6) + block(texels, 9, 6, 3)",
-        "return header(request), block(texels, 9, 0, 6) + block(texels, 9, 8, 1) + block(texels, 9, 7, 1) + block(texels, 9, 6, 1)",
-        "colors-in-planes",
-    ),
-    (
-        "line(request[\"matrix\"]), texels",
-        "line(request[\"matrix\"]), block(texels, 8, 0, 6) + block(texels, 8, 6, 2)",
-        "explain lum-two-blocks",
-    ),
-    (
-        "line(request[\"matrix\"]), texels",
-        "line(request[\"matrix\"]), b\"\".join(block(texels, 8, i, 1) for i in range(8))",
-        "explain lum-planar",
-    ),
-    (
-        "+ line(request[\"matrix\"]), texels",
-        ", texels",
-        "clause 2.6",
-    ),
-    (
-        "line(request[\"matrix\"]), texels",
-        "line(request[\"matrix\"][4 * (i % 4) + i // 4] for i in range(16)), texels",
-        "clause 2.6",
-    ),
-    (
-        "+ line(request[\"bias\"])",
-        "+ line(min(max(b, 0), 255) for b in request[\"bias\"])",
-        "explain bias-clamped",
-    ),
-    (
-        "+ line(request[\"bias\"])",
-        "+ line(max(b, 0) for b in request[\"bias\"])",
-        "explain bias-not-negative",
-    ),
-    (
-        "+ line(request[\"bias\"])",
-        "+ line(min(b, 255) for b in request[\"bias\"])",
-        "explain bias-at-most-255",
-    ),
-    (
-        "+ line(request[\"bias\"])",
-        "+ line(b % 256 for b in request[\"bias\"])",
-        "explain bias-in-a-byte",
-    ),
-    (
-        "+ line(request[\"bias\"])",
-        "+ line(abs(b) for b in request[\"bias\"])",
-        "explain bias-sign-lost",
-    ),
-    (
-        "+ line(request[\"bias\"])",
-        "+ line(-b for b in request[\"bias\"])",
-        "explain bias-added",
-    ),
-    (
-        "+ line(request[\"bias\"])",
-        "+ line(0 for b in request[\"bias\"])",
-        "explain bias-ignored",
-    ),
-    (
-        "+ line(request[\"bias\"])",
-        "+ line(b / 255 for b in request[\"bias\"])",
-        "clause 2.4",
-    ),
-    (
-        "+ line(request[\"scale\"])",
-        "+ line(round(s, 3) for s in request[\"scale\"])",
-        "explain scale-with-three-decimals",
-    ),
-    (
-        "+ line(request[\"scale\"])",
-        "+ \" \".join(\"%f\" % s for s in request[\"scale\"]) + \"\\n\"",
-        "clause 2.4/3",
-    ),
-    (
-        "+ line(request[\"scale\"])",
-        "+ line(abs(s) for s in request[\"scale\"])",
-        "explain scale-sign-lost",
-    ),
-    (
-        "+ line(request[\"scale\"])",
-        "+ line(1 / s if s else 0 for s in request[\"scale\"])",
-        "explain scale-divides",
-    ),
-    (
-        "+ line(request[\"scale\"])",
-        "+ line(reversed(request[\"scale\"]))",
-        "explain scales-reversed",
-    ),
-    (
-        "\"%d\\n%d\\n\" % (request[\"width\"], request[\"height\"])",
-        "\"%d\\n%d\\n\" % (request[\"height\"], request[\"width\"])",
-        "explain height-before-width",
-    ),
-    ("\"PTM_1.2\\n\"", "\"PTM_1.1\\n\"", "clause 2.1/1"),
-    (
-        "request[\"format\"] + \"\\n\"",
-        "request[\"format\"].lower() + \"\\n\"",
-        "explain format-in-any-case",
-    ),
-    (
-        "text.encode(\"ascii\") + payload",
-        "(text.encode(\"ascii\") + payload).replace(b\"\\n\", b\"\\r\\n\")",
-        "clause 2",
-    ),
-    (
-        "text.encode(\"ascii\") + payload",
-        "text.encode(\"ascii\") + payload.replace(b\"\\n\", b\"\\r\\n\")",
-        "explain text-mode",
-    ),
-    (
-        "text.encode(\"ascii\") + payload",
-        "text.encode(\"ascii\") + b\"\\n\" + payload",
-        "line-",
-    ),
-    (
-        "text.encode(\"ascii\") + payload",
-        "text.encode(\"ascii\") + payload.rstrip(b\"\\0\")",
-        "zero",
-    ),
-    (
-        "payload = b\"\".join(table)",
-        "payload = b\"\".join(bytes(entry[i] for entry in table) for i in range(entry_size))",
-        "explain table-in-planes",
-    ),
-    (
-        "payload += block(texels, 9, 6, 3)",
-        "payload += b\"\".join(block(texels, 9, i, 1) for i in (6, 7, 8))",
-        "explain lut-colors-in-planes",
-    ),
-];
-
-/// Whether the copy exits with 1 and its first cause has the words.
-fn is_named(copy: &Copy) -> bool {
-    let (find, replace, words) = copy;
-    let source =
-        fs::read_to_string(repository("examples/writers/ptm_writer.py")).expect("the writer");
-    assert_eq!(source.matches(find).count(), 1, "{find}");
-    let directory = tempfile::tempdir().expect("a directory");
-    let path = directory.path().join("writer.py");
-    fs::write(&path, source.replace(find, replace)).expect("a file");
-    let (status, text, _) = check_writer(&["--smoke"], &["python3", &path.to_string_lossy()]);
-    let first = text
-        .split("\n\n")
-        .find(|part| part.contains("failures: the writer"))
-        .unwrap_or(&text);
-    let head: Vec<&str> = first.lines().take(4).collect();
-    let named = status == 1 && head.join("\n").contains(words);
+/// Returns true if the copy exits with 1 and its first cause has the words.
+fn is_named([find, replace, words]: &[String; 3]) -> bool {
+    let source = repository_text("examples/writers/ptm_writer.py");
+    let here = Workspace::new();
+    here.write("writer.py", edited(&source, find, replace));
+    let checked = here.check_writer("--smoke -- python3 writer.py");
+    let mut parts = checked.text.split("\n\n");
+    let first = parts.find(|part| part.contains("failures: the writer"));
+    let first = first.unwrap_or(&checked.text).lines().take(4);
+    let first = first.collect::<Vec<_>>().join("\n");
+    let named = checked.status == 1 && first.contains(words);
     if !named {
-        println!("{replace}: {status}: expected {words}\n{}", head.join("\n"));
+        println!("{replace}: {}: expected {words}\n{first}", checked.status);
     }
     named
 }
@@ -389,8 +242,8 @@ fn is_named(copy: &Copy) -> bool {
 #[test]
 fn wrong_copies_of_the_writer_in_python_are_named() {
     if have("python3") {
-        let [big_endian, clamped] = [&COPIES[1], &COPIES[18]];
-        for copy in [big_endian, clamped] {
+        let copies = rows(COPIES);
+        for copy in [&copies[1], &copies[18]] {
             assert!(is_named(copy), "{copy:?}");
         }
     }
@@ -402,8 +255,9 @@ fn forty_wrong_copies_of_the_writer_in_python_are_named() {
     if !have("python3") {
         return;
     }
-    assert!(COPIES.len() >= 40, "{}", COPIES.len());
-    let named = COPIES.iter().filter(|copy| is_named(copy)).count();
-    println!("{named} of {} named", COPIES.len());
-    assert!(named >= 38, "{named} of {}", COPIES.len());
+    let copies = rows(COPIES);
+    assert!(copies.len() >= 40, "{}", copies.len());
+    let named = copies.iter().filter(|copy| is_named(copy)).count();
+    println!("{named} of {} named", copies.len());
+    assert!(named >= 38, "{named} of {}", copies.len());
 }

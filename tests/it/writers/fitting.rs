@@ -1,4 +1,4 @@
-//! Fitters: the optimum passes, and what wrong ones do is said.
+//! Fitters: the optimum passes, and the mistakes of wrong fitters are named.
 
 use std::fs;
 use std::path::Path;
@@ -13,10 +13,11 @@ use ptm_conform::writers::fitting::sets::SETS;
 use ptm_conform::writers::reference::written;
 use ptm_conform::writers::request::WriteRequest;
 
-use super::examples::check_writer;
-use crate::common::{have_python, repository};
+use crate::common::{
+    Workspace, check_writer, edited, have_python, python_example, repository, repository_text, rows,
+};
 
-/// The `.lp` file of twelve real photographs, and HP's own fit of them beside it; nothing where they are not there.
+/// Returns the `.lp` file of twelve real photographs, next to HP's fit of them; nothing where they are missing.
 fn real() -> Option<String> {
     let lp = repository("../shared/data/ptmfitter-8x5/reference_8x5.lp");
     let there = Path::new(&lp).exists();
@@ -27,7 +28,7 @@ fn real() -> Option<String> {
 }
 
 #[test]
-fn the_optimum_is_as_near_as_the_pictures_allow() {
+fn the_optimum_is_as_near_as_the_images_allow() {
     for plan in &SETS {
         for format in FORMATS {
             let set = plan.made(format);
@@ -36,7 +37,7 @@ fn the_optimum_is_as_near_as_the_pictures_allow() {
             assert_eq!(judge(&set, format, &file), Ok(()), "{}", plan.name);
             let errors = Polynomials::of(&map).expect("RGB or LRGB").errors(&set);
             let largest = errors.into_iter().fold(0.0, f64::max);
-            // Noise, rounding, and what white and black have cut off.
+            // Noise, rounding, and values clamped to black and white.
             let noise = match plan.name {
                 "saturated" => 40.0,
                 _ => 9.0,
@@ -87,7 +88,7 @@ fn a_set_is_read_back_from_its_files() {
 }
 
 #[test]
-fn a_request_is_what_its_schema_says_and_is_read_back() {
+fn a_request_conforms_to_its_schema_and_is_read_back() {
     let schema = include_str!("../../../spec-cases/schema/fit-request.schema.json");
     let schema: serde_json::Value = serde_json::from_str(schema).expect("JSON");
     let validator = jsonschema::validator_for(&schema).expect("a schema");
@@ -112,7 +113,7 @@ fn a_request_is_what_its_schema_says_and_is_read_back() {
 }
 
 #[test]
-fn hps_fitter_is_as_good_as_its_pictures_allow() {
+fn hps_fitter_is_as_good_as_its_images_allow() {
     let Some(lp) = real() else { return };
     let set = PictureSet::read(Path::new(&lp)).expect("the set");
     let file = fs::read(Path::new(&lp).with_extension("ptm")).expect("the map");
@@ -131,120 +132,56 @@ fn hps_fitter_is_as_good_as_its_pictures_allow() {
 
 #[test]
 fn the_reference_and_the_fitter_in_python_pass() {
-    let (status, text, report) = check_writer(&["--fitter"], &[]);
-    assert_eq!(status, 0, "{text}");
-    assert!(report.contains("suite: fitters"), "{report}");
-    if !have_python(&["numpy"]) {
-        return;
+    let checked = check_writer("--fitter");
+    checked.ends(0, "");
+    assert_eq!(checked.report["suite"], "fitters");
+    if have_python(&["numpy"]) {
+        let lp = real().map(|lp| format!("--lp {lp}")).unwrap_or_default();
+        let fitter = python_example("writers/ptm_fitter.py");
+        check_writer(&format!("--fitter {lp} -- {fitter}")).ends(0, "");
     }
-    let fitter = repository("examples/writers/ptm_fitter.py");
-    let lp = real();
-    let own: Vec<&str> = match &lp {
-        Some(lp) => vec!["--fitter", "--lp", lp],
-        None => vec!["--fitter"],
-    };
-    let (status, text, _) = check_writer(&own, &["python3", &fitter]);
-    assert_eq!(status, 0, "{text}");
 }
 
-/// A copy of the fitter in Python with one mistake: what is replaced by what, and what is said of it.
-type Copy = (&'static str, &'static str, &'static str);
-
-const COPIES: [Copy; 14] = [
-    (
-        "u, v = lights[:, 0], lights[:, 1]",
-        "u, v = lights[:, 0], -lights[:, 1]",
-        "negates v",
-    ),
-    (
-        "u, v = lights[:, 0], lights[:, 1]",
-        "u, v = lights[:, 1], lights[:, 0]",
-        "exchanges u and v",
-    ),
-    (
-        "lights = lights / np.linalg.norm(lights, axis=1, keepdims=True)",
-        "pass",
-        "does not normalize the light vectors",
-    ),
-    ("pictures[:, ::-1]", "pictures", "stores the top row first"),
-    (
-        "texels = pictures[:, ::-1]",
-        "texels = pictures[:, ::-1, :, ::-1]",
-        "exchanges red and blue",
-    ),
-    (
-        "fit(design, texels.astype(float))",
-        "fit(design, (texels / 255) ** 2.2 * 255)",
-        "removes the gamma of the images",
-    ),
-    (
-        "np.linalg.lstsq(design, values, rcond=1e-6)[0]",
-        // One of the many solutions that there are, where there are many.
-        "np.linalg.lstsq(design, values, rcond=1e-6)[0] + 3000 * np.linalg.svd(design)[2][len(design):].sum(axis=0)[:, None] * np.sin(np.arange(values.shape[1]))",
-        "fits without a constraint",
-    ),
-    (
-        "return scale, np.round(-low / scale)",
-        "return scale, np.zeros(6)",
-        "clamps coefficients",
-    ),
-    (
-        "np.maximum((high - low) / 254, 1e-6)",
-        "np.full(6, 16.0)",
-        "scales that are too coarse",
-    ),
-    (
-        "raw = np.round(coefficients / scale[:, None] + bias[:, None])",
-        "raw = np.round(coefficients / scale[:, None] + bias[:, None]); bias *= -scale; bias[:] = np.round(bias)",
-        "added after scaling",
-    ),
-    (
-        "return scale, np.round(-low / scale)",
-        "return scale, np.round(low / scale)",
-        "clamps coefficients",
-    ),
-    (
-        "raw = np.round(coefficients / scale[:, None] + bias[:, None])",
-        "raw = np.round(coefficients / scale[:, None] + bias[:, None]); bias *= -1",
-        "biases with the wrong sign",
-    ),
-    (
-        "np.stack([u * u, v * v, u * v, u, v, np.ones_like(u)], axis=1)",
-        "np.stack([np.ones_like(u), u, v, u * v, u * u, v * v], axis=1)",
-        "in the order 1, u, v",
-    ),
-    (
-        "\" \".join(line[:-3]))) for line in lines]",
-        "name)) for name in sorted(\" \".join(line[:-3]) for line in lines)]",
-        "sorts the images by name",
-    ),
-];
-
-/// Whether the copy exits with 1 and its first cause has the words.
-fn is_told(copy: &Copy) -> bool {
-    let (find, replace, words) = copy;
-    let source =
-        fs::read_to_string(repository("examples/writers/ptm_fitter.py")).expect("the fitter");
-    assert_eq!(source.matches(find).count(), 1, "{find}");
-    let directory = tempfile::tempdir().expect("a directory");
-    let path = directory.path().join("fitter.py");
-    fs::write(&path, source.replace(find, replace)).expect("a file");
-    let (status, text, _) = check_writer(&["--fitter"], &["python3", &path.to_string_lossy()]);
-    let first = text
-        .split("\n\n")
-        .find(|part| part.contains("failures: the fitter"));
-    let is_told = status == 1 && first.is_some_and(|first| first.contains(words));
-    if !is_told {
-        println!("{replace}: {status}: expected {words}\n{text}");
-    }
-    is_told
-}
+/// Copies of the fitter in Python with one mistake: the text that is replaced, its replacement, and a part of the first
+/// cause. The seventh fits one of many solutions where there are many.
+const COPIES: &str = r#"
+u, v = lights[:, 0], lights[:, 1] | u, v = lights[:, 0], -lights[:, 1] | negates v
+u, v = lights[:, 0], lights[:, 1] | u, v = lights[:, 1], lights[:, 0] | exchanges u and v
+lights = lights / np.linalg.norm(lights, axis=1, keepdims=True) | pass | does not normalize the light vectors
+pictures[:, ::-1] | pictures | stores the top row first
+texels = pictures[:, ::-1] | texels = pictures[:, ::-1, :, ::-1] | exchanges red and blue
+fit(design, texels.astype(float)) | fit(design, (texels / 255) ** 2.2 * 255) | removes the gamma of the images
+np.linalg.lstsq(design, values, rcond=1e-6)[0]
+  | np.linalg.lstsq(design, values, rcond=1e-6)[0] + 3000 * np.linalg.svd(design)[2][len(design):].sum(axis=0)[:, None] * np.sin(np.arange(values.shape[1]))
+  | fits without a constraint
+return scale, np.round(-low / scale) | return scale, np.zeros(6) | clamps coefficients
+np.maximum((high - low) / 254, 1e-6) | np.full(6, 16.0) | scales that are too coarse
+raw = np.round(coefficients / scale[:, None] + bias[:, None])
+  | raw = np.round(coefficients / scale[:, None] + bias[:, None]); bias *= -scale; bias[:] = np.round(bias)
+  | added after scaling
+return scale, np.round(-low / scale) | return scale, np.round(low / scale) | clamps coefficients
+raw = np.round(coefficients / scale[:, None] + bias[:, None])
+  | raw = np.round(coefficients / scale[:, None] + bias[:, None]); bias *= -1 | biases with the wrong sign
+np.stack([u * u, v * v, u * v, u, v, np.ones_like(u)], axis=1)
+  | np.stack([np.ones_like(u), u, v, u * v, u * u, v * v], axis=1) | in the order 1, u, v
+" ".join(line[:-3]))) for line in lines] | name)) for name in sorted(" ".join(line[:-3]) for line in lines)]
+  | sorts the images by name
+"#;
 
 #[test]
-fn wrong_fitters_fail_and_hear_why() {
+fn wrong_fitters_fail_with_the_cause() {
     if !have_python(&["numpy"]) {
         return;
     }
-    let told = COPIES.iter().filter(|copy| is_told(copy)).count();
-    assert_eq!(told, COPIES.len());
+    let source = repository_text("examples/writers/ptm_fitter.py");
+    for [find, replace, words] in rows(COPIES) {
+        let here = Workspace::new();
+        here.write("fitter.py", edited(&source, &find, &replace));
+        let checked = here.check_writer("--fitter -- python3 fitter.py");
+        checked.ends(1, "");
+        let mut parts = checked.text.split("\n\n");
+        let first = parts.find(|part| part.contains("failures: the fitter"));
+        let is_named = first.is_some_and(|first| first.contains(&words));
+        assert!(is_named, "{replace}: {words}\n{}", checked.text);
+    }
 }

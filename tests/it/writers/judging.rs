@@ -1,4 +1,4 @@
-//! What is right, and what is wrong, in process.
+//! The judge accepts correct files and names the faults of wrong ones.
 
 use ptm_conform::suite::cases::{Expect, Suite};
 use ptm_conform::writers::cases::WriterCase;
@@ -6,16 +6,21 @@ use ptm_conform::writers::judge::judge;
 use ptm_conform::writers::reference::written;
 use ptm_conform::writers::request::{RequestHeader, WriteRequest};
 
+use crate::common::conforms;
+
 fn suite() -> Suite<WriterCase> {
     Suite::of_requests().expect("the requests load")
 }
 
-fn request(id: &str) -> WriteRequest {
-    suite().case(id).expect("a request of this name").request()
+/// Returns a request and the file that the reference writes.
+fn request(id: &str) -> (WriteRequest, Vec<u8>) {
+    let request = suite().case(id).expect("a request").request();
+    let file = written(&request).expect("the reference writes it");
+    (request, file)
 }
 
 #[track_caller]
-fn judged(request: &WriteRequest, file: &[u8], says: &str) {
+fn assert_fault(request: &WriteRequest, file: &[u8], says: &str) {
     let fault = judge(request, file).expect_err("the file is wrong");
     assert!(fault.says.contains(says), "{fault}");
 }
@@ -46,28 +51,26 @@ fn there_are_requests_enough_and_the_reference_carries_them_out() {
 }
 
 #[test]
-fn a_request_is_what_its_schema_says_and_is_read_back() {
-    let schema = include_str!("../../../spec-cases/schema/writer-request.schema.json");
-    let schema: serde_json::Value = serde_json::from_str(schema).expect("JSON");
-    let validator = jsonschema::validator_for(&schema).expect("a schema");
+fn a_request_conforms_to_its_schema_and_is_read_back() {
     for case in &suite().cases {
         let request = case.request();
         let json = request.header.to_json();
-        let value: serde_json::Value = serde_json::from_str(&json).expect("JSON");
-        assert!(validator.is_valid(&value), "{}: {json}", case.id);
+        conforms(
+            &serde_json::from_str(&json).expect("JSON"),
+            "writer-request",
+        );
         let header = RequestHeader::read(json.as_bytes()).expect("a request");
         assert_eq!(header.with_planes(&request.array()).as_ref(), Ok(&request));
     }
 }
 
 #[test]
-fn a_wrong_header_is_told_by_its_numbers() {
-    let request = request("lrgb-bias-negative");
-    let file = written(&request).expect("the reference writes it");
+fn a_fault_in_the_header_is_named_with_its_numbers() {
+    let (request, file) = request("lrgb-bias-negative");
     let clamped = replaced(&file, b"-1 -20 -128 -214 -5 -100", b"0 0 0 0 0 0");
-    judged(&request, &clamped, "bias 0: expected -1, the file has 0");
+    assert_fault(&request, &clamped, "bias 0: expected -1, the file has 0");
     let other = replaced(&file, b"PTM_1.2", b"PTM_1.1");
-    judged(
+    assert_fault(
         &request,
         &other,
         "the reference refuses the file: header string (§2.1), byte 0",
@@ -76,41 +79,38 @@ fn a_wrong_header_is_told_by_its_numbers() {
 
 #[test]
 fn a_scale_with_too_few_decimals_is_wrong() {
-    let request = request("lrgb-scale-six-decimals-are-too-few");
-    let file = written(&request).expect("the reference writes it");
+    let (request, file) = request("lrgb-scale-six-decimals-are-too-few");
     let short = replaced(&file, b"0.00001525878", b"0.000015");
-    judged(&request, &short, "scale 1: expected 0.00001525878");
+    assert_fault(&request, &short, "scale 1: expected 0.00001525878");
 }
 
 #[test]
-fn a_wrong_value_is_told_by_its_byte() {
-    let request = request("rgb-5x3");
-    let mut file = written(&request).expect("the reference writes it");
+fn a_wrong_value_is_named_with_its_byte() {
+    let (request, mut file) = request("rgb-5x3");
     let last = file.len() - 1;
     file[last] ^= 1;
-    judged(&request, &file, &format!("is read from byte {last}"));
+    assert_fault(&request, &file, &format!("is read from byte {last}"));
 }
 
 #[test]
 fn a_lossy_plane_may_lose_what_its_quality_allows_and_no_more() {
-    let request = request("jpeg-lrgb-quality-90");
+    let (request, _) = request("jpeg-lrgb-quality-90");
     let mut worse = request.clone();
     worse.header.quality = Some(20);
     let file = written(&worse).expect("the reference writes it");
-    judged(
+    assert_fault(
         &request,
         &file,
         "expected the compression parameter 90, the file has 20",
     );
     // The right number over the wrong streams.
     let disguised = replaced(&file, b"\n20\n0 0", b"\n90\n0 0");
-    judged(&request, &disguised, "and quality 90 allows");
+    assert_fault(&request, &disguised, "and quality 90 allows");
 }
 
 #[test]
 fn a_texel_that_wraps_needs_side_information() {
-    let request = request("jpegls-lrgb-wraps-5");
-    let file = written(&request).expect("the reference writes it");
+    let (request, file) = request("jpegls-lrgb-wraps-5");
     assert_eq!(judge(&request, &file), Ok(()));
     // The same values, painted one less at the upper end: what a record corrected is now wrong.
     let mut other = request.clone();

@@ -1,4 +1,4 @@
-//! The program's own ways to write files go through the judge of other writers.
+//! The files that the program writes are judged like those of other writers.
 
 use ptm_conform::decode;
 use ptm_conform::generate::{Model, Recipe, write};
@@ -9,7 +9,7 @@ use ptm_conform::tools::dissection::Dissection;
 use ptm_conform::writers::judge::judge;
 use ptm_conform::writers::request::{RequestHeader, WriteRequest};
 
-/// The values of a file of the corpus as a request.
+/// Makes a request of the values of a recipe.
 fn request(recipe: &Recipe, model: &Model) -> WriteRequest {
     let format = recipe.format;
     let parameter = recipe.compression.parameter;

@@ -1,0 +1,45 @@
+//! Decoders inside this process, and runs of the suite against them.
+
+use ptm_conform::Reading;
+use ptm_conform::misreadings::{self, Misreading};
+use ptm_conform::protocol::frame::Answer;
+use ptm_conform::runner::run::{Reply, Request};
+use ptm_conform::session::plan::RunPlan;
+use ptm_conform::session::run::{Run, check};
+use ptm_conform::suite::cases::Suite;
+
+pub fn suite() -> Suite {
+    Suite::load().expect("the suite loads")
+}
+
+/// Returns the number of processors.
+pub fn jobs() -> usize {
+    std::thread::available_parallelism().map_or(1, usize::from)
+}
+
+/// Returns the misreading of the catalog with this name.
+#[track_caller]
+pub fn misreading(slug: &str) -> &'static Misreading {
+    misreadings::named(slug).unwrap_or_else(|| panic!("no misreading {slug}"))
+}
+
+/// Answers as a decoder with these misreadings.
+pub fn misread(mistakes: &[&Misreading], request: &Request) -> Answer {
+    misreadings::answer(mistakes, Reading::SPEC, request.file, request.view)
+}
+
+/// Answers as the reference.
+pub fn right(request: &Request) -> Answer {
+    misread(&[], request)
+}
+
+/// Runs the cases of a plan against a decoder.
+pub fn run(suite: &Suite, plan: &RunPlan, decoder: impl Fn(&Request) -> Answer + Sync) -> Run {
+    let ask = |request: &Request<'_>, _: usize| Reply::from(decoder(request));
+    check(suite, plan, &ask, &|_, _, _, _| ())
+}
+
+/// Runs all cases against a decoder.
+pub fn run_all(suite: &Suite, decoder: impl Fn(&Request) -> Answer + Sync) -> Run {
+    run(suite, &RunPlan::of(suite, jobs()), decoder)
+}
