@@ -2,6 +2,8 @@
 
 #[cfg(all(unix, feature = "cli"))]
 mod common;
+#[cfg(feature = "generate")]
+mod draws;
 #[cfg(feature = "harness")]
 mod in_process;
 mod table;

@@ -1,26 +1,13 @@
-//! Streams with bytes changed, lost and doubled: the decoders answer, and if they answer with
-//! samples, these are as many as were asked for.
+//! Streams with bytes changed, lost and doubled: the decoders refuse them, or return as many samples as were asked for.
 
 use ptm_conform::codec::{StreamError, StreamFault, jpeg, jpeg_ls};
 
+use crate::draws::Draws;
+
 type Decode = fn(&[u8], u32, u32) -> Result<Vec<u8>, StreamError>;
 
-/// A linear congruential generator; each draw is its upper 16 bits.
-struct Draws(u32);
-
-impl Draws {
-    fn below(&mut self, end: usize) -> usize {
-        self.0 = self.0.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-        (self.0 >> 16) as usize % end
-    }
-
-    fn byte(&mut self) -> u8 {
-        u8::try_from(self.below(256)).expect("a byte")
-    }
-}
-
-/// Pictures with something of everything: flat above, noise below, a slope in between.
-fn picture(width: u32, height: u32, draws: &mut Draws) -> Vec<u8> {
+/// Paints an image with flat rows at the top, a slope in the middle, and noise at the bottom.
+fn image(width: u32, height: u32, draws: &mut Draws) -> Vec<u8> {
     let texel = |x: u32, y: u32, noise: u8| match 3 * y / height {
         0 => 77,
         1 => u8::try_from((3 * x + 5 * y) % 256).expect("a byte"),
@@ -34,53 +21,48 @@ fn picture(width: u32, height: u32, draws: &mut Draws) -> Vec<u8> {
 
 const SIZES: [(u32, u32); 5] = [(1, 1), (8, 8), (17, 9), (40, 30), (3, 50)];
 
-fn jpeg_streams() -> Vec<(Vec<u8>, u32, u32)> {
-    let mut draws = Draws(1);
-    let mut streams = Vec::new();
+/// Streams with the decoder to be asked.
+type Streams = (Decode, Vec<(Vec<u8>, u32, u32)>);
+
+fn jpeg_streams() -> Streams {
+    let (mut draws, mut streams) = (Draws(1), Vec::new());
     for (width, height) in SIZES {
-        for quality in [10, 75, 100] {
-            for optimized in [false, true] {
-                let plain = jpeg::JpegOptions::new(quality);
-                let interval = if optimized { 2 } else { 0 };
-                let options = jpeg::JpegOptions {
-                    baseline: optimized,
-                    optimized,
-                    restart_interval: interval,
-                    ..plain
-                };
-                let samples = picture(width, height, &mut draws);
-                streams.push((
-                    jpeg::encode(&samples, width, height, &options).stream,
-                    width,
-                    height,
-                ));
-            }
+        for (quality, optimized) in [10, 75, 100]
+            .map(|quality| [(quality, false), (quality, true)])
+            .concat()
+        {
+            let options = jpeg::JpegOptions {
+                baseline: optimized,
+                optimized,
+                restart_interval: if optimized { 2 } else { 0 },
+                ..jpeg::JpegOptions::new(quality)
+            };
+            let samples = image(width, height, &mut draws);
+            let encoded = jpeg::encode(&samples, width, height, &options);
+            streams.push((encoded.stream, width, height));
         }
     }
-    streams
+    (jpeg::decode, streams)
 }
 
-fn jpeg_ls_streams() -> Vec<(Vec<u8>, u32, u32)> {
-    let mut draws = Draws(2);
-    let mut streams = Vec::new();
+fn jpeg_ls_streams() -> Streams {
+    let (mut draws, mut streams) = (Draws(2), Vec::new());
     for (width, height) in SIZES {
-        for near in [0, 1, 9] {
-            for reset in [None, Some(5)] {
-                let presets = reset.map(|reset| jpeg_ls::PresetParameters {
-                    reset,
-                    ..Default::default()
-                });
-                let options = jpeg_ls::JpegLsOptions { near, presets };
-                let samples = picture(width, height, &mut draws);
-                streams.push((
-                    jpeg_ls::encode(&samples, width, height, &options).stream,
-                    width,
-                    height,
-                ));
-            }
+        for (near, reset) in [0, 1, 9]
+            .map(|near| [(near, None), (near, Some(5))])
+            .concat()
+        {
+            let presets = reset.map(|reset| jpeg_ls::PresetParameters {
+                reset,
+                ..Default::default()
+            });
+            let options = jpeg_ls::JpegLsOptions { near, presets };
+            let samples = image(width, height, &mut draws);
+            let encoded = jpeg_ls::encode(&samples, width, height, &options);
+            streams.push((encoded.stream, width, height));
         }
     }
-    streams
+    (jpeg_ls::decode, streams)
 }
 
 fn damage(stream: &mut Vec<u8>, draws: &mut Draws) {
@@ -104,126 +86,89 @@ fn damage(stream: &mut Vec<u8>, draws: &mut Draws) {
     }
 }
 
-/// Damages streams so many times; returns how often they were decoded, malformed and unsupported.
-fn survive(decode: Decode, streams: &[(Vec<u8>, u32, u32)], times: usize) -> [usize; 3] {
-    let mut draws = Draws(3);
-    let mut outcomes = [0; 3];
-    for i in 0..times {
-        let (stream, width, height) = &streams[i % streams.len()];
-        let mut damaged = stream.clone();
-        damage(&mut damaged, &mut draws);
-        let outcome = match decode(&damaged, *width, *height) {
-            Ok(samples) => {
-                assert_eq!(samples.len(), (width * height) as usize);
-                0
-            }
-            Err(error) => {
-                assert!(
-                    error.offset <= damaged.len(),
-                    "{error} in {} bytes",
-                    damaged.len()
-                );
-                if error.fault == StreamFault::Malformed {
-                    1
-                } else {
-                    2
+/// Damages streams so many times; each is decoded, or refused within its length.
+fn survive(times: usize) {
+    for (decode, streams) in [jpeg_streams(), jpeg_ls_streams()] {
+        let mut draws = Draws(3);
+        let mut outcomes = [0; 3];
+        for (stream, width, height) in streams.iter().cycle().take(times) {
+            let mut damaged = stream.clone();
+            damage(&mut damaged, &mut draws);
+            let outcome = match decode(&damaged, *width, *height) {
+                Ok(samples) => {
+                    assert_eq!(samples.len(), (width * height) as usize);
+                    0
                 }
-            }
-        };
-        outcomes[outcome] += 1;
+                Err(error) => {
+                    let length = damaged.len();
+                    assert!(error.offset <= length, "{error} in {length} bytes");
+                    1 + usize::from(error.fault != StreamFault::Malformed)
+                }
+            };
+            outcomes[outcome] += 1;
+        }
+        println!("{times} streams: {outcomes:?} decoded, malformed, unsupported");
     }
-    println!("{times} streams: {outcomes:?} decoded, malformed, unsupported");
-    outcomes
 }
 
 #[test]
 fn damaged_streams_are_survived() {
-    survive(jpeg::decode, &jpeg_streams(), 5_000);
-    survive(jpeg_ls::decode, &jpeg_ls_streams(), 5_000);
+    survive(5_000);
 }
 
 #[test]
 #[ignore = "the same for longer"]
 fn many_damaged_streams_are_survived() {
-    survive(jpeg::decode, &jpeg_streams(), 100_000);
-    survive(jpeg_ls::decode, &jpeg_ls_streams(), 100_000);
+    survive(100_000);
 }
 
-/// A stream that ends early is never taken for a whole one, wherever it ends.
+/// A stream that ends early is never taken for a whole one, and any size but that of the stream is refused, however
+/// large.
 #[test]
-fn streams_cut_short_are_malformed() {
-    let all = jpeg_streams()
-        .into_iter()
-        .map(|stream| (jpeg::decode as Decode, stream));
-    let all = all.chain(
-        jpeg_ls_streams()
-            .into_iter()
-            .map(|stream| (jpeg_ls::decode as Decode, stream)),
-    );
-    for (decode, (stream, width, height)) in all {
-        for end in 0..stream.len() {
-            let error = decode(&stream[..end], width, height).expect_err("an error");
-            assert_eq!(
-                error.fault,
-                StreamFault::Malformed,
-                "{error}, {end} of {} bytes",
-                stream.len()
-            );
-        }
-    }
-}
-
-/// Any size but the stream's own is refused, however large.
-#[test]
-fn streams_of_another_size_are_malformed() {
-    for (decode, streams) in [
-        (jpeg::decode as Decode, jpeg_streams()),
-        (jpeg_ls::decode, jpeg_ls_streams()),
-    ] {
+fn streams_cut_short_or_of_another_size_are_malformed() {
+    for (decode, streams) in [jpeg_streams(), jpeg_ls_streams()] {
         for (stream, width, height) in streams {
-            for (w, h) in [
-                (width + 1, height),
-                (width, height + 1),
-                (0, 0),
-                (u32::MAX, u32::MAX),
-                (65_536 + width, height),
-            ] {
-                let error = decode(&stream, w, h).expect_err("an error");
-                assert_eq!(error.fault, StreamFault::Malformed, "{error}");
+            let assert_malformed = |stream: &[u8], width, height| {
+                let error = decode(stream, width, height).expect_err("an error");
+                assert_eq!(
+                    error.fault,
+                    StreamFault::Malformed,
+                    "{error}, {} bytes",
+                    stream.len()
+                );
+            };
+            for end in 0..stream.len() {
+                assert_malformed(&stream[..end], width, height);
             }
+            assert_malformed(&stream, width + 1, height);
+            assert_malformed(&stream, width, height + 1);
+            assert_malformed(&stream, 0, 0);
+            assert_malformed(&stream, u32::MAX, u32::MAX);
+            assert_malformed(&stream, 65_536 + width, height);
         }
     }
 }
 
-/// The encoders know what decoders will make of their streams.
+/// The encoders know the samples that decoders find in their streams.
 #[test]
 fn encoders_know_the_decoded_samples() {
     let mut draws = Draws(4);
     for (width, height) in SIZES {
-        let samples = picture(width, height, &mut draws);
+        let samples = image(width, height, &mut draws);
         for quality in 1..=100 {
             let encoded = jpeg::encode(&samples, width, height, &jpeg::JpegOptions::new(quality));
-            assert_eq!(
-                jpeg::decode(&encoded.stream, width, height),
-                Ok(encoded.samples)
-            );
+            let decoded = jpeg::decode(&encoded.stream, width, height);
+            assert_eq!(decoded, Ok(encoded.samples));
         }
         for near in 0..=127 {
-            let options = jpeg_ls::JpegLsOptions {
-                near,
-                presets: None,
-            };
+            let presets = None;
+            let options = jpeg_ls::JpegLsOptions { near, presets };
             let encoded = jpeg_ls::encode(&samples, width, height, &options);
-            let farthest = samples
-                .iter()
-                .zip(&encoded.samples)
-                .map(|(a, b)| a.abs_diff(*b))
-                .max();
-            assert!(farthest <= Some(near), "NEAR {near}: {farthest:?}");
-            assert_eq!(
-                jpeg_ls::decode(&encoded.stream, width, height),
-                Ok(encoded.samples)
-            );
+            let mut pairs = samples.iter().zip(&encoded.samples);
+            let is_near = pairs.all(|(a, b)| a.abs_diff(*b) <= near);
+            assert!(is_near, "NEAR {near}");
+            let decoded = jpeg_ls::decode(&encoded.stream, width, height);
+            assert_eq!(decoded, Ok(encoded.samples));
         }
     }
 }

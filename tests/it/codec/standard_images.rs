@@ -1,12 +1,12 @@
 //! The conformance images of T.87 (Annex E), and one file by Hewlett-Packard's own encoder.
 //!
-//! They lie beside the repository and not in it; without them the tests say so and pass. The color
-//! images are cut into their scans where these are of one component each; of the line-interleaved
-//! and the sample-interleaved ones, only those of one component can be read.
+//! They are not in the repository; without them the tests say so and pass. The color images are cut into their scans where
+//! these have one component each; of the interleaved ones, only those of one component can be read.
 
 use std::path::Path;
 
-use ptm_conform::codec::jpeg_ls::{self, JpegLsOptions, PresetParameters, decode, encode};
+use ptm_conform::codec::Encoded;
+use ptm_conform::codec::jpeg_ls::{JpegLsOptions, PresetParameters, decode, encode};
 
 const NAMES: [(&str, &str); 3] = [
     ("R", "test8r.pgm"),
@@ -17,9 +17,7 @@ const NAMES: [(&str, &str); 3] = [
 fn read(name: &str) -> Option<Vec<u8>> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data/t87-conformance");
     if !folder.exists() {
-        println!(
-            "SKIPPED: {name} is not there, the folder ../shared/data/t87-conformance is missing"
-        );
+        println!("SKIPPED: {name}: the folder ../shared/data/t87-conformance is missing");
         return None;
     }
     Some(std::fs::read(folder.join(name)).expect(name))
@@ -31,25 +29,17 @@ fn pgm(name: &str) -> Option<(u32, u32, Vec<u8>)> {
     let mut at = 0;
     let mut word = || {
         let start = at;
-        at += file[start..]
-            .iter()
-            .position(u8::is_ascii_whitespace)
-            .expect("a word");
-        at += 1;
-        std::str::from_utf8(&file[start..at - 1])
-            .expect("ASCII")
-            .to_owned()
+        let length = file[start..].iter().position(u8::is_ascii_whitespace);
+        at += length.expect("a word") + 1;
+        String::from_utf8_lossy(&file[start..at - 1]).into_owned()
     };
     assert_eq!(word(), "P5");
-    let (width, height) = (
-        word().parse().expect("a width"),
-        word().parse().expect("a height"),
-    );
+    let [width, height] = [word(), word()].map(|side| side.parse().expect("a side"));
     assert_eq!(word(), "255");
     Some((width, height, file[at..].to_vec()))
 }
 
-/// The scans of a stream: the scan header's content, and the entropy-coded data behind it.
+/// Returns the scans of a stream: the content of the scan header, and the entropy-coded data after it.
 fn scans(stream: &[u8]) -> Vec<(&[u8], &[u8])> {
     let mut scans = Vec::new();
     let mut at = 2;
@@ -69,7 +59,7 @@ fn scans(stream: &[u8]) -> Vec<(&[u8], &[u8])> {
     scans
 }
 
-/// One scan of a color image as an image of its own.
+/// Makes an image of one scan of a color image.
 fn alone(width: u32, height: u32, scan: (&[u8], &[u8])) -> Vec<u8> {
     let (header, data) = scan;
     let [w, h] = [width, height].map(|side| u16::try_from(side).expect("a side").to_be_bytes());
@@ -86,12 +76,14 @@ fn alone(width: u32, height: u32, scan: (&[u8], &[u8])) -> Vec<u8> {
 #[track_caller]
 fn within(originals: &[u8], decoded: &[u8], near: u8) {
     assert_eq!(originals.len(), decoded.len());
-    let farthest = originals
-        .iter()
-        .zip(decoded)
-        .map(|(a, b)| a.abs_diff(*b))
-        .max();
-    assert!(farthest <= Some(near), "a sample is {farthest:?} off");
+    let mut pairs = originals.iter().zip(decoded);
+    assert!(pairs.all(|(a, b)| a.abs_diff(*b) <= near));
+}
+
+/// Encodes without preset parameters.
+fn plainly_encoded(samples: &[u8], width: u32, height: u32, near: u8) -> Encoded {
+    let presets = None;
+    encode(samples, width, height, &JpegLsOptions { near, presets })
 }
 
 /// The three planes of test8, coded one after the other without and with loss.
@@ -101,21 +93,13 @@ fn each_scan_of_a_color_image_is_read_and_written_alike() {
         let Some(stream) = read(file) else { return };
         let scans = scans(&stream);
         assert_eq!(scans.len(), 3);
-        for (scan, (plane, picture)) in scans.into_iter().zip(NAMES) {
-            let (width, height, originals) = pgm(picture).expect(picture);
+        for (scan, (plane, image)) in scans.into_iter().zip(NAMES) {
+            let (width, height, originals) = pgm(image).expect(image);
             let decoded = decode(&alone(width, height, scan), width, height);
             let decoded = decoded.unwrap_or_else(|error| panic!("{file}, {plane}: {error}"));
             within(&originals, &decoded, near);
 
-            let encoded = encode(
-                &originals,
-                width,
-                height,
-                &JpegLsOptions {
-                    near,
-                    presets: None,
-                },
-            );
+            let encoded = plainly_encoded(&originals, width, height, near);
             assert!(encoded.samples == decoded, "{file}, {plane}: other samples");
             let [(_, ours)] = scans_of_one(&encoded.stream);
             assert!(ours == scan.1, "{file}, {plane}: other bits");
@@ -127,7 +111,7 @@ fn scans_of_one(stream: &[u8]) -> [(&[u8], &[u8]); 1] {
     scans(stream).try_into().expect("one scan")
 }
 
-/// The blue plane in half the size, with thresholds and RESET of its own.
+/// The blue plane in half the size, with other thresholds and RESET.
 #[test]
 fn preset_parameters_are_obeyed_to_the_last_byte() {
     let presets = Some(PresetParameters {
@@ -160,28 +144,17 @@ fn a_file_by_hewlett_packard_is_read_and_written_alike() {
         return;
     };
     assert!(decode(&stream, width, height).expect(file) == originals);
-    let encoded = encode(
-        &originals,
-        width,
-        height,
-        &JpegLsOptions {
-            near: 0,
-            presets: None,
-        },
-    );
+    let encoded = plainly_encoded(&originals, width, height, 0);
     assert!(encoded.stream == stream, "other bytes");
 }
 
 /// Color images as they are, of three components, are refused.
 #[test]
-fn a_color_image_is_no_plane() {
+fn a_color_image_is_refused() {
     for file in ["t8c0e0.jls", "t8c1e3.jls", "t8c2e0.jls", "t8sse3.jls"] {
         let Some(stream) = read(file) else { return };
-        let error = jpeg_ls::decode(&stream, 256, 256).expect_err(file);
-        assert_eq!(
-            error.to_string(),
-            "byte 11: expected one component, found 3",
-            "{file}"
-        );
+        let error = decode(&stream, 256, 256).expect_err(file);
+        let message = "byte 11: expected one component, found 3";
+        assert_eq!(error.to_string(), message, "{file}");
     }
 }

@@ -1,8 +1,7 @@
-//! Every picture of witnesses.txt, against what libjpeg and `CharLS` made of it.
+//! Every image of witnesses.txt, against the streams and samples of libjpeg and `CharLS`.
 //!
-//! The file holds recipes and digests, nothing else. `scripts/codec_witnesses.py` wrote it: it
-//! painted each picture by its recipe, had it encoded and decoded by the others, and noted what
-//! came out. Here the same recipe is painted again.
+//! The file holds recipes and digests. `scripts/codec_witnesses.py` wrote it: it painted each image by its recipe, encoded
+//! and decoded it with the other codecs, and noted the digests. Here the same recipe is painted again.
 
 #![allow(
     clippy::manual_midpoint,
@@ -14,9 +13,11 @@ use ptm_conform::codec::jpeg_ls::PresetParameters;
 use ptm_conform::codec::{Encoded, jpeg, jpeg_ls};
 use sha2::{Digest, Sha256};
 
+use crate::draws::Draws;
+
 /// One line of the file.
 struct Witness {
-    codec: &'static str,
+    recipe: &'static str,
     kind: &'static str,
     width: u32,
     height: u32,
@@ -27,28 +28,16 @@ struct Witness {
 }
 
 fn witnesses(codec: &str) -> Vec<Witness> {
-    let lines = include_str!("witnesses.txt")
-        .lines()
-        .filter(|line| !line.starts_with('#'));
-    let witnesses = lines.map(|line| {
-        let words: Vec<&str> = line.split(' ').collect();
-        let [
-            codec,
-            kind,
-            width,
-            height,
-            parameters,
-            seed,
-            stream,
-            samples,
-        ] = words[..]
-        else {
-            panic!("a witness has eight words: {line}")
+    let lines = include_str!("witnesses.txt").lines();
+    let lines = lines.filter(|line| line.split(' ').next() == Some(codec));
+    let witness = |recipe: &'static str| {
+        let words: Vec<&str> = recipe.split(' ').collect();
+        let [_, kind, width, height, parameters, seed, stream, samples] = words[..] else {
+            panic!("a witness has eight words: {recipe}")
         };
-        let number = |word: &str| word.parse().expect(line);
-        let [width, height, seed] = [width, height, seed].map(number);
+        let [width, height, seed] = [width, height, seed].map(|word| word.parse().expect(recipe));
         Witness {
-            codec,
+            recipe,
             kind,
             width,
             height,
@@ -57,18 +46,8 @@ fn witnesses(codec: &str) -> Vec<Witness> {
             stream,
             samples,
         }
-    });
-    witnesses.filter(|witness| witness.codec == codec).collect()
-}
-
-/// A linear congruential generator; each draw is its upper 16 bits.
-struct Draws(u32);
-
-impl Draws {
-    fn next(&mut self) -> u32 {
-        self.0 = self.0.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-        self.0 >> 16
-    }
+    };
+    lines.map(witness).collect()
 }
 
 #[expect(clippy::many_single_char_names, reason = "the letters of the formula")]
@@ -97,16 +76,13 @@ fn paint(witness: &Witness) -> Vec<u8> {
                 "dots" => (if r % 37 == 0 { r } else { p }) >> 8,
                 "walk" => {
                     let i = samples.len();
-                    let left = if x > 0 {
-                        u32::from(samples[i - 1])
-                    } else {
-                        128
-                    };
+                    let left = if x > 0 { samples[i - 1] } else { 128 };
                     let above = if y > 0 {
-                        u32::from(samples[i - width as usize])
+                        samples[i - width as usize]
                     } else {
                         left
                     };
+                    let (left, above) = (u32::from(left), u32::from(above));
                     ((left + above) / 2 + r % 32).saturating_sub(15).min(255)
                 }
                 _ => panic!("no painter paints {kind}"),
@@ -115,12 +91,6 @@ fn paint(witness: &Witness) -> Vec<u8> {
         }
     }
     samples
-}
-
-fn digest(data: &[u8]) -> String {
-    Sha256::digest(data)
-        .iter()
-        .fold(String::new(), |text, byte| text + &format!("{byte:02x}"))
 }
 
 fn jpeg_options(parameters: &str) -> jpeg::JpegOptions {
@@ -160,8 +130,8 @@ fn jpeg_ls_options(parameters: &str) -> jpeg_ls::JpegLsOptions {
                 });
             }
             Some(("presets", values)) => {
+                let values = values.split(':');
                 let values: Vec<u16> = values
-                    .split(':')
                     .map(|value| value.parse().expect(parameters))
                     .collect();
                 let [maxval, t1, t2, t3, reset] = values[..] else {
@@ -181,7 +151,7 @@ fn jpeg_ls_options(parameters: &str) -> jpeg_ls::JpegLsOptions {
     options
 }
 
-/// What stands between the scan header and EOI. The segments are those of our own encoder.
+/// Returns the bytes between the scan header and EOI. The segments are those of our encoder.
 fn scan_of(stream: &[u8]) -> &[u8] {
     let mut at = 2;
     loop {
@@ -195,25 +165,18 @@ fn scan_of(stream: &[u8]) -> &[u8] {
 
 #[track_caller]
 fn compare(witness: &Witness, digested: &[u8], encoded: &Encoded, decoded: &[u8]) {
-    let &Witness {
-        codec,
-        kind,
-        width,
-        height,
-        parameters,
-        seed,
-        ..
-    } = witness;
-    let recipe = format!("{codec} {kind} {width} {height} {parameters} {seed}");
+    let digest = |data: &[u8]| {
+        Sha256::digest(data)
+            .iter()
+            .map(|byte| format!("{byte:02x}"))
+            .collect::<String>()
+    };
+    let recipe = witness.recipe;
     assert_eq!(digest(digested), witness.stream, "the stream of {recipe}");
-    assert_eq!(
-        digest(decoded),
-        witness.samples,
-        "the decoded samples of {recipe}"
-    );
+    assert_eq!(digest(decoded), witness.samples, "the samples of {recipe}");
     assert!(
         encoded.samples == decoded,
-        "the encoder's own samples of {recipe}"
+        "the encoder's samples of {recipe}"
     );
 }
 
@@ -225,7 +188,7 @@ fn jpeg_streams_and_samples_equal_those_of_libjpeg() {
         let options = jpeg_options(witness.parameters);
         let encoded = jpeg::encode(&paint(witness), witness.width, witness.height, &options);
         let decoded =
-            jpeg::decode(&encoded.stream, witness.width, witness.height).expect("a picture");
+            jpeg::decode(&encoded.stream, witness.width, witness.height).expect("an image");
         compare(witness, &encoded.stream, &encoded, &decoded);
     }
 }
@@ -244,12 +207,10 @@ fn jpeg_ls_scans_and_samples_equal_those_of_charls() {
         }
         let encoded = jpeg_ls::encode(&originals, witness.width, witness.height, &options);
         let decoded =
-            jpeg_ls::decode(&encoded.stream, witness.width, witness.height).expect("a picture");
+            jpeg_ls::decode(&encoded.stream, witness.width, witness.height).expect("an image");
         compare(witness, scan_of(&encoded.stream), &encoded, &decoded);
-        let near = originals
-            .iter()
-            .zip(&decoded)
-            .all(|(&a, &b)| a.abs_diff(b) <= options.near);
+        let mut pairs = originals.iter().zip(&decoded);
+        let near = pairs.all(|(&a, &b)| a.abs_diff(b) <= options.near);
         assert!(near, "{} is left by more than NEAR", witness.parameters);
     }
 }

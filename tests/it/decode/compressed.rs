@@ -1,4 +1,4 @@
-//! What the cases of 2.9 promise of themselves.
+//! The properties of the cases of §2.9.
 
 use ptm_conform::generate::plan::{Coding, Residuals, Structure};
 use ptm_conform::generate::{self, Model, Recipe, Scene};
@@ -9,15 +9,14 @@ use ptm_conform::suite::values::Values;
 
 /// The small compressed cases that the generator writes undamaged, and their models.
 fn painted() -> Vec<(Case, Model)> {
-    let suite = Suite::load().unwrap_or_else(|why| panic!("{why}"));
+    let suite = Suite::load().expect("the suite loads");
     let small = |case: &Case| {
         case.recipe()
             .is_some_and(|recipe| recipe.size.texels() < 10_000)
     };
-    let cases = suite
-        .cases
-        .into_iter()
-        .filter(|case| case.compression().is_some() && case.damage().is_none() && small(case));
+    let is_wanted = |case: &Case| case.compression().is_some() && case.damage().is_none();
+    let cases = suite.cases.into_iter();
+    let cases = cases.filter(|case| is_wanted(case) && small(case));
     let model = |case: Case| match &case.build(TableSpelling::default()).values {
         Values::Painted(model) => Some((case, model.clone())),
         _ => None,
@@ -43,25 +42,14 @@ fn slack_is_one_for_the_plane_and_one_for_each_on_its_way_and_none_where_correct
     {
         let compressed = model.compressed.as_ref().expect("painted");
         let channels = model.format.channels();
-        let depth = |mut plane: usize| {
-            (0..usize::MAX)
-                .take_while(|_| {
-                    compressed
-                        .plan
-                        .reference(plane)
-                        .map(|reference| plane = reference)
-                        .is_some()
-                })
-                .count()
-        };
+        let reference = |plane: &usize| compressed.plan.reference(*plane);
+        let depth = |plane: usize| std::iter::successors(reference(&plane), reference).count();
         for plane in 0..channels {
             let corrected = |texel: usize| {
                 let (width, height) = (model.size.width as usize, model.size.height as usize);
                 let stored = (height - 1 - texel / width) * width + texel % width;
-                compressed.planes[plane]
-                    .records
-                    .iter()
-                    .any(|&(position, _)| position as usize == stored)
+                let mut records = compressed.planes[plane].records.iter();
+                records.any(|&(position, _)| position as usize == stored)
             };
             for (texel, slack) in model.slack.iter().skip(plane).step_by(channels).enumerate() {
                 let most = if corrected(texel) {
@@ -77,18 +65,12 @@ fn slack_is_one_for_the_plane_and_one_for_each_on_its_way_and_none_where_correct
 
 #[test]
 fn overflows_are_corrected_where_cases_say_so() {
-    let cases: Vec<_> = painted()
-        .into_iter()
-        .filter(|(case, _)| case.id.starts_with("overflows-"))
-        .collect();
+    let mut cases = painted();
+    cases.retain(|(case, _)| case.id.starts_with("overflows-"));
     assert!(!cases.is_empty());
     for (case, model) in cases {
-        let planes = model.compressed.expect("painted").planes;
-        assert!(
-            planes.iter().any(|plane| !plane.records.is_empty()),
-            "{}",
-            case.id
-        );
+        let mut planes = model.compressed.expect("painted").planes.into_iter();
+        assert!(planes.any(|plane| !plane.records.is_empty()), "{}", case.id);
     }
 }
 
@@ -97,45 +79,28 @@ fn a_case_shows_no_choice_that_its_lists_do_not_touch() {
     for (case, _) in painted() {
         let recipe = case.recipe().expect("painted");
         let touched = recipe.compression.axes(recipe.coding());
-        assert!(
-            case.axes().iter().all(|axis| touched.contains(axis)),
-            "{}",
-            case.id
-        );
+        let are_touched = case.axes().iter().all(|axis| touched.contains(axis));
+        assert!(are_touched, "{}", case.id);
     }
 }
 
 #[test]
 fn every_open_choice_but_inversion_is_seen_alone_somewhere() {
     let cases = painted();
-    for axis in [
-        "jpeg-ls-offset",
-        "motion-sign",
-        "motion-vertical",
-        "motion-half",
-        "motion-border",
-        "side-lossless",
-    ] {
-        assert!(
-            cases.iter().any(|(case, _)| case.axes() == [axis]),
-            "{axis}"
-        );
+    let is_shown = |axes: &[&str]| cases.iter().any(|(case, _)| case.axes() == axes);
+    let axes = "jpeg-ls-offset motion-sign motion-vertical motion-half motion-border side-lossless";
+    for axis in axes.split(' ') {
+        assert!(is_shown(&[axis]), "{axis}");
     }
-    assert!(
-        cases
-            .iter()
-            .any(|(case, _)| case.axes() == ["motion-half", "motion-inversion"])
-    );
+    assert!(is_shown(&["motion-half", "motion-inversion"]));
 }
 
 #[test]
 fn lossy_planes_near_the_ends_are_asked_raw_only() {
     for (case, model) in painted() {
-        let near = model
-            .samples
-            .iter()
-            .zip(&model.slack)
-            .any(|(&sample, &slack)| slack > 0 && (sample < slack || 255 - sample < slack));
+        let mut samples = model.samples.iter().zip(&model.slack);
+        let near =
+            samples.any(|(&sample, &slack)| slack > 0 && (sample < slack || 255 - sample < slack));
         assert!(!near || case.views == [View::Raw], "{}", case.id);
     }
 }
@@ -149,18 +114,11 @@ fn decoded(recipe: &Recipe) -> Vec<u8> {
 
 #[test]
 fn a_scene_is_the_same_in_every_lossless_prediction_structure() {
-    let structures = [
-        Structure::Intra,
-        Structure::Chain,
-        Structure::Star,
-        Structure::Deep,
-        Structure::TwoTrees,
-        Structure::SharedReference,
-        Structure::Upward,
-        Structure::Rotated,
-        Structure::Tablet,
-        Structure::Gaps,
-    ];
+    use Structure::{
+        Chain, Deep, Gaps, Intra, Rotated, SharedReference, Star, Tablet, TwoTrees, Upward,
+    };
+    let basic = [Intra, Chain, Star, Deep, TwoTrees];
+    let structures = [&basic[..], &[SharedReference, Upward, Rotated, Tablet, Gaps]].concat();
     for (plain, compressed) in [
         (Format::Rgb, Format::JpeglsRgb),
         (Format::Lrgb, Format::JpeglsLrgb),
@@ -170,7 +128,7 @@ fn a_scene_is_the_same_in_every_lossless_prediction_structure() {
             let mut recipe = Recipe::ordinary(plain, size);
             (recipe.scene, recipe.seed) = (scene, seed);
             let planes = decoded(&recipe);
-            for structure in structures {
+            for &structure in &structures {
                 for transforms in [&[0][..], &[1], &[0, 1, 1, 0, 1], &[3, 2, 0, 1]] {
                     let mut recipe = Recipe::ordinary(compressed, size);
                     (recipe.scene, recipe.seed) = (scene, seed);
@@ -179,10 +137,10 @@ fn a_scene_is_the_same_in_every_lossless_prediction_structure() {
                     plan.transforms = plan.cycled(transforms, false);
                     plan.motion_x = plan.cycled(&[1, -4, 3, 0], false);
                     plan.motion_y = plan.cycled(&[0, 2, -3], false);
+                    let name = compressed.name();
                     assert!(
                         decoded(&recipe) == planes,
-                        "{} in structure {structure:?} with transforms {transforms:?}",
-                        compressed.name()
+                        "{name}, {structure:?}, {transforms:?}"
                     );
                 }
             }

@@ -1,4 +1,4 @@
-//! The decoder, without any other part of the library, against the corpus: what `cargo mutants` runs.
+//! The decoder, without any other part of the library, against the corpus. `cargo mutants` runs this test.
 //!
 //! `PTM_CORPUS` names another corpus, such as one that `generate` wrote with the large files too.
 
@@ -8,7 +8,7 @@ use ptm_conform::decode::open;
 use ptm_conform::error::Class;
 use ptm_conform::{Limits, Ptm, Reading, decode, decode_as};
 
-/// What the manifest says of a file: its lines are plain enough to be read one by one.
+/// An entry of the manifest, which is read line by line.
 #[derive(Default)]
 struct Entry {
     id: String,
@@ -70,20 +70,20 @@ fn expected(frame: &[u8]) -> Vec<f64> {
     }
 }
 
-/// Why a file is not answered as the manifest says.
+/// Returns the reason why a result differs from the manifest.
 fn wrong(entry: &Entry, file: &[u8], frame: Option<Vec<u8>>) -> Option<String> {
     let outcome = decode(file);
     if let Ok(ptm) = &outcome {
         let stored = open(file).expect("what can be decoded can be opened");
         let pieces = stored.pieces().flat_map(|piece| piece.planes.samples);
         if !pieces.eq(ptm.planes.samples.iter().copied()) {
-            return Some("another picture, row by row".to_owned());
+            return Some("another image, row by row".to_owned());
         }
     }
     match (entry.expect.as_str(), outcome) {
         ("decode" | "lenient", Ok(ptm)) => {
             let (samples, slack) = samples(&ptm, &entry.view);
-            let expected = expected(&frame.expect("a frame lies beside its file"));
+            let expected = expected(&frame.expect("a frame next to its file"));
             let near = |(&a, &b): (&f64, &f64)| {
                 (a - b).abs() <= slack || a as f32 == b as f32 || (a - b).abs() <= 1e-6 * b.abs()
             };
@@ -98,7 +98,7 @@ fn wrong(entry: &Entry, file: &[u8], frame: Option<Vec<u8>>) -> Option<String> {
 }
 
 #[test]
-fn every_file_is_answered_as_the_manifest_says() {
+fn every_file_has_the_result_of_the_manifest() {
     let corpus = std::env::var_os("PTM_CORPUS").map_or_else(
         || PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("corpus"),
         PathBuf::from,
@@ -120,7 +120,7 @@ fn every_file_is_answered_as_the_manifest_says() {
 }
 
 #[test]
-fn a_decoder_with_little_memory_says_so() {
+fn a_low_memory_limit_is_an_error_of_its_class() {
     let file = b"PTM_1.2\nPTM_FORMAT_LRGB\n9 9\n1 1 1 1 1 1 0 0 0 0 0 0\n";
     let whole = [&file[..], &[0; 9 * 9 * 9]].concat();
     let memory = 9 * 9 * 9;

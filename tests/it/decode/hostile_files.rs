@@ -1,17 +1,17 @@
 //! No file makes the decoder panic: it decodes or it says clearly what is wrong.
 
 use proptest::prelude::*;
-use ptm_conform::suite::cases::{Suite, TableSpelling};
+use ptm_conform::suite::cases::{Case, Suite, TableSpelling};
 use ptm_conform::{Limits, Reading, decode, decode_as};
+
+use crate::draws::Draws;
 
 /// The small accepted files of the suite, one of each format and spelling.
 fn files() -> Vec<Vec<u8>> {
     let suite = Suite::load().expect("the suite loads");
-    let small = suite.cases.iter().filter(|case| {
-        case.id.starts_with("header-plain")
-            || case.id.starts_with("space-behind-every")
-            || case.id.starts_with("hand-")
-    });
+    let prefixes = ["header-plain", "space-behind-every", "hand-"];
+    let is_small = |case: &&Case| prefixes.iter().any(|prefix| case.id.starts_with(prefix));
+    let small = suite.cases.iter().filter(is_small);
     small
         .map(|case| case.build(TableSpelling::default()).file.clone())
         .collect()
@@ -38,11 +38,8 @@ fn answers(file: &[u8]) {
 fn a_file_cut_at_any_byte_is_refused() {
     for file in files() {
         for length in 0..file.len() {
-            assert!(
-                decode(&file[..length]).is_err(),
-                "{length} of {} bytes",
-                file.len()
-            );
+            let decoded = decode(&file[..length]);
+            assert!(decoded.is_err(), "{length} of {} bytes", file.len());
         }
     }
 }
@@ -90,12 +87,8 @@ fn numbers_and_lines_of_a_megabyte_are_answered() {
         "0".repeat(1 << 20) + "1",
     ] {
         answers(format!("PTM_1.2\nPTM_FORMAT_LRGB\n{long}\n1\n").as_bytes());
-        answers(
-            format!(
-                "PTM_1.2\nPTM_FORMAT_LRGB\n1\n1\n{long} 1 1 1 1 1\n0 0 0 0 0 {long}\n123456789"
-            )
-            .as_bytes(),
-        );
+        let numbers = format!("{long} 1 1 1 1 1\n0 0 0 0 0 {long}\n123456789");
+        answers(format!("PTM_1.2\nPTM_FORMAT_LRGB\n1\n1\n{numbers}").as_bytes());
         answers(long.as_bytes());
     }
 }
@@ -118,29 +111,16 @@ proptest! {
     }
 }
 
-/// Numbers without a pattern, the same everywhere.
-struct Draws(u64);
-
-impl Draws {
-    fn below(&mut self, end: usize) -> usize {
-        self.0 = self
-            .0
-            .wrapping_mul(6_364_136_223_846_793_005)
-            .wrapping_add(1_442_695_040_888_963_407);
-        (self.0 >> 33) as usize % end
-    }
-}
-
 /// Small compressed files of every format, structure and kind of stream.
 fn compressed_files() -> Vec<Vec<u8>> {
     let suite = Suite::load().expect("the suite loads");
-    let small = suite.cases.iter().filter(|case| {
-        case.damage().is_none()
-            && case.compression().is_some()
-            && case
-                .recipe()
-                .is_some_and(|recipe| recipe.size.texels() <= 200)
-    });
+    let is_small = |case: &Case| {
+        case.recipe()
+            .is_some_and(|recipe| recipe.size.texels() <= 200)
+    };
+    let is_wanted = |case: &Case| case.damage().is_none() && case.compression().is_some();
+    let cases = suite.cases.iter();
+    let small = cases.filter(|case| is_wanted(case) && is_small(case));
     small
         .map(|case| case.build(TableSpelling::default()).file.clone())
         .collect()
@@ -149,11 +129,7 @@ fn compressed_files() -> Vec<Vec<u8>> {
 /// Changes a few bytes: anywhere, or in the lists, where a digit weighs most.
 fn mutate(file: &mut Vec<u8>, header: usize, draws: &mut Draws) {
     for _ in 0..=draws.below(3) {
-        let end = if draws.below(2) == 0 {
-            header
-        } else {
-            file.len()
-        };
+        let end = [header, file.len()][draws.below(2)];
         let at = draws.below(end.min(file.len()).max(1)).min(file.len() - 1);
         match draws.below(8) {
             0 => file[at] ^= 1 << draws.below(8),
@@ -172,19 +148,16 @@ fn mutate(file: &mut Vec<u8>, header: usize, draws: &mut Draws) {
     }
 }
 
-/// Answers to so many damaged files; each within a limit of memory and, by far, of time.
+/// Decodes so many damaged files; each ends within a limit of memory and, by far, of time.
 fn survive_compressed(times: usize) {
-    let files: Vec<(Vec<u8>, usize)> = compressed_files()
-        .into_iter()
-        .map(|file| {
-            let (fields, _) = ptm_conform::decode::fields(&file);
-            let planes = fields
-                .iter()
-                .find(|field| field.clause.starts_with("2.9.8"));
-            let header = planes.map_or(file.len(), |field| field.range.start);
-            (file, header)
-        })
-        .collect();
+    let with_header = |file: Vec<u8>| {
+        let (fields, _) = ptm_conform::decode::fields(&file);
+        let mut fields = fields.iter();
+        let planes = fields.find(|field| field.clause.starts_with("2.9.8"));
+        let header = planes.map_or(file.len(), |field| field.range.start);
+        (file, header)
+    };
+    let files: Vec<(Vec<u8>, usize)> = compressed_files().into_iter().map(with_header).collect();
     assert!(files.len() > 100, "{} files", files.len());
     let limits = Limits { memory: 16 << 20 };
     let mut draws = Draws(1);

@@ -27,7 +27,7 @@ fn the_planes_have_the_digest_that_an_independent_reader_finds() {
         .iter()
         .map(|byte| format!("{byte:02x}"))
         .collect();
-    // Found by two independent readers in Python. The note beside the file has another digest, which no order of
+    // Found by two independent readers in Python. The note with the file has another digest, which no order of
     // planes, rows or texels gives; the photographs below decide.
     assert_eq!(
         digest,
@@ -50,10 +50,10 @@ fn the_colors_match_the_photographs() {
         let photograph = jpeg_decoder::Decoder::new(&jpeg[..])
             .decode()
             .expect("a JPEG");
-        let picture = coefficients.evaluate(lu, lv);
-        exact += rmse(picture.values.iter().copied(), &photograph);
+        let image = coefficients.evaluate(lu, lv);
+        exact += rmse(image.values.iter().copied(), &photograph);
         rounded += rmse(
-            picture.to_bytes().iter().map(|&byte| f64::from(byte)),
+            image.to_bytes().iter().map(|&byte| f64::from(byte)),
             &photograph,
         );
         count += 1.0;
@@ -67,8 +67,8 @@ fn the_colors_match_the_photographs() {
     assert!(rounded / count < 0.90, "{}", rounded / count);
 }
 
-fn rmse(picture: impl Iterator<Item = f64>, photograph: &[u8]) -> f64 {
-    let squares: f64 = picture
+fn rmse(image: impl Iterator<Item = f64>, photograph: &[u8]) -> f64 {
+    let squares: f64 = image
         .zip(photograph)
         .map(|(a, &b)| (a - f64::from(b)).powi(2))
         .sum();

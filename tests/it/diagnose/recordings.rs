@@ -1,17 +1,14 @@
-//! What seven public readers answered to the suite, judged and diagnosed again.
+//! The responses of seven public readers to the suite, judged and diagnosed again.
 //!
 //! `tests/it/recordings/` has the answers of each reader, compressed, and `rows.yaml`: for each mistake that the reader's source
 //! shows, the cause that must be named, and statements that must not be made because its author could refute them.
 
 use std::collections::HashMap;
-use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
 
+use crate::in_process::{right, suite};
 use crate::recordings::{digest, folder, recorded};
-use ptm_conform::Reading;
 use ptm_conform::diagnose::{Cause, diagnose};
 use ptm_conform::kit::yaml;
-use ptm_conform::misreadings;
 use ptm_conform::protocol::frame::Answer;
 use ptm_conform::runner::run::{Reply, Request};
 use ptm_conform::session::outcome::Outcome;
@@ -20,7 +17,7 @@ use ptm_conform::session::run::{Run, check};
 use ptm_conform::suite::cases::{Case, Suite, TableSpelling};
 use serde::Deserialize;
 
-/// A reader, and what must and must not be said of it.
+/// A reader, and statements that must and must not be made about it.
 #[derive(Deserialize)]
 struct Reader {
     name: String,
@@ -78,16 +75,9 @@ fn replayed(suite: &Suite, reader: &str) -> Run {
     };
     let withheld = |case: &Case| (!is_recorded(case)).then(|| "no answer was recorded".to_owned());
     let plan = RunPlan {
-        selected: vec![true; suite.cases.len()],
-        jobs: 2,
-        views: Vec::new(),
-        soonest: Vec::new(),
-        declared_views: None,
-        declared_kinds: None,
         repeat: Repeat::Nothing,
         withheld: suite.cases.iter().map(withheld).collect(),
-        precomputed: false,
-        stop: Arc::new(AtomicBool::new(false)),
+        ..RunPlan::of(suite, 2)
     };
     let ask = |request: &Request<'_>, _: usize| -> Reply {
         let key = (digest(request.file), request.view.to_string());
@@ -95,10 +85,7 @@ fn replayed(suite: &Suite, reader: &str) -> Run {
             return Answer::Unsupported.into();
         };
         // An image that is equal to the expected one was not recorded.
-        let answer = kept
-            .answer
-            .clone()
-            .unwrap_or_else(|| misreadings::answer(&[], Reading::SPEC, request.file, request.view));
+        let answer = kept.answer.clone().unwrap_or_else(|| right(request));
         Reply {
             stderr: kept.stderr.clone(),
             exit: kept.exit,
@@ -111,10 +98,7 @@ fn replayed(suite: &Suite, reader: &str) -> Run {
 /// Every cause that is named for a reader.
 fn causes(suite: &Suite, reader: &str) -> Vec<Said> {
     let run = replayed(suite, reader);
-    let judged = run.judgement.cases.iter().flatten();
-    let failures = judged
-        .filter(|judged| judged.outcome == Outcome::Fail)
-        .count();
+    let failures = run.judgement.with(Outcome::Fail).count();
     let found = diagnose(suite, &run, &[], 2);
     assert!(found.faults.is_empty(), "{:?}", found.faults);
     println!(
@@ -158,8 +142,8 @@ fn readers() -> Vec<Reader> {
 }
 
 #[test]
-fn every_mistake_of_seven_readers_is_named_and_nothing_false_is_said() {
-    let suite = Suite::load().expect("the suite loads").prepared();
+fn every_mistake_of_seven_readers_is_named_and_no_false_statement_is_made() {
+    let suite = suite().prepared();
     let mut missed = Vec::new();
     for reader in readers() {
         let said = causes(&suite, &reader.name);

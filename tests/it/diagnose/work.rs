@@ -4,17 +4,12 @@ use ptm_conform::Reading;
 use ptm_conform::diagnose::{Cause, diagnose};
 use ptm_conform::misreadings;
 use ptm_conform::protocol::frame::{Answer, Frame, Samples, ViewKind};
-use ptm_conform::runner::run::{Reply, Request};
-use ptm_conform::session::plan::RunPlan;
-use ptm_conform::session::run::check;
-use ptm_conform::suite::cases::Suite;
+use ptm_conform::runner::run::Request;
+
+use crate::in_process::{misread, misreading, right, run_all, suite};
 
 /// Answers that the search may compute.
 const MAX_ANSWERS: usize = 200_000;
-
-fn right(request: &Request) -> Answer {
-    misreadings::answer(&[], Reading::SPEC, request.file, request.view)
-}
 
 /// Returns one value in every sample.
 fn uniform(request: &Request) -> Answer {
@@ -47,8 +42,7 @@ fn the_same_image(request: &Request) -> Answer {
 }
 
 fn exchanged_sizes(request: &Request) -> Answer {
-    let exchanged = misreadings::named("height-before-width").expect("a misreading");
-    misreadings::answer(&[exchanged], Reading::SPEC, request.file, request.view)
+    misread(&[misreading("height-before-width")], request)
 }
 
 /// Keeps width and height in eight bits.
@@ -70,7 +64,7 @@ fn sizes_in_bytes(request: &Request) -> Answer {
 
 #[test]
 fn the_search_is_bounded_whatever_is_wrong() {
-    let suite = Suite::load().expect("the suite loads").prepared();
+    let suite = suite().prepared();
     let decoders: [(&str, fn(&Request) -> Answer, &str); 4] = [
         ("uniform", uniform, ""),
         ("the same image", the_same_image, ""),
@@ -78,8 +72,7 @@ fn the_search_is_bounded_whatever_is_wrong() {
         ("exchanged sizes", exchanged_sizes, "height-before-width"),
     ];
     for (name, decoder, slug) in decoders {
-        let ask = |request: &Request<'_>, _: usize| Reply::from(decoder(request));
-        let run = check(&suite, &RunPlan::of(&suite, 2), &ask, &|_, _, _, _| ());
+        let run = run_all(&suite, decoder);
         let causes = diagnose(&suite, &run, &[], 2);
         println!("{name}: {} answers, {:?}", causes.answered, causes.cpu_time);
         for one in &causes.diagnoses {

@@ -1,9 +1,13 @@
 //! The properties that the fuzz targets drive, driven by proptest; and everything that a target ever found, again.
 
+use std::path::Path;
+
 use proptest::prelude::*;
 use ptm_conform::fuzz::properties;
 
-/// The targets by name, as in `fuzz/fuzz_targets/`.
+use crate::repository::files_below;
+
+/// The fast targets by name, as in `fuzz/fuzz_targets/`.
 const TARGETS: [(&str, fn(&[u8])); 10] = [
     ("file", properties::file),
     ("recipe", properties::recipe),
@@ -17,7 +21,7 @@ const TARGETS: [(&str, fn(&[u8])); 10] = [
     ("case_file", properties::case_file),
 ];
 
-/// Those that take a second or so a call.
+/// Targets that take about a second for each call.
 const SLOW: [(&str, fn(&[u8])); 1] = [("diagnosis", properties::diagnosis)];
 
 /// Our samples of a JPEG stream are those of another decoder, but for its own rounding.
@@ -28,10 +32,8 @@ fn second_opinion(bytes: &[u8]) {
     let mut other = jpeg_decoder::Decoder::new(&stream[..]);
     let theirs = other.decode().expect("a legal stream");
     let info = other.info().expect("decoded");
-    assert_eq!(
-        (u32::from(info.width), u32::from(info.height)),
-        (width, height)
-    );
+    let size = (u32::from(info.width), u32::from(info.height));
+    assert_eq!(size, (width, height));
     assert!(properties::nearly(&samples, &theirs, width));
 }
 
@@ -54,21 +56,13 @@ fn seeds_and_finds_hold() {
 
 #[test]
 fn every_file_of_the_corpus_is_answered_however_it_is_read() {
-    let corpus = concat!(env!("CARGO_MANIFEST_DIR"), "/corpus");
-    let mut files = 0;
-    let mut directories = vec![std::path::PathBuf::from(corpus)];
-    while let Some(directory) = directories.pop() {
-        for entry in std::fs::read_dir(directory).expect("a directory") {
-            let path = entry.expect("an entry").path();
-            if path.is_dir() {
-                directories.push(path);
-            } else if path.extension().is_some_and(|suffix| suffix == "ptm") {
-                properties::file(&std::fs::read(&path).expect("a file"));
-                files += 1;
-            }
-        }
+    let corpus = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/corpus"));
+    let mut files = files_below(corpus);
+    files.retain(|path| path.extension().is_some_and(|suffix| suffix == "ptm"));
+    for path in &files {
+        properties::file(&std::fs::read(path).expect("a file"));
     }
-    assert!(files > 1000, "{files}");
+    assert!(files.len() > 1000, "{}", files.len());
 }
 
 #[test]

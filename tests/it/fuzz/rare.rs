@@ -14,10 +14,12 @@ use ptm_conform::protocol::capabilities::Capabilities;
 use ptm_conform::protocol::frame::{Answer, Frame, View};
 use ptm_conform::ptm::Format;
 use ptm_conform::runner::run::{Reply, Request};
-use ptm_conform::suite::cases::{Case, Expect, Suite, TableSpelling};
+use ptm_conform::suite::cases::{Case, Expect, TableSpelling};
 use ptm_conform::suite::compare::Expected;
 use ptm_conform::suite::values::Values;
 use ptm_conform::{Reading, decode};
+
+use crate::in_process::{misread, misreading, suite};
 
 fn plan(executions: usize) -> FuzzPlan {
     FuzzPlan {
@@ -33,24 +35,13 @@ fn plan(executions: usize) -> FuzzPlan {
 
 /// Fuzzes a decoder with these mistakes.
 fn fuzzed(slugs: &[&str], executions: usize) -> FuzzResult {
-    let mistakes: Vec<_> = slugs
-        .iter()
-        .map(|slug| misreadings::named(slug).unwrap_or_else(|| panic!("{slug}")))
-        .collect();
-    let suite = Suite::load().expect("the suite loads");
-    fuzz(&suite, &plan(executions), &made(&mistakes), &|_| ())
+    let mistakes: Vec<_> = slugs.iter().map(|slug| misreading(slug)).collect();
+    fuzz(&suite(), &plan(executions), &asking(&mistakes), &|_| ())
 }
 
 /// Asks a decoder with these mistakes.
-fn made(mistakes: &[&Misreading]) -> impl Fn(&Request, usize) -> Reply + Sync {
-    |request, _| {
-        Reply::from(misreadings::answer(
-            mistakes,
-            Reading::SPEC,
-            request.file,
-            request.view,
-        ))
-    }
+fn asking(mistakes: &[&Misreading]) -> impl Fn(&Request, usize) -> Reply + Sync {
+    |request, _| Reply::from(misread(mistakes, request))
 }
 
 #[test]
@@ -134,7 +125,7 @@ const STAYS_LONG: &str = "side-position-in-16-bits";
 #[ignore = "takes minutes"]
 fn rare_mistakes_are_found_within_two_hundred_thousand_calls() {
     const DRAWN: usize = 2000;
-    let suite = Suite::load().expect("the suite loads");
+    let suite = suite();
     let draws = Draws::of(&suite);
     let last = |draft: &Draft| draft.cases("drawn").ok()?.pop();
     let drawn: Vec<Question> = (0..DRAWN as u64)
@@ -154,10 +145,10 @@ fn rare_mistakes_are_found_within_two_hundred_thousand_calls() {
         .collect();
     let mut common = Vec::new();
     for slug in RARE {
-        let mistake = misreadings::named(slug).unwrap_or_else(|| panic!("{slug}"));
+        let mistake = misreading(slug);
         let count = drawn.iter().filter(|file| file.shows(mistake)).count();
         let plan = plan(200_000);
-        let outcomes = fuzz(&suite, &plan, &made(&[mistake]), &|news| {
+        let outcomes = fuzz(&suite, &plan, &asking(&[mistake]), &|news| {
             if matches!(news, FuzzProgress::Found(_)) {
                 plan.stop.store(true, Ordering::Relaxed);
             }

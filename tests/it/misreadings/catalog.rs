@@ -8,6 +8,9 @@ use ptm_conform::strength::matrix::{MatrixRow, ask_all, matrix};
 use ptm_conform::suite::cases::{Case, Suite};
 use ptm_conform::suite::clauses::{self, ClauseStatus, RulingKind};
 
+use crate::in_process::{jobs, suite};
+use crate::table::rows;
+
 /// Mistakes that show only in files larger than 4×4 texels, and why.
 const LARGE_BY_NATURE: &[(&str, &str)] = &[
     ("sizes-of-four-digits", "a size needs five digits"),
@@ -17,52 +20,20 @@ const LARGE_BY_NATURE: &[(&str, &str)] = &[
 ];
 
 /// Pairs that no file tells apart, and why.
-const EQUIVALENT: &[(&str, &str, &str)] = &[
-    (
-        "side-sizes-are-records",
-        "sizes-include-side-information",
-        "both refuse every file with records",
-    ),
-    (
-        "sizes-include-side-information",
-        "side-information-before-its-plane",
-        "both refuse every file with records",
-    ),
-    (
-        "sof1-refused",
-        "tables-of-16-bits-refused",
-        "an encoder that writes one writes the other",
-    ),
-    (
-        "table-one-entry-long",
-        "table-separated",
-        "both find every table too short and refuse all files with one",
-    ),
-];
+const EQUIVALENT: &str = "
+side-sizes-are-records | sizes-include-side-information | both refuse every file with records
+sizes-include-side-information | side-information-before-its-plane | both refuse every file with records
+sof1-refused | tables-of-16-bits-refused | an encoder that writes one writes the other
+table-one-entry-long | table-separated | both find every table too short and refuse all files with one
+";
 
 /// Mistakes that hide from a decoder that shows colors only, and why.
-const HIDDEN_IN_COLORS: &[(&str, &str)] = &[
-    (
-        "tables-of-16-bits-cut",
-        "the files that show it leave the range in which lossy planes are asked for in colors",
-    ),
-    (
-        "scale-with-three-decimals",
-        "what it loses of an ordinary scale is less than the tolerance of a color",
-    ),
-    (
-        "byte-order-mark-skipped",
-        "its files are hand-assembled and have stored values only",
-    ),
-];
-
-fn suite() -> Suite {
-    Suite::load().expect("the suite loads").prepared()
-}
-
-fn jobs() -> usize {
-    std::thread::available_parallelism().map_or(1, usize::from)
-}
+const HIDDEN_IN_COLORS: &str = "
+tables-of-16-bits-cut
+  | the files that show it leave the range in which lossy planes are asked for in colors
+scale-with-three-decimals | the loss in an ordinary scale is less than the tolerance of a color
+byte-order-mark-skipped | its files are hand-assembled and have stored values only
+";
 
 fn is_small(case: &Case) -> bool {
     case.recipe()
@@ -70,35 +41,35 @@ fn is_small(case: &Case) -> bool {
 }
 
 #[test]
-fn every_misreading_is_caught_by_two_cases_and_told_from_every_other() {
-    let suite = suite();
-    let rows = matrix(&suite, jobs(), &|_, _| ());
-    println!("{} misreadings, {} cases", rows.len(), suite.cases.len());
-    assert!(rows.len() >= 60);
-    let weak: Vec<String> = rows
-        .iter()
-        .filter_map(|row| weakness(&suite, row))
-        .collect();
+fn every_misreading_is_caught_by_two_cases_and_differs_from_every_other() {
+    let suite = suite().prepared();
+    let matrix = matrix(&suite, jobs(), &|_, _| ());
+    println!("{} misreadings, {} cases", matrix.len(), suite.cases.len());
+    assert!(matrix.len() >= 60);
+    let weak = matrix.iter().filter_map(|row| weakness(&suite, row));
+    let weak: Vec<String> = weak.collect();
     assert!(weak.is_empty(), "{weak:#?}");
     let mut known: HashMap<&[u64], &str> = HashMap::new();
     let mut alike = Vec::new();
-    for row in &rows {
+    for row in &matrix {
         if let Some(other) = known.insert(&row.answers, row.misreading.slug) {
             alike.push((other, row.misreading.slug));
         }
     }
-    alike.retain(|&(a, b)| !EQUIVALENT.iter().any(|&(c, d, _)| (a, b) == (c, d)));
+    let equivalent = rows(EQUIVALENT);
+    alike.retain(|&(a, b)| !equivalent.iter().any(|[c, d, _]| (a, b) == (c, d)));
     assert!(alike.is_empty(), "these answer every case alike: {alike:?}");
-    let hidden = rows.iter().filter(|row| !is_seen_in_colors(&suite, row));
+    let hidden = matrix.iter().filter(|row| !is_seen_in_colors(&suite, row));
     let hidden: HashSet<&str> = hidden.map(|row| row.misreading.slug).collect();
-    let known: HashSet<&str> = HIDDEN_IN_COLORS.iter().map(|&(slug, _)| slug).collect();
+    let known = rows(HIDDEN_IN_COLORS);
+    let known: HashSet<&str> = known.iter().map(|[slug, _]| slug.as_str()).collect();
     assert_eq!(hidden, known, "not seen in colors");
 }
 
-/// Whether a decoder that shows colors only is caught too, by a case that catches it where stored values are shown.
+/// Returns true if a decoder that shows colors only is caught too, by a case that catches it in stored values.
 fn is_seen_in_colors(suite: &Suite, row: &MatrixRow) -> bool {
     row.killed_by.chunks(20).any(|some| {
-        // A damaged file is asked beside its twin.
+        // A damaged file is asked for together with its twin.
         let wanted: HashSet<&String> = (some.iter().map(|&i| &suite.cases[i]))
             .flat_map(|case| [Some(&case.id), case.twin_of.as_ref()])
             .flatten()
@@ -113,18 +84,14 @@ fn is_seen_in_colors(suite: &Suite, row: &MatrixRow) -> bool {
     })
 }
 
-/// Why a mistake is not caught well enough.
+/// Returns the reason why a mistake is not caught well enough.
 fn weakness(suite: &Suite, row: &MatrixRow) -> Option<String> {
     let slug = row.misreading.slug;
     let large = LARGE_BY_NATURE.iter().any(|&(known, _)| known == slug);
     let small = row.killed_by.iter().any(|&i| is_small(&suite.cases[i]));
-    let own = row.killed_by.iter().any(|&i| {
-        suite.cases[i]
-            .clauses
-            .iter()
-            .any(|clause| clause == row.misreading.clause)
-    });
-    // The smallness of a case is asked of sections 1.0 to 2.8; a stream has a size of its own.
+    let mut killers = row.killed_by.iter().map(|&i| &suite.cases[i]);
+    let own = killers.any(|case| case.clauses.iter().any(|id| id == row.misreading.clause));
+    // Sections 1.0 to 2.8 need a small case; a stream has another size than its image.
     let smallness_counts = !row.misreading.clause.starts_with("2.9");
     match row.killed_by.len() {
         count @ 0..2 => Some(format!("{slug} is caught by {count} cases")),
@@ -140,92 +107,62 @@ fn weakness(suite: &Suite, row: &MatrixRow) -> Option<String> {
 }
 
 #[test]
-fn every_clause_is_tested_or_says_why_not() {
-    let suite = suite();
+fn every_clause_is_tested_or_gives_a_reason() {
+    let suite = suite().prepared();
     let clauses = clauses::clauses().expect("the clauses load");
     let rulings = clauses::rulings().expect("the rulings load");
     for clause in &clauses {
         let id = &clause.id;
         let has_case = suite.cases.iter().any(|case| case.clauses.contains(id));
         let has_misreading = misreadings::all().any(|misreading| misreading.clause == id);
-        match clause.status {
-            ClauseStatus::Tested => assert!(
-                has_case && has_misreading,
-                "{id}: case {has_case}, misreading {has_misreading}"
-            ),
+        let is_covered = match clause.status {
+            ClauseStatus::Tested => has_case && has_misreading,
             ClauseStatus::Ruled => {
-                let ruling = rulings
-                    .iter()
-                    .find(|ruling| Some(&ruling.id) == clause.ruling.as_ref());
-                let ruling =
-                    ruling.unwrap_or_else(|| panic!("{id}: {:?} is no ruling", clause.ruling));
+                let ruling = clause.ruling.as_ref().expect("a ruled clause has a ruling");
+                let ruling = rulings.iter().find(|one| one.id == *ruling).expect(id);
                 // Every listed reading of a choice is right, and none of them is a misreading.
-                let enough = has_misreading || ruling.kind == RulingKind::Choice;
-                assert!(
-                    has_case && enough,
-                    "{id}: case {has_case}, misreading {has_misreading}"
-                );
+                has_case && (has_misreading || ruling.kind == RulingKind::Choice)
             }
-            ClauseStatus::Informative | ClauseStatus::Untestable => {
-                assert!(clause.why.is_some(), "{id} does not say why");
-            }
-        }
+            ClauseStatus::Informative | ClauseStatus::Untestable => clause.why.is_some(),
+        };
+        assert!(
+            is_covered,
+            "{id}: case {has_case}, misreading {has_misreading}"
+        );
     }
 }
 
 #[test]
 fn every_link_leads_somewhere() {
-    let clauses: HashSet<String> = clauses::clauses()
-        .expect("the clauses load")
-        .into_iter()
-        .map(|clause| clause.id)
-        .collect();
+    let clauses = clauses::clauses().expect("the clauses load");
     let rulings = clauses::rulings().expect("the rulings load");
+    let ids: HashSet<&String> = clauses.iter().map(|clause| &clause.id).collect();
+    let are_known = |clauses: &[String]| clauses.iter().all(|id| ids.contains(id));
+    let ruling = |id: &String| rulings.iter().find(|ruling| ruling.id == *id);
     for case in &suite().cases {
-        assert!(
-            !case.clauses.is_empty() && case.clauses.iter().all(|clause| clauses.contains(clause)),
-            "{}: {:?}",
-            case.id,
-            case.clauses
-        );
-        assert!(
-            case.ruling
-                .as_ref()
-                .is_none_or(|id| rulings.iter().any(|ruling| ruling.id == *id)),
-            "{}: {:?}",
-            case.id,
-            case.ruling
-        );
+        let has_clauses = !case.clauses.is_empty() && are_known(&case.clauses);
+        let has_ruling = case.ruling.as_ref().is_none_or(|id| ruling(id).is_some());
+        assert!(has_clauses && has_ruling, "{}: {:?}", case.id, case.ruling);
     }
-    for clause in clauses::clauses().expect("the clauses load") {
-        let ruling = clause.ruling.as_ref();
-        let ruling = ruling.and_then(|id| rulings.iter().find(|ruling| ruling.id == *id));
-        assert!(
-            ruling.is_none_or(|ruling| ruling.clauses.contains(&clause.id)),
-            "{}: its ruling does not name it",
-            clause.id
-        );
+    for clause in &clauses {
+        let ruling = clause.ruling.as_ref().and_then(ruling);
+        let is_named = ruling.is_none_or(|ruling| ruling.clauses.contains(&clause.id));
+        assert!(is_named, "{}: its ruling does not name it", clause.id);
     }
     for ruling in &rulings {
-        assert!(
-            ruling.clauses.iter().all(|clause| clauses.contains(clause)),
-            "{}: {:?}",
-            ruling.id,
-            ruling.clauses
-        );
+        assert!(are_known(&ruling.clauses), "{}", ruling.id);
     }
     let mut slugs = HashSet::new();
     for misreading in misreadings::all() {
         assert!(
             slugs.insert(misreading.slug),
-            "{} is there twice",
+            "duplicate {}",
             misreading.slug
         );
         assert!(
-            clauses.contains(misreading.clause),
-            "{}: {}",
-            misreading.slug,
-            misreading.clause
+            ids.contains(&misreading.clause.to_owned()),
+            "{}",
+            misreading.slug
         );
     }
 }

@@ -1,20 +1,17 @@
-//! What is predicted of readers, against what they answered; and the file that a reader shows right, made for it.
+//! Predictions about readers, against their recorded responses; and conversions to files that a reader shows correctly.
 
 use std::collections::BTreeMap;
 
+use crate::in_process::suite;
 use crate::recordings::{digest, recorded};
 use ptm_conform::protocol::frame::Answer;
 use ptm_conform::ptm::Format;
 use ptm_conform::readers::{OpenedFile, ReaderProfile, Shown, profiles, profiles_of};
-use ptm_conform::suite::cases::{Case, Expect, Suite, TableSpelling};
+use ptm_conform::suite::cases::{Case, Expect, TableSpelling};
 use ptm_conform::suite::compare::Expected;
 use ptm_conform::tools::convert_for::convert_for;
 use ptm_conform::tools::dissection::Dissection;
 use ptm_conform::{decode, misreadings};
-
-fn suite() -> Suite {
-    Suite::load().unwrap_or_else(|why| panic!("{why}"))
-}
 
 fn reader(name: &str) -> &'static ReaderProfile {
     let found = profiles().iter().find(|profile| profile.name == name);
@@ -35,7 +32,7 @@ fn every_reader_has_its_own_name_and_misreadings_of_the_catalog() {
 }
 
 #[test]
-fn a_profile_that_says_what_cannot_be_is_refused() {
+fn an_impossible_profile_is_refused() {
     for (more, why) in [
         ("reads: [GIF]", "no format is called GIF"),
         (
@@ -101,10 +98,8 @@ impl Tally {
     }
 
     fn count(&self, matches: impl Fn(Shown, Shown) -> bool) -> usize {
-        let pairs = self
-            .pairs
-            .iter()
-            .filter(|((predicted, seen), _)| matches(*predicted, *seen));
+        let pairs = self.pairs.iter();
+        let pairs = pairs.filter(|((predicted, seen), _)| matches(*predicted, *seen));
         pairs.map(|(_, count)| count).sum()
     }
 
@@ -168,15 +163,15 @@ fn report(name: &str, tally: &Tally) -> [f64; 4] {
 }
 
 #[test]
-fn what_is_converted_for_a_reader_is_the_same_map_and_right_there() {
+fn a_file_converted_for_a_reader_is_the_same_map_and_shown_correctly() {
     let suite = suite();
     let mut asked: BTreeMap<Format, usize> = BTreeMap::new();
     let (mut converted, mut refused) = (0, 0);
-    for case in suite
+    let legal = suite
         .cases
         .iter()
-        .filter(|case| case.expect == Expect::Decode)
-    {
+        .filter(|case| case.expect == Expect::Decode);
+    for case in legal {
         let count = asked.entry(case.format()).or_default();
         let file = &case.build(TableSpelling::default()).file;
         if *count >= 6 || file.len() > 16_384 {
@@ -189,7 +184,7 @@ fn what_is_converted_for_a_reader_is_the_same_map_and_right_there() {
             match convert_for(&dissection, ptm, &[reader(name)]) {
                 Ok((_, made)) => {
                     let back = decode(&made.bytes).expect("a legal file");
-                    same_picture(ptm, &back, &case.id);
+                    assert_same_map(ptm, &back, &case.id);
                     let shown = OpenedFile::of(&made.bytes).predict(reader(name)).shows;
                     assert_eq!(shown, Shown::Right, "{} for {name}", case.id);
                     converted += 1;
@@ -208,34 +203,31 @@ fn what_is_converted_for_a_reader_is_the_same_map_and_right_there() {
 
 /// Final coefficients are equal, or, where one polynomial has become three, the colors of six lights, which decide them.
 #[track_caller]
-fn same_picture(a: &ptm_conform::Ptm, b: &ptm_conform::Ptm, what: &str) {
+fn assert_same_map(a: &ptm_conform::Ptm, b: &ptm_conform::Ptm, what: &str) {
     let (a, b) = (a.coefficients(), b.coefficients());
     if a.shape == b.shape {
         assert_eq!(a.values, b.values, "{what}");
     }
-    for (lu, lv) in [
+    let lights = [
         (0.0, 0.0),
         (0.5, 0.0),
         (0.0, 0.5),
         (-0.5, 0.25),
         (0.25, -0.5),
         (0.625, 0.625),
-    ] {
-        let pictures = [a.evaluate(lu, lv), b.evaluate(lu, lv)];
-        let mut pairs = pictures[0].values.iter().zip(&pictures[1].values);
+    ];
+    for (lu, lv) in lights {
+        let images = [a.evaluate(lu, lv), b.evaluate(lu, lv)];
+        let mut pairs = images[0].values.iter().zip(&images[1].values);
         assert!(pairs.all(|(a, b)| (a - b).abs() < 1e-6), "{what}");
     }
 }
 
 #[test]
-fn a_wrong_picture_is_described_as_one_sees_it() {
+fn a_wrong_image_is_described_by_its_look() {
     let suite = suite();
     let how = |case: &str, profile: &str| {
-        let case = suite
-            .cases
-            .iter()
-            .find(|one| one.id == case)
-            .expect("a case");
+        let case = suite.case(case).expect("a case");
         let yaml = format!(
             "- name: x\n  reader: x\n  reads: [RGB, LRGB]\n  evidence: code\n  misreadings: [{{ slug: {profile}, evidence: code }}]\n"
         );

@@ -2,43 +2,26 @@
 
 use std::collections::BTreeMap;
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use ptm_conform::generate::{Model, Recipe, write};
 use ptm_conform::kit::digest::sha256;
+use ptm_conform::kit::yaml::from_yaml;
 use ptm_conform::ptm::Format;
-use ptm_conform::suite::cases::{Case, Expect, Suite, TableSpelling};
+use ptm_conform::suite::cases::{Case, Expect, TableSpelling};
 use ptm_conform::suite::corpus::{self, ManifestEntry};
 use ptm_conform::suite::damages::damages;
+
+use crate::in_process::suite;
+use crate::repository::tree;
 
 fn root() -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR"))
 }
 
-fn suite() -> Suite {
-    Suite::load().expect("the suite loads")
-}
-
-/// All files below a directory, with their bytes.
-fn tree(directory: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
-    let mut files = BTreeMap::new();
-    for entry in fs::read_dir(directory).expect("a directory") {
-        let path = entry.expect("an entry").path();
-        if path.is_dir() {
-            files.extend(tree(&path).into_iter().map(|(name, bytes)| {
-                (
-                    Path::new(path.file_name().expect("a name")).join(name),
-                    bytes,
-                )
-            }));
-        } else {
-            files.insert(
-                PathBuf::from(path.file_name().expect("a name")),
-                fs::read(&path).expect("a file"),
-            );
-        }
-    }
-    files
+/// Returns the digest of the file of a case.
+fn digest(case: &Case) -> String {
+    sha256(&case.build(TableSpelling::default()).file)
 }
 
 #[test]
@@ -46,24 +29,18 @@ fn one_thread_and_many_write_what_is_committed() {
     let committed = tree(&root().join("corpus"));
     for jobs in [1, 7] {
         let scratch = tempfile::tempdir().expect("a scratch directory");
-        corpus::write(
-            &suite(),
-            scratch.path(),
-            corpus::COMMITTED,
-            jobs,
-            &|_, _| (),
-        )
-        .expect("the corpus is written");
+        let limit = corpus::COMMITTED;
+        let written = corpus::write(&suite(), scratch.path(), limit, jobs, &|_, _| ());
+        written.expect("the corpus is written");
         let written = tree(scratch.path());
-        let names = |files: &BTreeMap<PathBuf, Vec<u8>>| files.keys().cloned().collect::<Vec<_>>();
-        assert_eq!(
-            names(&written),
-            names(&committed),
+        assert!(
+            written.keys().eq(committed.keys()),
             "run: ptm-conform generate"
         );
         for (name, bytes) in &written {
+            let is_equal = committed[name] == *bytes;
             assert!(
-                committed[name] == *bytes,
+                is_equal,
                 "{} differs; run: ptm-conform generate",
                 name.display()
             );
@@ -77,21 +54,11 @@ fn one_thread_and_many_write_what_is_committed() {
 #[test]
 fn the_manifest_lists_every_case() {
     let text = fs::read_to_string(root().join("corpus/MANIFEST.yaml")).expect("the manifest");
-    let entries: Vec<ManifestEntry> =
-        ptm_conform::kit::yaml::from_yaml(&text).expect("the manifest is YAML");
+    let entries: Vec<ManifestEntry> = from_yaml(&text).expect("the manifest is YAML");
     let suite = suite();
-    let ids: Vec<&String> = entries.iter().map(|entry| &entry.id).collect();
-    assert_eq!(
-        ids,
-        suite.cases.iter().map(|case| &case.id).collect::<Vec<_>>()
-    );
+    assert_eq!(entries.len(), suite.cases.len());
     for (entry, case) in entries.iter().zip(&suite.cases) {
-        assert_eq!(
-            entry.sha256,
-            sha256(&case.build(TableSpelling::default()).file),
-            "{}",
-            entry.id
-        );
+        assert_eq!((&entry.id, &entry.sha256), (&case.id, &digest(case)));
     }
 }
 
@@ -99,31 +66,22 @@ fn the_manifest_lists_every_case() {
 fn no_id_vanishes_and_no_file_changes_unseen() {
     // The ledger says what each id stood for when it was first published.
     let text = fs::read_to_string(root().join("spec-cases/ledger.yaml")).expect("the ledger");
-    let ledger: BTreeMap<String, (String, String)> =
-        ptm_conform::kit::yaml::from_yaml(&text).expect("the ledger is YAML");
+    let ledger: BTreeMap<String, (String, String)> = from_yaml(&text).expect("the ledger is YAML");
     let suite = suite();
     for (id, (digest, since)) in &ledger {
         let case = suite
             .case(id)
             .unwrap_or_else(|| panic!("{id}, published in {since}, is gone"));
         assert_eq!(
-            &sha256(&case.build(TableSpelling::default()).file),
-            digest,
+            self::digest(case),
+            *digest,
             "{id} means another file than in {since}"
         );
     }
-    let unlisted = suite
-        .cases
-        .iter()
-        .filter(|case| !ledger.contains_key(&case.id));
-    let line = |case: &Case| {
-        let digest = sha256(&case.build(TableSpelling::default()).file);
-        format!(
-            "{}: [{digest}, \"{}\"]\n",
-            case.id,
-            env!("CARGO_PKG_VERSION")
-        )
-    };
+    let cases = suite.cases.iter();
+    let unlisted = cases.filter(|case| !ledger.contains_key(&case.id));
+    let version = env!("CARGO_PKG_VERSION");
+    let line = |case: &Case| format!("{}: [{}, \"{version}\"]\n", case.id, digest(case));
     let missing: String = unlisted.map(line).collect();
     assert!(
         missing.is_empty(),
@@ -132,21 +90,21 @@ fn no_id_vanishes_and_no_file_changes_unseen() {
 }
 
 #[test]
-fn the_decoder_finds_what_was_painted() {
+fn the_decoder_accepts_and_refuses_as_expected() {
     for case in &suite().cases {
         let built = case.build(TableSpelling::default());
         let decoded = ptm_conform::decode(&built.file);
         match case.expect {
             Expect::Reject | Expect::Refuse => assert!(decoded.is_err(), "{}", case.id),
             Expect::Decode => assert!(decoded.is_ok(), "{}: {decoded:?}", case.id),
-            // What the reference does with these is its own; another picture than the painted one it never shows.
+            // The reference may decode or refuse these.
             Expect::Lenient | Expect::Spelling | Expect::ImplementationDefined => {}
         }
     }
 }
 
 #[test]
-fn the_readme_says_what_the_generator_does() {
+fn the_readme_describes_the_generator() {
     let readme = fs::read_to_string(root().join("spec-cases/README.md")).expect("a README");
     let size = "2x2".parse().expect("a size");
     let recipe = Recipe::ordinary(Format::Lrgb, size);
@@ -172,12 +130,9 @@ fn the_readme_says_what_the_generator_does() {
 #[test]
 fn every_damage_is_done_by_a_case() {
     let suite = suite();
-    let done: Vec<&str> = suite
-        .cases
-        .iter()
-        .filter_map(|case| Some(case.damage()?.name.as_str()))
-        .collect();
+    let done = suite.cases.iter().filter_map(Case::damage);
+    let done: Vec<&String> = done.map(|damage| &damage.name).collect();
     for damage in damages().expect("the damages") {
-        assert!(done.contains(&damage.name.as_str()), "{}", damage.name);
+        assert!(done.contains(&&damage.name), "{}", damage.name);
     }
 }
