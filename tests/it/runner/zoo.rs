@@ -63,8 +63,8 @@ upside-down | 1 | | none | raw, coef, rgb: its rows are upside down, in all firs
 blue-first | 1 | | none | rgb: red and blue are exchanged (BGR), in all first files
 halves | 1 | | none | raw: all values are divided by about 2. && coef: all values are divided by about 2.000
 brightens | 1 | | none | rgb: the sRGB curve is applied to all values, in all first files
-high-byte-first | 1 | | not judged | coef: its f32 have the high byte first && see it again:↵  $
-cuts-large-frames | 1 | | not judged | it ends before all is written && see it again:↵  $
+high-byte-first | 1 | | not judged | coef: its f32 samples are big-endian && see it again:↵  $
+cuts-large-frames | 1 | | not judged | it exits before all bytes are written && see it again:↵  $
 unsupported-once | 1 | | 1 | decodes other files of this kind
 no-lum | 0 | | none | unsupported (exit status 69): LUM, rgb of LUM
 no-raw-of-rgb | 0 | | none | unsupported (exit status 69): raw of RGB

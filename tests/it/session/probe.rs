@@ -122,11 +122,11 @@ fn decoders_that_expect_another_call() {
     assert_scripts_probed(
         r#"
 3 | [ -f decoder ] || { echo "no tables beside me" >&2; exit 1; }↵right "$@"
-  | it works in your directory only && beside itself
+  | it works only in your directory && next to itself
 3 | cat > in.ptm↵right "$1" in.ptm || exit 1 | reads the PTM from standard input && last argument
 3 | [ $# = 1 ] || exit 1↵cat > in.ptm↵right "$1" in.ptm | takes no FILE
 3 | [ $# = 0 ] || exit 1↵cat > in.ptm↵right raw in.ptm | takes no arguments
-3 | right "$2" "$1" || exit 1 | arguments the other way round && the first is the VIEW
+3 | right "$2" "$1" || exit 1 | arguments in reverse order && VIEW comes first
 3 | [ $# = 1 ] || exit 64↵right raw "$1" | it takes no VIEW
 3 | no-such-program-at-all "$2" | exit status 127 && absolute paths
 3 | exec ./no-such/file "$2" | exit status 12"#,
@@ -158,7 +158,7 @@ fn frames_that_are_damaged_on_their_way() {
     }
     for [status, act, says] in rows(
         r#"
-3 | s/\n/\r\n/g | has become CR LF: text mode && _O_BINARY
+3 | s/\n/\r\n/g | converted to CR LF (text mode) && _O_BINARY
 3 | s/\n/\r\n/ | its first line ends in CR LF && a line feed alone
 3 | utf8::encode($_) | (UTF-8) && write bytes, not characters
 3 | $_ = "\xff\xfe" . join("", map { "$_\0" } split(//)) | UTF-16
@@ -187,13 +187,13 @@ fn frames_with_samples_in_wrong_places() {
         "[ptm.texels[y * ptm.width:(y + 1) * ptm.width] for y in range(ptm.height)]";
     let table = r#"
 b"".join(b"".join(row) for row in reversed(ROWS)) | its rows are upside down && top row first
-b"".join(b"".join(reversed(row)) for row in ROWS) | its rows run from right to left
-b"".join(reversed(ptm.texels)) | its rows are upside down; and its rows run from right to left
-b"".join(map(bytes, zip(*ptm.texels))) | as whole planes && side by side
+b"".join(b"".join(reversed(row)) for row in ROWS) | its rows are mirrored, right to left
+b"".join(reversed(ptm.texels)) | its rows are upside down; and its rows are mirrored, right to left
+b"".join(map(bytes, zip(*ptm.texels))) | one whole plane per channel && (interleaved)
 b"".join(bytes(c) for row in ROWS for c in zip(*row)) | follow each other within each row
 b"".join(t for column in zip(*ROWS) for t in column) | column by column
 b"".join(t[:6] + t[:5:-1] for t in ptm.texels) | red and blue are exchanged (BGR)
-b"".join(t[6:] + t[:6] for t in ptm.texels) | the color stands before the coefficients
+b"".join(t[6:] + t[:6] for t in ptm.texels) | the color comes before the coefficients
 b"".join(t[:6] + t[:5:-1] for row in reversed(ROWS) for t in row) | (BGR); and its rows are upside down
 b"".join(bytes(255 - x for x in t) for t in ptm.texels)
   | the image is wrong: texel (0, 0) && check names the clause"#;
@@ -221,16 +221,16 @@ fn frames_of_the_wrong_type_view_or_size() {
     }
     assert_copies_probed(
         r#"
-1 | if sys.byteorder == "big": | if True: | its f32 have the high byte first && '<f4'
+1 | if sys.byteorder == "big": | if True: | its f32 samples are big-endian && '<f4'
 1 | array.array("f") | array.array("d") | its samples are f64, low byte first
 1 | kind, samples = "f32" | kind, samples = "f64" | says the type is f64 instead of f32
 1 | (view.decode(), ptm.width | (os.fsdecode(sys.argv[1]), ptm.width
   | its first line says "rgb:0.3125,-0.4375" && without the light
 1 | (view.decode(), ptm.width, ptm.height, | (view.decode(), ptm.height, ptm.width, | height and width exchanged
-1 | (view.decode(), ptm.width, ptm.height, | ("raw", ptm.width, ptm.height, | says "raw" where coef is asked for
+1 | (view.decode(), ptm.width, ptm.height, | ("raw", ptm.width, ptm.height, | says "raw", but coef was requested
 1 | samples = b"".join(ptm.texels)
   | samples = array.array("f", (float(c) for t in ptm.texels for c in t)).tobytes(); kind = "f32"
-  | its samples are f32, low byte first, where u8 is asked for"#,
+  | its samples are f32 (low byte first), but u8 was requested"#,
     );
 }
 
@@ -241,9 +241,9 @@ fn wrong_refusals() {
 1 | right "$@" || exit 1 | an empty file: exit status 1 counts as a crash && --reject-exit 1
 1 | right "$@" || exit 69 | exited with 69 (unsupported) instead of 65
 1 | right "$@" || exit 0 | it exits with 0 and prints no frame
-1 | right "$@" || printf 'PTM1 raw 1 1 9 u8\n123456789' | it prints a frame all the same && exit with 65
+1 | right "$@" || printf 'PTM1 raw 1 1 9 u8\n123456789' | it prints a frame anyway && exit with 65
 1 | case $1 in no-*) set raw "$2";; esac↵right "$@" || exit 65
-  | an unknown view: it prints a frame all the same"#,
+  | an unknown view: it prints a frame anyway"#,
     );
 }
 
@@ -274,7 +274,7 @@ fn serve_modes_that_go_wrong() {
     assert_says(&output, says);
     assert_copies_probed(
         r#"
-1 | answers.flush() | answers.flush(); sys.exit(0) | serve: it ends at a malformed file
+1 | answers.flush() | answers.flush(); sys.exit(0) | serve: it exits on a malformed file
 1 | b"%s ok %d\n" % (sequence, len(answer)) | b"%s ok %d\n" % (sequence, len(answer) - 20)
   | NBYTES counts the PTM1 line
 1 | b"%s ok %d\n" % (sequence, | b"ok %d %d\n" % (0, | it answers "ok 0
