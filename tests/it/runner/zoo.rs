@@ -93,7 +93,7 @@ serves-the-number-before | 1 | --serve | none | serve mode does not work && answ
 serves-the-wrong-number | 1 | --serve | none | serve mode does not work && answers request 1 with the number 4711
 serves-interleaved | 1 | --serve | none | serve mode does not work && protocol error
 serves-huge-numbers
-  | 1 | --serve | none | serve mode does not work && announces 18446744073709551615 bytes, and no frame
+  | 1 | --serve | none | serve mode failed && announces 18446744073709551615 bytes, and no frame
 serves-impossible-numbers | 1 | --serve | none | serve mode does not work && expected "1 ok NBYTES"
 serves-without-the-line | 1 | --serve | none | serve mode does not work && the line of the frame included
 serves-bare-frames | 1 | --serve | none | serve mode does not work && a frame follows a separate line

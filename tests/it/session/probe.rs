@@ -190,8 +190,8 @@ b"".join(b"".join(row) for row in reversed(ROWS)) | its rows are upside down && 
 b"".join(b"".join(reversed(row)) for row in ROWS) | its rows are mirrored, right to left
 b"".join(reversed(ptm.texels)) | its rows are upside down; and its rows are mirrored, right to left
 b"".join(map(bytes, zip(*ptm.texels))) | one whole plane per channel && (interleaved)
-b"".join(bytes(c) for row in ROWS for c in zip(*row)) | follow each other within each row
-b"".join(t for column in zip(*ROWS) for t in column) | column by column
+b"".join(bytes(c) for row in ROWS for c in zip(*row)) | planar within each row
+b"".join(t for column in zip(*ROWS) for t in column) | column-major order
 b"".join(t[:6] + t[:5:-1] for t in ptm.texels) | red and blue are exchanged (BGR)
 b"".join(t[6:] + t[:6] for t in ptm.texels) | the color comes before the coefficients
 b"".join(t[:6] + t[:5:-1] for row in reversed(ROWS) for t in row) | (BGR); and its rows are upside down
@@ -226,7 +226,7 @@ fn frames_of_the_wrong_type_view_or_size() {
 1 | kind, samples = "f32" | kind, samples = "f64" | says the type is f64 instead of f32
 1 | (view.decode(), ptm.width | (os.fsdecode(sys.argv[1]), ptm.width
   | its first line says "rgb:0.3125,-0.4375" && without the light
-1 | (view.decode(), ptm.width, ptm.height, | (view.decode(), ptm.height, ptm.width, | height and width exchanged
+1 | (view.decode(), ptm.width, ptm.height, | (view.decode(), ptm.height, ptm.width, | width and height swapped
 1 | (view.decode(), ptm.width, ptm.height, | ("raw", ptm.width, ptm.height, | says "raw", but coef was requested
 1 | samples = b"".join(ptm.texels)
   | samples = array.array("f", (float(c) for t in ptm.texels for c in t)).tobytes(); kind = "f32"
