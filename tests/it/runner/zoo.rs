@@ -87,20 +87,20 @@ hangs-when-asked-what-it-is | 0 | --timeout 8 | none | pass: 17 pass
 const SERVING: &str = r#"
 serves | 0 | | none | pass: 17 pass
 serves serves-and-deletes-later | 0 | --serve --jobs 1 | none | pass: 17 pass
-serves-not | 1 | --serve | none | serve mode does not work && ended (exit status 64) without an answer
-declares-serve-and-lacks-it | 1 | | none | serve mode does not work && ended (exit status 64) without an answer
-serves-the-number-before | 1 | --serve | none | serve mode does not work && answers request 1 with the number 0
-serves-the-wrong-number | 1 | --serve | none | serve mode does not work && answers request 1 with the number 4711
-serves-interleaved | 1 | --serve | none | serve mode does not work && protocol error
+serves-not | 1 | --serve | none | serve mode failed && ended (exit status 64) without an answer
+declares-serve-and-lacks-it | 1 | | none | serve mode failed && ended (exit status 64) without an answer
+serves-the-number-before | 1 | --serve | none | serve mode failed && answers request 1 with the number 0
+serves-the-wrong-number | 1 | --serve | none | serve mode failed && answers request 1 with the number 4711
+serves-interleaved | 1 | --serve | none | serve mode failed && protocol error
 serves-huge-numbers
   | 1 | --serve | none | serve mode failed && announces 18446744073709551615 bytes, and no frame
-serves-impossible-numbers | 1 | --serve | none | serve mode does not work && expected "1 ok NBYTES"
-serves-without-the-line | 1 | --serve | none | serve mode does not work && the line of the frame included
-serves-bare-frames | 1 | --serve | none | serve mode does not work && a frame follows a separate line
-serves-logs | 1 | --serve | none | serve mode does not work && found "decoding"
-serves-text-mode | 1 | --serve | none | serve mode does not work && text mode
+serves-impossible-numbers | 1 | --serve | none | serve mode failed && expected "1 ok NBYTES"
+serves-without-the-line | 1 | --serve | none | serve mode failed && the line of the frame included
+serves-bare-frames | 1 | --serve | none | serve mode failed && a frame follows a separate line
+serves-logs | 1 | --serve | none | serve mode failed && found "decoding"
+serves-text-mode | 1 | --serve | none | serve mode failed && text mode
 serves-without-flush
-  | 1 | --timeout 2 --serve | none | serve mode does not work && flush standard output after each answer
+  | 1 | --timeout 2 --serve | none | serve mode failed && flush standard output after each answer
 serves-extra | 1 | --serve | none | in serve mode && protocol error
 serves-before-asked | 1 | --serve --jobs 1 | any | in serve mode && protocol error
 serves-exit-codes | 1 | --serve --jobs 1 | 2 | the code of a refusal is 65
@@ -111,7 +111,7 @@ serves-until-lum
 serves-and-hangs-at-lum
   | 1 | --timeout 2 --serve --jobs 1 | hand-lum hand-lum-in-color header-plain-lum | hang: no answer within 2 s
 serves-and-hoards | 1 | --serve --jobs 1 --memory 250M | some | out of memory: its processes held more than 250 MiB
-serves-and-deletes | 1 | --serve | none | serve mode does not work && tampering
+serves-and-deletes | 1 | --serve | none | serve mode failed && tampering
 serves-with-leaks | 1 | --serve --jobs 1 | 11 | state leaks between files && alone, with an image
 serves-other-answers
   | 1 | --serve --jobs 1 | some | state leaks between files && it answers with "unsupported"; alone, with an image
