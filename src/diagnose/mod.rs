@@ -110,16 +110,18 @@ fn diagnose_by(
         (search, found)
     };
     let (mut search, mut found) = searched(&by_dialect, true);
-    // A mistake may look like another reading of an open question. Then the reference's reading leaves less unexplained.
-    let is_plain = search.cost(&found) <= MIN_SUPPORT;
+    // A mistake may look like another reading of an open question. Then the reference's reading leaves less unexplained, and an edit
+    // is an edit of what the reference computes.
+    let is_edit = |member: &search::Member| search.mistakes[member.id].listed().is_none();
+    let has_edits = found.members.iter().any(is_edit);
+    let is_plain = search.cost(&found) <= MIN_SUPPORT && !has_edits;
     let by_reference = reference_reading(run)
         .filter(|_| !is_plain)
         .map(|reading| witnesses(suite, run, Some(reading), threads))
         .filter(|witnesses| could_be_misread(witnesses, threads));
     if let Some(by_reference) = &by_reference {
         // Edits are tried again only if they explained anything.
-        let is_edit = |member: &search::Member| search.mistakes[member.id].listed().is_none();
-        let (other, other_found) = searched(by_reference, found.members.iter().any(is_edit));
+        let (other, other_found) = searched(by_reference, has_edits);
         if other.cost(&other_found) < search.cost(&found) + MIN_SUPPORT {
             (search, found) = (other, other_found);
         }

@@ -118,7 +118,11 @@ fn a_scene_is_the_same_in_every_lossless_prediction_structure() {
         Chain, Deep, Gaps, Intra, Rotated, SharedReference, Star, Tablet, TwoTrees, Upward,
     };
     let basic = [Intra, Chain, Star, Deep, TwoTrees];
-    let structures = [&basic[..], &[SharedReference, Upward, Rotated, Tablet, Gaps]].concat();
+    let structures = [
+        &basic[..],
+        &[SharedReference, Upward, Rotated, Tablet, Gaps],
+    ]
+    .concat();
     for (plain, compressed) in [
         (Format::Rgb, Format::JpeglsRgb),
         (Format::Lrgb, Format::JpeglsLrgb),
