@@ -1,4 +1,4 @@
-//! What the harness costs: its rates against bare ones, measured in the same run. Ratios, because times are a machine's.
+//! The cost of the harness: ratios of its rates to bare rates, measured in one run.
 //!
 //! - one-shot `check` of a native decoder against starting the same processes on the same files and reading their output;
 //! - serve mode against a bare exchange of the same requests;
@@ -20,7 +20,7 @@ use ptm_conform::session::plan::{Repeat, RunPlan};
 use ptm_conform::session::run::check;
 use ptm_conform::suite::cases::Suite;
 
-/// Measurements of each kind; the best one counts, because others only show what else the machine did.
+/// Number of measurements of each kind; the best one counts, because the others show the other load of the machine.
 const ROUNDS: usize = 3;
 
 fn main() {
@@ -75,7 +75,7 @@ fn once(deed: impl FnOnce()) -> Duration {
     start.elapsed()
 }
 
-/// Things done in a second, at best.
+/// Returns the best rate per second.
 fn rate(things: usize, deed: impl Fn()) -> f64 {
     let best = (0..ROUNDS)
         .map(|_| once(&deed))
@@ -122,7 +122,7 @@ fn asked(suite: &Suite, decoder: &Decoder, selected: &[bool], scratch: &Scratch)
     check(suite, &plan(selected, true), &ask, &|_, _, _, _| ()).asked
 }
 
-/// What a run asks for, as files.
+/// Writes the files that a run requests.
 fn requests(suite: &Suite, decoder: &Decoder, scratch: &Scratch) -> Vec<(String, PathBuf)> {
     let recorded = Mutex::new(Vec::new());
     let servers = Servers::new(decoder, scratch, 1);

@@ -1,6 +1,6 @@
 //! The stages one by one: decoder, codecs, generator. `cargo bench --bench stages`
 
-// The macro of criterion makes a public function without a word.
+// Criterion's macro makes a public function without documentation.
 #![expect(missing_docs)]
 
 mod common;

@@ -1,8 +1,6 @@
-//! Programs that answer the decoder protocol wrongly, each in one way: `zoo KIND VIEW FILE`, `zoo KIND serve`,
-//! `zoo KIND capabilities`.
+//! Programs that violate the decoder protocol, each in one way: `zoo KIND VIEW FILE`, `zoo KIND serve`, `zoo KIND capabilities`.
 //!
-//! The harness is tested against them; they are also a list of what wrappers get wrong. `right` is right. What each
-//! of them is told stands in `tests/zoo.rs`.
+//! They test the harness, and list mistakes of wrappers. `right` is correct. `tests/it/runner/zoo.rs` has the expected messages.
 
 use std::fmt::Write as _;
 use std::fs;
@@ -31,7 +29,7 @@ fn main() {
 
 fn one(kind: &str, view: &str, file: &str) {
     match kind {
-        // Always the same, whatever the file.
+        // One output for every file.
         "refuses-all" => exit(65),
         "unsupported-all" => exit(69),
         "exits-1" => panicked(1),
@@ -43,7 +41,7 @@ fn one(kind: &str, view: &str, file: &str) {
         "accepts-all" => print_and_exit(b"PTM1 raw 1 1 9 u8\n123456789", 0),
         "shows-nothing" => print_and_exit(b"PTM1 raw 0 0 9 u8\n", 0),
 
-        // Without an end.
+        // Endless output.
         "hangs" => sleep_for_ever(),
         "hangs-and-ignores-term" => shell("trap '' TERM INT HUP; while :; do sleep 1; done"),
         "stops-itself" => shell("kill -STOP $PPID"),
@@ -54,7 +52,7 @@ fn one(kind: &str, view: &str, file: &str) {
         "hoards" => hoard(),
         "hoards-by-a-child" => hoard_by_child(),
 
-        // Frames that are almost right.
+        // Almost correct frames.
         "cuts-frame" => change(view, file, |bytes| bytes.truncate(bytes.len() - 1)),
         "adds-a-byte" => change(view, file, |bytes| bytes.push(b'\n')),
         "text-mode" => change(view, file, |bytes| {
@@ -81,43 +79,43 @@ fn one(kind: &str, view: &str, file: &str) {
         "high-byte-first" => changed_picture(view, file, high_byte_first),
         "cuts-large-frames" => change(view, file, |bytes| bytes.truncate(65_536)),
 
-        // Much noise about a right answer.
-        "chatters" => beside(view, file, || {
+        // Messages around a correct answer.
+        "chatters" => with_side_effect(view, file, || {
             eprintln!("warning: this is only a test\nerror: it really is");
         }),
-        "floods-errors" => beside(view, file, || flood_errors(200)),
-        "gigabytes-of-errors" => beside(view, file, || {
+        "floods-errors" => with_side_effect(view, file, || flood_errors(200)),
+        "gigabytes-of-errors" => with_side_effect(view, file, || {
             if is_lum(file) {
                 flood_errors(16 * 1024);
             }
         }),
-        "a-million-writes" => beside(view, file, || {
+        "a-million-writes" => with_side_effect(view, file, || {
             if is_lum(file) {
                 trickle(1_000_000);
             }
         }),
         "byte-by-byte" => byte_by_byte(view, file),
 
-        // Something left behind.
+        // Processes and files that remain.
         "leaves-files" => after(view, file, |_| fs::write("litter", "litter")),
         "leaves-a-locked-directory" => after(view, file, |_| {
             shell_within("mkdir -p a/b && touch a/b/c && chmod 0 a/b")
         }),
-        "leaves-a-child" => beside(view, file, || start("sleep", &[&nap()])),
-        "leaves-a-grandchild" => beside(view, file, || {
+        "leaves-a-child" => with_side_effect(view, file, || start("sleep", &[&nap()])),
+        "leaves-a-grandchild" => with_side_effect(view, file, || {
             start("setsid", &["sh", "-c", &format!("sleep {} & exit", nap())]);
         }),
-        "leaves-a-hidden-child" => beside(view, file, leave_hidden),
+        "leaves-a-hidden-child" => with_side_effect(view, file, leave_hidden),
         "leaves-a-link" => after(view, file, |_| symlink(precious(), "out")),
-        "leaves-a-daemon" => beside(view, file, leave_daemon),
-        "leaves-orphans" => beside(view, file, leave_orphans),
-        "keeps-zombies" => beside(view, file, keep_zombies),
+        "leaves-a-daemon" => with_side_effect(view, file, leave_daemon),
+        "leaves-orphans" => with_side_effect(view, file, leave_orphans),
+        "keeps-zombies" => with_side_effect(view, file, keep_zombies),
         "fills-its-scratch" => after(view, file, |_| fill_scratch()),
         "exhausts-descriptors" => after(view, file, |_| exhaust_descriptors()),
         "prints-before-reading" => print_before_reading(view, file),
         "moves-its-directory" => after(view, file, |_| move_directory()),
 
-        // The input touched.
+        // Changed input.
         "deletes-its-input" => after(view, file, |file| fs::remove_file(file)),
         "overwrites-its-input" => after(view, file, |file| {
             fs::remove_file(file)?;
@@ -147,14 +145,14 @@ fn one(kind: &str, view: &str, file: &str) {
         "declares-coef-and-lacks-it" if view == "coef" => exit(69),
         "crashes-on-lum" if is_lum(file) => panicked(1),
 
-        // No two answers the same.
+        // Different answers to equal requests.
         "differs-each-time" => differ(view, file),
         "reads-commas" => read_commas(view, file),
         _ => answer(view, file, 65, 69),
     }
 }
 
-/// What a right decoder does with a file.
+/// Acts like a correct decoder.
 enum Right {
     Frame(Vec<u8>),
     Malformed,
@@ -179,7 +177,7 @@ fn bytes(frame: &Frame) -> Vec<u8> {
     bytes
 }
 
-/// What a right decoder prints; the status it exits with otherwise.
+/// Returns the output of a correct decoder, or its exit status.
 fn right_or_exit(view: &str, file: &str, malformed: i32, unsupported: i32) -> Vec<u8> {
     match right(view, file) {
         Right::Frame(bytes) => bytes,
@@ -247,7 +245,7 @@ fn halves(frame: &mut Frame) {
     }
 }
 
-/// As a picture library does that takes colors for linear light.
+/// Applies a gamma curve, like an image library that assumes linear light.
 fn brighten(frame: &mut Frame) {
     let encoded = |byte: u8| {
         let light = f64::from(byte) / 255.0;
@@ -278,7 +276,7 @@ fn panicked(status: i32) {
     exit(status);
 }
 
-/// Twice, because Rust's own handler lets the first segmentation fault from outside pass.
+/// Kills itself twice, because Rust's handler ignores the first segmentation fault from outside.
 fn die_by(signal: &str) {
     let kill = format!(
         "kill -{signal} {0}; sleep 0.1; kill -{signal} {0}",
@@ -293,7 +291,7 @@ fn sleep_for_ever() {
     }
 }
 
-/// Runs a shell command, waits for it, and goes on for ever.
+/// Runs a shell command, waits for it, and never ends.
 fn shell(command: &str) {
     let _ = Command::new("sh").args(["-c", command]).status();
     sleep_for_ever();
@@ -314,17 +312,17 @@ fn start(program: &str, words: &[&str]) {
     drop(child);
 }
 
-/// How long children sleep: for ever, and told from those of other programs.
+/// The argument of `sleep` of children: practically endless, and different from that of other programs.
 fn nap() -> String {
     std::env::var("ZOO_NAP").unwrap_or_else(|_| "1000.25".to_owned())
 }
 
-/// Something outside that nobody may touch.
+/// A file outside that must not be changed.
 fn precious() -> PathBuf {
     std::env::var_os("ZOO_PRECIOUS").map_or_else(|| PathBuf::from("/nowhere"), PathBuf::from)
 }
 
-/// In a session of its own, in the root directory, without an environment.
+/// Starts a process in a new session, in the root directory, without environment.
 fn leave_hidden() {
     let child = Command::new("setsid")
         .args(["-f", "sleep", &nap()])
@@ -338,7 +336,7 @@ fn leave_hidden() {
     drop(child);
 }
 
-/// Forks twice, into a session of its own, and stays.
+/// Forks twice into a new session, and stays.
 fn leave_daemon() {
     let daemon = format!(
         "(setsid sh -c 'sleep {0} & sleep {0}' &) >&- 2>&- <&-",
@@ -347,19 +345,19 @@ fn leave_daemon() {
     let _ = shell_within(&daemon);
 }
 
-/// Processes of nobody that end a moment later, and say nowhere whose they are.
+/// Starts orphaned processes without any trace of their origin, which end a moment later.
 fn leave_orphans() {
     let orphans = "cd /; for i in 1 2 3 4 5; do env -i setsid -f sleep 0.05; done >&- 2>&- <&-";
     let _ = shell_within(orphans);
 }
 
-/// Children that have ended and are not waited for.
+/// Leaves zombie children.
 fn keep_zombies() {
     (0..20).for_each(|_| start("true", &[]));
     std::thread::sleep(Duration::from_millis(20));
 }
 
-/// Writes until there is no more room, or much is written.
+/// Writes until the disk is full, or a limit is reached.
 fn fill_scratch() -> io::Result<()> {
     let mut file = fs::File::create("ballast")?;
     let block = vec![b'x'; 1 << 20];
@@ -369,7 +367,7 @@ fn fill_scratch() -> io::Result<()> {
     Ok(())
 }
 
-/// Opens files until the system gives no more.
+/// Opens files until the system refuses.
 #[expect(
     clippy::unnecessary_wraps,
     reason = "others of its type return nothing"
@@ -378,26 +376,26 @@ fn exhaust_descriptors() -> io::Result<()> {
     let opened: Vec<fs::File> = (0..100_000)
         .map_while(|_| fs::File::open("/dev/null").ok())
         .collect();
-    // They stay open until it exits.
+    // They stay open until the program exits.
     std::mem::forget(opened);
     Ok(())
 }
 
-/// Begins its answer before it has looked at the file.
+/// Begins its answer before it reads the file.
 fn print_before_reading(view: &str, file: &str) {
     put(b"PTM1 ");
     let frame = right_or_exit(view, file, 65, 69);
     print_and_exit(&frame[b"PTM1 ".len()..], 0);
 }
 
-/// Puts a link to something precious in the place of the directory it works in.
+/// Replaces its working directory by a link to a precious directory.
 fn move_directory() -> io::Result<()> {
     let here = std::env::current_dir()?;
     fs::rename(&here, here.with_extension("moved"))?;
     symlink(precious(), &here)
 }
 
-/// Accepts what is malformed with a picture of one texel.
+/// Accepts malformed files with an image of one texel.
 fn answer_anything(view: &str, file: &str) {
     let bytes = fs::read(file).unwrap_or_default();
     if decode(&bytes).is_ok() {
@@ -452,7 +450,7 @@ fn hoard() {
     }
 }
 
-/// The child of a child, in another group, holds the memory.
+/// Allocates memory in a grandchild, in another process group.
 fn hoard_by_child() {
     let this = std::env::current_exe().unwrap_or_default();
     let child = Command::new("setsid")
@@ -464,9 +462,9 @@ fn hoard_by_child() {
     sleep_for_ever();
 }
 
-fn beside(view: &str, file: &str, deed: impl Fn()) {
+fn with_side_effect(view: &str, file: &str, deed: impl Fn()) {
     deed();
-    // What is left behind is there for as long as this process is.
+    // The remaining files exist as long as this process.
     if std::env::var_os("ZOO_LINGERS").is_some() {
         sleep_for_ever();
     }
@@ -489,7 +487,7 @@ fn close_and_run_on(view: &str, file: &str) {
     let bytes = right_or_exit(view, file, 65, 69);
     let _ = io::stdout().write_all(&bytes);
     let _ = io::stdout().flush();
-    // A shell closes its own streams and goes on; this process waits for it.
+    // A shell closes its streams and continues; this process waits for it.
     shell(&format!("exec >&- 2>&-; sleep {}", nap()));
 }
 
@@ -499,12 +497,12 @@ fn differ(view: &str, file: &str) {
         .duration_since(std::time::UNIX_EPOCH)
         .map_or(0, |time| time.subsec_nanos());
     let last = bytes.len() - 1;
-    // Two off at least: one is within what rounding may do to a color.
+    // Off by at least two: colors may be rounded by one.
     bytes[last] = bytes[last].wrapping_add(2 + (now / 64 % 253) as u8);
     print_and_exit(&bytes, 0);
 }
 
-/// Reads numbers as its locale writes them: behind a point there is nothing where commas are used.
+/// Reads numbers in its locale: in a locale with decimal commas, digits after a point are ignored.
 fn read_commas(view: &str, file: &str) {
     if !std::env::var("LC_ALL").is_ok_and(|locale| locale.starts_with("de_DE")) || view == "raw" {
         answer(view, file, 65, 69);
@@ -512,7 +510,7 @@ fn read_commas(view: &str, file: &str) {
     changed_picture(view, file, halves);
 }
 
-/// What each kind says of itself; most say nothing.
+/// Returns the capabilities of each kind; most have none.
 fn capabilities(kind: &str) {
     let formats = "PTM_FORMAT_RGB, LUM, LRGB, PTM_LUT, PTM_C_LUT";
     match kind {
@@ -542,7 +540,7 @@ fn capabilities(kind: &str) {
     }
 }
 
-/// Ten thousand million words, by aliases.
+/// Ten billion words, by YAML aliases.
 fn bomb() -> String {
     let mut text = "protocol: 1\na: &a [x, x, x, x, x, x, x, x, x, x]\n".to_owned();
     for (this, last) in ('b'..='j').zip('a'..) {
@@ -552,7 +550,7 @@ fn bomb() -> String {
     text + "views: *j\n"
 }
 
-/// What a serving program remembers from request to request.
+/// The state of a serving program.
 #[derive(Default)]
 struct Memory {
     answered: usize,
@@ -652,7 +650,7 @@ fn reply(kind: &str, sequence: &str, view: &str, file: &str, memory: &mut Memory
         }
         ("serves-and-hoards", _) => {
             memory.hoard.push(vec![1; 32 << 20]);
-            // Long enough to be seen.
+            // Long enough to be noticed.
             std::thread::sleep(Duration::from_millis(150));
             whole
         }
@@ -664,7 +662,7 @@ fn reply(kind: &str, sequence: &str, view: &str, file: &str, memory: &mut Memory
             let _ = fs::remove_file(&memory.last);
             whole
         }
-        // What it has seen of LUM colors all that follows.
+        // Data of LUM files colors the following images.
         ("serves-with-leaks", Right::Frame(mut frame)) if !memory.hoard.is_empty() && !lum => {
             if let Some(last) = frame.last_mut() {
                 *last ^= 1;

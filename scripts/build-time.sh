@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # How much processor time a release build takes from an empty target directory, and how large the program is,
-# beside the figures before the code was put into rooms. It builds everything: run nothing else meanwhile.
+# next to earlier figures. It builds everything: run nothing else meanwhile.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 

@@ -1,10 +1,10 @@
-//! Large maps, painted and put into files.
+//! Large generated maps, as files.
 #![allow(dead_code)] // each benchmark uses some of this
 
 use ptm_conform::codec::{jpeg, jpeg_ls};
 use ptm_conform::ptm::Format;
 
-/// The same number for the same place, without a pattern otherwise.
+/// Returns a pseudorandom number that depends on the position only.
 fn hash(x: u32, y: u32, seed: u32) -> u32 {
     let mixed = x
         .wrapping_mul(0x9E37_79B1)
@@ -14,7 +14,7 @@ fn hash(x: u32, y: u32, seed: u32) -> u32 {
     mixed ^ mixed >> 13
 }
 
-/// Noise that changes softly from one corner of a cell to the next; 0 to 255.
+/// Returns noise from 0 to 255, interpolated smoothly between the corners of cells.
 fn soft(x: u32, y: u32, cell: u32, seed: u32) -> u32 {
     let corner = |dx, dy| hash(x / cell + dx, y / cell + dy, seed + cell) & 255;
     let (fx, fy) = (x % cell, y % cell);
@@ -22,7 +22,7 @@ fn soft(x: u32, y: u32, cell: u32, seed: u32) -> u32 {
     (row(0) * (cell - fy) + row(1) * fy) / (cell * cell)
 }
 
-/// A plane as a camera makes them: shapes, detail and a little grain.
+/// Returns a plane like a photograph: shapes, detail and a little grain.
 pub fn plane(width: u32, height: u32, seed: u32) -> Vec<u8> {
     let places = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
     let value = |(x, y)| {
@@ -32,7 +32,7 @@ pub fn plane(width: u32, height: u32, seed: u32) -> Vec<u8> {
     places.map(value).collect()
 }
 
-/// A file of `width` × `height` texels and planes of [`plane`].
+/// Returns a file of `width` × `height` texels with planes from [`plane`].
 pub fn file(format: Format, width: u32, height: u32) -> Vec<u8> {
     let mut file = format!(
         "PTM_1.2\n{format}\n{width} {height}\n0.5 0.25 0.5 0.25 0.5 0.75\n128 100 140 120 130 3\n"
@@ -62,7 +62,7 @@ pub fn file(format: Format, width: u32, height: u32) -> Vec<u8> {
     file
 }
 
-/// The lists and the streams of a file of intra coded planes.
+/// Returns the lists and the streams of a file with intra planes.
 fn compressed(format: Format, width: u32, height: u32, file: &mut Vec<u8>) {
     let planes = format.channels();
     let streams = streams(format, width, height);
@@ -90,8 +90,8 @@ fn is_jpeg(format: Format) -> bool {
     matches!(format, Format::JpegRgb | Format::JpegLrgb)
 }
 
-/// The streams of the planes of a compressed file: JPEG of quality 90, or JPEG-LS without loss. Three different ones
-/// follow each other over and over.
+/// Returns the streams of the planes of a compressed file: JPEG of quality 90, or lossless JPEG-LS. Three different streams are
+/// repeated.
 pub fn streams(format: Format, width: u32, height: u32) -> Vec<Vec<u8>> {
     let one = |seed| {
         let samples = plane(width, height, seed);

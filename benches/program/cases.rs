@@ -1,4 +1,4 @@
-//! Growth in cases, from 100 to 100,000 generated ones, each checked in one run inside this process.
+//! Growth with the number of cases, from 100 to 100,000 generated cases, each checked in one run inside this process.
 
 use std::fmt::Write;
 use std::fs;
@@ -46,7 +46,7 @@ pub fn growth() {
     println!("\nslope of time: {:.2}", slope(&times));
 }
 
-/// The memory that this process holds, in bytes.
+/// Returns the resident memory of this process in bytes.
 fn memory() -> f64 {
     let status = fs::read_to_string("/proc/self/status").expect("Linux");
     let line = status.lines().find_map(|line| line.strip_prefix("VmRSS:"));
@@ -54,7 +54,7 @@ fn memory() -> f64 {
     kilobytes.expect("a number of kilobytes") * 1024.0
 }
 
-/// So many cases: every format in turn, every seed another picture.
+/// Returns `count` cases: all formats in turn, with different seeds.
 fn suite(count: usize) -> Suite {
     let mut text = String::new();
     for (i, format) in Format::ALL.into_iter().enumerate() {
@@ -69,12 +69,12 @@ fn suite(count: usize) -> Suite {
         )
         .expect("writing to memory does not fail");
     }
-    // A first file, without which nothing is known to be a decoder.
+    // Without a first file, no program is recognized as a decoder.
     text.push_str("- { id: first, clauses: [\"1.0/1\"], because: first, expect: decode, first: true, make: { format: RGB, size: 2x2 } }\n");
     Suite::from_files(&[("generated.yaml", &text)]).expect("legal cases")
 }
 
-/// `look` is called after each case, with how many are done.
+/// Calls `look` after each case, with the number of finished cases.
 fn all_pass(suite: &Suite, look: impl Fn(usize) + Sync) -> Run {
     let plan = RunPlan::of(suite, 1);
     let ask = |request: &Request<'_>, _: usize| {

@@ -1,4 +1,4 @@
-//! Growth in texels, from 1 to 16 Mi.
+//! Growth with the number of texels, from 1 Mi to 16 Mi.
 
 use std::path::Path;
 use std::process::Command;
@@ -9,7 +9,7 @@ use ptm_conform::ptm::Format;
 use crate::measure::{memory_of, repeated, slope};
 use crate::{common, put, reference, to_file};
 
-/// Width and height, each twice as many texels as the one before.
+/// Widths and heights; each has twice as many texels as the previous one.
 const SIZES: [(u32, u32); 5] = [
     (1024, 1024),
     (2048, 1024),

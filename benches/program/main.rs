@@ -1,9 +1,9 @@
-//! The program against what others need for the same bytes, as ratios of one run. `cargo bench --bench program`
+//! The program compared with other programs on the same bytes, as ratios of one run: `cargo bench --bench program`.
 //!
-//! With `-- cases` it measures growth in cases instead, up to 100,000 of them in one run.
+//! With `-- cases` it measures growth with the number of cases instead, up to 100,000 in one run.
 //!
-//! Times are processor time, user and system, of interleaved repetitions: the other load of a machine hardly shows in
-//! them, and its speed cancels out of a ratio. Everything lies in memory, in `/dev/shm` where there is one.
+//! Times are processor time (user and system) of interleaved repetitions, so other load and the speed of the machine hardly
+//! matter. All files are in memory, in `/dev/shm` if it exists.
 
 mod cases;
 
@@ -29,7 +29,7 @@ fn main() {
     if std::env::args().any(|word| word == "cases") {
         return cases::growth();
     }
-    // A test run builds this and wants nothing of it.
+    // A test run only builds this.
     if std::env::args().any(|word| word == "--test") {
         return;
     }
@@ -81,7 +81,7 @@ fn put(directory: &Path, name: &str, bytes: &[u8]) -> PathBuf {
     path
 }
 
-/// Runs a program whose standard output goes to a new file.
+/// Runs a program with its standard output in a new file.
 fn to_file(mut command: Command, out: &Path) -> Spent {
     let spent = time_of(command.stdout(File::create(out).expect("a file")));
     fs::remove_file(out).expect("the file is there");
@@ -205,7 +205,7 @@ fn decode(format: Format, stream: &[u8]) {
     std::hint::black_box(samples.expect("a whole stream"));
 }
 
-/// Pillow decodes these files, so many times each, on one thread; nothing where it cannot.
+/// Decodes these files with Pillow, each `count` times, on one thread; returns `None` if it cannot.
 fn pillow(files: &[PathBuf], times: usize) -> Option<Spent> {
     const SCRIPT: &str = "
 import io, sys, time

@@ -1,21 +1,21 @@
-//! How much time and memory something takes.
+//! Measurement of time and memory.
 
 use std::fs;
 use std::io::Read;
 use std::process::{Command, Stdio};
 use std::time::Instant;
 
-/// Time, in seconds.
+/// Times in seconds.
 #[derive(Clone, Copy, Default)]
 pub struct Spent {
-    /// Of the processors, user and system.
+    /// Processor time, user and system.
     pub processor: f64,
-    /// On the clock.
+    /// Wall-clock time.
     pub wall: f64,
 }
 
-/// Does several things in turn, so many times after one round to warm up; of each, the mean of processor time, which for
-/// other processes is counted in ticks, and the median on the clock.
+/// Runs several closures in turn, after one round to warm up. Returns, for each, the mean processor time, which for other processes
+/// is counted in ticks, and the median wall-clock time.
 pub fn repeated<const N: usize>(
     times: usize,
     things: &mut [&mut dyn FnMut() -> Spent; N],
@@ -37,7 +37,7 @@ pub fn repeated<const N: usize>(
     })
 }
 
-/// What a program takes.
+/// Measures a program.
 pub fn time_of(command: &mut Command) -> Spent {
     let (start, before) = (Instant::now(), of_children());
     assert!(
@@ -50,7 +50,7 @@ pub fn time_of(command: &mut Command) -> Spent {
     }
 }
 
-/// What this thread takes for it.
+/// Measures a closure in this thread.
 pub fn own_time(work: impl FnOnce()) -> Spent {
     let (start, before) = (Instant::now(), of_thread());
     work();
@@ -63,17 +63,17 @@ pub fn own_time(work: impl FnOnce()) -> Spent {
     }
 }
 
-/// Seconds that this thread has been on a processor.
+/// Returns the processor time of this thread in seconds.
 fn of_thread() -> Option<f64> {
     let text = fs::read_to_string("/proc/thread-self/schedstat").ok()?;
     let nanoseconds: f64 = text.split(' ').next()?.parse().ok()?;
     Some(nanoseconds / 1e9)
 }
 
-/// Seconds that ended children were on a processor; ticks of 10 ms.
+/// Returns the processor time of ended children in seconds, in ticks of 10 ms.
 fn of_children() -> f64 {
     let text = fs::read_to_string("/proc/self/stat").expect("Linux");
-    // Behind the name, which may hold anything: state is field 3, the children's times are fields 16 and 17.
+    // After the name, which may contain anything: field 3 is the state, fields 16 and 17 are the times of children.
     let fields: Vec<&str> = text[text.rfind(')').expect("a name") + 2..]
         .split(' ')
         .collect();
@@ -81,14 +81,14 @@ fn of_children() -> f64 {
     (ticks(16) + ticks(17)) / 100.0
 }
 
-/// The most bytes of memory that a program holds until its output is nearly over: it cannot end before all is read.
+/// Returns the peak memory of a program in bytes, read before its output ends: it cannot exit before all is read.
 pub fn memory_of(command: &mut Command) -> u64 {
     let mut child = command.stdout(Stdio::piped()).spawn().expect("it starts");
     let mut out = child.stdout.take().expect("its output");
     let status = format!("/proc/{}/status", child.id());
     let mut most = 0;
     let mut buffer = vec![0; 1 << 20];
-    // A pipe holds less than the last pieces, so that some reading comes while the program still waits.
+    // A pipe holds less than the last pieces, so some reads happen while the program still waits.
     while out.read(&mut buffer).expect("its output") > 0 {
         let status = fs::read_to_string(&status).unwrap_or_default();
         let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"));
@@ -99,7 +99,7 @@ pub fn memory_of(command: &mut Command) -> u64 {
     most
 }
 
-/// The slope of the line through the logarithms: 1 for what grows in proportion.
+/// Returns the slope of the line through the logarithms: 1 for linear growth.
 pub fn slope(points: &[(f64, f64)]) -> f64 {
     let logs: Vec<(f64, f64)> = points.iter().map(|&(x, y)| (x.ln(), y.ln())).collect();
     let mean = |of: fn(&(f64, f64)) -> f64| logs.iter().map(of).sum::<f64>() / logs.len() as f64;

@@ -1,4 +1,4 @@
-//! Any text as a case file is a suite or is told why not.
+//! Any text as a case file gives a suite or an error.
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;

@@ -1,4 +1,4 @@
-//! Whatever a decoder answers, the search for causes ends without a fault.
+//! The search for causes ends without an internal error for any answers of a decoder.
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;

@@ -1,4 +1,4 @@
-//! Decoding any bytes ends in planes or in a clear error.
+//! Decoding any bytes gives planes or an error.
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;

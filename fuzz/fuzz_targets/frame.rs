@@ -1,4 +1,4 @@
-//! Any output of a decoder is a frame or is told why not.
+//! Any output of a decoder gives a frame or an error.
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;

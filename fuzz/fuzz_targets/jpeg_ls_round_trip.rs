@@ -1,4 +1,4 @@
-//! A JPEG-LS stream decodes to what its encoder promised.
+//! A JPEG-LS stream decodes to the values of its encoder.
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;

@@ -1,4 +1,4 @@
-//! Any bytes as a JPEG-LS stream are answered.
+//! Decoding any bytes as a JPEG-LS stream gives samples or an error.
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;

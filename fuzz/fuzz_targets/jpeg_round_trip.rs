@@ -1,4 +1,4 @@
-//! A JPEG stream decodes to what its encoder promised, and to nearly that in another decoder.
+//! A JPEG stream decodes to the values of its encoder, and to similar values in another decoder.
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;

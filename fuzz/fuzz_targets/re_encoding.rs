@@ -1,4 +1,4 @@
-//! Plain texels and lossless JPEG-LS of one picture are the same planes.
+//! Uncompressed texels and lossless JPEG-LS of one image decode to the same planes.
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;

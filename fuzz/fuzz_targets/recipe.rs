@@ -1,4 +1,4 @@
-//! A drawn file decodes to what was painted.
+//! A generated file decodes to the values of its model.
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;

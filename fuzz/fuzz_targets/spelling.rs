@@ -1,4 +1,4 @@
-//! However the header is spelled, the planes are the same.
+//! Every spelling of the header decodes to the same planes.
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;

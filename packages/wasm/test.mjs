@@ -1,7 +1,7 @@
-// Holds the module against the program: node test.mjs MODULE PROGRAM FOLDER
+// Compares the module with the program: node test.mjs MODULE PROGRAM FOLDER
 //
-// For every .ptm in FOLDER and below: the same fields, the same findings, the same planes, the same picture under three lights. Then a
-// thousand mutated files, which must neither trap nor hang, and the time of a picture of 1024 × 1024 beside plain JavaScript.
+// Every .ptm file in FOLDER and its subfolders must give the same fields, findings, planes and images under three lights. Then 1,000
+// mutated files must neither trap nor hang, and the time for an image of 1024 × 1024 is compared with plain JavaScript.
 import assert from "node:assert/strict";
 import { spawnSync } from "node:child_process";
 import { createHash } from "node:crypto";
@@ -14,7 +14,7 @@ const module = await WebAssembly.compile(readFileSync(modulePath));
 const start = async () => (await WebAssembly.instantiate(module, {})).exports;
 const LIGHTS = [[0, 0], [0.3125, -0.4375], [-0.6, 0.5]];
 
-// Every call may let the memory grow, and its buffer is another one then: so it is asked for after the call, never before.
+// A call may grow the memory, which replaces its buffer, so the buffer is fetched after each call.
 const view = (wasm, at, length) => new Uint8Array(wasm.memory.buffer, at, length);
 const open = (wasm, file) => {
   const at = wasm.reserve(file.length);
@@ -37,13 +37,13 @@ const wasm = await start();
 const files = readdirSync(folder, { recursive: true }).filter((name) => name.endsWith(".ptm")).sort();
 assert.ok(files.length > 0, `no files in ${folder}`);
 const paths = files.map((name) => join(folder, name));
-// One process says what lint finds in all files, one serves the planes and pictures of all.
+// One process lints all files; another serves their planes and images.
 const findings = [JSON.parse(run(["lint", "--json", ...paths]))].flat();
 const views = ["raw", ...LIGHTS.map(([u, v]) => `rgb:${u},${v}`)];
 const served = run(["reference", "serve"], paths.flatMap((path, i) => views.map((view) => `${i} ${view} ${path}\n`)).join(""));
 let at = 0;
 const line = () => { const end = served.indexOf(10, at); const text = served.toString("latin1", at, end); at = end + 1; return text; };
-// The samples of the next answer; nothing if it is a refusal.
+// Returns the samples of the next answer, or null for a refusal.
 const answer = () => {
   const [, status, length] = line().split(" ");
   if (status !== "ok") { return null; }
@@ -54,7 +54,7 @@ const answer = () => {
   return samples;
 };
 let maps = 0;
-// What the two say differently: the first thing of each file.
+// Returns the first difference of each file.
 const differ = [];
 for (const [i, name] of files.entries()) {
   const { inspect, lint, map } = open(wasm, readFileSync(paths[i]));
@@ -77,7 +77,7 @@ assert.equal(at, served.length);
 assert.equal(differ.length, 0, differ.join("\n"));
 console.log(`${files.length} files, ${maps} maps: as the program reads them`);
 
-// Mutations come from a generator of our own, so that each run has the same.
+// A fixed generator makes the same mutations in every run.
 let seed = 1;
 const random = (below) => { seed = (Math.imul(seed, 1664525) + 1013904223) >>> 0; return Math.floor(seed / 2 ** 32 * below); };
 let longest = 0;
@@ -109,7 +109,7 @@ const plain = (u, v) => {
 };
 const time = (light) => {
   for (let i = 0; i < 3; i += 1) { light(0.1, 0.2); }
-  // The processor's time, not that of the clock, so that it does not matter what else the machine does.
+  // Processor time does not depend on other load of the machine.
   const began = process.cpuUsage();
   for (let i = 0; i < 20; i += 1) { light(Math.cos(i) * 0.7, Math.sin(i) * 0.7); }
   const { user, system } = process.cpuUsage(began);

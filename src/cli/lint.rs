@@ -39,10 +39,7 @@ use ptm_conform::tools::lint::status::Status;
 #[command(
     after_help = "Examples:\n  ptm-conform lint coin.ptm\n  ptm-conform lint -r --format csv /archive > archive.csv\n  find /archive -name '*.ptm' -print0 | ptm-conform lint -0 -\n  ptm-conform lint --only PTM-W301 --severity PTM-W301=error table.ptm"
 )]
-#[expect(
-    clippy::struct_excessive_bools,
-    reason = "each is an option of its own"
-)]
+#[expect(clippy::struct_excessive_bools, reason = "each is a separate option")]
 pub struct LintArgs {
     /// PTM files, folders, or - for a list on standard input, a path a line.
     #[arg(required_unless_present = "codes", value_name = "PATH")]

@@ -83,7 +83,7 @@ pub enum Category {
     Violation,
     /// Images are wrong.
     Difference,
-    /// The same request has different responses.
+    /// A request has different responses.
     Nondeterminism,
 }
 

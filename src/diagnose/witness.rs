@@ -57,9 +57,9 @@ pub(super) struct Facts {
 /// The agreement of an answer with the response.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Agreement {
-    /// The same image.
+    /// An equal image.
     Picture,
-    /// The same refusal or acceptance.
+    /// An equal refusal or acceptance.
     Word,
     /// A refusal, but the response is a crash.
     Crash,

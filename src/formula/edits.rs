@@ -128,7 +128,7 @@ fn dropped(node: &Expression, _: Scope) -> Vec<Expression> {
 }
 
 /// Exchanges an operator for its counterpart, in one place or in every term of a sum, or the order of two nested functions.
-fn exchanged(node: &Expression, scope: Scope) -> Vec<Expression> {
+fn exchanged(node: &Expression, _: Scope) -> Vec<Expression> {
     match node {
         Expression::Sum(terms) => {
             let one = |place: usize| {
@@ -141,7 +141,7 @@ fn exchanged(node: &Expression, scope: Scope) -> Vec<Expression> {
             all.sort_by_key(|term| matches!(term, Expression::Negative(_)));
             let in_every_term = |place: usize| {
                 let changed = |term: &Expression| match term {
-                    Expression::Product(_) => exchanged(term, scope)[place].clone(),
+                    Expression::Product(factors) => split(factors)[place].clone(),
                     other => other.clone(),
                 };
                 Expression::Sum(terms.iter().map(changed).collect())
@@ -150,19 +150,7 @@ fn exchanged(node: &Expression, scope: Scope) -> Vec<Expression> {
             let each = each.chain([Expression::Sum(all)]);
             each.chain([1, 0].map(in_every_term)).collect()
         }
-        Expression::Product(factors) => {
-            let split = |(start, place): (usize, usize)| {
-                let parts = [&factors[start..place], &factors[place..]];
-                let [a, b] = parts.map(|part| single_or(part.to_vec(), Expression::Product));
-                let sum = Expression::Sum(vec![a.clone(), b.clone()]);
-                [Expression::Quotient(Box::new(a), Box::new(b)), sum].map(|part| {
-                    single_or([&factors[..start], &[part]].concat(), Expression::Product)
-                })
-            };
-            let ranges = (0..factors.len())
-                .flat_map(|start| (start + 1..factors.len()).map(move |place| (start, place)));
-            ranges.flat_map(split).collect()
-        }
+        Expression::Product(factors) => split(factors),
         Expression::Quotient(over, under) => {
             let both = [over, under].map(|part| (**part).clone());
             vec![
@@ -184,6 +172,20 @@ fn exchanged(node: &Expression, scope: Scope) -> Vec<Expression> {
         }
         _ => Vec::new(),
     }
+}
+
+/// Divides or adds two neighboring parts of a product instead of multiplying them.
+fn split(factors: &[Expression]) -> Vec<Expression> {
+    let split = |(start, place): (usize, usize)| {
+        let parts = [&factors[start..place], &factors[place..]];
+        let [a, b] = parts.map(|part| single_or(part.to_vec(), Expression::Product));
+        let sum = Expression::Sum(vec![a.clone(), b.clone()]);
+        [Expression::Quotient(Box::new(a), Box::new(b)), sum]
+            .map(|part| single_or([&factors[..start], &[part]].concat(), Expression::Product))
+    };
+    let ranges = (0..factors.len())
+        .flat_map(|start| (start + 1..factors.len()).map(move |place| (start, place)));
+    ranges.flat_map(split).collect()
 }
 
 /// Replaces a variable by another of its scope, a list by another, or an index by a neighboring one.

@@ -54,7 +54,7 @@ mod catalog;
 /// The misreadings of the texture suite
 pub mod texture;
 
-/// The same mistakes, made by writers
+/// Mistakes of writers
 pub mod writing;
 
 mod answer;

@@ -1,4 +1,4 @@
-//! The same mistakes, made by writers.
+//! The mistakes of the catalog, made by writers.
 //!
 //! `spec-cases/writers/mistakes.yaml` has the texts; slug and clause are those of the misreading.
 

@@ -179,7 +179,7 @@ impl Workspace<'_> {
 
 impl Drop for Workspace<'_> {
     fn drop(&mut self) {
-        // What cannot be removed stays; the answer is not affected.
+        // Files that cannot be removed stay; the answer is not affected.
         for directory in &self.directories {
             remove(directory);
         }

@@ -280,7 +280,7 @@ fn first_trouble<C: TestCase>(suite: &Suite<C>, first: &[First<C>]) -> Option<Re
     })
 }
 
-/// Returns the reason why the program behind these replies is not a decoder, if it is not.
+/// Returns the reason why the program that sent these replies is not a decoder, if it is not.
 fn no_decoder<C: TestCase>(first: &[First<C>]) -> Option<String> {
     let decoded = first.iter().any(First::is_decoded);
     let is_refused = |first: &&First<C>| matches!(first.reply.answer, Answer::Rejected);

@@ -50,7 +50,7 @@ pub struct FileResult {
     pub encodings: usize,
 }
 
-/// Checks one file with the decoder behind `ask`, in the first of `views` that it offers.
+/// Checks one file with the decoder that `ask` calls, in the first of `views` that it offers.
 pub fn check_file(
     name: &str,
     file: &[u8],

@@ -78,7 +78,7 @@ fn passes(reading: Reading, counts: &Counts) {
         _ => None,
     });
     assert!(allowed.any(|allowance| allowance == Allowance::AnotherTransform));
-    // The same files as a user's files, of which only the bytes are known.
+    // Check the files as a user's files, of which only the bytes are known.
     for case in suite.cases.iter().filter(|case| case.format().is_jpeg()) {
         if case.expect == Expect::Decode && case.damage().is_none() {
             let file = &case.build(TableSpelling::default()).file;

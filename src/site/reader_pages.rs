@@ -112,7 +112,7 @@ fn profiled(profile: &ReaderProfile) -> Markup {
             @if let Some(version) = &profile.version { dt { "Version looked at" } dd { (version) } }
             dt { "Formats" } dd { (profile.reads.join(", ")) " (" (known(profile.evidence)) ")" }
             @if !profile.limits.is_empty() {
-                dt { "Besides" } dd { ul.plain { @for known_limit in &profile.limits { li { "It " (known_limit.limit.words) " (" (known(known_limit.evidence)) ")." } } } }
+                dt { "Also" } dd { ul.plain { @for known_limit in &profile.limits { li { "It " (known_limit.limit.words) " (" (known(known_limit.evidence)) ")." } } } }
             }
             dt { "Predict" } dd { code { "ptm-conform lint --for " (profile.name) " FILE" } " says what it will make of a file." }
         }

@@ -45,7 +45,7 @@ fn page(paper: Paper, ruling: &Ruling) -> SiteFile {
     }
     let body = html! {
         h1 { code { (ruling.id) } " " span.chip { (ruling.kind.name()) } }
-        p { (paper.library.texts.ruling_kinds[ruling.kind.name()]) @if ruling.kind != RulingKind::Lenient && kinds.contains(&"lenient") { " Its cases marked lenient are outside the specification all the same, and may be refused." } }
+        p { (paper.library.texts.ruling_kinds[ruling.kind.name()]) @if ruling.kind != RulingKind::Lenient && kinds.contains(&"lenient") { " Its cases marked lenient are still outside the specification, and may be refused." } }
         (words(paper, ruling))
         h2 { "Clauses" }
         ul { @for clause in &ruling.clauses { li { (paper.link(clause)) " " @if let Some(clause) = paper.library.clause(clause) { (clause.rule) } } } }

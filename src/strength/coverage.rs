@@ -23,7 +23,7 @@ use crate::suite::clauses::{self, ClauseStatus};
 pub struct Coverage {
     /// Every clause, in the order of the text.
     pub clauses: Vec<ClauseCoverage>,
-    /// Every misreading, in the order of the catalogue: the kill matrix.
+    /// Every misreading, in the order of the catalog: the kill matrix.
     pub misreadings: Vec<Kills>,
     /// The gaps of the separation matrix.
     pub separation: Separation,

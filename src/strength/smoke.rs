@@ -1,4 +1,4 @@
-//! The smoke subset: few cases that still catch every misreading of the catalogue.
+//! The smoke subset: few cases that still catch every misreading of the catalog.
 //!
 //! It is computed greedily: the case that catches most comes first, then the one that catches most of the rest. The list is in
 //! `spec-cases/smoke.yaml`; `ptm-conform coverage --write-smoke` writes it again.
@@ -84,7 +84,7 @@ pub fn choose(suite: &Suite, rows: &[MatrixRow]) -> Vec<usize> {
 #[must_use]
 pub fn to_yaml(suite: &Suite, chosen: &[usize]) -> String {
     let mut text = String::from(
-        "# Few cases that catch every misreading of the catalogue: `ptm-conform check --smoke`.\n\
+        "# Few cases that catch every misreading of the catalog: `ptm-conform check --smoke`.\n\
          # Computed, not chosen: `ptm-conform coverage --write-smoke spec-cases/smoke.yaml` writes it anew.\n",
     );
     for &i in chosen {

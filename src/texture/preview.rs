@@ -101,7 +101,7 @@ fn color_at(preview: &Preview, x: f64, y: f64, step: f64, rules: &Rules) -> Resu
     if is_outline(preview, here, [right, above]) {
         return Ok(OUTLINE);
     }
-    // Where coordinates jump, at a seam, the shorter difference is used.
+    // At a seam, where coordinates jump, the shorter difference is used.
     let way = |there: Vector| {
         [0, 1, 2].map(|c| {
             let way = there[c] - here[c];

@@ -1,7 +1,7 @@
 """Runs the suite against functions of this process.
 
-The program asks for one view of one file after another over a socket and is told what the function did; it compares,
-judges and looks for causes as it does for any other decoder, so the verdicts are those of `ptm-conform check`.
+The program requests views of files over a socket and receives the results of the function. It compares, judges and searches
+for causes as for any other decoder, so the verdicts are those of `ptm-conform check`.
 """
 
 import dataclasses
@@ -65,8 +65,8 @@ def check_callable(raw=None, *, coef=None, rgb=None, malformed=Malformed, unsupp
     the stored values as uint8, the final coefficients as floats. `rgb(file, lu, lv)` returns the picture under a light as
     uint8. One of them is enough. `malformed` and `unsupported` are the exceptions by which they refuse a file and say that
     they do not read its kind; any other exception is a crash. `options` are options of `ptm-conform check`, for example
-    ["--smoke"]. A function has no time limit and no process of its own: one that does not return, or brings down the
-    interpreter, does so here.
+    ["--smoke"]. A function has no time limit and runs in this process: if it does not return, or crashes the
+    interpreter, so does this call.
     """
     if not hasattr(socket, "AF_UNIX"):
         raise RuntimeError("check_callable needs Linux or macOS, as ptm-conform check does")

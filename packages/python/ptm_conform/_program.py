@@ -29,7 +29,7 @@ def program():
             return path
     found = shutil.which(name)
     if found is None:
-        raise FileNotFoundError("the program ptm-conform is not installed beside the package")
+        raise FileNotFoundError("the program ptm-conform is not installed with the package")
     return found
 
 

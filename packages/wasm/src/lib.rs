@@ -1,8 +1,8 @@
-//! The reference for a page: a file in, its fields, findings, planes and pictures out.
+//! The reference decoder for web pages: fields, findings, planes and images of a file.
 //!
-//! Exports are plain functions over numbers, so that nothing but `cargo` is needed to build the module and nothing but a
-//! page to call it: no generated script stands between. A page calls [`reserve`], writes a file there, calls [`open`], and
-//! reads what [`report`] and [`relight`] point at. One file is open at a time.
+//! All exports are plain functions over numbers, so the module is built by `cargo` alone, without generated scripts. A page calls
+//! [`reserve`], writes a file there, calls [`open`], and reads the results at [`report`] and [`relight`]. One file is open at a
+//! time.
 
 use std::cell::RefCell;
 
@@ -14,15 +14,15 @@ use ptm_conform::tools::inspect::inspect;
 use ptm_conform::tools::lint::lint;
 use serde_json::json;
 
-/// What is open.
+/// The open file.
 #[derive(Default)]
 struct Opened {
     /// The bytes that the page writes.
     file: Vec<u8>,
-    /// What is said of the file, in JSON.
+    /// The report in JSON.
     report: String,
     map: Option<Ptm>,
-    /// The last picture: red, green, blue and 255 of every texel.
+    /// The last image: red, green, blue and 255 of every texel.
     picture: Vec<u8>,
 }
 
@@ -34,7 +34,7 @@ fn with<T>(act: impl FnOnce(&mut Opened) -> T) -> T {
     OPENED.with(|opened| act(&mut opened.borrow_mut()))
 }
 
-/// Room for a file of `length` bytes; the page writes them there.
+/// Returns room for a file of `length` bytes, which the page writes.
 #[unsafe(no_mangle)]
 pub extern "C" fn reserve(length: usize) -> *mut u8 {
     with(|opened| {
@@ -43,7 +43,7 @@ pub extern "C" fn reserve(length: usize) -> *mut u8 {
     })
 }
 
-/// Reads the file that was written; 1 if it is a map, 0 if it is not. Either way there is a report.
+/// Reads the written file. Returns 1 if it is a map, and 0 if not; both have a report.
 #[unsafe(no_mangle)]
 pub extern "C" fn open() -> u32 {
     with(|opened| {
@@ -54,7 +54,7 @@ pub extern "C" fn open() -> u32 {
     })
 }
 
-/// Fields and findings as the program prints them, and the size and the planes' digest of a map, or why there is none.
+/// Returns fields and findings as the program prints them, and the size and the digest of the planes, or the error.
 pub fn report_on(file: &[u8], decoded: Result<&Ptm, &Error>) -> String {
     let refused = decoded.err().map(|error| {
         let malformed = error.class() == Class::Malformed;
@@ -75,19 +75,19 @@ pub fn report_on(file: &[u8], decoded: Result<&Ptm, &Error>) -> String {
     json!({ "inspect": inspect(file), "lint": lint(file), "map": map, "refused": refused }).to_string()
 }
 
-/// The report.
+/// Returns the report.
 #[unsafe(no_mangle)]
 pub extern "C" fn report() -> *const u8 {
     with(|opened| opened.report.as_ptr())
 }
 
-/// How many bytes the report has.
+/// Returns the number of bytes of the report.
 #[unsafe(no_mangle)]
 pub extern "C" fn report_length() -> usize {
     with(|opened| opened.report.len())
 }
 
-/// The stored values, texel after texel, top row first; nothing if no map is open. The report's map has width, height and
+/// Returns the stored values, texel by texel, top row first, or null if no map is open. The report has width, height and
 /// channels.
 #[unsafe(no_mangle)]
 pub extern "C" fn samples() -> *const u8 {
@@ -97,7 +97,7 @@ pub extern "C" fn samples() -> *const u8 {
     })
 }
 
-/// The map under a light as four bytes for each texel; nothing if no map is open.
+/// Returns the map under a light, four bytes per texel, or null if no map is open.
 #[unsafe(no_mangle)]
 pub extern "C" fn relight(lu: f64, lv: f64) -> *const u8 {
     with(|opened| {
@@ -109,8 +109,8 @@ pub extern "C" fn relight(lu: f64, lv: f64) -> *const u8 {
     })
 }
 
-/// The picture that `Coefficients::evaluate` and `Picture::to_bytes` make, to the bit, from the stored bytes: each term of
-/// the polynomial is looked up by its byte.
+/// Computes exactly the image of `Coefficients::evaluate` and `Picture::to_bytes` from stored bytes: each term of the polynomial
+/// is looked up by its byte.
 pub fn light_into(ptm: &Ptm, lu: f64, lv: f64, picture: &mut Vec<u8>) {
     let set = &ptm.header.scale_bias;
     let terms: [[f64; 256]; 6] = std::array::from_fn(|i| {
@@ -140,7 +140,7 @@ pub fn light_into(ptm: &Ptm, lu: f64, lv: f64, picture: &mut Vec<u8>) {
     }
 }
 
-/// The color of every texel of `N` channels, as bytes.
+/// Returns the color of every texel of `N` channels as bytes.
 fn paint<const N: usize>(
     samples: &[u8],
     picture: &mut Vec<u8>,
@@ -154,7 +154,7 @@ fn paint<const N: usize>(
     }
 }
 
-/// Clamped and rounded half up. WebAssembly has no instruction for `round`; this is the same to the bit.
+/// Clamps and rounds half up, exactly like `round`, for which WebAssembly has no instruction.
 fn byte(value: f64) -> u8 {
     let value = value.clamp(0.0, 255.0);
     let whole = value as u8;

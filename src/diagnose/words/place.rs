@@ -126,7 +126,7 @@ impl Step {
 /// Describes the wrong images in `left`, grouped by the step at which they first differ. `set` are the mistakes that were found.
 pub(in crate::diagnose) fn describe(search: &Search, set: &Set, left: &[usize]) -> Vec<Diagnosis> {
     let mut steps = search.each(left, |&w| step(search, set, w));
-    // Where values of files without streams are wrong too, something after the streams is.
+    // If values of files without streams are wrong too, the mistake is after the streams.
     if steps.contains(&Step::StoredValue) {
         let streams = steps.iter_mut().filter(|step| **step == Step::Stream);
         streams.for_each(|step| *step = Step::StoredValue);
@@ -378,7 +378,7 @@ fn step(search: &Search, set: &[Id], w: usize) -> Step {
     match step_of_planes(&pair, witness) {
         step @ (Step::Prediction | Step::Correction) => step,
         step if pair.view == ViewKind::Raw => step,
-        // What comes after a stream may explain its samples.
+        // A later step may explain the samples of a stream.
         _ => plain,
     }
 }

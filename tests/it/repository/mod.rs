@@ -9,6 +9,7 @@ mod documents;
 mod order;
 
 mod tidy;
+mod words;
 
 #[cfg(feature = "harness")]
 use std::collections::BTreeMap;

@@ -143,7 +143,7 @@ impl File<'_> {
                 at += 2;
                 at += item_length(&tokens[at..]);
             } else if is_visibility(&tokens[at..]) {
-                // Who may use an item is no import.
+                // A visibility is not an import.
                 at += 2;
             } else if let (Some(("mod", name)), Some(TokenTree::Group(body))) =
                 (two_words(&tokens[at..]), tokens.get(at + 2))

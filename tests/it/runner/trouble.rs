@@ -72,7 +72,7 @@ fn open_files_are_waited_for_where_few_are_allowed() {
 
 #[test]
 fn a_limit_on_the_size_of_files_is_reported() {
-    // Root may write more all the same.
+    // Root may write more anyway.
     let (status, text) = check("ulimit -f 0", "", "");
     match status {
         0 => assert!(is_root(), "{text}"),

@@ -112,7 +112,7 @@ fn a_lossy_plane_may_lose_what_its_quality_allows_and_no_more() {
 fn a_texel_that_wraps_needs_side_information() {
     let (request, file) = request("jpegls-lrgb-wraps-5");
     assert_eq!(judge(&request, &file), Ok(()));
-    // The same values, painted one less at the upper end: what a record corrected is now wrong.
+    // With one less at the upper end, the value that a record corrects is wrong.
     let mut other = request.clone();
     let top = other.samples.iter().position(|&value| value == 255);
     other.samples[top.expect("an extreme")] = 127;

@@ -1,0 +1,75 @@
+//! Words and openings that the style guide replaces, in comments and documents.
+
+use std::fs;
+use std::path::Path;
+
+use super::files_below;
+
+/// Openings of comments: a comment starts with a noun phrase or a verb.
+const OPENINGS: &str = "What|How|Where|Which|Who|Whose|Whether|Those of|The same|…";
+
+/// Words and phrases; the style guide has better ones.
+const WORDS: &str = "all the same|as ever|at the least|behaviour|behind|beside|besides|by the clock|catalogue|centre|colour|\
+                     comes to|is told|licence|looked at here|neighbour|of its own|of their own|that is none|told apart|\
+                     which is none";
+
+/// Files in which such a word is right, with the reason.
+const ALLOWED: &[(&str, &str, &str)] = &[(
+    "src/codec/jpeg_ls/run_mode.rs",
+    "…",
+    "a row of an example that continues",
+)];
+
+/// Returns the text of a comment, or a line of a document without code.
+fn prose(is_rust: bool, line: &str) -> Option<&str> {
+    let line = line.trim_start();
+    match is_rust {
+        true => Some(
+            line.strip_prefix("//")?
+                .trim_start_matches(['/', '!'])
+                .trim(),
+        ),
+        false => Some(line).filter(|line| !line.contains('`')),
+    }
+}
+
+/// Returns true if a line has the word, not as a part of another word or of a name with hyphens.
+fn has_word(line: &str, word: &str) -> bool {
+    let (line, word) = (line.to_lowercase(), word.to_lowercase());
+    let is_part = |c: Option<char>| c.is_some_and(|c| c.is_alphanumeric() || "-_`".contains(c));
+    line.match_indices(&word).any(|(at, _)| {
+        let after = &line[at + word.len()..];
+        !is_part(line[..at].chars().next_back()) && !is_part(after.chars().next())
+    })
+}
+
+#[test]
+fn comments_and_documents_use_plain_words() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let folders = "src tests/it benches examples fuzz/fuzz_targets docs".split(' ');
+    let files = folders.flat_map(|folder| files_below(&root.join(folder)));
+    let documents = "README.md CONTRIBUTING.md CHANGELOG.md SECURITY.md".split(' ');
+    let mut found = Vec::new();
+    for path in files.chain(documents.map(|name| root.join(name))) {
+        let name = path.strip_prefix(root).expect("a file below");
+        let name = name.to_string_lossy().into_owned();
+        let has_suffix = |suffix| path.extension().is_some_and(|own| own == suffix);
+        let is_rust = has_suffix("rs");
+        if !is_rust && !has_suffix("md") || path.ends_with("words.rs") {
+            continue;
+        }
+        let text = fs::read_to_string(&path).expect("text");
+        for line in text.lines().filter_map(|line| prose(is_rust, line)) {
+            let starts =
+                |opening: &&str| is_rust && line.starts_with(opening) && has_word(line, opening);
+            let words = WORDS.split('|').filter(|word| has_word(line, word));
+            let all = OPENINGS.split('|').filter(starts).chain(words);
+            let is_allowed =
+                |word: &&str| ALLOWED.iter().any(|row| (row.0, row.1) == (&*name, *word));
+            let wrong = all.filter(|word| !is_allowed(word));
+            found.extend(wrong.map(|word| format!("{name}: {word:?} in {line:?}")));
+        }
+    }
+    assert!(ALLOWED.len() <= 40);
+    assert!(found.is_empty(), "{}", found.join("\n"));
+}
