@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Witnesses from outside for the codecs: what libjpeg and CharLS make of pictures that a recipe paints.
+"""External witnesses for the codecs: the results of libjpeg and CharLS for images that a recipe paints.
 
     python3 scripts/codec_witnesses.py > tests/it/codec/witnesses.txt
 

@@ -8,7 +8,7 @@
 #
 #     VIEWER=./my-viewer ptm-conform check examples/decoders/wrap_viewer.sh
 #
-# Exit status: 0 a picture, 65 the viewer finds the file malformed, 69 it does not read it. Only the viewer can know. Most
+# Exit status: 0 an image, 65 the viewer finds the file malformed, 69 it does not read it. Only the viewer can know. Most
 # end with 1 for everything; what is then a refusal is told here from their words, and what is left stays a crash.
 
 show() { # LU LV FILE PICTURE
@@ -34,5 +34,5 @@ case $status in
 esac
 if grep -q -i -e unsupported -e 'not implemented' words; then exit 69; fi
 if grep -q -i -e malformed -e invalid -e corrupt -e 'not a ptm' words; then exit 65; fi
-[ "$status" -ne 0 ] || status=70 # it said that all went well, and there is no picture
+[ "$status" -ne 0 ] || status=70 # success without an image
 exit "$status"

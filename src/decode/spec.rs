@@ -115,7 +115,7 @@ impl Reading {
         }
     }
 
-    /// Ruling `motion-vertical`, the other reading: y grows downward in the picture, against the rows as they are stored.
+    /// Ruling `motion-vertical`, the other reading: y grows downward in the image, against the order of the stored rows.
     #[must_use]
     pub const fn with_motion_against_rows(self) -> Reading {
         Reading {

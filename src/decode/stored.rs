@@ -3,11 +3,11 @@
 //! ```text
 //! file, LRGB, two rows:  coefficients of the lower row, of the upper row, colors of the lower row, of the upper row
 //! part 0                 └──────────────────┬──────────────────────────┘ └──────────────────┬───────────────────┘ part 1
-//! picture                upper row: a0 … a5 R G B of each texel; lower row: a0 … a5 R G B of each texel
+//! image                  upper row: a0 … a5 R G B of each texel; lower row: a0 … a5 R G B of each texel
 //! ```
 //!
 //! Format notes
-//! - In every format, the compressed ones included, the first stored row is the bottom row of the picture (ruling `rows`).
+//! - In every format, the compressed ones included, the first stored row is the bottom row of the image (ruling `rows`).
 //!   Everything before this file counts rows as they are stored, everything after it from the top.
 //! - All errors of a file have been found before: no index is out of range and no byte is missing.
 //!

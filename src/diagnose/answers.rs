@@ -132,7 +132,7 @@ impl Witness<'_> {
 
     /// Returns true if the mistake can explain the response. A mistake that only changes values explains no refusal.
     pub fn could_be(&self, mistake: &Mistake) -> bool {
-        let refused = !matches!(self.observation.response, Response::Picture { .. });
+        let refused = !matches!(self.observation.response, Response::Image { .. });
         self.concerns(mistake) && (!refused || mistake.misreading.at.may_refuse())
     }
 }

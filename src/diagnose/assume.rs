@@ -52,7 +52,7 @@ fn is_explained(witness: &Witness, made: &Answer, assumed: &[&'static Misreading
     let explained = |answer: &Answer| {
         matches!(
             witness.agreement(answer),
-            Agreement::Picture | Agreement::Word
+            Agreement::Image | Agreement::Word
         )
     };
     let axes = concerned(witness.case, &witness.observation.view);

@@ -111,7 +111,7 @@ fn fitting(search: &Search, set: &Set, probes: &[Vec<usize>]) -> Vec<Mistake> {
                 for (channels, count) in channels.iter().zip(&mut counts) {
                     let mut image = made.clone();
                     channels.replace(image.to_mut(), &answer);
-                    *count += usize::from(witness.agreement(&image) == Agreement::Picture);
+                    *count += usize::from(witness.agreement(&image) == Agreement::Image);
                 }
             }
             counts.iter().any(|&count| count > 0)
@@ -140,7 +140,7 @@ fn fitting(search: &Search, set: &Set, probes: &[Vec<usize>]) -> Vec<Mistake> {
 /// Returns the mistake in every file, or in the files in which no passing case contradicts it.
 fn scoped(search: &Search, set: &Set, mistake: &Mistake, left: &[usize]) -> Option<Mistake> {
     let pictures = search.solvable(left);
-    let fits = |w: &usize| search.agreement_with(*w, set, mistake) == Agreement::Picture;
+    let fits = |w: &usize| search.agreement_with(*w, set, mistake) == Agreement::Image;
     let explained: Vec<usize> = pictures.iter().copied().filter(fits).collect();
     let denied = search.denied_with(set, mistake);
     let scope = match denied.is_empty() {

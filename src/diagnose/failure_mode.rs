@@ -24,7 +24,7 @@ impl FailureMode {
     /// Returns the mode of a response, or `None` for an image.
     pub fn of(witness: &Witness) -> Option<FailureMode> {
         Some(match &witness.observation.response {
-            Response::Picture { .. } => return None,
+            Response::Image { .. } => return None,
             Response::Rejected => FailureMode::Refuses,
             Response::Unsupported => FailureMode::Unsupported,
             Response::Violation(Answer::Crashed(how)) => FailureMode::Crashes(how.clone()),

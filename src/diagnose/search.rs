@@ -867,7 +867,7 @@ impl<'a> Search<'a> {
 
 fn worth(agreement: Agreement) -> i64 {
     match agreement {
-        Agreement::Picture => WORTH_OF_AN_IMAGE,
+        Agreement::Image => WORTH_OF_AN_IMAGE,
         Agreement::Word => WORTH_OF_A_REFUSAL,
         Agreement::Crash => WORTH_OF_A_CRASH,
         Agreement::None => 0,

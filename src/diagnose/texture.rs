@@ -42,7 +42,7 @@ fn explains(run: &Run<TextureCase>, i: usize, case: &TextureCase, rules: &Rules)
         return false;
     };
     match (&observation.response, case.answer(rules)) {
-        (Response::Picture { frame, .. }, Answer::Decoded(made)) => {
+        (Response::Image { frame, .. }, Answer::Decoded(made)) => {
             // An answer that equals the reference's is not stored. A field that only one of the two has is a difference.
             let shown = frame.as_ref().unwrap_or(&case.expect);
             let differs = difference(&only_expected(case, &made), shown, case.tolerance());

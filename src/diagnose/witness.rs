@@ -58,7 +58,7 @@ pub(super) struct Facts {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Agreement {
     /// An equal image.
-    Picture,
+    Image,
     /// An equal refusal or acceptance.
     Word,
     /// A refusal, but the response is a crash.
@@ -72,10 +72,7 @@ pub(super) enum Agreement {
 impl Agreement {
     /// Returns true if mistakes with this agreement explain the response.
     pub fn explains(self) -> bool {
-        matches!(
-            self,
-            Agreement::Picture | Agreement::Word | Agreement::Crash
-        )
+        matches!(self, Agreement::Image | Agreement::Word | Agreement::Crash)
     }
 }
 
@@ -227,7 +224,7 @@ impl Witness<'_> {
             // A refusal of a file that the reference refuses is no mistake.
             (_, Answer::Rejected) if self.right == Answer::Rejected => Agreement::None,
             (
-                Response::Picture {
+                Response::Image {
                     frame: Some(shown), ..
                 },
                 Answer::Decoded(made),
@@ -235,10 +232,10 @@ impl Witness<'_> {
                 && (!self.is_right(made) || self.is_nearer(made, shown))
                 && self.is_more_than_tolerance(made, shown) =>
             {
-                Agreement::Picture
+                Agreement::Image
             }
             // Images of files that must be refused are not stored. The acceptance is the mistake.
-            (Response::Picture { frame: None, .. }, Answer::Decoded(_))
+            (Response::Image { frame: None, .. }, Answer::Decoded(_))
                 if matches!(self.case.expect, Expect::Reject | Expect::Refuse) =>
             {
                 Agreement::Word
@@ -250,7 +247,7 @@ impl Witness<'_> {
             {
                 Agreement::Crash
             }
-            (Response::Picture { .. }, Answer::Rejected | Answer::Unsupported)
+            (Response::Image { .. }, Answer::Rejected | Answer::Unsupported)
                 if self.case.expect == Expect::Decode =>
             {
                 Agreement::Against
@@ -329,8 +326,8 @@ impl Witness<'_> {
     pub fn leans_away(&self, answer: &Answer) -> bool {
         match (&self.observation.response, answer) {
             (Response::Rejected, Answer::Decoded(_))
-            | (Response::Picture { .. }, Answer::Rejected) => true,
-            (Response::Picture { .. }, Answer::Decoded(made)) => self.would_fail(made),
+            | (Response::Image { .. }, Answer::Rejected) => true,
+            (Response::Image { .. }, Answer::Decoded(made)) => self.would_fail(made),
             _ => false,
         }
     }
@@ -340,7 +337,7 @@ impl Witness<'_> {
         let right = match (&self.observation.response, &self.right) {
             // The image shows an open question. The decoder's own dialect gives the correct image.
             (
-                Response::Picture {
+                Response::Image {
                     right: Right::In { .. },
                     ..
                 },

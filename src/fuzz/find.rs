@@ -119,7 +119,7 @@ impl Explanation {
         passed: &[&Draft],
         decoder: &KnownDecoder,
     ) -> Explanation {
-        if let (Some(damage), Response::Picture { .. }) = (draft.damage, &observation.response) {
+        if let (Some(damage), Response::Image { .. }) = (draft.damage, &observation.response) {
             return Explanation::Accepts(damage.name);
         }
         let other = Explanation::Other(symptom_shown(&observation.response));
@@ -158,7 +158,7 @@ impl Explanation {
         match self {
             Explanation::Accepts(damage) => {
                 draft.damage.is_some_and(|shown| shown.name == *damage)
-                    && matches!(observation.response, Response::Picture { .. })
+                    && matches!(observation.response, Response::Image { .. })
             }
             Explanation::Misreading(suspects) => decoder.question(draft).is_some_and(|question| {
                 suspects
@@ -224,13 +224,13 @@ fn explains(
         decoder.answer_with(&[suspect], question),
     ) {
         (
-            Response::Picture {
+            Response::Image {
                 frame: Some(shown), ..
             },
             Answer::Decoded(made),
         ) => alike(shown, &made),
         // No image is kept of a file that must be refused, because accepting it is the mistake.
-        (Response::Picture { .. }, Answer::Decoded(_)) => is_damaged,
+        (Response::Image { .. }, Answer::Decoded(_)) => is_damaged,
         (Response::Rejected, Answer::Rejected) => true,
         _ => false,
     }

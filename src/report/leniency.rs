@@ -72,7 +72,7 @@ pub(super) fn leniency<C: TestCase>(suite: &Suite<C>, run: &Run<C>) -> Vec<Lenie
         match (&observation.response, judged.outcome) {
             (Response::Rejected, _) => of.refused += 1,
             (Response::Unsupported, _) => of.unsupported += 1,
-            (Response::Picture { .. }, Outcome::Pass) => of.decoded += 1,
+            (Response::Image { .. }, Outcome::Pass) => of.decoded += 1,
             _ => of.other += 1,
         }
     }

@@ -120,7 +120,7 @@ fn dialect<C: Reported>(suite: &Suite<C>, run: &Run<C>) -> Vec<FollowedReading> 
             let observation = run.observations[i].as_ref();
             matches!(
                 observation.map(|observation| &observation.response),
-                Some(Response::Picture { right: Right::In { axes, .. }, .. }) if axes.contains(&axis)
+                Some(Response::Image { right: Right::In { axes, .. }, .. }) if axes.contains(&axis)
             )
         };
         FollowedReading {
@@ -150,7 +150,7 @@ fn allowances<C: TestCase>(run: &Run<C>) -> impl Iterator<Item = Remark> {
         let observed = run.observations.iter().flatten();
         let responses = observed.map(|observation| &observation.response);
         responses
-            .filter(|response| matches!(response, Response::Picture { allowance, .. } if *allowance == of))
+            .filter(|response| matches!(response, Response::Image { allowance, .. } if *allowance == of))
             .count()
     };
     let others = count(Allowance::AnotherTransform);

@@ -292,7 +292,7 @@ impl<C: TestCase> Keeper<C> {
     pub fn observed(&self, case: &C, observation: &Observation<C>) {
         let expected = matches!(
             observation.response,
-            Response::Picture {
+            Response::Image {
                 right: Right::Anyway(true),
                 difference: None,
                 allowance: Allowance::None,

@@ -145,7 +145,7 @@ impl<'a, C: TestCase> Session<'a, C> {
                     allowance,
                 } = case.compare(&built, view, &output);
                 let differs = right != Right::Anyway(true) && difference.is_some();
-                Response::Picture {
+                Response::Image {
                     right,
                     difference,
                     allowance,

@@ -220,7 +220,7 @@ impl<C: TestCase> Session<'_, C> {
             let (spelling, view) = (case.spelling()?, offer.chosen_view(case)?);
             let (observation, _) = self.observe(case, view, TableSpelling::default(), 0);
             let right = Right::Anyway(true);
-            matches!(observation.response, Response::Picture { right: shown, .. } if shown == right)
+            matches!(observation.response, Response::Image { right: shown, .. } if shown == right)
                 .then_some(spelling)
         })
     }
@@ -253,7 +253,7 @@ impl<C: TestCase> Session<'_, C> {
                 match observation.response {
                     Response::Unsupported | Response::Violation(Answer::Hung(_)) => silent += 1,
                     // A wrong image is better evidence than none: its values may be wrong for another reason.
-                    Response::Picture { difference, .. } => {
+                    Response::Image { difference, .. } => {
                         score +=
                             1.0 + difference.map_or(1.0, |difference| C::likeness(&difference));
                     }

@@ -30,7 +30,7 @@ pub(super) fn dialect_of<C: TestCase>(
     let observed = observations.iter().flatten();
     let settled = observed.filter(|observation| observation.nondeterminism.is_none());
     let shown = settled.filter_map(|observation| match &observation.response {
-        Response::Picture {
+        Response::Image {
             right: Right::In { axes, combinations },
             ..
         } => Some((&axes[..], &combinations[..])),

@@ -133,7 +133,7 @@ impl<C: TestCase> Evidence<'_, C> {
                 fail("exited with 69 (unsupported) on a malformed file of a kind that it decodes")
             }
             Response::Unsupported => fail(C::NOT_UNSUPPORTED),
-            Response::Picture {
+            Response::Image {
                 right,
                 difference,
                 frame,
@@ -156,10 +156,10 @@ impl<C: TestCase> Evidence<'_, C> {
 
     fn response_kind(&self) -> ResponseKind {
         match &self.observation.response {
-            Response::Picture { .. } if is_right(self.observation, self.dialect) => {
+            Response::Image { .. } if is_right(self.observation, self.dialect) => {
                 ResponseKind::Expected
             }
-            Response::Picture { .. } => ResponseKind::Different,
+            Response::Image { .. } => ResponseKind::Different,
             Response::Rejected => ResponseKind::Rejected,
             Response::Unsupported => ResponseKind::Unsupported,
             Response::Violation(_) => ResponseKind::Violation,
@@ -180,7 +180,7 @@ impl<C: TestCase> Evidence<'_, C> {
     /// Returns a reason if none of the accepted twins of a negative case was decoded.
     fn stands_on_nothing(&self) -> Option<String> {
         let is_decoded = |&(_, twin): &(&str, Option<&Observation<C>>)| {
-            twin.is_some_and(|twin| matches!(twin.response, Response::Picture { .. }))
+            twin.is_some_and(|twin| matches!(twin.response, Response::Image { .. }))
         };
         match &self.twins[..] {
             [] => None,
@@ -248,7 +248,7 @@ impl<C: TestCase> Evidence<'_, C> {
 
 fn is_right<C: TestCase>(observation: &Observation<C>, dialect: &Dialect) -> bool {
     match &observation.response {
-        Response::Picture { right, .. } => C::CHOICES.is_right(right, dialect),
+        Response::Image { right, .. } => C::CHOICES.is_right(right, dialect),
         _ => false,
     }
 }
@@ -284,7 +284,7 @@ fn features<C: TestCase>(
             let (all, answered) = asked.entry(feature.clone()).or_default();
             *all += 1;
             *answered += usize::from(unsupported);
-            if matches!(observation.response, Response::Picture { .. }) {
+            if matches!(observation.response, Response::Image { .. }) {
                 decoded.insert(feature);
             }
         }

@@ -32,10 +32,10 @@ impl<C: TestCase> Observation<C> {
     #[must_use]
     pub fn is_wrong_for(&self, case: &C) -> bool {
         match (&self.response, case.expect()) {
-            (Response::Picture { right, .. }, Expect::Decode) => *right == Right::Anyway(false),
+            (Response::Image { right, .. }, Expect::Decode) => *right == Right::Anyway(false),
             (Response::Violation(_), _)
             | (Response::Rejected, Expect::Decode)
-            | (Response::Picture { .. }, Expect::Reject | Expect::Refuse) => true,
+            | (Response::Image { .. }, Expect::Reject | Expect::Refuse) => true,
             _ => false,
         }
     }
@@ -54,7 +54,7 @@ pub struct Nondeterminism {
 #[derive(Clone, Debug)]
 pub enum Response<C: TestCase = Case> {
     /// An image, or another answer to the question.
-    Picture {
+    Image {
         /// The dialects in which it is right.
         right: Right,
         /// The difference from the output of the reference, if any.
@@ -77,15 +77,11 @@ impl<C: TestCase> Response<C> {
     #[must_use]
     pub fn is_like(&self, other: &Response<C>) -> bool {
         match (self, other) {
-            (Response::Picture { right: a, .. }, Response::Picture { right: b, .. }) if a != b => {
-                false
-            }
-            (Response::Picture { frame: a, .. }, Response::Picture { frame: b, .. }) => {
-                match (a, b) {
-                    (Some(a), Some(b)) => C::is_like(a, b),
-                    (a, b) => a.is_none() && b.is_none(),
-                }
-            }
+            (Response::Image { right: a, .. }, Response::Image { right: b, .. }) if a != b => false,
+            (Response::Image { frame: a, .. }, Response::Image { frame: b, .. }) => match (a, b) {
+                (Some(a), Some(b)) => C::is_like(a, b),
+                (a, b) => a.is_none() && b.is_none(),
+            },
             (Response::Violation(a), Response::Violation(b)) => a.is_of_kind(b),
             _ => std::mem::discriminant(self) == std::mem::discriminant(other),
         }
@@ -95,7 +91,7 @@ impl<C: TestCase> Response<C> {
     #[must_use]
     pub const fn wrong_image(&self) -> Option<&C::Output> {
         match self {
-            Response::Picture { frame, .. } => frame.as_ref(),
+            Response::Image { frame, .. } => frame.as_ref(),
             _ => None,
         }
     }
@@ -104,11 +100,11 @@ impl<C: TestCase> Response<C> {
     #[must_use]
     pub fn describe(&self) -> String {
         match self {
-            Response::Picture {
+            Response::Image {
                 difference: Some(difference),
                 ..
             } => format!("a wrong image ({difference})"),
-            Response::Picture { .. } => "an image".to_owned(),
+            Response::Image { .. } => "an image".to_owned(),
             Response::Rejected => "a refusal".to_owned(),
             Response::Unsupported => "\"unsupported\"".to_owned(),
             Response::Violation(answer) => answer.describe(),
@@ -119,7 +115,7 @@ impl<C: TestCase> Response<C> {
     #[must_use]
     pub const fn name(&self) -> &'static str {
         match self {
-            Response::Picture { .. } => "decoded",
+            Response::Image { .. } => "decoded",
             Response::Rejected => "rejected",
             Response::Unsupported => "unsupported",
             Response::Violation(answer) => answer.name(),

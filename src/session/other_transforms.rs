@@ -74,7 +74,7 @@ fn passes(reading: Reading, counts: &Counts) {
     assert!(left * 20 < read, "{left} of {read} planes were left");
     let allowed = run.observations.iter().flatten();
     let mut allowed = allowed.filter_map(|observation| match &observation.response {
-        Response::Picture { allowance, .. } => Some(*allowance),
+        Response::Image { allowance, .. } => Some(*allowance),
         _ => None,
     });
     assert!(allowed.any(|allowance| allowance == Allowance::AnotherTransform));

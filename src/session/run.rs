@@ -292,7 +292,7 @@ impl<C: TestCase> Run<C> {
         if self.not_a_decoder.is_some() {
             return 3;
         }
-        let is_image = |seen: &Observation<C>| matches!(seen.response, Response::Picture { .. });
+        let is_image = |seen: &Observation<C>| matches!(seen.response, Response::Image { .. });
         u8::from(
             failed
                 || self.ended_early.is_some()

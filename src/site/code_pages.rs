@@ -14,7 +14,7 @@ use crate::tools::lint::lint;
 /// Returns the pages of all codes, and their list.
 pub(super) fn pages(paper: Paper) -> Vec<SiteFile> {
     let list = html! {
-        p.lead { code { "ptm-conform lint" } " reports these. E: the file breaks a rule, or the reference cannot read it. W: some readers refuse it or show another picture. I: for information." }
+        p.lead { code { "ptm-conform lint" } " reports these. E: the file breaks a rule, or the reference cannot read it. W: some readers refuse it or show another image. I: for information." }
         div.scroll tabindex="0" { table.list {
             thead { tr { th scope="col" { "code" } th scope="col" { "clause" } th scope="col" { "what" } } }
             tbody { @for code in codes::ALL.iter() { tr { td { (paper.link(code.id)) } td { (paper.link_as(code.clause, &html! { (code.clause) })) } td { (code.says) } } } }

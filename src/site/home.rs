@@ -24,14 +24,14 @@ pub(super) fn page(paper: Paper) -> SiteFile {
     let body = html! {
         h1 { "Polynomial Texture Maps, PTM 1.2" }
         p.lead {
-            "A PTM holds a picture that can be lit anew: six numbers for each texel say how it answers to the light. HP Labs published the format in 2001; its text has gaps, and every reader fills them "
+            "A PTM is an image that can be relit: six numbers per texel describe its response to light. HP Labs published the format in 2001; its text has gaps, and every reader fills them "
             "in its own way. Here it is explained rule by rule, and tested."
         }
         (lit())
         ul.doors { @for ((place, what), count) in library.texts.counts.iter().zip(counts) { li { a href=(place) { b { (count) } " " (what) } } } }
         h2 { "The file in one drawing" }
         (overview::drawing(paper))
-        h2 { "From bytes to a picture" }
+        h2 { "From bytes to an image" }
         (overview::flow(paper))
         h2 { "Where to begin" }
         ul {

@@ -132,7 +132,7 @@ fn answer_in_words(answer: &Answer) -> &'static str {
     match answer {
         Answer::Rejected => "refused",
         Answer::Unsupported => "unsupported",
-        _ => "no picture",
+        _ => "no image",
     }
 }
 

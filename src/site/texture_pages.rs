@@ -29,7 +29,7 @@ fn chapter(paper: Paper) -> Result<SiteFile, String> {
     let questions: Vec<Markup> = questions.collect::<Result<_, _>>()?;
     let body = html! {
         h1 { "Texture mapping, annotated" }
-        p.lead { "A PTM under a light is a picture, and a picture is a texture. The chapter “Texture Mapping Table” of PEXlib 5.2 says what becomes of it on a surface. Its formulas were pictures and are "
+        p.lead { "A PTM under a light is an image, and an image can be a texture. The chapter “Texture Mapping Table” of PEXlib 5.2 says what becomes of it on a surface. Its formulas were pictures and are "
             "lost; what stands for them here is rebuilt from the words around them and from related texts, and marked by a ruling." }
         p { a href="rulings.html" { "Rulings" } " · " a href="cases.html" { "Cases" } " · " a href="misreadings.html" { "Misreadings" } " · " a href="../docs/texture.html" { "How a stage is asked" } }
         h2 #steps { "Step by step: a question and its answer" }

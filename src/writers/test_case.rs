@@ -45,7 +45,7 @@ where
     C: TestCase<Output = WrittenFile, Difference = WriterFault>,
 {
     match &observation?.response {
-        Response::Picture {
+        Response::Image {
             frame: Some(file),
             difference: Some(fault),
             ..

@@ -10,7 +10,7 @@ export function bytesOf(base64) {
   return Uint8Array.from(atob(base64), (letter) => letter.charCodeAt(0));
 }
 
-/** What the decoder makes of a file: a picture, "malformed", "unsupported", or what went wrong. */
+/** Returns the result of the decoder for a file: an image, "malformed", "unsupported", or the error. */
 async function observe(decode, file, { malformed = Malformed, unsupported = Unsupported }) {
   try {
     const picture = await decode(file);

@@ -29,7 +29,7 @@ export function cases() {
 }
 
 /**
- * Checks functions: `raw(file)` and `coef(file)` return { width, height, channels, samples }, `rgb(file, lu, lv)` a picture
+ * Checks functions: `raw(file)` and `coef(file)` return { width, height, channels, samples }, `rgb(file, lu, lv)` an image
  * of 3 channels; one is enough. Returns { status, text, report }: the exit status of `ptm-conform check`, what it prints,
  * and the report.
  */

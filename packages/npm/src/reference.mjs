@@ -34,7 +34,7 @@ export async function load(module) {
     lint: (file) => open(file).lint,
     /** Every field, as `ptm-conform inspect --json` says it. */
     inspect: (file) => open(file).inspect,
-    /** The picture under a light, +lu to the right, +lv up, as red, green, blue and 255. */
+    /** The image under a light, +lu to the right, +lv up, as red, green, blue and 255. */
     relight(file, lu, lv) {
       const { width, height } = map(file);
       return { width, height, channels: 4, samples: bytes(wasm.relight(lu, lv), width * height * 4) };

@@ -62,7 +62,7 @@ def check_callable(raw=None, *, coef=None, rgb=None, malformed=Malformed, unsupp
     """Runs the suite against functions, and returns a Report.
 
     `raw(file)` and `coef(file)` take the bytes of a file and return an array of (height, width, channels), top row first:
-    the stored values as uint8, the final coefficients as floats. `rgb(file, lu, lv)` returns the picture under a light as
+    the stored values as uint8, the final coefficients as floats. `rgb(file, lu, lv)` returns the image under a light as
     uint8. One of them is enough. `malformed` and `unsupported` are the exceptions by which they refuse a file and say that
     they do not read its kind; any other exception is a crash. `options` are options of `ptm-conform check`, for example
     ["--smoke"]. A function has no time limit and runs in this process: if it does not return, or crashes the
@@ -148,7 +148,7 @@ def _message(what):
 
 
 def _frame(view, value):
-    """An array as a frame; bytes are taken for a frame, a NumPy file or a picture."""
+    """An array as a frame; bytes are read as a frame, a NumPy file or an image."""
     if isinstance(value, (bytes, bytearray)):
         return bytes(value)
     if not hasattr(value, "__array__"):

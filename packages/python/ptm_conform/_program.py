@@ -36,7 +36,7 @@ def program():
 def decode(file, view="raw"):
     """What the reference makes of `file` (bytes), as an array of (height, width, channels), top row first.
 
-    `raw`: the stored values, uint8. `coef`: the final coefficients, float32. `rgb:LU,LV`: the picture under that light,
+    `raw`: the stored values, uint8. `coef`: the final coefficients, float32. `rgb:LU,LV`: the image under that light,
     uint8. Raises Malformed or Unsupported.
     """
     import numpy

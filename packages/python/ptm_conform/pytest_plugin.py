@@ -63,7 +63,7 @@ class Verdict:
         outcome, says = self.case["outcome"], self.case.get("says", "")
         if outcome == "fail":
             pytest.fail("\n".join(["%s (%s)" % (self.id, ", ".join(self.case["clauses"])), says, *self.causes()]), pytrace=False)
-        # What is wrong with every picture in the same way is said once, and the cases are judged with it undone.
+        # A fault of all images is reported once, and undone before the cases are judged.
         everywhere = [remark["says"] for remark in self.report.data.get("remarks", []) if remark.get("failure")]
         if everywhere and outcome == "pass" and self.case["expect"] == "decode":
             pytest.fail("\n".join([self.id, *everywhere]), pytrace=False)

@@ -16,7 +16,7 @@ pub(in crate::diagnose) fn describe(
     let accepted = |&w: &usize| {
         let witness = &witnesses[w];
         matches!(witness.case.expect, Expect::Reject | Expect::Refuse)
-            && matches!(witness.observation.response, Response::Picture { .. })
+            && matches!(witness.observation.response, Response::Image { .. })
     };
     let mut clauses: Vec<(&str, Vec<usize>)> = Vec::new();
     for w in left.iter().copied().filter(accepted) {

@@ -244,7 +244,7 @@ fn take_scopes(
     let is_known = |w: &usize| {
         let witness = &witnesses[*w];
         witness.case.expect == Expect::Decode
-            && matches!(witness.observation.response, Response::Picture { .. })
+            && matches!(witness.observation.response, Response::Image { .. })
             && (!witness.failed || search.agreement(*w, set).explains())
     };
     let known: Vec<usize> = (0..witnesses.len()).filter(is_known).collect();

@@ -77,7 +77,7 @@ pub(in crate::diagnose) fn widest(witnesses: &[Witness], failing: &[usize]) -> V
 fn files_read(witnesses: &[Witness]) -> Vec<usize> {
     let is_read = |w: &usize| {
         witnesses[*w].case.expect == Expect::Decode
-            && matches!(witnesses[*w].observation.response, Response::Picture { .. })
+            && matches!(witnesses[*w].observation.response, Response::Image { .. })
     };
     (0..witnesses.len()).filter(is_read).collect()
 }

@@ -46,7 +46,7 @@ fn find(witnesses: &[Witness], failing: &[usize]) -> Vec<(String, Vec<usize>)> {
     for view in ViewKind::ALL {
         let is_of_view = |witness: &Witness| witness.observation.view.kind() == view;
         let frame = |&w: &usize| match &witnesses[w].observation.response {
-            Response::Picture { frame, .. } if is_of_view(&witnesses[w]) => {
+            Response::Image { frame, .. } if is_of_view(&witnesses[w]) => {
                 Some((w, frame.as_ref()?))
             }
             _ => None,

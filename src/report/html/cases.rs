@@ -134,7 +134,7 @@ pub(super) fn failures<C: Reported>(
                 p.note { "This page was made from a report in YAML, which contains no images. Use “ptm-conform check --html” for a page with images." }
             } @else if evidence.len() < failures {
                 p.note {
-                    "Pictures and bytes are shown for " (evidence.len()) " of " (failures)
+                    "Images and bytes are shown for " (evidence.len()) " of " (failures)
                     " failures, the first of each cause before the second: a page holds " (MAX_EVIDENCE / 1000) " kB of them."
                 }
             }

@@ -26,17 +26,17 @@ pub(in crate::report) fn of_case(
 ) -> Markup {
     let built = case.build(table);
     let shown = match &observation.response {
-        Response::Picture {
+        Response::Image {
             difference: Some(difference),
             frame: Some(frame),
             ..
         } => of_picture(case, &built, &observation.view, difference, frame),
-        Response::Picture { .. } => accepted(&built),
+        Response::Image { .. } => accepted(&built),
         _ => beginning(&built),
     };
     let several = matches!(
         &observation.response,
-        Response::Picture {
+        Response::Image {
             right: Right::In { .. },
             ..
         }
@@ -72,7 +72,7 @@ pub(in crate::report) fn of_question(
     observation: &Observation<TextureCase>,
 ) -> Markup {
     let received = match &observation.response {
-        Response::Picture { frame, .. } => frame.as_ref().unwrap_or(&case.expect).to_string(),
+        Response::Image { frame, .. } => frame.as_ref().unwrap_or(&case.expect).to_string(),
         other => other.name().to_owned(),
     };
     html! {
