@@ -132,7 +132,7 @@ viewer {in} {lu} {lv} {light} | | unknown placeholder {light}
 viewer {in} {lu} {lv} {out} {out} | | more than once
 viewer 'x {in} {lu} {lv} | | quotation
 {in} {lu} {lv} | | first word is the program
-viewer {in} {lu} {lv} | --view raw --view rgb | one view only
+viewer {in} {lu} {lv} | --view raw --view rgb | serves one view
 viewer {in} {lu} {lv} | decoder | cannot be used with",
     ) {
         check(&here, &template, &options).ends(2, &says);

@@ -36,7 +36,7 @@ right chatters floods-errors gigabytes-of-errors a-million-writes byte-by-byte l
   declares-rgb-only declares-exit-1 declares-everything-and-fails floods-when-asked-what-it-is
   bombs-when-asked-what-it-is babbles-when-asked-what-it-is | 0 | | none | pass: 17 pass
 refuses-all | 3 | | not judged | decodes no first file
-unsupported-all | 3 | | not judged | 69 (unsupported) in every view
+unsupported-all | 3 | | not judged | 69 (unsupported) on every first file
 exits-1 | 3 | | not judged | crash: exit status 1
 exits-101 | 3 | | not judged | crash: exit status 101
 aborts | 3 | | not judged | crash: killed by signal 6
@@ -69,8 +69,8 @@ unsupported-once | 1 | | 1 | decodes other files of this kind
 no-lum | 0 | | none | unsupported (exit status 69): LUM, rgb of LUM
 no-raw-of-rgb | 0 | | none | unsupported (exit status 69): raw of RGB
 is-silent-about-lum | 0 | | none | unsupported (exit status 69): LUM
-declares-lum-and-lacks-it | 1 | | hand-lum hand-lum-in-color header-plain-lum | declare LUM, and it exits with 69
-declares-coef-and-lacks-it | 1 | | none | declare the view coef, and it exits with 69
+declares-lum-and-lacks-it | 1 | | hand-lum hand-lum-in-color header-plain-lum | declare LUM, but it decodes no such file
+declares-coef-and-lacks-it | 1 | | none | declare view coef, but it exits with 69
 declares-coef-only | 0 | | none | pass:
 declares-exit-0 | 0 | | none | note: capabilities: no exit status 0 can mean a refusal
 ";
