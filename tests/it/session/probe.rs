@@ -96,7 +96,7 @@ no-such-decoder-in-path | no program of this name is in PATH | name the decoder
 in-this-directory | looked up in PATH only | write ./in-this-directory
 'python3 plain.py' | no program of this name
   | several words: write them without quotation marks, -- python3 plain.py
-sh no-such-script.sh | no-such-script.sh: no such file in this directory | by a path that leads to it
+sh no-such-script.sh | no-such-script.sh: no such file in this directory | give the path of the script
 . | is a directory | name the program in it
 ./plain.py | is not executable | chmod +x ./plain.py, or name the interpreter too: -- python3 ./plain.py
 ./no-line | has no #! line | #!/usr/bin/env python3
@@ -168,7 +168,7 @@ fn frames_that_are_damaged_on_their_way() {
 3 | s/(u8|f32)/$1 == "u8" ? "uint8" : "float32"/e | the type is uint8 instead of u8
 3 | chop | announces 135 bytes of samples, 134 follow && exactly as many bytes
 3 | s/PTM1/PTM2/ | begins with "PTM2
-1 | $_ = substr($_, 0, 65536) | ends after 65536 bytes, a multiple of 65536 && process.exitCode
+1 | $_ = substr($_, 0, 65536) | truncated after 65536 bytes, a multiple of 65536 && process.exitCode
 1 | $_ = substr($_, 0, 4096 * int(length($_) / 4096)) if length($_) > 4096
   | a multiple of 4096 && _exit()"#,
     ) {
@@ -186,7 +186,7 @@ fn frames_with_samples_in_wrong_places() {
     let rows_of_texels =
         "[ptm.texels[y * ptm.width:(y + 1) * ptm.width] for y in range(ptm.height)]";
     let table = r#"
-b"".join(b"".join(row) for row in reversed(ROWS)) | its rows are upside down && top row first
+b"".join(b"".join(row) for row in reversed(ROWS)) | its rows are upside down && start with the top row
 b"".join(b"".join(reversed(row)) for row in ROWS) | its rows are mirrored, right to left
 b"".join(reversed(ptm.texels)) | its rows are upside down; and its rows are mirrored, right to left
 b"".join(map(bytes, zip(*ptm.texels))) | one whole plane per channel && (interleaved)
@@ -196,7 +196,7 @@ b"".join(t[:6] + t[:5:-1] for t in ptm.texels) | red and blue are exchanged (BGR
 b"".join(t[6:] + t[:6] for t in ptm.texels) | the color comes before the coefficients
 b"".join(t[:6] + t[:5:-1] for row in reversed(ROWS) for t in row) | (BGR); and its rows are upside down
 b"".join(bytes(255 - x for x in t) for t in ptm.texels)
-  | the image is wrong: texel (0, 0) && check names the clause"#;
+  | the image is wrong: texel (0, 0) && check names the misread clause"#;
     for [samples, says] in rows(&table.replace("ROWS", rows_of_texels)) {
         let samples = format!("samples = {samples}");
         let copy = edited(
@@ -222,7 +222,7 @@ fn frames_of_the_wrong_type_view_or_size() {
     assert_copies_probed(
         r#"
 1 | if sys.byteorder == "big": | if True: | its f32 samples are big-endian && '<f4'
-1 | array.array("f") | array.array("d") | its samples are f64, low byte first
+1 | array.array("f") | array.array("d") | its samples are f64 (low byte first)
 1 | kind, samples = "f32" | kind, samples = "f64" | says the type is f64 instead of f32
 1 | (view.decode(), ptm.width | (os.fsdecode(sys.argv[1]), ptm.width
   | its first line says "rgb:0.3125,-0.4375" && without the light
