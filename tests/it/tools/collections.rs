@@ -309,9 +309,8 @@ fn sarif_has_a_result_for_each_finding_with_its_rule_and_place() {
     here.write("files/a b%.ptm", b"PTM_1.2\n");
     symlink(".", here.path("files/link")).expect("a link");
     here.corpus("lum/first-lum.ptm");
-    let output = here
-        .command("lint --format sarif files first-lum.ptm")
-        .output();
+    let paths = ["files", "first-lum.ptm"].map(|name| here.path(name));
+    let output = here.command("lint --format sarif").args(paths).output();
     let printed = output.expect("the program starts").stdout;
     let log: Value = serde_json::from_slice(&printed).expect("JSON");
     assert_eq!(log["version"], "2.1.0");
