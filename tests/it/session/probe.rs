@@ -113,6 +113,7 @@ sh no-such-script.sh | no-such-script.sh: no such file in this directory | give 
         if !decoder.starts_with("sh ") {
             let checked = here.check(&format!("--case hand-lrgb-blocks -- {decoder}"));
             checked.ends(3, &says);
+            assert_eq!(checked.report["verdict"], "not a decoder");
         }
     }
 }
