@@ -132,12 +132,13 @@ viewer {in} {lu} {lv} {light} | | unknown placeholder {light}
 viewer {in} {lu} {lv} {out} {out} | | more than once
 viewer 'x {in} {lu} {lv} | | quotation
 {in} {lu} {lv} | | first word is the program
-viewer {in} {lu} {lv} | --view raw --view rgb | serves one view
-viewer {in} {lu} {lv} | decoder | cannot be used with",
+viewer {in} {lu} {lv} | --view raw --view rgb | serves one view",
     ) {
         check(&here, &template, &options).ends(2, &says);
     }
     check(&here, "", "").ends(2, "empty");
+    let with_decoder = here.check("--cmd 'viewer {in} {lu} {lv}' decoder");
+    with_decoder.ends(2, "cannot be used with");
 }
 
 #[test]
