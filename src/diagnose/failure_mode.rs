@@ -14,7 +14,7 @@ pub(super) enum FailureMode {
     /// With the exit status or the signal.
     Crashes(String),
     Hangs,
-    /// With the error of the frame, up to its first number.
+    /// With the error of the frame, without quotations and numbers.
     MalformedFrame(String),
     /// Another violation of the protocol.
     Other(&'static str),
@@ -30,8 +30,15 @@ impl FailureMode {
             Response::Violation(Answer::Crashed(how)) => FailureMode::Crashes(how.clone()),
             Response::Violation(Answer::Hung(_)) => FailureMode::Hangs,
             Response::Violation(Answer::ProtocolError(what)) => {
-                let general: String = what.chars().take_while(|c| *c != '"').collect();
-                FailureMode::MalformedFrame(general.trim_end().to_owned())
+                // The rule comes last, after the quoted line.
+                let unquoted = what.split('"').step_by(2).map(str::trim);
+                let general = match what.split_once(" announces ") {
+                    Some((_, "an image without texels")) => "an image without texels",
+                    Some(_) => "another number of bytes than its first line announces",
+                    None if what.starts_with("standard output begins") => "no PTM1 line",
+                    None => unquoted.last().unwrap_or_default(),
+                };
+                FailureMode::MalformedFrame(general.to_owned())
             }
             Response::Violation(answer) => FailureMode::Other(answer.name()),
         })
@@ -65,9 +72,6 @@ impl fmt::Display for FailureMode {
             FailureMode::Unsupported => f.write_str("exits with 69 (unsupported) on"),
             FailureMode::Crashes(how) => write!(f, "crashes ({how}) on"),
             FailureMode::Hangs => f.write_str("does not terminate on"),
-            FailureMode::MalformedFrame(what) if what.is_empty() => {
-                f.write_str("writes no frame to standard output for")
-            }
             FailureMode::MalformedFrame(what) => {
                 write!(f, "writes a malformed frame ({what}) for")
             }

@@ -110,8 +110,7 @@ fn diagnose_by(
         (search, found)
     };
     let (mut search, mut found) = searched(&by_dialect, true);
-    // A mistake may look like another reading of an open question. Then the reference's reading leaves less unexplained, and an edit
-    // is an edit of what the reference computes.
+    // A mistake may look like another reading of an open question, and edits are stated for the reference's reading.
     let is_edit = |member: &search::Member| search.mistakes[member.id].listed().is_none();
     let has_edits = found.members.iter().any(is_edit);
     let is_plain = search.cost(&found) <= MIN_SUPPORT && !has_edits;
