@@ -80,8 +80,7 @@ pub(super) fn remove(search: &Search, found: &mut Found) {
     };
     let failing = legal(&failed);
     let shared = refusals::widest(witnesses, &failing);
-    // Each rule weighs only the mistakes that the rules before it kept.
-    // The last rule is applied once more, because mistakes that were removed by it may have hidden what others change.
+    // Each rule weighs only the mistakes that are left. The last rule is repeated, because it may remove what hid other changes.
     for rule in [Refusals, Acceptances, Rare, Stray, Stray] {
         let set = ids_of(&found.members);
         let open = search.select(failed.clone(), |w| !search.explains(w, &set));

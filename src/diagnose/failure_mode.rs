@@ -14,7 +14,7 @@ pub(super) enum FailureMode {
     /// With the exit status or the signal.
     Crashes(String),
     Hangs,
-    /// With the error of the frame, without quotations and numbers.
+    /// With the error of the frame, in general words.
     MalformedFrame(String),
     /// Another violation of the protocol.
     Other(&'static str),
@@ -30,15 +30,7 @@ impl FailureMode {
             Response::Violation(Answer::Crashed(how)) => FailureMode::Crashes(how.clone()),
             Response::Violation(Answer::Hung(_)) => FailureMode::Hangs,
             Response::Violation(Answer::ProtocolError(what)) => {
-                // The rule comes last, after the quoted line.
-                let unquoted = what.split('"').step_by(2).map(str::trim);
-                let general = match what.split_once(" announces ") {
-                    Some((_, "an image without texels")) => "an image without texels",
-                    Some(_) => "another number of bytes than its first line announces",
-                    None if what.starts_with("standard output begins") => "no PTM1 line",
-                    None => unquoted.last().unwrap_or_default(),
-                };
-                FailureMode::MalformedFrame(general.to_owned())
+                FailureMode::MalformedFrame(generalize(what))
             }
             Response::Violation(answer) => FailureMode::Other(answer.name()),
         })
@@ -62,6 +54,15 @@ impl FailureMode {
         let fails_so = |w: &usize| FailureMode::of(&witnesses[*w]).as_ref() == Some(self);
         of.iter().copied().filter(fails_so).collect()
     }
+}
+
+/// Replaces quotations and numbers by ellipses, and drops the hint after a semicolon, so that similar errors are equal.
+fn generalize(error: &str) -> String {
+    let unquoted = error.split('"').step_by(2).collect::<Vec<_>>().join("…");
+    let words = unquoted.split(';').next().unwrap_or_default().split(' ');
+    let is_number = |word: &str| word.starts_with(|c: char| c.is_ascii_digit());
+    let words = words.map(|word| if is_number(word) { "…" } else { word });
+    words.collect::<Vec<_>>().join(" ")
 }
 
 impl fmt::Display for FailureMode {

@@ -80,10 +80,10 @@ impl Draft {
     /// Draws scale, bias, matrix and scene.
     fn draw_numbers(&mut self, u: &mut Unstructured) -> Result<()> {
         if u.ratio(2, 3)? {
-            put(&mut self.make, "scale", draw_list(6, u, draw_scale)?);
+            set_word(&mut self.make, "scale", draw_list(6, u, draw_scale)?);
         }
         if u.ratio(2, 3)? {
-            put(&mut self.make, "bias", draw_list(6, u, draw_bias)?);
+            set_word(&mut self.make, "bias", draw_list(6, u, draw_bias)?);
         }
         if self.format == Format::Lum && u.ratio(1, 2)? {
             // Column-major; the last row is 0 0 0 1 and there is no translation, because its place is an open question.
@@ -92,7 +92,7 @@ impl Draft {
                 matrix.push(draw_list(3, u, draw_factor)? + " 0");
             }
             let matrix = format!("{} 0 0 0 1", matrix.join(" "));
-            put(&mut self.make, "matrix", matrix);
+            set_word(&mut self.make, "matrix", matrix);
         }
         if u.ratio(1, 2)? {
             const SCENES: [&str; 8] = [
@@ -109,7 +109,7 @@ impl Draft {
                 Some(&scene) => scene.to_owned(),
                 None => format!("flat-{}", u.choose(&[0, 1, 127, 128, 129, 254, 255])?),
             };
-            put(&mut self.make, "scene", scene);
+            set_word(&mut self.make, "scene", scene);
         }
         Ok(())
     }
@@ -124,12 +124,12 @@ impl Draft {
                 6..=9 => u.int_in_range(259..=1500)?,
                 _ => u.int_in_range(1..=40)?,
             };
-            put(&mut self.make, "entries", entries);
+            set_word(&mut self.make, "entries", entries);
             match u.int_in_range(0..=9)? {
-                0 if entries > 2 => put(&mut self.make, "indices", "bytes-differ"),
-                1 => put(&mut self.make, "indices", "below-256"),
-                2 => put(&mut self.make, "indices", entries - 1),
-                3 => put(&mut self.make, "indices", u.int_in_range(0..=entries - 1)?),
+                0 if entries > 2 => set_word(&mut self.make, "indices", "bytes-differ"),
+                1 => set_word(&mut self.make, "indices", "below-256"),
+                2 => set_word(&mut self.make, "indices", entries - 1),
+                3 => set_word(&mut self.make, "indices", u.int_in_range(0..=entries - 1)?),
                 _ => {}
             }
         }
@@ -137,7 +137,7 @@ impl Draft {
             let byte = *u.choose(&[
                 0x00, 0x09, 0x0a, 0x0d, 0x1a, 0x20, 0x23, 0x2d, 0x30, 0x39, 0x7f, 0x80, 0xfe, 0xff,
             ])?;
-            put(&mut self.make, "first_byte", format!("{byte:#04x}"));
+            set_word(&mut self.make, "first_byte", format!("{byte:#04x}"));
         }
         Ok(())
     }
@@ -147,9 +147,9 @@ impl Draft {
         let lossy = jpeg || u.ratio(1, 3)?;
         if jpeg {
             let quality = *u.choose(&[1, 10, 20, 23, 24, 25, 50, 75, 90, 95, 99, 100])?;
-            put(&mut self.compression, "parameter", quality);
+            set_word(&mut self.compression, "parameter", quality);
         } else if lossy {
-            put(&mut self.compression, "parameter", u.int_in_range(1..=10)?);
+            set_word(&mut self.compression, "parameter", u.int_in_range(1..=10)?);
         }
         self.draw_forest(u)?;
         let moves = self.draw_transforms(u)?;
@@ -161,7 +161,7 @@ impl Draft {
             5 => "gray",
             _ => "blocks",
         };
-        put(&mut self.compression, "residuals", residuals);
+        set_word(&mut self.compression, "residuals", residuals);
         self.draw_records(u)?;
         self.draw_stream(jpeg, u)
     }
@@ -180,7 +180,7 @@ impl Draft {
             "tablet",
         ];
         if u.ratio(1, 2)? {
-            put(&mut self.compression, "structure", u.choose(&STRUCTURES)?);
+            set_word(&mut self.compression, "structure", u.choose(&STRUCTURES)?);
             return Ok(());
         }
         let count = self.format.channels();
@@ -195,8 +195,8 @@ impl Draft {
                 references[plane] = by_rank[u.int_in_range(0..=rank - 1)?] as i64;
             }
         }
-        put(&mut self.compression, "references", join(&references));
-        put(&mut self.compression, "order", join(&order));
+        set_word(&mut self.compression, "references", join(&references));
+        set_word(&mut self.compression, "order", join(&order));
         Ok(())
     }
 
@@ -209,9 +209,9 @@ impl Draft {
         let pool: &[u32] = if with_motion { &[0, 1, 2, 3] } else { &[0, 1] };
         let length = u.int_in_range(1..=5)?;
         let transforms = draw_list(length, u, |u| Ok(u.choose(pool)?.to_string()))?;
-        put(&mut self.compression, "transforms", transforms);
+        set_word(&mut self.compression, "transforms", transforms);
         if u.ratio(1, 5)? {
-            put(&mut self.compression, "everywhere", true);
+            set_word(&mut self.compression, "everywhere", true);
         }
         for axis in ["motion_x", "motion_y"] {
             if with_motion && u.ratio(3, 4)? {
@@ -221,7 +221,7 @@ impl Draft {
                     let most = *u.choose(&[7, 7, 7, 7, 7, 7, 7, 7, 7, 80, 300])?;
                     Ok(u.int_in_range(-most..=most)?.to_string())
                 })?;
-                put(&mut self.compression, axis, vectors);
+                set_word(&mut self.compression, axis, vectors);
             }
         }
         Ok(with_motion)
@@ -255,7 +255,7 @@ impl Draft {
             };
             records.push(format!("{planes}:{texels}"));
         }
-        put(&mut self.compression, "records", records.join(" "));
+        set_word(&mut self.compression, "records", records.join(" "));
         Ok(())
     }
 
@@ -266,13 +266,13 @@ impl Draft {
         }
         let plan = &mut self.compression;
         if jpeg {
-            put(plan, "restart_interval", u.choose(&[0, 0, 1, 2, 3, 7])?);
-            put(plan, "optimised_tables", u.arbitrary::<bool>()?);
-            put(plan, "baseline", u.arbitrary::<bool>()?);
+            set_word(plan, "restart_interval", u.choose(&[0, 0, 1, 2, 3, 7])?);
+            set_word(plan, "optimised_tables", u.arbitrary::<bool>()?);
+            set_word(plan, "baseline", u.arbitrary::<bool>()?);
             let sampling = u.choose(&["1x1", "2x1", "1x2", "2x2", "4x1", "3x2"])?;
-            put(plan, "sampling", sampling);
+            set_word(plan, "sampling", sampling);
             if u.ratio(1, 3)? {
-                put(plan, "jfif", false);
+                set_word(plan, "jfif", false);
             }
         } else if !plan.contains_key("parameter") {
             let presets = u.choose(&[
@@ -281,10 +281,10 @@ impl Draft {
                 "255 10 40 90 255",
                 "255 2 2 2 3",
             ])?;
-            put(plan, "presets", presets);
+            set_word(plan, "presets", presets);
         }
         if u.ratio(1, 4)? {
-            put(plan, "alternates", true);
+            set_word(plan, "alternates", true);
         }
         Ok(())
     }
@@ -366,7 +366,7 @@ impl Draft {
     clippy::needless_pass_by_value,
     reason = "numbers and texts are written in the call"
 )]
-fn put(words: &mut Words, key: &'static str, word: impl ToString) {
+fn set_word(words: &mut Words, key: &'static str, word: impl ToString) {
     words.insert(key, word.to_string());
 }
 
@@ -414,15 +414,15 @@ fn draw_spelling(u: &mut Unstructured) -> Result<Words> {
             let length = u.int_in_range(1..=2)?;
             draw_list(length, u, |u| Ok((*u.choose(&LINES)?).to_owned()))?
         };
-        put(&mut words, "space_before_newline", lines);
+        set_word(&mut words, "space_before_newline", lines);
     }
     for key in ["size_lines", "scale_bias_lines"] {
         if u.ratio(1, 3)? {
-            put(&mut words, key, 1);
+            set_word(&mut words, key, 1);
         }
     }
     if u.ratio(1, 6)? {
-        put(&mut words, "gap", u.choose(&[2, 3, 10, 90])?);
+        set_word(&mut words, "gap", u.choose(&[2, 3, 10, 90])?);
     }
     Ok(words)
 }

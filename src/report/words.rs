@@ -27,7 +27,7 @@ fn known_words(suite: SuiteName, slugs: &[String]) -> impl Iterator<Item = (&str
 /// Maximum number of misreadings with the same effect that are described; the others are counted.
 const MAX_ALIKE: usize = 3;
 
-/// A further detail of a cause: a sentence without its full stop, around a name.
+/// A further detail of a cause: a sentence without a period, around a name.
 pub(super) struct Detail<'a> {
     pub before: String,
     /// A misreading or a case; may be empty.

@@ -168,7 +168,7 @@ pub fn processes(matches: impl Fn(&str, &str) -> bool) -> Vec<(String, String)> 
     entries.filter_map(process).collect()
 }
 
-/// Returns true where processes can be looked for; says SKIPPED if not.
+/// Returns true if /proc lists processes; says SKIPPED if not.
 pub fn have_proc() -> bool {
     let there = Path::new("/proc/self/environ").exists();
     if !there {
@@ -250,8 +250,7 @@ pub fn check_writer(line: &str) -> Checked {
     Workspace::new().check_writer(line)
 }
 
-/// Runs a `check` whose report goes to `report`; returns also the most memory that it held, in KiB (0 where there is no
-/// /proc).
+/// Runs a `check` with the report `report`; returns its peak memory in KiB too, or 0 without /proc.
 pub fn measured(mut command: Command, report: &Path) -> (Checked, u64) {
     let mut child = command
         .stdout(Stdio::piped())
@@ -260,8 +259,8 @@ pub fn measured(mut command: Command, report: &Path) -> (Checked, u64) {
         .expect("the program starts");
     let status = format!("/proc/{}/status", child.id());
     let output = [
-        child.stdout.take().map(read_aside),
-        child.stderr.take().map(read_aside),
+        child.stdout.take().map(read_in_background),
+        child.stderr.take().map(read_in_background),
     ];
     let mut most = 0;
     let exit = loop {
@@ -282,7 +281,7 @@ pub fn measured(mut command: Command, report: &Path) -> (Checked, u64) {
     (Checked::new(exit.code().unwrap_or(-1), text, report), most)
 }
 
-fn read_aside(mut pipe: impl Read + Send + 'static) -> JoinHandle<Vec<u8>> {
+fn read_in_background(mut pipe: impl Read + Send + 'static) -> JoinHandle<Vec<u8>> {
     std::thread::spawn(move || {
         let mut bytes = Vec::new();
         let _ = pipe.read_to_end(&mut bytes);
@@ -307,7 +306,7 @@ pub fn conforms(value: &Value, schema: &str) {
 pub struct Load(Vec<Child>);
 
 impl Load {
-    /// Keeps so many busy.
+    /// Keeps this many processors busy.
     pub fn new(processors: usize) -> Load {
         let busy = |_| {
             let mut shell = Command::new("sh");

@@ -138,16 +138,24 @@ pub(in crate::diagnose) fn describe(search: &Search, set: &Set, left: &[usize]) 
     for w in left {
         by_step.entry(known[w]).or_default().push(*w);
     }
+    // A correct or an explained image contradicts a property. A file without an image is no evidence.
+    let is_known = |w: &usize| {
+        let witness = &search.witnesses[*w];
+        witness.case.expect == Expect::Decode
+            && matches!(witness.observation.response, Response::Image { .. })
+            && (!witness.failed || search.agreement(*w, set).explains())
+    };
+    let seen: Vec<usize> = (0..search.witnesses.len()).filter(is_known).collect();
     let mut diagnoses = Vec::new();
     for (step, mut of) in by_step {
-        let mut parts = take_scopes(search, set, &mut of, &[None]);
+        let mut parts = take_scopes(search, &seen, &mut of, &[None]);
         let mut by_clause: BTreeMap<Option<&str>, Vec<usize>> = BTreeMap::new();
         for &w in &of {
             let clause = step.common_clause().or(step.clause(format(w)));
             by_clause.entry(clause).or_default().push(w);
         }
         for mut of in by_clause.into_values() {
-            parts.extend(take_scopes(search, set, &mut of, &Format::ALL.map(Some)));
+            parts.extend(take_scopes(search, &seen, &mut of, &Format::ALL.map(Some)));
             if !of.is_empty() {
                 let place = share_of_formats(search.witnesses, &of);
                 parts.push(Part {
@@ -157,8 +165,8 @@ pub(in crate::diagnose) fn describe(search: &Search, set: &Set, left: &[usize]) 
                 });
             }
         }
-        let parts = parts.iter();
-        diagnoses.extend(parts.map(|part| difference(search, set, step, part)));
+        let described = parts.iter().map(|part| difference(search, set, step, part));
+        diagnoses.extend(described);
     }
     diagnoses
 }
@@ -235,19 +243,11 @@ struct Part {
 /// Removes the files with a property that most of `open` share and no file of known behavior has, of all formats or of each.
 fn take_scopes(
     search: &Search,
-    set: &[Id],
+    known: &[usize],
     open: &mut Vec<usize>,
     formats: &[Option<Format>],
 ) -> Vec<Part> {
     let witnesses = search.witnesses;
-    // A correct or an explained image contradicts a property. A file without an image is no evidence.
-    let is_known = |w: &usize| {
-        let witness = &witnesses[*w];
-        witness.case.expect == Expect::Decode
-            && matches!(witness.observation.response, Response::Image { .. })
-            && (!witness.failed || search.agreement(*w, set).explains())
-    };
-    let known: Vec<usize> = (0..witnesses.len()).filter(is_known).collect();
     let format = |w: usize| witnesses[w].case.format();
     let of_format = |of: &[usize], one: Option<Format>| -> Vec<usize> {
         let is_of = |w: &usize| one.is_none_or(|one| format(*w) == one);
@@ -261,7 +261,7 @@ fn take_scopes(
     let mut parts = Vec::new();
     for &one in formats.iter().filter(|_| !search.is_arbitrary && !is_rest) {
         let these = of_format(open, one);
-        let shared = shared_scope(witnesses, &these, &of_format(&known, one), false);
+        let shared = shared_scope(witnesses, &these, &of_format(known, one), false);
         let is_rule = |shared: &Shared| {
             is_most(shared.of.len(), open.len()) && shared.is_prevalent(witnesses, one)
         };

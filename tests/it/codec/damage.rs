@@ -86,7 +86,7 @@ fn damage(stream: &mut Vec<u8>, draws: &mut Draws) {
     }
 }
 
-/// Damages streams so many times; each is decoded, or refused within its length.
+/// Damages streams `count` times. Each is decoded, or refused within its length.
 fn survive(times: usize) {
     for (decode, streams) in [jpeg_streams(), jpeg_ls_streams()] {
         let mut draws = Draws(3);

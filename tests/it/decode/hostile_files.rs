@@ -148,7 +148,7 @@ fn mutate(file: &mut Vec<u8>, header: usize, draws: &mut Draws) {
     }
 }
 
-/// Decodes so many damaged files; each ends within a limit of memory and, by far, of time.
+/// Decodes damaged files. Each needs little memory, and far less time than the limit.
 fn survive_compressed(times: usize) {
     let with_header = |file: Vec<u8>| {
         let (fields, _) = ptm_conform::decode::fields(&file);

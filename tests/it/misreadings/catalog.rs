@@ -69,7 +69,7 @@ fn every_misreading_is_caught_by_two_cases_and_differs_from_every_other() {
 /// Returns true if a decoder that shows colors only is caught too, by a case that catches it in stored values.
 fn is_seen_in_colors(suite: &Suite, row: &MatrixRow) -> bool {
     row.killed_by.chunks(20).any(|some| {
-        // A damaged file is asked for together with its twin.
+        // A damaged file is requested together with its twin.
         let wanted: HashSet<&String> = (some.iter().map(|&i| &suite.cases[i]))
             .flat_map(|case| [Some(&case.id), case.twin_of.as_ref()])
             .flatten()

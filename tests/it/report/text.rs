@@ -206,7 +206,7 @@ fn known_failures_are_not_reported_as_new() {
     here.write("both.yaml", format!("{fewer}- id: header-plain-lrgb\n"));
     here.exits(1, &wrong("--baseline both.yaml"));
 
-    // Written anew, the list loses the passing case and keeps the unselected one with its reason.
+    // The new list loses the passing case and keeps the unselected one with its reason.
     here.exits(4, &wrong("--baseline more.yaml --write-baseline more.yaml"));
     let renewed = here.text("more.yaml");
     assert!(!renewed.contains("header-plain-lrgb"), "{renewed}");

@@ -83,7 +83,7 @@ hoards hoards-by-a-child | 3 | --memory 150M | not judged | out of memory: its p
 hangs-when-asked-what-it-is | 0 | --timeout 8 | none | pass: 17 pass
 ";
 
-/// Programs that serve. Where serve mode does not work, each file is asked for in one-shot mode.
+/// Programs that serve. If serve mode fails, each file is requested in one-shot mode.
 const SERVING: &str = r#"
 serves | 0 | | none | pass: 17 pass
 serves serves-and-deletes-later | 0 | --serve --jobs 1 | none | pass: 17 pass

@@ -4,7 +4,7 @@ use std::process::Command;
 
 use crate::common::{Checked, Workspace, have, program, repository, stdout};
 
-/// A workspace with `ptm_decoder`, the compiled decoder in C; nothing where there is no compiler.
+/// A workspace with `ptm_decoder`, the compiled decoder in C, or `None` without a compiler.
 fn with_c_decoder() -> Option<Workspace> {
     let here = Workspace::new();
     let flags = "-std=c99 -pedantic -Wall -Wextra -Werror -O1 -o ptm_decoder";

@@ -284,7 +284,7 @@ fn serve_modes_that_go_wrong() {
     );
 }
 
-/// An image that is wrong in both modes is no fault of serve mode.
+/// An image that is wrong in both modes is not a fault of serve mode.
 #[test]
 fn serve_mode_is_compared_with_one_shot_mode() {
     if !have("python3") {

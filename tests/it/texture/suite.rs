@@ -253,7 +253,7 @@ fn every_requirement_is_tested_or_gives_a_reason() {
         let has_case = suite.cases.iter().any(|case| case.clauses.contains(id));
         let has_misreading = misreadings::all().any(|one| one.clause == id);
         let is_covered = match clause.status {
-            // A misreading of one requirement often breaks its neighbours; a case about each is enough.
+            // A misreading of one requirement often breaks its neighbors; a case about each is enough.
             ClauseStatus::Tested => has_case,
             ClauseStatus::Ruled => {
                 let is_ruling = |ruling: &&Ruling| Some(&ruling.id) == clause.ruling.as_ref();

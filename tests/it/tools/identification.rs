@@ -77,7 +77,7 @@ fn every_signature_knows_every_legal_file_and_no_damaged_beginning() {
     }
 }
 
-/// Returns the number of files that `file` takes for a PTM with our magic alone.
+/// Returns the number of files that `file` identifies as a PTM with our magic alone.
 fn count_ptms(here: &Workspace, files: &[PathBuf]) -> usize {
     let names = files.iter().map(|path| format!("{}\n", path.display()));
     let list = here.write("list", names.collect::<String>());
@@ -99,7 +99,7 @@ fn file_knows_every_legal_file_and_takes_no_other_for_one() {
     let here = Workspace::new();
     let files = write_legal(&here);
     assert_eq!(count_ptms(&here, &files), files.len());
-    // The ignored test below asks for every file of the system.
+    // The ignored test below identifies every file of the system.
     let others = files_below(Path::new("/usr/lib"), 500);
     assert_eq!(count_ptms(&here, &others), 0);
 }
@@ -112,7 +112,7 @@ fn no_file_of_the_system_is_taken_for_a_ptm() {
     assert_eq!(count_ptms(&Workspace::new(), &files), 0);
 }
 
-/// Returns at most so many files below a directory, without links and names with a line feed.
+/// Returns the first files below a directory, except links and names with a line feed.
 fn files_below(directory: &Path, most: usize) -> Vec<PathBuf> {
     let (mut files, mut directories) = (Vec::new(), vec![directory.to_owned()]);
     while let (Some(directory), true) = (directories.pop(), files.len() < most) {
