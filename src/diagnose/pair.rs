@@ -1,7 +1,7 @@
 //! An image as received, and the expected image.
 
 use crate::protocol::frame::{Frame, Samples, ViewKind};
-use crate::suite::compare::{COLOR, is_close};
+use crate::suite::compare::is_near;
 
 /// A received and an expected image of the same shape.
 pub(super) struct Pair {
@@ -37,11 +37,7 @@ impl Pair {
 
     /// Returns true if two samples are equal within the tolerance of the view.
     pub fn is_near(&self, a: f64, b: f64) -> bool {
-        match self.view {
-            ViewKind::Raw => a == b,
-            ViewKind::Rgb => (a - b).abs() <= COLOR,
-            ViewKind::Coef => is_close(a, b, 0.0),
-        }
+        is_near(self.view, a, b, 0.0, 0.0)
     }
 
     /// Returns the places of the wrong samples.

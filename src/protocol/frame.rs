@@ -74,6 +74,16 @@ impl ViewKind {
         }
     }
 
+    /// Returns the clause that its values follow from.
+    #[must_use]
+    pub const fn clause(self) -> &'static str {
+        match self {
+            ViewKind::Raw => "2.7/1",
+            ViewKind::Coef => "2.4/8",
+            ViewKind::Rgb => "1.0/1",
+        }
+    }
+
     /// Returns the number of samples per texel of a map with `channels` channels.
     #[must_use]
     pub const fn channels(self, channels: usize) -> usize {
@@ -136,6 +146,20 @@ impl View {
     #[must_use]
     pub const fn name(&self) -> &'static str {
         self.kind().name()
+    }
+
+    /// Returns the values of all samples of `ptm` in this view under a reading, with some formulas edited; colors are not
+    /// rounded.
+    pub(crate) fn values(&self, ptm: &Ptm, reading: &Reading, edits: Edits) -> Vec<f64> {
+        let ptm = &*formula::stored(ptm, edits);
+        let finals = || formula::finals(ptm, reading, edits);
+        match self {
+            View::Raw => ptm.planes.samples.iter().copied().map(f64::from).collect(),
+            View::Coef => finals().values,
+            View::Rgb(Light { lu, lv, .. }) => {
+                formula::image(&finals(), *lu, *lv, reading, edits).values
+            }
+        }
     }
 }
 
@@ -288,32 +312,13 @@ impl Frame {
 
     /// Renders `ptm` in `view` under a reading, with some formulas edited.
     pub(crate) fn edited(ptm: &Ptm, view: &View, reading: &Reading, edits: Edits) -> Frame {
-        let ptm = &*formula::stored(ptm, edits);
-        let coefficients = || formula::finals(ptm, reading, edits);
-        let channels = ptm.planes.shape.channels() as u32;
-        let (channels, samples) = match view {
-            View::Raw => (channels, Samples::U8(ptm.planes.samples.clone())),
-            View::Coef => (
-                channels,
-                Samples::F32(
-                    coefficients()
-                        .values
-                        .iter()
-                        .map(|&value| value as f32)
-                        .collect(),
-                ),
-            ),
-            View::Rgb(light) => {
-                let picture = formula::image(&coefficients(), light.lu, light.lv, reading, edits);
-                (3, Samples::U8(picture.to_bytes()))
-            }
-        };
+        let kind = view.kind();
         Frame {
-            view: view.kind(),
+            view: kind,
             width: ptm.planes.size.width,
             height: ptm.planes.size.height,
-            channels,
-            samples,
+            channels: kind.channels(ptm.planes.shape.channels()) as u32,
+            samples: kind.samples(&view.values(ptm, reading, edits)),
             lossy: false,
         }
     }

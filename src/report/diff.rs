@@ -7,7 +7,7 @@ use std::collections::{BTreeMap, HashMap};
 use std::fmt::Write;
 
 use serde::Serialize;
-use similar::{ChangeTag, TextDiff};
+use similar::{Algorithm, DiffTag, capture_diff_slices};
 
 use crate::kit::yaml::to_yaml;
 use crate::report::document::{CaseResult, FollowedReading, LikelyCause, Report, section_of};
@@ -256,17 +256,16 @@ fn write_lines(
     if !name.is_empty() {
         writeln!(out, "{indent}{name}:")?;
     }
-    for change in TextDiff::from_lines(old, new).iter_all_changes() {
-        let sign = match change.tag() {
-            ChangeTag::Equal => continue,
-            ChangeTag::Delete => '-',
-            ChangeTag::Insert => '+',
-        };
-        writeln!(
-            out,
-            "{indent}  {sign} {}",
-            change.value().trim_end_matches('\n')
-        )?;
+    let (old, new): (Vec<&str>, Vec<&str>) = (old.lines().collect(), new.lines().collect());
+    for change in capture_diff_slices(Algorithm::Myers, &old, &new) {
+        if change.tag() != DiffTag::Equal {
+            for line in &old[change.old_range()] {
+                writeln!(out, "{indent}  - {line}")?;
+            }
+            for line in &new[change.new_range()] {
+                writeln!(out, "{indent}  + {line}")?;
+            }
+        }
     }
     Ok(())
 }

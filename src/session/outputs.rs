@@ -14,7 +14,7 @@ use serde::{Deserialize, Serialize};
 use crate::kit::digest::sha256;
 use crate::kit::yaml::{from_yaml, text_of, to_yaml};
 use crate::protocol::forms;
-use crate::protocol::frame::{Answer, View};
+use crate::protocol::frame::{Answer, View, ViewKind};
 use crate::runner::run::{Reply, Request};
 use crate::suite::cases::{Case, Suite, TableSpelling};
 use crate::suite::corpus::put;
@@ -44,9 +44,9 @@ struct Listed {
 
 impl Listed {
     fn of(case: &Case, view: &View, file: &[u8]) -> Listed {
-        let suffix = match view {
-            View::Rgb(_) => "png",
-            View::Raw | View::Coef => "npy",
+        let suffix = match view.kind() {
+            ViewKind::Rgb => "png",
+            _ => "npy",
         };
         Listed {
             id: case.id.clone(),

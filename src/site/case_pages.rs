@@ -10,7 +10,7 @@ use crate::protocol::frame::View;
 use crate::ptm::channel_name;
 use crate::report::html::number;
 use crate::suite::cases::{Built, Case, Expect, TableSpelling};
-use crate::suite::compare::Expected;
+use crate::suite::compare::{Expected, tolerance_in_words};
 use crate::tools::inspect::{Inspection, inspect};
 use crate::tools::lint::lint;
 
@@ -99,11 +99,7 @@ fn slack(case: &Case, built: &Built) -> Option<String> {
     let view = case.views.first()?;
     let expected = Expected::of(&built.values, view)?;
     let most = expected.slack.iter().copied().fold(0.0, f64::max);
-    let own = match view {
-        View::Raw => "none",
-        View::Coef => "1e-5 of the larger value, and 1e-6",
-        View::Rgb(_) => "each byte within 1 + 1/64 of the exact color",
-    };
+    let own = tolerance_in_words(view.kind());
     Some(match most > 0.0 {
         true => format!("{own}; plus up to {most}, because inverse DCTs differ"),
         false => own.to_owned(),

@@ -1,9 +1,9 @@
 //! Execution of worked examples: bytes → value. A wrong value is an error, so that no page can be wrong.
 
 use crate::decode::decode_as;
-use crate::evaluate;
+use crate::formula::Edits;
 use crate::protocol::frame::View;
-use crate::ptm::{Limits, Ptm, channel_name};
+use crate::ptm::{Limits, channel_name};
 use crate::reading::Reading;
 use crate::site::annotated::{Annotated, AnnotatedClause, Files, WorkedExample};
 use crate::suite::choices::CHOICES;
@@ -44,7 +44,9 @@ impl WorkedExample {
             Ok(ptm) => ptm,
             Err(error) => return Ok(Found::Refused(error.clause(), error.to_string())),
         };
-        let (count, values) = values_in(self.asks().parse()?, &ptm, reading);
+        let view: View = self.asks().parse()?;
+        let count = view.kind().channels(ptm.planes.shape.channels());
+        let values = view.values(&ptm, reading, Edits(&[]));
         let channels = match numbers(self.channels.as_deref().unwrap_or_default())? {
             all if all.is_empty() => (0..count).collect(),
             some if some.iter().all(|&channel| channel < count) => some,
@@ -72,23 +74,6 @@ impl WorkedExample {
     /// Returns the view that it asks for.
     fn asks(&self) -> &str {
         self.view.as_deref().unwrap_or("raw")
-    }
-}
-
-/// Returns the number of channels of a texel in the view, and the values of all texels.
-fn values_in(view: View, ptm: &Ptm, reading: &Reading) -> (usize, Vec<f64>) {
-    let channels = ptm.planes.shape.channels();
-    let finals = evaluate::apply(&ptm.header.scale_bias, &ptm.planes, reading);
-    match view {
-        View::Raw => {
-            let samples = ptm.planes.samples.iter();
-            (channels, samples.map(|&byte| f64::from(byte)).collect())
-        }
-        View::Coef => (channels, finals.values),
-        View::Rgb(light) => {
-            let image = evaluate::evaluate(&finals, light.lu, light.lv, reading);
-            (3, image.values)
-        }
     }
 }
 

@@ -8,9 +8,9 @@
 use std::fmt;
 
 use crate::decode::decode_as;
-use crate::evaluate;
+use crate::formula::Edits;
 use crate::protocol::frame::{Frame, Light, View, ViewKind};
-use crate::ptm::{Ptm, Size, channel_name};
+use crate::ptm::{Limits, Size, channel_name};
 use crate::reading::Reading;
 use crate::suite::values::{HandValues, Values};
 
@@ -30,7 +30,7 @@ pub struct Expected {
 }
 
 /// Tolerance of a byte against the exact color: one for any rounding, and a little for arithmetic in `f32`.
-pub(crate) const COLOR: f64 = 1.0 + 1.0 / 64.0;
+const COLOR: f64 = 1.0 + 1.0 / 64.0;
 
 /// Additional tolerance for a byte of a JPEG image. At quality 95 no sample of the images of the suite deviates by more than
 /// 29; the rest is for other encoders and their tables.
@@ -80,17 +80,9 @@ impl Expected {
     /// Returns what `file` shows in `view` under another reading, or `None` if that reading refuses it.
     #[must_use]
     pub fn under(file: &[u8], view: &View, reading: &Reading) -> Option<Expected> {
-        let Ptm { header, planes } =
-            decode_as(file, reading, &crate::ptm::Limits::default()).ok()?;
-        let coefficients = || evaluate::apply(&header.scale_bias, &planes, reading);
-        let values = match view {
-            View::Raw => reals(&planes.samples),
-            View::Coef => coefficients().values,
-            View::Rgb(light) => {
-                evaluate::evaluate(&coefficients(), light.lu, light.lv, reading).values
-            }
-        };
-        Some(Expected::exact(view.kind(), header.size, values))
+        let ptm = decode_as(file, reading, &Limits::default()).ok()?;
+        let values = view.values(&ptm, reading, Edits(&[]));
+        Some(Expected::exact(view.kind(), ptm.header.size, values))
     }
 
     /// Returns the samples of a frame as expectation for another frame.
@@ -175,17 +167,8 @@ impl Expected {
 
     /// Returns true if `received` is close enough to sample `i` of an image that was compressed with some loss.
     fn is_within(&self, i: usize, received: f64, loss: f64) -> bool {
-        let expected = self.values[i];
         let slack = self.slack.get(i).copied().unwrap_or_default();
-        let apart = (expected - received).abs();
-        match self.view {
-            ViewKind::Raw => apart.min(256.0 - apart) <= slack,
-            // Infinity is right if the number is too large for an `f32`.
-            ViewKind::Coef => {
-                is_close(expected, received, slack) || f64::from(expected as f32) == received
-            }
-            ViewKind::Rgb => apart <= COLOR + slack + loss,
-        }
+        is_near(self.view, self.values[i], received, slack, loss)
     }
 
     fn difference(&self, received: impl Fn(usize) -> f64, loss: f64) -> Option<Difference> {
@@ -233,6 +216,29 @@ pub enum Difference {
         /// The number of all samples.
         samples: usize,
     },
+}
+
+/// Returns true if `received` is close enough to a sample of a view whose inverse DCTs differ by `slack`, in an image that was
+/// compressed with some loss.
+pub(crate) fn is_near(view: ViewKind, expected: f64, received: f64, slack: f64, loss: f64) -> bool {
+    let apart = (expected - received).abs();
+    match view {
+        ViewKind::Raw => apart.min(256.0 - apart) <= slack,
+        // Infinity is right if the number is too large for an `f32`.
+        ViewKind::Coef => {
+            is_close(expected, received, slack) || f64::from(expected as f32) == received
+        }
+        ViewKind::Rgb => apart <= COLOR + slack + loss,
+    }
+}
+
+/// Describes the tolerance of the samples of a view.
+pub(crate) const fn tolerance_in_words(view: ViewKind) -> &'static str {
+    match view {
+        ViewKind::Raw => "none",
+        ViewKind::Coef => "1e-5 of the larger value, and 1e-6",
+        ViewKind::Rgb => "each byte within 1 + 1/64 of the exact color",
+    }
 }
 
 /// Returns true if final values differ by no more than one rounding to `f32`, a product in `f32`, and `slack`. No finite value

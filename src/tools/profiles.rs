@@ -320,11 +320,11 @@ fn encoded(
                 ("exr", exr_of(values, size, channels, description)?),
             ]
         }
-        ViewKind::Coef => vec![floats],
         ViewKind::Rgb => {
             let bytes = values.iter().map(|value| value.round() as u8);
             vec![floats, png(Image::rgb(size, bytes.collect()))?]
         }
+        _ => vec![floats],
     })
 }
 

@@ -23,8 +23,8 @@ pub fn steps(ptm: &Ptm, view: &View, texel: usize, channel: usize) -> Option<Str
         View::Coef if channel < ptm.planes.shape.coefficients() => {
             Some(final_value(ptm, raw, channel))
         }
-        View::Raw | View::Coef => None,
         View::Rgb(light) => Some(color(ptm, raw, channel, (light.lu, light.lv))),
+        _ => None,
     }
 }
 

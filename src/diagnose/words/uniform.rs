@@ -15,11 +15,7 @@ pub(in crate::diagnose) fn describe(
 ) -> Vec<Diagnosis> {
     let found = find(witnesses, left);
     let diagnosis = |(effect, of): (String, Vec<usize>)| {
-        let clause = match witnesses[of[0]].observation.view.kind() {
-            ViewKind::Raw => "2.7/1",
-            ViewKind::Coef => "2.4/8",
-            ViewKind::Rgb => "1.0/1",
-        };
+        let clause = witnesses[of[0]].observation.view.kind().clause();
         left.retain(|w| !of.contains(w));
         let words = Words {
             effect,

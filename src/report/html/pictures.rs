@@ -95,7 +95,7 @@ impl<'a> Pair<'a> {
             },
             spans: Vec::new(),
         };
-        if frame.view == ViewKind::Coef {
+        if frame.view.sample_type() == "f32" {
             pair.spans = (0..expected.channels)
                 .map(|channel| pair.span(channel))
                 .collect();
@@ -311,8 +311,8 @@ const DIFFERENCE: &str = "difference";
 fn scale_of(view: ViewKind) -> Markup {
     let (least, most) = match view {
         ViewKind::Raw => ("1", "128, around the circle of 256 values"),
-        ViewKind::Rgb => ("1", "255"),
-        ViewKind::Coef => ("a little", "all that the plane spans"),
+        _ if view.sample_type() == "u8" => ("1", "255"),
+        _ => ("a little", "all that the plane spans"),
     };
     html! { p.heat { "difference " (least) " " i {} " " (most) "; blank: near enough" } }
 }
