@@ -38,7 +38,7 @@ pub enum Met {
 }
 
 /// A named path, and its origin.
-pub enum Source {
+pub enum FileSource {
     /// From the command line: read whatever its type, even if it is a pipe.
     Directly(PathBuf),
     /// From a list.
@@ -53,7 +53,7 @@ type WalkStep = Result<Met, PathBuf>;
 
 /// Returns all named files, and the files of folders; with `recursive` those of the folders inside too.
 pub fn walk(
-    mut named: impl Iterator<Item = Source> + Send,
+    mut named: impl Iterator<Item = FileSource> + Send,
     recursive: bool,
 ) -> impl Iterator<Item = Met> + Send {
     let mut folders: Vec<(PathBuf, Entries)> = Vec::new();
@@ -82,9 +82,9 @@ pub fn walk(
 }
 
 /// Classifies a named path; links are followed.
-fn meet_named(named: Source) -> WalkStep {
-    let is_listed = matches!(named, Source::Listed(_));
-    let (Source::Directly(path) | Source::Listed(path)) = named;
+fn meet_named(named: FileSource) -> WalkStep {
+    let is_listed = matches!(named, FileSource::Listed(_));
+    let (FileSource::Directly(path) | FileSource::Listed(path)) = named;
     match fs::metadata(&path) {
         Ok(data) if data.is_dir() => Err(path),
         // Opening a pipe would block until its writer opens it.

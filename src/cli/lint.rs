@@ -10,7 +10,7 @@ use indicatif::ProgressBar;
 use serde::Serialize;
 
 use super::arguments::parse_size;
-use super::collection::{Met, Opened, Room, Source, open, paths, walk};
+use super::collection::{FileSource, Met, Opened, Room, open, paths, walk};
 use super::files::named;
 use super::lint_rows::{RowFormat, Rows};
 use super::output::{self, Machine};
@@ -92,7 +92,7 @@ pub struct LintArgs {
 
 /// A code in the list of codes.
 #[derive(Serialize)]
-struct Listed {
+struct ListedCode {
     code: &'static str,
     severity: Severity,
     clause: &'static str,
@@ -192,12 +192,12 @@ fn settings(args: &LintArgs) -> Result<Settings, String> {
 }
 
 /// Returns all named paths, from the command line or the list.
-fn named_sources(args: &LintArgs) -> impl Iterator<Item = Source> + Send {
+fn named_sources(args: &LintArgs) -> impl Iterator<Item = FileSource> + Send {
     let end = if args.null { 0 } else { b'\n' };
-    let of_path = move |path: &PathBuf| -> Box<dyn Iterator<Item = Source> + Send> {
+    let of_path = move |path: &PathBuf| -> Box<dyn Iterator<Item = FileSource> + Send> {
         match is_list(path) {
-            true => Box::new(paths(BufReader::new(io::stdin()), end).map(Source::Listed)),
-            false => Box::new(std::iter::once(Source::Directly(path.clone()))),
+            true => Box::new(paths(BufReader::new(io::stdin()), end).map(FileSource::Listed)),
+            false => Box::new(std::iter::once(FileSource::Directly(path.clone()))),
         }
     };
     args.files.iter().flat_map(of_path)
@@ -216,7 +216,7 @@ fn progress(args: &LintArgs) -> ProgressBar {
     }
     let (files, recursive, counted) = (args.files.clone(), args.recursive, bar.clone());
     std::thread::spawn(move || {
-        let walk = walk(files.into_iter().map(Source::Directly), recursive);
+        let walk = walk(files.into_iter().map(FileSource::Directly), recursive);
         let files = walk.take_while(|_| !counted.is_finished()).count();
         counted.set_length(files as u64);
     });
@@ -271,7 +271,7 @@ impl Judge<'_> {
 }
 
 fn list_codes(args: &LintArgs) -> CommandResult {
-    let listed = ALL.iter().map(|code| Listed {
+    let listed = ALL.iter().map(|code| ListedCode {
         code: code.id,
         severity: code.severity,
         clause: code.clause,

@@ -22,13 +22,13 @@ use ptm_conform::tools::render::Image;
 #[command(after_help = "Example:\n  ptm-conform texture render --shape sphere -o sphere.png")]
 pub struct TextureArgs {
     #[command(subcommand)]
-    command: Command,
+    command: TextureCommand,
 }
 
 #[derive(Subcommand)]
-enum Command {
+enum TextureCommand {
     Cases(CasesArgs),
-    Render(RenderArgs),
+    Render(TextureRenderArgs),
 }
 
 /// Check that the reference answers every case of a file as the file expects.
@@ -56,7 +56,7 @@ struct CasesArgs {
 #[command(
     after_help = "Examples:\n  ptm-conform texture render -o wrap.png\n  ptm-conform texture render --shape sphere --map coin.ptm --ptm-light 0.4,0.3 -o sphere.png\n  ptm-conform texture render --map coin.ptm --entry '{boundary: [Mirror, Wrap, Wrap], composition: Modulate}' -o mirror.png"
 )]
-struct RenderArgs {
+struct TextureRenderArgs {
     /// The output file, a PNG.
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
@@ -116,8 +116,8 @@ fn parse_color(text: &str) -> Result<[f64; 3], String> {
 /// Runs `ptm-conform texture …`.
 pub fn run(args: &TextureArgs) -> CommandResult {
     match &args.command {
-        Command::Cases(args) => run_cases(args),
-        Command::Render(args) => run_render(args),
+        TextureCommand::Cases(args) => run_cases(args),
+        TextureCommand::Render(args) => run_render(args),
     }
 }
 
@@ -163,7 +163,7 @@ pub fn answer(file: &Path) -> CommandResult {
     Ok(0)
 }
 
-fn run_render(args: &RenderArgs) -> CommandResult {
+fn run_render(args: &TextureRenderArgs) -> CommandResult {
     let mut fields: serde_json::Value =
         from_yaml(&args.entry).map_err(|error| format!("--entry: {error}"))?;
     if let Some(fields) = fields.as_object_mut() {

@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 
-use super::mistake::{Channels, Mistake};
+use super::mistake::{ChannelSubset, Mistake};
 use super::tuning::{MAX_SAMPLE, MIN_SUPPORT, ROUNDING_SLACK};
 use super::witness::{Witness, alike, applies, is_after_decoding};
 use crate::kit::parallel::in_parallel;
@@ -20,7 +20,7 @@ impl Witness<'_> {
         let made = mistakes.iter().filter(|mistake| mistake.scope.holds(self));
         let (whole, in_part): (Vec<&Mistake>, Vec<&Mistake>) = made
             .copied()
-            .partition(|mistake| mistake.channels == Channels::All);
+            .partition(|mistake| mistake.channels == ChannelSubset::All);
         let mut misreadings: Vec<&Misreading> =
             whole.iter().map(|mistake| mistake.misreading).collect();
         let mut answer = self.answer_of_listed(&misreadings);
@@ -41,7 +41,7 @@ impl Witness<'_> {
         else {
             return None;
         };
-        let is_in_part = |mistake: &&Mistake| mistake.channels != Channels::All;
+        let is_in_part = |mistake: &&Mistake| mistake.channels != ChannelSubset::All;
         if !self.failed || mistakes.iter().any(is_in_part) || !alike(shown, made) {
             return None;
         }

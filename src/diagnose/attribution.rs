@@ -1,10 +1,10 @@
 //! Attribution of failures to the mistakes that were found.
 
-use super::diagnosis::{Category, Cause, Diagnosis, Words};
+use super::diagnosis::{Category, Cause, CauseWords, Diagnosis};
 use super::failure_mode::FailureMode;
-use super::mistake::{Channels, Mistake};
-use super::scope::Scope;
-use super::search::{Found, Id, Member, Search, Set, ids_of, without_id};
+use super::mistake::{ChannelSubset, Mistake};
+use super::scope::FileScope;
+use super::search::{FoundMistakes, Id, Member, Search, Set, ids_of, without_id};
 use super::tuning::{MAX_SAMPLE, MIN_SHARING_FILES, is_few, is_most, is_much};
 use super::witness::Witness;
 use super::words::acceptances;
@@ -23,7 +23,10 @@ struct Share {
 }
 
 /// Returns a diagnosis for each mistake that explains failures, and the failures that none explains.
-pub(super) fn attribute(search: &Search, found: &Found) -> (Vec<(Id, Diagnosis)>, Vec<usize>) {
+pub(super) fn attribute(
+    search: &Search,
+    found: &FoundMistakes,
+) -> (Vec<(Id, Diagnosis)>, Vec<usize>) {
     let set = ids_of(&found.members);
     let mut left = Vec::new();
     let mut shares = vec![Share::default(); set.len()];
@@ -218,7 +221,7 @@ fn of_found(search: &Search, mistake: &Mistake, share: &Share) -> Diagnosis {
     let misreading = mistake.misreading;
     let place = match &mistake.scope {
         // In other formats an edit may change nothing.
-        Scope::All => formats_of(witnesses, &share.explains),
+        FileScope::All => formats_of(witnesses, &share.explains),
         scope => format!(", only in files {}", scope.describe()),
     };
     let (effect, fix) = match (mistake.listed(), misreading.at) {
@@ -231,7 +234,7 @@ fn of_found(search: &Search, mistake: &Mistake, share: &Share) -> Diagnosis {
             ),
         ),
     };
-    let words = Words {
+    let words = CauseWords {
         effect: effect + &mistake.channels.describe() + &place,
         fix,
         example: place::example(search, place::smallest(witnesses, &share.explains)),
@@ -288,7 +291,7 @@ pub(super) fn indispensable(set: &[Id], holds: impl Fn(&[Id]) -> bool) -> Vec<us
 /// Returns true if the colors of an image are computed from channels that a mistake changes.
 fn shows_in_colors(search: &Search, w: usize, member: Id) -> bool {
     let (witness, mistake) = (&search.witnesses[w], &search.mistakes[member]);
-    mistake.channels != Channels::All
+    mistake.channels != ChannelSubset::All
         && mistake.misreading.at.stage() < Stage::Color
         && witness.is_in_colors()
         && witness.concerns(mistake)
@@ -298,7 +301,7 @@ fn shows_in_colors(search: &Search, w: usize, member: Id) -> bool {
 /// Lists failures that a mistake explains in part under it, and removes them from `left`.
 pub(super) fn attribute_in_part(
     search: &Search,
-    found: &Found,
+    found: &FoundMistakes,
     diagnoses: &mut [(Id, Diagnosis)],
     left: &mut Vec<usize>,
 ) {

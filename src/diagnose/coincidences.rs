@@ -3,7 +3,7 @@
 use std::collections::HashSet;
 
 use super::failure_mode::FailureMode;
-use super::search::{Found, Id, Search, Set, ids_of, without_id};
+use super::search::{FoundMistakes, Id, Search, Set, ids_of, without_id};
 use super::tuning::{MIN_SHARING_FILES, is_few, is_most, is_nearly_all};
 use super::witness::{Agreement, Witness};
 use super::words::place::is_near;
@@ -13,7 +13,7 @@ use crate::suite::cases::Expect;
 
 /// The failing cases that show whether the decoder makes a mistake.
 #[derive(Default)]
-struct Evidence {
+struct FailureEvidence {
     /// Legal files whose response the mistake reproduces, alone or together with the others.
     explained: Vec<usize>,
     /// The number of images in `explained`.
@@ -34,11 +34,11 @@ struct Evidence {
     against: usize,
 }
 
-impl Evidence {
+impl FailureEvidence {
     /// Compares the answers of a decoder that makes the mistake `id` of `set` with the responses.
-    fn new(search: &Search, set: &Set, failing: &[usize], id: Id) -> Evidence {
+    fn new(search: &Search, set: &Set, failing: &[usize], id: Id) -> FailureEvidence {
         let without = without_id(set, id);
-        let mut evidence = Evidence::default();
+        let mut evidence = FailureEvidence::default();
         for &w in failing {
             let alone = search.agreement(w, &[id]);
             let is_needed = |is: fn(Agreement) -> bool| {
@@ -70,7 +70,7 @@ impl Evidence {
 }
 
 /// Removes mistakes that agree with some answers by chance.
-pub(super) fn remove(search: &Search, found: &mut Found) {
+pub(super) fn remove(search: &Search, found: &mut FoundMistakes) {
     use Rule::{Acceptances, Rare, Refusals, Stray};
     let witnesses = search.witnesses;
     let failed = search.failing();
@@ -85,7 +85,7 @@ pub(super) fn remove(search: &Search, found: &mut Found) {
         let set = ids_of(&found.members);
         let open = search.select(failed.clone(), |w| !search.explains(w, &set));
         let is_unknown = is_nearly_all(legal(&open).len(), failing.len());
-        let all = search.each(&set, |&id| Evidence::new(search, &set, &failed, id));
+        let all = search.each(&set, |&id| FailureEvidence::new(search, &set, &failed, id));
         let places: Vec<usize> = (0..set.len()).collect();
         let keep = search.each(&places, |&place| {
             let (id, evidence) = (set[place], &all[place]);
@@ -118,7 +118,12 @@ enum Rule {
 /// Returns true if a misreading explains few of the failures, and none of these is about the misread clause, if it changes more than
 /// twice as many, or if it would refuse more images than it explains: among many wrong images, a few agree with another mistake by
 /// chance.
-fn is_stray(search: &Search, misreading: &Misreading, evidence: &Evidence, failing: usize) -> bool {
+fn is_stray(
+    search: &Search,
+    misreading: &Misreading,
+    evidence: &FailureEvidence,
+    failing: usize,
+) -> bool {
     let explained = evidence.explained.len();
     let is_few = is_few(explained, failing);
     let changed = match is_few {
@@ -134,7 +139,7 @@ fn is_stray(search: &Search, misreading: &Misreading, evidence: &Evidence, faili
 
 /// Returns true if a misreading explains few images and changes many others in another way than the decoder does. It must explain
 /// nearly all if passing files contradict it, or if only colors show it, because these are rounded.
-fn is_rare(search: &Search, set: &Set, id: Id, evidence: &Evidence) -> bool {
+fn is_rare(search: &Search, set: &Set, id: Id, evidence: &FailureEvidence) -> bool {
     let (images, far) = (evidence.images, evidence.far);
     let is_thorough = is_nearly_all(images, images + evidence.other_images);
     let is_of_colors = search.mistakes[id].misreading.at.stage() == Stage::Color;
@@ -148,7 +153,7 @@ fn is_rare(search: &Search, set: &Set, id: Id, evidence: &Evidence) -> bool {
 fn refuses_by_chance(
     search: &Search,
     set: &Set,
-    all: &[Evidence],
+    all: &[FailureEvidence],
     place: usize,
     failing: &[usize],
     shared: &[Vec<usize>],
@@ -188,7 +193,7 @@ fn refuses_by_chance(
 fn accepts_by_chance(
     search: &Search,
     id: Id,
-    evidence: &Evidence,
+    evidence: &FailureEvidence,
     open: &[usize],
     is_unknown: bool,
 ) -> bool {

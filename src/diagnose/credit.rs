@@ -1,6 +1,6 @@
 //! The worth of a mistake that explains part of an image.
 
-use super::pair::Pair;
+use super::pair::ImagePair;
 use super::tuning::{MIN_SUPPORT, WORTH_OF_PART_OF_AN_IMAGE};
 use super::witness::Witness;
 use crate::protocol::frame::Answer;
@@ -13,7 +13,10 @@ pub(super) fn credit(witness: &Witness, answer: &Answer) -> i64 {
     else {
         return 0;
     };
-    let (Some(right), Some(made)) = (Pair::new(right, received), Pair::new(made, received)) else {
+    let (Some(right), Some(made)) = (
+        ImagePair::new(right, received),
+        ImagePair::new(made, received),
+    ) else {
         return 0;
     };
     if right.width * right.height < MIN_SUPPORT {

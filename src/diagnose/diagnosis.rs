@@ -102,7 +102,7 @@ impl Category {
 }
 
 /// The words of a described cause.
-pub(super) struct Words {
+pub(super) struct CauseWords {
     pub effect: String,
     pub fix: String,
     pub example: String,
@@ -128,7 +128,7 @@ impl Diagnosis {
         category: Category,
         witnesses: &[Witness],
         of: &[usize],
-        words: Words,
+        words: CauseWords,
     ) -> Diagnosis {
         let cause = Cause::Described {
             category,

@@ -9,8 +9,8 @@ use std::collections::BTreeMap;
 use std::sync::LazyLock;
 
 use super::learned;
-use super::mistake::{Channels, Mistake, misreading_of};
-use super::scope::{Scope, scope_between};
+use super::mistake::{ChannelSubset, Mistake, misreading_of};
+use super::scope::{FileScope, scope_between};
 use super::search::{Id, Search, Set, WORTH_OF_A_REFUSAL, spread};
 use super::tuning::{
     MAX_EDITS, MAX_PROBES, MAX_SCOPED_MISREADINGS, MIN_PROBE_SIZE, MIN_SUPPORT, is_much,
@@ -83,9 +83,9 @@ fn fitting(search: &Search, set: &Set, probes: &[Vec<usize>]) -> Vec<Mistake> {
         !formulas.iter().any(|formula| taken.contains(formula))
     };
     let edits: Vec<&'static Misreading> = EDITS.iter().filter(is_free).collect();
-    let mut channels = vec![Channels::All];
+    let mut channels = vec![ChannelSubset::All];
     for probe in probes {
-        let wrong = Channels::narrowest(&wrong_channels(search, set, probe));
+        let wrong = ChannelSubset::narrowest(&wrong_channels(search, set, probe));
         if !channels.contains(&wrong) {
             channels.push(wrong);
         }
@@ -144,16 +144,16 @@ fn scoped(search: &Search, set: &Set, mistake: &Mistake, left: &[usize]) -> Opti
     let explained: Vec<usize> = pictures.iter().copied().filter(fits).collect();
     let denied = search.denied_with(set, mistake);
     let scope = match denied.is_empty() {
-        true => Scope::All,
+        true => FileScope::All,
         false => scope_between(search.witnesses, &explained, &denied)?,
     };
     // Among so many mistakes, one fits the files of some property by chance.
-    let is_by_property = !matches!(scope, Scope::All | Scope::Formats(_));
+    let is_by_property = !matches!(scope, FileScope::All | FileScope::Formats(_));
     if is_by_property && (mistake.listed().is_none() || !is_much(explained.len(), left.len())) {
         return None;
     }
     // Two restrictions at once fit too many edits, but values that are never written are no coincidence.
-    let is_limited_twice = mistake.channels != Channels::All && scope != Scope::All;
+    let is_limited_twice = mistake.channels != ChannelSubset::All && scope != FileScope::All;
     let is_number = matches!(
         only_edit(mistake),
         Some(EditedForm::Expression(Expression::Number(_)))
@@ -205,7 +205,7 @@ fn add_scoped_misreadings(search: &mut Search, set: &Set, left: &[usize]) {
     ranked.truncate(MAX_SCOPED_MISREADINGS);
     let scopes = search.each(&ranked, |&(_, id)| {
         scoped(search, set, &search.mistakes[id], left)
-            .filter(|mistake| mistake.scope != Scope::All)
+            .filter(|mistake| mistake.scope != FileScope::All)
     });
     for mistake in scopes.into_iter().flatten() {
         search.add(mistake);

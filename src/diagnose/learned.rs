@@ -16,7 +16,7 @@ use crate::ptm::Ptm;
 type Candidates = [bool; 256];
 
 /// The values that were shown for one correct value.
-struct Shown {
+struct ShownValues {
     /// For each stored value, the texels in which it may have been shown.
     votes: [usize; 256],
     texels: usize,
@@ -43,7 +43,7 @@ pub(super) fn tables(search: &Search, set: &Set, left: &[usize]) -> Vec<&'static
 
 /// Returns the table that explains every value of these images, if each is a function of the correct value.
 fn table(search: &Search, set: &Set, pictures: &[usize], of_streams: bool) -> Option<[u8; 256]> {
-    let mut shown: BTreeMap<u8, Shown> = BTreeMap::new();
+    let mut shown: BTreeMap<u8, ShownValues> = BTreeMap::new();
     for &w in pictures {
         let witness = &search.witnesses[w];
         let (Ok(ptm), Some(frame)) = (witness.decoded(), witness.shown()) else {
@@ -57,7 +57,7 @@ fn table(search: &Search, set: &Set, pictures: &[usize], of_streams: bool) -> Op
             if !is_plain(at % channels) {
                 continue;
             }
-            let known = shown.entry(right).or_insert_with(|| Shown {
+            let known = shown.entry(right).or_insert_with(|| ShownValues {
                 votes: [0; 256],
                 texels: 0,
                 files: Vec::new(),

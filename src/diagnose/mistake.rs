@@ -1,6 +1,6 @@
 //! A mistake that a decoder may make: a misreading of the catalog or an edit of a formula, everywhere or in part.
 
-use super::scope::Scope;
+use super::scope::FileScope;
 use crate::formula::Edit;
 use crate::misreadings::{At, Misreading, Symptom};
 use crate::protocol::frame::{Answer, Samples};
@@ -9,8 +9,8 @@ use crate::protocol::frame::{Answer, Samples};
 pub(super) struct Mistake {
     /// The misreading. An edit of a formula that the catalog lacks has no slug.
     pub misreading: &'static Misreading,
-    pub scope: Scope,
-    pub channels: Channels,
+    pub scope: FileScope,
+    pub channels: ChannelSubset,
 }
 
 impl Mistake {
@@ -18,8 +18,8 @@ impl Mistake {
     pub const fn everywhere(misreading: &'static Misreading) -> Mistake {
         Mistake {
             misreading,
-            scope: Scope::All,
-            channels: Channels::All,
+            scope: FileScope::All,
+            channels: ChannelSubset::All,
         }
     }
 
@@ -33,14 +33,14 @@ impl Mistake {
 
     /// Returns the misreading if it is one of the catalog and made everywhere.
     pub fn of_catalog(&self) -> Option<&'static Misreading> {
-        let is_everywhere = self.scope == Scope::All && self.channels == Channels::All;
+        let is_everywhere = self.scope == FileScope::All && self.channels == ChannelSubset::All;
         self.listed().filter(|_| is_everywhere)
     }
 }
 
 /// Channels of an image, in every shape.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Channels {
+pub(super) enum ChannelSubset {
     All,
     /// One of a0 … a5, of every polynomial.
     Coefficient(usize),
@@ -50,38 +50,38 @@ pub(super) enum Channels {
     Chroma,
 }
 
-impl Channels {
+impl ChannelSubset {
     fn holds(self, count: usize, channel: usize) -> bool {
         match (self, count) {
-            (Channels::All, _) => true,
-            (Channels::Coefficient(i), 18) => channel % 6 == i,
-            (Channels::Coefficient(i), 8 | 9) => channel == i,
-            (Channels::Color(c), 18) => channel / 6 == c,
-            (Channels::Color(c), 9) => channel == 6 + c,
-            (Channels::Chroma, 8 | 9) => channel >= 6,
-            (Channels::Coefficient(_) | Channels::Chroma, _) => false,
-            (Channels::Color(c), _) => count == 3 && channel == c,
+            (ChannelSubset::All, _) => true,
+            (ChannelSubset::Coefficient(i), 18) => channel % 6 == i,
+            (ChannelSubset::Coefficient(i), 8 | 9) => channel == i,
+            (ChannelSubset::Color(c), 18) => channel / 6 == c,
+            (ChannelSubset::Color(c), 9) => channel == 6 + c,
+            (ChannelSubset::Chroma, 8 | 9) => channel >= 6,
+            (ChannelSubset::Coefficient(_) | ChannelSubset::Chroma, _) => false,
+            (ChannelSubset::Color(c), _) => count == 3 && channel == c,
         }
     }
 
     /// Returns the narrowest set that has all these channels.
-    pub fn narrowest(wrong: &[bool]) -> Channels {
-        let coefficients = (0..6).map(Channels::Coefficient);
-        let colors = (0..3).map(Channels::Color);
-        let all = coefficients.chain(colors).chain([Channels::Chroma]);
-        let has_all = |channels: &Channels| {
+    pub fn narrowest(wrong: &[bool]) -> ChannelSubset {
+        let coefficients = (0..6).map(ChannelSubset::Coefficient);
+        let colors = (0..3).map(ChannelSubset::Color);
+        let all = coefficients.chain(colors).chain([ChannelSubset::Chroma]);
+        let has_all = |channels: &ChannelSubset| {
             (0..wrong.len()).all(|channel| !wrong[channel] || channels.holds(wrong.len(), channel))
         };
-        all.into_iter().find(has_all).unwrap_or(Channels::All)
+        all.into_iter().find(has_all).unwrap_or(ChannelSubset::All)
     }
 
     /// Returns the channels in words: ", only in a3".
     pub fn describe(self) -> String {
         match self {
-            Channels::All => String::new(),
-            Channels::Coefficient(i) => format!(", only in a{i}"),
-            Channels::Color(c) => format!(", only in {}", ["red", "green", "blue"][c]),
-            Channels::Chroma => ", only in the channels after a5".to_owned(),
+            ChannelSubset::All => String::new(),
+            ChannelSubset::Coefficient(i) => format!(", only in a{i}"),
+            ChannelSubset::Color(c) => format!(", only in {}", ["red", "green", "blue"][c]),
+            ChannelSubset::Chroma => ", only in the channels after a5".to_owned(),
         }
     }
 

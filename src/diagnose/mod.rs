@@ -100,7 +100,7 @@ fn diagnose_by(
     let searched = |witnesses, with_edits: bool| {
         let mut search = Search::new(witnesses, assumed, threads, run);
         let found = match search.is_arbitrary {
-            true => search::Found::default(),
+            true => search::FoundMistakes::default(),
             false => search.run(|search, set, left| {
                 if with_edits {
                     add_candidates(search, set, left);
@@ -145,7 +145,7 @@ fn diagnose_by(
 }
 
 /// Attributes failures to the mistakes that were found, and describes the other failures.
-fn describe(search: &Search, found: &search::Found) -> Vec<Diagnosis> {
+fn describe(search: &Search, found: &search::FoundMistakes) -> Vec<Diagnosis> {
     let witnesses = search.witnesses;
     let (mut attributed, mut left) = attribution::attribute(search, found);
     let mut causes = search.guarded(|| words::uniform::describe(witnesses, &mut left));

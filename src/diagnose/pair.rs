@@ -1,10 +1,10 @@
 //! An image as received, and the expected image.
 
-use crate::protocol::frame::{Frame, Samples, ViewKind};
+use crate::protocol::frame::{Frame, ViewKind};
 use crate::suite::compare::is_near;
 
 /// A received and an expected image of the same shape.
-pub(super) struct Pair {
+pub(super) struct ImagePair {
     pub width: usize,
     pub height: usize,
     pub channels: usize,
@@ -13,19 +13,11 @@ pub(super) struct Pair {
     pub view: ViewKind,
 }
 
-impl Pair {
+impl ImagePair {
     /// Returns the pair of two images, or `None` if their shapes differ.
-    pub fn new(wanted: &Frame, shown: &Frame) -> Option<Pair> {
-        let shape = |frame: &Frame| {
-            (
-                frame.view,
-                frame.width,
-                frame.height,
-                frame.channels,
-                matches!(frame.samples, Samples::U8(_)),
-            )
-        };
-        (shape(wanted) == shape(shown) && wanted.channels > 0).then(|| Pair {
+    pub fn new(wanted: &Frame, shown: &Frame) -> Option<ImagePair> {
+        let shape = |frame: &Frame| (frame.shape(), frame.samples.sample_type());
+        (shape(wanted) == shape(shown) && wanted.channels > 0).then(|| ImagePair {
             width: wanted.width as usize,
             height: wanted.height as usize,
             channels: wanted.channels as usize,

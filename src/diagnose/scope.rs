@@ -8,7 +8,7 @@ use crate::suite::cases::Expect;
 
 /// The files in which a mistake is made.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) enum Scope {
+pub(super) enum FileScope {
     All,
     Formats(Vec<Format>),
     /// Files with a property, by its place in [`PROPERTIES`].
@@ -22,14 +22,14 @@ pub(super) enum Scope {
     },
 }
 
-impl Scope {
+impl FileScope {
     /// Returns true if the file is in the scope.
     pub fn holds(&self, witness: &Witness) -> bool {
         match self {
-            Scope::All => true,
-            Scope::Formats(formats) => formats.contains(&witness.case.format()),
-            Scope::Property(place) => witness.facts().properties[*place],
-            Scope::Beyond {
+            FileScope::All => true,
+            FileScope::Formats(formats) => formats.contains(&witness.case.format()),
+            FileScope::Property(place) => witness.facts().properties[*place],
+            FileScope::Beyond {
                 quantity,
                 nearest,
                 is_more,
@@ -47,7 +47,7 @@ impl Scope {
     /// Returns the clause about the property, if it is one number of the header.
     pub fn clause(&self) -> Option<&'static str> {
         match self {
-            Scope::Beyond { quantity, .. } => Some(QUANTITIES[*quantity].clause),
+            FileScope::Beyond { quantity, .. } => Some(QUANTITIES[*quantity].clause),
             _ => None,
         }
     }
@@ -55,13 +55,13 @@ impl Scope {
     /// Completes "every file …".
     pub fn describe(&self) -> String {
         match self {
-            Scope::All => String::new(),
-            Scope::Formats(formats) => {
+            FileScope::All => String::new(),
+            FileScope::Formats(formats) => {
                 let names: Vec<&str> = formats.iter().map(|format| format.short_name()).collect();
                 format!("of format {}", names.join(", "))
             }
-            Scope::Property(place) => PROPERTIES[*place].0.to_owned(),
-            Scope::Beyond {
+            FileScope::Property(place) => PROPERTIES[*place].0.to_owned(),
+            FileScope::Beyond {
                 quantity,
                 nearest,
                 is_more,
@@ -81,7 +81,7 @@ impl Scope {
 
 /// A scope, and the files of one group that are in it.
 pub(super) struct Shared {
-    pub scope: Scope,
+    pub scope: FileScope,
     pub of: Vec<usize>,
 }
 
@@ -113,12 +113,12 @@ pub(super) fn shared_scope(
     others: &[usize],
     with_view: bool,
 ) -> Option<Shared> {
-    let has_none = |scope: &Scope| !others.iter().any(|&w| scope.holds(&witnesses[w]));
-    let formats = Format::ALL.map(|format| Scope::Formats(vec![format]));
+    let has_none = |scope: &FileScope| !others.iter().any(|&w| scope.holds(&witnesses[w]));
+    let formats = Format::ALL.map(|format| FileScope::Formats(vec![format]));
     let places = (0..PROPERTIES.len()).filter(|&place| with_view || !PROPERTIES[place].1);
-    let scopes: Vec<Scope> = formats
+    let scopes: Vec<FileScope> = formats
         .into_iter()
-        .chain(places.map(Scope::Property))
+        .chain(places.map(FileScope::Property))
         .chain(thresholds(witnesses, these, others))
         .collect();
     let found = scopes.iter().map(|scope| {
@@ -128,7 +128,7 @@ pub(super) fn shared_scope(
             .filter(|&w| scope.holds(&witnesses[w]));
         (scope, of.collect::<Vec<usize>>())
     });
-    let found: Vec<(&Scope, Vec<usize>)> = found.filter(|(_, of)| !of.is_empty()).collect();
+    let found: Vec<(&FileScope, Vec<usize>)> = found.filter(|(_, of)| !of.is_empty()).collect();
     // Each of the others could have been among these files.
     let part = these.len() as f64 / (these.len() + others.len()) as f64;
     let is_telling = |count: usize| {
@@ -148,7 +148,7 @@ pub(super) fn shared_scope(
 }
 
 /// Returns the scopes by a quantity that separate all of `these` files from all `others`.
-fn thresholds(witnesses: &[Witness], these: &[usize], others: &[usize]) -> Vec<Scope> {
+fn thresholds(witnesses: &[Witness], these: &[usize], others: &[usize]) -> Vec<FileScope> {
     let mut found = Vec::new();
     for quantity in 0..QUANTITIES.len() {
         let values = |of: &[usize]| -> Vec<f64> {
@@ -174,7 +174,7 @@ fn thresholds(witnesses: &[Witness], these: &[usize], others: &[usize]) -> Vec<S
                 false => nearest < edge,
             };
             if is_apart {
-                found.push(Scope::Beyond {
+                found.push(FileScope::Beyond {
                     quantity,
                     nearest,
                     is_more,
@@ -191,13 +191,13 @@ pub(super) fn scope_between(
     witnesses: &[Witness],
     explained: &[usize],
     denied: &[usize],
-) -> Option<Scope> {
+) -> Option<FileScope> {
     let format = |w: &usize| witnesses[*w].case.format();
     let is_denied = |one: Format| denied.iter().any(|w| format(w) == one);
     if explained.len() >= MIN_SHARING_FILES && !explained.iter().any(|w| is_denied(format(w))) {
         let mut formats = Format::ALL.to_vec();
         formats.retain(|&one| explained.iter().any(|w| format(w) == one));
-        return Some(Scope::Formats(formats));
+        return Some(FileScope::Formats(formats));
     }
     let shared = shared_scope(witnesses, explained, denied, false)?;
     (shared.of.len() == explained.len()).then_some(shared.scope)

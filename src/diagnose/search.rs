@@ -25,18 +25,18 @@ use super::witness::{Agreement, Witness};
 use super::words::{nondeterminism, uniform};
 use crate::kit::parallel::in_parallel;
 use crate::misreadings::{self, At, Misreading};
-use crate::protocol::frame::{Answer, Frame, Samples};
+use crate::protocol::frame::Answer;
 use crate::session::run::Run;
 use crate::suite::cases::Expect;
 
 /// Mistakes that together reproduce the decoder's responses.
 #[derive(Default)]
-pub(super) struct Found {
+pub(super) struct FoundMistakes {
     /// The mistakes in the order in which they were found, the one that explains most first.
     pub members: Vec<Member>,
 }
 
-impl Found {
+impl FoundMistakes {
     /// Removes the members whose flag is false.
     pub fn keep(&mut self, keep: &[bool]) {
         let mut keep = keep.iter();
@@ -75,23 +75,23 @@ pub(super) struct Search<'a> {
     /// Failing files on which every edit was tried, with the mistakes that show there.
     probed: HashSet<(usize, Set)>,
     /// The effects of sets, by case and by the mistakes that show there.
-    effects: Mutex<HashMap<(usize, Set), Effect>>,
+    effects: Mutex<HashMap<(usize, Set), SetEffect>>,
     /// For each mistake and each case, the effect of the mistake alone, if it changes the answer.
-    alone: Vec<Vec<OnceLock<Option<Effect>>>>,
+    alone: Vec<Vec<OnceLock<Option<SetEffect>>>>,
 }
 
 /// The effect of a set of mistakes on one case.
 #[derive(Clone, Copy, PartialEq)]
-struct Effect {
+struct SetEffect {
     worth: i64,
     agreement: Agreement,
     /// A hash of the answer; of several possible answers the one with the greatest worth is used.
     answer: u64,
 }
 
-impl Effect {
+impl SetEffect {
     /// The reference's answer explains no failure.
-    const NONE: Effect = Effect {
+    const NONE: SetEffect = SetEffect {
         worth: 0,
         agreement: Agreement::None,
         answer: 0,
@@ -166,7 +166,7 @@ impl<'a> Search<'a> {
     }
 
     /// Finds the mistakes that explain most, one after the other. `add_candidates` adds mistakes that the catalog lacks.
-    pub fn run(&mut self, add_candidates: impl Fn(&mut Search, &Set, &[usize])) -> Found {
+    pub fn run(&mut self, add_candidates: impl Fn(&mut Search, &Set, &[usize])) -> FoundMistakes {
         let mut members: Vec<Member> = Vec::new();
         let mut are_pairs_tried = false;
         let mut edit_passes = 0;
@@ -212,11 +212,11 @@ impl<'a> Search<'a> {
             }
         }
         self.drop_needless(&mut members);
-        Found { members }
+        FoundMistakes { members }
     }
 
     /// Returns the cost of a result: its mistakes, and the failures that it leaves unexplained.
-    pub fn cost(&self, found: &Found) -> usize {
+    pub fn cost(&self, found: &FoundMistakes) -> usize {
         self.unexplained(&ids_of(&found.members)).len() + MIN_SUPPORT * found.members.len()
     }
 
@@ -469,16 +469,16 @@ impl<'a> Search<'a> {
     }
 
     /// Returns the effect of a set on one case.
-    fn effect(&self, w: usize, set: &[Id]) -> Effect {
+    fn effect(&self, w: usize, set: &[Id]) -> SetEffect {
         if self.is_interrupted() {
-            return Effect::NONE;
+            return SetEffect::NONE;
         }
         let showing = self.showing(w, set);
         if let [only] = showing[..] {
-            return self.alone(w, only).unwrap_or(Effect::NONE);
+            return self.alone(w, only).unwrap_or(SetEffect::NONE);
         }
         if showing.is_empty() {
-            return Effect::NONE;
+            return SetEffect::NONE;
         }
         let known = || self.effects.lock().unwrap_or_else(PoisonError::into_inner);
         let key = (w, showing);
@@ -488,7 +488,7 @@ impl<'a> Search<'a> {
         let answers = self.answers(w, &key.1);
         let effects = answers.iter().map(|answer| self.effect_of(w, answer));
         let best = effects.min_by_key(|effect| -effect.worth);
-        let effect = best.unwrap_or(Effect::NONE);
+        let effect = best.unwrap_or(SetEffect::NONE);
         known().insert(key, effect);
         effect
     }
@@ -498,7 +498,7 @@ impl<'a> Search<'a> {
     fn showing(&self, w: usize, set: &[Id]) -> Set {
         let concerned = self.concerned(w, set);
         let alone = |&id: &Id| Some((id, self.alone(w, id)?));
-        let shown: Vec<(Id, Effect)> = concerned.iter().filter_map(alone).collect();
+        let shown: Vec<(Id, SetEffect)> = concerned.iter().filter_map(alone).collect();
         // Changes of the bytes of a file may show only after others.
         let is_explained = matches!(shown[..], [(_, effect)] if effect.worth >= WORTH_OF_A_REFUSAL);
         let are_bytes_changed = shown.iter().any(|&(id, _)| self.edits_bytes(id));
@@ -510,7 +510,7 @@ impl<'a> Search<'a> {
     }
 
     /// Returns the effect of one mistake, without the assumed mistakes, or `None` if it does not show in this case.
-    fn alone(&self, w: usize, id: Id) -> Option<Effect> {
+    fn alone(&self, w: usize, id: Id) -> Option<SetEffect> {
         let witness = &self.witnesses[w];
         let mistake = &self.mistakes[id];
         *self.alone[id][w].get_or_init(|| {
@@ -523,8 +523,8 @@ impl<'a> Search<'a> {
         })
     }
 
-    fn effect_of(&self, w: usize, answer: &Answer) -> Effect {
-        Effect {
+    fn effect_of(&self, w: usize, answer: &Answer) -> SetEffect {
+        SetEffect {
             worth: self.worth_of(w, answer),
             agreement: self.witnesses[w].agreement(answer),
             answer: self.fingerprint(w, answer),
@@ -539,13 +539,7 @@ impl<'a> Search<'a> {
         let mut hasher = DefaultHasher::new();
         std::mem::discriminant(answer).hash(&mut hasher);
         if let Answer::Decoded(frame) = answer {
-            (frame.view, frame.width, frame.height, frame.channels).hash(&mut hasher);
-            match &frame.samples {
-                Samples::U8(samples) => samples.hash(&mut hasher),
-                Samples::F32(samples) => samples
-                    .iter()
-                    .for_each(|sample| sample.to_bits().hash(&mut hasher)),
-            }
+            frame.hash(&mut hasher);
         }
         hasher.finish()
     }
@@ -789,8 +783,7 @@ impl<'a> Search<'a> {
     pub fn solvable(&self, left: &[usize]) -> Vec<usize> {
         let has_shape = |w: &usize| match (self.witnesses[*w].shown(), &self.witnesses[*w].right) {
             (Some(shown), Answer::Decoded(right)) => {
-                let shape = |frame: &Frame| (frame.view, frame.width, frame.height, frame.channels);
-                shape(shown) == shape(right) && self.is_small(*w)
+                shown.shape() == right.shape() && self.is_small(*w)
             }
             _ => false,
         };

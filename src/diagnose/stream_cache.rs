@@ -11,16 +11,16 @@ use crate::ptm::{Format, Size};
 /// Bytes of streams and samples that the cache holds.
 const MAX_CACHED_BYTES: usize = 128 << 20;
 
-type Samples = HashMap<Box<[u8]>, Box<[u8]>>;
+type CachedSamples = HashMap<Box<[u8]>, Box<[u8]>>;
 
 /// Samples by format, size and stream, and their size in bytes. The cache is global because a decision of
 /// [`Reading`](crate::Reading) is a plain function.
-static DECODED: Mutex<Option<(usize, HashMap<(Format, Size), Samples>)>> = Mutex::new(None);
+static DECODED: Mutex<Option<(usize, HashMap<(Format, Size), CachedSamples>)>> = Mutex::new(None);
 
 /// Decodes a stream like the reference, but each stream only once.
 pub(crate) fn stream_once(stream: &PlaneStream) -> Result<Vec<u8>> {
     let (format, size) = (stream.format, stream.size);
-    let known = |cache: &Option<(usize, HashMap<_, Samples>)>| {
+    let known = |cache: &Option<(usize, HashMap<_, CachedSamples>)>| {
         let (_, decoded) = cache.as_ref()?;
         let of_size = decoded.get(&(format, size))?;
         Some(of_size.get(stream.bytes)?.to_vec())

@@ -426,7 +426,7 @@ pub(super) fn explains_a_view(
 /// Returns true if two images are equal up to rounding.
 #[must_use]
 pub fn alike(a: &Frame, b: &Frame) -> bool {
-    if (a.view, a.width, a.height, a.channels) != (b.view, b.width, b.height, b.channels) {
+    if a.shape() != b.shape() {
         return false;
     }
     match (&a.samples, &b.samples) {

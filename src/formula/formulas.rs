@@ -203,7 +203,7 @@ pub struct Stated {
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-struct Record {
+struct FormulaRecord {
     name: String,
     clause: String,
     computes: String,
@@ -221,7 +221,7 @@ static STATED: LazyLock<Vec<Stated>> = LazyLock::new(|| {
 
 /// Reads the formulas. Their texts live as long as the program.
 fn read(text: &str) -> Result<Vec<Stated>, String> {
-    let records = yaml::records::<Record>(text)?;
+    let records = yaml::records::<FormulaRecord>(text)?;
     let all = Formula::ALL.iter().map(|row| row.1);
     if !records.iter().map(|(_, record)| &*record.name).eq(all) {
         return Err("the names are not those of Formula::ALL in its order".to_owned());
@@ -230,7 +230,7 @@ fn read(text: &str) -> Result<Vec<Stated>, String> {
         let text: &'static str = text.leak();
         text.split_whitespace().collect::<Vec<_>>().leak()
     };
-    let stated = |(line, record): (usize, Record)| {
+    let stated = |(line, record): (usize, FormulaRecord)| {
         let scope = Scope {
             variables: names(record.variables),
             lists: names(record.lists),

@@ -102,7 +102,7 @@ fn decode_stages(file: &[u8], reading: &Reading, edits: Edits) -> Result<Ptm> {
         Format::Lum => Shape::Lum(decode::color_matrix::read(&mut input)?),
         _ => Shape::Lrgb,
     };
-    let texels = Texels {
+    let texels = TexelLayout {
         header: &header,
         reading,
         edits,
@@ -135,7 +135,7 @@ fn decode_stages(file: &[u8], reading: &Reading, edits: Edits) -> Result<Ptm> {
 }
 
 /// The layout of a file: the address of each value.
-struct Texels<'a> {
+struct TexelLayout<'a> {
     header: &'a Header,
     reading: &'a Reading,
     edits: Edits<'a>,
@@ -158,7 +158,7 @@ fn element<T>(data: &[T], address: f64) -> Result<&T> {
     found.ok_or_else(|| outside_data(0))
 }
 
-impl Texels<'_> {
+impl TexelLayout<'_> {
     fn size(&self) -> [f64; 2] {
         let Size { width, height } = self.header.size;
         [f64::from(width), f64::from(height)]

@@ -22,11 +22,11 @@ pub struct Draft {
     /// Number of rows.
     pub height: u32,
     /// Words of `make`.
-    pub make: Words,
+    pub make: DraftWords,
     /// Words of `compression`.
-    pub compression: Words,
+    pub compression: DraftWords,
     /// Words of `spelling`.
-    pub spelling: Words,
+    pub spelling: DraftWords,
     /// The views, best first.
     pub views: Vec<String>,
     /// The damage of the file, if any.
@@ -43,7 +43,7 @@ pub struct DraftDamage {
 }
 
 /// Keys and values, as in a case.
-pub type Words = BTreeMap<&'static str, String>;
+pub type DraftWords = BTreeMap<&'static str, String>;
 
 impl Draft {
     /// Draws a legal file.
@@ -57,8 +57,8 @@ impl Draft {
             format,
             width,
             height,
-            make: Words::from([("seed", u.int_in_range(0..=9999)?.to_string())]),
-            compression: Words::new(),
+            make: DraftWords::from([("seed", u.int_in_range(0..=9999)?.to_string())]),
+            compression: DraftWords::new(),
             spelling: draw_spelling(u)?,
             views: Vec::new(),
             damage: None,
@@ -366,7 +366,7 @@ impl Draft {
     clippy::needless_pass_by_value,
     reason = "numbers and texts are written in the call"
 )]
-fn set_word(words: &mut Words, key: &'static str, word: impl ToString) {
+fn set_word(words: &mut DraftWords, key: &'static str, word: impl ToString) {
     words.insert(key, word.to_string());
 }
 
@@ -394,7 +394,7 @@ fn draw_size(format: Format, u: &mut Unstructured) -> Result<(u32, u32)> {
     })
 }
 
-fn draw_spelling(u: &mut Unstructured) -> Result<Words> {
+fn draw_spelling(u: &mut Unstructured) -> Result<DraftWords> {
     const LINES: [&str; 9] = [
         "version",
         "format",
@@ -406,7 +406,7 @@ fn draw_spelling(u: &mut Unstructured) -> Result<Words> {
         "matrix",
         "side-sizes",
     ];
-    let mut words = Words::new();
+    let mut words = DraftWords::new();
     if u.ratio(1, 4)? {
         let lines = if u.ratio(1, 3)? {
             "all".to_owned()

@@ -2,7 +2,7 @@
 
 use std::sync::atomic::AtomicBool;
 
-use super::draft::{Draft, Words};
+use super::draft::{Draft, DraftWords};
 use super::shrink::{shrink, smaller_sizes};
 use crate::ptm::Size;
 use crate::suite::cases::TableSpelling;
@@ -31,10 +31,10 @@ fn weigh(draft: &Draft, table: TableSpelling) -> Option<(usize, usize)> {
 }
 
 /// Some of the words of a draft.
-type Part = fn(&mut Draft) -> &mut Words;
-const MAKE: Part = |draft| &mut draft.make;
-const COMPRESSION: Part = |draft| &mut draft.compression;
-const SPELLING: Part = |draft| &mut draft.spelling;
+type DraftPart = fn(&mut Draft) -> &mut DraftWords;
+const MAKE: DraftPart = |draft| &mut draft.make;
+const COMPRESSION: DraftPart = |draft| &mut draft.compression;
+const SPELLING: DraftPart = |draft| &mut draft.spelling;
 
 /// Returns all drafts that are one step simpler.
 fn steps(draft: &Draft) -> Vec<Draft> {

@@ -20,7 +20,7 @@ use crate::generate::{Model, Recipe, Spelling, write};
 #[cfg(unix)]
 use crate::misreadings;
 #[cfg(unix)]
-use crate::protocol::frame::{Answer, Samples, ViewKind};
+use crate::protocol::frame::{Answer, Samples};
 use crate::protocol::frame::{Frame, View};
 use crate::ptm::{Format, Limits, Planes};
 use crate::reading::Reading;
@@ -301,14 +301,11 @@ pub fn frame(bytes: &[u8]) {
         Ok(frame) => {
             let mut written = Vec::new();
             frame.write(&mut written).expect("into memory");
-            assert_eq!(Frame::read(&written).as_ref().map(shape), Ok(shape(&frame)));
+            let read = Frame::read(&written);
+            assert_eq!(read.as_ref().map(Frame::shape), Ok(frame.shape()));
         }
         Err(why) => assert!(!why.is_empty()),
     }
-}
-
-fn shape(frame: &Frame) -> (ViewKind, u32, u32, u32) {
-    (frame.view, frame.width, frame.height, frame.channels)
 }
 
 /// Checks that any text as a case file is a suite or refused with a message.

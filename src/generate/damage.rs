@@ -13,7 +13,7 @@ use serde::de::{IntoDeserializer, value};
 
 use super::model::Model;
 use super::output::Written;
-use super::place::{Named, Place, Spot};
+use super::place::{DamagePlace, Named, Spot};
 use super::plan::Coding;
 use super::stand_in::StandIn;
 use crate::ptm::{Format, Size};
@@ -31,26 +31,26 @@ pub struct Damage {
     pub effect: String,
     /// The only files that it applies to.
     needs: Needs,
-    replace: BTreeMap<Place, String>,
-    overwrite: BTreeMap<Place, String>,
-    fill: BTreeMap<Place, String>,
-    flip: BTreeMap<Place, String>,
-    insert: BTreeMap<Place, String>,
+    replace: BTreeMap<DamagePlace, String>,
+    overwrite: BTreeMap<DamagePlace, String>,
+    fill: BTreeMap<DamagePlace, String>,
+    flip: BTreeMap<DamagePlace, String>,
+    insert: BTreeMap<DamagePlace, String>,
     /// Number of bytes to remove: the first ones, or the last ones if negative.
-    cut: BTreeMap<Place, isize>,
+    cut: BTreeMap<DamagePlace, isize>,
     /// The amount to add to a number; it may have 65 bits.
-    add: BTreeMap<Place, String>,
+    add: BTreeMap<DamagePlace, String>,
     /// A number to remove, together with the space between it and its neighbor.
-    remove: Option<Place>,
-    remove_line: Option<Place>,
+    remove: Option<DamagePlace>,
+    remove_line: Option<DamagePlace>,
     /// The new end of the file.
-    end: Option<Place>,
+    end: Option<DamagePlace>,
     /// Bytes of the header and their replacements.
     header: BTreeMap<String, String>,
     index: BTreeMap<Texel, Index>,
     /// True if compressed sizes and side sizes are adjusted to the edited planes.
     fit: bool,
-    reads_as: Option<Change>,
+    reads_as: Option<DamageChange>,
 }
 
 /// The only files that a damage applies to.
@@ -83,7 +83,7 @@ enum Index {
 /// The resulting values, for a reader that reads on regardless.
 #[derive(Clone, Copy, Debug, Deserialize)]
 #[serde(rename_all = "kebab-case")]
-enum Change {
+enum DamageChange {
     /// LRGB values, read as version 1.1: nine adjacent bytes per texel, from the bottom left.
     InterleavedTexels,
     #[serde(rename = "plane-1-is-128")]
@@ -121,7 +121,7 @@ impl Damage {
 
     /// Returns the edits that insert bytes.
     fn contents(&self, file: &Named) -> Result<Vec<Splice>, String> {
-        let edits: [(&BTreeMap<Place, String>, fn(&[u8], Vec<u8>) -> Edited); 5] = [
+        let edits: [(&BTreeMap<DamagePlace, String>, fn(&[u8], Vec<u8>) -> Edited); 5] = [
             (&self.replace, |old, new| (old.len(), new)),
             (&self.insert, |_, new| (0, new)),
             (&self.overwrite, |_, new| (new.len(), new)),
@@ -193,8 +193,10 @@ impl Damage {
     #[must_use]
     pub fn values(&self, model: &Model) -> Model {
         match self.reads_as {
-            Some(Change::InterleavedTexels) if model.format == Format::Lrgb => interleave(model),
-            Some(Change::PlaneOneIs128) => {
+            Some(DamageChange::InterleavedTexels) if model.format == Format::Lrgb => {
+                interleave(model)
+            }
+            Some(DamageChange::PlaneOneIs128) => {
                 let mut model = model.clone();
                 let channels = model.format.channels();
                 let plane = model.samples.iter_mut().skip(1).step_by(channels);
@@ -276,7 +278,7 @@ fn hex_bytes(word: &str, model: &Model) -> Result<Vec<u8>, String> {
 }
 
 /// Adds `more` to a number.
-fn add_to_number(file: &Named, place: &Place, more: &str) -> Result<Splice, String> {
+fn add_to_number(file: &Named, place: &DamagePlace, more: &str) -> Result<Splice, String> {
     let spot = file.spot(place)?;
     let number = |text: &str| {
         let number: Result<i128, _> = text.parse();

@@ -9,10 +9,10 @@ use super::output::Written;
 /// A place: a field or a part of it.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, serde::Deserialize)]
 #[serde(try_from = "String")]
-pub(super) struct Place {
+pub(super) struct DamagePlace {
     name: String,
     which: Which,
-    segment: Option<Segment>,
+    segment: Option<StreamPart>,
     offset: Offset,
 }
 
@@ -34,7 +34,7 @@ enum Which {
 
 /// A part of a JPEG or JPEG-LS stream.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-enum Segment {
+enum StreamPart {
     /// The first segment before the data whose marker has this code.
     Marker(u8),
     /// The frame header: marker code c0 or f7.
@@ -87,10 +87,10 @@ const NAMES: [&str; 27] = [
     "side information",
 ];
 
-impl FromStr for Place {
+impl FromStr for DamagePlace {
     type Err = String;
 
-    fn from_str(text: &str) -> Result<Place, String> {
+    fn from_str(text: &str) -> Result<DamagePlace, String> {
         let unknown = |what: &str| format!("unknown {what} in the place {text:?}");
         let cut = text.rfind(['+', '-', '/']).unwrap_or(text.len());
         let (whole, offset) = match Offset::parse(&text[cut..]) {
@@ -100,7 +100,7 @@ impl FromStr for Place {
         let (field, segment) = match whole.split_once('.') {
             Some((field, segment)) => (
                 field,
-                Some(Segment::parse(segment).ok_or_else(|| unknown("part"))?),
+                Some(StreamPart::parse(segment).ok_or_else(|| unknown("part"))?),
             ),
             None => (whole, None),
         };
@@ -114,7 +114,7 @@ impl FromStr for Place {
         if !NAMES.contains(&name) {
             return Err(unknown("field"));
         }
-        Ok(Place {
+        Ok(DamagePlace {
             name: name.to_owned(),
             which,
             segment,
@@ -123,10 +123,10 @@ impl FromStr for Place {
     }
 }
 
-impl TryFrom<String> for Place {
+impl TryFrom<String> for DamagePlace {
     type Error = String;
 
-    fn try_from(text: String) -> Result<Place, String> {
+    fn try_from(text: String) -> Result<DamagePlace, String> {
         text.parse()
     }
 }
@@ -145,23 +145,23 @@ impl Offset {
     }
 }
 
-impl Segment {
-    fn parse(name: &str) -> Option<Segment> {
+impl StreamPart {
+    fn parse(name: &str) -> Option<StreamPart> {
         Some(match name {
-            "frame" => Segment::Frame,
-            "scan" => Segment::Scan,
-            "data" => Segment::Data,
-            _ => Segment::Marker(u8::from_str_radix(name, 16).ok()?),
+            "frame" => StreamPart::Frame,
+            "scan" => StreamPart::Scan,
+            "data" => StreamPart::Data,
+            _ => StreamPart::Marker(u8::from_str_radix(name, 16).ok()?),
         })
     }
 
     /// Returns its bytes in a stream.
     fn range(self, stream: &[u8]) -> Option<Range<usize>> {
         let found = match self {
-            Segment::Marker(code) => segment(stream, code)?,
-            Segment::Frame => segment(stream, 0xc0).or_else(|| segment(stream, 0xf7))?,
-            Segment::Scan => segment(stream, 0xda)?.start..stream.len(),
-            Segment::Data => segment(stream, 0xda)?.end..stream.len().checked_sub(2)?,
+            StreamPart::Marker(code) => segment(stream, code)?,
+            StreamPart::Frame => segment(stream, 0xc0).or_else(|| segment(stream, 0xf7))?,
+            StreamPart::Scan => segment(stream, 0xda)?.start..stream.len(),
+            StreamPart::Data => segment(stream, 0xda)?.end..stream.len().checked_sub(2)?,
         };
         (found.start <= found.end).then_some(found)
     }
@@ -237,7 +237,7 @@ pub(super) struct Named<'a> {
 
 impl Named<'_> {
     /// Returns the bytes of a place that is a single one.
-    pub fn spot(&self, place: &Place) -> Result<Spot, String> {
+    pub fn spot(&self, place: &DamagePlace) -> Result<Spot, String> {
         let spots = self.spots(place)?;
         let [spot] = &spots[..] else {
             return Err(format!("{} is several places", place.name));
@@ -246,7 +246,7 @@ impl Named<'_> {
     }
 
     /// Returns the bytes of a place, which may be several.
-    pub fn spots(&self, place: &Place) -> Result<Vec<Spot>, String> {
+    pub fn spots(&self, place: &DamagePlace) -> Result<Vec<Spot>, String> {
         let missing = || format!("the file has no such {}", place.name);
         let spots = self.fields(place).ok_or_else(missing)?.into_iter();
         let part = |spot: Spot| {
@@ -257,7 +257,7 @@ impl Named<'_> {
     }
 
     /// Returns whole fields.
-    fn fields(&self, place: &Place) -> Option<Vec<Spot>> {
+    fn fields(&self, place: &DamagePlace) -> Option<Vec<Spot>> {
         let (payload, end) = (self.written.payload, self.written.bytes.len());
         let named = self.named(&place.name);
         let range = match place.name.as_str() {
@@ -290,7 +290,7 @@ impl Named<'_> {
     /// Returns the part of a field that a place selects.
     fn part(
         &self,
-        place: &Place,
+        place: &DamagePlace,
         Range { mut start, mut end }: Range<usize>,
     ) -> Option<Range<usize>> {
         if let Some(segment) = place.segment {

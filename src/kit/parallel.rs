@@ -45,7 +45,7 @@ pub(crate) fn in_parallel<T: Send>(
 const WAITING: usize = 256;
 
 /// The place of the next result to show, and the results after it that are ready.
-struct Line<R, S> {
+struct OrderedResults<R, S> {
     next: usize,
     waiting: BTreeMap<usize, R>,
     show: S,
@@ -61,7 +61,7 @@ pub fn in_turn<T: Send, R: Send>(
 ) {
     const POISONED: &str = "no worker panics";
     let items = Mutex::new(items.enumerate());
-    let line = Mutex::new(Line {
+    let line = Mutex::new(OrderedResults {
         next: 0,
         waiting: BTreeMap::new(),
         show,
@@ -74,10 +74,10 @@ pub fn in_turn<T: Send, R: Send>(
             };
             let result = work(item);
             let line = line.lock().expect(POISONED);
-            let early = |line: &mut Line<R, _>| turn > line.next + WAITING;
+            let early = |line: &mut OrderedResults<R, _>| turn > line.next + WAITING;
             let mut line = moved.wait_while(line, early).expect(POISONED);
             line.waiting.insert(turn, result);
-            let Line {
+            let OrderedResults {
                 next,
                 waiting,
                 show,

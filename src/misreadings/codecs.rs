@@ -8,7 +8,7 @@ use crate::parts::{Coded, PlaneStream};
 use crate::ptm::{Format, Size};
 use crate::reading::Reading;
 
-type Samples = Result<Vec<u8>>;
+type PlaneSamples = Result<Vec<u8>>;
 
 pub(super) const ACTS: &[(&str, At)] = &[
     // Rows
@@ -341,7 +341,7 @@ fn keeping(coded: &Coded, reading: &Reading, marker: u8) -> Result<Vec<Vec<u8>>>
 }
 
 /// Changes the samples of the streams that are `concerned`.
-fn each(samples: Samples, concerned: bool, change: fn(u8) -> u8) -> Samples {
+fn each(samples: PlaneSamples, concerned: bool, change: fn(u8) -> u8) -> PlaneSamples {
     let mut samples = samples?;
     if concerned {
         for value in &mut samples {
@@ -352,7 +352,7 @@ fn each(samples: Samples, concerned: bool, change: fn(u8) -> u8) -> Samples {
 }
 
 /// Returns the first samples of a buffer whose rows are padded to a multiple of `unit`.
-fn sheared(samples: Samples, concerned: bool, size: Size, unit: usize) -> Samples {
+fn sheared(samples: PlaneSamples, concerned: bool, size: Size, unit: usize) -> PlaneSamples {
     let samples = samples?;
     if !concerned {
         return Ok(samples);
@@ -363,7 +363,7 @@ fn sheared(samples: Samples, concerned: bool, size: Size, unit: usize) -> Sample
     Ok((0..samples.len()).map(at).collect())
 }
 
-fn refused_if(refused: bool, plane: &PlaneStream) -> Samples {
+fn refused_if(refused: bool, plane: &PlaneStream) -> PlaneSamples {
     if refused {
         let kind = Kind::Stream {
             plane: plane.plane,
@@ -413,7 +413,7 @@ fn edited(bytes: &[u8], edit: impl Fn(u8, &mut [u8])) -> Vec<u8> {
 }
 
 /// Returns the stream with other preset parameters; 0 stands for the default.
-fn with_presets(plane: &PlaneStream, edit: fn(&mut [u8])) -> Samples {
+fn with_presets(plane: &PlaneStream, edit: fn(&mut [u8])) -> PlaneSamples {
     let changed = edited(plane.bytes, |code, segment| {
         if code == 0xF8 && segment.len() == 11 && segment[0] == 1 {
             edit(segment);

@@ -62,7 +62,7 @@ impl fmt::Display for Sighting {
 /// A record of the YAML file.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-struct Record {
+struct MisreadingRecord {
     slug: String,
     clause: String,
     effect: String,
@@ -89,7 +89,7 @@ pub(crate) fn catalog<A: Copy + 'static>(
     edited: impl Fn(&'static [Edit]) -> Option<A>,
 ) -> Result<Vec<Misreading<A>>, String> {
     let mut all = Vec::new();
-    for (line, record) in yaml::records::<Record>(yaml)? {
+    for (line, record) in yaml::records::<MisreadingRecord>(yaml)? {
         let slug: &str = record.slug.leak();
         let edits = record
             .edits

@@ -108,7 +108,7 @@ fn displaced<'a>(
 }
 
 /// One axis of a plane.
-struct Axis {
+struct PlaneAxis {
     is_x: bool,
     /// Number of samples along it.
     length: i64,
@@ -118,7 +118,7 @@ struct Axis {
 
 /// Returns the positions of the two samples that are averaged along an axis, from the position and the displacements of both axes
 /// in half texels.
-type Taps = fn(at: i64, displacements: [i64; 2], &Axis) -> [i64; 2];
+type Taps = fn(at: i64, displacements: [i64; 2], &PlaneAxis) -> [i64; 2];
 
 /// Displaces a reference by the correct rule, with other positions of the averaged samples.
 fn tapped<'a>(
@@ -158,7 +158,7 @@ fn walked<'a>(
         ))),
     );
     let [along, across] =
-        [(true, width, height), (false, height, width)].map(|(is_x, length, other)| Axis {
+        [(true, width, height), (false, height, width)].map(|(is_x, length, other)| PlaneAxis {
             is_x,
             length,
             other,

@@ -15,7 +15,7 @@ pub type Miswriting = Misreading<&'static Misreading>;
 /// A record of the YAML file.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-struct Words {
+struct WritingWords {
     slug: String,
     effect: String,
     fix: String,
@@ -28,8 +28,8 @@ static ALL: LazyLock<Vec<Miswriting>> = LazyLock::new(|| {
 });
 
 fn read(yaml: &str) -> Result<Vec<Miswriting>, String> {
-    let records = yaml::records::<Words>(yaml)?.into_iter();
-    let join = |(line, words): (usize, Words)| {
+    let records = yaml::records::<WritingWords>(yaml)?.into_iter();
+    let join = |(line, words): (usize, WritingWords)| {
         let reader = super::named(&words.slug)
             .ok_or_else(|| format!("line {line}: no misreading is called {}", words.slug))?;
         Ok(Misreading {

@@ -33,7 +33,7 @@ pub struct Capabilities {
 
 /// The answer as it is written; other keys are ignored.
 #[derive(Deserialize)]
-struct Record {
+struct CapabilitiesRecord {
     protocol: i64,
     name: Option<String>,
     version: Option<String>,
@@ -56,7 +56,7 @@ impl Capabilities {
     /// A sentence that says why the answer does not count.
     pub fn read(answer: &[u8]) -> Result<Capabilities, String> {
         let text = std::str::from_utf8(answer).map_err(|_| "its answer is not UTF-8".to_owned())?;
-        let record: Record =
+        let record: CapabilitiesRecord =
             from_yaml(text).map_err(|error| format!("its answer is not understood: {error}"))?;
         if record.protocol != 1 {
             return Err(format!(

@@ -9,6 +9,7 @@
 //! texel after texel, top row first, `f32` little-endian; and exits with 0, 65 (malformed) or 69 (unsupported).
 
 use std::fmt;
+use std::hash::{Hash, Hasher};
 use std::io::{self, Write};
 use std::str::FromStr;
 
@@ -291,12 +292,33 @@ impl Samples {
     }
 }
 
+impl Hash for Samples {
+    fn hash<H: Hasher>(&self, hasher: &mut H) {
+        match self {
+            Samples::U8(bytes) => bytes.hash(hasher),
+            Samples::F32(values) => values.iter().for_each(|value| value.to_bits().hash(hasher)),
+        }
+    }
+}
+
+impl Hash for Frame {
+    fn hash<H: Hasher>(&self, hasher: &mut H) {
+        self.shape().hash(hasher);
+        self.samples.hash(hasher);
+    }
+}
+
 impl Frame {
     /// Returns true if both are bitwise equal; a NaN equals only a NaN with the same bits.
     #[must_use]
     pub fn is_like(&self, other: &Frame) -> bool {
-        let shape = |frame: &Frame| (frame.view, frame.width, frame.height, frame.channels);
-        shape(self) == shape(other) && self.samples.are_like(&other.samples)
+        self.shape() == other.shape() && self.samples.are_like(&other.samples)
+    }
+
+    /// Returns the view, the width, the height and the number of channels.
+    #[must_use]
+    pub const fn shape(&self) -> (ViewKind, u32, u32, u32) {
+        (self.view, self.width, self.height, self.channels)
     }
 
     /// Renders `ptm` in `view`, under the reading of the reference.

@@ -6,11 +6,11 @@ use crate::protocol::frame::{Frame, Samples, ViewKind};
 /// Reads a whole file as a frame of `view`.
 pub(crate) fn read(bytes: &[u8], view: ViewKind) -> Result<Frame, String> {
     let (header, data) = split(bytes)?;
-    let Header {
+    let NpyHeader {
         descr,
         fortran_order,
         shape,
-    } = Header::parse(header)?;
+    } = NpyHeader::parse(header)?;
     if fortran_order {
         return Err("its samples are in Fortran order; save numpy.ascontiguousarray(a)".to_owned());
     }
@@ -91,15 +91,15 @@ fn split(bytes: &[u8]) -> Result<(&str, &[u8]), String> {
 }
 
 /// The entries of the dictionary.
-struct Header {
+struct NpyHeader {
     descr: String,
     fortran_order: bool,
     shape: Vec<u32>,
 }
 
-impl Header {
-    fn parse(text: &str) -> Result<Header, String> {
-        let mut rest = Rest(text);
+impl NpyHeader {
+    fn parse(text: &str) -> Result<NpyHeader, String> {
+        let mut rest = DictionaryText(text);
         let (mut descr, mut fortran_order, mut shape) = (None, None, None);
         rest.expect("{")?;
         while !rest.accept("}") {
@@ -123,7 +123,7 @@ impl Header {
             return Err(format!("its header goes on after the dictionary: {rest}"));
         }
         match (descr, fortran_order, shape) {
-            (Some(descr), Some(fortran_order), Some(shape)) => Ok(Header {
+            (Some(descr), Some(fortran_order), Some(shape)) => Ok(NpyHeader {
                 descr,
                 fortran_order,
                 shape,
@@ -134,9 +134,9 @@ impl Header {
 }
 
 /// The part of the dictionary that is still to be read.
-struct Rest<'a>(&'a str);
+struct DictionaryText<'a>(&'a str);
 
-impl<'a> Rest<'a> {
+impl<'a> DictionaryText<'a> {
     fn accept(&mut self, sign: &str) -> bool {
         let text = self.0.trim_start_matches(' ');
         let after = text.strip_prefix(sign);
@@ -195,7 +195,7 @@ impl<'a> Rest<'a> {
     }
 }
 
-impl std::fmt::Display for Rest<'_> {
+impl std::fmt::Display for DictionaryText<'_> {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let beginning: String = self.0.chars().take(24).collect();
         write!(f, "{beginning:?}")

@@ -12,7 +12,7 @@ const ROUNDING_TOLERANCE: f64 = 1.0 + 1.0 / 64.0;
 const MAX_INVISIBLE_DIFFERENCE: u8 = 2;
 
 /// A map under the lights, in its right form and as a reader shows it.
-pub(super) struct Pictures {
+pub(super) struct ReaderImages {
     /// Width and height of the right image and of the other.
     sizes: [(usize, usize); 2],
     /// For each light the right image and the other.
@@ -23,9 +23,9 @@ pub(super) struct Pictures {
     coefficients_differ: bool,
 }
 
-impl Pictures {
+impl ReaderImages {
     /// Renders both maps under the lights; the other one is evaluated with `reading` and `edits`.
-    pub(super) fn new(truth: &Ptm, other: &Ptm, reading: &Reading, edits: Edits) -> Pictures {
+    pub(super) fn new(truth: &Ptm, other: &Ptm, reading: &Reading, edits: Edits) -> ReaderImages {
         let size = |ptm: &Ptm| {
             (
                 ptm.planes.size.width as usize,
@@ -69,7 +69,7 @@ impl Pictures {
                 }
             }
         }
-        Pictures {
+        ReaderImages {
             sizes,
             lit,
             differ,

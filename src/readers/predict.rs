@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::difference::Pictures;
+use super::difference::ReaderImages;
 use super::limits::{Effect, Marks};
 use super::profile::ReaderProfile;
 use crate::decode::decode;
@@ -62,7 +62,7 @@ pub struct OpenedFile<'a> {
 }
 
 /// The result of a reader for a file: planes and its further reading, or the reason why it refuses.
-type Found = Result<(Ptm, Reading), Option<Error>>;
+type ReaderResult = Result<(Ptm, Reading), Option<Error>>;
 
 impl<'a> OpenedFile<'a> {
     /// Reads the file as the reference does.
@@ -120,7 +120,7 @@ impl<'a> OpenedFile<'a> {
     fn judge(
         &self,
         acting: &[&Misreading],
-        found: Found,
+        found: ReaderResult,
         profile: &ReaderProfile,
     ) -> (Shown, String) {
         let (shown, reading) = match found {
@@ -139,7 +139,7 @@ impl<'a> OpenedFile<'a> {
         };
         let shown = edited(acting, shown);
         let edits = misreadings::edits_of(acting);
-        match Pictures::new(truth, &shown, &reading, Edits(&edits)).difference() {
+        match ReaderImages::new(truth, &shown, &reading, Edits(&edits)).difference() {
             None => (Shown::Right, String::new()),
             Some(how) => (Shown::Wrong, how),
         }

@@ -30,29 +30,29 @@ use crate::runner::scratch::{Scratch, Workspace, is_untouched};
 use crate::runner::trouble::Trouble;
 
 /// The reason why a request has no answer from the serving process.
-enum Unanswered {
+enum NotServed {
     /// The serving process did this instead.
     Violation(Answer),
     /// This program could not do its part.
     Trouble,
 }
 
-impl From<Answer> for Unanswered {
-    fn from(answer: Answer) -> Unanswered {
-        Unanswered::Violation(answer)
+impl From<Answer> for NotServed {
+    fn from(answer: Answer) -> NotServed {
+        NotServed::Violation(answer)
     }
 }
 
-impl From<Trouble> for Unanswered {
+impl From<Trouble> for NotServed {
     /// Ignores trouble: the request is repeated one-shot, where persistent trouble stops the run.
-    fn from(_: Trouble) -> Unanswered {
-        Unanswered::Trouble
+    fn from(_: Trouble) -> NotServed {
+        NotServed::Trouble
     }
 }
 
-impl From<std::io::Error> for Unanswered {
-    fn from(_: std::io::Error) -> Unanswered {
-        Unanswered::Trouble
+impl From<std::io::Error> for NotServed {
+    fn from(_: std::io::Error) -> NotServed {
+        NotServed::Trouble
     }
 }
 
@@ -109,11 +109,11 @@ impl<'a> Servers<'a> {
                 *place = Some(server);
                 return Reply { after, ..reply };
             }
-            Err(Unanswered::Trouble) => {
+            Err(NotServed::Trouble) => {
                 drop(server);
                 return self.decoder.ask(request, self.scratch);
             }
-            Err(Unanswered::Violation(served)) => served,
+            Err(NotServed::Violation(served)) => served,
         };
         drop(server);
         if self.answered.load(Ordering::Relaxed) == 0 {
@@ -178,7 +178,7 @@ impl<'a> Server<'a> {
     }
 
     /// Asks once. After an error the process is of no further use.
-    fn ask(&mut self, request: &Request, decoder: &Decoder) -> Result<Reply, Unanswered> {
+    fn ask(&mut self, request: &Request, decoder: &Decoder) -> Result<Reply, NotServed> {
         self.sequence += 1;
         self.call.errors.clear();
         self.call.read_what_is_there(MAX_LINE_LENGTH)?;
@@ -219,7 +219,7 @@ impl<'a> Server<'a> {
         input: &Path,
         request: &Request,
         decoder: &Decoder,
-    ) -> Result<Answer, Unanswered> {
+    ) -> Result<Answer, NotServed> {
         let most = request.most();
         let limit = decoder.timeout.saturating_mul(request.timeout_factor);
         let deadline = Instant::now() + limit.min(MAX_WAIT);
@@ -271,11 +271,7 @@ impl<'a> Server<'a> {
         Ok(())
     }
 
-    fn read_answer(
-        &mut self,
-        most: usize,
-        decoder: &Decoder,
-    ) -> Result<Option<Answer>, Unanswered> {
+    fn read_answer(&mut self, most: usize, decoder: &Decoder) -> Result<Option<Answer>, NotServed> {
         self.call.read_what_is_there(most + MAX_LINE_LENGTH)?;
         Ok(self.answer(most, decoder)?)
     }

@@ -18,12 +18,12 @@ use crate::runner::trouble::{Trouble, is_shortage};
 /// A command line with placeholders for the values that change from call to call.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Template {
-    words: Vec<Vec<Piece>>,
+    words: Vec<Vec<TemplatePiece>>,
 }
 
 /// A piece of a word.
 #[derive(Clone, Debug, PartialEq, Eq)]
-enum Piece {
+enum TemplatePiece {
     Text(OsString),
     In,
     /// The file to be written, with the rest of the word: viewers choose the format by the suffix.
@@ -45,7 +45,7 @@ impl Template {
     /// A sentence that says what is wrong with it.
     pub fn parse(text: &str) -> Result<Template, String> {
         let template = Template::split(text, &[])?;
-        if !template.pieces().any(|piece| *piece == Piece::In) {
+        if !template.pieces().any(|piece| *piece == TemplatePiece::In) {
             return Err("it has no {in}, the place for the PTM file".to_owned());
         }
         if template.outputs().count() > 1 {
@@ -63,17 +63,20 @@ impl Template {
         if template.outputs().count() != 1 {
             return Err("it needs {out}, the place for the file to write, once".to_owned());
         }
-        let is_input = |piece: &Piece| matches!(piece, Piece::In | Piece::Value(_));
+        let is_input =
+            |piece: &TemplatePiece| matches!(piece, TemplatePiece::In | TemplatePiece::Value(_));
         if !template.pieces().any(is_input) {
             return Err(format!(
                 "it names nothing of the request: {{in}}, {{{}}}",
                 names.join("}, {")
             ));
         }
-        if template
-            .pieces()
-            .any(|piece| matches!(piece, Piece::Lu | Piece::Lv | Piece::View))
-        {
+        if template.pieces().any(|piece| {
+            matches!(
+                piece,
+                TemplatePiece::Lu | TemplatePiece::Lv | TemplatePiece::View
+            )
+        }) {
             return Err("a writer has no view and no light".to_owned());
         }
         Ok(template)
@@ -83,14 +86,14 @@ impl Template {
     fn split(text: &str, names: &[&str]) -> Result<Template, String> {
         let words =
             shlex::split(text).ok_or("a quotation in it has no end, or a backslash ends it")?;
-        let words: Vec<Vec<Piece>> = words
+        let words: Vec<Vec<TemplatePiece>> = words
             .iter()
             .enumerate()
             .map(|(i, word)| pieces(word, i == 0, names))
             .collect::<Result<_, _>>()?;
         match words.first().map(Vec::as_slice) {
             None => Err("it is empty".to_owned()),
-            Some([Piece::Text(_)]) => Ok(Template { words }),
+            Some([TemplatePiece::Text(_)]) => Ok(Template { words }),
             Some(_) => Err("its first word is the program, without placeholders".to_owned()),
         }
     }
@@ -99,10 +102,10 @@ impl Template {
     #[must_use]
     pub fn of_words(command: &[OsString]) -> Template {
         let piece = |word: &OsString| match word.to_str() {
-            Some("{in}") => Piece::In,
-            Some("{out}") => Piece::Out(String::new()),
-            Some("{view}") => Piece::View,
-            _ => Piece::Text(word.clone()),
+            Some("{in}") => TemplatePiece::In,
+            Some("{out}") => TemplatePiece::Out(String::new()),
+            Some("{view}") => TemplatePiece::View,
+            _ => TemplatePiece::Text(word.clone()),
         };
         Template {
             words: command.iter().map(|word| vec![piece(word)]).collect(),
@@ -112,13 +115,13 @@ impl Template {
     /// Returns true if the view is a word of the call, so that a call can ask for any view.
     #[must_use]
     pub fn names_view(&self) -> bool {
-        self.pieces().any(|piece| *piece == Piece::View)
+        self.pieces().any(|piece| *piece == TemplatePiece::View)
     }
 
     /// Returns true if both coordinates of the light occur.
     #[must_use]
     pub fn names_light(&self) -> bool {
-        [Piece::Lu, Piece::Lv]
+        [TemplatePiece::Lu, TemplatePiece::Lv]
             .iter()
             .all(|wanted| self.pieces().any(|piece| piece == wanted))
     }
@@ -129,8 +132,8 @@ impl Template {
         let light = view.strip_prefix("rgb:").unwrap_or("0,0");
         let (lu, lv) = light.split_once(',').unwrap_or((light, "0"));
         self.fill(input, workplace, &|piece| match piece {
-            Piece::Lu => lu.into(),
-            Piece::Lv => lv.into(),
+            TemplatePiece::Lu => lu.into(),
+            TemplatePiece::Lv => lv.into(),
             _ => view.into(),
         })
     }
@@ -145,7 +148,7 @@ impl Template {
         self.fill(input, workplace, &|piece| {
             let of_name = values
                 .iter()
-                .find(|(name, _)| matches!(piece, Piece::Value(of) if of == name));
+                .find(|(name, _)| matches!(piece, TemplatePiece::Value(of) if of == name));
             of_name.map(|(_, value)| value.clone()).unwrap_or_default()
         })
     }
@@ -154,15 +157,15 @@ impl Template {
         &self,
         input: &Path,
         workplace: &Path,
-        other: &dyn Fn(&Piece) -> OsString,
+        other: &dyn Fn(&TemplatePiece) -> OsString,
     ) -> Vec<OsString> {
-        let filled = |piece: &Piece| match piece {
-            Piece::Text(text) => text.clone(),
-            Piece::In => input.into(),
-            Piece::Out(suffix) => workplace.join(format!("{OUTPUT}{suffix}")).into(),
+        let filled = |piece: &TemplatePiece| match piece {
+            TemplatePiece::Text(text) => text.clone(),
+            TemplatePiece::In => input.into(),
+            TemplatePiece::Out(suffix) => workplace.join(format!("{OUTPUT}{suffix}")).into(),
             piece => other(piece),
         };
-        let joined = |pieces: &Vec<Piece>| pieces.iter().map(filled).collect();
+        let joined = |pieces: &Vec<TemplatePiece>| pieces.iter().map(filled).collect();
         self.words.iter().map(joined).collect()
     }
 
@@ -181,20 +184,20 @@ impl Template {
         }))
     }
 
-    fn pieces(&self) -> impl Iterator<Item = &Piece> {
+    fn pieces(&self) -> impl Iterator<Item = &TemplatePiece> {
         self.words.iter().flatten()
     }
 
     fn outputs(&self) -> impl Iterator<Item = &String> {
         self.pieces().filter_map(|piece| match piece {
-            Piece::Out(suffix) => Some(suffix),
+            TemplatePiece::Out(suffix) => Some(suffix),
             _ => None,
         })
     }
 }
 
 /// Splits a word into pieces.
-fn pieces(word: &str, is_program: bool, names: &[&str]) -> Result<Vec<Piece>, String> {
+fn pieces(word: &str, is_program: bool, names: &[&str]) -> Result<Vec<TemplatePiece>, String> {
     let mut pieces = Vec::new();
     let mut text = String::new();
     let mut rest = word;
@@ -205,19 +208,19 @@ fn pieces(word: &str, is_program: bool, names: &[&str]) -> Result<Vec<Piece>, St
         } else if let Some((name, after)) = placeholder(rest) {
             rest = after;
             let piece = match name {
-                "in" => Piece::In,
-                "lu" => Piece::Lu,
-                "lv" => Piece::Lv,
-                "view" => Piece::View,
+                "in" => TemplatePiece::In,
+                "lu" => TemplatePiece::Lu,
+                "lv" => TemplatePiece::Lv,
+                "view" => TemplatePiece::View,
                 "out" => {
                     let suffix: String = rest
                         .chars()
                         .take_while(|c| c.is_ascii_alphanumeric() || *c == '.')
                         .collect();
                     rest = &rest[suffix.len()..];
-                    Piece::Out(suffix)
+                    TemplatePiece::Out(suffix)
                 }
-                value if names.contains(&value) => Piece::Value(value.to_owned()),
+                value if names.contains(&value) => TemplatePiece::Value(value.to_owned()),
                 other if !names.is_empty() => {
                     return Err(format!(
                         "unknown placeholder {{{other}}}; placeholders are {{in}}, {{out}}, {{{}}}",
@@ -232,7 +235,7 @@ fn pieces(word: &str, is_program: bool, names: &[&str]) -> Result<Vec<Piece>, St
                 }
             };
             if !text.is_empty() {
-                pieces.push(Piece::Text(std::mem::take(&mut text).into()));
+                pieces.push(TemplatePiece::Text(std::mem::take(&mut text).into()));
             }
             pieces.push(piece);
         } else {
@@ -241,10 +244,13 @@ fn pieces(word: &str, is_program: bool, names: &[&str]) -> Result<Vec<Piece>, St
         }
     }
     if pieces.is_empty() {
-        return Ok(vec![Piece::Text(absolute(OsStr::new(&text), is_program)?)]);
+        return Ok(vec![TemplatePiece::Text(absolute(
+            OsStr::new(&text),
+            is_program,
+        )?)]);
     }
     if !text.is_empty() {
-        pieces.push(Piece::Text(text.into()));
+        pieces.push(TemplatePiece::Text(text.into()));
     }
     Ok(pieces)
 }

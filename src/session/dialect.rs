@@ -20,7 +20,7 @@ pub enum Certainty {
 const MIN_ANSWERS_TO_ONE: usize = 8;
 
 /// The choices that an answer shows, and whether it is right in each combination of their readings.
-type Shown<'a> = (&'a [Axis], &'a [bool]);
+type ShownChoices<'a> = (&'a [Axis], &'a [bool]);
 
 /// Returns the dialect in which most answers are right, among equals the one nearest to the reference's, and for each choice
 /// how well the evidence distinguishes its reading from every other.
@@ -39,7 +39,7 @@ pub(super) fn dialect_of<C: TestCase>(
     dialect_in::<C>(&shown.collect::<Vec<_>>())
 }
 
-fn dialect_in<C: TestCase>(shown: &[Shown]) -> (Dialect, Vec<Certainty>) {
+fn dialect_in<C: TestCase>(shown: &[ShownChoices]) -> (Dialect, Vec<Certainty>) {
     let mut dialect = C::CHOICES.reference();
     let mut certain = vec![Certainty::Open; dialect.0.len()];
     // Choices that no case shows together are independent: the number of right answers in a dialect is the sum over the groups,
@@ -54,11 +54,11 @@ fn dialect_in<C: TestCase>(shown: &[Shown]) -> (Dialect, Vec<Certainty>) {
 
 /// Returns, for each of these axes, the reading in which most of the answers that show any of them are right, and how well they
 /// distinguish it from the others.
-fn evidence<C: TestCase>(axes: &[Axis], shown: &[Shown]) -> Vec<(Axis, usize, Certainty)> {
-    let is_about = |(shown, _): &&Shown| shown.iter().any(|axis| axes.contains(axis));
-    let about: Vec<&Shown> = shown.iter().filter(is_about).collect();
+fn evidence<C: TestCase>(axes: &[Axis], shown: &[ShownChoices]) -> Vec<(Axis, usize, Certainty)> {
+    let is_about = |(shown, _): &&ShownChoices| shown.iter().any(|axis| axes.contains(axis));
+    let about: Vec<&ShownChoices> = shown.iter().filter(is_about).collect();
     let is_right =
-        |dialect: &Dialect, (axes, right): &Shown| right[C::CHOICES.place(dialect, axes)];
+        |dialect: &Dialect, (axes, right): &ShownChoices| right[C::CHOICES.place(dialect, axes)];
     let all = C::CHOICES.combinations(axes);
     let right_in = |dialect| about.iter().filter(|one| is_right(dialect, one)).count();
     let counts: Vec<usize> = all.iter().map(right_in).collect();
@@ -123,7 +123,7 @@ mod tests {
 
     /// Returns the dialect, and the settled readings by their rulings.
     fn settled(images: &[Image]) -> (Vec<usize>, Vec<(&'static str, usize)>) {
-        let shown: Vec<Shown> = images
+        let shown: Vec<ShownChoices> = images
             .iter()
             .map(|(axes, right)| (&**axes, &**right))
             .collect();

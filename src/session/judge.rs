@@ -61,7 +61,7 @@ pub fn judge<C: TestCase>(
         let twins = twins.map(|&twin| (suite.cases[twin].id(), observations[twin].as_ref()));
         match &observations[i] {
             None => verdict(Outcome::NotJudged, "the decoder offers none of its views"),
-            Some(observation) => Evidence {
+            Some(observation) => CaseFacts {
                 case,
                 observation,
                 twins: twins.collect(),
@@ -84,7 +84,7 @@ pub fn judge<C: TestCase>(
 }
 
 /// All facts that affect the verdict on one case.
-struct Evidence<'a, C: TestCase> {
+struct CaseFacts<'a, C: TestCase> {
     case: &'a C,
     observation: &'a Observation<C>,
     /// The accepted files that it depends on, by their ids.
@@ -104,7 +104,7 @@ fn fail(says: impl Into<String>) -> Judged {
     verdict(Outcome::Fail, says)
 }
 
-impl<C: TestCase> Evidence<'_, C> {
+impl<C: TestCase> CaseFacts<'_, C> {
     /// Returns the outcome and the reason: those of the table, with the exceptions that docs/protocol.md lists below it.
     fn verdict(&self, offer: &Offer<C>) -> Judged {
         let (case, observation) = (self.case, self.observation);

@@ -48,8 +48,12 @@ pub fn difference(
     let mut decoder = decoder.clone();
     locale.clone_into(&mut decoder.locale);
     // Stored values need no numbers except the size, so they are requested only if there is nothing else.
-    let preference =
-        |view: &View| (view.kind() == ViewKind::Raw, view.kind().sample_type() != "f32");
+    let preference = |view: &View| {
+        (
+            view.kind() == ViewKind::Raw,
+            view.kind().sample_type() != "f32",
+        )
+    };
     let mut first: Vec<&First> = run.first.iter().collect();
     first.retain(|first| matches!(first.reply.answer, Answer::Decoded(_)));
     first.sort_by_key(|first| (first.case, preference(&first.view)));

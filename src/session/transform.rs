@@ -28,7 +28,7 @@ pub struct CommonTransform {
 }
 
 /// A first file: the expected image and the received one.
-struct Picture<'a> {
+struct FirstImage<'a> {
     format: Format,
     expected: Expected,
     frame: &'a Frame,
@@ -36,7 +36,7 @@ struct Picture<'a> {
     right: Option<Frame>,
 }
 
-impl Picture<'_> {
+impl FirstImage<'_> {
     fn is_right(&self) -> bool {
         self.expected.compare(self.frame).is_none()
     }
@@ -76,14 +76,14 @@ pub fn in_words(transforms: &[CommonTransform]) -> Vec<Remark> {
     said.into_iter().map(words).collect()
 }
 
-fn pictures<'a>(suite: &Suite, contact: &'a Contact, view: ViewKind) -> Vec<Picture<'a>> {
+fn pictures<'a>(suite: &Suite, contact: &'a Contact, view: ViewKind) -> Vec<FirstImage<'a>> {
     let decoded = |first: &'a First| {
         let Answer::Decoded(frame) = &first.reply.answer else {
             return None;
         };
         let case = &suite.cases[first.case];
         let built = case.build(contact.table);
-        Some(Picture {
+        Some(FirstImage {
             format: case.format(),
             expected: Expected::of(&built.values, &first.view)?,
             frame,
@@ -95,8 +95,8 @@ fn pictures<'a>(suite: &Suite, contact: &'a Contact, view: ViewKind) -> Vec<Pict
     of_view.filter_map(decoded).collect()
 }
 
-fn in_common(view: ViewKind, pictures: &[Picture]) -> Option<CommonTransform> {
-    let (right, wrong): (Vec<&Picture>, Vec<&Picture>) =
+fn in_common(view: ViewKind, pictures: &[FirstImage]) -> Option<CommonTransform> {
+    let (right, wrong): (Vec<&FirstImage>, Vec<&FirstImage>) =
         pictures.iter().partition(|picture| picture.is_right());
     // It must explain nearly all wrong images; one image may match a mistake by chance.
     let enough = |count: usize| count >= 2 && 4 * count >= 3 * wrong.len();
@@ -104,14 +104,15 @@ fn in_common(view: ViewKind, pictures: &[Picture]) -> Option<CommonTransform> {
         return None;
     }
     let explained = |undo: &Undo<Case>| {
-        let (explained, open): (Vec<&Picture>, Vec<&Picture>) = wrong
+        let (explained, open): (Vec<&FirstImage>, Vec<&FirstImage>) = wrong
             .iter()
             .partition(|picture| picture.is_explained_by(undo));
         // A format is explained in all sizes or in none: a change of small images also applies to larger ones.
-        let is_whole = |picture: &&Picture| open.iter().all(|other| other.format != picture.format);
+        let is_whole =
+            |picture: &&FirstImage| open.iter().all(|other| other.format != picture.format);
         // A change of one format out of several is a mistake about that format.
         let is_common = || {
-            let of_another = |picture: &&Picture| picture.format != explained[0].format;
+            let of_another = |picture: &&FirstImage| picture.format != explained[0].format;
             right.is_empty() || explained.iter().any(of_another)
         };
         // A right image must look the same with and without it.
@@ -133,7 +134,7 @@ fn in_common(view: ViewKind, pictures: &[Picture]) -> Option<CommonTransform> {
 }
 
 /// Returns the possible changes of all images, those with the fewest mistakes first.
-fn candidates(view: ViewKind, pictures: &[Picture]) -> Vec<CommonTransform> {
+fn candidates(view: ViewKind, pictures: &[FirstImage]) -> Vec<CommonTransform> {
     let change = |(says, next): ProbeFault, undo: Arc<Undoing<Frame>>| CommonTransform {
         undo: Undo {
             view: view.name(),

@@ -6,7 +6,7 @@ use super::annotated::{Annotated, CHAPTERS, Chapter, FILES};
 use super::example::execute_all;
 use super::readers::{ReaderRun, reader_runs};
 use super::texts::{TEXTS, Texts};
-use super::witness::{Witness, witnesses};
+use super::witness::{MisreadingWitness, witnesses};
 use crate::kit::yaml::from_yaml;
 use crate::misreadings::{self, Misreading};
 use crate::readers::profiles;
@@ -25,7 +25,7 @@ const PROTOCOL_WORDS: &str =
     "what a decoder is asked, and what exit status 0, 65, 69 and others count as";
 
 /// A subject of a page, as the search index lists it.
-pub(super) struct Subject<'a> {
+pub(super) struct PageSubject<'a> {
     pub id: &'a str,
     pub kind: &'static str,
     /// The address of its page, from the root of the site.
@@ -45,7 +45,7 @@ pub(super) struct Library {
     pub texts: Texts,
     pub runs: Vec<ReaderRun>,
     /// The smallest file that shows each misreading.
-    pub witnesses: HashMap<&'static str, Witness>,
+    pub witnesses: HashMap<&'static str, MisreadingWitness>,
     /// Pages by id, from the root of the site.
     places: HashMap<String, String>,
 }
@@ -70,7 +70,7 @@ impl Library {
             places: HashMap::new(),
         };
         let mut places = HashMap::new();
-        for Subject { id, place, .. } in library.subjects() {
+        for PageSubject { id, place, .. } in library.subjects() {
             // If two subjects share a name, links lead to the first.
             places.entry(id.to_owned()).or_insert(place);
         }
@@ -79,11 +79,11 @@ impl Library {
     }
 
     /// Returns every subject that has a page, in the order of the search index.
-    pub(super) fn subjects(&self) -> Vec<Subject<'_>> {
+    pub(super) fn subjects(&self) -> Vec<PageSubject<'_>> {
         let (ptm, texture) = (SuiteName::Ptm, SuiteName::Texture);
         let mut subjects = Vec::new();
         let mut put = |id, kind, place: Option<String>, words| {
-            let subject = |place| Subject {
+            let subject = |place| PageSubject {
                 id,
                 kind,
                 place,

@@ -7,7 +7,7 @@ use maud::{Markup, html};
 use super::paper::{Paper, SiteFile};
 use super::pictures;
 use super::readers::makers;
-use super::witness::Witness;
+use super::witness::MisreadingWitness;
 use crate::decode::decode;
 use crate::misreadings::{self, Misreading};
 use crate::protocol::frame::{Answer, Frame, View};
@@ -74,7 +74,7 @@ fn page(paper: Paper, misreading: &Misreading) -> SiteFile {
     paper.entry("Misreadings", misreading.slug, misreading.slug, &body)
 }
 
-fn witness_markup(paper: Paper, misreading: &Misreading, witness: &Witness) -> Markup {
+fn witness_markup(paper: Paper, misreading: &Misreading, witness: &MisreadingWitness) -> Markup {
     let case = &paper.library.suite.cases[witness.case];
     let built = case.build(TableSpelling::default());
     html! {
@@ -112,12 +112,15 @@ pub(super) fn pair(paper: Paper, misreading: &Misreading) -> Markup {
         View::Rgb(_) => witness.view.clone(),
         _ => View::ORDINARY_LIGHT.parse().expect("a light"),
     };
-    let wrong_lit = Witness::lit(misreading, file, &light);
+    let wrong_lit = MisreadingWitness::lit(misreading, file, &light);
     let shows = right.is_err() || wrong_lit.is_none() || wrong_lit != right_frame(&light);
     // A mistake that is invisible under a light is visible in the stored values.
     let (view, wrong) = match shows {
         true => (light, wrong_lit),
-        false => (View::Raw, Witness::lit(misreading, file, &View::Raw)),
+        false => (
+            View::Raw,
+            MisreadingWitness::lit(misreading, file, &View::Raw),
+        ),
     };
     html! {
         div.pair {

@@ -3,7 +3,7 @@
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 use super::library::{Library, PROTOCOL};
-use super::texts::Named;
+use super::texts::NamedTexts;
 
 /// A file of the site.
 pub struct SiteFile {
@@ -95,7 +95,10 @@ impl Paper<'_> {
     }
 
     /// Describes kinds of things, each by its name.
-    pub(super) fn kinds<'b>(texts: &Named, names: impl IntoIterator<Item = &'b str>) -> Markup {
+    pub(super) fn kinds<'b>(
+        texts: &NamedTexts,
+        names: impl IntoIterator<Item = &'b str>,
+    ) -> Markup {
         html! {
             dl.kinds { @for name in names { dt { span.chip { (name) } } dd { (texts[name]) } } }
         }

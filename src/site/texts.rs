@@ -8,25 +8,25 @@ use serde::Deserialize;
 pub(super) const TEXTS: &str = include_str!("../../spec-cases/site/texts.yaml");
 
 /// A name or an address, and a text about it.
-type Pair = (String, String);
+type NamedText = (String, String);
 
 /// Texts by the name of what they describe.
-pub(super) type Named = BTreeMap<String, String>;
+pub(super) type NamedTexts = BTreeMap<String, String>;
 
 /// The texts and tables of the site.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Texts {
-    pub navigation: Vec<Pair>,
-    pub glossary: Named,
-    pub topics: Vec<Pair>,
-    pub steps: Vec<Pair>,
-    pub counts: Vec<Pair>,
+    pub navigation: Vec<NamedText>,
+    pub glossary: NamedTexts,
+    pub topics: Vec<NamedText>,
+    pub steps: Vec<NamedText>,
+    pub counts: Vec<NamedText>,
     pub drawings: Vec<Drawing>,
     pub flow: Vec<(String, String, String)>,
-    pub expectations: Named,
-    pub ruling_kinds: Named,
-    pub severities: Named,
+    pub expectations: NamedTexts,
+    pub ruling_kinds: NamedTexts,
+    pub severities: NamedTexts,
 }
 
 /// The parts of a kind of file, each with the section that describes it.
@@ -34,6 +34,6 @@ pub(super) struct Texts {
 #[serde(deny_unknown_fields)]
 pub(super) struct Drawing {
     pub name: String,
-    pub text: Vec<Pair>,
-    pub bytes: Vec<Pair>,
+    pub text: Vec<NamedText>,
+    pub bytes: Vec<NamedText>,
 }

@@ -13,7 +13,7 @@ use crate::suite::test_case::TestCase;
 
 /// A file that shows a misreading.
 #[derive(Clone, Debug)]
-pub(super) struct Witness {
+pub(super) struct MisreadingWitness {
     /// The index of the case in the suite.
     pub case: usize,
     /// The view in which it shows.
@@ -25,7 +25,7 @@ pub(super) struct Witness {
 }
 
 /// Returns the smallest witness of every misreading that has one.
-pub(super) fn witnesses(suite: &Suite, jobs: usize) -> HashMap<&'static str, Witness> {
+pub(super) fn witnesses(suite: &Suite, jobs: usize) -> HashMap<&'static str, MisreadingWitness> {
     let mut by_size: Vec<usize> = (0..suite.cases.len()).collect();
     let length = |&place: &usize| {
         suite.cases[place]
@@ -46,7 +46,7 @@ pub(super) fn witnesses(suite: &Suite, jobs: usize) -> HashMap<&'static str, Wit
         .collect()
 }
 
-fn witness(misreading: &Misreading, place: usize, case: &Case) -> Option<Witness> {
+fn witness(misreading: &Misreading, place: usize, case: &Case) -> Option<MisreadingWitness> {
     let built = case.build(TableSpelling::default());
     let view = case.views.first()?;
     if case.expect == Expect::Spelling || !applies(misreading, &built.file) {
@@ -67,7 +67,7 @@ fn witness(misreading: &Misreading, place: usize, case: &Case) -> Option<Witness
         _ => false,
     };
     let difference = compared.and_then(|compared| compared.difference);
-    wrong.then(|| Witness {
+    wrong.then(|| MisreadingWitness {
         case: place,
         view: view.clone(),
         answer,
@@ -75,7 +75,7 @@ fn witness(misreading: &Misreading, place: usize, case: &Case) -> Option<Witness
     })
 }
 
-impl Witness {
+impl MisreadingWitness {
     /// Returns the image of a decoder with the mistake under a light, if it shows any.
     pub(super) fn lit(misreading: &Misreading, file: &[u8], view: &View) -> Option<Frame> {
         match answer(&[misreading], Reading::SPEC, file, view) {

@@ -7,7 +7,7 @@ use std::sync::Mutex;
 use crate::diagnose::{applies, stream_once};
 use crate::misreadings::texture::Change;
 use crate::misreadings::{self, At, Misreading};
-use crate::protocol::frame::{Answer, Frame, Samples};
+use crate::protocol::frame::{Answer, Frame};
 use crate::reading::Reading;
 use crate::runner::run::Request;
 use crate::session::outcome::Outcome;
@@ -29,19 +29,13 @@ pub struct MatrixRow<A: 'static = At> {
 }
 
 /// Answers, by case and view.
-pub type Known<C> = HashMap<String, Answer<<C as TestCase>::Output>>;
+pub type KnownAnswers<C> = HashMap<String, Answer<<C as TestCase>::Output>>;
 
 /// Runs the suite of PTM files against every misreading. `progress` gets the number of finished and of all items.
 #[must_use]
 pub fn matrix(suite: &Suite, jobs: usize, progress: &dyn Fn(usize, usize)) -> Vec<MatrixRow> {
     let (_, right) = ask_all(suite, &[], &[], jobs, &HashMap::new());
-    let digest = |frame: &Frame, hasher: &mut DefaultHasher| {
-        (frame.width, frame.height, frame.channels).hash(hasher);
-        match &frame.samples {
-            Samples::U8(bytes) => bytes.hash(hasher),
-            Samples::F32(values) => (values.iter()).for_each(|value| value.to_bits().hash(hasher)),
-        }
-    };
+    let digest = |frame: &Frame, hasher: &mut DefaultHasher| frame.hash(hasher);
     let all = misreadings::all().count();
     let rows = misreadings::all().enumerate().map(|(i, misreading)| {
         let (run, answers) = ask_all(suite, &[misreading], &[], jobs, &right);
@@ -72,7 +66,7 @@ fn row<C: TestCase, A: 'static>(
     suite: &Suite<C>,
     misreading: &'static Misreading<A>,
     run: &Run<C>,
-    answers: &Known<C>,
+    answers: &KnownAnswers<C>,
     digest: impl Fn(&C::Output, &mut DefaultHasher),
 ) -> MatrixRow<A> {
     let digest = |answer: &Answer<C::Output>| {
@@ -103,8 +97,8 @@ pub fn ask_all(
     mistakes: &[&Misreading],
     views: &[&'static str],
     jobs: usize,
-    right: &Known<Case>,
-) -> (Run, Known<Case>) {
+    right: &KnownAnswers<Case>,
+) -> (Run, KnownAnswers<Case>) {
     let reading = Reading {
         stream: stream_once,
         ..Reading::SPEC
@@ -129,7 +123,7 @@ fn run_and_answers<C: TestCase>(
     suite: &Suite<C>,
     plan: &RunPlan<C>,
     ask: &(dyn Fn(&Request<'_, C::View>) -> Answer<C::Output> + Sync),
-) -> (Run<C>, Known<C>) {
+) -> (Run<C>, KnownAnswers<C>) {
     let answers = Mutex::new(HashMap::new());
     let recording = |request: &Request<'_, C::View>, _: usize| {
         let answer = ask(request);

@@ -1,7 +1,7 @@
 //! Malformed files that were accepted: the decoder does not check for the fault that each of them has.
 
 use super::first_of;
-use crate::diagnose::diagnosis::{Category, Cause, Diagnosis, Words};
+use crate::diagnose::diagnosis::{Category, Cause, CauseWords, Diagnosis};
 use crate::diagnose::witness::Witness;
 use crate::misreadings::Misreading;
 use crate::protocol::frame::Answer;
@@ -39,7 +39,7 @@ fn acceptance(witnesses: &[Witness], of: &[usize]) -> Diagnosis {
     let twin = first.case.twin_of.as_ref().map_or(String::new(), |twin| {
         format!(", which is the legal {twin} with this one fault")
     });
-    let words = Words {
+    let words = CauseWords {
         effect: format!("accepts malformed files: {}", list_faults(witnesses, of)),
         fix: "refuse such files with exit status 65".to_owned(),
         example: format!("for example {}{twin}", first.case.id),

@@ -5,9 +5,9 @@ use std::fmt::Write as _;
 
 use super::arithmetic::arithmetic;
 use super::{files_in, layout_clause, share_of_formats};
-use crate::diagnose::diagnosis::{Category, Diagnosis, Words};
+use crate::diagnose::diagnosis::{Category, CauseWords, Diagnosis};
 use crate::diagnose::failure_mode::FailureMode;
-use crate::diagnose::pair::Pair;
+use crate::diagnose::pair::ImagePair;
 use crate::diagnose::scope::{Shared, shared_scope};
 use crate::diagnose::search::{Id, Search, Set, without_id};
 use crate::diagnose::tuning::{MIN_SHARING_FILES, MIN_SUPPORT, is_few, is_most};
@@ -24,7 +24,7 @@ const MAX_LISTED: usize = 3;
 
 /// The step at which the values of an image first differ, as far as one image shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-enum Step {
+enum Phase {
     Size,
     Channels,
     Choice,
@@ -38,59 +38,61 @@ enum Step {
     Color,
 }
 
-impl Step {
+impl Phase {
     /// Returns the step that the values of a view follow from.
-    fn in_view(view: ViewKind) -> Step {
+    fn in_view(view: ViewKind) -> Phase {
         match view {
-            ViewKind::Raw => Step::StoredValue,
-            ViewKind::Coef => Step::FinalValue,
-            ViewKind::Rgb => Step::Color,
+            ViewKind::Raw => Phase::StoredValue,
+            ViewKind::Coef => Phase::FinalValue,
+            ViewKind::Rgb => Phase::Color,
         }
     }
 
     /// Returns the decoder's behavior, as a sentence without its subject.
     fn effect(self) -> &'static str {
         match self {
-            Step::Size => "shows an image of another size",
-            Step::Channels => {
+            Phase::Size => "shows an image of another size",
+            Phase::Channels => {
                 "shows an image with another number of channels or another sample type"
             }
-            Step::Choice => "follows another reading of an open question than in its other images",
-            Step::NoReading => "shows an image that is wrong in every reading of the file",
-            Step::Places => "shows the correct values in the wrong places",
-            Step::Stream => "shows wrong values in planes that are neither predicted nor corrected",
-            Step::Prediction => {
+            Phase::Choice => "follows another reading of an open question than in its other images",
+            Phase::NoReading => "shows an image that is wrong in every reading of the file",
+            Phase::Places => "shows the correct values in the wrong places",
+            Phase::Stream => {
+                "shows wrong values in planes that are neither predicted nor corrected"
+            }
+            Phase::Prediction => {
                 "shows wrong values in predicted planes; planes that are not predicted are correct"
             }
-            Step::Correction => "shows wrong values only at texels that side information corrects",
-            Step::StoredValue => "shows wrong stored values",
-            Step::FinalValue => "shows wrong final values",
-            Step::Color => "shows wrong colors",
+            Phase::Correction => "shows wrong values only at texels that side information corrects",
+            Phase::StoredValue => "shows wrong stored values",
+            Phase::FinalValue => "shows wrong final values",
+            Phase::Color => "shows wrong colors",
         }
     }
 
     /// Returns the advice.
     fn fix(self) -> &'static str {
         match self {
-            Step::Size => "compare width and height with the header of the file",
-            Step::Channels => {
+            Phase::Size => "compare width and height with the header of the file",
+            Phase::Channels => {
                 "compare the number of channels and the sample type with the expected frame"
             }
-            Step::Choice => "use one reading of the question in all files",
-            Step::NoReading => "show the image of one reading, or exit with 65",
-            Step::Places => "compare the order of rows, columns and blocks with the clause",
-            Step::Stream => {
+            Phase::Choice => "use one reading of the question in all files",
+            Phase::NoReading => "show the image of one reading, or exit with 65",
+            Phase::Places => "compare the order of rows, columns and blocks with the clause",
+            Phase::Stream => {
                 "decode the example's stream with another JPEG or JPEG-LS decoder and compare; try the test images of the standard"
             }
-            Step::Prediction => {
+            Phase::Prediction => {
                 "compute the example's sample by hand from its residual and its reference"
             }
-            Step::Correction => "read the example's record by hand: bytes, position, value",
-            Step::StoredValue => {
+            Phase::Correction => "read the example's record by hand: bytes, position, value",
+            Phase::StoredValue => {
                 "compare the bytes that the example names with the values that the decoder reads there"
             }
-            Step::FinalValue => "compute the example by hand: stored value, scale, bias",
-            Step::Color => {
+            Phase::FinalValue => "compute the example by hand: stored value, scale, bias",
+            Phase::Color => {
                 "compute the example by hand: final values first, then the polynomial, then the color"
             }
         }
@@ -100,8 +102,8 @@ impl Step {
     /// and the number of channels follows from the format.
     fn common_clause(self) -> Option<&'static str> {
         match self {
-            Step::Color => Step::Color.clause(Format::Rgb),
-            Step::Channels => Some("2.2/1"),
+            Phase::Color => Phase::Color.clause(Format::Rgb),
+            Phase::Channels => Some("2.2/1"),
             _ => None,
         }
     }
@@ -109,15 +111,15 @@ impl Step {
     /// The clause that states the step.
     fn clause(self, format: Format) -> Option<&'static str> {
         Some(match (self, format) {
-            (Step::Size, _) => "2.3/1",
-            (Step::Channels | Step::Places | Step::StoredValue, format) => layout_clause(format),
-            (Step::Stream, _) => "2.9.8/3",
-            (Step::Prediction, _) => "2.9.5/4",
-            (Step::Correction, _) => "2.9.8/8",
-            (Step::FinalValue, _) => "2.4/8",
-            (Step::Color, Format::Lum) => "2.6/4",
-            (Step::Color, format) if format.channels() == 9 => "2.7.3/4",
-            (Step::Color, _) => "1.0/1",
+            (Phase::Size, _) => "2.3/1",
+            (Phase::Channels | Phase::Places | Phase::StoredValue, format) => layout_clause(format),
+            (Phase::Stream, _) => "2.9.8/3",
+            (Phase::Prediction, _) => "2.9.5/4",
+            (Phase::Correction, _) => "2.9.8/8",
+            (Phase::FinalValue, _) => "2.4/8",
+            (Phase::Color, Format::Lum) => "2.6/4",
+            (Phase::Color, format) if format.channels() == 9 => "2.7.3/4",
+            (Phase::Color, _) => "1.0/1",
             _ => return None,
         })
     }
@@ -127,14 +129,14 @@ impl Step {
 pub(in crate::diagnose) fn describe(search: &Search, set: &Set, left: &[usize]) -> Vec<Diagnosis> {
     let mut steps = search.each(left, |&w| step(search, set, w));
     // If values of files without streams are wrong too, the mistake is after the streams.
-    if steps.contains(&Step::StoredValue) {
-        let streams = steps.iter_mut().filter(|step| **step == Step::Stream);
-        streams.for_each(|step| *step = Step::StoredValue);
+    if steps.contains(&Phase::StoredValue) {
+        let streams = steps.iter_mut().filter(|step| **step == Phase::Stream);
+        streams.for_each(|step| *step = Phase::StoredValue);
     }
     let format = |w: usize| search.witnesses[w].case.format();
-    let mut known: HashMap<usize, Step> = left.iter().copied().zip(steps).collect();
+    let mut known: HashMap<usize, Phase> = left.iter().copied().zip(steps).collect();
     follow_earlier_steps(search, set, &mut known);
-    let mut by_step: BTreeMap<Step, Vec<usize>> = BTreeMap::new();
+    let mut by_step: BTreeMap<Phase, Vec<usize>> = BTreeMap::new();
     for w in left {
         by_step.entry(known[w]).or_default().push(*w);
     }
@@ -158,7 +160,7 @@ pub(in crate::diagnose) fn describe(search: &Search, set: &Set, left: &[usize]) 
             parts.extend(take_scopes(search, &seen, &mut of, &Format::ALL.map(Some)));
             if !of.is_empty() {
                 let place = share_of_formats(search.witnesses, &of);
-                parts.push(Part {
+                parts.push(CauseGroup {
                     of,
                     place,
                     clause: None,
@@ -174,13 +176,13 @@ pub(in crate::diagnose) fn describe(search: &Search, set: &Set, left: &[usize]) 
 /// Replaces the steps of final values and colors by the step of an earlier view, if more than half as many unexplained images of
 /// the format, or of all formats with wrong images in that view, are wrong there: what comes before explains them. An image that
 /// is described elsewhere counts too. Values in the wrong places are a cause if most wrong images of the format have them.
-fn follow_earlier_steps(search: &Search, set: &Set, steps: &mut HashMap<usize, Step>) {
+fn follow_earlier_steps(search: &Search, set: &Set, steps: &mut HashMap<usize, Phase>) {
     let witnesses = search.witnesses;
     let mut open = search.unexplained(set);
     open.retain(|w| {
         FailureMode::of(&witnesses[*w]).is_none()
             && witnesses[*w].case.expect == Expect::Decode
-            && steps.get(w).is_none_or(|step| *step >= Step::Places)
+            && steps.get(w).is_none_or(|step| *step >= Phase::Places)
     });
     let in_view = |view: ViewKind, formats: &[Format]| -> Vec<usize> {
         let is_of = |w: &usize| {
@@ -191,12 +193,12 @@ fn follow_earlier_steps(search: &Search, set: &Set, steps: &mut HashMap<usize, S
     };
     for format in Format::ALL {
         let mut of_format: Vec<usize> = steps.keys().copied().collect();
-        of_format.retain(|&w| steps[&w] >= Step::Places && witnesses[w].case.format() == format);
+        of_format.retain(|&w| steps[&w] >= Phase::Places && witnesses[w].case.format() == format);
         let all = of_format.len();
-        of_format.retain(|w| steps[w] == Step::Places);
+        of_format.retain(|w| steps[w] == Phase::Places);
         // Few values, or similar ones, may be exchanged by chance.
         if !is_most(of_format.len(), all) {
-            let plain = |w: usize| (w, Step::in_view(witnesses[w].observation.view.kind()));
+            let plain = |w: usize| (w, Phase::in_view(witnesses[w].observation.view.kind()));
             steps.extend(of_format.into_iter().map(plain));
         }
         let views = [
@@ -215,7 +217,7 @@ fn follow_earlier_steps(search: &Search, set: &Set, steps: &mut HashMap<usize, S
                 };
                 formats.contains(&format) && (is_in(&[format]) || is_in(&formats))
             };
-            let known = |w: &usize| steps.get(w).copied().unwrap_or(Step::StoredValue);
+            let known = |w: &usize| steps.get(w).copied().unwrap_or(Phase::StoredValue);
             let first = earlier.iter().find(explains);
             let first = first.and_then(|first| in_view(*first, &[format]).iter().map(known).max());
             let Some(first) = first else {
@@ -225,7 +227,7 @@ fn follow_earlier_steps(search: &Search, set: &Set, steps: &mut HashMap<usize, S
                 let witness = &witnesses[*w];
                 let is_of =
                     (witness.case.format(), witness.observation.view.kind()) == (format, view);
-                if is_of && *step >= Step::FinalValue {
+                if is_of && *step >= Phase::FinalValue {
                     *step = first;
                 }
             }
@@ -234,7 +236,7 @@ fn follow_earlier_steps(search: &Search, set: &Set, steps: &mut HashMap<usize, S
 }
 
 /// Wrong images with one cause: the files in words, and the clause about their common property.
-struct Part {
+struct CauseGroup {
     of: Vec<usize>,
     place: String,
     clause: Option<&'static str>,
@@ -246,7 +248,7 @@ fn take_scopes(
     known: &[usize],
     open: &mut Vec<usize>,
     formats: &[Option<Format>],
-) -> Vec<Part> {
+) -> Vec<CauseGroup> {
     let witnesses = search.witnesses;
     let format = |w: usize| witnesses[w].case.format();
     let of_format = |of: &[usize], one: Option<Format>| -> Vec<usize> {
@@ -267,7 +269,7 @@ fn take_scopes(
         };
         if let Some(shared) = shared.filter(is_rule) {
             open.retain(|w| !shared.of.contains(w));
-            parts.push(Part {
+            parts.push(CauseGroup {
                 place: files_in(witnesses, &shared, one),
                 clause: shared.scope.clause(),
                 of: shared.of,
@@ -277,7 +279,7 @@ fn take_scopes(
     parts
 }
 
-fn difference(search: &Search, set: &[Id], step: Step, part: &Part) -> Diagnosis {
+fn difference(search: &Search, set: &[Id], step: Phase, part: &CauseGroup) -> Diagnosis {
     let (witnesses, of) = (search.witnesses, &part.of[..]);
     let clauses = of.iter().map(|&w| step.clause(witnesses[w].case.format()));
     let clauses: BTreeSet<_> = clauses.collect();
@@ -291,13 +293,13 @@ fn difference(search: &Search, set: &[Id], step: Step, part: &Part) -> Diagnosis
     // Only R, G and B of a format with one polynomial are wrong.
     let are_colors = wrong.len() == 9 && !wrong[..6].contains(&true);
     let clause = match (step, clause) {
-        (Step::StoredValue, Some("2.7.3/1")) if are_colors => Some("2.7.3/2"),
-        (Step::StoredValue, Some("2.8.1/1")) if are_colors => Some("2.8.1/4"),
-        (Step::FinalValue, _) if are_colors => Some("2.4/9"),
+        (Phase::StoredValue, Some("2.7.3/1")) if are_colors => Some("2.7.3/2"),
+        (Phase::StoredValue, Some("2.8.1/1")) if are_colors => Some("2.8.1/4"),
+        (Phase::FinalValue, _) if are_colors => Some("2.4/9"),
         _ => clause,
     };
     let (effect, only, views) = (step.effect(), only_in(&wrong), views(witnesses, of));
-    let words = Words {
+    let words = CauseWords {
         effect: format!("{effect}{only}, in {}{views}", part.place),
         fix: step.fix().to_owned(),
         example: example_given(search, set, smallest(witnesses, of)),
@@ -327,7 +329,7 @@ fn views(witnesses: &[Witness], of: &[usize]) -> String {
 
 /// Returns, for each channel, true if it is wrong in an image of the first view; nothing if the numbers of channels differ.
 pub(in crate::diagnose) fn wrong_channels(search: &Search, set: &[Id], of: &[usize]) -> Vec<bool> {
-    let mut pairs: Vec<Pair> = of.iter().filter_map(|&w| pair_of(search, set, w)).collect();
+    let mut pairs: Vec<ImagePair> = of.iter().filter_map(|&w| pair_of(search, set, w)).collect();
     let first = pairs.iter().map(|pair| pair.view).min();
     pairs.retain(|pair| Some(pair.view) == first);
     let count = pairs.first().map_or(0, |pair| pair.channels);
@@ -351,32 +353,32 @@ fn only_in(wrong: &[bool]) -> String {
 }
 
 /// Returns the step at which the values of an image first differ.
-fn step(search: &Search, set: &[Id], w: usize) -> Step {
+fn step(search: &Search, set: &[Id], w: usize) -> Phase {
     let witness = &search.witnesses[w];
     let Some(received) = witness.shown() else {
-        return Step::Choice;
+        return Phase::Choice;
     };
     let made = search.made(w, set);
     let ((Answer::Decoded(wanted), _) | (_, Answer::Decoded(wanted))) = (&*made, &witness.right)
     else {
-        return Step::NoReading;
+        return Phase::NoReading;
     };
-    let Some(pair) = Pair::new(wanted, received) else {
+    let Some(pair) = ImagePair::new(wanted, received) else {
         let size = |frame: &Frame| (frame.width, frame.height);
         return match size(wanted) == size(received) {
-            true => Step::Channels,
-            false => Step::Size,
+            true => Phase::Channels,
+            false => Phase::Size,
         };
     };
     if is_rearranged(&pair) {
-        return Step::Places;
+        return Phase::Places;
     }
-    let plain = Step::in_view(pair.view);
-    if plain == Step::Color || !witness.case.format().is_compressed() {
+    let plain = Phase::in_view(pair.view);
+    if plain == Phase::Color || !witness.case.format().is_compressed() {
         return plain;
     }
     match step_of_planes(&pair, witness) {
-        step @ (Step::Prediction | Step::Correction) => step,
+        step @ (Phase::Prediction | Phase::Correction) => step,
         step if pair.view == ViewKind::Raw => step,
         // A later step may explain the samples of a stream.
         _ => plain,
@@ -384,7 +386,7 @@ fn step(search: &Search, set: &[Id], w: usize) -> Step {
 }
 
 /// Returns true if an image has the correct values in wrong places.
-fn is_rearranged(pair: &Pair) -> bool {
+fn is_rearranged(pair: &ImagePair) -> bool {
     let sorted = |values: &[f64]| {
         let mut bits: Vec<u64> = values.iter().map(|value| value.to_bits()).collect();
         bits.sort_unstable();
@@ -395,9 +397,9 @@ fn is_rearranged(pair: &Pair) -> bool {
 
 /// Returns the step of a compressed file. A stream is named only if a plane that is neither predicted nor corrected has wrong
 /// values, and not the correct values in wrong places.
-fn step_of_planes(pair: &Pair, witness: &Witness) -> Step {
+fn step_of_planes(pair: &ImagePair, witness: &Witness) -> Phase {
     let Some(coded) = witness.model().and_then(|model| model.compressed.as_ref()) else {
-        return Step::StoredValue;
+        return Phase::StoredValue;
     };
     let wrong = pair.wrong_channels();
     let plain = |plane: &usize| wrong[*plane] && witness.is_of_stream(*plane);
@@ -410,9 +412,9 @@ fn step_of_planes(pair: &Pair, witness: &Witness) -> Step {
     };
     let is_predicted = |plane: usize| coded.plan.reference(plane).is_some();
     if pair.wrong().iter().all(is_corrected) {
-        Step::Correction
+        Phase::Correction
     } else if (0..wrong.len()).all(|plane| !wrong[plane] || is_predicted(plane)) {
-        Step::Prediction
+        Phase::Prediction
     } else if (0..wrong.len()).any(|plane| plain(&plane)) {
         let of_plane = |values: &[f64], plane: usize| -> Vec<f64> {
             values
@@ -423,7 +425,7 @@ fn step_of_planes(pair: &Pair, witness: &Witness) -> Step {
                 .collect()
         };
         let is_moved = |plane: usize| {
-            is_rearranged(&Pair {
+            is_rearranged(&ImagePair {
                 width: pair.width,
                 height: pair.height,
                 channels: 1,
@@ -433,11 +435,11 @@ fn step_of_planes(pair: &Pair, witness: &Witness) -> Step {
             })
         };
         match (0..wrong.len()).filter(plain).all(is_moved) {
-            true => Step::Places,
-            false => Step::Stream,
+            true => Phase::Places,
+            false => Phase::Stream,
         }
     } else {
-        Step::StoredValue
+        Phase::StoredValue
     }
 }
 
@@ -455,7 +457,7 @@ pub(in crate::diagnose) fn is_near(search: &Search, w: usize, set: &[Id], member
         return false;
     }
     if let Some(shown) = witness.shown() {
-        let wrong = |made: &Frame| Some(Pair::new(made, shown)?.wrong().len());
+        let wrong = |made: &Frame| Some(ImagePair::new(made, shown)?.wrong().len());
         return matches!((wrong(with), wrong(without)), (Some(with), Some(without)) if is_most(without.saturating_sub(with), without));
     }
     // A decoder that reads outside its data may crash in one file and show wrong values in another.
@@ -469,10 +471,10 @@ pub(in crate::diagnose) fn is_near(search: &Search, w: usize, set: &[Id], member
 }
 
 /// Returns the received image and the image of a decoder with these mistakes, if their shapes are equal.
-pub(in crate::diagnose) fn pair_of(search: &Search, set: &[Id], w: usize) -> Option<Pair> {
+pub(in crate::diagnose) fn pair_of(search: &Search, set: &[Id], w: usize) -> Option<ImagePair> {
     let shown = search.witnesses[w].shown()?;
     match &*search.made(w, set) {
-        Answer::Decoded(wanted) => Pair::new(wanted, shown),
+        Answer::Decoded(wanted) => ImagePair::new(wanted, shown),
         _ => None,
     }
 }
@@ -535,7 +537,7 @@ fn example_given(search: &Search, set: &[Id], w: usize) -> String {
 
 /// Returns the first wrong sample. In a compressed file, it is the first stored one of the first plane that is not predicted from
 /// a wrong plane.
-fn first_wrong(pair: &Pair, witness: &Witness, open: &[usize]) -> Option<usize> {
+fn first_wrong(pair: &ImagePair, witness: &Witness, open: &[usize]) -> Option<usize> {
     let mut wrong = pair.wrong();
     let is_open = |i: &usize| open.binary_search(i).is_ok();
     if wrong.iter().any(is_open) {
@@ -563,7 +565,7 @@ fn first_wrong(pair: &Pair, witness: &Witness, open: &[usize]) -> Option<usize> 
 }
 
 /// Returns the expected values, not rounded.
-fn expected(witness: &Witness, pair: &Pair) -> Option<Vec<f64>> {
+fn expected(witness: &Witness, pair: &ImagePair) -> Option<Vec<f64>> {
     let expected = Expected::of(&witness.built.values, &witness.observation.view)?;
     let is_pair = expected.view != ViewKind::Raw && expected.values.len() == pair.want.len();
     is_pair.then_some(expected.values)

@@ -1,7 +1,7 @@
 //! Legal files that were refused or crashed the decoder: the property that they share and that no accepted file has.
 
 use super::{files_in, share_of_formats, shared_clause};
-use crate::diagnose::diagnosis::{Category, Cause, Diagnosis, Words};
+use crate::diagnose::diagnosis::{Category, Cause, CauseWords, Diagnosis};
 use crate::diagnose::failure_mode::FailureMode;
 use crate::diagnose::scope::shared_scope;
 use crate::diagnose::tuning::{MIN_READ_FILES, MIN_SUPPORT, is_few, is_much};
@@ -52,7 +52,7 @@ fn refusal(witnesses: &[Witness], of: &[usize], mode: &FailureMode, effect: Stri
         FailureMode::Hangs => "find the loop that does not end",
         _ => "run the example under a debugger: these files are legal",
     };
-    let words = Words {
+    let words = CauseWords {
         effect,
         fix: fix.to_owned(),
         example: example(witnesses, of),
@@ -208,7 +208,7 @@ pub(in crate::diagnose) fn describe_unexplained(
             ),
             _ => format!("{mode} {}", share_of_formats(witnesses, &of)),
         };
-        let words = Words {
+        let words = CauseWords {
             effect,
             fix: "start with the example, the smallest of these files".to_owned(),
             example: example(witnesses, &of),

@@ -1,7 +1,7 @@
 //! Images that do not depend on the file: the same image for every file, or one value in every sample.
 
 use super::refusals::example;
-use crate::diagnose::diagnosis::{Category, Diagnosis, Words};
+use crate::diagnose::diagnosis::{Category, CauseWords, Diagnosis};
 use crate::diagnose::tuning::{MIN_SUPPORT, is_few, is_most};
 use crate::diagnose::witness::Witness;
 use crate::protocol::frame::{Frame, Samples, ViewKind};
@@ -17,7 +17,7 @@ pub(in crate::diagnose) fn describe(
     let diagnosis = |(effect, of): (String, Vec<usize>)| {
         let clause = witnesses[of[0]].observation.view.kind().clause();
         left.retain(|w| !of.contains(w));
-        let words = Words {
+        let words = CauseWords {
             effect,
             fix: "start with the example, the smallest of these files".to_owned(),
             example: example(witnesses, &of),

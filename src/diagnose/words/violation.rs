@@ -3,7 +3,7 @@
 use super::acceptances::fault;
 use super::first_of;
 use super::refusals::example;
-use crate::diagnose::diagnosis::{Category, Diagnosis, Words};
+use crate::diagnose::diagnosis::{Category, CauseWords, Diagnosis};
 use crate::diagnose::failure_mode::FailureMode;
 use crate::diagnose::witness::Witness;
 use crate::session::observation::Response;
@@ -27,7 +27,7 @@ pub(in crate::diagnose) fn describe(
         let these = mode.select(witnesses, &of);
         let expect = |w: &usize| witnesses[*w].case.expect;
         let may_be_read = |w: &usize| matches!(expect(w), Expect::Lenient | Expect::Spelling);
-        let words = Words {
+        let words = CauseWords {
             effect: format!("{mode} {}", describe_files(witnesses, &these, refuses)),
             fix: fix(&mode, these.iter().all(may_be_read)),
             example: example(witnesses, &these),

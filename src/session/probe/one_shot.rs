@@ -26,35 +26,36 @@ const FORMATS: [Format; 9] = [
 ];
 
 /// A file, and the replies to it in each view.
-pub(super) struct Asked {
+pub(super) struct FileReplies {
     pub(super) sample: Sample,
     pub(super) replies: Vec<(View, Reply)>,
 }
 
-impl Asked {
-    fn new(calls: &Calls, sample: Sample) -> Asked {
+impl FileReplies {
+    fn new(calls: &Calls, sample: Sample) -> FileReplies {
         let views = ["raw", "coef", View::ORDINARY_LIGHT];
         let ask = |view: &str| {
             let view: View = view.parse().expect("a view");
             let reply = calls.ask(&view, &sample.file);
             (view, reply)
         };
-        Asked {
+        FileReplies {
             replies: views.map(ask).into(),
             sample,
         }
     }
 
     /// Requests a format, in the spelling of its table that the decoder reads, if any.
-    fn in_best_spelling(calls: &Calls, format: Format) -> Asked {
-        let mut best: Option<Asked> = None;
+    fn in_best_spelling(calls: &Calls, format: Format) -> FileReplies {
+        let mut best: Option<FileReplies> = None;
         for sample in Sample::in_all_spellings(format) {
-            let asked = Asked::new(calls, sample);
+            let asked = FileReplies::new(calls, sample);
             if (best.as_ref()).is_none_or(|best| asked.rank() > best.rank()) {
                 best = Some(asked);
             }
             let unsupported = |(_, reply): &(View, Reply)| reply.answer == Answer::Unsupported;
-            let is_settled = |best: &Asked| best.rank()[2] || best.replies.iter().all(unsupported);
+            let is_settled =
+                |best: &FileReplies| best.rank()[2] || best.replies.iter().all(unsupported);
             if best.as_ref().is_some_and(is_settled) {
                 break;
             }
@@ -86,11 +87,11 @@ impl Asked {
 }
 
 /// Finds a format that it decodes and judges the images. Returns the replies that are frames.
-pub(super) fn first_frames(calls: &Calls, list: &mut Checklist) -> Option<Asked> {
+pub(super) fn first_frames(calls: &Calls, list: &mut Checklist) -> Option<FileReplies> {
     let mut troubled = None;
     let mut lacking = Vec::new();
     for format in FORMATS {
-        let mut asked = Asked::in_best_spelling(calls, format);
+        let mut asked = FileReplies::in_best_spelling(calls, format);
         if asked.rank()[0] {
             judge_views(&asked, list);
             if !lacking.is_empty() {
@@ -109,7 +110,7 @@ pub(super) fn first_frames(calls: &Calls, list: &mut Checklist) -> Option<Asked>
             break;
         }
     }
-    let Some(Asked { sample, replies }) = troubled else {
+    let Some(FileReplies { sample, replies }) = troubled else {
         let (says, next) = fault("nothing-supported", &[]);
         list.bad(says, next);
         return None;
@@ -123,7 +124,7 @@ pub(super) fn first_frames(calls: &Calls, list: &mut Checklist) -> Option<Asked>
 }
 
 /// Reports for each view of a file whether it is right, and if not, the repair.
-fn judge_views(Asked { sample, replies }: &Asked, list: &mut Checklist) {
+fn judge_views(FileReplies { sample, replies }: &FileReplies, list: &mut Checklist) {
     let name = sample.format.short_name();
     if sample.spelling != TableSpelling::default() {
         let newline = match sample.spelling.newline {
@@ -160,7 +161,7 @@ fn judge_views(Asked { sample, replies }: &Asked, list: &mut Checklist) {
 }
 
 /// Requests a frame that is larger than the buffer of a pipe.
-pub(super) fn large_frame(calls: &Calls, first: &Asked, list: &mut Checklist) {
+pub(super) fn large_frame(calls: &Calls, first: &FileReplies, list: &mut Checklist) {
     let sample = Sample::large(first.sample.format, first.sample.spelling);
     for (view, _) in &first.replies {
         let reply = calls.ask(view, &sample.file);
@@ -182,7 +183,7 @@ pub(super) fn large_frame(calls: &Calls, first: &Asked, list: &mut Checklist) {
 }
 
 /// Requests files that every decoder must refuse.
-pub(super) fn refusals(calls: &Calls, first: &Asked, list: &mut Checklist) {
+pub(super) fn refusals(calls: &Calls, first: &FileReplies, list: &mut Checklist) {
     let view = &first.replies[0].0;
     for (what, file_name, file) in malformed(&first.sample.file) {
         let reply = calls.ask(view, file);

@@ -50,26 +50,26 @@ pub(super) fn repairs(bytes: &[u8], expected: &Expected, view: &View) -> Vec<Rep
 }
 
 /// Bytes, and the mistakes that were undone to get them.
-type Stream = (Vec<u8>, Vec<ProbeFault>);
+type RepairedBytes = (Vec<u8>, Vec<ProbeFault>);
 
 /// Returns the bytes, also with the effects of text mode, encodings and messages undone.
-fn streams(bytes: &[u8]) -> Vec<Stream> {
+fn streams(bytes: &[u8]) -> Vec<RepairedBytes> {
     let mut streams = vec![(bytes.to_vec(), Vec::new())];
     streams.extend(from_utf16(bytes));
     streams.extend(from_utf8(bytes));
     streams.extend(line_ends(bytes));
-    let after_text: Vec<Stream> = streams.iter().filter_map(without_text_before).collect();
+    let after_text: Vec<RepairedBytes> = streams.iter().filter_map(without_text_before).collect();
     streams.extend(after_text);
     streams
 }
 
-fn from_utf16(bytes: &[u8]) -> Option<Stream> {
+fn from_utf16(bytes: &[u8]) -> Option<RepairedBytes> {
     let pairs = bytes.strip_prefix(b"\xff\xfe")?.as_chunks::<2>().0;
     let narrow = pairs.iter().map(|&pair| u16::from_le_bytes(pair) as u8);
     Some((narrow.collect(), vec![fault("utf-16", &[])]))
 }
 
-fn from_utf8(bytes: &[u8]) -> Option<Stream> {
+fn from_utf8(bytes: &[u8]) -> Option<RepairedBytes> {
     let text = std::str::from_utf8(bytes).ok()?;
     let narrow: Option<Vec<u8>> = text.chars().map(|c| u8::try_from(c).ok()).collect();
     narrow
@@ -78,7 +78,7 @@ fn from_utf8(bytes: &[u8]) -> Option<Stream> {
 }
 
 /// Returns the stream from its PTM1 line on, if other bytes precede it.
-fn without_text_before((bytes, mistakes): &Stream) -> Option<Stream> {
+fn without_text_before((bytes, mistakes): &RepairedBytes) -> Option<RepairedBytes> {
     let line = bytes.windows(5).position(|word| word == b"PTM1 ");
     let line = line.filter(|&line| line > 0)?;
     let shown = bytes[..line.min(60)].escape_ascii();
@@ -88,7 +88,7 @@ fn without_text_before((bytes, mistakes): &Stream) -> Option<Stream> {
 
 /// Returns the bytes without the carriage returns that text mode puts before line feeds: in the first line, after it, or
 /// everywhere.
-fn line_ends(bytes: &[u8]) -> Vec<Stream> {
+fn line_ends(bytes: &[u8]) -> Vec<RepairedBytes> {
     let Some(end) = bytes.iter().position(|&byte| byte == b'\n') else {
         return Vec::new();
     };

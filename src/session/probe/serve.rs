@@ -17,7 +17,7 @@ use crate::runner::scratch::Workspace;
 use super::calls::Calls;
 use super::checklist::{Checklist, ProbeRequest, Reproduction};
 use super::message::{ProbeFault, Slots, fault};
-use super::one_shot::Asked;
+use super::one_shot::FileReplies;
 
 const MALFORMED: &[u8] = b"PTM_1.2\n";
 
@@ -25,7 +25,7 @@ const MALFORMED: &[u8] = b"PTM_1.2\n";
 type Stop = Option<(usize, ProbeFault)>;
 
 /// Takes the steps of serve mode: two frames and a refusal, each answered before the next request, then the end.
-pub(super) fn look(calls: &Calls, first: &Asked, list: &mut Checklist) {
+pub(super) fn look(calls: &Calls, first: &FileReplies, list: &mut Checklist) {
     match steps(calls, first, list) {
         Ok(()) => list.good("serve: it ends when its input ends"),
         Err(None) => list.absent("serve: not offered, and not needed"),
@@ -35,7 +35,7 @@ pub(super) fn look(calls: &Calls, first: &Asked, list: &mut Checklist) {
     }
 }
 
-fn steps(calls: &Calls, first: &Asked, list: &mut Checklist) -> Result<(), Stop> {
+fn steps(calls: &Calls, first: &FileReplies, list: &mut Checklist) -> Result<(), Stop> {
     let (view, reply) = &first.replies[0];
     let Answer::Decoded(right) = &reply.answer else {
         return Err(None);
@@ -84,7 +84,7 @@ fn steps(calls: &Calls, first: &Asked, list: &mut Checklist) -> Result<(), Stop>
 }
 
 /// Returns the first requests of the dialog.
-fn requests(first: &Asked, count: usize) -> Reproduction {
+fn requests(first: &FileReplies, count: usize) -> Reproduction {
     let whole = first.sample.repeat(&first.replies[0].0).requests.remove(0);
     let malformed = ProbeRequest {
         file_name: "malformed.ptm".to_owned(),

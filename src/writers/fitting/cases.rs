@@ -15,7 +15,7 @@ use crate::suite::test_case::{Allowance, Comparison, TestCase};
 use crate::writers::diagnose::{describe, describe_differences};
 use crate::writers::fault::WriterFault;
 use crate::writers::fitting::judge::judge;
-use crate::writers::fitting::mistakes::{Evidence, MISTAKES};
+use crate::writers::fitting::mistakes::{MISTAKES, WrongMap};
 use crate::writers::fitting::pictures::{FORMATS, FitRequest, PictureSet};
 use crate::writers::fitting::sets::{SETS, SetPlan};
 use crate::writers::test_case::{WriteView, WrittenFile, wrong_file};
@@ -183,9 +183,9 @@ pub(super) fn diagnose(
     let wrong = |place: usize| wrong_file(run.observations[place].as_ref());
     let evidence = failing.iter().filter_map(|&place| {
         let (case, (file, _)) = (&suite.cases[place], wrong(place)?);
-        Some((place, Evidence::of(case.photographs(), case.format, file)?))
+        Some((place, WrongMap::of(case.photographs(), case.format, file)?))
     });
-    let evidence: BTreeMap<usize, Evidence> = evidence.collect();
+    let evidence: BTreeMap<usize, WrongMap> = evidence.collect();
     let candidates = MISTAKES.iter().filter_map(|mistake| {
         let shows = |place: usize| evidence.get(&place).is_some_and(|of| of.shows(mistake));
         CoverCandidate::new(mistake, &failing, shows, &[], |_| false)

@@ -32,11 +32,11 @@ enum Sign {
     /// The map is right if its coefficients are in this order and are these functions of raw value, scale and bias.
     Numbers([usize; 6], fn(f64, f64, f64) -> f64),
     /// The numbers of the map show it.
-    Map(fn(&Evidence) -> bool),
+    Map(fn(&WrongMap) -> bool),
 }
 
 /// A wrong map, with the right one.
-pub(super) struct Evidence {
+pub(super) struct WrongMap {
     set: PictureSet,
     format: Format,
     ptm: Ptm,
@@ -44,13 +44,13 @@ pub(super) struct Evidence {
     best: Fitted,
 }
 
-impl Evidence {
+impl WrongMap {
     /// Returns `None` if the file is not a map of these photographs.
-    pub fn of(set: PictureSet, format: Format, file: &[u8]) -> Option<Evidence> {
+    pub fn of(set: PictureSet, format: Format, file: &[u8]) -> Option<WrongMap> {
         let ptm = decode(file).ok()?;
         let is_of_set = ptm.header.format == format && ptm.header.size == set.size;
         is_of_set.then_some(())?;
-        Some(Evidence {
+        Some(WrongMap {
             format,
             found: Polynomials::of(&ptm)?,
             best: Fitted::of(&set, &directions(&set), format),
@@ -121,7 +121,7 @@ impl Evidence {
 const IN_ORDER: [usize; 6] = [0, 1, 2, 3, 4, 5];
 
 /// Each step is wide, and each value within a step of the right one.
-fn has_wide_steps(evidence: &Evidence) -> bool {
+fn has_wide_steps(evidence: &WrongMap) -> bool {
     let best = evidence.best.scale_bias();
     let scale = evidence.ptm.header.scale_bias.scale;
     let is_wide = (0..6).any(|i| scale[i].abs() > 2.0 * best.scale[i]);
@@ -133,7 +133,7 @@ fn has_wide_steps(evidence: &Evidence) -> bool {
 }
 
 /// Returns true if values at the ends of the byte range should be beyond it, and all others are about right.
-fn has_cut_ends(evidence: &Evidence) -> bool {
+fn has_cut_ends(evidence: &WrongMap) -> bool {
     let mut cut = 0;
     let others_are_near = (0..6).all(|i| {
         let pairs = evidence.raw_and_wanted(i);
@@ -148,7 +148,7 @@ fn has_cut_ends(evidence: &Evidence) -> bool {
 }
 
 /// Returns true if the lights leave coefficients open, and some are extremely large.
-fn has_huge_coefficients(evidence: &Evidence) -> bool {
+fn has_huge_coefficients(evidence: &WrongMap) -> bool {
     let largest = |of: &Polynomials| {
         let all = of.0.iter().flatten().flatten();
         all.fold(0.0_f64, |most, a| most.max(a.abs()))
