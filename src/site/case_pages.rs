@@ -201,14 +201,11 @@ fn neighbors(paper: Paper, case: &Case) -> Markup {
 
 /// Returns the results of public readers.
 fn answered(paper: Paper, case: &Case) -> Markup {
-    let runs = paper.library.runs.iter();
-    let outcomes: Vec<_> = runs
-        .filter_map(|run| Some((run, run.by_case.get(&case.id)?)))
-        .collect();
     html! {
-        @if !outcomes.is_empty() {
-            h2 { "Public readers" }
-            ul.plain { @for (run, outcome) in outcomes { li { span.outcome data-outcome=(outcome) { (outcome) } " " (paper.link_as(&run.reader, &html! { (run.reader) })) " " span.quiet { (run.version) } } } }
-        }
+        h2 { "Public readers" }
+        ul.plain { @for run in &paper.library.runs {
+            @let outcome = run.outcome(&case.id);
+            li { span.outcome data-outcome=(outcome) { (outcome) } " " (paper.link_as(&run.reader, &html! { (run.reader) })) " " span.quiet { (run.version) } }
+        } }
     }
 }

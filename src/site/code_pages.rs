@@ -82,19 +82,18 @@ fn affected(paper: Paper, code: &Code, cases: &[&Case]) -> Markup {
     let seen = misreadings::all()
         .filter(|misreading| misreading.clause == code.clause && !makers(misreading).is_empty());
     let seen: Vec<_> = seen.collect();
-    let mut runs: Vec<_> = paper.library.runs.iter().collect();
-    runs.retain(|run| cases.iter().any(|case| run.by_case.contains_key(&case.id)));
+    let runs = &paper.library.runs;
     let tally = |run: &ReaderRun| {
         let mut tally: BTreeMap<String, usize> = BTreeMap::new();
-        for outcome in cases.iter().filter_map(|case| run.by_case.get(&case.id)) {
-            *tally.entry(outcome.clone()).or_default() += 1;
+        for case in cases {
+            *tally.entry(run.outcome(&case.id).to_owned()).or_default() += 1;
         }
         tally
     };
     html! {
-        @if !seen.is_empty() || !runs.is_empty() {
+        @if !seen.is_empty() || !cases.is_empty() {
             h2 { "Readers" }
-            @if !runs.is_empty() {
+            @if !cases.is_empty() {
                 p { "Of the files that provoke it:" }
                 ul { @for run in runs { li { (paper.link_as(&run.reader, &html! { (run.reader) })) ": "
                     @for (i, (outcome, count)) in tally(run).iter().enumerate() { @if i > 0 { ", " } (count) " " (outcome) }

@@ -17,10 +17,11 @@ const MAX_LISTED: usize = 20;
 pub(super) fn tallies<'a>(paper: Paper<'a>, run: &ReaderRun) -> BTreeMap<&'a str, ReaderTally> {
     let mut tallies: BTreeMap<&str, ReaderTally> = BTreeMap::new();
     for case in &paper.library.suite.cases {
-        if let Some(outcome) = run.by_case.get(&case.id) {
-            for clause in &case.clauses {
-                tallies.entry(clause).or_default().add(outcome);
-            }
+        for clause in &case.clauses {
+            tallies
+                .entry(clause)
+                .or_default()
+                .add(run.outcome(&case.id));
         }
     }
     tallies
@@ -72,7 +73,7 @@ fn list(paper: Paper) -> SiteFile {
                 @let run = run_of(paper, reader);
                 tr {
                     td { (paper.link_as(reader, &html! { (reader) })) }
-                    td { @if let Some(run) = run { (run.version) ", " (run.version_date) } @else { "–" } }
+                    td { @if let Some(run) = run { (run.dated_version()) } @else { "–" } }
                     td { @if let Some(profile) = profile(reader) { (profile.reads.join(", ")) } @else { "–" } }
                     td { (mistakes(reader).len()) }
                 }
@@ -128,11 +129,11 @@ fn run_results(paper: Paper, run: &ReaderRun) -> Markup {
     let clauses: Vec<&Clause> = paper.library.clauses.iter().filter(failing).collect();
     html! {
         dl.facts {
-            dt { "Source" } dd { code { (run.source) } " (" (run.language) ")" }
-            dt { "Version" } dd { (run.version) " of " (run.version_date) }
-            dt { "Run" } dd { (run.run_date) ", " (run.called) }
+            dt { "Source" } dd { a href=(run.source) { (run.source) } " (" (run.language) ")" }
+            dt { "Version" } dd { (run.dated_version()) }
+            dt { "Run" } dd { (run.run_date) ", " (run.called) "; judged by suite " (run.suite) " (" (run.cases) " cases)" }
             dt { "Views" } dd { (run.views.join(", ")) }
-            dt { "Outcomes" } dd { @for (i, (outcome, cases)) in run.outcomes.iter().enumerate() { @if i > 0 { ", " } (cases.len()) " " (outcome) } }
+            dt { "Outcomes" } dd { (run.counts()) }
         }
         @for remark in &run.remarks { p.note { (paper.prose(remark)) } }
         h2 { "Clauses in which a case fails" }
@@ -143,7 +144,7 @@ fn run_results(paper: Paper, run: &ReaderRun) -> Markup {
         } }
         h2 { "Cases" }
         @for (outcome, cases) in &run.outcomes {
-            @if outcome != "pass" { details.others { summary { (cases.len()) " " (outcome) } (case_list(paper, cases)) } }
+            details.others { summary { (cases.len()) " " (outcome) } (case_list(paper, cases)) }
         }
     }
 }
@@ -209,7 +210,7 @@ fn column_heads(paper: Paper) -> Markup {
         tr {
             th scope="col" { "clause" }
             @for run in &paper.library.runs {
-                th scope="col" { (paper.link_as(&run.reader, &html! { (run.reader) })) br; small.quiet { (run.version) ", " (run.version_date) br; "run " (run.run_date) } }
+                th scope="col" { (paper.link_as(&run.reader, &html! { (run.reader) })) br; small.quiet { (run.dated_version()) br; "run " (run.run_date) br; "suite " (run.suite) } }
             }
         }
     }

@@ -21,8 +21,8 @@ pub struct ReaderRun {
     pub source: String,
     /// The version that was run.
     pub version: String,
-    /// The date of that version.
-    pub version_date: String,
+    /// The date of that version, if it is known.
+    pub version_date: Option<String>,
     /// The date of the run.
     pub run_date: String,
     /// Its command line.
@@ -32,28 +32,67 @@ pub struct ReaderRun {
     pub remarks: Vec<String>,
     /// The views that it offers.
     pub views: Vec<String>,
-    /// Each outcome with the ids of its cases.
+    /// The version of the suite.
+    pub suite: String,
+    /// The number of its cases.
+    pub cases: usize,
+    /// Each outcome but `pass`, with the ids of its cases.
     pub outcomes: BTreeMap<String, Vec<String>>,
-    /// The outcome of each case.
+    /// The outcome of each of these cases.
     #[serde(skip)]
-    pub(super) by_case: BTreeMap<String, String>,
+    by_case: BTreeMap<String, String>,
 }
 
-const FILES: &[(&str, &str)] = &[
+impl ReaderRun {
+    /// Returns the outcome of a case.
+    pub(super) fn outcome(&self, id: &str) -> &str {
+        let listed = self.by_case.get(id);
+        listed.map_or(Outcome::Pass.name(), String::as_str)
+    }
+
+    /// Returns the number of cases with each outcome, in words.
+    pub(super) fn counts(&self) -> String {
+        let passed = self.cases - self.by_case.len();
+        let others = self.outcomes.iter();
+        let others = others.map(|(outcome, cases)| format!("{} {outcome}", cases.len()));
+        let counts: Vec<String> = std::iter::once(format!("{passed} pass"))
+            .chain(others)
+            .collect();
+        counts.join(", ")
+    }
+
+    /// Returns the version of the reader, with its date.
+    pub(super) fn dated_version(&self) -> String {
+        let date = self.version_date.as_ref();
+        let date = date.map_or_else(String::new, |date| format!(" of {date}"));
+        format!("{}{date}", self.version)
+    }
+}
+
+const FILES: [(&str, &str); 7] = [
     (
-        "cceh-rti.yaml",
+        "cceh-rti",
         include_str!("../../reports/readers/cceh-rti.yaml"),
     ),
     (
-        "ptmconvert.yaml",
+        "jedmills",
+        include_str!("../../reports/readers/jedmills.yaml"),
+    ),
+    ("oxrti", include_str!("../../reports/readers/oxrti.yaml")),
+    (
+        "ptmconvert",
         include_str!("../../reports/readers/ptmconvert.yaml"),
     ),
     (
-        "relight.yaml",
+        "relight",
         include_str!("../../reports/readers/relight.yaml"),
     ),
     (
-        "rtiviewer.yaml",
+        "rtiprep",
+        include_str!("../../reports/readers/rtiprep.yaml"),
+    ),
+    (
+        "rtiviewer",
         include_str!("../../reports/readers/rtiviewer.yaml"),
     ),
 ];
@@ -64,11 +103,12 @@ const FILES: &[(&str, &str)] = &[
 /// A sentence that names the file and the error.
 pub fn reader_runs() -> Result<Vec<ReaderRun>, String> {
     let read = |(name, text): &(&str, &str)| {
-        let mut run: ReaderRun = from_yaml(text).map_err(|error| format!("{name}: {error}"))?;
+        let mut run: ReaderRun =
+            from_yaml(text).map_err(|error| format!("{name}.yaml: {error}"))?;
         let known = |outcome: &String| Outcome::ALL.iter().any(|known| known.name() == outcome);
         for (outcome, cases) in &run.outcomes {
             if !known(outcome) {
-                return Err(format!("{name}: no outcome is called {outcome:?}"));
+                return Err(format!("{name}.yaml: no outcome is called {outcome:?}"));
             }
             let cases = cases.iter().map(|case| (case.clone(), outcome.clone()));
             run.by_case.extend(cases);

@@ -193,3 +193,45 @@ fn each_forbidden_statement_was_made_once() {
         }
     }
 }
+
+/// Returns the part of a report of `reports/readers` that follows from the run.
+fn judged(suite: &Suite, run: &Run) -> String {
+    let views = run.offer.views.join(", ");
+    let mut text = format!(
+        "views: [{views}]\nsuite: \"{}\"\ncases: {}\noutcomes:\n",
+        env!("CARGO_PKG_VERSION"),
+        suite.cases.len()
+    );
+    for outcome in Outcome::ALL
+        .into_iter()
+        .filter(|&outcome| outcome != Outcome::Pass)
+    {
+        let mut cases = run.judgement.with(outcome).peekable();
+        if cases.peek().is_some() {
+            text += &format!("  {}:\n", outcome.name());
+        }
+        text.extend(cases.map(|i| format!("    - {}\n", suite.cases[i].id)));
+    }
+    text
+}
+
+/// To write the reports again, set `WRITE_REPORTS`.
+#[test]
+fn the_report_of_each_reader_follows_from_its_recording() {
+    let suite = suite().prepared();
+    for reader in readers() {
+        let path = format!(
+            "{}/reports/readers/{}.yaml",
+            env!("CARGO_MANIFEST_DIR"),
+            reader.name
+        );
+        let text = std::fs::read_to_string(&path).expect("a report");
+        let (facts, published) = text.split_at(text.find("views:").expect("views"));
+        let judged = judged(&suite, &replayed(&suite, &reader.name));
+        if std::env::var_os("WRITE_REPORTS").is_some() {
+            std::fs::write(&path, format!("{facts}{judged}")).expect("the report is written");
+        } else {
+            assert_eq!(published, judged, "{}", reader.name);
+        }
+    }
+}
