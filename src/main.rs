@@ -46,6 +46,7 @@ enum Command {
     #[cfg(unix)]
     CheckWriter(cli::check_writer::CheckWriterArgs),
     Reference(cli::reference::Args),
+    Example(cli::example::ExampleArgs),
     Generate(GenerateArgs),
     Explain(ExplainArgs),
     #[cfg(unix)]
@@ -91,6 +92,7 @@ fn main() -> ExitCode {
         #[cfg(unix)]
         Command::CheckWriter(args) => cli::check_writer::run(&args),
         Command::Reference(args) => cli::reference::run(&args),
+        Command::Example(args) => Ok(cli::example::run(&args)),
         Command::Generate(args) => cli::generate::run(&args),
         Command::Explain(args) => cli::explain::run(&args),
         #[cfg(unix)]

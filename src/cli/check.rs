@@ -275,5 +275,4 @@ const NOT_SERVED: &str =
     "serve mode failed: its first requests were not answered; fell back to one process per request";
 
 /// Hint for a decoder that starts slowly.
-const SERVE_MODE_IS_FASTER: &str =
-    "\nServe mode is faster: one process answers all requests. See docs/check.md.";
+const SERVE_MODE_IS_FASTER: &str = "\nServe mode is faster: one process answers all requests. ptm-conform example python prints a decoder with both modes.";

@@ -28,6 +28,7 @@ mod driver;
 pub mod elsewhere;
 #[cfg(unix)]
 mod ending;
+pub mod example;
 pub mod explain;
 pub mod export;
 pub mod files;

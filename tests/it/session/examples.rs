@@ -3,6 +3,7 @@
 use std::process::Command;
 
 use crate::common::{Checked, Workspace, have, program, repository, stdout};
+use crate::table::rows;
 
 /// A workspace with `ptm_decoder`, the compiled decoder in C, or `None` without a compiler.
 fn with_c_decoder() -> Option<Workspace> {
@@ -86,6 +87,39 @@ fn a_viewer_that_only_writes_images_passes_in_its_wrapper() {
     let views = &checked.report["decoder"]["views"];
     assert_eq!(*views, serde_json::json!(["rgb"]), "{}", checked.text);
     assert_passes(&checked, &LACKS);
+}
+
+#[test]
+fn the_minimal_decoder_of_each_language_passes_in_serve_mode() {
+    let starters = "\
+python | decoder.py | true | python3 decoder.py
+javascript | decoder.js | true | node decoder.js
+java | Decoder.java | true | java Decoder.java
+c | decoder.c | cc -std=c99 -pedantic -Wall -Wextra -Werror -o decoder decoder.c -lm | ./decoder
+rust | decoder.rs | rustc -O --edition 2021 -o decoder decoder.rs | ./decoder";
+    for [language, file, build, decoder] in rows(starters) {
+        let (command, arguments) = build.split_once(' ').unwrap_or((&build, ""));
+        let here = Workspace::new();
+        let text = stdout(program().args(["example", &language]));
+        assert!(text.lines().count() <= 60, "{language}");
+        here.write(&file, text);
+        let interpreter = decoder.split(' ').next().expect("a command");
+        if ![command, interpreter]
+            .into_iter()
+            .all(|name| name.starts_with("./") || have(name))
+        {
+            continue;
+        }
+        stdout(
+            Command::new(command)
+                .args(arguments.split_whitespace())
+                .current_dir(here.path("")),
+        );
+        let checked = here.check(&format!("--smoke -- {decoder}"));
+        checked.ends(0, "");
+        assert_eq!(checked.report["decoder"]["mode"], "serve", "{language}");
+        assert!(checked.cases("pass").len() > 10, "{}", checked.text);
+    }
 }
 
 #[test]
