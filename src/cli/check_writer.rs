@@ -34,13 +34,13 @@ use ptm_conform::writers::test_case::WriteView;
 /// removed, 5 no request was selected.
 #[derive(Args)]
 #[command(
-    after_help = "Examples:\n  ptm-conform check-writer ./my-writer\n  ptm-conform check-writer --format LRGB -- python3 write.py\n  ptm-conform check-writer --format LRGB --cmd 'convert-to-ptm --size {width}x{height} --scale {scale} --bias {bias} {planes} {out}.ptm'"
+    after_help = "Examples:\n  ptm-conform check-writer ./my-writer\n  ptm-conform check-writer --ptm-format LRGB -- python3 write.py\n  ptm-conform check-writer --ptm-format LRGB --cmd 'convert-to-ptm --size {width}x{height} --scale {scale} --bias {bias} {planes} {out}.ptm'"
 )]
 pub struct CheckWriterArgs {
     #[command(flatten)]
     run: RunArgs,
     /// Run only requests for this format: LRGB, JPEG_RGB, … Repeatable.
-    #[arg(long = "format", value_name = "FORMAT")]
+    #[arg(long = "ptm-format", alias = "format", value_name = "FORMAT")]
     formats: Vec<Format>,
     /// Run only requests whose id matches; * and ? are wildcards. Repeatable.
     #[arg(long = "case", value_name = "GLOB")]
@@ -95,7 +95,7 @@ fn check<C: WritingCase>(
 ) -> CommandResult {
     let selected = args.selected(suite)?;
     if !selected.contains(&true) {
-        let says = "no request matches --case, --format and --smoke";
+        let says = "no request matches --case, --ptm-format and --smoke";
         return Err(Failed::new(EXIT_NOTHING_SELECTED, says));
     }
     let (writer, words) = args.writer(C::VERB, stop)?;

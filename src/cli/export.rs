@@ -24,7 +24,7 @@ pub struct ExportArgs {
     /// A PTM file.
     file: PathBuf,
     /// The output file: .exr, .npy or .png.
-    #[arg(short, long, value_name = "FILE")]
+    #[arg(short, long = "out", alias = "output", value_name = "FILE")]
     output: PathBuf,
     /// Write final coefficients instead of stored bytes (NPY).
     #[arg(long = "final")]

@@ -36,7 +36,7 @@ pub const CALLS_TEMPLATE: &str = "{bar:40} {pos}/{len} calls {per_sec} {elapsed}
 /// Exit status: 0 nothing found, 1 mistakes found, 2 usage error, 3 not a decoder.
 #[derive(Args)]
 #[command(
-    after_help = "Examples:\n  ptm-conform fuzz ./my-decoder\n  ptm-conform fuzz --seconds 60 --format LRGB --seed 7 -- python3 decode.py"
+    after_help = "Examples:\n  ptm-conform fuzz ./my-decoder\n  ptm-conform fuzz --seconds 60 --ptm-format LRGB --seed 7 -- python3 decode.py"
 )]
 pub struct FuzzArgs {
     /// Random seed; the same seed generates the same files.
@@ -49,7 +49,7 @@ pub struct FuzzArgs {
     #[arg(long, value_name = "SECONDS")]
     seconds: Option<f64>,
     /// Only files of this format, such as LRGB or `JPEG_RGB`. Repeatable.
-    #[arg(long = "format", value_name = "FORMAT")]
+    #[arg(long = "ptm-format", alias = "format", value_name = "FORMAT")]
     formats: Vec<Format>,
     /// Request only this view. Repeatable.
     #[arg(long = "view", value_name = "VIEW", value_parser = ViewKind::NAMES)]
@@ -58,7 +58,7 @@ pub struct FuzzArgs {
     #[arg(long)]
     one_shot: bool,
     /// The output directory.
-    #[arg(long, value_name = "DIR", default_value = "ptm-conform-finds")]
+    #[arg(short, long, value_name = "DIR", default_value = "ptm-conform-finds")]
     out: PathBuf,
     #[command(flatten)]
     call: CallArgs,

@@ -1,9 +1,11 @@
 //! `ptm-conform generate`: the corpus, requests for programs that cannot be called, corpora for other projects.
 
+use std::fs;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
 
+use super::arguments::id_filter;
 use super::names::did_you_mean;
 use super::output::{jobs, note, with_progress};
 use super::{CommandResult, files};
@@ -11,7 +13,7 @@ use super::{CommandResult, files};
 use ptm_conform::protocol::frame::ViewKind;
 #[cfg(unix)]
 use ptm_conform::session::outputs;
-use ptm_conform::suite::cases::{Suite, TableSpelling};
+use ptm_conform::suite::cases::{Case, Suite, TableSpelling};
 use ptm_conform::suite::corpus;
 use ptm_conform::tools::profiles::{self, Profile};
 
@@ -25,8 +27,9 @@ use ptm_conform::tools::profiles::{self, Profile};
     after_help = "Examples:\n  ptm-conform generate --out corpus\n  ptm-conform generate --profile minimal --out tests/ptm\n  ptm-conform generate --case hand-lum -o lum.ptm"
 )]
 pub struct GenerateArgs {
-    /// The output directory; by default corpus, or requests with --requests. With a profile, it must be new or empty.
-    #[arg(long, value_name = "DIR")]
+    /// The output directory; by default corpus, or requests with --requests. With a profile, it must be new or empty. If --case
+    /// matches one case, the output file.
+    #[arg(short, long, alias = "output", value_name = "DIR")]
     out: Option<PathBuf>,
     /// Write requests for a viewer that check cannot call: the files, a list of requests, and a README. VIEW is raw, coef or rgb
     /// (default).
@@ -35,12 +38,9 @@ pub struct GenerateArgs {
     #[cfg(unix)]
     #[arg(long, value_name = "VIEW", value_parser = ViewKind::NAMES, conflicts_with_all = ["all", "profile"], num_args = 0..=1, default_missing_value = "rgb")]
     requests: Option<String>,
-    /// Write only the file of one case, to FILE (-o) or CASE.ptm.
-    #[arg(long, value_name = "ID", conflicts_with_all = ["all", "profile", "out"])]
+    /// Write only the files of the cases whose id matches, each as ID.ptm; * and ? are wildcards.
+    #[arg(long, value_name = "GLOB", conflicts_with_all = ["all", "profile"])]
     case: Option<String>,
-    /// The output file of --case.
-    #[arg(short, long, value_name = "FILE", requires = "case")]
-    output: Option<PathBuf>,
     /// Write a corpus for other projects: minimal, standard or exhaustive.
     #[arg(long, value_name = "PROFILE", conflicts_with = "all")]
     profile: Option<Profile>,
@@ -56,7 +56,7 @@ pub struct GenerateArgs {
 pub fn run(args: &GenerateArgs) -> CommandResult {
     let suite = Suite::load()?;
     if let Some(id) = &args.case {
-        return write_case(&suite, id, args.output.as_deref());
+        return write_cases(&suite, id, args.out.as_deref());
     }
     #[cfg(unix)]
     if let Some(view) = &args.requests {
@@ -86,19 +86,31 @@ pub fn run(args: &GenerateArgs) -> CommandResult {
     Ok(0)
 }
 
-/// Writes the file of one case.
-fn write_case(suite: &Suite, id: &str, path: Option<&Path>) -> CommandResult {
-    let case = suite.case(id).ok_or_else(|| {
-        let ids = suite.cases.iter().map(|case| case.id.as_str());
-        format!("no case is called {id:?}{}", did_you_mean(id, ids))
-    })?;
-    let path = path.map_or_else(|| PathBuf::from(format!("{id}.ptm")), Path::to_path_buf);
-    let file = &case.build(TableSpelling::default()).file;
-    files::write_whole(&path, file)?;
-    let (path, size, expected) = (path.display(), file.len(), case.expect.name());
-    note(&format!(
-        "{path}: {size} bytes; expected: {expected}. More: ptm-conform explain {id}\n"
-    ));
+/// Writes the files of the cases that match.
+fn write_cases(suite: &Suite, glob: &str, out: Option<&Path>) -> CommandResult {
+    let is_named = id_filter(&[glob.to_owned()])?;
+    let cases = suite.cases.iter().filter(|case| is_named(&case.id));
+    let cases: Vec<&Case> = cases.collect();
+    if cases.is_empty() {
+        let hint = did_you_mean(glob, suite.cases.iter().map(|case| case.id.as_str()));
+        return Err(format!("no case is called {glob:?}{hint}").into());
+    }
+    if let Some(directory) = out.filter(|_| cases.len() > 1) {
+        fs::create_dir_all(directory).map_err(files::named(directory))?;
+    }
+    for case in &cases {
+        let id = &case.id;
+        let path = match out {
+            Some(file) if cases.len() == 1 && !file.is_dir() => file.to_path_buf(),
+            out => out.unwrap_or(Path::new("")).join(format!("{id}.ptm")),
+        };
+        let file = &case.build(TableSpelling::default()).file;
+        files::write_whole(&path, file)?;
+        let (path, size, expected) = (path.display(), file.len(), case.expect.name());
+        note(&format!(
+            "{path}: {size} bytes; expected: {expected}. More: ptm-conform explain {id}\n"
+        ));
+    }
     Ok(0)
 }
 

@@ -17,6 +17,7 @@ use super::output::{self, Machine};
 use super::readers;
 use super::{CommandResult, EXIT_NOTHING_SELECTED};
 use ptm_conform::kit::parallel::in_turn;
+use ptm_conform::kit::without_code;
 use ptm_conform::kit::yaml;
 use ptm_conform::readers::ReaderProfile;
 use ptm_conform::tools::lint::Lint;
@@ -248,7 +249,7 @@ impl Judge<'_> {
             Met::Unreadable(path, error) => (path, Err(error)),
         };
         let failed = judged.is_err();
-        let lint = judged.unwrap_or_else(|error| unread(&path, &error.to_string()));
+        let lint = judged.unwrap_or_else(|error| unread(&path, &without_code(&error)));
         let lint = self.settings.select(lint);
         Row { path, lint, failed }
     }

@@ -39,7 +39,7 @@ pub struct RenderArgs {
     #[arg(long, value_name = "N", default_value_t = 1, conflicts_with = "sheet", value_parser = clap::value_parser!(u16).range(1..))]
     zoom: u16,
     /// The output file.
-    #[arg(short, long, value_name = "FILE")]
+    #[arg(short, long = "out", alias = "output", value_name = "FILE")]
     output: PathBuf,
 }
 

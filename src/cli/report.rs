@@ -53,7 +53,7 @@ enum ReportCommand {
         #[arg(required = true, value_name = "FILE")]
         files: Vec<PathBuf>,
         /// The output file.
-        #[arg(short, long, value_name = "FILE")]
+        #[arg(short, long = "out", alias = "output", value_name = "FILE")]
         output: PathBuf,
     },
     /// Write a report as `JUnit` XML.
@@ -111,7 +111,7 @@ struct Made {
     /// The report.
     file: PathBuf,
     /// The output file; standard output by default.
-    #[arg(short, long, value_name = "FILE")]
+    #[arg(short, long = "out", alias = "output", value_name = "FILE")]
     output: Option<PathBuf>,
 }
 

@@ -18,7 +18,7 @@ use super::output::{jobs, print};
 #[command(after_help = "Example:\n  ptm-conform site --out site")]
 pub struct SiteArgs {
     /// The output directory; other files in it are kept.
-    #[arg(long, value_name = "DIR")]
+    #[arg(short, long, value_name = "DIR")]
     out: PathBuf,
     /// The reference decoder as WebAssembly, built from packages/wasm; adds a page on which files can be dropped.
     #[arg(long, value_name = "FILE")]

@@ -58,7 +58,7 @@ struct CasesArgs {
 )]
 struct TextureRenderArgs {
     /// The output file, a PNG.
-    #[arg(short, long, value_name = "FILE")]
+    #[arg(short, long = "out", alias = "output", value_name = "FILE")]
     output: PathBuf,
     /// The textured shape.
     #[arg(long, value_name = "SHAPE", default_value = "plane", value_parser = ["plane", "sphere"])]

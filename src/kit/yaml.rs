@@ -15,6 +15,8 @@ use serde::de::value::{MapAccessDeserializer, MapDeserializer, SeqDeserializer};
 use serde::de::{self, DeserializeOwned, Deserializer, IntoDeserializer, Unexpected, Visitor};
 use serde::forward_to_deserialize_any;
 
+use crate::kit::without_code;
+
 /// Maximum size of a file in bytes: about 200,000 cases.
 const MAX_BYTES: u64 = 64 << 20;
 /// Maximum number of nodes of a file.
@@ -31,7 +33,7 @@ const MAX_DEPTH: usize = 16;
     reason = "files are small where bytes are counted"
 )]
 pub fn text_of(path: &Path) -> Result<String, String> {
-    let named = |error: &dyn fmt::Display| format!("{}: {error}", path.display());
+    let named = |error: &dyn fmt::Display| format!("{}: {}", path.display(), without_code(error));
     let mut bytes = Vec::new();
     let file = File::open(path).map_err(|error| named(&error))?;
     file.take(MAX_BYTES + 1)
@@ -125,21 +127,29 @@ impl de::Error for Flaw {
     }
 }
 
+/// The error of a text with an anchor or an alias.
+const NO_ANCHORS: &str = "anchors and aliases are not read";
+
 /// Parses a text into a tree.
 fn parse(text: &str) -> Result<Node, String> {
     let mut open: Vec<(Node, Option<Node>)> = Vec::new();
     let mut root: Option<Node> = None;
     let (mut nodes, mut documents) = (0, 0);
     for next in Parser::new_from_str(text) {
-        let (event, span) =
-            next.map_err(|error| format!("line {}: {}", error.marker().line(), error.info()))?;
+        let (event, span) = next.map_err(|error| {
+            let says = match error.info() {
+                says if says.ends_with("unknown anchor") => NO_ANCHORS.to_owned(),
+                says => says,
+            };
+            format!("line {}: {says}", error.marker().line())
+        })?;
         let line = span.start.line();
         let refuse = |what: &str| Err(format!("line {line}: {what}"));
         let value = match event {
             Event::Scalar(_, _, 1.., _)
             | Event::SequenceStart(_, 1.., _)
             | Event::MappingStart(_, 1.., _)
-            | Event::Alias(_) => return refuse("anchors and aliases are not read"),
+            | Event::Alias(_) => return refuse(NO_ANCHORS),
             Event::Scalar(_, _, _, Some(_))
             | Event::SequenceStart(_, _, Some(_))
             | Event::MappingStart(_, _, Some(_)) => return refuse("tags are not read"),

@@ -11,6 +11,7 @@ use std::sync::Mutex;
 
 use serde::de::DeserializeOwned;
 
+use crate::kit::without_code;
 use crate::protocol::frame::Answer;
 use crate::report::conclude::{conclude, undo_common_transforms};
 use crate::report::document::Report;
@@ -191,7 +192,10 @@ fn add_new(remarks: &mut Vec<Remark>, more: &[Remark]) {
 
 /// Reads the answers of one part, and the line that ends them.
 fn read<T: DeserializeOwned>(path: &Path) -> Result<(Vec<Kept<T>>, End), String> {
-    let file = File::open(path).map_err(|error| error.to_string())?;
+    let file = File::open(path).map_err(|error| {
+        let error = without_code(&error);
+        format!("{error}; check --shard writes this file next to the report")
+    })?;
     let mut answers = Vec::new();
     for (number, line) in BufReader::new(file).lines().enumerate() {
         let line = line.map_err(|error| error.to_string())?;
