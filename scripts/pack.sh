@@ -13,6 +13,9 @@ work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 mkdir -p "$work/$name/completions" "$out"
 cp "$program" "$root"/README.md "$root"/CHANGELOG.md "$root"/CITATION.cff "$root"/LICENSE-* "$work/$name"
+# The module of the page on which files can be dropped, if it is built.
+module=$root/packages/wasm/target/wasm32-unknown-unknown/release/ptm_conform_wasm.wasm
+[ ! -f "$module" ] || cp "$module" "$work/$name"
 "$program" --quiet man "$work/$name/man"
 for shell in bash zsh fish powershell; do
     "$program" completions "$shell" > "$work/$name/completions/ptm-conform.$shell"

@@ -8,7 +8,7 @@ use ptm_conform::site::build;
 
 use super::CommandResult;
 use super::files::{named, read};
-use super::output::{jobs, print};
+use super::output::{jobs, note, print};
 
 /// Write the website: the annotated format, and a page for each case, misreading, ruling, lint code and reader.
 ///
@@ -20,7 +20,8 @@ pub struct SiteArgs {
     /// The output directory; other files in it are kept.
     #[arg(short, long, value_name = "DIR")]
     out: PathBuf,
-    /// The reference decoder as WebAssembly, built from packages/wasm; adds a page on which files can be dropped.
+    /// The reference decoder as WebAssembly, built from packages/wasm, for the page on which files can be dropped. By default
+    /// ptm_conform_wasm.wasm beside this program, as in released archives.
     #[arg(long, value_name = "FILE")]
     module: Option<PathBuf>,
     /// Files decoded in parallel; the result does not depend on it.
@@ -30,7 +31,8 @@ pub struct SiteArgs {
 
 /// Builds the site and writes it.
 pub fn run(args: &SiteArgs) -> CommandResult {
-    let module = args.module.as_deref().map(read).transpose()?;
+    let module = args.module.clone().or_else(released_module);
+    let module = module.as_deref().map(read).transpose()?;
     let files = build(None, module.as_deref(), jobs(args.jobs)?)?;
     let mut bytes = 0;
     for file in &files {
@@ -44,5 +46,15 @@ pub fn run(args: &SiteArgs) -> CommandResult {
     let (count, size) = (files.len(), bytes.div_ceil(1_000_000));
     let index = args.out.join("index.html");
     print(&format!("{count} files, {size} MB: {}\n", index.display()));
+    if module.is_none() {
+        note("drop.html says how to add the page on which files can be dropped\n");
+    }
     Ok(0)
+}
+
+/// Returns the path of the module beside this program, if there is one.
+fn released_module() -> Option<PathBuf> {
+    let path = std::env::current_exe().ok()?;
+    let path = path.with_file_name("ptm_conform_wasm.wasm");
+    path.is_file().then_some(path)
 }

@@ -238,6 +238,11 @@
   const takeAny = (file) => isPicture(file) ? takePicture(file) : take(file);
   $("file").addEventListener("change", (event) => { const [file] = event.target.files; if (file) { take(file); } });
   $("png").addEventListener("change", (event) => { const [file] = event.target.files; if (file) { takePicture(file); } });
+  for (const [label, name, contents] of JSON.parse($("samples").textContent)) {
+    const button = Object.assign(document.createElement("button"), { type: "button", textContent: label });
+    button.addEventListener("click", () => take(new File([Uint8Array.from(atob(contents), (c) => c.charCodeAt(0))], name)));
+    $("try").append(" ", button);
+  }
   document.addEventListener("dragover", (event) => { event.preventDefault(); document.body.classList.add("over"); });
   document.addEventListener("dragleave", () => document.body.classList.remove("over"));
   document.addEventListener("drop", (event) => {

@@ -11,28 +11,81 @@ use maud::{DOCTYPE, PreEscaped, html};
 use sha2::{Digest, Sha256};
 
 use super::paper::{Paper, SiteFile};
+use crate::generate::spelling::Count;
+use crate::ptm::Format;
 use crate::report::html::STYLE;
+use crate::session::lit_scene;
+use crate::suite::cases::TableSpelling;
+
+/// The commands that build the site with the page.
+const BUILD: &str = "\
+rustup target add wasm32-unknown-unknown
+cargo build --release --target wasm32-unknown-unknown --manifest-path packages/wasm/Cargo.toml
+ptm-conform site --out site --module packages/wasm/target/wasm32-unknown-unknown/release/ptm_conform_wasm.wasm";
 
 const SCRIPT: &str = include_str!("drop.js");
 const CONTENTS: &str = include_str!("drop.html");
 /// The script of every page.
 const COMMON: &str = include_str!("site.js");
 
-/// Returns the page of the site, and the standalone page.
+/// Functions of the module that the page calls.
+const EXPORTS: [&str; 5] = ["reserve", "open", "report", "samples", "relight"];
+
+/// Returns the page of the site, and the standalone page; without a module, a page that says how to get one.
 ///
 /// # Errors
-/// If `module` is not WebAssembly.
-pub(super) fn pages(paper: Paper, module: &[u8]) -> Result<Vec<SiteFile>, String> {
-    if !module.starts_with(b"\0asm") {
-        return Err("the module is not WebAssembly".to_owned());
-    }
+/// If `module` is not the reference decoder as WebAssembly.
+pub(super) fn pages(paper: Paper, module: Option<&[u8]>) -> Result<Vec<SiteFile>, String> {
+    let Some(module) = module else {
+        let body = html! {
+            h1 { "Drop a PTM file" }
+            p { "This page needs the reference decoder as WebAssembly, which is not part of this build. To add it:" }
+            pre.command { (BUILD) }
+        };
+        return Ok(vec![paper.page("drop.html", "Drop a file", "Drop a file", &body)]);
+    };
+    check(module).map_err(|fault| format!("--module: {fault}; to build it:\n{BUILD}"))?;
     let packed = packed(module).map_err(|error| error.to_string())?;
-    let page =
-        |path: &str, standalone: bool| SiteFile::new(path, page_text(paper, &packed, standalone));
+    let samples = samples(paper);
+    let page = |path: &str, standalone: bool| {
+        SiteFile::new(path, page_text(paper, &packed, &samples, standalone))
+    };
     Ok(vec![
         page("drop.html", false),
         page("ptm-viewer.html", true),
     ])
+}
+
+/// Checks that a file is WebAssembly with the functions that the page calls.
+fn check(module: &[u8]) -> Result<(), String> {
+    if !module.starts_with(b"\0asm\x01\0\0\0") {
+        return Err("the module is not WebAssembly".to_owned());
+    }
+    let is_exported = |name: &&str| {
+        // A name in the binary format: its length, then its bytes.
+        let named = [&[name.len() as u8], name.as_bytes()].concat();
+        module.windows(named.len()).any(|window| window == named)
+    };
+    match EXPORTS.iter().find(|name| !is_exported(name)) {
+        None => Ok(()),
+        Some(name) => Err(format!("the module has no function {name}")),
+    }
+}
+
+/// Returns files to try, in JSON: label, name and contents.
+fn samples(paper: Paper) -> String {
+    let of_case = |label: &str, id: &str| {
+        let case = paper.library.suite.case(id).expect("a case of the suite");
+        let file = &case.build(TableSpelling::default()).file;
+        (label.to_owned(), format!("{id}.ptm"), BASE64.encode(file))
+    };
+    let ball = lit_scene::file(Format::Lrgb, Count::default());
+    let samples = [
+        ("a legal file".to_owned(), "ball.ptm".to_owned(), BASE64.encode(&ball)),
+        of_case("a damaged file", "one-byte-short-lrgb"),
+        of_case("a file of another kind", "not-a-ptm-lrgb"),
+    ];
+    serde_json::json!(samples).to_string()
 }
 
 fn packed(module: &[u8]) -> std::io::Result<String> {
@@ -42,7 +95,7 @@ fn packed(module: &[u8]) -> std::io::Result<String> {
 }
 
 /// Returns the page. Its policy forbids all requests, and all scripts except those of the site.
-fn page_text(paper: Paper, packed: &str, standalone: bool) -> String {
+fn page_text(paper: Paper, packed: &str, samples: &str, standalone: bool) -> String {
     let digest = |script: &str| BASE64.encode(&Sha256::digest(script));
     let policy = format!(
         "default-src 'none'; img-src data: blob:; style-src 'unsafe-inline'; {}; base-uri 'none'; form-action 'none'",
@@ -71,6 +124,7 @@ fn page_text(paper: Paper, packed: &str, standalone: bool) -> String {
                 @if !standalone { (paper.head("Drop a file")) }
                 main #main tabindex="-1" { (PreEscaped(contents(standalone))) }
                 script #chapters type="application/json" { (PreEscaped(serde_json::json!(sections).to_string())) }
+                script #samples type="application/json" { (PreEscaped(samples)) }
                 script #module type="application/octet-stream" { (packed) }
                 script { (PreEscaped(SCRIPT)) }
                 @if !standalone { script { (PreEscaped(COMMON)) } }

@@ -36,7 +36,7 @@ pub(super) fn page(paper: Paper) -> SiteFile {
         h2 { "Where to begin" }
         ul {
             li { "You write a reader: read " a href="format/index.html" { "the format" } " from its first chapter, let your program speak " (paper.protocol()) ", then try it with " a href="docs/check.html" { code { "ptm-conform check" } } "." }
-            li { "A file looks wrong: " @if paper.drop { a href="drop.html" { "drop it" } ", or " } code { "ptm-conform lint FILE" } "; the codes are explained " a href="codes/index.html" { "here" } "." }
+            li { "A file looks wrong: " a href="drop.html" { "drop it" } ", or " code { "ptm-conform lint FILE" } "; the codes are explained " a href="codes/index.html" { "here" } "." }
             li { "A program shows it wrong: find its mistake among the " a href="misreadings/index.html" { "misreadings" } ", or see " a href="scoreboard.html" { "what public readers do" } "." }
             li { "You map it onto a surface: " a href="texture/index.html" { "the texture chapter" } "." }
         }

@@ -72,7 +72,6 @@ pub fn build(
     let top = Paper {
         library: &library,
         root: "",
-        drop: module.is_some(),
     };
     let below = Paper { root: "../", ..top };
     let mut files = vec![
@@ -80,9 +79,7 @@ pub fn build(
         SiteFile::new("site.js", SCRIPT),
         search::index(&library),
     ];
-    if let Some(module) = module {
-        files.extend(drop::pages(top, module)?);
-    }
+    files.extend(drop::pages(top, module)?);
     files.push(home::page(top));
     files.push(glossary::page(top));
     files.push(reader_pages::scoreboard(top));

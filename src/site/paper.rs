@@ -26,8 +26,6 @@ pub(super) struct Paper<'a> {
     pub library: &'a Library,
     /// The path from the page to the root of the site: empty or `../`.
     pub root: &'static str,
-    /// True if the site has the page for dropped files.
-    pub drop: bool,
 }
 
 impl Paper<'_> {
@@ -152,7 +150,7 @@ impl Paper<'_> {
         let root = self.root;
         let parts = self.library.texts.navigation.iter();
         let parts = parts.map(|(place, name)| (place.as_str(), name.as_str()));
-        let parts = parts.chain(self.drop.then_some(("drop.html", "Drop a file")));
+        let parts = parts.chain([("drop.html", "Drop a file")]);
         html! {
             header.top {
                 div.bar {
