@@ -8,6 +8,10 @@ use super::pictures;
 use crate::misreadings;
 use crate::session::lit_scene::ball;
 
+/// An archived copy of the specification.
+const SPECIFICATION: &str =
+    "https://web.archive.org/web/2012/http://www.hpl.hp.com/research/ptm/downloads/PtmFormat12.pdf";
+
 /// The lights of the small images at the top.
 const LIGHTS: [(f64, f64); 4] = [(-0.7, 0.3), (0.0, 0.7), (0.5, 0.5), (0.7, -0.3)];
 
@@ -24,8 +28,13 @@ pub(super) fn page(paper: Paper) -> SiteFile {
     let body = html! {
         h1 { "Polynomial Texture Maps, PTM 1.2" }
         p.lead {
-            "A PTM is an image that can be relit: six numbers per texel describe its response to light. HP Labs published the format in 2001; its text has gaps, and every reader fills them "
-            "in its own way. Here it is explained rule by rule, and tested."
+            "A Polynomial Texture Map (PTM) is an image that can be relit: six numbers per texel describe its response to light. Museums and archives use it for "
+            "Reflectance Transformation Imaging (RTI). Here the format is explained rule by rule, and tested."
+        }
+        p {
+            "The specification is " cite { "Polynomial Texture Map (.ptm) File Format" } ", Tom Malzbender and Dan Gelb, Hewlett-Packard Laboratories, version 1.2, November 2001 ("
+            a href=(SPECIFICATION) { "archived copy" } "). It leaves questions open, which readers answer differently. "
+            "The suite and its tools are " a href=(env!("CARGO_PKG_REPOSITORY")) { "ptm-conform" } "."
         }
         (lit())
         ul.doors { @for ((place, what), count) in library.texts.counts.iter().zip(counts) { li { a href=(place) { b { (count) } " " (what) } } } }

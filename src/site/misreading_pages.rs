@@ -29,12 +29,13 @@ fn list(paper: Paper) -> SiteFile {
         let section = sections.entry(section_of(misreading.clause));
         section.or_default().push(misreading);
     }
+    let chapters = &paper.library.annotated.chapters;
     let body = html! {
         p.lead { (count) " mistakes that a reader of the format can make, each in one clause. Those marked ● were seen in public readers." }
         (filter("misreadings"))
         @for (section, misreadings) in sections {
             section.filtered aria-label={ "Section " (section) } {
-                h2 { "Section " (paper.link_as(section, &html! { (section) })) }
+                h2 { "Section " (paper.link_as(section, &html! { (section) })) @if let Some(chapter) = chapters.iter().find(|chapter| chapter.section == section) { ": " (chapter.title) } }
                 ul.plain { @for misreading in misreadings { li {
                     (paper.link(misreading.slug)) @if !makers(misreading).is_empty() { span.seen title="seen in a public reader" { " ●" } }
                     " " span.quiet { (misreading.clause) } " " (misreading.effect)

@@ -233,7 +233,8 @@ pub(crate) fn is_near(view: ViewKind, expected: f64, received: f64, slack: f64, 
 }
 
 /// Describes the tolerance of the samples of a view.
-pub(crate) const fn tolerance_in_words(view: ViewKind) -> &'static str {
+#[must_use]
+pub const fn tolerance_in_words(view: ViewKind) -> &'static str {
     match view {
         ViewKind::Raw => "none",
         ViewKind::Coef => "1e-5 of the larger value, and 1e-6",

@@ -190,9 +190,11 @@ try {
   assert.deepEqual(nameless, []);
 
   // 8. Narrow, and on paper.
-  await cdp("Emulation.setDeviceMetricsOverride", { width: 390, height: 844, deviceScaleFactor: 1, mobile: true });
-  await open(page);
-  assert.ok(await run("return document.documentElement.scrollWidth <= innerWidth + 1"), "a narrow page does not scroll sideways");
+  for (const width of [1280, 768, 390]) {
+    await cdp("Emulation.setDeviceMetricsOverride", { width, height: 844, deviceScaleFactor: 1, mobile: true });
+    await open(page);
+    assert.ok(await run("return document.documentElement.scrollWidth <= innerWidth + 1"), `at ${width} pixels the page does not scroll sideways`);
+  }
   await shoot("report-narrow.png");
   await cdp("Emulation.clearDeviceMetricsOverride", {});
   await run("window.folded = 0; addEventListener('beforeprint', () => { window.folded = document.querySelectorAll('details:not([open])').length; })");

@@ -15,7 +15,7 @@ const [site, screenshots, axe] = process.argv.slice(2);
 const PAGES = ["index.html", "format/index.html", "format/2.4.html", "format/2.9.8.html", "cases/index.html", "cases/hand-rgb-blocks.html",
   "misreadings/index.html", "misreadings/big-endian-index.html", "rulings/motion-half.html", "codes/PTM-E010.html", "readers/cceh-rti.html",
   "scoreboard.html", "texture/index.html", "texture/cases.html", "glossary.html", "docs/index.html", "docs/check.html", "drop.html"].filter((page) => existsSync(join(site, page)));
-const WIDTHS = [390, 820, 1280];
+const WIDTHS = [390, 768, 1280];
 
 const { call, run, close } = await browser();
 try {
@@ -49,6 +49,9 @@ try {
         writeFileSync(join(screenshots, `${page.replaceAll("/", "-")}-${width}.png`), Buffer.from(await call("GET", "/screenshot"), "base64"));
       }
       assert.ok(over <= 0, `${page} at ${width}: ${over} pixels too wide`);
+      // Text and tables have the width of the page.
+      const [main, ...parts] = await run("return [document.querySelector('main'), ...document.querySelectorAll('main > p, main > .scroll')].map((e) => e.getBoundingClientRect().width)");
+      assert.ok(parts.every((part) => Math.abs(part - main) < 1), `${page} at ${width}: ${main}, ${parts}`);
     }
     await cdp("Emulation.clearDeviceMetricsOverride", {});
   }
