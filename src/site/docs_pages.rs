@@ -47,7 +47,12 @@ pub(super) fn pages(paper: Paper) -> Vec<SiteFile> {
             nav.within aria-label="Documents" { @for (other, page, _) in DOCUMENTS { a href={ (page) ".html" } aria-current=[(page == name).then_some("page")] { (short(other)) } " " } }
             div.document { (markup) }
         };
-        paper.page(&format!("docs/{name}.html"), "Documentation", &headings[0], &body)
+        paper.page(
+            &format!("docs/{name}.html"),
+            "Documentation",
+            &headings[0],
+            &body,
+        )
     };
     let picture = SiteFile::new(format!("docs/{}", PICTURE.1), PICTURE.2);
     DOCUMENTS.iter().map(page).chain([picture]).collect()

@@ -42,7 +42,12 @@ pub(super) fn pages(paper: Paper, module: Option<&[u8]>) -> Result<Vec<SiteFile>
             p { "This page needs the reference decoder as WebAssembly, which is not part of this build. To add it:" }
             pre.command { (BUILD) }
         };
-        return Ok(vec![paper.page("drop.html", "Drop a file", "Drop a file", &body)]);
+        return Ok(vec![paper.page(
+            "drop.html",
+            "Drop a file",
+            "Drop a file",
+            &body,
+        )]);
     };
     check(module).map_err(|fault| format!("--module: {fault}; to build it:\n{BUILD}"))?;
     let packed = packed(module).map_err(|error| error.to_string())?;
@@ -81,7 +86,11 @@ fn samples(paper: Paper) -> String {
     };
     let ball = lit_scene::file(Format::Lrgb, Count::default());
     let samples = [
-        ("a legal file".to_owned(), "ball.ptm".to_owned(), BASE64.encode(&ball)),
+        (
+            "a legal file".to_owned(),
+            "ball.ptm".to_owned(),
+            BASE64.encode(&ball),
+        ),
         of_case("a damaged file", "one-byte-short-lrgb"),
         of_case("a file of another kind", "not-a-ptm-lrgb"),
     ];

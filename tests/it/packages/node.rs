@@ -7,13 +7,19 @@ use crate::common::{PROGRAM, Workspace, have, have_target, repository, stdout};
 
 const TARGET: &str = "wasm32-unknown-unknown";
 
+const DIRECTORY: &str = concat!(env!("CARGO_TARGET_TMPDIR"), "/wasm");
+
+/// Returns the path of the built module.
+fn module() -> String {
+    format!("{DIRECTORY}/{TARGET}/release/ptm_conform_wasm.wasm")
+}
+
 /// Builds the package. Its reference is not optimized as in a release, which would take longer than the test.
 fn build(package: &Path) {
-    let directory = concat!(env!("CARGO_TARGET_TMPDIR"), "/wasm");
     stdout(
         Command::new("cargo")
             .args(["build", "--quiet", "--release", "--locked"])
-            .args(["--target", TARGET, "--target-dir", directory])
+            .args(["--target", TARGET, "--target-dir", DIRECTORY])
             .env("RUSTFLAGS", "-D warnings")
             .env("CARGO_PROFILE_RELEASE_OPT_LEVEL", "1")
             .env("CARGO_PROFILE_RELEASE_LTO", "off")
@@ -26,9 +32,7 @@ fn build(package: &Path) {
             .arg(repository("packages/npm/build.mjs"))
             .args([Path::new(PROGRAM), package])
             .arg("--module")
-            .arg(format!(
-                "{directory}/{TARGET}/release/ptm_conform_wasm.wasm"
-            )),
+            .arg(module()),
     );
 }
 
@@ -56,4 +60,11 @@ fn the_package_reads_every_file_as_the_program_does_in_node_and_in_a_browser() {
             .args([&package, Path::new(PROGRAM)]),
     );
     assert!(browser.contains("as the program reads them"), "{browser}");
+    stdout(here.command("site --out site --module").arg(module()));
+    let dropped = stdout(
+        Command::new("node")
+            .arg(repository("tests/it/packages/drop.mjs"))
+            .arg(here.path("site/drop.html")),
+    );
+    assert!(dropped.contains("the light dragged"), "{dropped}");
 }
