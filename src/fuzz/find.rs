@@ -12,6 +12,7 @@ use crate::diagnose::alike;
 use crate::misreadings::{self, Misreading};
 use crate::protocol::frame::{Answer, Frame, View};
 use crate::reading::Reading;
+use crate::report::document::LikelyCause;
 use crate::runner::run::Request;
 use crate::session::asking::Ask;
 use crate::session::observation::{Observation, Response};
@@ -20,7 +21,7 @@ use crate::suite::cases::{Built, Case, Expect, TableSpelling};
 use crate::suite::compare::Expected;
 
 /// Maximum number of passing files against which a suspected misreading is tested.
-const MAX_WITNESSES: usize = 200;
+pub(super) const MAX_WITNESSES: usize = 200;
 /// Number of files that are drawn to distinguish suspects, and of those that are requested.
 const DRAWN_TO_TELL_APART: u64 = 3000;
 const ASKED_TO_TELL_APART: usize = 24;
@@ -240,6 +241,8 @@ fn explains(
 pub struct Find {
     /// The cause of the failure.
     pub cause: Explanation,
+    /// The cause that the diagnosis finds, if the failure is not explained otherwise.
+    pub diagnosis: Option<LikelyCause>,
     /// The message of the verdict on the first file.
     pub says: String,
     /// The file as it was drawn.
@@ -272,6 +275,7 @@ impl Find {
         let answer = question.as_ref().map(|question| decoder.answer(question));
         Find {
             cause,
+            diagnosis: None,
             says,
             drawn: draft.clone(),
             view: question.map(|question| question.view),

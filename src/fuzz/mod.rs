@@ -16,9 +16,11 @@ pub mod write;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
-use crate::diagnose::dialect_reading;
+use crate::diagnose::{diagnose, dialect_reading};
 use crate::protocol::capabilities::Capabilities;
 use crate::ptm::Format;
+use crate::report::document::LikelyCause;
+use crate::report::make::likely_causes;
 use crate::runner::run::Request;
 use crate::session::asking::Ask;
 use crate::session::outcome::Outcome;
@@ -27,7 +29,7 @@ use crate::session::run::{Run, check};
 use crate::suite::cases::{Case, Expect, Suite};
 use draft::Draft;
 use draws::Draws;
-use find::{Explanation, Find, KnownDecoder};
+use find::{Explanation, Find, KnownDecoder, MAX_WITNESSES};
 
 /// Number of files that are drawn and judged together.
 const BATCH_SIZE: usize = 500;
@@ -111,7 +113,7 @@ pub fn fuzz(
             table: run.table,
             reading: dialect_reading(&run),
         };
-        batch.sort(&run, &decoder, &mut outcomes.finds, tell, &plan.stop);
+        batch.sort(&run, &decoder, &mut outcomes.finds, tell, plan);
         if run.ended_early.is_some() {
             outcomes.ended_early = run.ended_early;
             break;
@@ -173,7 +175,7 @@ impl Batch {
         decoder: &KnownDecoder,
         finds: &mut Vec<Find>,
         tell: &impl Fn(FuzzProgress),
-        stop: &AtomicBool,
+        plan: &FuzzPlan,
     ) {
         let passed: Vec<&Draft> = self
             .with(run, Outcome::Pass)
@@ -200,10 +202,35 @@ impl Batch {
                 .map(|judged| judged.says.clone())
                 .unwrap_or_default();
             let cause = Explanation::of(draft, observation, &passed, decoder);
-            let find = Find::new(draft, cause, says, decoder, stop);
+            let mut find = Find::new(draft, cause, says, decoder, &plan.stop);
+            if let Explanation::Other(_) = find.cause {
+                find.diagnosis = self.diagnosis(run, &find.small, decoder, plan);
+            }
             tell(FuzzProgress::Found(&find));
             finds.push(find);
         }
+    }
+
+    /// Returns the cause that the diagnosis finds for a failing file, from its answer and from files that pass.
+    fn diagnosis(
+        &self,
+        run: &Run,
+        failing: &Draft,
+        decoder: &KnownDecoder,
+        plan: &FuzzPlan,
+    ) -> Option<LikelyCause> {
+        let mut cases = opening(&self.suite);
+        let passed = self.with(run, Outcome::Pass);
+        let legal = passed.filter(|(draft, _)| draft.damage.is_none());
+        let legal = legal.take(MAX_WITNESSES);
+        cases.extend(legal.map(|(_, place)| self.suite.cases[place].clone()));
+        cases.extend(failing.cases("found").ok()?);
+        let suite = Suite { cases };
+        let run = self::run(&suite, plan, decoder.ask);
+        let causes = diagnose(&suite, &run, &[], plan.jobs);
+        let causes = likely_causes(&suite, &causes.diagnoses).into_iter();
+        let mut causes = causes.filter(|cause| cause.explains.iter().any(|id| id == "found"));
+        causes.next()
     }
 
     /// Returns the drafts with this outcome, and the indices of their cases.

@@ -56,7 +56,10 @@ pub fn because(find: &Find) -> String {
         Explanation::Accepts(damage) => {
             format!("A decoder accepts a file with this damage: {damage}.")
         }
-        Explanation::Other(symptom) => format!("A decoder fails: {symptom}."),
+        Explanation::Other(symptom) => match &find.diagnosis {
+            Some(cause) => format!("A decoder {}. (clause {})", cause.effect, cause.clause),
+            None => format!("A decoder fails: {symptom}."),
+        },
     }
 }
 
@@ -69,6 +72,9 @@ fn explanation(find: &Find, built: &Built, expected: Option<&Expected>) -> Strin
             let others = others.join(", ");
             let _ = writeln!(out, "No file was drawn that tells it from: {others}.");
         }
+    }
+    if let Some(cause) = &find.diagnosis {
+        let _ = writeln!(out, "Fix: {}.", cause.fix);
     }
     let view = find.view.as_ref().map(View::to_string).unwrap_or_default();
     let _ = writeln!(

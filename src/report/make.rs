@@ -165,7 +165,7 @@ fn allowances<C: TestCase>(run: &Run<C>) -> impl Iterator<Item = Remark> {
 }
 
 /// Converts diagnoses to the form of a report.
-pub(super) fn likely_causes<C: TestCase, A: 'static>(
+pub(crate) fn likely_causes<C: TestCase, A: 'static>(
     suite: &Suite<C>,
     diagnoses: &[Diagnosis<A>],
 ) -> Vec<LikelyCause> {

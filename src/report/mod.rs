@@ -4,13 +4,13 @@
 
 pub mod document;
 
-mod make;
+pub(crate) mod make;
 
 mod leniency;
 
 pub mod reported;
 
-mod words;
+pub mod words;
 
 pub mod text;
 

@@ -85,6 +85,9 @@ pub(super) fn details(cause: &LikelyCause, suite: SuiteName) -> Vec<Detail<'_>> 
     details
 }
 
+/// The command of a decoder that consists of functions of another process.
+pub const CALLER: &str = "a function of the caller";
+
 /// Returns the lines that explain how a program is called.
 pub(super) fn how_it_is_called(suite: SuiteName, command: &str) -> String {
     match suite {
@@ -97,6 +100,9 @@ pub(super) fn how_it_is_called(suite: SuiteName, command: &str) -> String {
         SuiteName::Fitters => format!(
             "A fitter is called as: FITTER fit REQUEST OUT, for example: {command} fit request.json out.ptm\nREQUEST is a JSON file that names an .lp file, and the PTM goes to OUT; see docs/writers.md."
         ),
+        SuiteName::Ptm if command == CALLER => {
+            "The functions raw(file), coef(file) and rgb(file, lu, lv) get the bytes of a file and return an image; see the README of the package.".to_owned()
+        }
         SuiteName::Ptm if command.contains("{in}") => {
             "A program called by --cmd reads the file {in} and writes an image to {out}, or prints it; see docs/check.md.".to_owned()
         }

@@ -5,7 +5,7 @@ use std::os::unix::fs::symlink;
 use std::path::Path;
 use std::process::{Command, Output};
 
-use crate::common::{PROGRAM, Workspace, have, repository, repository_text, stdout};
+use crate::common::{PROGRAM, Workspace, have, outcome, repository, repository_text, stdout};
 use ptm_conform::kit::yaml::from_yaml;
 use serde_json::Value;
 
@@ -184,4 +184,38 @@ fn the_action_takes_a_release_and_no_compiler() {
     fs::write(&archive, bytes).expect("the archive");
     assert!(!release().status.success());
     assert!(!program.exists());
+}
+
+/// The workflow that other projects copy, in a scratch folder: its own steps, with a decoder that has one mistake.
+#[test]
+fn the_fuzzing_workflow_finds_a_mistake_and_then_checks_its_file() {
+    let here = Workspace::new();
+    here.write(
+        "my-decoder",
+        format!("#!/bin/sh\ntest \"$1\" = raw || exit 69\n'{PROGRAM}' reference \"$@\" > frame || exit $?\nsed '1!s/a/b/g' frame\n"),
+    );
+    std::os::unix::fs::symlink(PROGRAM, here.path("ptm-conform")).expect("a link");
+    let workflow: Value = from_yaml(&repository_text("docs/fuzz-workflow.yml")).expect("YAML");
+    let run = |name: &str| {
+        let steps = workflow["jobs"]["fuzz"]["steps"].as_array().expect("steps");
+        let step = steps.iter().find(|step| step["name"] == name);
+        let script = step.expect("the step")["run"].as_str().expect("a script");
+        let path = std::env::var("PATH").expect("a path");
+        let path = format!("{}:{path}", here.path("").display());
+        let mut bash = Command::new("bash");
+        let bash = bash.args(["-euo", "pipefail", "-c", script]);
+        let bash = bash.current_dir(here.path("")).env("PATH", path);
+        let variables = [
+            ("DECODER", "sh my-decoder"),
+            ("FUZZ_SECONDS", "5"),
+            ("SEED", "7"),
+        ];
+        outcome(&bash.envs(variables).output().expect("bash starts"))
+    };
+    let (status, text) = run("Check the files that were found before");
+    assert_eq!(status, 0, "{text}");
+    let (status, text) = run("Fuzz");
+    assert_eq!(status, 1, "{text}");
+    let (status, text) = run("Check the files that were found before");
+    assert_eq!(status, 1, "{text}");
 }
