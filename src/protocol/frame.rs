@@ -189,6 +189,9 @@ impl FromStr for View {
                 let light = text.strip_prefix("rgb:").ok_or_else(unknown)?;
                 let (lu, lv) = light.split_once(',').ok_or_else(unknown)?;
                 match (lu.parse::<f64>(), lv.parse::<f64>()) {
+                    (Ok(lu), Ok(lv)) if lu.hypot(lv) > 1.0 => Err(format!(
+                        "the light of {text:?} is longer than 1: it is the projection of a unit vector"
+                    )),
                     (Ok(lu), Ok(lv)) if lu.is_finite() && lv.is_finite() => Ok(View::Rgb(Light {
                         lu,
                         lv,
