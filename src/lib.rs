@@ -33,6 +33,10 @@
 //! - `writers` (feature `cli`): the inverse of the suite, for programs that write files.
 //! - `site` (feature `cli`): all of that as web pages, with the format explained clause by clause.
 //!
+//! The modules of the harness and of the program are hidden here: they are public only for the program and its tests, and change
+//! without notice. `protocol` and `misreadings` (feature `harness`) are what a decoder of your own needs to make mistakes on purpose, as
+//! `examples/misread.rs` does.
+//!
 //! # Guarantees
 //!
 //! `decode` does no I/O and never uses a file name. `generate` never uses `decode`. There is no `unsafe` code. The same recipe
@@ -60,48 +64,61 @@ pub mod texture;
 pub mod generate;
 
 #[cfg(feature = "harness")]
+#[doc(hidden)]
 pub mod kit;
 
 #[cfg(feature = "harness")]
+#[doc(hidden)]
 pub mod formula;
 
 #[cfg(feature = "harness")]
 pub mod protocol;
 
 #[cfg(feature = "harness")]
+#[doc(hidden)]
 pub mod suite;
 
 #[cfg(feature = "harness")]
 pub mod misreadings;
 
 #[cfg(feature = "tools")]
+#[doc(hidden)]
 pub mod readers;
 
 #[cfg(all(feature = "harness", unix))]
+#[doc(hidden)]
 pub mod runner;
 
 #[cfg(all(feature = "harness", unix))]
+#[doc(hidden)]
 pub mod session;
 
 #[cfg(all(feature = "harness", unix))]
+#[doc(hidden)]
 pub mod diagnose;
 
 #[cfg(all(feature = "harness", unix))]
+#[doc(hidden)]
 pub mod strength;
 
 #[cfg(all(feature = "harness", unix))]
+#[doc(hidden)]
 pub mod report;
 
 #[cfg(all(feature = "harness", unix))]
+#[doc(hidden)]
 pub mod fuzz;
 
 #[cfg(feature = "tools")]
+#[doc(hidden)]
 pub mod tools;
 
 #[cfg(feature = "cli")]
+#[doc(hidden)]
 pub mod writers;
 
 #[cfg(all(feature = "cli", unix))]
+#[doc(hidden)]
 pub mod site;
 
 pub use decode::{decode, decode_as};

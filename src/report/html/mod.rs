@@ -1,6 +1,6 @@
 //! The report as a web page: one file that needs only a browser, without network, server or other programs.
 //!
-//! [`page`] is the table of contents. All output of a decoder is untrusted: `maud` escapes it, and the policy in the head
+//! [`page()`] is the table of contents. All output of a decoder is untrusted: `maud` escapes it, and the policy in the head
 //! forbids every request and every script except that of the page, which it identifies by its digest.
 
 mod page;
