@@ -21,7 +21,7 @@ pub struct SiteArgs {
     #[arg(short, long, value_name = "DIR")]
     out: PathBuf,
     /// The reference decoder as WebAssembly, built from packages/wasm, for the page on which files can be dropped. By default
-    /// ptm_conform_wasm.wasm beside this program, as in released archives.
+    /// ptm_conform_wasm.wasm next to this program, as in released archives.
     #[arg(long, value_name = "FILE")]
     module: Option<PathBuf>,
     /// Files decoded in parallel; the result does not depend on it.
@@ -52,7 +52,7 @@ pub fn run(args: &SiteArgs) -> CommandResult {
     Ok(0)
 }
 
-/// Returns the path of the module beside this program, if there is one.
+/// Returns the path of the module next to this program, if there is one.
 fn released_module() -> Option<PathBuf> {
     let path = std::env::current_exe().ok()?;
     let path = path.with_file_name("ptm_conform_wasm.wasm");
