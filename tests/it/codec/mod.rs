@@ -1,8 +1,7 @@
 #[cfg(feature = "generate")]
 mod damage;
 
-#[cfg(feature = "generate")]
-mod standard_images;
+mod errors;
 
 #[cfg(feature = "generate")]
 mod witnesses;
