@@ -1,5 +1,5 @@
 #[cfg(feature = "harness")]
 mod corpus;
 
-#[cfg(feature = "harness")]
+#[cfg(all(unix, feature = "cli"))]
 mod schemas;

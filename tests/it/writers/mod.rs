@@ -12,6 +12,3 @@ mod hostile;
 
 #[cfg(all(unix, feature = "cli"))]
 mod judging;
-
-#[cfg(all(unix, feature = "cli"))]
-mod own;
