@@ -1,7 +1,5 @@
 #[cfg(feature = "generate")]
 mod damage;
-
 mod errors;
-
-#[cfg(feature = "generate")]
+#[cfg(feature = "harness")]
 mod witnesses;
