@@ -222,7 +222,7 @@ pub(crate) fn overwrite(plane: &mut [u8], records: &[Record]) {
 mod tests {
     use super::*;
     use crate::parts::{Extent, Plan};
-    use crate::ptm::{Format, Size};
+    use crate::ptm::Format;
 
     #[test]
     fn side_information_of_lossless_jpeg_ls_is_skipped_under_the_other_reading() {
@@ -238,16 +238,14 @@ mod tests {
                 sequence: Vec::new(),
                 extents: vec![Extent { stream, side }],
             };
-            let size = Size {
-                width: 1,
-                height: 1,
-            };
+            let (size, plan, payload) = ("1x1".parse().expect("a size"), &plan, &[1, 2, 3]);
+            let at = 0;
             let coded = Coded {
                 format,
                 size,
-                plan: &plan,
-                at: 0,
-                payload: &[1, 2, 3],
+                plan,
+                at,
+                payload,
             };
             assert_eq!(side_information_if_lossy(&coded, 0), expected);
         }

@@ -189,43 +189,24 @@ mod tests {
 
     type Choose = fn(Reading) -> Reading;
 
-    /// Readings, sizes, vectors, and the displaced plane 10, 21, 30, 40. The corpus shows more of the reference's reading.
-    const DISPLACED: [(Choose, u32, (i64, i64), [u8; 4]); 8] = [
-        (|spec| spec, 4, (1, 0), [16, 26, 35, 40]),
-        (
-            Reading::with_halves_rounded_down,
-            4,
-            (1, 0),
-            [15, 25, 35, 40],
-        ),
-        (Reading::with_motion_minus, 4, (2, 0), [10, 10, 21, 30]),
-        (
-            Reading::with_motion_against_rows,
-            1,
-            (0, 2),
-            [10, 10, 21, 30],
-        ),
-        (
-            Reading::with_motion_against_rows,
-            4,
-            (2, 0),
-            [21, 30, 40, 40],
-        ),
-        (Reading::with_border_wrapped, 4, (2, 0), [21, 30, 40, 10]),
-        (Reading::with_border_gray, 4, (2, 0), [21, 30, 40, 128]),
-        (Reading::with_border_gray, 4, (1, 0), [16, 26, 35, 84]),
+    /// Readings, widths, vectors, and the displaced plane 10, 21, 30, 40. The corpus shows more of the reference's reading.
+    const DISPLACED: [(Choose, u32, i64, i64, [u8; 4]); 8] = [
+        (|spec| spec, 4, 1, 0, [16, 26, 35, 40]),
+        (Reading::with_halves_rounded_down, 4, 1, 0, [15, 25, 35, 40]),
+        (Reading::with_motion_minus, 4, 2, 0, [10, 10, 21, 30]),
+        (Reading::with_motion_against_rows, 1, 0, 2, [10, 10, 21, 30]),
+        (Reading::with_motion_against_rows, 4, 2, 0, [21, 30, 40, 40]),
+        (Reading::with_border_wrapped, 4, 2, 0, [21, 30, 40, 10]),
+        (Reading::with_border_gray, 4, 2, 0, [21, 30, 40, 128]),
+        (Reading::with_border_gray, 4, 1, 0, [16, 26, 35, 84]),
     ];
 
     #[test]
     fn each_motion_choice_has_its_other_reading() {
-        for (place, (choose, width, motion, expected)) in DISPLACED.into_iter().enumerate() {
-            let reading = choose(Reading::SPEC);
-            let size = Size {
-                width,
-                height: 4 / width,
-            };
-            let plane = [10, 21, 30, 40];
-            assert_eq!(shift(&plane, size, motion, &reading), expected, "{place}");
+        for (place, (choose, width, mx, my, expected)) in DISPLACED.into_iter().enumerate() {
+            let (height, reading) = (4 / width, choose(Reading::SPEC));
+            let (size, plane) = (Size { width, height }, [10, 21, 30, 40]);
+            assert_eq!(shift(&plane, size, (mx, my), &reading), expected, "{place}");
             for far in [i64::MIN, -1_000_001, 1_000_001, i64::MAX] {
                 assert_eq!(shift(&plane, size, (far, far), &reading).len(), 4);
             }
@@ -242,10 +223,7 @@ mod tests {
                 motion: (1, 0),
             };
             let (mut plane, reading) = ([140, 140], choose(Reading::SPEC));
-            let size = Size {
-                width: 2,
-                height: 1,
-            };
+            let size = "2x1".parse().expect("a size");
             apply(format, &mut plane, &[10, 21], &step, size, &reading);
             plane
         };

@@ -188,9 +188,7 @@ mod tests {
             if let Answer::Decoded(frame) = &mut answer
                 && let Samples::U8(samples) = &mut frame.samples
             {
-                for sample in samples.iter_mut() {
-                    *sample ^= 0x55;
-                }
+                samples.iter_mut().for_each(|sample| *sample ^= 0x55);
             }
             Reply::from(answer)
         };
