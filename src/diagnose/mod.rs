@@ -188,7 +188,9 @@ mod tests {
             if let Answer::Decoded(frame) = &mut answer
                 && let Samples::U8(samples) = &mut frame.samples
             {
-                samples.iter_mut().for_each(|sample| *sample ^= 0x55);
+                for sample in samples {
+                    *sample ^= 0x55;
+                }
             }
             Reply::from(answer)
         };

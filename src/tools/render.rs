@@ -308,10 +308,10 @@ mod tests {
 
     #[test]
     fn a_picture_becomes_a_file_of_every_form() {
+        use ImageFormat::{Bmp, Jpeg, Png, Tiff, WebP};
         let image = Image::rgb("1x1".parse().expect("a size"), vec![7, 7, 7]);
         let file = |format| image.to_file(format).expect("a small picture");
         assert_eq!(file(ImageFormat::Pnm), b"P6\n1 1 255\n\x07\x07\x07");
-        use ImageFormat::{Bmp, Jpeg, Png, Tiff, WebP};
         for format in [Png, Tiff, Bmp, WebP, Jpeg] {
             let read = image::load_from_memory_with_format(&file(format), format);
             let read = read.expect("a picture").into_rgb8();

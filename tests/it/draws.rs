@@ -23,23 +23,20 @@ impl Draws {
             let end = [header, file.len()][self.below(2)].min(file.len());
             let at = self.below(end + 1);
             let rest = file.len() - at;
+            let telling = b"\x00\xff\x7f\x80\xd8\xd9\xda0123456789-. \n\t";
             let numbers = "0 -1 255 256 65536 4294967296 1e300 99999999999999999999";
-            match self.below(8) {
+            match self.below(9) {
                 0 if rest > 0 => file[at] ^= 1 << self.below(8),
                 1 if rest > 0 => file[at] = self.byte(),
-                2 if rest > 0 => {
-                    file[at] = b"\x00\xff\x7f\x80\xd8\xd9\xda0123456789-. \n\t"[self.below(22)]
-                }
+                2 if rest > 0 => file[at] = telling[self.below(telling.len())],
                 3 if rest > 0 => drop(file.remove(at)),
-                4 => file.insert(
-                    at,
-                    [self.byte(), b"-.90 \n\t"[self.below(7)]][self.below(2)],
-                ),
-                5 => {
+                4 => file.insert(at, self.byte()),
+                5 => file.insert(at, telling[self.below(telling.len())]),
+                6 => {
                     let number = numbers.split(' ').nth(self.below(8)).expect("a number");
                     file.splice(at..at, number.bytes());
                 }
-                6 => file.truncate(at),
+                7 => file.truncate(at),
                 _ => {
                     let piece = file[at..at + self.below(rest.min(64) + 1)].to_vec();
                     file.splice(at..at, piece);

@@ -44,13 +44,13 @@ const JPEG_LS: Codec = (
 
 /// Returns the bytes that a cell describes.
 fn bytes(cell: &str, parts: &[(&str, &str)]) -> Vec<u8> {
-    let word = |word: &str| match parts.iter().find(|(name, _)| *name == word) {
-        Some((_, part)) => bytes(part, &[]),
-        None => {
-            let (digits, times) = word.split_once('*').unwrap_or((word, "1"));
-            let byte = u8::from_str_radix(digits, 16).expect("two hexadecimal digits");
-            vec![byte; times.parse().expect("a number of times")]
+    let word = |word: &str| {
+        if let Some((_, part)) = parts.iter().find(|(name, _)| *name == word) {
+            return bytes(part, &[]);
         }
+        let (digits, times) = word.split_once('*').unwrap_or((word, "1"));
+        let byte = u8::from_str_radix(digits, 16).expect("two hexadecimal digits");
+        vec![byte; times.parse().expect("a number of times")]
     };
     cell.split_whitespace().flat_map(word).collect()
 }

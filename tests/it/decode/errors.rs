@@ -132,44 +132,22 @@ sizes 2 15 ; stream 2 FF D8 FF F7 00 0B 0C 00 01 00 01 01 01 11 00 | compressed 
 
 /// Returns the file of one texel and nine intra coded planes, all zero, after changes.
 fn compressed(changes: &str) -> Vec<u8> {
-    let mut lists = [
-        "transforms 0",
-        "x 0",
-        "y 0",
-        "order 0",
-        "references -1",
-        "sizes 28",
-        "side-sizes 0",
-    ]
-    .map(|list| list.split_once(' ').expect("a name and a number"))
-    .map(|(name, number)| (name, vec![number; 9]));
-    let mut payload = vec![[STREAM, ""]; 9];
+    let names = "transforms x y order references sizes side-sizes stream side";
+    let mut values = ["0", "0", "0", "0", "-1", "28", "0", STREAM, ""].map(|value| [value; 9]);
     for change in changes.split(';').filter(|change| !change.is_empty()) {
-        let (what, rest) = change.trim().split_once(' ').expect("a list");
+        let (name, rest) = change.trim().split_once(' ').expect("a name");
         let (plane, value) = rest.split_once(' ').unwrap_or((rest, ""));
-        let plane: usize = plane.parse().expect("a plane");
-        match what {
-            "stream" => payload[plane][0] = value,
-            "side" => payload[plane][1] = value,
-            _ => {
-                lists
-                    .iter_mut()
-                    .find(|(name, _)| *name == what)
-                    .expect("a list")
-                    .1[plane] = value
-            }
-        }
+        let list = names.split(' ').position(|known| known == name);
+        values[list.expect("a list")][plane.parse::<usize>().expect("a plane")] = value;
     }
-    let lists = lists.map(|(_, numbers)| numbers.join(" ")).join("\n");
-    let mut file =
-        format!("PTM_1.2\nPTM_FORMAT_JPEGLS_LRGB\n1\n1\n1 1 1 1 1 1\n0 0 0 0 0 0\n0\n{lists}\n")
-            .into_bytes();
-    let bytes = payload
-        .as_flattened()
-        .iter()
-        .flat_map(|bytes| bytes.split_whitespace());
-    file.extend(bytes.map(|byte| u8::from_str_radix(byte, 16).expect("a byte")));
-    file
+    let [lists @ .., streams, sides] = values;
+    let lists = lists.map(|numbers| numbers.join(" ")).join("\n");
+    let header = header("JPEGLS_LRGB").replace("\n2\n", "\n1\n") + &format!("0\n{lists}\n");
+    let payload = streams.into_iter().zip(sides);
+    let bytes = payload.flat_map(|(stream, side)| [stream, side]);
+    let bytes = bytes.flat_map(str::split_whitespace);
+    let bytes = bytes.map(|byte| u8::from_str_radix(byte, 16).expect("a byte"));
+    header.bytes().chain(bytes).collect()
 }
 
 #[test]
