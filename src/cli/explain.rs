@@ -350,24 +350,3 @@ fn abbreviated<'a>(cases: impl Iterator<Item = &'a Case>, what: &str) -> String 
     let first = ids[..ids.len().min(6)].join(", ");
     format!("{} {what}: {first}{more}", ids.len())
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn names_that_are_nearly_right_are_suggested() {
-        let suite = Suite::load().expect("the suite loads");
-        for (asked, meant) in [
-            ("hand-rgb-block", "hand-rgb-blocks"),
-            ("lut-cuont", "lut-count"),
-            ("row-top-down", "rows-top-down"),
-            ("ptm-e07", "PTM-E070"),
-        ] {
-            let said = unknown(asked, &suite).expect("the clauses load");
-            assert!(said.contains(meant), "{asked}: {said}");
-        }
-        let said = unknown("zzz", &suite).expect("the clauses load");
-        assert!(said.contains("explain 2.8 lists"), "{said}");
-    }
-}

@@ -155,7 +155,19 @@ mod tests {
 
     #[test]
     fn the_line_says_what_is_done_and_what_is_left() {
-        let said = |what: &'static str, done: usize, all: usize, is_limit: bool| {
+        let asking = "asking 100 of 300, 7 wrong so far, about 4 min left";
+        let searching = "searching, 7 wrong so far, at most 60 s left";
+        for (what, done, all, is_limit, expected) in [
+            ("asking", 100, 300, false, asking),
+            (
+                "searching",
+                0,
+                0,
+                false,
+                "searching, 7 wrong so far, for 2 min",
+            ),
+            ("searching", 100, 150, true, searching),
+        ] {
             let since = Instant::now().checked_sub(Duration::from_secs(120));
             let doing = Doing {
                 what,
@@ -165,23 +177,7 @@ mod tests {
                 wrong: 7,
                 since: since.expect("it is later"),
             };
-            doing.in_words()
-        };
-        for (said, expected) in [
-            (
-                said("asking", 100, 300, false),
-                "asking 100 of 300, 7 wrong so far, about 4 min left",
-            ),
-            (
-                said("searching", 0, 0, false),
-                "searching, 7 wrong so far, for 2 min",
-            ),
-            (
-                said("searching", 100, 150, true),
-                "searching, 7 wrong so far, at most 60 s left",
-            ),
-        ] {
-            assert_eq!(said, expected);
+            assert_eq!(doing.in_words(), expected);
         }
     }
 }

@@ -52,6 +52,3 @@ pub use stream_error::{StreamError, StreamFault};
 
 #[cfg(feature = "generate")]
 pub use writer::Encoded;
-
-#[cfg(test)]
-mod witness;

@@ -67,10 +67,6 @@ mod stored;
 /// [`Reading::SPEC`] and the other readings of the open points
 mod spec;
 
-/// Compressed files made by hand, for tests.
-#[cfg(all(test, feature = "generate"))]
-pub(crate) mod by_hand;
-
 #[cfg(feature = "harness")]
 pub(crate) use compressed::Streams;
 

@@ -218,252 +218,36 @@ pub(crate) fn overwrite(plane: &mut [u8], records: &[Record]) {
     }
 }
 
-#[cfg(feature = "generate")]
 #[cfg(test)]
 mod tests {
-    use super::super::by_hand::{ByHand, assert_rejects, stored};
-    use crate::codec::{jpeg, jpeg_ls};
-    use crate::decode::decode_as;
-    use crate::error::Class;
-    use crate::ptm::{Format, Limits};
-    use crate::{Reading, decode};
-
-    /// Returns a file of two columns and three rows; plane 0 counts from 1 to 6 in stored order.
-    fn counted() -> ByHand {
-        let mut file = ByHand::new(Format::JpeglsLrgb, 2, 3);
-        file.stream(0, &[1, 2, 3, 4, 5, 6]);
-        file
-    }
-
-    /// Returns the position of the stream of plane `plane`.
-    fn start(file: &ByHand, plane: usize) -> usize {
-        let parts = file.streams[plane..].iter().chain(&file.sides[plane..]);
-        file.bytes().len() - parts.map(Vec::len).sum::<usize>()
-    }
+    use super::*;
+    use crate::parts::{Extent, Plan};
+    use crate::ptm::Format;
 
     #[test]
-    fn the_bottom_row_is_stored_first() {
-        let ptm = decode(&counted().bytes()).unwrap();
-        let a0: Vec<u8> = ptm.planes.texels().map(|texel| texel[0]).collect();
-        assert_eq!(a0, [5, 6, 3, 4, 1, 2]);
-    }
-
-    #[test]
-    fn planes_lie_in_their_own_order_whatever_their_ranks() {
-        let mut file = counted();
-        file.order = vec![8, 7, 6, 5, 4, 3, 2, 1, 0];
-        assert_eq!(stored(&file.bytes(), 0), [1, 2, 3, 4, 5, 6]);
-        assert_eq!(stored(&file.bytes(), 8), [80; 6]);
-    }
-
-    #[test]
-    fn side_information_counts_stored_texels_from_zero_to_the_last() {
-        let mut file = counted();
-        file.record(0, 0, 77);
-        file.record(0, 5, 99);
-        assert_eq!(stored(&file.bytes(), 0), [77, 2, 3, 4, 5, 99]);
-        // The planes after it are in their places.
-        assert_eq!(stored(&file.bytes(), 1), [10; 6]);
-    }
-
-    #[test]
-    #[expect(
-        clippy::naive_bytecount,
-        reason = "files are small where bytes are counted"
-    )]
-    fn a_position_has_its_high_byte_first() {
-        let mut file = ByHand::new(Format::JpeglsLrgb, 300, 1);
-        file.record(2, 256, 1);
-        file.record(2, 1, 2);
-        let plane = stored(&file.bytes(), 2);
-        assert_eq!((plane[256], plane[1]), (1, 2));
-        assert_eq!(plane.iter().filter(|&&value| value == 20).count(), 298);
-    }
-
-    #[test]
-    fn the_later_of_two_records_wins() {
-        let mut file = counted();
-        file.record(0, 3, 8);
-        file.record(0, 3, 9);
-        assert_eq!(stored(&file.bytes(), 0), [1, 2, 3, 9, 5, 6]);
-    }
-
-    #[test]
-    fn side_information_overwrites_after_prediction() {
-        let mut file = counted();
-        file.predicted(1, 1, 0, 0, &[128, 128, 128, 128, 128, 0]);
-        file.record(1, 5, 200);
-        assert_eq!(stored(&file.bytes(), 1), [1, 2, 3, 4, 5, 200]);
-    }
-
-    #[test]
-    fn a_reference_is_corrected_before_its_dependants() {
-        let mut file = counted();
-        file.record(0, 1, 102);
-        file.predicted(4, 1, 0, 0, &[130; 6]);
-        file.record(4, 0, 50);
-        file.predicted(2, 2, 4, 1, &[128; 6]);
-        assert_eq!(stored(&file.bytes(), 4), [50, 104, 5, 6, 7, 8]);
-        assert_eq!(stored(&file.bytes(), 2), [205, 151, 250, 249, 248, 247]);
-    }
-
-    #[test]
-    fn side_information_counts_in_lossless_files_except_under_the_other_reading() {
-        let mut file = counted();
-        file.record(0, 0, 77);
-        let other = decode_as(
-            &file.bytes(),
-            &Reading::SPEC.with_side_information_only_if_lossy(),
-            &Limits::default(),
-        )
-        .unwrap();
-        assert_eq!(other.planes.samples[4 * 9], 1);
-        assert_eq!(other.planes.samples[1], 10);
-        assert_eq!(stored(&file.bytes(), 0)[0], 77);
-        file.parameter = 3;
-        let other = decode_as(
-            &file.bytes(),
-            &Reading::SPEC.with_side_information_only_if_lossy(),
-            &Limits::default(),
-        )
-        .unwrap();
-        assert_eq!(other.planes.samples[4 * 9], 77);
-    }
-
-    #[test]
-    fn transforms_and_vectors_of_intra_planes_are_not_looked_at() {
-        let mut file = counted();
-        file.transforms[0] = 3;
-        file.displace(0, 5, -7);
-        assert_eq!(stored(&file.bytes(), 0), [1, 2, 3, 4, 5, 6]);
-    }
-
-    #[test]
-    fn vectors_count_only_with_their_bit() {
-        let mut file = counted();
-        file.predicted(1, 1, 0, 1, &[128; 6]);
-        file.displace(1, 2, 2);
-        file.predicted(2, 1, 0, 2, &[128; 6]);
-        file.displace(2, 2, 2);
-        file.predicted(3, 1, 0, 3, &[128; 6]);
-        file.displace(3, 2, -1);
-        assert_eq!(stored(&file.bytes(), 1), [254, 253, 252, 251, 250, 249]);
-        assert_eq!(stored(&file.bytes(), 2), [4, 4, 6, 6, 6, 6]);
-        // Column 1 twice, half a row down: inverted 253, 251, 249; (253 + 253 + 1) >> 1, (251 + 253 + 1) >> 1, …
-        assert_eq!(stored(&file.bytes(), 3), [253, 253, 252, 252, 250, 250]);
-    }
-
-    #[test]
-    fn side_information_of_partial_records_is_refused() {
-        let mut file = counted();
-        file.record(3, 0, 1);
-        file.sides[3].pop();
-        let at = start(&file, 3) + file.streams[3].len();
-        assert_rejects(
-            &file.bytes(),
-            &format!(
-                "compressed data (§2.9.8), byte {at}: 4 bytes of side information are no whole number of records of 5 bytes"
-            ),
-        );
-    }
-
-    #[test]
-    fn positions_past_the_last_texel_are_refused() {
-        for position in [6, u32::MAX] {
-            let mut file = counted();
-            file.record(8, 1, 1);
-            file.record(8, position, 1);
-            let at = file.bytes().len() - 5;
-            assert_rejects(
-                &file.bytes(),
-                &format!(
-                    "compressed data (§2.9.8), byte {at}: a record for texel {position}, the last texel is 5"
-                ),
-            );
+    fn side_information_of_lossless_jpeg_ls_is_skipped_under_the_other_reading() {
+        for (format, parameter, expected) in [
+            (Format::JpeglsRgb, 0, &[][..]),
+            (Format::JpeglsRgb, 3, &[2, 3]),
+            (Format::JpegRgb, 0, &[2, 3]),
+        ] {
+            let (stream, side) = (0..1, 1..3);
+            let plan = Plan {
+                parameter,
+                steps: Vec::new(),
+                sequence: Vec::new(),
+                extents: vec![Extent { stream, side }],
+            };
+            let (size, plan, payload) = ("1x1".parse().expect("a size"), &plan, &[1, 2, 3]);
+            let at = 0;
+            let coded = Coded {
+                format,
+                size,
+                plan,
+                at,
+                payload,
+            };
+            assert_eq!(side_information_if_lossy(&coded, 0), expected);
         }
-    }
-
-    #[test]
-    fn streams_that_are_no_such_plane_are_refused_where_they_show_it() {
-        let stream_8x8 = jpeg::encode(&[7; 64], 8, 8, &jpeg::JpegOptions::new(100)).stream;
-        let mut file = ByHand::new(Format::JpegLrgb, 16, 8);
-        file.streams[4] = stream_8x8;
-        // SOI, APP0 with 16 bytes, DQT with 67: the frame's size follows FFC0, its length and its precision.
-        let frame = file.streams[4]
-            .windows(2)
-            .position(|pair| pair == [0xFF, 0xC0])
-            .unwrap();
-        let at = start(&file, 4) + frame + 5;
-        assert_rejects(
-            &file.bytes(),
-            &format!(
-                "compressed data (§2.9.8), byte {at}: plane 4: expected 16 x 8 samples, found 8 x 8"
-            ),
-        );
-
-        let mut file = counted();
-        file.streams[2] = Vec::new();
-        assert_rejects(
-            &file.bytes(),
-            &format!(
-                "compressed data (§2.9.8), byte {}: plane 2: the stream is empty",
-                start(&file, 2)
-            ),
-        );
-        file.streams[2] = vec![0; 9];
-        assert_rejects(
-            &file.bytes(),
-            &format!(
-                "compressed data (§2.9.8), byte {}: plane 2: the stream does not start with SOI, bytes FF D8",
-                start(&file, 2)
-            ),
-        );
-    }
-
-    #[test]
-    fn kinds_of_streams_that_are_not_read_are_unsupported() {
-        let mut file = counted();
-        let precision = file.streams[1]
-            .windows(2)
-            .position(|pair| pair == [0xFF, 0xF7])
-            .unwrap()
-            + 4;
-        file.streams[1][precision] = 12;
-        let error = decode(&file.bytes()).unwrap_err();
-        assert_eq!(error.class(), Class::Unsupported);
-        assert_eq!(error.offset(), start(&file, 1) + precision);
-    }
-
-    #[test]
-    fn the_other_codec_is_refused() {
-        let mut file = ByHand::new(Format::JpegLrgb, 8, 8);
-        file.streams[0] = jpeg_ls::encode(
-            &[1; 64],
-            8,
-            8,
-            &jpeg_ls::JpegLsOptions {
-                near: 0,
-                presets: None,
-            },
-        )
-        .stream;
-        assert_eq!(decode(&file.bytes()).unwrap_err().class(), Class::Malformed);
-        let mut file = ByHand::new(Format::JpeglsLrgb, 8, 8);
-        file.streams[0] = jpeg::encode(&[1; 64], 8, 8, &jpeg::JpegOptions::new(100)).stream;
-        assert_eq!(decode(&file.bytes()).unwrap_err().class(), Class::Malformed);
-    }
-
-    #[test]
-    fn all_planes_held_at_once_count_against_the_limit() {
-        let file = counted().bytes();
-        let limited = |memory| decode_as(&file, &Reading::SPEC, &Limits { memory });
-        assert!(limited(6 * 18).is_ok());
-        assert_eq!(limited(6 * 18 - 1).unwrap_err().class(), Class::Limit);
-    }
-
-    #[test]
-    fn what_follows_the_last_plane_is_left_alone() {
-        let file = counted().bytes();
-        assert_eq!(decode(&[&file[..], b"more"].concat()), decode(&file));
     }
 }

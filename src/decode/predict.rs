@@ -187,191 +187,52 @@ pub(crate) fn border_gray(plane: &[u8], size: Size, x: i64, y: i64) -> u8 {
 mod tests {
     use super::*;
 
-    fn predicted(residual: u8, reference: u8, inverted: bool) -> u8 {
-        let step = Step {
-            reference: Some(0),
-            inverted,
-            ..Step::default()
-        };
-        let mut plane = [residual];
-        apply(
-            Format::JpegLrgb,
-            &mut plane,
-            &[reference],
-            &step,
-            Size {
-                width: 1,
-                height: 1,
-            },
-            &Reading::SPEC,
-        );
-        plane[0]
-    }
+    type Choose = fn(Reading) -> Reading;
 
-    /// Displaces a plane of `width` columns by a vector.
-    fn shift(plane: &[u8], width: u32, motion: (i64, i64), reading: &Reading) -> Vec<u8> {
-        let height = plane.len() as u32 / width;
-        super::shift(plane, Size { width, height }, motion, reading)
-    }
-
-    #[test]
-    fn a_residual_of_128_changes_nothing() {
-        assert_eq!(predicted(128, 0, false), 0);
-        assert_eq!(predicted(128, 255, false), 255);
-    }
-
-    #[test]
-    fn sums_wrap_below_zero_and_above_255() {
-        assert_eq!(predicted(100, 20, false), 248); // −8
-        assert_eq!(predicted(0, 0, false), 128); // −128
-        assert_eq!(predicted(200, 200, false), 16); // 272
-        assert_eq!(predicted(255, 255, false), 126); // 382
-        assert_eq!(predicted(183, 200, false), 255);
-        assert_eq!(predicted(184, 200, false), 0); // 256
-    }
-
-    #[test]
-    fn an_inverted_reference_is_255_less_it() {
-        assert_eq!(predicted(128, 0, true), 255);
-        assert_eq!(predicted(130, 60, true), 197);
-        assert_eq!(predicted(100, 250, true), 233); // −23
-    }
-
-    #[test]
-    fn jpeg_ls_keeps_the_offset_but_under_the_other_reading() {
-        let with = |reading: &Reading, format| {
-            let (mut plane, dot) = (
-                [140],
-                Size {
-                    width: 1,
-                    height: 1,
-                },
-            );
-            apply(format, &mut plane, &[10], &Step::default(), dot, reading);
-            plane[0]
-        };
-        assert_eq!(with(&Reading::SPEC, Format::JpeglsRgb), 22);
-        assert_eq!(
-            with(&Reading::SPEC.without_jpeg_ls_offset(), Format::JpeglsRgb),
-            150
-        );
-        assert_eq!(
-            with(&Reading::SPEC.without_jpeg_ls_offset(), Format::JpegRgb),
-            22
-        );
-    }
-
-    #[test]
-    fn whole_displacements_look_to_the_right_and_along_the_rows() {
-        let plane = [10, 20, 30, 40, 50, 60];
-        assert_eq!(
-            shift(&plane, 3, (2, 0), &Reading::SPEC),
-            [20, 30, 30, 50, 60, 60]
-        );
-        assert_eq!(
-            shift(&plane, 3, (-2, 0), &Reading::SPEC),
-            [10, 10, 20, 40, 40, 50]
-        );
-        assert_eq!(
-            shift(&plane, 3, (0, 2), &Reading::SPEC),
-            [40, 50, 60, 40, 50, 60]
-        );
-        assert_eq!(
-            shift(&plane, 3, (0, -2), &Reading::SPEC),
-            [10, 20, 30, 10, 20, 30]
-        );
-    }
-
-    #[test]
-    fn half_displacements_are_means_rounded_up() {
-        let plane = [10, 21, 30];
-        assert_eq!(shift(&plane, 3, (1, 0), &Reading::SPEC), [16, 26, 30]);
-        assert_eq!(shift(&plane, 3, (-1, 0), &Reading::SPEC), [10, 16, 26]);
-        assert_eq!(shift(&plane, 3, (3, 0), &Reading::SPEC), [26, 30, 30]);
-        assert_eq!(shift(&plane, 1, (0, 1), &Reading::SPEC), [16, 26, 30]);
-        // Four samples are added before they are rounded, once: (1 + 2 + 2 + 2 + 2) >> 2 = 2.
-        assert_eq!(
-            shift(&[1, 2, 2, 2], 2, (1, 1), &Reading::SPEC),
-            [2, 2, 2, 2]
-        );
-        assert_eq!(
-            shift(&[0, 1, 0, 0], 2, (1, 1), &Reading::SPEC),
-            [0, 1, 0, 0]
-        );
-        assert_eq!(
-            shift(&plane, 3, (1, 0), &Reading::SPEC.with_halves_rounded_down()),
-            [15, 25, 30]
-        );
-    }
+    /// Readings, widths, vectors, and the displaced plane 10, 21, 30, 40. The corpus shows more of the reference's reading.
+    const DISPLACED: [(Choose, u32, i64, i64, [u8; 4]); 8] = [
+        (|spec| spec, 4, 1, 0, [16, 26, 35, 40]),
+        (Reading::with_halves_rounded_down, 4, 1, 0, [15, 25, 35, 40]),
+        (Reading::with_motion_minus, 4, 2, 0, [10, 10, 21, 30]),
+        (Reading::with_motion_against_rows, 1, 0, 2, [10, 10, 21, 30]),
+        (Reading::with_motion_against_rows, 4, 2, 0, [21, 30, 40, 40]),
+        (Reading::with_border_wrapped, 4, 2, 0, [21, 30, 40, 10]),
+        (Reading::with_border_gray, 4, 2, 0, [21, 30, 40, 128]),
+        (Reading::with_border_gray, 4, 1, 0, [16, 26, 35, 84]),
+    ];
 
     #[test]
     fn each_motion_choice_has_its_other_reading() {
-        let plane = [10, 20, 30, 40];
-        assert_eq!(
-            shift(&plane, 4, (2, 0), &Reading::SPEC.with_motion_minus()),
-            [10, 10, 20, 30]
-        );
-        assert_eq!(
-            shift(&plane, 1, (0, 2), &Reading::SPEC.with_motion_against_rows()),
-            [10, 10, 20, 30]
-        );
-        assert_eq!(
-            shift(&plane, 4, (2, 0), &Reading::SPEC.with_motion_against_rows()),
-            [20, 30, 40, 40]
-        );
-        assert_eq!(
-            shift(&plane, 4, (2, 0), &Reading::SPEC.with_border_wrapped()),
-            [20, 30, 40, 10]
-        );
-        assert_eq!(
-            shift(&plane, 4, (2, 0), &Reading::SPEC.with_border_gray()),
-            [20, 30, 40, 128]
-        );
-        assert_eq!(
-            shift(&plane, 4, (1, 0), &Reading::SPEC.with_border_gray()),
-            [15, 25, 35, 84]
-        );
-    }
-
-    #[test]
-    fn inversion_comes_before_motion_and_shows_in_the_rounding() {
-        let step = Step {
-            reference: Some(0),
-            inverted: true,
-            moved: true,
-            motion: (1, 0),
-        };
-        let seen = |reading: &Reading| {
-            (reading.predictor)(
-                &[10, 21],
-                &step,
-                Size {
-                    width: 2,
-                    height: 1,
-                },
-                reading,
-            )
-            .into_owned()
-        };
-        // 245 and 234: (245 + 234 + 1) >> 1 = 240. After motion: 255 − 16 = 239.
-        assert_eq!(seen(&Reading::SPEC), [240, 234]);
-        assert_eq!(
-            seen(&Reading::SPEC.with_inversion_after_motion()),
-            [239, 234]
-        );
-    }
-
-    #[test]
-    fn vectors_of_any_length_stay_within_the_plane() {
-        for far in [i64::MIN, -1_000_001, 1_000_001, i64::MAX] {
-            for reading in [
-                Reading::SPEC,
-                Reading::SPEC.with_motion_minus(),
-                Reading::SPEC.with_border_wrapped(),
-                Reading::SPEC.with_border_gray(),
-            ] {
-                assert_eq!(shift(&[1, 2, 3, 4, 5, 6], 3, (far, far), &reading).len(), 6);
+        for (place, (choose, width, mx, my, expected)) in DISPLACED.into_iter().enumerate() {
+            let (height, reading) = (4 / width, choose(Reading::SPEC));
+            let (size, plane) = (Size { width, height }, [10, 21, 30, 40]);
+            assert_eq!(shift(&plane, size, (mx, my), &reading), expected, "{place}");
+            for far in [i64::MIN, -1_000_001, 1_000_001, i64::MAX] {
+                assert_eq!(shift(&plane, size, (far, far), &reading).len(), 4);
             }
         }
+    }
+
+    #[test]
+    fn each_choice_of_prediction_has_its_other_reading() {
+        let predicted = |choose: Choose, format| {
+            let step = Step {
+                reference: Some(0),
+                inverted: true,
+                moved: true,
+                motion: (1, 0),
+            };
+            let (mut plane, reading) = ([140, 140], choose(Reading::SPEC));
+            let size = "2x1".parse().expect("a size");
+            apply(format, &mut plane, &[10, 21], &step, size, &reading);
+            plane
+        };
+        // 245 and 234: (245 + 234 + 1) >> 1 = 240. After motion: 255 − 16 = 239.
+        assert_eq!(predicted(|spec| spec, Format::JpeglsRgb), [252, 246]);
+        let after: Choose = Reading::with_inversion_after_motion;
+        assert_eq!(predicted(after, Format::JpeglsRgb), [251, 246]);
+        let without: Choose = Reading::without_jpeg_ls_offset;
+        assert_eq!(predicted(without, Format::JpeglsRgb), [124, 118]);
+        assert_eq!(predicted(without, Format::JpegRgb), [252, 246]);
     }
 }

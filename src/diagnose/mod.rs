@@ -188,7 +188,7 @@ mod tests {
             if let Answer::Decoded(frame) = &mut answer
                 && let Samples::U8(samples) = &mut frame.samples
             {
-                for sample in samples.iter_mut() {
+                for sample in samples {
                     *sample ^= 0x55;
                 }
             }

@@ -510,6 +510,7 @@ mod tests {
 
     #[test]
     fn text_is_read_back_as_the_same_expression() {
+        let shown = |text| parse(text, SCOPE).expect("an expression").display(SCOPE);
         for text in [
             "a + b * 2 - 1",
             "(a - bias[1]) / 2 * 4",
@@ -518,21 +519,13 @@ mod tests {
             "min(max(a, 0), 255)",
             "bias[5 - mod(a, 6)]",
         ] {
-            let expression = parse(text, SCOPE).expect("an expression");
-            assert_eq!(expression.display(SCOPE), text);
+            assert_eq!(shown(text), text);
         }
-    }
-
-    #[test]
-    fn an_address_is_shown_as_arithmetic() {
-        let address = parse("[a:3, b + 1:width, 1:6]", SCOPE).expect("an expression");
-        assert_eq!(address.display(SCOPE), "(a * width + b + 1) * 6 + 1");
-    }
-
-    #[test]
-    fn a_choice_is_shown_in_words() {
-        let choice = parse("1 + select(at_most(abs(a), 0), b, 2)", SCOPE).expect("an expression");
-        assert_eq!(choice.display(SCOPE), "1 + (b if a = 0, else 2)");
+        // An address is shown as arithmetic, a choice in words.
+        let address = shown("[a:3, b + 1:width, 1:6]");
+        assert_eq!(address, "(a * width + b + 1) * 6 + 1");
+        let choice = shown("1 + select(at_most(abs(a), 0), b, 2)");
+        assert_eq!(choice, "1 + (b if a = 0, else 2)");
     }
 
     #[test]

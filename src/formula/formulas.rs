@@ -245,18 +245,3 @@ fn read(text: &str) -> Result<Vec<Stated>, String> {
     };
     records.into_iter().map(stated).collect()
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn every_formula_is_stated_and_listed_once() {
-        let stated = read(include_str!("../../spec-cases/formulas.yaml")).unwrap();
-        assert_eq!(stated.len(), Formula::ALL.len());
-        for (place, &(formula, name)) in Formula::ALL.iter().enumerate() {
-            assert_eq!(formula as usize, place, "{name}");
-            assert_eq!(Formula::named(name), Some(formula));
-        }
-    }
-}

@@ -323,21 +323,13 @@ mod tests {
     }
 
     #[test]
-    fn what_was_taken_apart_is_written_again_with_the_same_planes() {
-        for (id, file) in small_files() {
-            let again = Parts::of(&file).expect("a legal file").write();
+    fn every_step_is_a_legal_file_and_none_changes_nothing() {
+        for (i, (id, file)) in small_files().enumerate() {
+            let parts = Parts::of(&file).expect("a legal file");
             let planes = |file: &[u8]| decode(file).expect("a legal file").planes;
-            assert_eq!(planes(&again), planes(&file), "{id}");
-        }
-    }
-
-    #[test]
-    fn every_step_is_a_legal_file() {
-        for (id, file) in small_files().step_by(20) {
-            for parts in Parts::of(&file).expect("a legal file").steps() {
-                let size = parts.recipe.size;
-                let ptm = decode(&parts.write()).unwrap_or_else(|error| panic!("{id}: {error}"));
-                assert_eq!(ptm.planes.size, size, "{id}");
+            assert_eq!(planes(&parts.write()), planes(&file), "{id}");
+            for parts in parts.steps().into_iter().filter(|_| i % 20 == 0) {
+                assert_eq!(planes(&parts.write()).size, parts.recipe.size, "{id}");
             }
         }
     }

@@ -372,50 +372,29 @@ mod tests {
         Down,
     }
 
-    #[track_caller]
-    fn rejects(text: &str, error: &str) {
-        assert_eq!(records::<Record>(text).unwrap_err(), error);
-    }
+    const ERRORS: &str = r#"
+- id: a↵- id: b↵  frist: true => line 3: unknown field `frist`, expected one of `id`, `first`, `size`, `way`
+- id: a↵  first: yes => line 2: invalid type: string "yes", expected a boolean
+- id: a↵  first: 'true' => line 2: invalid type: string "true", expected a boolean
+- { id: a, size: 256 } => line 1: invalid value: integer `256`, expected u8
+- id: a↵↵  way: sideways => line 3: unknown variant `sideways`, expected `up` or `down`
+- id: a↵  id: b => line 2: id is there twice
+- first: true => line 1: missing field `id`
+- id: => line 1: invalid type: unit value, expected a string
+id: a => line 1: expected a list
+- id: &a b↵- id: *a => line 1: anchors and aliases are not read
+- id: !b a => line 1: tags are not read
+- id: a↵---↵- id: b => line 2: a second document
+- [[[[[[[[[[[[[[[[]]]]]]]]]]]]]]]] => line 1: too deeply nested
+"#;
 
     #[test]
     fn every_error_names_its_line() {
-        rejects(
-            "- id: a\n- id: b\n  frist: true\n",
-            "line 3: unknown field `frist`, expected one of `id`, `first`, `size`, `way`",
-        );
-        rejects(
-            "- id: a\n  first: yes\n",
-            "line 2: invalid type: string \"yes\", expected a boolean",
-        );
-        rejects(
-            "- id: a\n  first: 'true'\n",
-            "line 2: invalid type: string \"true\", expected a boolean",
-        );
-        rejects(
-            "- { id: a, size: 256 }\n",
-            "line 1: invalid value: integer `256`, expected u8",
-        );
-        rejects(
-            "- id: a\n\n  way: sideways\n",
-            "line 3: unknown variant `sideways`, expected `up` or `down`",
-        );
-        rejects("- id: a\n  id: b\n", "line 2: id is there twice");
-        rejects("- first: true\n", "line 1: missing field `id`");
-        rejects(
-            "- id:\n",
-            "line 1: invalid type: unit value, expected a string",
-        );
-        rejects("id: a\n", "line 1: expected a list");
-        rejects(
-            "- id: &a b\n- id: *a\n",
-            "line 1: anchors and aliases are not read",
-        );
-        rejects("- id: !b a\n", "line 1: tags are not read");
-        rejects("- id: a\n---\n- id: b\n", "line 2: a second document");
-        rejects(
-            "- [[[[[[[[[[[[[[[[]]]]]]]]]]]]]]]]\n",
-            "line 1: too deeply nested",
-        );
+        for row in ERRORS.trim().lines() {
+            let (text, error) = row.split_once(" => ").expect("a text and its error");
+            let text = text.replace('↵', "\n") + "\n";
+            assert_eq!(records::<Record>(&text).unwrap_err(), error);
+        }
     }
 
     #[test]

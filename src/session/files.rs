@@ -293,24 +293,3 @@ impl FilesReport {
         text
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn every_encoding_holds_the_same_values() {
-        for format in [Format::Rgb, Format::Lrgb, Format::Lum, Format::PtmLut] {
-            let recipe = Recipe::ordinary(format, "7x5".parse().expect("a size"));
-            let file = write(&recipe, &Model::paint(&recipe)).bytes;
-            let ptm = crate::decode(&file).expect("a generated file is legal");
-            let encodings = encodings(&ptm);
-            assert!(encodings.len() >= 5);
-            for (how, file) in encodings {
-                let again = crate::decode(&file).expect("an encoding is legal");
-                assert_eq!(again.planes, ptm.planes, "{format} {how}");
-                assert_eq!(again.header.scale_bias, ptm.header.scale_bias);
-            }
-        }
-    }
-}

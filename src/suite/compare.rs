@@ -324,10 +324,7 @@ mod tests {
     #[track_caller]
     fn is_near(expected: f64, received: f64, near: bool) {
         let one = Expected {
-            size: Size {
-                width: 1,
-                height: 1,
-            },
+            size: "1x1".parse().expect("a size"),
             channels: 1,
             view: ViewKind::Coef,
             values: vec![expected],

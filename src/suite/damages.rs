@@ -45,43 +45,24 @@ pub fn named(name: &str) -> Result<&'static Damage, String> {
 mod tests {
     use super::*;
 
-    #[track_caller]
-    fn rejects(text: &str, error: &str) {
-        let text = format!("- slug: a\n  clause: 2.1/1\n  effect: it is wrong\n{text}");
-        let said = read(&text).expect_err("it is no damage");
-        assert!(said.starts_with(error), "{said}");
-    }
+    const ERRORS: &str = r#"
+  replcae: { width: x } => line 4: unknown field `replcae`
+  fit: yes => line 4: invalid type
+  replace: { widht: x } => line 4: unknown field in the place "widht"
+  end: "plane[frist]" => line 4: unknown number in the place "plane[frist]"
+  flip: { "plane[1].sof": hex ff } => line 4: unknown part in the place "plane[1].sof"
+  index: { second: entries } => line 4: unknown variant `second`
+  needs: { coding: gif } => line 4: unknown variant `gif`
+- slug: b => line 4: a damage has slug, clause and effect
+"#;
 
     #[test]
     fn every_error_names_its_line() {
-        rejects(
-            "  replcae: { width: x }\n",
-            "line 4: unknown field `replcae`",
-        );
-        rejects("  fit: yes\n", "line 4: invalid type");
-        rejects(
-            "  replace: { widht: x }\n",
-            "line 4: unknown field in the place \"widht\"",
-        );
-        rejects(
-            "  end: \"plane[frist]\"\n",
-            "line 4: unknown number in the place \"plane[frist]\"",
-        );
-        rejects(
-            "  flip: { \"plane[1].sof\": hex ff }\n",
-            "line 4: unknown part in the place \"plane[1].sof\"",
-        );
-        rejects(
-            "  index: { second: entries }\n",
-            "line 4: unknown variant `second`",
-        );
-        rejects(
-            "  needs: { coding: gif }\n",
-            "line 4: unknown variant `gif`",
-        );
-        rejects(
-            "- slug: b\n",
-            "line 4: a damage has slug, clause and effect",
-        );
+        for row in ERRORS.trim_matches('\n').lines() {
+            let (text, error) = row.split_once(" => ").expect("a text and its error");
+            let text = format!("- slug: a\n  clause: 2.1/1\n  effect: it is wrong\n{text}\n");
+            let said = read(&text).expect_err("it is no damage");
+            assert!(said.starts_with(error), "{said}");
+        }
     }
 }

@@ -82,42 +82,29 @@ impl Suite {
 mod tests {
     use super::*;
 
-    #[track_caller]
-    fn rejects(text: &str, error: &str) {
-        let text = format!("- id: a\n  clauses: [2.1/1]\n  because: It is.\n{text}");
-        let said = Suite::from_files(&[("x.yaml", &text)]).expect_err("it is no case");
-        assert!(said.starts_with(&format!("x.yaml: {error}")), "{said}");
-    }
+    /// Faulty ends of a case; MAKE has the keys of an image.
+    const ERRORS: &str = r#"
+  expect: decoded => line 4: unknown variant `decoded`
+  expcet: decode => line 4: unknown field `expcet`
+  expect: decode↵  first: yes => line 5: invalid type
+MAKE    sede: 1 => line 8: unknown field `sede`
+MAKE    spelling: { size_lines: one } => line 1: case a: expected 2 or 1 for size_lines, found "one"
+MAKE    compression: { baseline: yes } => line 1: case a: expected true or false for baseline, found "yes"
+MAKE    scene: nose => line 1: case a: unknown scene
+MAKE  views: [coefs] => line 1: case a:
+  expect: decode↵  bytes: [{ is: format, text: "PTM_FORMAT_LRGB\n" }]↵  values: { size: 1x1, raw: [1 2 3 4 5 6 7 8 9] }↵  views: [coef] => line 1: case a: its values lack the view coef
+  expect: reject↵  twin_of: b↵  damage: width-zero => line 1: case a: its twin b does not stand before it
+"#;
 
     #[test]
     fn what_means_nothing_is_refused_with_file_and_line() {
-        rejects("  expect: decoded\n", "line 4: unknown variant `decoded`");
-        rejects("  expcet: decode\n", "line 4: unknown field `expcet`");
-        rejects("  expect: decode\n  first: yes\n", "line 5: invalid type");
-        let make = |fields: &str| {
-            format!("  expect: decode\n  make:\n    format: RGB\n    size: 3x2\n    {fields}\n")
-        };
-        rejects(&make("sede: 1"), "line 8: unknown field `sede`");
-        rejects(
-            &make("spelling: { size_lines: one }"),
-            "line 1: case a: expected 2 or 1 for size_lines, found \"one\"",
-        );
-        rejects(
-            &make("compression: { baseline: yes }"),
-            "line 1: case a: expected true or false for baseline, found \"yes\"",
-        );
-        rejects(&make("scene: nose"), "line 1: case a: unknown scene");
-        rejects(
-            "  expect: decode\n  make: { format: RGB, size: 3x2 }\n  views: [coefs]\n",
-            "line 1: case a: ",
-        );
-        rejects(
-            "  expect: decode\n  bytes: [{ is: format, text: \"PTM_FORMAT_LRGB\\n\" }]\n  values: { size: 1x1, raw: [1 2 3 4 5 6 7 8 9] }\n  views: [coef]\n",
-            "line 1: case a: its values lack the view coef",
-        );
-        rejects(
-            "  expect: reject\n  twin_of: b\n  damage: width-zero\n",
-            "line 1: case a: its twin b does not stand before it",
-        );
+        const MAKE: &str = "  expect: decode↵  make:↵    format: RGB↵    size: 3x2↵";
+        for row in ERRORS.trim_matches('\n').lines() {
+            let (text, error) = row.split_once(" => ").expect("a text and its error");
+            let text = text.replace("MAKE", MAKE).replace('↵', "\n");
+            let text = format!("- id: a\n  clauses: [2.1/1]\n  because: It is.\n{text}\n");
+            let said = Suite::from_files(&[("x.yaml", &text)]).expect_err("it is no case");
+            assert!(said.starts_with(&format!("x.yaml: {error}")), "{said}");
+        }
     }
 }

@@ -280,75 +280,43 @@ mod tests {
     const COUNTS: [bool; 6] = [true; 6];
 
     #[test]
-    fn polynomials_that_are_multiples_of_one_are_factored() {
-        // 10·d, 5·d and 0·d with d = (1, 2, −1, 0, 3, 1): colors 255 : 127.5 : 0 do not fit, 2n of them do: 254 : 127 is not
-        // 2 : 1 of 255; n = 30 gives 85, 42.5; only multiples whose 255·m/n is whole do.
-        let bias = [100; 6];
+    fn polynomials_are_factored_only_if_they_are_multiples_of_one() {
+        // Multiples 10, 6 and 0 of d = (1, 2, −1, 0, 3, 1) over a bias of 100.
         let at = |m: i64| [1, 2, -1, 0, 3, 1].map(|d: i64| (m * d + 100) as u8);
-        let texel = [at(10), at(6), at(0)].concat();
-        let found = factor_colors(&texel, &bias, COUNTS).unwrap();
-        assert_eq!(found[..6], at(10));
-        assert_eq!(found[6..], [255, 153, 0]);
-        // 5 of 10 needs a color of 127.5 or a polynomial that does not fit a byte: 255·5/n, n = 51 is 25 and 50.
-        let texel = [at(10), at(5), at(0)].concat();
-        let found = factor_colors(&texel, &bias, COUNTS).unwrap();
-        for (channel, m) in [(6, 10), (7, 5), (8, 0)] {
-            for i in 0..6 {
-                let product = (i64::from(found[i]) - 100) * i64::from(found[channel]);
-                assert_eq!(product, 255 * (i64::from(at(m)[i]) - 100));
-            }
-        }
+        let found = factor_colors(&[at(10), at(6), at(0)].concat(), &[100; 6], COUNTS);
+        assert_eq!(found, Some([&at(10)[..], &[255, 153, 0]].concat()));
+        let gray = factor_colors(&[[1, 2, 3, 4, 5, 6]; 3].concat(), &[0; 6], COUNTS);
+        assert_eq!(gray, Some(vec![1, 2, 3, 4, 5, 6, 255, 255, 255]));
+        let black = factor_colors(&[7; 18], &[7; 6], COUNTS).unwrap();
+        assert_eq!(black[6..], [0, 0, 0]);
+        let other: Vec<u8> = (0..18_u32).map(|i| (i * i % 251) as u8).collect();
+        assert_eq!(factor_colors(&other, &[0; 6], COUNTS), None);
     }
 
+    /// In every second texel the colors are fifths and their factors are multiples of 5; others fit by chance.
     #[test]
-    fn polynomials_that_are_not_are_refused() {
-        let texel: Vec<u8> = (0..18_u32).map(|i| (i * i % 251) as u8).collect();
-        assert_eq!(factor_colors(&texel, &[0; 6], COUNTS), None);
-    }
-
-    #[test]
-    fn equal_polynomials_are_white_and_none_is_black() {
-        let gray = [[1, 2, 3, 4, 5, 6]; 3].concat();
-        assert_eq!(
-            factor_colors(&gray, &[0; 6], COUNTS).unwrap(),
-            [1, 2, 3, 4, 5, 6, 255, 255, 255]
-        );
-        assert_eq!(
-            factor_colors(&[7; 18], &[7; 6], COUNTS).unwrap()[6..],
-            [0, 0, 0]
-        );
-    }
-
-    #[test]
-    fn a_texel_is_multiplied_only_if_it_comes_out_whole() {
-        assert_eq!(
-            multiply_colors(&[1, 2, 3, 4, 5, 6, 255, 0, 255], &[0; 6], COUNTS).unwrap(),
-            [1, 2, 3, 4, 5, 6, 0, 0, 0, 0, 0, 0, 1, 2, 3, 4, 5, 6]
-        );
-        assert_eq!(
-            multiply_colors(&[1, 0, 0, 0, 0, 0, 128, 0, 0], &[0; 6], COUNTS),
-            None
-        );
-        assert!(multiply_colors(&[255, 0, 0, 0, 0, 0, 128, 0, 0], &[0; 6], COUNTS).is_some());
-    }
-
-    #[test]
-    fn what_is_factored_multiplies_back() {
+    fn exact_products_are_factored_and_multiply_back() {
         let bias = [20, 30, 40, 50, 60, 70];
         let mut fitting = 0;
         for seed in 0..4000_u32 {
             let byte = |i: u32| (seed.wrapping_mul(2_654_435_761).rotate_left(5 * i) >> 24) as u8;
-            // In every second texel the colors are fifths and their factors are multiples of 5.
-            let texel: Vec<u8> = (0..9)
-                .map(|i| match (seed % 2, byte(i)) {
-                    (0, x) => x,
-                    (_, x) if i < 6 => (bias[i as usize] + 5 * (i64::from(x) % 30)) as u8,
-                    (_, x) => x / 51 * 51,
-                })
-                .collect();
-            let Some(three) = multiply_colors(&texel, &bias, COUNTS) else {
-                continue;
+            let value = |i: u32| match (seed % 2, byte(i)) {
+                (0, x) => x,
+                (_, x) if i < 6 => (bias[i as usize] + 5 * (i64::from(x) % 30)) as u8,
+                (_, x) => x / 51 * 51,
             };
+            let texel: Vec<u8> = (0..9).map(value).collect();
+            let product = |at: usize| {
+                (i64::from(texel[at % 6]) - bias[at % 6]) * i64::from(texel[6 + at / 6])
+            };
+            let whole = |at: usize| {
+                u8::try_from(product(at) / 255 + bias[at % 6])
+                    .ok()
+                    .filter(|_| product(at) % 255 == 0)
+            };
+            let three = multiply_colors(&texel, &bias, COUNTS);
+            assert_eq!(three, (0..18).map(whole).collect());
+            let Some(three) = three else { continue };
             fitting += 1;
             let one = factor_colors(&three, &bias, COUNTS).expect("it came of one");
             assert_eq!(multiply_colors(&one, &bias, COUNTS), Some(three));

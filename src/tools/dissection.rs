@@ -10,7 +10,7 @@ use serde::Serialize;
 
 use crate::decode::{Streams, examine, examine_streams};
 use crate::error::{Error, Kind};
-use crate::ptm::{Field, Format, Ptm, Size, channel_name};
+use crate::ptm::{Field, Format, Ptm, Size};
 
 /// A part of a file: a field, or an element of one. What `inspect` adds is empty in a dissection.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
@@ -113,7 +113,8 @@ impl<'a> Dissection<'a> {
         let mut counts: HashMap<&str, usize> = HashMap::new();
         let parts = fields.iter().filter_map(|field| {
             let nth = counts.entry(field.clause).or_default();
-            let part = FilePart::new(field, *nth, file, format)?;
+            let range = field.range.clone();
+            let part = FilePart::new(field.clause, range, *nth, file, format)?;
             *nth += 1;
             Some(part)
         });
@@ -193,12 +194,6 @@ impl<'a> Dissection<'a> {
         &self.file[from..to]
     }
 
-    /// Returns the channel name of plane `plane`: `a3 of green`.
-    #[must_use]
-    pub fn channel(&self, plane: usize) -> String {
-        channel_name(self.format.map_or(9, Format::channels), plane)
-    }
-
     /// Returns the number of bytes of a line end at `from`.
     fn line_end(&self, from: usize) -> usize {
         let in_header = !self.parts.iter().any(|part| part.role.is_payload());
@@ -235,20 +230,18 @@ impl<'a> Dissection<'a> {
         while self.part(Role::Block(blocks)).is_some() {
             blocks += 1;
         }
-        let (clause, range) = (error.clause(), error.offset()..self.file.len());
-        self.show_cut_part(
-            &Field {
-                clause,
-                name: "",
-                range,
-            },
-            blocks,
-            Some(needs),
-        );
+        let range = error.offset()..self.file.len();
+        self.show_cut_part(error.clause(), range, blocks, Some(needs));
     }
 
-    fn show_cut_part(&mut self, field: &Field, nth: usize, cut_from: Option<u64>) {
-        let part = FilePart::new(field, nth, self.file, self.format);
+    fn show_cut_part(
+        &mut self,
+        clause: &'static str,
+        range: Range<usize>,
+        nth: usize,
+        cut_from: Option<u64>,
+    ) {
+        let part = FilePart::new(clause, range, nth, self.file, self.format);
         self.parts
             .extend(part.map(|part| FilePart { cut_from, ..part }));
     }
@@ -266,15 +259,7 @@ impl<'a> Dissection<'a> {
                 let range = at..at + size.min(there) as usize;
                 at = range.end;
                 let cut_from = (there < size).then_some(size);
-                self.show_cut_part(
-                    &Field {
-                        clause,
-                        name: "",
-                        range,
-                    },
-                    plane,
-                    cut_from,
-                );
+                self.show_cut_part(clause, range, plane, cut_from);
             }
         }
     }
@@ -323,22 +308,28 @@ impl FilePart {
         self.offset..self.offset + self.length
     }
 
-    /// Describes a field: the `nth` one of its clause.
-    fn new(field: &Field, nth: usize, file: &[u8], format: Option<Format>) -> Option<FilePart> {
+    /// Describes the bytes of a field: the `nth` one of its clause.
+    fn new(
+        clause: &'static str,
+        range: Range<usize>,
+        nth: usize,
+        file: &[u8],
+        format: Option<Format>,
+    ) -> Option<FilePart> {
         let planes = format.map_or(9, Format::channels);
         let plain = |role, name: &str| (role, name.to_owned(), None);
         let element = |role: fn(usize) -> Role, name: &str, list| {
             (role(nth), format!("{name} {nth}"), Some(list))
         };
         let coefficient = |role, name: &str, list| (role, format!("{name} of a{nth}"), Some(list));
-        let (role, name, list) = match field.clause {
+        let (role, name, list) = match clause {
             "2.1/1" => plain(Role::Version, "version"),
             FORMAT_NAME => plain(Role::Format, "format"),
             "2.3/1" if nth == 0 => plain(Role::Width, "width"),
             "2.3/1" => plain(Role::Height, "height"),
             "2.4/3" => coefficient(Role::Scale(nth), "scale", "scales of a0…a5"),
             "2.4/4" => coefficient(Role::Bias(nth), "bias", "biases of a0…a5"),
-            "2.5/2" => match &file[field.range.clone()] {
+            "2.5/2" => match &file[range.clone()] {
                 b"nentries" | b"N_LUT_ENTRIES" => {
                     plain(Role::CountWord, "word at the number of entries")
                 }
@@ -383,9 +374,9 @@ impl FilePart {
             role,
             name,
             list,
-            clause: exact_clause(role, format).unwrap_or(field.clause),
-            offset: field.range.start,
-            length: field.range.len(),
+            clause: exact_clause(role, format).unwrap_or(clause),
+            offset: range.start,
+            length: range.len(),
             ..FilePart::default()
         })
     }
@@ -431,27 +422,23 @@ mod tests {
     }
 
     #[test]
-    fn blocks_that_are_cut_are_shown_as_far_as_they_go() {
-        for format in [Format::Rgb, Format::Lum, Format::Lrgb, Format::PtmLut] {
+    fn parts_that_are_cut_are_shown_as_far_as_they_go() {
+        for format in Format::ALL {
             let recipe = Recipe::ordinary(format, "4x3".parse().unwrap());
             let file = write(&recipe, &Model::paint(&recipe)).bytes;
-            let cut = Dissection::of(&file[..file.len() - 5]);
-            let last = cut.parts.last().unwrap();
-            assert!(matches!(last.role, Role::Block(_)), "{format}");
-            assert_eq!(last.cut_from, Some(last.length as u64 + 5), "{format}");
+            let (whole, cut) = (
+                Dissection::of(&file),
+                Dissection::of(&file[..file.len() - 5]),
+            );
+            let part = cut
+                .parts
+                .iter()
+                .find(|part| part.cut_from.is_some())
+                .unwrap();
+            assert_eq!(part.range().end, file.len() - 5, "{format}");
+            let uncut = whole.part(part.role).unwrap();
+            assert_eq!(part.offset, uncut.offset, "{format}");
+            assert_eq!(part.cut_from, Some(uncut.length as u64), "{format}");
         }
-    }
-
-    #[test]
-    fn planes_that_are_cut_are_shown_as_far_as_they_go() {
-        let recipe = Recipe::ordinary(Format::JpeglsLrgb, "4x3".parse().unwrap());
-        let file = write(&recipe, &Model::paint(&recipe)).bytes;
-        let cut = &file[..file.len() - 5];
-        let (whole, dissection) = (Dissection::of(&file), Dissection::of(cut));
-        assert!(dissection.outcome.is_err());
-        let stream = Role::Stream(0);
-        assert_eq!(dissection.bytes(stream), whole.bytes(stream));
-        let last = dissection.part(Role::Stream(8)).unwrap();
-        assert_eq!(last.range().end, cut.len());
     }
 }

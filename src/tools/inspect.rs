@@ -7,7 +7,7 @@ use anstyle::{AnsiColor, Style};
 use serde::Serialize;
 
 use crate::error::{Class, Kind};
-use crate::ptm::{Format, Size};
+use crate::ptm::{Format, Size, channel_name};
 use crate::tools::dissection::{Dissection, FilePart, Role, index_values};
 use crate::tools::segments::segments;
 use crate::tools::{joined, place_in_words, texel_at};
@@ -198,7 +198,8 @@ fn child(
 /// Describes a plane: its channel, its rank, its reference and its transform.
 fn plan(dissection: &Dissection, plane: usize) -> String {
     let number = |role| dissection.number(role).unwrap_or_default();
-    let (channel, rank) = (dissection.channel(plane), number(Role::Rank(plane)));
+    let planes = dissection.compressed_planes();
+    let (channel, rank) = (channel_name(planes, plane), number(Role::Rank(plane)));
     let mut words = format!("{channel}, rank {rank}");
     let reference = number(Role::Reference(plane));
     if reference < 0 {

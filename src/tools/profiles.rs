@@ -222,17 +222,7 @@ fn entry(case: &Case, profile: Profile) -> Result<(ProfileCase, Vec<Output>), St
     let mut expected = Vec::new();
     for view in profile.views(case) {
         if let Some(values) = Expected::of(&built.values, &view) {
-            let axes = concerned(case, &view).into_iter();
-            let shows: Vec<&str> = axes.map(|axis| CHOICES[axis].ruling).collect();
-            let stem = format!("expected/{place}/{}.{}", case.id, suffix(&view));
-            expected.extend(answers(
-                &values,
-                &view,
-                &stem,
-                profile,
-                &shows,
-                &mut outputs,
-            )?);
+            expected.extend(answers(case, &view, &values, profile, &mut outputs)?);
         }
     }
     let refused = matches!(case.expect, Expect::Reject | Expect::Refuse);
@@ -257,27 +247,27 @@ fn entry(case: &Case, profile: Profile) -> Result<(ProfileCase, Vec<Output>), St
     Ok((entry, outputs))
 }
 
-/// Returns a file name suffix: `raw`, `coef`, `rgb-0.25--0.5`.
-fn suffix(view: &View) -> String {
-    view.to_string().replace([':', ','], "-")
-}
-
 /// Returns one right answer in all its forms: always an array; images and EXR if they are equivalent; and their files.
 fn answers(
-    expected: &Expected,
+    case: &Case,
     view: &View,
-    stem: &str,
+    expected: &Expected,
     profile: Profile,
-    shows: &[&'static str],
     outputs: &mut Vec<Output>,
 ) -> Result<Vec<ProfiledAnswer>, String> {
+    let axes = concerned(case, view).into_iter();
+    let shows: Vec<&str> = axes.map(|axis| CHOICES[axis].ruling).collect();
+    // `raw`, `coef`, `rgb-0.25--0.5`
+    let suffix = view.to_string().replace([':', ','], "-");
+    let place = case.format().short_name().to_lowercase();
+    let stem = format!("expected/{place}/{}.{suffix}", case.id);
     let mut answers = Vec::new();
     let (size, channels) = (expected.size, expected.channels);
     let slack = (!expected.slack.is_empty()).then(|| format!("{stem}.slack.npy"));
     if let Some(path) = &slack {
         outputs.push((path.clone(), npy_floats(&expected.slack, size, channels)));
     }
-    for (encoding, bytes) in encoded(expected, stem, profile)? {
+    for (encoding, bytes) in encoded(expected, &stem, profile)? {
         let path = format!("{stem}.{encoding}");
         answers.push(ProfiledAnswer {
             view: view.to_string(),
@@ -286,7 +276,7 @@ fn answers(
             shape: [size.height as usize, size.width as usize, channels],
             sha256: sha256(&bytes),
             slack: slack.clone(),
-            shows: shows.to_vec(),
+            shows: shows.clone(),
         });
         outputs.push((path, bytes));
     }
@@ -338,34 +328,19 @@ const README: &str = include_str!("../../spec-cases/profile.md");
 mod tests {
     use super::*;
 
-    fn suite() -> Suite {
-        Suite::load().expect("the suite loads")
-    }
-
     #[test]
-    fn profiles_grow() {
-        let suite = suite();
-        let [minimal, standard, exhaustive] =
-            [Profile::Minimal, Profile::Standard, Profile::Exhaustive]
-                .map(|profile| profile.cases(&suite).len());
-        assert!(
-            minimal * 2 < standard && standard < exhaustive,
-            "{minimal}, {standard}, {exhaustive}"
-        );
-        assert_eq!(exhaustive, suite.cases.len());
-    }
-
-    #[test]
-    fn the_smallest_profile_has_a_case_for_every_clause_that_has_a_small_one() {
-        let suite = suite();
+    fn profiles_grow_and_the_smallest_has_a_case_for_every_clause_that_has_a_small_one() {
+        let suite = Suite::load().expect("the suite loads");
+        let [minimal, standard, exhaustive] = Profile::ALL.map(|row| row.0.cases(&suite));
+        assert!(minimal.len() * 2 < standard.len() && standard.len() < exhaustive.len());
+        assert_eq!(exhaustive.len(), suite.cases.len());
         let clauses = |cases: &[&Case]| -> BTreeSet<String> {
             let asked = cases.iter().filter(|case| case.expect == Expect::Decode);
             asked.flat_map(|case| case.clauses.clone()).collect()
         };
-        let small = |case: &&Case| {
-            case.build(TableSpelling::default()).file.len() <= Profile::Minimal.largest()
-        };
-        let all: Vec<&Case> = suite.cases.iter().filter(small).collect();
-        assert_eq!(clauses(&Profile::Minimal.cases(&suite)), clauses(&all));
+        let size = |case: &Case| case.build(TableSpelling::default()).file.len();
+        let is_small = |case: &&Case| size(case) <= Profile::Minimal.largest();
+        let small: Vec<&Case> = suite.cases.iter().filter(is_small).collect();
+        assert_eq!(clauses(&minimal), clauses(&small));
     }
 }

@@ -271,37 +271,30 @@ impl Image {
 mod tests {
     use super::*;
 
-    #[track_caller]
-    fn points(a: [f64; 6], expected: [f64; 3]) {
-        let found = normal(&a);
-        for (a, b) in found.iter().zip(expected) {
-            assert!((a - b).abs() < 1e-6, "{found:?}, expected {expected:?}");
-        }
-    }
+    /// Polynomials and their normals. The first two have a summit: −(u − 0.3)² − (v + 0.4)² up to a constant, and with a
+    /// mixed term −u² − v² + uv + 0.3u, highest at (0.2, 0.1). Then the rim: slopes, a summit below the horizon, and the
+    /// saddle u² − v² + 0.1u, which is largest at the right. Where nothing decides, it is the zenith.
+    const NORMALS: [([f64; 6], [f64; 3]); 8] = [
+        ([-1.0, -1.0, 0.0, 0.6, -0.8, 7.0], [0.3, -0.4, 0.866_025_4]),
+        ([-1.0, -1.0, 1.0, 0.3, 0.0, 0.0], [0.2, 0.1, 0.974_679_4]),
+        ([0.0, 0.0, 0.0, 1.0, 0.0, 0.0], [1.0, 0.0, 0.0]),
+        ([0.0, 0.0, 0.0, 3.0, -4.0, 0.0], [0.6, -0.8, 0.0]),
+        ([-1.0, -1.0, 0.0, 0.0, 4.0, 0.0], [0.0, 1.0, 0.0]),
+        ([1.0, -1.0, 0.0, 0.1, 0.0, 0.0], [1.0, 0.0, 0.0]),
+        ([0.0, 0.0, 0.0, 0.0, 0.0, 9.0], [0.0, 0.0, 1.0]),
+        ([-5.0, 0.0, 0.0, 0.0, 0.0, 9.0], [0.0, 0.0, 1.0]),
+    ];
 
     #[test]
     fn a_normal_points_to_the_brightest_light() {
-        // −(u − 0.3)² − (v + 0.4)², up to a constant.
-        let height = 0.75_f64.sqrt();
-        points([-1.0, -1.0, 0.0, 0.6, -0.8, 7.0], [0.3, -0.4, height]);
-        // With a mixed term: the summit of −u² − v² + uv + 0.3u is (0.2, 0.1).
-        let height = 0.95_f64.sqrt();
-        points([-1.0, -1.0, 1.0, 0.3, 0.0, 0.0], [0.2, 0.1, height]);
-    }
-
-    #[test]
-    fn without_a_summit_within_the_hemisphere_it_lies_on_the_rim() {
-        points([0.0, 0.0, 0.0, 1.0, 0.0, 0.0], [1.0, 0.0, 0.0]);
-        points([0.0, 0.0, 0.0, 3.0, -4.0, 0.0], [0.6, -0.8, 0.0]);
-        points([-1.0, -1.0, 0.0, 0.0, 4.0, 0.0], [0.0, 1.0, 0.0]);
-        // A saddle is not a maximum: u² − v² + 0.1u is largest at the right.
-        points([1.0, -1.0, 0.0, 0.1, 0.0, 0.0], [1.0, 0.0, 0.0]);
-    }
-
-    #[test]
-    fn where_nothing_decides_it_points_to_the_zenith() {
-        points([0.0, 0.0, 0.0, 0.0, 0.0, 9.0], [0.0, 0.0, 1.0]);
-        points([-5.0, 0.0, 0.0, 0.0, 0.0, 9.0], [0.0, 0.0, 1.0]);
+        for (polynomial, expected) in NORMALS {
+            let found = normal(&polynomial);
+            let mut pairs = found.iter().zip(expected);
+            assert!(
+                pairs.all(|(a, b)| (a - b).abs() < 1e-6),
+                "{found:?}, expected {expected:?}"
+            );
+        }
     }
 
     #[test]
@@ -314,26 +307,12 @@ mod tests {
     }
 
     #[test]
-    fn an_enlarged_picture_has_squares() {
-        let image = Image::gray(2, 2, vec![1, 2, 3, 4]);
-        let large = image.enlarged(2).expect("a small picture");
-        let samples = vec![1, 1, 2, 2, 1, 1, 2, 2, 3, 3, 4, 4, 3, 3, 4, 4];
-        assert_eq!(large, Image::gray(4, 4, samples));
-        assert!(image.enlarged(usize::MAX).is_err());
-    }
-
-    #[test]
     fn a_picture_becomes_a_file_of_every_form() {
+        use ImageFormat::{Bmp, Jpeg, Png, Tiff, WebP};
         let image = Image::rgb("1x1".parse().expect("a size"), vec![7, 7, 7]);
         let file = |format| image.to_file(format).expect("a small picture");
         assert_eq!(file(ImageFormat::Pnm), b"P6\n1 1 255\n\x07\x07\x07");
-        for format in [
-            ImageFormat::Png,
-            ImageFormat::Tiff,
-            ImageFormat::Bmp,
-            ImageFormat::WebP,
-            ImageFormat::Jpeg,
-        ] {
+        for format in [Png, Tiff, Bmp, WebP, Jpeg] {
             let read = image::load_from_memory_with_format(&file(format), format);
             let read = read.expect("a picture").into_rgb8();
             assert_eq!(read.into_raw(), [7, 7, 7], "{format:?}");
@@ -341,8 +320,12 @@ mod tests {
     }
 
     #[test]
-    fn a_shrunk_picture_has_means() {
+    fn an_enlarged_image_has_squares_and_a_shrunk_one_means() {
         let image = Image::gray(3, 2, vec![10, 20, 31, 30, 41, 33]);
         assert_eq!(image.shrunk(2), Image::gray(2, 1, vec![25, 32]));
+        let image = Image::gray(2, 2, vec![1, 2, 3, 4]);
+        let samples = vec![1, 1, 2, 2, 1, 1, 2, 2, 3, 3, 4, 4, 3, 3, 4, 4];
+        assert_eq!(image.enlarged(2), Ok(Image::gray(4, 4, samples)));
+        assert!(image.enlarged(usize::MAX).is_err());
     }
 }

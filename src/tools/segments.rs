@@ -273,12 +273,7 @@ fn quantization_tables(mut body: &[u8]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::codec::{jpeg, jpeg_ls};
-
-    fn names(stream: &[u8]) -> String {
-        let parts = segments(stream);
-        joined(parts.iter().map(|part| part.kind.label().0), " ")
-    }
+    use crate::codec::jpeg;
 
     fn check_coverage(stream: &[u8]) {
         let mut end = 0;
@@ -287,22 +282,6 @@ mod tests {
             end = part.range.end;
         }
         assert_eq!(end, stream.len());
-    }
-
-    #[test]
-    fn the_segments_of_both_codecs_are_named() {
-        let samples: Vec<u8> = (0..=255).collect();
-        let jpeg = jpeg::encode(&samples, 16, 16, &jpeg::JpegOptions::new(75)).stream;
-        let expected = "SOI APP0 DQT SOF0 DHT DHT SOS entropy-coded data EOI";
-        assert_eq!(names(&jpeg), expected);
-        assert_eq!(frame(&segments(&jpeg)), Some((0xc0, 8, 16, 16, 1)));
-        let options = jpeg_ls::JpegLsOptions {
-            near: 3,
-            presets: None,
-        };
-        let stream = jpeg_ls::encode(&samples, 16, 16, &options).stream;
-        assert_eq!(names(&stream), "SOI SOF55 SOS entropy-coded data EOI");
-        assert_eq!(near(&segments(&stream)), Some(3));
     }
 
     #[test]

@@ -1,7 +1,8 @@
 //! Decoders inside this process, and runs of the suite against them.
 
 use ptm_conform::Reading;
-use ptm_conform::misreadings::{self, Misreading};
+use ptm_conform::formula::Edit;
+use ptm_conform::misreadings::{self, At, Misreading, Symptom};
 use ptm_conform::protocol::frame::Answer;
 use ptm_conform::runner::run::{Reply, Request};
 use ptm_conform::session::plan::RunPlan;
@@ -21,6 +22,19 @@ pub fn jobs() -> usize {
 #[track_caller]
 pub fn misreading(slug: &str) -> &'static Misreading {
     misreadings::named(slug).unwrap_or_else(|| panic!("no misreading {slug}"))
+}
+
+/// Returns the misreading of a decoder that computes formulas differently.
+pub fn computing(edits: Vec<Edit>) -> Misreading {
+    Misreading {
+        slug: "none",
+        clause: "1.0/1",
+        effect: "",
+        fix: "",
+        shows: Symptom::Values,
+        seen: Vec::new(),
+        at: At::Edits(edits.leak()),
+    }
 }
 
 /// Answers as a decoder with these misreadings.

@@ -55,22 +55,6 @@ pub fn as_uri(name: &OsStr) -> String {
 mod tests {
     use super::*;
 
-    #[test]
-    fn what_acts_is_escaped() {
-        assert_eq!(
-            printable(OsStr::new("maps/münze 1.ptm")),
-            "maps/münze 1.ptm"
-        );
-        assert_eq!(
-            printable(OsStr::new("a\nb\tc\x1b[31m")),
-            "a\\nb\\tc\\u{1b}[31m"
-        );
-        assert_eq!(
-            printable(OsStr::new("a\u{9b}\u{202e}mtp")),
-            "a\\u{9b}\\u{202e}mtp"
-        );
-    }
-
     #[cfg(unix)]
     #[test]
     fn bytes_that_are_no_text_and_backslashes_can_be_told_apart() {

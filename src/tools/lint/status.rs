@@ -79,29 +79,22 @@ fn is_another_version(file: &[u8]) -> bool {
 mod tests {
     use super::*;
 
-    #[track_caller]
-    fn is(file: &[u8], status: Status) {
-        assert_eq!(Status::of(&Dissection::of(file)), status);
-    }
-
     #[test]
     fn the_first_line_separates_other_files_other_versions_and_damage() {
-        is(b"", Status::NotAPtm);
-        is(b"P6\n1 1\n255\n...", Status::NotAPtm);
-        is(b"ptm_1.2\nPTM_FORMAT_LRGB\n", Status::NotAPtm);
-        is(b"PTM_1.1\nPTM_FORMAT_LRGB\n", Status::NotJudged);
-        is(b"PTM_12.10 \n", Status::NotJudged);
-        is(b"PTM_1.1", Status::Damaged);
-        is(b"PTM_1.\n", Status::Damaged);
-        is(b"PTM_1.2.3\n", Status::Damaged);
-        is(b"PTM_1.2\n", Status::Damaged);
-    }
-
-    #[test]
-    fn what_the_reference_reads_is_sound() {
-        is(
-            b"PTM_1.2\nPTM_FORMAT_LRGB\n1\n1\n1 1 1 1 1 1\n0 0 0 0 0 0\n\x01\x02\x03\x04\x05\x06rgb",
-            Status::Sound,
-        );
+        const SOUND: &[u8] = b"PTM_1.2\nPTM_FORMAT_LRGB\n1\n1\n1 1 1 1 1 1\n0 0 0 0 0 0\nabcdefrgb";
+        for (file, status) in [
+            (&b""[..], Status::NotAPtm),
+            (b"P6\n1 1\n255\n...", Status::NotAPtm),
+            (b"ptm_1.2\nPTM_FORMAT_LRGB\n", Status::NotAPtm),
+            (b"PTM_1.1\nPTM_FORMAT_LRGB\n", Status::NotJudged),
+            (b"PTM_12.10 \n", Status::NotJudged),
+            (b"PTM_1.1", Status::Damaged),
+            (b"PTM_1.\n", Status::Damaged),
+            (b"PTM_1.2.3\n", Status::Damaged),
+            (b"PTM_1.2\n", Status::Damaged),
+            (SOUND, Status::Sound),
+        ] {
+            assert_eq!(Status::of(&Dissection::of(file)), status);
+        }
     }
 }

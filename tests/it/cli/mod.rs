@@ -1,2 +1,3 @@
-#[cfg(all(unix, feature = "cli"))]
+#![cfg(all(unix, feature = "cli"))]
+
 mod usage;

@@ -48,6 +48,9 @@ fn command_lines_end_with_their_status_and_output() {
 5 | check --clause 9.9 |
 5 | check --case hand-lom | did you mean hand-lum
 2 | explain hand-lom | did you mean hand-lum
+2 | explain row-top-down | rows-top-down
+2 | explain ptm-e07 | PTM-E070
+2 | explain zzz | explain 2.8 lists
 3 | check --case hand-lum --report /dev/null -- sh -c 'exit 127' | not a decoder
 0 | check --help | DECODER && VIEW && 65 && 69 && Exit status && Examples
 0 | explain | 2.9.8 && lut-count && rows-top-down && PTM-W102
@@ -146,25 +149,6 @@ inspect --color always first-lrgb.ptm | true
         let text = here.succeeds(&line);
         assert_eq!(text.contains('\x1b').to_string(), colored, "{line}");
     }
-}
-
-#[test]
-fn the_reference_speaks_the_protocol() {
-    let here = Workspace::new();
-    let file = b"PTM_1.2\nPTM_FORMAT_LRGB\n1\n1\n1 1 1 1 1 0.5\n0 0 0 0 0 0\n\x01\x02\x03\x04\x05\x80\xff\x80\x00";
-    here.write("a file.ptm", file);
-    let ask = |view: &str| {
-        let output = here
-            .command(&format!("reference {view} 'a file.ptm'"))
-            .output();
-        output.expect("the program starts").stdout
-    };
-    let raw = b"PTM1 raw 1 1 9 u8\n\x01\x02\x03\x04\x05\x80\xff\x80\x00";
-    assert_eq!(ask("raw"), raw);
-    assert_eq!(ask("rgb:0,0"), b"PTM1 rgb 1 1 3 u8\n\x40\x20\x00");
-    assert_eq!(ask("coef")[..23], *b"PTM1 coef 1 1 9 f32\n\x00\x00\x80");
-    here.write("a file.ptm", &file[..file.len() - 1]);
-    here.exits(65, "reference raw 'a file.ptm'");
 }
 
 #[test]

@@ -1,8 +1,5 @@
 #[cfg(feature = "generate")]
 mod damage;
-
-#[cfg(feature = "generate")]
-mod standard_images;
-
-#[cfg(feature = "generate")]
+mod errors;
+#[cfg(feature = "harness")]
 mod witnesses;

@@ -11,7 +11,7 @@
 
 use ptm_conform::codec::jpeg_ls::PresetParameters;
 use ptm_conform::codec::{Encoded, jpeg, jpeg_ls};
-use sha2::{Digest, Sha256};
+use ptm_conform::kit::digest::sha256;
 
 use crate::draws::Draws;
 
@@ -165,15 +165,9 @@ fn scan_of(stream: &[u8]) -> &[u8] {
 
 #[track_caller]
 fn compare(witness: &Witness, digested: &[u8], encoded: &Encoded, decoded: &[u8]) {
-    let digest = |data: &[u8]| {
-        Sha256::digest(data)
-            .iter()
-            .map(|byte| format!("{byte:02x}"))
-            .collect::<String>()
-    };
     let recipe = witness.recipe;
-    assert_eq!(digest(digested), witness.stream, "the stream of {recipe}");
-    assert_eq!(digest(decoded), witness.samples, "the samples of {recipe}");
+    assert_eq!(sha256(digested), witness.stream, "the stream of {recipe}");
+    assert_eq!(sha256(decoded), witness.samples, "the samples of {recipe}");
     assert!(
         encoded.samples == decoded,
         "the encoder's samples of {recipe}"

@@ -1,9 +1,8 @@
 //! The properties of the cases of §2.9.
 
-use ptm_conform::generate::plan::{Coding, Residuals, Structure};
-use ptm_conform::generate::{self, Model, Recipe, Scene};
+use ptm_conform::generate::Model;
+use ptm_conform::generate::plan::{Coding, Residuals};
 use ptm_conform::protocol::frame::View;
-use ptm_conform::ptm::Format;
 use ptm_conform::suite::cases::{Case, Suite, TableSpelling};
 use ptm_conform::suite::values::Values;
 
@@ -102,52 +101,5 @@ fn lossy_planes_near_the_ends_are_asked_raw_only() {
         let near =
             samples.any(|(&sample, &slack)| slack > 0 && (sample < slack || 255 - sample < slack));
         assert!(!near || case.views == [View::Raw], "{}", case.id);
-    }
-}
-
-/// The values that the decoder finds in the file of `recipe`.
-fn decoded(recipe: &Recipe) -> Vec<u8> {
-    let file = generate::write(recipe, &Model::paint(recipe)).bytes;
-    let ptm = ptm_conform::decode(&file).unwrap_or_else(|error| panic!("{error}"));
-    ptm.planes.samples
-}
-
-#[test]
-fn a_scene_is_the_same_in_every_lossless_prediction_structure() {
-    use Structure::{
-        Chain, Deep, Gaps, Intra, Rotated, SharedReference, Star, Tablet, TwoTrees, Upward,
-    };
-    let basic = [Intra, Chain, Star, Deep, TwoTrees];
-    let structures = [
-        &basic[..],
-        &[SharedReference, Upward, Rotated, Tablet, Gaps],
-    ]
-    .concat();
-    for (plain, compressed) in [
-        (Format::Rgb, Format::JpeglsRgb),
-        (Format::Lrgb, Format::JpeglsLrgb),
-    ] {
-        for (scene, seed) in [(Scene::Noise, 7), (Scene::Ramp, 8), (Scene::Extremes, 9)] {
-            let size = "19x13".parse().expect("a size");
-            let mut recipe = Recipe::ordinary(plain, size);
-            (recipe.scene, recipe.seed) = (scene, seed);
-            let planes = decoded(&recipe);
-            for &structure in &structures {
-                for transforms in [&[0][..], &[1], &[0, 1, 1, 0, 1], &[3, 2, 0, 1]] {
-                    let mut recipe = Recipe::ordinary(compressed, size);
-                    (recipe.scene, recipe.seed) = (scene, seed);
-                    let plan = &mut recipe.compression;
-                    plan.set_structure(structure);
-                    plan.transforms = plan.cycled(transforms, false);
-                    plan.motion_x = plan.cycled(&[1, -4, 3, 0], false);
-                    plan.motion_y = plan.cycled(&[0, 2, -3], false);
-                    let name = compressed.name();
-                    assert!(
-                        decoded(&recipe) == planes,
-                        "{name}, {structure:?}, {transforms:?}"
-                    );
-                }
-            }
-        }
     }
 }

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 
 use ptm_conform::decode::open;
 use ptm_conform::error::Class;
-use ptm_conform::{Limits, Ptm, Reading, decode, decode_as};
+use ptm_conform::{Ptm, decode};
 
 /// An entry of the manifest, which is read line by line.
 #[derive(Default)]
@@ -117,15 +117,4 @@ fn every_file_has_the_result_of_the_manifest() {
     }
     println!("{read} files");
     assert!(read > 1000, "{read} files");
-}
-
-#[test]
-fn a_low_memory_limit_is_an_error_of_its_class() {
-    let file = b"PTM_1.2\nPTM_FORMAT_LRGB\n9 9\n1 1 1 1 1 1 0 0 0 0 0 0\n";
-    let whole = [&file[..], &[0; 9 * 9 * 9]].concat();
-    let memory = 9 * 9 * 9;
-    let read = |memory| decode_as(&whole, &Reading::SPEC, &Limits { memory });
-    assert!(read(memory).is_ok());
-    let error = read(memory - 1).expect_err("too much");
-    assert_eq!(error.class(), Class::Limit, "{error}");
 }

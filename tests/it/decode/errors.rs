@@ -50,6 +50,12 @@ none | PTM_1.2\nPTM_FORMAT_RGB\n4294967295\n4294967295\n1 1 1 1 1 1\n0 0 0 0 0 0
 PTM_C_LUT | 0\n | lookup table indices (§2.8.1), byte 59: the indices need 2 bytes, 0 remain
 PTM_C_LUT | 0\n\0\0 | lookup table indices (§2.8), byte 59: index 0 into a table of 0 entries
 PTM_C_LUT | 1\n012345678\0\1 | lookup table indices (§2.8), byte 69: index 1 into a table of 1 entries
+JPEGLS_LRGB | | compressed data (§2.9.1), byte 59: expected a compression parameter, found the end of the file
+JPEGLS_LRGB | best\n | compressed data (§2.9.1), byte 59: expected a compression parameter, found "best"
+JPEGLS_LRGB | 0\n0 0 x | compressed data (§2.9.2), byte 65: expected a transform, found "x"
+JPEGLS_LRGB | 0\n0 0 | compressed data (§2.9), byte 64: expected a space, found the end of the file
+JPEGLS_LRGB | 0\n0 0 9999999999999999999
+  | compressed data (§2.9.2), byte 65: expected a transform, found "9999999999999999999"
 "#;
 
 /// Replaces escapes in a cell of the table.
@@ -83,12 +89,91 @@ fn each_malformed_file_is_refused_with_its_message() {
     }
 }
 
+/// The smallest JPEG-LS stream: one sample 0.
+const STREAM: &str =
+    "FF D8 FF F7 00 0B 08 00 01 00 01 01 01 11 00 FF DA 00 08 01 01 00 00 00 00 80 FF D9";
+
+/// Faulty compressed files: changes to a file of one texel and nine planes, and the message. A change is to one number of a
+/// list, or to the bytes of a stream or of side information, in hexadecimal.
+const COMPRESSED: &str = r#"
+transforms 2 4 | compressed data (§2.9.2), byte 65: transforms other than 0 to 3 are not read
+transforms 2 5 | compressed data (§2.9.2), byte 65: transforms other than 0 to 3 are not read
+transforms 2 -1 | compressed data (§2.9.2), byte 65: transforms other than 0 to 3 are not read
+references 1 9 | compressed data (§2.9.5), byte 136: plane 1 is predicted from plane 9, the last plane is 8
+references 0 3 | compressed data (§2.9.4), byte 133:
+  plane 0 of rank 0 is predicted from plane 3 of rank 0, which is not decoded before it
+references 0 3 ; order 0 4 ; order 3 5 | compressed data (§2.9.4), byte 133:
+  plane 0 of rank 4 is predicted from plane 3 of rank 5, which is not decoded before it
+references 0 0 ; order 0 4 | compressed data (§2.9.4), byte 133:
+  plane 0 of rank 4 is predicted from plane 0 of rank 4, which is not decoded before it
+sizes 1 -28 | compressed data (§2.9.6), byte 163: expected a compressed size of at least 0, found "-28"
+side-sizes 0 -5 | compressed data (§2.9.7), byte 187: expected a side information size of at least 0, found "-5"
+sizes 8 29 | compressed data (§2.9.8), byte 205:
+  the compressed planes and their side information need 253 bytes, 252 remain
+sizes 0 9223372036854775807 ; sizes 1 9223372036854775807 ; sizes 2 9223372036854775807
+  | compressed data (§2.9.8), byte 256:
+  the compressed planes and their side information need more bytes than can be counted, 252 remain
+side-sizes 3 4 ; side 3 00 00 00 00 | compressed data (§2.9.8), byte 317:
+  4 bytes of side information are no whole number of records of 5 bytes
+side-sizes 8 10 ; side 8 00 00 00 00 07 00 00 00 01 07 | compressed data (§2.9.8), byte 463:
+  a record for texel 1, the last texel is 0
+side-sizes 8 5 ; side 8 FF FF FF FF 07 | compressed data (§2.9.8), byte 457:
+  a record for texel 4294967295, the last texel is 0
+sizes 2 0 ; stream 2 | compressed data (§2.9.8), byte 260: plane 2: the stream is empty
+sizes 2 2 ; stream 2 D8 FF | compressed data (§2.9.8), byte 260:
+  plane 2: the stream does not start with SOI, bytes FF D8
+sizes 2 4 ; stream 2 FF D8 FF C0 | compressed data (§2.9.8), byte 262:
+  plane 2: expected a JPEG-LS frame header, found marker FFC0
+sizes 2 15 ; stream 2 FF D8 FF F7 00 0B 08 00 01 00 02 01 01 11 00 | compressed data (§2.9.8), byte 268:
+  plane 2: expected 1 x 1 samples, found 2 x 1
+sizes 2 15 ; stream 2 FF D8 FF F7 00 0B 0C 00 01 00 01 01 01 11 00 | compressed data (§2.9.8), byte 267:
+  plane 2: samples of 12 bits are not implemented
+"#;
+
+/// Returns the file of one texel and nine intra coded planes, all zero, after changes.
+fn compressed(changes: &str) -> Vec<u8> {
+    let names = "transforms x y order references sizes side-sizes stream side";
+    let mut values = ["0", "0", "0", "0", "-1", "28", "0", STREAM, ""].map(|value| [value; 9]);
+    for change in changes.split(';').filter(|change| !change.is_empty()) {
+        let (name, rest) = change.trim().split_once(' ').expect("a name");
+        let (plane, value) = rest.split_once(' ').unwrap_or((rest, ""));
+        let list = names.split(' ').position(|known| known == name);
+        values[list.expect("a list")][plane.parse::<usize>().expect("a plane")] = value;
+    }
+    let [lists @ .., streams, sides] = values;
+    let lists = lists.map(|numbers| numbers.join(" ")).join("\n");
+    let header = header("JPEGLS_LRGB").replace("\n2\n", "\n1\n") + &format!("0\n{lists}\n");
+    let payload = streams.into_iter().zip(sides);
+    let bytes = payload.flat_map(|(stream, side)| [stream, side]);
+    let bytes = bytes.flat_map(str::split_whitespace);
+    let bytes = bytes.map(|byte| u8::from_str_radix(byte, 16).expect("a byte"));
+    header.bytes().chain(bytes).collect()
+}
+
+#[test]
+fn each_faulty_compressed_file_is_refused_with_its_message() {
+    for [changes, message] in rows(COMPRESSED) {
+        let error = decode(&compressed(&changes)).expect_err(&changes);
+        assert_eq!(error.to_string(), message);
+        let is_unsupported = message.ends_with("not read") || message.ends_with("not implemented");
+        assert_eq!(
+            error.class() == Class::Unsupported,
+            is_unsupported,
+            "{message}"
+        );
+    }
+}
+
 #[test]
 fn limits_are_not_the_files_fault() {
-    let file = header("LRGB") + "0123456789ab012345";
-    let limits = Limits { memory: 17 };
-    let error = decode_as(file.as_bytes(), &Reading::SPEC, &limits).expect_err("a low limit");
-    let message = "image size (§2.3), byte 70: the planes need 18 bytes, the limit is 17";
-    assert_eq!(error.to_string(), message);
-    assert_eq!(error.class(), Class::Limit);
+    let plain = header("LRGB") + "0123456789ab012345";
+    let size = "image size (§2.3), byte 70: the planes need 18 bytes, the limit is 17";
+    let planes = "image size (§2.3), byte 457: the planes need 9 bytes, the limit is 8";
+    for (file, memory, message) in [(plain.into_bytes(), 17, size), (compressed(""), 8, planes)] {
+        let read = |memory| decode_as(&file, &Reading::SPEC, &Limits { memory });
+        let error = read(memory).expect_err("a low limit");
+        assert_eq!(error.to_string(), message);
+        assert_eq!(error.class(), Class::Limit);
+        assert!(read(18).is_ok());
+    }
 }

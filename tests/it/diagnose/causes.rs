@@ -4,8 +4,9 @@ use std::collections::HashMap;
 
 use ptm_conform::Reading;
 use ptm_conform::diagnose::{Cause, Diagnosis, applies, composable, diagnose};
+use ptm_conform::formula::Edit;
 use ptm_conform::misreadings::{self, Misreading};
-use ptm_conform::protocol::frame::{Answer, Frame, Samples, View, ViewKind};
+use ptm_conform::protocol::frame::{Answer, Frame, Samples, ViewKind};
 use ptm_conform::ptm::Format;
 use ptm_conform::runner::run::Request;
 use ptm_conform::session::outcome::Outcome;
@@ -13,7 +14,8 @@ use ptm_conform::session::run::Run;
 use ptm_conform::strength::matrix::ask_all;
 use ptm_conform::suite::cases::{Case, Expect, Suite, TableSpelling};
 
-use crate::in_process::{jobs, misread, misreading, right, run_all, suite};
+use crate::in_process::{computing, jobs, misread, misreading, right, run_all, suite};
+use crate::table::rows;
 
 /// Returns the causes that are found, without a fault of the search.
 fn causes(suite: &Suite, run: &Run) -> Vec<Diagnosis> {
@@ -123,33 +125,6 @@ fn a_mistake_in_one_color_is_named_with_it() {
     }
 }
 
-/// Turns every second stored row.
-fn snaking(frame: &Frame) -> Frame {
-    let mut turned = frame.clone();
-    if let Samples::U8(samples) = &mut turned.samples {
-        let (width, channels) = (frame.width as usize, frame.channels as usize);
-        let rows = samples.chunks_exact_mut(width * channels).rev();
-        for row in rows.skip(1).step_by(2) {
-            let texels: Vec<u8> = row.rchunks_exact(channels).flatten().copied().collect();
-            row.copy_from_slice(&texels);
-        }
-    }
-    turned
-}
-
-#[test]
-fn rows_that_turn_are_described_as_places() {
-    let mut suite = suite().prepared();
-    suite.cases.retain(|case| case.format() == Format::Lrgb);
-    let causes = diagnosed(&suite, |_, answer| match answer {
-        Answer::Decoded(frame) if frame.view == ViewKind::Raw => Answer::Decoded(snaking(&frame)),
-        Answer::Decoded(_) => Answer::Unsupported,
-        other => other,
-    });
-    let says = "the correct values in the wrong places";
-    assert!(causes[0].contains(says), "{causes:#?}");
-}
-
 /// A decoder without a format refuses some of its files before it sees their format, as any other.
 #[test]
 fn a_format_of_which_no_file_is_decoded_is_unsupported_though_some_are_refused() {
@@ -176,8 +151,37 @@ fn a_format_of_which_no_file_is_decoded_is_unsupported_though_some_are_refused()
     assert!((1..=of_length.count()).contains(&refused), "{refused}");
 }
 
+/// Mistakes in a formula: its name, what the decoder computes, the only view that it supports, and parts of the first cause.
+const FORMULAS: &str = "
+stored value | mod(raw + 128 * select(at_most(abs(i - 3), 0), 1, 0), 256) | raw | + 128 instead of && only in a3
+stored value | mod(raw + 1, 256) | raw | raw + 1 instead of raw
+final coefficient | (raw - select(at_most(abs(bias[i] + 1), 0), 0, bias[i])) * scale[i] | any | wrong final values
+final coefficient | select(at_most(abs(i - 4), 0), raw - bias[i], (raw - bias[i]) * scale[i])
+  | coef | raw - bias[i] instead of && only in a4
+stored column | select(at_most(mod(height - 1 - y, 2), 0), x, width - 1 - x) | raw | the correct values in the wrong places
+polynomial | a0 * u * u + a2 * u * v + a3 * u + a4 * v + a5 | rgb | a0 * u * u + a2 * u * v
+";
+
 #[test]
-fn a_mistake_that_the_catalog_lacks_is_described() {
+fn a_mistake_in_a_formula_is_described() {
+    let suite = suite().prepared();
+    for [formula, expression, view, says] in rows(FORMULAS) {
+        println!("{formula} = {expression}");
+        let edit = Edit::parse(&formula, &expression).expect("a formula");
+        let mistake = computing(vec![edit]);
+        let causes = diagnosed(&suite, |request, answer| match answer {
+            Answer::Decoded(_) if view != "any" && view != request.view.name() => {
+                Answer::Unsupported
+            }
+            _ => misread(&[&mistake], request),
+        });
+        let is_said = says.split(" && ").all(|words| causes[0].contains(words));
+        assert!(is_said, "{expression}: {causes:#?}");
+    }
+}
+
+#[test]
+fn a_mistake_that_is_in_no_formula_is_described() {
     let suite = suite().prepared();
     let decoders: &[(&str, Wrong, &[&str])] = &[
         (
@@ -205,140 +209,26 @@ fn a_mistake_that_the_catalog_lacks_is_described() {
             &["crashes", "more than 256 entries"],
         ),
         (
-            "highest bit of a3",
-            |_, answer| {
-                edited(answer, ViewKind::Raw, |frame, samples| {
-                    for texel in samples.chunks_exact_mut(frame) {
-                        let a3 = texel.iter_mut().skip(3).step_by(6);
-                        a3.for_each(|a3| *a3 ^= 0x80);
-                    }
-                })
-            },
-            &["+ 128 instead of", "only in a3"],
-        ),
-        (
             "last texel lost",
-            |_, answer| {
-                edited(answer, ViewKind::Raw, |channels, samples| {
-                    let last = samples.len() - channels;
-                    samples[last..].fill(0);
-                })
-            },
-            &["wrong stored values"],
-        ),
-        (
-            "one more",
-            |_, answer| {
-                edited(answer, ViewKind::Raw, |_, samples| {
-                    for sample in samples {
-                        *sample = sample.wrapping_add(1);
+            |_, answer| match answer {
+                Answer::Decoded(mut frame) if frame.view == ViewKind::Raw => {
+                    if let Samples::U8(samples) = &mut frame.samples {
+                        let last = samples.len() - frame.channels as usize;
+                        samples[last..].fill(0);
                     }
-                })
-            },
-            &["raw + 1 instead of raw"],
-        ),
-        (
-            "a bias of −1 counts as none",
-            |request, answer| match (answer, request.view) {
-                (Answer::Decoded(frame), view) if frame.view != ViewKind::Raw => {
-                    with_samples(frame, |ptm| {
-                        let mut ptm = ptm.clone();
-                        for bias in &mut ptm.header.scale_bias.bias {
-                            *bias = if *bias == -1.0 { 0.0 } else { *bias };
-                        }
-                        let values = ptm.coefficients();
-                        match view {
-                            View::Rgb(light) => {
-                                Samples::U8(values.evaluate(light.lu, light.lv).to_bytes())
-                            }
-                            _ => Samples::F32(
-                                values.values.iter().map(|&value| value as f32).collect(),
-                            ),
-                        }
-                    })(request.file)
-                }
-                (other, _) => other,
-            },
-            &["wrong final values"],
-        ),
-        (
-            "a4 is not scaled, in a decoder of final values",
-            |request, answer| match answer {
-                Answer::Decoded(frame) if frame.view == ViewKind::Coef => {
-                    with_samples(frame, |ptm| {
-                        let bias = ptm.header.scale_bias.bias[4];
-                        let raw = ptm.planes.texels().flatten();
-                        let values = ptm.coefficients().values.into_iter().zip(raw).enumerate();
-                        let channels = ptm.planes.shape.channels();
-                        let polynomials = ptm.planes.shape.coefficients();
-                        let value = |(i, (value, &raw)): (usize, (f64, &u8))| match i % channels {
-                            channel if channel < polynomials && channel % 6 == 4 => {
-                                (f64::from(raw) - bias) as f32
-                            }
-                            _ => value as f32,
-                        };
-                        Samples::F32(values.map(value).collect())
-                    })(request.file)
+                    Answer::Decoded(frame)
                 }
                 Answer::Decoded(_) => Answer::Unsupported,
                 other => other,
             },
-            &["raw - bias[i] instead of", "only in a4"],
-        ),
-        (
-            "a1 is left out, in a decoder of colors",
-            |request, answer| match (answer, request.view) {
-                (Answer::Decoded(frame), View::Rgb(light)) => with_samples(frame, |ptm| {
-                    let mut values = ptm.coefficients();
-                    let channels = ptm.planes.shape.channels();
-                    for texel in values.values.chunks_exact_mut(channels) {
-                        for a1 in (1..ptm.planes.shape.coefficients()).step_by(6) {
-                            texel[a1] = 0.0;
-                        }
-                    }
-                    Samples::U8(values.evaluate(light.lu, light.lv).to_bytes())
-                })(request.file),
-                (Answer::Decoded(_), _) => Answer::Unsupported,
-                (other, _) => other,
-            },
-            &["a0 * u * u + a2 * u * v"],
+            &["wrong stored values"],
         ),
     ];
     for (name, wrong, says) in decoders {
         println!("{name}");
         let causes = diagnosed(&suite, wrong);
-        let first = causes.first().expect("a cause");
-        let is_said = says.iter().all(|words| first.contains(words));
+        let is_said = says.iter().all(|words| causes[0].contains(words));
         assert!(is_said, "{name}: {causes:#?}");
-    }
-}
-
-/// Replaces the samples of a frame by some that are computed from the map in the file.
-fn with_samples(
-    frame: Frame,
-    samples: impl Fn(&ptm_conform::Ptm) -> Samples,
-) -> impl Fn(&[u8]) -> Answer {
-    move |file| {
-        let ptm = ptm_conform::decode(file).expect("the reference showed it");
-        Answer::Decoded(Frame {
-            samples: samples(&ptm),
-            ..frame.clone()
-        })
-    }
-}
-
-/// Changes the samples of a frame of this view; other views are unsupported.
-fn edited(answer: Answer, view: ViewKind, edit: fn(usize, &mut [u8])) -> Answer {
-    match answer {
-        Answer::Decoded(mut frame) if frame.view == view => {
-            let channels = frame.channels as usize;
-            if let Samples::U8(samples) = &mut frame.samples {
-                edit(channels, samples);
-            }
-            Answer::Decoded(Frame { ..frame })
-        }
-        Answer::Decoded(_) => Answer::Unsupported,
-        other => other,
     }
 }
 

@@ -1,8 +1,5 @@
-#[cfg(feature = "harness")]
+#![cfg(all(unix, feature = "cli"))]
+
 mod causes;
-
-#[cfg(feature = "harness")]
 mod recordings;
-
-#[cfg(feature = "harness")]
 mod work;

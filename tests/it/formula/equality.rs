@@ -2,9 +2,11 @@
 
 use ptm_conform::Reading;
 use ptm_conform::formula::{Edit, EditedForm, Formula};
-use ptm_conform::misreadings::{self, At, Misreading, Symptom};
+use ptm_conform::misreadings::{self, Misreading};
 use ptm_conform::protocol::frame::{Answer, Samples};
 use ptm_conform::suite::cases::{Suite, TableSpelling};
+
+use crate::in_process::computing;
 
 /// Samples of an answer beyond which a case is skipped: large maps take long and show nothing new.
 const MAX_SAMPLES: usize = 1 << 15;
@@ -15,16 +17,7 @@ fn stated(formulas: &[Formula]) -> Misreading {
         formula,
         change: EditedForm::Expression(formula.stated().expression.clone()),
     };
-    let edits: Vec<Edit> = formulas.iter().map(edit).collect();
-    Misreading {
-        slug: "none",
-        clause: "1.0/1",
-        effect: "",
-        fix: "",
-        shows: Symptom::Values,
-        seen: Vec::new(),
-        at: At::Edits(edits.leak()),
-    }
+    computing(formulas.iter().map(edit).collect())
 }
 
 fn size(answer: &Answer) -> usize {

@@ -1,1 +1,3 @@
+#![cfg(all(unix, feature = "cli"))]
+
 mod equality;

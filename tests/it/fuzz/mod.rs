@@ -1,5 +1,4 @@
-#[cfg(feature = "harness")]
-mod properties;
+#![cfg(all(unix, feature = "cli"))]
 
-#[cfg(feature = "harness")]
+mod properties;
 mod rare;

@@ -1,5 +1,4 @@
-#[cfg(feature = "harness")]
-mod catalog;
+#![cfg(all(unix, feature = "cli"))]
 
-#[cfg(all(feature = "harness", unix))]
+mod catalog;
 mod totality;

@@ -20,30 +20,6 @@ const LARGEST: usize = 8 << 10;
 /// Texels that a file may claim, so that the time goes into files and not into planes.
 const MOST_TEXELS: u64 = 1 << 16;
 
-/// Makes one edit of a file, in most cases near the beginning, where the header is.
-fn edit(file: &mut Vec<u8>, draws: &mut Draws) {
-    let is_anywhere = draws.below(4) == 0;
-    let reach = file.len().min(if is_anywhere { usize::MAX } else { 200 });
-    let at = draws.below(reach + 1);
-    let numbers = "0 -1 255 256 65536 4294967296 1e300 99999999999999999999";
-    match draws.below(7) {
-        0 => file.truncate(at),
-        1 => file.insert(at, draws.byte()),
-        2 if at < file.len() => file[at] = draws.byte(),
-        3 if at < file.len() => drop(file.remove(at)),
-        4 => file.insert(at, b" \n\t-.9"[draws.below(6)]),
-        5 => {
-            let number = numbers.split(' ').nth(draws.below(8)).expect("a number");
-            file.splice(at..at, number.bytes());
-        }
-        _ => {
-            let end = (at + draws.below(12)).min(file.len());
-            let piece = file[at..end].to_vec();
-            file.splice(at..at, piece);
-        }
-    }
-}
-
 /// Returns true if a file claims no more texels than are worth the time.
 fn is_small(file: &[u8]) -> bool {
     let sizes = fields(file)
@@ -65,9 +41,7 @@ fn damaged_too(
     let mut all = Vec::new();
     for (name, file) in files {
         let mut edited = file.clone();
-        for _ in 0..=draws.below(4) {
-            edit(&mut edited, draws);
-        }
+        draws.damage(&mut edited, 200);
         all.push((format!("{name}, damaged"), edited));
         all.push((name, file));
     }

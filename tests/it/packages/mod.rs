@@ -1,5 +1,6 @@
 //! The packages for other languages, as their users meet them.
 
-mod node;
+#![cfg(all(unix, feature = "cli"))]
 
+mod node;
 mod python;

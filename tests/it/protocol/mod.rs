@@ -1,2 +1,3 @@
-#[cfg(feature = "harness")]
+#![cfg(all(unix, feature = "cli"))]
+
 mod frames;

@@ -1,4 +1,5 @@
 //! Profiles of readers, and what is predicted by them.
 
-#[cfg(feature = "cli")]
+#![cfg(all(unix, feature = "cli"))]
+
 mod predictions;

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use crate::in_process::suite;
 use crate::recordings::{digest, recorded};
+use crate::table::rows;
 use ptm_conform::protocol::frame::Answer;
 use ptm_conform::ptm::Format;
 use ptm_conform::readers::{OpenedFile, ReaderProfile, Shown, profiles, profiles_of};
@@ -33,25 +34,18 @@ fn every_reader_has_its_own_name_and_misreadings_of_the_catalog() {
 
 #[test]
 fn an_impossible_profile_is_refused() {
-    for (more, why) in [
-        ("reads: [GIF]", "no format is called GIF"),
-        (
-            "reads: [RGB]\n  misreadings: [{ slug: none, evidence: code }]",
-            "no misreading is called none",
-        ),
-        (
-            "reads: [RGB]\n  misreadings: [{ slug: no-128, evidence: code }, { slug: wrap-mod-255, evidence: code }]",
-            "act at one place",
-        ),
-        (
-            "reads: [RGB]\n  limits: [{ limit: none, evidence: code }]",
-            "none",
-        ),
-        ("reads: [RGB]\n  likes: all", "likes"),
-    ] {
+    for [more, why] in rows(
+        "
+reads: [GIF] | no format is called GIF
+reads: [RGB]↵  misreadings: [{ slug: none, evidence: code }] | no misreading is called none
+reads: [RGB]↵  misreadings: [{ slug: no-128, evidence: code }, { slug: wrap-mod-255, evidence: code }]
+  | act at one place
+reads: [RGB]↵  limits: [{ limit: none, evidence: code }] | none
+reads: [RGB]↵  likes: all | likes",
+    ) {
         let yaml = format!("- name: x\n  reader: x/y\n  evidence: code\n  {more}\n");
         let error = profiles_of(&yaml).expect_err("it is refused");
-        assert!(error.contains(why), "{error}");
+        assert!(error.contains(&why), "{error}");
     }
 }
 

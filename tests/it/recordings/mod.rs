@@ -6,9 +6,9 @@ use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use flate2::read::GzDecoder;
+use ptm_conform::kit::digest::sha256;
 use ptm_conform::protocol::frame::Frame;
 use ptm_conform::report::shards::Kept;
-use sha2::{Digest, Sha256};
 
 /// Returns the folder of the recordings.
 pub fn folder() -> PathBuf {
@@ -17,11 +17,7 @@ pub fn folder() -> PathBuf {
 
 /// Returns the start of the digest of a file, by which recordings name it.
 pub fn digest(file: &[u8]) -> String {
-    let digest = Sha256::digest(file);
-    digest[..8]
-        .iter()
-        .map(|byte| format!("{byte:02x}"))
-        .collect()
+    sha256(file)[..16].to_owned()
 }
 
 /// Returns the responses of a reader by file and view. Files that the suite no longer has are never asked for.

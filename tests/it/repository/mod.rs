@@ -1,17 +1,13 @@
 //! The repository itself: its order, its form, and what it gives to others' CI.
 
-#[cfg(all(unix, feature = "cli"))]
+#![cfg(all(unix, feature = "cli"))]
+
 mod action;
-
-#[cfg(all(unix, feature = "cli"))]
 mod documents;
-
 mod order;
-
 mod tidy;
 mod words;
 
-#[cfg(feature = "harness")]
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -30,7 +26,6 @@ pub fn files_below(directory: &Path) -> Vec<PathBuf> {
 }
 
 /// Returns the files below a directory by their relative paths, with their bytes.
-#[cfg(feature = "harness")]
 pub fn tree(directory: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
     let file = |path: PathBuf| {
         let name = path

@@ -127,25 +127,7 @@ fn reports_with_remarks_conform_to_the_schema() {
 /// The line that checks a decoder on one case.
 const ONE: &str = "check --case hand-lrgb-blocks --timeout 60 --";
 
-/// A decoder of `LRGB` in `raw`, for runtimes: the header as its parent spells it, and 69 for all else.
-const NODE: &str = r"
-const fs = require('fs');
-const [view, path] = process.argv.slice(2);
-const file = fs.readFileSync(path || '/dev/null');
-let at = 0;
-const line = () => { const end = file.indexOf(10, at); const text = file.toString('latin1', at, end); at = end + 1; return text; };
-if (view !== 'raw' || line() !== 'PTM_1.2' || line() !== 'PTM_FORMAT_LRGB') process.exit(69);
-const numbers = []; while (numbers.length < 14) numbers.push(...line().trim().split(/ +/).map(Number));
-const [w, h] = numbers;
-const out = Buffer.alloc(w * h * 9);
-for (let y = 0; y < h; y++) for (let x = 0; x < w; x++) {
-  const from = (h - 1 - y) * w + x, to = (y * w + x) * 9;
-  file.copy(out, to, at + from * 6, at + from * 6 + 6);
-  file.copy(out, to + 6, at + w * h * 6 + from * 3, at + w * h * 6 + from * 3 + 3);
-}
-fs.writeSync(1, Buffer.concat([Buffer.from(`PTM1 raw ${w} ${h} 9 u8\n`), out]));
-";
-
+/// A decoder of `LRGB` in `raw`: the header as its parent spells it, and 69 for all else.
 const JAVA: &str = r#"
 import java.io.*; import java.nio.file.*;
 public class Dec {
@@ -168,16 +150,6 @@ public class Dec {
   }
 }
 "#;
-
-#[test]
-fn node_runs_under_the_default_limit_of_memory() {
-    if have("node") {
-        let here = Workspace::new();
-        here.write("my decoders/dec ptm.js", NODE);
-        let text = here.succeeds(&format!("{ONE} node 'my decoders/dec ptm.js'"));
-        assert_says(&text, "pass: 1 pass");
-    }
-}
 
 #[test]
 fn java_runs_under_the_default_limit_of_memory() {

@@ -19,14 +19,7 @@ const FEW: &str = "--case hand-[fjpr]* --case hand-lrgb* --case hand-lum --case 
 /// output. The cases that fail are `none` (and some pass), `some`, `any` (where it depends on which process is faster),
 /// a number, their ids, or `not judged`. The timeout is 60 s unless the options have another: no correct answer takes so
 /// long, however busy the machine is.
-#[derive(Clone)]
-struct Faulty {
-    kind: String,
-    status: i32,
-    options: String,
-    fails: String,
-    says: String,
-}
+type Faulty = [String; 5];
 
 /// Programs that answer.
 const ANSWERING: &str = "
@@ -119,20 +112,16 @@ serves-other-answers
 
 /// The programs of a table.
 fn faulty(table: &str) -> Vec<Faulty> {
-    let mut all = Vec::new();
-    for [kinds, status, options, fails, says] in rows(table) {
-        let timeout = if options.contains("--timeout") {
-            ""
-        } else {
-            "--timeout 60"
-        };
-        all.extend(kinds.split(' ').map(|kind| Faulty {
-            kind: kind.to_owned(),
-            status: status.parse().expect("an exit status"),
-            options: format!("{timeout} {options}"),
-            fails: fails.clone(),
-            says: says.clone(),
-        }));
+    let mut all: Vec<Faulty> = Vec::new();
+    for row in rows::<5>(table) {
+        for kind in row[0].split(' ') {
+            let mut faulty = row.clone();
+            kind.clone_into(&mut faulty[0]);
+            if !row[2].contains("--timeout") {
+                faulty[2] += " --timeout 60";
+            }
+            all.push(faulty);
+        }
     }
     all
 }
@@ -150,7 +139,7 @@ fn show(faulty: &Faulty) -> u64 {
     let temporary = here.path("a place");
     fs::create_dir(&temporary).expect("a directory");
     let precious = here.write("precious/file", "precious");
-    let Faulty { kind, options, .. } = faulty;
+    let [kind, _, options, ..] = faulty;
     let line = format!(
         "check {FEW} {options} --report report.yaml -- {}",
         zoo(kind)
@@ -182,14 +171,9 @@ fn show(faulty: &Faulty) -> u64 {
 
 #[track_caller]
 fn judge(faulty: &Faulty, checked: &Checked) {
-    let Faulty {
-        kind,
-        status,
-        fails,
-        says,
-        ..
-    } = faulty;
-    assert_eq!(checked.status, *status, "{kind}: {}", checked.text);
+    let [kind, status, _, fails, says] = faulty;
+    let found = checked.status.to_string();
+    assert_eq!(found, *status, "{kind}: {}", checked.text);
     assert_says(&checked.text, says);
     let (mut failing, passing) = (checked.cases("fail"), checked.cases("pass").len());
     failing.sort_unstable();
@@ -224,7 +208,7 @@ fn show_all(all: &[Faulty], at_a_time: usize, judge: impl Fn(usize, u64) -> Opti
                 Err(panic) => Some(panic.downcast_ref::<String>().cloned().unwrap_or_default()),
             };
             if let Some(problem) = problem {
-                let problem = format!("{}: {problem}", faulty.kind);
+                let problem = format!("{}: {problem}", faulty[0]);
                 problems.lock().expect("no panic is kept").push(problem);
             }
         }

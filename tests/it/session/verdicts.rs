@@ -181,18 +181,6 @@ fn some_legal(suite: &Suite) -> Vec<usize> {
 }
 
 #[test]
-fn two_legal_files_in_a_row_that_hang_end_no_run() {
-    let suite = suite();
-    let legal = some_legal(&suite);
-    let hanging = [legal[0], legal[1], legal[3], legal[4]].map(|place| &suite.cases[place].id);
-    let run = run(&suite, &RunPlan::of(&suite, 4), |case| {
-        hanging.contains(&&case.id).then(hang)
-    });
-    assert_eq!(run.ended_early, None);
-    assert_eq!(run.judgement.with(Outcome::Fail).count(), 4);
-}
-
-#[test]
 fn three_legal_files_in_a_row_that_hang_end_a_run_alike_for_any_number_of_jobs() {
     let suite = suite();
     let legal = some_legal(&suite);
@@ -216,19 +204,6 @@ fn three_legal_files_in_a_row_that_hang_end_a_run_alike_for_any_number_of_jobs()
         report.to_yaml().expect("YAML")
     });
     assert_eq!(reports[0], reports[1]);
-}
-
-#[test]
-fn a_program_that_hangs_on_every_file_is_no_decoder_because_it_hangs() {
-    let suite = suite();
-    let run = run(&suite, &RunPlan::of(&suite, 2), |_| Some(hang()));
-    let reason = run.not_a_decoder.expect("it is no decoder");
-    assert!(reason.contains("hang: no end within 10 s"), "{reason}");
-    assert!(
-        reason.ends_with("the run ended early: three legal files in a row hung"),
-        "{reason}"
-    );
-    assert_eq!(run.asked, 3);
 }
 
 #[test]

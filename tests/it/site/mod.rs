@@ -1,10 +1,9 @@
 //! The site: its examples hold, its links lead somewhere, its pages work in a browser.
 
+#![cfg(all(unix, feature = "cli"))]
+
 mod annotated;
-
-#[cfg(all(unix, feature = "cli"))]
 mod browser;
-
 mod pages;
 
 use std::sync::LazyLock;

@@ -1,6 +1,7 @@
 //! The pages: links lead somewhere, nothing is fetched, and the bytes are the same each time and not too many.
 
 use std::collections::{HashMap, HashSet};
+use std::sync::LazyLock;
 
 use ptm_conform::misreadings;
 use ptm_conform::readers::profiles;
@@ -28,6 +29,22 @@ fn values<'a>(page: &'a str, attribute: &str) -> Vec<&'a str> {
     let start = format!(" {attribute}=\"");
     let pieces = page.split(start.as_str()).skip(1);
     pieces.filter_map(|piece| piece.split('"').next()).collect()
+}
+
+/// Returns the page at a path.
+#[track_caller]
+fn page(path: &str) -> &'static str {
+    static PAGES: LazyLock<HashMap<&str, &SiteFile>> =
+        LazyLock::new(|| SITE.iter().map(|file| (&*file.path, file)).collect());
+    text(PAGES.get(path).unwrap_or_else(|| panic!("no page {path}")))
+}
+
+/// Asserts that the page of an address exists and has its anchor.
+#[track_caller]
+fn assert_leads(address: &str) {
+    let (path, anchor) = address.split_once('#').unwrap_or((address, ""));
+    let (page, id) = (page(path), format!(" id=\"{anchor}\""));
+    assert!(anchor.is_empty() || page.contains(&id), "{address}");
 }
 
 /// A link of the page at `from` as a path from the root, without what follows `#` and `?`.
@@ -92,7 +109,6 @@ fn nothing_is_fetched_from_anywhere() {
 }
 
 /// The program makes them again in another process, on one thread.
-#[cfg(all(unix, feature = "cli"))]
 #[test]
 fn the_same_bytes_are_made_each_time_and_not_too_many() {
     let here = crate::common::Workspace::new();
@@ -130,23 +146,15 @@ fn every_address_leads_to_a_page() {
     addresses.extend(codes::ALL.iter().map(|code| address::code(code.id)));
     addresses.extend(profiles().iter().map(|of| address::reader(&of.reader)));
     addresses.extend([ptm, stage, SuiteName::Writers].map(|of| of.protocol_page().to_owned()));
-    let pages: HashMap<&str, &SiteFile> =
-        SITE.iter().map(|file| (file.path.as_str(), file)).collect();
     for address in &addresses {
-        let (path, anchor) = address.split_once('#').unwrap_or((address, ""));
-        let page = pages.get(path).unwrap_or_else(|| panic!("{address}"));
-        let page = text(page);
-        let id = format!(" id=\"{anchor}\"");
-        assert!(anchor.is_empty() || page.contains(&id), "{address}");
+        assert_leads(address);
     }
     assert!(addresses.len() > 3000, "{}", addresses.len());
 }
 
 #[test]
 fn the_search_finds_documents_words_and_the_protocol() {
-    let file = SITE.iter().find(|file| file.path == "search-index.js");
-    let script = text(file.expect("the index"));
-    let entries = script.strip_prefix("window.searchIndex = ");
+    let entries = page("search-index.js").strip_prefix("window.searchIndex = ");
     let entries = entries.and_then(|entries| entries.trim_end().strip_suffix(';'));
     let entries: Vec<[String; 4]> =
         serde_json::from_str(entries.expect("a list")).expect("the list is read");
@@ -161,30 +169,22 @@ fn the_search_finds_documents_words_and_the_protocol() {
         );
     }
     for [id, _, place, _] in &entries {
-        let (path, anchor) = place.split_once('#').unwrap_or((place, ""));
-        let page = SITE.iter().find(|file| file.path == path);
-        let page = page.unwrap_or_else(|| panic!("{id}: {place}"));
-        let page = text(page);
-        let is_there = page.contains(&format!(" id=\"{anchor}\""));
-        assert!(anchor.is_empty() || is_there, "{id}: {place}");
+        println!("{id}");
+        assert_leads(place);
     }
 }
 
 #[test]
 fn a_ruling_lists_each_of_its_cases_with_its_verdict() {
-    let ruling = |path| {
-        let page = SITE.iter().find(|file| file.path == path);
-        text(page.expect("a page"))
-    };
     let says = "Its cases marked lenient";
-    assert!(ruling("rulings/numbers.html").contains(says));
-    assert!(!ruling("rulings/dimensions.html").contains(says));
-    let page = ruling("rulings/version.html");
+    assert!(page("rulings/numbers.html").contains(says));
+    assert!(!page("rulings/dimensions.html").contains(says));
+    let version = page("rulings/version.html");
     for (case, verdict) in [
         ("version-1-1-rgb", "refuse"),
         ("version-1-1-interleaves", "lenient"),
     ] {
-        let line = page
+        let line = version
             .split("<li>")
             .find(|line| line.contains(&format!(">{case}<")));
         assert!(line.expect("the case").contains(verdict), "{case}");

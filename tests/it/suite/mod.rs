@@ -1,5 +1,4 @@
-#[cfg(feature = "harness")]
-mod corpus;
+#![cfg(all(unix, feature = "cli"))]
 
-#[cfg(feature = "harness")]
+mod corpus;
 mod schemas;

@@ -2,7 +2,10 @@
 
 use crate::common::{Workspace, check, edited, have, python_example, repository_text, rows};
 
-const STAGE: &str = "examples/decoders/pex_texture.py";
+/// Returns the stage in Python, if there is Python.
+fn stage() -> Option<String> {
+    have("python3").then(|| repository_text("examples/decoders/pex_texture.py"))
+}
 
 /// Copies with one mistake: the misreading that the diagnosis names, the text that is replaced, its replacement, and the
 /// requirement that a failing case and the diagnosis cite.
@@ -57,10 +60,7 @@ fn the_python_example_passes() {
 
 #[test]
 fn each_wrong_copy_fails_with_the_requirement_it_misreads() {
-    if !have("python3") {
-        return;
-    }
-    let text = repository_text(STAGE);
+    let Some(text) = stage() else { return };
     let here = Workspace::new();
     let decoder = repository_text("examples/decoders/ptm_decoder.py");
     here.write("ptm_decoder.py", decoder);
@@ -86,11 +86,9 @@ fn each_wrong_copy_fails_with_the_requirement_it_misreads() {
 
 #[test]
 fn without_a_ptm_reader_such_maps_are_unsupported() {
-    if !have("python3") {
-        return;
-    }
+    let Some(text) = stage() else { return };
     let here = Workspace::new();
-    here.write("alone.py", repository_text(STAGE));
+    here.write("alone.py", text);
     let options = "--suite texture --case PTM-0* --case SMP-0*";
     let checked = here.check(&format!("{options} -- python3 alone.py"));
     checked.ends(0, "");

@@ -1,7 +1,5 @@
-#[cfg(all(unix, feature = "cli"))]
+#![cfg(all(unix, feature = "cli"))]
+
 mod decoders;
-
 mod properties;
-
-#[cfg(feature = "harness")]
 mod suite;

@@ -263,6 +263,7 @@ fn a_file_that_is_special_or_too_large_is_a_row_and_not_read() {
 fn the_exit_status_is_that_of_the_worst_file() {
     let here = Workspace::new();
     here.write("other.ppm", b"P6\n");
+    here.write("unknown-key.yaml", "alow: []\n");
     here.corpus("lrgb/first-lrgb.ptm");
     here.corpus("lrgb/half-payload-lrgb.ptm");
     let table = "
@@ -276,7 +277,10 @@ fn the_exit_status_is_that_of_the_worst_file() {
 0 | lint --severity PTM-E070=warning DAMAGED |
 1 | lint --severity PTM-E070=warning --deny-warnings DAMAGED |
 2 | lint --severity PTM-E070=fatal DAMAGED |
-2 | lint --only PTM-W999 SOUND |";
+2 | lint --only PTM-W999 SOUND |
+1 | lint --only PTM-E070 --only PTM-W101 DAMAGED |
+0 | lint --only PTM-W101 DAMAGED |
+2 | lint --config unknown-key.yaml SOUND | alow";
     let table = table.replace("SOUND", "first-lrgb.ptm");
     here.assert_lines(&table.replace("DAMAGED", "half-payload-lrgb.ptm"));
 }

@@ -1,17 +1,7 @@
-#[cfg(all(unix, feature = "cli"))]
+#![cfg(all(unix, feature = "cli"))]
+
 mod diagnosis;
-
-#[cfg(all(unix, feature = "cli"))]
 mod examples;
-
-#[cfg(all(unix, feature = "cli"))]
 mod fitting;
-
-#[cfg(all(unix, feature = "cli"))]
 mod hostile;
-
-#[cfg(all(unix, feature = "cli"))]
 mod judging;
-
-#[cfg(all(unix, feature = "cli"))]
-mod own;

@@ -1,0 +1,265 @@
+//! Every error of the codecs has a witness: the smallest stream that provokes it, and its message.
+//!
+//! The tables have a stream and its result in each row. A stream consists of bytes in hexadecimal, with `01*64` for
+//! sixty-four bytes 01, and of the names of parts of the smallest stream. It ends where the rest does not matter. A result is
+//! an error, or samples that repeat to fill the image.
+
+use ptm_conform::codec::{StreamError, StreamFault, jpeg, jpeg_ls};
+
+use crate::table::rows;
+
+type Decode = fn(&[u8], u32, u32) -> Result<Vec<u8>, StreamError>;
+
+/// A decoder and the parts of its smallest stream.
+type Codec = (Decode, &'static [(&'static str, &'static str)]);
+
+/// The smallest JPEG stream is one block of 8 × 8 samples, with two codes of one bit.
+const JPEG: Codec = (
+    jpeg::decode,
+    &[
+        ("SOI", "FF D8"),
+        ("DQT", "FF DB 00 43 00 01*64"),
+        ("SOF", "FF C0 00 0B 08 00 08 00 08 01 01 11 00"),
+        ("WIDE", "FF C0 00 0B 08 00 08 00 10 01 01 11 00"),
+        ("DHT0", "FF C4 00 14 00 01 00*15 00"),
+        ("DHT1", "FF C4 00 14 10 01 00*15 00"),
+        ("SOS", "FF DA 00 08 01 01 00 00 3F 00"),
+        ("DATA", "3F"),
+        ("EOI", "FF D9"),
+    ],
+);
+
+/// The smallest JPEG-LS stream is a row of four zeros, which is a run, written as four ones.
+const JPEG_LS: Codec = (
+    jpeg_ls::decode,
+    &[
+        ("SOI", "FF D8"),
+        ("SOF", "FF F7 00 0B 08 00 01 00 04 01 01 11 00"),
+        ("LSE", "FF F8 00 0D 01"),
+        ("SOS", "FF DA 00 08 01 01 00 00 00 00"),
+        ("DATA", "F0"),
+        ("EOI", "FF D9"),
+    ],
+);
+
+/// Returns the bytes that a cell describes.
+fn bytes(cell: &str, parts: &[(&str, &str)]) -> Vec<u8> {
+    let word = |word: &str| {
+        if let Some((_, part)) = parts.iter().find(|(name, _)| *name == word) {
+            return bytes(part, &[]);
+        }
+        let (digits, times) = word.split_once('*').unwrap_or((word, "1"));
+        let byte = u8::from_str_radix(digits, 16).expect("two hexadecimal digits");
+        vec![byte; times.parse().expect("a number of times")]
+    };
+    cell.split_whitespace().flat_map(word).collect()
+}
+
+#[track_caller]
+fn check((decode, parts): Codec, width: u32, height: u32, table: &str) {
+    for [stream, result] in rows(table) {
+        match decode(&bytes(&stream, parts), width, height) {
+            Ok(samples) => {
+                let expected = bytes(&result, &[]);
+                let expected = expected.repeat(samples.len() / expected.len());
+                assert_eq!(samples, expected, "{stream}");
+            }
+            Err(error) => {
+                assert_eq!(error.to_string(), result, "{stream}");
+                let is_unsupported = result.ends_with(" not implemented");
+                assert_eq!(error.fault == StreamFault::Unsupported, is_unsupported);
+            }
+        }
+    }
+}
+
+/// Comments, fill bytes, restart intervals, tables in other places, 16-bit steps, SOF1 and other sampling factors.
+const JPEG_SPELLINGS: &str = "
+SOI DQT SOF DHT0 DHT1 SOS DATA EOI | 80
+SOI FF E0 00 04 4A 46 FF FE 00 02 DQT SOF DHT0 DHT1 SOS DATA EOI | 80
+SOI FF FF FF DQT SOF DHT0 DHT1 SOS DATA EOI | 80
+SOI DQT SOF DHT0 DHT1 SOS DATA FF FF EOI | 80
+SOI DQT SOF DHT0 DHT1 SOS DATA FF FE 00 03 00 EOI | 80
+SOI DQT SOF DHT0 DHT1 FF DD 00 04 00 07 SOS DATA EOI | 80
+SOI DQT SOF DQT DHT0 DHT1 SOS DATA EOI | 80
+SOI DQT SOF DHT0 DHT1 SOS DATA EOI 01 02 03 | 80
+SOI FF DB 00 83 10 01*128 SOF DHT0 DHT1 SOS DATA EOI | 80
+SOI DQT FF C1 00 0B 08 00 08 00 08 01 01 43 00 DHT0 DHT1 SOS DATA EOI | 80
+SOI DQT SOF FF C4 00 26 00 01 00*15 00 10 01 00*15 00 SOS DATA EOI | 80
+";
+
+/// Two numbers at the limits of the inverse transform. A DC coefficient of 1,200 times 4 is 600 above gray, which in ten
+/// bits is 424 below it: black, but white with clamping alone. An AC coefficient of 1,000 times 200 has over fourteen bits;
+/// the result is that of the Group's own C code. No encoder writes either.
+const JPEG_EXTREMES: &str = "
+SOI FF DB 00 43 00 04*64 SOF FF C4 00 14 00 01 00*15 0B DHT1 SOS 4B 07 EOI | 00
+SOI FF DB 00 43 00 C8*64 SOF DHT0 FF C4 00 15 10 00 02 00*14 00 0A SOS 3F 41 EOI | 00 00 FF 00 FF 00 FF FF
+";
+
+const JPEG_ERRORS: &str = "
+ | byte 0: the stream is empty
+EOI | byte 0: the stream does not start with SOI, bytes FF D8
+SOI | byte 2: the stream ends before a marker
+SOI FF | byte 3: the stream ends before the code of a marker
+SOI 00 | byte 2: expected a marker, found byte 00
+SOI EOI | byte 2: expected a frame header, found marker FFD9
+SOI FF FE 00 | byte 5: the stream ends before the length of a segment
+SOI FF FE 00 01 | byte 4: a comment or application segment has length 1, which does not cover itself
+SOI FF FE 00 03 | byte 4: a comment or application segment of 3 bytes extends past the end of the stream
+SOI FF F7 | byte 2: expected a frame header, found a JPEG-LS frame
+SOI DQT WIDE | byte 76: expected 8 x 8 samples, found 16 x 8
+SOI DQT FF C0 00 11 08 00 08 00 08 03 01 11 00 02 11 00 03 11 00 | byte 80: expected one component, found 3
+SOI DQT FF C0 00 0B 07 00 08 00 08 01 01 11 00 | byte 75: samples of 7 bits do not exist here
+SOI DQT FF C0 00 0B 08 00 08 00 08 01 01 15 00 | byte 82: sampling factors 1 x 5 are not within 1 to 4
+SOI DQT FF C0 00 0B 08 00 08 00 08 01 01 01 00 | byte 82: sampling factors 0 x 1 are not within 1 to 4
+SOI DQT FF C0 00 0A 08 00 08 00 08 01 01 11
+  | byte 83: the frame header ends before the quantization table of the component
+SOI DQT FF C0 00 0C 08 00 08 00 08 01 01 11 00 00 | byte 84: the frame header is 1 bytes too long
+SOI FF C2 | byte 2: progressive coding (marker FFC2) is not implemented
+SOI FF C3 | byte 2: lossless coding (marker FFC3) is not implemented
+SOI FF C9 | byte 2: arithmetic coding (marker FFC9) is not implemented
+SOI FF CC | byte 2: arithmetic coding (marker FFCC) is not implemented
+SOI FF DE | byte 2: hierarchical coding (marker FFDE) is not implemented
+SOI DQT FF C1 00 0B 0C 00 08 00 08 01 01 11 00 | byte 75: samples of 12 bits are not implemented
+SOI DQT FF C0 00 0B 08 00 00 00 08 01 01 11 00 | byte 76: a height defined by DNL is not implemented
+SOI DQT SOF DHT0 DHT1 SOS DATA FF DC 00 04 00 08 EOI
+  | byte 139: a height defined by DNL (marker FFDC) is not implemented
+SOI FF DB 00 03 20 | byte 6: no quantization table has precision or class 2 and number 0
+SOI FF DB 00 03 04 | byte 6: no quantization table has precision or class 0 and number 4
+SOI FF DB 00 03 00 | byte 7: the quantization table segment ends before 64 quantization steps
+SOI FF DB 00 43 00 01*63 00 | byte 70: a quantization step is zero
+SOI DQT SOF FF C4 00 03 20 | byte 88: no Huffman table has precision or class 2 and number 0
+SOI DQT SOF FF C4 00 03 04 | byte 88: no Huffman table has precision or class 0 and number 4
+SOI DQT SOF FF C4 00 03 00 | byte 89: the Huffman table segment ends before 16 numbers of codes
+SOI DQT SOF FF C4 00 13 00 01 00*15 | byte 105: the Huffman table segment ends before the symbols of a Huffman table
+SOI DQT SOF FF C4 00 15 00 02 00*15 00 01 | byte 89: a Huffman table has too many codes of 1 bits
+SOI DQT SOF FF C4 00 13 00 00*14 FF FF | byte 89: a Huffman table of 510 codes has more than 256
+SOI DQT SOF DHT0 DHT1 FF DD 00 03 00 | byte 133: the restart interval segment ends before the restart interval
+SOI DQT SOF DHT0 DHT1 FF DD 00 05 00 00 00 | byte 134: the restart interval segment is 1 bytes too long
+SOI SOF DHT0 DHT1 SOS | byte 65: quantization table 0 was not defined
+SOI DQT SOF DHT1 SOS | byte 112: DC Huffman table 0 was not defined
+SOI DQT SOF DHT0 SOS | byte 112: AC Huffman table 0 was not defined
+SOI DQT SOF DHT0 DHT1 DATA | byte 128: expected a marker, found byte 3F
+SOI DQT SOF DHT0 DHT1 EOI | byte 128: expected the scan header, found marker FFD9
+SOI DQT SOF DHT0 DHT1 SOF | byte 128: expected the scan header, found marker FFC0
+SOI DQT SOF DHT0 DHT1 FF DA 00 0A 02 01 00 02 00 00 3F 00 | byte 132: expected one component, found 2
+SOI DQT SOF DHT0 DHT1 FF DA 00 08 01 02 00 00 3F 00 | byte 133: the scan is of component 2, the frame has only 1
+SOI DQT SOF DHT0 DHT1 FF DA 00 08 01 01 00 00 3E 00
+  | byte 135: a sequential scan has parameters 0 63 0, found 0 62 0
+SOI DQT SOF DHT0 DHT1 FF DA 00 08 01 01 40 00 3F 00 | byte 134: DC Huffman table 4 was not defined
+SOI DQT SOF DHT0 DHT1 FF DA 00 07 01 01 00 00 3F | byte 137: the scan header ends before its parameters
+SOI DQT SOF DHT0 DHT1 SOS EOI | byte 138: the entropy-coded segment ends too early
+SOI DQT SOF DHT0 DHT1 SOS BF FF 00 FF 00 EOI | byte 138: the next bits are no code of the Huffman table
+SOI DQT SOF DHT0 DHT1 SOS 3F 00 EOI | byte 139: the entropy-coded segment continues after its last sample
+SOI DQT SOF DHT0 DHT1 SOS FF EOI | byte 138: the entropy-coded segment ends too early
+SOI DQT SOF DHT0 DHT1 SOS DATA | byte 139: the stream ends before a marker
+SOI DQT SOF DHT0 DHT1 SOS DATA FF | byte 140: the stream ends before the code of a marker
+SOI DQT SOF DHT0 DHT1 SOS DATA FF D0 | byte 139: expected the end of the image, found marker FFD0
+SOI DQT SOF FF C4 00 14 00 01 00*15 0C DHT1 SOS DATA EOI | byte 138: a DC difference of 12 bits does not exist
+SOI DQT SOF DHT0 FF C4 00 14 10 01 00*15 0B SOS DATA EOI | byte 138: an AC code for run 0, size 11 does not exist
+SOI DQT SOF DHT0 FF C4 00 14 10 01 00*15 10 SOS DATA EOI | byte 138: an AC code for run 1, size 0 does not exist
+SOI DQT SOF DHT0 FF C4 00 14 10 01 00*15 F0 SOS 07 EOI | byte 138: a run of zeros leaves the block
+SOI DQT SOF DHT0 FF C4 00 14 10 01 00*15 F1 SOS 2A EOI | byte 139: a run of zeros leaves the block
+";
+
+/// Two blocks. In the first table, code 0 is no difference and code 1 is one of four bits: 01 1000 0 | 01 1000 0 is eight
+/// and then sixteen, divided by eight by the transform; after a restart marker, it is eight again. The last row has two
+/// differences of eleven bits 1.
+const JPEG_BLOCKS: &str = "
+SOI DQT WIDE FF C4 00 15 00 00 02 00*14 00 04 DHT1 SOS 60 C3 EOI | 81*8 82*8
+SOI DQT WIDE FF C4 00 15 00 00 02 00*14 00 04 DHT1 FF DD 00 04 00 01 SOS 61 FF D0 61 EOI | 81
+SOI DQT WIDE FF C4 00 15 00 00 02 00*14 00 04 DHT1 FF DD 00 04 00 01 SOS 61 FF D1 61 EOI
+  | byte 146: expected restart marker 0, found marker FFD1
+SOI DQT WIDE FF C4 00 15 00 00 02 00*14 00 04 DHT1 FF DD 00 04 00 01 SOS 60 C3 EOI
+  | byte 146: the entropy-coded segment continues after its last sample
+SOI DQT WIDE FF C4 00 14 00 01 00*15 0B DHT1 SOS 7F F3 FF 00 BF EOI
+  | byte 142: a DC coefficient of 4094 does not exist
+";
+
+#[test]
+fn each_jpeg_stream_has_its_result() {
+    for table in [JPEG_SPELLINGS, JPEG_EXTREMES, JPEG_ERRORS] {
+        check(JPEG, 8, 8, table);
+    }
+    check(JPEG, 16, 8, JPEG_BLOCKS);
+    let huge = "SOI DQT FF C0 00 0B 08 FF FF FF FF 01 01 11 00 DHT0 DHT1 SOS DATA EOI \
+        | byte 138: 65535 x 65535 samples do not fit in the 3 bytes left";
+    check(JPEG, 65_535, 65_535, huge);
+}
+
+/// Comments, fill bytes, a restart interval of 0, preset parameters equal to the defaults and before the frame header,
+/// other sampling factors, other bits after the last.
+const JPEG_LS_SPELLINGS: &str = "
+SOI SOF SOS DATA EOI | 00
+SOI FF E8 00 04 4A 46 FF FE 00 02 SOF SOS DATA EOI | 00
+SOI FF FF FF SOF SOS DATA EOI | 00
+SOI SOF SOS DATA FF FF EOI | 00
+SOI SOF SOS DATA FF FE 00 02 EOI | 00
+SOI SOF SOS DATA EOI 01 02 03 | 00
+SOI SOF FF DD 00 04 00 00 SOS DATA EOI | 00
+SOI SOF LSE 00*10 SOS DATA EOI | 00
+SOI SOF LSE 00 FF 00 03 00 07 00 15 00 40 SOS DATA EOI | 00
+SOI LSE 00*10 SOF SOS DATA EOI | 00
+SOI FF F7 00 0B 08 00 01 00 04 01 01 42 00 SOS DATA EOI | 00
+SOI SOF SOS F7 EOI | 00
+";
+
+/// In the last row, after no run, 22 zeros, a one and 1111 1111 are number 256, one more than the largest error.
+const JPEG_LS_ERRORS: &str = "
+ | byte 0: the stream is empty
+D8 FF | byte 0: the stream does not start with SOI, bytes FF D8
+SOI FF C0 | byte 2: expected a JPEG-LS frame header, found marker FFC0
+SOI EOI | byte 2: expected a JPEG-LS frame header, found marker FFD9
+SOI SOF SOF | byte 15: expected the scan header, found marker FFF7
+SOI SOF SOS DATA | byte 26: the stream ends before a marker
+SOI SOF SOS DATA FF | byte 27: the stream ends before the code of a marker
+SOI SOF SOS DATA SOS | byte 26: expected the end of the image, found marker FFDA
+SOI SOF SOS DATA FF DC | byte 26: a height defined by DNL is not implemented
+SOI FF F7 00 0B 08 00 01 00 05 01 01 11 00 | byte 7: expected 4 x 1 samples, found 5 x 1
+SOI FF F7 00 0B 08 00 01 00 04 03 01 11 00 | byte 11: expected one component, found 3
+SOI FF F7 00 0B 01 00 01 00 04 01 01 11 00 | byte 6: samples of 1 bits do not exist here
+SOI FF F7 00 0B 0C 00 01 00 04 01 01 11 00 | byte 6: samples of 12 bits are not implemented
+SOI FF F7 00 0B 08 00 00 00 04 01 01 11 00 | byte 7: a height defined by DNL is not implemented
+SOI SOF LSE 01 00 00*8 SOS | byte 20: MAXVAL 256 does not fit in 8 bits
+SOI SOF LSE 00 FF 01 00 00*6 SOS | byte 22: T1 must be within 1 to 255, found 256
+SOI SOF LSE 00 FF 00 05 00 04 00*4 SOS | byte 24: T2 must be within 5 to 255, found 4
+SOI SOF LSE 00 FF 00*4 00 03 00 00 SOS | byte 26: T3 must be within 7 to 255, found 3
+SOI SOF LSE 00*8 00 02 SOS | byte 28: RESET must be within 3 to 255, found 2
+SOI SOF LSE 00*8 01 00 SOS | byte 28: RESET must be within 3 to 255, found 256
+SOI SOF FF F8 00 0C 01 00*9 | byte 29: the preset parameter segment ends before RESET
+SOI SOF FF F8 00 0E 01 00*11 | byte 30: the preset parameter segment is 1 bytes too long
+SOI SOF FF F8 00 03 00 | byte 19: no preset parameter segment has type 0
+SOI SOF FF F8 00 05 02 01 01 | byte 19: mapping tables are not implemented
+SOI SOF FF F8 00 05 03 01 01 | byte 19: mapping tables are not implemented
+SOI SOF FF F8 00 06 04 02 00 00 | byte 19: sizes over 65,535 are not implemented
+SOI SOF FF F8 00 03 05 | byte 19: the extensions of T.870 are not implemented
+SOI SOF FF DD 00 04 00 01 | byte 19: restart intervals in JPEG-LS are not implemented
+SOI SOF FF DA 00 08 02 01 00 00 00 00 | byte 19: expected one component, found 2
+SOI SOF FF DA 00 08 01 07 00 00 00 00 | byte 20: the scan is of component 7, the frame has only 1
+SOI SOF FF DA 00 08 01 01 01 00 00 00 | byte 21: samples that a mapping table translates are not implemented
+SOI SOF FF DA 00 08 01 01 00 80 00 00 | byte 22: NEAR 128 is more than half of MAXVAL 255
+SOI SOF FF DA 00 08 01 01 00 00 01 00 | byte 23: one component cannot be interleaved, found ILV 1
+SOI SOF FF DA 00 08 01 01 00 00 00 01 | byte 24: a point transform is not implemented
+SOI SOF SOS EOI | byte 25: the entropy-coded segment ends too early
+SOI SOF SOS 00 EOI | byte 26: the entropy-coded segment ends too early
+SOI SOF SOS FF EOI | byte 25: the entropy-coded segment ends too early
+SOI SOF SOS F0 00 EOI | byte 26: the entropy-coded segment continues after its last sample
+SOI SOF SOS 00*5 EOI | byte 25: a code begins with more than 22 zeros
+SOI SOF SOS 00 00 01 FF 00 EOI | byte 29: no sample has prediction error -129
+";
+
+#[test]
+fn each_jpeg_ls_stream_has_its_result() {
+    check(JPEG_LS, 4, 1, JPEG_LS_SPELLINGS);
+    check(JPEG_LS, 4, 1, JPEG_LS_ERRORS);
+    // 0: no run. 1 and then 11, because k is 2: number 3, which is error 2.
+    let interrupted = "SOI FF F7 00 0B 08 00 01 00 01 01 01 11 00 SOS 70 EOI | 02";
+    check(JPEG_LS, 1, 1, interrupted);
+    // Four samples, then a run that ends: one more, and another one that interrupts it.
+    let long = "SOI FF F7 00 0B 08 00 01 00 05 01 01 11 00 SOS F4 EOI \
+        | byte 25: a run of 5 samples and its end in a line with 5 to go";
+    check(JPEG_LS, 5, 1, long);
+    let huge = "SOI FF F7 00 0B 08 FF FF FF FF 01 01 11 00 SOS DATA EOI \
+        | byte 25: 65535 x 65535 samples do not fit in the 3 bytes left";
+    check(JPEG_LS, 65_535, 65_535, huge);
+}
