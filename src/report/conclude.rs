@@ -12,6 +12,7 @@ use crate::report::make::likely_causes;
 use crate::report::reported::Reported;
 use crate::report::shards::{Circumstances, OtherRemarks};
 use crate::session::contact::Contact;
+use crate::session::plan::RunPlan;
 use crate::session::remark::Remark;
 use crate::session::run::{Run, Session};
 use crate::suite::cases::Suite;
@@ -23,15 +24,14 @@ use crate::suite::test_case::TestCase;
 /// The errors of [`verdicts`].
 pub fn conclude<C: Reported>(
     suite: &Suite<C>,
+    plan: &RunPlan,
     run: &mut Run<C>,
     circumstances: &Circumstances,
     others: &OtherRemarks,
-    jobs: usize,
 ) -> Result<Report, String> {
-    let report = verdicts(suite, run, circumstances, others, jobs)?;
-    let assumed = &circumstances.assumed;
+    let report = verdicts(suite, plan, run, circumstances, others)?;
     Ok(causes(suite, run, report, |run| {
-        C::diagnose(suite, run, assumed, jobs)
+        C::diagnose(suite, run, &circumstances.assumed, plan.jobs)
     }))
 }
 
@@ -56,19 +56,19 @@ pub fn undo_common_transforms<C: Reported>(
 /// A sentence with the first assumed misreading that is unknown.
 pub fn verdicts<C: Reported>(
     suite: &Suite<C>,
+    plan: &RunPlan,
     run: &mut Run<C>,
     circumstances: &Circumstances,
     others: &OtherRemarks,
-    jobs: usize,
 ) -> Result<Report, String> {
     run.remarks.splice(0..0, others.before.iter().cloned());
     run.remarks.extend(others.after.iter().cloned());
-    C::assume(suite, run, &circumstances.assumed, jobs)?;
+    C::assume(suite, run, &circumstances.assumed, plan.jobs)?;
     let limits = circumstances.limits.clone();
     let mut report = Report::of(suite, run, &circumstances.command, limits);
     report.decoder.name.clone_from(&circumstances.name);
     report.decoder.version.clone_from(&circumstances.version);
-    circumstances.mode().clone_into(&mut report.decoder.mode);
+    plan.mode().clone_into(&mut report.decoder.mode);
     Ok(report)
 }
 
@@ -126,7 +126,6 @@ mod tests {
     use crate::misreadings::At;
     use crate::protocol::frame::Answer;
     use crate::runner::run::{Reply, Request};
-    use crate::session::plan::RunPlan;
     use crate::session::run::check;
 
     #[test]

@@ -18,7 +18,7 @@ use crate::report::reported::Reported;
 use crate::report::shards::{self, Circumstances, End, Kept, OtherRemarks, Record, Shard};
 use crate::runner::run::{Reply, Request};
 use crate::session::asking::ReplyTo;
-use crate::session::plan::{Repeat, RunPlan};
+use crate::session::plan::RunPlan;
 use crate::session::remark::Remark;
 use crate::session::run::{Progress, Run, Session};
 use crate::suite::cases::Suite;
@@ -30,7 +30,8 @@ pub struct KeptAnswers<C: TestCase> {
     known: HashMap<(String, String, bool), Kept<C::Output>>,
     circumstances: Circumstances,
     remarks: OtherRemarks,
-    selected: Vec<String>,
+    /// The plan of the whole run.
+    plan: RunPlan,
 }
 
 impl<C: Reported> KeptAnswers<C> {
@@ -59,19 +60,19 @@ impl<C: Reported> KeptAnswers<C> {
                 first.display()
             ));
         }
-        let mut remarks = OtherRemarks::default();
-        for (_, End { remarks: more, .. }) in &ends {
-            add_new(&mut remarks.before, &more.before);
-            add_new(&mut remarks.after, &more.after);
+        let (mut remarks, mut plan) = (OtherRemarks::default(), end.plan.clone());
+        for (_, part) in &ends {
+            add_new(&mut remarks.before, &part.remarks.before);
+            add_new(&mut remarks.after, &part.remarks.after);
+            for (all, selected) in plan.selected.iter_mut().zip(&part.plan.selected) {
+                *all |= selected;
+            }
         }
         Ok(KeptAnswers {
             known,
             circumstances: end.circumstances.clone(),
             remarks,
-            selected: ends
-                .iter()
-                .flat_map(|(_, end)| end.selected.clone())
-                .collect(),
+            plan,
         })
     }
 
@@ -85,7 +86,10 @@ impl<C: Reported> KeptAnswers<C> {
         jobs: usize,
         progress: &Progress<C>,
     ) -> Result<(Run<C>, Report), String> {
-        let plan = self.plan(suite, jobs);
+        let plan = RunPlan {
+            jobs,
+            ..self.plan.clone()
+        };
         let missing = Mutex::new(None);
         let ask = |request: &Request<'_, C::View>, _: usize| {
             self.reply(suite, request).unwrap_or_else(|| {
@@ -112,48 +116,8 @@ impl<C: Reported> KeptAnswers<C> {
                 "no part of the run asked for {what}: are the responses of the decoder nondeterministic?"
             ));
         }
-        let report = conclude(suite, &mut run, &self.circumstances, &self.remarks, jobs)?;
+        let report = conclude(suite, &plan, &mut run, &self.circumstances, &self.remarks)?;
         Ok((run, report))
-    }
-
-    /// Returns the combined plan of the parts.
-    fn plan(&self, suite: &Suite<C>, jobs: usize) -> RunPlan<C> {
-        let Circumstances {
-            declared_views,
-            declared_formats,
-            serves,
-            views,
-            withheld,
-            ..
-        } = &self.circumstances;
-        let ids = || suite.cases.iter().map(C::id);
-        let known = |views: &Vec<String>| -> Vec<&'static str> {
-            let is_asked = |view: &&str| views.iter().any(|asked| asked == view);
-            C::VIEWS.iter().copied().filter(is_asked).collect()
-        };
-        let kind = |name: &String| {
-            let mut kinds = suite.cases.iter().map(C::kind);
-            kinds.find(|kind| kind.to_string() == *name)
-        };
-        let why: HashMap<&str, &String> = withheld.iter().map(|(id, why)| (&**id, why)).collect();
-        RunPlan {
-            selected: ids()
-                .map(|id| self.selected.iter().any(|selected| selected == id))
-                .collect(),
-            views: known(views),
-            withheld: match withheld.is_empty() {
-                true => Vec::new(),
-                false => ids().map(|id| why.get(id).copied().cloned()).collect(),
-            },
-            declared_views: declared_views.as_ref().map(known),
-            declared_kinds: (declared_formats.as_ref())
-                .map(|names| names.iter().filter_map(kind).collect()),
-            repeat: match serves {
-                true => Repeat::FailuresAndSample,
-                false => Repeat::Failures,
-            },
-            ..RunPlan::of(suite, jobs)
-        }
     }
 
     /// Returns a recorded answer. A request that no part repeated counts as deterministic: its verdict gave no reason to.
@@ -217,9 +181,21 @@ fn check_parts(ends: &[(&Path, End)]) -> Result<(), String> {
                 end.version
             ));
         }
-        if (end.part.of, &end.corpus, &end.circumstances)
-            != (first.part.of, &first.corpus, &first.circumstances)
-        {
+        let run = |end: &End| {
+            let selected = Vec::new();
+            let plan = serde_json::to_value(RunPlan {
+                selected,
+                ..end.plan.clone()
+            });
+            let plan = plan.expect("a plan can be written");
+            (
+                end.part.of,
+                end.corpus.clone(),
+                end.circumstances.clone(),
+                plan,
+            )
+        };
+        if run(end) != run(first) {
             return named(&format!("not of the same run as {}", first_path.display()));
         }
         if let Some(why) = &end.ended_early {

@@ -63,8 +63,10 @@ fn asked(suite: &Suite, plan: &RunPlan, ask: &Ask, keeper: Option<&Keeper<Case>>
 /// The report of a run in one piece.
 fn whole(suite: &Suite, decoder: &Decoder) -> Report {
     let ask = |request: &Request<'_>, _: usize| Reply::from(decoder(request));
-    let mut run = asked(suite, &plan(suite, None), &ask, None);
-    conclude(suite, &mut run, &circumstances(), &remarks(), 2).expect("no misreading is assumed")
+    let plan = plan(suite, None);
+    let mut run = asked(suite, &plan, &ask, None);
+    let report = conclude(suite, &plan, &mut run, &circumstances(), &remarks());
+    report.expect("no misreading is assumed")
 }
 
 /// Runs one part and keeps its answers next to the report, whose path is returned.
@@ -84,7 +86,15 @@ fn run_part(
     };
     let plan = plan(suite, Some(part));
     let run = asked(suite, &plan, &ask, Some(&keeper));
-    let end = End::of(suite, &plan, &run, tool, part, circumstances(), remarks());
+    let end = End {
+        version: tool.version.clone(),
+        corpus: tool.corpus.clone(),
+        part,
+        circumstances: circumstances(),
+        plan,
+        remarks: remarks(),
+        ended_early: run.ended_early.map(str::to_owned),
+    };
     keeper.finish(end).expect("the answers are written");
     report
 }
