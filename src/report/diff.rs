@@ -105,7 +105,10 @@ impl<'a> Changes<'a> {
             match in_full {
                 true => (cases.iter())
                     .try_for_each(|case| writeln!(out, "  {}: {}", case.id, case.outcome))?,
-                false => write_counts(out, cases.iter().map(|case| (case.outcome.clone(), *case)))?,
+                false => {
+                    let keyed = cases.iter().map(|case| (case.outcome.to_string(), *case));
+                    write_counts(out, keyed)?;
+                }
             }
         }
         if out.is_empty() && old != new {
@@ -176,10 +179,9 @@ fn write_each(out: &mut String, pairs: &[Pair]) -> std::fmt::Result {
 /// Describes the causes of a report in a line or two each, with the cases that each explains, or their number.
 fn causes_in_words(report: &Report, in_full: bool) -> String {
     let words = |cause: &LikelyCause| {
-        let name = cause.misreading.as_ref().or(cause.kind.as_ref());
         let says = format!(
             "{} (clause {}): {}; fix: {}",
-            name.map_or("", String::as_str),
+            cause.name(),
             cause.clause,
             cause.effect,
             cause.fix,
@@ -210,11 +212,11 @@ fn differing(old: &CaseResult, new: &CaseResult) -> Vec<&'static str> {
 type Pair<'a> = (&'a CaseResult, &'a CaseResult);
 
 fn fails(case: &CaseResult) -> bool {
-    case.outcome == Outcome::Fail.name()
+    case.outcome == Outcome::Fail
 }
 
 fn is_fixed(old: &CaseResult, new: &CaseResult) -> bool {
-    fails(old) && new.outcome == Outcome::Pass.name()
+    fails(old) && new.outcome == Outcome::Pass
 }
 
 /// Kinds of change; each changed case belongs to exactly one.
@@ -285,7 +287,7 @@ fn leniencies(report: &Report) -> String {
 
 /// Returns the other fields of a case, a line or more each.
 fn details(case: &CaseResult) -> String {
-    let (id, outcome) = (String::new(), String::new());
+    let (id, outcome) = (String::new(), Outcome::Pass);
     let text = yaml(&CaseResult {
         id,
         outcome,

@@ -64,10 +64,7 @@ fn errors(report: &Report) -> Vec<(String, String)> {
         }
     }
     let unexplained = news.iter().filter(|case| report.cause_of(case).is_none());
-    errors.extend(unexplained.map(|case| {
-        let says = case.says.clone().unwrap_or_default();
-        (format!("{name}, case {}", case.id), says)
-    }));
+    errors.extend(unexplained.map(|case| (format!("{name}, case {}", case.id), case.says.clone())));
     errors
 }
 
@@ -191,8 +188,7 @@ fn write_failures(failures: &[&CaseResult], out: &mut String) -> std::fmt::Resul
         failures.len()
     )?;
     for case in failures.iter().take(MAX_LISTED) {
-        let says = case.says.as_deref().unwrap_or_default();
-        let says: String = says.chars().take(300).collect();
+        let says: String = case.says.chars().take(300).collect();
         writeln!(
             out,
             "| {} | {} | {} |",

@@ -6,7 +6,7 @@ use std::fmt::Write;
 use crate::kit::last_words::last_words;
 use crate::report::document::{CaseResult, DecoderInfo, FollowedReading, LikelyCause, Report};
 use crate::report::leniency::Leniency;
-use crate::report::words::{Detail, details, how_it_is_called};
+use crate::report::words::{details, how_it_is_called};
 use crate::session::outcome::Outcome;
 use crate::session::run::Run;
 use crate::suite::cases::Suite;
@@ -76,25 +76,16 @@ pub fn first_causes_to_text<C: TestCase>(run: &Run<C>, causes: &[LikelyCause]) -
     let (told, few): (Vec<&LikelyCause>, Vec<&LikelyCause>) =
         (causes.iter()).partition(|cause| cause.explains.len() >= FAILURES_OF_A_CAUSE);
     for cause in told.iter().take(MAX_FIRST_CAUSES) {
-        let clause = match cause.blames_its_clause() {
-            true => format!(" (clause {})", cause.clause),
-            false => String::new(),
-        };
-        let _ = write!(
-            text,
-            "\n  {} of {failed} failures: the decoder {}{clause}.\n    Fix: {}.",
-            cause.explains.len(),
-            cause.effect,
-            cause.fix
-        );
+        let (count, behavior, fix) = (cause.explains.len(), behavior(cause), &cause.fix);
+        text +=
+            &format!("\n  {count} of {failed} failures: the decoder {behavior}.\n    Fix: {fix}.");
     }
     if told.len() > MAX_FIRST_CAUSES {
-        let _ = write!(text, "\n  … and {} more", told.len() - MAX_FIRST_CAUSES);
+        text += &format!("\n  … and {} more", told.len() - MAX_FIRST_CAUSES);
     }
     let few: usize = few.iter().map(|cause| cause.explains.len()).sum();
     if few > 0 {
-        let _ = write!(
-            text,
+        text += &format!(
             "\n  {few} of {failed} failures: too few similar failures to name a cause yet"
         );
     }
@@ -102,6 +93,14 @@ pub fn first_causes_to_text<C: TestCase>(run: &Run<C>, causes: &[LikelyCause]) -
         text += "\n  none yet";
     }
     Some(text)
+}
+
+/// Describes the behavior of a decoder, with the clause that it misreads.
+fn behavior(cause: &LikelyCause) -> String {
+    match cause.blames_its_clause() {
+        true => format!("{} (clause {})", cause.effect, cause.clause),
+        false => cause.effect.clone(),
+    }
 }
 
 /// A report that is written for a terminal.
@@ -140,39 +139,24 @@ impl<C: TestCase> Page<'_, C> {
     /// Writes a cause, a fix, and two of its cases.
     fn write_cause(&self, cause: &LikelyCause, out: &mut String) -> std::fmt::Result {
         let (count, all) = (cause.explains.len(), self.failing.len());
-        let clause = match cause.blames_its_clause() {
-            true => format!(" (clause {})", cause.clause),
-            false => String::new(),
-        };
-        writeln!(
-            out,
-            "{count} of {all} failures: the {} {}{clause}.",
-            self.report.suite.subject(),
-            cause.effect
-        )?;
-        for Detail {
-            before,
-            name,
-            after,
-            ..
-        } in details(cause, self.report.suite)
-        {
-            writeln!(out, "  {before}{name}{after}")?;
+        let (subject, behavior) = (self.report.suite.subject(), behavior(cause));
+        writeln!(out, "{count} of {all} failures: the {subject} {behavior}.")?;
+        for detail in details(cause, self.report.suite) {
+            writeln!(out, "  {}{}{}", detail.before, detail.name, detail.after)?;
         }
         if let Some(example) = &cause.example {
             writeln!(out, "  {}", capitalized(example))?;
         }
-        match &cause.misreading {
-            Some(slug) => writeln!(
-                out,
-                "  Fix: {}. More: ptm-conform explain {slug}",
-                cause.fix
-            )?,
-            None => writeln!(out, "  Fix: {}.", cause.fix)?,
-        }
-        let examples = match cause.misreading {
-            Some(_) => MAX_EXAMPLES.0,
-            None => MAX_EXAMPLES.1,
+        write!(out, "  Fix: {}.", cause.fix)?;
+        let examples = match &cause.misreading {
+            Some(slug) => {
+                writeln!(out, " More: ptm-conform explain {slug}")?;
+                MAX_EXAMPLES.0
+            }
+            None => {
+                writeln!(out)?;
+                MAX_EXAMPLES.1
+            }
         };
         let explained = |case: &&&CaseResult| cause.explains.contains(&case.id);
         for case in self.failing.iter().filter(explained).take(examples) {
@@ -211,19 +195,13 @@ impl<C: TestCase> Page<'_, C> {
 
     fn write_failure(&self, case: &CaseResult, out: &mut String) -> std::fmt::Result {
         writeln!(out, "  FAIL {}  ({})", case.id, case.clauses.join(", "))?;
-        writeln!(
-            out,
-            "    {}: {}",
-            case.view.as_deref().unwrap_or_default(),
-            case.says.as_deref().unwrap_or_default()
-        )?;
+        writeln!(out, "    {}: {}", case.view, case.says)?;
         if let Some(case) = self.suite.case(&case.id) {
             for line in case.because().lines() {
                 writeln!(out, "    {line}")?;
             }
         }
-        let stderr = case.stderr.as_ref();
-        match stderr.and_then(|stderr| last_words(stderr)) {
+        match last_words(&case.stderr) {
             Some(line) => writeln!(out, "    its standard error ends: {line}"),
             None => Ok(()),
         }
@@ -254,17 +232,10 @@ impl<C: TestCase> Page<'_, C> {
         }
         let weak = report.cases.iter().filter(|case| case.weak).count();
         if weak > 0 {
-            writeln!(
-                out,
-                "{weak} refusals are weak: their exit status may mean a crash as well, and is less evidence than 65"
-            )?;
+            let why = "their exit status may mean a crash as well, and is less evidence than 65";
+            writeln!(out, "{weak} refusals are weak: {why}")?;
         }
-        let scores = &report.scores;
-        writeln!(
-            out,
-            "correctness {}, breadth {}, robustness {}",
-            scores.correctness, scores.breadth, scores.robustness
-        )
+        writeln!(out, "{}", report.scores)
     }
 
     /// Writes the number of open questions that it reads as the reference does, and its readings of the others.
@@ -292,21 +263,19 @@ impl<C: TestCase> Page<'_, C> {
     }
 
     /// Returns the reasons why cases were inconclusive or not judged, with counts.
-    fn not_conclusive(&self) -> BTreeMap<(&'static str, &str), usize> {
+    fn not_conclusive(&self) -> BTreeMap<(Outcome, &str), usize> {
         let mut reasons = BTreeMap::new();
-        let inconclusive = Outcome::Inconclusive.name();
         let twins = match self.failing.is_empty() {
             true => "the valid twin was not decoded",
             false => "the valid twin was not decoded, or was misread too",
         };
         let count = self.report.with(Outcome::Inconclusive).count();
         if count > 0 {
-            reasons.insert((inconclusive, twins), count);
+            reasons.insert((Outcome::Inconclusive, twins), count);
         }
         for case in self.report.with(Outcome::NotJudged) {
-            let says = case.says.as_deref().unwrap_or_default();
             *reasons
-                .entry((Outcome::NotJudged.name(), says))
+                .entry((Outcome::NotJudged, &*case.says))
                 .or_default() += 1;
         }
         reasons
@@ -340,20 +309,17 @@ fn write_case<C: TestCase>(
             writeln!(out, "  {line}")?;
         }
     }
-    let asked = case.view.as_deref();
-    let asked = asked.map(|view| format!(", asked in {view}"));
-    let asked = asked.unwrap_or_default();
-    writeln!(out, "  expected: {}{asked}", case.expect)?;
-    if let Some(says) = &case.says {
-        writeln!(out, "  {says}")?;
+    match case.view.as_str() {
+        "" => writeln!(out, "  expected: {}", case.expect)?,
+        view => writeln!(out, "  expected: {}, asked in {view}", case.expect)?,
     }
-    if let Some(stderr) = &case.stderr {
+    if !case.says.is_empty() {
+        writeln!(out, "  {}", case.says)?;
+    }
+    if !case.stderr.is_empty() {
         writeln!(out, "  its standard error:")?;
-        for line in stderr.lines() {
-            writeln!(out, "    {line}")?;
-        }
     }
-    Ok(())
+    (case.stderr.lines()).try_for_each(|line| writeln!(out, "    {line}"))
 }
 
 /// Failures with the same message.
@@ -364,7 +330,7 @@ fn by_kind<'a>(failures: &[&'a CaseResult]) -> (Alike<'a>, Vec<&'a CaseResult>) 
     let mut kinds: Alike = Vec::new();
     let mut single = Vec::new();
     for &case in failures {
-        let says = case.says.as_deref().unwrap_or_default();
+        let says = case.says.as_str();
         let is_violation = VIOLATIONS.iter().any(|name| {
             says.strip_prefix(name)
                 .is_some_and(|rest| rest.starts_with(": "))

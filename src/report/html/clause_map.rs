@@ -28,13 +28,11 @@ impl ClauseTally {
         for case in &report.cases {
             for clause in &case.clauses {
                 let tally = tallies.entry(clause).or_default();
-                if case.outcome == Outcome::Pass.name() {
-                    tally.passed += 1;
-                } else if case.outcome == Outcome::Fail.name() {
-                    tally.failed += 1;
-                } else {
-                    tally.open += 1;
-                }
+                *match case.outcome {
+                    Outcome::Pass => &mut tally.passed,
+                    Outcome::Fail => &mut tally.failed,
+                    _ => &mut tally.open,
+                } += 1;
             }
         }
         tallies
