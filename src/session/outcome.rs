@@ -104,20 +104,20 @@ pub enum ResponseKind {
     reason = "the arms are the rows of the table, in its order"
 )]
 pub const fn outcome(expect: Expect, is_supported: bool, response: ResponseKind) -> Outcome {
-    use Expect::{Decode, ImplementationDefined, Lenient, Refuse, Reject, Spelling};
+    use Expect::{Decode, ImplementationDefined, Lenient, Refuse, Reject, Robust, Spelling};
     use ResponseKind::{Different, Expected, Rejected, Unsupported, Violation};
     match (response, is_supported, expect) {
         (Expected, _, _) => Outcome::Pass,
 
-        (Different, _, Decode | Reject | Refuse | Lenient) => Outcome::Fail,
+        (Different, _, Decode | Reject | Refuse | Lenient | Robust) => Outcome::Fail,
         (Different, _, Spelling) => Outcome::OtherDialect,
         (Different, _, ImplementationDefined) => Outcome::ImplementationDefined,
 
         (Rejected, _, Decode) => Outcome::Fail,
-        (Rejected, true, Reject | Refuse | Lenient | Spelling) => Outcome::Pass,
+        (Rejected, true, Reject | Refuse | Lenient | Robust | Spelling) => Outcome::Pass,
         (Rejected, true, ImplementationDefined) => Outcome::ImplementationDefined,
 
-        (Unsupported, true, Refuse | Lenient | Spelling) => Outcome::Pass,
+        (Unsupported, true, Refuse | Lenient | Robust | Spelling) => Outcome::Pass,
         (Unsupported, true, Decode | Reject | ImplementationDefined) => Outcome::Fail,
 
         (Rejected | Unsupported, false, _) => Outcome::Unsupported,
