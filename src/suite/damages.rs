@@ -45,43 +45,30 @@ pub fn named(name: &str) -> Result<&'static Damage, String> {
 mod tests {
     use super::*;
 
-    #[track_caller]
-    fn rejects(text: &str, error: &str) {
-        let text = format!("- slug: a\n  clause: 2.1/1\n  effect: it is wrong\n{text}");
-        let said = read(&text).expect_err("it is no damage");
-        assert!(said.starts_with(error), "{said}");
-    }
-
     #[test]
     fn every_error_names_its_line() {
-        rejects(
-            "  replcae: { width: x }\n",
-            "line 4: unknown field `replcae`",
-        );
-        rejects("  fit: yes\n", "line 4: invalid type");
-        rejects(
-            "  replace: { widht: x }\n",
-            "line 4: unknown field in the place \"widht\"",
-        );
-        rejects(
-            "  end: \"plane[frist]\"\n",
-            "line 4: unknown number in the place \"plane[frist]\"",
-        );
-        rejects(
-            "  flip: { \"plane[1].sof\": hex ff }\n",
-            "line 4: unknown part in the place \"plane[1].sof\"",
-        );
-        rejects(
-            "  index: { second: entries }\n",
-            "line 4: unknown variant `second`",
-        );
-        rejects(
-            "  needs: { coding: gif }\n",
-            "line 4: unknown variant `gif`",
-        );
-        rejects(
-            "- slug: b\n",
-            "line 4: a damage has slug, clause and effect",
-        );
+        for (text, error) in [
+            ("  replcae: { width: x }", "unknown field `replcae`"),
+            ("  fit: yes", "invalid type"),
+            (
+                "  replace: { widht: x }",
+                r#"unknown field in the place "widht""#,
+            ),
+            (
+                "  end: \"plane[frist]\"",
+                r#"unknown number in the place "plane[frist]""#,
+            ),
+            (
+                "  flip: { \"plane[1].sof\": hex ff }",
+                r#"unknown part in the place "plane[1].sof""#,
+            ),
+            ("  index: { second: entries }", "unknown variant `second`"),
+            ("  needs: { coding: gif }", "unknown variant `gif`"),
+            ("- slug: b", "a damage has slug, clause and effect"),
+        ] {
+            let text = format!("- slug: a\n  clause: 2.1/1\n  effect: it is wrong\n{text}\n");
+            let said = read(&text).expect_err("it is no damage");
+            assert!(said.starts_with(&format!("line 4: {error}")), "{said}");
+        }
     }
 }

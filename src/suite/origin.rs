@@ -58,11 +58,12 @@ pub(crate) fn of_scale_and_bias(file: &[u8], channel: usize) -> Vec<Origin> {
     let one = |(clause, what): (&'static str, &str)| {
         let mut numbers = fields.iter().filter(|field| field.clause == clause);
         let range = numbers.nth(coefficient)?.range.clone();
-        Some(Origin::new(
-            format!("{what} of a{coefficient}"),
+        let what = format!("{what} of a{coefficient}");
+        Some(Origin {
+            what,
             clause,
             range,
-        ))
+        })
     };
     let both = [("2.4/3", "scale"), ("2.4/4", "bias")];
     both.into_iter().filter_map(one).collect()
@@ -107,15 +108,14 @@ impl Map<'_> {
             _ => channels.start,
         };
         let start = self.range("the texels", which)?.start + self.texel * stride + first;
-        let what = format!(
-            "texel {} of {} as they are stored, the bottom row first",
-            self.texel, self.texels
-        );
-        Some(vec![Origin::new(
+        let Map { texel, texels, .. } = self;
+        let what = format!("texel {texel} of {texels} as they are stored, the bottom row first");
+        let range = start..start + channels.len();
+        Some(vec![Origin {
             what,
             clause,
-            start..start + channels.len(),
-        )])
+            range,
+        }])
     }
 
     /// Returns the bytes of an index, and of the entry that it names.
@@ -180,34 +180,27 @@ mod tests {
     fn the_origin_of_a_sample_holds_its_value() {
         let suite = Suite::load().expect("the suite");
         let mut checked = 0;
-        for case in suite.cases.iter().filter(|case| {
-            case.expect == Expect::Decode
-                && case.damage().is_none()
-                && !case.format().is_compressed()
-        }) {
+        for case in &suite.cases {
+            let is_plain = case.damage().is_none() && !case.format().is_compressed();
             let built = case.build(TableSpelling::default());
             let Values::Painted(model) = &built.values else {
                 continue;
             };
+            if case.expect != Expect::Decode || !is_plain {
+                continue;
+            }
             let (width, height) = (model.size.width as usize, model.size.height as usize);
-            let channels = model.format.channels();
-            for (x, y) in [
-                (0, 0),
-                (width - 1, 0),
-                (0, height - 1),
-                (width / 2, height / 2),
-            ] {
-                for channel in 0..channels {
-                    let origins =
-                        of_samples(case, &built.file, model.size, (x, y), channel..channel + 1);
+            let corners = [(0, 0), (width - 1, 0), (0, height - 1)];
+            for (x, y) in corners.into_iter().chain([(width / 2, height / 2)]) {
+                let mut samples = model.samples.chunks(model.format.channels());
+                let texel = samples.nth(y * width + x).expect("a texel");
+                for (channel, expected) in texel.iter().enumerate() {
+                    let channels = channel..channel + 1;
+                    let origins = of_samples(case, &built.file, model.size, (x, y), channels);
                     let last = origins.last().expect("an origin");
                     assert_eq!(last.range.len(), 1, "{}", case.id);
-                    let expected = model.samples[(y * width + x) * channels + channel];
-                    assert_eq!(
-                        built.file[last.range.start], expected,
-                        "{} {channel}",
-                        case.id
-                    );
+                    let found = built.file[last.range.start];
+                    assert_eq!(found, *expected, "{} {channel}", case.id);
                     checked += 1;
                 }
             }
