@@ -16,7 +16,7 @@ use super::guard::check_trouble;
 use super::output::jobs;
 use super::progress::{self, ProgressLine};
 use ptm_conform::diagnose::MAX_WORK;
-use ptm_conform::report::conclude::{causes, first_causes, undo_common_transforms, verdicts};
+use ptm_conform::report::conclude::{causes, first_causes, verdicts};
 use ptm_conform::report::reported::Reported;
 use ptm_conform::report::shards::{Circumstances, End, Keeper, OtherRemarks, Shard, answers_path};
 use ptm_conform::report::text::first_causes_to_text;
@@ -90,9 +90,9 @@ impl<'a, C: Reported> Check<'a, C> {
         let mut contact = session.first_contact();
         let pace = began.elapsed().div_f64(session.asked().max(1) as f64);
         look(&mut contact);
-        if contact.is_ready() {
-            let assumed = &self.circumstances.assumed;
-            undo_common_transforms(self.suite, &mut session, &mut contact, assumed);
+        // Assumed mistakes are already reported.
+        if contact.is_ready() && self.circumstances.assumed.is_empty() {
+            C::undo_common_transforms(self.suite, &mut session, &mut contact);
         }
         let observations = self.ask_soonest_first(&session, &contact, pace);
         self.progress.begin("asking again");
@@ -201,7 +201,7 @@ impl<'a, C: Reported> Check<'a, C> {
                 ended_early: run.ended_early.map(str::to_owned),
             };
             let path = answers_path(self.ending.path);
-            keeper.finish(end).map_err(named(&path))?;
+            keeper.finish(&end).map_err(named(&path))?;
         }
         self.progress
             .begin_counted("searching for causes", &run.searched, MAX_WORK);

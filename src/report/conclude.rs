@@ -11,10 +11,9 @@ use crate::report::document::{LikelyCause, Report};
 use crate::report::make::likely_causes;
 use crate::report::reported::Reported;
 use crate::report::shards::{Circumstances, OtherRemarks};
-use crate::session::contact::Contact;
 use crate::session::plan::RunPlan;
 use crate::session::remark::Remark;
-use crate::session::run::{Run, Session};
+use crate::session::run::Run;
 use crate::suite::cases::Suite;
 use crate::suite::test_case::TestCase;
 
@@ -33,21 +32,6 @@ pub fn conclude<C: Reported>(
     Ok(causes(suite, run, report, |run| {
         C::diagnose(suite, run, &circumstances.assumed, plan.jobs)
     }))
-}
-
-/// Finds mistakes that all first files have in common, reports them, and has them undone in every following image. Assumed
-/// mistakes are already reported.
-pub fn undo_common_transforms<C: Reported>(
-    suite: &Suite<C>,
-    session: &mut Session<C>,
-    contact: &mut Contact<C>,
-    assumed: &[String],
-) {
-    if assumed.is_empty() {
-        let (undo, said) = C::common_transforms(suite, contact);
-        contact.remarks.splice(0..0, said);
-        session.undo(undo);
-    }
 }
 
 /// Returns the report of a run without causes, with remarks that do not follow from answers, and the declared capabilities.
@@ -79,10 +63,8 @@ pub fn first_causes<C: TestCase, A: 'static>(
     search: impl FnOnce(&Run<C>) -> Causes<A>,
 ) -> Vec<LikelyCause> {
     let found = catch_unwind(AssertUnwindSafe(|| search(run)));
-    found.map_or_else(
-        |_| Vec::new(),
-        |causes| likely_causes(suite, &causes.diagnoses),
-    )
+    let causes = found.map(|causes| likely_causes(suite, &causes.diagnoses));
+    causes.unwrap_or_default()
 }
 
 /// Adds the causes that `search` finds to a report. If the search panics, or the user ends it, some causes are missing and the

@@ -134,13 +134,17 @@ fn dialect<C: Reported>(suite: &Suite<C>, run: &Run<C>) -> Vec<FollowedReading> 
 }
 
 /// Returns everything for which the decoder always exits with 69: whole features, and views of single kinds of file.
-fn unsupported<C: Reported>(run: &Run<C>) -> Vec<String> {
-    let features = run.judgement.unsupported.iter().map(ToString::to_string);
-    let lacking = run.offer.lacking.iter();
-    let views = lacking
-        .filter(|(view, kind)| !C::is_listed(view, kind))
-        .map(|(view, kind)| format!("{view} of {kind}"));
-    features.chain(views).collect()
+fn unsupported<C: TestCase>(run: &Run<C>) -> Vec<String> {
+    let features = run.judgement.unsupported.iter();
+    let mut names: Vec<String> = features.map(ToString::to_string).collect();
+    for (view, kind) in &run.offer.lacking {
+        let name = format!("{view} of {kind}");
+        // The colors of LUM are a feature themselves.
+        if !names.contains(&name) {
+            names.push(name);
+        }
+    }
+    names
 }
 
 /// Returns remarks on images for which a larger tolerance was applied than for rounding.
@@ -172,25 +176,19 @@ fn cause<C: TestCase, A: 'static>(suite: &Suite<C>, diagnosis: &Diagnosis<A>) ->
     let ids = |places: &[usize]| -> Vec<String> {
         (places.iter().map(|&i| suite.cases[i].id().to_owned())).collect()
     };
-    let named = named_cause(&diagnosis.cause);
-    let cause = match &diagnosis.shows {
+    let shown = diagnosis.shows.as_ref();
+    let mut cause = named_cause(shown.unwrap_or(&diagnosis.cause));
+    if shown.is_none() {
+        cause.except = ids(&diagnosis.except);
+    } else if diagnosis.except.is_empty() {
         // The misreading is one of several mistakes that would look the same, unless passing cases contradict it.
-        Some(observation) if diagnosis.except.is_empty() => LikelyCause {
-            or: named.misreading.into_iter().chain(named.or).collect(),
-            with: named.with,
-            ..named_cause(observation)
-        },
-        Some(observation) => named_cause(observation),
-        None => LikelyCause {
-            except: ids(&diagnosis.except),
-            ..named
-        },
-    };
-    LikelyCause {
-        explains: ids(&diagnosis.explains),
-        partly: ids(&diagnosis.partly),
-        ..cause
+        let named = named_cause(&diagnosis.cause);
+        cause.or = named.misreading.into_iter().chain(named.or).collect();
+        cause.with = named.with;
     }
+    cause.explains = ids(&diagnosis.explains);
+    cause.partly = ids(&diagnosis.partly);
+    cause
 }
 
 /// Converts a cause to its fields in a report.
@@ -229,16 +227,11 @@ fn named_cause<A: 'static>(cause: &Cause<A>) -> LikelyCause {
 }
 
 fn slugs<A: 'static>(misreadings: &[&Misreading<A>]) -> Vec<String> {
-    (misreadings
-        .iter()
-        .map(|misreading| misreading.slug.to_owned()))
-    .collect()
+    misreadings.iter().map(|of| of.slug.to_owned()).collect()
 }
 
 /// Returns a word of a command without its directories.
 fn base_name(word: &str) -> String {
-    Path::new(word).file_name().map_or_else(
-        || word.to_owned(),
-        |name| name.to_string_lossy().into_owned(),
-    )
+    let name = Path::new(word).file_name().unwrap_or(word.as_ref());
+    name.to_string_lossy().into_owned()
 }

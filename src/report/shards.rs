@@ -42,9 +42,7 @@ impl Shard {
     #[must_use]
     pub fn holds(self, id: &str) -> bool {
         let digest = Sha256::digest(id.as_bytes());
-        let first = digest[..8]
-            .iter()
-            .fold(0, |n, &byte| n << 8 | u64::from(byte));
+        let first = u64::from_be_bytes(digest[..8].try_into().expect("eight bytes"));
         first % u64::from(self.of) == u64::from(self.number - 1)
     }
 }
@@ -141,9 +139,8 @@ pub struct Kept<T> {
 }
 
 /// A line of the file.
-#[derive(Serialize, Deserialize)]
-#[serde(untagged)]
-#[serde(bound(serialize = "T: Serialize", deserialize = "T: DeserializeOwned"))]
+#[derive(Deserialize)]
+#[serde(untagged, bound = "T: DeserializeOwned")]
 pub(super) enum Record<T> {
     Answer(Box<Kept<T>>),
     End(Box<End>),
@@ -201,11 +198,11 @@ impl<C: TestCase> Keeper<C> {
         };
         let mut keeping = self.0.lock().expect("no worker panics");
         if kept.alone {
-            keeping.write(&Record::Answer(Box::new(kept)));
+            keeping.write(&kept);
         } else {
             let key = (kept.case.clone(), kept.view.clone());
             if let Some(before) = keeping.waiting.insert(key, kept) {
-                keeping.write(&Record::Answer(Box::new(before)));
+                keeping.write(&before);
             }
         }
     }
@@ -227,7 +224,7 @@ impl<C: TestCase> Keeper<C> {
             if expected && case.expected_output(&observation.view).is_some() {
                 kept.answer = None;
             }
-            keeping.write(&Record::Answer(Box::new(kept)));
+            keeping.write(&kept);
         }
     }
 
@@ -235,14 +232,14 @@ impl<C: TestCase> Keeper<C> {
     ///
     /// # Errors
     /// The first error of the file system.
-    pub fn finish(self, end: End) -> io::Result<()> {
+    pub fn finish(self, end: &End) -> io::Result<()> {
         let mut keeping = self.0.into_inner().expect("no worker panics");
         let mut waiting: Vec<_> = keeping.waiting.drain().collect();
         waiting.sort_by(|(a, _), (b, _)| a.cmp(b));
         for (_, kept) in waiting {
-            keeping.write(&Record::Answer(Box::new(kept)));
+            keeping.write(&kept);
         }
-        keeping.write(&Record::End(Box::new(end)));
+        keeping.write(end);
         match keeping.failed {
             Some(error) => Err(error),
             None => keeping.out.flush(),
@@ -250,8 +247,8 @@ impl<C: TestCase> Keeper<C> {
     }
 }
 
-impl<T: Serialize> Keeping<T> {
-    fn write(&mut self, record: &Record<T>) {
+impl<T> Keeping<T> {
+    fn write(&mut self, record: &impl Serialize) {
         let written = serde_json::to_writer(&mut self.out, record)
             .map_err(io::Error::other)
             .and_then(|()| self.out.write_all(b"\n"));
