@@ -48,11 +48,8 @@ pub fn junit(report: &Report) -> Result<String, String> {
 fn test_case(report: &Report, case: &CaseResult) -> TestCase {
     let mut junit = TestCase::new(case.id.as_str(), status(report, case));
     // A dot would separate packages.
-    let section = case
-        .clauses
-        .first()
-        .map_or("none", |clause| section_of(clause))
-        .replace('.', "_");
+    let section = case.clauses.first().map_or("none", |id| section_of(id));
+    let section = section.replace('.', "_");
     junit.set_classname(format!("ptm-conform.section-{section}"));
     if !case.stderr.is_empty() {
         junit.set_system_err(&case.stderr);
@@ -71,13 +68,10 @@ fn status(report: &Report, case: &CaseResult) -> TestCaseStatus {
             let mut status = not_passed(NonSuccessKind::Failure, says);
             status.set_type(format!("clause {}", case.clauses.join(", ")));
             if let Some(cause) = report.cause_of(case) {
-                status.set_description(format!(
-                    "The {} {} (clause {}). Fix: {}.",
-                    report.suite.subject(),
-                    cause.effect,
-                    cause.clause,
-                    cause.fix
-                ));
+                let subject = report.suite.subject();
+                let (effect, clause, fix) = (&cause.effect, &cause.clause, &cause.fix);
+                let says = format!("The {subject} {effect} (clause {clause}). Fix: {fix}.");
+                status.set_description(says);
             }
             status
         }

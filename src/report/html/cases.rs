@@ -30,19 +30,19 @@ pub(super) struct Group<'a> {
 
 impl Group<'_> {
     fn heading(&self) -> String {
-        self.cause.map_or_else(
-            || "Unexplained failures".to_owned(),
-            |cause| format!("The {} {}", self.suite.subject(), cause.effect),
-        )
+        match self.cause {
+            Some(cause) => format!("The {} {}", self.suite.subject(), cause.effect),
+            None => "Unexplained failures".to_owned(),
+        }
     }
 
     /// Returns the anchor of its cases on the page.
     pub(super) fn anchor(&self) -> String {
-        self.cause.map_or_else(
-            || "cases-unexplained".to_owned(),
+        match self.cause {
             // Two causes of one kind may misread different clauses.
-            |cause| format!("cases-{}-{}", cause.name(), cause.clause.replace('/', "-")),
-        )
+            Some(cause) => format!("cases-{}-{}", cause.name(), cause.clause.replace('/', "-")),
+            None => "cases-unexplained".to_owned(),
+        }
     }
 }
 
@@ -51,9 +51,8 @@ pub(super) fn groups(report: &Report) -> Vec<Group<'_>> {
     let mut groups = Vec::new();
     for cause in report.diagnoses.iter().map(Some).chain([None]) {
         let failing = report.with(Outcome::Fail);
-        let cases: Vec<_> = failing
-            .filter(|case| report.cause_of(case) == cause)
-            .collect();
+        let is_caused = |case: &&CaseResult| report.cause_of(case) == cause;
+        let cases: Vec<_> = failing.filter(is_caused).collect();
         if !cases.is_empty() {
             let suite = report.suite;
             groups.push(Group {
@@ -205,17 +204,14 @@ fn repeat_command(report: &Report, id: &str) -> String {
     let quoted = |word: &str| shlex::try_quote(word).map_or_else(|_| "''".to_owned(), Into::into);
     let words = command.split(' ').map(quoted).collect::<Vec<_>>().join(" ");
     let case = quoted(id);
-    match report.suite {
+    let check = match report.suite {
         SuiteName::Ptm if command.contains("{in}") => {
-            format!("ptm-conform check --case {case} --cmd {}", quoted(command))
+            return format!("ptm-conform check --case {case} --cmd {}", quoted(command));
         }
-        SuiteName::Ptm => format!("ptm-conform check --case {case} -- {words}"),
-        SuiteName::Texture => {
-            format!("ptm-conform check --suite texture --case {case} -- {words}")
-        }
-        SuiteName::Writers => format!("ptm-conform check-writer --case {case} -- {words}"),
-        SuiteName::Fitters => {
-            format!("ptm-conform check-writer --fitter --case {case} -- {words}")
-        }
-    }
+        SuiteName::Ptm => "check",
+        SuiteName::Texture => "check --suite texture",
+        SuiteName::Writers => "check-writer",
+        SuiteName::Fitters => "check-writer --fitter",
+    };
+    format!("ptm-conform {check} --case {case} -- {words}")
 }

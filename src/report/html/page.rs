@@ -28,12 +28,8 @@ pub fn page<C: Reported>(
     let clauses = (C::CLAUSES)()?;
     let groups = groups(report);
     let evidence = evidence(suite, run, &groups);
-    let title = format!(
-        "{}: {} — {}",
-        report.decoder.command,
-        report.verdict,
-        report.suite.short()
-    );
+    let (command, verdict) = (&report.decoder.command, &report.verdict);
+    let title = format!("{command}: {verdict} — {}", report.suite.short());
     let body = html! {
         (header(suite, report, run.and_then(|run| run.scene.as_ref())))
         main {

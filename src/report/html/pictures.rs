@@ -113,10 +113,8 @@ impl Pair<'_> {
         let groups = (0..channels).step_by(each).map(|from| from..from + each);
         let (shown, equal): (Vec<_>, Vec<_>) =
             groups.partition(|group| wrong[group.clone()].iter().any(|&wrong| wrong > 0));
-        let equal: Vec<&str> = equal
-            .iter()
-            .map(|group| COLORS[group.start / 6 % 3])
-            .collect();
+        let color = |group: &Range<usize>| COLORS[group.start / 6 % 3];
+        let equal: Vec<&str> = equal.iter().map(color).collect();
         html! {
             figure.planes {
                 @for group in shown { (self.table(&group, &wrong)) }
@@ -163,9 +161,8 @@ impl Pair<'_> {
 
     /// Returns the minimum and maximum finite value of a plane in both frames.
     fn span(&self, channel: usize) -> (f64, f64) {
-        let both = self
-            .plane(channel)
-            .flat_map(|i| [self.expected.values[i], self.received[i]]);
+        let values = |i: usize| [self.expected.values[i], self.received[i]];
+        let both = self.plane(channel).flat_map(values);
         let nothing = (f64::INFINITY, f64::NEG_INFINITY);
         both.filter(|value| value.is_finite())
             .fold(nothing, |(low, high), value| {
@@ -267,11 +264,8 @@ impl Pair<'_> {
                 if channel > group.start {
                     pixels.extend([0; 4]);
                 }
-                pixels.extend(
-                    self.columns
-                        .clone()
-                        .flat_map(|x| self.texel(row, x, y, channel)),
-                );
+                let texel = |x| self.texel(row, x, y, channel);
+                pixels.extend(self.columns.clone().flat_map(texel));
             }
         }
         pixels
