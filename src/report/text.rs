@@ -325,7 +325,7 @@ fn by_kind<'a>(failures: &[&'a CaseResult]) -> (Alike<'a>, Vec<&'a CaseResult>) 
     (alike, single)
 }
 
-/// How messages begin about answers that are neither an image nor a refusal: with
+/// Beginnings of messages about answers that are neither an image nor a refusal, from
 /// [`Answer::name`](crate::protocol::frame::Answer::name).
 const VIOLATIONS: [&str; 7] = [
     "protocol error: ",
